@@ -1,0 +1,1 @@
+//! Screening, response surface, solutions and validation over any simulator.

@@ -1,0 +1,269 @@
+//! The multi-sphere body: spheres, mass, principal inertia.
+//!
+//! A [`Clump`] is a rigid body whose surface is a union of spheres. It lives in its own frame:
+//! origin at the centre of mass, axes along the principal axes of inertia. Where the mass sits
+//! (in the spheres or in the seed that they stand for) is the choice of whoever builds it.
+
+use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
+use serde::{Deserialize, Serialize};
+
+/// One sphere of a body.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Sphere {
+    /// Centre, m.
+    pub centre: Vector3<f64>,
+    /// Radius, m.
+    pub radius: f64,
+}
+
+/// Mass, centre of mass and inertia tensor of a body in some frame.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MassProperties {
+    /// Mass, kg.
+    pub mass: f64,
+    /// Centre of mass, m.
+    pub centre: Vector3<f64>,
+    /// Inertia tensor about the centre of mass, kg m².
+    pub inertia: Matrix3<f64>,
+}
+
+/// What is wrong with a body.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// A body needs at least one sphere.
+    #[error("a body needs at least one sphere, got none")]
+    NoSpheres,
+    /// A sphere has a radius that is not a positive number, or a centre that is not finite.
+    #[error("sphere {index} has radius {radius} m; centre and radius must be finite, radius above 0")]
+    BadSphere {
+        /// Index of the sphere.
+        index: usize,
+        /// Its radius, m.
+        radius: f64,
+    },
+    /// Mass or a principal moment of inertia is not a positive number.
+    #[error("{what} is {value}; it must be a positive number")]
+    NotPositive {
+        /// Which quantity.
+        what: &'static str,
+        /// Its value, SI.
+        value: f64,
+    },
+}
+
+/// A rigid body made of spheres, in its principal frame.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Clump {
+    /// Spheres, centre of mass at the origin, principal axes along x, y, z.
+    spheres: Vec<Sphere>,
+    /// Mass, kg.
+    mass: f64,
+    /// Principal moments of inertia, kg m².
+    inertia: Vector3<f64>,
+}
+
+impl Clump {
+    /// Builds a body from spheres and mass properties given in the same frame.
+    ///
+    /// The spheres are moved to the centre of mass and turned to the principal axes, taken in
+    /// order of rising moment (for an elongated seed x is then the long axis).
+    ///
+    /// # Errors
+    ///
+    /// No sphere, a bad sphere, or a mass or moment that is not positive.
+    pub fn new(spheres: &[Sphere], properties: &MassProperties) -> Result<Self, Error> {
+        if spheres.is_empty() {
+            return Err(Error::NoSpheres);
+        }
+        for (index, sphere) in spheres.iter().enumerate() {
+            let finite = sphere.centre.iter().all(|c| c.is_finite());
+            if !finite || !sphere.radius.is_finite() || sphere.radius <= 0.0 {
+                return Err(Error::BadSphere { index, radius: sphere.radius });
+            }
+        }
+        positive("mass in kg", properties.mass)?;
+        let (inertia, axes) = principal_axes(&properties.inertia);
+        for moment in inertia.iter() {
+            positive("principal moment of inertia in kg m²", *moment)?;
+        }
+        let into_body = axes.inverse();
+        let spheres = spheres
+            .iter()
+            .map(|s| Sphere { centre: into_body * (s.centre - properties.centre), ..*s })
+            .collect();
+        Ok(Self { spheres, mass: properties.mass, inertia })
+    }
+
+    /// A single sphere of uniform density; radius in m, density in kg/m³.
+    ///
+    /// # Errors
+    ///
+    /// A radius or density that is not positive.
+    pub fn sphere(radius: f64, density: f64) -> Result<Self, Error> {
+        let mass = density * volume_of_sphere(radius);
+        let inertia = Matrix3::identity() * (0.4 * mass * radius * radius);
+        let spheres = [Sphere { centre: Vector3::zeros(), radius }];
+        Self::new(&spheres, &MassProperties { mass, centre: Vector3::zeros(), inertia })
+    }
+
+    /// Spheres in the principal frame.
+    pub fn spheres(&self) -> &[Sphere] {
+        &self.spheres
+    }
+
+    /// Mass, kg.
+    pub fn mass(&self) -> f64 {
+        self.mass
+    }
+
+    /// Principal moments of inertia, kg m².
+    pub fn inertia(&self) -> Vector3<f64> {
+        self.inertia
+    }
+
+    /// Radius of the smallest sphere about the centre of mass that holds the whole body, m.
+    pub fn bounding_radius(&self) -> f64 {
+        self.spheres.iter().map(|s| s.centre.norm() + s.radius).fold(0.0, f64::max)
+    }
+
+    /// Mass of one sphere if the mass is shared in proportion to sphere volume, kg.
+    pub fn fraction_mass(&self, index: usize) -> f64 {
+        let total: f64 = self.spheres.iter().map(|s| s.radius.powi(3)).sum();
+        self.mass * self.spheres[index].radius.powi(3) / total
+    }
+
+    /// Keeps only the spheres that something outside can touch.
+    ///
+    /// A sphere counts as reachable when at least one of `directions` points on its surface,
+    /// pushed out by `clearance` (m), lies inside no other sphere grown by `clearance`: a probe
+    /// sphere of radius `clearance` then touches it. Mass and inertia stay.
+    #[must_use]
+    pub fn without_hidden_spheres(&self, clearance: f64) -> Self {
+        let directions = fibonacci_directions(200);
+        let reachable = |i: usize| {
+            let own = self.spheres[i];
+            directions.iter().any(|d| {
+                let probe = own.centre + d * (own.radius + clearance);
+                self.spheres.iter().enumerate().all(|(j, other)| {
+                    j == i
+                        || (probe - other.centre).norm_squared()
+                            >= (other.radius + clearance).powi(2) * (1.0 - 1e-12)
+                })
+            })
+        };
+        let spheres = (0..self.spheres.len())
+            .filter(|&i| reachable(i))
+            .map(|i| self.spheres[i])
+            .collect();
+        Self { spheres, ..self.clone() }
+    }
+}
+
+/// Volume of a sphere, 4/3 pi r³, m³.
+pub fn volume_of_sphere(radius: f64) -> f64 {
+    4.0 / 3.0 * std::f64::consts::PI * radius.powi(3)
+}
+
+/// Mass properties of separate spheres of one density (kg/m³), overlaps counted twice.
+///
+/// Each sphere adds its own 2/5 m r² and its share by the parallel-axis theorem.
+pub fn properties_of_spheres(spheres: &[Sphere], density: f64) -> MassProperties {
+    let mass_of = |s: &Sphere| density * volume_of_sphere(s.radius);
+    let mass: f64 = spheres.iter().map(mass_of).sum();
+    let centre = spheres.iter().map(|s| s.centre * mass_of(s)).sum::<Vector3<f64>>() / mass;
+    let inertia = spheres.iter().map(|s| {
+        let (m, d) = (mass_of(s), s.centre - centre);
+        Matrix3::identity() * (0.4 * m * s.radius * s.radius + m * d.norm_squared())
+            - d * d.transpose() * m
+    });
+    MassProperties { mass, centre, inertia: inertia.sum() }
+}
+
+/// Principal moments in rising order, and the rotation from the principal frame.
+fn principal_axes(inertia: &Matrix3<f64>) -> (Vector3<f64>, UnitQuaternion<f64>) {
+    let eigen = inertia.symmetric_eigen();
+    let mut order = [0, 1, 2];
+    order.sort_by(|&a, &b| eigen.eigenvalues[a].total_cmp(&eigen.eigenvalues[b]));
+    let column = |i: usize| eigen.eigenvectors.column(order[i]).into_owned();
+    let (x, y) = (column(0), column(1));
+    let axes = Rotation3::from_matrix_unchecked(Matrix3::from_columns(&[x, y, x.cross(&y)]));
+    let moments = Vector3::from_fn(|i, _| eigen.eigenvalues[order[i]]);
+    (moments, UnitQuaternion::from_rotation_matrix(&axes))
+}
+
+/// Nearly even directions on the unit sphere (Fibonacci lattice).
+fn fibonacci_directions(n: u32) -> Vec<Vector3<f64>> {
+    let golden = std::f64::consts::PI * (3.0 - 5.0_f64.sqrt());
+    (0..n)
+        .map(|i| {
+            let z = 1.0 - (2.0 * f64::from(i) + 1.0) / f64::from(n);
+            let (radius, angle) = ((1.0 - z * z).sqrt(), golden * f64::from(i));
+            Vector3::new(radius * angle.cos(), radius * angle.sin(), z)
+        })
+        .collect()
+}
+
+/// Refuses what is not a positive finite number.
+fn positive(what: &'static str, value: f64) -> Result<(), Error> {
+    if value.is_finite() && value > 0.0 { Ok(()) } else { Err(Error::NotPositive { what, value }) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Clump, Error, MassProperties, Sphere, properties_of_spheres};
+    use nalgebra::{Matrix3, Rotation3, Vector3};
+
+    fn dumbbell() -> Vec<Sphere> {
+        [-2.0, 2.0]
+            .map(|x| Sphere { centre: Vector3::new(x, 0.0, 0.0), radius: 1.0 })
+            .to_vec()
+    }
+
+    /// Two unit spheres of mass m at distance 4: I = 2·(2/5)m along, + 2·m·2² across.
+    #[test]
+    fn inertia_of_a_dumbbell_is_the_textbook_value() {
+        let properties = properties_of_spheres(&dumbbell(), 1.0);
+        let m = properties.mass / 2.0;
+        let body = Clump::new(&dumbbell(), &properties).unwrap();
+        let expected = Vector3::new(0.8 * m, 8.8 * m, 8.8 * m);
+        assert!((body.inertia() - expected).norm() < 1e-12 * m, "{:?}", body.inertia());
+    }
+
+    /// The principal frame does not depend on the frame in which the body was given.
+    #[test]
+    fn moving_and_turning_the_input_changes_nothing() {
+        let turn = Rotation3::from_euler_angles(0.3, -1.1, 2.0);
+        let shift = Vector3::new(5.0, -3.0, 0.5);
+        let moved: Vec<Sphere> = dumbbell()
+            .iter()
+            .map(|s| Sphere { centre: turn * s.centre + shift, ..*s })
+            .collect();
+        let a = Clump::new(&dumbbell(), &properties_of_spheres(&dumbbell(), 2.0)).unwrap();
+        let b = Clump::new(&moved, &properties_of_spheres(&moved, 2.0)).unwrap();
+        assert!((a.inertia() - b.inertia()).norm() < 1e-12 * a.inertia().norm(), "inertia differs");
+        assert!((a.bounding_radius() - b.bounding_radius()).abs() < 1e-12, "radius differs");
+        let long_axis = b.spheres()[0].centre.x.abs();
+        assert!((long_axis - 2.0).abs() < 1e-12, "long axis is not x: {long_axis}");
+    }
+
+    /// A small sphere in the middle of a 3 x 3 x 3 block of touching spheres is out of reach.
+    #[test]
+    fn the_middle_of_a_block_is_hidden() {
+        let mut spheres = Vec::new();
+        for i in 0..27_i32 {
+            let at = |k: i32| f64::from(k % 3 - 1) * 2.0;
+            spheres.push(Sphere { centre: Vector3::new(at(i), at(i / 3), at(i / 9)), radius: 1.0 });
+        }
+        let body = Clump::new(&spheres, &properties_of_spheres(&spheres, 1.0)).unwrap();
+        assert_eq!(body.without_hidden_spheres(1.0).spheres().len(), 26);
+    }
+
+    #[test]
+    fn a_massless_body_is_refused() {
+        let properties =
+            MassProperties { mass: 0.0, centre: Vector3::zeros(), inertia: Matrix3::identity() };
+        let error = Clump::new(&dumbbell(), &properties).unwrap_err();
+        assert_eq!(error, Error::NotPositive { what: "mass in kg", value: 0.0 });
+    }
+}

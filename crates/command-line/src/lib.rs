@@ -1,0 +1,1 @@
+//! Arguments, exit codes and file writing that all commands share.

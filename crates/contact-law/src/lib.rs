@@ -1,0 +1,1 @@
+//! Contact laws as pure functions with explicit history.

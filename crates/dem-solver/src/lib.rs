@@ -1,0 +1,1 @@
+//! Contact search, force loop and time integration of rigid agglomerates.

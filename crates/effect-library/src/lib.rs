@@ -1,0 +1,1 @@
+//! Physical and camera effects that a model may lack.

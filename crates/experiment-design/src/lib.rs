@@ -1,0 +1,1 @@
+//! Factors, coded and natural variables, and designs of experiments.

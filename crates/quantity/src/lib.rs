@@ -1,0 +1,1 @@
+//! Lengths, angles, speeds and other scalars read with their unit and checked.

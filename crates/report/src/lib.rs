@@ -1,0 +1,1 @@
+//! Charts as SVG and a report as one HTML file.

@@ -1,0 +1,1 @@
+//! Whether a residual is noise or structure, and which effect explains it.

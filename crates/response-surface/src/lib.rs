@@ -1,0 +1,1 @@
+//! Model matrix, least squares, analysis of variance, the set of solutions.

@@ -1,0 +1,1 @@
+//! Apparatus and protocol: from a scene to observables.

@@ -1,0 +1,1 @@
+//! From a closed mesh to a body of spheres, with a report of fit.

@@ -1,0 +1,1 @@
+//! Triangle meshes: reading, checking, volume, inertia, inside test.

@@ -1,0 +1,1 @@
+//! The crate arrows agree with the map.

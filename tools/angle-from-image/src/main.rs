@@ -1,0 +1,3 @@
+//! Reads the angle of repose from photos and frames.
+
+fn main() {}

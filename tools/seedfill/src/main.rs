@@ -1,0 +1,3 @@
+//! Fills a closed mesh with spheres.
+
+fn main() {}

@@ -1,0 +1,3 @@
+//! The seedloop command.
+
+fn main() {}
