@@ -35,7 +35,9 @@ pub enum Error {
     #[error("a body needs at least one sphere, got none")]
     NoSpheres,
     /// A sphere has a radius that is not a positive number, or a centre that is not finite.
-    #[error("sphere {index} has radius {radius} m; centre and radius must be finite, radius above 0")]
+    #[error(
+        "sphere {index} has radius {radius} m; centre and radius must be finite, radius above 0"
+    )]
     BadSphere {
         /// Index of the sphere.
         index: usize,
@@ -79,7 +81,10 @@ impl Clump {
         for (index, sphere) in spheres.iter().enumerate() {
             let finite = sphere.centre.iter().all(|c| c.is_finite());
             if !finite || !sphere.radius.is_finite() || sphere.radius <= 0.0 {
-                return Err(Error::BadSphere { index, radius: sphere.radius });
+                return Err(Error::BadSphere {
+                    index,
+                    radius: sphere.radius,
+                });
             }
         }
         positive("mass in kg", properties.mass)?;
@@ -90,9 +95,16 @@ impl Clump {
         let into_body = axes.inverse();
         let spheres = spheres
             .iter()
-            .map(|s| Sphere { centre: into_body * (s.centre - properties.centre), ..*s })
+            .map(|s| Sphere {
+                centre: into_body * (s.centre - properties.centre),
+                ..*s
+            })
             .collect();
-        Ok(Self { spheres, mass: properties.mass, inertia })
+        Ok(Self {
+            spheres,
+            mass: properties.mass,
+            inertia,
+        })
     }
 
     /// A single sphere of uniform density; radius in m, density in kg/m³.
@@ -103,8 +115,18 @@ impl Clump {
     pub fn sphere(radius: f64, density: f64) -> Result<Self, Error> {
         let mass = density * volume_of_sphere(radius);
         let inertia = Matrix3::identity() * (0.4 * mass * radius * radius);
-        let spheres = [Sphere { centre: Vector3::zeros(), radius }];
-        Self::new(&spheres, &MassProperties { mass, centre: Vector3::zeros(), inertia })
+        let spheres = [Sphere {
+            centre: Vector3::zeros(),
+            radius,
+        }];
+        Self::new(
+            &spheres,
+            &MassProperties {
+                mass,
+                centre: Vector3::zeros(),
+                inertia,
+            },
+        )
     }
 
     /// Spheres in the principal frame.
@@ -124,7 +146,10 @@ impl Clump {
 
     /// Radius of the smallest sphere about the centre of mass that holds the whole body, m.
     pub fn bounding_radius(&self) -> f64 {
-        self.spheres.iter().map(|s| s.centre.norm() + s.radius).fold(0.0, f64::max)
+        self.spheres
+            .iter()
+            .map(|s| s.centre.norm() + s.radius)
+            .fold(0.0, f64::max)
     }
 
     /// Mass of one sphere if the mass is shared in proportion to sphere volume, kg.
@@ -156,7 +181,10 @@ impl Clump {
             .filter(|&i| reachable(i))
             .map(|i| self.spheres[i])
             .collect();
-        Self { spheres, ..self.clone() }
+        Self {
+            spheres,
+            ..self.clone()
+        }
     }
 }
 
@@ -171,13 +199,21 @@ pub fn volume_of_sphere(radius: f64) -> f64 {
 pub fn properties_of_spheres(spheres: &[Sphere], density: f64) -> MassProperties {
     let mass_of = |s: &Sphere| density * volume_of_sphere(s.radius);
     let mass: f64 = spheres.iter().map(mass_of).sum();
-    let centre = spheres.iter().map(|s| s.centre * mass_of(s)).sum::<Vector3<f64>>() / mass;
+    let centre = spheres
+        .iter()
+        .map(|s| s.centre * mass_of(s))
+        .sum::<Vector3<f64>>()
+        / mass;
     let inertia = spheres.iter().map(|s| {
         let (m, d) = (mass_of(s), s.centre - centre);
         Matrix3::identity() * (0.4 * m * s.radius * s.radius + m * d.norm_squared())
             - d * d.transpose() * m
     });
-    MassProperties { mass, centre, inertia: inertia.sum() }
+    MassProperties {
+        mass,
+        centre,
+        inertia: inertia.sum(),
+    }
 }
 
 /// Principal moments in rising order, and the rotation from the principal frame.
@@ -206,7 +242,11 @@ fn fibonacci_directions(n: u32) -> Vec<Vector3<f64>> {
 
 /// Refuses what is not a positive finite number.
 fn positive(what: &'static str, value: f64) -> Result<(), Error> {
-    if value.is_finite() && value > 0.0 { Ok(()) } else { Err(Error::NotPositive { what, value }) }
+    if value.is_finite() && value > 0.0 {
+        Ok(())
+    } else {
+        Err(Error::NotPositive { what, value })
+    }
 }
 
 #[cfg(test)]
@@ -216,7 +256,10 @@ mod tests {
 
     fn dumbbell() -> Vec<Sphere> {
         [-2.0, 2.0]
-            .map(|x| Sphere { centre: Vector3::new(x, 0.0, 0.0), radius: 1.0 })
+            .map(|x| Sphere {
+                centre: Vector3::new(x, 0.0, 0.0),
+                radius: 1.0,
+            })
             .to_vec()
     }
 
@@ -227,7 +270,11 @@ mod tests {
         let m = properties.mass / 2.0;
         let body = Clump::new(&dumbbell(), &properties).unwrap();
         let expected = Vector3::new(0.8 * m, 8.8 * m, 8.8 * m);
-        assert!((body.inertia() - expected).norm() < 1e-12 * m, "{:?}", body.inertia());
+        assert!(
+            (body.inertia() - expected).norm() < 1e-12 * m,
+            "{:?}",
+            body.inertia()
+        );
     }
 
     /// The principal frame does not depend on the frame in which the body was given.
@@ -237,14 +284,26 @@ mod tests {
         let shift = Vector3::new(5.0, -3.0, 0.5);
         let moved: Vec<Sphere> = dumbbell()
             .iter()
-            .map(|s| Sphere { centre: turn * s.centre + shift, ..*s })
+            .map(|s| Sphere {
+                centre: turn * s.centre + shift,
+                ..*s
+            })
             .collect();
         let a = Clump::new(&dumbbell(), &properties_of_spheres(&dumbbell(), 2.0)).unwrap();
         let b = Clump::new(&moved, &properties_of_spheres(&moved, 2.0)).unwrap();
-        assert!((a.inertia() - b.inertia()).norm() < 1e-12 * a.inertia().norm(), "inertia differs");
-        assert!((a.bounding_radius() - b.bounding_radius()).abs() < 1e-12, "radius differs");
+        assert!(
+            (a.inertia() - b.inertia()).norm() < 1e-12 * a.inertia().norm(),
+            "inertia differs"
+        );
+        assert!(
+            (a.bounding_radius() - b.bounding_radius()).abs() < 1e-12,
+            "radius differs"
+        );
         let long_axis = b.spheres()[0].centre.x.abs();
-        assert!((long_axis - 2.0).abs() < 1e-12, "long axis is not x: {long_axis}");
+        assert!(
+            (long_axis - 2.0).abs() < 1e-12,
+            "long axis is not x: {long_axis}"
+        );
     }
 
     /// A small sphere in the middle of a 3 x 3 x 3 block of touching spheres is out of reach.
@@ -253,7 +312,10 @@ mod tests {
         let mut spheres = Vec::new();
         for i in 0..27_i32 {
             let at = |k: i32| f64::from(k % 3 - 1) * 2.0;
-            spheres.push(Sphere { centre: Vector3::new(at(i), at(i / 3), at(i / 9)), radius: 1.0 });
+            spheres.push(Sphere {
+                centre: Vector3::new(at(i), at(i / 3), at(i / 9)),
+                radius: 1.0,
+            });
         }
         let body = Clump::new(&spheres, &properties_of_spheres(&spheres, 1.0)).unwrap();
         assert_eq!(body.without_hidden_spheres(1.0).spheres().len(), 26);
@@ -261,9 +323,18 @@ mod tests {
 
     #[test]
     fn a_massless_body_is_refused() {
-        let properties =
-            MassProperties { mass: 0.0, centre: Vector3::zeros(), inertia: Matrix3::identity() };
+        let properties = MassProperties {
+            mass: 0.0,
+            centre: Vector3::zeros(),
+            inertia: Matrix3::identity(),
+        };
         let error = Clump::new(&dumbbell(), &properties).unwrap_err();
-        assert_eq!(error, Error::NotPositive { what: "mass in kg", value: 0.0 });
+        assert_eq!(
+            error,
+            Error::NotPositive {
+                what: "mass in kg",
+                value: 0.0
+            }
+        );
     }
 }

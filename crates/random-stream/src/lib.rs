@@ -30,7 +30,9 @@ impl Stream {
         let mut hash = Sha256::new();
         hash.update(seed.to_le_bytes());
         hash.update(purpose.as_bytes());
-        Self { generator: ChaCha8Rng::from_seed(hash.finalize().into()) }
+        Self {
+            generator: ChaCha8Rng::from_seed(hash.finalize().into()),
+        }
     }
 
     /// Returns the next 64 random bits.
@@ -97,7 +99,11 @@ mod tests {
         }
         let n = f64::from(n);
         assert!((sum / n).abs() < 4.0 / n.sqrt(), "mean {}", sum / n);
-        assert!((squares / n - 1.0).abs() < 4.0 * (2.0 / n).sqrt(), "variance {}", squares / n);
+        assert!(
+            (squares / n - 1.0).abs() < 4.0 * (2.0 / n).sqrt(),
+            "variance {}",
+            squares / n
+        );
     }
 
     #[test]
