@@ -1,1 +1,45 @@
 //! Contact laws as pure functions with explicit history.
+//!
+//! One law, one file: [`hertz_mindlin`] (elastic and damping forces, sliding friction),
+//! [`rolling_constant_torque`] (rolling resistance, type A), [`constant_attraction`]
+//! (cohesion). [`material`] holds the elastic constants of the two sides. Nothing here knows
+//! bodies, lists or time stepping.
+
+pub mod constant_attraction;
+pub mod hertz_mindlin;
+pub mod material;
+pub mod rolling_constant_torque;
+
+pub use hertz_mindlin::{ContactGeometry, ContactForce, HertzMindlin, NormalForceEnd, PairParameters};
+pub use material::{EffectiveModuli, Material};
+
+/// What is wrong with a material or a contact parameter.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// A value lies outside what it can physically be.
+    #[error("{name} is {value}; it must lie in {range}")]
+    OutOfRange {
+        /// Name of the quantity, with its unit.
+        name: &'static str,
+        /// The value given.
+        value: f64,
+        /// The range allowed, in words.
+        range: &'static str,
+    },
+}
+
+/// Refuses a value outside `low..=high`, and NaN.
+fn in_range(
+    name: &'static str,
+    value: f64,
+    low: f64,
+    high: f64,
+    range: &'static str,
+) -> Result<f64, Error> {
+    if value.is_finite() && value >= low && value <= high {
+        Ok(value)
+    } else {
+        Err(Error::OutOfRange { name, value, range })
+    }
+}

@@ -1,1 +1,35 @@
 //! Contact search, force loop and time integration of rigid agglomerates.
+//!
+//! A [`World`] holds bodies (copies of a few [`clump::Clump`] templates), analytic walls and the
+//! contact laws between them, and moves them step by step.
+//!
+//! Invariants:
+//!
+//! - the same input gives the same bits, whatever the instruction set of the processor;
+//! - a step allocates nothing once the lists have grown to their working size;
+//! - [`plain`] computes the same forces without any list and is the oracle of the fast path.
+//!
+//! The search works on three levels: bounding spheres on a grid ([`broad_phase`]), sphere pairs
+//! within a skin for each pair of bodies ([`neighbours`], refreshed only when the pair has moved
+//! against each other), and the overlap test of those candidates ([`pair_force`]).
+
+mod batch;
+mod bodies;
+mod broad_phase;
+mod candidates;
+mod contact;
+mod integrate;
+mod neighbours;
+mod pair_force;
+pub mod plain;
+mod template;
+mod wall;
+mod wall_force;
+mod world;
+
+pub use bodies::{Bodies, Placement};
+pub use contact::{Interaction, InteractionSettings};
+pub use neighbours::Census;
+pub use template::{DashpotMass, Template};
+pub use wall::{Shape, Wall};
+pub use world::{Error, Settings, World};

@@ -1,0 +1,176 @@
+//! Contacts collected side by side, so that the contact law runs over them in vector registers.
+//!
+//! The batch changes where a contact is computed, not what: each lane goes through
+//! [`Interaction::between_spheres`], and the results are added to the bodies in the order in
+//! which the contacts came.
+
+use crate::bodies::Bodies;
+use crate::contact::{Effect, Interaction, SpherePair};
+use crate::neighbours::Touch;
+use multiversion::multiversion;
+use nalgebra::Vector3;
+
+/// Contacts of one batch: enough to fill the registers, few enough for the first-level cache.
+const ROOM: usize = 32;
+
+/// Three coordinates of each contact of a batch.
+type Column = [[f64; ROOM]; 3];
+
+/// Fields of [`SpherePair`], one entry a contact.
+#[derive(Debug, Clone)]
+struct Input {
+    between: Column,
+    offset_i: Column,
+    offset_j: Column,
+    velocity: Column,
+    spins: [Column; 2],
+    slip: Column,
+    radii: [[f64; ROOM]; 2],
+    reduced_mass: [f64; ROOM],
+}
+
+/// Fields of [`Effect`], one entry a contact.
+#[derive(Debug, Clone)]
+struct Output {
+    force: Column,
+    torque_i: Column,
+    torque_j: Column,
+    slip: Column,
+}
+
+/// Contacts that wait for their forces.
+#[derive(Debug, Clone)]
+pub(crate) struct Batch {
+    /// Number of contacts.
+    n: usize,
+    /// Interaction of all of them, as an index of the world's table.
+    interaction: usize,
+    /// The two bodies of each contact.
+    bodies: [[usize; 2]; ROOM],
+    /// Place of each contact in the list of touches.
+    touch: [usize; ROOM],
+    /// What goes into the law.
+    input: Box<Input>,
+    /// What comes out.
+    output: Box<Output>,
+}
+
+impl Default for Batch {
+    fn default() -> Self {
+        const EMPTY: Column = [[0.0; ROOM]; 3];
+        Self {
+            n: 0,
+            interaction: 0,
+            bodies: [[0; 2]; ROOM],
+            touch: [0; ROOM],
+            input: Box::new(Input {
+                between: EMPTY,
+                offset_i: EMPTY,
+                offset_j: EMPTY,
+                velocity: EMPTY,
+                spins: [EMPTY; 2],
+                slip: EMPTY,
+                radii: [[0.0; ROOM]; 2],
+                reduced_mass: [0.0; ROOM],
+            }),
+            output: Box::new(Output { force: EMPTY, torque_i: EMPTY, torque_j: EMPTY, slip: EMPTY }),
+        }
+    }
+}
+
+/// Writes a vector into a column.
+#[inline(always)]
+fn write(column: &mut Column, k: usize, value: &Vector3<f64>) {
+    column[0][k] = value.x;
+    column[1][k] = value.y;
+    column[2][k] = value.z;
+}
+
+/// Reads a vector of a column.
+#[inline(always)]
+fn read(column: &Column, k: usize) -> Vector3<f64> {
+    Vector3::new(column[0][k], column[1][k], column[2][k])
+}
+
+impl Batch {
+    /// Whether a contact of this interaction has no place before the batch is worked off.
+    #[inline(always)]
+    pub(crate) fn must_be_applied(&self, interaction: usize) -> bool {
+        self.n == ROOM || (self.n > 0 && self.interaction != interaction)
+    }
+
+    /// Adds a contact; the caller has asked [`Self::must_be_applied`] before.
+    #[inline(always)]
+    pub(crate) fn push(
+        &mut self,
+        interaction: usize,
+        bodies: [usize; 2],
+        touch: usize,
+        pair: &SpherePair,
+    ) {
+        let (k, input) = (self.n, &mut *self.input);
+        self.interaction = interaction;
+        self.bodies[k] = bodies;
+        self.touch[k] = touch;
+        write(&mut input.between, k, &pair.between);
+        write(&mut input.offset_i, k, &pair.offset_i);
+        write(&mut input.offset_j, k, &pair.offset_j);
+        write(&mut input.velocity, k, &pair.velocity);
+        write(&mut input.spins[0], k, &pair.spins[0]);
+        write(&mut input.spins[1], k, &pair.spins[1]);
+        write(&mut input.slip, k, &pair.slip);
+        input.radii[0][k] = pair.radii[0];
+        input.radii[1][k] = pair.radii[1];
+        input.reduced_mass[k] = pair.reduced_mass;
+        self.n = k + 1;
+    }
+
+    /// Computes all contacts, adds their forces to the bodies and empties the batch.
+    pub(crate) fn apply(
+        &mut self,
+        interactions: &[Interaction],
+        time_step: f64,
+        bodies: &mut Bodies,
+        touches: &mut [Touch],
+    ) {
+        if self.n == 0 {
+            return;
+        }
+        // A copy on the stack lets the compiler see that nothing else changes the law.
+        let law = interactions[self.interaction];
+        compute(&law, &self.input, &mut self.output, self.n, time_step);
+        let output = &*self.output;
+        for k in 0..self.n {
+            let [i, j] = self.bodies[k];
+            let force = read(&output.force, k);
+            bodies.force[i] += force;
+            bodies.force[j] -= force;
+            bodies.torque[i] += read(&output.torque_i, k);
+            bodies.torque[j] += read(&output.torque_j, k);
+            touches[self.touch[k]].slip = read(&output.slip, k);
+        }
+        self.n = 0;
+    }
+}
+
+/// Runs the law over the first `n` contacts.
+#[multiversion(targets("x86_64+avx2"))]
+fn compute(law: &Interaction, input: &Input, output: &mut Output, n: usize, time_step: f64) {
+    for k in 0..n.min(ROOM) {
+        let pair = SpherePair {
+            between: read(&input.between, k),
+            offset_i: read(&input.offset_i, k),
+            offset_j: read(&input.offset_j, k),
+            velocity: read(&input.velocity, k),
+            spins: [read(&input.spins[0], k), read(&input.spins[1], k)],
+            slip: read(&input.slip, k),
+            radii: [input.radii[0][k], input.radii[1][k]],
+            reduced_mass: input.reduced_mass[k],
+        };
+        let Effect { force, torque_i, torque_j, slip } = law.between_spheres(&pair, time_step);
+        write(&mut output.force, k, &force);
+        write(&mut output.torque_i, k, &torque_i);
+        write(&mut output.torque_j, k, &torque_j);
+        write(&mut output.slip, k, &slip);
+    }
+}

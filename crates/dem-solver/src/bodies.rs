@@ -1,0 +1,104 @@
+//! State of all bodies, as a structure of arrays.
+
+use crate::template::Template;
+use nalgebra::{Matrix3, UnitQuaternion, Vector3};
+
+/// Where a body starts.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Placement {
+    /// Index of the template.
+    pub template: usize,
+    /// Position of the centre of mass, m.
+    pub position: Vector3<f64>,
+    /// Rotation from the principal frame to the world.
+    pub orientation: UnitQuaternion<f64>,
+    /// Velocity, m/s.
+    pub velocity: Vector3<f64>,
+    /// Angular velocity in the world frame, rad/s.
+    pub spin: Vector3<f64>,
+}
+
+impl Placement {
+    /// A body at rest.
+    pub fn at_rest(
+        template: usize,
+        position: Vector3<f64>,
+        orientation: UnitQuaternion<f64>,
+    ) -> Self {
+        Self { template, position, orientation, velocity: Vector3::zeros(), spin: Vector3::zeros() }
+    }
+}
+
+/// State of all bodies; arrays of one length, one entry a body.
+#[derive(Debug, Clone, Default)]
+pub struct Bodies {
+    /// Index of the template of each body.
+    pub template: Vec<usize>,
+    /// Centres of mass, m.
+    pub position: Vec<Vector3<f64>>,
+    /// Velocities, m/s.
+    pub velocity: Vec<Vector3<f64>>,
+    /// Rotations from the principal frames to the world.
+    pub orientation: Vec<UnitQuaternion<f64>>,
+    /// Angular velocities in the world frame, rad/s.
+    pub spin: Vec<Vector3<f64>>,
+    /// Angular momenta in the world frame, kg m²/s.
+    pub(crate) angular_momentum: Vec<Vector3<f64>>,
+    /// Rotation matrices, from the principal frames to the world.
+    pub(crate) rotation: Vec<Matrix3<f64>>,
+    /// The same in single precision, row by row, for the overlap test.
+    pub(crate) rotation_single: Vec<[f32; 9]>,
+    /// Contact forces of the step, N.
+    pub(crate) force: Vec<Vector3<f64>>,
+    /// Contact torques of the step about the centre of mass, N m.
+    pub(crate) torque: Vec<Vector3<f64>>,
+    /// Upper bound of the way of any surface point since the last broad phase, in the frame
+    /// that turns with the reference spin, m.
+    pub(crate) travel: Vec<f32>,
+}
+
+impl Bodies {
+    /// Number of bodies.
+    pub fn len(&self) -> usize {
+        self.position.len()
+    }
+
+    /// Whether there is no body.
+    pub fn is_empty(&self) -> bool {
+        self.position.is_empty()
+    }
+
+    /// Adds a body.
+    pub(crate) fn push(&mut self, placement: &Placement, template: &Template) {
+        let rotation = placement.orientation.to_rotation_matrix().into_inner();
+        let body_spin = rotation.transpose() * placement.spin;
+        self.template.push(placement.template);
+        self.position.push(placement.position);
+        self.velocity.push(placement.velocity);
+        self.orientation.push(placement.orientation);
+        self.spin.push(placement.spin);
+        self.angular_momentum.push(rotation * template.inertia.component_mul(&body_spin));
+        self.rotation.push(rotation);
+        self.rotation_single.push(single(&rotation));
+        self.force.push(Vector3::zeros());
+        self.torque.push(Vector3::zeros());
+        self.travel.push(0.0);
+    }
+}
+
+/// A rotation matrix in single precision, row by row.
+#[inline]
+#[expect(clippy::cast_possible_truncation, reason = "rounding to single precision is meant")]
+pub(crate) fn single(m: &Matrix3<f64>) -> [f32; 9] {
+    [
+        m.m11 as f32,
+        m.m12 as f32,
+        m.m13 as f32,
+        m.m21 as f32,
+        m.m22 as f32,
+        m.m23 as f32,
+        m.m31 as f32,
+        m.m32 as f32,
+        m.m33 as f32,
+    ]
+}

@@ -1,0 +1,299 @@
+//! Lists of pairs of bodies and, for each pair, of the spheres that may touch.
+//!
+//! A pair is looked at again only when its two bodies together have moved by more than the
+//! distance that its list covers. Ways are counted in a frame that turns with the drum, in which
+//! a bed that turns as a whole stands still. When the count runs out, the true relative motion
+//! since the list was made decides whether the list must be made anew.
+
+use crate::bodies::{Bodies, single};
+use crate::candidates::{RelativeSingle, SAFETY, Scratch, search};
+use crate::template::{LANES, Template};
+use nalgebra::{UnitQuaternion, Vector3};
+
+/// A touching pair of spheres and its tangential displacement.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Touch {
+    /// Sphere of i in the upper half, sphere of j (or 0 for a wall) in the lower half.
+    pub(crate) key: u32,
+    /// Tangential displacement, m.
+    pub(crate) slip: Vector3<f64>,
+}
+
+/// Eight pairs of spheres in the principal frames of their bodies.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Chunk {
+    /// x, y, z of the spheres of i, m.
+    pub(crate) i: [[f32; LANES]; 3],
+    /// x, y, z of the spheres of j, m.
+    pub(crate) j: [[f32; LANES]; 3],
+    /// Square of the distance at which a lane touches, m²; negative for an unused lane.
+    pub(crate) limit: [f32; LANES],
+    /// Keys of the lanes, as in [`Touch`].
+    pub(crate) key: [u32; LANES],
+}
+
+/// What decides whether a pair needs attention in a step; read every step for every pair.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Head {
+    /// The other body.
+    pub(crate) j: u32,
+    /// Sum of the travels of both bodies at which the list must be looked at, m.
+    pub(crate) limit: f32,
+}
+
+/// Where the lists of a pair are; read only for pairs with candidates.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Lists {
+    /// First chunk of the pair.
+    pub(crate) chunk: u32,
+    /// Number of chunks in use.
+    pub(crate) n_chunks: u32,
+    /// Number of chunks that the place can hold.
+    room: u32,
+    /// First touching pair of spheres.
+    pub(crate) touch: u32,
+    /// Number of touching pairs of spheres.
+    pub(crate) n_touches: u32,
+    /// Where the pose of the pair is kept.
+    pose: u32,
+}
+
+/// Relative pose of a pair when its list was made.
+#[derive(Debug, Clone, Copy)]
+struct Pose {
+    /// Position of j in the frame of i, m.
+    position: Vector3<f64>,
+    /// Orientation of j in the frame of i.
+    rotation: UnitQuaternion<f64>,
+    /// Relative motion that the list covers, m; negative when there is no list.
+    reach: f32,
+}
+
+/// All pairs of bodies.
+///
+/// Chunks and touches lie in the order in which the force loop visits the pairs, so that the
+/// loop reads memory from front to back. A list that grows out of its place goes to the end;
+/// the next broad phase puts it back in order.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Neighbours {
+    /// Entries, grouped by the first body.
+    pub(crate) heads: Vec<Head>,
+    /// Lists of the same entries.
+    pub(crate) lists: Vec<Lists>,
+    /// First entry of each body in `heads`; one more than there are bodies.
+    pub(crate) start: Vec<u32>,
+    /// Candidates.
+    pub(crate) chunks: Vec<Chunk>,
+    /// Touching pairs of spheres of the step before.
+    pub(crate) touches: Vec<Touch>,
+    /// Touching pairs of spheres of this step.
+    pub(crate) next_touches: Vec<Touch>,
+    /// Poses.
+    poses: Vec<Pose>,
+    /// Poses not in use.
+    free: Vec<u32>,
+    /// The state before the broad phase, kept to save its allocation.
+    old: Previous,
+    /// Buffers of the search.
+    scratch: Scratch,
+    /// Lists made anew since the start.
+    n_rebuilds: u64,
+    /// Pairs looked at since the start.
+    n_checks: u64,
+}
+
+/// Lists before a broad phase.
+#[derive(Debug, Clone, Default)]
+struct Previous {
+    /// Entries.
+    heads: Vec<Head>,
+    /// Lists.
+    lists: Vec<Lists>,
+    /// Starts.
+    start: Vec<u32>,
+    /// Candidates.
+    chunks: Vec<Chunk>,
+}
+
+/// Sizes of the lists at one moment.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Census {
+    /// Pairs of bodies whose bounding spheres are near.
+    pub body_pairs: usize,
+    /// Those of them with at least one pair of spheres within the skin.
+    pub pairs_with_candidates: usize,
+    /// Groups of eight candidates.
+    pub chunks: usize,
+    /// Pairs of bodies that touch.
+    pub touching_pairs: usize,
+    /// Touching pairs of spheres.
+    pub sphere_contacts: usize,
+    /// Lists made anew since the start.
+    pub rebuilds: u64,
+    /// Lists looked at since the start.
+    pub checks: u64,
+}
+
+/// An index as it is stored.
+fn stored(index: usize) -> u32 {
+    u32::try_from(index).unwrap_or(u32::MAX)
+}
+
+impl Neighbours {
+    /// Sizes of the lists.
+    pub(crate) fn census(&self) -> Census {
+        let count = |test: &dyn Fn(&Lists) -> bool| self.lists.iter().filter(|l| test(l)).count();
+        Census {
+            body_pairs: self.heads.len(),
+            pairs_with_candidates: count(&|l| l.n_chunks > 0),
+            chunks: self.lists.iter().map(|l| l.n_chunks as usize).sum(),
+            touching_pairs: count(&|l| l.n_touches > 0),
+            sphere_contacts: self.touches.len(),
+            rebuilds: self.n_rebuilds,
+            checks: self.n_checks,
+        }
+    }
+
+    /// Begins a new list; partners of each body follow in order through [`Self::add`].
+    pub(crate) fn begin(&mut self) {
+        let old = &mut self.old;
+        std::mem::swap(&mut self.heads, &mut old.heads);
+        std::mem::swap(&mut self.lists, &mut old.lists);
+        std::mem::swap(&mut self.start, &mut old.start);
+        std::mem::swap(&mut self.chunks, &mut old.chunks);
+        self.heads.clear();
+        self.lists.clear();
+        self.chunks.clear();
+        self.start.clear();
+        self.start.push(0);
+    }
+
+    /// Adds the partners of body `i`, in rising order, keeping what is known of old pairs.
+    ///
+    /// `travel` is the travel of the bodies up to now; the caller sets it to 0 afterwards, so
+    /// the limits of the pairs that stay are lowered by it.
+    pub(crate) fn add(&mut self, i: usize, partners: &[u32], travel: &[f32]) {
+        let (mut k, end) = match self.old.start.get(i..i + 2) {
+            Some(range) => (range[0] as usize, range[1] as usize),
+            None => (0, 0),
+        };
+        for &j in partners {
+            while k < end && self.old.heads[k].j < j {
+                self.free.push(self.old.lists[k].pose);
+                k += 1;
+            }
+            if k < end && self.old.heads[k].j == j {
+                let limit = self.old.heads[k].limit - travel[i] - travel[j as usize];
+                self.heads.push(Head { j, limit });
+                let lists = self.old.lists[k];
+                let first = lists.chunk as usize;
+                let moved = &self.old.chunks[first..first + lists.n_chunks as usize];
+                let chunk = stored(self.chunks.len());
+                self.chunks.extend_from_slice(moved);
+                self.lists.push(Lists { chunk, room: lists.n_chunks, ..lists });
+                k += 1;
+            } else {
+                let pose = self.take_pose();
+                self.heads.push(Head { j, limit: f32::NEG_INFINITY });
+                self.lists.push(Lists { pose, ..Lists::default() });
+            }
+        }
+        self.free.extend(self.old.lists[k..end].iter().map(|l| l.pose));
+        self.start.push(stored(self.heads.len()));
+    }
+
+    /// A place for a pose, without a list.
+    fn take_pose(&mut self) -> u32 {
+        let empty =
+            Pose { position: Vector3::zeros(), rotation: UnitQuaternion::identity(), reach: -1.0 };
+        if let Some(index) = self.free.pop() {
+            self.poses[index as usize] = empty;
+            return index;
+        }
+        self.poses.push(empty);
+        stored(self.poses.len() - 1)
+    }
+
+    /// Looks at pair `k` of body `i`, whose covered motion is used up; makes its list anew where
+    /// the true relative motion demands it.
+    pub(crate) fn refresh(
+        &mut self,
+        k: usize,
+        i: usize,
+        bodies: &Bodies,
+        templates: &[Template],
+        skin: f32,
+    ) {
+        self.n_checks += 1;
+        let j = self.heads[k].j as usize;
+        let travel = bodies.travel[i] + bodies.travel[j];
+        let (a, b) = (&templates[bodies.template[i]], &templates[bodies.template[j]]);
+        let position = bodies.rotation[i].tr_mul(&(bodies.position[j] - bodies.position[i]));
+        let rotation = bodies.orientation[i].inverse() * bodies.orientation[j];
+        let pose = &mut self.poses[self.lists[k].pose as usize];
+        if pose.reach > 0.0 {
+            let turn = (pose.rotation.inverse() * rotation).imag().norm();
+            let moved = (position - pose.position).norm() + 2.0 * turn * b.bounding_radius;
+            #[expect(clippy::cast_possible_truncation, reason = "covered by the safety distance")]
+            let moved = moved as f32 + SAFETY;
+            if moved < 0.7 * pose.reach {
+                self.heads[k].limit = travel + (pose.reach - moved);
+                return;
+            }
+        }
+        let relative = RelativeSingle {
+            rotation: single(&rotation.to_rotation_matrix().into_inner()),
+            #[expect(clippy::cast_possible_truncation, reason = "covered by the safety distance")]
+            position: [position.x as f32, position.y as f32, position.z as f32],
+        };
+        let reach = search(&a.packed, &b.packed, &relative, skin, &mut self.scratch) - SAFETY;
+        *pose = Pose { position, rotation, reach };
+        self.heads[k].limit = travel + reach;
+        self.n_rebuilds += 1;
+        self.place_chunks(k, a, b);
+    }
+
+    /// Writes the candidates found into the place of pair `k`, or to the end if it is too small.
+    fn place_chunks(&mut self, k: usize, a: &Template, b: &Template) {
+        let lists = &mut self.lists[k];
+        let groups = self.scratch.found.chunks(LANES);
+        lists.n_chunks = stored(groups.len());
+        if lists.n_chunks > lists.room {
+            lists.chunk = stored(self.chunks.len());
+            lists.room = lists.n_chunks;
+            self.chunks.extend(groups.map(|group| chunk_of(group, a, b)));
+        } else {
+            let place = &mut self.chunks[lists.chunk as usize..];
+            for (chunk, group) in place.iter_mut().zip(groups) {
+                *chunk = chunk_of(group, a, b);
+            }
+        }
+        if lists.n_chunks == 0 {
+            lists.n_touches = 0;
+        }
+    }
+}
+
+/// Lays candidates out in lanes.
+#[expect(clippy::cast_possible_truncation, reason = "rounding to single precision is meant")]
+fn chunk_of(group: &[(u16, u16)], a: &Template, b: &Template) -> Chunk {
+    let mut chunk = Chunk {
+        i: [[0.0; LANES]; 3],
+        j: [[0.0; LANES]; 3],
+        limit: [-1.0; LANES],
+        key: [0; LANES],
+    };
+    for (l, &(si, sj)) in group.iter().enumerate() {
+        let (u, v) = (usize::from(si), usize::from(sj));
+        let p = [a.packed.x[u], a.packed.y[u], a.packed.z[u]];
+        let q = [b.packed.x[v], b.packed.y[v], b.packed.z[v]];
+        for axis in 0..3 {
+            chunk.i[axis][l] = p[axis];
+            chunk.j[axis][l] = q[axis];
+        }
+        let sum = (a.radii[u] + b.radii[v]) as f32 + SAFETY;
+        chunk.limit[l] = sum * sum;
+        chunk.key[l] = u32::from(si) << 16 | u32::from(sj);
+    }
+    chunk
+}

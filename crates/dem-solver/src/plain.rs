@@ -1,0 +1,85 @@
+//! The plain force loop: every sphere of every body against every other, no lists.
+//!
+//! It is slow and obvious. The tests hold the fast loop to it.
+
+use crate::pair_force::{mover, sphere_pair};
+use crate::wall_force::sphere_at_wall;
+use crate::world::World;
+use nalgebra::Vector3;
+use std::collections::BTreeMap;
+
+/// Tangential displacements of the contacts: (body, body or wall, sphere pair) -> m.
+#[derive(Debug, Clone, Default)]
+pub struct History {
+    /// Between bodies.
+    pairs: BTreeMap<(usize, usize, u32), Vector3<f64>>,
+    /// Between bodies and walls.
+    walls: BTreeMap<(usize, usize, u32), Vector3<f64>>,
+}
+
+/// Force (N) and torque (N m) on one body.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Load {
+    /// Force, N.
+    pub force: Vector3<f64>,
+    /// Torque about the centre of mass, N m.
+    pub torque: Vector3<f64>,
+}
+
+/// Contact loads on all bodies of a world, and the history after the step.
+pub fn loads(world: &World, history: &mut History) -> Vec<Load> {
+    let context = world.context();
+    let bodies = world.bodies();
+    let mut loads = vec![Load::default(); bodies.len()];
+    let mut next = History::default();
+    for i in 0..bodies.len() {
+        for j in i + 1..bodies.len() {
+            let [n, m] = [i, j].map(|k| context.templates[bodies.template[k]].centres.len());
+            let [a, b] = [i, j].map(|k| context.templates[bodies.template[k]].material);
+            for pair in 0..n * m {
+                let key = u32::try_from(pair / m).unwrap_or(0) << 16
+                    | u32::try_from(pair % m).unwrap_or(0);
+                let Some(mut pair) = sphere_pair(key, [i, j], bodies, context.templates) else {
+                    continue;
+                };
+                pair.slip = history.pairs.get(&(i, j, key)).copied().unwrap_or_default();
+                let law = context.interaction(a, b);
+                let effect = law.between_spheres(&pair, context.time_step);
+                next.pairs.insert((i, j, key), effect.slip);
+                loads[i].force += effect.force;
+                loads[j].force -= effect.force;
+                loads[i].torque += effect.torque_i;
+                loads[j].torque += effect.torque_j;
+            }
+        }
+        wall_loads(world, i, history, &mut next, &mut loads[i]);
+    }
+    *history = next;
+    loads
+}
+
+/// Adds the loads of all walls on body `i`.
+fn wall_loads(world: &World, i: usize, before: &History, next: &mut History, load: &mut Load) {
+    let context = world.context();
+    let bodies = world.bodies();
+    let template = &context.templates[bodies.template[i]];
+    let body = mover(bodies, i);
+    for (w, wall) in world.walls().iter().enumerate() {
+        for (k, centre) in template.centres.iter().enumerate() {
+            let centre = body.position + bodies.rotation[i] * centre;
+            let nearest = wall.nearest(&centre);
+            let overlap = template.radii[k] - nearest.distance;
+            if overlap <= 0.0 {
+                continue;
+            }
+            let key = (i, w, u32::try_from(k).unwrap_or(0));
+            let slip = before.walls.get(&key).copied().unwrap_or_default();
+            let contact = sphere_at_wall(&body, template, k, &centre, wall, &nearest);
+            let law = context.interaction(template.material, wall.material);
+            let effect = law.at_wall(&contact, &body, slip, context.time_step);
+            load.force += effect.force;
+            load.torque += effect.torque_i;
+            next.walls.insert(key, effect.slip);
+        }
+    }
+}

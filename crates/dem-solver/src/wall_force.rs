@@ -1,0 +1,184 @@
+//! Forces between bodies and walls.
+
+use crate::bodies::Bodies;
+use crate::contact::{Effect, Mover, SphereWall};
+use crate::neighbours::Touch;
+use crate::pair_force::{Context, mover};
+use crate::template::Template;
+use crate::wall::{Nearest, Wall};
+use contact_law::ContactGeometry;
+use nalgebra::Vector3;
+
+/// A body near a wall.
+#[derive(Debug, Clone)]
+struct Near {
+    /// The body.
+    body: usize,
+    /// The wall.
+    wall: usize,
+    /// Travel of the body at which the list must be made anew, m.
+    limit: f32,
+    /// Spheres within the skin of the wall.
+    candidates: Vec<u16>,
+    /// Spheres that touch.
+    touches: Vec<Touch>,
+}
+
+/// All bodies near walls.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct WallNeighbours {
+    /// Entries by body, then wall.
+    near: Vec<Near>,
+    /// Entries of the list before.
+    old: Vec<Near>,
+}
+
+impl WallNeighbours {
+    /// Lists the bodies whose bounding sphere is within the margin (m) of a wall.
+    pub(crate) fn rebuild(
+        &mut self,
+        bodies: &Bodies,
+        templates: &[Template],
+        walls: &[Wall],
+        margin: f64,
+    ) {
+        std::mem::swap(&mut self.near, &mut self.old);
+        self.near.clear();
+        let mut old = self.old.drain(..).peekable();
+        for body in 0..bodies.len() {
+            let reach = templates[bodies.template[body]].bounding_radius + margin;
+            for (wall, shape) in walls.iter().enumerate() {
+                if shape.nearest(&bodies.position[body]).distance >= reach {
+                    continue;
+                }
+                while old.peek().is_some_and(|n| (n.body, n.wall) < (body, wall)) {
+                    old.next();
+                }
+                let same = old.peek().is_some_and(|n| (n.body, n.wall) == (body, wall));
+                let entry = if same { old.next() } else { None };
+                let mut entry = entry.unwrap_or_else(|| Near {
+                    body,
+                    wall,
+                    limit: f32::NEG_INFINITY,
+                    candidates: Vec::new(),
+                    touches: Vec::new(),
+                });
+                entry.limit -= bodies.travel[body];
+                self.near.push(entry);
+            }
+        }
+    }
+
+    /// Adds the forces of all walls; `load` collects the force on each wall, N.
+    pub(crate) fn add_forces(
+        &mut self,
+        bodies: &mut Bodies,
+        walls: &[Wall],
+        context: &Context<'_>,
+        load: &mut [Vector3<f64>],
+    ) {
+        for near in &mut self.near {
+            let template = &context.templates[bodies.template[near.body]];
+            let wall = &walls[near.wall];
+            if bodies.travel[near.body] > near.limit {
+                near.list_candidates(bodies, template, wall, context.skin);
+            }
+            if !near.candidates.is_empty() {
+                let total = near.add_contacts(&mover(bodies, near.body), bodies, wall, context);
+                bodies.force[near.body] += total.force;
+                bodies.torque[near.body] += total.torque_i;
+                load[near.wall] -= total.force;
+            }
+        }
+    }
+
+    /// Number of touching spheres of all walls.
+    pub(crate) fn n_contacts(&self) -> usize {
+        self.near.iter().map(|n| n.touches.len()).sum()
+    }
+}
+
+impl Near {
+    /// Lists the spheres that may touch before the body has moved by the skin.
+    #[expect(clippy::cast_possible_truncation, reason = "rounding is covered by the safety")]
+    fn list_candidates(&mut self, bodies: &Bodies, template: &Template, wall: &Wall, skin: f32) {
+        let (position, rotation) = (bodies.position[self.body], bodies.rotation[self.body]);
+        self.candidates.clear();
+        let mut nearest = f64::INFINITY;
+        for (k, centre) in template.centres.iter().enumerate() {
+            let gap = wall.nearest(&(position + rotation * centre)).distance - template.radii[k];
+            nearest = nearest.min(gap);
+            if gap < f64::from(skin) {
+                self.candidates.push(u16::try_from(k).unwrap_or(u16::MAX));
+            }
+        }
+        // Without candidates the body may move until its nearest sphere could touch.
+        let reach = (nearest as f32 * 0.999).max(skin);
+        self.limit = bodies.travel[self.body] + reach;
+        let listed = &self.candidates;
+        self.touches.retain(|t| listed.iter().any(|&k| u32::from(k) << 16 == t.key));
+    }
+
+    /// Forces of the spheres that touch.
+    fn add_contacts(
+        &mut self,
+        body: &Mover,
+        bodies: &Bodies,
+        wall: &Wall,
+        context: &Context<'_>,
+    ) -> Effect {
+        let template = &context.templates[bodies.template[self.body]];
+        let interaction = context.interaction(template.material, wall.material);
+        let rotation = &bodies.rotation[self.body];
+        let mut total = Effect::default();
+        for &k in &self.candidates {
+            let (key, k) = (u32::from(k) << 16, usize::from(k));
+            let centre = body.position + rotation * template.centres[k];
+            let nearest = wall.nearest(&centre);
+            let overlap = template.radii[k] - nearest.distance;
+            let known = self.touches.iter().position(|t| t.key == key);
+            if overlap <= 0.0 {
+                if let Some(at) = known {
+                    self.touches.swap_remove(at);
+                }
+                continue;
+            }
+            let contact = sphere_at_wall(body, template, k, &centre, wall, &nearest);
+            let at = known.unwrap_or_else(|| {
+                self.touches.push(Touch { key, slip: Vector3::zeros() });
+                self.touches.len() - 1
+            });
+            let slip = self.touches[at].slip;
+            let effect = interaction.at_wall(&contact, body, slip, context.time_step);
+            self.touches[at].slip = effect.slip;
+            total.force += effect.force;
+            total.torque_i += effect.torque_i;
+        }
+        total
+    }
+}
+
+/// Geometry of sphere `k` of a body whose overlap with a wall is positive.
+#[inline(always)]
+pub(crate) fn sphere_at_wall(
+    body: &Mover,
+    template: &Template,
+    k: usize,
+    centre: &Vector3<f64>,
+    wall: &Wall,
+    nearest: &Nearest,
+) -> SphereWall {
+    let overlap = template.radii[k] - nearest.distance;
+    let point = centre + nearest.towards * (template.radii[k] - 0.5 * overlap);
+    SphereWall {
+        normal: nearest.towards,
+        arm: point - body.position,
+        wall_velocity: wall.velocity_at(&point),
+        wall_spin: Vector3::z() * wall.spin,
+        geometry: ContactGeometry {
+            overlap,
+            reduced_radius: template.radii[k],
+            reduced_mass: template.dashpot_masses[k],
+        },
+    }
+}
