@@ -1,0 +1,128 @@
+//! What can be wrong with a scene or a run.
+
+use std::path::PathBuf;
+
+/// Why a scene cannot be read or run.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// A file cannot be read.
+    #[error("cannot read {path}: {source}")]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        source: std::io::Error,
+    },
+    /// The text of a scene is not what a scene looks like.
+    #[error("{file}: {message}")]
+    Text {
+        /// The file.
+        file: String,
+        /// Line, column, what is wrong and what is expected.
+        message: String,
+    },
+    /// A setting has no such name.
+    #[error("no setting '{name}' in {file}; settings with a like name: {near}")]
+    UnknownSetting {
+        /// The name given.
+        name: String,
+        /// The file.
+        file: String,
+        /// Names that could be meant.
+        near: String,
+    },
+    /// A short name stands for several settings.
+    #[error("'{name}' may mean {candidates}; write the whole path")]
+    AmbiguousSetting {
+        /// The name given.
+        name: String,
+        /// What it may mean.
+        candidates: String,
+    },
+    /// Two surfaces can touch, but nothing says how.
+    #[error(
+        "{file}: contact '{pair}' is missing; add a section [contact.{pair}] with restitution, \
+         static_friction and rolling_friction"
+    )]
+    MissingContact {
+        /// The file.
+        file: String,
+        /// Names of the two materials.
+        pair: String,
+    },
+    /// A name refers to nothing.
+    #[error("{file}: {what} '{name}' is not defined; defined are {known}")]
+    Undefined {
+        /// The file.
+        file: String,
+        /// Kind of thing.
+        what: &'static str,
+        /// The name.
+        name: String,
+        /// The names that exist.
+        known: String,
+    },
+    /// A value cannot be meant.
+    #[error("{name} is {value}; it must be {requirement}")]
+    BadValue {
+        /// Name of the setting, with its unit.
+        name: String,
+        /// The value.
+        value: String,
+        /// What it must be.
+        requirement: String,
+    },
+    /// The apparatus is too small for the seeds.
+    #[error(
+        "{count} seeds do not fit into the apparatus without touching; about {places} do: take \
+         fewer seeds or a larger apparatus"
+    )]
+    TooManySeeds {
+        /// Seeds asked for.
+        count: usize,
+        /// Places found.
+        places: usize,
+    },
+    /// The mesh of a seed is refused.
+    #[error("mesh of seed '{seed}': {source}")]
+    Mesh {
+        /// Name of the seed.
+        seed: String,
+        /// Why.
+        source: trimesh::Error,
+    },
+    /// The mesh of a seed cannot be filled.
+    #[error("filling of seed '{seed}': {source}")]
+    Filling {
+        /// Name of the seed.
+        seed: String,
+        /// Why.
+        source: sphere_fill::Error,
+    },
+    /// A contact parameter is out of range.
+    #[error("contact '{pair}': {source}")]
+    Contact {
+        /// Names of the two materials.
+        pair: String,
+        /// Why.
+        source: contact_law::Error,
+    },
+    /// The solver stopped.
+    #[error(transparent)]
+    Solver(#[from] dem_solver::Error),
+    /// A frame cannot be drawn.
+    #[error(transparent)]
+    Render(#[from] frame_render::Error),
+    /// A frame cannot be measured at all (a refusal is no error).
+    #[error(transparent)]
+    Photo(#[from] photo_profile::Error),
+    /// No frame of a run shows a surface that can be measured.
+    #[error("none of the {frames} frames shows a measurable surface; the first says: {reason}")]
+    NoSurface {
+        /// Number of frames.
+        frames: usize,
+        /// Why the first was refused.
+        reason: String,
+    },
+}

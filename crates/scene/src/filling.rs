@@ -1,0 +1,85 @@
+//! From the mesh of a seed to a body, once for each distinct filling.
+
+use crate::settings::{Scene, SeedSettings};
+use crate::Error;
+use clump::Clump;
+use sphere_fill::{FillSettings, FitReport, InertiaSource};
+use std::collections::BTreeMap;
+use std::sync::{Arc, Mutex, PoisonError};
+use trimesh::{CheckedMesh, read_stl};
+
+/// A seed as a body, with the report of how well the spheres stand for it.
+#[derive(Debug, Clone)]
+pub struct SeedBody {
+    /// The body, in its principal frame.
+    pub clump: Clump,
+    /// Only the spheres that can be seen or touched.
+    pub outer: Clump,
+    /// Spheres in the frame of the mesh, m.
+    pub spheres: Vec<clump::Sphere>,
+    /// The mesh.
+    pub mesh: CheckedMesh,
+    /// Fit of the spheres.
+    pub report: FitReport,
+    /// Density of the spheres by the study's eq. (9), kg/m³.
+    pub fraction_density: f64,
+}
+
+/// Bodies made so far; shared between threads.
+#[derive(Debug, Default)]
+pub struct FillingLibrary {
+    /// Body by mesh and filling.
+    bodies: Mutex<BTreeMap<String, Arc<SeedBody>>>,
+}
+
+impl FillingLibrary {
+    /// The body of a kind of seed; made on first use.
+    ///
+    /// # Errors
+    ///
+    /// A mesh that is refused or cannot be filled.
+    pub fn body(&self, scene: &Scene, seed: &SeedSettings) -> Result<Arc<SeedBody>, Error> {
+        let path = scene.folder.join(&seed.mesh);
+        let key = format!(
+            "{} {:?} {:?} {}",
+            path.display(),
+            seed.mesh_unit,
+            seed.filling,
+            seed.mass.si()
+        );
+        // The lock is held while a body is made: others wait for it and do not make it again.
+        let mut bodies = self.bodies.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(body) = bodies.get(&key) {
+            return Ok(Arc::clone(body));
+        }
+        let body = Arc::new(make(scene, seed)?);
+        bodies.insert(key, Arc::clone(&body));
+        Ok(body)
+    }
+}
+
+/// Reads the mesh and fills it.
+fn make(scene: &Scene, seed: &SeedSettings) -> Result<SeedBody, Error> {
+    let refused = |source| Error::Mesh { seed: seed.name.clone(), source };
+    let unfilled = |source| Error::Filling { seed: seed.name.clone(), source };
+    let mesh = read_stl(&scene.folder.join(&seed.mesh), seed.mesh_unit).map_err(refused)?;
+    let settings = FillSettings {
+        method: seed.filling.method,
+        count: seed.filling.sphere_count,
+        roughness: seed.filling.roughness.map(quantity::Length::si),
+        seed: seed.filling.seed,
+        ..FillSettings::new(seed.filling.sphere_radius.si())
+    };
+    let filling = sphere_fill::fill(&mesh.mesh, &settings).map_err(unfilled)?;
+    let mass = seed.mass.si();
+    let clump = filling.clump(mass, InertiaSource::Mesh).map_err(unfilled)?;
+    let smallest = clump.spheres().iter().map(|s| s.radius).fold(f64::INFINITY, f64::min);
+    Ok(SeedBody {
+        outer: clump.without_hidden_spheres(0.5 * smallest),
+        clump,
+        fraction_density: filling.fraction_density(mass),
+        spheres: filling.spheres,
+        report: filling.report,
+        mesh,
+    })
+}

@@ -1,0 +1,248 @@
+//! Reading a scene file, and changing single settings of it.
+
+use crate::{Error, Scene};
+use std::path::Path;
+use toml::{Table, Value};
+
+/// A setting to change: dotted path or unambiguous short name, and the value as text.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Override {
+    /// `contact.seed-seed.static_friction`, or `rpm`, `time_s` and other short names.
+    pub name: String,
+    /// The value as it would stand in the file; quotes may be left out.
+    pub value: String,
+}
+
+/// Short names that stand for a setting with its unit: (name, path, unit).
+const SHORT_NAMES: [(&str, &str, &str); 3] = [
+    ("rpm", "apparatus.speed", "rpm"),
+    ("time_s", "protocol.rotation_limit", "s"),
+    ("time_step_s", "protocol.time_step", "s"),
+];
+
+impl Scene {
+    /// Reads a scene file.
+    ///
+    /// # Errors
+    ///
+    /// A file that cannot be read, text that is no scene, settings that cannot be meant.
+    pub fn read(path: &Path, overrides: &[Override]) -> Result<Self, Error> {
+        let text = std::fs::read_to_string(path)
+            .map_err(|source| Error::Read { path: path.to_owned(), source })?;
+        let folder = path.parent().unwrap_or(Path::new("")).to_owned();
+        Self::from_text(&text, &path.display().to_string(), &folder, overrides)
+    }
+
+    /// Reads the text of a scene; `file` is named in messages, paths refer to `folder`.
+    ///
+    /// # Errors
+    ///
+    /// Text that is no scene, settings that cannot be meant.
+    pub fn from_text(
+        text: &str,
+        file: &str,
+        folder: &Path,
+        overrides: &[Override],
+    ) -> Result<Self, Error> {
+        let wrong = |e: toml::de::Error| Error::Text { file: file.into(), message: e.to_string() };
+        // The plain text is read first, so that a message can name the line.
+        let mut scene: Self = toml::from_str(text).map_err(wrong)?;
+        if !overrides.is_empty() {
+            let mut table: Table = toml::from_str(text).map_err(wrong)?;
+            for change in overrides {
+                apply(&mut table, change, file)?;
+            }
+            scene = table.try_into().map_err(wrong)?;
+        }
+        scene.folder = folder.to_owned();
+        file.clone_into(&mut scene.file);
+        scene.check()?;
+        Ok(scene)
+    }
+
+    /// The scene with settings changed.
+    ///
+    /// # Errors
+    ///
+    /// A name that fits no setting or several, a value that cannot be meant.
+    pub fn with(&self, overrides: &[Override]) -> Result<Self, Error> {
+        let wrong = |message: String| Error::Text { file: self.file.clone(), message };
+        let text = toml::to_string(self).map_err(|e| wrong(e.to_string()))?;
+        Self::from_text(&text, &self.file, &self.folder, overrides)
+    }
+
+    /// Refuses what cannot be meant.
+    fn check(&self) -> Result<(), Error> {
+        let bad = |name: &str, value: String, requirement: &str| {
+            Err(Error::BadValue { name: name.into(), value, requirement: requirement.into() })
+        };
+        let p = &self.protocol;
+        for (name, time) in [
+            ("protocol.time_step", p.time_step),
+            ("protocol.settle_limit", p.settle_limit),
+            ("protocol.rotation_limit", p.rotation_limit),
+            ("protocol.frame_interval", p.frame_interval),
+        ] {
+            if time.si() <= 0.0 {
+                return bad(name, time.to_string(), "above 0");
+            }
+        }
+        if p.frames < 2 {
+            return bad("protocol.frames", p.frames.to_string(), "at least 2");
+        }
+        if p.frame_interval.si() < p.time_step.si() {
+            return bad("protocol.frame_interval", p.frame_interval.to_string(), "above the step");
+        }
+        let bond = self.model.bond_number;
+        if !(0.0..=100.0).contains(&bond) {
+            return bad("model.bond_number", bond.to_string(), "0 to 100");
+        }
+        let gravity = self.model.gravity_m_s2;
+        if !(gravity > 0.0 && gravity <= 1000.0) {
+            return bad("model.gravity_m_s2", gravity.to_string(), "above 0, at most 1000");
+        }
+        if !(64..=4096).contains(&self.camera.pixels) {
+            return bad("camera.pixels", self.camera.pixels.to_string(), "64 to 4096");
+        }
+        if self.seed_count() == 0 {
+            return bad("number of seeds", "0".into(), "at least 1");
+        }
+        for seed in &self.seed {
+            if seed.mass.si() <= 0.0 || seed.filling.sphere_radius.si() <= 0.0 {
+                return bad(&format!("mass or sphere_radius of seed '{}'", seed.name), "0".into(), "above 0");
+            }
+        }
+        self.apparatus.check()?;
+        self.check_names()
+    }
+
+    /// Refuses names that refer to nothing, and contacts that nobody states.
+    fn check_names(&self) -> Result<(), Error> {
+        let walls = self.apparatus.materials();
+        let seeds: Vec<&str> = self.seed.iter().map(|s| s.material.as_str()).collect();
+        let in_contacts = self.contact.keys().flat_map(|pair| pair.split('-'));
+        for name in walls.iter().copied().chain(seeds.iter().copied()).chain(in_contacts) {
+            if !self.material.contains_key(name) {
+                let known: Vec<_> = self.material.keys().map(String::as_str).collect();
+                return Err(Error::Undefined {
+                    file: self.file.clone(),
+                    what: "material",
+                    name: name.into(),
+                    known: known.join(", "),
+                });
+            }
+        }
+        for seed in &seeds {
+            for other in seeds.iter().chain(&walls) {
+                if self.contact_of(seed, other).is_none() {
+                    let pair = format!("{seed}-{other}");
+                    return Err(Error::MissingContact { file: self.file.clone(), pair });
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Changes one setting of a table.
+fn apply(table: &mut Table, change: &Override, file: &str) -> Result<(), Error> {
+    let short = SHORT_NAMES.iter().find(|s| s.0 == change.name);
+    let (path, text) = match short {
+        Some((_, path, unit)) => ((*path).to_owned(), format!("{} {unit}", change.value)),
+        None => (whole_path(table, &change.name, file)?, change.value.clone()),
+    };
+    let unknown = || Error::UnknownSetting {
+        name: change.name.clone(),
+        file: file.into(),
+        near: leaves(table).join(", "),
+    };
+    let found = leaf(table, &path).map(|old| like(old, &text));
+    let Some(value) = found else { return Err(unknown()) };
+    if let Some(place) = leaf_mut(table, &path) {
+        *place = value;
+    }
+    Ok(())
+}
+
+/// The path that a whole or short name stands for.
+fn whole_path(table: &Table, name: &str, file: &str) -> Result<String, Error> {
+    let all = leaves(table);
+    if all.iter().any(|path| path == name) {
+        return Ok(name.to_owned());
+    }
+    let ending = format!(".{name}");
+    let fits: Vec<_> = all.iter().filter(|path| path.ends_with(&ending)).cloned().collect();
+    match fits.as_slice() {
+        [path] => Ok(path.clone()),
+        [] => {
+            let last = name.rsplit('.').next().unwrap_or(name);
+            let near: Vec<_> = all.iter().filter(|p| p.contains(last)).cloned().collect();
+            let near = if near.is_empty() { all.join(", ") } else { near.join(", ") };
+            Err(Error::UnknownSetting { name: name.into(), file: file.into(), near })
+        }
+        _ => Err(Error::AmbiguousSetting { name: name.into(), candidates: fits.join(", ") }),
+    }
+}
+
+/// Text as a value of the kind that stands there now.
+fn like(old: &Value, text: &str) -> Value {
+    match old {
+        Value::Integer(_) => text.parse().map_or_else(|_| number(text), Value::Integer),
+        Value::Float(_) => number(text),
+        Value::Boolean(_) => text.parse().map_or_else(|_| Value::String(text.into()), Value::Boolean),
+        _ => Value::String(text.trim_matches('"').into()),
+    }
+}
+
+/// Text as a number where it is one.
+fn number(text: &str) -> Value {
+    text.parse().map_or_else(|_| Value::String(text.into()), Value::Float)
+}
+
+/// Dotted paths of all leaves; the items of a list are numbered from 0.
+fn leaves(table: &Table) -> Vec<String> {
+    fn walk(value: &Value, path: &str, out: &mut Vec<String>) {
+        let mut below = |key: &str, child: &Value| {
+            let path = if path.is_empty() { key.to_owned() } else { format!("{path}.{key}") };
+            walk(child, &path, out);
+        };
+        match value {
+            Value::Table(table) => table.iter().for_each(|(key, child)| below(key, child)),
+            Value::Array(list) => {
+                list.iter().enumerate().for_each(|(k, child)| below(&k.to_string(), child));
+            }
+            _ => out.push(path.to_owned()),
+        }
+    }
+    let mut out = Vec::new();
+    walk(&Value::Table(table.clone()), "", &mut out);
+    out
+}
+
+/// The leaf at a dotted path.
+fn leaf<'a>(table: &'a Table, path: &str) -> Option<&'a Value> {
+    let mut keys = path.split('.');
+    let mut value = table.get(keys.next()?)?;
+    for key in keys {
+        value = match value {
+            Value::Table(table) => table.get(key)?,
+            Value::Array(list) => list.get(key.parse::<usize>().ok()?)?,
+            _ => return None,
+        };
+    }
+    Some(value)
+}
+
+/// The same, to be changed.
+fn leaf_mut<'a>(table: &'a mut Table, path: &str) -> Option<&'a mut Value> {
+    let mut keys = path.split('.');
+    let mut value = table.get_mut(keys.next()?)?;
+    for key in keys {
+        value = match value {
+            Value::Table(table) => table.get_mut(key)?,
+            Value::Array(list) => list.get_mut(key.parse::<usize>().ok()?)?,
+            _ => return None,
+        };
+    }
+    Some(value)
+}

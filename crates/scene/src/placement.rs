@@ -1,0 +1,228 @@
+//! Where the seeds start: at random, without touching each other or a wall.
+
+use crate::{Apparatus, Error};
+use clump::Clump;
+use dem_solver::Placement;
+use nalgebra::{Quaternion, UnitQuaternion, Vector3};
+use random_stream::Stream;
+
+/// Orientations tried at a place before it is left empty.
+const TRIES: usize = 60;
+
+/// A body's outline: all points within `radius` of a segment along its x axis.
+#[derive(Debug, Clone, Copy)]
+struct Capsule {
+    /// Half of the segment's length, m.
+    half_length: f64,
+    /// Radius, m.
+    radius: f64,
+}
+
+/// A capsule in the apparatus.
+#[derive(Debug, Clone, Copy)]
+struct Placed {
+    /// Middle of the segment, m.
+    centre: Vector3<f64>,
+    /// Half of the segment, m.
+    half: Vector3<f64>,
+    /// Radius, m.
+    radius: f64,
+}
+
+impl Capsule {
+    /// The capsule about the x axis that holds all spheres of a body.
+    fn around(clump: &Clump) -> Self {
+        let spheres = clump.spheres().iter();
+        let radius = spheres.clone().map(|s| s.centre.yz().norm() + s.radius).fold(0.0, f64::max);
+        // Beyond the segment the capsule is a ball; each sphere must lie within it.
+        let needed = |s: &clump::Sphere| {
+            let free = radius - s.radius;
+            let side = s.centre.yz().norm().min(free);
+            s.centre.x.abs() - (free * free - side * side).sqrt()
+        };
+        let half_length = spheres.map(needed).fold(0.0, f64::max);
+        Self { half_length, radius }
+    }
+}
+
+/// Places `kinds[k].1` bodies of each kind `kinds[k].0`, in an order shuffled by the seed.
+///
+/// Places are the points of a cubic grid, filled from the bottom up, with a small random offset;
+/// at each the orientation is drawn until the body is clear of walls and of bodies placed before.
+/// The grid is made finer until all bodies have a place.
+///
+/// # Errors
+///
+/// More bodies than fit.
+pub(crate) fn place(
+    apparatus: &Apparatus,
+    kinds: &[(&Clump, usize)],
+    seed: u64,
+) -> Result<Vec<Placement>, Error> {
+    let capsules: Vec<_> = kinds.iter().map(|(clump, _)| Capsule::around(clump)).collect();
+    let largest = capsules.iter().fold(0.0_f64, |m, c| m.max(c.half_length + c.radius));
+    let thickest = capsules.iter().fold(0.0_f64, |m, c| m.max(c.radius));
+    let count: usize = kinds.iter().map(|k| k.1).sum();
+    let mut spacing = 2.0 * largest;
+    let mut places = 0;
+    while spacing > 2.0 * thickest {
+        let mut stream = Stream::new(seed, "placement");
+        let mut order: Vec<usize> =
+            kinds.iter().enumerate().flat_map(|(k, kind)| std::iter::repeat_n(k, kind.1)).collect();
+        stream.shuffle(&mut order);
+        let placed = fill_grid(apparatus, &capsules, &order, spacing, &mut stream);
+        if placed.len() == count {
+            return Ok(placed);
+        }
+        places = places.max(placed.len());
+        spacing *= 0.97;
+    }
+    Err(Error::TooManySeeds { count, places })
+}
+
+/// Fills a grid of a given spacing (m) as far as it goes.
+fn fill_grid(
+    apparatus: &Apparatus,
+    capsules: &[Capsule],
+    order: &[usize],
+    spacing: f64,
+    stream: &mut Stream,
+) -> Vec<Placement> {
+    let (radius, half_width) = (apparatus.radius(), 0.5 * apparatus.width());
+    let thin = capsules.iter().map(|c| c.radius).fold(f64::INFINITY, f64::min);
+    let across = ticks(radius - thin, spacing);
+    let along = ticks(half_width - thin, spacing);
+    let mut placed: Vec<Placed> = Vec::new();
+    let mut result = Vec::new();
+    for &y in &across {
+        for &x in &across {
+            for &z in &along {
+                let Some(&kind) = order.get(result.len()) else { return result };
+                let capsule = capsules[kind];
+                if x.hypot(y) + capsule.radius >= radius {
+                    continue;
+                }
+                if let Some((body, turn)) =
+                    try_place(apparatus, capsule, [x, y, z], spacing, &placed, stream)
+                {
+                    placed.push(body);
+                    result.push(Placement::at_rest(kind, body.centre, turn));
+                }
+            }
+        }
+    }
+    result
+}
+
+/// Draws offsets and orientations until the body is clear of everything.
+fn try_place(
+    apparatus: &Apparatus,
+    capsule: Capsule,
+    at: [f64; 3],
+    spacing: f64,
+    placed: &[Placed],
+    stream: &mut Stream,
+) -> Option<(Placed, UnitQuaternion<f64>)> {
+    // Rows are filled from the bottom: only the last layers can be near.
+    let reach = 3.0 * spacing;
+    let near: Vec<&Placed> = placed
+        .iter()
+        .rev()
+        .take_while(|p| p.centre.y > at[1] - reach)
+        .filter(|p| (p.centre.x - at[0]).abs() < reach && (p.centre.z - at[2]).abs() < reach)
+        .collect();
+    for _ in 0..TRIES {
+        let offset = Vector3::from_fn(|_, _| stream.between(-0.1, 0.1) * spacing);
+        let centre = Vector3::from(at) + offset;
+        let [w, i, j, k] = stream.rotation();
+        let turn = UnitQuaternion::new_normalize(Quaternion::new(w, i, j, k));
+        let half = turn * Vector3::new(capsule.half_length, 0.0, 0.0);
+        let body = Placed { centre, half, radius: capsule.radius };
+        let room = [-1.0, 0.0, 1.0]
+            .iter()
+            .all(|s| apparatus.has_room(&(centre + half * *s), capsule.radius));
+        if room && near.iter().all(|other| clear(&body, other)) {
+            return Some((body, turn));
+        }
+    }
+    None
+}
+
+/// Whether two capsules do not touch.
+fn clear(a: &Placed, b: &Placed) -> bool {
+    segment_distance(a, b) > a.radius + b.radius
+}
+
+/// Distance of the segments of two capsules, m (Ericson 2005, section 5.1.9).
+fn segment_distance(a: &Placed, b: &Placed) -> f64 {
+    let (d1, d2) = (a.half * 2.0, b.half * 2.0);
+    let (p1, p2) = (a.centre - a.half, b.centre - b.half);
+    let r = p1 - p2;
+    let (aa, ee, f) = (d1.norm_squared(), d2.norm_squared(), d2.dot(&r));
+    let tiny = 1e-18;
+    let (s, t) = if aa <= tiny && ee <= tiny {
+        (0.0, 0.0)
+    } else if aa <= tiny {
+        (0.0, (f / ee).clamp(0.0, 1.0))
+    } else {
+        let c = d1.dot(&r);
+        if ee <= tiny {
+            ((-c / aa).clamp(0.0, 1.0), 0.0)
+        } else {
+            let bb = d1.dot(&d2);
+            let denominator = aa * ee - bb * bb;
+            let s = if denominator > tiny * aa * ee {
+                ((bb * f - c * ee) / denominator).clamp(0.0, 1.0)
+            } else {
+                0.0
+            };
+            let t = (bb * s + f) / ee;
+            if t < 0.0 {
+                ((-c / aa).clamp(0.0, 1.0), 0.0)
+            } else if t > 1.0 {
+                (((bb - c) / aa).clamp(0.0, 1.0), 1.0)
+            } else {
+                (s, t)
+            }
+        }
+    };
+    ((p1 + d1 * s) - (p2 + d2 * t)).norm()
+}
+
+/// Points of equal spacing, centred on 0, within `reach` (m), rising.
+fn ticks(reach: f64, spacing: f64) -> Vec<f64> {
+    if reach < 0.0 {
+        return Vec::new();
+    }
+    #[expect(clippy::cast_possible_truncation, reason = "bounded by the apparatus: below 1e6")]
+    let n = (2.0 * reach / spacing).min(1e6) as i32 + 1;
+    let start = -0.5 * spacing * f64::from(n - 1);
+    (0..n).map(|i| start + spacing * f64::from(i)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Placed, segment_distance};
+    use nalgebra::Vector3;
+
+    fn placed(centre: [f64; 3], half: [f64; 3]) -> Placed {
+        Placed { centre: Vector3::from(centre), half: Vector3::from(half), radius: 0.1 }
+    }
+
+    /// Crossing, parallel, end-to-end and point-like segments with known distances.
+    #[test]
+    fn distance_of_segments_is_the_constructed_one() {
+        let x = placed([0.0; 3], [1.0, 0.0, 0.0]);
+        for (other, expected) in [
+            (placed([0.0, 0.0, 2.0], [0.0, 1.0, 0.0]), 2.0),
+            (placed([0.5, 3.0, 0.0], [1.0, 0.0, 0.0]), 3.0),
+            (placed([4.0, 0.0, 0.0], [1.0, 0.0, 0.0]), 2.0),
+            (placed([4.0, 4.0, 0.0], [0.0; 3]), 5.0),
+            (placed([0.0, 0.5, 0.0], [0.0; 3]), 0.5),
+        ] {
+            let got = segment_distance(&x, &other);
+            assert!((got - expected).abs() < 1e-12, "{other:?}: {got}");
+            assert!((segment_distance(&other, &x) - expected).abs() < 1e-12, "not symmetric");
+        }
+    }
+}

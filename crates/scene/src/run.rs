@@ -1,0 +1,295 @@
+//! One run: fill, settle, rotate until steady, take frames, measure.
+
+use crate::apparatus::Apparatus;
+use crate::placement::place;
+use crate::steady::{Truncation, marginal_standard_error_rule};
+use crate::{Error, FillingLibrary, Frame, FrameReading, Scene, SeedBody, read_frame};
+use contact_law::{Material, PairParameters, constant_attraction};
+use dem_solver::{Census, Interaction, InteractionSettings, Settings, Template, Wall, World};
+use nalgebra::Vector3;
+use serde::{Deserialize, Serialize};
+use std::sync::Arc;
+
+/// Time between the values of the series that decide whether the run is steady, s.
+const SERIES_INTERVAL: f64 = 0.02;
+/// Values in one batch of the rule that finds the end of the start-up.
+const BATCH: usize = 5;
+/// Kinetic energy of a seed at rest over the energy of a fall by its own size.
+const AT_REST: f64 = 1e-4;
+/// Share of the shell's speed that the bed must keep to count as rolling; below, it slides.
+const SLIDING_BELOW: f64 = 0.5;
+/// Gap that ends the group of seeds at the rim of the metering device, in seed lengths.
+const GROUP_GAP: f64 = 1.5;
+
+/// How the bed moves.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Regime {
+    /// The bed turns with the shell and a layer flows over it.
+    Rolling,
+    /// The bed slides on the shell.
+    Sliding,
+}
+
+/// State of the bed at one moment.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct SeriesPoint {
+    /// Time since the drive started, s.
+    pub time_s: f64,
+    /// Direction of the centre of mass from straight down, counter-clockwise positive, deg.
+    pub centre_of_mass_deg: f64,
+    /// 1 minus the speed of the seeds at the shell over the speed of the shell.
+    pub shell_slip: f64,
+}
+
+/// What a run gives.
+#[derive(Debug, Clone)]
+pub struct RunResult {
+    /// The bed over time.
+    pub series: Vec<SeriesPoint>,
+    /// Where the start-up ends.
+    pub truncation: Option<Truncation>,
+    /// Frames in the steady state, at least one correlation time apart.
+    pub frames: Vec<Frame>,
+    /// Reading of each frame; none for the metering device, whose surface is not a drum's.
+    pub readings: Vec<FrameReading>,
+    /// Filling angle in each frame, rad; metering device only.
+    pub filling_angles: Vec<f64>,
+    /// How the bed moves.
+    pub regime: Regime,
+    /// Steps done.
+    pub n_steps: u64,
+    /// Number of bodies.
+    pub n_bodies: usize,
+    /// Number of spheres, hidden ones included.
+    pub n_spheres: usize,
+    /// Contact lists at the end.
+    pub census: Census,
+    /// The bodies of the seeds, by kind.
+    pub bodies: Vec<Arc<SeedBody>>,
+}
+
+/// Runs a scene with a seed of its randomness.
+///
+/// # Errors
+///
+/// A scene that cannot be built, a solver that stops, frames that cannot be drawn.
+pub fn run(scene: &Scene, library: &FillingLibrary, seed: u64) -> Result<RunResult, Error> {
+    let bodies =
+        scene.seed.iter().map(|s| library.body(scene, s)).collect::<Result<Vec<_>, _>>()?;
+    let mut world = build(scene, &bodies, seed)?;
+    settle(scene, &mut world)?;
+    for wall in scene.apparatus.walls() {
+        world.set_wall_spin(wall.name, wall.spin);
+    }
+    let (series, frames, truncation) = rotate(scene, &mut world)?;
+    let mut readings = Vec::new();
+    let mut filling_angles = Vec::new();
+    for frame in &frames {
+        match &scene.apparatus {
+            Apparatus::Drum(_) => readings.push(read_frame(scene, &bodies, frame)?),
+            Apparatus::Metering(device) => {
+                let at_rim = angles_at_rim(&bodies, frame, scene.apparatus.radius());
+                let length = bodies.iter().map(|b| b.clump.bounding_radius()).fold(0.0, f64::max);
+                let gap = GROUP_GAP * 2.0 * length / scene.apparatus.radius();
+                filling_angles.push(device.filling_angle(&at_rim, gap));
+            }
+        }
+    }
+    let start = truncation.map_or(0, |t| t.cut);
+    let slips: Vec<f64> = series[start..].iter().map(|p| p.shell_slip).collect();
+    let slip = slips.iter().sum::<f64>() / slips.len().max(1) as f64;
+    Ok(RunResult {
+        series,
+        truncation,
+        frames,
+        readings,
+        filling_angles,
+        regime: if slip > SLIDING_BELOW { Regime::Sliding } else { Regime::Rolling },
+        n_steps: world.n_steps(),
+        n_bodies: world.bodies().len(),
+        n_spheres: world.bodies().template.iter().map(|&t| bodies[t].clump.spheres().len()).sum(),
+        census: world.census(),
+        bodies,
+    })
+}
+
+/// Builds the world with the seeds in their starting places and the drive at rest.
+fn build(scene: &Scene, bodies: &[Arc<SeedBody>], seed: u64) -> Result<World, Error> {
+    let walls = scene.apparatus.walls();
+    let names: Vec<&str> = {
+        let seeds = scene.seed.iter().map(|s| s.material.as_str());
+        let mut names: Vec<&str> =
+            seeds.chain(walls.iter().map(|w| w.material.as_str())).collect();
+        names.sort_unstable();
+        names.dedup();
+        names
+    };
+    let index = |name: &str| names.iter().position(|n| *n == name).unwrap_or(0);
+    let templates: Vec<Template> = scene
+        .seed
+        .iter()
+        .zip(bodies)
+        .map(|(s, b)| Template::new(&b.clump, index(&s.material), scene.model.dashpot_mass))
+        .collect();
+    let radius = templates.iter().map(Template::smallest_radius).fold(f64::INFINITY, f64::min);
+    let kinds: Vec<_> = bodies.iter().zip(&scene.seed).map(|(b, s)| (&b.clump, s.count)).collect();
+    let placements = place(&scene.apparatus, &kinds, seed)?;
+    let still = walls.iter().map(|w| Wall {
+        name: w.name.into(),
+        shape: w.shape,
+        material: index(&w.material),
+        spin: 0.0,
+    });
+    let settings = Settings {
+        time_step: scene.protocol.time_step.si(),
+        gravity: Vector3::new(0.0, -scene.model.gravity_m_s2, 0.0),
+        skin: 0.45 * radius,
+        margin: 4.5 * radius,
+    };
+    let interactions = interactions(scene, &names)?;
+    Ok(World::new(settings, templates, interactions, still.collect(), &placements)?)
+}
+
+/// Interactions of all pairs of materials, row by row.
+fn interactions(scene: &Scene, names: &[&str]) -> Result<Vec<Interaction>, Error> {
+    let heaviest = scene.seed.iter().map(|s| s.mass.si()).fold(0.0, f64::max);
+    let model = &scene.model;
+    let pull = constant_attraction::attraction(model.bond_number, heaviest, model.gravity_m_s2);
+    let mut table = Vec::new();
+    for a in names {
+        for b in names {
+            let pair = format!("{a}-{b}");
+            let refused = |source| Error::Contact { pair: pair.clone(), source };
+            let material = |name: &str| {
+                let m = &scene.material[name];
+                Material::new(m.poisson_ratio.get(), m.shear_modulus.si()).map_err(refused)
+            };
+            // Two walls never meet: their entry is filled with an inert law.
+            let contact = scene.contact_of(a, b);
+            let parameters = PairParameters {
+                restitution: contact.map_or(1.0, |c| c.restitution.get()),
+                static_friction: contact.map_or(0.0, |c| c.static_friction.get()),
+                rolling_friction: contact.map_or(0.0, |c| c.rolling_friction.get()),
+            };
+            let settings = InteractionSettings {
+                materials: [material(a)?, material(b)?],
+                parameters,
+                attraction: pull,
+                end: model.normal_force_end,
+            };
+            table.push(Interaction::new(&settings).map_err(refused)?);
+        }
+    }
+    Ok(table)
+}
+
+/// Runs until the seeds rest, or the limit is reached.
+fn settle(scene: &Scene, world: &mut World) -> Result<(), Error> {
+    let size = world.templates().iter().map(Template::smallest_radius).fold(f64::INFINITY, f64::min);
+    let masses = scene.seed.iter().map(|s| s.mass.si() * s.count as f64);
+    let rest = AT_REST * masses.sum::<f64>() * scene.model.gravity_m_s2 * 10.0 * size;
+    let limit = scene.protocol.settle_limit.si();
+    // Free fall across the apparatus comes first: at the very start nothing moves.
+    let fall = (2.0 * 2.0 * scene.apparatus.radius() / scene.model.gravity_m_s2).sqrt();
+    loop {
+        advance(world, SERIES_INTERVAL)?;
+        let rested = world.time() > fall && world.kinetic_energy() < rest;
+        if rested || world.time() >= limit {
+            return Ok(());
+        }
+    }
+}
+
+/// Moves the world by a time, s.
+fn advance(world: &mut World, time: f64) -> Result<(), Error> {
+    let end = world.time() + time - 0.5 * world.settings().time_step;
+    while world.time() < end {
+        world.step()?;
+    }
+    Ok(())
+}
+
+/// Turns the drive until the wanted number of frames lies behind the start-up.
+fn rotate(
+    scene: &Scene,
+    world: &mut World,
+) -> Result<(Vec<SeriesPoint>, Vec<Frame>, Option<Truncation>), Error> {
+    let protocol = &scene.protocol;
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a small ratio")]
+    let every = (protocol.frame_interval.si() / SERIES_INTERVAL).round().max(1.0) as usize;
+    let (mut series, mut frames): (Vec<SeriesPoint>, Vec<(usize, Frame)>) = Default::default();
+    let start = world.time();
+    loop {
+        advance(world, SERIES_INTERVAL)?;
+        let time = world.time() - start;
+        series.push(series_point(scene, world, time));
+        let over = time >= protocol.rotation_limit.si();
+        if series.len().is_multiple_of(every) {
+            frames.push((series.len(), snapshot(world, time)));
+        }
+        if !over && !series.len().is_multiple_of(every) {
+            continue;
+        }
+        let angles: Vec<f64> = series.iter().map(|p| p.centre_of_mass_deg).collect();
+        let truncation = marginal_standard_error_rule(&angles, BATCH);
+        let cut = truncation.map_or(usize::MAX, |t| if t.steady { t.cut } else { usize::MAX });
+        let after = frames.iter().filter(|(at, _)| *at > cut).count();
+        if after >= protocol.frames || over {
+            let keep = after.clamp(2.min(frames.len()), protocol.frames).min(frames.len());
+            let last = frames.split_off(frames.len() - keep);
+            return Ok((series, last.into_iter().map(|f| f.1).collect(), truncation));
+        }
+    }
+}
+
+/// Poses of all bodies.
+fn snapshot(world: &World, time: f64) -> Frame {
+    let bodies = world.bodies();
+    Frame {
+        time,
+        kind: bodies.template.clone(),
+        position: bodies.position.clone(),
+        orientation: bodies.orientation.clone(),
+    }
+}
+
+/// Direction of the centre of mass and slip at the shell.
+fn series_point(scene: &Scene, world: &World, time: f64) -> SeriesPoint {
+    let (bodies, templates) = (world.bodies(), world.templates());
+    let (radius, spin) = (scene.apparatus.radius(), scene.apparatus.speed());
+    let mut centre = Vector3::zeros();
+    let (mut speed, mut n) = (0.0, 0_usize);
+    for (i, p) in bodies.position.iter().enumerate() {
+        centre += p;
+        let from_axis = p.xy().norm();
+        // Seeds of the first layer at the shell, in the lower middle of the bed.
+        if from_axis > radius - templates[bodies.template[i]].bounding_radius() {
+            let v = bodies.velocity[i];
+            speed += (p.x * v.y - p.y * v.x) / from_axis;
+            n += 1;
+        }
+    }
+    let surface_speed = spin * radius;
+    let slip = if n > 0 && surface_speed != 0.0 {
+        1.0 - speed / n as f64 / surface_speed
+    } else {
+        0.0
+    };
+    SeriesPoint {
+        time_s: time,
+        centre_of_mass_deg: centre.x.atan2(-centre.y).to_degrees(),
+        shell_slip: slip,
+    }
+}
+
+/// Angles from straight down (counter-clockwise positive, rad) of the seeds at the rim.
+fn angles_at_rim(bodies: &[Arc<SeedBody>], frame: &Frame, radius: f64) -> Vec<f64> {
+    frame
+        .position
+        .iter()
+        .zip(&frame.kind)
+        .filter(|(p, kind)| p.xy().norm() > radius - bodies[**kind].clump.bounding_radius())
+        .map(|(p, _)| p.x.atan2(-p.y))
+        .collect()
+}

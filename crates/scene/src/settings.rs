@@ -1,0 +1,165 @@
+//! What a scene file says.
+
+use crate::Apparatus;
+use quantity::{Angle, FrictionCoefficient, Length, Mass, PoissonRatio, Pressure, Restitution, Time};
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+
+/// An apparatus with seeds, ready to be run.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Scene {
+    /// The machine that moves the seeds.
+    pub apparatus: Apparatus,
+    /// Kinds of seeds.
+    pub seed: Vec<SeedSettings>,
+    /// Materials by name.
+    pub material: BTreeMap<String, MaterialSettings>,
+    /// Contacts by the names of the two materials, joined by a hyphen.
+    pub contact: BTreeMap<String, ContactSettings>,
+    /// How bodies and contacts are modelled.
+    pub model: ModelSettings,
+    /// What is done and when.
+    pub protocol: Protocol,
+    /// The camera.
+    pub camera: CameraSettings,
+    /// Folder to which paths in the scene refer.
+    #[serde(skip)]
+    pub folder: PathBuf,
+    /// Name of the file, for messages.
+    #[serde(skip)]
+    pub file: String,
+}
+
+/// One kind of seed.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SeedSettings {
+    /// Name.
+    pub name: String,
+    /// Mesh of the seed, relative to the scene file.
+    pub mesh: PathBuf,
+    /// What one unit of the mesh is.
+    pub mesh_unit: trimesh::LengthUnit,
+    /// Mass of one seed.
+    pub mass: Mass,
+    /// Number of seeds.
+    pub count: usize,
+    /// Name of the material.
+    pub material: String,
+    /// How the mesh is filled with spheres.
+    pub filling: FillingSettings,
+}
+
+/// How a mesh is filled with spheres.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct FillingSettings {
+    /// Method.
+    pub method: sphere_fill::Method,
+    /// Radius of the spheres (smallest radius for method smooth).
+    pub sphere_radius: Length,
+    /// Number of spheres; as many as fit where absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sphere_count: Option<usize>,
+    /// Surface roughness at which method smooth stops.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub roughness: Option<Length>,
+    /// Seed of the packing.
+    pub seed: u64,
+}
+
+/// Elastic constants of a material.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct MaterialSettings {
+    /// Poisson's ratio.
+    pub poisson_ratio: PoissonRatio,
+    /// Shear modulus.
+    pub shear_modulus: Pressure,
+}
+
+/// Contact parameters of two materials.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ContactSettings {
+    /// Coefficient of restitution.
+    pub restitution: Restitution,
+    /// Coefficient of static friction.
+    pub static_friction: FrictionCoefficient,
+    /// Coefficient of rolling friction (type A).
+    pub rolling_friction: FrictionCoefficient,
+}
+
+/// How bodies and contacts are modelled.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ModelSettings {
+    /// Which mass enters the dashpots.
+    pub dashpot_mass: dem_solver::DashpotMass,
+    /// What happens when a dashpot would pull.
+    pub normal_force_end: contact_law::NormalForceEnd,
+    /// Attraction of a touching pair of spheres over the weight of a seed (granular Bond number).
+    pub bond_number: f64,
+    /// Gravity, m/s².
+    pub gravity_m_s2: f64,
+}
+
+/// What is done and when.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Protocol {
+    /// Time step of the solver.
+    pub time_step: Time,
+    /// Longest time for the seeds to come to rest before the drive starts.
+    pub settle_limit: Time,
+    /// Longest time of rotation.
+    pub rotation_limit: Time,
+    /// Time between frames: at least the correlation time of the surface.
+    pub frame_interval: Time,
+    /// Number of frames in the steady state.
+    pub frames: usize,
+}
+
+/// The camera that faces the end cover.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct CameraSettings {
+    /// Width and height of a frame, pixels.
+    pub pixels: u32,
+    /// Turn of the camera about its axis, counter-clockwise positive as seen in the picture.
+    pub roll: Angle,
+}
+
+impl Scene {
+    /// Total number of seeds.
+    pub fn seed_count(&self) -> usize {
+        self.seed.iter().map(|s| s.count).sum()
+    }
+
+    /// Sets the total number of seeds, keeping the shares of the kinds (largest remainder).
+    pub fn set_seed_count(&mut self, total: usize) {
+        let before = self.seed_count();
+        if before == 0 {
+            return;
+        }
+        let mut given = 0;
+        let mut rests = Vec::new();
+        for (k, kind) in self.seed.iter_mut().enumerate() {
+            let exact = kind.count * total;
+            rests.push((exact % before, k));
+            kind.count = exact / before;
+            given += kind.count;
+        }
+        rests.sort_by(|a, b| b.0.cmp(&a.0).then(a.1.cmp(&b.1)));
+        for &(_, k) in rests.iter().take(total - given) {
+            self.seed[k].count += 1;
+        }
+    }
+
+    /// Contact of two materials, in either order of the names.
+    pub fn contact_of(&self, a: &str, b: &str) -> Option<&ContactSettings> {
+        self.contact.get(&format!("{a}-{b}")).or_else(|| self.contact.get(&format!("{b}-{a}")))
+    }
+}
