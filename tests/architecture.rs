@@ -1,1 +1,9 @@
-//! The crate arrows agree with the map.
+//! The workspace agrees with its documents: arrows with the map, citations with the sources, files
+//! with the rules of the tree.
+
+#[path = "architecture/arrows.rs"]
+mod arrows;
+#[path = "architecture/citations.rs"]
+mod citations;
+#[path = "architecture/tree.rs"]
+mod tree;

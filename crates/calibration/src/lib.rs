@@ -1,1 +1,23 @@
-//! Screening, response surface, solutions and validation over any simulator.
+//! Screening, response surface, solutions, validation and residual study over any simulator.
+//!
+//! Nothing here knows what is simulated: a stage makes a list of [`campaign::RunRequest`]s, has
+//! them done by a [`campaign::Campaign`], and analyses what comes back. A toy simulator tests
+//! the whole loop in milliseconds.
+
+mod cells;
+mod error;
+mod least_squares;
+mod residual_study;
+mod stages;
+
+pub use cells::{CalibrationFactor, CellRuns, Question, run_cells};
+pub use error::Error;
+pub use least_squares::{BoundedProblem, bounded_least_squares};
+pub use residual_study::{
+    DeclaredParameter, EffectProbe, Observed, RealErrors, ResidualPlan, ResidualStudy,
+    StudyCondition, study_residual,
+};
+pub use stages::{
+    PointResult, ScreeningResult, SurfaceResult, Validation, run_points, screen_factors,
+    significant_factors, fit_surface, validate,
+};

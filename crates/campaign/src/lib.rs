@@ -1,1 +1,50 @@
 //! The simulator seen from outside, and lists of its runs done in parallel, once each.
+//!
+//! A [`Simulator`] turns a [`RunRequest`] into observables. A [`Campaign`] takes a list of
+//! requests, finds those that a [`run_store::Store`] has already, does the rest on several
+//! threads, and stores each as soon as it is finished.
+//!
+//! ```
+//! use campaign::{Campaign, RunOutcome, RunRequest, Silent, Simulator, SimulatorError};
+//! use run_store::{Observation, Store};
+//!
+//! struct Doubler;
+//! impl Simulator for Doubler {
+//!     fn version(&self) -> String {
+//!         "doubler 1".into()
+//!     }
+//!     fn run(&self, request: &RunRequest) -> Result<RunOutcome, SimulatorError> {
+//!         let x = request.parameter("x")?;
+//!         let y = Observation { mean: 2.0 * x, sd: None, n: 1, unit: "1".into() };
+//!         Ok(RunOutcome::default().with_observable("y", y))
+//!     }
+//! }
+//!
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! # let folder = tempfile::tempdir()?;
+//! let store = Store::open(folder.path())?;
+//! let requests: Vec<_> = (0..3)
+//!     .map(|i| RunRequest::new("toy", 7).with_parameter("x", f64::from(i)))
+//!     .collect();
+//! let records = Campaign::new(&store, 2, &Silent).run_all(&Doubler, &requests)?;
+//! assert_eq!(records[2].observable("y").map(|y| y.mean), Some(4.0));
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! Invariants:
+//! - the records do not depend on the number of threads, nor on what was in the store before;
+//! - a finished run is never lost: not by the failure of another, nor by a stop or a kill.
+
+mod error;
+mod progress;
+mod request;
+mod runner;
+mod simulator;
+mod time_left;
+
+pub use error::Error;
+pub use progress::{LineProgress, Progress, ProgressState, Silent};
+pub use request::{RunOutcome, RunRequest};
+pub use runner::Campaign;
+pub use simulator::{Simulator, SimulatorError};

@@ -1,1 +1,44 @@
 //! Arguments, exit codes and file writing that all commands share.
+//!
+//! A tool flattens [`Common`] into its own arguments, does its work in a function that returns
+//! the exit code, and hands the outcome to [`finish`]:
+//!
+//! ```no_run
+//! use clap::Parser as _;
+//! use std::process::ExitCode;
+//!
+//! /// Counts what must be counted.
+//! #[derive(clap::Parser)]
+//! #[command(version)]
+//! struct Arguments {
+//!     #[command(flatten)]
+//!     common: command_line::Common,
+//! }
+//!
+//! fn run(arguments: &Arguments) -> anyhow::Result<u8> {
+//!     arguments.common.log(|| "counting".to_owned());
+//!     arguments.common.print("3")?;
+//!     arguments.common.emit_json(&serde_json::json!({ "count": 3 }))?;
+//!     Ok(command_line::DONE)
+//! }
+//!
+//! fn main() -> ExitCode {
+//!     let arguments = Arguments::parse_from(command_line::arguments());
+//!     command_line::finish(run(&arguments))
+//! }
+//! ```
+//!
+//! Invariants: standard output carries results only, standard error the rest; a file is written
+//! whole or not at all, and no file is overwritten unless the user says so.
+
+mod common;
+mod exit;
+mod header;
+mod words;
+mod write;
+
+pub use common::Common;
+pub use exit::{DONE, ERROR, NOT_MET, finish};
+pub use header::{Header, file_sha256};
+pub use words::arguments;
+pub use write::{Overwrite, write_new};

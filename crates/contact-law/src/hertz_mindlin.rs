@@ -2,18 +2,30 @@
 //!
 //! # Formula
 //!
-//! With overlap d, reduced radius R*, reduced mass m*, a = sqrt(R* d):
+//! With overlap d, reduced radius R*, reduced mass m*, radius of the contact a:
 //!
-//! - F_n = (4/3) E* a d + c_n v_n,   c_n = 2 sqrt(5/6) b sqrt(2 E* a m*)
-//! - F_t = -(k_t s + c_t v_t),       k_t = 8 G* a,  c_t = 2 sqrt(5/6) b sqrt(k_t m*)
-//! - |F_t| <= mu F_n (the stored slip s is shortened to the value that gives the limit)
-//! - b = -ln e / sqrt(ln² e + pi²)
+//! ```text
+//! a   = sqrt(R* d)
+//! F_n = (4/3) E* a d + c_n v_n     c_n = 2 sqrt(5/6) b sqrt(2 E* a m*)
+//! F_t = -(k_t s + c_t v_t)         c_t = 2 sqrt(5/6) b sqrt(k_t m*)     k_t = 8 G* a
+//! b   = -ln e / sqrt(ln² e + pi²)
+//! ```
+//!
+//! The limit of sliding holds twice: the slip s is shortened until the spring alone keeps to it,
+//! `k_t |s| <= mu F_n`, and spring and dashpot together keep to it, `|F_t| <= mu F_n`. The slip
+//! is never shortened below 0: a spring that took up what the limit cuts from the dashpot would
+//! point backwards while the load of a sliding contact grows, and would push the sliding on.
 //!
 //! # Source
 //!
-//! [CottonStudy, eqs. 2 to 5] in their corrected form: the exponent 3/2 in eq. 2, the overlap
+//! `[CottonStudy, eqs. 2 to 5]` in their corrected form: the exponent 3/2 in eq. 2, the overlap
 //! under the inner root in eq. 3, the velocity outside the root and the friction limit on
-//! magnitudes in eq. 4. [Tsuji1992] gives the damping.
+//! magnitudes in eq. 4. `[Tsuji1992]` gives the damping.
+
+#![expect(
+    clippy::inline_always,
+    reason = "the loop over contacts is vectorised only when inlined"
+)]
 
 use crate::material::EffectiveModuli;
 use crate::{Error, in_range};
@@ -27,7 +39,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum NormalForceEnd {
-    /// The normal force never pulls: F_n = max(F_n, 0).
+    /// The normal force never pulls: `max(F_n, 0)` takes the place of `F_n`.
     Clipped,
     /// The dashpot may pull until the bodies part, as the damping formula assumes.
     Attractive,
@@ -40,7 +52,7 @@ pub struct PairParameters {
     pub restitution: f64,
     /// Coefficient of static (sliding) friction mu, 0 or more.
     pub static_friction: f64,
-    /// Coefficient of rolling friction mu_r, 0 or more.
+    /// Coefficient of rolling friction `mu_r`, 0 or more.
     pub rolling_friction: f64,
 }
 
@@ -52,8 +64,20 @@ impl PairParameters {
     /// Restitution outside 0 to 1, a friction coefficient below 0 or above 10.
     pub fn check(&self) -> Result<(), Error> {
         in_range("restitution", self.restitution, 0.0, 1.0, "0 to 1")?;
-        in_range("static friction", self.static_friction, 0.0, 10.0, "0 to 10")?;
-        in_range("rolling friction", self.rolling_friction, 0.0, 10.0, "0 to 10")?;
+        in_range(
+            "static friction",
+            self.static_friction,
+            0.0,
+            10.0,
+            "0 to 10",
+        )?;
+        in_range(
+            "rolling friction",
+            self.rolling_friction,
+            0.0,
+            10.0,
+            "0 to 10",
+        )?;
         Ok(())
     }
 }
@@ -100,13 +124,27 @@ impl HertzMindlin {
     ///
     /// # Errors
     ///
-    /// Parameters outside their range ([`PairParameters::check`]).
+    /// Parameters outside their range ([`PairParameters::check`]), moduli that are not positive.
     pub fn new(
         moduli: EffectiveModuli,
         parameters: &PairParameters,
         end: NormalForceEnd,
     ) -> Result<Self, Error> {
         parameters.check()?;
+        in_range(
+            "effective Young's modulus in Pa",
+            moduli.young,
+            0.01,
+            1e14,
+            "0.01 Pa to 1e14 Pa",
+        )?;
+        in_range(
+            "effective shear modulus in Pa",
+            moduli.shear,
+            0.01,
+            1e14,
+            "0.01 Pa to 1e14 Pa",
+        )?;
         let damping = 2.0 * (5.0_f64 / 6.0).sqrt() * damping_ratio(parameters.restitution);
         Ok(Self {
             moduli,
@@ -142,27 +180,37 @@ impl HertzMindlin {
         let elastic = 4.0 / 3.0 * self.moduli.young * contact_radius * geometry.overlap;
         let normal = (elastic + self.normal_damping * root * normal_velocity).max(self.least);
 
-        let slip = slip + tangential_velocity * time_step;
+        let limit = self.static_friction * normal.max(0.0);
+        let stretched = slip + tangential_velocity * time_step;
+        let slip = stretched * within(limit, &(stretched * tangential_stiffness));
         let dashpot = tangential_velocity * tangential_damping;
         let free = -(slip * tangential_stiffness + dashpot);
-        let limit = self.static_friction * normal.max(0.0);
-        let size_squared = free.norm_squared();
-        let share =
-            if size_squared > limit * limit { limit / size_squared.sqrt() } else { 1.0 };
-        let tangential = free * share;
-        // The spring keeps what the force leaves after the dashpot: nothing changes below the
-        // limit, and at the limit the contact sticks again as soon as the load allows it.
-        let slip = -(tangential + dashpot) / tangential_stiffness;
-        ContactForce { normal, tangential, slip }
+        let tangential = free * within(limit, &free);
+        ContactForce {
+            normal,
+            tangential,
+            slip,
+        }
     }
 
-    /// Normal stiffness at an overlap, d F_n / d d = 2 E* sqrt(R* d), N/m.
+    /// Normal stiffness at an overlap, `d F_n / d d = 2 E* sqrt(R* d)`, N/m.
     pub fn normal_stiffness(&self, overlap: f64, reduced_radius: f64) -> f64 {
         2.0 * self.moduli.young * (reduced_radius * overlap).sqrt()
     }
 }
 
-/// b = -ln e / sqrt(ln² e + pi²), from 0 (e = 1) to 1 (e = 0).
+/// The factor, at most 1, that shortens a force to the limit (both in N).
+#[inline(always)]
+fn within(limit: f64, force: &Vector3<f64>) -> f64 {
+    let square = force.norm_squared();
+    if square > limit * limit {
+        limit / square.sqrt()
+    } else {
+        1.0
+    }
+}
+
+/// Damping ratio `b = -ln e / sqrt(ln² e + pi²)`, from 0 (e = 1) to 1 (e = 0).
 pub fn damping_ratio(restitution: f64) -> f64 {
     if restitution <= 0.0 {
         return 1.0;
@@ -173,7 +221,7 @@ pub fn damping_ratio(restitution: f64) -> f64 {
 
 /// Time step of the Rayleigh wave over a sphere, pi R sqrt(rho/G) / (0.1631 nu + 0.8766), s.
 ///
-/// A usual yardstick, not a stability limit of this solver. [ThorntonRandall1988]
+/// A usual yardstick, not a stability limit of this solver. `[ThorntonRandall1988]`
 pub fn rayleigh_time_step(radius: f64, density: f64, material: &crate::Material) -> f64 {
     std::f64::consts::PI * radius * (density / material.shear_modulus).sqrt()
         / (0.1631 * material.poisson_ratio + 0.8766)

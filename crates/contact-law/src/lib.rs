@@ -10,7 +10,9 @@ pub mod hertz_mindlin;
 pub mod material;
 pub mod rolling_constant_torque;
 
-pub use hertz_mindlin::{ContactGeometry, ContactForce, HertzMindlin, NormalForceEnd, PairParameters};
+pub use hertz_mindlin::{
+    ContactForce, ContactGeometry, HertzMindlin, NormalForceEnd, PairParameters,
+};
 pub use material::{EffectiveModuli, Material};
 
 /// What is wrong with a material or a contact parameter.

@@ -28,9 +28,24 @@ impl Material {
     ///
     /// Poisson's ratio outside (-1, 0.5], a shear modulus that is not positive.
     pub fn new(poisson_ratio: f64, shear_modulus: f64) -> Result<Self, Error> {
-        in_range("Poisson's ratio", poisson_ratio, -0.999, 0.5, "-0.999 to 0.5")?;
-        in_range("shear modulus in Pa", shear_modulus, 1.0, 1e13, "1 Pa to 1e13 Pa")?;
-        Ok(Self { poisson_ratio, shear_modulus })
+        in_range(
+            "Poisson's ratio",
+            poisson_ratio,
+            -0.999,
+            0.5,
+            "-0.999 to 0.5",
+        )?;
+        in_range(
+            "shear modulus in Pa",
+            shear_modulus,
+            1.0,
+            1e13,
+            "1 Pa to 1e13 Pa",
+        )?;
+        Ok(Self {
+            poisson_ratio,
+            shear_modulus,
+        })
     }
 
     /// Young's modulus E = 2 G (1 + nu), Pa.
@@ -43,15 +58,21 @@ impl Material {
 ///
 /// # Formula
 ///
-/// 1/E* = (1 - nu_i²)/E_i + (1 - nu_j²)/E_j, 1/G* = (2 - nu_i)/G_i + (2 - nu_j)/G_j
+/// ```text
+/// 1/E* = (1 - nu_i²)/E_i + (1 - nu_j²)/E_j
+/// 1/G* = (2 - nu_i)/G_i + (2 - nu_j)/G_j
+/// ```
 ///
 /// # Source
 ///
-/// [CottonStudy, eqs. 3 and 5]; eq. 5 is printed without the reciprocal on the left.
+/// `[CottonStudy, eqs. 3 and 5]`; eq. 5 is printed without the reciprocal on the left.
 pub fn effective_moduli(i: &Material, j: &Material) -> EffectiveModuli {
     let plane = |m: &Material| (1.0 - m.poisson_ratio * m.poisson_ratio) / m.youngs_modulus();
     let slip = |m: &Material| (2.0 - m.poisson_ratio) / m.shear_modulus;
-    EffectiveModuli { young: 1.0 / (plane(i) + plane(j)), shear: 1.0 / (slip(i) + slip(j)) }
+    EffectiveModuli {
+        young: 1.0 / (plane(i) + plane(j)),
+        shear: 1.0 / (slip(i) + slip(j)),
+    }
 }
 
 #[cfg(test)]
@@ -64,9 +85,17 @@ mod tests {
         let seed = Material::new(0.14, 4.01e6).unwrap();
         let both = effective_moduli(&seed, &seed);
         let young = 9_142_800.0 / (2.0 * (1.0 - 0.14 * 0.14));
-        assert!((seed.youngs_modulus() - 9_142_800.0).abs() < 1e-6, "{}", seed.youngs_modulus());
+        assert!(
+            (seed.youngs_modulus() - 9_142_800.0).abs() < 1e-6,
+            "{}",
+            seed.youngs_modulus()
+        );
         assert!((both.young / young - 1.0).abs() < 1e-14, "{}", both.young);
-        assert!((both.shear / (4.01e6 / 3.72) - 1.0).abs() < 1e-14, "{}", both.shear);
+        assert!(
+            (both.shear / (4.01e6 / 3.72) - 1.0).abs() < 1e-14,
+            "{}",
+            both.shear
+        );
     }
 
     #[test]

@@ -2,17 +2,23 @@
 //!
 //! # Formula
 //!
-//! T_i = -mu_r F_n L w/|w|,  T_j = -T_i
+//! ```text
+//! T_i = -mu_r F_n L w/|w|     T_j = -T_i     w = omega_i - omega_j     1/L = 1/l_i + 1/l_j
+//! ```
 //!
-//! with w = omega_i - omega_j, the relative angular velocity, and L the reduced lever arm,
-//! 1/L = 1/l_i + 1/l_j, where l is the distance from contact to centre of mass (a wall has
-//! l = infinity). Below `SMALL_SPIN` the torque falls to 0 in proportion to |w|, so that a
+//! with w the relative angular velocity and L the reduced lever arm, where l is the distance from
+//! the contact to the centre of mass (a wall has l = infinity). Below `SMALL_SPIN` the torque falls to 0 in proportion to |w|, so that a
 //! body at rest does not tremble.
 //!
 //! # Source
 //!
-//! [CottonStudy, eq. 6], [Ai2011, type A]. The study's omega_i is that of one body; the relative
+//! `[CottonStudy, eq. 6]`, `[Ai2011, type A]`. The study takes the spin of one body; the relative
 //! one is used here so that a bed that turns as a whole feels nothing and angular momentum is kept.
+
+#![expect(
+    clippy::inline_always,
+    reason = "the loop over contacts is vectorised only when inlined"
+)]
 
 use nalgebra::Vector3;
 
@@ -24,7 +30,7 @@ pub const SMALL_SPIN: f64 = 0.5;
 
 /// Torque on body i, N m.
 ///
-/// `lever_arm` is L (m), `normal_force` F_n (N), `relative_spin` w (rad/s).
+/// `lever_arm` is L (m), `normal_force` the normal force (N), `relative_spin` w (rad/s).
 #[inline(always)]
 pub fn torque(
     rolling_friction: f64,
@@ -41,7 +47,7 @@ mod tests {
     use super::{SMALL_SPIN, torque};
     use nalgebra::Vector3;
 
-    /// Size mu_r F_n L, direction against the spin; rounding only.
+    /// Size `mu_r F_n L`, direction against the spin; rounding only.
     #[test]
     fn torque_has_the_size_of_the_law_and_opposes_the_spin() {
         let got = torque(0.1, 2.0, 0.5, Vector3::new(0.0, 0.0, 7.0));

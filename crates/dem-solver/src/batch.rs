@@ -4,6 +4,11 @@
 //! [`Interaction::between_spheres`], and the results are added to the bodies in the order in
 //! which the contacts came.
 
+#![expect(
+    clippy::inline_always,
+    reason = "the hot loops are vectorised only when inlined"
+)]
+
 use crate::bodies::Bodies;
 use crate::contact::{Effect, Interaction, SpherePair};
 use crate::neighbours::Touch;
@@ -73,7 +78,12 @@ impl Default for Batch {
                 radii: [[0.0; ROOM]; 2],
                 reduced_mass: [0.0; ROOM],
             }),
-            output: Box::new(Output { force: EMPTY, torque_i: EMPTY, torque_j: EMPTY, slip: EMPTY }),
+            output: Box::new(Output {
+                force: EMPTY,
+                torque_i: EMPTY,
+                torque_j: EMPTY,
+                slip: EMPTY,
+            }),
         }
     }
 }
@@ -167,7 +177,12 @@ fn compute(law: &Interaction, input: &Input, output: &mut Output, n: usize, time
             radii: [input.radii[0][k], input.radii[1][k]],
             reduced_mass: input.reduced_mass[k],
         };
-        let Effect { force, torque_i, torque_j, slip } = law.between_spheres(&pair, time_step);
+        let Effect {
+            force,
+            torque_i,
+            torque_j,
+            slip,
+        } = law.between_spheres(&pair, time_step);
         write(&mut output.force, k, &force);
         write(&mut output.torque_i, k, &torque_i);
         write(&mut output.torque_j, k, &torque_j);

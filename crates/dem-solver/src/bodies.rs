@@ -25,7 +25,13 @@ impl Placement {
         position: Vector3<f64>,
         orientation: UnitQuaternion<f64>,
     ) -> Self {
-        Self { template, position, orientation, velocity: Vector3::zeros(), spin: Vector3::zeros() }
+        Self {
+            template,
+            position,
+            orientation,
+            velocity: Vector3::zeros(),
+            spin: Vector3::zeros(),
+        }
     }
 }
 
@@ -43,15 +49,15 @@ pub struct Bodies {
     /// Angular velocities in the world frame, rad/s.
     pub spin: Vec<Vector3<f64>>,
     /// Angular momenta in the world frame, kg m²/s.
-    pub(crate) angular_momentum: Vec<Vector3<f64>>,
+    pub angular_momentum: Vec<Vector3<f64>>,
     /// Rotation matrices, from the principal frames to the world.
     pub(crate) rotation: Vec<Matrix3<f64>>,
     /// The same in single precision, row by row, for the overlap test.
     pub(crate) rotation_single: Vec<[f32; 9]>,
-    /// Contact forces of the step, N.
-    pub(crate) force: Vec<Vector3<f64>>,
-    /// Contact torques of the step about the centre of mass, N m.
-    pub(crate) torque: Vec<Vector3<f64>>,
+    /// Contact forces of the last step, N.
+    pub force: Vec<Vector3<f64>>,
+    /// Contact torques of the last step about the centre of mass, N m.
+    pub torque: Vec<Vector3<f64>>,
     /// Upper bound of the way of any surface point since the last broad phase, in the frame
     /// that turns with the reference spin, m.
     pub(crate) travel: Vec<f32>,
@@ -77,7 +83,8 @@ impl Bodies {
         self.velocity.push(placement.velocity);
         self.orientation.push(placement.orientation);
         self.spin.push(placement.spin);
-        self.angular_momentum.push(rotation * template.inertia.component_mul(&body_spin));
+        self.angular_momentum
+            .push(rotation * template.inertia.component_mul(&body_spin));
         self.rotation.push(rotation);
         self.rotation_single.push(single(&rotation));
         self.force.push(Vector3::zeros());
@@ -88,7 +95,10 @@ impl Bodies {
 
 /// A rotation matrix in single precision, row by row.
 #[inline]
-#[expect(clippy::cast_possible_truncation, reason = "rounding to single precision is meant")]
+#[expect(
+    clippy::cast_possible_truncation,
+    reason = "rounding to single precision is meant"
+)]
 pub(crate) fn single(m: &Matrix3<f64>) -> [f32; 9] {
     [
         m.m11 as f32,

@@ -11,15 +11,21 @@ pub(crate) struct Grid {
     start: Vec<u32>,
     /// Bodies sorted by cell, rising index within a cell.
     order: Vec<u32>,
+    /// Next free entry of each cell in `order`, while it is filled.
+    next: Vec<u32>,
+    /// Partners of one body.
+    partners: Vec<u32>,
 }
 
-/// Most cells that a grid may have; beyond it the cells grow.
-const MOST_CELLS: usize = 1 << 21;
+/// Most cells of a grid for each body; beyond it the cells grow. A packed bed needs about one, a
+/// loose one ten; with twice the number a body that flies away costs twice the memory.
+const MOST_CELLS_PER_BODY: usize = 64;
 
 impl Grid {
-    /// Calls `found(i, j)` with i < j for each pair closer than the sum of its radii and margin.
+    /// Calls `found` with each body i and its partners j > i, in rising order: the bodies closer
+    /// than the sum of both radii and the margin.
     ///
-    /// For each i the partners come in rising order. Positions in m; `radii` by body, m.
+    /// Positions in m, finite; `radii` by body, m.
     pub(crate) fn pairs(
         &mut self,
         positions: &[Vector3<f64>],
@@ -30,11 +36,14 @@ impl Grid {
         let largest = radii.iter().copied().fold(0.0, f64::max);
         let low = fold(positions, f64::INFINITY, f64::min);
         let high = fold(positions, f64::NEG_INFINITY, f64::max);
+        let most = MOST_CELLS_PER_BODY
+            .saturating_mul(positions.len())
+            .clamp(1 << 12, 1 << 28);
         let mut size = 2.0 * largest + margin;
         let counts = loop {
             let counts: [usize; 3] = std::array::from_fn(|k| cell(high[k] - low[k], size) + 1);
             let total = counts.iter().fold(1_usize, |n, &c| n.saturating_mul(c));
-            if total <= MOST_CELLS {
+            if total <= most {
                 break counts;
             }
             size *= 2.0;
@@ -43,7 +52,7 @@ impl Grid {
             std::array::from_fn(|k| cell(p[k] - low[k], size).min(counts[k] - 1))
         };
         self.sort(positions, counts, coordinates);
-        let mut partners: Vec<u32> = Vec::with_capacity(64);
+        let mut partners = std::mem::take(&mut self.partners);
         for (i, p) in positions.iter().enumerate() {
             partners.clear();
             let c = coordinates(p);
@@ -61,6 +70,7 @@ impl Grid {
             partners.sort_unstable();
             found(i, &partners);
         }
+        self.partners = partners;
     }
 
     /// Sorts the bodies by cell (counting sort).
@@ -84,9 +94,9 @@ impl Grid {
         }
         self.order.clear();
         self.order.resize(positions.len(), 0);
-        let mut next = self.start.clone();
+        self.next.clone_from(&self.start);
         for (i, &index) in self.cell_of.iter().enumerate() {
-            let place = &mut next[index as usize];
+            let place = &mut self.next[index as usize];
             self.order[*place as usize] = u32::try_from(i).unwrap_or(u32::MAX);
             *place += 1;
         }
@@ -95,7 +105,9 @@ impl Grid {
 
 /// Component-wise extreme of the positions.
 fn fold(positions: &[Vector3<f64>], start: f64, pick: fn(f64, f64) -> f64) -> Vector3<f64> {
-    positions.iter().fold(Vector3::repeat(start), |a, p| a.zip_map(p, pick))
+    positions
+        .iter()
+        .fold(Vector3::repeat(start), |a, p| a.zip_map(p, pick))
 }
 
 /// Number of whole cells in a length; a negative or undefined length gives 0.
@@ -135,8 +147,9 @@ mod tests {
     #[test]
     fn grid_finds_the_pairs_of_a_double_loop() {
         let mut stream = Stream::new(1, "grid");
-        let positions: Vec<_> =
-            (0..300).map(|_| Vector3::from_fn(|_, _| stream.uniform())).collect();
+        let positions: Vec<_> = (0..300)
+            .map(|_| Vector3::from_fn(|_, _| stream.uniform()))
+            .collect();
         let radii: Vec<f64> = (0..300).map(|_| stream.between(0.01, 0.06)).collect();
         let mut found = Vec::new();
         Grid::default().pairs(&positions, &radii, 0.02, |i, partners| {
@@ -150,7 +163,40 @@ mod tests {
                 }
             }
         }
-        assert!(expected.len() > 100, "the test has too few pairs to mean anything");
+        assert!(
+            expected.len() > 100,
+            "the test has too few pairs to mean anything"
+        );
         assert_eq!(found, expected);
+    }
+
+    /// One body at any finite distance neither fills the memory nor stops the search, and the
+    /// pair of those that stayed is still found.
+    #[test]
+    fn body_far_away_costs_no_memory() {
+        for far in [1e3, 1e12, 1e155, 1e308] {
+            let mut grid = Grid::default();
+            let positions = [
+                Vector3::repeat(-far),
+                Vector3::zeros(),
+                Vector3::x() * 0.1,
+                Vector3::new(far, -far, 0.0),
+            ];
+            let mut found = Vec::new();
+            grid.pairs(&positions, &[0.06; 4], 0.02, |i, partners| {
+                found.extend(partners.iter().map(|&j| (i, j as usize)));
+            });
+            assert_eq!(found, [(1, 2)], "at {far} m");
+            assert!(
+                grid.start.len() < 1 << 13,
+                "{} cells at {far} m",
+                grid.start.len()
+            );
+        }
+    }
+
+    #[test]
+    fn grid_of_no_body_has_no_pair() {
+        Grid::default().pairs(&[], &[], 0.02, |_, _| panic!("a pair of nothing"));
     }
 }

@@ -1,14 +1,20 @@
 //! Which spheres of two bodies may touch before the bodies have moved by the skin.
 //!
-//! Single precision throughout: the result is a list of candidates with a skin of at least
-//! `SAFETY`, and whether a candidate touches is decided in double precision.
+//! Single precision throughout: the skin is larger than the rounding ([`Slack`]), and whether a
+//! candidate touches is decided in double precision.
 
+#![expect(
+    clippy::needless_range_loop,
+    reason = "one axis runs through several arrays"
+)]
+#![expect(
+    clippy::inline_always,
+    reason = "the hot loops are vectorised only when inlined"
+)]
+
+use crate::pair_force::Slack;
 use crate::template::{LANES, Packed};
 use multiversion::multiversion;
-
-/// Slack for the rounding of single-precision coordinates, m (they are below 0.1 m here, so
-/// that the rounding is below 1e-8 m).
-pub(crate) const SAFETY: f32 = 2e-8;
 
 /// Pose of body j in the principal frame of body i.
 #[derive(Debug, Clone, Copy)]
@@ -82,12 +88,17 @@ impl Kept {
 #[inline(always)]
 fn support(packed: &Packed, direction: [f32; 3]) -> f32 {
     let mut best = [f32::NEG_INFINITY; LANES];
-    let columns = packed.x.chunks_exact(LANES).zip(packed.y.chunks_exact(LANES));
-    let rest = packed.z.chunks_exact(LANES).zip(packed.radius.chunks_exact(LANES));
+    let columns = packed
+        .x
+        .chunks_exact(LANES)
+        .zip(packed.y.chunks_exact(LANES));
+    let rest = packed
+        .z
+        .chunks_exact(LANES)
+        .zip(packed.radius.chunks_exact(LANES));
     for ((x, y), (z, radius)) in columns.zip(rest) {
         for l in 0..LANES {
-            let reach =
-                x[l] * direction[0] + y[l] * direction[1] + z[l] * direction[2] + radius[l];
+            let reach = x[l] * direction[0] + y[l] * direction[1] + z[l] * direction[2] + radius[l];
             best[l] = if reach > best[l] { reach } else { best[l] };
         }
     }
@@ -96,16 +107,17 @@ fn support(packed: &Packed, direction: [f32; 3]) -> f32 {
 
 /// Lists in `scratch.found` all pairs of spheres whose gap is below the skin.
 ///
-/// Returns a lower bound of the gap of all pairs that are not listed, m: the skin, or more where
-/// a plane between the bodies proves more.
+/// Returns a lower bound of the gap of all pairs that are not listed, m: the skin less the
+/// safety, or more where a plane between the bodies proves more.
 #[multiversion(targets("x86_64+avx2"))]
 pub(crate) fn search(
     i: &Packed,
     j: &Packed,
     pose: &RelativeSingle,
-    skin: f32,
+    slack: Slack,
     scratch: &mut Scratch,
 ) -> f32 {
+    let Slack { skin, safety } = slack;
     scratch.found.clear();
     let (r, p) = (&pose.rotation, &pose.position);
     let distance = (p[0] * p[0] + p[1] * p[1] + p[2] * p[2]).sqrt().max(1e-12);
@@ -117,7 +129,7 @@ pub(crate) fn search(
     ];
     let far_of_i = support(i, normal);
     let near_of_j = distance - support(j, back);
-    let gap = near_of_j - far_of_i - SAFETY;
+    let gap = near_of_j - far_of_i - safety;
     if gap > skin {
         return gap;
     }
@@ -148,7 +160,7 @@ pub(crate) fn search(
         }
     }
     if kept_j.n == 0 {
-        return skin;
+        return skin - safety;
     }
     kept_j.pad();
 
@@ -166,7 +178,7 @@ pub(crate) fn search(
         kept_i.offer(centre, radius, k, keep);
     }
     pair_up(kept_i, kept_j, skin, &mut scratch.found);
-    skin
+    skin - safety
 }
 
 /// Tests each survivor of i against each of j.

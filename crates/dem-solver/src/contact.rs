@@ -1,13 +1,18 @@
 //! One contact: from geometry and motion to force and torques.
 
+#![expect(
+    clippy::inline_always,
+    reason = "the hot loops are vectorised only when inlined"
+)]
+
 use contact_law::{
-    ContactGeometry, HertzMindlin, Material, NormalForceEnd, PairParameters, material,
-    rolling_constant_torque,
+    ContactGeometry, HertzMindlin, Material, NormalForceEnd, PairParameters, constant_attraction,
+    material, rolling_constant_torque,
 };
 use nalgebra::Vector3;
 
 /// Everything that decides the contact between two kinds of surface.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Interaction {
     /// Elastic, damping and sliding part.
     law: HertzMindlin,
@@ -35,13 +40,13 @@ impl Interaction {
     ///
     /// # Errors
     ///
-    /// Contact parameters outside their range.
+    /// Contact parameters outside their range, a negative attraction.
     pub fn new(settings: &InteractionSettings) -> Result<Self, contact_law::Error> {
         let moduli = material::effective_moduli(&settings.materials[0], &settings.materials[1]);
         Ok(Self {
             law: HertzMindlin::new(moduli, &settings.parameters, settings.end)?,
             rolling_friction: settings.parameters.rolling_friction,
-            attraction: settings.attraction,
+            attraction: constant_attraction::check(settings.attraction)?,
         })
     }
 }
@@ -121,8 +126,7 @@ impl Interaction {
         let overlap = sum - distance;
         let arm_i = pair.offset_i + normal * (radius_i - 0.5 * overlap);
         let arm_j = pair.offset_j - normal * (radius_j - 0.5 * overlap);
-        let relative =
-            pair.velocity + pair.spins[0].cross(&arm_i) - pair.spins[1].cross(&arm_j);
+        let relative = pair.velocity + pair.spins[0].cross(&arm_i) - pair.spins[1].cross(&arm_j);
         let geometry = ContactGeometry {
             overlap,
             reduced_radius: radius_i * radius_j / sum,
@@ -131,10 +135,16 @@ impl Interaction {
         let approach = relative.dot(&normal);
         let sliding = relative - normal * approach;
         let kept = pair.slip - normal * pair.slip.dot(&normal);
-        let force = self.law.force(&geometry, approach, sliding, kept, time_step);
+        let force = self
+            .law
+            .force(&geometry, approach, sliding, kept, time_step);
         let on_i = force.tangential - normal * (force.normal - self.attraction);
         let inverse_arm = 1.0 / arm_i.norm() + 1.0 / arm_j.norm();
-        let rolling = self.rolling(force.normal, 1.0 / inverse_arm, pair.spins[0] - pair.spins[1]);
+        let rolling = self.rolling(
+            force.normal,
+            1.0 / inverse_arm,
+            pair.spins[0] - pair.spins[1],
+        );
         Effect {
             force: on_i,
             torque_i: arm_i.cross(&on_i) + rolling,
@@ -157,7 +167,9 @@ impl Interaction {
         let approach = relative.dot(&normal);
         let sliding = relative - normal * approach;
         let kept = slip - normal * slip.dot(&normal);
-        let force = self.law.force(&contact.geometry, approach, sliding, kept, time_step);
+        let force = self
+            .law
+            .force(&contact.geometry, approach, sliding, kept, time_step);
         let on_body = force.tangential - normal * (force.normal - self.attraction);
         let lever = contact.arm.norm();
         let rolling = self.rolling(force.normal, lever, body.spin - contact.wall_spin);

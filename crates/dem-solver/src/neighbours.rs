@@ -6,7 +6,8 @@
 //! since the list was made decides whether the list must be made anew.
 
 use crate::bodies::{Bodies, single};
-use crate::candidates::{RelativeSingle, SAFETY, Scratch, search};
+use crate::candidates::{RelativeSingle, Scratch, search};
+use crate::pair_force::Slack;
 use crate::template::{LANES, Template};
 use nalgebra::{UnitQuaternion, Vector3};
 
@@ -134,6 +135,11 @@ pub struct Census {
     pub checks: u64,
 }
 
+/// A limit of the travel lowered by what is used up, and by the rounding of doing so, m.
+pub(crate) fn lowered(limit: f32, travel: f32) -> f32 {
+    limit - travel - f32::EPSILON * (limit.abs() + travel)
+}
+
 /// An index as it is stored.
 fn stored(index: usize) -> u32 {
     u32::try_from(index).unwrap_or(u32::MAX)
@@ -183,29 +189,43 @@ impl Neighbours {
                 k += 1;
             }
             if k < end && self.old.heads[k].j == j {
-                let limit = self.old.heads[k].limit - travel[i] - travel[j as usize];
+                let limit = lowered(self.old.heads[k].limit, travel[i] + travel[j as usize]);
                 self.heads.push(Head { j, limit });
                 let lists = self.old.lists[k];
                 let first = lists.chunk as usize;
                 let moved = &self.old.chunks[first..first + lists.n_chunks as usize];
                 let chunk = stored(self.chunks.len());
                 self.chunks.extend_from_slice(moved);
-                self.lists.push(Lists { chunk, room: lists.n_chunks, ..lists });
+                self.lists.push(Lists {
+                    chunk,
+                    room: lists.n_chunks,
+                    ..lists
+                });
                 k += 1;
             } else {
                 let pose = self.take_pose();
-                self.heads.push(Head { j, limit: f32::NEG_INFINITY });
-                self.lists.push(Lists { pose, ..Lists::default() });
+                self.heads.push(Head {
+                    j,
+                    limit: f32::NEG_INFINITY,
+                });
+                self.lists.push(Lists {
+                    pose,
+                    ..Lists::default()
+                });
             }
         }
-        self.free.extend(self.old.lists[k..end].iter().map(|l| l.pose));
+        self.free
+            .extend(self.old.lists[k..end].iter().map(|l| l.pose));
         self.start.push(stored(self.heads.len()));
     }
 
     /// A place for a pose, without a list.
     fn take_pose(&mut self) -> u32 {
-        let empty =
-            Pose { position: Vector3::zeros(), rotation: UnitQuaternion::identity(), reach: -1.0 };
+        let empty = Pose {
+            position: Vector3::zeros(),
+            rotation: UnitQuaternion::identity(),
+            reach: -1.0,
+        };
         if let Some(index) = self.free.pop() {
             self.poses[index as usize] = empty;
             return index;
@@ -222,20 +242,26 @@ impl Neighbours {
         i: usize,
         bodies: &Bodies,
         templates: &[Template],
-        skin: f32,
+        slack: Slack,
     ) {
         self.n_checks += 1;
         let j = self.heads[k].j as usize;
         let travel = bodies.travel[i] + bodies.travel[j];
-        let (a, b) = (&templates[bodies.template[i]], &templates[bodies.template[j]]);
+        let (a, b) = (
+            &templates[bodies.template[i]],
+            &templates[bodies.template[j]],
+        );
         let position = bodies.rotation[i].tr_mul(&(bodies.position[j] - bodies.position[i]));
         let rotation = bodies.orientation[i].inverse() * bodies.orientation[j];
         let pose = &mut self.poses[self.lists[k].pose as usize];
         if pose.reach > 0.0 {
             let turn = (pose.rotation.inverse() * rotation).imag().norm();
             let moved = (position - pose.position).norm() + 2.0 * turn * b.bounding_radius;
-            #[expect(clippy::cast_possible_truncation, reason = "covered by the safety distance")]
-            let moved = moved as f32 + SAFETY;
+            #[expect(
+                clippy::cast_possible_truncation,
+                reason = "covered by the safety distance"
+            )]
+            let moved = moved as f32 + slack.safety;
             if moved < 0.7 * pose.reach {
                 self.heads[k].limit = travel + (pose.reach - moved);
                 return;
@@ -243,40 +269,52 @@ impl Neighbours {
         }
         let relative = RelativeSingle {
             rotation: single(&rotation.to_rotation_matrix().into_inner()),
-            #[expect(clippy::cast_possible_truncation, reason = "covered by the safety distance")]
+            #[expect(
+                clippy::cast_possible_truncation,
+                reason = "covered by the safety distance"
+            )]
             position: [position.x as f32, position.y as f32, position.z as f32],
         };
-        let reach = search(&a.packed, &b.packed, &relative, skin, &mut self.scratch) - SAFETY;
-        *pose = Pose { position, rotation, reach };
+        let reach = search(&a.packed, &b.packed, &relative, slack, &mut self.scratch);
+        *pose = Pose {
+            position,
+            rotation,
+            reach,
+        };
         self.heads[k].limit = travel + reach;
         self.n_rebuilds += 1;
-        self.place_chunks(k, a, b);
+        self.place_chunks(k, a, b, slack.safety);
     }
 
     /// Writes the candidates found into the place of pair `k`, or to the end if it is too small.
-    fn place_chunks(&mut self, k: usize, a: &Template, b: &Template) {
+    fn place_chunks(&mut self, k: usize, a: &Template, b: &Template, safety: f32) {
         let lists = &mut self.lists[k];
         let groups = self.scratch.found.chunks(LANES);
         lists.n_chunks = stored(groups.len());
         if lists.n_chunks > lists.room {
             lists.chunk = stored(self.chunks.len());
             lists.room = lists.n_chunks;
-            self.chunks.extend(groups.map(|group| chunk_of(group, a, b)));
+            self.chunks
+                .extend(groups.map(|group| chunk_of(group, a, b, safety)));
         } else {
             let place = &mut self.chunks[lists.chunk as usize..];
             for (chunk, group) in place.iter_mut().zip(groups) {
-                *chunk = chunk_of(group, a, b);
+                *chunk = chunk_of(group, a, b, safety);
             }
         }
         if lists.n_chunks == 0 {
-            lists.n_touches = 0;
+            // The force loop leaves this pair out, and the touches move on without it.
+            (lists.touch, lists.n_touches) = (0, 0);
         }
     }
 }
 
 /// Lays candidates out in lanes.
-#[expect(clippy::cast_possible_truncation, reason = "rounding to single precision is meant")]
-fn chunk_of(group: &[(u16, u16)], a: &Template, b: &Template) -> Chunk {
+#[expect(
+    clippy::cast_possible_truncation,
+    reason = "rounding to single precision is meant"
+)]
+fn chunk_of(group: &[(u16, u16)], a: &Template, b: &Template, safety: f32) -> Chunk {
     let mut chunk = Chunk {
         i: [[0.0; LANES]; 3],
         j: [[0.0; LANES]; 3],
@@ -291,7 +329,7 @@ fn chunk_of(group: &[(u16, u16)], a: &Template, b: &Template) -> Chunk {
             chunk.i[axis][l] = p[axis];
             chunk.j[axis][l] = q[axis];
         }
-        let sum = (a.radii[u] + b.radii[v]) as f32 + SAFETY;
+        let sum = (a.radii[u] + b.radii[v]) as f32 + safety;
         chunk.limit[l] = sum * sum;
         chunk.key[l] = u32::from(si) << 16 | u32::from(sj);
     }

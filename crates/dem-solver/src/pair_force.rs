@@ -1,13 +1,43 @@
 //! Forces between bodies.
 
+#![expect(
+    clippy::inline_always,
+    reason = "the hot loops are vectorised only when inlined"
+)]
+
 use crate::batch::Batch;
 use crate::bodies::Bodies;
 use crate::contact::{Interaction, Mover, SpherePair};
 use crate::neighbours::{Chunk, Neighbours, Touch};
 use crate::template::Template;
+use crate::world::Settings;
 use multiversion::multiversion;
 use nalgebra::Vector3;
 use wide::f32x8;
+
+/// Distances of the sphere lists.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Slack {
+    /// Gap up to which spheres are listed, at least twice the safety, m.
+    pub(crate) skin: f32,
+    /// Bound of the rounding of a gap in single precision, m.
+    pub(crate) safety: f32,
+}
+
+impl Slack {
+    /// Distances for bodies of a largest bounding radius (m).
+    ///
+    /// A gap is the difference of coordinates below twice the radius plus the margin. Each comes
+    /// from about ten roundings of 6e-8 of that size, some of them in three components.
+    #[expect(clippy::cast_possible_truncation, reason = "the skin may be anything")]
+    pub(crate) fn new(largest_radius: f64, settings: &Settings) -> Self {
+        let safety = 2e-6 * (2.0 * largest_radius + settings.margin);
+        Self {
+            skin: (settings.skin + 2.0 * safety) as f32,
+            safety: safety as f32,
+        }
+    }
+}
 
 /// What the force loops need beside bodies and lists.
 #[derive(Debug, Clone, Copy)]
@@ -18,8 +48,8 @@ pub(crate) struct Context<'a> {
     pub(crate) interactions: &'a [Interaction],
     /// Number of materials.
     pub(crate) n_materials: usize,
-    /// Skin of the lists, m.
-    pub(crate) skin: f32,
+    /// Distances of the sphere lists.
+    pub(crate) slack: Slack,
     /// Time step, s.
     pub(crate) time_step: f64,
 }
@@ -70,7 +100,7 @@ pub(crate) fn add_pair_forces(
             let head = neighbours.heads[k];
             let j = head.j as usize;
             if travel + bodies.travel[j] > head.limit {
-                neighbours.refresh(k, i, bodies, context.templates, context.skin);
+                neighbours.refresh(k, i, bodies, context.templates, context.slack);
             }
             if neighbours.lists[k].n_chunks > 0 {
                 collect_pair(neighbours, k, [i, j], bodies, batch, context);
@@ -84,7 +114,10 @@ pub(crate) fn add_pair_forces(
 
 /// Puts the touching spheres of pair `k` into the batch.
 #[inline(always)]
-#[expect(clippy::cast_possible_truncation, reason = "the overlap test has a safety distance")]
+#[expect(
+    clippy::cast_possible_truncation,
+    reason = "the overlap test has a safety distance"
+)]
 fn collect_pair(
     neighbours: &mut Neighbours,
     k: usize,
@@ -99,7 +132,11 @@ fn collect_pair(
     let [a, b] = [i, j].map(|body| context.templates[bodies.template[body]].material);
     let interaction = context.interaction_index(a, b);
     let difference = bodies.position[j] - bodies.position[i];
-    let single = [difference.x as f32, difference.y as f32, difference.z as f32];
+    let single = [
+        difference.x as f32,
+        difference.y as f32,
+        difference.z as f32,
+    ];
     let (ri, rj) = (bodies.rotation_single[i], bodies.rotation_single[j]);
     let chunks = lists.chunk as usize..(lists.chunk + lists.n_chunks) as usize;
     for chunk in &neighbours.chunks[chunks] {
@@ -108,14 +145,19 @@ fn collect_pair(
             let key = chunk.key[mask.trailing_zeros() as usize];
             mask &= mask - 1;
             if let Some(mut pair) = sphere_pair(key, [i, j], bodies, context.templates) {
-                let known = neighbours.touches[old.clone()].iter().find(|t| t.key == key);
+                let known = neighbours.touches[old.clone()]
+                    .iter()
+                    .find(|t| t.key == key);
                 pair.slip = known.map_or_else(Vector3::zeros, |touch| touch.slip);
                 let touches = &mut neighbours.next_touches;
                 if batch.must_be_applied(interaction) {
                     batch.apply(context.interactions, context.time_step, bodies, touches);
                 }
                 batch.push(interaction, [i, j], touches.len(), &pair);
-                touches.push(Touch { key, slip: pair.slip });
+                touches.push(Touch {
+                    key,
+                    slip: pair.slip,
+                });
             }
         }
     }
@@ -132,7 +174,10 @@ pub(crate) fn sphere_pair(
     templates: &[Template],
 ) -> Option<SpherePair> {
     let (u, v) = ((key >> 16) as usize, (key & 0xffff) as usize);
-    let (a, b) = (&templates[bodies.template[i]], &templates[bodies.template[j]]);
+    let (a, b) = (
+        &templates[bodies.template[i]],
+        &templates[bodies.template[j]],
+    );
     let offset_i = bodies.rotation[i] * a.centres[u];
     let offset_j = bodies.rotation[j] * b.centres[v];
     let between = (bodies.position[j] + offset_j) - (bodies.position[i] + offset_i);
@@ -157,5 +202,9 @@ pub(crate) fn sphere_pair(
 /// Motion of a body.
 #[inline(always)]
 pub(crate) fn mover(bodies: &Bodies, k: usize) -> Mover {
-    Mover { position: bodies.position[k], velocity: bodies.velocity[k], spin: bodies.spin[k] }
+    Mover {
+        position: bodies.position[k],
+        velocity: bodies.velocity[k],
+        spin: bodies.spin[k],
+    }
 }

@@ -17,6 +17,18 @@ pub struct History {
     walls: BTreeMap<(usize, usize, u32), Vector3<f64>>,
 }
 
+impl History {
+    /// Number of touching pairs of spheres of two bodies.
+    pub fn n_contacts(&self) -> usize {
+        self.pairs.len()
+    }
+
+    /// Number of touching spheres at all walls.
+    pub fn n_wall_contacts(&self) -> usize {
+        self.walls.len()
+    }
+}
+
 /// Force (N) and torque (N m) on one body.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Load {
@@ -26,7 +38,10 @@ pub struct Load {
     pub torque: Vector3<f64>,
 }
 
-/// Contact loads on all bodies of a world, and the history after the step.
+/// Contact loads on all bodies that the next step of a world will use.
+///
+/// `history` holds the displacements of the step before, and of this step afterwards: starting
+/// from an empty one, call this once before each step.
 pub fn loads(world: &World, history: &mut History) -> Vec<Load> {
     let context = world.context();
     let bodies = world.bodies();

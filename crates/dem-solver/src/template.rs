@@ -68,7 +68,11 @@ impl Template {
     /// Spheres that nothing outside can touch are left out of the contact search; mass and
     /// inertia keep them.
     pub fn new(clump: &Clump, material: usize, dashpot_mass: DashpotMass) -> Self {
-        let smallest = clump.spheres().iter().map(|s| s.radius).fold(f64::INFINITY, f64::min);
+        let smallest = clump
+            .spheres()
+            .iter()
+            .map(|s| s.radius)
+            .fold(f64::INFINITY, f64::min);
         let outer = clump.without_hidden_spheres(0.5 * smallest);
         let total: f64 = clump.spheres().iter().map(|s| s.radius.powi(3)).sum();
         let dashpot = |radius: f64| match dashpot_mass {
@@ -91,9 +95,19 @@ impl Template {
         }
     }
 
+    /// Mass, kg.
+    pub fn mass(&self) -> f64 {
+        self.mass
+    }
+
     /// Number of spheres that take part in the contact search.
     pub fn n_outer_spheres(&self) -> usize {
         self.centres.len()
+    }
+
+    /// Radius of the bounding sphere about the centre of mass, m.
+    pub fn bounding_radius(&self) -> f64 {
+        self.bounding_radius
     }
 
     /// Smallest radius of the spheres that take part in the contact search, m.
@@ -104,12 +118,19 @@ impl Template {
 
 impl Packed {
     /// Copies centres and radii into padded single-precision arrays.
-    #[expect(clippy::cast_possible_truncation, reason = "rounding to single precision is meant")]
+    #[expect(
+        clippy::cast_possible_truncation,
+        reason = "rounding to single precision is meant"
+    )]
     fn new(centres: &[Vector3<f64>], radii: &[f64]) -> Self {
         let n = centres.len();
         let padded = n.div_ceil(LANES) * LANES;
         let source = |i: usize| if i < n { i } else { 0 };
-        let column = |axis: usize| (0..padded).map(|i| centres[source(i)][axis] as f32).collect();
+        let column = |axis: usize| {
+            (0..padded)
+                .map(|i| centres[source(i)][axis] as f32)
+                .collect()
+        };
         let bound = |axis: usize, sign: f64| {
             let reach = |i: usize| sign * centres[i][axis] + radii[i];
             (sign * (0..n).map(reach).fold(f64::NEG_INFINITY, f64::max)) as f32

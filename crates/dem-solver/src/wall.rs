@@ -76,12 +76,19 @@ impl Wall {
                 } else {
                     Vector3::x()
                 };
-                Nearest { distance: radius - r, towards }
+                Nearest {
+                    distance: radius - r,
+                    towards,
+                }
             }
-            Shape::Plane { point, normal } => {
-                Nearest { distance: (centre - point).dot(normal), towards: -normal }
-            }
-            Shape::Rectangle { centre: middle, half_edges } => {
+            Shape::Plane { point, normal } => Nearest {
+                distance: (centre - point).dot(normal),
+                towards: -normal,
+            },
+            Shape::Rectangle {
+                centre: middle,
+                half_edges,
+            } => {
                 let offset = centre - middle;
                 let mut inside = Vector3::zeros();
                 for edge in half_edges {
@@ -90,7 +97,11 @@ impl Wall {
                 }
                 let away = inside - offset;
                 let distance = away.norm();
-                let towards = if distance > 0.0 { away / distance } else { Vector3::x() };
+                let towards = if distance > 0.0 {
+                    away / distance
+                } else {
+                    Vector3::x()
+                };
                 Nearest { distance, towards }
             }
         }
@@ -103,7 +114,12 @@ mod tests {
     use nalgebra::Vector3;
 
     fn wall(shape: Shape) -> Wall {
-        Wall { name: "test".into(), shape, material: 0, spin: 2.0 }
+        Wall {
+            name: "test".into(),
+            shape,
+            material: 0,
+            spin: 2.0,
+        }
     }
 
     #[test]
@@ -120,12 +136,19 @@ mod tests {
         let face = rectangle.nearest(&Vector3::new(0.5, 0.25, -1.0));
         assert!((face.distance - 0.25).abs() < 1e-15, "{face:?}");
         let corner = rectangle.nearest(&Vector3::new(4.0, 0.0, 6.0));
-        assert!((corner.distance - 5.0).abs() < 1e-15, "3-4-5 triangle: {corner:?}");
+        assert!(
+            (corner.distance - 5.0).abs() < 1e-15,
+            "3-4-5 triangle: {corner:?}"
+        );
     }
 
     #[test]
     fn surface_speed_is_spin_times_radius() {
-        let velocity = wall(Shape::Cylinder { radius: 2.0 }).velocity_at(&Vector3::new(0.0, -2.0, 0.0));
-        assert!((velocity - Vector3::new(4.0, 0.0, 0.0)).norm() < 1e-15, "{velocity}");
+        let velocity =
+            wall(Shape::Cylinder { radius: 2.0 }).velocity_at(&Vector3::new(0.0, -2.0, 0.0));
+        assert!(
+            (velocity - Vector3::new(4.0, 0.0, 0.0)).norm() < 1e-15,
+            "{velocity}"
+        );
     }
 }

@@ -1,9 +1,14 @@
 //! Forces between bodies and walls.
 
+#![expect(
+    clippy::inline_always,
+    reason = "the hot loops are vectorised only when inlined"
+)]
+
 use crate::bodies::Bodies;
 use crate::contact::{Effect, Mover, SphereWall};
-use crate::neighbours::Touch;
-use crate::pair_force::{Context, mover};
+use crate::neighbours::{Touch, lowered};
+use crate::pair_force::{Context, Slack, mover};
 use crate::template::Template;
 use crate::wall::{Nearest, Wall};
 use contact_law::ContactGeometry;
@@ -63,7 +68,7 @@ impl WallNeighbours {
                     candidates: Vec::new(),
                     touches: Vec::new(),
                 });
-                entry.limit -= bodies.travel[body];
+                entry.limit = lowered(entry.limit, bodies.travel[body]);
                 self.near.push(entry);
             }
         }
@@ -81,7 +86,7 @@ impl WallNeighbours {
             let template = &context.templates[bodies.template[near.body]];
             let wall = &walls[near.wall];
             if bodies.travel[near.body] > near.limit {
-                near.list_candidates(bodies, template, wall, context.skin);
+                near.list_candidates(bodies, template, wall, context.slack);
             }
             if !near.candidates.is_empty() {
                 let total = near.add_contacts(&mover(bodies, near.body), bodies, wall, context);
@@ -100,23 +105,27 @@ impl WallNeighbours {
 
 impl Near {
     /// Lists the spheres that may touch before the body has moved by the skin.
-    #[expect(clippy::cast_possible_truncation, reason = "rounding is covered by the safety")]
-    fn list_candidates(&mut self, bodies: &Bodies, template: &Template, wall: &Wall, skin: f32) {
+    #[expect(
+        clippy::cast_possible_truncation,
+        reason = "rounding is covered by the safety"
+    )]
+    fn list_candidates(&mut self, bodies: &Bodies, template: &Template, wall: &Wall, slack: Slack) {
         let (position, rotation) = (bodies.position[self.body], bodies.rotation[self.body]);
         self.candidates.clear();
         let mut nearest = f64::INFINITY;
         for (k, centre) in template.centres.iter().enumerate() {
             let gap = wall.nearest(&(position + rotation * centre)).distance - template.radii[k];
             nearest = nearest.min(gap);
-            if gap < f64::from(skin) {
+            if gap < f64::from(slack.skin) {
                 self.candidates.push(u16::try_from(k).unwrap_or(u16::MAX));
             }
         }
         // Without candidates the body may move until its nearest sphere could touch.
-        let reach = (nearest as f32 * 0.999).max(skin);
+        let reach = (nearest as f32).max(slack.skin) - slack.safety;
         self.limit = bodies.travel[self.body] + reach;
         let listed = &self.candidates;
-        self.touches.retain(|t| listed.iter().any(|&k| u32::from(k) << 16 == t.key));
+        self.touches
+            .retain(|t| listed.iter().any(|&k| u32::from(k) << 16 == t.key));
     }
 
     /// Forces of the spheres that touch.
@@ -145,7 +154,10 @@ impl Near {
             }
             let contact = sphere_at_wall(body, template, k, &centre, wall, &nearest);
             let at = known.unwrap_or_else(|| {
-                self.touches.push(Touch { key, slip: Vector3::zeros() });
+                self.touches.push(Touch {
+                    key,
+                    slip: Vector3::zeros(),
+                });
                 self.touches.len() - 1
             });
             let slip = self.touches[at].slip;

@@ -3,10 +3,12 @@
 use crate::batch::Batch;
 use crate::bodies::{Bodies, Placement};
 use crate::broad_phase::Grid;
+use crate::check;
 use crate::contact::Interaction;
-use crate::integrate::{Step, advance};
+use crate::error::Error;
+use crate::integrate::{Surroundings, advance};
 use crate::neighbours::{Census, Neighbours};
-use crate::pair_force::{Context, add_pair_forces};
+use crate::pair_force::{Context, Slack, add_pair_forces};
 use crate::template::Template;
 use crate::wall::Wall;
 use crate::wall_force::WallNeighbours;
@@ -26,63 +28,6 @@ pub struct Settings {
     pub margin: f64,
 }
 
-/// Why a world cannot be built or cannot go on.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum Error {
-    /// A setting is not a positive finite number.
-    #[error("{name} is {value}; it must be a positive finite number")]
-    NotPositive {
-        /// Name of the setting, with its unit.
-        name: &'static str,
-        /// The value given.
-        value: f64,
-    },
-    /// An index points to nothing.
-    #[error("{what} {index} does not exist: there are {count}")]
-    NoSuch {
-        /// Template or material.
-        what: &'static str,
-        /// The index.
-        index: usize,
-        /// How many there are.
-        count: usize,
-    },
-    /// The table of interactions is not a full square.
-    #[error("{got} interactions given, {expected} needed: one for each ordered pair of materials")]
-    Interactions {
-        /// Number given.
-        got: usize,
-        /// Number needed.
-        expected: usize,
-    },
-    /// A shape that is no surface of revolution was given a spin.
-    #[error("wall '{wall}' spins about z but is no surface of revolution about z")]
-    SpinningShape {
-        /// Name of the wall.
-        wall: String,
-    },
-    /// A template has more spheres than an index of 16 bits can name.
-    #[error("a body type has {count} spheres in the contact search, at most 65535 are possible")]
-    TooManySpheres {
-        /// Number of spheres.
-        count: usize,
-    },
-    /// A body has left every bound.
-    #[error(
-        "body {body} is at a position that is not a number after {time} s: the time step \
-         {time_step} s is too large for the contacts, or bodies overlapped at the start"
-    )]
-    Diverged {
-        /// Index of the body.
-        body: usize,
-        /// Time, s.
-        time: f64,
-        /// Time step, s.
-        time_step: f64,
-    },
-}
-
 /// Bodies, walls and laws, and the time.
 #[derive(Debug, Clone)]
 pub struct World {
@@ -98,6 +43,8 @@ pub struct World {
     walls: Vec<Wall>,
     /// Settings.
     settings: Settings,
+    /// Distances of the sphere lists.
+    slack: Slack,
     /// Time since the start, s.
     time: f64,
     /// Steps since the start.
@@ -127,8 +74,10 @@ impl World {
     ///
     /// # Errors
     ///
-    /// Settings that are not positive, indices out of range, a spinning wall that is no surface
-    /// of revolution.
+    /// Settings that are not positive, numbers that are not finite, indices out of range, a table
+    /// of interactions that depends on the order of two bodies, a wall whose numbers do not
+    /// describe its shape, a spinning wall that is no surface of revolution, a body whose centre
+    /// is behind a wall.
     pub fn new(
         settings: Settings,
         templates: Vec<Template>,
@@ -136,24 +85,13 @@ impl World {
         walls: Vec<Wall>,
         placements: &[Placement],
     ) -> Result<Self, Error> {
-        let checks = [
-            ("time step in s", settings.time_step),
-            ("skin in m", settings.skin),
-            ("margin in m", settings.margin),
-        ];
-        for (name, value) in checks {
-            if !value.is_finite() || value <= 0.0 {
-                return Err(Error::NotPositive { name, value });
-            }
-        }
-        let n_materials = interactions.len().isqrt();
-        if n_materials * n_materials != interactions.len() {
-            let expected = (n_materials + 1) * (n_materials + 1);
-            return Err(Error::Interactions { got: interactions.len(), expected });
-        }
-        check_parts(&templates, &walls, n_materials)?;
+        check::settings(&settings)?;
+        let n_materials = check::interactions(&interactions, &templates, &walls)?;
+        check::templates(&templates)?;
+        walls.iter().try_for_each(check::wall)?;
         let mut bodies = Bodies::default();
-        for placement in placements {
+        for (body, placement) in placements.iter().enumerate() {
+            check::placement(body, placement, &walls)?;
             let template = templates.get(placement.template).ok_or(Error::NoSuch {
                 what: "body type",
                 index: placement.template,
@@ -161,7 +99,12 @@ impl World {
             })?;
             bodies.push(placement, template);
         }
-        let radii = bodies.template.iter().map(|&t| templates[t].bounding_radius).collect();
+        let radii: Vec<_> = bodies
+            .template
+            .iter()
+            .map(|&t| templates[t].bounding_radius)
+            .collect();
+        let slack = Slack::new(radii.iter().copied().fold(0.0, f64::max), &settings);
         let wall_load = vec![Vector3::zeros(); walls.len()];
         let mut world = Self {
             templates,
@@ -170,6 +113,7 @@ impl World {
             bodies,
             walls,
             settings,
+            slack,
             time: 0.0,
             n_steps: 0,
             neighbours: Neighbours::default(),
@@ -185,22 +129,27 @@ impl World {
         Ok(world)
     }
 
-    /// Sets the spin of the named wall, rad/s; false if there is no such wall.
+    /// Sets the spin of all walls of a name, rad/s.
+    ///
+    /// Changes nothing and returns false if there is no such wall, if one of them is no surface
+    /// of revolution about z, or if the spin is not finite.
     pub fn set_wall_spin(&mut self, name: &str, spin: f64) -> bool {
-        let mut found = false;
+        let mut named = self.walls.iter().filter(|w| w.name == name).peekable();
+        if named.peek().is_none() || !named.all(Wall::is_axisymmetric) || !spin.is_finite() {
+            return false;
+        }
         for wall in self.walls.iter_mut().filter(|w| w.name == name) {
             wall.spin = spin;
-            found = true;
         }
         self.choose_reference_spin();
-        found
+        true
     }
 
     /// Moves the world by one step.
     ///
     /// # Errors
     ///
-    /// A body whose position is no longer a number.
+    /// A body that has run away or whose state is no longer a number.
     pub fn step(&mut self) -> Result<(), Error> {
         if f64::from(self.longest) > 0.5 * self.settings.margin {
             self.search_pairs()?;
@@ -208,25 +157,23 @@ impl World {
         self.bodies.force.fill(Vector3::zeros());
         self.bodies.torque.fill(Vector3::zeros());
         self.wall_load.fill(Vector3::zeros());
-        #[expect(clippy::cast_possible_truncation, reason = "the lists have a safety distance")]
-        let skin = self.settings.skin as f32;
         let context = Context {
             templates: &self.templates,
             interactions: &self.interactions,
             n_materials: self.n_materials,
-            skin,
+            slack: self.slack,
             time_step: self.settings.time_step,
         };
         let (neighbours, batch) = (&mut self.neighbours, &mut self.batch);
         add_pair_forces(neighbours, &mut self.bodies, batch, &context);
         let walls = &mut self.wall_neighbours;
         walls.add_forces(&mut self.bodies, &self.walls, &context, &mut self.wall_load);
-        let step = Step {
+        let around = Surroundings {
             time_step: self.settings.time_step,
             gravity: self.settings.gravity,
             reference_spin: self.reference_spin,
         };
-        self.longest = advance(&mut self.bodies, &self.templates, &step);
+        self.longest = advance(&mut self.bodies, &self.templates, &around);
         self.n_steps += 1;
         self.time += self.settings.time_step;
         Ok(())
@@ -294,34 +241,52 @@ impl World {
             templates: &self.templates,
             interactions: &self.interactions,
             n_materials: self.n_materials,
-            skin: 0.0,
+            slack: self.slack,
             time_step: self.settings.time_step,
         }
     }
 
     /// Ways are counted in the frame of the walls if all are surfaces of revolution, otherwise
-    /// in the frame at rest, in which the other walls stand still.
+    /// in the frame at rest, in which the other walls stand still. A change of frame needs no new
+    /// lists: gaps between bodies, and between bodies and walls of revolution, are the same in
+    /// both frames, and the ways before and after the change add up to a bound in either.
     fn choose_reference_spin(&mut self) {
         let revolved = self.walls.iter().all(Wall::is_axisymmetric);
         let spins = self.walls.iter().map(|w| w.spin);
-        self.reference_spin = if revolved { spins.fold(0.0, largest) } else { 0.0 };
+        self.reference_spin = if revolved {
+            spins.fold(0.0, largest)
+        } else {
+            0.0
+        };
     }
 
     /// Finds the pairs of bodies and of bodies and walls.
     fn search_pairs(&mut self) -> Result<(), Error> {
-        for (body, p) in self.bodies.position.iter().enumerate() {
-            if !p.iter().all(|c| c.is_finite()) {
-                let time_step = self.settings.time_step;
-                return Err(Error::Diverged { body, time: self.time, time_step });
-            }
+        let lost = |body: &usize| {
+            let position = &self.bodies.position[*body];
+            !position.iter().all(|c| c.is_finite()) || !self.bodies.travel[*body].is_finite()
+        };
+        if let Some(body) = (0..self.bodies.len()).find(lost) {
+            let time_step = self.settings.time_step;
+            return Err(Error::Diverged {
+                body,
+                time: self.time,
+                time_step,
+            });
         }
         let (neighbours, travel) = (&mut self.neighbours, &self.bodies.travel);
         neighbours.begin();
-        self.grid.pairs(&self.bodies.position, &self.radii, self.settings.margin, |i, partners| {
-            neighbours.add(i, partners, travel);
-        });
+        self.grid.pairs(
+            &self.bodies.position,
+            &self.radii,
+            self.settings.margin,
+            |i, partners| {
+                neighbours.add(i, partners, travel);
+            },
+        );
         let margin = self.settings.margin;
-        self.wall_neighbours.rebuild(&self.bodies, &self.templates, &self.walls, margin);
+        self.wall_neighbours
+            .rebuild(&self.bodies, &self.templates, &self.walls, margin);
         self.bodies.travel.fill(0.0);
         Ok(())
     }
@@ -330,25 +295,4 @@ impl World {
 /// The spin of larger size.
 fn largest(a: f64, b: f64) -> f64 {
     if b.abs() > a.abs() { b } else { a }
-}
-
-/// Checks indices, sphere counts and spins.
-fn check_parts(templates: &[Template], walls: &[Wall], n_materials: usize) -> Result<(), Error> {
-    let materials =
-        templates.iter().map(|t| t.material).chain(walls.iter().map(|w| w.material));
-    for index in materials {
-        if index >= n_materials {
-            return Err(Error::NoSuch { what: "material", index, count: n_materials });
-        }
-    }
-    for template in templates {
-        let count = template.n_outer_spheres();
-        if count > usize::from(u16::MAX) {
-            return Err(Error::TooManySpheres { count });
-        }
-    }
-    match walls.iter().find(|w| w.spin != 0.0 && !w.is_axisymmetric()) {
-        Some(wall) => Err(Error::SpinningShape { wall: wall.name.clone() }),
-        None => Ok(()),
-    }
 }

@@ -1,1 +1,149 @@
 //! Physical and camera effects that a model may lack.
+//!
+//! One effect, one file. An effect is an edit of a scene: it knows its physics, its unit, the
+//! amplitude that switches it off and the range that is physically possible. To add one, write
+//! its file and name it in [`library`].
+
+mod camera_roll;
+mod cohesion;
+mod filling_smoothness;
+mod rolling_resistance;
+
+use scene::{FillingLibrary, Scene};
+use serde::{Deserialize, Serialize};
+
+/// Where an effect enters the model.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Entry {
+    /// The law of a contact.
+    Contact,
+    /// The shape of the seeds.
+    SeedShape,
+    /// The camera.
+    Camera,
+}
+
+/// What is fixed about an effect.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Description {
+    /// Name in requests and reports.
+    pub name: &'static str,
+    /// The physics in a few sentences.
+    pub physics: &'static str,
+    /// The formula as plain text.
+    pub formula: &'static str,
+    /// Unit of the amplitude.
+    pub unit: &'static str,
+    /// Key of the source in the bibliography.
+    pub source: &'static str,
+    /// Least and largest amplitude that is physically possible; 0 switches the effect off.
+    pub range: [f64; 2],
+    /// Amplitude at which its sensitivity is usually measured.
+    pub probe: f64,
+    /// Where it enters.
+    pub entry: Entry,
+}
+
+/// An effect.
+pub trait Effect: Sync {
+    /// What is fixed about it.
+    fn description(&self) -> Description;
+
+    /// Edits the scene so that the effect is on with an amplitude; 0 leaves it as it is.
+    ///
+    /// # Errors
+    ///
+    /// A scene that cannot carry the effect.
+    fn apply(
+        &self,
+        scene: &mut Scene,
+        amplitude: f64,
+        fillings: &FillingLibrary,
+    ) -> Result<(), Error>;
+}
+
+/// Why an effect cannot be switched on.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// No such effect.
+    #[error("no effect '{name}' in the library; it holds {known}")]
+    Unknown {
+        /// The name given.
+        name: String,
+        /// Names of the effects.
+        known: String,
+    },
+    /// An amplitude outside the physically possible range.
+    #[error("amplitude {amplitude} of effect '{name}' lies outside {low} to {high} {unit}")]
+    OutOfRange {
+        /// Name of the effect.
+        name: &'static str,
+        /// The amplitude.
+        amplitude: f64,
+        /// Least amplitude.
+        low: f64,
+        /// Largest amplitude.
+        high: f64,
+        /// Unit.
+        unit: &'static str,
+    },
+    /// A setting that the effect leads to is refused.
+    #[error("effect '{name}': {reason}")]
+    Setting {
+        /// Name of the effect.
+        name: &'static str,
+        /// What is refused.
+        reason: String,
+    },
+    /// The scene refuses.
+    #[error(transparent)]
+    Scene(#[from] scene::Error),
+}
+
+/// All effects. Adding one is adding its file and its line here.
+pub fn library() -> [&'static dyn Effect; 4] {
+    [
+        &rolling_resistance::RollingResistance,
+        &cohesion::Cohesion,
+        &filling_smoothness::FillingSmoothness,
+        &camera_roll::CameraRoll,
+    ]
+}
+
+/// The effect of a name.
+///
+/// # Errors
+///
+/// A name that is not in the library.
+pub fn find(name: &str) -> Result<&'static dyn Effect, Error> {
+    let effects = library();
+    let known = || effects.iter().map(|e| e.description().name).collect::<Vec<_>>().join(", ");
+    effects
+        .into_iter()
+        .find(|e| e.description().name == name)
+        .ok_or_else(|| Error::Unknown { name: name.to_owned(), known: known() })
+}
+
+/// Switches an effect on.
+///
+/// # Errors
+///
+/// An unknown effect, an amplitude out of range, a scene that cannot carry it.
+pub fn apply(
+    scene: &mut Scene,
+    name: &str,
+    amplitude: f64,
+    fillings: &FillingLibrary,
+) -> Result<(), Error> {
+    let effect = find(name)?;
+    let Description { name, unit, range: [low, high], .. } = effect.description();
+    if !(low..=high).contains(&amplitude) {
+        return Err(Error::OutOfRange { name, amplitude, low, high, unit });
+    }
+    if amplitude == 0.0 { Ok(()) } else { effect.apply(scene, amplitude, fillings) }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,1 +1,45 @@
 //! Factors, coded and natural variables, and designs of experiments.
+//!
+//! A [`Factor`] maps its natural range low..high onto the coded range -1..+1. A [`Design`] is a
+//! list of runs in coded variables: Plackett-Burman for screening, Box-Behnken and central
+//! composite for a response surface, two-level factorials and their fractions, and the Latin
+//! hypercube. [`table`] writes and reads them as CSV text; this crate touches no files.
+//!
+//! ```
+//! use experiment_design::{Factor, box_behnken};
+//! let factors = [
+//!     Factor::new("B", "static friction seed-resin", "1", 0.30, 0.42)?,
+//!     Factor::new("E", "restitution seed-seed", "1", 0.01, 0.18)?,
+//!     Factor::new("F", "static friction seed-seed", "1", 0.0, 0.10)?,
+//! ];
+//! let design = box_behnken(&factors, 5)?;
+//! assert_eq!(design.runs().len(), 17);
+//! assert_eq!(design.natural(0), vec![0.30, 0.01, 0.05]);
+//! # Ok::<(), experiment_design::Error>(())
+//! ```
+//!
+//! Invariants: every range is finite and not empty; symbols are unique; every run has one coded
+//! value per column; the same arguments (and seed) give the same design.
+
+mod box_behnken;
+mod central_composite;
+mod design;
+mod error;
+mod factor;
+mod fractional_factorial;
+mod full_factorial;
+mod latin_hypercube;
+mod optimal;
+mod plackett_burman;
+pub mod table;
+
+pub use box_behnken::box_behnken;
+pub use central_composite::{AxialDistance, central_composite};
+pub use design::{Design, DesignKind, Run};
+pub use error::Error;
+pub use factor::{Factor, check_factors};
+pub use fractional_factorial::{Fraction, fractional_factorial};
+pub use full_factorial::full_factorial;
+pub use latin_hypercube::latin_hypercube;
+pub use optimal::{Criterion, optimal_design};
+pub use plackett_burman::{plackett_burman, plackett_burman_with_runs};

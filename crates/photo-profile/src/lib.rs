@@ -1,1 +1,53 @@
 //! From a photo or a rendered frame to the free surface in it.
+//!
+//! One path for colour photos, back-lit instrument pictures, time averages and rendered frames:
+//! grey, drum circle, threshold, majority filter, boundary, and then
+//! [`surface_profile::read_surface`], which also measures simulated beds. Nothing is set per
+//! picture. What cannot be measured honestly comes back as [`Verdict::Refused`] with a reason.
+//!
+//! Steps, in order: [`read_photo`] (or [`PhotoPixels::from_gray`]) holds the picture; the drum is
+//! found by edges and a robust circle; the disc is resampled around the axis; the air tone is
+//! found on the upper side of the most telling straight cut; pixels are separated by their
+//! distance from the air tone with the threshold of `[Otsu1979]`; the mask is smoothed over 0.03
+//! drum radii and its half-of-bulk contour is the free surface.
+//!
+//! Pixel frame: x to the right, y **down**, the centre of the first pixel is (0, 0).
+//!
+//! ```
+//! use photo_profile::{Settings, measure_image, synthetic::Scene};
+//! let scene = Scene { inclination: 0.6, ..Scene::default() };
+//! let reading = measure_image(&scene.draw(), &Settings::default())?;
+//! let angle = reading.angle.expect("a clear picture");
+//! assert!((angle.line - 0.6).abs() < 0.005);
+//! # Ok::<(), photo_profile::Error>(())
+//! ```
+//!
+//! Invariants: nothing random; a picture and its mirror give the same angle; no step knows
+//! which file it works on.
+
+mod circle;
+mod decode;
+mod digits;
+mod drum;
+mod edges;
+mod error;
+mod jpeg_end;
+mod measure;
+mod otsu;
+mod overlay;
+mod pixels;
+mod reading;
+mod rectify;
+mod settings;
+pub mod synthetic;
+mod tone;
+mod view;
+
+pub use decode::{MOST_PIXELS, read_frames, read_photo};
+pub use error::Error;
+pub use measure::{measure_file, measure_image, measure_photo};
+pub use overlay::{overlay, overlay_gray};
+pub use pixels::PhotoPixels;
+pub use reading::{PhotoReading, PixelPoint, Refusal, Verdict};
+pub use rectify::rectify;
+pub use settings::{DrumPixels, Foreground, Mode, Settings};

@@ -1,1 +1,59 @@
 //! Model matrix, least squares, analysis of variance, the set of solutions.
+//!
+//! [`fit`] fits a polynomial [`Model`] to cell means and returns a [`Fit`] with everything that is
+//! known about it: coefficients, analysis of variance, cases, lack of fit, canonical form.
+//! [`screen`] analyses a saturated two-level design. [`solutions`] answers where in the box the
+//! surface meets a target: the whole set, its confidence region, and the nearest points.
+//!
+//! ```
+//! use experiment_design::{Factor, box_behnken};
+//! use response_surface::{Cell, Model, Observations, fit};
+//! let factors = ["B", "E", "F"].map(|s| Factor::coded_only(s).unwrap());
+//! let design = box_behnken(&factors, 3)?;
+//! let truth = |x: &[f64]| 36.0 + x[0] - 2.0 * x[2] + 0.5 * x[0] * x[0];
+//! let cells = design.coded_rows().into_iter().map(|x| Cell::single(x.clone(), truth(&x)));
+//! let data = Observations::from_cells(cells.collect())?;
+//! let fitted = fit(&factors, &Model::quadratic(&factors)?, &data)?;
+//! assert!((fitted.terms.get("B2").unwrap().coef - 0.5).abs() < 1e-12);
+//! # Ok::<(), response_surface::Error>(())
+//! ```
+//!
+//! Invariants: what is undefined is `None` (JSON null), never NaN or infinity; terms that the
+//! runs cannot separate are an error that names them; p values are upper tails, never 1 - cdf.
+//!
+//! # Weights
+//! A cell mean of n runs has weight n divided by the mean n of all cells, so sums of squares and
+//! mean squares are in squared units of the response and hold for a cell of mean size. With equal
+//! n this is ordinary least squares on the means.
+
+mod alias;
+mod canonical;
+pub mod distribution;
+mod error;
+mod extremes;
+pub mod fit;
+mod least_squares;
+mod model;
+mod named;
+mod natural;
+mod observations;
+mod pareto;
+mod prediction;
+mod quadratic;
+mod saturated;
+mod screening;
+pub mod solutions;
+
+pub use alias::alias_matrix;
+pub use canonical::{Canonical, StationaryKind};
+pub use error::Error;
+pub use extremes::{BoxExtremes, Extreme};
+pub use fit::{ErrorSource, ErrorVariance, Fit, Weighting, fit, fit_weighted};
+pub use model::{Model, Term};
+pub use named::NamedValues;
+pub use observations::{Cell, Observations};
+pub use pareto::{Pareto, pareto};
+pub use prediction::Prediction;
+pub use saturated::{HalfNormalPoint, Lenth, Saturated, saturated};
+pub use screening::{FactorSignificance, Screening, screen};
+pub use solutions::{Measured, SolutionRequest, Solutions, solutions};

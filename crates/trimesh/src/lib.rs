@@ -1,1 +1,47 @@
 //! Triangle meshes: reading, checking, volume, inertia, inside test.
+//!
+//! A scan comes as an STL file without units, often with faults. [`read_stl`] reads it in a
+//! declared unit, joins vertices, turns the triangles outward and reports all that it did.
+//! A [`TriMesh`] is always in metres.
+//!
+//! ```
+//! use trimesh::{LengthUnit, SignedDistance, shapes};
+//! let ball = shapes::ellipsoid([1e-3, 1e-3, 1e-3], 20)?;
+//! assert!((ball.moments().volume / 4.18879e-9 - 1.0).abs() < 0.01);
+//! let distance = SignedDistance::new(&ball)?;
+//! assert!(distance.contains(&nalgebra::Vector3::zeros()));
+//! assert_eq!(LengthUnit::Millimetre.in_metres(), 1e-3);
+//! # Ok::<(), trimesh::Error>(())
+//! ```
+//!
+//! Invariants: every vertex is finite, every index is in range, no triangle names a vertex
+//! twice, and in a closed mesh every edge joins exactly two triangles that run through it in
+//! opposite directions, outward normals by the right-hand rule. Self-intersection of a single
+//! shell is not searched for.
+
+mod bounding_tree;
+mod build;
+mod closest_point;
+mod error;
+mod length_unit;
+mod mesh;
+mod moments;
+mod orientation;
+mod report;
+mod sampling;
+pub mod shapes;
+mod signed_distance;
+mod stl;
+mod weld;
+mod winding;
+
+pub use build::CheckedMesh;
+pub use error::Error;
+pub use length_unit::LengthUnit;
+pub use mesh::{BoundingBox, Topology, TriMesh};
+pub use moments::VolumeMoments;
+pub use report::{MeshReport, Warning};
+pub use sampling::SurfaceSample;
+pub use signed_distance::{SignedDistance, SurfacePoint};
+pub use stl::{parse_stl, read_stl};
+pub use winding::winding_number;

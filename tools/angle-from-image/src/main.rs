@@ -1,3 +1,16 @@
 //! Reads the angle of repose from photos and frames.
+//!
+//! Thin: arguments in, [`photo_profile`] does the work, text, JSON and overlays out.
 
-fn main() {}
+mod arguments;
+mod inputs;
+mod results;
+mod run;
+
+use clap::Parser as _;
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    let arguments = arguments::Arguments::parse_from(command_line::arguments());
+    command_line::finish(run::run(&arguments))
+}

@@ -1,3 +1,126 @@
 //! Fills a closed mesh with spheres.
 
-fn main() {}
+mod arguments;
+mod preview;
+mod sphere_file;
+mod summary;
+
+use arguments::{Arguments, length_in_metres};
+use clap::Parser as _;
+use command_line::{DONE, Header, NOT_MET, write_new};
+use sphere_file::{Format, choose_format, sphere_text};
+use sphere_fill::{Error, FillSettings, fill};
+use std::io::Write as _;
+use std::process::ExitCode;
+use std::time::Instant;
+use summary::{Refusal, Summary};
+
+fn main() -> ExitCode {
+    let arguments = Arguments::parse_from(command_line::arguments());
+    command_line::finish(run(&arguments))
+}
+
+/// Reads, fills, writes.
+fn run(arguments: &Arguments) -> anyhow::Result<u8> {
+    let common = &arguments.common;
+    let settings = settings_of(arguments)?;
+    let format = match (&arguments.out, arguments.format) {
+        (Some(file), asked) => Some(choose_format(asked, file)?),
+        (None, Some(asked)) => Some(choose_format(Some(asked), "".as_ref())?),
+        (None, None) => None,
+    };
+    refuse_existing(arguments)?;
+    let start = Instant::now();
+    let read = trimesh::read_stl(&arguments.mesh, arguments.unit)?;
+    let header = Header::new(arguments.seed, [&arguments.mesh])?;
+    common.log(|| {
+        let (unit, radius) = (arguments.unit, settings.radius * 1e3);
+        format!("mesh read in {unit}; sphere radius {radius:.6} mm")
+    });
+    for warning in &read.report.warnings {
+        common.log(|| format!("warning: {}: {warning}", arguments.mesh.display()));
+    }
+    let filling = match fill(&read.mesh, &settings) {
+        Ok(filling) => filling,
+        Err(error) if is_refusal(&error) => {
+            // The reason of a refusal is told even when the log is quiet.
+            writeln!(std::io::stderr(), "refused: {error}")?;
+            common.emit_json(&Refusal {
+                header,
+                verdict: "refused",
+                reason: error.to_string(),
+                mesh_warnings: read.report.warnings,
+            })?;
+            return Ok(NOT_MET);
+        }
+        Err(error) => return Err(error.into()),
+    };
+    let elapsed_s = start.elapsed().as_secs_f64();
+    let summary = Summary::new(header, arguments, &read.report, &filling, elapsed_s);
+    let text = |format: Format| sphere_text(format, &filling.spheres, arguments.unit);
+    match (&arguments.out, format) {
+        (Some(file), Some(format)) => {
+            write_new(file, text(format).as_bytes(), common.overwrite())?;
+            common.print(summary.text())?;
+        }
+        (None, Some(format)) => common.print(text(format).trim_end())?,
+        _ => common.print(summary.text())?,
+    }
+    if let Some(file) = &arguments.preview {
+        let picture = preview::picture(&filling, &read.mesh)?;
+        write_new(file, &picture, common.overwrite())?;
+    }
+    common.emit_json(&summary)?;
+    Ok(DONE)
+}
+
+/// Settings of the filling from the arguments.
+fn settings_of(arguments: &Arguments) -> anyhow::Result<FillSettings> {
+    let unit = arguments.unit;
+    let roughness = arguments.roughness.as_deref();
+    let roughness = roughness.map(|text| length_in_metres("roughness", text, unit));
+    let smooth = arguments.method == arguments::MethodName::Smooth;
+    anyhow::ensure!(
+        roughness.is_none() || smooth,
+        "--roughness is for --method smooth only"
+    );
+    for (flag, value) in [("mass", arguments.mass), ("density", arguments.density)] {
+        let given = value.unwrap_or(1.0);
+        anyhow::ensure!(
+            given.is_finite() && given > 0.0,
+            "--{flag} {given}: it must be a positive number"
+        );
+    }
+    let settings = FillSettings {
+        method: arguments.method.into(),
+        count: arguments.count,
+        roughness: roughness.transpose()?,
+        seed: arguments.seed,
+        effort: arguments.effort,
+        ..FillSettings::new(length_in_metres("radius", &arguments.radius, unit)?)
+    };
+    settings.check()?;
+    Ok(settings)
+}
+
+/// Refuses output files that exist before the work is done.
+fn refuse_existing(arguments: &Arguments) -> anyhow::Result<()> {
+    for file in [&arguments.out, &arguments.preview].into_iter().flatten() {
+        anyhow::ensure!(
+            arguments.common.force || !file.exists(),
+            "{} exists: say --force to overwrite it, or give another name",
+            file.display()
+        );
+    }
+    Ok(())
+}
+
+/// Whether an error is an answer (exit 1) and not a fault of the input (exit 2).
+fn is_refusal(error: &Error) -> bool {
+    matches!(
+        error,
+        Error::RadiusTooLarge { .. }
+            | Error::CountNotReached { .. }
+            | Error::RoughnessNotReached { .. }
+    )
+}

@@ -1,5 +1,5 @@
 use super::{ContactGeometry, HertzMindlin, NormalForceEnd, PairParameters, damping_ratio};
-use crate::material::{Material, effective_moduli};
+use crate::material::{EffectiveModuli, Material, effective_moduli};
 use nalgebra::Vector3;
 
 /// Radius of both spheres, m, and mass of each, kg.
@@ -8,7 +8,11 @@ const MASS: f64 = 6.47e-7;
 
 fn law(restitution: f64, static_friction: f64, end: NormalForceEnd) -> HertzMindlin {
     let seed = Material::new(0.14, 4.01e6).unwrap();
-    let parameters = PairParameters { restitution, static_friction, rolling_friction: 0.0 };
+    let parameters = PairParameters {
+        restitution,
+        static_friction,
+        rolling_friction: 0.0,
+    };
     HertzMindlin::new(effective_moduli(&seed, &seed), &parameters, end).unwrap()
 }
 
@@ -22,7 +26,13 @@ fn collide(law: &HertzMindlin, speed: f64) -> (f64, f64) {
             reduced_radius: RADIUS / 2.0,
             reduced_mass: MASS / 2.0,
         };
-        let force = law.force(&geometry, approach, Vector3::zeros(), Vector3::zeros(), step);
+        let force = law.force(
+            &geometry,
+            approach,
+            Vector3::zeros(),
+            Vector3::zeros(),
+            step,
+        );
         approach -= force.normal / (MASS / 2.0) * step;
         overlap += approach * step;
         time += step;
@@ -62,44 +72,139 @@ fn undamped_contact_lasts_as_long_as_hertz_says() {
     let base: f64 = 15.0 * (MASS / 2.0) / (16.0 * (RADIUS / 2.0).sqrt() * young);
     let expected = 2.9432 * base.powf(0.4) * speed.powf(-0.2);
     let (_, time) = collide(&law(1.0, 0.0, NormalForceEnd::Clipped), speed);
-    assert!((time / expected - 1.0).abs() < 0.002, "{time} against {expected}");
+    assert!(
+        (time / expected - 1.0).abs() < 0.002,
+        "{time} against {expected}"
+    );
 }
 
-/// Coulomb: the tangential force never exceeds mu F_n and points against the sliding.
+/// Coulomb: the tangential force never exceeds `mu F_n` and points against the sliding.
 #[test]
 fn sliding_force_is_the_friction_limit_against_the_motion() {
     let law = law(0.5, 0.3, NormalForceEnd::Clipped);
-    let geometry =
-        ContactGeometry { overlap: 5e-6, reduced_radius: RADIUS / 2.0, reduced_mass: MASS / 2.0 };
+    let geometry = ContactGeometry {
+        overlap: 5e-6,
+        reduced_radius: RADIUS / 2.0,
+        reduced_mass: MASS / 2.0,
+    };
     let velocity = Vector3::new(0.2, 0.0, 0.0);
     let mut slip = Vector3::zeros();
     for _ in 0..1000 {
         let force = law.force(&geometry, 0.0, velocity, slip, 1e-6);
         slip = force.slip;
-        assert!(force.tangential.norm() <= 0.3 * force.normal * (1.0 + 1e-12), "above the limit");
+        assert!(
+            force.tangential.norm() <= 0.3 * force.normal * (1.0 + 1e-12),
+            "above the limit"
+        );
     }
     let force = law.force(&geometry, 0.0, velocity, slip, 1e-6);
-    assert!((force.tangential.x + 0.3 * force.normal).abs() < 1e-12 * force.normal, "{force:?}");
+    assert!(
+        (force.tangential.x + 0.3 * force.normal).abs() < 1e-12 * force.normal,
+        "{force:?}"
+    );
 }
 
 /// Below the limit the contact is a spring of stiffness 8 G* a: load and unload returns to 0.
 #[test]
 fn sticking_contact_is_a_spring() {
     let law = law(1.0, 1.0, NormalForceEnd::Clipped);
-    let geometry =
-        ContactGeometry { overlap: 5e-6, reduced_radius: RADIUS / 2.0, reduced_mass: MASS / 2.0 };
+    let geometry = ContactGeometry {
+        overlap: 5e-6,
+        reduced_radius: RADIUS / 2.0,
+        reduced_mass: MASS / 2.0,
+    };
     let mut slip = Vector3::zeros();
     let mut peak = 0.0;
     for k in 0..200 {
         let sign = if k < 100 { 1.0 } else { -1.0 };
-        let force = law.force(&geometry, 0.0, Vector3::new(sign * 1e-3, 0.0, 0.0), slip, 1e-5);
+        let force = law.force(
+            &geometry,
+            0.0,
+            Vector3::new(sign * 1e-3, 0.0, 0.0),
+            slip,
+            1e-5,
+        );
         slip = force.slip;
         peak = force.tangential.norm().max(peak);
     }
     let a = (RADIUS / 2.0 * 5e-6).sqrt();
     let expected = 8.0 * (4.01e6 / 3.72) * a * 1e-6;
-    assert!((peak / expected - 1.0).abs() < 1e-9, "peak {peak}, expected {expected}");
+    assert!(
+        (peak / expected - 1.0).abs() < 1e-9,
+        "peak {peak}, expected {expected}"
+    );
     assert!(slip.norm() < 1e-15, "left over {}", slip.norm());
+}
+
+/// A sphere thrown at a wall so flat that it slides through the whole contact: the wall takes
+/// mu (1 + e) `v_n` from the tangential velocity, and never pushes the sliding on, however fine
+/// the time step. Only rounding separates both impulses: they are sums over the same steps.
+#[test]
+fn sliding_impact_loses_friction_times_the_normal_impulse() {
+    for step in [1e-5, 1e-6, 1e-7] {
+        let law = law(0.06, 0.1, NormalForceEnd::Clipped);
+        let (mut overlap, mut approach, mut sliding) = (0.0, 0.1, 0.5);
+        let mut slip = Vector3::zeros();
+        loop {
+            overlap += approach * step;
+            if overlap <= 0.0 {
+                break;
+            }
+            let geometry = ContactGeometry {
+                overlap,
+                reduced_radius: RADIUS,
+                reduced_mass: MASS,
+            };
+            let velocity = Vector3::new(sliding, 0.0, 0.0);
+            let force = law.force(&geometry, approach, velocity, slip, step);
+            assert!(
+                force.tangential.x <= 0.0,
+                "friction drives the sliding: {force:?}"
+            );
+            slip = force.slip;
+            approach -= force.normal / MASS * step;
+            sliding += force.tangential.x / MASS * step;
+        }
+        let ratio = (0.5 - sliding) / (0.1 - approach);
+        assert!(
+            (ratio - 0.1).abs() < 1e-12,
+            "friction {ratio} at step {step}"
+        );
+    }
+}
+
+/// Two surfaces that touch in a point of overlap 0, as rounding can make them, feel nothing and
+/// remember a number.
+#[test]
+fn contact_without_overlap_is_harmless() {
+    let law = law(0.5, 0.3, NormalForceEnd::Attractive);
+    let geometry = ContactGeometry {
+        overlap: 0.0,
+        reduced_radius: RADIUS,
+        reduced_mass: MASS,
+    };
+    let velocity = Vector3::new(0.1, 0.0, 0.0);
+    let force = law.force(&geometry, 0.1, velocity, Vector3::zeros(), 1e-6);
+    assert_eq!(
+        (force.normal, force.tangential.norm()),
+        (0.0, 0.0),
+        "{force:?}"
+    );
+    assert!(force.slip.norm() < 1e-6, "{force:?}");
+}
+
+#[test]
+fn impossible_moduli_are_refused() {
+    let parameters = PairParameters {
+        restitution: 0.5,
+        static_friction: 0.1,
+        rolling_friction: 0.0,
+    };
+    for young in [0.0, -1e6, f64::NAN, f64::INFINITY] {
+        let moduli = EffectiveModuli { young, shear: 1e6 };
+        let law = HertzMindlin::new(moduli, &parameters, NormalForceEnd::Clipped);
+        assert!(law.is_err(), "Young's modulus {young}");
+    }
 }
 
 #[test]
@@ -110,8 +215,28 @@ fn damping_ratio_has_its_two_limits() {
 
 #[test]
 fn impossible_parameters_are_refused_by_name() {
-    let bad = PairParameters { restitution: 1.5, static_friction: 0.1, rolling_friction: 0.0 };
-    assert!(bad.check().unwrap_err().to_string().contains("restitution is 1.5"), "{bad:?}");
-    let bad = PairParameters { restitution: 0.5, static_friction: -0.1, rolling_friction: 0.0 };
-    assert!(bad.check().unwrap_err().to_string().contains("static friction is -0.1"), "{bad:?}");
+    let bad = PairParameters {
+        restitution: 1.5,
+        static_friction: 0.1,
+        rolling_friction: 0.0,
+    };
+    assert!(
+        bad.check()
+            .unwrap_err()
+            .to_string()
+            .contains("restitution is 1.5"),
+        "{bad:?}"
+    );
+    let bad = PairParameters {
+        restitution: 0.5,
+        static_friction: -0.1,
+        rolling_friction: 0.0,
+    };
+    assert!(
+        bad.check()
+            .unwrap_err()
+            .to_string()
+            .contains("static friction is -0.1"),
+        "{bad:?}"
+    );
 }

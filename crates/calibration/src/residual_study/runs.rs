@@ -1,0 +1,168 @@
+//! The runs of a residual study and their means.
+
+use super::{ResidualPlan, StudyCondition};
+use crate::Error;
+use crate::cells::value;
+use campaign::{Campaign, RunRequest, Simulator};
+use std::collections::BTreeMap;
+
+/// A point in parameters and amplitudes.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Setting {
+    /// Declared parameters by name.
+    pub(super) parameters: BTreeMap<String, f64>,
+    /// Amplitudes by effect.
+    pub(super) effects: BTreeMap<String, f64>,
+}
+
+/// Means of the observables, (conditions, observables).
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Means {
+    /// Means over the runs.
+    pub(super) values: Vec<Vec<f64>>,
+    /// Number of runs in each mean.
+    pub(super) n: usize,
+}
+
+/// The simulator near the starting point.
+#[derive(Debug, Clone)]
+pub(super) struct Linearisation {
+    /// Means at the start.
+    pub(super) nominal: Means,
+    /// d observable / d parameter, (conditions, observables, parameters).
+    pub(super) declared: Vec<Vec<Vec<f64>>>,
+    /// d observable / d amplitude, (conditions, observables, effects).
+    pub(super) library: Vec<Vec<Vec<f64>>>,
+    /// Covariance of one run, pooled over the conditions, (observables, observables).
+    pub(super) run_covariance: Vec<Vec<f64>>,
+    /// Its degrees of freedom.
+    pub(super) noise_dof: usize,
+}
+
+impl Setting {
+    /// The declared parameters in the order of the plan, no effect.
+    pub(super) fn declared(plan: &ResidualPlan, values: &[f64]) -> Self {
+        let names = plan.declared.iter().map(|d| d.name.clone());
+        Self {
+            parameters: names.zip(values.iter().copied()).collect(),
+            effects: BTreeMap::new(),
+        }
+    }
+
+    /// The run of one condition; `block` and `replicate` choose a seed that no other block uses.
+    fn request(
+        &self,
+        plan: &ResidualPlan,
+        condition: &StudyCondition,
+        block: u64,
+        replicate: usize,
+    ) -> RunRequest {
+        let mut request = plan.base.clone();
+        request.condition.extend(condition.condition.clone());
+        request.parameters.extend(self.parameters.clone());
+        request.effects.extend(self.effects.clone());
+        request.with_seed(plan.base.seed + 1000 * block + replicate as u64)
+    }
+}
+
+/// Means at a setting, with the seeds of a block.
+pub(super) fn means(
+    campaign: &Campaign<'_>,
+    simulator: &dyn Simulator,
+    plan: &ResidualPlan,
+    setting: &Setting,
+    block: u64,
+) -> Result<Means, Error> {
+    let mut requests = Vec::new();
+    for condition in &plan.conditions {
+        for replicate in 0..plan.replicates {
+            requests.push(setting.request(plan, condition, block, replicate));
+        }
+    }
+    let records = campaign.run_all(simulator, &requests)?;
+    let rows = records.iter().map(|r| row(plan, r)).collect::<Result<Vec<_>, _>>()?;
+    let values = rows.chunks(plan.replicates).map(mean_row).collect();
+    Ok(Means { values, n: plan.replicates })
+}
+
+/// Observables of a record, in the order of the plan.
+fn row(plan: &ResidualPlan, record: &run_store::Record) -> Result<Vec<f64>, Error> {
+    plan.observables.iter().map(|name| value(record, name)).collect()
+}
+
+/// Mean of rows.
+fn mean_row(rows: &[Vec<f64>]) -> Vec<f64> {
+    let n = rows.len().max(1) as f64;
+    let width = rows.first().map_or(0, Vec::len);
+    (0..width).map(|k| rows.iter().map(|r| r[k]).sum::<f64>() / n).collect()
+}
+
+impl Linearisation {
+    /// Runs the start with replicates, and one run of each condition for each parameter and each
+    /// effect, all in one list so that no core waits.
+    ///
+    /// Differences are taken against the mean of the replicates: with contacts that come and go,
+    /// two runs of one seed part ways within a second, so that a common seed saves no noise.
+    pub(super) fn run(
+        campaign: &Campaign<'_>,
+        simulator: &dyn Simulator,
+        plan: &ResidualPlan,
+    ) -> Result<Self, Error> {
+        let start: Vec<f64> = plan.declared.iter().map(|d| d.start).collect();
+        let nominal = Setting::declared(plan, &start);
+        let mut settings = Vec::new();
+        for declared in &plan.declared {
+            let mut moved = nominal.clone();
+            moved.parameters.insert(declared.name.clone(), declared.start + declared.step);
+            settings.push((moved, declared.step));
+        }
+        for effect in &plan.effects {
+            let mut on = nominal.clone();
+            on.effects.insert(effect.name.clone(), effect.probe);
+            settings.push((on, effect.probe));
+        }
+        let (n, r) = (plan.conditions.len(), plan.replicates);
+        let mut requests = Vec::new();
+        for condition in &plan.conditions {
+            requests.extend((0..r).map(|k| nominal.request(plan, condition, 0, k)));
+        }
+        for (setting, _) in &settings {
+            requests.extend(plan.conditions.iter().map(|c| setting.request(plan, c, 0, 0)));
+        }
+        let records = campaign.run_all(simulator, &requests)?;
+        let rows = records.iter().map(|r| row(plan, r)).collect::<Result<Vec<_>, _>>()?;
+        let (replicates, probes) = rows.split_at(n * r);
+        let values: Vec<Vec<f64>> = replicates.chunks(r).map(mean_row).collect();
+        let slope = |column: usize, c: usize, k: usize| {
+            (probes[column * n + c][k] - values[c][k]) / settings[column].1
+        };
+        let columns = |first: usize, count: usize| -> Vec<Vec<Vec<f64>>> {
+            let of = |c: usize, k: usize| (0..count).map(|j| slope(first + j, c, k)).collect();
+            (0..n).map(|c| (0..plan.observables.len()).map(|k| of(c, k)).collect()).collect()
+        };
+        Ok(Self {
+            declared: columns(0, plan.declared.len()),
+            library: columns(plan.declared.len(), plan.effects.len()),
+            run_covariance: pooled_covariance(replicates, &values, r),
+            noise_dof: n * (r - 1),
+            nominal: Means { values, n: r },
+        })
+    }
+}
+
+/// Covariance within groups of `r` rows about their means, pooled.
+fn pooled_covariance(rows: &[Vec<f64>], means: &[Vec<f64>], r: usize) -> Vec<Vec<f64>> {
+    let width = means.first().map_or(0, Vec::len);
+    let mut sum = vec![vec![0.0; width]; width];
+    for (group, mean) in rows.chunks(r).zip(means) {
+        for row in group {
+            for a in 0..width {
+                for b in 0..width {
+                    sum[a][b] += (row[a] - mean[a]) * (row[b] - mean[b]);
+                }
+            }
+        }
+    }
+    let dof = (means.len() * (r - 1)).max(1) as f64;
+    sum.iter().map(|line| line.iter().map(|x| x / dof).collect()).collect()
+}

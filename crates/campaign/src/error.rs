@@ -1,0 +1,38 @@
+//! What can go wrong in a campaign.
+
+use crate::{RunRequest, SimulatorError};
+
+/// Why a campaign did not give all its records.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// Runs failed; this is the first in the order of the requests. All others were done and
+    /// stored, so that calling again repeats the failed ones only.
+    #[error("run '{request}' failed, {n_failed} of {n_runs} runs in all")]
+    Run {
+        /// The first request that failed.
+        request: Box<RunRequest>,
+        /// Why it failed.
+        source: SimulatorError,
+        /// Number of runs that failed.
+        n_failed: usize,
+        /// Number of different runs in the campaign.
+        n_runs: usize,
+    },
+    /// The stop flag was raised; what was finished is stored.
+    #[error("stopped after {n_done} of {n_runs} runs; finished runs are stored and will be reused")]
+    Stopped {
+        /// Number of runs that have a record.
+        n_done: usize,
+        /// Number of different runs in the campaign.
+        n_runs: usize,
+    },
+    /// A request or a result that cannot be kept, or a store that cannot be read or written.
+    #[error("the record of run '{request}' cannot be kept or found")]
+    Store {
+        /// The request.
+        request: Box<RunRequest>,
+        /// The store's reason.
+        source: run_store::Error,
+    },
+}

@@ -1,0 +1,130 @@
+//! How far a campaign is, and telling it.
+
+use std::fmt;
+use std::io::Write;
+use std::sync::{Mutex, PoisonError};
+
+/// How far a campaign is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ProgressState {
+    /// Runs that are over: reused, finished or failed.
+    pub done: usize,
+    /// Runs whose record was in the store.
+    pub reused: usize,
+    /// Different runs of the campaign.
+    pub total: usize,
+    /// Runs in progress.
+    pub running: usize,
+    /// Time since the campaign began, s.
+    pub elapsed_s: f64,
+    /// Expected time to the end, s; none before the first run of this campaign is finished.
+    pub left_s: Option<f64>,
+}
+
+impl fmt::Display for ProgressState {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let left = match self.left_s {
+            Some(left) => format!("about {} left", span(left)),
+            None => "time left not known yet".to_owned(),
+        };
+        write!(
+            f,
+            "{}/{} runs ({} reused, {} running), {} elapsed, {left}",
+            self.done,
+            self.total,
+            self.reused,
+            self.running,
+            span(self.elapsed_s)
+        )
+    }
+}
+
+/// A listener; called by one thread at a time.
+pub trait Progress: Sync {
+    /// Hears how far the campaign is: once at the start and after each run.
+    fn update(&self, state: &ProgressState);
+
+    /// Hears of something odd that does not stop the campaign.
+    fn warning(&self, text: &str) {
+        let _ = text;
+    }
+}
+
+/// A listener that says nothing.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Silent;
+
+impl Progress for Silent {
+    fn update(&self, _state: &ProgressState) {}
+}
+
+/// A listener that writes one line per finished run.
+pub struct LineProgress {
+    /// Where the lines go, such as standard error.
+    output: Mutex<Box<dyn Write + Send>>,
+}
+
+impl LineProgress {
+    /// Writes its lines to `output`; a failure to write is ignored, the runs matter more.
+    pub fn new(output: impl Write + Send + 'static) -> Self {
+        Self {
+            output: Mutex::new(Box::new(output)),
+        }
+    }
+
+    /// Writes one line.
+    fn line(&self, text: fmt::Arguments<'_>) {
+        let mut output = self.output.lock().unwrap_or_else(PoisonError::into_inner);
+        let _ = writeln!(output, "{text}").and_then(|()| output.flush());
+    }
+}
+
+impl fmt::Debug for LineProgress {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("LineProgress").finish_non_exhaustive()
+    }
+}
+
+impl Progress for LineProgress {
+    fn update(&self, state: &ProgressState) {
+        self.line(format_args!("{state}"));
+    }
+
+    fn warning(&self, text: &str) {
+        self.line(format_args!("warning: {text}"));
+    }
+}
+
+/// A time in the unit that reads best.
+fn span(seconds: f64) -> String {
+    if seconds < 90.0 {
+        format!("{seconds:.0} s")
+    } else if seconds < 5400.0 {
+        format!("{:.0} min", seconds / 60.0)
+    } else {
+        format!("{:.1} h", seconds / 3600.0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::ProgressState;
+
+    #[test]
+    fn line_says_how_far_and_how_long_in_readable_units() {
+        let mut state = ProgressState {
+            done: 3,
+            reused: 1,
+            total: 9,
+            running: 2,
+            elapsed_s: 75.0,
+            left_s: None,
+        };
+        assert_eq!(
+            state.to_string(),
+            "3/9 runs (1 reused, 2 running), 75 s elapsed, time left not known yet"
+        );
+        state.left_s = Some(7200.0);
+        assert!(state.to_string().ends_with("about 2.0 h left"), "{state}");
+    }
+}

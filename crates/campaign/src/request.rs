@@ -1,0 +1,155 @@
+//! What a run is asked for, and what it gives.
+
+use run_store::Observation;
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+use std::collections::BTreeMap;
+use std::fmt;
+
+use crate::SimulatorError;
+
+/// One run: everything that its result may depend on, besides the version of the simulator.
+///
+/// Units are those that the simulator states for its names.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RunRequest {
+    /// What is simulated, such as the name of a scene or of a profile.
+    pub model: String,
+    /// Declared parameters by name; the simulator's own value where one is absent.
+    pub parameters: BTreeMap<String, f64>,
+    /// Conditions of the experiment by name, such as speed or filling.
+    pub condition: BTreeMap<String, f64>,
+    /// Amplitudes of effects by name; absent or 0 is off.
+    pub effects: BTreeMap<String, f64>,
+    /// Seed of all randomness of the run.
+    pub seed: u64,
+}
+
+impl RunRequest {
+    /// Asks for a run of a model with nothing changed.
+    pub fn new(model: &str, seed: u64) -> Self {
+        Self {
+            model: model.to_owned(),
+            parameters: BTreeMap::new(),
+            condition: BTreeMap::new(),
+            effects: BTreeMap::new(),
+            seed,
+        }
+    }
+
+    /// Sets a declared parameter.
+    #[must_use]
+    pub fn with_parameter(mut self, name: &str, value: f64) -> Self {
+        self.parameters.insert(name.to_owned(), value);
+        self
+    }
+
+    /// Sets a condition of the experiment.
+    #[must_use]
+    pub fn with_condition(mut self, name: &str, value: f64) -> Self {
+        self.condition.insert(name.to_owned(), value);
+        self
+    }
+
+    /// Sets the amplitude of an effect; 0 switches it off.
+    #[must_use]
+    pub fn with_effect(mut self, name: &str, amplitude: f64) -> Self {
+        self.effects.insert(name.to_owned(), amplitude);
+        self
+    }
+
+    /// Sets the seed.
+    #[must_use]
+    pub fn with_seed(mut self, seed: u64) -> Self {
+        self.seed = seed;
+        self
+    }
+
+    /// Gives a declared parameter that the simulator needs.
+    ///
+    /// # Errors
+    ///
+    /// [`SimulatorError::Refused`] when the request does not have it.
+    pub fn parameter(&self, name: &str) -> Result<f64, SimulatorError> {
+        needed(&self.parameters, "parameter", name)
+    }
+
+    /// Gives a condition that the simulator needs.
+    ///
+    /// # Errors
+    ///
+    /// [`SimulatorError::Refused`] when the request does not have it.
+    pub fn condition(&self, name: &str) -> Result<f64, SimulatorError> {
+        needed(&self.condition, "condition", name)
+    }
+
+    /// Gives the amplitude of an effect, 0 where it is off.
+    pub fn effect(&self, name: &str) -> f64 {
+        self.effects.get(name).copied().unwrap_or(0.0)
+    }
+
+    /// The same run with effects of amplitude 0 left out, so that it has one key.
+    pub(crate) fn normalised(&self) -> Self {
+        let mut request = self.clone();
+        request.effects.retain(|_, amplitude| *amplitude != 0.0);
+        request
+    }
+
+    /// What the key of the run is made of, besides version and seed.
+    pub(crate) fn inputs(&self) -> Value {
+        serde_json::json!({
+            "model": self.model,
+            "parameters": self.parameters,
+            "condition": self.condition,
+            "effects": self.effects,
+        })
+    }
+}
+
+impl fmt::Display for RunRequest {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}", self.model)?;
+        for (name, value) in self
+            .condition
+            .iter()
+            .chain(&self.parameters)
+            .chain(&self.effects)
+        {
+            write!(f, " {name}={value}")?;
+        }
+        write!(f, " seed={}", self.seed)
+    }
+}
+
+/// What a run gives.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct RunOutcome {
+    /// Results by name.
+    pub observables: BTreeMap<String, Observation>,
+    /// What else is worth keeping (timing, series); null when nothing is.
+    pub details: Value,
+}
+
+impl RunOutcome {
+    /// Adds a result.
+    #[must_use]
+    pub fn with_observable(mut self, name: &str, result: Observation) -> Self {
+        self.observables.insert(name.to_owned(), result);
+        self
+    }
+}
+
+/// Looks up a value that must be there.
+fn needed(
+    values: &BTreeMap<String, f64>,
+    kind: &'static str,
+    name: &str,
+) -> Result<f64, SimulatorError> {
+    values
+        .get(name)
+        .copied()
+        .ok_or_else(|| SimulatorError::Refused {
+            reason: format!("{kind} '{name}' is missing; set it in the request"),
+        })
+}

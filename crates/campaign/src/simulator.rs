@@ -1,0 +1,57 @@
+//! The simulator seen from outside.
+
+use crate::{RunOutcome, RunRequest};
+
+/// Anything that turns a request into observables; the same request gives the same numbers.
+pub trait Simulator: Sync {
+    /// Version of the code and of the data it holds; runs of another version are not reused.
+    fn version(&self) -> String;
+
+    /// Does one run, on the calling thread.
+    ///
+    /// # Errors
+    ///
+    /// [`SimulatorError`] when the request cannot be meant, or the run fails.
+    fn run(&self, request: &RunRequest) -> Result<RunOutcome, SimulatorError>;
+
+    /// Time that the run will take, relative to the other runs: sets the order (longest first)
+    /// and the estimate of the time left. Not positive or not finite counts as 1.
+    fn expected_cost(&self, request: &RunRequest) -> f64 {
+        let _ = request;
+        1.0
+    }
+}
+
+/// Why there is no result of a run.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum SimulatorError {
+    /// The request cannot be run as it is.
+    #[error("the request is refused: {reason}")]
+    Refused {
+        /// What is wrong with it, and the way out.
+        reason: String,
+    },
+    /// The run began and broke off.
+    #[error("the run failed: {reason}")]
+    Failed {
+        /// What happened.
+        reason: String,
+    },
+    /// The simulator panicked, which is a bug of its.
+    #[error("the simulator panicked: {message}")]
+    Panicked {
+        /// What it said.
+        message: String,
+    },
+    /// An error of the simulator's own kind.
+    #[error(transparent)]
+    Other(#[from] Box<dyn std::error::Error + Send + Sync>),
+}
+
+impl SimulatorError {
+    /// Wraps the simulator's own error.
+    pub fn other(error: impl std::error::Error + Send + Sync + 'static) -> Self {
+        Self::Other(Box::new(error))
+    }
+}

@@ -1,0 +1,282 @@
+//! Campaigns over toy simulators.
+
+use campaign::{
+    Campaign, Error, LineProgress, Progress, ProgressState, RunOutcome, RunRequest, Silent,
+    Simulator, SimulatorError,
+};
+use run_store::{Observation, Store};
+use std::io::Write;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex};
+use std::time::Duration;
+
+/// y = 2 x + effect + noise of the seed; counts its runs, and does as told for special x.
+#[derive(Default)]
+struct Toy {
+    runs: AtomicUsize,
+    begun: Mutex<Vec<f64>>,
+    stop_at: Option<f64>,
+    stop: AtomicBool,
+}
+
+impl Simulator for Toy {
+    fn version(&self) -> String {
+        "toy 1".into()
+    }
+
+    fn run(&self, request: &RunRequest) -> Result<RunOutcome, SimulatorError> {
+        self.runs.fetch_add(1, Ordering::SeqCst);
+        let x = request.parameter("x")?;
+        self.begun.lock().expect("no holder panics").push(x);
+        if self.stop_at == Some(x) {
+            self.stop.store(true, Ordering::SeqCst);
+        }
+        if x == 13.0 {
+            let reason = "the drum is empty".into();
+            return Err(SimulatorError::Failed { reason });
+        }
+        assert!(x != 14.0, "bug at fourteen");
+        // Runs of unlike length, so that threads finish in another order than they begin.
+        std::thread::sleep(Duration::from_micros(500 * (request.seed % 4)));
+        let noise = (request.seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) >> 11) as f64 * 1e-17;
+        let y = Observation {
+            mean: if x == 15.0 {
+                f64::NAN
+            } else {
+                2.0 * x + request.effect("slip") + noise
+            },
+            sd: Some(1.0),
+            n: 4,
+            unit: "1".into(),
+        };
+        Ok(RunOutcome::default().with_observable("y", y))
+    }
+
+    fn expected_cost(&self, request: &RunRequest) -> f64 {
+        request.parameter("x").unwrap_or(1.0)
+    }
+}
+
+fn requests(xs: &[f64]) -> Vec<RunRequest> {
+    xs.iter()
+        .enumerate()
+        .map(|(i, &x)| RunRequest::new("toy", i as u64).with_parameter("x", x))
+        .collect()
+}
+
+#[test]
+fn records_come_in_the_order_of_the_requests_and_do_not_depend_on_threads() {
+    let list = requests(&[3.0, 1.0, 2.0, 9.0, 8.0, 7.0, 4.0, 5.0]);
+    let run = |threads| {
+        let folder = tempfile::tempdir().unwrap();
+        let store = Store::open(folder.path()).unwrap();
+        Campaign::new(&store, threads, &Silent)
+            .run_all(&Toy::default(), &list)
+            .unwrap()
+    };
+    let one = run(1);
+    for (record, request) in one.iter().zip(&list) {
+        assert_eq!(record.seed(), request.seed);
+    }
+    assert_eq!(one, run(4));
+}
+
+#[test]
+fn finished_runs_are_reused_and_duplicates_run_once() {
+    let folder = tempfile::tempdir().unwrap();
+    let store = Store::open(folder.path()).unwrap();
+    let toy = Toy::default();
+    let base = RunRequest::new("toy", 1).with_parameter("x", 1.0);
+    let list = [
+        base.clone(),
+        base.clone().with_effect("slip", 0.0),
+        base.clone().with_effect("slip", 0.5),
+        base,
+    ];
+    let campaign = Campaign::new(&store, 2, &Silent);
+    let first = campaign.run_all(&toy, &list).unwrap();
+    assert_eq!(toy.runs.load(Ordering::SeqCst), 2);
+    assert_eq!(first[0], first[1]);
+    assert_ne!(first[0], first[2]);
+    assert_eq!(campaign.run_all(&toy, &list).unwrap(), first);
+    assert_eq!(
+        toy.runs.load(Ordering::SeqCst),
+        2,
+        "a finished run was repeated"
+    );
+}
+
+#[test]
+fn another_version_of_the_simulator_reuses_nothing() {
+    struct Next(Toy);
+    impl Simulator for Next {
+        fn version(&self) -> String {
+            "toy 2".into()
+        }
+        fn run(&self, request: &RunRequest) -> Result<RunOutcome, SimulatorError> {
+            self.0.run(request)
+        }
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let store = Store::open(folder.path()).unwrap();
+    let list = requests(&[1.0, 2.0]);
+    let campaign = Campaign::new(&store, 1, &Silent);
+    campaign.run_all(&Toy::default(), &list).unwrap();
+    let next = Next(Toy::default());
+    campaign.run_all(&next, &list).unwrap();
+    assert_eq!(next.0.runs.load(Ordering::SeqCst), 2);
+}
+
+#[test]
+fn longest_runs_begin_first() {
+    let folder = tempfile::tempdir().unwrap();
+    let store = Store::open(folder.path()).unwrap();
+    let toy = Toy::default();
+    Campaign::new(&store, 1, &Silent)
+        .run_all(&toy, &requests(&[1.0, 3.0, 2.0]))
+        .unwrap();
+    assert_eq!(*toy.begun.lock().unwrap(), vec![3.0, 2.0, 1.0]);
+}
+
+/// One failure of each kind: an error value, a panic, and a result that is not a number.
+#[test]
+fn failure_of_a_run_is_reported_with_its_request_and_the_others_are_stored() {
+    for (bad, says) in [(13.0, "empty"), (14.0, "fourteen"), (15.0, "NaN")] {
+        let folder = tempfile::tempdir().unwrap();
+        let store = Store::open(folder.path()).unwrap();
+        let error = Campaign::new(&store, 2, &Silent)
+            .run_all(&Toy::default(), &requests(&[1.0, bad, 2.0]))
+            .unwrap_err();
+        let Error::Run {
+            request,
+            source,
+            n_failed: 1,
+            n_runs: 3,
+        } = error
+        else {
+            panic!("{error}");
+        };
+        assert_eq!(request.parameters["x"], bad);
+        assert!(source.to_string().contains(says), "{source}");
+        assert_eq!(store.keys().unwrap().len(), 2);
+    }
+}
+
+#[test]
+fn stop_flag_is_honoured_between_runs_and_the_rest_follows_later() {
+    let folder = tempfile::tempdir().unwrap();
+    let store = Store::open(folder.path()).unwrap();
+    let list = requests(&[1.0, 2.0, 3.0, 4.0]);
+    let toy = Toy {
+        stop_at: Some(3.0),
+        ..Toy::default()
+    };
+    let error = Campaign::new(&store, 1, &Silent)
+        .with_stop(&toy.stop)
+        .run_all(&toy, &list)
+        .unwrap_err();
+    assert!(
+        matches!(
+            error,
+            Error::Stopped {
+                n_done: 2,
+                n_runs: 4
+            }
+        ),
+        "{error}"
+    );
+    let records = Campaign::new(&store, 1, &Silent)
+        .run_all(&toy, &list)
+        .unwrap();
+    assert_eq!(records.len(), 4);
+    assert_eq!(toy.runs.load(Ordering::SeqCst), 4);
+}
+
+#[test]
+fn request_that_is_not_a_number_is_refused_before_any_run() {
+    let folder = tempfile::tempdir().unwrap();
+    let store = Store::open(folder.path()).unwrap();
+    let toy = Toy::default();
+    let error = Campaign::new(&store, 1, &Silent)
+        .run_all(&toy, &requests(&[1.0, f64::NAN]))
+        .unwrap_err();
+    assert!(matches!(error, Error::Store { .. }), "{error}");
+    assert_eq!(toy.runs.load(Ordering::SeqCst), 0);
+}
+
+/// Keeps what it hears.
+#[derive(Default)]
+struct Listener(Mutex<Vec<ProgressState>>, Mutex<Vec<String>>);
+
+impl Progress for Listener {
+    fn update(&self, state: &ProgressState) {
+        self.0.lock().expect("no holder panics").push(*state);
+    }
+    fn warning(&self, text: &str) {
+        self.1.lock().expect("no holder panics").push(text.into());
+    }
+}
+
+#[test]
+fn progress_counts_up_and_knows_the_time_left_after_the_first_run() {
+    let folder = tempfile::tempdir().unwrap();
+    let store = Store::open(folder.path()).unwrap();
+    let list = requests(&[1.0, 2.0, 3.0]);
+    Campaign::new(&store, 1, &Silent)
+        .run_all(&Toy::default(), &list[..1])
+        .unwrap();
+    let listener = Listener::default();
+    Campaign::new(&store, 1, &listener)
+        .run_all(&Toy::default(), &list)
+        .unwrap();
+    let heard = listener.0.into_inner().unwrap();
+    let counts: Vec<_> = heard.iter().map(|s| (s.done, s.reused, s.total)).collect();
+    assert_eq!(counts, vec![(1, 1, 3), (2, 1, 3), (3, 1, 3)]);
+    assert_eq!(heard[0].left_s, None);
+    assert!(heard[1].left_s > Some(0.0), "{:?}", heard[1]);
+    assert_eq!(heard[2].left_s, Some(0.0));
+}
+
+#[test]
+fn record_under_a_wrong_name_is_warned_of_and_run_again() {
+    let folder = tempfile::tempdir().unwrap();
+    let store = Store::open(folder.path()).unwrap();
+    let list = requests(&[1.0, 2.0]);
+    let records = Campaign::new(&store, 1, &Silent)
+        .run_all(&Toy::default(), &list)
+        .unwrap();
+    let file = |i: usize| folder.path().join(format!("{}.json", records[i].key()));
+    std::fs::copy(file(0), file(1)).unwrap();
+    let listener = Listener::default();
+    let again = Campaign::new(&store, 1, &listener)
+        .run_all(&Toy::default(), &list)
+        .unwrap();
+    assert_eq!(again, records);
+    assert_eq!(listener.1.into_inner().unwrap().len(), 1);
+}
+
+/// Bytes that two owners see.
+#[derive(Clone, Default)]
+struct Page(Arc<Mutex<Vec<u8>>>);
+
+impl Write for Page {
+    fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
+        self.0.lock().expect("no holder panics").write(bytes)
+    }
+    fn flush(&mut self) -> std::io::Result<()> {
+        Ok(())
+    }
+}
+
+#[test]
+fn line_progress_writes_one_line_per_run_after_the_first_line() {
+    let folder = tempfile::tempdir().unwrap();
+    let store = Store::open(folder.path()).unwrap();
+    let page = Page::default();
+    let progress = LineProgress::new(page.clone());
+    Campaign::new(&store, 2, &progress)
+        .run_all(&Toy::default(), &requests(&[1.0, 2.0, 3.0]))
+        .unwrap();
+    let text = String::from_utf8(page.0.lock().unwrap().clone()).unwrap();
+    assert_eq!(text.lines().count(), 4, "{text}");
+}

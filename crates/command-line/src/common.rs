@@ -1,0 +1,129 @@
+//! The flags that every command has.
+
+use std::fmt::Display;
+use std::io::Write as _;
+use std::num::NonZeroUsize;
+use std::path::{Path, PathBuf};
+
+use anyhow::Context as _;
+use serde::Serialize;
+
+use crate::write::{Overwrite, write_new};
+
+/// More threads than any one machine has; a larger number is a slip of the finger.
+const MOST_THREADS: usize = 1024;
+
+/// The flags that every command has.
+#[derive(Debug, Clone, Default, clap::Args)]
+pub struct Common {
+    /// Write the results as JSON to FILE; without FILE to standard output, and nothing else there
+    #[arg(long, value_name = "FILE", num_args = 0..=1, default_missing_value = "-")]
+    pub json: Option<PathBuf>,
+
+    /// Say nothing on standard error but errors
+    #[arg(long)]
+    pub quiet: bool,
+
+    /// Work with N threads [default: all cores]
+    #[arg(long, value_name = "N", value_parser = thread_count)]
+    pub threads: Option<NonZeroUsize>,
+
+    /// Overwrite files that exist
+    #[arg(long)]
+    pub force: bool,
+}
+
+/// Reads a number of threads.
+fn thread_count(text: &str) -> Result<NonZeroUsize, String> {
+    text.parse()
+        .ok()
+        .filter(|count: &NonZeroUsize| count.get() <= MOST_THREADS)
+        .ok_or_else(|| format!("the number of threads must be from 1 to {MOST_THREADS}"))
+}
+
+impl Common {
+    /// Returns the number of threads to work with: as given, or one for each core.
+    pub fn threads(&self) -> usize {
+        self.threads
+            .or_else(|| std::thread::available_parallelism().ok())
+            .map_or(1, NonZeroUsize::get)
+    }
+
+    /// Returns whether files that exist may be overwritten.
+    pub fn overwrite(&self) -> Overwrite {
+        if self.force {
+            Overwrite::Allow
+        } else {
+            Overwrite::Refuse
+        }
+    }
+
+    /// Returns whether standard output is reserved for JSON.
+    pub fn json_on_stdout(&self) -> bool {
+        self.json.as_deref() == Some(Path::new("-"))
+    }
+
+    /// Writes the results as JSON where `--json` asks for them; does nothing without `--json`.
+    ///
+    /// Numbers keep their full precision; what is not finite becomes `null`.
+    ///
+    /// # Errors
+    /// Results that have no form in JSON, a file that exists or cannot be written, a closed
+    /// standard output.
+    pub fn emit_json(&self, results: &impl Serialize) -> anyhow::Result<()> {
+        let Some(file) = &self.json else {
+            return Ok(());
+        };
+        let mut text =
+            serde_json::to_string_pretty(results).context("results have no form in JSON")?;
+        text.push('\n');
+        if self.json_on_stdout() {
+            return write_stdout(&text);
+        }
+        self.protect_input(file)?;
+        write_new(file, text.as_bytes(), self.overwrite())
+    }
+
+    /// Refuses to replace a file by JSON that does not call itself JSON: with `--json photo.jpg
+    /// --force` the photo was probably meant as input.
+    fn protect_input(&self, file: &Path) -> anyhow::Result<()> {
+        let is_json = file
+            .extension()
+            .is_some_and(|end| end.eq_ignore_ascii_case("json"));
+        anyhow::ensure!(
+            is_json || !self.force || !file.exists(),
+            "{} exists and does not end in .json, so it is not replaced by JSON: give another \
+             name, or put --json last to get standard output",
+            file.display()
+        );
+        Ok(())
+    }
+
+    /// Tells the user on standard error what goes on, unless `--quiet`.
+    pub fn log(&self, text: impl FnOnce() -> String) {
+        if !self.quiet {
+            // A closed standard error is no reason to stop the work.
+            let _ = writeln!(std::io::stderr(), "{}", text());
+        }
+    }
+
+    /// Writes a line of results on standard output, unless JSON goes there.
+    ///
+    /// # Errors
+    /// A closed standard output.
+    pub fn print(&self, text: impl Display) -> anyhow::Result<()> {
+        if self.json_on_stdout() {
+            return Ok(());
+        }
+        write_stdout(&format!("{text}\n"))
+    }
+}
+
+/// Writes to standard output at once.
+fn write_stdout(text: &str) -> anyhow::Result<()> {
+    let mut stdout = std::io::stdout().lock();
+    stdout
+        .write_all(text.as_bytes())
+        .and_then(|()| stdout.flush())
+        .context("cannot write to standard output")
+}

@@ -1,0 +1,93 @@
+//! Why a world cannot be built or cannot go on.
+
+/// Why a world cannot be built or cannot go on.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// A setting is not a positive finite number.
+    #[error("{name} is {value}; it must be a positive finite number")]
+    NotPositive {
+        /// Name of the setting, with its unit.
+        name: &'static str,
+        /// The value given.
+        value: f64,
+    },
+    /// A number is not finite.
+    #[error("{what} is not a finite number")]
+    NotFinite {
+        /// What holds the number, by name or index.
+        what: String,
+    },
+    /// An index points to nothing.
+    #[error("{what} {index} does not exist: there are {count}")]
+    NoSuch {
+        /// Template or material.
+        what: &'static str,
+        /// The index.
+        index: usize,
+        /// How many there are.
+        count: usize,
+    },
+    /// The table of interactions is not a full square.
+    #[error("{got} interactions given, {expected} needed: one for each ordered pair of materials")]
+    Interactions {
+        /// Number given.
+        got: usize,
+        /// Number needed.
+        expected: usize,
+    },
+    /// Two bodies would feel different forces depending on their order.
+    #[error("the interaction of body materials {a} and {b} differs from that of {b} and {a}")]
+    OneSidedInteraction {
+        /// Index of one material.
+        a: usize,
+        /// Index of the other.
+        b: usize,
+    },
+    /// A shape that is no surface of revolution was given a spin.
+    #[error("wall '{wall}' spins about z but is no surface of revolution about z")]
+    SpinningShape {
+        /// Name of the wall.
+        wall: String,
+    },
+    /// The numbers of a shape do not describe it.
+    #[error("wall '{wall}': {rule}")]
+    Shape {
+        /// Name of the wall.
+        wall: String,
+        /// What the shape must fulfil.
+        rule: &'static str,
+    },
+    /// A body starts on the wrong side of a one-sided wall.
+    #[error(
+        "body {body} starts with its centre {depth} m behind wall '{wall}'; bodies must be inside \
+         a cylinder and on the side of a plane to which its normal points"
+    )]
+    BehindWall {
+        /// Index of the body.
+        body: usize,
+        /// Name of the wall.
+        wall: String,
+        /// Distance behind the wall, m.
+        depth: f64,
+    },
+    /// A template has more spheres than an index of 16 bits can name.
+    #[error("a body type has {count} spheres in the contact search, at most 65535 are possible")]
+    TooManySpheres {
+        /// Number of spheres.
+        count: usize,
+    },
+    /// A body has left every bound.
+    #[error(
+        "body {body} has run away or has a state that is no number after {time} s: the time step \
+         {time_step} s is too large for the contacts, or bodies overlapped at the start"
+    )]
+    Diverged {
+        /// Index of the body.
+        body: usize,
+        /// Time, s.
+        time: f64,
+        /// Time step, s.
+        time_step: f64,
+    },
+}

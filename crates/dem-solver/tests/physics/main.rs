@@ -1,0 +1,15 @@
+//! Physics of the solver: what the world does against what mechanics says.
+//!
+//! One topic a file; [`scene`] builds the worlds.
+
+mod drum;
+mod energy;
+mod free_rotation;
+mod incline;
+mod momentum;
+mod oracle;
+mod rebound;
+mod refusal;
+mod reproducibility;
+mod rolling;
+mod scene;

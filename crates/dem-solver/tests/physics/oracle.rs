@@ -1,0 +1,223 @@
+//! The fast force loop against the plain one.
+//!
+//! Before each step the plain loop computes the loads from the state of the world; the step then
+//! uses its own. Both sum the same contacts, the fast one in another order, so that only rounding
+//! may separate them; a contact that a list misses, or a slip that is lost or mixed up when a
+//! list is made anew, separates them by the size of a contact force.
+
+use crate::scene::{run, scattered, seed_and_block, sticky, table};
+use dem_solver::{Placement, Settings, Shape, Wall, World, plain};
+use nalgebra::Vector3;
+use random_stream::Stream;
+
+/// Half width of the drum, m.
+const HALF_WIDTH: f64 = 0.0075;
+
+/// Radius of the drum, m.
+const RADIUS: f64 = 0.028;
+
+/// A drum between two covers, `size` times 56 mm wide.
+fn drum(size: f64) -> Vec<Wall> {
+    let cover = |sign: f64| Wall {
+        name: "cover".into(),
+        shape: Shape::Plane {
+            point: Vector3::z() * (sign * size * HALF_WIDTH),
+            normal: Vector3::z() * -sign,
+        },
+        material: 0,
+        spin: 0.0,
+    };
+    let shape = Shape::Cylinder {
+        radius: size * RADIUS,
+    };
+    let shell = Wall {
+        name: "shell".into(),
+        shape,
+        material: 0,
+        spin: 0.0,
+    };
+    vec![shell, cover(1.0), cover(-1.0)]
+}
+
+/// A plate that stands into the bed.
+fn plate() -> Wall {
+    let half_edges = [Vector3::new(0.004, -0.003, 0.0), Vector3::z() * 0.006];
+    let shape = Shape::Rectangle {
+        centre: Vector3::new(0.004, -0.016, 0.0),
+        half_edges,
+    };
+    Wall {
+        name: "plate".into(),
+        shape,
+        material: 0,
+        spin: 0.0,
+    }
+}
+
+/// Bodies that have fallen into the drum, and still move a little.
+fn fallen(size: f64, walls: Vec<Wall>) -> Vec<Placement> {
+    let halves = [0.0185, 0.0185, HALF_WIDTH - 0.2e-3].map(|half| half * size);
+    let starts = scattered(
+        halves,
+        size,
+        0.4 * size.sqrt(),
+        &mut Stream::new(3, "oracle"),
+    );
+    let mut world = world(settings_of(size), walls, &starts);
+    run(&mut world, 5000);
+    let bodies = world.bodies();
+    let start = |k: usize| Placement {
+        template: bodies.template[k],
+        position: bodies.position[k],
+        orientation: bodies.orientation[k],
+        velocity: bodies.velocity[k],
+        spin: bodies.spin[k],
+    };
+    (0..bodies.len()).map(start).collect()
+}
+
+/// Settings for bodies of a size: times grow as its root, in the same gravity.
+fn settings_of(size: f64) -> Settings {
+    let gravity = Vector3::new(0.0, -9.81, 0.0);
+    Settings {
+        time_step: 4e-5 * size.sqrt(),
+        gravity,
+        skin: 3e-4 * size,
+        margin: 1e-3 * size,
+    }
+}
+
+/// A world of the templates of that size.
+fn world(settings: Settings, walls: Vec<Wall>, starts: &[Placement]) -> World {
+    let size = settings.skin / 3e-4;
+    World::new(
+        settings,
+        seed_and_block(size),
+        table(&sticky()),
+        walls,
+        starts,
+    )
+    .expect("the scene is possible")
+}
+
+/// Steps the world and compares loads and numbers of contacts at each step; returns the largest
+/// number of contacts of spheres seen, between bodies and with walls.
+fn hold_to_the_plain_loop(world: &mut World, history: &mut plain::History, n: usize) -> [usize; 2] {
+    let mut most = [0; 2];
+    for _ in 0..n {
+        let expected = plain::loads(world, history);
+        world.step().expect("the time step is small enough");
+        let (bodies, time) = (world.bodies(), world.time());
+        // A body has some ten contacts, each known to a few units of rounding (1e-16) of the
+        // coordinates over the overlap (1e3): 1e-12 of the largest load.
+        let largest = expected
+            .iter()
+            .map(|load| load.force.norm())
+            .fold(0.0, f64::max);
+        let lever = world.templates()[0].smallest_radius() * 8.0;
+        for (k, load) in expected.iter().enumerate() {
+            let force = (bodies.force[k] - load.force).norm();
+            let torque = (bodies.torque[k] - load.torque).norm();
+            assert!(
+                force <= 1e-11 * largest,
+                "force on body {k} at {time} s: {force}"
+            );
+            assert!(
+                torque <= 1e-11 * largest * lever,
+                "torque on body {k} at {time} s: {torque}"
+            );
+        }
+        let contacts = [world.census().sphere_contacts, world.n_wall_contacts()];
+        assert_eq!(
+            contacts,
+            [history.n_contacts(), history.n_wall_contacts()],
+            "at {time} s"
+        );
+        most = [most[0].max(contacts[0]), most[1].max(contacts[1])];
+    }
+    most
+}
+
+/// A drum whose spin changes on the way: the lists count ways in a turning frame.
+#[test]
+fn loads_are_those_of_the_plain_loop_in_a_drum() {
+    let starts = fallen(1.0, drum(1.0));
+    let mut world = world(settings_of(1.0), drum(1.0), &starts);
+    let mut history = plain::History::default();
+    let mut most = [0; 2];
+    for spin in [0.0, 12.0, -20.0, 3.0] {
+        assert!(
+            world.set_wall_spin("shell", spin) && world.set_wall_spin("cover", spin),
+            "named"
+        );
+        let now = hold_to_the_plain_loop(&mut world, &mut history, 300);
+        most = [most[0].max(now[0]), most[1].max(now[1])];
+    }
+    assert!(
+        most[0] > 60 && most[1] > 30,
+        "too few contacts to mean anything: {most:?}"
+    );
+    let census = world.census();
+    assert!(
+        census.rebuilds > 1000,
+        "the lists were hardly made anew: {census:?}"
+    );
+}
+
+/// Walls of which one is no surface of revolution: a plate in the bed.
+#[test]
+fn loads_are_those_of_the_plain_loop_at_a_plate() {
+    let mut walls = drum(1.0);
+    walls.push(plate());
+    let starts = fallen(1.0, walls.clone());
+    let mut world = world(settings_of(1.0), walls, &starts);
+    assert!(world.set_wall_spin("shell", 10.0), "the shell may turn");
+    let most = hold_to_the_plain_loop(&mut world, &mut plain::History::default(), 600);
+    assert!(
+        most[0] > 50 && most[1] > 30,
+        "too few contacts to mean anything: {most:?}"
+    );
+    assert!(
+        world.wall_load()[3].norm() > 0.0,
+        "nothing rests on the plate"
+    );
+}
+
+/// Skin and margin decide the speed only: no choice, however odd, may lose a contact.
+#[test]
+fn no_skin_or_margin_loses_a_contact() {
+    let starts = fallen(1.0, drum(1.0));
+    for (skin, margin) in [(1e-6, 1e-5), (5e-3, 1e-4), (1e-5, 2e-2), (3e-3, 3e-3)] {
+        let settings = Settings {
+            skin,
+            margin,
+            ..settings_of(1.0)
+        };
+        let walls = drum(1.0);
+        let mut world = World::new(
+            settings,
+            seed_and_block(1.0),
+            table(&sticky()),
+            walls,
+            &starts,
+        )
+        .expect("the scene is possible");
+        assert!(world.set_wall_spin("shell", 12.0), "the shell may turn");
+        let most = hold_to_the_plain_loop(&mut world, &mut plain::History::default(), 200);
+        assert!(most[0] > 50, "too few contacts to mean anything: {most:?}");
+    }
+}
+
+/// Bodies of 1 m: the slack for single precision must follow the size of the scene.
+#[test]
+fn no_contact_is_lost_between_large_bodies() {
+    let size = 150.0;
+    let starts = fallen(size, drum(size));
+    let mut world = world(settings_of(size), drum(size), &starts);
+    assert!(world.set_wall_spin("shell", 1.0), "the shell may turn");
+    let most = hold_to_the_plain_loop(&mut world, &mut plain::History::default(), 600);
+    assert!(
+        most[0] > 50 && most[1] > 30,
+        "too few contacts to mean anything: {most:?}"
+    );
+}

@@ -1,0 +1,265 @@
+//! What a world refuses, and how a hopeless one ends.
+
+use crate::scene::{
+    ball, box_of_planes, plane, rough, scattered, seed_and_block, settings, smooth, sticky, table,
+};
+use dem_solver::{Error, Interaction, Placement, Settings, Shape, Template, Wall, World};
+use nalgebra::{UnitQuaternion, Vector3};
+use random_stream::Stream;
+
+/// Parts of a world, one of which a test spoils.
+struct Parts {
+    settings: Settings,
+    templates: Vec<Template>,
+    interactions: Vec<Interaction>,
+    walls: Vec<Wall>,
+    starts: Vec<Placement>,
+}
+
+fn good() -> Parts {
+    let position = Vector3::new(0.0, 0.01, 0.0);
+    Parts {
+        settings: settings(1e-5, Vector3::new(0.0, -9.81, 0.0)),
+        templates: vec![ball(2e-3)],
+        interactions: table(&smooth()),
+        walls: vec![plane(Vector3::zeros(), Vector3::y())],
+        starts: vec![Placement::at_rest(0, position, UnitQuaternion::identity())],
+    }
+}
+
+fn build(parts: Parts) -> Result<World, Error> {
+    let Parts {
+        settings,
+        templates,
+        interactions,
+        walls,
+        starts,
+    } = parts;
+    World::new(settings, templates, interactions, walls, &starts)
+}
+
+/// Asserts that spoiled parts are refused with a message that holds the words.
+fn refused(words: &str, spoil: impl FnOnce(&mut Parts)) {
+    let mut parts = good();
+    spoil(&mut parts);
+    let message = build(parts).expect_err("the parts are spoiled").to_string();
+    assert!(message.contains(words), "'{words}' is not in '{message}'");
+}
+
+fn wall(shape: Shape, spin: f64) -> Wall {
+    Wall {
+        name: "spoiled".into(),
+        shape,
+        material: 0,
+        spin,
+    }
+}
+
+#[test]
+fn good_parts_are_accepted() {
+    assert!(build(good()).is_ok(), "the parts are good");
+}
+
+#[test]
+fn impossible_settings_are_refused() {
+    for value in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+        refused("time step in s", |parts| parts.settings.time_step = value);
+        refused("skin in m", |parts| parts.settings.skin = value);
+        refused("margin in m", |parts| parts.settings.margin = value);
+    }
+    refused("gravity", |parts| parts.settings.gravity.z = f64::NAN);
+}
+
+#[test]
+fn index_that_points_to_nothing_is_refused() {
+    refused("body type 1 does not exist: there are 1", |parts| {
+        parts.starts[0].template = 1;
+    });
+    refused("material 3 does not exist: there are 1", |parts| {
+        parts.walls[0].material = 3;
+    });
+    refused("material 0 does not exist: there are 0", |parts| {
+        parts.interactions.clear();
+    });
+}
+
+#[test]
+fn table_of_interactions_must_be_square_and_even_handed() {
+    refused("2 interactions given, 4 needed", |parts| {
+        parts.interactions = [table(&smooth()), table(&smooth())].concat();
+    });
+    let [own, other] = [rough(0.5, 0.1), rough(0.5, 0.2)].map(|surface| table(&surface)[0]);
+    let mixed = |parts: &mut Parts, interactions: [Interaction; 4]| {
+        let mut second = parts.templates[0].clone();
+        let clump = clump::Clump::sphere(1e-3, 1000.0).expect("the radius is positive");
+        second.clone_from(&Template::new(&clump, 1, dem_solver::DashpotMass::Body));
+        parts.templates.push(second);
+        parts.interactions = interactions.to_vec();
+    };
+    refused("materials 0 and 1 differs", |parts| {
+        mixed(parts, [own, own, other, own]);
+    });
+    let mut parts = good();
+    mixed(&mut parts, [own, other, other, own]);
+    assert!(build(parts).is_ok(), "an even-handed table");
+}
+
+#[test]
+fn shape_that_its_numbers_do_not_describe_is_refused() {
+    let point = Vector3::zeros();
+    let edges = |a, b| Shape::Rectangle {
+        centre: Vector3::zeros(),
+        half_edges: [a, b],
+    };
+    let (x, y) = (Vector3::x(), Vector3::y());
+    let spoiled = [
+        ("radius must be", Shape::Cylinder { radius: -1.0 }),
+        ("radius must be", Shape::Cylinder { radius: f64::NAN }),
+        (
+            "length 1",
+            Shape::Plane {
+                point,
+                normal: Vector3::y() * 2.0,
+            },
+        ),
+        (
+            "length 1",
+            Shape::Plane {
+                point,
+                normal: Vector3::zeros(),
+            },
+        ),
+        (
+            "length 1",
+            Shape::Plane {
+                point,
+                normal: Vector3::repeat(f64::NAN),
+            },
+        ),
+        (
+            "point in m",
+            Shape::Plane {
+                point: Vector3::repeat(f64::NAN),
+                normal: Vector3::y(),
+            },
+        ),
+        ("perpendicular", edges(x, x + y)),
+        ("perpendicular", edges(x, Vector3::zeros())),
+        ("half edges", edges(x, y * f64::INFINITY)),
+    ];
+    for (words, shape) in spoiled {
+        refused(words, |parts| parts.walls.push(wall(shape, 0.0)));
+    }
+}
+
+#[test]
+fn only_a_surface_of_revolution_may_spin() {
+    refused("wall 'plane' spins", |parts| parts.walls[0].spin = 1.0);
+    refused("spin in rad/s", |parts| parts.walls[0].spin = f64::NAN);
+    let mut parts = good();
+    parts.walls.push(wall(Shape::Cylinder { radius: 0.1 }, 1.0));
+    let mut world = build(parts).expect("a cylinder may spin");
+    assert!(world.set_wall_spin("spoiled", 2.0), "a cylinder may spin");
+    assert!(!world.set_wall_spin("spoiled", f64::NAN), "NaN is no spin");
+    assert!(
+        !world.set_wall_spin("plane", 2.0),
+        "this plane may not spin"
+    );
+    assert!(
+        !world.set_wall_spin("nothing", 2.0),
+        "there is no such wall"
+    );
+    assert_eq!([world.walls()[0].spin, world.walls()[1].spin], [0.0, 2.0]);
+}
+
+#[test]
+fn impossible_start_is_refused() {
+    refused("position of body 0", |parts| {
+        parts.starts[0].position.x = f64::NAN;
+    });
+    refused("velocity of body 0", |parts| {
+        parts.starts[0].velocity.y = f64::INFINITY;
+    });
+    refused("spin of body 0", |parts| parts.starts[0].spin.z = f64::NAN);
+    refused("0.5 m behind wall 'plane'", |parts| {
+        parts.starts[0].position.y = -0.5;
+    });
+    refused("m behind wall 'spoiled'", |parts| {
+        parts.starts[0].position.x = -0.2;
+        parts.walls.push(wall(Shape::Cylinder { radius: 0.1 }, 0.0));
+    });
+}
+
+#[test]
+fn negative_attraction_is_refused() {
+    let settings = dem_solver::InteractionSettings {
+        attraction: -1e-3,
+        ..smooth()
+    };
+    let message = Interaction::new(&settings)
+        .expect_err("repulsion")
+        .to_string();
+    assert!(message.contains("attraction in N is -0.001"), "{message}");
+}
+
+#[test]
+fn world_without_bodies_or_walls_steps() {
+    let mut parts = good();
+    parts.starts.clear();
+    parts.walls.clear();
+    let mut world = build(parts).expect("an empty world is possible");
+    for _ in 0..10 {
+        world.step().expect("nothing can go wrong");
+    }
+    assert_eq!((world.n_steps(), world.kinetic_energy()), (10, 0.0));
+}
+
+/// Steps until the world gives up; the number of steps at most 100 000.
+fn end_of(world: &mut World) -> Option<Error> {
+    (0..100_000).find_map(|_| world.step().err())
+}
+
+/// A time step a thousand times the contact blows the bodies apart; the world says so, in
+/// however many bodies and whichever of them goes first.
+#[test]
+fn hopeless_time_step_ends_in_an_error() {
+    for (time_step, seed) in [(1e-2, 1), (3e-2, 2), (1.0, 3), (1e3, 4)] {
+        let starts = scattered([0.0106; 3], 1.0, 0.5, &mut Stream::new(seed, "hopeless"));
+        let settings = settings(time_step, Vector3::new(0.0, -9.81, 0.0));
+        let templates = seed_and_block(1.0);
+        let walls = box_of_planes(0.0125);
+        let mut world = World::new(settings, templates, table(&sticky()), walls, &starts)
+            .expect("the start is possible");
+        let error = end_of(&mut world).expect("such a step cannot go well");
+        assert!(matches!(error, Error::Diverged { .. }), "{error}");
+    }
+}
+
+/// A single body that becomes no number is noticed too, with nobody else to start a search.
+#[test]
+fn lone_body_that_is_lost_is_noticed() {
+    let mut parts = good();
+    parts.settings.time_step = 1e160;
+    let mut world = build(parts).expect("the start is possible");
+    let error = end_of(&mut world).expect("such a step cannot go well");
+    assert!(matches!(error, Error::Diverged { body: 0, .. }), "{error}");
+}
+
+/// A body that flies away for good costs the others neither memory nor time.
+#[test]
+fn body_that_flies_away_does_not_stop_the_others() {
+    let mut parts = good();
+    let mut away = parts.starts[0];
+    away.position.x = 1.0;
+    away.velocity = Vector3::new(1e9, 1e9, 1e9);
+    parts.starts.push(away);
+    let mut world = build(parts).expect("the start is possible");
+    for _ in 0..20_000 {
+        world.step().expect("the others go on");
+    }
+    let height = world.bodies().position[0].y;
+    assert!(
+        height > 0.0 && height < 0.011,
+        "the other body is at {height} m"
+    );
+}

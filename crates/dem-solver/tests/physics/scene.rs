@@ -1,0 +1,228 @@
+//! Worlds for the tests: surfaces, bodies, walls, starts.
+
+use clump::{Clump, MassProperties, Sphere, properties_of_spheres};
+use contact_law::{Material, NormalForceEnd, PairParameters};
+use dem_solver::{
+    DashpotMass, Interaction, InteractionSettings, Placement, Settings, Shape, Template, Wall,
+    World,
+};
+use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3};
+use random_stream::Stream;
+
+/// Density of all bodies, kg/m³.
+pub(crate) const DENSITY: f64 = 1000.0;
+
+/// Acceleration of gravity, m/s².
+pub(crate) const GRAVITY: f64 = 9.81;
+
+/// The material of all bodies and walls: soft, so that a contact lasts many time steps.
+pub(crate) fn material() -> Material {
+    Material::new(0.25, 4e6).expect("the constants are possible")
+}
+
+/// A surface that neither damps nor rubs nor sticks.
+pub(crate) fn smooth() -> InteractionSettings {
+    InteractionSettings {
+        materials: [material(); 2],
+        parameters: PairParameters {
+            restitution: 1.0,
+            static_friction: 0.0,
+            rolling_friction: 0.0,
+        },
+        attraction: 0.0,
+        end: NormalForceEnd::Attractive,
+    }
+}
+
+/// A surface with a restitution and a static friction.
+pub(crate) fn rough(restitution: f64, static_friction: f64) -> InteractionSettings {
+    let parameters = PairParameters {
+        restitution,
+        static_friction,
+        rolling_friction: 0.0,
+    };
+    InteractionSettings {
+        parameters,
+        ..smooth()
+    }
+}
+
+/// A surface with everything that the laws know; the attraction (N) is a tenth of the weight of
+/// a body of 0.3 g.
+pub(crate) fn sticky() -> InteractionSettings {
+    let parameters = PairParameters {
+        restitution: 0.4,
+        static_friction: 0.4,
+        rolling_friction: 0.05,
+    };
+    InteractionSettings {
+        parameters,
+        attraction: 3e-4,
+        end: NormalForceEnd::Clipped,
+        ..smooth()
+    }
+}
+
+/// One interaction as the table of a single material.
+pub(crate) fn table(settings: &InteractionSettings) -> Vec<Interaction> {
+    vec![Interaction::new(settings).expect("the parameters are possible")]
+}
+
+/// Settings with lists that suit bodies of some millimetres; the time step in s.
+pub(crate) fn settings(time_step: f64, gravity: Vector3<f64>) -> Settings {
+    Settings {
+        time_step,
+        gravity,
+        skin: 3e-4,
+        margin: 1e-3,
+    }
+}
+
+/// A single sphere of a radius (m), whose dashpots see its mass.
+pub(crate) fn ball(radius: f64) -> Template {
+    let clump = Clump::sphere(radius, DENSITY).expect("the radius is positive");
+    Template::new(&clump, 0, DashpotMass::Body)
+}
+
+/// A body of spheres (centre and radius in m) with the mass of these.
+pub(crate) fn cluster(spheres: &[([f64; 3], f64)], dashpot_mass: DashpotMass) -> Template {
+    let spheres: Vec<_> = spheres
+        .iter()
+        .map(|&(c, radius)| Sphere {
+            centre: Vector3::from(c),
+            radius,
+        })
+        .collect();
+    let clump = Clump::new(&spheres, &properties_of_spheres(&spheres, DENSITY));
+    Template::new(&clump.expect("the spheres are proper"), 0, dashpot_mass)
+}
+
+/// A seed of five spheres in a bent row, `size` times 2 mm thick, and a block of eight.
+pub(crate) fn seed_and_block(size: f64) -> Vec<Template> {
+    let row = [
+        ([0.0, 0.0, 0.0], 1.0),
+        ([1.5, 0.1, 0.0], 0.9),
+        ([-1.5, 0.2, 0.1], 0.8),
+        ([2.8, 0.4, 0.0], 0.6),
+        ([-2.7, 0.5, 0.2], 0.5),
+    ];
+    let mut corners = Vec::new();
+    for k in 0..8 {
+        let side = |bit: i32, half: f64| if k >> bit & 1 == 1 { half } else { -half };
+        corners.push(([side(0, 1.1), side(1, 0.9), side(2, 0.8)], 0.9));
+    }
+    let scaled = |spheres: &[([f64; 3], f64)], dashpot_mass| {
+        let unit = 1e-3 * size;
+        let spheres: Vec<_> = spheres
+            .iter()
+            .map(|&(c, radius)| (c.map(|x| x * unit), radius * unit))
+            .collect();
+        cluster(&spheres, dashpot_mass)
+    };
+    vec![
+        scaled(&row, DashpotMass::Sphere),
+        scaled(&corners, DashpotMass::Body),
+    ]
+}
+
+/// Random placements of the two templates of [`seed_and_block`] on a lattice of 7 mm times `size`
+/// that fits into a half width (m) in each direction; velocities up to `speed` (m/s).
+pub(crate) fn scattered(
+    half_widths: [f64; 3],
+    size: f64,
+    speed: f64,
+    stream: &mut Stream,
+) -> Vec<Placement> {
+    let spacing = 7e-3 * size;
+    let counts = half_widths.map(|half| (2.0 * half / spacing).floor());
+    let mut placements = Vec::new();
+    let mut cell = Vector3::zeros();
+    while cell.z < counts[2] {
+        let position = Vector3::from_fn(|k, _| (cell[k] + 0.5 - 0.5 * counts[k]) * spacing);
+        let [w, i, j, k] = stream.rotation();
+        placements.push(Placement {
+            template: placements.len() % 2,
+            position,
+            orientation: UnitQuaternion::new_normalize(Quaternion::new(w, i, j, k)),
+            velocity: Vector3::from_fn(|_, _| stream.between(-speed, speed)),
+            spin: Vector3::from_fn(|_, _| stream.between(-1.0, 1.0) * speed / (3e-3 * size)),
+        });
+        cell.x += 1.0;
+        if cell.x >= counts[0] {
+            (cell.x, cell.y) = (0.0, cell.y + 1.0);
+        }
+        if cell.y >= counts[1] {
+            (cell.y, cell.z) = (0.0, cell.z + 1.0);
+        }
+    }
+    placements
+}
+
+/// A plane through a point (m).
+pub(crate) fn plane(point: Vector3<f64>, normal: Vector3<f64>) -> Wall {
+    let shape = Shape::Plane {
+        point,
+        normal: normal.normalize(),
+    };
+    Wall {
+        name: "plane".into(),
+        shape,
+        material: 0,
+        spin: 0.0,
+    }
+}
+
+/// A box of six planes about the origin; half edge in m.
+pub(crate) fn box_of_planes(half: f64) -> Vec<Wall> {
+    let axes = [Vector3::x(), Vector3::y(), Vector3::z()];
+    axes.iter()
+        .flat_map(|axis| [plane(-axis * half, *axis), plane(axis * half, -axis)])
+        .collect()
+}
+
+/// A world of one material.
+pub(crate) fn world(
+    settings: Settings,
+    surface: &InteractionSettings,
+    templates: Vec<Template>,
+    walls: Vec<Wall>,
+    placements: &[Placement],
+) -> World {
+    World::new(settings, templates, table(surface), walls, placements)
+        .expect("the scene is possible")
+}
+
+/// Moves a world by a number of steps.
+pub(crate) fn run(world: &mut World, n_steps: usize) {
+    for _ in 0..n_steps {
+        world.step().expect("the time step is small enough");
+    }
+}
+
+/// Overlap at which a plane carries the weight of a ball of some radius (m), m.
+pub(crate) fn resting_overlap(radius: f64, gravity: f64) -> f64 {
+    let clump = Clump::sphere(radius, DENSITY).expect("the radius is positive");
+    let young = contact_law::material::effective_moduli(&material(), &material()).young;
+    (0.75 * clump.mass() * gravity / (young * radius.sqrt())).powf(2.0 / 3.0)
+}
+
+/// A body of three different moments of inertia, made of two crossed pairs of spheres.
+pub(crate) fn asymmetric_clump() -> Clump {
+    let sphere = |x, y| Sphere {
+        centre: Vector3::new(x, y, 0.0),
+        radius: 1e-3,
+    };
+    let spheres = [
+        sphere(3e-3, 0.0),
+        sphere(-3e-3, 0.0),
+        sphere(0.0, 1.5e-3),
+        sphere(0.0, -1.5e-3),
+    ];
+    let inertia = Matrix3::from_diagonal(&Vector3::new(1e-10, 2e-10, 2.7e-10));
+    let properties = MassProperties {
+        mass: 3e-5,
+        centre: Vector3::zeros(),
+        inertia,
+    };
+    Clump::new(&spheres, &properties).expect("the spheres are proper")
+}

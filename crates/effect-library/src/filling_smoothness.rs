@@ -1,0 +1,50 @@
+//! Smoothness of the sphere filling: the model's seeds may be rougher than real ones.
+
+use crate::{Description, Effect, Entry, Error};
+use quantity::Length;
+use scene::{FillingLibrary, Scene};
+use sphere_fill::Method;
+
+/// A filling whose surface follows the mesh more closely, with the mass and inertia of the seed.
+#[derive(Debug)]
+pub(crate) struct FillingSmoothness;
+
+impl Effect for FillingSmoothness {
+    fn description(&self) -> Description {
+        Description {
+            name: "filling-smoothness",
+            physics: "A seed packed with equal spheres has a surface of bumps and gaps that lock \
+                      into each other. A real coated seed is smooth, so the model needs a lower \
+                      friction coefficient than the bench measures.",
+            formula: "roughness = (1 - amplitude) x root mean square roughness of the filling in \
+                      the scene, reached by overlapping spheres that follow the surface",
+            unit: "1",
+            source: "CottonStudy",
+            range: [0.0, 0.9],
+            probe: 0.6,
+            entry: Entry::SeedShape,
+        }
+    }
+
+    fn apply(
+        &self,
+        scene: &mut Scene,
+        amplitude: f64,
+        fillings: &FillingLibrary,
+    ) -> Result<(), Error> {
+        let roughness = scene
+            .seed
+            .iter()
+            .map(|seed| Ok(fillings.body(scene, seed)?.report.roughness_rms))
+            .collect::<Result<Vec<f64>, scene::Error>>()?;
+        let refused =
+            |e: quantity::Error| Error::Setting { name: self.description().name, reason: e.to_string() };
+        for (seed, roughness) in scene.seed.iter_mut().zip(roughness) {
+            let target = Length::from_si((1.0 - amplitude) * roughness).map_err(refused)?;
+            seed.filling.method = Method::Smooth;
+            seed.filling.sphere_count = None;
+            seed.filling.roughness = Some(target);
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,37 @@
+//! Rolling resistance: a torque against the rolling of one seed on another or on a wall.
+
+use crate::{Description, Effect, Entry, Error};
+use quantity::FrictionCoefficient;
+use scene::{FillingLibrary, Scene};
+
+/// Rolling friction of type A, added to every contact of the scene.
+#[derive(Debug)]
+pub(crate) struct RollingResistance;
+
+impl Effect for RollingResistance {
+    fn description(&self) -> Description {
+        Description {
+            name: "rolling-resistance",
+            physics: "Real seeds touch over a patch, not at a point: soft coats and small facets \
+                      resist rolling. A rigid agglomerate of hard spheres lacks this resistance.",
+            formula: "T = -mu_r F_n L w/|w|; the amplitude is added to mu_r of every contact",
+            unit: "1",
+            source: "Ai2011",
+            range: [0.0, 0.5],
+            probe: 0.1,
+            entry: Entry::Contact,
+        }
+    }
+
+    fn apply(&self, scene: &mut Scene, amplitude: f64, _: &FillingLibrary) -> Result<(), Error> {
+        for contact in scene.contact.values_mut() {
+            let raised = contact.rolling_friction.get() + amplitude;
+            let refused = |e: quantity::Error| Error::Setting {
+                name: self.description().name,
+                reason: e.to_string(),
+            };
+            contact.rolling_friction = FrictionCoefficient::new(raised).map_err(refused)?;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,110 @@
+use crate::{Error, apply, find, library};
+use scene::{FillingLibrary, Override, Scene, run};
+use std::path::Path;
+
+/// The study's drum, small: 40 seeds of 16 or 20 spheres in a slice of 14 mm, so that a run takes a
+/// second.
+fn small_drum() -> Scene {
+    let set = |name: &str, value: &str| Override { name: name.into(), value: value.into() };
+    let file = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../fixtures/cotton/drum.toml"));
+    Scene::read(
+        file,
+        &[
+            set("apparatus.inner_diameter", "70 mm"),
+            set("apparatus.width", "14 mm"),
+            set("seed.0.count", "34"),
+            set("seed.1.count", "6"),
+            set("seed.0.filling.sphere_radius", "0.8 mm"),
+            set("seed.1.filling.sphere_radius", "0.8 mm"),
+            set("seed.0.filling.sphere_count", "20"),
+            set("seed.1.filling.sphere_count", "16"),
+            set("protocol.frames", "4"),
+            set("time_s", "2.4"),
+        ],
+    )
+    .unwrap()
+}
+
+#[test]
+fn each_effect_is_named_once_and_its_probe_is_possible() {
+    for (k, effect) in library().iter().enumerate() {
+        let d = effect.description();
+        assert!(d.range[0] <= 0.0 && d.range[1] > 0.0, "{}: 0 must switch it off", d.name);
+        assert!((d.range[0]..=d.range[1]).contains(&d.probe), "{}: probe {}", d.name, d.probe);
+        let again = library().iter().skip(k + 1).any(|e| e.description().name == d.name);
+        assert!(!again, "{} comes twice", d.name);
+    }
+}
+
+/// Amplitude 0 leaves the scene as it is, for every effect.
+#[test]
+fn amplitude_zero_changes_nothing() {
+    let fillings = FillingLibrary::default();
+    for effect in library() {
+        let mut scene = small_drum();
+        apply(&mut scene, effect.description().name, 0.0, &fillings).unwrap();
+        assert_eq!(scene, small_drum(), "{}", effect.description().name);
+    }
+}
+
+#[test]
+fn unknown_names_and_impossible_amplitudes_are_refused() {
+    let (mut scene, fillings) = (small_drum(), FillingLibrary::default());
+    assert!(matches!(find("magnetism"), Err(Error::Unknown { .. })), "unknown name");
+    let error = apply(&mut scene, "cohesion", -0.5, &fillings).unwrap_err();
+    assert!(error.to_string().contains("-0.5"), "{error}");
+}
+
+/// A camera turned by 2 degrees adds 2 degrees to every frame of the same run; the reading of a
+/// frame moves by the size of a pixel when the picture is turned, hence 0.8 degrees in a mean of
+/// four frames of coarse seeds.
+#[test]
+fn camera_roll_adds_its_angle() {
+    let fillings = FillingLibrary::default();
+    let mean = |roll: f64| {
+        let mut scene = small_drum();
+        apply(&mut scene, "camera-roll", roll, &fillings).unwrap();
+        let result = run(&scene, &fillings, 5).unwrap();
+        let angles: Vec<f64> = result
+            .readings
+            .iter()
+            .filter_map(|r| r.photo.angle.map(|a| a.line.to_degrees()))
+            .collect();
+        assert_eq!(angles.len(), 4, "a frame was refused");
+        angles.iter().sum::<f64>() / angles.len() as f64
+    };
+    let change = mean(2.0) - mean(0.0);
+    assert!((change - 2.0).abs() < 0.8, "the angle changed by {change}");
+}
+
+/// Rolling resistance and cohesion hold the bed together: its centre of mass stands higher up the
+/// drum than without, by far more than two runs differ (about 1 degree at this size).
+#[test]
+fn rolling_resistance_and_cohesion_raise_the_bed() {
+    let fillings = FillingLibrary::default();
+    let mean = |name: &str, amplitude: f64| {
+        let mut scene = small_drum();
+        apply(&mut scene, name, amplitude, &fillings).unwrap();
+        let result = run(&scene, &fillings, 5).unwrap();
+        let late = &result.series[result.series.len() / 2..];
+        late.iter().map(|p| p.centre_of_mass_deg).sum::<f64>() / late.len() as f64
+    };
+    let plain = mean("cohesion", 0.0);
+    for (name, amplitude) in [("rolling-resistance", 0.3), ("cohesion", 1.0)] {
+        let on = mean(name, amplitude);
+        assert!(on > plain + 2.0, "{name}: {on} against {plain}");
+    }
+}
+
+/// The smoother filling is as smooth as was asked for (or smoother), for both seeds.
+#[test]
+fn smoothness_lowers_the_roughness_by_the_share_asked_for() {
+    let fillings = FillingLibrary::default();
+    let (rough, mut smooth) = (small_drum(), small_drum());
+    apply(&mut smooth, "filling-smoothness", 0.5, &fillings).unwrap();
+    for (a, b) in rough.seed.iter().zip(&smooth.seed) {
+        let before = fillings.body(&rough, a).unwrap().report.roughness_rms;
+        let after = fillings.body(&smooth, b).unwrap().report.roughness_rms;
+        assert!(after <= 0.505 * before, "{}: {before} -> {after}", a.name);
+    }
+}

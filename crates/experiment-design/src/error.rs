@@ -1,0 +1,156 @@
+//! What can be wrong with factors, designs and their tables.
+
+use thiserror::Error;
+
+/// An input that cannot be meant.
+#[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// A symbol cannot serve as a column name and in a model formula.
+    #[error(
+        "the symbol '{symbol}' cannot be used; a symbol is a letter followed by letters, digits \
+         or '_', is not one of run, cell, replicate, block, and does not end in _natural"
+    )]
+    BadSymbol {
+        /// The symbol as given.
+        symbol: String,
+    },
+    /// Two factors share a symbol.
+    #[error("the symbol '{symbol}' is used twice; give each factor its own symbol")]
+    DuplicateSymbol {
+        /// The repeated symbol.
+        symbol: String,
+    },
+    /// A bound of a factor is NaN or infinite.
+    #[error("the {bound} bound of factor '{symbol}' is {value}; it must be a finite number")]
+    BoundNotFinite {
+        /// Symbol of the factor.
+        symbol: String,
+        /// `low` or `high`.
+        bound: &'static str,
+        /// The value, unit of the factor.
+        value: f64,
+    },
+    /// The range of a factor holds no interval.
+    #[error("factor '{symbol}' runs from {low} to {high} {unit}; low must be less than high")]
+    EmptyRange {
+        /// Symbol of the factor.
+        symbol: String,
+        /// Lower bound, `unit`.
+        low: f64,
+        /// Upper bound, `unit`.
+        high: f64,
+        /// Unit of the factor.
+        unit: String,
+    },
+    /// No factor was given.
+    #[error("no factor is given; a design needs at least one")]
+    NoFactors,
+    /// The design does not exist for so many (or so few) factors.
+    #[error("a {design} design takes {least} to {most} factors, {given} are given; {way_out}")]
+    FactorCount {
+        /// Kind of the design.
+        design: &'static str,
+        /// Number of factors given.
+        given: usize,
+        /// Least number of factors.
+        least: usize,
+        /// Greatest number of factors.
+        most: usize,
+        /// What to do instead.
+        way_out: &'static str,
+    },
+    /// The design does not exist with so many runs.
+    #[error("a {design} design of {given} runs is not offered; {way_out}")]
+    RunCount {
+        /// Kind of the design.
+        design: &'static str,
+        /// Number of runs asked for.
+        given: usize,
+        /// What to do instead.
+        way_out: &'static str,
+    },
+    /// A count is out of its range.
+    #[error("the number of {what} is {given}; it must lie in {least} to {most}")]
+    CountOutOfRange {
+        /// What is counted.
+        what: &'static str,
+        /// The number asked for.
+        given: usize,
+        /// Least number.
+        least: usize,
+        /// Greatest number.
+        most: usize,
+    },
+    /// A run has another number of values than the design has columns, or a value is not finite.
+    #[error("run {run} must have {columns} finite coded values, one per column, but it does not")]
+    BadRun {
+        /// Number of the run, from 1.
+        run: usize,
+        /// Number of columns of the design.
+        columns: usize,
+    },
+    /// The table has no header or no rows.
+    #[error("the table has no {what}; it needs a header line and at least one row")]
+    EmptyTable {
+        /// `header` or `rows`.
+        what: &'static str,
+    },
+    /// A row has another number of fields than the header.
+    #[error("line {line} has {given} fields, the header has {expected}")]
+    FieldCount {
+        /// Line number, from 1.
+        line: usize,
+        /// Fields in the header.
+        expected: usize,
+        /// Fields in the line.
+        given: usize,
+    },
+    /// A quoted field is not closed.
+    #[error("the quoted field that starts in line {line} is never closed by a quote")]
+    OpenQuote {
+        /// Line number, from 1.
+        line: usize,
+    },
+    /// A column is missing.
+    #[error("there is no column '{column}'; the columns are: {available}")]
+    MissingColumn {
+        /// Name asked for.
+        column: String,
+        /// Names in the header, comma separated.
+        available: String,
+    },
+    /// A column name fits several columns or appears twice.
+    #[error("the column name '{column}' fits several columns: {candidates}; name one in full")]
+    AmbiguousColumn {
+        /// Name asked for.
+        column: String,
+        /// The columns that fit, comma separated.
+        candidates: String,
+    },
+    /// A field is not a finite number.
+    #[error("line {line}, column '{column}': '{text}' is not a finite number")]
+    BadNumber {
+        /// Line number, from 1.
+        line: usize,
+        /// Column name.
+        column: String,
+        /// The field as read.
+        text: String,
+    },
+    /// Coded and natural values of a factor do not belong together.
+    #[error(
+        "line {line}: the coded and the natural value of '{symbol}' do not agree with its range; \
+         the natural value should be {expected}, it is {given}"
+    )]
+    CodingMismatch {
+        /// Line number, from 1.
+        line: usize,
+        /// Symbol of the factor.
+        symbol: String,
+        /// Natural value that belongs to the coded one, unit of the factor.
+        expected: f64,
+        /// Natural value read, unit of the factor.
+        given: f64,
+    },
+}

@@ -1,0 +1,65 @@
+//! Full two-level factorial designs.
+
+use crate::design::append_centres;
+use crate::{Design, DesignKind, Error, Factor, check_factors};
+
+/// Greatest number of factors of a full factorial (1024 runs).
+const MOST_FACTORS: usize = 10;
+
+/// All 2^k combinations of the two levels in standard (Yates) order, the first factor changing
+/// fastest, followed by `n_centre` centre runs.
+///
+/// # Source
+/// `[Yates1937]`.
+///
+/// # Errors
+/// [`Error::FactorCount`] beyond 10 factors; [`Error::CountOutOfRange`] beyond 10 000 centre
+/// runs; those of [`check_factors`].
+pub fn full_factorial(factors: &[Factor], n_centre: usize) -> Result<Design, Error> {
+    check_factors(factors)?;
+    let k = factors.len();
+    if k > MOST_FACTORS {
+        return Err(Error::FactorCount {
+            design: "full factorial",
+            given: k,
+            least: 1,
+            most: MOST_FACTORS,
+            way_out: "take a fraction (up to 8 factors), a Plackett-Burman design or a Latin \
+                      hypercube",
+        });
+    }
+    let mut rows = two_level_rows(k);
+    append_centres(&mut rows, k, n_centre)?;
+    Design::new(DesignKind::FullFactorial, factors, Vec::new(), rows)
+}
+
+/// The 2^k rows in standard order; k is at most [`MOST_FACTORS`].
+pub(crate) fn two_level_rows(k: usize) -> Vec<Vec<f64>> {
+    let level = |bits: usize, j: usize| if bits >> j & 1 == 1 { 1.0 } else { -1.0 };
+    (0..1 << k)
+        .map(|bits| (0..k).map(|j| level(bits, j)).collect())
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::full_factorial;
+    use crate::Factor;
+
+    #[test]
+    fn standard_order_changes_the_first_factor_fastest() {
+        let factors = [
+            Factor::coded_only("A").unwrap(),
+            Factor::coded_only("B").unwrap(),
+        ];
+        let rows = full_factorial(&factors, 1).unwrap().coded_rows();
+        let expected = [
+            [-1.0, -1.0],
+            [1.0, -1.0],
+            [-1.0, 1.0],
+            [1.0, 1.0],
+            [0.0, 0.0],
+        ];
+        assert_eq!(rows, expected.map(|row| row.to_vec()));
+    }
+}

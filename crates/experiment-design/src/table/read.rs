@@ -1,0 +1,224 @@
+//! Reading CSV text.
+
+use crate::Error;
+
+/// A table of text fields with named columns.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Table {
+    /// Column names.
+    header: Vec<String>,
+    /// Rows, each with as many fields as the header.
+    rows: Vec<Row>,
+}
+
+/// A row of a table.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Row {
+    /// Line in the text, from 1.
+    line: usize,
+    /// The fields without their quotes.
+    fields: Vec<String>,
+}
+
+impl Row {
+    /// Line in the text, from 1.
+    pub fn line(&self) -> usize {
+        self.line
+    }
+
+    /// The field in a column, trimmed; empty beyond the last column.
+    pub fn text(&self, column: usize) -> &str {
+        self.fields.get(column).map_or("", |field| field.trim())
+    }
+}
+
+impl Table {
+    /// Reads a table from CSV text.
+    ///
+    /// # Errors
+    /// [`Error::EmptyTable`], [`Error::FieldCount`], [`Error::OpenQuote`].
+    pub fn parse(text: &str) -> Result<Self, Error> {
+        let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+        let mut rows = Vec::new();
+        for (i, line) in text.lines().enumerate() {
+            if line.trim().is_empty() || line.starts_with('#') {
+                continue;
+            }
+            let line_number = i + 1;
+            let fields = split(line).ok_or(Error::OpenQuote { line: line_number })?;
+            rows.push(Row {
+                line: line_number,
+                fields,
+            });
+        }
+        if rows.is_empty() {
+            return Err(Error::EmptyTable { what: "header" });
+        }
+        let header: Vec<String> = rows
+            .remove(0)
+            .fields
+            .iter()
+            .map(|name| name.trim().to_owned())
+            .collect();
+        if rows.is_empty() {
+            return Err(Error::EmptyTable { what: "rows" });
+        }
+        match rows.iter().find(|row| row.fields.len() != header.len()) {
+            Some(row) => Err(Error::FieldCount {
+                line: row.line,
+                expected: header.len(),
+                given: row.fields.len(),
+            }),
+            None => Ok(Self { header, rows }),
+        }
+    }
+
+    /// Column names.
+    pub fn header(&self) -> &[String] {
+        &self.header
+    }
+
+    /// The rows in their order.
+    pub fn rows(&self) -> &[Row] {
+        &self.rows
+    }
+
+    /// Index of the column with this name; where there is none, of the only column that has the
+    /// name and a unit after it (`theta` finds `theta_deg`).
+    ///
+    /// # Errors
+    /// [`Error::MissingColumn`] or [`Error::AmbiguousColumn`].
+    pub fn column(&self, name: &str) -> Result<usize, Error> {
+        let places = |fits: &dyn Fn(&str) -> bool| -> Vec<usize> {
+            let named = self.header.iter().enumerate();
+            named
+                .filter(|(_, column)| fits(column))
+                .map(|(i, _)| i)
+                .collect()
+        };
+        let with_unit = |column: &str| {
+            let rest = column
+                .strip_prefix(name)
+                .and_then(|rest| rest.strip_prefix('_'));
+            rest.is_some_and(|unit| {
+                !unit.is_empty() && !unit.contains('_') && !["natural", "sd", "n"].contains(&unit)
+            })
+        };
+        let mut found = places(&|column| column == name);
+        if found.is_empty() && !name.is_empty() {
+            found = places(&with_unit);
+        }
+        match found[..] {
+            [column] => Ok(column),
+            [] => Err(Error::MissingColumn {
+                column: name.to_owned(),
+                available: self.header.join(", "),
+            }),
+            _ => Err(Error::AmbiguousColumn {
+                column: name.to_owned(),
+                candidates: found
+                    .iter()
+                    .map(|&i| &*self.header[i])
+                    .collect::<Vec<_>>()
+                    .join(", "),
+            }),
+        }
+    }
+
+    /// The field of a row as a finite number.
+    ///
+    /// # Errors
+    /// [`Error::BadNumber`].
+    pub fn number(&self, row: &Row, column: usize) -> Result<f64, Error> {
+        let parsed = row
+            .text(column)
+            .parse()
+            .ok()
+            .filter(|x: &f64| x.is_finite());
+        parsed.ok_or_else(|| self.bad_number(row, column))
+    }
+
+    /// The field of a row as a finite number, or nothing if the field is empty.
+    ///
+    /// # Errors
+    /// [`Error::BadNumber`].
+    pub fn optional_number(&self, row: &Row, column: usize) -> Result<Option<f64>, Error> {
+        if row.text(column).is_empty() {
+            return Ok(None);
+        }
+        self.number(row, column).map(Some)
+    }
+
+    /// The field of a row in the named column as a whole number of at least 1; nothing if there
+    /// is no such column.
+    ///
+    /// # Errors
+    /// [`Error::BadNumber`].
+    pub fn count(&self, row: &Row, name: &str) -> Result<Option<usize>, Error> {
+        let Some(column) = self.header.iter().position(|column| column == name) else {
+            return Ok(None);
+        };
+        let parsed = row.text(column).parse().ok().filter(|&n: &usize| n >= 1);
+        parsed.map(Some).ok_or_else(|| self.bad_number(row, column))
+    }
+
+    /// The error of a field that is not the number it should be.
+    fn bad_number(&self, row: &Row, column: usize) -> Error {
+        Error::BadNumber {
+            line: row.line,
+            column: self.header.get(column).cloned().unwrap_or_default(),
+            text: row.text(column).to_owned(),
+        }
+    }
+}
+
+/// Splits a line at commas outside quotes; a doubled quote inside quotes is a quote. None if a
+/// quote stays open.
+fn split(line: &str) -> Option<Vec<String>> {
+    let mut fields = vec![String::new()];
+    let mut quoted = false;
+    let mut characters = line.chars().peekable();
+    while let Some(c) = characters.next() {
+        let field = fields.last_mut()?;
+        match c {
+            '"' if quoted && characters.peek() == Some(&'"') => {
+                characters.next();
+                field.push('"');
+            }
+            '"' => quoted = !quoted,
+            ',' if !quoted => fields.push(String::new()),
+            c => field.push(c),
+        }
+    }
+    (!quoted).then_some(fields)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Table;
+    use crate::Error;
+
+    #[test]
+    fn a_name_finds_its_column_with_a_unit_but_not_its_standard_deviation() {
+        let table = Table::parse("run,theta_deg,theta_sd_deg,n\n1,36,1.2,5\n").unwrap();
+        assert_eq!(table.column("theta"), Ok(1));
+        assert_eq!(table.column("theta_sd"), Ok(2));
+        assert!(matches!(
+            table.column("alpha"),
+            Err(Error::MissingColumn { .. })
+        ));
+        let two = Table::parse("theta_deg,theta_rad\n1,2\n").unwrap();
+        assert!(matches!(
+            two.column("theta"),
+            Err(Error::AmbiguousColumn { .. })
+        ));
+    }
+
+    #[test]
+    fn quotes_comments_and_windows_line_ends_are_understood() {
+        let table = Table::parse("# note\r\na,b\r\n\"1, \"\"x\"\"\",2\r\n\r\n").unwrap();
+        assert_eq!(table.rows()[0].text(0), "1, \"x\"");
+        assert_eq!(table.number(&table.rows()[0], 1), Ok(2.0));
+        assert_eq!(table.rows()[0].line(), 3);
+    }
+}

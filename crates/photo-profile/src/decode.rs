@@ -1,0 +1,111 @@
+//! Reading a picture file: size checked first, cut files refused, orientation honoured.
+
+use crate::jpeg_end::reaches_end;
+use crate::{Error, PhotoPixels};
+use image::codecs::png::PngDecoder;
+use image::{AnimationDecoder as _, DynamicImage, ImageDecoder as _, ImageFormat, ImageReader};
+use std::io::Cursor;
+use std::path::Path;
+
+/// Most pixels that are decoded: above any camera of today, below 1 GB of memory.
+pub const MOST_PIXELS: u64 = 120_000_000;
+
+/// Reads a PNG, JPEG or BMP file, upright as its EXIF orientation says.
+///
+/// # Errors
+/// [`Error::Read`], [`Error::Decode`], [`Error::Truncated`] and [`Error::TooLarge`].
+pub fn read_photo(path: &Path) -> Result<DynamicImage, Error> {
+    decode(path, &read_bytes(path)?)
+}
+
+/// Reads the frames of an animated PNG in order, or the one picture of any other file.
+///
+/// # Errors
+/// As [`read_photo`]; all frames together count against [`MOST_PIXELS`].
+pub fn read_frames(path: &Path) -> Result<Vec<DynamicImage>, Error> {
+    let bytes = read_bytes(path)?;
+    let first = decode(path, &bytes)?;
+    let failed = |source: image::ImageError| Error::Decode {
+        path: path.to_path_buf(),
+        source,
+    };
+    if image::guess_format(&bytes).ok() != Some(ImageFormat::Png) {
+        return Ok(vec![first]);
+    }
+    let decoder = PngDecoder::new(Cursor::new(&bytes)).map_err(failed)?;
+    if !decoder.is_apng().map_err(failed)? {
+        return Ok(vec![first]);
+    }
+    let each = u64::from(first.width()) * u64::from(first.height());
+    let mut frames = Vec::new();
+    for frame in decoder.apng().map_err(failed)?.into_frames() {
+        frames.push(DynamicImage::ImageRgba8(
+            frame.map_err(failed)?.into_buffer(),
+        ));
+        let pixels = each * frames.len() as u64;
+        if pixels > MOST_PIXELS {
+            return Err(Error::TooLarge {
+                path: path.to_path_buf(),
+                pixels,
+                most: MOST_PIXELS,
+            });
+        }
+    }
+    Ok(if frames.is_empty() {
+        vec![first]
+    } else {
+        frames
+    })
+}
+
+/// The bytes of a file.
+fn read_bytes(path: &Path) -> Result<Vec<u8>, Error> {
+    std::fs::read(path).map_err(|source| Error::Read {
+        path: path.to_path_buf(),
+        source,
+    })
+}
+
+/// Decodes the bytes of a picture file.
+fn decode(path: &Path, bytes: &[u8]) -> Result<DynamicImage, Error> {
+    let failed = |source: image::ImageError| Error::Decode {
+        path: path.to_path_buf(),
+        source,
+    };
+    let reader = ImageReader::new(Cursor::new(bytes))
+        .with_guessed_format()
+        .map_err(|source| Error::Read {
+            path: path.to_path_buf(),
+            source,
+        })?;
+    if reader.format() == Some(ImageFormat::Jpeg) && !reaches_end(bytes) {
+        return Err(Error::Truncated {
+            path: path.to_path_buf(),
+            bytes: bytes.len(),
+        });
+    }
+    let mut decoder = reader.into_decoder().map_err(failed)?;
+    let (width, height) = decoder.dimensions();
+    let pixels = u64::from(width) * u64::from(height);
+    if pixels > MOST_PIXELS {
+        return Err(Error::TooLarge {
+            path: path.to_path_buf(),
+            pixels,
+            most: MOST_PIXELS,
+        });
+    }
+    let orientation = decoder.orientation().map_err(failed)?;
+    let mut picture = DynamicImage::from_decoder(decoder).map_err(failed)?;
+    picture.apply_orientation(orientation);
+    Ok(picture)
+}
+
+impl PhotoPixels {
+    /// Reads a picture file as grey values.
+    ///
+    /// # Errors
+    /// As [`read_photo`].
+    pub fn from_file(path: &Path) -> Result<Self, Error> {
+        read_photo(path).map(|picture| Self::from_picture(&picture))
+    }
+}

@@ -1,0 +1,349 @@
+//! Finding the drum: edges, a robust circle, and its refinement at full resolution.
+
+use crate::circle::{Circle, least_squares, through};
+use crate::edges::{EdgePoint, find_edges};
+use crate::{DrumPixels, PhotoPixels, Refusal};
+
+/// The picture is searched at no more than this many pixels on its longer side.
+const SEARCH_SIZE: usize = 400;
+/// Triples of edge points tried. A rim that makes up a tenth of the edges is met 30 times.
+const TRIALS: u32 = 30_000;
+/// Circles scored at most; the edges on a clean rim alone would give thousands.
+const MOST_SCORED: usize = 1000;
+/// Of so many edge points one is looked at in the first scoring.
+const SCORE_STRIDE: usize = 8;
+/// Best circles of the first scoring that are looked at closely.
+const POLISHED: usize = 10;
+/// Steps round the circle in which an edge must show.
+const N_STEPS: usize = 120;
+/// How far an edge point may lie off the circle, px of the searched picture.
+const NEAR: f64 = 1.2;
+/// Least cosine between the edge normal and the radius: 25 degrees.
+const ALONG_RADIUS: f64 = 0.906;
+/// Smallest and largest radius, parts of the shorter and the longer side of the picture.
+const RADIUS_LIMITS: [f64; 2] = [0.12, 0.6];
+/// Least part of the circle that must show an edge. A bed against a background of the tone of
+/// the air shows a little less than half a circle when the drum is half full.
+const LEAST_COVER: f64 = 0.42;
+/// Least part of the rim that must show along the bed or along the air.
+pub(crate) const LEAST_ALONG_ARC: f64 = 0.8;
+/// Largest flattening: 0.025 tilts an angle of 40 degrees by up to 0.7 degrees.
+const MOST_FLATTENING: f64 = 0.025;
+/// The rim shows on a ray where the steepest step lies within this part of the radius from it.
+const ON_RIM: f64 = 0.01;
+/// Rays of the refinement.
+const N_RAYS: usize = 360;
+
+/// A drum found in a picture.
+#[derive(Debug, Clone)]
+pub(crate) struct FoundDrum {
+    /// Its circle, px.
+    pub(crate) circle: DrumPixels,
+    /// For each of the rays at (k + 1/2) / n of a turn, from right over down, whether the rim
+    /// shows there.
+    pub(crate) shows: Vec<bool>,
+}
+
+/// Finds the circle of the drum.
+pub(crate) fn find_drum(picture: &PhotoPixels) -> Result<FoundDrum, Refusal> {
+    let longer = picture.width().max(picture.height());
+    let factor = longer.div_ceil(SEARCH_SIZE).max(1);
+    let edges = find_edges(&picture.shrunk(factor).blurred(1.0));
+    let no_drum = |covered| Refusal::NoDrum {
+        covered,
+        least: LEAST_COVER,
+    };
+    let found = search(&edges, picture, factor).ok_or(no_drum(0.0))?;
+    if found.covered < LEAST_COVER {
+        return Err(no_drum(found.covered));
+    }
+    let scale = factor as f64;
+    let shift = 0.5 * (scale - 1.0);
+    let start = Circle {
+        x: found.circle.x * scale + shift,
+        y: found.circle.y * scale + shift,
+        r: found.circle.r * scale,
+    };
+    let rim = refine(picture, start, scale).ok_or(no_drum(found.covered))?;
+    if rim.flattening > MOST_FLATTENING {
+        return Err(Refusal::TiltedView {
+            flattening: rim.flattening,
+            most: MOST_FLATTENING,
+        });
+    }
+    let circle = DrumPixels {
+        cx: rim.circle.x,
+        cy: rim.circle.y,
+        r: rim.circle.r,
+    };
+    Ok(FoundDrum {
+        circle,
+        shows: rim.shows,
+    })
+}
+
+/// A circle and the part of its way round on which an edge shows.
+#[derive(Debug, Clone, Copy)]
+struct Found {
+    /// The circle, px of the searched picture.
+    circle: Circle,
+    /// Part of the way round, 1.
+    covered: f64,
+}
+
+/// Searches the circle with the longest way round on edges.
+///
+/// Triples are drawn by three additive recurrences with irrational steps (a fixed, evenly
+/// spread sequence instead of chance). Of nearly equal concentric circles (a flange around the
+/// window) the innermost one bounds the bed and is taken.
+fn search(edges: &[EdgePoint], picture: &PhotoPixels, factor: usize) -> Option<Found> {
+    if edges.len() < 30 {
+        return None;
+    }
+    let (width, height) = (
+        picture.width() as f64 / factor as f64,
+        picture.height() as f64 / factor as f64,
+    );
+    let radii = RADIUS_LIMITS[0] * width.min(height)..=RADIUS_LIMITS[1] * width.max(height);
+    let sample: Vec<EdgePoint> = edges.iter().step_by(SCORE_STRIDE).copied().collect();
+    let mut all: Vec<Found> = Vec::new();
+    for trial in 0..TRIALS {
+        let pick = |step: f64| &edges[index(f64::from(trial + 1) * step, edges.len())];
+        let (a, b, c) = (pick(PLASTIC[0]), pick(PLASTIC[1]), pick(PLASTIC[2]));
+        let Some(circle) = through((a.x, a.y), (b.x, b.y), (c.x, c.y)) else {
+            continue;
+        };
+        let sensible = radii.contains(&circle.r)
+            && (0.0..width).contains(&circle.x)
+            && (0.0..height).contains(&circle.y);
+        if sensible && [a, b, c].iter().all(|p| radial(p, &circle)) {
+            all.push(Found {
+                circle,
+                covered: covered(&sample, &circle),
+            });
+            if all.len() >= MOST_SCORED {
+                break;
+            }
+        }
+    }
+    all.sort_by(|a, b| b.covered.total_cmp(&a.covered));
+    all.truncate(POLISHED);
+    for found in &mut all {
+        found.covered = covered(edges, &found.circle);
+        *found = polish(edges, *found);
+    }
+    let best = *all.iter().max_by(|a, b| a.covered.total_cmp(&b.covered))?;
+    all.iter()
+        .filter(|f| f.covered >= 0.85 * best.covered && f.circle.r >= 0.5 * best.circle.r)
+        .filter(|f| {
+            let off = (f.circle.x - best.circle.x).hypot(f.circle.y - best.circle.y);
+            off < 0.1 * best.circle.r
+        })
+        .min_by(|a, b| a.circle.r.total_cmp(&b.circle.r))
+        .copied()
+}
+
+/// Steps of the recurrences: powers of 1 / 1.2207, the root of x^4 = x + 1, whose multiples
+/// fill the cube evenly.
+const PLASTIC: [f64; 3] = [
+    0.819_172_513_396_164_4,
+    0.671_043_606_703_789_3,
+    0.549_700_477_901_970_3,
+];
+
+/// Index below n from the fractional part of a number.
+fn index(number: f64, n: usize) -> usize {
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "the fractional part times n lies in 0..n"
+    )]
+    let index = (number.fract() * n as f64) as usize;
+    index.min(n - 1)
+}
+
+/// Whether the edge at a point runs along the circle.
+fn radial(point: &EdgePoint, circle: &Circle) -> bool {
+    let (dx, dy) = (point.x - circle.x, point.y - circle.y);
+    (dx * point.nx + dy * point.ny).powi(2) >= ALONG_RADIUS * ALONG_RADIUS * (dx * dx + dy * dy)
+}
+
+/// Edge points on the circle.
+fn near<'a>(
+    edges: &'a [EdgePoint],
+    circle: &'a Circle,
+) -> impl Iterator<Item = &'a EdgePoint> + 'a {
+    let low = (circle.r - NEAR).max(0.0).powi(2);
+    let high = (circle.r + NEAR).powi(2);
+    edges.iter().filter(move |p| {
+        let (dx, dy) = (p.x - circle.x, p.y - circle.y);
+        (low..=high).contains(&(dx * dx + dy * dy)) && radial(p, circle)
+    })
+}
+
+/// Part of the way round the circle on which an edge shows.
+fn covered(edges: &[EdgePoint], circle: &Circle) -> f64 {
+    let mut steps = [false; N_STEPS];
+    for p in near(edges, circle) {
+        let turn = (p.y - circle.y).atan2(p.x - circle.x) / std::f64::consts::TAU + 0.5;
+        steps[index(turn, N_STEPS)] = true;
+    }
+    steps.iter().filter(|hit| **hit).count() as f64 / N_STEPS as f64
+}
+
+/// Moves a circle to the least squares of the edges near it, as long as that covers more.
+fn polish(edges: &[EdgePoint], mut found: Found) -> Found {
+    for _ in 0..5 {
+        let points: Vec<(f64, f64)> = near(edges, &found.circle).map(|p| (p.x, p.y)).collect();
+        let Some(circle) = least_squares(&points, found.circle) else {
+            break;
+        };
+        let covered = covered(edges, &circle);
+        if covered < found.covered {
+            break;
+        }
+        found = Found { circle, covered };
+    }
+    found
+}
+
+/// The rim at full resolution.
+struct Rim {
+    /// The circle, px.
+    circle: Circle,
+    /// 1 minus the ratio of the axes of the ellipse nearest to the rim, 1.
+    flattening: f64,
+    /// For each ray whether the rim shows on it.
+    shows: Vec<bool>,
+}
+
+/// The steepest grey step on one radius.
+#[derive(Debug, Clone, Copy)]
+struct RimPoint {
+    /// Number of the ray.
+    ray: usize,
+    /// Horizontal coordinate, px.
+    x: f64,
+    /// Vertical coordinate, px.
+    y: f64,
+    /// Grey step, levels.
+    strength: f64,
+}
+
+/// Refines the circle: the steepest grey step on each of 360 radii, then robust least squares.
+fn refine(picture: &PhotoPixels, start: Circle, scale: f64) -> Option<Rim> {
+    let mut circle = start;
+    let mut kept = Vec::new();
+    for pass in 0..4 {
+        let window = match pass {
+            0 => (0.03 * start.r).max(2.0 * scale),
+            _ => (0.015 * start.r).max(2.0),
+        };
+        kept = rim_points(picture, &circle, window);
+        for _ in 0..4 {
+            let points: Vec<(f64, f64)> = kept.iter().map(|p| (p.x, p.y)).collect();
+            circle = least_squares(&points, circle)?;
+            let off = |p: &RimPoint| ((p.x - circle.x).hypot(p.y - circle.y) - circle.r).abs();
+            let mut sizes: Vec<f64> = kept.iter().map(off).collect();
+            sizes.sort_by(f64::total_cmp);
+            let cut = (4.0 * 1.4826 * sizes[sizes.len() / 2]).max(0.5);
+            kept.retain(|p| off(p) <= cut);
+        }
+    }
+    let mut shows = vec![false; N_RAYS];
+    let near = (ON_RIM * circle.r).max(1.5);
+    for p in rim_points(picture, &circle, 2.0 * near) {
+        shows[p.ray] = ((p.x - circle.x).hypot(p.y - circle.y) - circle.r).abs() <= near;
+    }
+    Some(Rim {
+        circle,
+        flattening: flattening(&kept, &circle),
+        shows,
+    })
+}
+
+/// Rim points on 360 radii, weak ones left out.
+fn rim_points(picture: &PhotoPixels, circle: &Circle, window: f64) -> Vec<RimPoint> {
+    let mut found: Vec<RimPoint> = (0..N_RAYS)
+        .map(|ray| steepest(picture, circle, window, ray))
+        .collect();
+    let mut strengths: Vec<f64> = found.iter().map(|f| f.strength).collect();
+    strengths.sort_by(f64::total_cmp);
+    let weakest = (0.25 * strengths[strengths.len() * 3 / 4]).max(2.0);
+    found.retain(|f| f.strength >= weakest);
+    found
+}
+
+/// The steepest grey step on a ray within the window about the circle.
+fn steepest(picture: &PhotoPixels, circle: &Circle, window: f64, ray: usize) -> RimPoint {
+    let step = (circle.r / 400.0).max(0.5);
+    let (sin, cos) = (std::f64::consts::TAU * (ray as f64 + 0.5) / N_RAYS as f64).sin_cos();
+    let n = (window / step).ceil();
+    let mut gray = Vec::new();
+    let mut k = -n - 1.0;
+    while k <= n + 1.0 {
+        let r = circle.r + k * step;
+        gray.push(picture.at(circle.x + r * cos, circle.y + r * sin));
+        k += 1.0;
+    }
+    let slopes: Vec<f64> = gray.windows(3).map(|w| (w[2] - w[0]).abs()).collect();
+    let best = (0..slopes.len()).fold(0, |b, i| if slopes[i] > slopes[b] { i } else { b });
+    let mut place = best as f64;
+    if let (Some(before), Some(after)) = (slopes.get(best.wrapping_sub(1)), slopes.get(best + 1)) {
+        let bend = before - 2.0 * slopes[best] + after;
+        if bend < 0.0 {
+            place += (0.5 * (before - after) / bend).clamp(-1.0, 1.0);
+        }
+    }
+    let r = circle.r + (place - n) * step;
+    RimPoint {
+        ray,
+        x: circle.x + r * cos,
+        y: circle.y + r * sin,
+        strength: slopes[best],
+    }
+}
+
+/// Flattening of the ellipse nearest to the points.
+///
+/// # Formula
+/// `4 sqrt(a^2 + b^2) / r` with `a, b = mean (d cos 2 phi), mean (d sin 2 phi)` of the distances
+/// d from the circle; exact to first order for points evenly round it.
+fn flattening(points: &[RimPoint], circle: &Circle) -> f64 {
+    let (mut a, mut b) = (0.0, 0.0);
+    for p in points {
+        let (dx, dy) = (p.x - circle.x, p.y - circle.y);
+        let (sin, cos) = (2.0 * dy.atan2(dx)).sin_cos();
+        let distance = dx.hypot(dy) - circle.r;
+        a += distance * cos;
+        b += distance * sin;
+    }
+    let n = points.len().max(1) as f64;
+    4.0 * a.hypot(b) / (n * circle.r)
+}
+
+/// The larger share of the rim that shows along either of the arcs that the surface leaves.
+///
+/// A background of the tone of the air hides the rim along the air, one of the tone of the bed
+/// along the bed; a circle that hides along both is not the drum. `ends` are where the surface
+/// meets the circle, px. An arc shorter than a tenth of the turn does not count.
+pub(crate) fn shown_along_an_arc(drum: &FoundDrum, ends: [crate::PixelPoint; 2]) -> f64 {
+    let turn = |p: crate::PixelPoint| {
+        let turn = (p.y - drum.circle.cy).atan2(p.x - drum.circle.cx) / std::f64::consts::TAU;
+        turn.rem_euclid(1.0)
+    };
+    let (from, to) = (turn(ends[0]), turn(ends[1]));
+    let mut counts = [[0.0_f64; 2]; 2];
+    for (ray, shows) in drum.shows.iter().enumerate() {
+        let place = (ray as f64 + 0.5) / drum.shows.len() as f64;
+        let arc = usize::from((place - from).rem_euclid(1.0) < (to - from).rem_euclid(1.0));
+        counts[arc][0] += 1.0;
+        counts[arc][1] += f64::from(u8::from(*shows));
+    }
+    let least = 0.1 * drum.shows.len() as f64;
+    counts
+        .iter()
+        .filter(|c| c[0] >= least)
+        .map(|c| c[1] / c[0])
+        .fold(0.0, f64::max)
+}

@@ -1,0 +1,228 @@
+//! The path from a picture to its angle.
+
+use crate::drum::{FoundDrum, LEAST_ALONG_ARC, find_drum, shown_along_an_arc};
+use crate::tone::{BedShare, bed_share};
+use crate::view::{DiscView, REACH};
+use crate::{
+    DrumPixels, Error, Foreground, PhotoPixels, PhotoReading, PixelPoint, Refusal, Settings,
+    Verdict,
+};
+use image::GrayImage;
+use std::path::Path;
+use surface_profile::{
+    DrumCircle, Field, SurfacePoint, SurfaceReading, bulk_level, free_surface, read_surface,
+};
+
+/// Smoothing of the bed share, in drum radii; the simulated bed's density has the same.
+const SMOOTHING: f64 = 0.03;
+/// Shortest side of a picture, px: below, a step of one pixel turns a surface by a degree.
+const LEAST_SIDE: u32 = 64;
+/// Least drop of the bed share across the surface. A sharp or half-blurred surface drops by 0.7
+/// to 1, a gradient of the light across the whole drum by less than 0.2.
+const LEAST_STEP: f64 = 0.4;
+/// The drop is taken between these distances from the surface, in drum radii.
+const STEP_BAND: [f64; 2] = [0.05, 0.12];
+/// Largest roughness, in drum radii: twice that of seeds of a seventh of the radius.
+const MOST_ROUGHNESS: f64 = 0.1;
+
+/// Measures the angle in a picture file.
+///
+/// # Errors
+/// What [`crate::read_photo`] and [`Settings::check`] refuse. A picture that was read but shows no
+/// measurable surface is [`Verdict::Refused`], not an error.
+pub fn measure_file(path: &Path, settings: &Settings) -> Result<PhotoReading, Error> {
+    settings.check()?;
+    measure_photo(&PhotoPixels::from_file(path)?, settings)
+}
+
+/// Measures the angle in a grey picture, for example a rendered frame.
+///
+/// # Errors
+/// As [`Settings::check`].
+pub fn measure_image(picture: &GrayImage, settings: &Settings) -> Result<PhotoReading, Error> {
+    measure_photo(&PhotoPixels::from_gray(picture), settings)
+}
+
+/// Measures the angle in a picture.
+///
+/// # Errors
+/// As [`Settings::check`].
+pub fn measure_photo(picture: &PhotoPixels, settings: &Settings) -> Result<PhotoReading, Error> {
+    settings.check()?;
+    let shorter = u32::try_from(picture.width().min(picture.height())).unwrap_or(u32::MAX);
+    if shorter < LEAST_SIDE {
+        let reason = Refusal::TooSmall {
+            pixels: shorter,
+            least: LEAST_SIDE,
+        };
+        return Ok(PhotoReading::refused(reason, settings.drum));
+    }
+    let found = match settings.drum {
+        Some(circle) => FoundDrum {
+            circle,
+            shows: Vec::new(),
+        },
+        None => match find_drum(picture) {
+            Ok(drum) => drum,
+            Err(reason) => return Ok(PhotoReading::refused(reason, None)),
+        },
+    };
+    Ok(read_disc(picture, &found, settings)
+        .unwrap_or_else(|reason| PhotoReading::refused(reason, Some(found.circle))))
+}
+
+/// Measures the disc of a known drum.
+fn read_disc(
+    picture: &PhotoPixels,
+    found: &FoundDrum,
+    settings: &Settings,
+) -> Result<PhotoReading, Refusal> {
+    let drum = found.circle;
+    let view = DiscView::new(picture, drum, settings.camera_roll);
+    if view.part_in_picture < 0.8 {
+        return Err(Refusal::DrumOutside {
+            inside: view.part_in_picture,
+        });
+    }
+    let bed = bed_share(&view, settings.foreground)?;
+    let circle = DrumCircle {
+        x: 0.0,
+        y: 0.0,
+        radius: drum.r,
+    };
+    let field = smoothed(&view, &bed, drum.r).map_err(Refusal::Surface)?;
+    let level = bulk_level(&field, &circle);
+    let points = free_surface(&field, level, &circle, REACH).map_err(Refusal::Surface)?;
+    let surface = read_surface(&points, &circle).map_err(Refusal::Surface)?;
+    let step = share_step(&view, &bed, &points, &surface);
+    if step < LEAST_STEP {
+        return Err(Refusal::NoClearSurface {
+            step,
+            least: LEAST_STEP,
+        });
+    }
+    let roughness = surface.roughness / drum.r;
+    let trust = Trust {
+        step,
+        foreground: bed.foreground,
+    };
+    let result = reading(&view, drum, &points, &surface, &trust);
+    if let (Some(ends), false) = (result.chord_ends, found.shows.is_empty()) {
+        let shown = shown_along_an_arc(found, ends);
+        if shown < LEAST_ALONG_ARC {
+            let least = LEAST_ALONG_ARC;
+            return Err(Refusal::BrokenRim { shown, least });
+        }
+    }
+    if roughness > MOST_ROUGHNESS {
+        return Err(Refusal::TooRough {
+            roughness,
+            most: MOST_ROUGHNESS,
+        });
+    }
+    Ok(result)
+}
+
+/// What the mask tells beside the surface.
+struct Trust {
+    /// Drop of the bed share across the surface, 1.
+    step: f64,
+    /// Tone of the bed.
+    foreground: Foreground,
+}
+
+/// Bed share smoothed inside the disc, as a field about the drum axis.
+fn smoothed(view: &DiscView, bed: &BedShare, radius: f64) -> Result<Field, surface_profile::Error> {
+    let inside: Vec<f32> = view
+        .inside
+        .iter()
+        .map(|i| f32::from(u8::from(*i)))
+        .collect();
+    let masked = bed.share.iter().zip(&inside).map(|(s, i)| s * i).collect();
+    let sd = SMOOTHING * radius / view.cell;
+    let share = PhotoPixels::from_values(view.n, masked).blurred(sd);
+    let weight = PhotoPixels::from_values(view.n, inside).blurred(sd);
+    let values = share
+        .values()
+        .iter()
+        .zip(weight.values())
+        .map(|(s, w)| if *w > 1e-3 { s / w } else { 0.0 })
+        .collect();
+    let half = (view.n / 2) as f64 * view.cell;
+    Field::new(
+        SurfacePoint { x: -half, y: -half },
+        view.cell,
+        view.n,
+        values,
+    )
+}
+
+/// Drop of the mean bed share from just below to just above the surface points, 1.
+fn share_step(
+    view: &DiscView,
+    bed: &BedShare,
+    points: &[SurfacePoint],
+    surface: &SurfaceReading,
+) -> f64 {
+    let [high, low] = surface.line_ends;
+    let length = (low.x - high.x)
+        .hypot(low.y - high.y)
+        .max(f64::MIN_POSITIVE);
+    let turn = if low.x > high.x { 1.0 } else { -1.0 };
+    let (nx, ny) = (
+        -turn * (low.y - high.y) / length,
+        turn * (low.x - high.x) / length,
+    );
+    let share = PhotoPixels::from_values(view.n, bed.share.clone());
+    let half = (view.n / 2) as f64;
+    let radius = half * view.cell;
+    let mut sums = [0.0, 0.0];
+    let mut n = 0.0;
+    for p in points {
+        for k in 0..8 {
+            let distance = radius
+                * (STEP_BAND[0] + (STEP_BAND[1] - STEP_BAND[0]) * (f64::from(k) + 0.5) / 8.0);
+            let places = [-distance, distance].map(|d| (p.x + d * nx, p.y + d * ny));
+            if places.iter().any(|q| q.0.hypot(q.1) > REACH * radius) {
+                continue;
+            }
+            n += 1.0;
+            for (sum, (x, y)) in sums.iter_mut().zip(places) {
+                *sum += share.at(x / view.cell + half, y / view.cell + half);
+            }
+        }
+    }
+    (sums[0] - sums[1]) / f64::max(n, 1.0)
+}
+
+/// Puts the reading together in the pixels of the picture.
+fn reading(
+    view: &DiscView,
+    drum: DrumPixels,
+    points: &[SurfacePoint],
+    surface: &SurfaceReading,
+    trust: &Trust,
+) -> PhotoReading {
+    let pick = |wanted: bool| -> Vec<PixelPoint> {
+        let flagged = points.iter().zip(&surface.used);
+        flagged
+            .filter(|(_, used)| **used == wanted)
+            .map(|(p, _)| view.to_picture(p))
+            .collect()
+    };
+    let (used, rejected) = (pick(true), pick(false));
+    let part_used = used.len() as f64 / points.len().max(1) as f64;
+    let quality = trust.step * (surface.covered / REACH) * part_used;
+    PhotoReading {
+        verdict: Verdict::Ok,
+        angle: Some(surface.angle),
+        drum: Some(drum),
+        used,
+        rejected,
+        line_ends: Some(surface.line_ends.map(|p| view.to_picture(&p))),
+        mid_ends: Some(surface.mid_ends.map(|p| view.to_picture(&p))),
+        chord_ends: Some(surface.chord_ends.map(|p| view.to_picture(&p))),
+        foreground: trust.foreground,
+        quality: quality.clamp(0.0, 1.0),
+    }
+}

@@ -1,0 +1,169 @@
+//! The picture as grey values.
+
+use image::{DynamicImage, GrayImage};
+
+/// A picture as grey values, 0 to 255, row by row from the top.
+#[derive(Debug, Clone)]
+pub struct PhotoPixels {
+    /// Pixels along x.
+    width: usize,
+    /// Pixels along y.
+    height: usize,
+    /// Grey levels 0 to 255, shape (height, width).
+    values: Vec<f32>,
+}
+
+impl PhotoPixels {
+    /// Takes a grey picture, for example a rendered frame.
+    pub fn from_gray(picture: &GrayImage) -> Self {
+        Self {
+            width: picture.width() as usize,
+            height: picture.height() as usize,
+            values: picture.as_raw().iter().map(|v| f32::from(*v)).collect(),
+        }
+    }
+
+    /// Takes any picture by its luminance (weights of ITU-R BT.709 on the stored values).
+    pub fn from_picture(picture: &DynamicImage) -> Self {
+        Self::from_gray(&picture.to_luma8())
+    }
+
+    /// Takes grey values of any range, row by row.
+    pub(crate) fn from_values(width: usize, values: Vec<f32>) -> Self {
+        let height = values.len().checked_div(width).unwrap_or(0);
+        Self {
+            width,
+            height,
+            values,
+        }
+    }
+
+    /// Pixels along x.
+    pub fn width(&self) -> usize {
+        self.width
+    }
+
+    /// Pixels along y.
+    pub fn height(&self) -> usize {
+        self.height
+    }
+
+    /// Grey levels row by row, shape (height, width).
+    pub(crate) fn values(&self) -> &[f32] {
+        &self.values
+    }
+
+    /// Grey level by bilinear interpolation, the border carried on outside.
+    pub(crate) fn at(&self, x: f64, y: f64) -> f64 {
+        let x = x.clamp(0.0, self.width as f64 - 1.0);
+        let y = y.clamp(0.0, self.height as f64 - 1.0);
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "clamped to the picture"
+        )]
+        let (i, j) = (x as usize, y as usize);
+        let (i1, j1) = ((i + 1).min(self.width - 1), (j + 1).min(self.height - 1));
+        let (a, b) = (x - i as f64, y - j as f64);
+        let value = |i: usize, j: usize| f64::from(self.values[j * self.width + i]);
+        let above = value(i, j) * (1.0 - a) + value(i1, j) * a;
+        let below = value(i, j1) * (1.0 - a) + value(i1, j1) * a;
+        above * (1.0 - b) + below * b
+    }
+
+    /// The picture with blocks of `factor` by `factor` pixels averaged; a rest is cut off.
+    pub(crate) fn shrunk(&self, factor: usize) -> Self {
+        if factor <= 1 {
+            return self.clone();
+        }
+        let (width, height) = (self.width / factor, self.height / factor);
+        let mut values = vec![0.0_f32; width * height];
+        for j in 0..height * factor {
+            let row = &self.values[j * self.width..][..width * factor];
+            let to = &mut values[(j / factor) * width..][..width];
+            for (sum, block) in to.iter_mut().zip(row.chunks_exact(factor)) {
+                *sum += block.iter().sum::<f32>();
+            }
+        }
+        let scale = 1.0 / (factor * factor) as f32;
+        for value in &mut values {
+            *value *= scale;
+        }
+        Self {
+            width,
+            height,
+            values,
+        }
+    }
+
+    /// The picture smoothed by three running means each way, together of about the standard
+    /// deviation `sd` (px); outside counts as the border carried on.
+    pub(crate) fn blurred(&self, sd: f64) -> Self {
+        // Three means of 2k+1 have the variance k (k + 1).
+        let k = (0.25 + sd * sd).sqrt() - 0.5;
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "a smoothing length is positive and far below the picture size"
+        )]
+        let reach = k.round().max(1.0) as usize;
+        let mut picture = self.clone();
+        for _ in 0..2 {
+            for _ in 0..3 {
+                picture.average_rows(reach);
+            }
+            picture = picture.transposed();
+        }
+        picture
+    }
+
+    /// Replaces each pixel by the mean of its row within `reach` pixels either way.
+    fn average_rows(&mut self, reach: usize) {
+        if self.width == 0 {
+            return;
+        }
+        let last = self.width - 1;
+        let scale = 1.0 / (2 * reach + 1) as f64;
+        let mut row = vec![0.0_f32; self.width];
+        for line in self.values.chunks_exact_mut(self.width) {
+            row.copy_from_slice(line);
+            let mut sum = f64::from(row[0]) * reach as f64;
+            sum += (0..=reach)
+                .map(|k| f64::from(row[k.min(last)]))
+                .sum::<f64>();
+            for (i, value) in line.iter_mut().enumerate() {
+                #[expect(clippy::cast_possible_truncation, reason = "grey levels are f32")]
+                let mean = (sum * scale) as f32;
+                *value = mean;
+                sum += f64::from(row[(i + reach + 1).min(last)]);
+                sum -= f64::from(row[i.saturating_sub(reach)]);
+            }
+        }
+    }
+
+    /// The picture with rows and columns exchanged.
+    fn transposed(&self) -> Self {
+        let mut values = vec![0.0_f32; self.values.len()];
+        for (j, row) in self.values.chunks_exact(self.width.max(1)).enumerate() {
+            for (i, value) in row.iter().enumerate() {
+                values[i * self.height + j] = *value;
+            }
+        }
+        Self {
+            width: self.height,
+            height: self.width,
+            values,
+        }
+    }
+}
+
+/// The grey level nearest to a value, 0 to 255.
+pub(crate) fn to_level(value: f64) -> u8 {
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "clamped to 0..=255"
+    )]
+    let level = value.round().clamp(0.0, 255.0) as u8;
+    level
+}

@@ -1,0 +1,154 @@
+//! What a measurement of one picture gives.
+
+use crate::{DrumPixels, Foreground};
+use serde::{Deserialize, Serialize};
+use surface_profile::SurfaceAngle;
+
+/// A place in the picture; y down, the centre of the first pixel is (0, 0).
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct PixelPoint {
+    /// Horizontal coordinate, px.
+    pub x: f64,
+    /// Vertical coordinate, positive down, px.
+    pub y: f64,
+}
+
+/// Why a picture was not measured.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum Refusal {
+    /// No circle that could be the drum.
+    #[error(
+        "no drum circle: the best circle shows on {covered:.2} of its way round, {least} is \
+         needed; a camera off the drum axis shows an ellipse, which is not measured"
+    )]
+    NoDrum {
+        /// Part of the circle with an edge, 1.
+        covered: f64,
+        /// Least part, 1.
+        least: f64,
+    },
+    /// A circle shows, but with gaps along the bed and along the air.
+    #[error(
+        "no drum circle: along neither the bed nor the air the rim shows on more than \
+         {shown:.2} of the way, {least} is needed; a camera off the drum axis shows an ellipse, \
+         which is not measured"
+    )]
+    BrokenRim {
+        /// Larger of the two shares, 1.
+        shown: f64,
+        /// Least share, 1.
+        least: f64,
+    },
+    /// The drum is an ellipse: the camera was not on its axis.
+    #[error(
+        "tilted camera view: the drum is {flattening:.3} flatter one way than the other, at \
+         most {most} is measured"
+    )]
+    TiltedView {
+        /// 1 minus the ratio of the axes, 1.
+        flattening: f64,
+        /// Largest value measured, 1.
+        most: f64,
+    },
+    /// Too few pixels across the drum.
+    #[error("the picture is too small: {pixels} px on its shorter side, at least {least} needed")]
+    TooSmall {
+        /// Pixels on the shorter side, px.
+        pixels: u32,
+        /// Least number, px.
+        least: u32,
+    },
+    /// The drum given lies outside the picture.
+    #[error("only {inside:.2} of the given drum circle lies in the picture, 0.8 is needed")]
+    DrumOutside {
+        /// Part of the disc inside the picture, 1.
+        inside: f64,
+    },
+    /// The drum holds one tone only.
+    #[error(
+        "the drum shows one tone only (bed and air differ by {difference:.1} of 255): empty, full or blank"
+    )]
+    OneTone {
+        /// Difference of the tones of the lower and the upper part, grey levels of 255.
+        difference: f64,
+    },
+    /// Two tones, but no boundary between them.
+    #[error(
+        "no clear surface: the bed share drops by {step:.2} across the boundary found, {least} \
+         is needed (empty, full or unclear drum)"
+    )]
+    NoClearSurface {
+        /// Drop of the bed share across the boundary, 1.
+        step: f64,
+        /// Least drop, 1.
+        least: f64,
+    },
+    /// The surface is too rough to have an angle.
+    #[error("the surface is too rough: {roughness:.3} of the drum radius, at most {most}")]
+    TooRough {
+        /// Root mean square height about the smooth surface, drum radii.
+        roughness: f64,
+        /// Largest value, drum radii.
+        most: f64,
+    },
+    /// The ruler itself refused the surface.
+    #[error("no surface: {0}")]
+    Surface(surface_profile::Error),
+}
+
+/// Whether a picture was measured.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Verdict {
+    /// Measured.
+    Ok,
+    /// Not measured, for this reason.
+    Refused {
+        /// The reason; its text is meant for people.
+        reason: Refusal,
+    },
+}
+
+/// The reading of one picture.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PhotoReading {
+    /// Whether the picture was measured, and why not.
+    pub verdict: Verdict,
+    /// The angle and the shape of the surface; none when refused. Its points were px, y up.
+    pub angle: Option<SurfaceAngle>,
+    /// The drum, when one was given or found, px.
+    pub drum: Option<DrumPixels>,
+    /// Surface points that count, px.
+    pub used: Vec<PixelPoint>,
+    /// Surface points set aside, px.
+    pub rejected: Vec<PixelPoint>,
+    /// Ends of the least-squares line on the drum circle: high, low, px.
+    pub line_ends: Option<[PixelPoint; 2]>,
+    /// Ends of the tangent of the middle: high, low, px.
+    pub mid_ends: Option<[PixelPoint; 2]>,
+    /// Ends of the chord: high, low, px.
+    pub chord_ends: Option<[PixelPoint; 2]>,
+    /// The tone of the bed against the air that was used.
+    pub foreground: Foreground,
+    /// How far to trust the reading, 0 to 1: the drop of the bed share across the surface times
+    /// the part of the chord covered times the part of points used; 0 when refused.
+    pub quality: f64,
+}
+
+impl PhotoReading {
+    /// A refused reading.
+    pub(crate) fn refused(reason: Refusal, drum: Option<DrumPixels>) -> Self {
+        Self {
+            verdict: Verdict::Refused { reason },
+            angle: None,
+            drum,
+            used: Vec::new(),
+            rejected: Vec::new(),
+            line_ends: None,
+            mid_ends: None,
+            chord_ends: None,
+            foreground: Foreground::Auto,
+            quality: 0.0,
+        }
+    }
+}

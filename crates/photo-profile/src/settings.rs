@@ -1,0 +1,95 @@
+//! What a caller may fix beforehand; the default fixes nothing.
+
+use crate::Error;
+use serde::{Deserialize, Serialize};
+use surface_profile::Definition;
+
+/// The drum circle in the picture; y down, the centre of the first pixel is (0, 0).
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct DrumPixels {
+    /// Horizontal coordinate of the axis, px.
+    pub cx: f64,
+    /// Vertical coordinate of the axis, positive down, px.
+    pub cy: f64,
+    /// Inner radius, px.
+    pub r: f64,
+}
+
+/// What the picture shows.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Mode {
+    /// A drum seen along its axis.
+    #[default]
+    Drum,
+    /// A heap on a level base; not measured yet, see [`Error::HeapNotSupported`].
+    Heap,
+}
+
+/// Which tone the bed has against the air.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Foreground {
+    /// Found from the picture: darker, brighter, or both.
+    #[default]
+    Auto,
+    /// Only what is darker than the air is bed.
+    Dark,
+    /// Only what is brighter than the air is bed.
+    Light,
+}
+
+/// Settings of a measurement.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+pub struct Settings {
+    /// The drum circle where it is known, px; found in the picture otherwise.
+    pub drum: Option<DrumPixels>,
+    /// Angle of the true horizontal in the picture, counter-clockwise positive, rad.
+    pub camera_roll: f64,
+    /// Which slope a caller wants; all three are measured.
+    pub definition: Definition,
+    /// What the picture shows.
+    pub mode: Mode,
+    /// Which tone the bed has.
+    pub foreground: Foreground,
+}
+
+impl Settings {
+    /// Refuses settings that cannot be meant.
+    ///
+    /// # Errors
+    /// [`Error::BadSetting`] for a drum that is not finite or smaller than 16 px in radius and
+    /// for a roll beyond 45 degrees; [`Error::HeapNotSupported`] for a heap.
+    pub fn check(&self) -> Result<(), Error> {
+        if self.mode == Mode::Heap {
+            return Err(Error::HeapNotSupported);
+        }
+        if let Some(drum) = self.drum {
+            if !(drum.r.is_finite() && drum.r >= 16.0) {
+                return Err(Error::BadSetting {
+                    name: "drum radius",
+                    value: drum.r,
+                    limit: "at least 16 px",
+                });
+            }
+            for value in [drum.cx, drum.cy] {
+                if !value.is_finite() {
+                    return Err(Error::BadSetting {
+                        name: "drum centre",
+                        value,
+                        limit: "finite, px",
+                    });
+                }
+            }
+        }
+        let level = -std::f64::consts::FRAC_PI_4..=std::f64::consts::FRAC_PI_4;
+        if !level.contains(&self.camera_roll) {
+            return Err(Error::BadSetting {
+                name: "camera roll",
+                value: self.camera_roll,
+                limit: "within 0.785 rad (45 degrees) of level",
+            });
+        }
+        Ok(())
+    }
+}

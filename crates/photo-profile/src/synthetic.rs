@@ -1,0 +1,304 @@
+//! Drawn drum pictures whose surface is known exactly.
+//!
+//! They are the yardstick of this crate: straight, curved and S-shaped surfaces, fine powder or
+//! coarse grains, either polarity, blur, noise, rim and dust. Every scene draws the same picture
+//! each time.
+
+use crate::PhotoPixels;
+use crate::pixels::to_level;
+use image::{GrayImage, ImageBuffer, Luma};
+use surface_profile::{DrumCircle, SurfacePoint};
+
+/// A drum picture to be drawn.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Scene {
+    /// Side of the square picture, px.
+    pub size: u32,
+    /// Inner radius of the drum, px.
+    pub radius: f64,
+    /// The drum axis relative to the middle of the picture: right, down, px.
+    pub shift: [f64; 2],
+    /// Signed inclination of the surface, positive when it rises to the right, rad.
+    pub inclination: f64,
+    /// Height of the surface over the axis along its normal, drum radii; below -1 the drum is
+    /// empty, above 1 full.
+    pub height: f64,
+    /// Quadratic coefficient, height in half-chords, positive when the ends stand up, 1.
+    pub curvature: f64,
+    /// Cubic coefficient as in [`surface_profile::SurfaceAngle::s_shape`], 1.
+    pub s_shape: f64,
+    /// Grey level of the bed, 0 to 255.
+    pub bed: f64,
+    /// Grey level of the air, 0 to 255.
+    pub air: f64,
+    /// Grey level outside the drum, 0 to 255.
+    pub outside: f64,
+    /// Grey level of the rim, 0 to 255.
+    pub rim: f64,
+    /// Width of the rim, px.
+    pub rim_width: f64,
+    /// Standard deviation of the blur, px; 0 for none.
+    pub blur: f64,
+    /// Width of the grey ramp of a time average across the surface, px; 0 for none.
+    pub ramp: f64,
+    /// Standard deviation of the grey noise, levels.
+    pub noise: f64,
+    /// Semi-axes of the grains, px; 0 for a powder of one tone.
+    pub grain: [f64; 2],
+    /// Number of dust specks on the glass.
+    pub n_dust: u32,
+    /// Ratio of the height of the drum to its width: 1 seen along the axis.
+    pub aspect: f64,
+    /// Number of the random picture.
+    pub seed: u64,
+}
+
+impl Default for Scene {
+    /// A sharp dark powder at half filling against bright air, 35 degrees, 560 px.
+    fn default() -> Self {
+        Self {
+            size: 560,
+            radius: 265.0,
+            shift: [0.0, 0.0],
+            inclination: -0.61,
+            height: 0.0,
+            curvature: 0.0,
+            s_shape: 0.0,
+            bed: 40.0,
+            air: 200.0,
+            outside: 20.0,
+            rim: 90.0,
+            rim_width: 2.0,
+            blur: 0.0,
+            ramp: 0.0,
+            noise: 0.0,
+            grain: [0.0, 0.0],
+            n_dust: 0,
+            aspect: 1.0,
+            seed: 1,
+        }
+    }
+}
+
+impl Scene {
+    /// Draws the picture.
+    ///
+    /// A size of 0 is drawn as 1 px.
+    pub fn draw(&self) -> GrayImage {
+        let size = self.size.max(1);
+        let mut random = PixelStream::new(self.seed);
+        let width = size as usize;
+        let mut gray: Vec<f32> = Vec::with_capacity(width * width);
+        for k in 0..width * width {
+            gray.push(to_f32(self.plain((k % width) as f64, (k / width) as f64)));
+        }
+        if self.grain[0] > 0.0 {
+            self.draw_grains(&mut gray, &mut random);
+        }
+        for _ in 0..self.n_dust {
+            let (x, y) = (
+                random.uniform() * f64::from(size),
+                random.uniform() * f64::from(size),
+            );
+            let (half, tone) = (1.0 + 2.0 * random.uniform(), 255.0 * random.uniform());
+            let speck = Ellipse {
+                x,
+                y,
+                half: [half, half],
+                turn: 0.0,
+            };
+            speck.paint(&mut gray, width, |_, _, _| Some(tone));
+        }
+        let mut picture = PhotoPixels::from_values(width, gray);
+        if self.blur > 0.0 {
+            picture = picture.blurred(self.blur);
+        }
+        let noisy: Vec<u8> = picture
+            .values()
+            .iter()
+            .map(|v| to_level(f64::from(*v) + self.noise * random.normal()))
+            .collect();
+        ImageBuffer::<Luma<u8>, _>::from_raw(size, size, noisy).unwrap_or_default()
+    }
+
+    /// The true surface as points about the axis, px, y up.
+    pub fn surface(&self) -> Vec<SurfacePoint> {
+        let (sin, cos) = self.inclination.sin_cos();
+        let half_chord = self.half_chord();
+        (-480..=480)
+            .map(|k| {
+                let u = f64::from(k) / 500.0 * half_chord;
+                let v = self.height_at(u);
+                SurfacePoint {
+                    x: u * cos - v * sin,
+                    y: u * sin + v * cos,
+                }
+            })
+            .filter(|p| p.x.hypot(p.y) <= 0.96 * self.radius)
+            .collect()
+    }
+
+    /// The drum about its axis, px.
+    pub fn drum(&self) -> DrumCircle {
+        DrumCircle {
+            x: 0.0,
+            y: 0.0,
+            radius: self.radius,
+        }
+    }
+
+    /// Middle of the drum in the picture, px.
+    fn centre(&self) -> [f64; 2] {
+        let middle = 0.5 * (f64::from(self.size) - 1.0);
+        [middle + self.shift[0], middle + self.shift[1]]
+    }
+
+    /// Half the chord of the straight surface, at least a tenth of the radius, px.
+    fn half_chord(&self) -> f64 {
+        self.radius * (1.0 - self.height * self.height).max(0.01).sqrt()
+    }
+
+    /// Height of the surface over the axis at u to the right along its line, px.
+    fn height_at(&self, u: f64) -> f64 {
+        let half_chord = self.half_chord();
+        let downhill = if self.inclination > 0.0 { -1.0 } else { 1.0 };
+        let t = downhill * u / half_chord;
+        // The cubic has no slope of its own over the chord: its line stays the surface line.
+        let shape = self.curvature * (t * t - 1.0 / 3.0) + self.s_shape * (t * t * t - 0.6 * t);
+        self.height * self.radius + half_chord * shape
+    }
+
+    /// How deep a place about the axis (y up) lies under the surface, along its normal, px.
+    fn depth(&self, x: f64, y: f64) -> f64 {
+        let (sin, cos) = self.inclination.sin_cos();
+        let (u, v) = (x * cos + y * sin, -x * sin + y * cos);
+        self.height_at(u) - v
+    }
+
+    /// Grey level of a pixel without grains, blur and noise.
+    fn plain(&self, x: f64, y: f64) -> f64 {
+        let [cx, cy] = self.centre();
+        let (x, y) = (x - cx, (cy - y) / self.aspect);
+        let off_rim = x.hypot(y) - self.radius;
+        let bed_share = if self.grain[0] > 0.0 {
+            0.0
+        } else {
+            (0.5 + self.depth(x, y) / self.ramp.max(1.0)).clamp(0.0, 1.0)
+        };
+        let interior = self.air + (self.bed - self.air) * bed_share;
+        let on_rim =
+            (off_rim + 0.5).clamp(0.0, 1.0) * (self.rim_width - off_rim + 0.5).clamp(0.0, 1.0);
+        let beyond = (off_rim - self.rim_width + 0.5).clamp(0.0, 1.0);
+        interior * (1.0 - on_rim - beyond).max(0.0) + self.rim * on_rim + self.outside * beyond
+    }
+
+    /// Draws shaded ellipses with centres under the surface, three deep at any place.
+    fn draw_grains(&self, gray: &mut [f32], random: &mut PixelStream) {
+        let [cx, cy] = self.centre();
+        let area = std::f64::consts::PI * self.grain[0] * self.grain[1];
+        let n = 3.0 * std::f64::consts::PI * self.radius * self.radius / area;
+        let mut k = 0.0;
+        while k < n {
+            k += 1.0;
+            let r = self.radius * random.uniform().sqrt();
+            let (sin, cos) = (std::f64::consts::TAU * random.uniform()).sin_cos();
+            let (turn, tone) = (std::f64::consts::PI * random.uniform(), random.normal());
+            let (x, y) = (r * cos, r * sin);
+            if self.depth(x, y) < 0.0 {
+                continue;
+            }
+            let grain = Ellipse {
+                x: cx + x,
+                y: cy - self.aspect * y,
+                half: self.grain,
+                turn,
+            };
+            let base = self.bed + 0.08 * (self.air - self.bed).abs() * tone;
+            grain.paint(gray, self.size as usize, |px, py, rim| {
+                let inside = (px - cx).hypot((py - cy) / self.aspect) < self.radius;
+                inside.then_some(base * (0.6 + 0.4 * (1.0 - rim).sqrt()))
+            });
+        }
+    }
+}
+
+/// An ellipse in the picture.
+struct Ellipse {
+    /// Horizontal coordinate of the centre, px.
+    x: f64,
+    /// Vertical coordinate of the centre, px.
+    y: f64,
+    /// Semi-axes, px.
+    half: [f64; 2],
+    /// Direction of the first axis, rad.
+    turn: f64,
+}
+
+impl Ellipse {
+    /// Paints the pixels inside with the tone for (x, y, squared distance in semi-axes).
+    fn paint(&self, gray: &mut [f32], width: usize, tone: impl Fn(f64, f64, f64) -> Option<f64>) {
+        let reach = self.half[0].max(self.half[1]).ceil() + 1.0;
+        let (sin, cos) = self.turn.sin_cos();
+        let mut y = (self.y - reach).floor();
+        while y <= self.y + reach {
+            let mut x = (self.x - reach).floor();
+            while x <= self.x + reach {
+                let (dx, dy) = (x - self.x, y - self.y);
+                let a = (dx * cos + dy * sin) / self.half[0];
+                let b = (dy * cos - dx * sin) / self.half[1];
+                let rim = a * a + b * b;
+                let last = width as f64 - 1.0;
+                if rim <= 1.0 && (0.0..=last).contains(&x) && (0.0..=last).contains(&y) {
+                    #[expect(
+                        clippy::cast_possible_truncation,
+                        clippy::cast_sign_loss,
+                        reason = "whole numbers inside the picture"
+                    )]
+                    let k = y as usize * width + x as usize;
+                    if let (Some(value), Some(tone)) = (gray.get_mut(k), tone(x, y, rim)) {
+                        *value = to_f32(tone);
+                    }
+                }
+                x += 1.0;
+            }
+            y += 1.0;
+        }
+    }
+}
+
+/// Grey value as it is stored.
+fn to_f32(value: f64) -> f32 {
+    #[expect(clippy::cast_possible_truncation, reason = "grey levels are f32")]
+    let value = value as f32;
+    value
+}
+
+/// Random numbers of a drawn picture: the splittable counter hash of `[Steele2014]`.
+struct PixelStream {
+    /// Counter of the hash.
+    state: u64,
+}
+
+impl PixelStream {
+    /// The stream of a seed.
+    fn new(seed: u64) -> Self {
+        Self {
+            state: seed.wrapping_mul(0xD134_2543_DE82_EF95),
+        }
+    }
+
+    /// A number in [0, 1).
+    fn uniform(&mut self) -> f64 {
+        self.state = self.state.wrapping_add(0x9E37_79B9_7F4A_7C15);
+        let mut z = self.state;
+        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+        ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
+    }
+
+    /// A standard normal number.
+    fn normal(&mut self) -> f64 {
+        let radius = (-2.0 * (1.0 - self.uniform()).ln()).sqrt();
+        radius * (std::f64::consts::TAU * self.uniform()).cos()
+    }
+}

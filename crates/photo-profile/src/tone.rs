@@ -1,0 +1,222 @@
+//! Which grey level is air, and how much of each cell is bed.
+
+use crate::view::{DiscView, REACH};
+use crate::{Foreground, Refusal, otsu};
+
+/// Classes of grey level for the search of the cut.
+const N_CLASSES: usize = 16;
+/// Directions tried between -80 and 80 degrees from the horizontal, one each 5 degrees.
+const N_DIRECTIONS: u32 = 33;
+/// Steps of the offset across the drum, one each 0.05 radii.
+const N_OFFSETS: usize = 40;
+/// Cells looked at in the search of the cut.
+const SEARCH_CELLS: usize = 6000;
+/// Least difference of the tones of bed and air, grey levels of 255.
+const LEAST_DIFFERENCE: f64 = 6.0;
+/// From this share on, bed that is darker (or brighter) than the air is taken for the only one.
+const ONE_SIDED: f64 = 0.9;
+
+/// How much of each cell is bed.
+#[derive(Debug)]
+pub(crate) struct BedShare {
+    /// 0 for air, 1 for bed, shape as the view.
+    pub(crate) share: Vec<f32>,
+    /// The tone that was taken for bed.
+    pub(crate) foreground: Foreground,
+}
+
+/// Separates bed from air.
+///
+/// The air is the upper side of the straight cut that tells most about the grey level. Its
+/// median grey is the air tone; a cell is bed by its distance from that tone. The threshold t
+/// is that of [`otsu::threshold`]; the share rises from 0 at t/2 to 1 at 3t/2, so that the half
+/// share of a blurred edge lies where the grey is half way.
+pub(crate) fn bed_share(view: &DiscView, foreground: Foreground) -> Result<BedShare, Refusal> {
+    let cut = best_cut(view).ok_or(Refusal::OneTone { difference: 0.0 })?;
+    let gray = view.gray.values();
+    let side = |upper: bool| -> Vec<f32> {
+        (0..gray.len())
+            .filter(|k| view.inside[*k] && cut.is_above(view, *k) == upper)
+            .map(|k| gray[k])
+            .collect()
+    };
+    let (mut air, bed) = (side(true), side(false));
+    if air.is_empty() || bed.is_empty() {
+        return Err(Refusal::OneTone { difference: 0.0 });
+    }
+    let middle = air.len() / 2;
+    let air_tone = *air.select_nth_unstable_by(middle, f32::total_cmp).1;
+    let chosen = match foreground {
+        Foreground::Auto => polarity(view, &bed, air_tone)?,
+        given => given,
+    };
+    let distance = distances(gray, air_tone, chosen);
+    let threshold = threshold(view, &distance)?;
+    if 2.0 * threshold < LEAST_DIFFERENCE {
+        return Err(Refusal::OneTone {
+            difference: 2.0 * threshold,
+        });
+    }
+    #[expect(clippy::cast_possible_truncation, reason = "a share from 0 to 1")]
+    let share = distance
+        .iter()
+        .map(|d| (f64::from(*d) / threshold - 0.5).clamp(0.0, 1.0) as f32)
+        .collect();
+    Ok(BedShare {
+        share,
+        foreground: chosen,
+    })
+}
+
+/// Distance of each grey level from the air tone, on the side of the foreground.
+fn distances(gray: &[f32], air_tone: f32, foreground: Foreground) -> Vec<f32> {
+    let signed = gray.iter().map(|g| g - air_tone);
+    match foreground {
+        Foreground::Auto => signed.map(f32::abs).collect(),
+        Foreground::Dark => signed.map(|s| (-s).max(0.0)).collect(),
+        Foreground::Light => signed.map(|s| s.max(0.0)).collect(),
+    }
+}
+
+/// Whether what differs from the air below the cut is darker, brighter or both.
+fn polarity(view: &DiscView, bed: &[f32], air_tone: f32) -> Result<Foreground, Refusal> {
+    let distance = distances(view.gray.values(), air_tone, Foreground::Auto);
+    let threshold = threshold(view, &distance)?;
+    let beyond = bed
+        .iter()
+        .filter(|v| f64::from((*v - air_tone).abs()) > threshold);
+    let n = beyond.clone().count().max(1) as f64;
+    let part = beyond.filter(|v| **v < air_tone).count() as f64 / n;
+    Ok(if part >= ONE_SIDED {
+        Foreground::Dark
+    } else if part <= 1.0 - ONE_SIDED {
+        Foreground::Light
+    } else {
+        Foreground::Auto
+    })
+}
+
+/// Threshold of the distances from the air tone inside the disc.
+fn threshold(view: &DiscView, distance: &[f32]) -> Result<f64, Refusal> {
+    let mut histogram = [0_u64; 256];
+    for (value, _) in distance
+        .iter()
+        .zip(&view.inside)
+        .filter(|(_, inside)| **inside)
+    {
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "clamped to 0..=255"
+        )]
+        let level = value.round().clamp(0.0, 255.0) as usize;
+        histogram[level] += 1;
+    }
+    otsu::threshold(&histogram).ok_or(Refusal::OneTone { difference: 0.0 })
+}
+
+/// A straight cut through the disc.
+#[derive(Debug, Clone, Copy)]
+struct Cut {
+    /// Unit normal, pointing up: x part, 1.
+    nx: f64,
+    /// Unit normal, pointing up: y part, 1.
+    ny: f64,
+    /// Distance from the axis along the normal, px.
+    offset: f64,
+}
+
+impl Cut {
+    /// Whether a cell lies above the cut.
+    fn is_above(&self, view: &DiscView, k: usize) -> bool {
+        let (x, y) = view.position(k);
+        x * self.nx + y * self.ny > self.offset
+    }
+}
+
+/// The straight cut whose side tells most about the grey level.
+///
+/// # Formula
+/// Largest mutual information `H(side) + H(class) - H(side, class)` of side and grey class; the
+/// classes hold equally many cells. It finds texture against a plain tone as well as dark
+/// against bright, whichever way round. Returns `None` when no cut tells anything.
+fn best_cut(view: &DiscView) -> Option<Cut> {
+    let cells: Vec<usize> = (0..view.inside.len()).filter(|k| view.inside[*k]).collect();
+    let cells: Vec<usize> = cells
+        .iter()
+        .step_by((cells.len() / SEARCH_CELLS).max(1))
+        .copied()
+        .collect();
+    let classes = gray_classes(view, &cells);
+    let radius = 0.5 * view.n as f64 * view.cell * REACH;
+    let (mut best, mut cut) = (1e-6, None);
+    for i_direction in 0..N_DIRECTIONS {
+        let direction = (f64::from(i_direction) * 5.0 - 80.0).to_radians();
+        let (nx, ny) = (-direction.sin(), direction.cos());
+        let mut counts = [[0.0_f64; N_CLASSES]; N_OFFSETS];
+        for (k, class) in cells.iter().zip(&classes) {
+            let (x, y) = view.position(*k);
+            let height = 0.5 * ((x * nx + y * ny) / radius + 1.0) * N_OFFSETS as f64;
+            #[expect(
+                clippy::cast_possible_truncation,
+                clippy::cast_sign_loss,
+                reason = "clamped to the steps"
+            )]
+            let step = height.clamp(0.0, N_OFFSETS as f64 - 1.0) as usize;
+            counts[step][*class] += 1.0;
+        }
+        for (step, information) in informations(&counts).into_iter().enumerate() {
+            if information > best {
+                best = information;
+                let offset = ((step + 1) as f64 / N_OFFSETS as f64 * 2.0 - 1.0) * radius;
+                cut = Some(Cut { nx, ny, offset });
+            }
+        }
+    }
+    cut
+}
+
+/// Class of each cell by the rank of its grey level; equal levels share a class.
+fn gray_classes(view: &DiscView, cells: &[usize]) -> Vec<usize> {
+    let gray = view.gray.values();
+    let mut sorted: Vec<f32> = cells.iter().map(|k| gray[*k]).collect();
+    sorted.sort_unstable_by(f32::total_cmp);
+    let limits: Vec<f32> = (1..N_CLASSES)
+        .map(|c| sorted[c * (sorted.len() - 1) / N_CLASSES])
+        .collect();
+    cells
+        .iter()
+        .map(|k| limits.partition_point(|l| *l < gray[*k]))
+        .collect()
+}
+
+/// Mutual information of side and class for a cut above each step, nat.
+fn informations(counts: &[[f64; N_CLASSES]; N_OFFSETS]) -> Vec<f64> {
+    let mut total = [0.0; N_CLASSES];
+    for row in counts {
+        total.iter_mut().zip(row).for_each(|(t, c)| *t += c);
+    }
+    let all: f64 = total.iter().sum();
+    let entropy = |n: f64| {
+        if n > 0.0 {
+            -n / all * (n / all).ln()
+        } else {
+            0.0
+        }
+    };
+    let of_class: f64 = total.iter().map(|n| entropy(*n)).sum();
+    let mut below = [0.0; N_CLASSES];
+    counts[..N_OFFSETS - 1]
+        .iter()
+        .map(|row| {
+            below.iter_mut().zip(row).for_each(|(b, c)| *b += c);
+            let n_below: f64 = below.iter().sum();
+            let joint: f64 = below
+                .iter()
+                .zip(&total)
+                .map(|(b, t)| entropy(*b) + entropy(t - b))
+                .sum();
+            entropy(n_below) + entropy(all - n_below) + of_class - joint
+        })
+        .collect()
+}

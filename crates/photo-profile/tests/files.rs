@@ -1,0 +1,180 @@
+//! Reading files: orientation, cut and foreign files, size before decoding.
+
+#![expect(clippy::unwrap_used, reason = "helpers of tests fail like tests")]
+
+use image::{ExtendedColorType, GrayImage, ImageEncoder as _, ImageFormat, imageops};
+use photo_profile::synthetic::Scene;
+use photo_profile::{Error, Settings, measure_file, read_frames, read_photo, rectify};
+use std::path::PathBuf;
+
+/// A folder of its own for one test.
+fn folder(name: &str) -> PathBuf {
+    let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(format!("photo-files-{name}"));
+    std::fs::create_dir_all(&folder).unwrap();
+    folder
+}
+
+/// A small JPEG of a drum.
+fn jpeg(picture: &GrayImage) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    image::codecs::jpeg::JpegEncoder::new_with_quality(&mut bytes, 95)
+        .write_image(
+            picture,
+            picture.width(),
+            picture.height(),
+            ExtendedColorType::L8,
+        )
+        .unwrap();
+    bytes
+}
+
+/// Puts an EXIF segment with the orientation tag behind the start marker.
+fn with_orientation(jpeg: &[u8], orientation: u8) -> Vec<u8> {
+    let mut exif = b"Exif\0\0MM\0\x2A\0\0\0\x08\0\x01\x01\x12\0\x03\0\0\0\x01\0".to_vec();
+    exif.extend([orientation, 0, 0, 0, 0, 0, 0]);
+    let length = u16::try_from(exif.len() + 2).unwrap().to_be_bytes();
+    let mut bytes = jpeg[..2].to_vec();
+    bytes.extend([0xFF, 0xE1, length[0], length[1]]);
+    bytes.extend(exif);
+    bytes.extend(&jpeg[2..]);
+    bytes
+}
+
+/// A camera on its side stores the picture turned and says so (tag 6: turn clockwise to view).
+/// Without the tag the surface would stand at 90 degrees less its slope. 0.1 degrees: JPEG.
+#[test]
+fn exif_orientation_is_honoured() {
+    let upright = Scene {
+        size: 400,
+        radius: 180.0,
+        inclination: 0.4,
+        blur: 1.0,
+        ..Scene::default()
+    };
+    let stored = imageops::rotate270(&upright.draw());
+    let path = folder("exif").join("turned.jpg");
+    std::fs::write(&path, with_orientation(&jpeg(&stored), 6)).unwrap();
+    let angle = measure_file(&path, &Settings::default())
+        .unwrap()
+        .angle
+        .unwrap();
+    assert!(
+        (angle.line - 0.4).abs() < 0.1_f64.to_radians(),
+        "{} rad",
+        angle.line
+    );
+}
+
+/// Decoders fill a cut JPEG with grey and say nothing; PNG and BMP must fail as well.
+#[test]
+fn cut_files_are_errors_in_every_format() {
+    let picture = Scene {
+        size: 400,
+        radius: 180.0,
+        ..Scene::default()
+    }
+    .draw();
+    let folder = folder("cut");
+    for (name, format) in [
+        ("a.jpg", ImageFormat::Jpeg),
+        ("a.png", ImageFormat::Png),
+        ("a.bmp", ImageFormat::Bmp),
+    ] {
+        let path = folder.join(name);
+        picture.save_with_format(&path, format).unwrap();
+        assert!(read_photo(&path).is_ok(), "the whole {name} is read");
+        let bytes = std::fs::read(&path).unwrap();
+        std::fs::write(&path, &bytes[..bytes.len() * 2 / 3]).unwrap();
+        let outcome = read_photo(&path);
+        assert!(
+            matches!(outcome, Err(Error::Truncated { .. } | Error::Decode { .. })),
+            "{name}"
+        );
+    }
+}
+
+/// A header that promises 60000 by 60000 pixels is refused by its size, before any memory.
+#[test]
+fn a_huge_picture_is_refused_before_decoding() {
+    let small = GrayImage::new(1, 1);
+    let path = folder("huge").join("huge.bmp");
+    small.save(&path).unwrap();
+    let mut bytes = std::fs::read(&path).unwrap();
+    bytes[18..22].copy_from_slice(&60_000_u32.to_le_bytes());
+    bytes[22..26].copy_from_slice(&60_000_u32.to_le_bytes());
+    std::fs::write(&path, bytes).unwrap();
+    let outcome = read_photo(&path);
+    assert!(
+        matches!(
+            outcome,
+            Err(Error::TooLarge {
+                pixels: 3_600_000_000,
+                ..
+            })
+        ),
+        "{outcome:?}"
+    );
+}
+
+#[test]
+fn what_is_no_picture_is_an_error() {
+    let path = folder("foreign").join("text.png");
+    std::fs::write(&path, "this is text").unwrap();
+    assert!(
+        matches!(read_photo(&path), Err(Error::Decode { .. })),
+        "text is no picture"
+    );
+    assert!(
+        matches!(read_photo(&path.join("none")), Err(Error::Read { .. })),
+        "no file"
+    );
+}
+
+#[test]
+fn a_still_picture_has_one_frame() {
+    let path = folder("still").join("still.png");
+    Scene {
+        size: 100,
+        radius: 45.0,
+        ..Scene::default()
+    }
+    .draw()
+    .save(&path)
+    .unwrap();
+    assert_eq!(read_frames(&path).unwrap().len(), 1);
+}
+
+/// A drum squeezed to 0.8 of its height, straightened by the corners of its square: the slope
+/// comes back to the bilinear resampling, 0.05 degrees.
+#[test]
+fn corners_take_the_oblique_view_out() {
+    let scene = Scene {
+        size: 700,
+        radius: 250.0,
+        aspect: 0.8,
+        inclination: 0.6,
+        blur: 1.0,
+        ..Scene::default()
+    };
+    let (middle, half) = (349.5, 290.0);
+    let corner = |x: f64, y: f64| photo_profile::PixelPoint {
+        x: middle + x * half,
+        y: middle + y * half * 0.8,
+    };
+    let corners = [
+        corner(-1.0, -1.0),
+        corner(1.0, -1.0),
+        corner(1.0, 1.0),
+        corner(-1.0, 1.0),
+    ];
+    let picture = image::DynamicImage::ImageLuma8(scene.draw());
+    let straight = rectify(&picture, corners).unwrap();
+    let reading = photo_profile::measure_image(&straight, &Settings::default()).unwrap();
+    let line = reading.angle.unwrap().line;
+    assert!((line - 0.6).abs() < 0.05_f64.to_radians(), "{line} rad");
+    let crossed = [corners[0], corners[2], corners[1], corners[3]];
+    assert!(
+        matches!(rectify(&picture, crossed), Err(Error::BadCorners)),
+        "crossed corners"
+    );
+}

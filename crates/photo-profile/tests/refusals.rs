@@ -1,0 +1,234 @@
+//! Pictures without an honest answer must be refused, each for its reason.
+
+#![expect(
+    clippy::unwrap_used,
+    clippy::panic,
+    reason = "helpers of tests fail like tests"
+)]
+
+use image::{GrayImage, Luma};
+use photo_profile::synthetic::Scene;
+use photo_profile::{
+    DrumPixels, Error, Mode, Refusal, Settings, Verdict, measure_file, measure_image,
+};
+use std::path::PathBuf;
+
+fn refusal(picture: &GrayImage, settings: &Settings) -> Refusal {
+    let reading = measure_image(picture, settings).unwrap();
+    assert!(
+        reading.angle.is_none() && reading.quality == 0.0,
+        "refused means no number"
+    );
+    match reading.verdict {
+        Verdict::Refused { reason } => reason,
+        Verdict::Ok => panic!("measured although there is nothing to measure"),
+    }
+}
+
+/// Grey noise from a plain congruence, spread over all levels.
+fn noise(size: u32) -> GrayImage {
+    let mut state = 1_u32;
+    GrayImage::from_fn(size, size, |_, _| {
+        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        Luma([state.to_be_bytes()[0]])
+    })
+}
+
+/// The drum was found, the surface not.
+fn is_about_the_surface(reason: &Refusal) -> bool {
+    matches!(
+        reason,
+        Refusal::OneTone { .. }
+            | Refusal::NoClearSurface { .. }
+            | Refusal::TooRough { .. }
+            | Refusal::Surface(_)
+    )
+}
+
+fn given_drum() -> Settings {
+    Settings {
+        drum: Some(DrumPixels {
+            cx: 279.5,
+            cy: 279.5,
+            r: 260.0,
+        }),
+        ..Settings::default()
+    }
+}
+
+#[test]
+fn a_blank_picture_has_no_drum_and_a_given_drum_no_surface() {
+    let blank = GrayImage::from_pixel(560, 560, Luma([128]));
+    assert!(matches!(
+        refusal(&blank, &Settings::default()),
+        Refusal::NoDrum { .. }
+    ));
+    assert!(matches!(
+        refusal(&blank, &given_drum()),
+        Refusal::OneTone { .. }
+    ));
+}
+
+#[test]
+fn noise_has_no_drum_and_no_surface() {
+    let noise = noise(560);
+    assert!(matches!(
+        refusal(&noise, &Settings::default()),
+        Refusal::NoDrum { .. }
+    ));
+    let reason = refusal(&noise, &given_drum());
+    assert!(!matches!(reason, Refusal::DrumOutside { .. }), "{reason}");
+}
+
+#[test]
+fn an_empty_drum_is_refused() {
+    for noise in [0.0, 4.0] {
+        let scene = Scene {
+            height: -1.5,
+            noise,
+            blur: 1.0,
+            ..Scene::default()
+        };
+        let reason = refusal(&scene.draw(), &Settings::default());
+        assert!(is_about_the_surface(&reason), "{reason}");
+    }
+}
+
+#[test]
+fn a_full_drum_is_refused() {
+    for grain in [[0.0, 0.0], [18.0, 10.0]] {
+        let scene = Scene {
+            height: 1.5,
+            noise: 4.0,
+            blur: 1.0,
+            grain,
+            ..Scene::default()
+        };
+        let reason = refusal(&scene.draw(), &Settings::default());
+        assert!(is_about_the_surface(&reason), "{reason}");
+    }
+}
+
+/// Light that fades across an empty drum parts it into two tones without a boundary.
+#[test]
+fn fading_light_is_no_surface() {
+    let mut picture = Scene {
+        height: -1.5,
+        ..Scene::default()
+    }
+    .draw();
+    for (x, y, pixel) in picture.enumerate_pixels_mut() {
+        let light = 0.4 + 0.6 * f64::from(x + 2 * y) / (3.0 * 560.0);
+        let shaded = (f64::from(pixel.0[0]) * light).round();
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "0 to 255"
+        )]
+        let level = shaded as u8;
+        *pixel = Luma([level]);
+    }
+    let reason = refusal(&picture, &Settings::default());
+    assert!(matches!(reason, Refusal::NoClearSurface { .. }), "{reason}");
+}
+
+/// A camera 26 degrees off the axis (flattening 0.1) and one 14 degrees off (0.03).
+#[test]
+fn an_oblique_view_is_refused() {
+    for aspect in [0.9, 0.97] {
+        let scene = Scene {
+            aspect,
+            blur: 1.0,
+            inclination: 0.6,
+            ..Scene::default()
+        };
+        let reason = refusal(&scene.draw(), &Settings::default());
+        let named = matches!(
+            reason,
+            Refusal::NoDrum { .. } | Refusal::TiltedView { .. } | Refusal::BrokenRim { .. }
+        );
+        assert!(named, "{reason}");
+    }
+}
+
+/// Nearly on the axis the circle still shows all round, and only its flattening tells.
+#[test]
+fn a_slightly_oblique_view_is_refused_for_its_flattening() {
+    let scene = Scene {
+        aspect: 0.97,
+        blur: 1.0,
+        inclination: 0.6,
+        ..Scene::default()
+    };
+    let reason = refusal(&scene.draw(), &Settings::default());
+    let Refusal::TiltedView { flattening, .. } = reason else {
+        panic!("{reason}")
+    };
+    assert!((flattening - 0.03).abs() < 0.005, "flattening {flattening}");
+}
+
+#[test]
+fn the_oblique_phone_photo_is_refused_for_its_drum() {
+    let path = PathBuf::from(env!("CARGO_MANIFEST_DIR"))
+        .join("../../fixtures/photos/phone_prototype_drums_tilted_camera.jpg");
+    let reading = measure_file(&path, &Settings::default()).unwrap();
+    let Verdict::Refused { reason } = reading.verdict else {
+        panic!("measured an oblique view")
+    };
+    assert!(reason.to_string().contains("no drum circle"), "{reason}");
+}
+
+#[test]
+fn a_tiny_picture_and_a_drum_outside_are_refused() {
+    let tiny = GrayImage::from_pixel(30, 200, Luma([9]));
+    assert!(matches!(
+        refusal(&tiny, &Settings::default()),
+        Refusal::TooSmall { .. }
+    ));
+    let outside = Settings {
+        drum: Some(DrumPixels {
+            cx: 0.0,
+            cy: 0.0,
+            r: 200.0,
+        }),
+        ..Settings::default()
+    };
+    let picture = Scene::default().draw();
+    assert!(matches!(
+        refusal(&picture, &outside),
+        Refusal::DrumOutside { .. }
+    ));
+}
+
+#[test]
+fn settings_that_cannot_be_meant_are_errors() {
+    let picture = Scene::default().draw();
+    let with = |settings: Settings| measure_image(&picture, &settings);
+    let heap = with(Settings {
+        mode: Mode::Heap,
+        ..Settings::default()
+    });
+    assert!(matches!(heap, Err(Error::HeapNotSupported)));
+    for r in [0.0, -3.0, f64::NAN, f64::INFINITY] {
+        let drum = Some(DrumPixels {
+            cx: 1.0,
+            cy: 1.0,
+            r,
+        });
+        assert!(
+            with(Settings {
+                drum,
+                ..Settings::default()
+            })
+            .is_err(),
+            "radius {r}"
+        );
+    }
+    for camera_roll in [f64::NAN, 2.0] {
+        let settings = Settings {
+            camera_roll,
+            ..Settings::default()
+        };
+        assert!(with(settings).is_err(), "roll {camera_roll}");
+    }
+}

@@ -1,0 +1,314 @@
+//! The report: one page that opens without a network.
+
+pub(crate) mod table;
+pub(crate) mod viewer;
+
+use std::fmt::Write as _;
+
+use base64::Engine as _;
+use base64::engine::general_purpose::STANDARD;
+
+use crate::escape::escaped;
+use crate::{Error, SphereViewer, Svg, Table};
+
+/// Style sheet.
+const STYLE: &str = include_str!("html/style.css");
+/// Script of the sphere viewer.
+const VIEWER_SCRIPT: &str = include_str!("html/viewer.js");
+/// Only what stands in the page itself may be used; browsers refuse everything else.
+const POLICY: &str = "default-src 'none'; img-src data:; style-src 'unsafe-inline'; \
+                      script-src 'unsafe-inline'";
+
+/// How a statement is coloured.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Verdict {
+    /// Something holds.
+    Good,
+    /// Something must be kept in mind.
+    Caution,
+    /// Something does not hold.
+    Bad,
+    /// Neither good nor bad.
+    Note,
+}
+
+impl Verdict {
+    /// Class of the style sheet.
+    fn class(self) -> &'static str {
+        match self {
+            Self::Good => "good",
+            Self::Caution => "caution",
+            Self::Bad => "bad",
+            Self::Note => "note",
+        }
+    }
+}
+
+/// A name and what it is, such as "Repose angle" and "38.9 ± 0.4°".
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Fact {
+    /// Name.
+    pub name: String,
+    /// Value with its unit.
+    pub value: String,
+}
+
+impl Fact {
+    /// A name and a value with its unit.
+    pub fn new(name: impl Into<String>, value: impl Into<String>) -> Self {
+        Self {
+            name: name.into(),
+            value: value.into(),
+        }
+    }
+}
+
+/// A report in the making. Everything that is added stands in the section begun last.
+///
+/// All texts are plain text: markup in them is shown as written.
+#[derive(Debug, Clone)]
+pub struct Report {
+    /// Title, plain text.
+    title: String,
+    /// Headings of the sections, plain text.
+    headings: Vec<String>,
+    /// Markup of the page after the table of contents.
+    body: String,
+    /// Lines of the footer, plain text.
+    provenance: Vec<String>,
+    /// Number of figures so far.
+    figures: usize,
+    /// Number of tables so far.
+    tables: usize,
+    /// Number of viewers so far.
+    viewers: usize,
+}
+
+impl Report {
+    /// An empty report.
+    pub fn new(title: impl Into<String>) -> Self {
+        Self {
+            title: title.into(),
+            headings: Vec::new(),
+            body: String::new(),
+            provenance: Vec::new(),
+            figures: 0,
+            tables: 0,
+            viewers: 0,
+        }
+    }
+
+    /// Begins a section; it appears in the table of contents.
+    pub fn section(&mut self, heading: &str) -> &mut Self {
+        if !self.headings.is_empty() {
+            self.push(format_args!("</section>"));
+        }
+        self.headings.push(heading.to_owned());
+        let number = self.headings.len();
+        let heading = escaped(heading);
+        self.push(format_args!("<section id=\"section-{number}\">"));
+        self.push(format_args!(
+            "<h2><span class=\"number\">{number}</span> {heading}</h2>"
+        ));
+        self
+    }
+
+    /// Begins a part of a section.
+    pub fn subsection(&mut self, heading: &str) -> &mut Self {
+        self.push(format_args!("<h3>{}</h3>", escaped(heading)));
+        self
+    }
+
+    /// Adds a paragraph.
+    pub fn paragraph(&mut self, text: &str) -> &mut Self {
+        self.push(format_args!("<p>{}</p>", escaped(text)));
+        self
+    }
+
+    /// Adds a list of short statements.
+    pub fn list(&mut self, items: &[&str]) -> &mut Self {
+        self.push(format_args!("<ul>"));
+        for item in items {
+            self.push(format_args!("<li>{}</li>", escaped(item)));
+        }
+        self.push(format_args!("</ul>"));
+        self
+    }
+
+    /// Adds a box with a statement and its reason.
+    pub fn verdict(&mut self, verdict: Verdict, headline: &str, reason: &str) -> &mut Self {
+        let class = verdict.class();
+        let (headline, reason) = (escaped(headline), escaped(reason));
+        self.push(format_args!(
+            "<div class=\"verdict {class}\"><strong>{headline}</strong><p>{reason}</p></div>"
+        ));
+        self
+    }
+
+    /// Adds names and values side by side.
+    pub fn facts(&mut self, facts: &[Fact]) -> &mut Self {
+        self.push(format_args!("<dl class=\"facts\">"));
+        for fact in facts {
+            let (name, value) = (escaped(&fact.name), escaped(&fact.value));
+            self.push(format_args!("<div><dt>{name}</dt><dd>{value}</dd></div>"));
+        }
+        self.push(format_args!("</dl>"));
+        self
+    }
+
+    /// Adds a table.
+    pub fn table(&mut self, table: &Table) -> &mut Self {
+        self.tables += 1;
+        let markup = table.markup(self.tables);
+        self.push(format_args!("{markup}"));
+        self
+    }
+
+    /// Adds a chart.
+    pub fn figure(&mut self, chart: &Svg, caption: &str) -> &mut Self {
+        let markup = chart.as_str().trim_end().to_owned();
+        self.push_figure(&markup, caption)
+    }
+
+    /// Adds a picture given as the bytes of a PNG file; `description` is for readers who cannot
+    /// see it.
+    ///
+    /// # Errors
+    /// [`Error::TooFew`] for bytes that do not begin as a PNG file does.
+    pub fn picture(
+        &mut self,
+        png: &[u8],
+        description: &str,
+        caption: &str,
+    ) -> Result<&mut Self, Error> {
+        let image = png_element(png, description)?;
+        Ok(self.push_figure(&image, caption))
+    }
+
+    /// Adds several pictures side by side under one caption; a description and PNG bytes each.
+    ///
+    /// # Errors
+    /// [`Error::TooFew`] without a picture or for bytes that do not begin as a PNG file does.
+    pub fn pictures(
+        &mut self,
+        pictures: &[(&str, &[u8])],
+        caption: &str,
+    ) -> Result<&mut Self, Error> {
+        crate::check::Field::new("report", "pictures").at_least(1, pictures.len())?;
+        let mut markup = String::from("<div class=\"strip\">");
+        for (description, png) in pictures {
+            markup.push_str(&png_element(png, description)?);
+        }
+        markup.push_str("</div>");
+        Ok(self.push_figure(&markup, caption))
+    }
+
+    /// Adds spheres that can be turned with the mouse; without WebGL 2, without scripts and on
+    /// paper the picture is shown instead.
+    ///
+    /// # Errors
+    /// [`Error`] as [`SphereViewer::check`] gives it.
+    pub fn viewer(&mut self, viewer: &SphereViewer<'_>, caption: &str) -> Result<&mut Self, Error> {
+        viewer.check()?;
+        let image = png_element(viewer.picture, viewer.description)?;
+        let markup = viewer.markup(&image);
+        self.viewers += 1;
+        Ok(self.push_figure(&markup, caption))
+    }
+
+    /// Adds a line to the footer: version, seed, checksum of an input.
+    pub fn provenance(&mut self, line: &str) -> &mut Self {
+        self.provenance.push(line.to_owned());
+        self
+    }
+
+    /// The whole page.
+    pub fn html(&self) -> String {
+        let title = escaped(&self.title);
+        let contents = self.contents();
+        let end = if self.headings.is_empty() {
+            ""
+        } else {
+            "</section>\n"
+        };
+        let mut footer = String::new();
+        for line in &self.provenance {
+            append(&mut footer, format_args!("<p>{}</p>", escaped(line)));
+        }
+        let script = if self.viewers > 0 {
+            format!("<script>\n{VIEWER_SCRIPT}</script>\n")
+        } else {
+            String::new()
+        };
+        let body = &self.body;
+        format!(
+            "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
+             <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
+             <meta http-equiv=\"Content-Security-Policy\" content=\"{POLICY}\">\n\
+             <title>{title}</title>\n<style>\n{STYLE}</style>\n</head>\n<body>\n<main>\n\
+             <h1>{title}</h1>\n{contents}{body}{end}</main>\n<footer>\n{footer}</footer>\n\
+             {script}</body>\n</html>\n"
+        )
+    }
+
+    /// Links to the sections; nothing for fewer than two.
+    fn contents(&self) -> String {
+        if self.headings.len() < 2 {
+            return String::new();
+        }
+        let mut links = String::new();
+        for (number, heading) in (1..).zip(&self.headings) {
+            let heading = escaped(heading);
+            let link = format_args!("<li><a href=\"#section-{number}\">{heading}</a></li>");
+            append(&mut links, link);
+        }
+        format!("<nav aria-label=\"Contents\"><ol>\n{links}</ol></nav>\n")
+    }
+
+    /// Adds a numbered figure.
+    fn push_figure(&mut self, content: &str, caption: &str) -> &mut Self {
+        self.figures += 1;
+        let number = self.figures;
+        let caption = escaped(caption);
+        self.push(format_args!(
+            "<figure>\n{content}\n<figcaption><b>Figure {number}.</b> {caption}</figcaption>\n\
+             </figure>"
+        ));
+        self
+    }
+
+    /// Adds markup.
+    fn push(&mut self, markup: std::fmt::Arguments<'_>) {
+        append(&mut self.body, markup);
+    }
+}
+
+/// Adds a line of markup; writing to a `String` cannot fail.
+fn append(target: &mut String, markup: std::fmt::Arguments<'_>) {
+    target.write_fmt(markup).expect("a String takes any text");
+    target.push('\n');
+}
+
+/// An `img` element that holds the picture itself.
+fn png_element(png: &[u8], description: &str) -> Result<String, Error> {
+    const SIGNATURE: [u8; 8] = [0x89, b'P', b'N', b'G', 0x0d, 0x0a, 0x1a, 0x0a];
+    let matching = png
+        .iter()
+        .zip(SIGNATURE)
+        .take_while(|(byte, wanted)| *byte == wanted)
+        .count();
+    if matching < SIGNATURE.len() {
+        let (chart, field) = ("report", "signature bytes of a PNG picture");
+        return Err(Error::TooFew {
+            chart,
+            field,
+            count: matching,
+            least: SIGNATURE.len(),
+        });
+    }
+    let data = STANDARD.encode(png);
+    let description = escaped(description);
+    Ok(format!(
+        "<img alt=\"{description}\" src=\"data:image/png;base64,{data}\">"
+    ))
+}

@@ -1,0 +1,313 @@
+//! Charts: well formed, within their paper, and with every number at its pixel.
+
+use report::{
+    AxisTitle, Comparison, Contour, Error, Level, LineSeries, PredictedAgainstMeasured, Role,
+    Series, SeriesPoint, Svg,
+};
+
+use crate::examples;
+use crate::markup::{Element, elements};
+
+/// Values without any pattern.
+const VALUES: [f64; 8] = [0.3, -2.4, 1.9, 3.1, -0.2, 0.0, 2.2, 1.1];
+
+/// Elements of a picture.
+fn read(svg: &Svg) -> Vec<Element> {
+    elements(svg.as_str()).unwrap_or_else(|reason| panic!("{reason} in {svg}"))
+}
+
+/// The text elements that hold a text.
+fn texts<'a>(elements: &'a [Element], text: &str) -> Vec<&'a Element> {
+    elements
+        .iter()
+        .filter(|element| element.name == "text" && element.text == text)
+        .collect()
+}
+
+/// Refuses pictures with a broken number or anything that begins outside of the paper.
+fn check_paper(name: &str, svg: &Svg) {
+    for word in ["NaN", "inf", "Inf"] {
+        assert!(!svg.as_str().contains(word), "{name} contains {word}");
+    }
+    let elements = read(svg);
+    let (width, height) = (elements[0].number("width"), elements[0].number("height"));
+    let within = |x: f64, y: f64, what: &Element| {
+        assert!(
+            (0.0..=width).contains(&x) && (0.0..=height).contains(&y),
+            "{name}: {what:?}"
+        );
+    };
+    for element in &elements {
+        match element.name.as_str() {
+            "circle" => within(element.number("cx"), element.number("cy"), element),
+            "text" => within(element.number("x"), element.number("y"), element),
+            "rect" => {
+                let (x, y) = (element.number("x"), element.number("y"));
+                within(x, y, element);
+                within(
+                    x + element.number("width"),
+                    y + element.number("height"),
+                    element,
+                );
+            }
+            _ => {}
+        }
+    }
+}
+
+#[test]
+fn every_chart_is_well_formed_whatever_its_texts_are() {
+    for (name, chart) in examples::all(&VALUES) {
+        let chart = chart.unwrap();
+        check_paper(name, &chart);
+        assert!(!chart.as_str().contains("<b"), "{name} lets markup through");
+        assert!(
+            !chart.as_str().contains(" id="),
+            "{name}: ids would clash in a page"
+        );
+    }
+}
+
+#[test]
+fn odd_values_still_give_whole_pictures() {
+    let many: Vec<f64> = (0..60)
+        .map(|index| (f64::from(index) * 0.7).sin())
+        .collect();
+    for values in [
+        vec![0.0; 4],
+        vec![38.9; 4],
+        vec![1e-12, 2e-12, -1e-12, 3e-12],
+        vec![1e12, 2e12, -4e12, 3e12],
+        vec![1e12, 1e12 + 1.0, 1e12, 1e12],
+        vec![-5.0, -3.0, -4.0, -9.0],
+        many,
+    ] {
+        for (name, chart) in examples::all(&values) {
+            check_paper(
+                name,
+                &chart.unwrap_or_else(|error| panic!("{error} for {values:?}")),
+            );
+        }
+    }
+}
+
+#[test]
+fn one_value_is_enough_where_one_can_be_shown() {
+    for (name, chart) in examples::all(&[2.0]) {
+        match chart {
+            Ok(chart) => check_paper(name, &chart),
+            Err(error) => {
+                assert!(["contour", "timeseries"].contains(&name), "{name}: {error}");
+            }
+        }
+    }
+}
+
+#[test]
+fn numbers_that_are_not_finite_are_refused_with_their_place() {
+    for value in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+        for (name, chart) in examples::all(&[1.0, 2.0, value, 3.0]) {
+            let error = chart.expect_err(name);
+            let place = matches!(error, Error::NonFinite { index: 2, .. });
+            assert!(place, "{name}: {error}");
+        }
+    }
+}
+
+#[test]
+fn charts_without_values_are_refused() {
+    for (name, chart) in examples::all(&[]) {
+        let error = chart.expect_err(name);
+        assert!(matches!(error, Error::TooFew { .. }), "{name}: {error}");
+    }
+}
+
+#[test]
+fn same_input_gives_the_same_bytes() {
+    assert_eq!(examples::all(&VALUES), examples::all(&VALUES));
+}
+
+#[test]
+fn points_stand_at_the_ticks_of_their_values() {
+    let point = |x: f64, y: f64| SeriesPoint::new(x, y, 0.0);
+    let chart = LineSeries {
+        x: AxisTitle::new("Friction", ""),
+        y: AxisTitle::new("Angle", "°"),
+        series: vec![Series {
+            name: "s".into(),
+            points: vec![point(0.1, 30.0), point(0.3, 35.0), point(0.45, 41.25)],
+        }],
+        levels: vec![],
+    };
+    let elements = read(&chart.draw().unwrap());
+    let circles: Vec<&Element> = elements.iter().filter(|e| e.name == "circle").collect();
+    // The first circle is that of the legend.
+    let [_, low, middle, high] = circles[..] else {
+        panic!("{circles:?}")
+    };
+    let x_of = |text: &str| texts(&elements, text)[0].number("x");
+    let y_of = |text: &str| texts(&elements, text)[0].number("y");
+    // Coordinates are written to a hundredth of a pixel.
+    assert!((low.number("cx") - x_of("0.1")).abs() < 0.011);
+    assert!((middle.number("cx") - x_of("0.3")).abs() < 0.011);
+    assert!((low.number("cy") - y_of("30")).abs() < 0.011);
+    // Between the ticks the map is straight: 41.25 lies 1.125 times as far above 30 as 40 does.
+    let wanted = y_of("30") + 1.125 * (y_of("40") - y_of("30"));
+    assert!((high.number("cy") - wanted).abs() < 0.03);
+    assert!(
+        high.number("cy") < low.number("cy"),
+        "larger values stand higher"
+    );
+}
+
+#[test]
+fn units_stand_in_the_axis_titles() {
+    let mut chart = examples::lines(&VALUES);
+    chart.y = AxisTitle::new("Repose angle", "°");
+    chart.x = AxisTitle::new("Friction", "");
+    let elements = read(&chart.draw().unwrap());
+    assert_eq!(texts(&elements, "Repose angle (°)").len(), 1);
+    assert_eq!(texts(&elements, "Friction").len(), 1);
+    chart.series[0].points = vec![
+        SeriesPoint::new(1e-6, 1.0, 0.0),
+        SeriesPoint::new(3e-6, 1.0, 0.0),
+    ];
+    chart.series.truncate(1);
+    chart.x = AxisTitle::new("Overlap", "m");
+    let elements = read(&chart.draw().unwrap());
+    assert_eq!(texts(&elements, "Overlap (×10⁻⁶ m)").len(), 1);
+}
+
+#[test]
+fn pareto_bars_fall_in_length_and_show_the_sign_by_colour() {
+    let svg = examples::pareto(&[0.5, -4.0, 2.0]).draw().unwrap();
+    let elements = read(&svg);
+    // After the paper and two patches of the legend.
+    let bars: Vec<&Element> = elements
+        .iter()
+        .filter(|e| e.name == "rect")
+        .skip(3)
+        .collect();
+    let widths: Vec<f64> = bars.iter().map(|bar| bar.number("width")).collect();
+    assert_eq!(widths.len(), 3);
+    // Lengths in the ratio of the sizes, to the hundredth of a pixel that is written.
+    assert!((widths[0] / widths[1] - 2.0).abs() < 1e-3, "{widths:?}");
+    assert!((widths[1] / widths[2] - 4.0).abs() < 1e-3, "{widths:?}");
+    let colours: Vec<_> = bars.iter().map(|bar| bar.attribute("fill")).collect();
+    assert_ne!(colours[0], colours[1], "negative and positive");
+    assert_eq!(colours[1], colours[2], "both positive");
+    assert!(
+        bars[0].number("y") < bars[1].number("y"),
+        "the largest is on top"
+    );
+}
+
+#[test]
+fn agreement_lies_on_the_diagonal_of_a_square() {
+    let comparison = |value: f64| Comparison {
+        name: String::new(),
+        measured: value,
+        measured_error: 0.0,
+        predicted: value,
+        predicted_error: 0.0,
+        role: Role::Fit,
+    };
+    let chart = PredictedAgainstMeasured {
+        observable: AxisTitle::new("angle", "°"),
+        comparisons: vec![comparison(30.0), comparison(38.0), comparison(41.0)],
+    };
+    let elements = read(&chart.draw().unwrap());
+    let circles: Vec<&Element> = elements
+        .iter()
+        .filter(|e| e.name == "circle")
+        .skip(1)
+        .collect();
+    for pair in circles.windows(2) {
+        let right = pair[1].number("cx") - pair[0].number("cx");
+        let up = pair[0].number("cy") - pair[1].number("cy");
+        assert!(
+            right > 0.0 && (right - up).abs() < 0.021,
+            "{right} to the right, {up} up"
+        );
+    }
+}
+
+#[test]
+fn bold_contour_runs_where_the_surface_has_the_target() {
+    let axis: Vec<f64> = (0..11).map(|i| f64::from(i) / 10.0).collect();
+    // The surface is 10 x, so the target 4 is the upright line at x = 0.4.
+    let values = axis
+        .iter()
+        .flat_map(|_| axis.iter().map(|x| 10.0 * x))
+        .collect();
+    let chart = Contour {
+        x_values: axis.clone(),
+        y_values: axis,
+        values,
+        x: AxisTitle::new("x", ""),
+        target: Some(Level::new("target", 4.0)),
+        region: vec![],
+        points: vec![],
+        ..examples::contour(&[0.0; 4])
+    };
+    let elements = read(&chart.draw().unwrap());
+    let bold: Vec<&Element> = elements
+        .iter()
+        .filter(|e| e.name == "path" && e.attribute("stroke-width") == Some("3"))
+        .collect();
+    assert_eq!(bold.len(), 1);
+    let wanted = texts(&elements, "0.4")
+        .first()
+        .map_or(f64::NAN, |tick| tick.number("x"));
+    let path = bold[0].attribute("d").unwrap();
+    for point in path.split(['M', 'L']).filter(|part| !part.is_empty()) {
+        let x: f64 = point.split(' ').next().unwrap().parse().unwrap();
+        assert!((x - wanted).abs() < 0.011, "{x} instead of {wanted}");
+    }
+}
+
+#[test]
+fn lists_that_do_not_match_are_refused() {
+    let mut chart = examples::residuals(&VALUES);
+    chart.panels[1].noise.pop();
+    assert!(matches!(
+        chart.draw(),
+        Err(Error::Length { field: "noise", .. })
+    ));
+    let mut chart = examples::contour(&VALUES);
+    chart.values.pop();
+    assert!(matches!(
+        chart.draw(),
+        Err(Error::Length {
+            field: "values",
+            ..
+        })
+    ));
+    let mut chart = examples::contour(&VALUES);
+    chart.x_values.reverse();
+    assert!(matches!(
+        chart.draw(),
+        Err(Error::OutOfRange {
+            field: "column",
+            ..
+        })
+    ));
+    let mut chart = examples::timeseries(&VALUES);
+    chart.samples.push(99.0);
+    assert!(matches!(
+        chart.draw(),
+        Err(Error::OutOfRange {
+            field: "sampled moment",
+            ..
+        })
+    ));
+    let mut chart = examples::lines(&VALUES);
+    chart.series[0].points[0].error = -1.0;
+    assert!(matches!(
+        chart.draw(),
+        Err(Error::OutOfRange {
+            field: "error of point",
+            ..
+        })
+    ));
+}

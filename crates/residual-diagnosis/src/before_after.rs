@@ -1,0 +1,224 @@
+//! The error before and after: on the conditions used, and on those kept for the check.
+
+use nalgebra::{DMatrix, DVector};
+use random_stream::Stream;
+use serde::Serialize;
+use std::collections::BTreeMap;
+
+use crate::Error;
+use crate::fit::Fit;
+use crate::problem::{Part, Problem};
+
+/// Bootstrap resamples of the conditions; the ends of a 95 % interval then vary by a few percent
+/// of its width.
+const RESAMPLES: usize = 2000;
+
+/// Errors before and after the best effect, the declared parameters re-tuned in both.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct BeforeAfter {
+    /// The effects that "after" has on; they need not be named.
+    pub effects: Vec<String>,
+    /// The next best candidate that is not among them or tied with them, for comparison.
+    pub rival: Option<String>,
+    /// On the conditions that everything was fitted to.
+    pub used: PartErrors,
+    /// On the conditions kept for the check.
+    pub unused: Option<PartErrors>,
+}
+
+/// Errors on one set of conditions.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct PartErrors {
+    /// Root mean square of the residual, by observable, in its unit.
+    pub rmse: BTreeMap<String, Stages>,
+    /// Root mean variance of measurement and simulator, by observable, in its unit: the error
+    /// that a perfect model would have.
+    pub noise_floor: BTreeMap<String, f64>,
+    /// Mean square of the whitened residual: 1 for a perfect model with known parameters.
+    pub whitened_mse: Stages,
+    /// Log predictive density per row, natural logarithm.
+    pub log_predictive_density: Stages,
+    /// Whitened mean square after minus before, over the conditions.
+    pub whitened_mse_change: Change,
+}
+
+/// A number at the stages of the diagnosis.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Stages {
+    /// As simulated.
+    pub nominal: f64,
+    /// Declared parameters re-tuned.
+    pub before: f64,
+    /// Declared parameters re-tuned and the effects switched on.
+    pub after: f64,
+    /// Declared parameters re-tuned and the rival switched on instead.
+    pub rival: Option<f64>,
+}
+
+/// A change with its interval.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Change {
+    /// Mean over the conditions.
+    pub mean: f64,
+    /// Lower end of the 95 % interval from resampling the conditions in pairs.
+    pub low: f64,
+    /// Upper end of it.
+    pub high: f64,
+}
+
+/// Residuals of a part at the stages.
+struct Residuals {
+    /// As simulated.
+    nominal: DVector<f64>,
+    /// Re-tuned.
+    before: DVector<f64>,
+    /// With the effects.
+    after: DVector<f64>,
+    /// With the rival instead.
+    rival: Option<DVector<f64>>,
+}
+
+/// Compares nothing on, the chosen effects on, and a rival on.
+pub(crate) fn before_after(
+    problem: &Problem,
+    nominal: &Fit,
+    chosen: &Fit,
+    rival: Option<&Fit>,
+    seed: u64,
+) -> Result<BeforeAfter, Error> {
+    let name = |j: &usize| problem.candidates[*j].name.clone();
+    let errors = |part: &Part| {
+        let residuals = Residuals {
+            nominal: part.residual.clone(),
+            before: left_over(part, nominal),
+            after: left_over(part, chosen),
+            rival: rival.map(|fit| left_over(part, fit)),
+        };
+        part_errors(problem, part, &residuals, seed)
+    };
+    Ok(BeforeAfter {
+        effects: chosen.effects.iter().map(name).collect(),
+        rival: rival.and_then(|fit| fit.effects.first().map(name)),
+        used: errors(&problem.used)?,
+        unused: problem.unused.as_ref().map(errors).transpose()?,
+    })
+}
+
+/// Residual of a part after the re-tuning and the amplitudes of a fit.
+fn left_over(part: &Part, fit: &Fit) -> DVector<f64> {
+    let mut residual = &part.residual - &part.declared * &fit.shift;
+    for (&j, amplitude) in fit.effects.iter().zip(&fit.amplitudes) {
+        residual -= part.library.column(j) * *amplitude;
+    }
+    residual
+}
+
+/// Errors of one part.
+fn part_errors(
+    problem: &Problem,
+    part: &Part,
+    residuals: &Residuals,
+    seed: u64,
+) -> Result<PartErrors, Error> {
+    let whitener = part.covariance.whitener()?;
+    let white = |residual: &DVector<f64>| {
+        let column = DMatrix::from_column_slice(residual.len(), 1, residual.as_slice());
+        whitener.whiten(&column).column(0).into_owned()
+    };
+    let n = part.rows.len() as f64;
+    let constant = -0.5 * (whitener.ln_determinant / n + std::f64::consts::TAU.ln());
+    let mean_square = |residual: &DVector<f64>| white(residual).norm_squared() / n;
+    let variances = part.covariance.diagonal();
+    let mut rmse = BTreeMap::new();
+    let mut noise_floor = BTreeMap::new();
+    for (o, name) in problem.observables.iter().enumerate() {
+        let own: Vec<usize> = (0..part.rows.len())
+            .filter(|&i| part.rows[i].observable == o)
+            .collect();
+        if own.is_empty() {
+            continue;
+        }
+        let root_mean = |square: &dyn Fn(usize) -> f64| {
+            (own.iter().map(|&i| square(i)).sum::<f64>() / own.len() as f64).sqrt()
+        };
+        rmse.insert(
+            name.clone(),
+            stages(residuals, |r| root_mean(&|i| r[i] * r[i])),
+        );
+        noise_floor.insert(name.clone(), root_mean(&|i| variances[i]));
+    }
+    let squares = |r: &DVector<f64>| by_condition(part, &white(r));
+    let differences: Vec<ConditionSum> = squares(&residuals.after)
+        .into_iter()
+        .zip(squares(&residuals.before))
+        .map(|(after, before)| ConditionSum {
+            sum: after.sum - before.sum,
+            rows: after.rows,
+        })
+        .collect();
+    Ok(PartErrors {
+        rmse,
+        noise_floor,
+        whitened_mse: stages(residuals, mean_square),
+        log_predictive_density: stages(residuals, |r| constant - 0.5 * mean_square(r)),
+        whitened_mse_change: bootstrap(&differences, seed),
+    })
+}
+
+/// A sum over the rows of a condition.
+#[derive(Debug, Clone, Copy)]
+struct ConditionSum {
+    /// The sum.
+    sum: f64,
+    /// Number of rows.
+    rows: f64,
+}
+
+/// Sums of squares by condition.
+fn by_condition(part: &Part, white: &DVector<f64>) -> Vec<ConditionSum> {
+    let mut sums: BTreeMap<usize, ConditionSum> = BTreeMap::new();
+    for (row, value) in part.rows.iter().zip(white.iter()) {
+        let entry = sums.entry(row.condition).or_insert(ConditionSum {
+            sum: 0.0,
+            rows: 0.0,
+        });
+        entry.sum += value * value;
+        entry.rows += 1.0;
+    }
+    sums.into_values().collect()
+}
+
+/// Applies something to each stage.
+fn stages(residuals: &Residuals, value: impl Fn(&DVector<f64>) -> f64) -> Stages {
+    Stages {
+        nominal: value(&residuals.nominal),
+        before: value(&residuals.before),
+        after: value(&residuals.after),
+        rival: residuals.rival.as_ref().map(value),
+    }
+}
+
+/// Mean per row with the interval of the percentile bootstrap over conditions
+/// [EfronTibshirani1993, section 13.3].
+fn bootstrap(conditions: &[ConditionSum], seed: u64) -> Change {
+    let mean = |picked: &mut dyn Iterator<Item = &ConditionSum>| {
+        let (mut sum, mut rows) = (0.0, 0.0);
+        for c in picked {
+            sum += c.sum;
+            rows += c.rows;
+        }
+        sum / rows
+    };
+    let mut stream = Stream::new(seed, "bootstrap over conditions");
+    let mut means: Vec<f64> = (0..RESAMPLES)
+        .map(|_| {
+            mean(&mut (0..conditions.len()).map(|_| &conditions[stream.below(conditions.len())]))
+        })
+        .collect();
+    means.sort_by(f64::total_cmp);
+    Change {
+        mean: mean(&mut conditions.iter()),
+        low: means[RESAMPLES / 40],
+        high: means[RESAMPLES - 1 - RESAMPLES / 40],
+    }
+}

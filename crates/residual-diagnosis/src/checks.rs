@@ -1,0 +1,362 @@
+//! From the raw form of a problem to one that has passed all checks.
+
+use nalgebra::{DMatrix, DVector};
+use std::collections::BTreeSet;
+
+mod entries;
+
+use entries::{
+    check_finite, check_length, check_names, check_positive, covariance, matrix, root_of_precision,
+    symmetric,
+};
+
+use crate::Error;
+use crate::covariance::Covariance;
+use crate::problem::{Candidate, Experiment, Part, Prior, Problem, Row, condition_label};
+use crate::problem_file::{
+    Condition, CovarianceInput, ExperimentFile, Level, PriorPrecision, ProblemFile,
+};
+
+/// The raw lists that make one part.
+struct RawPart<'a> {
+    /// Prefix of the keys, for errors.
+    prefix: &'static str,
+    /// Its conditions.
+    conditions: &'a [Condition],
+    /// Its residuals.
+    residual: &'a [Option<f64>],
+    /// Its sensitivities to the declared parameters.
+    declared: &'a [Vec<f64>],
+    /// Its sensitivities to the library.
+    library: &'a [Vec<f64>],
+    /// Covariance of the measurement.
+    measurement: Option<&'a CovarianceInput>,
+    /// Covariance of the simulator.
+    simulator: Option<&'a CovarianceInput>,
+}
+
+impl TryFrom<ProblemFile> for Problem {
+    type Error = Error;
+
+    /// Checks a raw problem.
+    ///
+    /// # Errors
+    ///
+    /// [`Error`] when a list has the wrong length, a number is not finite, a covariance is
+    /// missing, not symmetric or not positive definite, or a name is not known or not unique.
+    fn try_from(file: ProblemFile) -> Result<Self, Error> {
+        let declared = declared_names(&file);
+        check_names(&file.observables, "observables")?;
+        check_names(&declared, "declared")?;
+        check_names(&file.library, "library")?;
+        let mut used = part(&file, &used_lists(&file), declared.len())?;
+        let noise = |inputs: &[CovarianceInput], key: &str, columns: usize| {
+            sensitivity_noise(inputs, key, columns, &file)
+        };
+        let n = declared.len();
+        used.declared_noise = noise(
+            &file.cov_sensitivities_declared,
+            "cov_sensitivities_declared",
+            n,
+        )?;
+        used.library_noise = noise(
+            &file.cov_sensitivities_library,
+            "cov_sensitivities_library",
+            file.library.len(),
+        )?;
+        let used = without_missing(&file.residual_obs_minus_sim, &used);
+        let unused = unused_part(&file, declared.len())?;
+        used.covariance.whitener()?;
+        if let Some(part) = &unused {
+            part.covariance.whitener()?;
+        }
+        if let Some(dof) = file.covariance_dof {
+            check_positive(dof, "covariance_dof")?;
+        }
+        Ok(Self {
+            candidates: candidates(&file)?,
+            prior: prior(&file, declared.len())?,
+            experiments: file
+                .candidate_experiments
+                .iter()
+                .map(|e| experiment(e, declared.len(), file.library.len()))
+                .collect::<Result<_, _>>()?,
+            warnings: warnings(&file),
+            id: file.id,
+            observables: file.observables,
+            declared,
+            used,
+            unused,
+            covariance_dof: file.covariance_dof,
+        })
+    }
+}
+
+/// The lists of the used part.
+fn used_lists(file: &ProblemFile) -> RawPart<'_> {
+    RawPart {
+        prefix: "",
+        conditions: &file.conditions,
+        residual: &file.residual_obs_minus_sim,
+        declared: &file.sensitivities_declared,
+        library: &file.sensitivities_library,
+        measurement: file.cov_measurement.as_ref(),
+        simulator: file.cov_simulator.as_ref(),
+    }
+}
+
+/// Names of the declared parameters, P1, P2 ... where the file has none.
+fn declared_names(file: &ProblemFile) -> Vec<String> {
+    if !file.declared.is_empty() {
+        return file.declared.clone();
+    }
+    let columns = file.sensitivities_declared.first().map_or(0, Vec::len);
+    (1..=columns).map(|i| format!("P{i}")).collect()
+}
+
+/// The part kept for the check, if there is one.
+fn unused_part(file: &ProblemFile, n_declared: usize) -> Result<Option<Part>, Error> {
+    if file.unused_conditions.is_empty() && file.unused_residual_obs_minus_sim.is_empty() {
+        return Ok(None);
+    }
+    let shared = |own: &'_ Option<CovarianceInput>, used: &'_ Option<CovarianceInput>| {
+        own.clone().or_else(|| match used {
+            Some(CovarianceInput::Matrix(m)) if m.len() == file.observables.len() => used.clone(),
+            _ => None,
+        })
+    };
+    let measurement = shared(&file.unused_cov_measurement, &file.cov_measurement);
+    let simulator = shared(&file.unused_cov_simulator, &file.cov_simulator);
+    let raw = RawPart {
+        prefix: "unused_",
+        conditions: &file.unused_conditions,
+        residual: &file.unused_residual_obs_minus_sim,
+        declared: &file.unused_sensitivities_declared,
+        library: &file.unused_sensitivities_library,
+        measurement: measurement.as_ref(),
+        simulator: simulator.as_ref(),
+    };
+    let part = part(file, &raw, n_declared)?;
+    Ok(Some(without_missing(raw.residual, &part)))
+}
+
+/// Makes a part with all its rows; a residual that is missing is 0 in it.
+fn part(file: &ProblemFile, raw: &RawPart<'_>, n_declared: usize) -> Result<Part, Error> {
+    let (n_conditions, n_observables) = (raw.conditions.len(), file.observables.len());
+    let n_rows = n_conditions * n_observables;
+    let key = |name: &str| format!("{}{name}", raw.prefix);
+    let rows_reason = format!("{n_conditions} conditions x {n_observables} observables");
+    check_length(
+        &key("residual_obs_minus_sim"),
+        raw.residual.len(),
+        n_rows,
+        &rows_reason,
+    )?;
+    if n_rows == 0 {
+        return Err(Error::Missing {
+            what: key("conditions"),
+            way_out: "give at least one condition and one observable".into(),
+        });
+    }
+    for condition in raw.conditions {
+        for (name, level) in condition {
+            if let Level::Number(x) = level {
+                check_finite(*x, || format!("{} {name}", key("conditions")))?;
+            }
+        }
+    }
+    for (i, residual) in raw.residual.iter().enumerate() {
+        let place = || format!("{}[{i}]", key("residual_obs_minus_sim"));
+        check_finite(residual.unwrap_or(0.0), place)?;
+    }
+    let labels: Vec<String> = raw.conditions.iter().map(condition_label).collect();
+    let covariance_of = |input: Option<&CovarianceInput>, name: &str| match input {
+        Some(input) => covariance(input, &key(name), n_observables, &labels),
+        None => Err(missing_covariance(&key(name))),
+    };
+    let measurement = covariance_of(raw.measurement, "cov_measurement")?;
+    let simulator = covariance_of(raw.simulator, "cov_simulator")?;
+    let matrix_of = |rows: &[Vec<f64>], name: &str, columns: usize| {
+        matrix(rows, &key(name), (n_rows, columns), &rows_reason)
+    };
+    Ok(Part {
+        conditions: raw.conditions.to_vec(),
+        rows: (0..n_rows)
+            .map(|i| Row {
+                condition: i / n_observables,
+                observable: i % n_observables,
+            })
+            .collect(),
+        residual: DVector::from_iterator(n_rows, raw.residual.iter().map(|r| r.unwrap_or(0.0))),
+        covariance: measurement.plus_scaled(1.0, &simulator),
+        declared: matrix_of(raw.declared, "sensitivities_declared", n_declared)?,
+        library: matrix_of(raw.library, "sensitivities_library", file.library.len())?,
+        declared_noise: Vec::new(),
+        library_noise: Vec::new(),
+    })
+}
+
+/// The part without the rows whose residual is missing.
+fn without_missing(residual: &[Option<f64>], part: &Part) -> Part {
+    let present: BTreeSet<(usize, usize)> = part
+        .rows
+        .iter()
+        .zip(residual)
+        .filter(|(_, r)| r.is_some())
+        .map(|(row, _)| (row.condition, row.observable))
+        .collect();
+    part.keep(|row| present.contains(&(row.condition, row.observable)))
+}
+
+/// Why a covariance must be given.
+fn missing_covariance(what: &str) -> Error {
+    Error::Missing {
+        what: what.to_owned(),
+        way_out: "noise left out makes every residual look structured; give one block for all \
+                  conditions, one block per condition, or the whole matrix (zeros only where \
+                  there is truly no noise)"
+            .into(),
+    }
+}
+
+/// Covariances of the columns of a sensitivity matrix.
+fn sensitivity_noise(
+    inputs: &[CovarianceInput],
+    key: &str,
+    columns: usize,
+    file: &ProblemFile,
+) -> Result<Vec<Covariance>, Error> {
+    if inputs.is_empty() {
+        return Ok(Vec::new());
+    }
+    check_length(key, inputs.len(), columns, "one covariance per column")?;
+    let labels: Vec<String> = file.conditions.iter().map(condition_label).collect();
+    inputs
+        .iter()
+        .enumerate()
+        .map(|(k, input)| {
+            covariance(
+                input,
+                &format!("{key}[{k}]"),
+                file.observables.len(),
+                &labels,
+            )
+        })
+        .collect()
+}
+
+/// Prior knowledge as rows of least squares.
+fn prior(file: &ProblemFile, n: usize) -> Result<Option<Prior>, Error> {
+    let precision = match &file.prior_precision {
+        None if file.prior_offset.is_empty() => return Ok(None),
+        None => {
+            return Err(Error::Missing {
+                what: "prior_precision".into(),
+                way_out: "prior_offset means nothing without it; give 1/sd^2 of each parameter"
+                    .into(),
+            });
+        }
+        Some(PriorPrecision::Diagonal(values)) => {
+            check_length("prior_precision", values.len(), n, "one per parameter")?;
+            for (k, &x) in values.iter().enumerate() {
+                check_finite(x, || format!("prior_precision[{k}]"))?;
+            }
+            DMatrix::from_diagonal(&DVector::from_column_slice(values))
+        }
+        Some(PriorPrecision::Matrix(rows)) => symmetric(rows, "prior_precision", n)?,
+    };
+    let offset = if file.prior_offset.is_empty() {
+        DVector::zeros(n)
+    } else {
+        check_length(
+            "prior_offset",
+            file.prior_offset.len(),
+            n,
+            "one per parameter",
+        )?;
+        for (k, &x) in file.prior_offset.iter().enumerate() {
+            check_finite(x, || format!("prior_offset[{k}]"))?;
+        }
+        DVector::from_column_slice(&file.prior_offset)
+    };
+    let root = root_of_precision(precision)?;
+    Ok(Some(Prior {
+        offset: &root * offset,
+        root,
+    }))
+}
+
+/// The library with its limits.
+fn candidates(file: &ProblemFile) -> Result<Vec<Candidate>, Error> {
+    let known = |name: &String, place| {
+        if file.library.contains(name) {
+            Ok(())
+        } else {
+            Err(Error::BadName {
+                name: name.clone(),
+                place,
+                problem: "is no effect of the library",
+            })
+        }
+    };
+    for (name, &amplitude) in &file.largest_amplitudes {
+        known(name, "largest_amplitudes")?;
+        check_positive(amplitude, &format!("largest_amplitudes.{name}"))?;
+    }
+    for name in file.signs.keys() {
+        known(name, "signs")?;
+    }
+    Ok(file
+        .library
+        .iter()
+        .map(|name| Candidate {
+            name: name.clone(),
+            largest_amplitude: file.largest_amplitudes.get(name).copied(),
+            sign: file.signs.get(name).copied().unwrap_or_default(),
+        })
+        .collect())
+}
+
+/// Checks an experiment that could be done next.
+fn experiment(
+    raw: &ExperimentFile,
+    n_declared: usize,
+    n_library: usize,
+) -> Result<Experiment, Error> {
+    let name = raw
+        .name
+        .clone()
+        .unwrap_or_else(|| condition_label(&raw.condition));
+    let rows = raw.covariance.len();
+    let key = |part: &str| format!("candidate_experiments '{name}' {part}");
+    let block = symmetric(&raw.covariance, &key("covariance"), rows)?;
+    let covariance = Covariance::new(vec![block], vec![name.clone()]);
+    covariance.whitener()?;
+    check_positive(raw.cost, &key("cost"))?;
+    let reason = "the rows of its covariance";
+    Ok(Experiment {
+        declared: matrix(
+            &raw.sensitivities_declared,
+            &key("sensitivities_declared"),
+            (rows, n_declared),
+            reason,
+        )?,
+        library: matrix(
+            &raw.sensitivities_library,
+            &key("sensitivities_library"),
+            (rows, n_library),
+            reason,
+        )?,
+        cost: raw.cost,
+        covariance,
+        name,
+    })
+}
+
+/// What is odd but harmless.
+fn warnings(file: &ProblemFile) -> Vec<String> {
+    file.other
+        .keys()
+        .map(|key| format!("the key '{key}' means nothing here and was not used"))
+        .collect()
+}

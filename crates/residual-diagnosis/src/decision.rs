@@ -1,0 +1,242 @@
+//! From the gates to a verdict: section 4.2 of the project's statistics, steps 1 to 7.
+
+use crate::bayes_factor::{ln_factor_of_effect, ln_factor_of_unknown};
+use crate::diagnosis::Verdict;
+use crate::fit::Fit;
+use crate::gates::{ALPHA, GATE, Gates, testable};
+use crate::problem::Problem;
+use crate::tails::{normal_upper_quantile, upper_tail};
+use crate::{Error, Options};
+
+/// ln of the Bayes factor over an unknown effect from which an effect is named: at 100 one of 70
+/// outside effects is still named, at 10 one of 20, at 1000 a third of the true ones is lost.
+const LN_FACTOR_TO_NAME: f64 = 4.605_170_185_988_092;
+
+/// A verdict with what it rests on.
+#[derive(Debug, Clone)]
+pub(crate) struct Decision {
+    /// The verdict.
+    pub(crate) verdict: Verdict,
+    /// The effects that are named or tied (numbers in the library).
+    pub(crate) effects: Vec<usize>,
+    /// For each effect that was taken, it and its rivals.
+    pub(crate) tie_groups: Vec<Vec<usize>>,
+    /// Effects that would help but are not named.
+    pub(crate) suspects: Vec<usize>,
+    /// The condition that may carry all of it.
+    pub(crate) recheck: Option<usize>,
+    /// Nothing on.
+    pub(crate) nominal: Fit,
+    /// The gates of it.
+    pub(crate) gates: Gates,
+    /// One effect on, for each of the library.
+    pub(crate) singles: Vec<Fit>,
+    /// The effects that were taken, on; nothing on when none was.
+    pub(crate) chosen: Fit,
+    /// Candidates that can be tested.
+    pub(crate) testable: Vec<usize>,
+    /// Largest distance in deviance inside a tie set.
+    pub(crate) tie_limit: f64,
+    /// ln of the Bayes factor of an unknown effect against none.
+    pub(crate) ln_factor_of_unknown: f64,
+}
+
+/// The effects that were taken one after the other.
+struct Taken {
+    /// All of them on.
+    fit: Fit,
+    /// What the gates say of what remains.
+    gates: Gates,
+    /// ln of the Bayes factor of all of them against none.
+    ln_factor: f64,
+    /// Whether each after the first beats an unknown effect beside those before it.
+    each_beats_unknown: bool,
+}
+
+/// Decides about a problem.
+pub(crate) fn decide(problem: &Problem, options: &Options) -> Result<Decision, Error> {
+    let nominal = Fit::new(problem, &[])?;
+    let testable = testable(problem, &nominal);
+    let gates = Gates::new(problem, &nominal, &testable, options);
+    let singles = (0..problem.candidates.len())
+        .map(|j| Fit::new(problem, &[j]))
+        .collect::<Result<Vec<_>, _>>()?;
+    let mut decision = Decision {
+        verdict: Verdict::None,
+        effects: Vec::new(),
+        tie_groups: Vec::new(),
+        suspects: Vec::new(),
+        recheck: None,
+        chosen: nominal.clone(),
+        singles,
+        tie_limit: tie_limit(testable.len()),
+        ln_factor_of_unknown: ln_factor_of_unknown(&nominal),
+        testable,
+        nominal,
+        gates,
+    };
+    if decision.nominal.df == 0 {
+        decision.verdict = Verdict::Refused;
+    } else if decision.gates.directed() {
+        decision.name(problem, options)?;
+    } else if decision.gates.omnibus() {
+        decision.recheck = lone_condition(problem, &decision.nominal)?;
+        decision.verdict = match decision.recheck {
+            Some(_) => Verdict::Recheck,
+            None => Verdict::Unknown,
+        };
+    } else if decision.testable.is_empty() && !problem.candidates.is_empty() {
+        decision.verdict = Verdict::NotTestable;
+    }
+    Ok(decision)
+}
+
+impl Decision {
+    /// Looks for effects to name once a candidate stands out.
+    fn name(&mut self, problem: &Problem, options: &Options) -> Result<(), Error> {
+        let taken = self.take_effects(problem, options)?;
+        let groups = self.tie_groups(problem, &taken.fit)?;
+        let mut members: Vec<usize> = groups.iter().flatten().copied().collect();
+        members.sort_unstable();
+        members.dedup();
+        let adequate = taken.gates.adequate();
+        let beats = taken.each_beats_unknown
+            && taken.ln_factor - self.ln_factor_of_unknown > LN_FACTOR_TO_NAME;
+        if !adequate && self.lone_condition_explains(problem, options)? {
+            self.verdict = Verdict::Recheck;
+            self.suspects = members;
+            return Ok(());
+        }
+        self.verdict = match (adequate, beats) {
+            (true, true) if members.len() == taken.fit.effects.len() => Verdict::Named,
+            (true, true) => Verdict::Tie,
+            (false, _) if helps_beside_unknown(&taken, self.ln_factor_of_unknown) => {
+                Verdict::Partial
+            }
+            _ => Verdict::Unknown,
+        };
+        if self.verdict == Verdict::Unknown {
+            self.suspects = members;
+        } else {
+            self.effects = members;
+            self.tie_groups = groups;
+        }
+        self.chosen = taken.fit;
+        Ok(())
+    }
+
+    /// Takes the best candidate, then, while what remains is not noise, the next, each by the
+    /// test of the largest score on what remains.
+    fn take_effects(&self, problem: &Problem, options: &Options) -> Result<Taken, Error> {
+        let mut taken = Taken {
+            fit: self.nominal.clone(),
+            gates: self.gates.clone(),
+            ln_factor: 0.0,
+            each_beats_unknown: true,
+        };
+        while let Some(j) = taken.gates.best.filter(|_| taken.gates.directed()) {
+            let first = taken.fit.effects.is_empty();
+            if (!first && taken.gates.adequate()) || taken.fit.effects.len() >= options.max_effects
+            {
+                break;
+            }
+            let z = taken.gates.scores[j].as_ref().map_or(0.0, |s| s.z);
+            let step = ln_factor_of_effect(z, problem.candidates[j].sign);
+            if !first {
+                let rival = ln_factor_of_unknown(&taken.fit);
+                taken.each_beats_unknown &= step - rival > LN_FACTOR_TO_NAME;
+            }
+            taken.ln_factor += step;
+            let mut effects = taken.fit.effects.clone();
+            effects.push(j);
+            taken.fit = Fit::new(problem, &effects)?;
+            taken.gates = Gates::new(problem, &taken.fit, &self.testable, options);
+        }
+        Ok(taken)
+    }
+
+    /// For each effect that was taken, the testable candidates that would do nearly as well in its
+    /// place: deviance not more than the limit above.
+    fn tie_groups(&self, problem: &Problem, taken: &Fit) -> Result<Vec<Vec<usize>>, Error> {
+        let mut groups = Vec::new();
+        for &held in &taken.effects {
+            let others: Vec<usize> = taken
+                .effects
+                .iter()
+                .copied()
+                .filter(|&j| j != held)
+                .collect();
+            let mut group = vec![held];
+            for &rival in self.testable.iter().filter(|k| !taken.effects.contains(k)) {
+                let mut effects = others.clone();
+                effects.push(rival);
+                let fit = Fit::new(problem, &effects)?;
+                let works = fit.amplitude(rival) != 0.0;
+                if works && fit.deviance - taken.deviance <= self.tie_limit {
+                    group.push(rival);
+                }
+            }
+            group.sort_unstable();
+            groups.push(group);
+        }
+        Ok(groups)
+    }
+
+    /// Whether both gates fall silent once one condition is left out, whose departure is more than
+    /// chance; remembers the condition.
+    fn lone_condition_explains(
+        &mut self,
+        problem: &Problem,
+        options: &Options,
+    ) -> Result<bool, Error> {
+        self.recheck = lone_condition(problem, &self.nominal)?;
+        let Some(condition) = self.recheck else {
+            return Ok(false);
+        };
+        let rest = problem.without_condition(condition);
+        let fit = Fit::new(&rest, &[])?;
+        let gates = Gates::new(&rest, &fit, &testable(&rest, &fit), options);
+        Ok(!gates.directed() && gates.adequate())
+    }
+}
+
+/// Largest distance of deviance inside a tie set: the square of the normal quantile at
+/// alpha / (M - 1), so that the set keeps the true effect with chance 1 - alpha at least, however
+/// collinear the M candidates are.
+fn tie_limit(n_candidates: usize) -> f64 {
+    if n_candidates < 2 {
+        return 0.0;
+    }
+    normal_upper_quantile(ALPHA / (n_candidates - 1) as f64).powi(2)
+}
+
+/// Whether the effects that were taken help beside an unknown effect, not only in its place.
+fn helps_beside_unknown(taken: &Taken, ln_factor_of_unknown_alone: f64) -> bool {
+    let together = taken.ln_factor + ln_factor_of_unknown(&taken.fit);
+    together - ln_factor_of_unknown_alone > LN_FACTOR_TO_NAME
+}
+
+/// The condition without which the structured residual is no more than noise, if its departure is
+/// significant among all conditions.
+fn lone_condition(problem: &Problem, nominal: &Fit) -> Result<Option<usize>, Error> {
+    let shares = nominal.shares(problem);
+    let n = shares.iter().filter(|&&share| share > 0.0).count();
+    let mut best: Option<(usize, f64)> = None;
+    for condition in 0..shares.len() {
+        let rest = problem.without_condition(condition);
+        if rest.used.rows.is_empty() || rest.used.rows.len() == problem.used.rows.len() {
+            continue;
+        }
+        let fit = Fit::new(&rest, &[])?;
+        let drop = nominal.t - fit.t;
+        let dof = problem.covariance_dof;
+        let p_drop = upper_tail(drop, nominal.df.saturating_sub(fit.df), dof).unwrap_or(1.0);
+        let quiet = fit.p(&rest).is_some_and(|p| p > GATE)
+            && fit.smooth_test(&rest).p.is_none_or(|p| p > GATE);
+        let larger = best.is_none_or(|(_, d)| drop > d);
+        if quiet && larger && p_drop * n as f64 <= GATE / 2.0 {
+            best = Some((condition, drop));
+        }
+    }
+    Ok(best.map(|(condition, _)| condition))
+}

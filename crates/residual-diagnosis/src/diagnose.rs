@@ -1,0 +1,279 @@
+//! The whole diagnosis: decision, check on unused conditions, report.
+
+use std::collections::BTreeMap;
+
+use crate::Error;
+use crate::bayes_factor::ln_factor_of_effect;
+use crate::before_after::{BeforeAfter, before_after};
+use crate::decision::{Decision, decide};
+use crate::diagnosis::{CandidateResult, ConditionShare, Diagnosis, StructuredResidual, Verdict};
+use crate::fit::Fit;
+use crate::gates::{GATE, Gates, testable};
+use crate::next_measurement::next_measurement;
+use crate::problem::Problem;
+use crate::summary::summary;
+use crate::tails::normal_upper_quantile;
+
+/// Chance with which the smallest detectable amplitude is seen.
+const POWER: f64 = 0.9;
+
+/// How a diagnosis is done.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Options {
+    /// Seed of the simulated null distributions and of the bootstrap.
+    pub seed: u64,
+    /// Draws of the null distribution of the largest score; the standard error of a p-value of
+    /// 0.025 is 0.16 / sqrt(draws).
+    pub draws: usize,
+    /// Largest number of effects taken together.
+    pub max_effects: usize,
+}
+
+impl Options {
+    /// The usual settings: 200 000 draws, up to two effects together.
+    pub fn new(seed: u64) -> Self {
+        Self {
+            seed,
+            draws: 200_000,
+            max_effects: 2,
+        }
+    }
+}
+
+/// Diagnoses a residual.
+///
+/// # Errors
+///
+/// [`Error::NotPositiveDefinite`] when a covariance cannot be factorised, those added for noisy
+/// sensitivities included.
+pub fn diagnose(problem: &Problem, options: &Options) -> Result<Diagnosis, Error> {
+    let mut decision = decide(problem, options)?;
+    let refused = decision.verdict == Verdict::Refused;
+    let before_after = if refused {
+        None
+    } else {
+        compare(problem, &decision, options)?
+    };
+    let mut warnings = problem.warnings.clone();
+    warnings.extend(odd_amplitudes(problem, &decision));
+    warnings.extend(unseen_parameters(problem));
+    withdraw(&mut decision, before_after.as_ref(), &mut warnings);
+    warnings.extend(lone_support(problem, &decision, options)?);
+    let name = |j: &usize| problem.candidates[*j].name.clone();
+    let names = |list: &[usize]| list.iter().map(name).collect::<Vec<_>>();
+    let candidates = if refused {
+        BTreeMap::new()
+    } else {
+        candidate_results(problem, &decision)
+    };
+    let mut diagnosis = Diagnosis {
+        id: problem.id.clone(),
+        verdict: decision.verdict,
+        effects: names(&decision.effects),
+        summary: String::new(),
+        suspects: names(&decision.suspects),
+        tie_groups: decision.tie_groups.iter().map(|g| names(g)).collect(),
+        tie_set_c: decision.tie_limit,
+        structured_residual: structured_residual(problem, &decision),
+        not_testable: candidates
+            .iter()
+            .filter(|(_, c)| !c.testable)
+            .map(|(name, _)| name.clone())
+            .collect(),
+        candidates,
+        z_critical: critical(&decision.gates),
+        retuning: retuning(problem, &decision),
+        largest_condition_share: largest_share(problem, &decision.nominal).filter(|_| !refused),
+        recheck_condition: decision.recheck.map(|c| problem.used.label(c)),
+        before_after,
+        next_measurement: next_measurement(problem, &decision)?,
+        warnings,
+        seed: options.seed,
+        draws: options.draws,
+    };
+    diagnosis.summary = summary(&diagnosis);
+    Ok(diagnosis)
+}
+
+/// Errors before and after the chosen effects, or the best candidate where none was chosen.
+fn compare(
+    problem: &Problem,
+    decision: &Decision,
+    options: &Options,
+) -> Result<Option<BeforeAfter>, Error> {
+    let Some(best) = decision.gates.best else {
+        return Ok(None);
+    };
+    let chosen = if decision.effects.is_empty() {
+        &decision.singles[best]
+    } else {
+        &decision.chosen
+    };
+    let tied = |j: &usize| {
+        chosen.effects.contains(j) || decision.effects.contains(j) || decision.suspects.contains(j)
+    };
+    let rival = decision
+        .testable
+        .iter()
+        .filter(|j| !tied(j))
+        .map(|&j| &decision.singles[j])
+        .min_by(|a, b| a.deviance.total_cmp(&b.deviance));
+    before_after(problem, &decision.nominal, chosen, rival, options.seed).map(Some)
+}
+
+/// Takes back a naming that does not lower the error on the unused conditions.
+fn withdraw(decision: &mut Decision, errors: Option<&BeforeAfter>, warnings: &mut Vec<String>) {
+    let naming = matches!(
+        decision.verdict,
+        Verdict::Named | Verdict::Tie | Verdict::Partial
+    );
+    let Some(unused) = errors.and_then(|e| e.unused.as_ref()).filter(|_| naming) else {
+        return;
+    };
+    let mse = unused.whitened_mse;
+    if mse.after >= mse.before {
+        warnings.push(format!(
+            "the naming is withdrawn: on the unused conditions the whitened mean square goes \
+             from {:.3} to {:.3}, not down",
+            mse.before, mse.after
+        ));
+        decision.verdict = Verdict::Unknown;
+        decision.suspects = std::mem::take(&mut decision.effects);
+        decision.tie_groups.clear();
+    }
+}
+
+/// Warns of amplitudes beyond what is physically possible.
+fn odd_amplitudes(problem: &Problem, decision: &Decision) -> Vec<String> {
+    let fit = &decision.chosen;
+    let mut warnings = Vec::new();
+    for (i, &j) in fit.effects.iter().enumerate() {
+        let candidate = &problem.candidates[j];
+        let (a, se) = (fit.amplitudes[i], fit.standard_errors[i]);
+        if let Some(largest) = candidate
+            .largest_amplitude
+            .filter(|l| a.abs() > l + 2.0 * se)
+        {
+            warnings.push(format!(
+                "{} would need the amplitude {a:.4} +- {se:.4}, beyond the physically largest {largest}",
+                candidate.name
+            ));
+        }
+    }
+    warnings
+}
+
+/// Warns of declared parameters that move no observable: they cannot be calibrated from this.
+fn unseen_parameters(problem: &Problem) -> Vec<String> {
+    problem
+        .declared
+        .iter()
+        .zip(problem.used.declared.column_iter())
+        .filter(|(_, column)| column.amax() == 0.0)
+        .map(|(name, _)| {
+            format!(
+                "the declared parameter {name} moves no observable: it cannot be calibrated here"
+            )
+        })
+        .collect()
+}
+
+/// Warns when a naming falls once the condition with the largest share is left out.
+fn lone_support(
+    problem: &Problem,
+    decision: &Decision,
+    options: &Options,
+) -> Result<Option<String>, Error> {
+    if !matches!(decision.verdict, Verdict::Named | Verdict::Tie) {
+        return Ok(None);
+    }
+    let Some(largest) = largest_share(problem, &decision.nominal) else {
+        return Ok(None);
+    };
+    let rest = problem.without_condition(largest.condition_index);
+    if rest.used.rows.is_empty() {
+        return Ok(None);
+    }
+    let fit = Fit::new(&rest, &[])?;
+    let gates = Gates::new(&rest, &fit, &testable(&rest, &fit), options);
+    Ok((!gates.directed()).then(|| {
+        format!(
+            "the verdict rests on one condition ({}): without it no effect stands out; measure it again",
+            largest.condition
+        )
+    }))
+}
+
+/// What each effect of the library would do.
+fn candidate_results(problem: &Problem, decision: &Decision) -> BTreeMap<String, CandidateResult> {
+    let gates = &decision.gates;
+    let z_detect = critical(gates).map(|z| z + normal_upper_quantile(1.0 - POWER));
+    let result = |j: usize| {
+        let single = &decision.singles[j];
+        let score = gates.scores[j].as_ref();
+        let sign = problem.candidates[j].sign;
+        let testable = decision.testable.contains(&j);
+        CandidateResult {
+            z: score.map(|s| s.z),
+            amplitude: score.map(|_| single.amplitude(j)),
+            se: score.and_then(|_| single.standard_errors.first().copied()),
+            absorbed_fraction: decision.nominal.absorbed_fraction(j),
+            t_after: single.t,
+            p_adequacy: single.p(problem),
+            p_adequacy_smooth: single.smooth_test(problem).p,
+            p_max_test: testable.then(|| gates.max_test.p(gates.statistic(problem, j))),
+            ln_bf_unknown: score
+                .map(|s| ln_factor_of_effect(s.z, sign) - decision.ln_factor_of_unknown),
+            smallest_detectable: score.and_then(|s| z_detect.map(|z| z / s.length)),
+            testable,
+        }
+    };
+    (0..problem.candidates.len())
+        .map(|j| (problem.candidates[j].name.clone(), result(j)))
+        .collect()
+}
+
+/// The statistic that opens the directed gate.
+fn critical(gates: &Gates) -> Option<f64> {
+    (!gates.family.is_empty())
+        .then(|| gates.max_test.critical(GATE))
+        .filter(|z| z.is_finite())
+}
+
+/// The structured residual, undefined where the test was refused.
+fn structured_residual(problem: &Problem, decision: &Decision) -> StructuredResidual {
+    let tested = decision.verdict != Verdict::Refused;
+    StructuredResidual {
+        t0: tested.then_some(decision.nominal.t),
+        df: decision.nominal.df,
+        p: decision.gates.p.filter(|_| tested),
+        t0_smooth: tested.then_some(decision.gates.smooth.t),
+        df_smooth: decision.gates.smooth.df,
+        p_smooth: decision.gates.smooth.p.filter(|_| tested),
+        covariance_dof: problem.covariance_dof,
+    }
+}
+
+/// Re-tuning of the declared parameters with the chosen effects on.
+fn retuning(problem: &Problem, decision: &Decision) -> BTreeMap<String, f64> {
+    problem
+        .declared
+        .iter()
+        .cloned()
+        .zip(decision.chosen.shift.iter().copied())
+        .collect()
+}
+
+/// The condition with the largest share of the structured residual.
+fn largest_share(problem: &Problem, nominal: &Fit) -> Option<ConditionShare> {
+    let shares = nominal.shares(problem);
+    let (index, share) = shares
+        .iter()
+        .enumerate()
+        .max_by(|a, b| a.1.total_cmp(b.1))?;
+    Some(ConditionShare {
+        condition_index: index,
+        condition: problem.used.label(index),
+        share: *share,
+    })
+}

@@ -1,0 +1,153 @@
+//! The outcome of a diagnosis, as it is written and read.
+
+use serde::Serialize;
+use std::collections::BTreeMap;
+use std::fmt;
+
+use crate::{BeforeAfter, NextMeasurement};
+
+/// What can be said of a residual.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Verdict {
+    /// No missing effect at this precision.
+    None,
+    /// The effects are named, each alone in its tie set, and what remains is noise.
+    Named,
+    /// One of several effects is missing, and the data cannot tell which.
+    Tie,
+    /// The effects help, and something outside the library remains.
+    Partial,
+    /// Something is missing, and it cannot be said to be an effect of the library.
+    Unknown,
+    /// One condition carries the whole residual: measure it again.
+    Recheck,
+    /// No candidate could be seen even at its largest amplitude.
+    NotTestable,
+    /// There are not more observations than parameters.
+    Refused,
+}
+
+impl fmt::Display for Verdict {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::None => "none",
+            Self::Named => "named",
+            Self::Tie => "tie",
+            Self::Partial => "partial",
+            Self::Unknown => "unknown",
+            Self::Recheck => "recheck",
+            Self::NotTestable => "not-testable",
+            Self::Refused => "refused",
+        })
+    }
+}
+
+/// A diagnosis.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Diagnosis {
+    /// Name of the problem.
+    pub id: String,
+    /// What can be said.
+    pub verdict: Verdict,
+    /// The effects that are named, or the tie set, or those that help; empty otherwise.
+    pub effects: Vec<String>,
+    /// The same in plain language, with what cannot be told.
+    pub summary: String,
+    /// Effects that would help but are not named, because an unknown effect is not excluded, the
+    /// unused conditions speak against them, or one condition carries them.
+    pub suspects: Vec<String>,
+    /// For each effect that was taken, it and the candidates that would do nearly as well.
+    pub tie_groups: Vec<Vec<String>>,
+    /// Largest distance in deviance inside a tie set.
+    pub tie_set_c: f64,
+    /// Whether there is structure at all.
+    pub structured_residual: StructuredResidual,
+    /// What each effect of the library would do, by name; empty when the test was refused.
+    pub candidates: BTreeMap<String, CandidateResult>,
+    /// Names of the candidates that could not be seen even at their largest amplitude.
+    pub not_testable: Vec<String>,
+    /// Statistic that the largest score must reach; none without candidates.
+    pub z_critical: Option<f64>,
+    /// Re-tuning of the declared parameters with the effects on, in their units.
+    pub retuning: BTreeMap<String, f64>,
+    /// The condition with the largest share of the structured residual.
+    pub largest_condition_share: Option<ConditionShare>,
+    /// The condition to measure again.
+    pub recheck_condition: Option<String>,
+    /// Errors before and after; none when the test was refused or there is no library.
+    pub before_after: Option<BeforeAfter>,
+    /// What to measure next, where it helps.
+    pub next_measurement: Option<NextMeasurement>,
+    /// What is odd, or limits the verdict.
+    pub warnings: Vec<String>,
+    /// Seed of the simulated distributions.
+    pub seed: u64,
+    /// Number of draws of them.
+    pub draws: usize,
+}
+
+/// Whether the residual holds more than noise and re-tuning.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct StructuredResidual {
+    /// Sum of squares that re-tuning cannot absorb; none when the test was refused.
+    pub t0: Option<f64>,
+    /// Its degrees of freedom.
+    pub df: usize,
+    /// Its upper tail.
+    pub p: Option<f64>,
+    /// The part of it inside a smooth basis over the conditions.
+    pub t0_smooth: Option<f64>,
+    /// Its degrees of freedom.
+    pub df_smooth: usize,
+    /// Its upper tail.
+    pub p_smooth: Option<f64>,
+    /// Degrees of freedom of the covariances, when they are estimated: the reference is then F.
+    pub covariance_dof: Option<f64>,
+}
+
+/// What one effect of the library would do.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct CandidateResult {
+    /// Score: standard normal when the effect is absent; none when re-tuning absorbs it wholly.
+    pub z: Option<f64>,
+    /// Amplitude, 0 where its sign is impossible.
+    pub amplitude: Option<f64>,
+    /// Standard error of the amplitude.
+    pub se: Option<f64>,
+    /// Share of the effect that re-tuning can imitate; none when it does nothing.
+    pub absorbed_fraction: Option<f64>,
+    /// Structured residual with this effect on.
+    pub t_after: f64,
+    /// Its upper tail: whether what remains is noise.
+    pub p_adequacy: Option<f64>,
+    /// Upper tail of the part of it inside the smooth basis.
+    pub p_adequacy_smooth: Option<f64>,
+    /// Chance that the largest score of all testable candidates is at least this large by noise.
+    pub p_max_test: Option<f64>,
+    /// ln of the Bayes factor of this effect over an unknown smooth effect.
+    pub ln_bf_unknown: Option<f64>,
+    /// Smallest amplitude that is seen with a chance of 90 %.
+    pub smallest_detectable: Option<f64>,
+    /// Whether its largest physical amplitude could be seen.
+    pub testable: bool,
+}
+
+/// A condition and its share.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ConditionShare {
+    /// Number of the condition, from 0.
+    pub condition_index: usize,
+    /// The condition in words.
+    pub condition: String,
+    /// Its share of the structured residual, 0 to 1.
+    #[serde(rename = "share_of_T0")]
+    pub share: f64,
+}
+
+impl Diagnosis {
+    /// The diagnosis in plain language, with what cannot be told.
+    pub fn summary(&self) -> &str {
+        &self.summary
+    }
+}

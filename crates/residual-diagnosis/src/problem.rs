@@ -1,0 +1,168 @@
+//! A problem that has passed all checks.
+
+use nalgebra::{DMatrix, DVector};
+
+use crate::covariance::Covariance;
+use crate::problem_file::{Condition, Level, Sign};
+
+/// A residual to be diagnosed, made of a [`crate::ProblemFile`] that has passed all checks.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Problem {
+    /// Its name.
+    pub(crate) id: String,
+    /// Names of the observables.
+    pub(crate) observables: Vec<String>,
+    /// Names of the declared parameters.
+    pub(crate) declared: Vec<String>,
+    /// The library.
+    pub(crate) candidates: Vec<Candidate>,
+    /// What the parameters were fitted to.
+    pub(crate) used: Part,
+    /// What was kept for the check.
+    pub(crate) unused: Option<Part>,
+    /// What is known of the declared parameters beforehand.
+    pub(crate) prior: Option<Prior>,
+    /// Degrees of freedom of the covariances; none when they are known.
+    pub(crate) covariance_dof: Option<f64>,
+    /// What could be measured next.
+    pub(crate) experiments: Vec<Experiment>,
+    /// What was odd in the input.
+    pub(crate) warnings: Vec<String>,
+}
+
+/// An effect of the library.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Candidate {
+    /// Its name.
+    pub(crate) name: String,
+    /// Physically largest size of its amplitude; none when there is no limit.
+    pub(crate) largest_amplitude: Option<f64>,
+    /// Physically possible sign of its amplitude.
+    pub(crate) sign: Sign,
+}
+
+/// Where a row of the residual belongs.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Row {
+    /// Number of its condition.
+    pub(crate) condition: usize,
+    /// Number of its observable.
+    pub(crate) observable: usize,
+}
+
+/// The rows of some conditions.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Part {
+    /// The conditions.
+    pub(crate) conditions: Vec<Condition>,
+    /// Where each row belongs (rows), by condition, then observable.
+    pub(crate) rows: Vec<Row>,
+    /// Observed minus simulated (rows), in the units of the observables.
+    pub(crate) residual: DVector<f64>,
+    /// Covariance of measurement and simulator together (rows, rows).
+    pub(crate) covariance: Covariance,
+    /// Sensitivities to the declared parameters (rows, parameters).
+    pub(crate) declared: DMatrix<f64>,
+    /// Sensitivities to the library amplitudes (rows, effects).
+    pub(crate) library: DMatrix<f64>,
+    /// Covariance of each column of `declared`; empty when they are exact.
+    pub(crate) declared_noise: Vec<Covariance>,
+    /// Covariance of each column of `library`; empty when they are exact.
+    pub(crate) library_noise: Vec<Covariance>,
+}
+
+/// Prior knowledge of the declared parameters, as rows of a least-squares problem.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Prior {
+    /// R with R'R the prior precision, without its zero rows (prior rows, parameters).
+    pub(crate) root: DMatrix<f64>,
+    /// R times (prior mean minus fitted value) (prior rows).
+    pub(crate) offset: DVector<f64>,
+}
+
+/// An experiment that could be done next.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Experiment {
+    /// Its name.
+    pub(crate) name: String,
+    /// Covariance of its rows.
+    pub(crate) covariance: Covariance,
+    /// Sensitivities to the declared parameters (its rows, parameters).
+    pub(crate) declared: DMatrix<f64>,
+    /// Sensitivities to the library amplitudes (its rows, effects).
+    pub(crate) library: DMatrix<f64>,
+    /// Cost relative to the others.
+    pub(crate) cost: f64,
+}
+
+impl Problem {
+    /// Names of the effects of the library, in its order.
+    pub fn library(&self) -> Vec<&str> {
+        self.candidates.iter().map(|c| c.name.as_str()).collect()
+    }
+
+    /// Names of the declared parameters.
+    pub fn declared(&self) -> &[String] {
+        &self.declared
+    }
+
+    /// Names of the observables.
+    pub fn observables(&self) -> &[String] {
+        &self.observables
+    }
+
+    /// The same problem with another residual on the used rows and without the unused part.
+    pub(crate) fn with_residual(&self, residual: DVector<f64>) -> Self {
+        let mut problem = self.clone();
+        problem.used.residual = residual;
+        problem.unused = None;
+        problem
+    }
+
+    /// The same problem without one of the used conditions and without the unused part.
+    pub(crate) fn without_condition(&self, condition: usize) -> Self {
+        let mut problem = self.clone();
+        problem.used = self.used.keep(|row| row.condition != condition);
+        problem.unused = None;
+        problem
+    }
+}
+
+impl Part {
+    /// Keeps the rows that `wanted` accepts.
+    pub(crate) fn keep(&self, wanted: impl Fn(&Row) -> bool) -> Self {
+        let kept: Vec<usize> = (0..self.rows.len())
+            .filter(|&i| wanted(&self.rows[i]))
+            .collect();
+        let keep_all = |noise: &[Covariance]| noise.iter().map(|c| c.keep(&kept)).collect();
+        Self {
+            conditions: self.conditions.clone(),
+            rows: kept.iter().map(|&i| self.rows[i]).collect(),
+            residual: self.residual.select_rows(&kept),
+            covariance: self.covariance.keep(&kept),
+            declared: self.declared.select_rows(&kept),
+            library: self.library.select_rows(&kept),
+            declared_noise: keep_all(&self.declared_noise),
+            library_noise: keep_all(&self.library_noise),
+        }
+    }
+
+    /// Words for a condition.
+    pub(crate) fn label(&self, condition: usize) -> String {
+        self.conditions
+            .get(condition)
+            .map_or_else(|| format!("condition {condition}"), condition_label)
+    }
+}
+
+/// Words for a condition, such as `fill 0.18, rpm 4`.
+pub(crate) fn condition_label(condition: &Condition) -> String {
+    let words: Vec<String> = condition
+        .iter()
+        .map(|(name, level)| match level {
+            Level::Number(x) => format!("{name} {x}"),
+            Level::Kind(kind) => format!("{name} {kind}"),
+        })
+        .collect();
+    words.join(", ")
+}

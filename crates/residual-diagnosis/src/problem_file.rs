@@ -1,0 +1,151 @@
+//! The raw form of a problem: what `problem.json` holds, and what programs fill in.
+
+use serde::de::IgnoredAny;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+
+/// A coordinate of a condition.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(untagged)]
+pub enum Level {
+    /// A number in the unit of its name, such as rpm.
+    Number(f64),
+    /// A kind, such as a wall material.
+    Kind(String),
+}
+
+/// A condition of the experiment: coordinates by name.
+pub type Condition = BTreeMap<String, Level>;
+
+/// A covariance in one of its forms; units are products of the observables' units.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(untagged)]
+pub enum CovarianceInput {
+    /// One block per condition, each (observables, observables).
+    Blocks(Vec<Vec<Vec<f64>>>),
+    /// Either one block (observables, observables) that all conditions share, or the whole
+    /// matrix (rows, rows) with correlations between conditions.
+    Matrix(Vec<Vec<f64>>),
+}
+
+/// Prior precision of the declared parameters, in 1 / (unit of the parameter) squared.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(untagged)]
+pub enum PriorPrecision {
+    /// 1 / sd^2 of each parameter; 0 where it is free.
+    Diagonal(Vec<f64>),
+    /// The whole matrix (parameters, parameters).
+    Matrix(Vec<Vec<f64>>),
+}
+
+/// The sign that the amplitude of an effect can have physically.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Sign {
+    /// Both.
+    #[default]
+    Any,
+    /// Not below zero.
+    Positive,
+    /// Not above zero.
+    Negative,
+}
+
+/// An experiment that could be done next.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ExperimentFile {
+    /// Its name; made of the condition where it is absent.
+    #[serde(default)]
+    pub name: Option<String>,
+    /// Where it would measure.
+    pub condition: Condition,
+    /// d observable / d declared parameter (its rows, parameters).
+    pub sensitivities_declared: Vec<Vec<f64>>,
+    /// d observable / d amplitude of each library effect (its rows, effects).
+    pub sensitivities_library: Vec<Vec<f64>>,
+    /// Covariance of its rows, measurement and simulator together (its rows, its rows).
+    pub covariance: Vec<Vec<f64>>,
+    /// Cost relative to the other experiments.
+    #[serde(default = "one")]
+    pub cost: f64,
+}
+
+/// Cost where none is given.
+fn one() -> f64 {
+    1.0
+}
+
+/// A residual with its covariances and sensitivities, as read from `problem.json`.
+///
+/// Rows are ordered by condition, then observable: the row number is the condition index times the
+/// number of observables, plus the observable index. An observable that was not measured has the
+/// residual null; its row is left out everywhere. Units: residuals in the unit of their
+/// observable; sensitivities in unit of the observable per unit of the parameter or amplitude.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct ProblemFile {
+    /// A name for the problem.
+    pub id: String,
+    /// Conditions that the declared parameters were fitted to.
+    pub conditions: Vec<Condition>,
+    /// Names of the observables, with their unit in the name.
+    pub observables: Vec<String>,
+    /// A word on the order of the rows, for people.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub ordering: Option<String>,
+    /// Observed minus simulated (rows).
+    pub residual_obs_minus_sim: Vec<Option<f64>>,
+    /// Covariance of the measurement.
+    #[serde(alias = "cov_measurement_block")]
+    pub cov_measurement: Option<CovarianceInput>,
+    /// Covariance of the simulator's mean (of its replicates), never to be left out.
+    #[serde(alias = "cov_simulator_block")]
+    pub cov_simulator: Option<CovarianceInput>,
+    /// A word on the covariances, for people.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub cov_note: Option<String>,
+    /// Degrees of freedom of the covariances where they were estimated; absent when known.
+    pub covariance_dof: Option<f64>,
+    /// Names of the declared parameters; P1, P2 ... where absent.
+    pub declared: Vec<String>,
+    /// d simulated / d declared parameter (rows, parameters).
+    pub sensitivities_declared: Vec<Vec<f64>>,
+    /// Covariance of each column of `sensitivities_declared`, where it came from noisy runs.
+    pub cov_sensitivities_declared: Vec<CovarianceInput>,
+    /// Prior precision of the declared parameters; absent when all are free.
+    pub prior_precision: Option<PriorPrecision>,
+    /// Prior mean minus fitted value of the declared parameters; 0 where absent.
+    pub prior_offset: Vec<f64>,
+    /// Names of the library effects.
+    pub library: Vec<String>,
+    /// d simulated / d amplitude of each library effect (rows, effects).
+    pub sensitivities_library: Vec<Vec<f64>>,
+    /// Covariance of each column of `sensitivities_library`, where it came from noisy runs.
+    pub cov_sensitivities_library: Vec<CovarianceInput>,
+    /// Physically largest size of an amplitude, by effect; absent when there is no limit.
+    pub largest_amplitudes: BTreeMap<String, f64>,
+    /// Physically possible sign of an amplitude, by effect; any where absent.
+    pub signs: BTreeMap<String, Sign>,
+    /// Conditions kept for the check, never used in the fit.
+    pub unused_conditions: Vec<Condition>,
+    /// Observed minus simulated on the unused conditions (unused rows).
+    pub unused_residual_obs_minus_sim: Vec<Option<f64>>,
+    /// Covariance of the measurement there; where absent, the shared block of the used ones.
+    pub unused_cov_measurement: Option<CovarianceInput>,
+    /// Covariance of the simulator there; where absent, the shared block of the used ones.
+    pub unused_cov_simulator: Option<CovarianceInput>,
+    /// d simulated / d declared parameter there (unused rows, parameters).
+    pub unused_sensitivities_declared: Vec<Vec<f64>>,
+    /// d simulated / d amplitude there (unused rows, effects).
+    pub unused_sensitivities_library: Vec<Vec<f64>>,
+    /// Experiments that could be done next; where there are none, the unused conditions serve.
+    pub candidate_experiments: Vec<ExperimentFile>,
+    /// Keys that mean nothing here; each gives a warning.
+    #[serde(flatten, skip_serializing)]
+    #[expect(
+        clippy::zero_sized_map_values,
+        reason = "the reader fills maps, not sets, with what is left over"
+    )]
+    pub other: BTreeMap<String, IgnoredAny>,
+}

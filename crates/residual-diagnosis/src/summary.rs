@@ -1,0 +1,133 @@
+//! The verdict in plain language, with what cannot be told.
+
+use std::fmt::Write as _;
+
+use crate::diagnosis::{Diagnosis, Verdict};
+
+/// Puts a diagnosis into sentences.
+pub(crate) fn summary(d: &Diagnosis) -> String {
+    let mut text = match d.verdict {
+        Verdict::None => none(d),
+        Verdict::Named => named(d),
+        Verdict::Tie => format!(
+            "One of {} is missing, and these data cannot tell which: each of them explains the \
+             residual nearly as well as the others.",
+            listed(&d.effects, "or")
+        ),
+        Verdict::Partial => format!(
+            "{} helps, but what remains is still more than noise: something outside the library \
+             is missing as well.",
+            listed(&d.effects, "or")
+        ),
+        Verdict::Unknown => unknown(d),
+        Verdict::Recheck => format!(
+            "The residual is more than noise, and one condition carries it: {}. Measure it \
+             again before any effect is looked for.",
+            d.recheck_condition.as_deref().unwrap_or("not known")
+        ),
+        Verdict::NotTestable => format!(
+            "Nothing can be said about {}: even at the largest physical amplitude re-tuning the \
+             declared parameters hides the effect, or it is smaller than the noise. This is not \
+             a sign that it is absent.",
+            listed(&d.not_testable, "and")
+        ),
+        Verdict::Refused => "The observations are not more than the declared parameters: \
+             re-tuning absorbs any residual, so that no missing effect can be tested."
+            .to_owned(),
+    };
+    if d.verdict != Verdict::NotTestable && !d.not_testable.is_empty() {
+        append(
+            &mut text,
+            format_args!(
+                " Nothing can be said about {}, which could not be seen here.",
+                listed(&d.not_testable, "and")
+            ),
+        );
+    }
+    if let Some(next) = &d.next_measurement {
+        append(&mut text, format_args!(" Next: {}.", next.advice));
+    }
+    text
+}
+
+/// Appends a sentence.
+fn append(text: &mut String, sentence: std::fmt::Arguments<'_>) {
+    // Writing to a string cannot fail.
+    let _ = text.write_fmt(sentence);
+}
+
+/// Nothing stands out.
+fn none(d: &Diagnosis) -> String {
+    let smallest: Vec<String> = d
+        .candidates
+        .iter()
+        .filter(|(_, c)| c.testable)
+        .filter_map(|(name, c)| c.smallest_detectable.map(|a| format!("{name} {a:.3}")))
+        .collect();
+    let mut text = "No missing effect at this precision: the residual is no more than noise and \
+                    re-tuning."
+        .to_owned();
+    if !smallest.is_empty() {
+        append(
+            &mut text,
+            format_args!(
+                " Smaller effects may still be there; amplitudes that would have been seen in 9 of \
+             10 cases: {}.",
+                smallest.join(", ")
+            ),
+        );
+    }
+    text
+}
+
+/// Effects are named.
+fn named(d: &Diagnosis) -> String {
+    let amplitudes: Vec<String> = d
+        .effects
+        .iter()
+        .filter_map(|name| {
+            let c = d.candidates.get(name)?;
+            Some(format!(
+                "{name} ({:.4} +- {:.4} alone)",
+                c.amplitude?, c.se?
+            ))
+        })
+        .collect();
+    let check = match d.before_after.as_ref().and_then(|b| b.unused.as_ref()) {
+        Some(unused) => format!(
+            "; on the unused conditions the whitened mean square falls from {:.2} to {:.2} \
+             (noise alone: 1)",
+            unused.whitened_mse.before, unused.whitened_mse.after
+        ),
+        None => "; no unused conditions were given to check it".to_owned(),
+    };
+    format!(
+        "{} is missing: no other effect of the library does nearly as well, what remains is \
+         noise, and an unknown effect is far less likely{check}. The library may lack the true \
+         cause; a simulator run with it switched on has the last word.",
+        listed(&amplitudes, "and")
+    )
+}
+
+/// Something outside the library.
+fn unknown(d: &Diagnosis) -> String {
+    if d.suspects.is_empty() {
+        return "Something is missing that is none of the effects of the library: the residual \
+                is more than noise, and no candidate stands out."
+            .to_owned();
+    }
+    format!(
+        "Something is missing, but it cannot be named: {} would help, and an effect that is not \
+         in the library explains the residual as well or better.",
+        listed(&d.suspects, "or")
+    )
+}
+
+/// `a, b and c`.
+fn listed(names: &[String], last: &str) -> String {
+    match names {
+        [] => "no effect".to_owned(),
+        [one] => one.clone(),
+        [first @ .., end] => format!("{} {last} {end}", first.join(", ")),
+    }
+}

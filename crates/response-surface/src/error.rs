@@ -1,0 +1,118 @@
+//! What can be wrong with a model, the data or a question to the fit.
+
+use thiserror::Error;
+
+/// An input that cannot be meant, or a question the data cannot answer.
+#[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// A factor or a table of a design is wrong.
+    #[error(transparent)]
+    Design(#[from] experiment_design::Error),
+    /// A part of a model formula cannot be read.
+    #[error(
+        "'{part}' in the model formula is not a term; terms are 1, B, B:E or B^2 with the factors \
+         {symbols} and powers up to {most_power}, joined by '+'"
+    )]
+    BadTerm {
+        /// The part as given.
+        part: String,
+        /// The known symbols, comma separated.
+        symbols: String,
+        /// Greatest power of a factor.
+        most_power: u8,
+    },
+    /// A term is given twice.
+    #[error("the term '{term}' is given twice in the model formula; give it once")]
+    DuplicateTerm {
+        /// Name of the term.
+        term: String,
+    },
+    /// The model has terms only for other factors than the given ones.
+    #[error("the model is for the factors {model}, but the factors given are {given}")]
+    FactorMismatch {
+        /// Symbols of the model, comma separated.
+        model: String,
+        /// Symbols of the factors given, comma separated.
+        given: String,
+    },
+    /// There are fewer observations than terms.
+    #[error("{observations} observations cannot estimate {terms} terms; drop terms or add runs")]
+    TooFewObservations {
+        /// Number of observations (rows).
+        observations: usize,
+        /// Number of terms with the intercept and blocks.
+        terms: usize,
+    },
+    /// Some terms are combinations of others over these runs.
+    #[error(
+        "the runs cannot separate these terms: {}; drop them from the model or add runs",
+        relations.join("; ")
+    )]
+    AliasedTerms {
+        /// Names of the aliased terms.
+        terms: Vec<String>,
+        /// The relation of each to the terms before it, such as `E2 = 1 - B2`.
+        relations: Vec<String>,
+    },
+    /// An observation has a value that is not finite, or a wrong number of coded values.
+    #[error("observation {row}: {what} is {value}; {way_out}")]
+    BadObservation {
+        /// Number of the observation, from 1.
+        row: usize,
+        /// Which value.
+        what: &'static str,
+        /// The value.
+        value: f64,
+        /// What it should be.
+        way_out: &'static str,
+    },
+    /// Two lists that belong together differ in length.
+    #[error("{what}: {expected} are needed, {given} are given")]
+    Length {
+        /// What is counted.
+        what: &'static str,
+        /// The number needed.
+        expected: usize,
+        /// The number given.
+        given: usize,
+    },
+    /// A method needs a two-level design with orthogonal columns and as many runs as terms.
+    #[error(
+        "the saturated analysis needs a two-level design whose {columns} columns are orthogonal \
+         and use all but one of its {runs} runs; fit a linear model instead"
+    )]
+    NotSaturated {
+        /// Number of runs.
+        runs: usize,
+        /// Number of columns.
+        columns: usize,
+    },
+    /// Solutions are found for polynomials of degree two at most.
+    #[error(
+        "solutions need a model of degree two at most, this one has degree {degree}; fit a \
+         quadratic or reduced model"
+    )]
+    DegreeTooHigh {
+        /// Degree of the model.
+        degree: usize,
+    },
+    /// A setting of a request is out of its range.
+    #[error("{what} is {value}; it must be {range}")]
+    SettingOutOfRange {
+        /// Which setting.
+        what: &'static str,
+        /// The value given.
+        value: f64,
+        /// What it may be.
+        range: &'static str,
+    },
+    /// The error variance asked for is undefined for these data.
+    #[error("the {source_of_error} error has no degrees of freedom here; {way_out}")]
+    NoErrorVariance {
+        /// Which error.
+        source_of_error: &'static str,
+        /// What to do instead.
+        way_out: &'static str,
+    },
+}

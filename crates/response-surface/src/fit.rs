@@ -1,0 +1,356 @@
+//! The fit of a model to observations, with its analysis of variance.
+
+mod anova;
+mod cases;
+mod lack_of_fit;
+mod matrix;
+mod replicates;
+mod terms;
+mod warnings;
+
+pub use anova::{AnovaRow, SequentialModel};
+pub use cases::Case;
+pub use lack_of_fit::{LackOfFit, PureError};
+pub(crate) use replicates::f_test;
+pub use replicates::{Bartlett, FTest, Replicates};
+pub use terms::TermRow;
+pub(crate) use terms::tested;
+pub use warnings::Warning;
+
+use experiment_design::Factor;
+use serde::{Deserialize, Serialize};
+
+use crate::distribution::t_two_sided_quantile;
+use crate::least_squares::{LeastSquares, least_squares};
+use crate::natural::natural_terms;
+use crate::{BoxExtremes, Canonical, Error, Model, NamedValues, Observations};
+use matrix::Matrix;
+
+/// What the weights of the observations are taken from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Weighting {
+    /// The number of replicates of each cell: right where all runs have the same variance.
+    Counts,
+    /// All cells alike.
+    Equal,
+    /// n / sd^2 of each cell. With few replicates the noise of sd does more harm than good.
+    InverseVariance,
+}
+
+/// Which variance stands for the error.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum ErrorSource {
+    /// Mean square of the residuals of the fit.
+    Residual,
+    /// Scatter of rows with the same settings (centre rows).
+    RepeatedRows,
+    /// Scatter of replicates within cells, pooled.
+    Replicates,
+    /// Replicates within cells and rows with the same settings together.
+    AllRepeats,
+}
+
+/// An error variance with its degrees of freedom.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct ErrorVariance {
+    /// Where it comes from.
+    pub source: ErrorSource,
+    /// Variance of a cell mean of mean size, squared unit of the response.
+    pub variance: f64,
+    /// Degrees of freedom.
+    pub df: usize,
+}
+
+/// A fitted model. Sums of squares are in squared units of the response.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Fit {
+    /// The factors in column order.
+    pub factors: Vec<Factor>,
+    /// The terms.
+    pub formula: Model,
+    /// What the weights were taken from.
+    pub weighting: Weighting,
+    /// Mean number of runs behind an observation.
+    pub mean_count: f64,
+    /// Number of observations (rows).
+    pub n: usize,
+    /// Number of coefficients with the intercept and blocks.
+    pub p: usize,
+    /// Degrees of freedom of the residuals.
+    pub df_resid: usize,
+    /// Sum of squares of the residuals.
+    pub sse: f64,
+    /// Mean square of the residuals.
+    pub mse: Option<f64>,
+    /// Its root, unit of the response.
+    pub root_mse: Option<f64>,
+    /// Weighted mean of the response, unit of the response.
+    pub mean: f64,
+    /// Sum of squares about the mean.
+    pub sst: f64,
+    /// Sum of squares of the model.
+    pub ssr: f64,
+    /// ssr / sst.
+    pub r2: Option<f64>,
+    /// `1 - (sse / df_resid) / (sst / (n - 1))`.
+    pub adj_r2: Option<f64>,
+    /// Sum of w (residual / (1 - leverage))^2 `[Allen1974]`.
+    pub press: Option<f64>,
+    /// 1 - press / sst.
+    pub pred_r2: Option<f64>,
+    /// `100 root_mse / mean`, %.
+    pub cv_pct: Option<f64>,
+    /// Range of the fitted values over the root of p mse / n.
+    pub adeq_precision: Option<f64>,
+    /// Test of all terms together.
+    pub model: AnovaRow,
+    /// Two-sided 5 % limit of Student's t with `df_resid`.
+    pub t_crit_975: Option<f64>,
+    /// Coefficients in coded units with their tests, partial (Type III) sums of squares.
+    pub terms: NamedValues<TermRow>,
+    /// Every observation with its residual and influence.
+    pub cases: Vec<Case>,
+    /// Test of the model against the pure error of repeated rows.
+    pub lack_of_fit: Option<LackOfFit>,
+    /// Scatter of rows with the same settings.
+    pub pure_error: Option<PureError>,
+    /// Sum of squares that each term adds to those before it (Type I).
+    pub ss_sequential: NamedValues<f64>,
+    /// The same by degree.
+    pub sequential_model_ss: SequentialModel,
+    /// Inverse of X'WX in coded units, columns in the order of `terms`, (p, p).
+    pub xtx_inverse: Vec<Vec<f64>>,
+    /// Variance inflation factor of each term.
+    pub vif: NamedValues<f64>,
+    /// Coefficients of the same polynomial in natural units.
+    pub coef_natural_units: NamedValues<f64>,
+    /// Coefficients in natural units with their tests; no sums of squares.
+    pub terms_natural: NamedValues<TermRow>,
+    /// Stationary point of a quadratic; none for models without curvature or of higher degree.
+    pub canonical: Option<Canonical>,
+    /// Least and greatest value over the box; none for models of higher degree than two.
+    pub box_extremes: Option<BoxExtremes>,
+    /// Tests against the scatter of replicates within cells.
+    pub replicates: Option<Replicates>,
+    /// What a reader should know before trusting the numbers.
+    pub warnings: Vec<Warning>,
+}
+
+/// Fits a model to cell means with the numbers of replicates as weights.
+///
+/// # Errors
+/// As [`fit_weighted`].
+pub fn fit(factors: &[Factor], model: &Model, data: &Observations) -> Result<Fit, Error> {
+    fit_weighted(factors, model, data, Weighting::Counts)
+}
+
+/// Fits a model to cell means. Coded columns beyond the factors (dummies) are left out.
+///
+/// # Formula
+/// `beta = (X'WX)^-1 X'Wy` by Householder reflections; `se = sqrt(mse C_jj)`, `C = (X'WX)^-1`;
+/// partial `SS = beta_j^2 / C_jj`; `F = SS / mse`; contribution = `100 SS / sst`.
+///
+/// # Source
+/// `[Myers2016, chapter 2]`.
+///
+/// # Errors
+/// [`Error::FactorMismatch`], [`Error::Length`] (fewer coded values than factors),
+/// [`Error::TooFewObservations`], [`Error::AliasedTerms`]; [`Error::BadObservation`] for inverse
+/// variance weights without positive sd.
+pub fn fit_weighted(
+    factors: &[Factor],
+    model: &Model,
+    data: &Observations,
+    weighting: Weighting,
+) -> Result<Fit, Error> {
+    check_symbols(factors, model)?;
+    let data = &data.first_columns(factors.len());
+    let matrix = Matrix::new(model, data, weighting)?;
+    let solved = least_squares(
+        &matrix.rows,
+        &matrix.names,
+        &matrix.response,
+        &matrix.weights,
+    )?;
+    Ok(assemble(factors, model, data, &matrix, solved, weighting))
+}
+
+/// Computes everything that follows from the solved least-squares problem.
+fn assemble(
+    factors: &[Factor],
+    model: &Model,
+    data: &Observations,
+    matrix: &Matrix,
+    solved: LeastSquares,
+    weighting: Weighting,
+) -> Fit {
+    let (n, p) = (matrix.rows.len(), matrix.names.len());
+    let df_resid = n - p;
+    let sums = anova::sums(matrix, &solved);
+    let mse = positive_df(df_resid).map(|df| sums.sse / df);
+    let terms = terms::rows(matrix, &solved, &sums, df_resid);
+    let cases = cases::cases(data, matrix, &solved, &sums, df_resid);
+    let press = cases::press(&cases, &matrix.weights);
+    let pure_error = lack_of_fit::pure_error(data, &matrix.weights);
+    let coefficients = matrix.model_part(&solved.coefficients);
+    let covariance = matrix.model_block(&solved.xtx_inverse);
+    let terms_natural = natural_terms(factors, model, &coefficients, &covariance, mse, df_resid);
+    let mut fit = Fit {
+        factors: factors.to_vec(),
+        formula: model.clone(),
+        weighting,
+        mean_count: data.mean_count(),
+        n,
+        p,
+        df_resid,
+        sse: sums.sse,
+        mse,
+        root_mse: mse.map(f64::sqrt),
+        mean: sums.mean,
+        sst: sums.sst,
+        ssr: sums.sst - sums.sse,
+        r2: ratio(sums.sst - sums.sse, sums.sst),
+        adj_r2: mse
+            .and_then(|mse| ratio(mse * (n - 1) as f64, sums.sst))
+            .map(|q| 1.0 - q),
+        press,
+        pred_r2: press
+            .and_then(|press| ratio(press, sums.sst))
+            .map(|q| 1.0 - q),
+        cv_pct: mse.and_then(|mse| ratio(100.0 * mse.sqrt(), sums.mean)),
+        adeq_precision: mse.and_then(|mse| cases::adequate_precision(&cases, p, mse)),
+        model: anova::model_row(&sums, p, df_resid),
+        t_crit_975: positive_df(df_resid).and_then(|df| t_two_sided_quantile(0.05, df)),
+        lack_of_fit: pure_error
+            .as_ref()
+            .and_then(|pure| lack_of_fit::lack_of_fit(sums.sse, df_resid, pure)),
+        pure_error,
+        ss_sequential: anova::sequential(matrix, &solved),
+        sequential_model_ss: anova::sequential_by_degree(matrix, model, &solved, &sums),
+        vif: terms::variance_inflation(matrix, &solved),
+        coef_natural_units: terms_natural
+            .iter()
+            .map(|(name, row)| (name.to_owned(), row.coef))
+            .collect(),
+        terms_natural,
+        canonical: None,
+        box_extremes: None,
+        replicates: replicates::replicates(data, &terms, sums.sse, df_resid),
+        terms,
+        cases,
+        xtx_inverse: solved.xtx_inverse,
+        warnings: Vec::new(),
+    };
+    if let Ok(quadratic) = fit.quadratic() {
+        fit.canonical = crate::canonical::canonical(&quadratic, factors);
+        fit.box_extremes = Some(crate::extremes::box_extremes(&quadratic, factors));
+    }
+    fit.warnings = warnings::warnings(&fit);
+    fit
+}
+
+impl Fit {
+    /// The chosen error variance of a cell mean of mean size; none where it is undefined.
+    pub fn error_variance(&self, source: ErrorSource) -> Option<ErrorVariance> {
+        let within = self.replicates.as_ref().map(|r| (r.var_of_run_mean, r.df));
+        let between = self.pure_error.as_ref().map(|pure| (pure.ms, pure.df));
+        let (variance, df) = match source {
+            ErrorSource::Residual => (self.mse?, self.df_resid),
+            ErrorSource::RepeatedRows => between?,
+            ErrorSource::Replicates => within?,
+            ErrorSource::AllRepeats => match (within, between) {
+                (Some((a, m)), Some((b, n))) => {
+                    ((a * m as f64 + b * n as f64) / (m + n) as f64, m + n)
+                }
+                (one, other) => one.or(other)?,
+            },
+        };
+        Some(ErrorVariance {
+            source,
+            variance,
+            df,
+        })
+    }
+
+    /// The error variance to use where nothing else is asked for: all repeats if there are any,
+    /// otherwise the residuals; none if both are undefined.
+    pub fn best_error_variance(&self) -> Option<ErrorVariance> {
+        self.error_variance(ErrorSource::AllRepeats)
+            .or_else(|| self.error_variance(ErrorSource::Residual))
+    }
+
+    /// Coefficients of the model terms (blocks left out), in the order of the model.
+    pub fn coefficients(&self) -> Vec<f64> {
+        let names = self.formula.names();
+        names
+            .iter()
+            .filter_map(|name| self.terms.get(name))
+            .map(|row| row.coef)
+            .collect()
+    }
+
+    /// Value of the fitted surface at a coded point, unit of the response, at the mean of blocks.
+    pub fn value(&self, coded: &[f64]) -> f64 {
+        let row = self.formula.row(coded);
+        row.iter()
+            .zip(self.coefficients())
+            .map(|(x, c)| x * c)
+            .sum()
+    }
+
+    /// x'Cx at a coded point: variance of the fitted value over that of a cell mean.
+    pub fn leverage(&self, coded: &[f64]) -> f64 {
+        let row = self.formula.row(coded);
+        let blocks = self.p - row.len();
+        // Columns: intercept, blocks, the other terms; a mean block has zeros.
+        let place = |i: usize| if i == 0 { 0 } else { i + blocks };
+        let dot = |i: usize| -> f64 {
+            let c = &self.xtx_inverse[place(i)];
+            row.iter().enumerate().map(|(j, x)| x * c[place(j)]).sum()
+        };
+        row.iter().enumerate().map(|(i, x)| x * dot(i)).sum()
+    }
+
+    /// Natural values of a coded point, units of the factors.
+    pub fn natural(&self, coded: &[f64]) -> Vec<f64> {
+        self.factors
+            .iter()
+            .zip(coded)
+            .map(|(factor, &x)| factor.natural(x))
+            .collect()
+    }
+
+    /// Coded values of a natural point, units of the factors.
+    pub fn coded(&self, natural: &[f64]) -> Vec<f64> {
+        self.factors
+            .iter()
+            .zip(natural)
+            .map(|(factor, &u)| factor.coded(u))
+            .collect()
+    }
+}
+
+/// Refuses a model for other factors.
+fn check_symbols(factors: &[Factor], model: &Model) -> Result<(), Error> {
+    experiment_design::check_factors(factors)?;
+    let given: Vec<&str> = factors.iter().map(Factor::symbol).collect();
+    if given == model.symbols() {
+        return Ok(());
+    }
+    Err(Error::FactorMismatch {
+        model: model.symbols().join(", "),
+        given: given.join(", "),
+    })
+}
+
+/// The degrees of freedom as a number; none if there are none.
+pub(crate) fn positive_df(df: usize) -> Option<f64> {
+    (df > 0).then_some(df as f64)
+}
+
+/// a / b; none where it is not finite.
+pub(crate) fn ratio(a: f64, b: f64) -> Option<f64> {
+    Some(a / b).filter(|q| q.is_finite())
+}

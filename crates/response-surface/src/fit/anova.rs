@@ -1,0 +1,143 @@
+//! Sums of squares and the test of the whole model.
+
+use serde::{Deserialize, Serialize};
+
+use super::matrix::Matrix;
+use super::{positive_df, ratio};
+use crate::distribution::f_upper_tail;
+use crate::least_squares::LeastSquares;
+use crate::{Model, NamedValues};
+
+/// A line of an analysis of variance.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct AnovaRow {
+    /// Sum of squares, squared unit of the response.
+    pub ss: f64,
+    /// Degrees of freedom.
+    pub df: usize,
+    /// Mean square; none without degrees of freedom.
+    pub ms: Option<f64>,
+    /// Mean square over that of the residuals.
+    pub f: Option<f64>,
+    /// Upper tail of F.
+    pub p: Option<f64>,
+}
+
+/// Sums of squares added by each group of terms, squared unit of the response.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct SequentialModel {
+    /// The intercept.
+    pub mean: f64,
+    /// Blocks, if there are any.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub blocks: Option<f64>,
+    /// Main effects after the mean and blocks.
+    pub linear: f64,
+    /// Products of two factors after those; none without such terms.
+    pub two_fi: Option<f64>,
+    /// Squares after those; none without such terms.
+    pub quadratic: Option<f64>,
+    /// Terms of higher degree, if there are any.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub higher: Option<f64>,
+    /// What is left.
+    pub residual: f64,
+}
+
+/// The sums that everything else is made of.
+#[derive(Debug)]
+pub(crate) struct Sums {
+    /// Weighted mean of the response.
+    pub(crate) mean: f64,
+    /// Sum of squares about the mean.
+    pub(crate) sst: f64,
+    /// Sum of squares of the residuals.
+    pub(crate) sse: f64,
+    /// Fitted values, (n).
+    pub(crate) fitted: Vec<f64>,
+}
+
+/// Centred sums of squares of a solved problem.
+pub(crate) fn sums(matrix: &Matrix, solved: &LeastSquares) -> Sums {
+    let n = matrix.rows.len() as f64;
+    let weighted = |f: &dyn Fn(usize) -> f64| -> f64 {
+        matrix
+            .weights
+            .iter()
+            .enumerate()
+            .map(|(i, w)| w * f(i))
+            .sum()
+    };
+    // The weights sum to n.
+    let mean = weighted(&|i| matrix.response[i]) / n;
+    let value = |row: &Vec<f64>| {
+        row.iter()
+            .zip(&solved.coefficients)
+            .map(|(x, c)| x * c)
+            .sum()
+    };
+    let fitted: Vec<f64> = matrix.rows.iter().map(value).collect();
+    // Sums of squares of nothing but rounding are zero: ratios of them mean nothing.
+    let size = matrix
+        .response
+        .iter()
+        .fold(0.0_f64, |size, y| size.max(y.abs()));
+    let rounding = n * (1e-14 * size).powi(2);
+    let clean = |ss: f64| if ss <= rounding { 0.0 } else { ss };
+    Sums {
+        mean,
+        sst: clean(weighted(&|i| (matrix.response[i] - mean).powi(2))),
+        sse: clean(weighted(&|i| (matrix.response[i] - fitted[i]).powi(2))),
+        fitted,
+    }
+}
+
+/// Test of all terms but the intercept together.
+pub(crate) fn model_row(sums: &Sums, p: usize, df_resid: usize) -> AnovaRow {
+    let (ss, df) = (sums.sst - sums.sse, p - 1);
+    let ms = positive_df(df).map(|df| ss / df);
+    let mse = positive_df(df_resid).map(|df| sums.sse / df);
+    let f = ms.zip(mse).and_then(|(ms, mse)| ratio(ms, mse));
+    let p = f.and_then(|f| f_upper_tail(f, df as f64, df_resid as f64));
+    AnovaRow { ss, df, ms, f, p }
+}
+
+/// Sum of squares that each column but the intercept adds to those before it.
+pub(crate) fn sequential(matrix: &Matrix, solved: &LeastSquares) -> NamedValues<f64> {
+    let pairs = matrix
+        .names
+        .iter()
+        .cloned()
+        .zip(solved.sequential_ss.iter().copied());
+    pairs.skip(1).collect()
+}
+
+/// The same, summed by kind of term.
+pub(crate) fn sequential_by_degree(
+    matrix: &Matrix,
+    model: &Model,
+    solved: &LeastSquares,
+    sums: &Sums,
+) -> SequentialModel {
+    let terms = matrix.model_part(&solved.sequential_ss);
+    let group = |keep: &dyn Fn(&[u8]) -> bool| -> Option<f64> {
+        let chosen = model
+            .terms()
+            .iter()
+            .zip(&terms)
+            .filter(|(term, _)| keep(term.powers()));
+        chosen.map(|(_, ss)| *ss).reduce(|a, b| a + b)
+    };
+    let degree = |powers: &[u8]| powers.iter().map(|&p| usize::from(p)).sum::<usize>();
+    let square = |powers: &[u8]| powers.contains(&2);
+    let blocks = &solved.sequential_ss[1..=matrix.n_blocks];
+    SequentialModel {
+        mean: terms[0],
+        blocks: (!blocks.is_empty()).then(|| blocks.iter().sum()),
+        linear: group(&|powers| degree(powers) == 1).unwrap_or(0.0),
+        two_fi: group(&|powers| degree(powers) == 2 && !square(powers)),
+        quadratic: group(&|powers| degree(powers) == 2 && square(powers)),
+        higher: group(&|powers| degree(powers) > 2),
+        residual: sums.sse,
+    }
+}

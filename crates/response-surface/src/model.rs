@@ -1,0 +1,336 @@
+//! Polynomial models and their formulas.
+
+use std::fmt;
+
+use experiment_design::Factor;
+use serde::{Deserialize, Serialize};
+
+use crate::Error;
+
+/// Greatest power of one factor in a term.
+const MOST_POWER: u8 = 4;
+
+/// A product of powers of the coded factors; all powers zero is the intercept.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Term {
+    /// Power of each factor, (factors).
+    powers: Vec<u8>,
+}
+
+impl Term {
+    /// A term of given powers.
+    pub(crate) fn from_powers(powers: Vec<u8>) -> Self {
+        Self { powers }
+    }
+
+    /// Power of each factor, (factors).
+    pub fn powers(&self) -> &[u8] {
+        &self.powers
+    }
+
+    /// Sum of the powers.
+    pub fn degree(&self) -> usize {
+        self.powers.iter().map(|&power| usize::from(power)).sum()
+    }
+
+    /// Number of factors in the product.
+    fn n_factors(&self) -> usize {
+        self.powers.iter().filter(|&&power| power > 0).count()
+    }
+
+    /// Whether the term is one factor to the power one.
+    pub fn is_main_effect(&self) -> bool {
+        self.degree() == 1
+    }
+
+    /// Value of the product at a coded point.
+    pub fn value(&self, coded: &[f64]) -> f64 {
+        let pairs = self.powers.iter().zip(coded);
+        pairs.map(|(&power, &x)| x.powi(i32::from(power))).product()
+    }
+}
+
+/// Intercept and terms in hierarchical order: main effects, two-factor interactions, squares,
+/// then by degree.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(into = "ModelText", try_from = "ModelText")]
+pub struct Model {
+    /// Symbols of the factors.
+    symbols: Vec<String>,
+    /// The terms; the first is the intercept.
+    terms: Vec<Term>,
+}
+
+/// A model as it stands in a file.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+struct ModelText {
+    /// Symbols of the factors.
+    symbols: Vec<String>,
+    /// The terms joined by ` + `.
+    formula: String,
+}
+
+impl From<Model> for ModelText {
+    fn from(model: Model) -> Self {
+        Self {
+            formula: model.to_string(),
+            symbols: model.symbols,
+        }
+    }
+}
+
+impl TryFrom<ModelText> for Model {
+    type Error = Error;
+
+    fn try_from(text: ModelText) -> Result<Self, Error> {
+        Self::parse_symbols(&text.formula, text.symbols)
+    }
+}
+
+impl Model {
+    /// Reads `linear`, `2fi`, `quadratic`, or a formula such as `1 + B + E + B:E + B^2`.
+    ///
+    /// The intercept is always part of the model. The order of the terms is that of [`Model`],
+    /// whatever the order in the formula.
+    ///
+    /// # Errors
+    /// [`Error::BadTerm`], [`Error::DuplicateTerm`], or [`Error::Design`] for repeated symbols.
+    pub fn parse(formula: &str, factors: &[Factor]) -> Result<Self, Error> {
+        experiment_design::check_factors(factors)?;
+        let symbols = factors.iter().map(|f| f.symbol().to_owned()).collect();
+        Self::parse_symbols(formula, symbols)
+    }
+
+    /// All main effects.
+    ///
+    /// # Errors
+    /// [`Error::Design`] for repeated symbols.
+    pub fn linear(factors: &[Factor]) -> Result<Self, Error> {
+        Self::parse("linear", factors)
+    }
+
+    /// All main effects, two-factor interactions and squares.
+    ///
+    /// # Errors
+    /// [`Error::Design`] for repeated symbols.
+    pub fn quadratic(factors: &[Factor]) -> Result<Self, Error> {
+        Self::parse("quadratic", factors)
+    }
+
+    /// Reads a formula over given symbols.
+    fn parse_symbols(formula: &str, symbols: Vec<String>) -> Result<Self, Error> {
+        let degree_two = |keep: &dyn Fn(&Term) -> bool| {
+            let all = terms_up_to_degree_two(symbols.len());
+            all.into_iter().filter(|term| keep(term)).collect()
+        };
+        let mut terms: Vec<Term> = match formula.trim() {
+            "linear" => degree_two(&|term| term.degree() < 2),
+            "2fi" => degree_two(&|term| term.degree() < 2 || term.n_factors() == 2),
+            "quadratic" => degree_two(&|_| true),
+            formula => {
+                let parts = formula.split('+').map(|part| parse_term(part, &symbols));
+                parts.collect::<Result<_, _>>()?
+            }
+        };
+        let intercept = Term {
+            powers: vec![0; symbols.len()],
+        };
+        if !terms.contains(&intercept) {
+            terms.push(intercept);
+        }
+        terms.sort_by_key(|term| {
+            // Within a class, earlier factors first: larger leading powers come first.
+            let lead = term
+                .powers
+                .iter()
+                .map(|&power| u8::MAX - power)
+                .collect::<Vec<_>>();
+            (term.degree(), usize::MAX - term.n_factors(), lead)
+        });
+        let model = Self { symbols, terms };
+        match model.terms.windows(2).find(|pair| pair[0] == pair[1]) {
+            Some(pair) => Err(Error::DuplicateTerm {
+                term: model.name(&pair[0]),
+            }),
+            None => Ok(model),
+        }
+    }
+
+    /// Symbols of the factors.
+    pub fn symbols(&self) -> &[String] {
+        &self.symbols
+    }
+
+    /// The terms; the first is the intercept.
+    pub fn terms(&self) -> &[Term] {
+        &self.terms
+    }
+
+    /// Greatest sum of powers of a term.
+    pub fn degree(&self) -> usize {
+        self.terms.iter().map(Term::degree).max().unwrap_or(0)
+    }
+
+    /// Short name of a term: `1`, `B`, `BE`, `B2` where all symbols are single letters, `mu:e`
+    /// and `mu^2` otherwise.
+    pub fn name(&self, term: &Term) -> String {
+        if self.symbols.iter().all(|symbol| symbol.len() == 1) {
+            self.spell(term, "", "")
+        } else {
+            self.spell(term, ":", "^")
+        }
+    }
+
+    /// Names of all terms.
+    pub fn names(&self) -> Vec<String> {
+        self.terms.iter().map(|term| self.name(term)).collect()
+    }
+
+    /// Values of all terms at a coded point: one row of the model matrix.
+    pub fn row(&self, coded: &[f64]) -> Vec<f64> {
+        self.terms.iter().map(|term| term.value(coded)).collect()
+    }
+
+    /// The terms that hierarchy asks for and the model lacks: the factors of every product.
+    pub fn missing_for_hierarchy(&self) -> Vec<String> {
+        let mut missing = Vec::new();
+        for term in &self.terms {
+            for j in (0..self.symbols.len()).filter(|&j| term.powers[j] > 0) {
+                let mut below = term.clone();
+                below.powers[j] -= 1;
+                let name = self.name(&below);
+                if !self.terms.contains(&below) && !missing.contains(&name) {
+                    missing.push(name);
+                }
+            }
+        }
+        missing
+    }
+
+    /// A term as text with the given joints.
+    fn spell(&self, term: &Term, between: &str, before_power: &str) -> String {
+        let powers = self
+            .symbols
+            .iter()
+            .zip(&term.powers)
+            .filter(|(_, power)| **power > 0);
+        let factors: Vec<String> = powers
+            .map(|(symbol, &power)| match power {
+                1 => symbol.clone(),
+                power => format!("{symbol}{before_power}{power}"),
+            })
+            .collect();
+        if factors.is_empty() {
+            "1".to_owned()
+        } else {
+            factors.join(between)
+        }
+    }
+}
+
+impl fmt::Display for Model {
+    fn fmt(&self, formatter: &mut fmt::Formatter) -> fmt::Result {
+        let terms: Vec<String> = self.terms.iter().map(|t| self.spell(t, ":", "^")).collect();
+        formatter.write_str(&terms.join(" + "))
+    }
+}
+
+/// All terms of degree zero, one and two of k factors.
+fn terms_up_to_degree_two(k: usize) -> Vec<Term> {
+    let raised = |places: &[usize]| {
+        let mut powers = vec![0; k];
+        for &place in places {
+            powers[place] += 1;
+        }
+        Term { powers }
+    };
+    let mut terms = vec![raised(&[])];
+    for i in 0..k {
+        terms.push(raised(&[i]));
+        terms.extend((i..k).map(|j| raised(&[i, j])));
+    }
+    terms
+}
+
+/// Reads one term of a formula.
+fn parse_term(part: &str, symbols: &[String]) -> Result<Term, Error> {
+    let bad = || Error::BadTerm {
+        part: part.trim().to_owned(),
+        symbols: symbols.join(", "),
+        most_power: MOST_POWER,
+    };
+    let mut powers = vec![0_u8; symbols.len()];
+    if part.trim() == "1" {
+        return Ok(Term { powers });
+    }
+    for factor in part.split(':') {
+        let (symbol, power) = factor.split_once('^').unwrap_or((factor, "1"));
+        let place = symbols
+            .iter()
+            .position(|s| s == symbol.trim())
+            .ok_or_else(bad)?;
+        let power: u8 = power
+            .trim()
+            .parse()
+            .ok()
+            .filter(|&p| p > 0)
+            .ok_or_else(bad)?;
+        powers[place] = powers[place]
+            .checked_add(power)
+            .filter(|&sum| sum <= MOST_POWER)
+            .ok_or_else(bad)?;
+    }
+    Ok(Term { powers })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Model;
+    use crate::Error;
+    use experiment_design::Factor;
+
+    fn factors(symbols: &[&str]) -> Vec<Factor> {
+        symbols
+            .iter()
+            .map(|s| Factor::coded_only(s).unwrap())
+            .collect()
+    }
+
+    #[test]
+    fn named_models_have_the_terms_in_hierarchical_order() {
+        let f = factors(&["B", "E", "F"]);
+        let names = |formula| Model::parse(formula, &f).unwrap().names().join(" ");
+        assert_eq!(names("linear"), "1 B E F");
+        assert_eq!(names("2fi"), "1 B E F BE BF EF");
+        assert_eq!(names("quadratic"), "1 B E F BE BF EF B2 E2 F2");
+        assert_eq!(names("B^2 + F:B + B + F + E"), "1 B E F BF B2");
+    }
+
+    #[test]
+    fn long_symbols_keep_their_joints_and_the_formula_is_read_back() {
+        let f = factors(&["mu", "e2"]);
+        let model = Model::parse("mu + e2 + mu:e2 + mu^2", &f).unwrap();
+        assert_eq!(model.names(), ["1", "mu", "e2", "mu:e2", "mu^2"]);
+        let text = serde_json::to_string(&model).unwrap();
+        assert_eq!(serde_json::from_str::<Model>(&text).unwrap(), model);
+    }
+
+    #[test]
+    fn formulas_that_cannot_be_meant_are_refused() {
+        let f = factors(&["B", "E"]);
+        for formula in [
+            "B + G", "B*E", "B^0", "B^9", "", "B + ", "0 + B", "B^-1", "B:",
+        ] {
+            let error = Model::parse(formula, &f).unwrap_err();
+            assert!(matches!(error, Error::BadTerm { .. }), "{formula}: {error}");
+        }
+        let twice = Model::parse("B + E + B", &f);
+        assert!(matches!(twice, Err(Error::DuplicateTerm { .. })));
+    }
+
+    #[test]
+    fn hierarchy_names_the_missing_parents() {
+        let model = Model::parse("B:E + E", &factors(&["B", "E"])).unwrap();
+        assert_eq!(model.missing_for_hierarchy(), ["B"]);
+    }
+}

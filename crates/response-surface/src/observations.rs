@@ -1,0 +1,212 @@
+//! What was observed: one row per cell, with the mean, the standard deviation and the number of
+//! its replicates.
+
+use std::collections::BTreeMap;
+
+use experiment_design::Design;
+use serde::{Deserialize, Serialize};
+
+use crate::Error;
+
+/// One row of data: the mean of n runs at the same settings (n = 1: a single run).
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Cell {
+    /// Coded settings, one per column.
+    pub coded: Vec<f64>,
+    /// Mean response, unit of the response.
+    pub mean: f64,
+    /// Standard deviation of single runs within the cell, unit of the response; none if n = 1 or
+    /// if it is not known.
+    pub sd: Option<f64>,
+    /// Number of runs behind the mean.
+    pub n: usize,
+    /// Block, from 1.
+    pub block: usize,
+}
+
+impl Cell {
+    /// A single run.
+    pub fn single(coded: Vec<f64>, response: f64) -> Self {
+        Self {
+            coded,
+            mean: response,
+            sd: None,
+            n: 1,
+            block: 1,
+        }
+    }
+
+    /// The mean of replicates, with their standard deviation if there are two or more.
+    ///
+    /// # Errors
+    /// [`Error::Length`] without replicates.
+    pub fn of_replicates(coded: Vec<f64>, responses: &[f64]) -> Result<Self, Error> {
+        let n = responses.len();
+        if n == 0 {
+            return Err(Error::Length {
+                what: "replicates of a cell",
+                expected: 1,
+                given: 0,
+            });
+        }
+        let mean = responses.iter().sum::<f64>() / n as f64;
+        let squares: f64 = responses.iter().map(|y| (y - mean) * (y - mean)).sum();
+        let sd = (n > 1).then(|| (squares / (n - 1) as f64).sqrt());
+        Ok(Self {
+            coded,
+            mean,
+            sd,
+            n,
+            block: 1,
+        })
+    }
+}
+
+/// Coded settings of a cell and the responses of its runs.
+type Group<'a> = (&'a [f64], Vec<f64>);
+
+/// Cells of data, checked: all values finite, all rows equally long.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Observations {
+    /// The cells in their order.
+    cells: Vec<Cell>,
+}
+
+impl Observations {
+    /// Takes cells as they are.
+    ///
+    /// # Errors
+    /// [`Error::Length`] without cells or with rows of different length;
+    /// [`Error::BadObservation`] for values that are not finite, a negative sd, or n = 0.
+    pub fn from_cells(cells: Vec<Cell>) -> Result<Self, Error> {
+        let Some(first) = cells.first() else {
+            return Err(Error::Length {
+                what: "observations",
+                expected: 1,
+                given: 0,
+            });
+        };
+        let expected = first.coded.len();
+        for (i, cell) in cells.iter().enumerate() {
+            if cell.coded.len() != expected {
+                return Err(Error::Length {
+                    what: "coded values of an observation",
+                    expected,
+                    given: cell.coded.len(),
+                });
+            }
+            check_cell(i + 1, cell)?;
+        }
+        Ok(Self { cells })
+    }
+
+    /// Groups single runs into cells by equal coded settings and block, in order of first
+    /// appearance.
+    ///
+    /// # Errors
+    /// As [`Observations::from_cells`]; [`Error::Length`] if the lists differ in length.
+    pub fn from_runs(coded: &[Vec<f64>], responses: &[f64]) -> Result<Self, Error> {
+        if coded.len() != responses.len() {
+            return Err(Error::Length {
+                what: "responses",
+                expected: coded.len(),
+                given: responses.len(),
+            });
+        }
+        let mut groups: Vec<(&Vec<f64>, Vec<f64>)> = Vec::new();
+        for (row, &response) in coded.iter().zip(responses) {
+            match groups.iter_mut().find(|(settings, _)| *settings == row) {
+                Some((_, group)) => group.push(response),
+                None => groups.push((row, vec![response])),
+            }
+        }
+        let cells = groups
+            .into_iter()
+            .map(|(row, group)| Cell::of_replicates(row.clone(), &group))
+            .collect::<Result<Vec<_>, _>>()?;
+        Self::from_cells(cells)
+    }
+
+    /// Groups the responses of a design, one per run in its order, into its cells; a run without
+    /// response (failed) is left out, and so is a cell without any.
+    ///
+    /// Centre cells stay apart, so they give a lack-of-fit test; the coded values of the dummy
+    /// columns are kept.
+    ///
+    /// # Errors
+    /// As [`Observations::from_cells`]; [`Error::Length`] unless there is one entry per run.
+    pub fn from_design(design: &Design, responses: &[Option<f64>]) -> Result<Self, Error> {
+        if design.runs().len() != responses.len() {
+            return Err(Error::Length {
+                what: "responses, one per run of the design",
+                expected: design.runs().len(),
+                given: responses.len(),
+            });
+        }
+        let mut groups: BTreeMap<(usize, usize), Group> = BTreeMap::new();
+        for (run, response) in design.runs().iter().zip(responses) {
+            let group = groups
+                .entry((run.cell, run.block))
+                .or_insert((&run.coded, Vec::new()));
+            group.1.extend(response);
+        }
+        let mut cells = Vec::with_capacity(groups.len());
+        for ((_, block), (coded, group)) in groups {
+            if !group.is_empty() {
+                let cell = Cell::of_replicates(coded.to_vec(), &group)?;
+                cells.push(Cell { block, ..cell });
+            }
+        }
+        Self::from_cells(cells)
+    }
+
+    /// The cells in their order.
+    pub fn cells(&self) -> &[Cell] {
+        &self.cells
+    }
+
+    /// The same cells with only the first `n` coded columns.
+    #[must_use]
+    pub(crate) fn first_columns(&self, n: usize) -> Self {
+        let mut cells = self.cells.clone();
+        for cell in &mut cells {
+            cell.coded.truncate(n);
+        }
+        Self { cells }
+    }
+
+    /// Mean number of runs per cell.
+    pub fn mean_count(&self) -> f64 {
+        let runs: usize = self.cells.iter().map(|cell| cell.n).sum();
+        runs as f64 / self.cells.len() as f64
+    }
+}
+
+/// Refuses a cell with values that cannot be meant.
+fn check_cell(row: usize, cell: &Cell) -> Result<(), Error> {
+    let refuse = |what, value, way_out| {
+        Err(Error::BadObservation {
+            row,
+            what,
+            value,
+            way_out,
+        })
+    };
+    if let Some(&x) = cell.coded.iter().find(|x| !x.is_finite()) {
+        return refuse("a coded value", x, "it must be a finite number");
+    }
+    if !cell.mean.is_finite() {
+        return refuse(
+            "the mean",
+            cell.mean,
+            "it must be a finite number; leave failed runs out",
+        );
+    }
+    if let Some(sd) = cell.sd.filter(|sd| !(sd.is_finite() && *sd >= 0.0)) {
+        return refuse("the standard deviation", sd, "it must be zero or positive");
+    }
+    if cell.n == 0 {
+        return refuse("the number of replicates", 0.0, "it must be at least 1");
+    }
+    Ok(())
+}

@@ -1,0 +1,95 @@
+//! Prediction of the response at a point.
+
+use serde::{Deserialize, Serialize};
+
+use crate::distribution::t_two_sided_quantile;
+use crate::fit::ErrorVariance;
+use crate::{Error, Fit};
+
+/// What the fit says about one point.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Prediction {
+    /// Natural point, units of the factors.
+    pub natural: Vec<f64>,
+    /// Coded point.
+    pub coded: Vec<f64>,
+    /// Fitted value, unit of the response.
+    pub mean: f64,
+    /// Variance of the fitted value over that of a cell mean.
+    pub leverage: f64,
+    /// Standard error of the fitted value, unit of the response.
+    pub se_mean: Option<f64>,
+    /// 95 % confidence interval of the mean response.
+    pub ci95: Option<[f64; 2]>,
+    /// Standard error of a new cell mean of mean size about the fitted value.
+    pub se_pred: Option<f64>,
+    /// 95 % prediction interval of such a mean.
+    pub pi95: Option<[f64; 2]>,
+    /// Whether a factor lies outside its range: the model was not made there.
+    pub extrapolated: bool,
+}
+
+impl Fit {
+    /// Predicts at a natural point with the residuals as error.
+    ///
+    /// # Formula
+    /// `se_mean = s sqrt(x'Cx)`, `se_pred = s sqrt(1 + x'Cx)`, intervals with Student's t.
+    ///
+    /// # Errors
+    /// [`Error::Length`] for a wrong number of values, [`Error::SettingOutOfRange`] for values
+    /// that are not finite.
+    pub fn predict(&self, natural: &[f64]) -> Result<Prediction, Error> {
+        self.predict_with(natural, self.error_variance(crate::ErrorSource::Residual))
+    }
+
+    /// Predicts at a natural point with a chosen error variance.
+    ///
+    /// # Errors
+    /// As [`Fit::predict`].
+    pub fn predict_with(
+        &self,
+        natural: &[f64],
+        error: Option<ErrorVariance>,
+    ) -> Result<Prediction, Error> {
+        check_point(self, natural)?;
+        let coded = self.coded(natural);
+        let (mean, leverage) = (self.value(&coded), self.leverage(&coded));
+        let limit = error.and_then(|e| t_two_sided_quantile(0.05, e.df as f64));
+        let se = |share: f64| error.map(|e| (e.variance * share).sqrt());
+        let interval = |se: Option<f64>| {
+            se.zip(limit)
+                .map(|(se, limit)| [mean - limit * se, mean + limit * se])
+        };
+        let (se_mean, se_pred) = (se(leverage), se(1.0 + leverage));
+        Ok(Prediction {
+            natural: natural.to_vec(),
+            extrapolated: coded.iter().any(|x| x.abs() > 1.0 + 1e-9),
+            coded,
+            mean,
+            leverage,
+            se_mean,
+            ci95: interval(se_mean),
+            se_pred,
+            pi95: interval(se_pred),
+        })
+    }
+}
+
+/// Refuses a point with a wrong number of values or values that are not finite.
+pub(crate) fn check_point(fit: &Fit, natural: &[f64]) -> Result<(), Error> {
+    if natural.len() != fit.factors.len() {
+        return Err(Error::Length {
+            what: "values of a point, one per factor",
+            expected: fit.factors.len(),
+            given: natural.len(),
+        });
+    }
+    match natural.iter().find(|u| !u.is_finite()) {
+        Some(&value) => Err(Error::SettingOutOfRange {
+            what: "a coordinate of the point",
+            value,
+            range: "a finite number",
+        }),
+        None => Ok(()),
+    }
+}

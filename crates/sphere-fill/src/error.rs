@@ -1,0 +1,82 @@
+//! Why a body cannot be filled.
+
+/// Why a filling is refused.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// The mesh does not bound one body.
+    #[error(transparent)]
+    Mesh(#[from] trimesh::Error),
+    /// The spheres make no rigid body.
+    #[error(transparent)]
+    Clump(#[from] clump::Error),
+    /// A setting is not a positive finite number.
+    #[error("{what} is {value}; it must be a positive finite number")]
+    NotPositive {
+        /// Which setting, with its unit.
+        what: &'static str,
+        /// Its value.
+        value: f64,
+    },
+    /// No sphere was asked for.
+    #[error("0 spheres were asked for; at least 1 is needed")]
+    NoSpheresAsked,
+    /// Not even one sphere fits.
+    #[error(
+        "a sphere of radius {radius_mm:.4} mm does not fit into {mesh}: the largest that does \
+         has about {largest_mm:.4} mm; take a smaller radius or check the unit of the mesh"
+    )]
+    RadiusTooLarge {
+        /// Mesh.
+        mesh: String,
+        /// Radius asked for, mm.
+        radius_mm: f64,
+        /// Radius of the largest inscribed sphere, mm.
+        largest_mm: f64,
+    },
+    /// The radius is so small that the filling would take too many spheres.
+    #[error(
+        "a radius of {radius_mm:.3e} mm would take about {estimate:.2e} spheres in {mesh}, more \
+         than {limit}; take a larger radius or check the unit of the mesh"
+    )]
+    TooManySpheres {
+        /// Mesh.
+        mesh: String,
+        /// Radius asked for, mm.
+        radius_mm: f64,
+        /// Expected number of spheres.
+        estimate: f64,
+        /// Largest number allowed.
+        limit: usize,
+    },
+    /// The number of spheres asked for was not reached.
+    #[error(
+        "{asked} spheres of radius {radius_mm:.4} mm were asked for in {mesh}, {reached} were \
+         placed; raise the effort, or take fewer or smaller spheres"
+    )]
+    CountNotReached {
+        /// Mesh.
+        mesh: String,
+        /// Spheres asked for.
+        asked: usize,
+        /// Spheres placed.
+        reached: usize,
+        /// Radius, mm.
+        radius_mm: f64,
+    },
+    /// The smoothness asked for was not reached.
+    #[error(
+        "a surface roughness of {asked_mm:.4} mm was asked for in {mesh}; {spheres} spheres reach \
+         {reached_mm:.4} mm; allow smaller spheres"
+    )]
+    RoughnessNotReached {
+        /// Mesh.
+        mesh: String,
+        /// Roughness asked for, mm.
+        asked_mm: f64,
+        /// Roughness reached, mm.
+        reached_mm: f64,
+        /// Spheres used.
+        spheres: usize,
+    },
+}

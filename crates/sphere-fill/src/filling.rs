@@ -1,0 +1,106 @@
+//! A body turned into spheres.
+
+use crate::union_moments::union_moments;
+use crate::{Body, Error, FillSettings, FitReport, Lattice, Method, Pack, Smooth};
+use clump::{Clump, MassProperties, Sphere, volume_of_sphere};
+use trimesh::{TriMesh, VolumeMoments};
+
+/// A way of placing spheres in a body.
+pub trait Place {
+    /// Places the spheres; the answer depends on body and settings only.
+    ///
+    /// # Errors
+    ///
+    /// A count or roughness that is not reached.
+    fn place(&self, body: &Body<'_>, settings: &FillSettings) -> Result<Vec<Sphere>, Error>;
+}
+
+/// Whose mass distribution a body of spheres gets.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum InertiaSource {
+    /// That of the seed: centre of mass and inertia of the mesh at uniform density.
+    #[default]
+    Mesh,
+    /// That of the spheres: of their union at uniform density.
+    Spheres,
+}
+
+/// A body turned into spheres.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Filling {
+    /// Spheres in the frame of the mesh, m.
+    pub spheres: Vec<Sphere>,
+    /// How well they stand for the body.
+    pub report: FitReport,
+    /// Settings that made them.
+    pub settings: FillSettings,
+    /// Volume integrals of the mesh.
+    pub mesh_moments: VolumeMoments,
+    /// Volume integrals of the union of spheres.
+    pub union_moments: VolumeMoments,
+}
+
+/// Fills the body that a closed mesh bounds.
+///
+/// The same mesh and settings give the same spheres to the last bit.
+///
+/// # Errors
+///
+/// Settings that cannot be meant, a mesh that is not closed, a radius of which none or far too
+/// many fit, a count or roughness that is not reached.
+pub fn fill(mesh: &TriMesh, settings: &FillSettings) -> Result<Filling, Error> {
+    settings.check()?;
+    let body = Body::new(mesh)?;
+    body.check_radius(settings.radius)?;
+    let method: &dyn Place = match settings.method {
+        Method::Pack => &Pack,
+        Method::Lattice => &Lattice,
+        Method::Smooth => &Smooth,
+    };
+    let spheres = method.place(&body, settings)?;
+    if spheres.is_empty() {
+        return Err(Error::RadiusTooLarge {
+            mesh: mesh.source().to_owned(),
+            radius_mm: settings.radius * 1e3,
+            largest_mm: body.inscribed_radius * 1e3,
+        });
+    }
+    let union_moments = union_moments(&spheres);
+    Ok(Filling {
+        report: FitReport::new(&body, &spheres, &union_moments),
+        spheres,
+        settings: *settings,
+        mesh_moments: body.moments,
+        union_moments,
+    })
+}
+
+impl Filling {
+    /// Density of the sphere material that gives the body its mass, kg/m³; mass in kg.
+    ///
+    /// # Formula
+    ///
+    /// ρ = m / (N V), the study's eq. (9), with the sum of the sphere volumes for N V.
+    pub fn fraction_density(&self, mass: f64) -> f64 {
+        let volumes = self.spheres.iter().map(|s| volume_of_sphere(s.radius));
+        mass / volumes.sum::<f64>()
+    }
+
+    /// Rigid body of the mass given, kg.
+    ///
+    /// # Errors
+    ///
+    /// A mass that is not positive.
+    pub fn clump(&self, mass: f64, source: InertiaSource) -> Result<Clump, Error> {
+        let moments = match source {
+            InertiaSource::Mesh => &self.mesh_moments,
+            InertiaSource::Spheres => &self.union_moments,
+        };
+        let properties = MassProperties {
+            mass,
+            centre: moments.centroid,
+            inertia: moments.inertia * (mass / moments.volume),
+        };
+        Ok(Clump::new(&self.spheres, &properties)?)
+    }
+}

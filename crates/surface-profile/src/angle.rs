@@ -1,0 +1,352 @@
+//! The angle of repose of a surface: its three definitions, its shape and its standard error.
+
+use crate::correlation::correlation_factor;
+use crate::cubic::Cubic;
+use crate::frame::SurfaceFrame;
+use crate::line::direction;
+use crate::stations::Stations;
+use crate::{DrumCircle, Error, SurfacePoint};
+use serde::{Deserialize, Serialize};
+
+/// Fewest surface points that [`measure`] takes.
+const FEWEST_POINTS: usize = 8;
+/// The surface must cover at least this part of its chord; below, the line through a piece is
+/// not the line through the whole surface.
+const LEAST_COVER: f64 = 0.5;
+/// Half of the central fifth of the drum diameter, in drum radii.
+const MIDDLE: f64 = 0.2;
+/// Part of the half-chord over which the shape is fitted.
+const SHAPE_REACH: f64 = 0.8;
+/// The stations beyond this part of the half-chord carry the line on to the rim.
+const END_FROM: f64 = 0.8;
+/// Turns of the frame until it lies along the line; each leaves about 1e-3 of the rest.
+const TURNS: usize = 8;
+
+/// Which slope is meant by the angle.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Definition {
+    /// Least-squares line through the whole free surface.
+    #[default]
+    Line,
+    /// Slope of the part of the surface in the central fifth of the drum diameter.
+    Mid,
+    /// Line from rim to rim.
+    Chord,
+}
+
+/// The side on which the surface stands higher.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum HighSide {
+    /// High at small x.
+    Left,
+    /// High at large x.
+    Right,
+}
+
+/// The inclination and the shape of a free surface.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct SurfaceAngle {
+    /// Inclination of the least-squares line through the whole surface, 0 to pi/2, rad.
+    pub line: f64,
+    /// Inclination of the chord from rim to rim, positive as `line`, rad.
+    pub chord: f64,
+    /// Inclination of the central fifth of the drum diameter, positive as `line`, rad.
+    pub mid: f64,
+    /// Standard error of `line` from the roughness of this one surface, rad.
+    pub standard_error: f64,
+    /// Quadratic coefficient over 80 % of the half-chord, lengths in half-chords; positive when
+    /// the ends stand above the middle, 1.
+    pub curvature: f64,
+    /// Cubic coefficient over 80 % of the half-chord, lengths in half-chords; positive when the
+    /// middle is steeper than the ends, 1.
+    pub s_shape: f64,
+    /// The side on which the surface stands higher.
+    pub high_side: HighSide,
+    /// Points that count.
+    pub n_points: usize,
+    /// Points set aside as outliers.
+    pub n_rejected: usize,
+}
+
+impl SurfaceAngle {
+    /// The inclination by one of the three definitions, rad.
+    pub fn by(&self, definition: Definition) -> f64 {
+        match definition {
+            Definition::Line => self.line,
+            Definition::Mid => self.mid,
+            Definition::Chord => self.chord,
+        }
+    }
+}
+
+/// A [`SurfaceAngle`] with what a picture of it needs.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SurfaceReading {
+    /// The angle and the shape.
+    pub angle: SurfaceAngle,
+    /// For each point given, whether it counts.
+    pub used: Vec<bool>,
+    /// Where the least-squares line cuts the drum circle: high end, low end.
+    pub line_ends: [SurfacePoint; 2],
+    /// Where the chord meets the drum circle: high end, low end.
+    pub chord_ends: [SurfacePoint; 2],
+    /// The tangent of the middle over the central fifth of the diameter: high end, low end.
+    pub mid_ends: [SurfacePoint; 2],
+    /// Root mean square height of the surface about its cubic, unit of the points.
+    pub roughness: f64,
+    /// Part of the chord that has points, 0 to 1.
+    pub covered: f64,
+}
+
+/// Measures the angle of repose of a free surface in a drum.
+///
+/// This is the one definition that photos and simulated beds share. The points are averaged in
+/// equal steps along the surface, so that neither their order nor their density matters, and
+/// points far from the robust cubic through all (a curl at the rim, a stuck or flying particle)
+/// are set aside.
+///
+/// # Formula
+/// `line`: principal axis of the stations `[Pearson1901]`. `mid`: the same over the stations
+/// within a tenth of the diameter of the foot of the drum axis. `chord`: the least-squares
+/// cubic, plus the least-squares line through what the outer fifth of a half-chord leaves over
+/// it, carried on to the drum circle on either side; ends joined.
+/// Shape: `v / c = a0 + a1 (u / c) + a2 (u / c)^2 + a3 (u / c)^3` for `|u| <= 0.8 c`, with u
+/// downhill along the line, v its upward normal, c the half-chord; `curvature = a2`,
+/// `s_shape = a3`. Standard error: `sqrt(s^2 tau / Suu)`, `s^2 = (RSS / n) m / (m - 4)`,
+/// `m = n / tau`, with the residuals of the n stations about their cubic and their correlation
+/// factor tau along the surface `[Geyer1992, section 3.3]`; m - 4 is held at 1 or more.
+///
+/// # Errors
+/// [`Error::BadDrum`], [`Error::NotFinitePoint`], [`Error::TooFewPoints`], [`Error::TooShort`],
+/// [`Error::OutsideDrum`].
+pub fn measure(points: &[SurfacePoint], drum: &DrumCircle) -> Result<SurfaceAngle, Error> {
+    read_surface(points, drum).map(|reading| reading.angle)
+}
+
+/// Does what [`measure`] does and tells which points count and where the lines end.
+///
+/// # Errors
+/// As [`measure`].
+pub fn read_surface(points: &[SurfacePoint], drum: &DrumCircle) -> Result<SurfaceReading, Error> {
+    check(points, drum)?;
+    let (frame, stations) = align(points, drum)?;
+    let covered = cover(&stations);
+    if covered < LEAST_COVER {
+        return Err(Error::TooShort {
+            covered,
+            least: LEAST_COVER,
+        });
+    }
+    let whole = shape(&stations, f64::INFINITY)?;
+    let middle = shape(&stations, SHAPE_REACH).unwrap_or(whole);
+    let error = line_error(&stations, &whole);
+    let steepness = frame.inclination.abs();
+    let ends = [-1.0, 1.0].map(|side| end(&stations, &whole, drum.radius, side));
+    let chord_slope = (ends[1].1 - ends[0].1).atan2(ends[1].0 - ends[0].0);
+    let mid_slope = middle_slope(&stations, &whole, drum.radius);
+    let n_points = stations.used.iter().filter(|used| **used).count();
+    let angle = SurfaceAngle {
+        line: steepness,
+        chord: steepness - chord_slope,
+        mid: steepness - mid_slope,
+        standard_error: error.slope,
+        curvature: middle.coefficients[2] / stations.half_chord,
+        s_shape: middle.coefficients[3] / stations.half_chord,
+        high_side: if frame.inclination > 0.0 {
+            HighSide::Right
+        } else {
+            HighSide::Left
+        },
+        n_points,
+        n_rejected: points.len() - n_points,
+    };
+    let height = stations.all.iter().map(|s| s.height).sum::<f64>() / stations.all.len() as f64;
+    let reach = (drum.radius * drum.radius - height * height)
+        .max(0.0)
+        .sqrt();
+    Ok(SurfaceReading {
+        angle,
+        used: stations.used,
+        line_ends: [frame.place(-reach, height), frame.place(reach, height)],
+        mid_ends: [-MIDDLE * drum.radius, MIDDLE * drum.radius]
+            .map(|u| frame.place(u, whole.at(0.0) + u * mid_slope.tan())),
+        chord_ends: ends.map(|(u, v)| frame.place(u, v)),
+        roughness: error.roughness,
+        covered,
+    })
+}
+
+/// Refuses what cannot be a surface in a drum.
+fn check(points: &[SurfacePoint], drum: &DrumCircle) -> Result<(), Error> {
+    drum.check()?;
+    if points.len() < FEWEST_POINTS {
+        return Err(Error::TooFewPoints {
+            n: points.len(),
+            least: FEWEST_POINTS,
+        });
+    }
+    for (index, p) in points.iter().enumerate() {
+        if !(p.x.is_finite() && p.y.is_finite()) {
+            return Err(Error::NotFinitePoint {
+                index,
+                x: p.x,
+                y: p.y,
+            });
+        }
+    }
+    Ok(())
+}
+
+/// Turns the frame until the least-squares line of its stations is level in it.
+fn align(points: &[SurfacePoint], drum: &DrumCircle) -> Result<(SurfaceFrame, Stations), Error> {
+    let first = direction(points.iter().map(|p| (p.x, p.y))).ok_or(Error::TooShort {
+        covered: 0.0,
+        least: LEAST_COVER,
+    })?;
+    let mut frame = SurfaceFrame::new(*drum, first);
+    let mut stations = Stations::build(points, drum, &frame)?;
+    for _ in 0..TURNS {
+        let slope = direction(stations.positions()).unwrap_or(0.0);
+        let turn = if frame.inclination > 0.0 {
+            -slope
+        } else {
+            slope
+        };
+        frame = SurfaceFrame::new(*drum, frame.inclination + turn);
+        stations = Stations::build(points, drum, &frame)?;
+        if slope.abs() < 1e-12 {
+            break;
+        }
+    }
+    Ok((frame, stations))
+}
+
+/// Part of the chord between the outermost stations, 0 to 1.
+fn cover(stations: &Stations) -> f64 {
+    let along = stations.all.iter().map(|s| s.along);
+    let low = along.clone().fold(f64::INFINITY, f64::min);
+    let high = along.fold(f64::NEG_INFINITY, f64::max);
+    (0.5 * (high - low)).clamp(0.0, 1.0)
+}
+
+/// Cubic through the stations within the reach (in half-chords).
+fn shape(stations: &Stations, reach: f64) -> Result<Cubic, Error> {
+    let near = stations.all.iter().filter(|s| s.along.abs() <= reach);
+    Cubic::fit(near.map(|s| (s.along, s.height, 1.0))).ok_or(Error::TooFewPoints {
+        n: stations.all.len(),
+        least: FEWEST_POINTS,
+    })
+}
+
+/// Roughness of a surface and what it does to the slope of the line.
+struct LineError {
+    /// Standard error of the slope, rad.
+    slope: f64,
+    /// Root mean square residual about the cubic, unit of the caller.
+    roughness: f64,
+}
+
+/// Standard error of the line from the residuals about the cubic; formula at [`measure`].
+fn line_error(stations: &Stations, whole: &Cubic) -> LineError {
+    let residuals: Vec<f64> = stations
+        .all
+        .iter()
+        .map(|s| s.height - whole.at(s.along))
+        .collect();
+    let n = residuals.len() as f64;
+    let mean_square = residuals.iter().map(|r| r * r).sum::<f64>() / n;
+    let tau = correlation_factor(&residuals, 4.0);
+    let independent = n / tau;
+    let variance = mean_square * independent / (independent - 4.0).max(1.0);
+    let centre = stations.positions().map(|p| p.0).sum::<f64>() / n;
+    let suu: f64 = stations.positions().map(|p| (p.0 - centre).powi(2)).sum();
+    LineError {
+        slope: (variance * tau / suu).sqrt(),
+        roughness: mean_square.sqrt(),
+    }
+}
+
+/// Slope of the central fifth of the diameter against the line, rad.
+///
+/// Where too few stations lie there, it is the slope of the cubic at the foot of the axis.
+fn middle_slope(stations: &Stations, whole: &Cubic, radius: f64) -> f64 {
+    let near = stations
+        .positions()
+        .filter(|p| p.0.abs() <= MIDDLE * radius);
+    if near.clone().count() < 4 {
+        return (whole.coefficients[1] / stations.half_chord).atan();
+    }
+    direction(near).unwrap_or(0.0)
+}
+
+/// Where the surface meets the rim on one side (-1 uphill, 1 downhill): (u, v).
+///
+/// The cubic through the whole surface plus the line through what the outer fifth leaves over
+/// it is carried on to the drum circle.
+fn end(stations: &Stations, whole: &Cubic, radius: f64, side: f64) -> (f64, f64) {
+    let near: Vec<(f64, f64)> = stations
+        .all
+        .iter()
+        .filter(|s| s.along * side >= END_FROM)
+        .map(|s| (s.along, s.height - whole.at(s.along)))
+        .collect();
+    let rest = regression(&near);
+    let height = whole.at(side) + rest.at(side);
+    let [_, c1, c2, c3] = whole.coefficients;
+    let slope = (c1 + 2.0 * c2 * side + 3.0 * c3 + rest.slope) / stations.half_chord;
+    // v = start + slope u meets u^2 + v^2 = radius^2.
+    let at_chord = side * stations.half_chord;
+    let start = height - slope * at_chord;
+    let (a, b, c) = (
+        1.0 + slope * slope,
+        slope * start,
+        start * start - radius * radius,
+    );
+    let root = b * b - a * c;
+    if root < 0.0 {
+        return (at_chord, height);
+    }
+    let meeting = (-b + side * root.sqrt()) / a;
+    (meeting, start + slope * meeting)
+}
+
+/// A straight line y over x.
+struct Regression {
+    /// Mean of x.
+    x: f64,
+    /// Mean of y.
+    y: f64,
+    /// Rise of y per x.
+    slope: f64,
+}
+
+impl Regression {
+    /// The value at `x`.
+    fn at(&self, x: f64) -> f64 {
+        self.y + self.slope * (x - self.x)
+    }
+}
+
+/// Least-squares line; level at zero for fewer than three points.
+fn regression(points: &[(f64, f64)]) -> Regression {
+    let n = points.len() as f64;
+    if points.len() < 3 {
+        return Regression {
+            x: 0.0,
+            y: 0.0,
+            slope: 0.0,
+        };
+    }
+    let (x, y) = points
+        .iter()
+        .fold((0.0, 0.0), |sum, p| (sum.0 + p.0 / n, sum.1 + p.1 / n));
+    let sxx: f64 = points.iter().map(|p| (p.0 - x).powi(2)).sum();
+    let sxy: f64 = points.iter().map(|p| (p.0 - x) * (p.1 - y)).sum();
+    Regression {
+        x,
+        y,
+        slope: if sxx > 0.0 { sxy / sxx } else { 0.0 },
+    }
+}

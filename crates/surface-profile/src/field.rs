@@ -1,0 +1,107 @@
+//! A scalar field on a grid of square cells.
+
+use crate::Error;
+
+/// A scalar field on square cells, x to the right, y up; zero outside.
+#[derive(Debug, Clone)]
+pub struct Field {
+    /// x of the centre of the first cell, any unit of length.
+    x: f64,
+    /// y of the centre of the first cell, unit of `x`.
+    y: f64,
+    /// Edge of a cell, unit of `x`.
+    cell: f64,
+    /// Cells along x.
+    columns: usize,
+    /// Cells along y.
+    rows: usize,
+    /// Values, row by row from the lowest row, shape (rows, columns), any unit.
+    values: Vec<f32>,
+}
+
+impl Field {
+    /// A field whose first cell has its centre at `first`; values row by row from the lowest.
+    ///
+    /// # Errors
+    /// [`Error::BadSetting`] for a cell that is not positive, [`Error::FieldShape`] for a wrong
+    /// number of values, [`Error::NotFinite`] for NaN or infinity.
+    pub fn new(
+        first: crate::SurfacePoint,
+        cell: f64,
+        columns: usize,
+        values: Vec<f32>,
+    ) -> Result<Self, Error> {
+        if !(cell.is_finite() && cell > 0.0) {
+            return Err(Error::BadSetting {
+                name: "cell",
+                value: cell,
+                limit: "a positive length in the unit of the drum",
+            });
+        }
+        let rows = values.len().checked_div(columns).unwrap_or(0);
+        if columns < 2 || rows < 2 || rows * columns != values.len() {
+            return Err(Error::FieldShape {
+                columns,
+                rows,
+                values: values.len(),
+            });
+        }
+        let finite = first.x.is_finite() && first.y.is_finite();
+        let bad = values.iter().position(|v| !v.is_finite());
+        if let Some(index) = bad.or((!finite).then_some(0)) {
+            let value = f64::from(values[index]);
+            return Err(Error::NotFinite {
+                what: "value of the field",
+                index,
+                value,
+            });
+        }
+        Ok(Self {
+            x: first.x,
+            y: first.y,
+            cell,
+            columns,
+            rows,
+            values,
+        })
+    }
+
+    /// Edge of a cell, unit of the drum.
+    pub fn cell(&self) -> f64 {
+        self.cell
+    }
+
+    /// Value at a place by bilinear interpolation between cell centres; zero outside.
+    pub fn at(&self, x: f64, y: f64) -> f64 {
+        let column = (x - self.x) / self.cell;
+        let row = (y - self.y) / self.cell;
+        let (i, j) = (column.floor(), row.floor());
+        if !(i >= 0.0 && j >= 0.0) {
+            return 0.0;
+        }
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "both are whole and not negative; a huge one saturates and is outside"
+        )]
+        let (i_column, i_row) = (i as usize, j as usize);
+        if i_column.saturating_add(1) >= self.columns || i_row.saturating_add(1) >= self.rows {
+            return 0.0;
+        }
+        let (a, b) = (column - i, row - j);
+        let first = i_row * self.columns + i_column;
+        let value = |k: usize| f64::from(self.values[k]);
+        let low = value(first) * (1.0 - a) + value(first + 1) * a;
+        let high = value(first + self.columns) * (1.0 - a) + value(first + self.columns + 1) * a;
+        low * (1.0 - b) + high * b
+    }
+
+    /// Cells with their centre: (x, y, value).
+    pub fn cells(&self) -> impl Iterator<Item = (f64, f64, f64)> + '_ {
+        self.values.iter().enumerate().map(|(k, &value)| {
+            let x = self.x + (k % self.columns) as f64 * self.cell;
+            let y = self.y + (k / self.columns) as f64 * self.cell;
+            (x, y, f64::from(value))
+        })
+    }
+}

@@ -1,0 +1,227 @@
+//! From loose triangles to a checked mesh.
+
+use crate::mesh::area_vector;
+use crate::orientation::{Edges, turn_outward};
+use crate::report::suspect_unit;
+use crate::weld::weld;
+use crate::{BoundingBox, Error, LengthUnit, MeshReport, Topology, TriMesh, Warning};
+use nalgebra::{Matrix3, Vector3};
+
+/// Bodies thinner than this part of their length are refused as flat.
+///
+/// Welding joins vertices at 1e-6 of the diagonal, so anything thinner has no inside.
+const FLATTEST: f64 = 1e-6;
+
+/// A mesh and the report of what was found and repaired.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CheckedMesh {
+    /// The mesh, m.
+    pub mesh: TriMesh,
+    /// What was found and repaired.
+    pub report: MeshReport,
+}
+
+impl TriMesh {
+    /// Makes a mesh of loose triangles: joins vertices, drops faulty triangles, turns outward.
+    ///
+    /// Corner coordinates are in `unit`; `source` names them in messages. An open mesh is
+    /// accepted with a warning (see [`TriMesh::require_closed`]).
+    ///
+    /// # Errors
+    ///
+    /// A coordinate that is not finite, no triangle left, all vertices in one plane.
+    pub fn from_triangles(
+        soup: &[[Vector3<f64>; 3]],
+        unit: LengthUnit,
+        source: &str,
+    ) -> Result<CheckedMesh, Error> {
+        let soup = in_metres(soup, unit, source)?;
+        let mut welded = weld(&soup);
+        let read = welded.triangles.len();
+        welded
+            .triangles
+            .retain(|t| t[0] != t[1] && t[1] != t[2] && t[2] != t[0]);
+        let degenerate_dropped = read - welded.triangles.len();
+        let duplicates_dropped = drop_repeated(&mut welded.triangles);
+        let dropped = degenerate_dropped + duplicates_dropped;
+        let file = source.to_owned();
+        if welded.triangles.is_empty() {
+            return Err(Error::NoTriangles {
+                file,
+                read,
+                dropped,
+            });
+        }
+        refuse_flat(&welded.vertices, source)?;
+        drop_unused(&mut welded.vertices, &mut welded.triangles);
+        let edges = Edges::new(&welded.triangles);
+        let turned = turn_outward(&welded.vertices, &mut welded.triangles, &edges);
+        let middle =
+            |edge: &[usize; 2]| (welded.vertices[edge[0]] + welded.vertices[edge[1]]) * 0.5;
+        let topology = Topology {
+            open_edges: edges.open.len(),
+            first_open_edge: edges.open.first().map(middle),
+            non_manifold_edges: edges.crowded.len(),
+            first_non_manifold_edge: edges.crowded.first().map(middle),
+            shells: turned.shells,
+            bodies: turned.bodies,
+            orientable: turned.orientable,
+        };
+        let mesh = Self {
+            source: file,
+            vertices: welded.vertices,
+            triangles: welded.triangles,
+            topology,
+        };
+        let counts = Repairs {
+            degenerate_dropped,
+            duplicates_dropped,
+            triangles_turned: turned.count,
+        };
+        let report = report_of(&mesh, unit, &counts);
+        Ok(CheckedMesh { mesh, report })
+    }
+}
+
+/// Counts of what was changed.
+struct Repairs {
+    /// Triangles dropped because two corners coincide.
+    degenerate_dropped: usize,
+    /// Triangles dropped because they repeat another.
+    duplicates_dropped: usize,
+    /// Triangles turned to face outward.
+    triangles_turned: usize,
+}
+
+/// Checks that all is finite and converts to metres.
+fn in_metres(
+    soup: &[[Vector3<f64>; 3]],
+    unit: LengthUnit,
+    source: &str,
+) -> Result<Vec<[Vector3<f64>; 3]>, Error> {
+    for (triangle, corners) in soup.iter().enumerate() {
+        for (corner, point) in corners.iter().enumerate() {
+            if let Some(&value) = point.iter().find(|value| !value.is_finite()) {
+                return Err(Error::NotFinite {
+                    file: source.to_owned(),
+                    triangle,
+                    corner,
+                    value,
+                });
+            }
+        }
+    }
+    let factor = unit.in_metres();
+    Ok(soup
+        .iter()
+        .map(|corners| corners.map(|corner| corner * factor))
+        .collect())
+}
+
+/// Drops triangles that name the same corners in the same sense as an earlier one.
+fn drop_repeated(triangles: &mut Vec<[usize; 3]>) -> usize {
+    let canonical = |t: &[usize; 3]| {
+        let first = (0..3).min_by_key(|&k| t[k]).unwrap_or(0);
+        [t[first], t[(first + 1) % 3], t[(first + 2) % 3]]
+    };
+    let before = triangles.len();
+    let mut seen = std::collections::HashSet::with_capacity(before);
+    triangles.retain(|t| seen.insert(canonical(t)));
+    before - triangles.len()
+}
+
+/// Removes vertices that no triangle uses.
+fn drop_unused(vertices: &mut Vec<Vector3<f64>>, triangles: &mut [[usize; 3]]) {
+    let mut used = vec![false; vertices.len()];
+    triangles.iter().flatten().for_each(|&i| used[i] = true);
+    let mut next = 0;
+    let renamed: Vec<usize> = used
+        .iter()
+        .map(|&is_used| {
+            let name = next;
+            next += usize::from(is_used);
+            name
+        })
+        .collect();
+    triangles
+        .iter_mut()
+        .flatten()
+        .for_each(|i| *i = renamed[*i]);
+    let mut index = 0;
+    vertices.retain(|_| {
+        index += 1;
+        used[index - 1]
+    });
+}
+
+/// Refuses vertices that all lie in one plane.
+fn refuse_flat(vertices: &[Vector3<f64>], source: &str) -> Result<(), Error> {
+    let bounds = BoundingBox::of(vertices.iter());
+    let scale = bounds.size().amax().max(f64::MIN_POSITIVE);
+    let n = vertices.len() as f64;
+    let relative = || vertices.iter().map(|v| (v - bounds.centre()) / scale);
+    let mean = relative().sum::<Vector3<f64>>() / n;
+    let spread: Matrix3<f64> = relative()
+        .map(|v| (v - mean) * (v - mean).transpose())
+        .sum();
+    let eigen = spread.symmetric_eigenvalues();
+    let ratio = (eigen.min().max(0.0) / eigen.max().max(f64::MIN_POSITIVE)).sqrt();
+    if ratio > FLATTEST {
+        return Ok(());
+    }
+    Err(Error::Flat {
+        file: source.to_owned(),
+        ratio,
+    })
+}
+
+/// Collects figures and warnings.
+fn report_of(mesh: &TriMesh, unit: LengthUnit, repairs: &Repairs) -> MeshReport {
+    let topology = mesh.topology();
+    let bounding_box = mesh.bounding_box();
+    let counted = [
+        (
+            repairs.degenerate_dropped,
+            Warning::DegenerateDropped as fn(usize) -> Warning,
+        ),
+        (repairs.duplicates_dropped, Warning::DuplicatesDropped),
+        (repairs.triangles_turned, Warning::Turned),
+        (topology.open_edges, Warning::OpenEdges),
+        (topology.non_manifold_edges, Warning::NonManifoldEdges),
+    ];
+    let mut warnings: Vec<Warning> = suspect_unit(bounding_box.size().amax(), unit)
+        .into_iter()
+        .collect();
+    warnings.extend(
+        counted
+            .iter()
+            .filter(|(n, _)| *n > 0)
+            .map(|(n, warning)| warning(*n)),
+    );
+    if !topology.orientable {
+        warnings.push(Warning::NotOrientable);
+    }
+    if topology.shells > 1 {
+        warnings.push(Warning::SeveralShells {
+            shells: topology.shells,
+            bodies: topology.bodies,
+        });
+    }
+    MeshReport {
+        source: mesh.source.clone(),
+        unit,
+        triangles: mesh.triangles.len(),
+        vertices: mesh.vertices.len(),
+        watertight: topology.watertight(),
+        shells: topology.shells,
+        degenerate_dropped: repairs.degenerate_dropped,
+        duplicates_dropped: repairs.duplicates_dropped,
+        triangles_turned: repairs.triangles_turned,
+        bounding_box,
+        area: (0..mesh.triangles.len())
+            .map(|t| area_vector(&mesh.corners(t)).norm())
+            .sum(),
+        volume: topology.watertight().then(|| mesh.moments().volume),
+        warnings,
+    }
+}

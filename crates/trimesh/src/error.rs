@@ -1,0 +1,157 @@
+//! What can be wrong with a mesh or its file.
+
+/// Why a mesh is refused.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// The file cannot be read.
+    #[error("cannot read {path}: {source}")]
+    Read {
+        /// Path of the file.
+        path: String,
+        /// What the system said.
+        source: std::io::Error,
+    },
+    /// The file has no bytes.
+    #[error("{file} is empty (0 bytes); expected an STL mesh")]
+    EmptyFile {
+        /// File.
+        file: String,
+    },
+    /// Neither a binary nor an ASCII STL.
+    #[error(
+        "{file} is no STL: {bytes} bytes are not 84 + 50 n of a binary file, and no text \
+         `solid` ... `facet` was found"
+    )]
+    NotStl {
+        /// File.
+        file: String,
+        /// Its length, bytes.
+        bytes: u64,
+    },
+    /// A binary file whose length does not fit its triangle count.
+    #[error(
+        "{file} declares {declared} triangles, which takes {expected_bytes} bytes, but has \
+         {actual_bytes}: it is cut off or damaged; export it again"
+    )]
+    LengthMismatch {
+        /// File.
+        file: String,
+        /// Triangles that the header declares.
+        declared: u32,
+        /// Length that this takes, bytes.
+        expected_bytes: u64,
+        /// Length of the file, bytes.
+        actual_bytes: u64,
+    },
+    /// A word of an ASCII file is not what the format asks for.
+    #[error("{file}, line {line}: expected {expected}, found `{found}`")]
+    Syntax {
+        /// File.
+        file: String,
+        /// Line, from 1.
+        line: usize,
+        /// What should stand there.
+        expected: &'static str,
+        /// What stands there, shortened.
+        found: String,
+    },
+    /// The mesh has no triangle (left).
+    #[error("{file} has no triangle that encloses anything ({read} read, {dropped} degenerate)")]
+    NoTriangles {
+        /// File.
+        file: String,
+        /// Triangles read.
+        read: usize,
+        /// Triangles dropped as degenerate or duplicate.
+        dropped: usize,
+    },
+    /// A coordinate is NaN or infinite.
+    #[error(
+        "{file}: triangle {triangle}, corner {corner} has the coordinate {value}; all must be finite"
+    )]
+    NotFinite {
+        /// File.
+        file: String,
+        /// Index of the triangle, from 0.
+        triangle: usize,
+        /// Corner, 0 to 2.
+        corner: usize,
+        /// The value.
+        value: f64,
+    },
+    /// All vertices lie in one plane, or the enclosed volume is nothing.
+    #[error("{file} is flat: its thickness is {ratio:.1e} of its length; a body is needed")]
+    Flat {
+        /// File.
+        file: String,
+        /// Root of the smallest over the largest variance of the vertices.
+        ratio: f64,
+    },
+    /// The surface has a hole.
+    #[error(
+        "{file} is not closed: {open_edges} edges belong to one triangle only, the first at \
+         ({x:.6}, {y:.6}, {z:.6}) mm; close the holes in the scanning software"
+    )]
+    Open {
+        /// File.
+        file: String,
+        /// Edges with one triangle.
+        open_edges: usize,
+        /// Middle of the first such edge, mm.
+        x: f64,
+        /// See `x`.
+        y: f64,
+        /// See `x`.
+        z: f64,
+    },
+    /// An edge belongs to more than two triangles.
+    #[error(
+        "{file}: {edges} edges belong to more than two triangles, the first at \
+         ({x:.6}, {y:.6}, {z:.6}) mm; separate the touching parts"
+    )]
+    NonManifold {
+        /// File.
+        file: String,
+        /// Edges with more than two triangles.
+        edges: usize,
+        /// Middle of the first such edge, mm.
+        x: f64,
+        /// See `x`.
+        y: f64,
+        /// See `x`.
+        z: f64,
+    },
+    /// The surface has only one side.
+    #[error("{file} cannot be oriented: its surface has one side only (as a Klein bottle)")]
+    NotOrientable {
+        /// File.
+        file: String,
+    },
+    /// More than one body, or shells that cut each other.
+    #[error("{file} holds {bodies} separate or intersecting bodies in {shells} shells; keep one")]
+    SeveralBodies {
+        /// File.
+        file: String,
+        /// Shells that bound a body from outside.
+        bodies: usize,
+        /// All connected surfaces.
+        shells: usize,
+    },
+    /// The unit is not known.
+    #[error("unknown unit of length `{found}`; use mm, cm, m or um")]
+    UnknownUnit {
+        /// What was given.
+        found: String,
+    },
+    /// A shape was asked for with sizes that make no body.
+    #[error("{what} is {value}; it must be {must}")]
+    BadShape {
+        /// Which size.
+        what: &'static str,
+        /// Its value, SI.
+        value: f64,
+        /// What is allowed.
+        must: &'static str,
+    },
+}

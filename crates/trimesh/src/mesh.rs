@@ -1,0 +1,178 @@
+//! The mesh itself: vertices, triangles and what is known of them.
+
+use crate::{Error, VolumeMoments};
+use nalgebra::Vector3;
+use serde::Serialize;
+
+/// Box along the axes that holds a mesh.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct BoundingBox {
+    /// Lowest coordinates, m.
+    pub low: Vector3<f64>,
+    /// Highest coordinates, m.
+    pub high: Vector3<f64>,
+}
+
+impl BoundingBox {
+    /// Smallest box round some points.
+    pub fn of<'a>(points: impl Iterator<Item = &'a Vector3<f64>>) -> Self {
+        let mut found = Self {
+            low: Vector3::repeat(f64::INFINITY),
+            high: Vector3::repeat(f64::NEG_INFINITY),
+        };
+        for point in points {
+            found.low = found.low.inf(point);
+            found.high = found.high.sup(point);
+        }
+        found
+    }
+
+    /// Edge lengths, m.
+    pub fn size(&self) -> Vector3<f64> {
+        self.high - self.low
+    }
+
+    /// Middle, m.
+    pub fn centre(&self) -> Vector3<f64> {
+        (self.low + self.high) * 0.5
+    }
+}
+
+/// How the triangles hang together.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Topology {
+    /// Edges that belong to one triangle only.
+    pub open_edges: usize,
+    /// Middle of the first open edge, m.
+    pub first_open_edge: Option<Vector3<f64>>,
+    /// Edges that belong to more than two triangles.
+    pub non_manifold_edges: usize,
+    /// Middle of the first such edge, m.
+    pub first_non_manifold_edge: Option<Vector3<f64>>,
+    /// Connected surfaces.
+    pub shells: usize,
+    /// Shells that bound a body from outside; the others bound cavities.
+    pub bodies: usize,
+    /// Whether the surface has two sides.
+    pub orientable: bool,
+}
+
+impl Topology {
+    /// Whether every edge joins two triangles and the surface has an inside.
+    pub fn watertight(&self) -> bool {
+        self.open_edges == 0 && self.non_manifold_edges == 0 && self.orientable
+    }
+}
+
+/// A triangle mesh in metres.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TriMesh {
+    /// Where it came from, for messages.
+    pub(crate) source: String,
+    /// Vertices, m.
+    pub(crate) vertices: Vec<Vector3<f64>>,
+    /// Vertex indices of the corners, counter-clockwise seen from outside.
+    pub(crate) triangles: Vec<[usize; 3]>,
+    /// How the triangles hang together.
+    pub(crate) topology: Topology,
+}
+
+impl TriMesh {
+    /// File or shape that the mesh was made from.
+    pub fn source(&self) -> &str {
+        &self.source
+    }
+
+    /// Vertices, m.
+    pub fn vertices(&self) -> &[Vector3<f64>] {
+        &self.vertices
+    }
+
+    /// Vertex indices of the corners, counter-clockwise seen from outside.
+    pub fn triangles(&self) -> &[[usize; 3]] {
+        &self.triangles
+    }
+
+    /// How the triangles hang together.
+    pub fn topology(&self) -> &Topology {
+        &self.topology
+    }
+
+    /// Corners of a triangle, m.
+    ///
+    /// # Panics
+    ///
+    /// If there is no such triangle.
+    pub fn corners(&self, triangle: usize) -> [Vector3<f64>; 3] {
+        self.triangles[triangle].map(|i| self.vertices[i])
+    }
+
+    /// Box along the axes, m.
+    pub fn bounding_box(&self) -> BoundingBox {
+        BoundingBox::of(self.vertices.iter())
+    }
+
+    /// Surface area, m².
+    pub fn area(&self) -> f64 {
+        (0..self.triangles.len())
+            .map(|t| area_vector(&self.corners(t)).norm())
+            .sum()
+    }
+
+    /// Volume, centroid and inertia at unit density; meaningful for a closed mesh only.
+    pub fn moments(&self) -> VolumeMoments {
+        let corners = (0..self.triangles.len()).map(|t| self.corners(t));
+        VolumeMoments::of_triangles(&self.bounding_box().centre(), corners)
+    }
+
+    /// Refuses a mesh that does not bound exactly one body.
+    ///
+    /// # Errors
+    ///
+    /// Open or crowded edges, a one-sided surface, several bodies; each with its place.
+    pub fn require_closed(&self) -> Result<(), Error> {
+        let (topology, file) = (&self.topology, self.source.clone());
+        let in_mm = |place: Option<Vector3<f64>>| place.unwrap_or_default() * 1e3;
+        if topology.open_edges > 0 {
+            let at = in_mm(topology.first_open_edge);
+            let open_edges = topology.open_edges;
+            let (x, y, z) = (at.x, at.y, at.z);
+            return Err(Error::Open {
+                file,
+                open_edges,
+                x,
+                y,
+                z,
+            });
+        }
+        if topology.non_manifold_edges > 0 {
+            let at = in_mm(topology.first_non_manifold_edge);
+            let edges = topology.non_manifold_edges;
+            let (x, y, z) = (at.x, at.y, at.z);
+            return Err(Error::NonManifold {
+                file,
+                edges,
+                x,
+                y,
+                z,
+            });
+        }
+        if !topology.orientable {
+            return Err(Error::NotOrientable { file });
+        }
+        if topology.bodies != 1 {
+            let (bodies, shells) = (topology.bodies, topology.shells);
+            return Err(Error::SeveralBodies {
+                file,
+                bodies,
+                shells,
+            });
+        }
+        Ok(())
+    }
+}
+
+/// Normal of a triangle with its area as length, m².
+pub(crate) fn area_vector(corners: &[Vector3<f64>; 3]) -> Vector3<f64> {
+    (corners[1] - corners[0]).cross(&(corners[2] - corners[0])) * 0.5
+}

@@ -1,0 +1,229 @@
+//! Which triangles meet at an edge, which shells they form, and which way they face.
+
+use crate::winding::solid_angle_sum;
+use nalgebra::Vector3;
+
+/// Shells beyond this number are not tested against each other (cost grows with its square).
+const SHELLS_TESTED: usize = 32;
+
+/// Vertices of one shell that are tested for lying inside another.
+const VERTICES_TESTED: usize = 24;
+
+/// One side of a triangle, with its edge's vertices in rising order.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+struct Side {
+    /// Vertices of the edge, the lower index first.
+    edge: [usize; 2],
+    /// Triangle.
+    triangle: usize,
+    /// Which of its sides: 0 runs from corner 0 to corner 1.
+    place: usize,
+    /// Whether the triangle runs through the edge from the lower to the higher index.
+    rising: bool,
+}
+
+/// What lies beyond each side of each triangle.
+pub(crate) struct Edges {
+    /// Per triangle and side: the triangle beyond, and whether both run the same way (a fault).
+    beyond: Vec<[Option<(usize, bool)>; 3]>,
+    /// Edges with one triangle.
+    pub(crate) open: Vec<[usize; 2]>,
+    /// Edges with more than two triangles.
+    pub(crate) crowded: Vec<[usize; 2]>,
+}
+
+impl Edges {
+    /// Pairs up the sides of all triangles.
+    pub(crate) fn new(triangles: &[[usize; 3]]) -> Self {
+        let mut sides: Vec<Side> = Vec::with_capacity(3 * triangles.len());
+        for (triangle, corners) in triangles.iter().enumerate() {
+            for side in 0..3 {
+                let (from, to) = (corners[side], corners[(side + 1) % 3]);
+                sides.push(Side {
+                    edge: [from.min(to), from.max(to)],
+                    triangle,
+                    place: side,
+                    rising: from < to,
+                });
+            }
+        }
+        sides.sort_unstable();
+        let mut edges = Self {
+            beyond: vec![[None; 3]; triangles.len()],
+            open: Vec::new(),
+            crowded: Vec::new(),
+        };
+        for group in sides.chunk_by(|a, b| a.edge == b.edge) {
+            match group {
+                [single] => edges.open.push(single.edge),
+                [a, b] => {
+                    let same = a.rising == b.rising;
+                    edges.beyond[a.triangle][a.place] = Some((b.triangle, same));
+                    edges.beyond[b.triangle][b.place] = Some((a.triangle, same));
+                }
+                _ => edges.crowded.push(group[0].edge),
+            }
+        }
+        edges
+    }
+
+    /// Triangle beyond a side, if the side has exactly one.
+    pub(crate) fn beyond(&self, triangle: usize, side: usize) -> Option<usize> {
+        self.beyond[triangle][side].map(|(other, _)| other)
+    }
+}
+
+/// Shells and the turns that make them consistent.
+pub(crate) struct Orientation {
+    /// Shell of each triangle.
+    shell_of: Vec<usize>,
+    /// Number of shells.
+    pub(crate) shells: usize,
+    /// Triangles whose corner order must be swapped.
+    turned: Vec<bool>,
+    /// Whether the turns agree all round.
+    pub(crate) orientable: bool,
+}
+
+/// Walks over each shell and finds the turns that make neighbours agree.
+fn walk(edges: &Edges) -> Orientation {
+    let n = edges.beyond.len();
+    let mut found = Orientation {
+        shell_of: vec![usize::MAX; n],
+        shells: 0,
+        turned: vec![false; n],
+        orientable: true,
+    };
+    for start in 0..n {
+        if found.shell_of[start] != usize::MAX {
+            continue;
+        }
+        found.shell_of[start] = found.shells;
+        let mut to_do = vec![start];
+        while let Some(triangle) = to_do.pop() {
+            for &(other, same) in edges.beyond[triangle].iter().flatten() {
+                let turn = found.turned[triangle] ^ same;
+                if found.shell_of[other] == usize::MAX {
+                    found.shell_of[other] = found.shells;
+                    found.turned[other] = turn;
+                    to_do.push(other);
+                } else if found.turned[other] != turn {
+                    found.orientable = false;
+                }
+            }
+        }
+        found.shells += 1;
+    }
+    found
+}
+
+/// Result of turning the triangles outward.
+pub(crate) struct Turned {
+    /// Triangles whose corner order was swapped.
+    pub(crate) count: usize,
+    /// Connected surfaces.
+    pub(crate) shells: usize,
+    /// Shells that bound a body from outside (the others bound cavities).
+    pub(crate) bodies: usize,
+    /// Whether the surface has two sides.
+    pub(crate) orientable: bool,
+}
+
+/// Turns all triangles so that neighbours agree and, where closed, normals point out of the body.
+///
+/// A shell inside an odd number of others bounds a cavity and faces inward. Shells that cut
+/// each other are counted as bodies, so that a later check refuses them.
+pub(crate) fn turn_outward(
+    vertices: &[Vector3<f64>],
+    triangles: &mut [[usize; 3]],
+    edges: &Edges,
+) -> Turned {
+    let mut found = walk(edges);
+    if !found.orientable {
+        return Turned {
+            count: 0,
+            shells: found.shells,
+            bodies: found.shells,
+            orientable: false,
+        };
+    }
+    let closed = edges.open.is_empty() && edges.crowded.is_empty();
+    let mut members: Vec<Vec<usize>> = vec![Vec::new(); found.shells];
+    for (triangle, &shell) in found.shell_of.iter().enumerate() {
+        members[shell].push(triangle);
+    }
+    for (triangle, &turn) in triangles.iter_mut().zip(&found.turned) {
+        if turn {
+            triangle.swap(1, 2);
+        }
+    }
+    let mut bodies = 0;
+    for shell in 0..found.shells {
+        let outer = !closed || is_outer(vertices, triangles, &members, shell);
+        bodies += usize::from(outer);
+        let wrong = if closed {
+            (volume_of(vertices, triangles, &members[shell]) > 0.0) != outer
+        } else {
+            let turned = members[shell].iter().filter(|&&t| found.turned[t]).count();
+            2 * turned > members[shell].len()
+        };
+        if wrong {
+            for &triangle in &members[shell] {
+                triangles[triangle].swap(1, 2);
+                found.turned[triangle] ^= true;
+            }
+        }
+    }
+    Turned {
+        count: found.turned.iter().filter(|&&turn| turn).count(),
+        shells: found.shells,
+        bodies,
+        orientable: true,
+    }
+}
+
+/// Whether a shell lies in an even number of others, or cuts one.
+fn is_outer(
+    vertices: &[Vector3<f64>],
+    triangles: &[[usize; 3]],
+    members: &[Vec<usize>],
+    shell: usize,
+) -> bool {
+    if members.len() == 1 || members.len() > SHELLS_TESTED {
+        return true;
+    }
+    let own = &members[shell];
+    let step = own.len().div_ceil(VERTICES_TESTED);
+    let mut depth = 0;
+    for (_, other) in members.iter().enumerate().filter(|(i, _)| *i != shell) {
+        let inside = |&t: &usize| {
+            let point = &vertices[triangles[t][0]];
+            let corners = other.iter().map(|&o| triangles[o].map(|i| vertices[i]));
+            solid_angle_sum(point, corners).abs() > std::f64::consts::TAU
+        };
+        let (n_in, n) = own.iter().step_by(step).fold((0, 0), |(n_in, n), t| {
+            (n_in + usize::from(inside(t)), n + 1)
+        });
+        if n_in > 0 && n_in < n {
+            return true;
+        }
+        depth += usize::from(n_in > 0);
+    }
+    depth % 2 == 0
+}
+
+/// Enclosed volume of some triangles, positive when they face outward, m³.
+fn volume_of(vertices: &[Vector3<f64>], triangles: &[[usize; 3]], members: &[usize]) -> f64 {
+    let Some(&first) = members.first() else {
+        return 0.0;
+    };
+    let origin = vertices[triangles[first][0]];
+    let six_fold: f64 = members
+        .iter()
+        .map(|&t| {
+            let [a, b, c] = triangles[t].map(|i| vertices[i] - origin);
+            a.dot(&b.cross(&c))
+        })
+        .sum();
+    six_fold / 6.0
+}

@@ -1,0 +1,146 @@
+//! What was found and repaired while a mesh was read.
+
+use crate::{BoundingBox, LengthUnit};
+use serde::{Serialize, Serializer};
+
+/// Longest seed that raises no question, m.
+const LARGE: f64 = 0.1;
+
+/// Shortest seed (by its longest dimension) that raises no question, m.
+const SMALL: f64 = 1e-4;
+
+/// Something that is not wrong, but that the user should know.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub enum Warning {
+    /// The size is not that of a seed: the unit is probably another one.
+    UnitSuspect {
+        /// Longest dimension as read, m.
+        longest: f64,
+        /// Unit that was used.
+        unit: LengthUnit,
+        /// Unit that would give a seed of common size, and that size, m.
+        likely: Option<(LengthUnit, f64)>,
+    },
+    /// Degenerate triangles were dropped.
+    DegenerateDropped(usize),
+    /// Repeated triangles were dropped.
+    DuplicatesDropped(usize),
+    /// Triangles were turned to face outward.
+    Turned(usize),
+    /// The surface has holes.
+    OpenEdges(usize),
+    /// Edges have more than two triangles.
+    NonManifoldEdges(usize),
+    /// The surface has one side only.
+    NotOrientable,
+    /// The file holds several connected surfaces.
+    SeveralShells {
+        /// Connected surfaces.
+        shells: usize,
+        /// Of these, outer surfaces of bodies.
+        bodies: usize,
+    },
+}
+
+impl std::fmt::Display for Warning {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::UnitSuspect {
+                longest,
+                unit,
+                likely,
+            } => {
+                let size = longest * 1e3;
+                write!(
+                    f,
+                    "the longest dimension is {size:.4} mm when read in {unit}"
+                )?;
+                match likely {
+                    Some((other, length)) => {
+                        let factor = other.in_metres() / unit.in_metres();
+                        let length = length * 1e3;
+                        write!(
+                            f,
+                            "; a seed is 0.1 to 100 mm: with the unit {other} (factor \
+                             {factor:e}) it would be {length:.2} mm"
+                        )
+                    }
+                    None => write!(f, "; a seed is 0.1 to 100 mm: check the unit"),
+                }
+            }
+            Self::DegenerateDropped(n) => write!(f, "{n} degenerate triangles dropped"),
+            Self::DuplicatesDropped(n) => write!(f, "{n} repeated triangles dropped"),
+            Self::Turned(n) => write!(f, "{n} triangles turned to face outward"),
+            Self::OpenEdges(n) => write!(f, "not closed: {n} edges belong to one triangle only"),
+            Self::NonManifoldEdges(n) => {
+                write!(f, "{n} edges belong to more than two triangles")
+            }
+            Self::NotOrientable => write!(f, "the surface has one side only"),
+            Self::SeveralShells { shells, bodies } => {
+                write!(
+                    f,
+                    "{shells} connected surfaces, {bodies} of them outer ones"
+                )
+            }
+        }
+    }
+}
+
+impl Serialize for Warning {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_str(self)
+    }
+}
+
+/// What a mesh is like and what was done to it on reading.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct MeshReport {
+    /// File or shape.
+    pub source: String,
+    /// Unit in which the numbers were read.
+    pub unit: LengthUnit,
+    /// Triangles kept.
+    pub triangles: usize,
+    /// Vertices after joining.
+    pub vertices: usize,
+    /// Whether the surface is closed and has an inside.
+    pub watertight: bool,
+    /// Connected surfaces.
+    pub shells: usize,
+    /// Triangles dropped because two corners coincide.
+    pub degenerate_dropped: usize,
+    /// Triangles dropped because they repeat another.
+    pub duplicates_dropped: usize,
+    /// Triangles turned to face outward.
+    pub triangles_turned: usize,
+    /// Box along the axes, m.
+    pub bounding_box: BoundingBox,
+    /// Surface area, m².
+    pub area: f64,
+    /// Enclosed volume, m³; none for an open mesh.
+    pub volume: Option<f64>,
+    /// What the user should know.
+    pub warnings: Vec<Warning>,
+}
+
+/// Questions a size that no seed has, and looks for a unit that would give a common one.
+pub(crate) fn suspect_unit(longest: f64, unit: LengthUnit) -> Option<Warning> {
+    if (SMALL..=LARGE).contains(&longest) {
+        return None;
+    }
+    let likely = LengthUnit::ALL
+        .into_iter()
+        .map(|other| (other, longest / unit.in_metres() * other.in_metres()))
+        .filter(|(_, length)| (SMALL..=LARGE).contains(length))
+        // The common seed is some millimetres long; take the unit that comes nearest to 5 mm.
+        .min_by(|a, b| {
+            let far = |length: f64| (length / 5e-3).ln().abs();
+            far(a.1).total_cmp(&far(b.1))
+        });
+    Some(Warning::UnitSuspect {
+        longest,
+        unit,
+        likely,
+    })
+}

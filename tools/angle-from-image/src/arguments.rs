@@ -1,0 +1,144 @@
+//! What the command takes.
+
+use photo_profile::{DrumPixels, Foreground, Mode, PixelPoint, Settings};
+use std::path::PathBuf;
+use surface_profile::Definition;
+
+/// Reads the dynamic angle of repose from photos and frames of a rotating drum.
+///
+/// The angle is the inclination of the free surface from the horizontal of the picture, always
+/// positive, with the side that stands higher. Exit code 0: all measured; 1: at least one picture
+/// was refused, with the reason; 2: an error.
+#[derive(Debug, clap::Parser)]
+#[command(version)]
+pub(crate) struct Arguments {
+    /// Photos (PNG, JPEG, BMP, animated PNG) or folders of them
+    #[arg(required = true, value_name = "PHOTO")]
+    pub(crate) photos: Vec<PathBuf>,
+
+    /// Draw what was found over the photo; for several pictures the name gets a number
+    #[arg(long, value_name = "OUT.png")]
+    pub(crate) overlay: Option<PathBuf>,
+
+    /// Which slope is the angle: least-squares line through the whole free surface, tangent of
+    /// the central fifth of the drum diameter, or rim to rim
+    #[arg(long, value_enum, default_value_t = DefinitionName::Line)]
+    pub(crate) definition: DefinitionName,
+
+    /// The drum circle, px, y down from the centre of the upper left pixel [default: found]
+    #[arg(long, value_name = "CX,CY,R", value_parser = drum, allow_hyphen_values = true)]
+    pub(crate) drum: Option<DrumPixels>,
+
+    /// Angle of the true horizontal in the picture, degrees, counter-clockwise positive
+    #[arg(
+        long,
+        value_name = "DEG",
+        default_value_t = 0.0,
+        allow_hyphen_values = true
+    )]
+    pub(crate) camera_roll_deg: f64,
+
+    /// Corners of a square in the plane of the drum's end, to take the perspective out: upper
+    /// left, upper right, lower right, lower left, px; results are then in the straightened
+    /// picture
+    #[arg(long, value_name = "X,Y;X,Y;X,Y;X,Y", value_parser = corners, allow_hyphen_values = true)]
+    pub(crate) corners: Option<Corners>,
+
+    /// What the picture shows (heap is not supported yet)
+    #[arg(long, value_enum, default_value_t = ModeName::Drum)]
+    pub(crate) mode: ModeName,
+
+    /// Whether the bed is darker or lighter than the air
+    #[arg(long, value_enum, default_value_t = ForegroundName::Auto)]
+    pub(crate) foreground: ForegroundName,
+
+    /// Flags of every command.
+    #[command(flatten)]
+    pub(crate) common: command_line::Common,
+}
+
+/// Four corners, px.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Corners(pub(crate) [PixelPoint; 4]);
+
+/// Names of the definitions.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+pub(crate) enum DefinitionName {
+    /// Rim to rim
+    Chord,
+    /// Central fifth of the drum diameter
+    Mid,
+    /// Least-squares line through the whole free surface
+    Line,
+}
+
+/// Names of the modes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+pub(crate) enum ModeName {
+    /// A drum seen along its axis
+    Drum,
+    /// A heap on a level base
+    Heap,
+}
+
+/// Names of the foregrounds.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+pub(crate) enum ForegroundName {
+    /// Found from the picture
+    Auto,
+    /// The bed is darker than the air
+    Dark,
+    /// The bed is lighter than the air
+    Light,
+}
+
+impl Arguments {
+    /// The settings of the measurement.
+    pub(crate) fn settings(&self) -> Settings {
+        Settings {
+            drum: self.drum,
+            camera_roll: self.camera_roll_deg.to_radians(),
+            definition: match self.definition {
+                DefinitionName::Chord => Definition::Chord,
+                DefinitionName::Mid => Definition::Mid,
+                DefinitionName::Line => Definition::Line,
+            },
+            mode: match self.mode {
+                ModeName::Drum => Mode::Drum,
+                ModeName::Heap => Mode::Heap,
+            },
+            foreground: match self.foreground {
+                ForegroundName::Auto => Foreground::Auto,
+                ForegroundName::Dark => Foreground::Dark,
+                ForegroundName::Light => Foreground::Light,
+            },
+        }
+    }
+}
+
+/// Reads numbers with commas between them.
+fn numbers<const N: usize>(text: &str) -> Result<[f64; N], String> {
+    let values: Result<Vec<f64>, _> = text.split(',').map(|part| part.trim().parse()).collect();
+    values
+        .ok()
+        .and_then(|values| values.try_into().ok())
+        .filter(|values: &[f64; N]| values.iter().all(|v| v.is_finite()))
+        .ok_or_else(|| format!("\"{text}\" must be {N} finite numbers with commas, in px"))
+}
+
+/// Reads CX,CY,R.
+fn drum(text: &str) -> Result<DrumPixels, String> {
+    numbers(text).map(|[cx, cy, r]| DrumPixels { cx, cy, r })
+}
+
+/// Reads X,Y;X,Y;X,Y;X,Y.
+fn corners(text: &str) -> Result<Corners, String> {
+    let points: Result<Vec<PixelPoint>, String> = text
+        .split(';')
+        .map(|pair| numbers(pair).map(|[x, y]| PixelPoint { x, y }))
+        .collect();
+    points?
+        .try_into()
+        .map(Corners)
+        .map_err(|_| format!("\"{text}\" must be four corners X,Y with semicolons, in px"))
+}

@@ -1,0 +1,213 @@
+//! The command as a user meets it: exit codes, text, JSON, overlays.
+
+#![expect(clippy::unwrap_used, reason = "helpers of tests fail like tests")]
+
+use serde_json::Value;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+fn photo(name: &str) -> PathBuf {
+    PathBuf::from(env!("CARGO_MANIFEST_DIR"))
+        .join("../../fixtures/photos")
+        .join(name)
+}
+
+const GOOD: &str = "granudrum_mccA_15rpm_avg.bmp";
+const REFUSED: &str = "phone_prototype_drums_tilted_camera.jpg";
+
+/// An empty folder of its own for one test.
+fn folder(name: &str) -> PathBuf {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("angle-{name}"));
+    if folder.exists() {
+        std::fs::remove_dir_all(&folder).unwrap();
+    }
+    std::fs::create_dir_all(&folder).unwrap();
+    folder
+}
+
+fn run(arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_angle-from-image"))
+        .args(arguments)
+        .output()
+        .unwrap()
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8(bytes.to_vec()).unwrap()
+}
+
+/// The hand reading of the chord is 35.0 +- 0.8 degrees, of the middle 41.2 +- 1.0.
+#[test]
+fn a_good_photo_gives_its_angle_and_exit_code_0() {
+    let good = photo(GOOD);
+    let output = run(&[
+        good.to_str().unwrap(),
+        "--definition",
+        "chord",
+        "--json",
+        "--quiet",
+    ]);
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    let json: Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert!(
+        (json["angle_deg"].as_f64().unwrap() - 35.0).abs() < 1.3,
+        "{}",
+        json["angle_deg"]
+    );
+    assert!(
+        (json["mid_deg"].as_f64().unwrap() - 41.2).abs() < 1.5,
+        "{}",
+        json["mid_deg"]
+    );
+    assert_eq!(json["angle_deg"], json["chord_deg"]);
+    assert!(output.stderr.is_empty(), "quiet says nothing");
+}
+
+/// Scripts rely on these keys.
+#[test]
+fn json_has_the_promised_keys() {
+    let (good, refused) = (photo(GOOD), photo(REFUSED));
+    let output = run(&["--json", good.to_str().unwrap(), refused.to_str().unwrap()]);
+    assert_eq!(output.status.code(), Some(1), "one is refused");
+    let json: Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert!(
+        json["version"].is_string() && json["seed"].is_null(),
+        "where it comes from"
+    );
+    assert_eq!(json["inputs"].as_object().unwrap().len(), 2);
+    let image = &json["images"][0];
+    for key in [
+        "angle_deg",
+        "angle_se_deg",
+        "line_deg",
+        "chord_deg",
+        "mid_deg",
+        "curvature",
+        "quality",
+    ] {
+        assert!(image[key].is_f64(), "{key} is {}", image[key]);
+    }
+    assert_eq!(image["verdict"], "ok");
+    assert!(image["reason"].is_null(), "no reason");
+    assert_eq!(image["high_side"], "left");
+    for key in ["cx", "cy", "r"] {
+        assert!(image["drum"][key].is_f64(), "drum {key}");
+    }
+    assert!(
+        image["surface"].as_array().unwrap().len() > 100,
+        "surface points"
+    );
+    assert_eq!(image["surface"][0].as_array().unwrap().len(), 2);
+    let refused = &json["images"][1];
+    assert_eq!(refused["verdict"], "refused");
+    assert!(
+        refused["reason"].as_str().unwrap().contains("drum"),
+        "{}",
+        refused["reason"]
+    );
+    assert!(refused["angle_deg"].is_null(), "no number for a refusal");
+    assert!(
+        refused["file"].as_str().unwrap().ends_with(REFUSED),
+        "{}",
+        refused["file"]
+    );
+    let summary = &json["summary"];
+    assert_eq!(
+        (summary["n"].as_u64(), summary["refused"].as_u64()),
+        (Some(1), Some(1))
+    );
+    assert_eq!(summary["mean_deg"], image["angle_deg"]);
+    for key in ["sd_deg", "se_deg"] {
+        assert!(summary[key].is_null(), "{key} of one picture");
+    }
+}
+
+#[test]
+fn a_refused_photo_exits_1_and_says_why() {
+    let output = run(&[photo(REFUSED).to_str().unwrap()]);
+    assert_eq!(output.status.code(), Some(1));
+    assert!(
+        text(&output.stdout).contains("refused: no drum circle"),
+        "{}",
+        text(&output.stdout)
+    );
+}
+
+#[test]
+fn what_cannot_be_read_or_meant_exits_2() {
+    let folder = folder("unreadable");
+    let cut = folder.join("cut.jpg");
+    let whole = std::fs::read(photo("granudrum_mccA_inverted.jpg")).unwrap();
+    std::fs::write(&cut, &whole[..8000]).unwrap();
+    let good = photo(GOOD);
+    let good = good.to_str().unwrap();
+    let cases: [(&[&str], &str); 6] = [
+        (&[cut.to_str().unwrap()], "cut off"),
+        (&["no-such-photo.png"], "cannot read"),
+        (&[good, "--drum", "1,2"], "3 finite numbers"),
+        (&[good, "--drum", "10,10,NaN"], "3 finite numbers"),
+        (&[good, "--mode", "heap"], "not supported yet"),
+        (&[good, "--camera-roll-deg", "200"], "camera roll"),
+    ];
+    for (arguments, expected) in cases {
+        let output = run(arguments);
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}");
+        let message = text(&output.stderr);
+        assert!(message.contains(expected), "{arguments:?}: {message}");
+        assert!(output.stdout.is_empty(), "{arguments:?} has no result");
+    }
+}
+
+#[test]
+fn an_overlay_is_written_once_and_replaced_only_by_force() {
+    let good = photo(GOOD);
+    let out = folder("overlay").join("out.png");
+    let arguments = [
+        good.to_str().unwrap(),
+        "--overlay",
+        out.to_str().unwrap(),
+        "--quiet",
+    ];
+    assert_eq!(run(&arguments).status.code(), Some(0));
+    let drawn = image::open(&out).unwrap().to_rgb8();
+    assert_eq!(drawn.dimensions(), (406, 406));
+    let green = drawn.pixels().filter(|p| p.0 == [0, 200, 60]).count();
+    assert!(green > 300, "{green} green pixels of the surface");
+    assert_eq!(
+        run(&arguments).status.code(),
+        Some(2),
+        "not without --force"
+    );
+    let forced: Vec<&str> = arguments.iter().copied().chain(["--force"]).collect();
+    assert_eq!(run(&forced).status.code(), Some(0));
+}
+
+#[test]
+fn a_folder_is_measured_as_a_series() {
+    let frames = folder("series");
+    for k in 0..3 {
+        std::fs::copy(photo(GOOD), frames.join(format!("frame-{k}.bmp"))).unwrap();
+    }
+    std::fs::write(frames.join("notes.txt"), "no picture").unwrap();
+    let json_file = frames.join("out.json");
+    let output = run(&[
+        frames.to_str().unwrap(),
+        "--json",
+        json_file.to_str().unwrap(),
+    ]);
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    let json: Value = serde_json::from_slice(&std::fs::read(&json_file).unwrap()).unwrap();
+    assert_eq!(json["summary"]["n"], 3);
+    assert_eq!(json["summary"]["sd_deg"].as_f64(), Some(0.0));
+    assert!(
+        text(&output.stdout).contains("3 measured, 0 refused"),
+        "{}",
+        text(&output.stdout)
+    );
+    let empty = folder("no-pictures");
+    assert_eq!(
+        run(&[empty.to_str().unwrap()]).status.code(),
+        Some(2),
+        "nothing to measure"
+    );
+}

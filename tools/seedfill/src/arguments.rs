@@ -1,0 +1,164 @@
+//! What the command can be asked.
+
+use crate::sphere_file::Format;
+use clap::Parser;
+use sphere_fill::Method;
+use std::path::PathBuf;
+use trimesh::LengthUnit;
+
+/// Fills a closed mesh (STL) with spheres
+///
+/// Bare lengths are in the unit of the mesh; a unit may be written behind them (0.45mm).
+/// Exit code: 0 filled; 1 refused (radius does not fit, count or roughness not reached); 2 error.
+#[derive(Debug, Parser)]
+#[command(name = "seedfill", version, about)]
+pub(crate) struct Arguments {
+    /// Mesh to fill, STL (binary or ASCII)
+    #[arg(value_name = "MESH.stl")]
+    pub(crate) mesh: PathBuf,
+
+    /// Radius of the spheres (method smooth: of the smallest allowed)
+    #[arg(long, value_name = "LENGTH", allow_hyphen_values = true)]
+    pub(crate) radius: String,
+
+    /// Unit of the numbers in the mesh: mm, cm, m or um
+    #[arg(long, default_value = "mm", value_name = "UNIT")]
+    pub(crate) unit: LengthUnit,
+
+    /// How spheres are placed
+    #[arg(long, value_enum, default_value = "pack")]
+    pub(crate) method: MethodName,
+
+    /// Place exactly N spheres, spread evenly [default: as many as are found]
+    #[arg(long, value_name = "N")]
+    pub(crate) count: Option<usize>,
+
+    /// Surface roughness (rms) at which the method smooth stops [default: radius / 20]
+    #[arg(long, value_name = "LENGTH", allow_hyphen_values = true)]
+    pub(crate) roughness: Option<String>,
+
+    /// Seed of the random choices
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    pub(crate) seed: u64,
+
+    /// Search work relative to the default
+    #[arg(
+        long,
+        value_name = "FACTOR",
+        default_value_t = 1.0,
+        allow_hyphen_values = true
+    )]
+    pub(crate) effort: f64,
+
+    /// Mass of the seed in kg, for the fraction density
+    #[arg(
+        long,
+        value_name = "KG",
+        conflicts_with = "density",
+        allow_hyphen_values = true
+    )]
+    pub(crate) mass: Option<f64>,
+
+    /// Density of the seed in kg/m3, for mass and fraction density
+    #[arg(long, value_name = "KG_M3", allow_hyphen_values = true)]
+    pub(crate) density: Option<f64>,
+
+    /// Write the spheres to FILE
+    #[arg(long, value_name = "FILE")]
+    pub(crate) out: Option<PathBuf>,
+
+    /// Format of the spheres [default: by the extension of FILE]
+    #[arg(long, value_enum)]
+    pub(crate) format: Option<Format>,
+
+    /// Draw spheres and mesh to a picture
+    #[arg(long, value_name = "FILE.png")]
+    pub(crate) preview: Option<PathBuf>,
+
+    #[command(flatten)]
+    pub(crate) common: command_line::Common,
+}
+
+/// Names of the methods.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+pub(crate) enum MethodName {
+    /// Equal spheres, dense, without overlap
+    Pack,
+    /// Equal spheres on the best placed close-packed lattice
+    Lattice,
+    /// Overlapping spheres of several radii that follow the surface
+    Smooth,
+}
+
+impl From<MethodName> for Method {
+    fn from(name: MethodName) -> Self {
+        match name {
+            MethodName::Pack => Self::Pack,
+            MethodName::Lattice => Self::Lattice,
+            MethodName::Smooth => Self::Smooth,
+        }
+    }
+}
+
+/// Reads a length in metres; a bare number is in the unit of the mesh.
+///
+/// # Errors
+///
+/// No number, a number that is not positive and finite, or an unknown unit.
+pub(crate) fn length_in_metres(flag: &str, text: &str, mesh: LengthUnit) -> anyhow::Result<f64> {
+    let text = text.trim();
+    let (digits, unit) = if text.parse::<f64>().is_ok() {
+        (text, mesh)
+    } else {
+        // The e of an exponent is followed by digits, so only a unit is cut off here.
+        let digits = text.trim_end_matches(|c: char| c.is_ascii_alphabetic());
+        let unit = match &text[digits.len()..] {
+            "" => mesh,
+            symbol => symbol
+                .parse()
+                .map_err(|error| anyhow::anyhow!("--{flag} {text}: {error}"))?,
+        };
+        (digits.trim(), unit)
+    };
+    let value: f64 = digits.parse().map_err(|_| {
+        anyhow::anyhow!("--{flag} {text}: expected a length such as 0.45 or 0.45mm")
+    })?;
+    anyhow::ensure!(
+        value.is_finite() && value > 0.0,
+        "--{flag} {text}: a length must be a positive number"
+    );
+    Ok(value * unit.in_metres())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::length_in_metres;
+    use trimesh::LengthUnit::{Metre, Millimetre};
+
+    #[test]
+    fn a_bare_length_is_in_the_unit_of_the_mesh_and_a_written_unit_wins() {
+        let read = |text, unit| length_in_metres("radius", text, unit).unwrap();
+        assert!((read("0.45", Millimetre) - 0.45e-3).abs() < 1e-18);
+        assert!((read("4.5e-4", Metre) - 0.45e-3).abs() < 1e-18);
+        assert!((read("450 um", Metre) - 0.45e-3).abs() < 1e-18);
+    }
+
+    #[test]
+    fn what_is_no_positive_length_is_refused() {
+        for text in [
+            "",
+            "mm",
+            "0",
+            "-1",
+            "nan",
+            "inf",
+            "1e999",
+            "0.45 inch",
+            "0,45",
+        ] {
+            let refused = length_in_metres("radius", text, Millimetre);
+            let message = refused.expect_err(text).to_string();
+            assert!(message.contains("--radius"), "{text}: {message}");
+        }
+    }
+}

@@ -1,0 +1,186 @@
+//! The result as JSON and as text.
+
+use crate::arguments::Arguments;
+use crate::sphere_file::in_unit;
+use command_line::Header;
+use serde::Serialize;
+use sphere_fill::{Filling, FitReport};
+use trimesh::{LengthUnit, MeshReport, Warning};
+
+/// Everything that `--json` tells. Lengths without a unit in their key are in `unit`.
+#[derive(Debug, Serialize)]
+pub(crate) struct Summary {
+    #[serde(flatten)]
+    header: Header,
+    /// `ok`.
+    verdict: &'static str,
+    /// Unit of the mesh, of all lengths whose key names none, and of `sphere_list`.
+    unit: LengthUnit,
+    method: String,
+    /// Number of spheres.
+    spheres: usize,
+    /// Radius asked for.
+    radius: f64,
+    radius_mm: f64,
+    mesh: MeshSummary,
+    fit: FitSummary,
+    mass_kg: Option<f64>,
+    fraction_density_kg_m3: Option<f64>,
+    elapsed_s: f64,
+    /// x, y, z, radius of each sphere.
+    sphere_list: Vec<[f64; 4]>,
+}
+
+#[derive(Debug, Serialize)]
+struct MeshSummary {
+    triangles: usize,
+    vertices: usize,
+    watertight: bool,
+    volume: Option<f64>,
+    volume_mm3: Option<f64>,
+    area: f64,
+    bounding_box: Bounds,
+    degenerate_dropped: usize,
+    duplicates_dropped: usize,
+    triangles_turned: usize,
+    warnings: Vec<Warning>,
+}
+
+#[derive(Debug, Serialize)]
+struct Bounds {
+    low: [f64; 3],
+    high: [f64; 3],
+    size: [f64; 3],
+}
+
+#[derive(Debug, Serialize)]
+struct FitSummary {
+    packing_fraction: f64,
+    union_fraction: f64,
+    max_protrusion: f64,
+    max_overlap: f64,
+    surface_rms: f64,
+    surface_hausdorff: f64,
+    roughness_rms: f64,
+    mean_gap: f64,
+    centroid_offset: f64,
+    inertia_error_percent: [f64; 3],
+}
+
+/// A refusal as JSON.
+#[derive(Debug, Serialize)]
+pub(crate) struct Refusal {
+    #[serde(flatten)]
+    pub(crate) header: Header,
+    /// `refused`.
+    pub(crate) verdict: &'static str,
+    pub(crate) reason: String,
+    pub(crate) mesh_warnings: Vec<Warning>,
+}
+
+impl Summary {
+    /// Converts all figures to the unit of the mesh.
+    pub(crate) fn new(
+        header: Header,
+        arguments: &Arguments,
+        mesh: &MeshReport,
+        filling: &Filling,
+        elapsed_s: f64,
+    ) -> Self {
+        let unit = arguments.unit;
+        let metre = unit.in_metres();
+        let volume = filling.mesh_moments.volume;
+        let mass_kg = arguments
+            .mass
+            .or(arguments.density.map(|density| density * volume));
+        Self {
+            header,
+            verdict: "ok",
+            unit,
+            method: format!("{:?}", filling.settings.method).to_lowercase(),
+            spheres: filling.spheres.len(),
+            radius: filling.settings.radius / metre,
+            radius_mm: filling.settings.radius / metre * (metre * 1e3),
+            mesh: MeshSummary {
+                triangles: mesh.triangles,
+                vertices: mesh.vertices,
+                watertight: mesh.watertight,
+                volume: mesh.volume.map(|v| v / metre.powi(3)),
+                volume_mm3: mesh.volume.map(|v| v * 1e9),
+                area: mesh.area / metre.powi(2),
+                bounding_box: Bounds {
+                    low: array(&mesh.bounding_box.low, metre),
+                    high: array(&mesh.bounding_box.high, metre),
+                    size: array(&mesh.bounding_box.size(), metre),
+                },
+                degenerate_dropped: mesh.degenerate_dropped,
+                duplicates_dropped: mesh.duplicates_dropped,
+                triangles_turned: mesh.triangles_turned,
+                warnings: mesh.warnings.clone(),
+            },
+            fit: fit_in(&filling.report, metre),
+            mass_kg,
+            fraction_density_kg_m3: mass_kg.map(|mass| filling.fraction_density(mass)),
+            elapsed_s,
+            sphere_list: filling.spheres.iter().map(|s| in_unit(s, unit)).collect(),
+        }
+    }
+
+    /// Short text for people.
+    pub(crate) fn text(&self) -> String {
+        let (fit, unit) = (&self.fit, self.unit);
+        let [a, b, c] = self.mesh.bounding_box.size;
+        let [i, j, k] = fit.inertia_error_percent;
+        let mut text = format!(
+            "{} spheres ({}, radius {} {unit}) in {a:.3} x {b:.3} x {c:.3} {unit}, \
+             volume {:.4} {unit}3\n\
+             packing fraction    {:.4}  (union {:.4})\n\
+             largest overlap     {:.2e} {unit}\n\
+             largest protrusion  {:.2e} {unit}\n\
+             surface             rms gap {:.4}, largest {:.4}, roughness {:.4} {unit}\n\
+             centroid offset     {:.4} {unit}\n\
+             inertia error       {i:.2}, {j:.2}, {k:.2} %",
+            self.spheres,
+            self.method,
+            self.radius,
+            self.mesh.volume.unwrap_or(f64::NAN),
+            fit.packing_fraction,
+            fit.union_fraction,
+            fit.max_overlap,
+            fit.max_protrusion,
+            fit.surface_rms,
+            fit.surface_hausdorff,
+            fit.roughness_rms,
+            fit.centroid_offset,
+        );
+        if let (Some(mass), Some(density)) = (self.mass_kg, self.fraction_density_kg_m3) {
+            let lines = [
+                format!("\nmass                {mass:.4e} kg"),
+                format!("\nfraction density    {density:.1} kg/m3"),
+            ];
+            text.extend(lines);
+        }
+        text
+    }
+}
+
+/// Fit figures with lengths in a unit.
+fn fit_in(fit: &FitReport, metre: f64) -> FitSummary {
+    FitSummary {
+        packing_fraction: fit.packing_fraction,
+        union_fraction: fit.union_fraction,
+        max_protrusion: fit.max_protrusion / metre,
+        max_overlap: fit.max_overlap / metre,
+        surface_rms: fit.surface_rms / metre,
+        surface_hausdorff: fit.surface_hausdorff / metre,
+        roughness_rms: fit.roughness_rms / metre,
+        mean_gap: fit.mean_gap / metre,
+        centroid_offset: fit.centroid_offset / metre,
+        inertia_error_percent: fit.inertia_error_percent,
+    }
+}
+
+/// Components of a vector (m) in a unit.
+fn array(vector: &impl std::ops::Index<usize, Output = f64>, metre: f64) -> [f64; 3] {
+    [0, 1, 2].map(|k| vector[k] / metre)
+}

@@ -1,0 +1,264 @@
+//! The command as users and scripts call it.
+
+use serde_json::Value;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+fn fixture(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("../../fixtures/stl")
+        .join(name)
+}
+
+/// Runs the command with little search work.
+fn seedfill(words: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_seedfill"))
+        .args(["--effort", "0.05"])
+        .args(words)
+        .output()
+        .expect("the command starts")
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8_lossy(bytes).into_owned()
+}
+
+fn path_text(path: &Path) -> &str {
+    path.to_str().expect("a plain path")
+}
+
+#[track_caller]
+fn json_of(output: &Output) -> Value {
+    serde_json::from_slice(&output.stdout).expect("JSON alone on standard output")
+}
+
+#[test]
+fn csv_json_and_picture_of_the_flat_seed_agree() {
+    let folder = tempfile::tempdir().unwrap();
+    let (csv, png) = (
+        folder.path().join("flat.csv"),
+        folder.path().join("flat.png"),
+    );
+    let mesh = fixture("cotton_flat.stl");
+    let output = seedfill(&[
+        path_text(&mesh),
+        "--radius",
+        "0.45",
+        "--count",
+        "127",
+        "--mass",
+        "94.5e-6",
+        "--json",
+        "--out",
+        path_text(&csv),
+        "--preview",
+        path_text(&png),
+    ]);
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    let json = json_of(&output);
+    assert_eq!(json["spheres"], 127);
+    assert_eq!(json["radius"], 0.45);
+    assert_eq!(json["mesh"]["triangles"], 13520);
+    assert_eq!(json["mesh"]["watertight"], true);
+    assert_eq!(json["mesh"]["warnings"].as_array().unwrap().len(), 0);
+    assert!((json["mesh"]["volume"].as_f64().unwrap() - 93.0).abs() < 1e-3);
+    assert!((json["mesh"]["bounding_box"]["size"][0].as_f64().unwrap() - 9.26).abs() < 1e-6);
+    // Eq. (9) of the study for its own count and mass.
+    let density = json["fraction_density_kg_m3"].as_f64().unwrap();
+    assert!((density - 1949.40).abs() < 0.01, "{density}");
+    assert_eq!(json["mass_kg"], 94.5e-6);
+    for key in [
+        "packing_fraction",
+        "union_fraction",
+        "max_protrusion",
+        "max_overlap",
+        "surface_rms",
+        "surface_hausdorff",
+        "roughness_rms",
+        "centroid_offset",
+    ] {
+        assert!(json["fit"][key].is_number(), "{key}");
+    }
+    assert_eq!(
+        json["fit"]["inertia_error_percent"]
+            .as_array()
+            .unwrap()
+            .len(),
+        3
+    );
+    assert!(json["version"].is_string() && json["seed"] == 1 && json["elapsed_s"].is_number());
+    let sum = json["inputs"].as_object().unwrap().values().next().unwrap();
+    assert_eq!(
+        sum,
+        "e2996577b429fe98c8fe43631c9df8ba3435022fc95f66195103c6b25576721d"
+    );
+    let table = std::fs::read_to_string(&csv).unwrap();
+    let lines: Vec<&str> = table.lines().collect();
+    assert_eq!((lines[0], lines.len()), ("x,y,z,radius", 128));
+    let first: Vec<f64> = lines[1]
+        .split(',')
+        .map(|word| word.parse().unwrap())
+        .collect();
+    for (k, value) in first.iter().enumerate() {
+        assert_eq!(json["sphere_list"][0][k].as_f64(), Some(*value));
+    }
+    assert!(std::fs::read(&png).unwrap().starts_with(b"\x89PNG"));
+}
+
+#[test]
+fn a_file_is_overwritten_only_by_force() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("seed.csv");
+    std::fs::write(&file, "mine").unwrap();
+    let mesh = fixture("cotton_flat.stl");
+    let words = [
+        path_text(&mesh),
+        "--radius",
+        "0.8",
+        "--out",
+        path_text(&file),
+    ];
+    let output = seedfill(&words);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(
+        text(&output.stderr).contains("--force"),
+        "{}",
+        text(&output.stderr)
+    );
+    assert_eq!(std::fs::read_to_string(&file).unwrap(), "mine");
+    let output = seedfill(&[&words[..], &["--force"]].concat());
+    assert_eq!(output.status.code(), Some(0));
+    assert!(
+        std::fs::read_to_string(&file)
+            .unwrap()
+            .starts_with("x,y,z,radius\n")
+    );
+}
+
+#[test]
+fn every_supported_format_has_a_line_for_each_sphere() {
+    let mesh = fixture("cotton_flat.stl");
+    for (format, metre) in [
+        ("csv", 1e-3),
+        ("liggghts", 1.0),
+        ("yade", 1.0),
+        ("vtk", 1e-3),
+    ] {
+        let output = seedfill(&[
+            path_text(&mesh),
+            "--radius",
+            "1mm",
+            "--count",
+            "3",
+            "--format",
+            format,
+            "--quiet",
+        ]);
+        assert_eq!(output.status.code(), Some(0), "{format}");
+        assert!(output.stderr.is_empty(), "{}", text(&output.stderr));
+        let table = text(&output.stdout);
+        let radius = (1e-3 / metre).to_string();
+        let n = table.lines().filter(|line| line.ends_with(&radius)).count();
+        assert!(n >= 3, "{format}: {table}");
+    }
+    for format in ["lammps", "edem", "pfc"] {
+        let output = seedfill(&[path_text(&mesh), "--radius", "1", "--format", format]);
+        assert_eq!(output.status.code(), Some(2));
+        let message = text(&output.stderr);
+        assert!(
+            message.contains(&format!("{format} is not supported yet; supported are csv")),
+            "{message}"
+        );
+    }
+}
+
+#[test]
+fn broken_meshes_end_with_code_2_and_the_name_of_the_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let whole = std::fs::read(fixture("cotton_flat.stl")).unwrap();
+    let mut open = whole.clone();
+    open.truncate(whole.len() - 50);
+    open[80..84].copy_from_slice(&13519_u32.to_le_bytes());
+    let cases: [(&str, &[u8], &str); 4] = [
+        ("empty.stl", &[], "0 bytes"),
+        ("cut.stl", &whole[..9999], "cut off"),
+        ("open.stl", &open, "not closed"),
+        ("none.stl", &[0; 84], "no triangle"),
+    ];
+    for (name, bytes, part) in cases {
+        let file = folder.path().join(name);
+        std::fs::write(&file, bytes).unwrap();
+        let output = seedfill(&[path_text(&file), "--radius", "0.45", "--quiet", "--json"]);
+        let message = text(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{name}: {message}");
+        assert!(
+            message.contains(name) && message.contains(part),
+            "{name}: {message}"
+        );
+        assert!(output.stdout.is_empty(), "{name}");
+    }
+}
+
+#[test]
+fn a_radius_that_does_not_fit_is_an_answer_with_its_reason() {
+    let mesh = fixture("cotton_flat.stl");
+    let output = seedfill(&[path_text(&mesh), "--radius", "3", "--json", "--quiet"]);
+    assert_eq!(output.status.code(), Some(1));
+    let json = json_of(&output);
+    assert_eq!(json["verdict"], "refused");
+    assert!(
+        json["reason"]
+            .as_str()
+            .unwrap()
+            .contains("the largest that does has about 1.69")
+    );
+    assert!(text(&output.stderr).contains("does not fit"));
+}
+
+/// A seed whose numbers are metres, read as millimetres, and the other way round.
+#[test]
+fn a_mesh_in_another_unit_is_warned_of() {
+    let mesh = fixture("cotton_flat.stl");
+    let output = seedfill(&[path_text(&mesh), "--unit", "m", "--radius", "1.2", "--json"]);
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    let json = json_of(&output);
+    let warning = json["mesh"]["warnings"][0].as_str().unwrap().to_owned();
+    assert!(
+        warning.contains("with the unit mm (factor 1e-3)"),
+        "{warning}"
+    );
+    assert!(text(&output.stderr).contains(&warning));
+    assert_eq!(json["unit"], "m");
+}
+
+#[test]
+fn usage_that_cannot_be_meant_ends_with_code_2() {
+    let mesh = fixture("cotton_flat.stl");
+    let mesh = path_text(&mesh);
+    let cases: [(&[&str], &str); 9] = [
+        (&[mesh], "--radius"),
+        (&[mesh, "--radius", "nan"], "positive"),
+        (&[mesh, "--radius", "-0.45"], "positive"),
+        (&[mesh, "--radius", "0.45", "--unit", "inch"], "inch"),
+        (&[mesh, "--radius", "0.45", "--count", "0"], "at least 1"),
+        (&[mesh, "--radius", "0.45", "--mass", "0"], "--mass"),
+        (
+            &[mesh, "--radius", "0.45", "--mass", "1", "--density", "900"],
+            "--density",
+        ),
+        (
+            &[mesh, "--radius", "0.45", "--roughness", "0.01"],
+            "smooth only",
+        ),
+        (
+            &[mesh, "--radius", "0.45", "--out", "seed.xyz"],
+            "supported are csv",
+        ),
+    ];
+    for (words, part) in cases {
+        let output = seedfill(words);
+        let message = text(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{words:?}: {message}");
+        assert!(message.contains(part), "{words:?}: {message}");
+    }
+}
