@@ -1,5 +1,4 @@
-//! Cost of a step of a drum like the study's, half as full: 576 seeds between shell and covers at
-//! 10 rpm. (1200 do not fit on the lattice on which they start.)
+//! Cost of a step of the study's drum: 1200 seeds between shell and covers at 10 rpm.
 //!
 //! `cargo run --release -p dem-solver --example drum_cost -- [TIME_STEP_S] [SECONDS] [SKIN_M]`
 //!
@@ -13,7 +12,7 @@ use dem_solver::{
     DashpotMass, Interaction, InteractionSettings, Placement, Settings, Shape, Template, Wall,
     World,
 };
-use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3};
+use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 use random_stream::Stream;
 use std::time::Instant;
 
@@ -29,7 +28,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let spin = 10.0 / 60.0 * std::f64::consts::TAU;
     world.set_wall_spin("shell", spin);
     world.set_wall_spin("cover", spin);
-    run(&mut world, 1.0, "start")?;
+    run(&mut world, 1.5, "start")?;
     let (steps, wall_time) = (world.n_steps(), Instant::now());
     let before = world.census();
     run(&mut world, seconds, "steady")?;
@@ -101,23 +100,7 @@ fn drum(time_step: f64, skin: f64) -> Result<World, Box<dyn std::error::Error>> 
         material: 1,
         spin: 0.0,
     };
-    let mut stream = Stream::new(1, "placement");
-    let spacing = 9.6e-3;
-    let mut placements = Vec::new();
-    for layer in 0..40 {
-        let y = -0.062 + spacing * f64::from(layer);
-        for row in 0..14 {
-            let x = -0.065 + spacing * f64::from(row);
-            for column in 0..4 {
-                let z = -0.0155 + spacing * 1.08 * f64::from(column);
-                if x.hypot(y) < radius - 5e-3 {
-                    let [w, i, j, k] = stream.rotation();
-                    let turn = UnitQuaternion::new_normalize(Quaternion::new(w, i, j, k));
-                    placements.push(Placement::at_rest(0, Vector3::new(x, y, z), turn));
-                }
-            }
-        }
-    }
+    let placements = lattice(radius, width);
     println!(
         "{} seeds of {} spheres",
         placements.len(),
@@ -139,6 +122,34 @@ fn drum(time_step: f64, skin: f64) -> Result<World, Box<dyn std::error::Error>> 
         walls,
         &placements,
     )?)
+}
+
+/// Starts of 1200 seeds in layers from the bottom, long axes along x, turned at random about them.
+fn lattice(radius: f64, width: f64) -> Vec<Placement> {
+    let mut stream = Stream::new(1, "placement");
+    let spacing = HALF_AXES.map(|a| 2.02 * a.max(HALF_AXES[1]));
+    let halves = [radius, radius, 0.5 * width - HALF_AXES[1]];
+    let mut placements = Vec::new();
+    let steps = |axis: usize| {
+        let n = (halves[axis] / spacing[axis]).floor();
+        (0..)
+            .map(f64::from)
+            .map(move |k| k - n)
+            .take_while(move |k| *k <= n)
+    };
+    for y in steps(1) {
+        for x in steps(0) {
+            for z in steps(2) {
+                let position = Vector3::new(x * spacing[0], y * spacing[1], z * spacing[2]);
+                if position.xy().norm() < radius - HALF_AXES[0] && placements.len() < 1200 {
+                    let angle = stream.between(0.0, std::f64::consts::TAU);
+                    let turn = UnitQuaternion::from_axis_angle(&Vector3::x_axis(), angle);
+                    placements.push(Placement::at_rest(0, position, turn));
+                }
+            }
+        }
+    }
+    placements
 }
 
 /// Hexagonal lattice of touching spheres inside an ellipsoid.

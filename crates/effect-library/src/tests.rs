@@ -78,19 +78,23 @@ fn camera_roll_adds_its_angle() {
 }
 
 /// Rolling resistance and cohesion hold the bed together: its centre of mass stands higher up the
-/// drum than without, by far more than two runs differ (about 1 degree at this size).
+/// drum than without. The mean over two starts of 80 seeds varies by about 1 degree.
 #[test]
 fn rolling_resistance_and_cohesion_raise_the_bed() {
     let fillings = FillingLibrary::default();
     let mean = |name: &str, amplitude: f64| {
         let mut scene = small_drum();
+        scene.set_seed_count(80);
         apply(&mut scene, name, amplitude, &fillings).unwrap();
-        let result = run(&scene, &fillings, 5).unwrap();
-        let late = &result.series[result.series.len() / 2..];
-        late.iter().map(|p| p.centre_of_mass_deg).sum::<f64>() / late.len() as f64
+        let of_run = |seed: u64| {
+            let result = run(&scene, &fillings, seed).unwrap();
+            let late = &result.series[result.series.len() / 2..];
+            late.iter().map(|p| p.centre_of_mass_deg).sum::<f64>() / late.len() as f64
+        };
+        f64::midpoint(of_run(5), of_run(6))
     };
     let plain = mean("cohesion", 0.0);
-    for (name, amplitude) in [("rolling-resistance", 0.3), ("cohesion", 1.0)] {
+    for (name, amplitude) in [("rolling-resistance", 0.4), ("cohesion", 1.0)] {
         let on = mean(name, amplitude);
         assert!(on > plain + 2.0, "{name}: {on} against {plain}");
     }

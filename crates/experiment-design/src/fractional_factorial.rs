@@ -7,8 +7,8 @@ use crate::full_factorial::two_level_rows;
 use crate::{Design, DesignKind, Error, Factor, check_factors};
 
 /// Generators of least aberration: number of factors, number of basic factors, and for each
-/// further factor the basic factors whose product it is `[Fries1980; Box2005,
-/// table of fractions of least aberration]`.
+/// further factor the basic factors whose product it is `[Fries1980]`,
+/// `[Box2005, table of fractions of least aberration]`.
 const GENERATORS: [(usize, usize, &[&str]); 15] = [
     (3, 2, &["AB"]),
     (4, 3, &["ABC"]),

@@ -1,8 +1,8 @@
 //! Model matrix, least squares, analysis of variance, the set of solutions.
 //!
-//! [`fit`] fits a polynomial [`Model`] to cell means and returns a [`Fit`] with everything that is
+//! [`fit()`] fits a polynomial [`Model`] to cell means and returns a [`Fit`] with everything that is
 //! known about it: coefficients, analysis of variance, cases, lack of fit, canonical form.
-//! [`screen`] analyses a saturated two-level design. [`solutions`] answers where in the box the
+//! [`screen`] analyses a saturated two-level design. [`solutions()`] answers where in the box the
 //! surface meets a target: the whole set, its confidence region, and the nearest points.
 //!
 //! ```

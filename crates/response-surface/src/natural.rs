@@ -10,8 +10,9 @@ use crate::{Model, NamedValues, Term};
 /// Coefficients in natural units with their tests.
 ///
 /// # Formula
-/// Each coded power is multiplied out: `x^e = sum_m binomial(e, m) (u/h)^m (-c/h)^(e-m)`, c the
-/// middle and h the half-range of the factor. Variances follow from the linear map of the coefficients.
+/// Each coded power is multiplied out: `x^e = sum_m binomial(e, m) (u/h)^m (-c/h)^(e-m)`, c
+/// the middle and h the half-range of the factor. Variances follow from the linear map of the
+/// coefficients.
 pub(crate) fn natural_terms(
     factors: &[Factor],
     model: &Model,

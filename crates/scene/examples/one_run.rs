@@ -11,7 +11,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     println!("filling {:.2} s", begin.elapsed().as_secs_f64());
     let begin = Instant::now();
     let result = run(&scene, &library, arguments[1].parse()?)?;
-    println!("run {:.1} s, {} steps, {:?}", begin.elapsed().as_secs_f64(), result.n_steps, result.truncation);
+    println!("run {:.1} s, dt {:.3e}, {} steps, {:.0} us/step {:?}", begin.elapsed().as_secs_f64(), result.time_step, result.n_steps, begin.elapsed().as_secs_f64()*1e6/result.n_steps as f64, result.truncation);
     let mut image = Vec::new(); let mut position = Vec::new(); let mut curv = Vec::new();
     for (f, r) in result.frames.iter().zip(&result.readings) {
         let i = r.photo.angle.map(|a| a.line.to_degrees()); let p = r.position.map(|a| a.line.to_degrees());

@@ -1,1 +1,25 @@
 //! The loop of one study: reads the study file, runs every stage, writes the result folder.
+//!
+//! This is the only room that joins the calibration to the solver: [`SceneSimulator`] makes a
+//! [`campaign::Simulator`] of scenes and effects, and [`run_study`] leads it through screening,
+//! response surface, solutions, validation, the metering device, the residual at the bench
+//! measurements, and a campaign with a hidden effect.
+
+mod error;
+mod file;
+mod hidden;
+mod loop_stages;
+mod output;
+mod report_page;
+mod result;
+mod simulator;
+mod tables;
+
+pub use error::Error;
+pub use file::{Profile, StudyFile};
+pub use loop_stages::{RunSettings, run_study};
+pub use output::write_results;
+pub use result::{
+    FillingSummary, HiddenCampaign, ImageAgainstPosition, MeteringResult, StudyResult, SweepPoint,
+};
+pub use simulator::{SceneSimulator, outcome_of};

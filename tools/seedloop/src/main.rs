@@ -1,3 +1,58 @@
-//! The seedloop command.
+//! The seedloop command: thin glue between the command line and the crates.
 
-fn main() {}
+mod analyse;
+mod calibrate;
+mod design;
+mod diagnose;
+mod diagnose_problem;
+mod optimise;
+mod simulate;
+
+use clap::{Parser, Subcommand};
+use command_line::Common;
+use std::process::ExitCode;
+
+/// Calibrates the contact parameters of seeds: simulation, designs, surfaces, diagnosis
+#[derive(Parser, Debug)]
+#[command(version, propagate_version = true)]
+struct Cli {
+    /// What to do.
+    #[command(subcommand)]
+    command: Command,
+}
+
+/// What the command can do.
+#[derive(Subcommand, Debug)]
+enum Command {
+    /// Runs one scene and prints what it shows
+    Simulate(simulate::Arguments),
+    /// Writes a design of experiments as a table of runs
+    Design(design::Arguments),
+    /// Fits a model to the table of an experiment: coefficients, analysis of variance, diagnostics
+    Analyse(analyse::Arguments),
+    /// Finds where a fitted surface meets a target: the whole set, its region, the nearest solutions
+    Optimise(optimise::Arguments),
+    /// Runs the whole loop of a study: screening, surface, solutions, validation, diagnosis
+    Calibrate {
+        /// The study and where its results go.
+        #[command(flatten)]
+        arguments: calibrate::Arguments,
+        /// The flags that every command has.
+        #[command(flatten)]
+        common: Common,
+    },
+    /// Tells which effect, if any, a residual that re-tuning cannot remove speaks for
+    Diagnose(diagnose::Arguments),
+}
+
+fn main() -> ExitCode {
+    let cli = Cli::parse_from(command_line::arguments());
+    command_line::finish(match &cli.command {
+        Command::Simulate(arguments) => simulate::run(arguments),
+        Command::Design(arguments) => design::run(arguments),
+        Command::Analyse(arguments) => analyse::run(arguments),
+        Command::Optimise(arguments) => optimise::run(arguments),
+        Command::Calibrate { arguments, common } => calibrate::run(arguments, common),
+        Command::Diagnose(arguments) => diagnose::run(arguments),
+    })
+}

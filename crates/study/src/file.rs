@@ -1,0 +1,324 @@
+//! What a study file says.
+
+use crate::Error;
+use calibration::CalibrationFactor;
+use experiment_design::Factor;
+use scene::Override;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+/// A study.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct StudyFile {
+    /// Name; also that of the result folder.
+    pub name: String,
+    /// Scene of the drum, relative to the study file.
+    pub drum: PathBuf,
+    /// Scene of the metering device.
+    pub metering: PathBuf,
+    /// What was measured in the drum.
+    pub target: Target,
+    /// What was published, for comparison.
+    pub published: Published,
+    /// Contact parameters to calibrate.
+    pub factor: Vec<FactorEntry>,
+    /// How screening decides.
+    pub screening: ScreeningSettings,
+    /// The optimum that was published, by symbol.
+    pub published_optimum: BTreeMap<String, f64>,
+    /// Angle against one parameter.
+    pub sweep: Sweep,
+    /// The residual at the bench measurements.
+    pub residual: ResidualSettings,
+    /// The campaign with a hidden effect.
+    pub hidden: HiddenSettings,
+    /// Sizes of the loop by name.
+    pub profile: BTreeMap<String, Profile>,
+    /// Where the file is.
+    #[serde(skip)]
+    pub path: PathBuf,
+}
+
+/// A measured mean.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct MeasuredMean {
+    /// Mean.
+    pub mean: f64,
+    /// Standard deviation of single measurements.
+    pub sd: f64,
+    /// Number of measurements.
+    pub n: usize,
+}
+
+/// The measurement that the calibration must meet.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Target {
+    /// Name of the observable.
+    pub observable: String,
+    /// Mean, in the unit of the observable.
+    pub value: f64,
+    /// Standard deviation over frames.
+    pub sd: f64,
+    /// Number of frames.
+    pub n: usize,
+}
+
+/// Published results: mean and standard deviation, deg.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Published {
+    /// Simulated angle at the published optimum.
+    pub validation_angle_deg: [f64; 2],
+    /// Measured filling angle.
+    pub filling_angle_measured_deg: [f64; 2],
+    /// Simulated filling angle.
+    pub filling_angle_simulated_deg: [f64; 2],
+    /// Simulated angle with the bench measurements.
+    pub sliding_angle_at_measured_deg: f64,
+}
+
+/// One factor.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct FactorEntry {
+    /// Symbol.
+    pub symbol: String,
+    /// What it is.
+    pub name: String,
+    /// Setting of the scene.
+    pub parameter: String,
+    /// Low level.
+    pub low: f64,
+    /// High level.
+    pub high: f64,
+    /// Bench measurement.
+    pub measured: MeasuredMean,
+}
+
+/// How screening decides.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ScreeningSettings {
+    /// Level of significance.
+    pub alpha: f64,
+    /// Number of factors to keep at least.
+    pub least_factors: usize,
+}
+
+/// Angle against one parameter.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Sweep {
+    /// Symbol of the factor.
+    pub symbol: String,
+    /// Its values.
+    pub values: Vec<f64>,
+}
+
+/// The residual at the bench measurements.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ResidualSettings {
+    /// Symbols of the declared parameters.
+    pub factors: Vec<String>,
+    /// Steps of the finite differences.
+    pub steps: Vec<f64>,
+    /// Effects to search.
+    pub effects: Vec<String>,
+    /// Amplitudes of filling-smoothness at which the angle is shown.
+    pub smoothness: Vec<f64>,
+}
+
+/// A condition of the hidden campaign.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct HiddenCondition {
+    /// Speed, rpm.
+    pub rpm: f64,
+    /// Number of seeds over the full number.
+    pub fill: f64,
+    /// Whether the fit may use it.
+    pub used: bool,
+}
+
+/// The campaign with a hidden effect.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct HiddenSettings {
+    /// The effect that made the data.
+    pub effect: String,
+    /// Its amplitude.
+    pub amplitude: f64,
+    /// Observables.
+    pub observables: Vec<String>,
+    /// Noise of reading each observable, in its unit.
+    pub reading_sd: Vec<f64>,
+    /// Runs behind each measured value: 2 or more.
+    pub measured_runs: usize,
+    /// Effects to search.
+    pub effects: Vec<String>,
+    /// Symbols of the declared parameters.
+    pub factors: Vec<String>,
+    /// Values that made the data.
+    pub true_values: Vec<f64>,
+    /// Values from which the fit starts.
+    pub starts: Vec<f64>,
+    /// Steps of the finite differences.
+    pub steps: Vec<f64>,
+    /// Bounds.
+    pub bounds: Vec<[f64; 2]>,
+    /// Changes of the drum scene.
+    pub scene: Vec<String>,
+    /// Number of seeds at fill 1.
+    pub full_seed_count: usize,
+    /// Conditions.
+    pub conditions: Vec<HiddenCondition>,
+}
+
+/// A size of the loop.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Profile {
+    /// Runs in each cell of the screening design.
+    pub screening_replicates: usize,
+    /// Runs in each cell of the surface design.
+    pub surface_replicates: usize,
+    /// Centre points of the surface design.
+    pub centre_points: usize,
+    /// Runs of the validation.
+    pub validation_runs: usize,
+    /// Runs at each point of the sweep, of the metering device and of the smoothness series.
+    pub point_runs: usize,
+    /// Runs for each nominal mean of the residual studies.
+    pub residual_replicates: usize,
+    /// Changes of both scenes, `name = value`; those that only a drum has are left out of the
+    /// metering scene.
+    pub scene: Vec<String>,
+    /// Further changes of the drum of the hidden campaign, after those of the campaign itself.
+    #[serde(default)]
+    pub hidden_scene: Vec<String>,
+    /// Number of seeds at fill 1 in the hidden campaign; that of the campaign where absent.
+    #[serde(default)]
+    pub hidden_full_seed_count: Option<usize>,
+}
+
+impl StudyFile {
+    /// Reads a study file.
+    ///
+    /// # Errors
+    ///
+    /// A file that cannot be read, text that is no study, numbers that cannot be meant.
+    pub fn read(path: &Path) -> Result<Self, Error> {
+        let text = std::fs::read_to_string(path)
+            .map_err(|source| Error::File { what: "read", path: path.to_owned(), source })?;
+        let mut study: Self = toml::from_str(&text).map_err(|e| Error::Text {
+            file: path.display().to_string(),
+            message: e.to_string(),
+        })?;
+        path.clone_into(&mut study.path);
+        study.check()?;
+        Ok(study)
+    }
+
+    /// An error about an entry.
+    pub(crate) fn wrong(&self, what: impl Into<String>, problem: impl Into<String>) -> Error {
+        let file = self.path.display().to_string();
+        Error::Meaning { file, what: what.into(), problem: problem.into() }
+    }
+
+    /// The profile of a name.
+    ///
+    /// # Errors
+    ///
+    /// A name that the file does not have.
+    pub fn profile(&self, name: &str) -> Result<&Profile, Error> {
+        self.profile.get(name).ok_or_else(|| {
+            let known: Vec<_> = self.profile.keys().map(String::as_str).collect();
+            self.wrong(format!("profile '{name}'"), format!("is not defined; there are {}", known.join(", ")))
+        })
+    }
+
+    /// The factor of a symbol.
+    ///
+    /// # Errors
+    ///
+    /// A symbol that the file does not have.
+    pub fn factor(&self, symbol: &str) -> Result<&FactorEntry, Error> {
+        self.factor.iter().find(|f| f.symbol == symbol).ok_or_else(|| {
+            let known: Vec<_> = self.factor.iter().map(|f| f.symbol.as_str()).collect();
+            self.wrong(format!("factor '{symbol}'"), format!("is not defined; there are {}", known.join(", ")))
+        })
+    }
+
+    /// All factors as the calibration wants them.
+    ///
+    /// # Errors
+    ///
+    /// Levels that cannot be meant.
+    pub fn calibration_factors(&self) -> Result<Vec<CalibrationFactor>, Error> {
+        self.factor
+            .iter()
+            .map(|f| {
+                Ok(CalibrationFactor {
+                    factor: Factor::new(&f.symbol, &f.name, "1", f.low, f.high)?,
+                    parameter: f.parameter.clone(),
+                })
+            })
+            .collect()
+    }
+
+    /// Changes `name = value` as overrides.
+    ///
+    /// # Errors
+    ///
+    /// A change without an equals sign.
+    pub fn overrides(&self, changes: &[String]) -> Result<Vec<Override>, Error> {
+        changes
+            .iter()
+            .map(|text| {
+                let (name, value) = text.split_once('=').ok_or_else(|| {
+                    self.wrong(format!("scene change '{text}'"), "has no '='; write 'name = value'")
+                })?;
+                Ok(Override { name: name.trim().into(), value: value.trim().into() })
+            })
+            .collect()
+    }
+
+    /// Refuses numbers that cannot be meant.
+    fn check(&self) -> Result<(), Error> {
+        let t = &self.target;
+        if !(t.value.is_finite() && t.sd.is_finite() && t.sd >= 0.0 && t.n >= 1) {
+            return Err(self.wrong("target", "needs a finite value, an sd of 0 or more and n of 1 or more"));
+        }
+        for f in &self.factor {
+            let m = &f.measured;
+            if !(m.mean.is_finite() && m.sd > 0.0 && m.n >= 1) {
+                let what = format!("measured of factor '{}'", f.symbol);
+                return Err(self.wrong(what, "needs a finite mean, an sd above 0 and n of 1 or more"));
+            }
+            if f.low < 0.0 || f.high <= f.low {
+                let what = format!("levels {} to {} of factor '{}'", f.low, f.high, f.symbol);
+                return Err(self.wrong(what, "must rise, and a contact parameter is never negative"));
+            }
+        }
+        let h = &self.hidden;
+        let same = [h.true_values.len(), h.starts.len(), h.steps.len(), h.bounds.len()];
+        if same.iter().any(|n| *n != h.factors.len()) {
+            return Err(self.wrong("hidden", "needs as many true_values, starts, steps and bounds as factors"));
+        }
+        if h.reading_sd.len() != h.observables.len() || h.measured_runs < 2 {
+            return Err(self.wrong("hidden", "needs one reading_sd for each observable and two measured_runs or more"));
+        }
+        if self.residual.steps.len() != self.residual.factors.len() {
+            return Err(self.wrong("residual", "needs as many steps as factors"));
+        }
+        for symbol in self.residual.factors.iter().chain(&h.factors).chain(std::iter::once(&self.sweep.symbol)).chain(self.published_optimum.keys()) {
+            self.factor(symbol)?;
+        }
+        Ok(())
+    }
+}

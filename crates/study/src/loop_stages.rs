@@ -1,0 +1,504 @@
+//! The stages of the loop, one after the other.
+
+use crate::hidden::probes;
+use crate::result::Cost;
+use crate::{
+    Error, FillingSummary, ImageAgainstPosition, MeteringResult, Profile, SceneSimulator,
+    StudyFile, StudyResult, SweepPoint,
+};
+use calibration::{
+    CalibrationFactor, DeclaredParameter, Observed, PointResult, Question, ResidualPlan,
+    StudyCondition, fit_surface, run_points, screen_factors, significant_factors, study_residual,
+    validate,
+};
+use campaign::{Campaign, Progress, RunRequest};
+use response_surface::{Fit, Measured, SolutionRequest, Solutions, solutions};
+use run_store::{Lookup, Record, Store};
+use scene::Scene;
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+use std::sync::atomic::AtomicBool;
+
+/// How the loop is run.
+#[derive(Debug, Clone)]
+pub struct RunSettings {
+    /// Name of the profile.
+    pub profile: String,
+    /// First seed.
+    pub seed: u64,
+    /// Runs at a time.
+    pub threads: usize,
+    /// Result folder; the records are in its folder `runs`.
+    pub folder: PathBuf,
+    /// SHA-256 of each input file, for the record.
+    pub inputs: BTreeMap<String, String>,
+}
+
+/// What all stages share.
+pub(crate) struct Loop<'a> {
+    /// The study.
+    pub(crate) study: &'a StudyFile,
+    /// The size of the loop.
+    pub(crate) profile: &'a Profile,
+    /// Settings of this run.
+    pub(crate) settings: &'a RunSettings,
+    /// The simulator.
+    pub(crate) simulator: &'a SceneSimulator,
+    /// Runs and their store.
+    pub(crate) campaign: Campaign<'a>,
+    /// All factors.
+    factors: Vec<CalibrationFactor>,
+    /// Where stages are announced.
+    announce: &'a dyn Fn(&str),
+}
+
+/// Runs all stages of a study.
+///
+/// `announce` is told each stage as it begins; `progress` hears of each run.
+///
+/// # Errors
+///
+/// A file that cannot be meant, a target that the surface cannot reach, runs that failed.
+pub fn run_study(
+    study: &StudyFile,
+    settings: &RunSettings,
+    progress: &dyn Progress,
+    stop: &AtomicBool,
+    announce: &dyn Fn(&str),
+) -> Result<StudyResult, Error> {
+    let profile = study.profile(&settings.profile)?;
+    let simulator = SceneSimulator::new(scenes(study, profile)?)?;
+    let store = Store::open(settings.folder.join("runs"))?;
+    let stages = Loop {
+        study,
+        profile,
+        settings,
+        simulator: &simulator,
+        campaign: Campaign::new(&store, settings.threads, progress).with_stop(stop),
+        factors: study.calibration_factors()?,
+        announce,
+    };
+    stages.run(&store)
+}
+
+/// The scenes of a study with the changes of a profile.
+fn scenes(study: &StudyFile, profile: &Profile) -> Result<BTreeMap<String, Scene>, Error> {
+    let folder = study.path.parent().map_or_else(PathBuf::new, PathBuf::from);
+    let changes = study.overrides(&profile.scene)?;
+    let drum = Scene::read(&folder.join(&study.drum), &changes)?;
+    // The metering device has its own sizes: changes of the apparatus are not for it.
+    let shared: Vec<_> =
+        changes.iter().filter(|c| !c.name.starts_with("apparatus.")).cloned().collect();
+    let metering = Scene::read(&folder.join(&study.metering), &shared)?;
+    let mut hidden_changes = study.overrides(&study.hidden.scene)?;
+    hidden_changes.extend(study.overrides(&profile.hidden_scene)?);
+    let hidden = drum.with(&hidden_changes)?;
+    Ok(BTreeMap::from([
+        ("drum".to_owned(), drum),
+        ("metering".to_owned(), metering),
+        ("hidden".to_owned(), hidden),
+    ]))
+}
+
+impl Loop<'_> {
+    /// All stages.
+    fn run(&self, store: &Store) -> Result<StudyResult, Error> {
+        (self.announce)("filling the seeds");
+        let fillings = self.fillings()?;
+        (self.announce)("screening (Plackett-Burman)");
+        let screening = screen_factors(
+            &self.campaign,
+            self.simulator,
+            &self.factors,
+            &self.question(1_000, self.profile.screening_replicates, &[])?,
+        )?;
+        let rule = &self.study.screening;
+        let kept_factors =
+            significant_factors(&screening.screening, rule.alpha, rule.least_factors);
+        (self.announce)("response surface (Box-Behnken)");
+        let kept: Vec<_> = self
+            .factors
+            .iter()
+            .filter(|f| kept_factors.iter().any(|s| s == f.factor.symbol()))
+            .cloned()
+            .collect();
+        let question = self.question(10_000, self.profile.surface_replicates, &kept)?;
+        let n_centre = self.profile.centre_points;
+        let surface = fit_surface(&self.campaign, self.simulator, &kept, n_centre, &question)?;
+        let solutions = self.solutions(&surface.fit, &kept)?;
+        let (chosen, target_reached) = self.choose(&surface.fit, &solutions, &kept);
+        (self.announce)("validation");
+        let question = self.question(20_000, self.profile.validation_runs, &[])?;
+        let request = self.at("drum", &chosen, 20_000)?;
+        let target = self.study.target.value;
+        let validation = validate(&self.campaign, self.simulator, request, &question, target)?;
+        (self.announce)("sweep");
+        let (published_optimum, sweep) = self.sweep(store)?;
+        (self.announce)("metering device");
+        let metering = self.metering(&chosen)?;
+        (self.announce)("residual at the bench measurements");
+        let residual = self.residual()?;
+        let smoothness = self.smoothness(store)?;
+        (self.announce)("campaign with a hidden effect");
+        let hidden = self.hidden_campaign(true)?;
+        (self.announce)("campaign with nothing hidden");
+        let nothing_hidden = self.hidden_campaign(false)?;
+        let cells = screening.cells.iter().chain(&surface.cells);
+        let drum_keys: Vec<String> = cells.flat_map(|c| c.keys.iter().cloned()).collect();
+        Ok(StudyResult {
+            name: self.study.name.clone(),
+            profile: self.settings.profile.clone(),
+            version: env!("CARGO_PKG_VERSION").into(),
+            seed: self.settings.seed,
+            inputs: self.settings.inputs.clone(),
+            image_against_position: self.image_against_position(store, &drum_keys)?,
+            cost: self.cost(store, &drum_keys)?,
+            remarks: self.remarks(&solutions, target_reached),
+            fillings,
+            screening,
+            kept_factors,
+            surface,
+            solutions,
+            chosen,
+            target_reached,
+            validation,
+            published_optimum,
+            sweep,
+            metering,
+            residual,
+            smoothness,
+            hidden,
+            nothing_hidden,
+        })
+    }
+
+    /// A drum run with every factor at its bench mean, except those of `free`.
+    fn question(
+        &self,
+        seeds: u64,
+        replicates: usize,
+        free: &[CalibrationFactor],
+    ) -> Result<Question<'_>, Error> {
+        let mut base = RunRequest::new("drum", self.settings.seed + seeds);
+        for factor in &self.factors {
+            if !free.iter().any(|f| f.parameter == factor.parameter) {
+                let measured = self.study.factor(factor.factor.symbol())?.measured.mean;
+                base = base.with_parameter(&factor.parameter, measured);
+            }
+        }
+        Ok(Question { base, observable: &self.study.target.observable, replicates })
+    }
+
+    /// A run with all factors at the given values.
+    fn at(
+        &self,
+        model: &str,
+        values: &BTreeMap<String, f64>,
+        seeds: u64,
+    ) -> Result<RunRequest, Error> {
+        let mut request = RunRequest::new(model, self.settings.seed + seeds);
+        for factor in &self.study.factor {
+            let value = values.get(&factor.symbol).copied().unwrap_or(factor.measured.mean);
+            request = request.with_parameter(&factor.parameter, value);
+        }
+        Ok(request)
+    }
+
+    /// The seeds as bodies.
+    fn fillings(&self) -> Result<Vec<FillingSummary>, Error> {
+        let request = RunRequest::new("drum", 0);
+        let scene = self
+            .simulator
+            .scene_of(&request)
+            .map_err(|e| self.study.wrong("drum", e.to_string()))?;
+        scene
+            .seed
+            .iter()
+            .map(|seed| {
+                let body = self.simulator.fillings().body(&scene, seed)?;
+                Ok(FillingSummary {
+                    name: seed.name.clone(),
+                    spheres: body.clump.spheres().len(),
+                    outer_spheres: body.outer.spheres().len(),
+                    mass_kg: seed.mass.si(),
+                    fraction_density_kg_m3: body.fraction_density,
+                    mesh_volume_mm3: body.mesh.mesh.moments().volume * 1e9,
+                    fit: body.report.clone(),
+                })
+            })
+            .collect()
+    }
+
+    /// The set of solutions for the measured angle.
+    fn solutions(&self, fit: &Fit, kept: &[CalibrationFactor]) -> Result<Solutions, Error> {
+        let target = &self.study.target;
+        let mut near = Vec::new();
+        for factor in kept {
+            let m = self.study.factor(factor.factor.symbol())?.measured;
+            near.push(Some(Measured { value: m.mean, sd: Some(m.sd), n: Some(m.n) }));
+        }
+        let request = SolutionRequest {
+            target: target.value,
+            target_sd: Some(target.sd),
+            target_n: Some(target.n),
+            near,
+            error: None,
+        };
+        Ok(solutions(fit, &request)?)
+    }
+
+    /// The solution nearest to the bench means in units of their standard deviations; where the
+    /// surface does not reach the target, the point of the box that comes nearest to it.
+    fn choose(
+        &self,
+        fit: &Fit,
+        solutions: &Solutions,
+        kept: &[CalibrationFactor],
+    ) -> (BTreeMap<String, f64>, bool) {
+        let nearest = solutions.nearest.get("sd").map(|n| n.solution.clone());
+        let reached = nearest.is_some();
+        let point = nearest.unwrap_or_else(|| {
+            let r = &solutions.reachable;
+            let low = (r.min.value - solutions.target).abs();
+            let end = if low < (r.max.value - solutions.target).abs() { &r.min } else { &r.max };
+            fit.natural(&end.coded)
+        });
+        let symbols = kept.iter().map(|f| f.factor.symbol().to_owned());
+        let mut chosen: BTreeMap<String, f64> = symbols.zip(point).collect();
+        for factor in &self.study.factor {
+            chosen.entry(factor.symbol.clone()).or_insert(factor.measured.mean);
+        }
+        (chosen, reached)
+    }
+
+    /// Runs at the published optimum, and along one parameter from there.
+    fn sweep(&self, store: &Store) -> Result<(PointResult, Vec<SweepPoint>), Error> {
+        let optimum = &self.study.published_optimum;
+        let symbol = &self.study.sweep.symbol;
+        let mut points = vec![("published optimum".to_owned(), self.at("drum", optimum, 30_000)?)];
+        for value in &self.study.sweep.values {
+            let mut values = optimum.clone();
+            values.insert(symbol.clone(), *value);
+            // The seeds do not depend on the value: the point at the optimum is run once.
+            points.push((format!("{symbol} = {value}"), self.at("drum", &values, 30_000)?));
+        }
+        let mut results = self.points(&points)?;
+        let first = results.remove(0);
+        let sweep = self.with_regime(store, &self.study.sweep.values, results)?;
+        Ok((first, sweep))
+    }
+
+    /// Runs of points of the drum.
+    fn points(&self, points: &[(String, RunRequest)]) -> Result<Vec<PointResult>, Error> {
+        let observable = &self.study.target.observable;
+        let runs = self.profile.point_runs;
+        Ok(run_points(&self.campaign, self.simulator, points, observable, runs)?)
+    }
+
+    /// Points of a sweep with regime and slip of their first runs.
+    fn with_regime(
+        &self,
+        store: &Store,
+        values: &[f64],
+        results: Vec<PointResult>,
+    ) -> Result<Vec<SweepPoint>, Error> {
+        let mut points = Vec::new();
+        for (value, result) in values.iter().zip(results) {
+            let record = match result.keys.first() {
+                Some(key) => self.record(store, key)?,
+                None => None,
+            };
+            let regime = record.as_ref().and_then(|r| r.details()["regime"].as_str());
+            let slip = record.as_ref().and_then(|r| r.observable("shell_slip"));
+            points.push(SweepPoint {
+                value: *value,
+                regime: regime.unwrap_or("unknown").to_owned(),
+                shell_slip: slip.map_or(f64::NAN, |o| o.mean),
+                result,
+            });
+        }
+        Ok(points)
+    }
+
+    /// Filling angle of the metering device with the chosen parameters.
+    fn metering(&self, chosen: &BTreeMap<String, f64>) -> Result<MeteringResult, Error> {
+        let points = [("metering device".to_owned(), self.at("metering", chosen, 40_000)?)];
+        let runs = self.profile.point_runs;
+        let observable = "filling_angle_deg";
+        let mut results = run_points(&self.campaign, self.simulator, &points, observable, runs)?;
+        let result = results.remove(0);
+        let measured = self.study.published.filling_angle_measured_deg;
+        Ok(MeteringResult {
+            difference_percent: 100.0 * (result.mean - measured[0]).abs() / measured[0],
+            result,
+            published_measured_deg: measured,
+            published_simulated_deg: self.study.published.filling_angle_simulated_deg,
+        })
+    }
+
+    /// The residual of the one measured angle, with the bench measurements as priors.
+    fn residual(&self) -> Result<calibration::ResidualStudy, Error> {
+        let settings = &self.study.residual;
+        let mut declared = Vec::new();
+        for (symbol, step) in settings.factors.iter().zip(&settings.steps) {
+            let factor = self.study.factor(symbol)?;
+            declared.push(DeclaredParameter {
+                name: factor.parameter.clone(),
+                start: factor.measured.mean,
+                step: *step,
+                bounds: [0.0, 1.0],
+                prior: Some([factor.measured.mean, factor.measured.sd]),
+            });
+        }
+        let target = &self.study.target;
+        let plan = ResidualPlan {
+            id: "bench measurements against the drum".into(),
+            base: self.at("drum", &BTreeMap::new(), 50_000)?,
+            conditions: vec![StudyCondition { condition: BTreeMap::new(), used: true }],
+            observables: vec![target.observable.clone()],
+            declared,
+            effects: probes(&settings.effects)?,
+            replicates: self.profile.residual_replicates.max(3),
+            seed: self.settings.seed,
+        };
+        let observed = Observed {
+            values: vec![vec![target.value]],
+            covariance: vec![vec![target.sd * target.sd / target.n as f64]],
+        };
+        Ok(study_residual(&self.campaign, self.simulator, &plan, &observed)?)
+    }
+
+    /// Angle at the bench measurements with smoother and smoother fillings.
+    fn smoothness(&self, store: &Store) -> Result<Vec<SweepPoint>, Error> {
+        let mut values = vec![0.0];
+        values.extend(&self.study.residual.smoothness);
+        let mut points = Vec::new();
+        for value in &values {
+            let request = self.at("drum", &BTreeMap::new(), 50_000)?;
+            let request = request.with_effect("filling-smoothness", *value);
+            points.push((format!("smoothness {value}"), request));
+        }
+        let results = self.points(&points)?;
+        self.with_regime(store, &values, results)
+    }
+
+    /// A record by its key.
+    pub(crate) fn record(&self, store: &Store, key: &str) -> Result<Option<Record>, Error> {
+        Ok(match store.get(key)? {
+            Lookup::Found(record) => Some(record),
+            _ => None,
+        })
+    }
+
+    /// Means of some observables of a record.
+    pub(crate) fn values(&self, record: &Record, names: &[String]) -> Result<Vec<f64>, Error> {
+        names
+            .iter()
+            .map(|name| {
+                let found = record.observable(name).map(|o| o.mean);
+                found.ok_or_else(|| {
+                    let known: Vec<_> = record.observables().keys().map(String::as_str).collect();
+                    self.study.wrong(
+                        format!("observable '{name}'"),
+                        format!("is not given by the runs; they give {}", known.join(", ")),
+                    )
+                })
+            })
+            .collect()
+    }
+
+    /// Image angle against position angle over drum runs.
+    fn image_against_position(
+        &self,
+        store: &Store,
+        keys: &[String],
+    ) -> Result<ImageAgainstPosition, Error> {
+        let (mut means, mut sds, mut n_frames) = (Vec::new(), Vec::new(), 0);
+        for key in keys {
+            let record = self.record(store, key)?;
+            let found = record.as_ref().and_then(|r| r.observable("image_minus_position_deg"));
+            if let Some(difference) = found {
+                means.push(difference.mean);
+                sds.extend(difference.sd);
+                n_frames += difference.n;
+            }
+        }
+        let n = means.len() as f64;
+        let mean = means.iter().sum::<f64>() / n;
+        let square: f64 = means.iter().map(|m| (m - mean).powi(2)).sum();
+        Ok(ImageAgainstPosition {
+            n_runs: means.len(),
+            n_frames,
+            mean_deg: mean,
+            sd_of_runs_deg: (square / (n - 1.0)).sqrt(),
+            sd_of_frames_deg: sds.iter().sum::<f64>() / sds.len() as f64,
+        })
+    }
+
+    /// What the runs cost, and what profile `study` would.
+    fn cost(&self, store: &Store, drum_keys: &[String]) -> Result<Cost, Error> {
+        let timing = |record: &Record, name: &str| {
+            record.details()["timing"][name].as_f64().unwrap_or(0.0)
+        };
+        let (mut total, mut n_runs) = (0.0, 0);
+        for key in store.keys()? {
+            if let Some(record) = self.record(store, &key)? {
+                total += timing(&record, "wall_s");
+                n_runs += 1;
+            }
+        }
+        let (mut drum_time, mut drum_steps) = (0.0, 0.0);
+        for key in drum_keys {
+            if let Some(record) = self.record(store, key)? {
+                drum_time += timing(&record, "wall_s");
+                drum_steps += timing(&record, "steps");
+            }
+        }
+        let study = self.study.profile("study").unwrap_or(self.profile);
+        let conditions = self.study.hidden.conditions.len();
+        let hidden = (self.study.hidden.factors.len() + self.study.hidden.effects.len()) * conditions;
+        let runs = 12 * study.screening_replicates
+            + (12 + study.centre_points) * study.surface_replicates
+            + study.validation_runs
+            + (1 + self.study.sweep.values.len()) * study.point_runs
+            + 10 * study.point_runs;
+        let study_runs = runs + hidden + 8 * conditions * study.residual_replicates;
+        // 10.6 s of drum at the step of that profile; the small drums of the campaign cost a third.
+        let steps = 10.6 / 8e-5;
+        let per_step = drum_time / drum_steps.max(1.0);
+        let weight = runs as f64 + (study_runs - runs) as f64 / 3.0;
+        Ok(Cost {
+            n_runs,
+            run_time_s: total,
+            drum_run_s: drum_time / drum_keys.len().max(1) as f64,
+            drum_steps_per_s: drum_steps / drum_time.max(1e-9),
+            study_profile_runs: study_runs,
+            study_profile_core_hours: weight * steps * per_step / 3600.0,
+        })
+    }
+
+    /// What a reader should know.
+    fn remarks(&self, solutions: &Solutions, reached: bool) -> Vec<String> {
+        let mut remarks = Vec::new();
+        let (low, high) = (solutions.reachable.min.value, solutions.reachable.max.value);
+        if !reached {
+            remarks.push(format!(
+                "The surface reaches {low:.2} to {high:.2} deg within the bounds of the design; the \
+                 measured {:.2} deg lies outside. The validation is run at the point that comes \
+                 nearest, and the difference is a finding, not a calibration.",
+                solutions.target
+            ));
+        }
+        remarks.push(
+            "One angle cannot fix three parameters: the solutions form a surface, and the chosen \
+             point is the one nearest to the bench means."
+                .into(),
+        );
+        remarks.push(
+            "The metering device's dimensions are assumed: its filling angle is no test of the \
+             published value."
+                .into(),
+        );
+        remarks
+    }
+}

@@ -1,0 +1,114 @@
+//! Writing the result folder.
+
+use crate::report_page::material::Material;
+use crate::report_page::pictures::{Picture, pictures};
+use crate::{Error, StudyFile, StudyResult, report_page, tables};
+use std::fs::File;
+use std::io::Write as _;
+use std::path::Path;
+
+/// Writes the result of a study into its folder, each file whole or not at all.
+///
+/// - `result.json`: everything, with full precision; what is undefined is null.
+/// - `report.html`: the report, one file that opens without a network.
+/// - `pictures/`: the pictures of the report as files.
+/// - `tables/`: the numbers behind them as CSV.
+///
+/// Frames and series are read from the records in `folder/runs`; a picture whose record is not
+/// there is left out. The seeds are filled once more for their pictures.
+///
+/// # Errors
+///
+/// A file that cannot be written, a record that is damaged, a picture that cannot be made.
+pub fn write_results(folder: &Path, study: &StudyFile, result: &StudyResult) -> Result<(), Error> {
+    let material = Material::collect(folder, study, result)?;
+    let pictures = pictures(study, result, &material)?;
+    let page = report_page::page(study, result, &material, &pictures)?;
+    for part in ["pictures", "tables"] {
+        make_folder(&folder.join(part))?;
+    }
+    for named in &pictures {
+        let path = folder.join("pictures").join(named.file_name());
+        match &named.picture {
+            Picture::Chart(svg) => write_whole(&path, svg.as_str().as_bytes())?,
+            Picture::Png(bytes) => write_whole(&path, bytes)?,
+        }
+    }
+    for table in tables::tables(study, result) {
+        let path = folder.join("tables").join(table.file_name());
+        write_whole(&path, table.text().as_bytes())?;
+    }
+    write_whole(&folder.join("result.json"), &json(result)?)?;
+    write_whole(&folder.join("report.html"), page.as_bytes())
+}
+
+/// The result as text; numbers that are not finite become null.
+fn json(result: &StudyResult) -> Result<Vec<u8>, Error> {
+    let mut bytes = serde_json::to_vec_pretty(result).map_err(|source| Error::Text {
+        file: "result.json".into(),
+        message: source.to_string(),
+    })?;
+    bytes.push(b'\n');
+    Ok(bytes)
+}
+
+/// Makes a folder where it is missing.
+fn make_folder(path: &Path) -> Result<(), Error> {
+    std::fs::create_dir_all(path).map_err(refused(path))
+}
+
+/// Writes a file aside, forces it to the disk, and renames it over its name.
+fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), Error> {
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    let aside = path.with_file_name(format!(".{name}.{}.aside", std::process::id()));
+    let written = File::create(&aside)
+        .and_then(|mut file| file.write_all(bytes).and_then(|()| file.sync_all()))
+        .and_then(|()| std::fs::rename(&aside, path));
+    if written.is_err() {
+        // The file under its own name is as before; what was written aside is of no use.
+        let _ = std::fs::remove_file(&aside);
+    }
+    written.map_err(refused(path))
+}
+
+/// Makes an error of a file that cannot be written.
+fn refused(path: &Path) -> impl FnOnce(std::io::Error) -> Error {
+    move |source| Error::File { what: "write", path: path.to_owned(), source }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::write_whole;
+    use crate::Error;
+
+    /// A folder of its own under the system's temporary folder.
+    fn folder(name: &str) -> std::path::PathBuf {
+        let folder = std::env::temp_dir().join(format!("study-{name}-{}", std::process::id()));
+        std::fs::create_dir_all(&folder).expect("a temporary folder");
+        folder
+    }
+
+    #[test]
+    fn a_written_file_replaces_the_old_one_and_leaves_nothing_beside_it() {
+        let folder = folder("whole");
+        let path = folder.join("result.json");
+        for text in ["first, and longer", "second"] {
+            write_whole(&path, text.as_bytes()).expect("written");
+            assert_eq!(std::fs::read_to_string(&path).expect("read"), text);
+        }
+        assert_eq!(std::fs::read_dir(&folder).expect("listed").count(), 1);
+        std::fs::remove_dir_all(&folder).expect("removed");
+    }
+
+    #[test]
+    fn a_write_that_fails_leaves_no_piece_behind_and_names_the_file() {
+        let folder = folder("failing");
+        // A folder with content stands under the name: the rename is refused at the last step.
+        let path = folder.join("report.html");
+        std::fs::create_dir_all(path.join("occupied")).expect("made");
+        let error = write_whole(&path, b"text").expect_err("refused");
+        assert!(matches!(&error, Error::File { what: "write", path: named, .. } if *named == path));
+        assert_eq!(std::fs::read_dir(&folder).expect("listed").count(), 1, "no aside file");
+        std::fs::remove_dir_all(&folder).expect("removed");
+    }
+}

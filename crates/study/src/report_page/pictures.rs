@@ -1,0 +1,92 @@
+//! The pictures of the report, by name; the same are written as files.
+
+mod campaign_charts;
+pub(super) mod photographs;
+mod run_charts;
+mod screening_charts;
+pub(super) mod surface_chart;
+
+use super::material::Material;
+use crate::{Error, StudyFile, StudyResult};
+use report::Svg;
+
+/// Contents of a picture.
+#[derive(Debug)]
+pub(crate) enum Picture {
+    /// A chart.
+    Chart(Svg),
+    /// Bytes of a PNG file.
+    Png(Vec<u8>),
+}
+
+/// A picture with its name.
+#[derive(Debug)]
+pub(crate) struct NamedPicture {
+    /// Name without ending; small letters, digits and hyphens.
+    pub(crate) name: String,
+    /// Contents.
+    pub(crate) picture: Picture,
+}
+
+impl NamedPicture {
+    /// A chart.
+    fn chart(name: impl Into<String>, svg: Svg) -> Self {
+        Self { name: name.into(), picture: Picture::Chart(svg) }
+    }
+
+    /// A PNG file.
+    fn png(name: impl Into<String>, bytes: Vec<u8>) -> Self {
+        Self { name: name.into(), picture: Picture::Png(bytes) }
+    }
+
+    /// Name of its file.
+    pub(crate) fn file_name(&self) -> String {
+        match self.picture {
+            Picture::Chart(_) => format!("{}.svg", self.name),
+            Picture::Png(_) => format!("{}.png", self.name),
+        }
+    }
+}
+
+/// The chart of a name; none where it could not be made of the runs.
+pub(crate) fn chart<'a>(pictures: &'a [NamedPicture], name: &str) -> Option<&'a Svg> {
+    pictures.iter().find(|p| p.name == name).and_then(|p| match &p.picture {
+        Picture::Chart(svg) => Some(svg),
+        Picture::Png(_) => None,
+    })
+}
+
+/// The PNG of a name.
+pub(crate) fn png<'a>(pictures: &'a [NamedPicture], name: &str) -> Option<&'a [u8]> {
+    pictures.iter().find(|p| p.name == name).and_then(|p| match &p.picture {
+        Picture::Png(bytes) => Some(bytes.as_slice()),
+        Picture::Chart(_) => None,
+    })
+}
+
+/// A name of a file from any text.
+pub(crate) fn plain_name(text: &str) -> String {
+    let letter = |c: char| if c.is_ascii_alphanumeric() { c.to_ascii_lowercase() } else { '-' };
+    text.chars().map(letter).collect()
+}
+
+/// Draws all pictures.
+pub(crate) fn pictures(
+    study: &StudyFile,
+    result: &StudyResult,
+    material: &Material,
+) -> Result<Vec<NamedPicture>, Error> {
+    let mut all = photographs::seeds(&material.seeds)?;
+    all.extend(screening_charts::charts(&result.screening)?);
+    all.extend(surface_chart::chart(study, result)?);
+    if let Some(record) = material.validation.first() {
+        all.extend(photographs::drum_frame(record)?);
+        all.extend(run_charts::series(record)?);
+    }
+    all.extend(run_charts::sweep(study, result)?);
+    all.extend(run_charts::smoothness(result)?);
+    all.extend(run_charts::filling_angle(result)?);
+    all.extend(campaign_charts::charts("hidden", &result.hidden)?);
+    all.extend(campaign_charts::charts("nothing-hidden", &result.nothing_hidden)?);
+    Ok(all)
+}

@@ -1,0 +1,88 @@
+//! Charts of a campaign over several conditions.
+
+use super::NamedPicture;
+use crate::report_page::campaign::{condition_name, residual_se, role};
+use crate::report_page::numbers::observable;
+use crate::{Error, HiddenCampaign};
+use calibration::ResidualStudy;
+use report::{
+    AxisTitle, Comparison, PredictedAgainstMeasured, ResidualCondition, ResidualPanel, Residuals,
+    Role,
+};
+
+/// Predicted against measured for each observable, before and after, and the residuals.
+pub(super) fn charts(name: &str, campaign: &HiddenCampaign) -> Result<Vec<NamedPicture>, Error> {
+    let study = &campaign.study;
+    let mut charts = Vec::new();
+    let after = study.after.as_ref().map(|a| &a.simulated);
+    for (k, quantity) in study.plan.observables.iter().enumerate() {
+        let stages = [("before", Some(&study.simulated_before)), ("after", after)];
+        for (stage, simulated) in stages {
+            if let Some(simulated) = simulated {
+                let (words, unit) = observable(quantity);
+                let chart = PredictedAgainstMeasured {
+                    observable: AxisTitle::new(words, unit),
+                    comparisons: comparisons(study, simulated, k),
+                };
+                let name = format!("{name}-predicted-{}-{stage}", super::plain_name(quantity));
+                charts.push(NamedPicture::chart(name, chart.draw()?));
+            }
+        }
+    }
+    let residuals = residuals(study).draw()?;
+    charts.push(NamedPicture::chart(format!("{name}-residuals"), residuals));
+    Ok(charts)
+}
+
+/// The points of one observable with twice their standard errors.
+fn comparisons(study: &ResidualStudy, simulated: &[Vec<f64>], k: usize) -> Vec<Comparison> {
+    let runs = study.plan.replicates.max(1) as f64;
+    let run_sd = study.run_sd.get(&study.plan.observables[k]).copied().unwrap_or(0.0);
+    let rows = study.plan.conditions.iter().zip(&study.observed.values).zip(simulated);
+    rows.map(|((condition, observed), simulated)| Comparison {
+        name: condition_name(condition),
+        measured: observed[k],
+        measured_error: 2.0 * study.observed.covariance[k][k].sqrt(),
+        predicted: simulated[k],
+        predicted_error: 2.0 * run_sd / runs.sqrt(),
+        role: role(condition),
+    })
+    .collect()
+}
+
+/// Residuals by condition before and after, against twice their standard error.
+fn residuals(study: &ResidualStudy) -> Residuals {
+    let conditions = study.plan.conditions.iter();
+    let left = |simulated: &[Vec<f64>], k: usize| -> Vec<Option<f64>> {
+        let rows = study.observed.values.iter().zip(simulated);
+        rows.map(|(o, s)| Some(o[k] - s[k])).collect()
+    };
+    let n = study.plan.conditions.len();
+    let panels = study.plan.observables.iter().enumerate().map(|(k, quantity)| {
+        let (words, unit) = observable(quantity);
+        ResidualPanel {
+            observable: AxisTitle::new(words, unit),
+            before: left(&study.simulated_before, k),
+            after: match &study.after {
+                Some(after) => left(&after.simulated, k),
+                None => vec![None; n],
+            },
+            noise: vec![2.0 * residual_se(study, k); n],
+        }
+    });
+    let after_title = match &study.after {
+        Some(after) => {
+            format!("with {}", after.effects.keys().cloned().collect::<Vec<_>>().join(", "))
+        }
+        None => "no effect added".into(),
+    };
+    Residuals {
+        before_title: "declared model, fitted".into(),
+        after_title,
+        noise_name: "± 2 standard errors".into(),
+        panels: panels.collect(),
+        conditions: conditions
+            .map(|c| ResidualCondition { name: condition_name(c), role: role(c) })
+            .collect(),
+    }
+}

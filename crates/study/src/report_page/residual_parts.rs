@@ -1,0 +1,146 @@
+//! Parts that all sections on residuals share: verdict, errors, parameters, candidates.
+
+use super::campaign::stages;
+use super::numbers::{
+    DASH, digits, digits_or_dash, fixed, fixed_or_dash, listed, observable, p_in_words, p_value,
+};
+use calibration::ResidualStudy;
+use report::{Column, Report, Table, Verdict};
+use residual_diagnosis::Verdict as Diagnosed;
+
+/// The verdict of the diagnosis with its own words.
+pub(super) fn verdict(report: &mut Report, study: &ResidualStudy) {
+    let d = &study.diagnosis;
+    let colour = match d.verdict {
+        Diagnosed::None | Diagnosed::Named => Verdict::Good,
+        Diagnosed::Refused | Diagnosed::NotTestable => Verdict::Note,
+        _ => Verdict::Caution,
+    };
+    report.verdict(colour, &format!("Verdict of the diagnosis: {}", d.verdict), d.summary());
+    let s = &d.structured_residual;
+    report.paragraph(&format!(
+        "What re-tuning cannot absorb: sum of squares {} with {} degrees of freedom, {}; smooth part \
+         {} with {}, {}. Effects that help but are not named: {}.",
+        digits_or_dash(s.t0),
+        s.df,
+        p_in_words(s.p),
+        digits_or_dash(s.t0_smooth),
+        s.df_smooth,
+        p_in_words(s.p_smooth),
+        listed(&d.suspects),
+    ));
+    if !d.warnings.is_empty() {
+        let warnings: Vec<&str> = d.warnings.iter().map(String::as_str).collect();
+        report.paragraph("What limits the verdict:").list(&warnings);
+    }
+}
+
+/// Declared parameters before and after.
+pub(super) fn parameters(report: &mut Report, study: &ResidualStudy) -> Result<(), report::Error> {
+    let mut table = Table::new(
+        "Declared parameters (dimensionless): start or bench mean ± sd, fitted without and with the \
+         added effect.",
+        vec![
+            Column::text("parameter"),
+            Column::number("start"),
+            Column::number("bench sd"),
+            Column::number("fitted before"),
+            Column::number("shift (bench sd)"),
+            Column::number("fitted after"),
+        ],
+    )?;
+    for d in &study.plan.declared {
+        let fitted = study.fitted.get(&d.name).copied();
+        let shift = d.prior.zip(fitted).map(|([mean, sd], value)| (value - mean) / sd);
+        let after = study.after.as_ref().and_then(|a| a.fitted.get(&d.name).copied());
+        table.row([
+            d.name.clone(),
+            digits(d.start),
+            digits_or_dash(d.prior.map(|p| p[1])),
+            digits_or_dash(fitted),
+            fixed_or_dash(shift, 1),
+            digits_or_dash(after),
+        ])?;
+    }
+    report.table(&table);
+    Ok(())
+}
+
+/// What each effect of the library would do.
+pub(super) fn candidates(report: &mut Report, study: &ResidualStudy) -> Result<(), report::Error> {
+    let d = &study.diagnosis;
+    if d.candidates.is_empty() {
+        report.paragraph("No candidate was tested.");
+        return Ok(());
+    }
+    let mut table = Table::new(
+        "Effects of the library, by the linear prediction. Amplitudes in the unit of each effect; \
+         z is standard normal where the effect is absent.",
+        vec![
+            Column::text("effect"),
+            Column::number("z"),
+            Column::number("p of the largest z"),
+            Column::number("amplitude ± standard error"),
+            Column::number("absorbed by re-tuning"),
+            Column::number("p of what remains"),
+            Column::number("smallest seen (90 %)"),
+            Column::text("testable"),
+        ],
+    )?;
+    for (name, c) in &d.candidates {
+        table.row([
+            name.clone(),
+            fixed_or_dash(c.z, 2),
+            p_value(c.p_max_test),
+            format!("{} ± {}", digits_or_dash(c.amplitude), digits_or_dash(c.se)),
+            fixed_or_dash(c.absorbed_fraction, 3),
+            p_value(c.p_adequacy),
+            digits_or_dash(c.smallest_detectable),
+            if c.testable { "yes" } else { "no" }.to_owned(),
+        ])?;
+    }
+    report.table(&table);
+    Ok(())
+}
+
+/// Errors of real runs before and after, on used and kept conditions.
+pub(super) fn errors(report: &mut Report, study: &ResidualStudy) -> Result<(), report::Error> {
+    let mut columns = vec![Column::text("model"), Column::text("conditions"), Column::number("n")];
+    for name in &study.plan.observables {
+        let (words, unit) = observable(name);
+        let unit = if unit.is_empty() { "1" } else { unit };
+        columns.push(Column::number(format!("rms error, {words} ({unit})")));
+    }
+    columns.push(Column::number("whitened mean square"));
+    let mut table = Table::new(
+        "Errors of real runs (no linear prediction). The whitened mean square is 1 where only noise \
+         is left.",
+        columns,
+    )?;
+    for stage in stages(study) {
+        for (part, used, errors) in
+            [("used", true, Some(stage.used)), ("kept", false, stage.kept)]
+        {
+            let n = study.plan.conditions.iter().filter(|c| c.used == used).count();
+            let mut row = vec![stage.name.to_owned(), part.to_owned(), n.to_string()];
+            for name in &study.plan.observables {
+                row.push(digits_or_dash(errors.and_then(|e| e.rmse.get(name).copied())));
+            }
+            row.push(errors.map_or_else(|| DASH.to_owned(), |e| fixed(e.whitened_mse, 2)));
+            table.row(row)?;
+        }
+    }
+    report.table(&table);
+    Ok(())
+}
+
+/// The added effects with their amplitudes.
+pub(super) fn added(study: &ResidualStudy) -> Option<String> {
+    let after = study.after.as_ref()?;
+    let one = |(name, amplitude): (&String, &f64)| {
+        let se = study.diagnosis.candidates.get(name).and_then(|c| c.se);
+        format!("{name}, amplitude {} (standard error by the linear prediction {})",
+            digits(*amplitude), digits_or_dash(se))
+    };
+    Some(after.effects.iter().map(one).collect::<Vec<_>>().join("; "))
+}

@@ -1,0 +1,229 @@
+//! Scenes and effects as a simulator that the calibration can ask.
+
+use campaign::{RunOutcome, RunRequest, Simulator, SimulatorError};
+use image::{DynamicImage, ImageFormat};
+use quantity::AngularSpeed;
+use run_store::Observation;
+use scene::{Apparatus, FillingLibrary, Override, RunResult, Scene, drum_picture, run};
+use std::collections::BTreeMap;
+use std::io::Cursor;
+use std::time::Instant;
+use surface_profile::{SeriesSummary, summarise};
+
+/// Revision of the physics: raised when the same scene and seed give other numbers.
+const REVISION: u32 = 1;
+
+/// Scenes by name, with effects that can be switched on.
+///
+/// A request's `parameters` are settings of the scene by their dotted path; its `condition` may
+/// hold `rpm` and `seed_count`; its `effects` are those of [`effect_library`].
+#[derive(Debug)]
+pub struct SceneSimulator {
+    /// Scenes by the name that requests use.
+    scenes: BTreeMap<String, Scene>,
+    /// Bodies made so far.
+    fillings: FillingLibrary,
+    /// Version of code, scenes and meshes.
+    version: String,
+}
+
+impl SceneSimulator {
+    /// Makes a simulator of named scenes.
+    ///
+    /// # Errors
+    ///
+    /// A mesh that cannot be read: its bytes are part of the version.
+    pub fn new(scenes: BTreeMap<String, Scene>) -> Result<Self, crate::Error> {
+        let mut meshes = BTreeMap::new();
+        for scene in scenes.values() {
+            for seed in &scene.seed {
+                let path = scene.folder.join(&seed.mesh);
+                let bytes = std::fs::read(&path).map_err(|source| crate::Error::File {
+                    what: "read",
+                    path: path.clone(),
+                    source,
+                })?;
+                meshes.insert(seed.mesh.display().to_string(), bytes);
+            }
+        }
+        let content = serde_json::json!({ "scenes": scenes, "meshes": meshes });
+        let key = run_store::run_key("scenes", &content, 0)?;
+        let version = format!("seedloop {} physics {REVISION} scenes {}", env!("CARGO_PKG_VERSION"), &key[..16]);
+        Ok(Self { scenes, fillings: FillingLibrary::default(), version })
+    }
+
+    /// Bodies made so far.
+    pub fn fillings(&self) -> &FillingLibrary {
+        &self.fillings
+    }
+
+    /// The scene that a request stands for.
+    ///
+    /// # Errors
+    ///
+    /// A model, parameter, condition or effect that cannot be meant.
+    pub fn scene_of(&self, request: &RunRequest) -> Result<Scene, SimulatorError> {
+        let refused = |reason: String| SimulatorError::Refused { reason };
+        let base = self.scenes.get(&request.model).ok_or_else(|| {
+            let known: Vec<_> = self.scenes.keys().map(String::as_str).collect();
+            refused(format!("no model '{}'; there are {}", request.model, known.join(", ")))
+        })?;
+        let overrides: Vec<Override> = request
+            .parameters
+            .iter()
+            .map(|(name, value)| Override { name: name.clone(), value: value.to_string() })
+            .collect();
+        let mut scene = base.with(&overrides).map_err(SimulatorError::other)?;
+        for (name, value) in &request.condition {
+            match name.as_str() {
+                "rpm" => {
+                    let speed = AngularSpeed::from_si(value * std::f64::consts::TAU / 60.0);
+                    scene.apparatus.set_speed(speed.map_err(SimulatorError::other)?);
+                }
+                "seed_count" if *value >= 1.0 && value.fract() == 0.0 && *value < 1e7 => {
+                    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "checked by the guard")]
+                    scene.set_seed_count(*value as usize);
+                }
+                _ => {
+                    return Err(refused(format!(
+                        "condition '{name}' = {value}; known are rpm and seed_count (a whole \
+                         number, 1 or more)"
+                    )));
+                }
+            }
+        }
+        for (name, amplitude) in &request.effects {
+            effect_library::apply(&mut scene, name, *amplitude, &self.fillings)
+                .map_err(SimulatorError::other)?;
+        }
+        Ok(scene)
+    }
+}
+
+impl Simulator for SceneSimulator {
+    fn version(&self) -> String {
+        self.version.clone()
+    }
+
+    fn run(&self, request: &RunRequest) -> Result<RunOutcome, SimulatorError> {
+        let scene = self.scene_of(request)?;
+        let begin = Instant::now();
+        let result = run(&scene, &self.fillings, request.seed).map_err(SimulatorError::other)?;
+        outcome_of(&scene, &result, begin.elapsed().as_secs_f64()).map_err(SimulatorError::other)
+    }
+
+    fn expected_cost(&self, request: &RunRequest) -> f64 {
+        self.scene_of(request).map_or(1.0, |scene| {
+            let start_up = 1.0 + scene.protocol.settle_limit.si();
+            let frames = scene.protocol.frames as f64 * scene.protocol.frame_interval.si();
+            scene.seed_count() as f64 * (start_up + frames) / scene.protocol.time_step.si()
+        })
+    }
+}
+
+/// A mean over frames as an observation.
+fn over_frames(values: &[f64], unit: &str) -> Option<Observation> {
+    let SeriesSummary { mean, sd, n, .. } = summarise(values).ok()?;
+    let sd = (n > 1).then_some(sd);
+    Some(Observation { mean, sd, n, unit: unit.into() })
+}
+
+/// The outcome of a run: observables with their units, and details for the reader.
+///
+/// # Errors
+///
+/// A drum in which no frame could be measured, a frame that cannot be drawn.
+pub fn outcome_of(
+    scene: &Scene,
+    result: &RunResult,
+    wall_s: f64,
+) -> Result<RunOutcome, scene::Error> {
+    let mut outcome = RunOutcome::default();
+    let mut add = |name: &str, observation: Option<Observation>| {
+        if let Some(observation) = observation {
+            outcome.observables.insert(name.into(), observation);
+        }
+    };
+    let photos = result.readings.iter().map(|r| r.photo.angle);
+    let image: Vec<f64> = photos.clone().flatten().map(|a| a.line.to_degrees()).collect();
+    let curvature: Vec<f64> = photos.flatten().map(|a| a.curvature).collect();
+    let (mut position, mut difference) = (Vec::new(), Vec::new());
+    for reading in &result.readings {
+        let by_position = reading.position.map(|a| a.line.to_degrees());
+        position.extend(by_position);
+        let by_image = reading.photo.angle.map(|a| a.line.to_degrees());
+        difference.extend(by_image.zip(by_position).map(|(i, p)| i - p));
+    }
+    if matches!(scene.apparatus, Apparatus::Drum(_)) && image.is_empty() {
+        let first = result.readings.first().map(|r| format!("{:?}", r.photo.verdict));
+        return Err(scene::Error::NoSurface {
+            frames: result.frames.len(),
+            reason: first.unwrap_or_default(),
+        });
+    }
+    let filling: Vec<f64> = result.filling_angles.iter().map(|a| a.to_degrees()).collect();
+    let start = result.truncation.map_or(0, |t| t.cut);
+    let steady = &result.series[start.min(result.series.len())..];
+    let mass: Vec<f64> = steady.iter().map(|p| p.centre_of_mass_deg).collect();
+    let slip: Vec<f64> = steady.iter().map(|p| p.shell_slip).collect();
+    let fluctuation = summarise(&mass).ok().map(|s| Observation {
+        mean: s.sd,
+        sd: None,
+        n: 1,
+        unit: "deg".into(),
+    });
+    add("angle_deg", over_frames(&image, "deg"));
+    add("angle_by_position_deg", over_frames(&position, "deg"));
+    add("image_minus_position_deg", over_frames(&difference, "deg"));
+    add("curvature", over_frames(&curvature, "1"));
+    add("filling_angle_deg", over_frames(&filling, "deg"));
+    add("centre_of_mass_deg", over_frames(&mass, "deg"));
+    add("fluctuation_deg", fluctuation);
+    add("shell_slip", over_frames(&slip, "1"));
+
+    let picture = match (&scene.apparatus, result.frames.last()) {
+        (_, Some(frame)) => Some(png(&DynamicImage::from(drum_picture(scene, &result.bodies, frame)?))),
+        _ => None,
+    };
+    let lag = summarise(&image).ok();
+    outcome.details = serde_json::json!({
+        "regime": result.regime,
+        "steady": result.truncation.is_some_and(|t| t.steady),
+        "start_up_s": steady.first().map(|p| p.time_s),
+        "froude_number": scene.apparatus.froude_number(scene.model.gravity_m_s2),
+        "frames": {
+            "times_s": result.frames.iter().map(|f| f.time).collect::<Vec<_>>(),
+            "angles_deg": image,
+            "angles_by_position_deg": position,
+            "filling_angles_deg": filling,
+            "refused": result.readings.iter().filter(|r| r.photo.angle.is_none()).count(),
+            "effective_number": lag.map(|s| s.n_effective),
+        },
+        "series": {
+            "time_s": result.series.iter().map(|p| p.time_s).collect::<Vec<_>>(),
+            "centre_of_mass_deg": result.series.iter().map(|p| p.centre_of_mass_deg).collect::<Vec<_>>(),
+        },
+        "timing": {
+            "time_step_s": result.time_step,
+            "steps": result.n_steps,
+            "wall_s": wall_s,
+            "us_per_step": wall_s * 1e6 / result.n_steps.max(1) as f64,
+            "bodies": result.n_bodies,
+            "spheres": result.n_spheres,
+            "sphere_steps_per_s": result.n_spheres as f64 * result.n_steps as f64 / wall_s.max(1e-9),
+        },
+        "last_frame_png_base64": picture,
+    });
+    Ok(outcome)
+}
+
+/// A picture as PNG in base 64.
+fn png(picture: &DynamicImage) -> String {
+    use base64::Engine as _;
+    let mut bytes = Cursor::new(Vec::new());
+    // Writing to memory fails for no picture that exists; an empty string would show in the report.
+    if picture.write_to(&mut bytes, ImageFormat::Png).is_err() {
+        return String::new();
+    }
+    base64::engine::general_purpose::STANDARD.encode(bytes.into_inner())
+}

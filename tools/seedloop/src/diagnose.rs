@@ -1,0 +1,117 @@
+//! `seedloop diagnose`: what a residual says of missing effects.
+
+use crate::diagnose_problem;
+use anyhow::bail;
+use command_line::{Common, DONE, Header, NOT_MET};
+use residual_diagnosis::{CandidateResult, Diagnosis, Verdict};
+use serde::Serialize;
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+use std::path::PathBuf;
+
+/// Tells which effect, if any, a residual that re-tuning cannot remove speaks for
+#[derive(clap::Args, Debug)]
+pub struct Arguments {
+    /// Residual, covariances and sensitivities from any simulator
+    #[arg(value_name = "PROBLEM.json")]
+    problem: PathBuf,
+
+    /// Seed of the simulated distributions
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    seed: u64,
+
+    #[command(flatten)]
+    common: Common,
+}
+
+/// The answer as it stands in JSON; the seed is the diagnosis' own.
+#[derive(Debug, Serialize)]
+struct Report<'a> {
+    /// Version of the program.
+    version: String,
+    /// SHA-256 of the input file.
+    inputs: BTreeMap<String, String>,
+    /// The diagnosis.
+    #[serde(flatten)]
+    diagnosis: &'a Diagnosis,
+}
+
+/// Reads, diagnoses, prints.
+///
+/// # Errors
+/// A file that cannot be read or is no problem, a study file.
+pub fn run(arguments: &Arguments) -> anyhow::Result<u8> {
+    let (path, common) = (&arguments.problem, &arguments.common);
+    let is_study = path.extension().is_some_and(|end| end.eq_ignore_ascii_case("toml"));
+    if is_study {
+        bail!(
+            "{} is a study file, and diagnose reads problem files (.json): the residual of a \
+             study is diagnosed within `seedloop calibrate {}`",
+            path.display(),
+            path.display()
+        );
+    }
+    let diagnosis = diagnose_problem::run(path, arguments.seed)?;
+    for warning in &diagnosis.warnings {
+        common.log(|| format!("warning: {warning}"));
+    }
+    common.print(text(&diagnosis).trim_end())?;
+    let Header { version, inputs, .. } = Header::new(arguments.seed, [path])?;
+    common.emit_json(&Report { version, inputs, diagnosis: &diagnosis })?;
+    Ok(match diagnosis.verdict {
+        Verdict::Refused | Verdict::NotTestable => NOT_MET,
+        _ => DONE,
+    })
+}
+
+/// The verdict, its reasons in words, and the candidates.
+fn text(diagnosis: &Diagnosis) -> String {
+    let mut text = format!("{}: {}", diagnosis.id, diagnosis.verdict);
+    if !diagnosis.effects.is_empty() {
+        add(&mut text, format_args!(" {}", diagnosis.effects.join(", ")));
+    }
+    add(&mut text, format_args!("\n{}\n", diagnosis.summary()));
+    let residual = &diagnosis.structured_residual;
+    if let (Some(t0), Some(p)) = (residual.t0, residual.p) {
+        let df = residual.df;
+        add(&mut text, format_args!("structured residual {t0:.3} on {df} degrees of freedom, p {p:.3e}\n"));
+    }
+    if diagnosis.candidates.is_empty() {
+        return text;
+    }
+    let heads = ["candidate", "z", "amplitude", "se", "absorbed", "p adequate", "p max"];
+    let [name, numbers @ ..] = heads;
+    add(&mut text, format_args!("\n{name:<20}"));
+    for head in numbers {
+        add(&mut text, format_args!(" {head:>11}"));
+    }
+    text.push('\n');
+    for (name, candidate) in &diagnosis.candidates {
+        add(&mut text, format_args!("{name:<20}"));
+        for number in numbers_of(candidate) {
+            let number = number.map_or_else(|| "-".to_owned(), short);
+            add(&mut text, format_args!(" {number:>11}"));
+        }
+        text.push_str(if candidate.testable { "\n" } else { "  not testable\n" });
+    }
+    text
+}
+
+/// The numbers of a candidate in the order of the heads.
+fn numbers_of(c: &CandidateResult) -> [Option<f64>; 6] {
+    [c.z, c.amplitude, c.se, c.absorbed_fraction, c.p_adequacy, c.p_max_test]
+}
+
+/// A number with four digits that matter.
+fn short(x: f64) -> String {
+    if x == 0.0 || (1e-3..1e5).contains(&x.abs()) {
+        format!("{x:.4}")
+    } else {
+        format!("{x:.3e}")
+    }
+}
+
+/// Appends to a text.
+fn add(text: &mut String, more: std::fmt::Arguments<'_>) {
+    text.write_fmt(more).expect("a string takes all text");
+}

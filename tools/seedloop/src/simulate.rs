@@ -1,0 +1,173 @@
+//! `seedloop simulate`: one run of a scene.
+
+mod report;
+mod single_run;
+
+use anyhow::{Context as _, ensure};
+use base64::Engine as _;
+use command_line::{Common, DONE, Header, NOT_MET, write_new};
+use report::{Refusal, Report};
+use run_store::{Lookup, Record, Store};
+use scene::{Override, Scene};
+use single_run::SingleRun;
+use std::io::Write as _;
+use std::path::PathBuf;
+
+/// Runs one scene and prints what it shows
+#[derive(clap::Args, Debug)]
+pub struct Arguments {
+    /// Scene file
+    #[arg(value_name = "SCENE.toml")]
+    scene: PathBuf,
+
+    /// Further settings, as after --set
+    #[arg(value_name = "NAME=VALUE", value_parser = setting)]
+    further: Vec<Override>,
+
+    /// Changes a setting of the scene by its dotted path (contact.seed-seed.static_friction=0.2),
+    /// or by its short name where only one setting has it (rpm=20, time_s=0.2)
+    #[arg(long, value_name = "NAME=VALUE", value_parser = setting)]
+    set: Vec<Override>,
+
+    /// Seed of the starting places and turns of the seeds
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    seed: u64,
+
+    /// Keeps the record of the run in DIR/runs
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+
+    /// Takes the record of the same run from DIR/runs, where there is one
+    #[arg(long, requires = "out")]
+    resume: bool,
+
+    /// Writes what the camera saw last
+    #[arg(long, value_name = "FILE.png")]
+    frame: Option<PathBuf>,
+
+    #[command(flatten)]
+    common: Common,
+}
+
+/// Reads `name=value`.
+fn setting(text: &str) -> Result<Override, String> {
+    match text.split_once('=') {
+        Some((name, value)) if !name.trim().is_empty() && !value.trim().is_empty() => {
+            Ok(Override { name: name.trim().to_owned(), value: value.trim().to_owned() })
+        }
+        _ => Err("a setting is NAME=VALUE, such as rpm=20".to_owned()),
+    }
+}
+
+/// A finished run.
+struct Outcome {
+    /// Its record.
+    record: Record,
+    /// Whether the record was there before.
+    reused: bool,
+}
+
+/// Reads the scene, runs it or finds its record, prints.
+///
+/// # Errors
+/// A scene that cannot be read or run, files that exist or cannot be written.
+pub fn run(arguments: &Arguments) -> anyhow::Result<u8> {
+    let common = &arguments.common;
+    refuse_existing(arguments)?;
+    let changes = [arguments.set.as_slice(), &arguments.further].concat();
+    let scene = Scene::read(&arguments.scene, &changes)?;
+    let mut inputs = vec![arguments.scene.clone()];
+    inputs.extend(scene.seed.iter().map(|seed| scene.folder.join(&seed.mesh)));
+    let header = Header::new(arguments.seed, inputs)?;
+    let single = SingleRun::new(scene, arguments.seed)?;
+    let outcome = match find_or_run(arguments, &single) {
+        Ok(outcome) => outcome,
+        Err(error) if is_refusal(&error) => {
+            let reason = format!("{error:#}");
+            // The reason of a refusal is told even when the log is quiet.
+            writeln!(std::io::stderr(), "refused: {reason}")?;
+            common.emit_json(&Refusal::new(header, reason, single.scene(), &changes)?)?;
+            return Ok(NOT_MET);
+        }
+        Err(error) => return Err(error),
+    };
+    let report = Report::new(header, &outcome, single.scene(), &changes)?;
+    for warning in report.warnings() {
+        common.log(|| format!("warning: {warning}"));
+    }
+    common.print(report.text().trim_end())?;
+    write_frame(arguments, &outcome.record)?;
+    common.emit_json(&report)?;
+    Ok(DONE)
+}
+
+/// Whether an error is an answer (exit 1) and not a fault of the input (exit 2).
+fn is_refusal(error: &anyhow::Error) -> bool {
+    matches!(error.downcast_ref(), Some(scene::Error::NoSurface { .. }))
+}
+
+/// Refuses output files that exist before the work is done.
+fn refuse_existing(arguments: &Arguments) -> anyhow::Result<()> {
+    if let Some(frame) = &arguments.frame {
+        ensure!(
+            frame.extension().is_some_and(|end| end.eq_ignore_ascii_case("png")),
+            "--frame {}: the picture is written as PNG; give a name that ends in .png",
+            frame.display()
+        );
+    }
+    let common = &arguments.common;
+    let json = common.json.as_ref().filter(|_| !common.json_on_stdout());
+    for file in arguments.frame.iter().chain(json) {
+        ensure!(
+            common.force || !file.exists(),
+            "{} exists: say --force to overwrite it, or give another name",
+            file.display()
+        );
+    }
+    Ok(())
+}
+
+/// Finds the record of the run, or runs and keeps it.
+fn find_or_run(arguments: &Arguments, single: &SingleRun) -> anyhow::Result<Outcome> {
+    let common = &arguments.common;
+    let store = arguments.out.as_ref().map(|folder| Store::open(folder.join("runs")));
+    let store = store.transpose()?;
+    let blank = single.blank_record()?;
+    if let Some(store) = &store {
+        match store.get(blank.key())? {
+            Lookup::Found(record) if arguments.resume => {
+                return Ok(Outcome { record, reused: true });
+            }
+            Lookup::Found(_) => ensure!(
+                common.force,
+                "{} has the record of this run: say --resume to take it, or --force to run again",
+                store.folder().display()
+            ),
+            Lookup::Mismatch { path, .. } => common.log(|| {
+                format!("warning: {} holds another run; it is replaced", path.display())
+            }),
+            Lookup::Absent => {}
+        }
+    }
+    let (scene, seed) = (single.scene(), arguments.seed);
+    common.log(|| format!("running {} seeds, seed {seed}", scene.seed_count()));
+    let record = single.run(blank)?;
+    if let Some(store) = &store {
+        store.put(&record)?;
+        common.log(|| format!("record {} in {}", record.key(), store.folder().display()));
+    }
+    Ok(Outcome { record, reused: false })
+}
+
+/// Writes the last frame, which the record holds as text.
+fn write_frame(arguments: &Arguments, record: &Record) -> anyhow::Result<()> {
+    let Some(file) = &arguments.frame else {
+        return Ok(());
+    };
+    let text = record.details()["last_frame_png_base64"].as_str();
+    let text = text.filter(|text| !text.is_empty()).context("the run has no frame to write")?;
+    let picture = base64::engine::general_purpose::STANDARD
+        .decode(text)
+        .context("the picture in the record is damaged; run again with --force")?;
+    write_new(file, &picture, arguments.common.overwrite())
+}

@@ -1,0 +1,198 @@
+//! What a run gives, as text and as JSON.
+
+use super::Outcome;
+use anyhow::Context as _;
+use command_line::Header;
+use run_store::Observation;
+use scene::{Override, Scene};
+use serde::Serialize;
+use serde_json::Value;
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+
+/// A finished run as it stands in JSON.
+#[derive(Debug, Serialize)]
+pub(super) struct Report {
+    /// Version, seed, inputs.
+    #[serde(flatten)]
+    header: Header,
+    /// Always `ok`.
+    verdict: &'static str,
+    /// Results by name.
+    observables: BTreeMap<String, Observation>,
+    /// How the bed moves: `rolling` or `sliding`.
+    regime: Value,
+    /// Whether the start-up was found to be over.
+    steady: Value,
+    /// Time of rotation before the steady state, s.
+    start_up_s: Value,
+    /// R w^2 / g.
+    froude_number: Value,
+    /// Readings of the single frames.
+    frames: Value,
+    /// Steps and times.
+    timing: Value,
+    /// Every setting of the scene as it was run, by its dotted path; quantities with their unit.
+    parameters: BTreeMap<String, Value>,
+    /// The settings that were changed, as given.
+    changed: BTreeMap<String, String>,
+    /// Content key of the run.
+    record: String,
+    /// Whether the results come from a record that was there before.
+    reused: bool,
+}
+
+/// A run whose surface cannot be measured, as it stands in JSON.
+#[derive(Debug, Serialize)]
+pub(super) struct Refusal {
+    /// Version, seed, inputs.
+    #[serde(flatten)]
+    header: Header,
+    /// Always `refused`.
+    verdict: &'static str,
+    /// Why.
+    reason: String,
+    /// No results.
+    observables: BTreeMap<String, Observation>,
+    /// Every setting of the scene, by its dotted path.
+    parameters: BTreeMap<String, Value>,
+    /// The settings that were changed, as given.
+    changed: BTreeMap<String, String>,
+}
+
+impl Refusal {
+    /// Describes a refusal.
+    ///
+    /// # Errors
+    /// A scene that has no form in JSON.
+    pub(super) fn new(
+        header: Header,
+        reason: String,
+        scene: &Scene,
+        changes: &[Override],
+    ) -> anyhow::Result<Self> {
+        Ok(Self {
+            header,
+            verdict: "refused",
+            reason,
+            observables: BTreeMap::new(),
+            parameters: settings_of(scene)?,
+            changed: changed(changes),
+        })
+    }
+}
+
+impl Report {
+    /// Describes a finished run.
+    ///
+    /// # Errors
+    /// A scene that has no form in JSON.
+    pub(super) fn new(
+        header: Header,
+        outcome: &Outcome,
+        scene: &Scene,
+        changes: &[Override],
+    ) -> anyhow::Result<Self> {
+        let (record, details) = (&outcome.record, outcome.record.details());
+        Ok(Self {
+            header,
+            verdict: "ok",
+            observables: record.observables().clone(),
+            regime: details["regime"].clone(),
+            steady: details["steady"].clone(),
+            start_up_s: details["start_up_s"].clone(),
+            froude_number: details["froude_number"].clone(),
+            frames: details["frames"].clone(),
+            timing: details["timing"].clone(),
+            parameters: settings_of(scene)?,
+            changed: changed(changes),
+            record: record.key().to_owned(),
+            reused: outcome.reused,
+        })
+    }
+
+    /// What the user should know of the result.
+    pub(super) fn warnings(&self) -> Vec<String> {
+        let mut warnings = Vec::new();
+        if self.steady == Value::Bool(false) {
+            warnings.push(
+                "the bed was not steady when the rotation ended; raise protocol.rotation_limit"
+                    .to_owned(),
+            );
+        }
+        let refused = self.frames["refused"].as_u64().unwrap_or(0);
+        if refused > 0 {
+            warnings.push(format!("the surface could not be measured in {refused} frames"));
+        }
+        warnings
+    }
+
+    /// The observables as a table, and how the run went.
+    pub(super) fn text(&self) -> String {
+        let mut text = format!("{:<26}{:>12}{:>12}{:>6}  unit\n", "observable", "mean", "sd", "n");
+        for (name, o) in &self.observables {
+            let sd = o.sd.map_or_else(|| "-".to_owned(), |sd| format!("{sd:.4}"));
+            add(
+                &mut text,
+                format_args!("{name:<26}{:>12.4}{sd:>12}{:>6}  {}\n", o.mean, o.n, o.unit),
+            );
+        }
+        let regime = self.regime.as_str().unwrap_or("not known");
+        add(&mut text, format_args!("\nregime {regime}"));
+        if let Some(froude) = self.froude_number.as_f64() {
+            add(&mut text, format_args!(", Froude number {froude:.4}"));
+        }
+        match (self.steady.as_bool(), self.start_up_s.as_f64()) {
+            (Some(true), Some(time)) => {
+                add(&mut text, format_args!(", steady from {time:.2} s of rotation"));
+            }
+            _ => text.push_str(", not steady"),
+        }
+        let time = |name: &str| self.timing[name].as_f64().unwrap_or(f64::NAN);
+        add(
+            &mut text,
+            format_args!(
+                "\n{} bodies, {} spheres, {} steps in {:.2} s ({:.1} us a step){}\n",
+                self.timing["bodies"],
+                self.timing["spheres"],
+                self.timing["steps"],
+                time("wall_s"),
+                time("us_per_step"),
+                if self.reused { ", from its record" } else { "" },
+            ),
+        );
+        text
+    }
+}
+
+/// The settings that were changed.
+fn changed(changes: &[Override]) -> BTreeMap<String, String> {
+    changes.iter().map(|change| (change.name.clone(), change.value.clone())).collect()
+}
+
+/// Every setting of a scene by its dotted path; the items of a list are numbered from 0.
+fn settings_of(scene: &Scene) -> anyhow::Result<BTreeMap<String, Value>> {
+    fn walk(value: &Value, path: &str, out: &mut BTreeMap<String, Value>) {
+        let below = |key: &str| if path.is_empty() { key.to_owned() } else { format!("{path}.{key}") };
+        match value {
+            Value::Object(map) => {
+                map.iter().for_each(|(key, child)| walk(child, &below(key), out));
+            }
+            Value::Array(list) => {
+                for (k, child) in list.iter().enumerate() {
+                    walk(child, &below(&k.to_string()), out);
+                }
+            }
+            leaf => drop(out.insert(path.to_owned(), leaf.clone())),
+        }
+    }
+    let scene = serde_json::to_value(scene).context("the scene has no form in JSON")?;
+    let mut settings = BTreeMap::new();
+    walk(&scene, "", &mut settings);
+    Ok(settings)
+}
+
+/// Appends to a text.
+fn add(text: &mut String, more: std::fmt::Arguments<'_>) {
+    text.write_fmt(more).expect("a string takes all text");
+}

@@ -1,0 +1,83 @@
+//! One run of a scene as a record that the store can keep.
+
+use command_line::file_sha256;
+use run_store::Record;
+use scene::Scene;
+use serde_json::{Value, json};
+use std::collections::BTreeMap;
+use std::time::Instant;
+use study::{SceneSimulator, outcome_of};
+
+/// A scene with its seed, ready to be run.
+#[derive(Debug)]
+pub(super) struct SingleRun {
+    /// The scene.
+    scene: Scene,
+    /// Seed of its randomness.
+    seed: u64,
+    /// Bodies, and the version of code, scene and meshes.
+    simulator: SceneSimulator,
+}
+
+impl SingleRun {
+    /// Prepares a run.
+    ///
+    /// # Errors
+    /// A mesh that cannot be read.
+    pub(super) fn new(scene: Scene, seed: u64) -> anyhow::Result<Self> {
+        let scenes = BTreeMap::from([("scene".to_owned(), scene.clone())]);
+        Ok(Self { scene, seed, simulator: SceneSimulator::new(scenes)? })
+    }
+
+    /// The scene as it is run.
+    pub(super) fn scene(&self) -> &Scene {
+        &self.scene
+    }
+
+    /// The record without results: its key is made of all that the run depends on.
+    ///
+    /// # Errors
+    /// A scene with a number that is not finite, a mesh that cannot be read.
+    pub(super) fn blank_record(&self) -> anyhow::Result<Record> {
+        let mut meshes = BTreeMap::new();
+        for seed in &self.scene.seed {
+            let digest = file_sha256(&self.scene.folder.join(&seed.mesh))?;
+            meshes.insert(seed.mesh.display().to_string(), digest);
+        }
+        let inputs = json!({ "scene": self.scene, "meshes": meshes });
+        let version = campaign::Simulator::version(&self.simulator);
+        Ok(Record::new(&version, inputs, self.seed)?)
+    }
+
+    /// Runs the scene; the time of filling the meshes is kept apart from that of the steps.
+    ///
+    /// # Errors
+    /// A scene that cannot be built, a solver that stops, frames without a surface.
+    pub(super) fn run(&self, blank: Record) -> anyhow::Result<Record> {
+        let (scene, library) = (&self.scene, self.simulator.fillings());
+        let begin = Instant::now();
+        for seed in &scene.seed {
+            library.body(scene, seed)?;
+        }
+        let filling_s = begin.elapsed().as_secs_f64();
+        let (begin, cpu_before) = (Instant::now(), cpu_seconds());
+        let result = scene::run(scene, library, self.seed)?;
+        let wall_s = begin.elapsed().as_secs_f64();
+        let cpu_s = cpu_seconds().zip(cpu_before).map(|(after, before)| after - before);
+        let mut outcome = outcome_of(scene, &result, wall_s)?;
+        if let Some(timing) = outcome.details.get_mut("timing").and_then(Value::as_object_mut) {
+            timing.insert("cpu_s".to_owned(), json!(cpu_s));
+            timing.insert("filling_s".to_owned(), json!(filling_s));
+        }
+        Ok(blank.with_observables(outcome.observables)?.with_details(outcome.details))
+    }
+}
+
+/// Time that this thread has worked, s; none where the system does not tell.
+///
+/// A run is the work of one thread. Linux gives the time in ns as the first number of this file.
+fn cpu_seconds() -> Option<f64> {
+    let text = std::fs::read_to_string("/proc/thread-self/schedstat").ok()?;
+    let time_ns: f64 = text.split_whitespace().next()?.parse().ok()?;
+    (time_ns > 0.0).then_some(time_ns * 1e-9)
+}

@@ -1,0 +1,56 @@
+//! The command as a user meets it: exit codes, text, JSON, files.
+
+#![expect(clippy::unwrap_used, reason = "helpers of tests fail like tests")]
+
+#[path = "command/help.rs"]
+mod help;
+#[path = "command/residual.rs"]
+mod residual;
+#[path = "command/simulation.rs"]
+mod simulation;
+#[path = "command/statistics.rs"]
+mod statistics;
+#[path = "command/tiny_scene.rs"]
+mod tiny_scene;
+#[path = "command/wrong_scenes.rs"]
+mod wrong_scenes;
+
+use serde_json::Value;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+/// A file of the fixtures.
+fn fixture(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fixtures").join(name)
+}
+
+/// Runs the command in a folder.
+fn seedloop(folder: &Path, words: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_seedloop")).current_dir(folder).args(words).output().unwrap()
+}
+
+/// What was written, as text.
+fn text(bytes: &[u8]) -> &str {
+    std::str::from_utf8(bytes).unwrap()
+}
+
+/// Asserts that the command ended with a code.
+fn assert_code(output: &Output, code: i32) {
+    let (out, err) = (text(&output.stdout), text(&output.stderr));
+    assert_eq!(output.status.code(), Some(code), "stdout: {out}\nstderr: {err}");
+}
+
+/// The JSON on standard output, which holds nothing else.
+fn json(output: &Output) -> Value {
+    serde_json::from_slice(&output.stdout).unwrap()
+}
+
+/// Asserts that the command refuses its input and says all of these.
+fn assert_error(output: &Output, says: &[&str]) {
+    assert_code(output, 2);
+    let message = text(&output.stderr);
+    for what in says {
+        assert!(message.contains(what), "'{what}' is not in: {message}");
+    }
+    assert!(output.stdout.is_empty(), "an error puts nothing on standard output");
+}

@@ -1,0 +1,139 @@
+//! `seedloop simulate` on a scene that can be run.
+
+use crate::tiny_scene::TinyScene;
+use crate::{assert_code, assert_error, json, text};
+use serde_json::Value;
+use std::fs;
+
+/// Scripts rely on these keys.
+#[test]
+fn a_run_gives_its_observables_parameters_timing_and_origin() {
+    let scene = TinyScene::new();
+    let output = scene.simulate(&["--json", "--quiet", "--seed", "7"]);
+    assert_code(&output, 0);
+    assert!(output.stderr.is_empty(), "quiet says nothing");
+    let json = json(&output);
+    let angle = &json["observables"]["angle_deg"];
+    let mean = angle["mean"].as_f64().unwrap();
+    // A bed that rises on the right: between flat and vertical.
+    assert!((0.0..90.0).contains(&mean), "{mean}");
+    assert!(angle["sd"].is_f64(), "several frames have a spread");
+    assert!((2..=4).contains(&angle["n"].as_u64().unwrap()), "{}", angle["n"]);
+    assert_eq!(angle["unit"], "deg");
+    let timing = &json["timing"];
+    assert_eq!((timing["bodies"].as_u64(), timing["spheres"].as_u64()), (Some(40), Some(776)));
+    let number = |name: &str| timing[name].as_f64().unwrap();
+    // Each quotient of two timings, to rounding.
+    let per_step = number("wall_s") * 1e6 / number("steps");
+    assert!((number("us_per_step") / per_step - 1.0).abs() < 1e-9);
+    let rate = number("spheres") * number("steps") / number("wall_s");
+    assert!((number("sphere_steps_per_s") / rate - 1.0).abs() < 1e-9);
+    assert!(timing.get("cpu_s").is_some(), "null where it is not measured, never absent");
+    let regime = json["regime"].as_str().unwrap();
+    assert!(["rolling", "sliding"].contains(&regime), "{regime}");
+    assert_eq!(json["version"], env!("CARGO_PKG_VERSION"));
+    assert_eq!(json["seed"], 7);
+    let inputs = json["inputs"].as_object().unwrap();
+    assert_eq!(inputs.len(), 3, "the scene and its two meshes");
+    assert!(inputs.values().all(|digest| digest.as_str().unwrap().len() == 64));
+    let parameters = json["parameters"].as_object().unwrap();
+    assert_eq!(parameters["contact.seed-seed.static_friction"], 0.10);
+    assert_eq!(parameters["seed.0.count"], 34);
+}
+
+#[test]
+fn settings_are_reached_by_short_name_and_by_dotted_path() {
+    let scene = TinyScene::new();
+    let output = scene.simulate(&[
+        "--set",
+        "rpm=30",
+        "--set",
+        "time_s=0.2",
+        "--set",
+        "contact.seed-seed.static_friction=0.35",
+        "protocol.frames=2",
+        "--json",
+    ]);
+    assert_code(&output, 0);
+    let json = json(&output);
+    // 30 rpm is pi rad/s: the Froude number is 0.035 pi^2 / 9.81, to rounding.
+    let froude = 0.035 * std::f64::consts::PI.powi(2) / 9.81;
+    assert!((json["froude_number"].as_f64().unwrap() / froude - 1.0).abs() < 1e-9);
+    let parameters = &json["parameters"];
+    assert_eq!(parameters["contact.seed-seed.static_friction"], 0.35);
+    assert_eq!(parameters["protocol.frames"], 2);
+    assert_eq!(json["changed"]["rpm"], "30");
+    // 0.3 s of settling at most and 0.2 s of rotation, with one more interval of the series each.
+    let steps = json["timing"]["steps"].as_u64().unwrap();
+    assert!((2000..=5400).contains(&steps), "{steps}");
+}
+
+#[test]
+fn a_record_is_kept_and_taken_again_on_resume_only() {
+    let scene = TinyScene::new();
+    let run = ["--out", "results", "--set", "time_s=0.2"];
+    let first = scene.simulate(&[&run[..], &["--json", "first.json"]].concat());
+    assert_code(&first, 0);
+    let table = text(&first.stdout);
+    assert!(table.contains("angle_deg") && table.contains("776 spheres"), "{table}");
+    let read = |name: &str| -> Value {
+        serde_json::from_slice(&fs::read(scene.path(name)).unwrap()).unwrap()
+    };
+    let first = read("first.json");
+    let key = first["record"].as_str().unwrap();
+    assert!(scene.path(&format!("results/runs/{key}.json")).exists(), "the record lies by its key");
+
+    assert_error(&scene.simulate(&run), &["--resume", "--force"]);
+
+    let again = [&run[..], &["--resume", "--json", "again.json", "--frame", "last.png"]].concat();
+    assert_code(&scene.simulate(&again), 0);
+    let second = read("again.json");
+    assert_eq!((&first["reused"], &second["reused"]), (&false.into(), &true.into()));
+    assert_eq!(first["observables"], second["observables"]);
+    assert_eq!(first["timing"], second["timing"], "the time of the run that was done");
+    let picture = fs::read(scene.path("last.png")).unwrap();
+    assert!(picture.starts_with(b"\x89PNG"), "the frame is a PNG");
+
+    let other = [&run[..], &["--resume", "--seed", "2", "--json"]].concat();
+    let other = json(&scene.simulate(&other));
+    assert_eq!(other["reused"], false, "another seed is another run");
+}
+
+#[test]
+fn the_same_seed_gives_the_same_numbers() {
+    let scene = TinyScene::new();
+    let run = |seed: &str| {
+        let words = ["--set", "time_s=0.1", "--seed", seed, "--json", "--quiet"];
+        json(&scene.simulate(&words))["observables"].clone()
+    };
+    let first = run("3");
+    assert!(first["angle_deg"]["mean"].is_f64());
+    assert_eq!(first, run("3"));
+    assert_ne!(first, run("4"));
+}
+
+#[test]
+fn files_that_exist_are_refused_before_the_run() {
+    let scene = TinyScene::new();
+    fs::write(scene.path("old.png"), "kept").unwrap();
+    assert_error(&scene.simulate(&["--frame", "old.png"]), &["old.png", "--force"]);
+    fs::write(scene.path("old.json"), "kept").unwrap();
+    assert_error(&scene.simulate(&["--json", "old.json"]), &["old.json", "--force"]);
+    assert_error(&scene.simulate(&["--frame", "frame.jpg"]), &[".png"]);
+    assert_eq!(fs::read_to_string(scene.path("old.png")).unwrap(), "kept");
+}
+
+/// Two seeds in a drum are no bed: no line can be laid through their surface.
+#[test]
+fn a_surface_that_cannot_be_measured_is_a_refusal() {
+    let scene = TinyScene::new();
+    let output = scene.simulate(&[
+        "--set", "seed.0.count=1", "--set", "seed.1.count=1", "--set", "time_s=0.1", "--json",
+    ]);
+    assert_code(&output, 1);
+    let json = json(&output);
+    assert_eq!(json["verdict"], "refused");
+    assert!(json["reason"].as_str().unwrap().contains("surface"), "{}", json["reason"]);
+    assert_eq!(json["observables"].as_object().unwrap().len(), 0);
+    assert!(text(&output.stderr).contains("refused"), "told on standard error as well");
+}
