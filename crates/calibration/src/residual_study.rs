@@ -150,6 +150,7 @@ pub fn study_residual(
     let start: Vec<f64> = plan.declared.iter().map(|d| d.start).collect();
     let fitted = refit::declared(plan, observed, &linear, &start)?;
     let at_fit = runs::means(campaign, simulator, plan, &runs::Setting::declared(plan, &fitted), 1)?;
+    let linear = linear.with_scatter(&at_fit);
     let file = assemble::problem(plan, observed, &linear, &fitted, &at_fit);
     let diagnosis = diagnose(&Problem::try_from(file)?, &Options::new(plan.seed))?;
     let errors_before = assemble::errors(plan, observed, &linear, &at_fit)?;

@@ -13,8 +13,9 @@
 )]
 
 use crate::pair_force::Slack;
-use crate::template::{LANES, Packed};
+use crate::template::{Group, LANES, Packed};
 use multiversion::multiversion;
+use wide::{CmpGt, CmpLt, f32x8};
 
 /// Pose of body j in the principal frame of body i.
 #[derive(Debug, Clone, Copy)]
@@ -28,11 +29,8 @@ pub(crate) struct RelativeSingle {
 /// Spheres of one body that survived the culling, in the frame of body i.
 #[derive(Debug, Clone, Default)]
 struct Kept {
-    /// Coordinates and radii, padded to whole lanes by a sphere far away.
-    x: Vec<f32>,
-    y: Vec<f32>,
-    z: Vec<f32>,
-    radius: Vec<f32>,
+    /// Centres and radii, padded to whole groups by spheres at an infinite distance.
+    groups: Vec<Group>,
     /// Indices in the template.
     index: Vec<u16>,
     /// Number of survivors.
@@ -53,56 +51,50 @@ pub(crate) struct Scratch {
 impl Kept {
     /// Makes room for all spheres of a template.
     fn reset(&mut self, room: usize) {
-        let room = room + LANES;
-        if self.x.len() < room {
-            for column in [&mut self.x, &mut self.y, &mut self.z, &mut self.radius] {
-                column.resize(room, 0.0);
-            }
-            self.index.resize(room, 0);
+        if self.groups.len() < room {
+            self.groups.resize(room, Group::default());
+            self.index.resize(room * LANES, 0);
         }
         self.n = 0;
     }
 
-    /// Writes a sphere at the end; it stays only if `keep` says so.
+    /// Adds sphere number `index`, which is in lane `l` of the centres and radii.
     #[inline(always)]
-    fn offer(&mut self, centre: [f32; 3], radius: f32, index: usize, keep: bool) {
-        let n = self.n;
-        self.x[n] = centre[0];
-        self.y[n] = centre[1];
-        self.z[n] = centre[2];
-        self.radius[n] = radius;
-        self.index[n] = u16::try_from(index).unwrap_or(u16::MAX);
-        self.n += usize::from(keep);
+    fn push(&mut self, centre: &[[f32; LANES]; 3], radius: f32, l: usize, index: usize) {
+        let place = &mut self.groups[self.n / LANES];
+        let lane = self.n % LANES;
+        place.x[lane] = centre[0][l];
+        place.y[lane] = centre[1][l];
+        place.z[lane] = centre[2][l];
+        place.radius[lane] = radius;
+        self.index[self.n] = u16::try_from(index).unwrap_or(u16::MAX);
+        self.n += 1;
     }
 
-    /// Fills the last lanes with a sphere that touches nothing.
+    /// Fills the last group with spheres that touch nothing.
     fn pad(&mut self) {
         for k in self.n..self.n.div_ceil(LANES) * LANES {
-            self.x[k] = 1e6;
-            self.radius[k] = 0.0;
+            self.groups[k / LANES].x[k % LANES] = f32::INFINITY;
         }
     }
 }
 
+/// Component of eight vectors along a direction.
+#[inline(always)]
+fn along(vectors: &[f32x8; 3], direction: &[f32; 3]) -> f32x8 {
+    vectors[0] * direction[0] + vectors[1] * direction[1] + vectors[2] * direction[2]
+}
+
 /// Farthest reach of a template along a direction of its own frame, m.
 #[inline(always)]
-fn support(packed: &Packed, direction: [f32; 3]) -> f32 {
-    let mut best = [f32::NEG_INFINITY; LANES];
-    let columns = packed
-        .x
-        .chunks_exact(LANES)
-        .zip(packed.y.chunks_exact(LANES));
-    let rest = packed
-        .z
-        .chunks_exact(LANES)
-        .zip(packed.radius.chunks_exact(LANES));
-    for ((x, y), (z, radius)) in columns.zip(rest) {
-        for l in 0..LANES {
-            let reach = x[l] * direction[0] + y[l] * direction[1] + z[l] * direction[2] + radius[l];
-            best[l] = if reach > best[l] { reach } else { best[l] };
-        }
+fn support(packed: &Packed, direction: &[f32; 3]) -> f32 {
+    let mut best = f32x8::splat(f32::NEG_INFINITY);
+    for group in &packed.groups {
+        best = best.fast_max(along(&group.centres(), direction) + f32x8::from(group.radius));
     }
-    best.into_iter().fold(f32::NEG_INFINITY, f32::max)
+    best.to_array()
+        .into_iter()
+        .fold(f32::NEG_INFINITY, f32::max)
 }
 
 /// Lists in `scratch.found` all pairs of spheres whose gap is below the skin.
@@ -127,35 +119,37 @@ pub(crate) fn search(
         -(r[1] * normal[0] + r[4] * normal[1] + r[7] * normal[2]),
         -(r[2] * normal[0] + r[5] * normal[1] + r[8] * normal[2]),
     ];
-    let far_of_i = support(i, normal);
-    let near_of_j = distance - support(j, back);
+    let far_of_i = support(i, &normal);
+    let near_of_j = distance - support(j, &back);
     let gap = near_of_j - far_of_i - safety;
     if gap > skin {
         return gap;
     }
 
+    // Spheres of j that come near the box of i and the plane before it, and the box of these.
     let kept_j = &mut scratch.j;
-    kept_j.reset(j.x.len());
+    kept_j.reset(j.groups.len());
     let (mut low, mut high) = ([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]);
-    for k in 0..j.n {
-        let (x, y, z) = (j.x[k], j.y[k], j.z[k]);
+    for (k, group) in j.groups.iter().enumerate() {
+        let own = group.centres();
         let centre = [
-            r[0] * x + r[1] * y + r[2] * z + p[0],
-            r[3] * x + r[4] * y + r[5] * z + p[1],
-            r[6] * x + r[7] * y + r[8] * z + p[2],
+            along(&own, &[r[0], r[1], r[2]]) + p[0],
+            along(&own, &[r[3], r[4], r[5]]) + p[1],
+            along(&own, &[r[6], r[7], r[8]]) + p[2],
         ];
-        let reach = j.radius[k] + skin;
-        let height = centre[0] * normal[0] + centre[1] * normal[1] + centre[2] * normal[2];
-        let mut keep = height - reach < far_of_i;
+        let reach = f32x8::from(group.radius) + skin;
+        let mut keep = (along(&centre, &normal) - reach).simd_lt(f32x8::splat(far_of_i));
         for axis in 0..3 {
-            keep &= centre[axis] > i.low[axis] - reach;
-            keep &= centre[axis] < i.high[axis] + reach;
+            keep &= centre[axis].simd_gt(f32x8::splat(i.low[axis]) - reach);
+            keep &= centre[axis].simd_lt(f32x8::splat(i.high[axis]) + reach);
         }
-        kept_j.offer(centre, j.radius[k], k, keep);
-        if keep {
+        let centre = centre.map(f32x8::to_array);
+        for l in lanes_of(keep) {
+            kept_j.push(&centre, group.radius[l], l, k * LANES + l);
+            let reach = group.radius[l] + skin;
             for axis in 0..3 {
-                low[axis] = low[axis].min(centre[axis] - reach);
-                high[axis] = high[axis].max(centre[axis] + reach);
+                low[axis] = low[axis].min(centre[axis][l] - reach);
+                high[axis] = high[axis].max(centre[axis][l] + reach);
             }
         }
     }
@@ -164,18 +158,20 @@ pub(crate) fn search(
     }
     kept_j.pad();
 
+    // Spheres of i that come near that box and the plane before j.
     let kept_i = &mut scratch.i;
-    kept_i.reset(i.x.len());
-    for k in 0..i.n {
-        let centre = [i.x[k], i.y[k], i.z[k]];
-        let radius = i.radius[k];
-        let height = centre[0] * normal[0] + centre[1] * normal[1] + centre[2] * normal[2];
-        let mut keep = height + radius + skin > near_of_j;
+    kept_i.reset(i.groups.len());
+    for (k, group) in i.groups.iter().enumerate() {
+        let (centre, radius) = (group.centres(), f32x8::from(group.radius));
+        let mut keep = (along(&centre, &normal) + radius + skin).simd_gt(f32x8::splat(near_of_j));
         for axis in 0..3 {
-            keep &= centre[axis] > low[axis] - radius;
-            keep &= centre[axis] < high[axis] + radius;
+            keep &= centre[axis].simd_gt(f32x8::splat(low[axis]) - radius);
+            keep &= centre[axis].simd_lt(f32x8::splat(high[axis]) + radius);
         }
-        kept_i.offer(centre, radius, k, keep);
+        let centre = [group.x, group.y, group.z];
+        for l in lanes_of(keep) {
+            kept_i.push(&centre, group.radius[l], l, k * LANES + l);
+        }
     }
     pair_up(kept_i, kept_j, skin, &mut scratch.found);
     skin - safety
@@ -184,22 +180,27 @@ pub(crate) fn search(
 /// Tests each survivor of i against each of j.
 #[inline(always)]
 fn pair_up(i: &Kept, j: &Kept, skin: f32, found: &mut Vec<(u16, u16)>) {
-    let end = j.n.div_ceil(LANES) * LANES;
+    let groups = &j.groups[..j.n.div_ceil(LANES)];
     for a in 0..i.n {
-        let (x, y, z, reach) = (i.x[a], i.y[a], i.z[a], i.radius[a] + skin);
-        for b in (0..end).step_by(LANES) {
-            let mut mask = 0_u32;
-            for l in 0..LANES {
-                let (dx, dy, dz) = (j.x[b + l] - x, j.y[b + l] - y, j.z[b + l] - z);
-                let limit = reach + j.radius[b + l];
-                let inside = dx * dx + dy * dy + dz * dz < limit * limit;
-                mask |= u32::from(inside) << l;
-            }
-            while mask != 0 {
-                let l = mask.trailing_zeros() as usize;
-                mask &= mask - 1;
-                found.push((i.index[a], j.index[b + l]));
+        let (own, l) = (&i.groups[a / LANES], a % LANES);
+        for (b, group) in groups.iter().enumerate() {
+            let [x, y, z] = group.centres();
+            let (dx, dy, dz) = (x - own.x[l], y - own.y[l], z - own.z[l]);
+            let limit = f32x8::from(group.radius) + (own.radius[l] + skin);
+            for l in lanes_of((dx * dx + dy * dy + dz * dz).simd_lt(limit * limit)) {
+                found.push((i.index[a], j.index[b * LANES + l]));
             }
         }
     }
+}
+
+/// The lanes of a comparison that hold, in rising order.
+#[inline(always)]
+pub(crate) fn lanes_of(comparison: f32x8) -> impl Iterator<Item = usize> {
+    let mut mask = comparison.to_bitmask();
+    std::iter::from_fn(move || {
+        let lane = mask.trailing_zeros() as usize;
+        mask &= mask.wrapping_sub(1);
+        (lane < LANES).then_some(lane)
+    })
 }

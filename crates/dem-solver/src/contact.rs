@@ -188,3 +188,79 @@ impl Interaction {
         rolling_constant_torque::torque(self.rolling_friction, load, lever, spin)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{Interaction, InteractionSettings, Mover, SpherePair, SphereWall};
+    use contact_law::{ContactGeometry, Material, NormalForceEnd, PairParameters};
+    use nalgebra::Vector3;
+
+    /// A normal in no special direction.
+    const NORMAL: Vector3<f64> = Vector3::new(0.6, 0.0, 0.8);
+
+    /// A slip in the plane of contact, m.
+    const SLIP: Vector3<f64> = Vector3::new(0.8e-7, 2e-7, -0.6e-7);
+
+    fn interaction() -> Interaction {
+        let parameters = PairParameters {
+            restitution: 0.5,
+            static_friction: 0.5,
+            rolling_friction: 0.1,
+        };
+        let materials = [Material::new(0.25, 4e6).unwrap(); 2];
+        let end = NormalForceEnd::Clipped;
+        let settings = InteractionSettings {
+            materials,
+            parameters,
+            attraction: 1e-5,
+            end,
+        };
+        Interaction::new(&settings).unwrap()
+    }
+
+    /// What a slip keeps of an older contact plane does not push along the present normal: the
+    /// part of the slip along the normal changes nothing. Rounding of 1e-16 of the force only.
+    #[test]
+    fn slip_counts_only_in_the_plane_of_contact() {
+        let [plain, tilted] = [SLIP, SLIP + NORMAL * 5e-7].map(|slip| {
+            let pair = SpherePair {
+                between: NORMAL * 1.99e-3,
+                offset_i: Vector3::new(1e-3, 2e-3, 0.0),
+                offset_j: Vector3::new(0.0, -1e-3, 1e-3),
+                velocity: Vector3::new(0.01, 0.02, -0.01),
+                spins: [Vector3::new(1.0, 2.0, 3.0), Vector3::new(-2.0, 0.0, 1.0)],
+                slip,
+                radii: [1e-3, 1e-3],
+                reduced_mass: 2e-6,
+            };
+            interaction().between_spheres(&pair, 1e-6)
+        });
+        let error = (plain.force - tilted.force).norm() / plain.force.norm();
+        assert!(error < 1e-12, "force between spheres changes by {error}");
+        assert!(
+            (plain.slip - tilted.slip).norm() < 1e-12 * plain.slip.norm(),
+            "slip changes"
+        );
+
+        let body = Mover {
+            position: Vector3::zeros(),
+            velocity: Vector3::new(0.01, 0.02, -0.01),
+            spin: Vector3::new(1.0, 2.0, 3.0),
+        };
+        let contact = SphereWall {
+            normal: NORMAL,
+            arm: NORMAL * 1e-3,
+            wall_velocity: Vector3::zeros(),
+            wall_spin: Vector3::zeros(),
+            geometry: ContactGeometry {
+                overlap: 1e-5,
+                reduced_radius: 1e-3,
+                reduced_mass: 4e-6,
+            },
+        };
+        let [plain, tilted] = [SLIP, SLIP + NORMAL * 5e-7]
+            .map(|slip| interaction().at_wall(&contact, &body, slip, 1e-6));
+        let error = (plain.force - tilted.force).norm() / plain.force.norm();
+        assert!(error < 1e-12, "force of a wall changes by {error}");
+    }
+}

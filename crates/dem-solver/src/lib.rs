@@ -9,9 +9,9 @@
 //! - a step allocates nothing once the lists have grown to their working size;
 //! - [`plain`] computes the same forces without any list and is the oracle of the fast path.
 //!
-//! The search works on three levels: bounding spheres on a grid ([`broad_phase`]), sphere pairs
-//! within a skin for each pair of bodies ([`neighbours`], refreshed only when the pair has moved
-//! against each other), and the overlap test of those candidates ([`pair_force`]).
+//! The search works on three levels: bounding spheres on a grid (`broad_phase`), sphere pairs
+//! within a skin for each pair of bodies (`neighbours`, refreshed only when the pair has moved
+//! against each other), and the overlap test of those candidates (`pair_force`).
 
 mod batch;
 mod bodies;

@@ -323,11 +323,9 @@ fn chunk_of(group: &[(u16, u16)], a: &Template, b: &Template, safety: f32) -> Ch
     };
     for (l, &(si, sj)) in group.iter().enumerate() {
         let (u, v) = (usize::from(si), usize::from(sj));
-        let p = [a.packed.x[u], a.packed.y[u], a.packed.z[u]];
-        let q = [b.packed.x[v], b.packed.y[v], b.packed.z[v]];
         for axis in 0..3 {
-            chunk.i[axis][l] = p[axis];
-            chunk.j[axis][l] = q[axis];
+            chunk.i[axis][l] = a.centres[u][axis] as f32;
+            chunk.j[axis][l] = b.centres[v][axis] as f32;
         }
         let sum = (a.radii[u] + b.radii[v]) as f32 + safety;
         chunk.limit[l] = sum * sum;

@@ -1,8 +1,14 @@
 //! A body type, prepared for the contact search.
 
+#![expect(
+    clippy::inline_always,
+    reason = "the hot loops are vectorised only when inlined"
+)]
+
 use clump::Clump;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
+use wide::f32x8;
 
 /// Number of sphere pairs handled together.
 pub(crate) const LANES: usize = 8;
@@ -27,7 +33,7 @@ pub struct Template {
     pub(crate) radii: Vec<f64>,
     /// Mass that each sphere brings into a dashpot, kg.
     pub(crate) dashpot_masses: Vec<f64>,
-    /// Coordinates in single precision, padded to whole lanes by copies of sphere 0.
+    /// The same spheres in single precision.
     pub(crate) packed: Packed,
     /// Mass, kg.
     pub(crate) mass: f64,
@@ -43,23 +49,28 @@ pub struct Template {
     pub(crate) material: usize,
 }
 
-/// Structure-of-arrays copy of the spheres for the vectorised search.
+/// Copy of the spheres in single precision for the vectorised search.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Packed {
-    /// x of the centres, m.
-    pub(crate) x: Vec<f32>,
-    /// y of the centres, m.
-    pub(crate) y: Vec<f32>,
-    /// z of the centres, m.
-    pub(crate) z: Vec<f32>,
-    /// Radii, m.
-    pub(crate) radius: Vec<f32>,
-    /// Number of real spheres (the rest is padding).
-    pub(crate) n: usize,
+    /// Spheres in their order, padded to whole groups by spheres of radius minus infinity.
+    pub(crate) groups: Vec<Group>,
     /// Lower corner of the box that holds all spheres, m.
     pub(crate) low: [f32; 3],
     /// Upper corner, m.
     pub(crate) high: [f32; 3],
+}
+
+/// Eight spheres side by side.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Group {
+    /// x of the centres, m.
+    pub(crate) x: [f32; LANES],
+    /// y of the centres, m.
+    pub(crate) y: [f32; LANES],
+    /// z of the centres, m.
+    pub(crate) z: [f32; LANES],
+    /// Radii, m.
+    pub(crate) radius: [f32; LANES],
 }
 
 impl Template {
@@ -117,32 +128,43 @@ impl Template {
 }
 
 impl Packed {
-    /// Copies centres and radii into padded single-precision arrays.
+    /// Copies centres and radii.
     #[expect(
         clippy::cast_possible_truncation,
         reason = "rounding to single precision is meant"
     )]
     fn new(centres: &[Vector3<f64>], radii: &[f64]) -> Self {
-        let n = centres.len();
-        let padded = n.div_ceil(LANES) * LANES;
-        let source = |i: usize| if i < n { i } else { 0 };
-        let column = |axis: usize| {
-            (0..padded)
-                .map(|i| centres[source(i)][axis] as f32)
-                .collect()
-        };
         let bound = |axis: usize, sign: f64| {
-            let reach = |i: usize| sign * centres[i][axis] + radii[i];
-            (sign * (0..n).map(reach).fold(f64::NEG_INFINITY, f64::max)) as f32
+            let reaches = centres.iter().zip(radii).map(|(c, r)| sign * c[axis] + r);
+            (sign * reaches.fold(f64::NEG_INFINITY, f64::max)) as f32
+        };
+        let group = |(centres, radii): (&[Vector3<f64>], &[f64])| {
+            let mut group = Group {
+                radius: [f32::NEG_INFINITY; LANES],
+                ..Group::default()
+            };
+            for (l, (centre, &radius)) in centres.iter().zip(radii).enumerate() {
+                (group.x[l], group.y[l]) = (centre.x as f32, centre.y as f32);
+                (group.z[l], group.radius[l]) = (centre.z as f32, radius as f32);
+            }
+            group
         };
         Self {
-            x: column(0),
-            y: column(1),
-            z: column(2),
-            radius: (0..padded).map(|i| radii[source(i)] as f32).collect(),
-            n,
+            groups: centres
+                .chunks(LANES)
+                .zip(radii.chunks(LANES))
+                .map(group)
+                .collect(),
             low: [bound(0, -1.0), bound(1, -1.0), bound(2, -1.0)],
             high: [bound(0, 1.0), bound(1, 1.0), bound(2, 1.0)],
         }
+    }
+}
+
+impl Group {
+    /// Centres in registers, m.
+    #[inline(always)]
+    pub(crate) fn centres(&self) -> [f32x8; 3] {
+        [self.x, self.y, self.z].map(f32x8::from)
     }
 }

@@ -34,8 +34,10 @@ struct Near {
 pub(crate) struct WallNeighbours {
     /// Entries by body, then wall.
     near: Vec<Near>,
-    /// Entries of the list before.
+    /// Entries of the list before; empty between two calls.
     old: Vec<Near>,
+    /// Entries not in use, kept for their buffers.
+    spare: Vec<Near>,
 }
 
 impl WallNeighbours {
@@ -48,7 +50,7 @@ impl WallNeighbours {
         margin: f64,
     ) {
         std::mem::swap(&mut self.near, &mut self.old);
-        self.near.clear();
+        let spare = &mut self.spare;
         let mut old = self.old.drain(..).peekable();
         for body in 0..bodies.len() {
             let reach = templates[bodies.template[body]].bounding_radius + margin;
@@ -56,22 +58,16 @@ impl WallNeighbours {
                 if shape.nearest(&bodies.position[body]).distance >= reach {
                     continue;
                 }
-                while old.peek().is_some_and(|n| (n.body, n.wall) < (body, wall)) {
-                    old.next();
+                while let Some(entry) = old.next_if(|n| (n.body, n.wall) < (body, wall)) {
+                    spare.push(entry);
                 }
-                let same = old.peek().is_some_and(|n| (n.body, n.wall) == (body, wall));
-                let entry = if same { old.next() } else { None };
-                let mut entry = entry.unwrap_or_else(|| Near {
-                    body,
-                    wall,
-                    limit: f32::NEG_INFINITY,
-                    candidates: Vec::new(),
-                    touches: Vec::new(),
-                });
+                let same = old.next_if(|n| (n.body, n.wall) == (body, wall));
+                let mut entry = same.unwrap_or_else(|| Near::fresh(body, wall, spare.pop()));
                 entry.limit = lowered(entry.limit, bodies.travel[body]);
                 self.near.push(entry);
             }
         }
+        spare.extend(old);
     }
 
     /// Adds the forces of all walls; `load` collects the force on each wall, N.
@@ -104,6 +100,21 @@ impl WallNeighbours {
 }
 
 impl Near {
+    /// An entry without a list, with the buffers of one not in use.
+    fn fresh(body: usize, wall: usize, spare: Option<Self>) -> Self {
+        let (mut candidates, mut touches) =
+            spare.map_or_else(Default::default, |near| (near.candidates, near.touches));
+        candidates.clear();
+        touches.clear();
+        Self {
+            body,
+            wall,
+            limit: f32::NEG_INFINITY,
+            candidates,
+            touches,
+        }
+    }
+
     /// Lists the spheres that may touch before the body has moved by the skin.
     #[expect(
         clippy::cast_possible_truncation,

@@ -195,9 +195,11 @@ pub struct Profile {
     pub point_runs: usize,
     /// Runs for each nominal mean of the residual studies.
     pub residual_replicates: usize,
-    /// Changes of both scenes, `name = value`; those that only a drum has are left out of the
-    /// metering scene.
+    /// Changes of both scenes, `name = value`; those of the apparatus are for the drum alone.
     pub scene: Vec<String>,
+    /// Further changes of the metering scene.
+    #[serde(default)]
+    pub metering_scene: Vec<String>,
     /// Further changes of the drum of the hidden campaign, after those of the campaign itself.
     #[serde(default)]
     pub hidden_scene: Vec<String>,

@@ -89,7 +89,8 @@ fn scenes(study: &StudyFile, profile: &Profile) -> Result<BTreeMap<String, Scene
     // The metering device has its own sizes: changes of the apparatus are not for it.
     let shared: Vec<_> =
         changes.iter().filter(|c| !c.name.starts_with("apparatus.")).cloned().collect();
-    let metering = Scene::read(&folder.join(&study.metering), &shared)?;
+    let metering = Scene::read(&folder.join(&study.metering), &shared)?
+        .with(&study.overrides(&profile.metering_scene)?)?;
     let mut hidden_changes = study.overrides(&study.hidden.scene)?;
     hidden_changes.extend(study.overrides(&profile.hidden_scene)?);
     let hidden = drum.with(&hidden_changes)?;

@@ -73,7 +73,11 @@ fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), Error> {
 
 /// Makes an error of a file that cannot be written.
 fn refused(path: &Path) -> impl FnOnce(std::io::Error) -> Error {
-    move |source| Error::File { what: "write", path: path.to_owned(), source }
+    move |source| Error::File {
+        what: "write",
+        path: path.to_owned(),
+        source,
+    }
 }
 
 #[cfg(test)]
@@ -108,7 +112,11 @@ mod tests {
         std::fs::create_dir_all(path.join("occupied")).expect("made");
         let error = write_whole(&path, b"text").expect_err("refused");
         assert!(matches!(&error, Error::File { what: "write", path: named, .. } if *named == path));
-        assert_eq!(std::fs::read_dir(&folder).expect("listed").count(), 1, "no aside file");
+        assert_eq!(
+            std::fs::read_dir(&folder).expect("listed").count(),
+            1,
+            "no aside file"
+        );
         std::fs::remove_dir_all(&folder).expect("removed");
     }
 }

@@ -66,8 +66,17 @@ pub(crate) fn page(
     material: &Material,
     pictures: &[NamedPicture],
 ) -> Result<String, Error> {
-    let title = format!("Calibration study {}, profile {}", result.name, result.profile);
-    let mut page = Page { report: Report::new(title), study, result, material, pictures };
+    let title = format!(
+        "Calibration study {}, profile {}",
+        result.name, result.profile
+    );
+    let mut page = Page {
+        report: Report::new(title),
+        study,
+        result,
+        material,
+        pictures,
+    };
     opening_section::add(&mut page)?;
     seed_section::add(&mut page)?;
     screening_section::add(&mut page)?;

@@ -3,6 +3,7 @@
 use campaign::{RunOutcome, RunRequest, Simulator, SimulatorError};
 use image::{DynamicImage, ImageFormat};
 use quantity::AngularSpeed;
+use photo_profile::Verdict;
 use run_store::Observation;
 use scene::{Apparatus, FillingLibrary, Override, RunResult, Scene, drum_picture, run};
 use std::collections::BTreeMap;
@@ -155,7 +156,10 @@ pub fn outcome_of(
         difference.extend(by_image.zip(by_position).map(|(i, p)| i - p));
     }
     if matches!(scene.apparatus, Apparatus::Drum(_)) && image.is_empty() {
-        let first = result.readings.first().map(|r| format!("{:?}", r.photo.verdict));
+        let first = result.readings.first().map(|r| match &r.photo.verdict {
+            Verdict::Refused { reason } => reason.to_string(),
+            Verdict::Ok => String::new(),
+        });
         return Err(scene::Error::NoSurface {
             frames: result.frames.len(),
             reason: first.unwrap_or_default(),
@@ -181,9 +185,9 @@ pub fn outcome_of(
     add("fluctuation_deg", fluctuation);
     add("shell_slip", over_frames(&slip, "1"));
 
-    let picture = match (&scene.apparatus, result.frames.last()) {
-        (_, Some(frame)) => Some(png(&DynamicImage::from(drum_picture(scene, &result.bodies, frame)?))),
-        _ => None,
+    let picture = match result.frames.last() {
+        Some(frame) => Some(png(&DynamicImage::from(drum_picture(scene, &result.bodies, frame)?))),
+        None => None,
     };
     let lag = summarise(&image).ok();
     outcome.details = serde_json::json!({

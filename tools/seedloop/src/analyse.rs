@@ -17,7 +17,7 @@ use serde::Serialize;
 
 /// Fits a model to the table of an experiment: coefficients, analysis of variance, diagnostics
 #[derive(clap::Args, Debug)]
-pub struct Arguments {
+pub(crate) struct Arguments {
     /// Table of the experiment, one row per run or per cell of replicates
     #[arg(value_name = "DATA.csv")]
     data: PathBuf,
@@ -130,7 +130,7 @@ struct Data {
 /// # Errors
 /// Files that cannot be read or written, columns that are missing, terms that the runs cannot
 /// separate.
-pub fn run(arguments: &Arguments) -> anyhow::Result<u8> {
+pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
     let data = read(arguments)?;
     let model = Model::parse(&arguments.model, &data.factors)?;
     let observations = Observations::from_cells(data.cells)?;

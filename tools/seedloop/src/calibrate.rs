@@ -9,7 +9,7 @@ use study::{RunSettings, StudyFile, StudyResult, run_study, write_results};
 
 /// Run the whole loop of a study: screening, response surface, solutions, validation, diagnosis
 #[derive(clap::Args, Debug)]
-pub struct Arguments {
+pub(crate) struct Arguments {
     /// The study
     #[arg(value_name = "STUDY.toml")]
     study: PathBuf,
@@ -36,14 +36,16 @@ pub struct Arguments {
 /// # Errors
 ///
 /// Bad input, runs that failed, files that cannot be written.
-pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<u8> {
+pub(crate) fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<u8> {
     let study = StudyFile::read(&arguments.study)?;
     study.profile(&arguments.profile)?;
     let folder = arguments.out.clone().unwrap_or_else(|| {
         PathBuf::from("out").join(format!("{}-{}", study.name, arguments.profile))
     });
     let allowed = arguments.resume || common.overwrite() == Overwrite::Allow;
-    let used = folder.read_dir().is_ok_and(|mut entries| entries.next().is_some());
+    let used = folder
+        .read_dir()
+        .is_ok_and(|mut entries| entries.next().is_some());
     anyhow::ensure!(
         allowed || !used,
         "{} holds the results of an earlier run: give --resume to go on with it (finished runs \
@@ -51,7 +53,11 @@ pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<u8> {
         folder.display()
     );
     let base = arguments.study.parent().unwrap_or(std::path::Path::new(""));
-    let files = [arguments.study.clone(), base.join(&study.drum), base.join(&study.metering)];
+    let files = [
+        arguments.study.clone(),
+        base.join(&study.drum),
+        base.join(&study.metering),
+    ];
     let settings = RunSettings {
         profile: arguments.profile.clone(),
         seed: arguments.seed,
@@ -59,8 +65,11 @@ pub fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<u8> {
         folder: folder.clone(),
         inputs: Header::new(arguments.seed, &files)?.inputs,
     };
-    let lines: Box<dyn std::io::Write + Send> =
-        if common.quiet { Box::new(std::io::sink()) } else { Box::new(std::io::stderr()) };
+    let lines: Box<dyn std::io::Write + Send> = if common.quiet {
+        Box::new(std::io::sink())
+    } else {
+        Box::new(std::io::stderr())
+    };
     let progress = LineProgress::new(lines);
     let announce = |stage: &str| common.log(|| format!("== {stage}"));
     let stop = AtomicBool::new(false);
@@ -85,10 +94,17 @@ fn summary(result: &StudyResult) -> String {
     };
     let v = &result.validation;
     let mut lines = vec![
-        format!("factors kept by the screening: {}", result.kept_factors.join(", ")),
+        format!(
+            "factors kept by the screening: {}",
+            result.kept_factors.join(", ")
+        ),
         format!(
             "chosen point{}: {}",
-            if result.target_reached { "" } else { " (the target is out of reach)" },
+            if result.target_reached {
+                ""
+            } else {
+                " (the target is out of reach)"
+            },
             values(&result.chosen)
         ),
         format!(
@@ -125,7 +141,11 @@ fn summary(result: &StudyResult) -> String {
         ("hidden effect", &result.hidden.study),
         ("nothing hidden", &result.nothing_hidden.study),
     ] {
-        lines.push(format!("{what}: {} {}", study.diagnosis.verdict, study.diagnosis.summary()));
+        lines.push(format!(
+            "{what}: {} {}",
+            study.diagnosis.verdict,
+            study.diagnosis.summary()
+        ));
     }
     lines.join("\n")
 }

@@ -16,7 +16,7 @@ use serde_json::json;
 
 /// Writes a design of experiments as a table of runs
 #[derive(clap::Args, Debug)]
-pub struct Arguments {
+pub(crate) struct Arguments {
     /// Kind of design
     #[arg(value_enum)]
     kind: Kind,
@@ -104,7 +104,7 @@ enum Axial {
 ///
 /// # Errors
 /// Files that cannot be read or written, factors or counts that the design does not exist for.
-pub fn run(arguments: &Arguments) -> anyhow::Result<u8> {
+pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
     let path = &arguments.factors;
     let text =
         fs::read_to_string(path).with_context(|| format!("cannot read {}", path.display()))?;

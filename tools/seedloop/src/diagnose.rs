@@ -11,7 +11,7 @@ use std::path::PathBuf;
 
 /// Tells which effect, if any, a residual that re-tuning cannot remove speaks for
 #[derive(clap::Args, Debug)]
-pub struct Arguments {
+pub(crate) struct Arguments {
     /// Residual, covariances and sensitivities from any simulator
     #[arg(value_name = "PROBLEM.json")]
     problem: PathBuf,
@@ -40,9 +40,11 @@ struct Report<'a> {
 ///
 /// # Errors
 /// A file that cannot be read or is no problem, a study file.
-pub fn run(arguments: &Arguments) -> anyhow::Result<u8> {
+pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
     let (path, common) = (&arguments.problem, &arguments.common);
-    let is_study = path.extension().is_some_and(|end| end.eq_ignore_ascii_case("toml"));
+    let is_study = path
+        .extension()
+        .is_some_and(|end| end.eq_ignore_ascii_case("toml"));
     if is_study {
         bail!(
             "{} is a study file, and diagnose reads problem files (.json): the residual of a \
@@ -56,8 +58,14 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<u8> {
         common.log(|| format!("warning: {warning}"));
     }
     common.print(text(&diagnosis).trim_end())?;
-    let Header { version, inputs, .. } = Header::new(arguments.seed, [path])?;
-    common.emit_json(&Report { version, inputs, diagnosis: &diagnosis })?;
+    let Header {
+        version, inputs, ..
+    } = Header::new(arguments.seed, [path])?;
+    common.emit_json(&Report {
+        version,
+        inputs,
+        diagnosis: &diagnosis,
+    })?;
     Ok(match diagnosis.verdict {
         Verdict::Refused | Verdict::NotTestable => NOT_MET,
         _ => DONE,
@@ -74,12 +82,23 @@ fn text(diagnosis: &Diagnosis) -> String {
     let residual = &diagnosis.structured_residual;
     if let (Some(t0), Some(p)) = (residual.t0, residual.p) {
         let df = residual.df;
-        add(&mut text, format_args!("structured residual {t0:.3} on {df} degrees of freedom, p {p:.3e}\n"));
+        add(
+            &mut text,
+            format_args!("structured residual {t0:.3} on {df} degrees of freedom, p {p:.3e}\n"),
+        );
     }
     if diagnosis.candidates.is_empty() {
         return text;
     }
-    let heads = ["candidate", "z", "amplitude", "se", "absorbed", "p adequate", "p max"];
+    let heads = [
+        "candidate",
+        "z",
+        "amplitude",
+        "se",
+        "absorbed",
+        "p adequate",
+        "p max",
+    ];
     let [name, numbers @ ..] = heads;
     add(&mut text, format_args!("\n{name:<20}"));
     for head in numbers {
@@ -92,14 +111,25 @@ fn text(diagnosis: &Diagnosis) -> String {
             let number = number.map_or_else(|| "-".to_owned(), short);
             add(&mut text, format_args!(" {number:>11}"));
         }
-        text.push_str(if candidate.testable { "\n" } else { "  not testable\n" });
+        text.push_str(if candidate.testable {
+            "\n"
+        } else {
+            "  not testable\n"
+        });
     }
     text
 }
 
 /// The numbers of a candidate in the order of the heads.
 fn numbers_of(c: &CandidateResult) -> [Option<f64>; 6] {
-    [c.z, c.amplitude, c.se, c.absorbed_fraction, c.p_adequacy, c.p_max_test]
+    [
+        c.z,
+        c.amplitude,
+        c.se,
+        c.absorbed_fraction,
+        c.p_adequacy,
+        c.p_max_test,
+    ]
 }
 
 /// A number with four digits that matter.

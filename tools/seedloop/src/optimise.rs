@@ -14,7 +14,7 @@ use serde::Serialize;
 
 /// Finds where a fitted surface meets a target: the whole set, its region, the nearest solutions
 #[derive(clap::Args, Debug)]
-pub struct Arguments {
+pub(crate) struct Arguments {
     /// Analysis written by `seedloop analyse --json FILE`
     #[arg(value_name = "ANALYSIS.json")]
     analysis: PathBuf,
@@ -80,7 +80,7 @@ struct Report {
 ///
 /// # Errors
 /// Files that cannot be read, a target or measured values that cannot be meant.
-pub fn run(arguments: &Arguments) -> anyhow::Result<u8> {
+pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
     let path = &arguments.analysis;
     let place = path.display();
     let text = fs::read_to_string(path).with_context(|| format!("cannot read {place}"))?;

@@ -15,7 +15,7 @@ use std::path::PathBuf;
 
 /// Runs one scene and prints what it shows
 #[derive(clap::Args, Debug)]
-pub struct Arguments {
+pub(crate) struct Arguments {
     /// Scene file
     #[arg(value_name = "SCENE.toml")]
     scene: PathBuf,
@@ -25,7 +25,7 @@ pub struct Arguments {
     further: Vec<Override>,
 
     /// Changes a setting of the scene by its dotted path (contact.seed-seed.static_friction=0.2),
-    /// or by its short name where only one setting has it (rpm=20, time_s=0.2)
+    /// or by its short name where only one setting has it (rpm=20, frames=6)
     #[arg(long, value_name = "NAME=VALUE", value_parser = setting)]
     set: Vec<Override>,
 
@@ -53,7 +53,10 @@ pub struct Arguments {
 fn setting(text: &str) -> Result<Override, String> {
     match text.split_once('=') {
         Some((name, value)) if !name.trim().is_empty() && !value.trim().is_empty() => {
-            Ok(Override { name: name.trim().to_owned(), value: value.trim().to_owned() })
+            Ok(Override {
+                name: name.trim().to_owned(),
+                value: value.trim().to_owned(),
+            })
         }
         _ => Err("a setting is NAME=VALUE, such as rpm=20".to_owned()),
     }
@@ -71,7 +74,7 @@ struct Outcome {
 ///
 /// # Errors
 /// A scene that cannot be read or run, files that exist or cannot be written.
-pub fn run(arguments: &Arguments) -> anyhow::Result<u8> {
+pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
     let common = &arguments.common;
     refuse_existing(arguments)?;
     let changes = [arguments.set.as_slice(), &arguments.further].concat();
@@ -110,7 +113,9 @@ fn is_refusal(error: &anyhow::Error) -> bool {
 fn refuse_existing(arguments: &Arguments) -> anyhow::Result<()> {
     if let Some(frame) = &arguments.frame {
         ensure!(
-            frame.extension().is_some_and(|end| end.eq_ignore_ascii_case("png")),
+            frame
+                .extension()
+                .is_some_and(|end| end.eq_ignore_ascii_case("png")),
             "--frame {}: the picture is written as PNG; give a name that ends in .png",
             frame.display()
         );
@@ -130,13 +135,19 @@ fn refuse_existing(arguments: &Arguments) -> anyhow::Result<()> {
 /// Finds the record of the run, or runs and keeps it.
 fn find_or_run(arguments: &Arguments, single: &SingleRun) -> anyhow::Result<Outcome> {
     let common = &arguments.common;
-    let store = arguments.out.as_ref().map(|folder| Store::open(folder.join("runs")));
+    let store = arguments
+        .out
+        .as_ref()
+        .map(|folder| Store::open(folder.join("runs")));
     let store = store.transpose()?;
     let blank = single.blank_record()?;
     if let Some(store) = &store {
         match store.get(blank.key())? {
             Lookup::Found(record) if arguments.resume => {
-                return Ok(Outcome { record, reused: true });
+                return Ok(Outcome {
+                    record,
+                    reused: true,
+                });
             }
             Lookup::Found(_) => ensure!(
                 common.force,
@@ -144,7 +155,10 @@ fn find_or_run(arguments: &Arguments, single: &SingleRun) -> anyhow::Result<Outc
                 store.folder().display()
             ),
             Lookup::Mismatch { path, .. } => common.log(|| {
-                format!("warning: {} holds another run; it is replaced", path.display())
+                format!(
+                    "warning: {} holds another run; it is replaced",
+                    path.display()
+                )
             }),
             Lookup::Absent => {}
         }
@@ -156,7 +170,10 @@ fn find_or_run(arguments: &Arguments, single: &SingleRun) -> anyhow::Result<Outc
         store.put(&record)?;
         common.log(|| format!("record {} in {}", record.key(), store.folder().display()));
     }
-    Ok(Outcome { record, reused: false })
+    Ok(Outcome {
+        record,
+        reused: false,
+    })
 }
 
 /// Writes the last frame, which the record holds as text.
@@ -165,7 +182,9 @@ fn write_frame(arguments: &Arguments, record: &Record) -> anyhow::Result<()> {
         return Ok(());
     };
     let text = record.details()["last_frame_png_base64"].as_str();
-    let text = text.filter(|text| !text.is_empty()).context("the run has no frame to write")?;
+    let text = text
+        .filter(|text| !text.is_empty())
+        .context("the run has no frame to write")?;
     let picture = base64::engine::general_purpose::STANDARD
         .decode(text)
         .context("the picture in the record is damaged; run again with --force")?;

@@ -21,12 +21,18 @@ use std::process::{Command, Output};
 
 /// A file of the fixtures.
 fn fixture(name: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fixtures").join(name)
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("../../fixtures")
+        .join(name)
 }
 
 /// Runs the command in a folder.
 fn seedloop(folder: &Path, words: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_seedloop")).current_dir(folder).args(words).output().unwrap()
+    Command::new(env!("CARGO_BIN_EXE_seedloop"))
+        .current_dir(folder)
+        .args(words)
+        .output()
+        .unwrap()
 }
 
 /// What was written, as text.
@@ -37,7 +43,11 @@ fn text(bytes: &[u8]) -> &str {
 /// Asserts that the command ended with a code.
 fn assert_code(output: &Output, code: i32) {
     let (out, err) = (text(&output.stdout), text(&output.stderr));
-    assert_eq!(output.status.code(), Some(code), "stdout: {out}\nstderr: {err}");
+    assert_eq!(
+        output.status.code(),
+        Some(code),
+        "stdout: {out}\nstderr: {err}"
+    );
 }
 
 /// The JSON on standard output, which holds nothing else.
@@ -52,5 +62,8 @@ fn assert_error(output: &Output, says: &[&str]) {
     for what in says {
         assert!(message.contains(what), "'{what}' is not in: {message}");
     }
-    assert!(output.stdout.is_empty(), "an error puts nothing on standard output");
+    assert!(
+        output.stdout.is_empty(),
+        "an error puts nothing on standard output"
+    );
 }

@@ -22,6 +22,17 @@ pub(super) struct Means {
     pub(super) values: Vec<Vec<f64>>,
     /// Number of runs in each mean.
     pub(super) n: usize,
+    /// How the runs scatter about these means.
+    pub(super) scatter: Scatter,
+}
+
+/// Scatter of runs about the means of their conditions.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Scatter {
+    /// Sums of products of the deviations, (observables, observables).
+    products: Vec<Vec<f64>>,
+    /// Degrees of freedom.
+    pub(super) dof: usize,
 }
 
 /// The simulator near the starting point.
@@ -33,7 +44,7 @@ pub(super) struct Linearisation {
     pub(super) declared: Vec<Vec<Vec<f64>>>,
     /// d observable / d amplitude, (conditions, observables, effects).
     pub(super) library: Vec<Vec<Vec<f64>>>,
-    /// Covariance of one run, pooled over the conditions, (observables, observables).
+    /// Covariance of one run, pooled over conditions and settings, (observables, observables).
     pub(super) run_covariance: Vec<Vec<f64>>,
     /// Its degrees of freedom.
     pub(super) noise_dof: usize,
@@ -81,8 +92,7 @@ pub(super) fn means(
     }
     let records = campaign.run_all(simulator, &requests)?;
     let rows = records.iter().map(|r| row(plan, r)).collect::<Result<Vec<_>, _>>()?;
-    let values = rows.chunks(plan.replicates).map(mean_row).collect();
-    Ok(Means { values, n: plan.replicates })
+    Ok(Means::of(&rows, plan.replicates))
 }
 
 /// Observables of a record, in the order of the plan.
@@ -109,22 +119,22 @@ impl Linearisation {
         plan: &ResidualPlan,
     ) -> Result<Self, Error> {
         let start: Vec<f64> = plan.declared.iter().map(|d| d.start).collect();
-        let nominal = Setting::declared(plan, &start);
+        let at_start = Setting::declared(plan, &start);
         let mut settings = Vec::new();
         for declared in &plan.declared {
-            let mut moved = nominal.clone();
+            let mut moved = at_start.clone();
             moved.parameters.insert(declared.name.clone(), declared.start + declared.step);
             settings.push((moved, declared.step));
         }
         for effect in &plan.effects {
-            let mut on = nominal.clone();
+            let mut on = at_start.clone();
             on.effects.insert(effect.name.clone(), effect.probe);
             settings.push((on, effect.probe));
         }
         let (n, r) = (plan.conditions.len(), plan.replicates);
         let mut requests = Vec::new();
         for condition in &plan.conditions {
-            requests.extend((0..r).map(|k| nominal.request(plan, condition, 0, k)));
+            requests.extend((0..r).map(|k| at_start.request(plan, condition, 0, k)));
         }
         for (setting, _) in &settings {
             requests.extend(plan.conditions.iter().map(|c| setting.request(plan, c, 0, 0)));
@@ -132,7 +142,8 @@ impl Linearisation {
         let records = campaign.run_all(simulator, &requests)?;
         let rows = records.iter().map(|r| row(plan, r)).collect::<Result<Vec<_>, _>>()?;
         let (replicates, probes) = rows.split_at(n * r);
-        let values: Vec<Vec<f64>> = replicates.chunks(r).map(mean_row).collect();
+        let nominal = Means::of(replicates, r);
+        let values = &nominal.values;
         let slope = |column: usize, c: usize, k: usize| {
             (probes[column * n + c][k] - values[c][k]) / settings[column].1
         };
@@ -143,26 +154,52 @@ impl Linearisation {
         Ok(Self {
             declared: columns(0, plan.declared.len()),
             library: columns(plan.declared.len(), plan.effects.len()),
-            run_covariance: pooled_covariance(replicates, &values, r),
-            noise_dof: n * (r - 1),
-            nominal: Means { values, n: r },
+            run_covariance: nominal.scatter.covariance(),
+            noise_dof: nominal.scatter.dof,
+            nominal,
         })
+    }
+
+    /// The same with the scatter of further means in the covariance: the noise of a run is taken
+    /// to be the same at all settings, and more degrees of freedom make sharper tests.
+    pub(super) fn with_scatter(mut self, means: &Means) -> Self {
+        let mut both = self.nominal.scatter.clone();
+        for (line, more) in both.products.iter_mut().zip(&means.scatter.products) {
+            for (sum, product) in line.iter_mut().zip(more) {
+                *sum += product;
+            }
+        }
+        both.dof += means.scatter.dof;
+        self.run_covariance = both.covariance();
+        self.noise_dof = both.dof;
+        self
     }
 }
 
-/// Covariance within groups of `r` rows about their means, pooled.
-fn pooled_covariance(rows: &[Vec<f64>], means: &[Vec<f64>], r: usize) -> Vec<Vec<f64>> {
-    let width = means.first().map_or(0, Vec::len);
-    let mut sum = vec![vec![0.0; width]; width];
-    for (group, mean) in rows.chunks(r).zip(means) {
-        for row in group {
-            for a in 0..width {
-                for b in 0..width {
-                    sum[a][b] += (row[a] - mean[a]) * (row[b] - mean[b]);
+impl Scatter {
+    /// Covariance of one run.
+    fn covariance(&self) -> Vec<Vec<f64>> {
+        let dof = self.dof.max(1) as f64;
+        self.products.iter().map(|line| line.iter().map(|x| x / dof).collect()).collect()
+    }
+}
+
+impl Means {
+    /// Means and scatter of groups of `r` rows.
+    fn of(rows: &[Vec<f64>], r: usize) -> Self {
+        let values: Vec<Vec<f64>> = rows.chunks(r).map(mean_row).collect();
+        let width = values.first().map_or(0, Vec::len);
+        let mut products = vec![vec![0.0; width]; width];
+        for (group, mean) in rows.chunks(r).zip(&values) {
+            for row in group {
+                for a in 0..width {
+                    for b in 0..width {
+                        products[a][b] += (row[a] - mean[a]) * (row[b] - mean[b]);
+                    }
                 }
             }
         }
+        let dof = values.len() * (r - 1);
+        Self { values, n: r, scatter: Scatter { products, dof } }
     }
-    let dof = (means.len() * (r - 1)).max(1) as f64;
-    sum.iter().map(|line| line.iter().map(|x| x / dof).collect()).collect()
 }

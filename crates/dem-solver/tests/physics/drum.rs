@@ -2,7 +2,7 @@
 
 use crate::scene::{GRAVITY, ball, material, plane, resting_overlap, rough, run, settings, world};
 use contact_law::PairParameters;
-use dem_solver::{InteractionSettings, Placement, Shape, Wall, World};
+use dem_solver::{InteractionSettings, Placement, Settings, Shape, Wall, World};
 use nalgebra::{UnitQuaternion, Vector3};
 
 /// Radius of the ball, m.
@@ -140,4 +140,51 @@ fn ball_far_through_the_shell_comes_back() {
         "{}",
         world.bodies().velocity[0]
     );
+}
+
+/// A ball that flies along with the drum stands nearly still in the frame of the drum, but not
+/// in that of a plate across its way.
+#[test]
+fn ball_that_flies_along_with_the_drum_hits_a_plate_at_rest() {
+    let shape = Shape::Cylinder { radius: DRUM };
+    let shell = Wall {
+        name: "shell".into(),
+        shape,
+        material: 0,
+        spin: 10.0,
+    };
+    let gap = 1e-3;
+    let shape = Shape::Rectangle {
+        centre: Vector3::new(0.03, RADIUS + gap, 0.0),
+        half_edges: [Vector3::x() * 5e-3, Vector3::z() * 5e-3],
+    };
+    let plate = Wall {
+        name: "plate".into(),
+        shape,
+        material: 0,
+        spin: 0.0,
+    };
+    let position = Vector3::x() * 0.03;
+    let velocity = Vector3::y() * (0.03 * 10.0);
+    let start = Placement::at_rest(0, position, UnitQuaternion::identity());
+    let start = Placement {
+        velocity,
+        spin: Vector3::z() * 10.0,
+        ..start
+    };
+    let settings = Settings {
+        margin: 5e-3,
+        ..settings(2e-5, Vector3::zeros())
+    };
+    let walls = vec![shell, plate];
+    let mut world = world(
+        settings,
+        &rough(0.5, 0.0),
+        vec![ball(RADIUS)],
+        walls,
+        &[start],
+    );
+    run(&mut world, 300);
+    let velocity = world.bodies().velocity[0].y;
+    assert!(velocity < 0.0, "the ball flies on with {velocity} m/s");
 }

@@ -5,7 +5,7 @@
 //! may separate them; a contact that a list misses, or a slip that is lost or mixed up when a
 //! list is made anew, separates them by the size of a contact force.
 
-use crate::scene::{run, scattered, seed_and_block, sticky, table};
+use crate::scene::{ball, box_of_planes, run, scattered, seed_and_block, smooth, sticky, world};
 use dem_solver::{Placement, Settings, Shape, Wall, World, plain};
 use nalgebra::Vector3;
 use random_stream::Stream;
@@ -63,7 +63,7 @@ fn fallen(size: f64, walls: Vec<Wall>) -> Vec<Placement> {
         0.4 * size.sqrt(),
         &mut Stream::new(3, "oracle"),
     );
-    let mut world = world(settings_of(size), walls, &starts);
+    let mut world = world_of(size, settings_of(size), walls, &starts);
     run(&mut world, 5000);
     let bodies = world.bodies();
     let start = |k: usize| Placement {
@@ -87,17 +87,9 @@ fn settings_of(size: f64) -> Settings {
     }
 }
 
-/// A world of the templates of that size.
-fn world(settings: Settings, walls: Vec<Wall>, starts: &[Placement]) -> World {
-    let size = settings.skin / 3e-4;
-    World::new(
-        settings,
-        seed_and_block(size),
-        table(&sticky()),
-        walls,
-        starts,
-    )
-    .expect("the scene is possible")
+/// A world of the templates of a size.
+fn world_of(size: f64, settings: Settings, walls: Vec<Wall>, starts: &[Placement]) -> World {
+    world(settings, &sticky(), seed_and_block(size), walls, starts)
 }
 
 /// Steps the world and compares loads and numbers of contacts at each step; returns the largest
@@ -142,7 +134,7 @@ fn hold_to_the_plain_loop(world: &mut World, history: &mut plain::History, n: us
 #[test]
 fn loads_are_those_of_the_plain_loop_in_a_drum() {
     let starts = fallen(1.0, drum(1.0));
-    let mut world = world(settings_of(1.0), drum(1.0), &starts);
+    let mut world = world_of(1.0, settings_of(1.0), drum(1.0), &starts);
     let mut history = plain::History::default();
     let mut most = [0; 2];
     for spin in [0.0, 12.0, -20.0, 3.0] {
@@ -170,7 +162,7 @@ fn loads_are_those_of_the_plain_loop_at_a_plate() {
     let mut walls = drum(1.0);
     walls.push(plate());
     let starts = fallen(1.0, walls.clone());
-    let mut world = world(settings_of(1.0), walls, &starts);
+    let mut world = world_of(1.0, settings_of(1.0), walls, &starts);
     assert!(world.set_wall_spin("shell", 10.0), "the shell may turn");
     let most = hold_to_the_plain_loop(&mut world, &mut plain::History::default(), 600);
     assert!(
@@ -193,15 +185,7 @@ fn no_skin_or_margin_loses_a_contact() {
             margin,
             ..settings_of(1.0)
         };
-        let walls = drum(1.0);
-        let mut world = World::new(
-            settings,
-            seed_and_block(1.0),
-            table(&sticky()),
-            walls,
-            &starts,
-        )
-        .expect("the scene is possible");
+        let mut world = world_of(1.0, settings, drum(1.0), &starts);
         assert!(world.set_wall_spin("shell", 12.0), "the shell may turn");
         let most = hold_to_the_plain_loop(&mut world, &mut plain::History::default(), 200);
         assert!(most[0] > 50, "too few contacts to mean anything: {most:?}");
@@ -213,11 +197,67 @@ fn no_skin_or_margin_loses_a_contact() {
 fn no_contact_is_lost_between_large_bodies() {
     let size = 150.0;
     let starts = fallen(size, drum(size));
-    let mut world = world(settings_of(size), drum(size), &starts);
+    let mut world = world_of(size, settings_of(size), drum(size), &starts);
     assert!(world.set_wall_spin("shell", 1.0), "the shell may turn");
     let most = hold_to_the_plain_loop(&mut world, &mut plain::History::default(), 600);
     assert!(
         most[0] > 50 && most[1] > 30,
+        "too few contacts to mean anything: {most:?}"
+    );
+}
+
+/// Bodies that meet and part: pairs stay listed throughout, while their candidates and contacts
+/// come and go, down to none at all.
+#[test]
+fn no_contact_is_lost_when_all_bodies_part_and_meet_again() {
+    let settings = Settings {
+        skin: 1e-5,
+        margin: 2e-2,
+        gravity: Vector3::zeros(),
+        ..settings_of(1.0)
+    };
+    let starts = scattered(
+        [0.011, 0.011, 0.004],
+        1.0,
+        1.0,
+        &mut Stream::new(8, "parting"),
+    );
+    let mut world = world_of(1.0, settings, box_of_planes(0.0125), &starts);
+    let mut history = plain::History::default();
+    let (mut n_none, mut n_some) = (0, 0);
+    for _ in 0..1500 {
+        let now = hold_to_the_plain_loop(&mut world, &mut history, 1);
+        n_none += usize::from(now[0] == 0);
+        n_some += usize::from(now[0] > 0);
+    }
+    assert!(
+        n_none > 200 && n_some > 200,
+        "{n_none} steps without contact, {n_some} with"
+    );
+}
+
+/// Smooth balls do not turn, so that the ways counted are the true ones and the lists have
+/// nothing to spare: a list that is looked at a little late loses the contact.
+#[test]
+fn lists_of_balls_are_looked_at_in_time() {
+    let settings = Settings {
+        time_step: 1e-5,
+        skin: 1e-5,
+        margin: 5e-3,
+        gravity: Vector3::zeros(),
+    };
+    let templates = vec![ball(1.5e-3), ball(2.5e-3)];
+    let starts = scattered([0.018; 3], 1.0, 2.0, &mut Stream::new(9, "balls"));
+    let mut world = world(
+        settings,
+        &smooth(),
+        templates,
+        box_of_planes(0.0205),
+        &starts,
+    );
+    let most = hold_to_the_plain_loop(&mut world, &mut plain::History::default(), 2000);
+    assert!(
+        most[0] > 10 && most[1] > 5,
         "too few contacts to mean anything: {most:?}"
     );
 }

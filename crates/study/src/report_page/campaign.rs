@@ -13,19 +13,32 @@ pub(crate) fn condition_name(condition: &StudyCondition) -> String {
     if condition.condition.is_empty() {
         return "as measured".into();
     }
-    condition.condition.iter().map(part).collect::<Vec<_>>().join(", ")
+    condition
+        .condition
+        .iter()
+        .map(part)
+        .collect::<Vec<_>>()
+        .join(", ")
 }
 
 /// What a condition was used for.
 pub(crate) fn role(condition: &StudyCondition) -> Role {
-    if condition.used { Role::Fit } else { Role::Check }
+    if condition.used {
+        Role::Fit
+    } else {
+        Role::Check
+    }
 }
 
 /// Standard error of observed minus simulated, unit of the observable: that of the observation,
 /// and that of the mean of the simulated runs.
 pub(crate) fn residual_se(study: &ResidualStudy, k: usize) -> f64 {
     let runs = study.plan.replicates.max(1) as f64;
-    let run_sd = study.run_sd.get(&study.plan.observables[k]).copied().unwrap_or(0.0);
+    let run_sd = study
+        .run_sd
+        .get(&study.plan.observables[k])
+        .copied()
+        .unwrap_or(0.0);
     (study.observed.covariance[k][k] + run_sd * run_sd / runs).sqrt()
 }
 
@@ -43,11 +56,18 @@ pub(crate) struct StageErrors<'a> {
 /// Errors before, and after where an effect was added.
 pub(crate) fn stages(study: &ResidualStudy) -> Vec<StageErrors<'_>> {
     let before = &study.errors_before;
-    let mut stages =
-        vec![StageErrors { name: "before", used: &before.used, kept: before.kept.as_ref() }];
+    let mut stages = vec![StageErrors {
+        name: "before",
+        used: &before.used,
+        kept: before.kept.as_ref(),
+    }];
     if let Some(after) = &study.after {
         let errors = &after.errors;
-        stages.push(StageErrors { name: "after", used: &errors.used, kept: errors.kept.as_ref() });
+        stages.push(StageErrors {
+            name: "after",
+            used: &errors.used,
+            kept: errors.kept.as_ref(),
+        });
     }
     stages
 }
@@ -61,7 +81,10 @@ mod tests {
     #[test]
     fn conditions_are_named_with_their_units() {
         let condition = |pairs: &[(&str, f64)]| StudyCondition {
-            condition: pairs.iter().map(|(n, v)| ((*n).to_owned(), *v)).collect::<BTreeMap<_, _>>(),
+            condition: pairs
+                .iter()
+                .map(|(n, v)| ((*n).to_owned(), *v))
+                .collect::<BTreeMap<_, _>>(),
             used: true,
         };
         let name = condition_name(&condition(&[("rpm", 5.0), ("seed_count", 418.0)]));

@@ -30,14 +30,28 @@ pub(super) fn add(page: &mut Page<'_>) -> Result<(), Error> {
 /// Everything that can be said without knowing what was hidden.
 fn body(page: &mut Page<'_>, name: &str, hidden: &HiddenCampaign) -> Result<(), Error> {
     let study = &hidden.study;
-    let count = |used: bool| study.plan.conditions.iter().filter(|c| c.used == used).count();
+    let count = |used: bool| {
+        study
+            .plan
+            .conditions
+            .iter()
+            .filter(|c| c.used == used)
+            .count()
+    };
     page.report.paragraph(&format!(
         "{} used, {} kept; {} each: {}. {} simulated for each mean; noise of a run with {} degrees \
          of freedom.",
         counted(count(true), "condition", "conditions"),
         count(false),
         counted(study.plan.observables.len(), "observable", "observables"),
-        listed(&study.plan.observables.iter().map(|o| observable(o).0).collect::<Vec<_>>()),
+        listed(
+            &study
+                .plan
+                .observables
+                .iter()
+                .map(|o| observable(o).0)
+                .collect::<Vec<_>>()
+        ),
         counted(study.plan.replicates, "run is", "runs are"),
         study.noise_dof,
     ));
@@ -59,12 +73,18 @@ fn body(page: &mut Page<'_>, name: &str, hidden: &HiddenCampaign) -> Result<(), 
         let words = observable(quantity).0;
         for (stage, is_there, model) in [
             ("before", true, "declared model, fitted"),
-            ("after", study.after.is_some(), "with the added effect, fitted again"),
+            (
+                "after",
+                study.after.is_some(),
+                "with the added effect, fitted again",
+            ),
         ] {
             if is_there {
                 page.chart(
                     &format!("{name}-predicted-{}-{stage}", plain_name(quantity)),
-                    &format!("Predicted against measured {words}: {model}. Bars: 2 standard errors."),
+                    &format!(
+                        "Predicted against measured {words}: {model}. Bars: 2 standard errors."
+                    ),
                 );
             }
         }
@@ -75,8 +95,10 @@ fn body(page: &mut Page<'_>, name: &str, hidden: &HiddenCampaign) -> Result<(), 
 /// The error on the kept conditions, before and after, in words.
 fn kept_errors(hidden: &HiddenCampaign) -> String {
     let stages = campaign::stages(&hidden.study);
-    let whitened: Vec<Option<f64>> =
-        stages.iter().map(|s| s.kept.map(|e| e.whitened_mse)).collect();
+    let whitened: Vec<Option<f64>> = stages
+        .iter()
+        .map(|s| s.kept.map(|e| e.whitened_mse))
+        .collect();
     match whitened.as_slice() {
         [Some(before), Some(after), ..] => format!(
             "On the kept conditions the whitened mean square of real runs goes from {} to {} ({} %).",
@@ -85,7 +107,10 @@ fn kept_errors(hidden: &HiddenCampaign) -> String {
             super::numbers::signed(100.0 * (after / before - 1.0), 0),
         ),
         [Some(before), ..] => {
-            format!("On the kept conditions the whitened mean square of real runs is {}.", fixed(*before, 2))
+            format!(
+                "On the kept conditions the whitened mean square of real runs is {}.",
+                fixed(*before, 2)
+            )
         }
         _ => "No condition is kept for the check.".into(),
     }
@@ -108,9 +133,15 @@ fn conditions(page: &mut Page<'_>, hidden: &HiddenCampaign) -> Result<(), Error>
         let mut row = vec![campaign::condition_name(condition), role.to_owned()];
         for k in 0..study.plan.observables.len() {
             let se = study.observed.covariance[k][k].sqrt();
-            row.push(format!("{} ± {}", digits(study.observed.values[c][k]), digits(se)));
+            row.push(format!(
+                "{} ± {}",
+                digits(study.observed.values[c][k]),
+                digits(se)
+            ));
             row.push(digits(study.simulated_before[c][k]));
-            row.push(digits_or_dash(study.after.as_ref().map(|a| a.simulated[c][k])));
+            row.push(digits_or_dash(
+                study.after.as_ref().map(|a| a.simulated[c][k]),
+            ));
         }
         table.row(row)?;
     }
@@ -125,7 +156,11 @@ fn revealed(page: &mut Page<'_>, hidden: &HiddenCampaign) {
         .iter()
         .map(|(name, value)| {
             let fitted = hidden.study.fitted.get(name).copied();
-            let after = hidden.study.after.as_ref().and_then(|a| a.fitted.get(name).copied());
+            let after = hidden
+                .study
+                .after
+                .as_ref()
+                .and_then(|a| a.fitted.get(name).copied());
             format!(
                 "{name} = {} (fitted before {}, after {})",
                 digits(*value),
@@ -136,8 +171,11 @@ fn revealed(page: &mut Page<'_>, hidden: &HiddenCampaign) {
         .collect();
     let made = match &hidden.hidden_effect {
         Some(effect) => {
-            let found =
-                hidden.study.after.as_ref().and_then(|a| a.effects.get(effect).copied());
+            let found = hidden
+                .study
+                .after
+                .as_ref()
+                .and_then(|a| a.effects.get(effect).copied());
             format!(
                 "Hidden was {effect} with amplitude {}; the fit with real runs gives {}.",
                 digits(hidden.hidden_amplitude),
@@ -149,7 +187,10 @@ fn revealed(page: &mut Page<'_>, hidden: &HiddenCampaign) {
     let (colour, headline) = if hidden.verdict_is_right {
         (Verdict::Good, "Revealed: the verdict is right")
     } else {
-        (Verdict::Bad, "Revealed: the verdict is not what made the data")
+        (
+            Verdict::Bad,
+            "Revealed: the verdict is not what made the data",
+        )
     };
     let text = format!("{made} The data were made with {}.", truth.join("; "));
     page.report.verdict(colour, headline, &text);

@@ -10,10 +10,22 @@ pub(super) fn add(page: &mut Page<'_>) {
     let cost = &result.cost;
     page.report.section("Cost").facts(&[
         Fact::new("Different runs in the store", cost.n_runs.to_string()),
-        Fact::new("Time of all runs, one core each", format!("{} h", digits(cost.run_time_s / 3600.0))),
-        Fact::new("Mean time of a drum run", format!("{} s", fixed(cost.drum_run_s, 1))),
-        Fact::new("Steps of a drum run in a second", digits(cost.drum_steps_per_s)),
-        Fact::new("Runs that profile study needs", cost.study_profile_runs.to_string()),
+        Fact::new(
+            "Time of all runs, one core each",
+            format!("{} h", digits(cost.run_time_s / 3600.0)),
+        ),
+        Fact::new(
+            "Mean time of a drum run",
+            format!("{} s", fixed(cost.drum_run_s, 1)),
+        ),
+        Fact::new(
+            "Steps of a drum run in a second",
+            digits(cost.drum_steps_per_s),
+        ),
+        Fact::new(
+            "Runs that profile study needs",
+            cost.study_profile_runs.to_string(),
+        ),
         Fact::new(
             "What it would cost (estimate)",
             format!("{} core hours", digits(cost.study_profile_core_hours)),
@@ -34,8 +46,11 @@ pub(super) fn add(page: &mut Page<'_>) {
         "The same version, inputs and seed give the same numbers. result.json holds all of them in \
          full precision, tables/ as CSV, pictures/ the figures, runs/ a record of every run.",
     );
-    let inputs: Vec<String> =
-        result.inputs.iter().map(|(file, sum)| format!("{file}: SHA-256 {sum}")).collect();
+    let inputs: Vec<String> = result
+        .inputs
+        .iter()
+        .map(|(file, sum)| format!("{file}: SHA-256 {sum}"))
+        .collect();
     let lines: Vec<&str> = inputs.iter().map(String::as_str).collect();
     if !lines.is_empty() {
         page.report.paragraph("Inputs:").list(&lines);

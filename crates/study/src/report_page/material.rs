@@ -62,7 +62,11 @@ impl Material {
                 validation.push(record);
             }
         }
-        Ok(Self { seeds: filled_seeds(study, &profile)?, profile, validation })
+        Ok(Self {
+            seeds: filled_seeds(study, &profile)?,
+            profile,
+            validation,
+        })
     }
 }
 
@@ -72,7 +76,10 @@ fn filled_seeds(study: &StudyFile, profile: &Profile) -> Result<Vec<FilledSeed>,
     let scene = Scene::read(&base.join(&study.drum), &study.overrides(&profile.scene)?)?;
     let library = FillingLibrary::default();
     let seeds = scene.seed.iter().map(|seed| {
-        Ok(FilledSeed { name: seed.name.clone(), body: library.body(&scene, seed)? })
+        Ok(FilledSeed {
+            name: seed.name.clone(),
+            body: library.body(&scene, seed)?,
+        })
     });
     seeds.collect()
 }
@@ -110,12 +117,14 @@ mod tests {
 
     #[test]
     fn details_of_a_record_are_read_and_missing_ones_are_empty() {
-        let record = Record::new("0", json!({}), 1).expect("a record").with_details(json!({
-            "regime": "rolling", "steady": true, "start_up_s": 0.5,
-            "series": { "time_s": [0.0, 0.5], "centre_of_mass_deg": [1.0, 2.0] },
-            "frames": { "times_s": [0.5], "refused": 2 },
-            "last_frame_png_base64": "aGk=",
-        }));
+        let record = Record::new("0", json!({}), 1)
+            .expect("a record")
+            .with_details(json!({
+                "regime": "rolling", "steady": true, "start_up_s": 0.5,
+                "series": { "time_s": [0.0, 0.5], "centre_of_mass_deg": [1.0, 2.0] },
+                "frames": { "times_s": [0.5], "refused": 2 },
+                "last_frame_png_base64": "aGk=",
+            }));
         let details = RunDetails::of(&record);
         assert_eq!(details.times_s, [0.0, 0.5]);
         assert_eq!(details.last_frame.as_deref(), Some(b"hi".as_slice()));

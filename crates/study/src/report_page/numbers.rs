@@ -25,7 +25,11 @@ pub(crate) fn fixed_or_dash(value: Option<f64>, decimals: usize) -> String {
 /// A number with its sign.
 pub(crate) fn signed(value: f64, decimals: usize) -> String {
     let text = fixed(value, decimals);
-    if value.is_finite() && value >= 0.0 { format!("+{text}") } else { text }
+    if value.is_finite() && value >= 0.0 {
+        format!("+{text}")
+    } else {
+        text
+    }
 }
 
 /// About three digits that count.
@@ -34,7 +38,7 @@ pub(crate) fn digits(value: f64) -> String {
     match size {
         _ if !value.is_finite() => DASH.into(),
         0.0 => "0".into(),
-        s if s >= 1e5 || s < 1e-4 => format!("{value:.2e}").replace('-', "−"),
+        s if !(1e-4..1e5).contains(&s) => format!("{value:.2e}").replace('-', "−"),
         s if s >= 100.0 => fixed(value, 0),
         s if s >= 10.0 => fixed(value, 1),
         s if s >= 1.0 => fixed(value, 2),
@@ -85,7 +89,11 @@ pub(crate) fn observable(name: &str) -> (String, &'static str) {
 
 /// Names in a sentence; a dash for none.
 pub(crate) fn listed(names: &[String]) -> String {
-    if names.is_empty() { DASH.into() } else { names.join(", ") }
+    if names.is_empty() {
+        DASH.into()
+    } else {
+        names.join(", ")
+    }
 }
 
 /// One of two words by a count.
@@ -111,7 +119,10 @@ mod tests {
 
     #[test]
     fn a_mean_carries_unit_uncertainty_and_count() {
-        assert_eq!(degrees(38.868, Some(0.592), 10), "38.87° ± 0.59° (sd, n = 10)");
+        assert_eq!(
+            degrees(38.868, Some(0.592), 10),
+            "38.87° ± 0.59° (sd, n = 10)"
+        );
         assert_eq!(degrees(38.868, None, 1), "38.87° (n = 1, no sd)");
         assert_eq!(degrees(38.868, Some(f64::NAN), 1), "38.87° (n = 1, no sd)");
     }

@@ -15,14 +15,29 @@ pub(super) fn add(page: &mut Page<'_>) -> Result<(), Error> {
 fn brief(page: &mut Page<'_>) {
     let (study, result) = (page.study, page.result);
     let (target, v) = (&study.target, &result.validation);
-    let chosen: Vec<String> =
-        result.chosen.iter().map(|(s, value)| format!("{s} = {}", fixed(*value, 4))).collect();
+    let chosen: Vec<String> = result
+        .chosen
+        .iter()
+        .map(|(s, value)| format!("{s} = {}", fixed(*value, 4)))
+        .collect();
     page.report.section("Result in brief");
     page.report.facts(&[
-        Fact::new("Measured angle", degrees(target.value, Some(target.sd), target.n)),
-        Fact::new("Angle of the validation runs", degrees(v.point.mean, v.point.sd, v.point.n)),
-        Fact::new("Difference", format!("{} %", fixed(v.relative_error_percent, 2))),
-        Fact::new("Factors kept by the screening", listed(&result.kept_factors)),
+        Fact::new(
+            "Measured angle",
+            degrees(target.value, Some(target.sd), target.n),
+        ),
+        Fact::new(
+            "Angle of the validation runs",
+            degrees(v.point.mean, v.point.sd, v.point.n),
+        ),
+        Fact::new(
+            "Difference",
+            format!("{} %", fixed(v.relative_error_percent, 2)),
+        ),
+        Fact::new(
+            "Factors kept by the screening",
+            listed(&result.kept_factors),
+        ),
         Fact::new("Chosen point (all dimensionless)", chosen.join(", ")),
         Fact::new("Runs", result.cost.n_runs.to_string()),
     ]);
@@ -43,7 +58,9 @@ fn brief(page: &mut Page<'_>) {
     }
     let remarks: Vec<&str> = result.remarks.iter().map(String::as_str).collect();
     if !remarks.is_empty() {
-        page.report.subsection("What to keep in mind").list(&remarks);
+        page.report
+            .subsection("What to keep in mind")
+            .list(&remarks);
     }
 }
 
@@ -54,7 +71,11 @@ fn profile(page: &mut Page<'_>) -> Result<(), Error> {
     page.report.section("Size of this run");
     let mut table = Table::new(
         "Sizes of the profile that was run, beside those of the published study.",
-        vec![Column::text("size"), Column::number("this run"), Column::number("profile study")],
+        vec![
+            Column::text("size"),
+            Column::number("this run"),
+            Column::number("profile study"),
+        ],
     )?;
     let mut reduced = Vec::new();
     for (name, size) in SIZES {
@@ -68,15 +89,23 @@ fn profile(page: &mut Page<'_>) -> Result<(), Error> {
     page.report.table(&table);
     let text = match reduced.len() {
         0 => "No number of runs is reduced.".to_owned(),
-        n => format!("Reduced against the study ({}): {}.", counted(n, "size", "sizes"), reduced.join("; ")),
+        n => format!(
+            "Reduced against the study ({}): {}.",
+            counted(n, "size", "sizes"),
+            reduced.join("; ")
+        ),
     };
     page.report.paragraph(&text);
-    let changes: Vec<&str> =
-        ran.scene.iter().chain(&ran.hidden_scene).map(String::as_str).collect();
-    if changes.is_empty() {
-        page.report.paragraph("The profile changes nothing in the scenes.");
-    } else {
-        page.report.paragraph("The profile changes these settings of the scenes:").list(&changes);
+    for (changes, scenes) in [
+        (&ran.scene, "all scenes"),
+        (&ran.hidden_scene, "the campaigns only"),
+    ] {
+        let changes: Vec<&str> = changes.iter().map(String::as_str).collect();
+        if !changes.is_empty() {
+            page.report
+                .paragraph(&format!("Settings that the profile changes in {scenes}:"));
+            page.report.list(&changes);
+        }
     }
     page.report.paragraph(
         "Unless it is said otherwise, ± is the standard deviation of single runs (of frames for \
@@ -90,10 +119,17 @@ type Size = (&'static str, fn(&Profile) -> usize);
 
 /// The sizes of a profile.
 const SIZES: [Size; 6] = [
-    ("runs in each cell of the screening", |p| p.screening_replicates),
+    ("runs in each cell of the screening", |p| {
+        p.screening_replicates
+    }),
     ("runs in each cell of the surface", |p| p.surface_replicates),
     ("centre points of the surface", |p| p.centre_points),
     ("runs of the validation", |p| p.validation_runs),
-    ("runs at each point of the sweeps and of the metering device", |p| p.point_runs),
-    ("runs for each mean of the residual studies", |p| p.residual_replicates),
+    (
+        "runs at each point of the sweeps and of the metering device",
+        |p| p.point_runs,
+    ),
+    ("runs for each mean of the residual studies", |p| {
+        p.residual_replicates
+    }),
 ];

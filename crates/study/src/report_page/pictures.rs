@@ -31,12 +31,18 @@ pub(crate) struct NamedPicture {
 impl NamedPicture {
     /// A chart.
     fn chart(name: impl Into<String>, svg: Svg) -> Self {
-        Self { name: name.into(), picture: Picture::Chart(svg) }
+        Self {
+            name: name.into(),
+            picture: Picture::Chart(svg),
+        }
     }
 
     /// A PNG file.
     fn png(name: impl Into<String>, bytes: Vec<u8>) -> Self {
-        Self { name: name.into(), picture: Picture::Png(bytes) }
+        Self {
+            name: name.into(),
+            picture: Picture::Png(bytes),
+        }
     }
 
     /// Name of its file.
@@ -50,23 +56,35 @@ impl NamedPicture {
 
 /// The chart of a name; none where it could not be made of the runs.
 pub(crate) fn chart<'a>(pictures: &'a [NamedPicture], name: &str) -> Option<&'a Svg> {
-    pictures.iter().find(|p| p.name == name).and_then(|p| match &p.picture {
-        Picture::Chart(svg) => Some(svg),
-        Picture::Png(_) => None,
-    })
+    pictures
+        .iter()
+        .find(|p| p.name == name)
+        .and_then(|p| match &p.picture {
+            Picture::Chart(svg) => Some(svg),
+            Picture::Png(_) => None,
+        })
 }
 
 /// The PNG of a name.
 pub(crate) fn png<'a>(pictures: &'a [NamedPicture], name: &str) -> Option<&'a [u8]> {
-    pictures.iter().find(|p| p.name == name).and_then(|p| match &p.picture {
-        Picture::Png(bytes) => Some(bytes.as_slice()),
-        Picture::Chart(_) => None,
-    })
+    pictures
+        .iter()
+        .find(|p| p.name == name)
+        .and_then(|p| match &p.picture {
+            Picture::Png(bytes) => Some(bytes.as_slice()),
+            Picture::Chart(_) => None,
+        })
 }
 
 /// A name of a file from any text.
 pub(crate) fn plain_name(text: &str) -> String {
-    let letter = |c: char| if c.is_ascii_alphanumeric() { c.to_ascii_lowercase() } else { '-' };
+    let letter = |c: char| {
+        if c.is_ascii_alphanumeric() {
+            c.to_ascii_lowercase()
+        } else {
+            '-'
+        }
+    };
     text.chars().map(letter).collect()
 }
 
@@ -87,6 +105,9 @@ pub(crate) fn pictures(
     all.extend(run_charts::smoothness(result)?);
     all.extend(run_charts::filling_angle(result)?);
     all.extend(campaign_charts::charts("hidden", &result.hidden)?);
-    all.extend(campaign_charts::charts("nothing-hidden", &result.nothing_hidden)?);
+    all.extend(campaign_charts::charts(
+        "nothing-hidden",
+        &result.nothing_hidden,
+    )?);
     Ok(all)
 }

@@ -79,21 +79,29 @@ fn sweep(page: &mut Page<'_>) -> Result<(), Error> {
     let theirs = PublishedSurface::of(study).map(|published| {
         move |at: f64| {
             published.angle_deg(&|name: &str| {
-                if name == symbol { Some(at) } else { study.published_optimum.get(name).copied() }
+                if name == symbol {
+                    Some(at)
+                } else {
+                    study.published_optimum.get(name).copied()
+                }
             })
         }
     });
     let theirs = theirs.as_ref().map(|f| f as &dyn Fn(f64) -> Option<f64>);
     let caption = "Sweep; regime and slip are those of the first run of each point.";
-    page.report.table(&sweep_table(caption, symbol, &result.sweep, theirs)?);
+    page.report
+        .table(&sweep_table(caption, symbol, &result.sweep, theirs)?);
     Ok(())
 }
 
 /// The filling angle.
 fn metering(page: &mut Page<'_>) {
     let metering = &page.result.metering;
-    let (r, [measured, measured_sd], [simulated, simulated_sd]) =
-        (&metering.result, metering.published_measured_deg, metering.published_simulated_deg);
+    let (r, [measured, measured_sd], [simulated, simulated_sd]) = (
+        &metering.result,
+        metering.published_measured_deg,
+        metering.published_simulated_deg,
+    );
     page.report.section("Metering device").verdict(
         Verdict::Caution,
         "Dimensions assumed",
@@ -102,11 +110,23 @@ fn metering(page: &mut Page<'_>) {
          such a device; it does not test the published value.",
     );
     page.report.facts(&[
-        Fact::new("Published measurement", format!("{}° ± {}°", fixed(measured, 2), fixed(measured_sd, 2))),
-        Fact::new("Published simulation", format!("{}° ± {}°", fixed(simulated, 2), fixed(simulated_sd, 2))),
+        Fact::new(
+            "Published measurement",
+            format!("{}° ± {}°", fixed(measured, 2), fixed(measured_sd, 2)),
+        ),
+        Fact::new(
+            "Published simulation",
+            format!("{}° ± {}°", fixed(simulated, 2), fixed(simulated_sd, 2)),
+        ),
         Fact::new("This work", degrees(r.mean, r.sd, r.n)),
-        Fact::new("Sd over the frames of a run", format!("{}°", fixed_or_dash(r.frame_sd, 2))),
-        Fact::new("Difference from the measurement", format!("{} %", fixed(metering.difference_percent, 2))),
+        Fact::new(
+            "Sd over the frames of a run",
+            format!("{}°", fixed_or_dash(r.frame_sd, 2)),
+        ),
+        Fact::new(
+            "Difference from the measurement",
+            format!("{} %", fixed(metering.difference_percent, 2)),
+        ),
     ]);
     page.chart(
         "filling-angle",

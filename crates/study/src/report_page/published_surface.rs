@@ -3,6 +3,7 @@
 use crate::StudyFile;
 
 /// A factor of eq. (10) with its levels of Table 2.
+#[derive(Debug)]
 struct PublishedFactor {
     /// Symbol.
     symbol: &'static str,
@@ -14,9 +15,21 @@ struct PublishedFactor {
 
 /// Factors of the published surface with the levels of Table 2 of the study.
 const FACTORS: [PublishedFactor; 3] = [
-    PublishedFactor { symbol: "B", low: 0.30, high: 0.42 },
-    PublishedFactor { symbol: "E", low: 0.01, high: 0.18 },
-    PublishedFactor { symbol: "F", low: 0.0, high: 0.10 },
+    PublishedFactor {
+        symbol: "B",
+        low: 0.30,
+        high: 0.42,
+    },
+    PublishedFactor {
+        symbol: "E",
+        low: 0.01,
+        high: 0.18,
+    },
+    PublishedFactor {
+        symbol: "F",
+        low: 0.0,
+        high: 0.10,
+    },
 ];
 
 /// Eq. (10) of the study as printed, deg over coded factors:
@@ -28,12 +41,29 @@ fn equation_10(b: f64, e: f64, f: f64) -> f64 {
 }
 
 /// Effects of Table 4 of the study: symbol, and mean at high minus mean at low level, deg.
-const EFFECTS: [(&str, f64); 6] =
-    [("A", -0.16), ("B", 2.58), ("C", -0.053), ("D", 0.45), ("E", -0.8), ("F", 6.55)];
+const EFFECTS: [(&str, f64); 6] = [
+    ("A", -0.16),
+    ("B", 2.58),
+    ("C", -0.053),
+    ("D", 0.45),
+    ("E", -0.8),
+    ("F", 6.55),
+];
 
 /// The published regression, where it speaks of the factors of a study.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct PublishedSurface;
+pub(crate) struct PublishedSurface {
+    /// Factors with their levels.
+    factors: &'static [PublishedFactor; 3],
+    /// Effects of the screening: symbol and effect, deg.
+    effects: &'static [(&'static str, f64); 6],
+}
+
+/// What the study printed.
+const PRINTED: PublishedSurface = PublishedSurface {
+    factors: &FACTORS,
+    effects: &EFFECTS,
+};
 
 impl PublishedSurface {
     /// The published regression for a study with the same factors on the same levels; none for
@@ -43,14 +73,14 @@ impl PublishedSurface {
             let found = study.factor.iter().find(|f| f.symbol == p.symbol);
             found.is_some_and(|f| f.low == p.low && f.high == p.high)
         };
-        FACTORS.iter().all(same).then_some(Self)
+        FACTORS.iter().all(same).then_some(PRINTED)
     }
 
     /// Angle at natural values by symbol, deg; none where a factor is missing or lies outside of
     /// the levels, where the regression was not made.
     pub(crate) fn angle_deg(self, value: &dyn Fn(&str) -> Option<f64>) -> Option<f64> {
         let mut coded = [0.0; 3];
-        for (x, p) in coded.iter_mut().zip(&FACTORS) {
+        for (x, p) in coded.iter_mut().zip(self.factors) {
             let (mid, half) = (0.5 * (p.low + p.high), 0.5 * (p.high - p.low));
             *x = (value(p.symbol)? - mid) / half;
             if x.abs() > 1.0 + 1e-9 {
@@ -62,17 +92,20 @@ impl PublishedSurface {
 
     /// Published effect of a factor in the screening, deg.
     pub(crate) fn effect_deg(self, symbol: &str) -> Option<f64> {
-        EFFECTS.iter().find(|(name, _)| *name == symbol).map(|(_, effect)| *effect)
+        self.effects
+            .iter()
+            .find(|(name, _)| *name == symbol)
+            .map(|(_, effect)| *effect)
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::PublishedSurface;
+    use super::PRINTED;
 
     /// Angle at B, E, F.
     fn angle(b: f64, e: f64, f: f64) -> Option<f64> {
-        PublishedSurface.angle_deg(&|symbol| match symbol {
+        PRINTED.angle_deg(&|symbol| match symbol {
             "B" => Some(b),
             "E" => Some(e),
             "F" => Some(f),
@@ -91,7 +124,11 @@ mod tests {
     fn the_middle_gives_the_constant_and_points_outside_give_nothing() {
         let middle = angle(0.36, 0.095, 0.05).expect("inside");
         assert!((middle - 36.39).abs() < 1e-12, "only rounding: {middle}");
-        assert_eq!(angle(0.33, 0.06, 0.56), None, "the bench friction is far outside");
+        assert_eq!(
+            angle(0.33, 0.06, 0.56),
+            None,
+            "the bench friction is far outside"
+        );
     }
 
     #[test]

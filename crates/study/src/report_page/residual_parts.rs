@@ -2,7 +2,8 @@
 
 use super::campaign::stages;
 use super::numbers::{
-    DASH, digits, digits_or_dash, fixed, fixed_or_dash, listed, observable, p_in_words, p_value,
+    DASH, counted, digits, digits_or_dash, fixed, fixed_or_dash, listed, observable, p_in_words,
+    p_value,
 };
 use calibration::ResidualStudy;
 use report::{Column, Report, Table, Verdict};
@@ -16,13 +17,17 @@ pub(super) fn verdict(report: &mut Report, study: &ResidualStudy) {
         Diagnosed::Refused | Diagnosed::NotTestable => Verdict::Note,
         _ => Verdict::Caution,
     };
-    report.verdict(colour, &format!("Verdict of the diagnosis: {}", d.verdict), d.summary());
+    report.verdict(
+        colour,
+        &format!("Verdict of the diagnosis: {}", d.verdict),
+        d.summary(),
+    );
     let s = &d.structured_residual;
     report.paragraph(&format!(
-        "What re-tuning cannot absorb: sum of squares {} with {} degrees of freedom, {}; smooth part \
+        "What re-tuning cannot absorb: sum of squares {} with {}, {}; smooth part \
          {} with {}, {}. Effects that help but are not named: {}.",
         digits_or_dash(s.t0),
-        s.df,
+        counted(s.df, "degree of freedom", "degrees of freedom"),
         p_in_words(s.p),
         digits_or_dash(s.t0_smooth),
         s.df_smooth,
@@ -51,8 +56,14 @@ pub(super) fn parameters(report: &mut Report, study: &ResidualStudy) -> Result<(
     )?;
     for d in &study.plan.declared {
         let fitted = study.fitted.get(&d.name).copied();
-        let shift = d.prior.zip(fitted).map(|([mean, sd], value)| (value - mean) / sd);
-        let after = study.after.as_ref().and_then(|a| a.fitted.get(&d.name).copied());
+        let shift = d
+            .prior
+            .zip(fitted)
+            .map(|([mean, sd], value)| (value - mean) / sd);
+        let after = study
+            .after
+            .as_ref()
+            .and_then(|a| a.fitted.get(&d.name).copied());
         table.row([
             d.name.clone(),
             digits(d.start),
@@ -105,7 +116,11 @@ pub(super) fn candidates(report: &mut Report, study: &ResidualStudy) -> Result<(
 
 /// Errors of real runs before and after, on used and kept conditions.
 pub(super) fn errors(report: &mut Report, study: &ResidualStudy) -> Result<(), report::Error> {
-    let mut columns = vec![Column::text("model"), Column::text("conditions"), Column::number("n")];
+    let mut columns = vec![
+        Column::text("model"),
+        Column::text("conditions"),
+        Column::number("n"),
+    ];
     for name in &study.plan.observables {
         let (words, unit) = observable(name);
         let unit = if unit.is_empty() { "1" } else { unit };
@@ -118,13 +133,21 @@ pub(super) fn errors(report: &mut Report, study: &ResidualStudy) -> Result<(), r
         columns,
     )?;
     for stage in stages(study) {
-        for (part, used, errors) in
-            [("used", true, Some(stage.used)), ("kept", false, stage.kept)]
-        {
-            let n = study.plan.conditions.iter().filter(|c| c.used == used).count();
+        for (part, used, errors) in [
+            ("used", true, Some(stage.used)),
+            ("kept", false, stage.kept),
+        ] {
+            let n = study
+                .plan
+                .conditions
+                .iter()
+                .filter(|c| c.used == used)
+                .count();
             let mut row = vec![stage.name.to_owned(), part.to_owned(), n.to_string()];
             for name in &study.plan.observables {
-                row.push(digits_or_dash(errors.and_then(|e| e.rmse.get(name).copied())));
+                row.push(digits_or_dash(
+                    errors.and_then(|e| e.rmse.get(name).copied()),
+                ));
             }
             row.push(errors.map_or_else(|| DASH.to_owned(), |e| fixed(e.whitened_mse, 2)));
             table.row(row)?;
@@ -139,8 +162,11 @@ pub(super) fn added(study: &ResidualStudy) -> Option<String> {
     let after = study.after.as_ref()?;
     let one = |(name, amplitude): (&String, &f64)| {
         let se = study.diagnosis.candidates.get(name).and_then(|c| c.se);
-        format!("{name}, amplitude {} (standard error by the linear prediction {})",
-            digits(*amplitude), digits_or_dash(se))
+        format!(
+            "{name}, amplitude {} (standard error by the linear prediction {})",
+            digits(*amplitude),
+            digits_or_dash(se)
+        )
     };
     Some(after.effects.iter().map(one).collect::<Vec<_>>().join("; "))
 }

@@ -10,8 +10,17 @@ use report::{Column, Table};
 pub(super) fn add(page: &mut Page<'_>) -> Result<(), Error> {
     let result = page.result;
     let screening = &result.screening.screening;
-    let n_runs: usize = result.screening.cells.iter().map(|c| c.responses.len()).sum();
-    let n_dummies = result.screening.columns.len().saturating_sub(screening.factors.len());
+    let n_runs: usize = result
+        .screening
+        .cells
+        .iter()
+        .map(|c| c.responses.len())
+        .sum();
+    let n_dummies = result
+        .screening
+        .columns
+        .len()
+        .saturating_sub(screening.factors.len());
     page.report.section("Screening (Plackett-Burman)").paragraph(&format!(
         "{} cells, {}, {} as dummy columns. An effect is the mean angle at the high level minus \
          that at the low level.",
@@ -73,7 +82,10 @@ fn table(page: &mut Page<'_>) -> Result<(), Error> {
         ],
     )?;
     for f in &page.result.screening.screening.factors {
-        let name = page.study.factor(&f.factor).map_or(DASH, |entry| entry.name.as_str());
+        let name = page
+            .study
+            .factor(&f.factor)
+            .map_or(DASH, |entry| entry.name.as_str());
         let kept = page.result.kept_factors.contains(&f.factor);
         let theirs = published.and_then(|p| p.effect_deg(&f.factor));
         table.row([
@@ -103,7 +115,11 @@ fn verdict(page: &mut Page<'_>) {
             .filter(|f| p(f).is_some_and(|p| p < rule.alpha))
             .map(|f| f.factor.clone())
             .collect();
-        if names.is_empty() { "none".to_owned() } else { listed(&names) }
+        if names.is_empty() {
+            "none".to_owned()
+        } else {
+            listed(&names)
+        }
     };
     let text = format!(
         "Significant at {}: {} against the dummies; {} against the replicates. Kept: {}. The rule \

@@ -19,14 +19,23 @@ pub(super) fn add(page: &mut Page<'_>) -> Result<(), Error> {
         let n = seed.body.spheres.len();
         page.png(
             &name,
-            &format!("Spheres of seed {} under its half transparent mesh", seed.name),
-            &format!("Seed {}: {n} spheres under the mesh (half transparent).", seed.name),
+            &format!(
+                "Spheres of seed {} under its half transparent mesh",
+                seed.name
+            ),
+            &format!(
+                "Seed {}: {n} spheres under the mesh (half transparent).",
+                seed.name
+            ),
         )?;
         let spheres: Vec<ViewerSphere> = seed
             .body
             .spheres
             .iter()
-            .map(|s| ViewerSphere { centre: s.centre.into(), radius: s.radius })
+            .map(|s| ViewerSphere {
+                centre: s.centre.into(),
+                radius: s.radius,
+            })
             .collect();
         if let Some(picture) = png(page.pictures, &format!("{name}-spheres")) {
             let description = format!("Spheres of seed {}", seed.name);
@@ -36,7 +45,10 @@ pub(super) fn add(page: &mut Page<'_>) -> Result<(), Error> {
                 picture,
                 description: &description,
             };
-            let caption = format!("Seed {}: the spheres alone; turn them with the mouse.", seed.name);
+            let caption = format!(
+                "Seed {}: the spheres alone; turn them with the mouse.",
+                seed.name
+            );
             page.report.viewer(&viewer, &caption)?;
         }
     }

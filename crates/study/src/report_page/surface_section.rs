@@ -16,13 +16,18 @@ pub(super) fn add(page: &mut Page<'_>) -> Result<(), Error> {
     let result = page.result;
     let fit = &result.surface.fit;
     let n_runs: usize = result.surface.cells.iter().map(|c| c.responses.len()).sum();
-    page.report.section("Response surface (Box-Behnken)").paragraph(&format!(
-        "{} cells, {}. Factors: {}. The model has all terms up to degree two.",
-        fit.n,
-        counted(n_runs, "run", "runs"),
-        fit.formula.symbols().join(", "),
+    page.report
+        .section("Response surface (Box-Behnken)")
+        .paragraph(&format!(
+            "{} cells, {}. Factors: {}. The model has all terms up to degree two.",
+            fit.n,
+            counted(n_runs, "run", "runs"),
+            fit.formula.symbols().join(", "),
+        ));
+    page.report.paragraph(&format!(
+        "Fitted over coded factors (−1 to +1), °: {}.",
+        equation(page)
     ));
-    page.report.paragraph(&format!("Fitted over coded factors (−1 to +1), °: {}.", equation(page)));
     anova(page)?;
     quality(page);
     contour(page);
@@ -33,7 +38,11 @@ pub(super) fn add(page: &mut Page<'_>) -> Result<(), Error> {
 fn equation(page: &Page<'_>) -> String {
     let mut text = String::from("θ =");
     for (name, row) in page.result.surface.fit.terms.iter() {
-        let term = if name == "1" { String::new() } else { format!(" {name}") };
+        let term = if name == "1" {
+            String::new()
+        } else {
+            format!(" {name}")
+        };
         text.push_str(&format_term(row.coef, &term, text.ends_with('=')));
     }
     text
@@ -69,8 +78,13 @@ fn anova(page: &mut Page<'_>) -> Result<(), Error> {
     let dash = || DASH.to_owned();
     let model = &fit.model;
     table.row([
-        "model".to_owned(), dash(), dash(), fixed(model.ss, 2), model.df.to_string(),
-        fixed_or_dash(model.f, 2), p_value(model.p),
+        "model".to_owned(),
+        dash(),
+        dash(),
+        fixed(model.ss, 2),
+        model.df.to_string(),
+        fixed_or_dash(model.f, 2),
+        p_value(model.p),
     ])?;
     for (name, row) in fit.terms.iter() {
         table.row([
@@ -113,7 +127,10 @@ fn quality(page: &mut Page<'_>) {
         ),
         None => "Lack of fit against repeated centre cells: undefined, there are none.".to_owned(),
     };
-    let within = fit.replicates.as_ref().and_then(|r| r.lack_of_fit_vs_replicates.as_ref());
+    let within = fit
+        .replicates
+        .as_ref()
+        .and_then(|r| r.lack_of_fit_vs_replicates.as_ref());
     let replicates = match within {
         Some(test) => format!(
             "Against the replicates within cells: F = {} ({}, {} degrees of freedom), {}.",
@@ -136,7 +153,9 @@ fn quality(page: &mut Page<'_>) {
     let warnings: Vec<String> = fit.warnings.iter().map(ToString::to_string).collect();
     if !warnings.is_empty() {
         let warnings: Vec<&str> = warnings.iter().map(String::as_str).collect();
-        page.report.paragraph("Warnings of the fit:").list(&warnings);
+        page.report
+            .paragraph("Warnings of the fit:")
+            .list(&warnings);
     }
 }
 
@@ -154,7 +173,11 @@ fn contour(page: &mut Page<'_>) {
             format!("{} = {}", f.symbol(), digits(value))
         })
         .collect();
-    let held = if held.is_empty() { String::new() } else { format!(" at {}", held.join(", ")) };
+    let held = if held.is_empty() {
+        String::new()
+    } else {
+        format!(" at {}", held.join(", "))
+    };
     page.chart(
         "surface",
         &format!(
@@ -236,21 +259,32 @@ fn table(page: &mut Page<'_>) -> Result<(), Error> {
         let entry = study.factor(f.symbol())?;
         let m = entry.measured;
         let interval = |low: f64, high: f64| format!("{} to {}", fixed(low, 3), fixed(high, 3));
-        let range = result.solutions.factor_ranges.as_ref().and_then(|r| r.get(f.symbol()));
+        let range = result
+            .solutions
+            .factor_ranges
+            .as_ref()
+            .and_then(|r| r.get(f.symbol()));
         let region = nearest.and_then(|n| n.given_others.as_ref()?.get(f.symbol()));
         let chosen = result.chosen.get(f.symbol()).copied();
         table.row([
             format!("{} {}", f.symbol(), f.name()),
             format!("{} ± {} ({})", fixed(m.mean, 2), fixed(m.sd, 2), m.n),
             interval(f.low(), f.high()),
-            range.map_or_else(|| DASH.to_owned(), |r| interval(r.natural.low, r.natural.high)),
+            range.map_or_else(
+                || DASH.to_owned(),
+                |r| interval(r.natural.low, r.natural.high),
+            ),
             fixed_or_dash(chosen, 4),
             region.map_or_else(
                 || DASH.to_owned(),
                 |r| {
                     let mark = |open: bool| if open { "*" } else { "" };
                     let (low, high) = (fixed(r.natural.low, 3), fixed(r.natural.high, 3));
-                    format!("{low}{} to {high}{}", mark(r.open_below), mark(r.open_above))
+                    format!(
+                        "{low}{} to {high}{}",
+                        mark(r.open_below),
+                        mark(r.open_above)
+                    )
                 },
             ),
             chosen.map_or_else(|| DASH.to_owned(), |c| signed((c - m.mean) / m.sd, 1)),
@@ -269,15 +303,19 @@ fn published(page: &mut Page<'_>) {
     let value = |symbol: &str| study.published_optimum.get(symbol).copied();
     let theirs = PublishedSurface::of(study).and_then(|p| p.angle_deg(&value));
     let fit = &result.surface.fit;
-    let point: Option<Vec<f64>> = fit.factors.iter().map(|f| value(f.symbol())).collect();
+    // Parameters that the published optimum does not name are at their bench means in the study.
+    let bench = |symbol: &str| study.factor(symbol).ok().map(|f| f.measured.mean);
+    let all = |symbol: &str| value(symbol).or_else(|| bench(symbol));
+    let point: Option<Vec<f64>> = fit.factors.iter().map(|f| all(f.symbol())).collect();
     let ours = point.and_then(|p| fit.predict(&p).ok());
     let optimum = &result.published_optimum;
     page.report.paragraph(&format!(
-        "At the published optimum: eq. (10) of the study gives {}° (the study names {}° as target); \
+        "At the published optimum: eq. (10) of the study gives {}° (its target was {}°); \
          our surface gives {}° (standard error {}°); our runs give {}.",
         theirs.map_or_else(|| DASH.to_owned(), |t| fixed(t, 2)),
         fixed(study.target.value, 2),
-        ours.as_ref().map_or_else(|| DASH.to_owned(), |p| fixed(p.mean, 2)),
+        ours.as_ref()
+            .map_or_else(|| DASH.to_owned(), |p| fixed(p.mean, 2)),
         digits_or_dash(ours.and_then(|p| p.se_mean)),
         degrees(optimum.mean, optimum.sd, optimum.n),
     ));

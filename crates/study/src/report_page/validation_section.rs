@@ -18,12 +18,24 @@ pub(super) fn add(page: &mut Page<'_>) -> Result<(), Error> {
     page.report.facts(&[
         Fact::new("Measured", degrees(target.value, Some(target.sd), target.n)),
         Fact::new("This work", degrees(v.point.mean, v.point.sd, v.point.n)),
-        Fact::new("Sd over the frames of a run", format!("{}°", fixed_or_dash(v.point.frame_sd, 2))),
-        Fact::new("Difference", format!("{} %", fixed(v.relative_error_percent, 2))),
-        Fact::new("Published simulation", format!("{}° ± {}°", fixed(mean, 2), fixed(sd, 2))),
+        Fact::new(
+            "Sd over the frames of a run",
+            format!("{}°", fixed_or_dash(v.point.frame_sd, 2)),
+        ),
+        Fact::new(
+            "Difference",
+            format!("{} %", fixed(v.relative_error_percent, 2)),
+        ),
+        Fact::new(
+            "Published simulation",
+            format!("{}° ± {}°", fixed(mean, 2), fixed(sd, 2)),
+        ),
         Fact::new(
             "Published difference",
-            format!("{} %", fixed(100.0 * (mean - target.value).abs() / target.value.abs(), 2)),
+            format!(
+                "{} %",
+                fixed(100.0 * (mean - target.value).abs() / target.value.abs(), 2)
+            ),
         ),
     ]);
     comparison(page);

@@ -83,13 +83,21 @@ impl CsvTable {
         columns: impl IntoIterator<Item = Name>,
     ) -> Self {
         let columns = columns.into_iter().map(Into::into).collect();
-        Self { name: name.into(), columns, rows: Vec::new() }
+        Self {
+            name: name.into(),
+            columns,
+            rows: Vec::new(),
+        }
     }
 
     /// Adds a row; a short one is filled up with empty fields.
     pub(crate) fn row(&mut self, fields: impl IntoIterator<Item = Field>) {
         let mut written: Vec<String> = fields.into_iter().map(|f| f.written()).collect();
-        debug_assert!(written.len() <= self.columns.len(), "a row of {} is too long", self.name);
+        debug_assert!(
+            written.len() <= self.columns.len(),
+            "a row of {} is too long",
+            self.name
+        );
         written.resize(self.columns.len(), String::new());
         self.rows.push(written.join(","));
     }
@@ -133,7 +141,12 @@ mod tests {
     #[test]
     fn numbers_come_back_exactly_and_undefined_ones_are_empty() {
         let value = 0.1 + 0.2;
-        let found = line(vec![value.into(), f64::NAN.into(), None::<f64>.into(), 7_usize.into()]);
+        let found = line(vec![
+            value.into(),
+            f64::NAN.into(),
+            None::<f64>.into(),
+            7_usize.into(),
+        ]);
         assert_eq!(found, "0.30000000000000004,,,7");
         let first = found.split(',').next().and_then(|t| t.parse::<f64>().ok());
         assert_eq!(first, Some(value));

@@ -6,31 +6,53 @@ use calibration::ResidualStudy;
 
 /// An observable with its unit: `_1` where the name holds none.
 fn with_unit(name: &str) -> String {
-    if name.ends_with("_deg") { name.to_owned() } else { format!("{name}_1") }
+    if name.ends_with("_deg") {
+        name.to_owned()
+    } else {
+        format!("{name}_1")
+    }
 }
 
 /// The unit that the name of a condition's coordinate goes without.
 fn coordinate(name: &str) -> String {
-    if name == "rpm" { "speed_rpm".into() } else { name.to_owned() }
+    if name == "rpm" {
+        "speed_rpm".into()
+    } else {
+        name.to_owned()
+    }
 }
 
 /// Observed and simulated values by condition, before and after.
 pub(super) fn conditions(name: &str, study: &ResidualStudy) -> CsvTable {
-    let names: Vec<&String> =
-        study.plan.conditions.first().map(|c| c.condition.keys().collect()).unwrap_or_default();
+    let names: Vec<&String> = study
+        .plan
+        .conditions
+        .first()
+        .map(|c| c.condition.keys().collect())
+        .unwrap_or_default();
     let mut columns = vec!["condition".to_owned()];
     columns.extend(names.iter().map(|n| coordinate(n)));
     columns.push("role".into());
     for quantity in &study.plan.observables {
         let q = with_unit(quantity);
-        for part in ["observed", "observed_se", "simulated_before", "simulated_after", "residual_se"] {
+        for part in [
+            "observed",
+            "observed_se",
+            "simulated_before",
+            "simulated_after",
+            "residual_se",
+        ] {
             columns.push(format!("{part}_{q}"));
         }
     }
     let mut table = CsvTable::new(format!("{name}_conditions"), columns);
     for (c, condition) in study.plan.conditions.iter().enumerate() {
         let mut row = vec![Field::from(c + 1)];
-        row.extend(names.iter().map(|n| Field::from(condition.condition.get(*n).copied())));
+        row.extend(
+            names
+                .iter()
+                .map(|n| Field::from(condition.condition.get(*n).copied())),
+        );
         row.push(if condition.used { "fit" } else { "check" }.into());
         for k in 0..study.plan.observables.len() {
             row.push(study.observed.values[c][k].into());
@@ -49,12 +71,22 @@ pub(super) fn parameters(name: &str, study: &ResidualStudy) -> CsvTable {
     let mut table = CsvTable::new(
         format!("{name}_parameters"),
         [
-            "parameter", "start_1", "bench_mean_1", "bench_se_1", "low_bound_1", "high_bound_1",
-            "fitted_before_1", "fitted_after_1", "retuning_by_diagnosis_1",
+            "parameter",
+            "start_1",
+            "bench_mean_1",
+            "bench_se_1",
+            "low_bound_1",
+            "high_bound_1",
+            "fitted_before_1",
+            "fitted_after_1",
+            "retuning_by_diagnosis_1",
         ],
     );
     for d in &study.plan.declared {
-        let after = study.after.as_ref().and_then(|a| a.fitted.get(&d.name).copied());
+        let after = study
+            .after
+            .as_ref()
+            .and_then(|a| a.fitted.get(&d.name).copied());
         table.row([
             (&d.name).into(),
             d.start.into(),
@@ -75,14 +107,28 @@ pub(super) fn candidates(name: &str, study: &ResidualStudy) -> CsvTable {
     let mut table = CsvTable::new(
         format!("{name}_candidates"),
         [
-            "effect", "named", "z_1", "amplitude_1", "amplitude_se_1", "absorbed_fraction_1",
-            "t_after_1", "p_adequacy_1", "p_adequacy_smooth_1", "p_max_test_1", "ln_bf_unknown_1",
-            "smallest_detectable_1", "testable", "amplitude_after_real_runs_1",
+            "effect",
+            "named",
+            "z_1",
+            "amplitude_1",
+            "amplitude_se_1",
+            "absorbed_fraction_1",
+            "t_after_1",
+            "p_adequacy_1",
+            "p_adequacy_smooth_1",
+            "p_max_test_1",
+            "ln_bf_unknown_1",
+            "smallest_detectable_1",
+            "testable",
+            "amplitude_after_real_runs_1",
         ],
     );
     for (effect, c) in &study.diagnosis.candidates {
         let yes = |is: bool| Field::from(if is { "yes" } else { "no" });
-        let after = study.after.as_ref().and_then(|a| a.effects.get(effect).copied());
+        let after = study
+            .after
+            .as_ref()
+            .and_then(|a| a.effects.get(effect).copied());
         table.row([
             effect.into(),
             yes(study.diagnosis.effects.contains(effect)),
@@ -105,7 +151,11 @@ pub(super) fn candidates(name: &str, study: &ResidualStudy) -> CsvTable {
 
 /// Errors of real runs, before and after, on used and kept conditions.
 pub(super) fn errors(name: &str, study: &ResidualStudy) -> CsvTable {
-    let heads = study.plan.observables.iter().map(|q| format!("rmse_{}", with_unit(q)));
+    let heads = study
+        .plan
+        .observables
+        .iter()
+        .map(|q| format!("rmse_{}", with_unit(q)));
     let columns: Vec<String> = ["stage", "conditions", "n_conditions"]
         .map(String::from)
         .into_iter()
@@ -114,10 +164,18 @@ pub(super) fn errors(name: &str, study: &ResidualStudy) -> CsvTable {
         .collect();
     let mut table = CsvTable::new(format!("{name}_errors"), columns);
     for stage in stages(study) {
-        let parts = [("used for the fit", true, Some(stage.used)), ("kept for the check", false, stage.kept)];
+        let parts = [
+            ("used for the fit", true, Some(stage.used)),
+            ("kept for the check", false, stage.kept),
+        ];
         for (part, used, errors) in parts {
             let Some(errors) = errors else { continue };
-            let n = study.plan.conditions.iter().filter(|c| c.used == used).count();
+            let n = study
+                .plan
+                .conditions
+                .iter()
+                .filter(|c| c.used == used)
+                .count();
             let mut row = vec![Field::from(stage.name), part.into(), n.into()];
             let rmse = |q: &String| Field::from(errors.rmse.get(q).copied());
             row.extend(study.plan.observables.iter().map(rmse));

@@ -9,11 +9,24 @@ pub(super) fn fillings(result: &StudyResult) -> CsvTable {
     let mut table = CsvTable::new(
         "fillings",
         [
-            "seed", "n_spheres", "n_outer_spheres", "mass_mg", "fraction_density_kg_m3",
-            "mesh_volume_mm3", "packing_fraction_1", "union_fraction_1", "max_protrusion_mm",
-            "max_overlap_mm", "surface_rms_mm", "surface_hausdorff_mm", "roughness_rms_mm",
-            "mean_gap_mm", "centroid_offset_mm", "inertia_1_error_percent",
-            "inertia_2_error_percent", "inertia_3_error_percent",
+            "seed",
+            "n_spheres",
+            "n_outer_spheres",
+            "mass_mg",
+            "fraction_density_kg_m3",
+            "mesh_volume_mm3",
+            "packing_fraction_1",
+            "union_fraction_1",
+            "max_protrusion_mm",
+            "max_overlap_mm",
+            "surface_rms_mm",
+            "surface_hausdorff_mm",
+            "roughness_rms_mm",
+            "mean_gap_mm",
+            "centroid_offset_mm",
+            "inertia_1_error_percent",
+            "inertia_2_error_percent",
+            "inertia_3_error_percent",
         ],
     );
     for f in &result.fillings {
@@ -59,8 +72,15 @@ pub(super) fn points(result: &StudyResult) -> CsvTable {
     let mut table = CsvTable::new(
         "points",
         [
-            "point", "observable", "mean_deg", "sd_of_runs_deg", "n_runs", "sd_of_frames_deg",
-            "run_keys", "compared_with_deg", "difference_percent",
+            "point",
+            "observable",
+            "mean_deg",
+            "sd_of_runs_deg",
+            "n_runs",
+            "sd_of_frames_deg",
+            "run_keys",
+            "compared_with_deg",
+            "difference_percent",
         ],
     );
     let (validation, metering) = (&result.validation, &result.metering);
@@ -73,7 +93,12 @@ pub(super) fn points(result: &StudyResult) -> CsvTable {
             validation.target,
             validation.relative_error_percent,
         ),
-        (optimum, "repose angle", target, 100.0 * (optimum.mean - target).abs() / target.abs()),
+        (
+            optimum,
+            "repose angle",
+            target,
+            100.0 * (optimum.mean - target).abs() / target.abs(),
+        ),
         (
             &metering.result,
             "filling angle",
@@ -83,7 +108,11 @@ pub(super) fn points(result: &StudyResult) -> CsvTable {
     ];
     for (point, observable, with, difference) in rows {
         let head = [Field::from(&point.label), observable.into()];
-        table.row(head.into_iter().chain(of_point(point)).chain([with.into(), difference.into()]));
+        table.row(
+            head.into_iter()
+                .chain(of_point(point))
+                .chain([with.into(), difference.into()]),
+        );
     }
     table
 }
@@ -91,14 +120,25 @@ pub(super) fn points(result: &StudyResult) -> CsvTable {
 /// A sweep over a quantity.
 fn over(name: &str, quantity: &str, points: &[SweepPoint]) -> CsvTable {
     let rest = [
-        "angle_mean_deg", "angle_sd_of_runs_deg", "n_runs", "angle_sd_of_frames_deg", "run_keys",
-        "regime", "shell_slip_1",
+        "angle_mean_deg",
+        "angle_sd_of_runs_deg",
+        "n_runs",
+        "angle_sd_of_frames_deg",
+        "run_keys",
+        "regime",
+        "shell_slip_1",
     ];
-    let mut table =
-        CsvTable::new(name, std::iter::once(quantity.to_owned()).chain(rest.map(String::from)));
+    let mut table = CsvTable::new(
+        name,
+        std::iter::once(quantity.to_owned()).chain(rest.map(String::from)),
+    );
     for p in points {
         let tail = [Field::from(&p.regime), p.shell_slip.into()];
-        table.row(std::iter::once(p.value.into()).chain(of_point(&p.result)).chain(tail));
+        table.row(
+            std::iter::once(p.value.into())
+                .chain(of_point(&p.result))
+                .chain(tail),
+        );
     }
     table
 }

@@ -122,14 +122,19 @@ impl Report {
         }
         let refused = self.frames["refused"].as_u64().unwrap_or(0);
         if refused > 0 {
-            warnings.push(format!("the surface could not be measured in {refused} frames"));
+            warnings.push(format!(
+                "the surface could not be measured in {refused} frames"
+            ));
         }
         warnings
     }
 
     /// The observables as a table, and how the run went.
     pub(super) fn text(&self) -> String {
-        let mut text = format!("{:<26}{:>12}{:>12}{:>6}  unit\n", "observable", "mean", "sd", "n");
+        let mut text = format!(
+            "{:<26}{:>12}{:>12}{:>6}  unit\n",
+            "observable", "mean", "sd", "n"
+        );
         for (name, o) in &self.observables {
             let sd = o.sd.map_or_else(|| "-".to_owned(), |sd| format!("{sd:.4}"));
             add(
@@ -144,7 +149,10 @@ impl Report {
         }
         match (self.steady.as_bool(), self.start_up_s.as_f64()) {
             (Some(true), Some(time)) => {
-                add(&mut text, format_args!(", steady from {time:.2} s of rotation"));
+                add(
+                    &mut text,
+                    format_args!(", steady from {time:.2} s of rotation"),
+                );
             }
             _ => text.push_str(", not steady"),
         }
@@ -167,16 +175,26 @@ impl Report {
 
 /// The settings that were changed.
 fn changed(changes: &[Override]) -> BTreeMap<String, String> {
-    changes.iter().map(|change| (change.name.clone(), change.value.clone())).collect()
+    changes
+        .iter()
+        .map(|change| (change.name.clone(), change.value.clone()))
+        .collect()
 }
 
 /// Every setting of a scene by its dotted path; the items of a list are numbered from 0.
 fn settings_of(scene: &Scene) -> anyhow::Result<BTreeMap<String, Value>> {
     fn walk(value: &Value, path: &str, out: &mut BTreeMap<String, Value>) {
-        let below = |key: &str| if path.is_empty() { key.to_owned() } else { format!("{path}.{key}") };
+        let below = |key: &str| {
+            if path.is_empty() {
+                key.to_owned()
+            } else {
+                format!("{path}.{key}")
+            }
+        };
         match value {
             Value::Object(map) => {
-                map.iter().for_each(|(key, child)| walk(child, &below(key), out));
+                map.iter()
+                    .for_each(|(key, child)| walk(child, &below(key), out));
             }
             Value::Array(list) => {
                 for (k, child) in list.iter().enumerate() {

@@ -26,7 +26,11 @@ impl SingleRun {
     /// A mesh that cannot be read.
     pub(super) fn new(scene: Scene, seed: u64) -> anyhow::Result<Self> {
         let scenes = BTreeMap::from([("scene".to_owned(), scene.clone())]);
-        Ok(Self { scene, seed, simulator: SceneSimulator::new(scenes)? })
+        Ok(Self {
+            scene,
+            seed,
+            simulator: SceneSimulator::new(scenes)?,
+        })
     }
 
     /// The scene as it is run.
@@ -63,13 +67,21 @@ impl SingleRun {
         let (begin, cpu_before) = (Instant::now(), cpu_seconds());
         let result = scene::run(scene, library, self.seed)?;
         let wall_s = begin.elapsed().as_secs_f64();
-        let cpu_s = cpu_seconds().zip(cpu_before).map(|(after, before)| after - before);
+        let cpu_s = cpu_seconds()
+            .zip(cpu_before)
+            .map(|(after, before)| after - before);
         let mut outcome = outcome_of(scene, &result, wall_s)?;
-        if let Some(timing) = outcome.details.get_mut("timing").and_then(Value::as_object_mut) {
+        if let Some(timing) = outcome
+            .details
+            .get_mut("timing")
+            .and_then(Value::as_object_mut)
+        {
             timing.insert("cpu_s".to_owned(), json!(cpu_s));
             timing.insert("filling_s".to_owned(), json!(filling_s));
         }
-        Ok(blank.with_observables(outcome.observables)?.with_details(outcome.details))
+        Ok(blank
+            .with_observables(outcome.observables)?
+            .with_details(outcome.details))
     }
 }
 

@@ -9,7 +9,10 @@ use tempfile::tempdir;
 /// Diagnoses one of the problems.
 fn diagnose(name: &str) -> Output {
     let problem = fixture(&format!("diagnosis/{name}/problem.json"));
-    seedloop(Path::new("."), &["diagnose", problem.to_str().unwrap(), "--json=-"])
+    seedloop(
+        Path::new("."),
+        &["diagnose", problem.to_str().unwrap(), "--json=-"],
+    )
 }
 
 /// The problem was made with this effect switched on.
@@ -26,7 +29,11 @@ fn the_one_effect_of_a_problem_is_named() {
     assert_eq!(json["inputs"].as_object().unwrap().len(), 1);
     let problem = fixture("diagnosis/single/problem.json");
     let plain = seedloop(Path::new("."), &["diagnose", problem.to_str().unwrap()]);
-    assert!(text(&plain.stdout).contains("named E3"), "{}", text(&plain.stdout));
+    assert!(
+        text(&plain.stdout).contains("named E3"),
+        "{}",
+        text(&plain.stdout)
+    );
 }
 
 /// The problem has no more observations than parameters.
@@ -54,5 +61,8 @@ fn a_study_file_is_sent_to_calibrate() {
 fn a_file_that_is_no_problem_is_named_with_its_line() {
     let folder = tempdir().unwrap();
     fs::write(folder.path().join("bad.json"), "{\n\"id\": 3 4\n}").unwrap();
-    assert_error(&seedloop(folder.path(), &["diagnose", "bad.json"]), &["bad.json", "line 2"]);
+    assert_error(
+        &seedloop(folder.path(), &["diagnose", "bad.json"]),
+        &["bad.json", "line 2"],
+    );
 }

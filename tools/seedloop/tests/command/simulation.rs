@@ -18,24 +18,38 @@ fn a_run_gives_its_observables_parameters_timing_and_origin() {
     // A bed that rises on the right: between flat and vertical.
     assert!((0.0..90.0).contains(&mean), "{mean}");
     assert!(angle["sd"].is_f64(), "several frames have a spread");
-    assert!((2..=4).contains(&angle["n"].as_u64().unwrap()), "{}", angle["n"]);
+    assert!(
+        (2..=4).contains(&angle["n"].as_u64().unwrap()),
+        "{}",
+        angle["n"]
+    );
     assert_eq!(angle["unit"], "deg");
     let timing = &json["timing"];
-    assert_eq!((timing["bodies"].as_u64(), timing["spheres"].as_u64()), (Some(40), Some(776)));
+    assert_eq!(
+        (timing["bodies"].as_u64(), timing["spheres"].as_u64()),
+        (Some(40), Some(776))
+    );
     let number = |name: &str| timing[name].as_f64().unwrap();
     // Each quotient of two timings, to rounding.
     let per_step = number("wall_s") * 1e6 / number("steps");
     assert!((number("us_per_step") / per_step - 1.0).abs() < 1e-9);
     let rate = number("spheres") * number("steps") / number("wall_s");
     assert!((number("sphere_steps_per_s") / rate - 1.0).abs() < 1e-9);
-    assert!(timing.get("cpu_s").is_some(), "null where it is not measured, never absent");
+    assert!(
+        timing.get("cpu_s").is_some(),
+        "null where it is not measured, never absent"
+    );
     let regime = json["regime"].as_str().unwrap();
     assert!(["rolling", "sliding"].contains(&regime), "{regime}");
     assert_eq!(json["version"], env!("CARGO_PKG_VERSION"));
     assert_eq!(json["seed"], 7);
     let inputs = json["inputs"].as_object().unwrap();
     assert_eq!(inputs.len(), 3, "the scene and its two meshes");
-    assert!(inputs.values().all(|digest| digest.as_str().unwrap().len() == 64));
+    assert!(
+        inputs
+            .values()
+            .all(|digest| digest.as_str().unwrap().len() == 64)
+    );
     let parameters = json["parameters"].as_object().unwrap();
     assert_eq!(parameters["contact.seed-seed.static_friction"], 0.10);
     assert_eq!(parameters["seed.0.count"], 34);
@@ -75,22 +89,38 @@ fn a_record_is_kept_and_taken_again_on_resume_only() {
     let first = scene.simulate(&[&run[..], &["--json", "first.json"]].concat());
     assert_code(&first, 0);
     let table = text(&first.stdout);
-    assert!(table.contains("angle_deg") && table.contains("776 spheres"), "{table}");
+    assert!(
+        table.contains("angle_deg") && table.contains("776 spheres"),
+        "{table}"
+    );
     let read = |name: &str| -> Value {
         serde_json::from_slice(&fs::read(scene.path(name)).unwrap()).unwrap()
     };
     let first = read("first.json");
     let key = first["record"].as_str().unwrap();
-    assert!(scene.path(&format!("results/runs/{key}.json")).exists(), "the record lies by its key");
+    assert!(
+        scene.path(&format!("results/runs/{key}.json")).exists(),
+        "the record lies by its key"
+    );
 
     assert_error(&scene.simulate(&run), &["--resume", "--force"]);
 
-    let again = [&run[..], &["--resume", "--json", "again.json", "--frame", "last.png"]].concat();
+    let again = [
+        &run[..],
+        &["--resume", "--json", "again.json", "--frame", "last.png"],
+    ]
+    .concat();
     assert_code(&scene.simulate(&again), 0);
     let second = read("again.json");
-    assert_eq!((&first["reused"], &second["reused"]), (&false.into(), &true.into()));
+    assert_eq!(
+        (&first["reused"], &second["reused"]),
+        (&false.into(), &true.into())
+    );
     assert_eq!(first["observables"], second["observables"]);
-    assert_eq!(first["timing"], second["timing"], "the time of the run that was done");
+    assert_eq!(
+        first["timing"], second["timing"],
+        "the time of the run that was done"
+    );
     let picture = fs::read(scene.path("last.png")).unwrap();
     assert!(picture.starts_with(b"\x89PNG"), "the frame is a PNG");
 
@@ -116,9 +146,15 @@ fn the_same_seed_gives_the_same_numbers() {
 fn files_that_exist_are_refused_before_the_run() {
     let scene = TinyScene::new();
     fs::write(scene.path("old.png"), "kept").unwrap();
-    assert_error(&scene.simulate(&["--frame", "old.png"]), &["old.png", "--force"]);
+    assert_error(
+        &scene.simulate(&["--frame", "old.png"]),
+        &["old.png", "--force"],
+    );
     fs::write(scene.path("old.json"), "kept").unwrap();
-    assert_error(&scene.simulate(&["--json", "old.json"]), &["old.json", "--force"]);
+    assert_error(
+        &scene.simulate(&["--json", "old.json"]),
+        &["old.json", "--force"],
+    );
     assert_error(&scene.simulate(&["--frame", "frame.jpg"]), &[".png"]);
     assert_eq!(fs::read_to_string(scene.path("old.png")).unwrap(), "kept");
 }
@@ -128,12 +164,25 @@ fn files_that_exist_are_refused_before_the_run() {
 fn a_surface_that_cannot_be_measured_is_a_refusal() {
     let scene = TinyScene::new();
     let output = scene.simulate(&[
-        "--set", "seed.0.count=1", "--set", "seed.1.count=1", "--set", "time_s=0.1", "--json",
+        "--set",
+        "seed.0.count=1",
+        "--set",
+        "seed.1.count=1",
+        "--set",
+        "time_s=0.1",
+        "--json",
     ]);
     assert_code(&output, 1);
     let json = json(&output);
     assert_eq!(json["verdict"], "refused");
-    assert!(json["reason"].as_str().unwrap().contains("surface"), "{}", json["reason"]);
+    assert!(
+        json["reason"].as_str().unwrap().contains("surface"),
+        "{}",
+        json["reason"]
+    );
     assert_eq!(json["observables"].as_object().unwrap().len(), 0);
-    assert!(text(&output.stderr).contains("refused"), "told on standard error as well");
+    assert!(
+        text(&output.stderr).contains("refused"),
+        "told on standard error as well"
+    );
 }

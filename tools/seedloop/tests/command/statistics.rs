@@ -16,12 +16,24 @@ fn analysed() -> TempDir {
     let output = seedloop(
         folder.path(),
         &[
-            "analyse", data.to_str().unwrap(), "--factors", FACTORS, "--response", "theta",
-            "--model", "quadratic", "--json", "analysis.json",
+            "analyse",
+            data.to_str().unwrap(),
+            "--factors",
+            FACTORS,
+            "--response",
+            "theta",
+            "--model",
+            "quadratic",
+            "--json",
+            "analysis.json",
         ],
     );
     assert_code(&output, 0);
-    assert!(text(&output.stdout).contains("0.9919"), "{}", text(&output.stdout));
+    assert!(
+        text(&output.stdout).contains("0.9919"),
+        "{}",
+        text(&output.stdout)
+    );
     folder
 }
 
@@ -47,7 +59,14 @@ fn a_column_that_is_missing_is_named() {
     let data = fixture("paper/bbd_table5.csv");
     let output = seedloop(
         Path::new("."),
-        &["analyse", data.to_str().unwrap(), "--factors", "B,E,Z", "--response", "theta"],
+        &[
+            "analyse",
+            data.to_str().unwrap(),
+            "--factors",
+            "B,E,Z",
+            "--response",
+            "theta",
+        ],
     );
     assert_error(&output, &["bbd_table5.csv", "Z"]);
 }
@@ -56,7 +75,10 @@ fn a_column_that_is_missing_is_named() {
 fn a_target_on_the_surface_has_solutions_and_one_outside_its_reach_is_a_refusal() {
     let folder = analysed();
     let optimise = |target: &str| {
-        seedloop(folder.path(), &["optimise", "analysis.json", "--target", target, "--json=-"])
+        seedloop(
+            folder.path(),
+            &["optimise", "analysis.json", "--target", target, "--json=-"],
+        )
     };
     // The published target lies within the measured angles, 60 deg lies above all of them.
     let inside = optimise("38.87");
@@ -74,14 +96,30 @@ fn a_design_is_written_and_not_overwritten_without_force() {
     let table = "symbol,name,unit,low,high\nB,friction,1,0.30,0.42\nE,restitution,1,0.01,0.18\n\
                  F,rolling,1,0.0,0.1\n";
     fs::write(folder.path().join("factors.csv"), table).unwrap();
-    let words = ["design", "bbd", "--factors", "factors.csv", "--out", "bbd.csv"];
+    let words = [
+        "design",
+        "bbd",
+        "--factors",
+        "factors.csv",
+        "--out",
+        "bbd.csv",
+    ];
     assert_code(&seedloop(folder.path(), &words), 0);
     let design = fs::read_to_string(folder.path().join("bbd.csv")).unwrap();
     let rows = design.lines().filter(|line| !line.starts_with('#')).count();
     assert_eq!(rows, 1 + 17, "{design}");
     fs::write(folder.path().join("bbd.csv"), "kept").unwrap();
     assert_error(&seedloop(folder.path(), &words), &["bbd.csv", "--force"]);
-    assert_eq!(fs::read_to_string(folder.path().join("bbd.csv")).unwrap(), "kept");
-    assert_code(&seedloop(folder.path(), &[&words[..], &["--force"]].concat()), 0);
-    assert_eq!(fs::read_to_string(folder.path().join("bbd.csv")).unwrap(), design);
+    assert_eq!(
+        fs::read_to_string(folder.path().join("bbd.csv")).unwrap(),
+        "kept"
+    );
+    assert_code(
+        &seedloop(folder.path(), &[&words[..], &["--force"]].concat()),
+        0,
+    );
+    assert_eq!(
+        fs::read_to_string(folder.path().join("bbd.csv")).unwrap(),
+        design
+    );
 }

@@ -24,7 +24,9 @@ impl TinyScene {
     pub(crate) fn changed(from: &str, to: &str) -> Self {
         assert!(TINY.contains(from), "'{from}' is not in the scene");
         let meshes = fixture("stl").canonicalize().unwrap();
-        let text = TINY.replacen(from, to, 1).replace("FIXTURES", meshes.to_str().unwrap());
+        let text = TINY
+            .replacen(from, to, 1)
+            .replace("FIXTURES", meshes.to_str().unwrap());
         let folder = tempfile::tempdir().unwrap();
         fs::write(folder.path().join("tiny.toml"), text).unwrap();
         Self { folder }

@@ -1,7 +1,7 @@
 //! Scenes that cannot be meant: each message names the place and the way out.
 
-use crate::tiny_scene::TinyScene;
 use crate::assert_error;
+use crate::tiny_scene::TinyScene;
 use std::fs;
 
 /// Number of the line in which the scene holds a text, from 1.
@@ -15,7 +15,10 @@ fn line_of(scene: &TinyScene, text: &str) -> String {
 fn an_unknown_key_is_named_with_its_line() {
     let scene = TinyScene::changed("pixels = 480", "pixels = 480\nzoom = 2");
     let line = line_of(&scene, "zoom");
-    assert_error(&scene.simulate(&[]), &["tiny.toml", &line, "zoom", "pixels"]);
+    assert_error(
+        &scene.simulate(&[]),
+        &["tiny.toml", &line, "zoom", "pixels"],
+    );
 }
 
 #[test]
@@ -29,14 +32,30 @@ fn a_negative_friction_is_named_with_its_line() {
 fn a_restitution_above_1_is_named_with_its_line() {
     let scene = TinyScene::changed("restitution = 0.13", "restitution = 1.5");
     let line = line_of(&scene, "1.5");
-    assert_error(&scene.simulate(&[]), &["tiny.toml", &line, "1.5", "restitution"]);
+    assert_error(
+        &scene.simulate(&[]),
+        &["tiny.toml", &line, "1.5", "restitution"],
+    );
 }
 
 #[test]
 fn a_unit_of_the_wrong_kind_is_named_with_its_line() {
+    let scene = TinyScene::changed("mass = \"94.5 mg\"", "mass = \"94.5 mm\"");
+    let line = line_of(&scene, "94.5 mm");
+    assert_error(
+        &scene.simulate(&[]),
+        &["tiny.toml", &line, "94.5 mm", "mass"],
+    );
+}
+
+/// The kind of the apparatus decides its keys, so the section is named instead of the line.
+#[test]
+fn a_unit_of_the_wrong_kind_in_the_apparatus_is_named_with_its_value() {
     let scene = TinyScene::changed("\"70 mm\"", "\"70 mg\"");
-    let line = line_of(&scene, "70 mg");
-    assert_error(&scene.simulate(&[]), &["tiny.toml", &line, "70 mg", "length"]);
+    assert_error(
+        &scene.simulate(&[]),
+        &["tiny.toml", "[apparatus]", "70 mg", "length"],
+    );
 }
 
 #[test]
@@ -44,7 +63,10 @@ fn a_missing_contact_names_the_file_and_the_section_to_add() {
     let section = "[contact.seed-clear_resin]\nrestitution = 0.12\nstatic_friction = 0.29\n\
                    rolling_friction = 0.0\n";
     let scene = TinyScene::changed(section, "");
-    assert_error(&scene.simulate(&[]), &["tiny.toml", "[contact.seed-clear_resin]"]);
+    assert_error(
+        &scene.simulate(&[]),
+        &["tiny.toml", "[contact.seed-clear_resin]"],
+    );
 }
 
 #[test]
@@ -66,7 +88,13 @@ fn a_missing_mesh_or_scene_is_named() {
 fn an_unknown_setting_is_answered_with_settings_of_a_like_name() {
     let scene = TinyScene::new();
     let output = scene.simulate(&["--set", "contact.seed-sand.static_friction=0.2"]);
-    assert_error(&output, &["contact.seed-sand.static_friction", "contact.seed-seed.static_friction"]);
+    assert_error(
+        &output,
+        &[
+            "contact.seed-sand.static_friction",
+            "contact.seed-seed.static_friction",
+        ],
+    );
 }
 
 #[test]
@@ -77,8 +105,14 @@ fn an_ambiguous_short_name_is_answered_with_its_meanings() {
 
 #[test]
 fn a_setting_without_a_value_is_an_error_of_usage() {
-    assert_error(&TinyScene::new().simulate(&["--set", "rpm"]), &["NAME=VALUE"]);
-    assert_error(&TinyScene::new().simulate(&["--set", "rpm="]), &["NAME=VALUE"]);
+    assert_error(
+        &TinyScene::new().simulate(&["--set", "rpm"]),
+        &["NAME=VALUE"],
+    );
+    assert_error(
+        &TinyScene::new().simulate(&["--set", "rpm="]),
+        &["NAME=VALUE"],
+    );
 }
 
 #[test]
@@ -86,7 +120,13 @@ fn a_setting_that_cannot_be_meant_is_refused_as_in_the_file() {
     let scene = TinyScene::new();
     let friction = "contact.seed-seed.static_friction";
     for value in ["-0.1", "nan", "inf", "much"] {
-        assert_error(&scene.simulate(&["--set", &format!("{friction}={value}")]), &["tiny.toml"]);
+        assert_error(
+            &scene.simulate(&["--set", &format!("{friction}={value}")]),
+            &["tiny.toml"],
+        );
     }
-    assert_error(&scene.simulate(&["--set", "seed.0.count=2.5"]), &["tiny.toml", "2.5"]);
+    assert_error(
+        &scene.simulate(&["--set", "seed.0.count=2.5"]),
+        &["tiny.toml", "2.5"],
+    );
 }

@@ -7,7 +7,6 @@ use crate::{Error, HiddenCampaign};
 use calibration::ResidualStudy;
 use report::{
     AxisTitle, Comparison, PredictedAgainstMeasured, ResidualCondition, ResidualPanel, Residuals,
-    Role,
 };
 
 /// Predicted against measured for each observable, before and after, and the residuals.
@@ -37,8 +36,17 @@ pub(super) fn charts(name: &str, campaign: &HiddenCampaign) -> Result<Vec<NamedP
 /// The points of one observable with twice their standard errors.
 fn comparisons(study: &ResidualStudy, simulated: &[Vec<f64>], k: usize) -> Vec<Comparison> {
     let runs = study.plan.replicates.max(1) as f64;
-    let run_sd = study.run_sd.get(&study.plan.observables[k]).copied().unwrap_or(0.0);
-    let rows = study.plan.conditions.iter().zip(&study.observed.values).zip(simulated);
+    let run_sd = study
+        .run_sd
+        .get(&study.plan.observables[k])
+        .copied()
+        .unwrap_or(0.0);
+    let rows = study
+        .plan
+        .conditions
+        .iter()
+        .zip(&study.observed.values)
+        .zip(simulated);
     rows.map(|((condition, observed), simulated)| Comparison {
         name: condition_name(condition),
         measured: observed[k],
@@ -58,21 +66,29 @@ fn residuals(study: &ResidualStudy) -> Residuals {
         rows.map(|(o, s)| Some(o[k] - s[k])).collect()
     };
     let n = study.plan.conditions.len();
-    let panels = study.plan.observables.iter().enumerate().map(|(k, quantity)| {
-        let (words, unit) = observable(quantity);
-        ResidualPanel {
-            observable: AxisTitle::new(words, unit),
-            before: left(&study.simulated_before, k),
-            after: match &study.after {
-                Some(after) => left(&after.simulated, k),
-                None => vec![None; n],
-            },
-            noise: vec![2.0 * residual_se(study, k); n],
-        }
-    });
+    let panels = study
+        .plan
+        .observables
+        .iter()
+        .enumerate()
+        .map(|(k, quantity)| {
+            let (words, unit) = observable(quantity);
+            ResidualPanel {
+                observable: AxisTitle::new(words, unit),
+                before: left(&study.simulated_before, k),
+                after: match &study.after {
+                    Some(after) => left(&after.simulated, k),
+                    None => vec![None; n],
+                },
+                noise: vec![2.0 * residual_se(study, k); n],
+            }
+        });
     let after_title = match &study.after {
         Some(after) => {
-            format!("with {}", after.effects.keys().cloned().collect::<Vec<_>>().join(", "))
+            format!(
+                "with {}",
+                after.effects.keys().cloned().collect::<Vec<_>>().join(", ")
+            )
         }
         None => "no effect added".into(),
     };
@@ -82,7 +98,10 @@ fn residuals(study: &ResidualStudy) -> Residuals {
         noise_name: "± 2 standard errors".into(),
         panels: panels.collect(),
         conditions: conditions
-            .map(|c| ResidualCondition { name: condition_name(c), role: role(c) })
+            .map(|c| ResidualCondition {
+                name: condition_name(c),
+                role: role(c),
+            })
             .collect(),
     }
 }

@@ -35,12 +35,15 @@ pub(super) fn seeds(seeds: &[FilledSeed]) -> Result<Vec<NamedPicture>, Error> {
             })
             .collect();
         let mesh = &seed.body.mesh.mesh;
-        let triangles: Vec<[[f64; 3]; 3]> =
-            (0..mesh.triangles().len()).map(|k| mesh.corners(k).map(Into::into)).collect();
+        let triangles: Vec<[[f64; 3]; 3]> = (0..mesh.triangles().len())
+            .map(|k| mesh.corners(k).map(Into::into))
+            .collect();
         let name = seed_picture_name(&seed.name);
         let view = ObjectView::oblique(SEED_PIXELS);
-        for (name, coat) in [(name.clone(), triangles.as_slice()), (format!("{name}-spheres"), &[])]
-        {
+        for (name, coat) in [
+            (name.clone(), triangles.as_slice()),
+            (format!("{name}-spheres"), &[]),
+        ] {
             let wrong = |e: frame_render::Error| picture_error(&name, &e.to_string());
             let picture = render_object(&spheres, coat, &view).map_err(wrong)?;
             let bytes = png_bytes(&name, picture)?;
@@ -78,5 +81,8 @@ fn png_bytes(name: &str, picture: RgbImage) -> Result<Vec<u8>, Error> {
 
 /// An error about a picture.
 fn picture_error(name: &str, reason: &str) -> Error {
-    Error::Picture { name: name.into(), reason: reason.into() }
+    Error::Picture {
+        name: name.into(),
+        reason: reason.into(),
+    }
 }

@@ -26,42 +26,69 @@ pub(super) fn series(record: &Record) -> Result<Option<NamedPicture>, Error> {
     let chart = TimeSeries {
         time_title: AxisTitle::new("time since the drive started", "s"),
         value_title: AxisTitle::new("direction of the centre of mass", "°"),
-        steady: run.start_up_s.filter(|s| *s < last).map(|from| TimeSpan { from, to: last }),
-        samples: run.frame_times_s.iter().map(|t| t.clamp(first, last)).collect(),
-        levels: mean.map(|m| Level::new("mean of the steady part", m.mean)).into_iter().collect(),
+        steady: run
+            .start_up_s
+            .filter(|s| *s < last)
+            .map(|from| TimeSpan { from, to: last }),
+        samples: run
+            .frame_times_s
+            .iter()
+            .map(|t| t.clamp(first, last))
+            .collect(),
+        levels: mean
+            .map(|m| Level::new("mean of the steady part", m.mean))
+            .into_iter()
+            .collect(),
         times: run.times_s,
         values: run.centre_of_mass_deg,
     };
-    Ok(Some(NamedPicture::chart("validation-series", chart.draw()?)))
+    Ok(Some(NamedPicture::chart(
+        "validation-series",
+        chart.draw()?,
+    )))
 }
 
 /// Points of a sweep with the standard deviations of their runs.
 fn line(points: &[SweepPoint]) -> Vec<SeriesPoint> {
-    let point = |p: &SweepPoint| SeriesPoint::new(p.value, p.result.mean, p.result.sd.unwrap_or(0.0));
+    let point =
+        |p: &SweepPoint| SeriesPoint::new(p.value, p.result.mean, p.result.sd.unwrap_or(0.0));
     points.iter().map(point).collect()
 }
 
 /// Angle against the swept parameter, beside what the study says.
-pub(super) fn sweep(study: &StudyFile, result: &StudyResult) -> Result<Option<NamedPicture>, Error> {
+pub(super) fn sweep(
+    study: &StudyFile,
+    result: &StudyResult,
+) -> Result<Option<NamedPicture>, Error> {
     if result.sweep.is_empty() {
         return Ok(None);
     }
     let symbol = study.sweep.symbol.as_str();
     let factor = study.factor(symbol)?;
-    let mut series = vec![Series { name: "this work".into(), points: line(&result.sweep) }];
+    let mut series = vec![Series {
+        name: "this work".into(),
+        points: line(&result.sweep),
+    }];
     if let Some(published) = PublishedSurface::of(study) {
         let curve: Vec<SeriesPoint> = (0..CURVE_POINTS)
             .filter_map(|k| {
                 let share = k as f64 / (CURVE_POINTS - 1) as f64;
                 let at = factor.low + (factor.high - factor.low) * share;
                 let value = |name: &str| {
-                    if name == symbol { Some(at) } else { study.published_optimum.get(name).copied() }
+                    if name == symbol {
+                        Some(at)
+                    } else {
+                        study.published_optimum.get(name).copied()
+                    }
                 };
                 Some(SeriesPoint::new(at, published.angle_deg(&value)?, 0.0))
             })
             .collect();
         if !curve.is_empty() {
-            series.push(Series { name: "study, eq. (10)".into(), points: curve });
+            series.push(Series {
+                name: "study, eq. (10)".into(),
+                points: curve,
+            });
         }
         let at_bench = study.published.sliding_angle_at_measured_deg;
         series.push(Series {
@@ -87,7 +114,10 @@ pub(super) fn smoothness(result: &StudyResult) -> Result<Option<NamedPicture>, E
     let chart = LineSeries {
         x: AxisTitle::new("smoothness of the filling", ""),
         y: AxisTitle::new("repose angle", "°"),
-        series: vec![Series { name: "simulated at the bench means".into(), points }],
+        series: vec![Series {
+            name: "simulated at the bench means".into(),
+            points,
+        }],
         levels: vec![Level::new("measured", result.solutions.target)],
     };
     Ok(Some(NamedPicture::chart("smoothness", chart.draw()?)))
@@ -96,7 +126,11 @@ pub(super) fn smoothness(result: &StudyResult) -> Result<Option<NamedPicture>, E
 /// Filling angle: measured, published simulation, and ours.
 pub(super) fn filling_angle(result: &StudyResult) -> Result<Option<NamedPicture>, Error> {
     let metering = &result.metering;
-    let bar = |name: &str, [value, error]: [f64; 2]| Bar { name: name.into(), value, error };
+    let bar = |name: &str, [value, error]: [f64; 2]| Bar {
+        name: name.into(),
+        value,
+        error,
+    };
     let ours = [metering.result.mean, metering.result.sd.unwrap_or(0.0)];
     let [value, half_width] = metering.published_measured_deg;
     let chart = BarsWithTarget {
@@ -106,7 +140,11 @@ pub(super) fn filling_angle(result: &StudyResult) -> Result<Option<NamedPicture>
             bar("simulated (study)", metering.published_simulated_deg),
             bar("this work, assumed dimensions", ours),
         ],
-        target: Target { name: "measured (study), sd".into(), value, half_width },
+        target: Target {
+            name: "measured (study), sd".into(),
+            value,
+            half_width,
+        },
     };
     Ok(Some(NamedPicture::chart("filling-angle", chart.draw()?)))
 }

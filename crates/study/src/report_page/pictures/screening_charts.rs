@@ -22,14 +22,21 @@ pub(super) fn charts(result: &ScreeningResult) -> Result<Vec<NamedPicture>, Erro
                 })
                 .filter(|e| e.value.is_finite())
                 .collect(),
-            limits: [("t, 5 %", p.t_limit), ("Bonferroni, 5 %", p.bonferroni_terms)]
-                .into_iter()
-                .filter_map(|(name, limit)| Some(Level::new(name, limit?)))
-                .collect(),
+            limits: [
+                ("t, 5 %", p.t_limit),
+                ("Bonferroni, 5 %", p.bonferroni_terms),
+            ]
+            .into_iter()
+            .filter_map(|(name, limit)| Some(Level::new(name, limit?)))
+            .collect(),
         },
         None => Pareto {
             size: AxisTitle::new("|effect|", "°"),
-            effects: screening.factors.iter().map(|f| Effect::new(&f.factor, f.effect)).collect(),
+            effects: screening
+                .factors
+                .iter()
+                .map(|f| Effect::new(&f.factor, f.effect))
+                .collect(),
             limits: Vec::new(),
         },
     };
@@ -37,7 +44,11 @@ pub(super) fn charts(result: &ScreeningResult) -> Result<Vec<NamedPicture>, Erro
     if let Some(all) = &screening.saturated {
         let chart = HalfNormal {
             size: AxisTitle::new("|effect|", "°"),
-            effects: all.effects.iter().map(|(name, e)| Effect::new(name, *e)).collect(),
+            effects: all
+                .effects
+                .iter()
+                .map(|(name, e)| Effect::new(name, *e))
+                .collect(),
             standard_error: Some(all.lenth.pse),
             named_above: all.lenth.me.unwrap_or(0.0),
         };
