@@ -40,11 +40,19 @@ pub struct CellRuns {
 
 /// Mean of an observable in a record.
 pub(crate) fn value(record: &Record, observable: &str) -> Result<f64, Error> {
-    record.observable(observable).map(|o| o.mean).ok_or_else(|| Error::NoObservable {
-        run: record.key().to_owned(),
-        name: observable.to_owned(),
-        given: record.observables().keys().cloned().collect::<Vec<_>>().join(", "),
-    })
+    record
+        .observable(observable)
+        .map(|o| o.mean)
+        .ok_or_else(|| Error::NoObservable {
+            run: record.key().to_owned(),
+            name: observable.to_owned(),
+            given: record
+                .observables()
+                .keys()
+                .cloned()
+                .collect::<Vec<_>>()
+                .join(", "),
+        })
 }
 
 /// Runs all cells of a design; row k, replicate r gets a seed of its own.
@@ -88,6 +96,8 @@ pub fn run_cells(
 
 /// Cells as the analysis wants them.
 pub(crate) fn observations(cells: &[CellRuns]) -> Result<Observations, Error> {
-    let cells = cells.iter().map(|c| Cell::of_replicates(c.coded.clone(), &c.responses));
+    let cells = cells
+        .iter()
+        .map(|c| Cell::of_replicates(c.coded.clone(), &c.responses));
     Ok(Observations::from_cells(cells.collect::<Result<_, _>>()?)?)
 }

@@ -24,7 +24,11 @@ impl BoundedProblem {
     /// Sum of squares at x.
     pub fn sum_of_squares(&self, x: &[f64]) -> f64 {
         let row = |a: &Vec<f64>| a.iter().zip(x).map(|(a, x)| a * x).sum::<f64>();
-        self.matrix.iter().zip(&self.target).map(|(a, b)| (b - row(a)).powi(2)).sum()
+        self.matrix
+            .iter()
+            .zip(&self.target)
+            .map(|(a, b)| (b - row(a)).powi(2))
+            .sum()
     }
 }
 
@@ -55,13 +59,20 @@ impl CostFunction for Free<'_> {
 ///
 /// An optimiser that gives up.
 pub fn bounded_least_squares(problem: &BoundedProblem, start: &[f64]) -> Result<Vec<f64>, Error> {
-    let failed = |reason: String| Error::Search { what: "the declared parameters", reason };
+    let failed = |reason: String| Error::Search {
+        what: "the declared parameters",
+        reason,
+    };
     let cost = Free(problem);
     let mut best: Vec<f64> = start
         .iter()
         .zip(problem.low.iter().zip(&problem.high))
         .map(|(x, (low, high))| {
-            let share = if high > low { (x - low) / (high - low) } else { 0.5 };
+            let share = if high > low {
+                (x - low) / (high - low)
+            } else {
+                0.5
+            };
             (2.0 * share.clamp(1e-6, 1.0 - 1e-6) - 1.0).asin()
         })
         .collect();
@@ -110,13 +121,19 @@ mod tests {
     #[test]
     fn a_solution_inside_the_bounds_is_found() {
         let x = bounded_least_squares(&problem(1.0), &[0.9, 0.1]).unwrap();
-        assert!((x[0] - 0.3).abs() < 1e-6 && (x[1] - 0.5).abs() < 1e-6, "{x:?}");
+        assert!(
+            (x[0] - 0.3).abs() < 1e-6 && (x[1] - 0.5).abs() < 1e-6,
+            "{x:?}"
+        );
     }
 
     /// With x2 <= 0.2 the best x1 solves 2 x1 = 0.3 + 0.6, so x1 = 0.45.
     #[test]
     fn a_solution_on_a_bound_is_found() {
         let x = bounded_least_squares(&problem(0.2), &[0.5, 0.1]).unwrap();
-        assert!((x[0] - 0.45).abs() < 1e-5 && (x[1] - 0.2).abs() < 1e-6, "{x:?}");
+        assert!(
+            (x[0] - 0.45).abs() < 1e-5 && (x[1] - 0.2).abs() < 1e-6,
+            "{x:?}"
+        );
     }
 }

@@ -14,10 +14,10 @@ pub use cells::{CalibrationFactor, CellRuns, Question, run_cells};
 pub use error::Error;
 pub use least_squares::{BoundedProblem, bounded_least_squares};
 pub use residual_study::{
-    DeclaredParameter, EffectProbe, Observed, RealErrors, ResidualPlan, ResidualStudy,
-    StudyCondition, study_residual,
+    AddedEffect, DeclaredParameter, EffectProbe, ErrorPair, Observed, RealErrors, ResidualPlan,
+    ResidualStudy, StudyCondition, study_residual,
 };
 pub use stages::{
-    PointResult, ScreeningResult, SurfaceResult, Validation, run_points, screen_factors,
-    significant_factors, fit_surface, validate,
+    PointResult, ScreeningResult, SurfaceResult, Validation, fit_surface, run_points,
+    screen_factors, significant_factors, validate,
 };

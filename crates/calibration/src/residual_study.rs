@@ -149,16 +149,30 @@ pub fn study_residual(
     let linear = Linearisation::run(campaign, simulator, plan)?;
     let start: Vec<f64> = plan.declared.iter().map(|d| d.start).collect();
     let fitted = refit::declared(plan, observed, &linear, &start)?;
-    let at_fit = runs::means(campaign, simulator, plan, &runs::Setting::declared(plan, &fitted), 1)?;
+    let at_fit = runs::means(
+        campaign,
+        simulator,
+        plan,
+        &runs::Setting::declared(plan, &fitted),
+        1,
+    )?;
     let linear = linear.with_scatter(&at_fit);
     let file = assemble::problem(plan, observed, &linear, &fitted, &at_fit);
     let diagnosis = diagnose(&Problem::try_from(file)?, &Options::new(plan.seed))?;
     let errors_before = assemble::errors(plan, observed, &linear, &at_fit)?;
-    let after = if diagnosis.effects.is_empty() || !diagnosis.tie_groups.iter().all(|g| g.len() == 1) {
-        None
-    } else {
-        Some(add_effects(campaign, simulator, plan, observed, &linear, &diagnosis.effects)?)
-    };
+    let after =
+        if diagnosis.effects.is_empty() || !diagnosis.tie_groups.iter().all(|g| g.len() == 1) {
+            None
+        } else {
+            Some(add_effects(
+                campaign,
+                simulator,
+                plan,
+                observed,
+                &linear,
+                &diagnosis.effects,
+            )?)
+        };
     let names = || plan.declared.iter().map(|d| d.name.clone());
     Ok(ResidualStudy {
         plan: plan.clone(),
@@ -178,7 +192,7 @@ pub fn study_residual(
     })
 }
 
-/// Fits parameters and amplitudes together, runs there, corrects once, runs again.
+/// Fits parameters and amplitudes together and runs there; corrects once where that misses.
 fn add_effects(
     campaign: &Campaign<'_>,
     simulator: &dyn Simulator,
@@ -189,13 +203,19 @@ fn add_effects(
 ) -> Result<AddedEffect, Error> {
     let mut point = refit::with_effects(plan, observed, linear, effects, None)?;
     let mut means: Means = runs::means(campaign, simulator, plan, &point, 2)?;
-    let corrected = refit::with_effects(plan, observed, linear, effects, Some((&point, &means)))?;
-    let again = runs::means(campaign, simulator, plan, &corrected, 3)?;
     let used = |m: &Means| assemble::errors(plan, observed, linear, m).map(|e| e.used.whitened_mse);
-    // The correction is kept only where real runs on the used conditions say that it helps.
-    if used(&again)? <= used(&means)? {
-        point = corrected;
-        means = again;
+    let first = used(&means)?;
+    let rows = plan.conditions.iter().filter(|c| c.used).count() * plan.observables.len();
+    // A mean square of n unit normals exceeds 1 + 2 sqrt(2/n) by chance in 1 of 40 cases: beyond it
+    // the linear proposal was off, and the fit is corrected about the runs just done.
+    if first > 1.0 + 2.0 * (2.0 / rows as f64).sqrt() {
+        let about = Some((&point, &means));
+        let corrected = refit::with_effects(plan, observed, linear, effects, about)?;
+        let again = runs::means(campaign, simulator, plan, &corrected, 3)?;
+        if used(&again)? < first {
+            point = corrected;
+            means = again;
+        }
     }
     Ok(AddedEffect {
         errors: assemble::errors(plan, observed, linear, &means)?,
@@ -208,18 +228,46 @@ fn add_effects(
 /// Refuses numbers that do not fit together.
 fn check(plan: &ResidualPlan, observed: &Observed) -> Result<(), Error> {
     let count = |what, got: usize, fits: bool, expected| {
-        if fits { Ok(()) } else { Err(Error::Count { what, got, expected }) }
+        if fits {
+            Ok(())
+        } else {
+            Err(Error::Count {
+                what,
+                got,
+                expected,
+            })
+        }
     };
     let n = plan.observables.len();
     count("observables", n, n > 0, "at least one")?;
-    count("replicates", plan.replicates, plan.replicates >= 2, "two or more")?;
+    count(
+        "replicates",
+        plan.replicates,
+        plan.replicates >= 2,
+        "two or more",
+    )?;
     let rows = observed.values.len();
-    count("observed conditions", rows, rows == plan.conditions.len(), "one for each condition")?;
+    count(
+        "observed conditions",
+        rows,
+        rows == plan.conditions.len(),
+        "one for each condition",
+    )?;
     for row in &observed.values {
-        count("observed values", row.len(), row.len() == n, "one for each observable")?;
+        count(
+            "observed values",
+            row.len(),
+            row.len() == n,
+            "one for each observable",
+        )?;
     }
     let square = observed.covariance.len() == n && observed.covariance.iter().all(|r| r.len() == n);
-    count("rows of the covariance", observed.covariance.len(), square, "one for each observable")
+    count(
+        "rows of the covariance",
+        observed.covariance.len(),
+        square,
+        "one for each observable",
+    )
 }
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
 //! The stages of a calibration against one number.
 
-use crate::cells::{CalibrationFactor, CellRuns, Question, observations, run_cells, value};
 use crate::Error;
+use crate::cells::{CalibrationFactor, CellRuns, Question, observations, run_cells, value};
 use campaign::{Campaign, RunRequest, Simulator};
 use experiment_design::{Factor, box_behnken, plackett_burman};
 use response_surface::{Fit, Model, Screening, fit, screen};
@@ -57,7 +57,7 @@ pub struct Validation {
     pub relative_error_percent: f64,
 }
 
-/// Screens factors by a Plackett-Burman design [PlackettBurman1946].
+/// Screens factors by a Plackett-Burman design `[Plackett1946]`.
 ///
 /// # Errors
 ///
@@ -72,7 +72,11 @@ pub fn screen_factors(
     let design = plackett_burman(&plain)?;
     let cells = run_cells(campaign, simulator, factors, &design.coded_rows(), question)?;
     let screening = screen(&design, &observations(&cells)?)?;
-    Ok(ScreeningResult { columns: design.columns(), cells, screening })
+    Ok(ScreeningResult {
+        columns: design.columns(),
+        cells,
+        screening,
+    })
 }
 
 /// Symbols of the factors that matter: p below `alpha` against replicates where there are any,
@@ -87,7 +91,7 @@ pub fn significant_factors(screening: &Screening, alpha: f64, least: usize) -> V
     taken.map(|f| f.factor.clone()).collect()
 }
 
-/// Fits a quadratic surface by a Box-Behnken design [BoxBehnken1960].
+/// Fits a quadratic surface by a Box-Behnken design `[Box1960]`.
 ///
 /// # Errors
 ///
@@ -103,7 +107,11 @@ pub fn fit_surface(
     let design = box_behnken(&plain, n_centre)?;
     let cells = run_cells(campaign, simulator, factors, &design.coded_rows(), question)?;
     let fit = fit(&plain, &Model::quadratic(&plain)?, &observations(&cells)?)?;
-    Ok(SurfaceResult { factors: factors.to_vec(), cells, fit })
+    Ok(SurfaceResult {
+        factors: factors.to_vec(),
+        cells,
+        fit,
+    })
 }
 
 /// Runs `replicates` seeds of each request and gives the means of an observable.
@@ -122,14 +130,19 @@ pub fn run_points(
         let request = request.clone();
         (0..replicates).map(move |r| request.clone().with_seed(request.seed + r as u64))
     };
-    let requests: Vec<_> = points.iter().flat_map(|(_, request)| seeds(request)).collect();
+    let requests: Vec<_> = points
+        .iter()
+        .flat_map(|(_, request)| seeds(request))
+        .collect();
     let records = campaign.run_all(simulator, &requests)?;
     points
         .iter()
         .zip(records.chunks(replicates.max(1)))
         .map(|((label, _), records)| {
-            let values =
-                records.iter().map(|r| value(r, observable)).collect::<Result<Vec<_>, _>>()?;
+            let values = records
+                .iter()
+                .map(|r| value(r, observable))
+                .collect::<Result<Vec<_>, _>>()?;
             let frame_sds: Vec<f64> = records
                 .iter()
                 .filter_map(|r| r.observable(observable).and_then(|o| o.sd))
@@ -163,13 +176,22 @@ pub fn validate(
     target: f64,
 ) -> Result<Validation, Error> {
     let points = [("validation".to_owned(), request)];
-    let mut results =
-        run_points(campaign, simulator, &points, question.observable, question.replicates)?;
+    let mut results = run_points(
+        campaign,
+        simulator,
+        &points,
+        question.observable,
+        question.replicates,
+    )?;
     let point = results.pop().ok_or(Error::Count {
         what: "validation points",
         got: 0,
         expected: "one",
     })?;
     let relative_error_percent = 100.0 * (point.mean - target).abs() / target.abs();
-    Ok(Validation { point, target, relative_error_percent })
+    Ok(Validation {
+        point,
+        target,
+        relative_error_percent,
+    })
 }

@@ -15,7 +15,7 @@
 use crate::pair_force::Slack;
 use crate::template::{Group, LANES, Packed};
 use multiversion::multiversion;
-use wide::{CmpGt, CmpLt, f32x8};
+use wide::f32x8;
 
 /// Pose of body j in the principal frame of body i.
 #[derive(Debug, Clone, Copy)]

@@ -25,8 +25,10 @@ impl Effect for CameraRoll {
 
     fn apply(&self, scene: &mut Scene, amplitude: f64, _: &FillingLibrary) -> Result<(), Error> {
         let roll = scene.camera.roll.si() + amplitude.to_radians();
-        scene.camera.roll = Angle::from_si(roll)
-            .map_err(|e| Error::Setting { name: self.description().name, reason: e.to_string() })?;
+        scene.camera.roll = Angle::from_si(roll).map_err(|e| Error::Setting {
+            name: self.description().name,
+            reason: e.to_string(),
+        })?;
         Ok(())
     }
 }

@@ -15,7 +15,7 @@ impl Effect for Cohesion {
                       in slabs: the angle rises and swings more, most at low speed.",
             formula: "F_n = F_repulsive - Bo m g; the amplitude is the granular Bond number Bo",
             unit: "1",
-            source: "CastellanosSoria2005",
+            source: "Castellanos2005",
             range: [0.0, 3.0],
             probe: 0.6,
             entry: Entry::Contact,

@@ -37,8 +37,10 @@ impl Effect for FillingSmoothness {
             .iter()
             .map(|seed| Ok(fillings.body(scene, seed)?.report.roughness_rms))
             .collect::<Result<Vec<f64>, scene::Error>>()?;
-        let refused =
-            |e: quantity::Error| Error::Setting { name: self.description().name, reason: e.to_string() };
+        let refused = |e: quantity::Error| Error::Setting {
+            name: self.description().name,
+            reason: e.to_string(),
+        };
         for (seed, roughness) in scene.seed.iter_mut().zip(roughness) {
             let target = Length::from_si((1.0 - amplitude) * roughness).map_err(refused)?;
             seed.filling.method = Method::Smooth;

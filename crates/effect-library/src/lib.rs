@@ -119,11 +119,20 @@ pub fn library() -> [&'static dyn Effect; 4] {
 /// A name that is not in the library.
 pub fn find(name: &str) -> Result<&'static dyn Effect, Error> {
     let effects = library();
-    let known = || effects.iter().map(|e| e.description().name).collect::<Vec<_>>().join(", ");
+    let known = || {
+        effects
+            .iter()
+            .map(|e| e.description().name)
+            .collect::<Vec<_>>()
+            .join(", ")
+    };
     effects
         .into_iter()
         .find(|e| e.description().name == name)
-        .ok_or_else(|| Error::Unknown { name: name.to_owned(), known: known() })
+        .ok_or_else(|| Error::Unknown {
+            name: name.to_owned(),
+            known: known(),
+        })
 }
 
 /// Switches an effect on.
@@ -138,11 +147,26 @@ pub fn apply(
     fillings: &FillingLibrary,
 ) -> Result<(), Error> {
     let effect = find(name)?;
-    let Description { name, unit, range: [low, high], .. } = effect.description();
+    let Description {
+        name,
+        unit,
+        range: [low, high],
+        ..
+    } = effect.description();
     if !(low..=high).contains(&amplitude) {
-        return Err(Error::OutOfRange { name, amplitude, low, high, unit });
+        return Err(Error::OutOfRange {
+            name,
+            amplitude,
+            low,
+            high,
+            unit,
+        });
     }
-    if amplitude == 0.0 { Ok(()) } else { effect.apply(scene, amplitude, fillings) }
+    if amplitude == 0.0 {
+        Ok(())
+    } else {
+        effect.apply(scene, amplitude, fillings)
+    }
 }
 
 #[cfg(test)]

@@ -5,8 +5,14 @@ use std::path::Path;
 /// The study's drum, small: 40 seeds of 16 or 20 spheres in a slice of 14 mm, so that a run takes a
 /// second.
 fn small_drum() -> Scene {
-    let set = |name: &str, value: &str| Override { name: name.into(), value: value.into() };
-    let file = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../fixtures/cotton/drum.toml"));
+    let set = |name: &str, value: &str| Override {
+        name: name.into(),
+        value: value.into(),
+    };
+    let file = Path::new(concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/../../fixtures/cotton/drum.toml"
+    ));
     Scene::read(
         file,
         &[
@@ -29,9 +35,21 @@ fn small_drum() -> Scene {
 fn each_effect_is_named_once_and_its_probe_is_possible() {
     for (k, effect) in library().iter().enumerate() {
         let d = effect.description();
-        assert!(d.range[0] <= 0.0 && d.range[1] > 0.0, "{}: 0 must switch it off", d.name);
-        assert!((d.range[0]..=d.range[1]).contains(&d.probe), "{}: probe {}", d.name, d.probe);
-        let again = library().iter().skip(k + 1).any(|e| e.description().name == d.name);
+        assert!(
+            d.range[0] <= 0.0 && d.range[1] > 0.0,
+            "{}: 0 must switch it off",
+            d.name
+        );
+        assert!(
+            (d.range[0]..=d.range[1]).contains(&d.probe),
+            "{}: probe {}",
+            d.name,
+            d.probe
+        );
+        let again = library()
+            .iter()
+            .skip(k + 1)
+            .any(|e| e.description().name == d.name);
         assert!(!again, "{} comes twice", d.name);
     }
 }
@@ -50,7 +68,10 @@ fn amplitude_zero_changes_nothing() {
 #[test]
 fn unknown_names_and_impossible_amplitudes_are_refused() {
     let (mut scene, fillings) = (small_drum(), FillingLibrary::default());
-    assert!(matches!(find("magnetism"), Err(Error::Unknown { .. })), "unknown name");
+    assert!(
+        matches!(find("magnetism"), Err(Error::Unknown { .. })),
+        "unknown name"
+    );
     let error = apply(&mut scene, "cohesion", -0.5, &fillings).unwrap_err();
     assert!(error.to_string().contains("-0.5"), "{error}");
 }

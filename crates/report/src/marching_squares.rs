@@ -2,7 +2,7 @@
 //!
 //! Each cell is cut by the level; inside a cell the field is taken as bilinear. A cell whose
 //! corners alternate is decided by the value of the bilinear field at its saddle point
-//! \[Nielson1991]: with corners a, b, c, d in turn it is (a c - b d) / (a + c - b - d), and the two
+//! `[Nielson1991]`: with corners a, b, c, d in turn it is (a c - b d) / (a + c - b - d), and the two
 //! high corners are joined where it is at or above the level. Lines and areas come from the same
 //! walk, so that the edge of an area is always the line of the same level.
 

@@ -3,7 +3,7 @@
 /// Distribution function of the standard normal distribution.
 ///
 /// # Formula
-/// Φ(x) = 1/2 + φ(x) Σ x^(2k+1) / (1·3·5···(2k+1)) [Abramowitz1964, eq. 26.2.11]. The series
+/// Φ(x) = 1/2 + φ(x) Σ x^(2k+1) / (1·3·5···(2k+1)) `[Abramowitz1964, eq. 26.2.11]`. The series
 /// converges for every x; it is used here for |x| below 8 only.
 fn normal_distribution(x: f64) -> f64 {
     let mut term = x;

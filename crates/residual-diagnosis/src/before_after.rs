@@ -199,7 +199,7 @@ fn stages(residuals: &Residuals, value: impl Fn(&DVector<f64>) -> f64) -> Stages
 }
 
 /// Mean per row with the interval of the percentile bootstrap over conditions
-/// [EfronTibshirani1993, section 13.3].
+/// `[EfronTibshirani1993, section 13.3]`.
 fn bootstrap(conditions: &[ConditionSum], seed: u64) -> Change {
     let mean = |picked: &mut dyn Iterator<Item = &ConditionSum>| {
         let (mut sum, mut rows) = (0.0, 0.0);

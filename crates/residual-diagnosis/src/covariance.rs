@@ -149,7 +149,7 @@ impl Whitener {
     }
 }
 
-/// Cholesky factor of one block [GolubVanLoan2013, section 4.2], which says where it fails.
+/// Cholesky factor of one block `[Golub2013, section 4.2]`, which says where it fails.
 fn cholesky(block: &DMatrix<f64>, label: &str) -> Result<DMatrix<f64>, Error> {
     let n = block.nrows();
     let mut factor: DMatrix<f64> = DMatrix::zeros(n, n);

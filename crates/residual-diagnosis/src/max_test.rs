@@ -13,7 +13,7 @@ use crate::problem_file::Sign;
 /// statistic of a sign-constrained candidate is 0 on the wrong side. With a covariance estimated
 /// with nu degrees of freedom z is divided by sqrt(chi2_nu / nu). p = (1 + draws at least as
 /// large) / (1 + draws), which is a valid p-value for any number of draws
-/// [DavisonHinkley1997, section 4.2].
+/// `[DavisonHinkley1997, section 4.2]`.
 #[derive(Debug, Clone)]
 pub(crate) struct MaxTest {
     /// Largest statistic of each draw, ascending.
@@ -77,7 +77,7 @@ fn root(correlation: DMatrix<f64>) -> DMatrix<f64> {
     factor
 }
 
-/// Draws from chi2 with any number of degrees of freedom \[MarsagliaTsang2000\].
+/// Draws from chi2 with any number of degrees of freedom `[MarsagliaTsang2000]`.
 fn chi_squared(dof: f64, stream: &mut Stream) -> f64 {
     let shape = dof / 2.0;
     if shape < 1.0 {

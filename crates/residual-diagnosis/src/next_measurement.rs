@@ -266,7 +266,7 @@ struct Pair {
 }
 
 /// Smallest d_jk over the pairs: d_jk^2 = a_j^2 |(I - P_[S~, l~_k]) l~_j|^2, the noncentrality
-/// left after parameters and rival are refitted (T-optimality \[AtkinsonFedorov1975\]).
+/// left after parameters and rival are refitted (T-optimality `[AtkinsonFedorov1975]`).
 fn smallest_separation(rows: &Rows, pairs: &[Pair]) -> f64 {
     pairs
         .iter()

@@ -12,7 +12,7 @@ const RANK_TOLERANCE: f64 = 1e-10;
 ///
 /// A = U D W' C with C the lengths of the columns; basis U, coefficients C^-1 W D^+ U' y, their
 /// covariance C^-1 W D^-2+ W' C^-1 for white y. Columns are scaled first, so that the units of
-/// the parameters do not decide the rank. [GolubVanLoan2013, section 5.5]
+/// the parameters do not decide the rank. `[Golub2013, section 5.5]`
 #[derive(Debug, Clone)]
 pub(crate) struct Space {
     /// Orthonormal basis (rows, rank).

@@ -9,9 +9,9 @@ use statrs::function::gamma::checked_gamma_ur;
 /// # Formula
 ///
 /// With a known covariance chi2: Q(df/2, t/2), the regularised upper incomplete gamma function
-/// [AbramowitzStegun1964, eq. 26.4.19]. With a covariance estimated with nu degrees of freedom
+/// `[Abramowitz1964, eq. 26.4.19]`. With a covariance estimated with nu degrees of freedom
 /// t/df is referred to F(df, nu): I_x(nu/2, df/2) with x = nu / (nu + t)
-/// [AbramowitzStegun1964, eq. 26.6.2]. Both are the tail itself, not 1 minus the body.
+/// `[Abramowitz1964, eq. 26.6.2]`. Both are the tail itself, not 1 minus the body.
 pub(crate) fn upper_tail(t: f64, df: usize, covariance_dof: Option<f64>) -> Option<f64> {
     if df == 0 || !t.is_finite() {
         return None;

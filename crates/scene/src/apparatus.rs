@@ -49,7 +49,10 @@ impl Apparatus {
             Self::Drum(_) => Ok(()),
             Self::Metering(device) => device.check(),
         }?;
-        for (name, length) in [("apparatus.inner_diameter", 2.0 * self.radius()), ("apparatus.width", self.width())] {
+        for (name, length) in [
+            ("apparatus.inner_diameter", 2.0 * self.radius()),
+            ("apparatus.width", self.width()),
+        ] {
             if !(1e-3..=10.0).contains(&length) {
                 return Err(Error::BadValue {
                     name: format!("{name} in m"),
@@ -101,7 +104,7 @@ impl Apparatus {
         }
     }
 
-    /// Froude number R w² / g [CottonStudy, section 2.3].
+    /// Froude number R w² / g `[CottonStudy, section 2.3]`.
     pub fn froude_number(&self, gravity: f64) -> f64 {
         self.radius() * self.speed().powi(2) / gravity
     }

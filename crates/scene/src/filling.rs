@@ -1,7 +1,7 @@
 //! From the mesh of a seed to a body, once for each distinct filling.
 
-use crate::settings::{Scene, SeedSettings};
 use crate::Error;
+use crate::settings::{Scene, SeedSettings};
 use clump::Clump;
 use sphere_fill::{FillSettings, FitReport, InertiaSource};
 use std::collections::BTreeMap;
@@ -60,8 +60,14 @@ impl FillingLibrary {
 
 /// Reads the mesh and fills it.
 fn make(scene: &Scene, seed: &SeedSettings) -> Result<SeedBody, Error> {
-    let refused = |source| Error::Mesh { seed: seed.name.clone(), source };
-    let unfilled = |source| Error::Filling { seed: seed.name.clone(), source };
+    let refused = |source| Error::Mesh {
+        seed: seed.name.clone(),
+        source,
+    };
+    let unfilled = |source| Error::Filling {
+        seed: seed.name.clone(),
+        source,
+    };
     let mesh = read_stl(&scene.folder.join(&seed.mesh), seed.mesh_unit).map_err(refused)?;
     let settings = FillSettings {
         method: seed.filling.method,
@@ -73,7 +79,11 @@ fn make(scene: &Scene, seed: &SeedSettings) -> Result<SeedBody, Error> {
     let filling = sphere_fill::fill(&mesh.mesh, &settings).map_err(unfilled)?;
     let mass = seed.mass.si();
     let clump = filling.clump(mass, InertiaSource::Mesh).map_err(unfilled)?;
-    let smallest = clump.spheres().iter().map(|s| s.radius).fold(f64::INFINITY, f64::min);
+    let smallest = clump
+        .spheres()
+        .iter()
+        .map(|s| s.radius)
+        .fold(f64::INFINITY, f64::min);
     Ok(SeedBody {
         outer: clump.without_hidden_spheres(0.5 * smallest),
         clump,

@@ -6,7 +6,9 @@ use image::{DynamicImage, RgbImage};
 use nalgebra::{UnitQuaternion, Vector3};
 use photo_profile::{PhotoReading, measure_image};
 use std::sync::Arc;
-use surface_profile::{DensitySettings, Disc, DrumCircle, SurfaceAngle, measure, profile_from_discs};
+use surface_profile::{
+    DensitySettings, Disc, DrumCircle, SurfaceAngle, measure, profile_from_discs,
+};
 
 /// Poses of all seeds at one moment.
 #[derive(Debug, Clone)]
@@ -40,7 +42,13 @@ impl Frame {
             let (position, turn) = (self.position[i], self.orientation[i]);
             bodies[self.kind[i]].outer.spheres().iter().map(move |s| {
                 let centre = position + turn * s.centre;
-                (i, clump::Sphere { centre, radius: s.radius })
+                (
+                    i,
+                    clump::Sphere {
+                        centre,
+                        radius: s.radius,
+                    },
+                )
             })
         })
     }
@@ -58,7 +66,11 @@ pub fn drum_picture(
 ) -> Result<RgbImage, Error> {
     let view = DrumView {
         roll: scene.camera.roll.si(),
-        ..DrumView::new(scene.apparatus.radius(), scene.apparatus.width(), scene.camera.pixels)
+        ..DrumView::new(
+            scene.apparatus.radius(),
+            scene.apparatus.width(),
+            scene.camera.pixels,
+        )
     };
     let spheres: Vec<RenderSphere> = frame
         .spheres(bodies)
@@ -85,10 +97,18 @@ pub fn read_frame(
 ) -> Result<FrameReading, Error> {
     let picture = DynamicImage::from(drum_picture(scene, bodies, frame)?).into_luma8();
     let photo = measure_image(&picture, &photo_profile::Settings::default())?;
-    let drum = DrumCircle { x: 0.0, y: 0.0, radius: scene.apparatus.radius() };
+    let drum = DrumCircle {
+        x: 0.0,
+        y: 0.0,
+        radius: scene.apparatus.radius(),
+    };
     let discs: Vec<Disc> = frame
         .spheres(bodies)
-        .map(|(_, s)| Disc { x: s.centre.x, y: s.centre.y, radius: s.radius })
+        .map(|(_, s)| Disc {
+            x: s.centre.x,
+            y: s.centre.y,
+            radius: s.radius,
+        })
         .collect();
     let position = profile_from_discs(&discs, &drum, &DensitySettings::for_drum(&drum))
         .and_then(|points| measure(&points, &drum))

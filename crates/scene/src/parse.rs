@@ -27,8 +27,10 @@ impl Scene {
     ///
     /// A file that cannot be read, text that is no scene, settings that cannot be meant.
     pub fn read(path: &Path, overrides: &[Override]) -> Result<Self, Error> {
-        let text = std::fs::read_to_string(path)
-            .map_err(|source| Error::Read { path: path.to_owned(), source })?;
+        let text = std::fs::read_to_string(path).map_err(|source| Error::Read {
+            path: path.to_owned(),
+            source,
+        })?;
         let folder = path.parent().unwrap_or(Path::new("")).to_owned();
         Self::from_text(&text, &path.display().to_string(), &folder, overrides)
     }
@@ -44,7 +46,10 @@ impl Scene {
         folder: &Path,
         overrides: &[Override],
     ) -> Result<Self, Error> {
-        let wrong = |e: toml::de::Error| Error::Text { file: file.into(), message: e.to_string() };
+        let wrong = |e: toml::de::Error| Error::Text {
+            file: file.into(),
+            message: e.to_string(),
+        };
         // The plain text is read first, so that a message can name the line.
         let mut scene: Self = toml::from_str(text).map_err(wrong)?;
         if !overrides.is_empty() {
@@ -54,7 +59,7 @@ impl Scene {
             }
             scene = table.try_into().map_err(wrong)?;
         }
-        scene.folder = folder.to_owned();
+        folder.clone_into(&mut scene.folder);
         file.clone_into(&mut scene.file);
         scene.check()?;
         Ok(scene)
@@ -66,7 +71,10 @@ impl Scene {
     ///
     /// A name that fits no setting or several, a value that cannot be meant.
     pub fn with(&self, overrides: &[Override]) -> Result<Self, Error> {
-        let wrong = |message: String| Error::Text { file: self.file.clone(), message };
+        let wrong = |message: String| Error::Text {
+            file: self.file.clone(),
+            message,
+        };
         let text = toml::to_string(self).map_err(|e| wrong(e.to_string()))?;
         Self::from_text(&text, &self.file, &self.folder, overrides)
     }
@@ -74,7 +82,11 @@ impl Scene {
     /// Refuses what cannot be meant.
     fn check(&self) -> Result<(), Error> {
         let bad = |name: &str, value: String, requirement: &str| {
-            Err(Error::BadValue { name: name.into(), value, requirement: requirement.into() })
+            Err(Error::BadValue {
+                name: name.into(),
+                value,
+                requirement: requirement.into(),
+            })
         };
         let p = &self.protocol;
         for (name, time) in [
@@ -91,7 +103,11 @@ impl Scene {
             return bad("protocol.frames", p.frames.to_string(), "at least 2");
         }
         if p.frame_interval.si() < p.time_step.si() {
-            return bad("protocol.frame_interval", p.frame_interval.to_string(), "above the step");
+            return bad(
+                "protocol.frame_interval",
+                p.frame_interval.to_string(),
+                "above the step",
+            );
         }
         let bond = self.model.bond_number;
         if !(0.0..=100.0).contains(&bond) {
@@ -99,17 +115,29 @@ impl Scene {
         }
         let gravity = self.model.gravity_m_s2;
         if !(gravity > 0.0 && gravity <= 1000.0) {
-            return bad("model.gravity_m_s2", gravity.to_string(), "above 0, at most 1000");
+            return bad(
+                "model.gravity_m_s2",
+                gravity.to_string(),
+                "above 0, at most 1000",
+            );
         }
         if !(64..=4096).contains(&self.camera.pixels) {
-            return bad("camera.pixels", self.camera.pixels.to_string(), "64 to 4096");
+            return bad(
+                "camera.pixels",
+                self.camera.pixels.to_string(),
+                "64 to 4096",
+            );
         }
         if self.seed_count() == 0 {
             return bad("number of seeds", "0".into(), "at least 1");
         }
         for seed in &self.seed {
             if seed.mass.si() <= 0.0 || seed.filling.sphere_radius.si() <= 0.0 {
-                return bad(&format!("mass or sphere_radius of seed '{}'", seed.name), "0".into(), "above 0");
+                return bad(
+                    &format!("mass or sphere_radius of seed '{}'", seed.name),
+                    "0".into(),
+                    "above 0",
+                );
             }
         }
         self.apparatus.check()?;
@@ -121,7 +149,12 @@ impl Scene {
         let walls = self.apparatus.materials();
         let seeds: Vec<&str> = self.seed.iter().map(|s| s.material.as_str()).collect();
         let in_contacts = self.contact.keys().flat_map(|pair| pair.split('-'));
-        for name in walls.iter().copied().chain(seeds.iter().copied()).chain(in_contacts) {
+        for name in walls
+            .iter()
+            .copied()
+            .chain(seeds.iter().copied())
+            .chain(in_contacts)
+        {
             if !self.material.contains_key(name) {
                 let known: Vec<_> = self.material.keys().map(String::as_str).collect();
                 return Err(Error::Undefined {
@@ -136,7 +169,10 @@ impl Scene {
             for other in seeds.iter().chain(&walls) {
                 if self.contact_of(seed, other).is_none() {
                     let pair = format!("{seed}-{other}");
-                    return Err(Error::MissingContact { file: self.file.clone(), pair });
+                    return Err(Error::MissingContact {
+                        file: self.file.clone(),
+                        pair,
+                    });
                 }
             }
         }
@@ -157,7 +193,9 @@ fn apply(table: &mut Table, change: &Override, file: &str) -> Result<(), Error> 
         near: leaves(table).join(", "),
     };
     let found = leaf(table, &path).map(|old| like(old, &text));
-    let Some(value) = found else { return Err(unknown()) };
+    let Some(value) = found else {
+        return Err(unknown());
+    };
     if let Some(place) = leaf_mut(table, &path) {
         *place = value;
     }
@@ -171,16 +209,31 @@ fn whole_path(table: &Table, name: &str, file: &str) -> Result<String, Error> {
         return Ok(name.to_owned());
     }
     let ending = format!(".{name}");
-    let fits: Vec<_> = all.iter().filter(|path| path.ends_with(&ending)).cloned().collect();
+    let fits: Vec<_> = all
+        .iter()
+        .filter(|path| path.ends_with(&ending))
+        .cloned()
+        .collect();
     match fits.as_slice() {
         [path] => Ok(path.clone()),
         [] => {
             let last = name.rsplit('.').next().unwrap_or(name);
             let near: Vec<_> = all.iter().filter(|p| p.contains(last)).cloned().collect();
-            let near = if near.is_empty() { all.join(", ") } else { near.join(", ") };
-            Err(Error::UnknownSetting { name: name.into(), file: file.into(), near })
+            let near = if near.is_empty() {
+                all.join(", ")
+            } else {
+                near.join(", ")
+            };
+            Err(Error::UnknownSetting {
+                name: name.into(),
+                file: file.into(),
+                near,
+            })
         }
-        _ => Err(Error::AmbiguousSetting { name: name.into(), candidates: fits.join(", ") }),
+        _ => Err(Error::AmbiguousSetting {
+            name: name.into(),
+            candidates: fits.join(", "),
+        }),
     }
 }
 
@@ -189,27 +242,36 @@ fn like(old: &Value, text: &str) -> Value {
     match old {
         Value::Integer(_) => text.parse().map_or_else(|_| number(text), Value::Integer),
         Value::Float(_) => number(text),
-        Value::Boolean(_) => text.parse().map_or_else(|_| Value::String(text.into()), Value::Boolean),
+        Value::Boolean(_) => text
+            .parse()
+            .map_or_else(|_| Value::String(text.into()), Value::Boolean),
         _ => Value::String(text.trim_matches('"').into()),
     }
 }
 
 /// Text as a number where it is one.
 fn number(text: &str) -> Value {
-    text.parse().map_or_else(|_| Value::String(text.into()), Value::Float)
+    text.parse()
+        .map_or_else(|_| Value::String(text.into()), Value::Float)
 }
 
 /// Dotted paths of all leaves; the items of a list are numbered from 0.
 fn leaves(table: &Table) -> Vec<String> {
     fn walk(value: &Value, path: &str, out: &mut Vec<String>) {
         let mut below = |key: &str, child: &Value| {
-            let path = if path.is_empty() { key.to_owned() } else { format!("{path}.{key}") };
+            let path = if path.is_empty() {
+                key.to_owned()
+            } else {
+                format!("{path}.{key}")
+            };
             walk(child, &path, out);
         };
         match value {
             Value::Table(table) => table.iter().for_each(|(key, child)| below(key, child)),
             Value::Array(list) => {
-                list.iter().enumerate().for_each(|(k, child)| below(&k.to_string(), child));
+                list.iter()
+                    .enumerate()
+                    .for_each(|(k, child)| below(&k.to_string(), child));
             }
             _ => out.push(path.to_owned()),
         }

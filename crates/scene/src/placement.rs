@@ -33,7 +33,10 @@ impl Capsule {
     /// The capsule about the x axis that holds all spheres of a body.
     fn around(clump: &Clump) -> Self {
         let spheres = clump.spheres().iter();
-        let radius = spheres.clone().map(|s| s.centre.yz().norm() + s.radius).fold(0.0, f64::max);
+        let radius = spheres
+            .clone()
+            .map(|s| s.centre.yz().norm() + s.radius)
+            .fold(0.0, f64::max);
         // Beyond the segment the capsule is a ball; each sphere must lie within it.
         let needed = |s: &clump::Sphere| {
             let free = radius - s.radius;
@@ -41,7 +44,10 @@ impl Capsule {
             s.centre.x.abs() - (free * free - side * side).sqrt()
         };
         let half_length = spheres.map(needed).fold(0.0, f64::max);
-        Self { half_length, radius }
+        Self {
+            half_length,
+            radius,
+        }
     }
 }
 
@@ -59,16 +65,24 @@ pub(crate) fn place(
     kinds: &[(&Clump, usize)],
     seed: u64,
 ) -> Result<Vec<Placement>, Error> {
-    let capsules: Vec<_> = kinds.iter().map(|(clump, _)| Capsule::around(clump)).collect();
-    let largest = capsules.iter().fold(0.0_f64, |m, c| m.max(c.half_length + c.radius));
+    let capsules: Vec<_> = kinds
+        .iter()
+        .map(|(clump, _)| Capsule::around(clump))
+        .collect();
+    let largest = capsules
+        .iter()
+        .fold(0.0_f64, |m, c| m.max(c.half_length + c.radius));
     let thickest = capsules.iter().fold(0.0_f64, |m, c| m.max(c.radius));
     let count: usize = kinds.iter().map(|k| k.1).sum();
     let mut spacing = 2.0 * largest;
     let mut places = 0;
     while spacing > 2.0 * thickest {
         let mut stream = Stream::new(seed, "placement");
-        let mut order: Vec<usize> =
-            kinds.iter().enumerate().flat_map(|(k, kind)| std::iter::repeat_n(k, kind.1)).collect();
+        let mut order: Vec<usize> = kinds
+            .iter()
+            .enumerate()
+            .flat_map(|(k, kind)| std::iter::repeat_n(k, kind.1))
+            .collect();
         stream.shuffle(&mut order);
         let placed = fill_grid(apparatus, &capsules, &order, spacing, &mut stream);
         if placed.len() == count {
@@ -89,7 +103,10 @@ fn fill_grid(
     stream: &mut Stream,
 ) -> Vec<Placement> {
     let (radius, half_width) = (apparatus.radius(), 0.5 * apparatus.width());
-    let thin = capsules.iter().map(|c| c.radius).fold(f64::INFINITY, f64::min);
+    let thin = capsules
+        .iter()
+        .map(|c| c.radius)
+        .fold(f64::INFINITY, f64::min);
     let across = ticks(radius - thin, spacing);
     let along = ticks(half_width - thin, spacing);
     let mut placed: Vec<Placed> = Vec::new();
@@ -97,7 +114,9 @@ fn fill_grid(
     for &y in &across {
         for &x in &across {
             for &z in &along {
-                let Some(&kind) = order.get(result.len()) else { return result };
+                let Some(&kind) = order.get(result.len()) else {
+                    return result;
+                };
                 let capsule = capsules[kind];
                 if x.hypot(y) + capsule.radius >= radius {
                     continue;
@@ -137,7 +156,11 @@ fn try_place(
         let [w, i, j, k] = stream.rotation();
         let turn = UnitQuaternion::new_normalize(Quaternion::new(w, i, j, k));
         let half = turn * Vector3::new(capsule.half_length, 0.0, 0.0);
-        let body = Placed { centre, half, radius: capsule.radius };
+        let body = Placed {
+            centre,
+            half,
+            radius: capsule.radius,
+        };
         let room = [-1.0, 0.0, 1.0]
             .iter()
             .all(|s| apparatus.has_room(&(centre + half * *s), capsule.radius));
@@ -194,7 +217,10 @@ fn ticks(reach: f64, spacing: f64) -> Vec<f64> {
     if reach < 0.0 {
         return Vec::new();
     }
-    #[expect(clippy::cast_possible_truncation, reason = "bounded by the apparatus: below 1e6")]
+    #[expect(
+        clippy::cast_possible_truncation,
+        reason = "bounded by the apparatus: below 1e6"
+    )]
     let n = (2.0 * reach / spacing).min(1e6) as i32 + 1;
     let start = -0.5 * spacing * f64::from(n - 1);
     (0..n).map(|i| start + spacing * f64::from(i)).collect()
@@ -206,7 +232,11 @@ mod tests {
     use nalgebra::Vector3;
 
     fn placed(centre: [f64; 3], half: [f64; 3]) -> Placed {
-        Placed { centre: Vector3::from(centre), half: Vector3::from(half), radius: 0.1 }
+        Placed {
+            centre: Vector3::from(centre),
+            half: Vector3::from(half),
+            radius: 0.1,
+        }
     }
 
     /// Crossing, parallel, end-to-end and point-like segments with known distances.
@@ -222,7 +252,10 @@ mod tests {
         ] {
             let got = segment_distance(&x, &other);
             assert!((got - expected).abs() < 1e-12, "{other:?}: {got}");
-            assert!((segment_distance(&other, &x) - expected).abs() < 1e-12, "not symmetric");
+            assert!(
+                (segment_distance(&other, &x) - expected).abs() < 1e-12,
+                "not symmetric"
+            );
         }
     }
 }

@@ -86,14 +86,21 @@ pub struct RunResult {
 ///
 /// A scene that cannot be built, a solver that stops, frames that cannot be drawn.
 pub fn run(scene: &Scene, library: &FillingLibrary, seed: u64) -> Result<RunResult, Error> {
-    let bodies =
-        scene.seed.iter().map(|s| library.body(scene, s)).collect::<Result<Vec<_>, _>>()?;
+    let bodies = scene
+        .seed
+        .iter()
+        .map(|s| library.body(scene, s))
+        .collect::<Result<Vec<_>, _>>()?;
     let mut world = build(scene, &bodies, seed)?;
     settle(scene, &mut world)?;
     for wall in scene.apparatus.walls() {
         world.set_wall_spin(wall.name, wall.spin);
     }
-    let (series, frames, truncation) = rotate(scene, &mut world)?;
+    let Rotation {
+        series,
+        frames,
+        truncation,
+    } = rotate(scene, &mut world)?;
     let mut readings = Vec::new();
     let mut filling_angles = Vec::new();
     for frame in &frames {
@@ -101,7 +108,10 @@ pub fn run(scene: &Scene, library: &FillingLibrary, seed: u64) -> Result<RunResu
             Apparatus::Drum(_) => readings.push(read_frame(scene, &bodies, frame)?),
             Apparatus::Metering(device) => {
                 let at_rim = angles_at_rim(&bodies, frame, scene.apparatus.radius());
-                let length = bodies.iter().map(|b| b.clump.bounding_radius()).fold(0.0, f64::max);
+                let length = bodies
+                    .iter()
+                    .map(|b| b.clump.bounding_radius())
+                    .fold(0.0, f64::max);
                 let gap = GROUP_GAP * 2.0 * length / scene.apparatus.radius();
                 filling_angles.push(device.filling_angle(&at_rim, gap));
             }
@@ -116,11 +126,20 @@ pub fn run(scene: &Scene, library: &FillingLibrary, seed: u64) -> Result<RunResu
         frames,
         readings,
         filling_angles,
-        regime: if slip > SLIDING_BELOW { Regime::Sliding } else { Regime::Rolling },
+        regime: if slip > SLIDING_BELOW {
+            Regime::Sliding
+        } else {
+            Regime::Rolling
+        },
         time_step: world.settings().time_step,
         n_steps: world.n_steps(),
         n_bodies: world.bodies().len(),
-        n_spheres: world.bodies().template.iter().map(|&t| bodies[t].clump.spheres().len()).sum(),
+        n_spheres: world
+            .bodies()
+            .template
+            .iter()
+            .map(|&t| bodies[t].clump.spheres().len())
+            .sum(),
         census: world.census(),
         bodies,
     })
@@ -131,8 +150,9 @@ fn build(scene: &Scene, bodies: &[Arc<SeedBody>], seed: u64) -> Result<World, Er
     let walls = scene.apparatus.walls();
     let names: Vec<&str> = {
         let seeds = scene.seed.iter().map(|s| s.material.as_str());
-        let mut names: Vec<&str> =
-            seeds.chain(walls.iter().map(|w| w.material.as_str())).collect();
+        let mut names: Vec<&str> = seeds
+            .chain(walls.iter().map(|w| w.material.as_str()))
+            .collect();
         names.sort_unstable();
         names.dedup();
         names
@@ -144,8 +164,15 @@ fn build(scene: &Scene, bodies: &[Arc<SeedBody>], seed: u64) -> Result<World, Er
         .zip(bodies)
         .map(|(s, b)| Template::new(&b.clump, index(&s.material), scene.model.dashpot_mass))
         .collect();
-    let radius = templates.iter().map(Template::smallest_radius).fold(f64::INFINITY, f64::min);
-    let kinds: Vec<_> = bodies.iter().zip(&scene.seed).map(|(b, s)| (&b.clump, s.count)).collect();
+    let radius = templates
+        .iter()
+        .map(Template::smallest_radius)
+        .fold(f64::INFINITY, f64::min);
+    let kinds: Vec<_> = bodies
+        .iter()
+        .zip(&scene.seed)
+        .map(|(b, s)| (&b.clump, s.count))
+        .collect();
     let placements = place(&scene.apparatus, &kinds, seed)?;
     let still = walls.iter().map(|w| Wall {
         name: w.name.into(),
@@ -154,32 +181,47 @@ fn build(scene: &Scene, bodies: &[Arc<SeedBody>], seed: u64) -> Result<World, Er
         spin: 0.0,
     });
     let settings = Settings {
-        time_step: scene.protocol.time_step.si().min(longest_time_step(scene, bodies)?),
+        time_step: scene
+            .protocol
+            .time_step
+            .si()
+            .min(longest_time_step(scene, bodies)?),
         gravity: Vector3::new(0.0, -scene.model.gravity_m_s2, 0.0),
         skin: 0.45 * radius,
         margin: 4.5 * radius,
     };
     let interactions = interactions(scene, &names)?;
-    Ok(World::new(settings, templates, interactions, still.collect(), &placements)?)
+    Ok(World::new(
+        settings,
+        templates,
+        interactions,
+        still.collect(),
+        &placements,
+    )?)
 }
 
 /// Longest time step that resolves a hard contact of every seed with every material, s.
 ///
 /// # Formula
 ///
-/// dt = share t_c,  t_c = 2.9432 (15 m_e / (16 sqrt(R) E*))^(2/5) v^(-1/5)
+/// `dt = share t_c`, `t_c = 2.9432 (15 m_e / (16 sqrt(R) E*))^(2/5) v^(-1/5)`
 ///
-/// with R the largest sphere at the surface and m_e the mass felt at the tip of the seed,
-/// 1/m_e = 1/m + l²/I, where l is the bounding radius and I the largest moment of inertia.
+/// with R the largest sphere at the surface and `m_e` the mass felt at the tip of the seed,
+/// `1/m_e = 1/m + l²/I`, where l is the bounding radius and I the largest moment of inertia.
 ///
 /// # Source
 ///
-/// Duration of an elastic collision [Hertz1881].
+/// Duration of an elastic collision `[Hertz1881]`.
 fn longest_time_step(scene: &Scene, bodies: &[Arc<SeedBody>]) -> Result<f64, Error> {
     let mut longest = f64::INFINITY;
     for (seed, body) in scene.seed.iter().zip(bodies) {
         let clump = &body.clump;
-        let largest = body.outer.spheres().iter().map(|s| s.radius).fold(0.0, f64::max);
+        let largest = body
+            .outer
+            .spheres()
+            .iter()
+            .map(|s| s.radius)
+            .fold(0.0, f64::max);
         let arm = clump.bounding_radius();
         let felt = 1.0 / (1.0 / clump.mass() + arm * arm / clump.inertia().max());
         let mut stiffest = 0.0_f64;
@@ -201,7 +243,10 @@ fn longest_time_step(scene: &Scene, bodies: &[Arc<SeedBody>]) -> Result<f64, Err
 /// Elastic constants of a named material; `pair` is named in the message.
 fn material_of(scene: &Scene, name: &str, pair: &str) -> Result<Material, Error> {
     let m = &scene.material[name];
-    let refused = |source| Error::Contact { pair: pair.to_owned(), source };
+    let refused = |source| Error::Contact {
+        pair: pair.to_owned(),
+        source,
+    };
     Material::new(m.poisson_ratio.get(), m.shear_modulus.si()).map_err(refused)
 }
 
@@ -214,7 +259,10 @@ fn interactions(scene: &Scene, names: &[&str]) -> Result<Vec<Interaction>, Error
     for a in names {
         for b in names {
             let pair = format!("{a}-{b}");
-            let refused = |source| Error::Contact { pair: pair.clone(), source };
+            let refused = |source| Error::Contact {
+                pair: pair.clone(),
+                source,
+            };
             // Two walls never meet: their entry is filled with an inert law.
             let contact = scene.contact_of(a, b);
             let parameters = PairParameters {
@@ -236,7 +284,11 @@ fn interactions(scene: &Scene, names: &[&str]) -> Result<Vec<Interaction>, Error
 
 /// Runs until the seeds rest, or the limit is reached.
 fn settle(scene: &Scene, world: &mut World) -> Result<(), Error> {
-    let size = world.templates().iter().map(Template::smallest_radius).fold(f64::INFINITY, f64::min);
+    let size = world
+        .templates()
+        .iter()
+        .map(Template::smallest_radius)
+        .fold(f64::INFINITY, f64::min);
     let masses = scene.seed.iter().map(|s| s.mass.si() * s.count as f64);
     let rest = AT_REST * masses.sum::<f64>() * scene.model.gravity_m_s2 * 10.0 * size;
     let limit = scene.protocol.settle_limit.si();
@@ -260,15 +312,29 @@ fn advance(world: &mut World, time: f64) -> Result<(), Error> {
     Ok(())
 }
 
+/// What is kept of the rotation.
+struct Rotation {
+    /// The bed over time.
+    series: Vec<SeriesPoint>,
+    /// Frames behind the start-up.
+    frames: Vec<Frame>,
+    /// Where the start-up ends.
+    truncation: Option<Truncation>,
+}
+
 /// Turns the drive until the wanted number of frames lies behind the start-up.
-fn rotate(
-    scene: &Scene,
-    world: &mut World,
-) -> Result<(Vec<SeriesPoint>, Vec<Frame>, Option<Truncation>), Error> {
+fn rotate(scene: &Scene, world: &mut World) -> Result<Rotation, Error> {
     let protocol = &scene.protocol;
-    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a small ratio")]
-    let every = (protocol.frame_interval.si() / SERIES_INTERVAL).round().max(1.0) as usize;
-    let (mut series, mut frames): (Vec<SeriesPoint>, Vec<(usize, Frame)>) = Default::default();
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "a small ratio"
+    )]
+    let every = (protocol.frame_interval.si() / SERIES_INTERVAL)
+        .round()
+        .max(1.0) as usize;
+    let mut series: Vec<SeriesPoint> = Vec::new();
+    let mut frames: Vec<(usize, Frame)> = Vec::new();
     let start = world.time();
     loop {
         advance(world, SERIES_INTERVAL)?;
@@ -286,9 +352,16 @@ fn rotate(
         let cut = truncation.map_or(usize::MAX, |t| if t.steady { t.cut } else { usize::MAX });
         let after = frames.iter().filter(|(at, _)| *at > cut).count();
         if after >= protocol.frames || over {
-            let keep = after.clamp(2.min(frames.len()), protocol.frames).min(frames.len());
+            let keep = after
+                .clamp(2.min(frames.len()), protocol.frames)
+                .min(frames.len());
             let last = frames.split_off(frames.len() - keep);
-            return Ok((series, last.into_iter().map(|f| f.1).collect(), truncation));
+            let frames = last.into_iter().map(|f| f.1).collect();
+            return Ok(Rotation {
+                series,
+                frames,
+                truncation,
+            });
         }
     }
 }

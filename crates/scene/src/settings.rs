@@ -1,7 +1,9 @@
 //! What a scene file says.
 
 use crate::Apparatus;
-use quantity::{Angle, FrictionCoefficient, Length, Mass, PoissonRatio, Pressure, Restitution, Time};
+use quantity::{
+    Angle, FrictionCoefficient, Length, Mass, PoissonRatio, Pressure, Restitution, Time,
+};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -160,6 +162,8 @@ impl Scene {
 
     /// Contact of two materials, in either order of the names.
     pub fn contact_of(&self, a: &str, b: &str) -> Option<&ContactSettings> {
-        self.contact.get(&format!("{a}-{b}")).or_else(|| self.contact.get(&format!("{b}-{a}")))
+        self.contact
+            .get(&format!("{a}-{b}"))
+            .or_else(|| self.contact.get(&format!("{b}-{a}")))
     }
 }

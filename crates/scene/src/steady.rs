@@ -18,18 +18,20 @@ pub struct Truncation {
 ///
 /// # Formula
 ///
-/// minimise over d: sum over i > d of (x_i - mean of the rest)² / (n - d)²
+/// minimise over d: `sum over i > d of (x_i - mean of the rest)² / (n - d)²`
 ///
 /// with x the means of batches of `batch` values; d is searched over all batches, but at least
 /// four batches stay. Returns none if there are fewer than eight batches.
 ///
 /// # Source
 ///
-/// [White1997]; batches of five are usual there (MSER-5).
+/// `[White1997]`; batches of five are usual there (MSER-5).
 pub fn marginal_standard_error_rule(series: &[f64], batch: usize) -> Option<Truncation> {
     let batch = batch.max(1);
-    let means: Vec<f64> =
-        series.chunks_exact(batch).map(|c| c.iter().sum::<f64>() / batch as f64).collect();
+    let means: Vec<f64> = series
+        .chunks_exact(batch)
+        .map(|c| c.iter().sum::<f64>() / batch as f64)
+        .collect();
     let n = means.len();
     if n < 8 {
         return None;
@@ -75,6 +77,9 @@ mod tests {
 
     #[test]
     fn too_short_a_series_gives_no_answer() {
-        assert!(marginal_standard_error_rule(&[1.0; 30], 5).is_none(), "six batches");
+        assert!(
+            marginal_standard_error_rule(&[1.0; 30], 5).is_none(),
+            "six batches"
+        );
     }
 }

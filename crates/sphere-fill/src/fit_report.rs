@@ -29,7 +29,7 @@ pub struct FitReport {
     /// Largest gap in either sense, counting protrusion, m.
     pub surface_hausdorff: f64,
     /// Root mean square of the gap about its mean, m: the roughness of the spheres' surface,
-    /// free of a uniform shrinkage (as Rq about the mean line [ISO21920-2]).
+    /// free of a uniform shrinkage (as Rq about the mean line `[ISO21920-2]`).
     pub roughness_rms: f64,
     /// Mean gap, m: how much smaller the union is than the body.
     pub mean_gap: f64,

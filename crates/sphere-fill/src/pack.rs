@@ -50,8 +50,8 @@ const PROTRUSION_TOLERANCE: f64 = 1e-2;
 ///
 /// # Source
 ///
-/// The relocation of squeezed spheres into vacancies is the core of \[Huang2011\] for equal
-/// spheres in a sphere; the energy is that of soft-disk packings \[Ohern2003\].
+/// The relocation of squeezed spheres into vacancies is the core of `[Huang2011]` for equal
+/// spheres in a sphere; the energy is that of soft-disk packings `[Ohern2003]`.
 #[derive(Debug, Clone, Copy)]
 pub struct Pack;
 

@@ -98,7 +98,7 @@ pub(crate) struct Stop {
 /// # Formula
 ///
 /// E = Σ max(0, spacing − |xᵢ − xⱼ|)² + Σ max(0, φ(xᵢ) + 1)² over pairs and spheres, φ the signed distance in
-/// radii; minimised by limited-memory BFGS \[Nocedal1980\] with a halving line search.
+/// radii; minimised by limited-memory BFGS `[Nocedal1980]` with a halving line search.
 pub(crate) fn relax(room: &Room<'_>, start: Vec<Vector3<f64>>, stop: Stop) -> Relaxed {
     let mut minimiser = Minimiser::new(room, start);
     let mut checkpoint = minimiser.energy;

@@ -20,7 +20,7 @@ const SHRINKING_STEPS: usize = 40;
 /// # Method
 ///
 /// At each of 3000 surface points the largest inscribed sphere that touches there is found by
-/// the shrinking ball [Ma2012, section 3]. Of those with at least the radius asked for, spheres
+/// the shrinking ball `[Ma2012, section 3]`. Of those with at least the radius asked for, spheres
 /// are taken one after another, each time the one that lowers the sum of squared gaps between
 /// the surface and the spheres the most. The gain of a sphere can only fall as others are
 /// taken, so most gains need not be computed anew. It ends at the count, or at the roughness.

@@ -68,6 +68,7 @@ pub struct Target {
 }
 
 /// Published results: mean and standard deviation, deg.
+#[expect(clippy::struct_field_names, reason = "keys of a file carry their unit")]
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Published {
@@ -215,8 +216,11 @@ impl StudyFile {
     ///
     /// A file that cannot be read, text that is no study, numbers that cannot be meant.
     pub fn read(path: &Path) -> Result<Self, Error> {
-        let text = std::fs::read_to_string(path)
-            .map_err(|source| Error::File { what: "read", path: path.to_owned(), source })?;
+        let text = std::fs::read_to_string(path).map_err(|source| Error::File {
+            what: "read",
+            path: path.to_owned(),
+            source,
+        })?;
         let mut study: Self = toml::from_str(&text).map_err(|e| Error::Text {
             file: path.display().to_string(),
             message: e.to_string(),
@@ -229,7 +233,11 @@ impl StudyFile {
     /// An error about an entry.
     pub(crate) fn wrong(&self, what: impl Into<String>, problem: impl Into<String>) -> Error {
         let file = self.path.display().to_string();
-        Error::Meaning { file, what: what.into(), problem: problem.into() }
+        Error::Meaning {
+            file,
+            what: what.into(),
+            problem: problem.into(),
+        }
     }
 
     /// The profile of a name.
@@ -240,7 +248,10 @@ impl StudyFile {
     pub fn profile(&self, name: &str) -> Result<&Profile, Error> {
         self.profile.get(name).ok_or_else(|| {
             let known: Vec<_> = self.profile.keys().map(String::as_str).collect();
-            self.wrong(format!("profile '{name}'"), format!("is not defined; there are {}", known.join(", ")))
+            self.wrong(
+                format!("profile '{name}'"),
+                format!("is not defined; there are {}", known.join(", ")),
+            )
         })
     }
 
@@ -250,10 +261,16 @@ impl StudyFile {
     ///
     /// A symbol that the file does not have.
     pub fn factor(&self, symbol: &str) -> Result<&FactorEntry, Error> {
-        self.factor.iter().find(|f| f.symbol == symbol).ok_or_else(|| {
-            let known: Vec<_> = self.factor.iter().map(|f| f.symbol.as_str()).collect();
-            self.wrong(format!("factor '{symbol}'"), format!("is not defined; there are {}", known.join(", ")))
-        })
+        self.factor
+            .iter()
+            .find(|f| f.symbol == symbol)
+            .ok_or_else(|| {
+                let known: Vec<_> = self.factor.iter().map(|f| f.symbol.as_str()).collect();
+                self.wrong(
+                    format!("factor '{symbol}'"),
+                    format!("is not defined; there are {}", known.join(", ")),
+                )
+            })
     }
 
     /// All factors as the calibration wants them.
@@ -283,9 +300,15 @@ impl StudyFile {
             .iter()
             .map(|text| {
                 let (name, value) = text.split_once('=').ok_or_else(|| {
-                    self.wrong(format!("scene change '{text}'"), "has no '='; write 'name = value'")
+                    self.wrong(
+                        format!("scene change '{text}'"),
+                        "has no '='; write 'name = value'",
+                    )
                 })?;
-                Ok(Override { name: name.trim().into(), value: value.trim().into() })
+                Ok(Override {
+                    name: name.trim().into(),
+                    value: value.trim().into(),
+                })
             })
             .collect()
     }
@@ -294,31 +317,57 @@ impl StudyFile {
     fn check(&self) -> Result<(), Error> {
         let t = &self.target;
         if !(t.value.is_finite() && t.sd.is_finite() && t.sd >= 0.0 && t.n >= 1) {
-            return Err(self.wrong("target", "needs a finite value, an sd of 0 or more and n of 1 or more"));
+            return Err(self.wrong(
+                "target",
+                "needs a finite value, an sd of 0 or more and n of 1 or more",
+            ));
         }
         for f in &self.factor {
             let m = &f.measured;
             if !(m.mean.is_finite() && m.sd > 0.0 && m.n >= 1) {
                 let what = format!("measured of factor '{}'", f.symbol);
-                return Err(self.wrong(what, "needs a finite mean, an sd above 0 and n of 1 or more"));
+                return Err(self.wrong(
+                    what,
+                    "needs a finite mean, an sd above 0 and n of 1 or more",
+                ));
             }
             if f.low < 0.0 || f.high <= f.low {
                 let what = format!("levels {} to {} of factor '{}'", f.low, f.high, f.symbol);
-                return Err(self.wrong(what, "must rise, and a contact parameter is never negative"));
+                return Err(
+                    self.wrong(what, "must rise, and a contact parameter is never negative")
+                );
             }
         }
         let h = &self.hidden;
-        let same = [h.true_values.len(), h.starts.len(), h.steps.len(), h.bounds.len()];
+        let same = [
+            h.true_values.len(),
+            h.starts.len(),
+            h.steps.len(),
+            h.bounds.len(),
+        ];
         if same.iter().any(|n| *n != h.factors.len()) {
-            return Err(self.wrong("hidden", "needs as many true_values, starts, steps and bounds as factors"));
+            return Err(self.wrong(
+                "hidden",
+                "needs as many true_values, starts, steps and bounds as factors",
+            ));
         }
         if h.reading_sd.len() != h.observables.len() || h.measured_runs < 2 {
-            return Err(self.wrong("hidden", "needs one reading_sd for each observable and two measured_runs or more"));
+            return Err(self.wrong(
+                "hidden",
+                "needs one reading_sd for each observable and two measured_runs or more",
+            ));
         }
         if self.residual.steps.len() != self.residual.factors.len() {
             return Err(self.wrong("residual", "needs as many steps as factors"));
         }
-        for symbol in self.residual.factors.iter().chain(&h.factors).chain(std::iter::once(&self.sweep.symbol)).chain(self.published_optimum.keys()) {
+        for symbol in self
+            .residual
+            .factors
+            .iter()
+            .chain(&h.factors)
+            .chain(std::iter::once(&self.sweep.symbol))
+            .chain(self.published_optimum.keys())
+        {
             self.factor(symbol)?;
         }
         Ok(())

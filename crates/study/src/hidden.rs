@@ -21,9 +21,18 @@ pub(crate) fn probes(names: &[String]) -> Result<Vec<EffectProbe>, Error> {
         .iter()
         .map(|name| {
             let d = find(name)?.description();
-            let sign = if d.range[0] < 0.0 { Sign::Any } else { Sign::Positive };
+            let sign = if d.range[0] < 0.0 {
+                Sign::Any
+            } else {
+                Sign::Positive
+            };
             let largest = d.range[1].max(-d.range[0]);
-            Ok(EffectProbe { name: name.clone(), probe: d.probe, largest, sign })
+            Ok(EffectProbe {
+                name: name.clone(),
+                probe: d.probe,
+                largest,
+                sign,
+            })
         })
         .collect()
 }
@@ -32,7 +41,10 @@ impl Loop<'_> {
     /// Runs the campaign; the fit never sees how the data were made.
     pub(crate) fn hidden_campaign(&self, with_effect: bool) -> Result<HiddenCampaign, Error> {
         let settings = &self.study.hidden;
-        let full = self.profile.hidden_full_seed_count.unwrap_or(settings.full_seed_count);
+        let full = self
+            .profile
+            .hidden_full_seed_count
+            .unwrap_or(settings.full_seed_count);
         let mut names = Vec::new();
         for symbol in &settings.factors {
             names.push(self.study.factor(symbol)?.parameter.clone());
@@ -52,7 +64,12 @@ impl Loop<'_> {
             used: c.used,
         });
         let plan = ResidualPlan {
-            id: if with_effect { "hidden effect" } else { "nothing hidden" }.into(),
+            id: if with_effect {
+                "hidden effect"
+            } else {
+                "nothing hidden"
+            }
+            .into(),
             base: RunRequest::new("hidden", self.settings.seed + 3_000_000),
             conditions: conditions.collect(),
             observables: settings.observables.clone(),
@@ -61,8 +78,10 @@ impl Loop<'_> {
             replicates: self.profile.residual_replicates,
             seed: self.settings.seed,
         };
-        let truth: BTreeMap<String, f64> =
-            names.into_iter().zip(settings.true_values.iter().copied()).collect();
+        let truth: BTreeMap<String, f64> = names
+            .into_iter()
+            .zip(settings.true_values.iter().copied())
+            .collect();
         let observed = self.measured_like(&plan, &truth, with_effect, settings)?;
         let study = study_residual(&self.campaign, self.simulator, &plan, &observed)?;
         let d = &study.diagnosis;
@@ -98,7 +117,8 @@ impl Loop<'_> {
                 if with_effect {
                     request = request.with_effect(&settings.effect, settings.amplitude);
                 }
-                let number = DATA_SEEDS + (c * n + r) as u64 + if with_effect { 0 } else { 100_000 };
+                let number =
+                    DATA_SEEDS + (c * n + r) as u64 + if with_effect { 0 } else { 100_000 };
                 requests.push(request.with_seed(self.settings.seed + number));
             }
         }
@@ -108,13 +128,18 @@ impl Loop<'_> {
         for record in &records {
             rows.push(self.values(record, &settings.observables)?);
         }
-        let purpose = if with_effect { "reading noise, effect" } else { "reading noise, none" };
+        let purpose = if with_effect {
+            "reading noise, effect"
+        } else {
+            "reading noise, none"
+        };
         let mut noise = Stream::new(self.settings.seed, purpose);
         let mut pooled = vec![vec![0.0; width]; width];
         let mut values = Vec::new();
         for group in rows.chunks(n) {
-            let mean: Vec<f64> =
-                (0..width).map(|k| group.iter().map(|r| r[k]).sum::<f64>() / n as f64).collect();
+            let mean: Vec<f64> = (0..width)
+                .map(|k| group.iter().map(|r| r[k]).sum::<f64>() / n as f64)
+                .collect();
             for row in group {
                 for a in 0..width {
                     for b in 0..width {
@@ -123,14 +148,24 @@ impl Loop<'_> {
                 }
             }
             values.push(
-                (0..width).map(|k| mean[k] + settings.reading_sd[k] * noise.normal()).collect(),
+                (0..width)
+                    .map(|k| mean[k] + settings.reading_sd[k] * noise.normal())
+                    .collect(),
             );
         }
         let dof = (plan.conditions.len() * (n - 1)) as f64;
         let covariance = (0..width)
             .map(|a| {
-                let reading = |b: usize| if a == b { settings.reading_sd[a].powi(2) } else { 0.0 };
-                (0..width).map(|b| pooled[a][b] / dof / n as f64 + reading(b)).collect()
+                let reading = |b: usize| {
+                    if a == b {
+                        settings.reading_sd[a].powi(2)
+                    } else {
+                        0.0
+                    }
+                };
+                (0..width)
+                    .map(|b| pooled[a][b] / dof / n as f64 + reading(b))
+                    .collect()
             })
             .collect();
         Ok(Observed { values, covariance })

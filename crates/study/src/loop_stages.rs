@@ -87,8 +87,11 @@ fn scenes(study: &StudyFile, profile: &Profile) -> Result<BTreeMap<String, Scene
     let changes = study.overrides(&profile.scene)?;
     let drum = Scene::read(&folder.join(&study.drum), &changes)?;
     // The metering device has its own sizes: changes of the apparatus are not for it.
-    let shared: Vec<_> =
-        changes.iter().filter(|c| !c.name.starts_with("apparatus.")).cloned().collect();
+    let shared: Vec<_> = changes
+        .iter()
+        .filter(|c| !c.name.starts_with("apparatus."))
+        .cloned()
+        .collect();
     let metering = Scene::read(&folder.join(&study.metering), &shared)?
         .with(&study.overrides(&profile.metering_scene)?)?;
     let mut hidden_changes = study.overrides(&study.hidden.scene)?;
@@ -130,7 +133,7 @@ impl Loop<'_> {
         let (chosen, target_reached) = self.choose(&surface.fit, &solutions, &kept);
         (self.announce)("validation");
         let question = self.question(20_000, self.profile.validation_runs, &[])?;
-        let request = self.at("drum", &chosen, 20_000)?;
+        let request = self.at("drum", &chosen, 20_000);
         let target = self.study.target.value;
         let validation = validate(&self.campaign, self.simulator, request, &question, target)?;
         (self.announce)("sweep");
@@ -152,9 +155,9 @@ impl Loop<'_> {
             version: env!("CARGO_PKG_VERSION").into(),
             seed: self.settings.seed,
             inputs: self.settings.inputs.clone(),
-            image_against_position: self.image_against_position(store, &drum_keys)?,
+            image_against_position: image_against_position(store, &drum_keys)?,
             cost: self.cost(store, &drum_keys)?,
-            remarks: self.remarks(&solutions, target_reached),
+            remarks: remarks(&solutions, target_reached),
             fillings,
             screening,
             kept_factors,
@@ -187,22 +190,24 @@ impl Loop<'_> {
                 base = base.with_parameter(&factor.parameter, measured);
             }
         }
-        Ok(Question { base, observable: &self.study.target.observable, replicates })
+        Ok(Question {
+            base,
+            observable: &self.study.target.observable,
+            replicates,
+        })
     }
 
     /// A run with all factors at the given values.
-    fn at(
-        &self,
-        model: &str,
-        values: &BTreeMap<String, f64>,
-        seeds: u64,
-    ) -> Result<RunRequest, Error> {
+    fn at(&self, model: &str, values: &BTreeMap<String, f64>, seeds: u64) -> RunRequest {
         let mut request = RunRequest::new(model, self.settings.seed + seeds);
         for factor in &self.study.factor {
-            let value = values.get(&factor.symbol).copied().unwrap_or(factor.measured.mean);
+            let value = values
+                .get(&factor.symbol)
+                .copied()
+                .unwrap_or(factor.measured.mean);
             request = request.with_parameter(&factor.parameter, value);
         }
-        Ok(request)
+        request
     }
 
     /// The seeds as bodies.
@@ -224,7 +229,7 @@ impl Loop<'_> {
                     mass_kg: seed.mass.si(),
                     fraction_density_kg_m3: body.fraction_density,
                     mesh_volume_mm3: body.mesh.mesh.moments().volume * 1e9,
-                    fit: body.report.clone(),
+                    fit: body.report,
                 })
             })
             .collect()
@@ -236,7 +241,11 @@ impl Loop<'_> {
         let mut near = Vec::new();
         for factor in kept {
             let m = self.study.factor(factor.factor.symbol())?.measured;
-            near.push(Some(Measured { value: m.mean, sd: Some(m.sd), n: Some(m.n) }));
+            near.push(Some(Measured {
+                value: m.mean,
+                sd: Some(m.sd),
+                n: Some(m.n),
+            }));
         }
         let request = SolutionRequest {
             target: target.value,
@@ -261,13 +270,19 @@ impl Loop<'_> {
         let point = nearest.unwrap_or_else(|| {
             let r = &solutions.reachable;
             let low = (r.min.value - solutions.target).abs();
-            let end = if low < (r.max.value - solutions.target).abs() { &r.min } else { &r.max };
+            let end = if low < (r.max.value - solutions.target).abs() {
+                &r.min
+            } else {
+                &r.max
+            };
             fit.natural(&end.coded)
         });
         let symbols = kept.iter().map(|f| f.factor.symbol().to_owned());
         let mut chosen: BTreeMap<String, f64> = symbols.zip(point).collect();
         for factor in &self.study.factor {
-            chosen.entry(factor.symbol.clone()).or_insert(factor.measured.mean);
+            chosen
+                .entry(factor.symbol.clone())
+                .or_insert(factor.measured.mean);
         }
         (chosen, reached)
     }
@@ -276,16 +291,22 @@ impl Loop<'_> {
     fn sweep(&self, store: &Store) -> Result<(PointResult, Vec<SweepPoint>), Error> {
         let optimum = &self.study.published_optimum;
         let symbol = &self.study.sweep.symbol;
-        let mut points = vec![("published optimum".to_owned(), self.at("drum", optimum, 30_000)?)];
+        let mut points = vec![(
+            "published optimum".to_owned(),
+            self.at("drum", optimum, 30_000),
+        )];
         for value in &self.study.sweep.values {
             let mut values = optimum.clone();
             values.insert(symbol.clone(), *value);
             // The seeds do not depend on the value: the point at the optimum is run once.
-            points.push((format!("{symbol} = {value}"), self.at("drum", &values, 30_000)?));
+            points.push((
+                format!("{symbol} = {value}"),
+                self.at("drum", &values, 30_000),
+            ));
         }
         let mut results = self.points(&points)?;
         let first = results.remove(0);
-        let sweep = self.with_regime(store, &self.study.sweep.values, results)?;
+        let sweep = Self::with_regime(store, &self.study.sweep.values, results)?;
         Ok((first, sweep))
     }
 
@@ -293,12 +314,17 @@ impl Loop<'_> {
     fn points(&self, points: &[(String, RunRequest)]) -> Result<Vec<PointResult>, Error> {
         let observable = &self.study.target.observable;
         let runs = self.profile.point_runs;
-        Ok(run_points(&self.campaign, self.simulator, points, observable, runs)?)
+        Ok(run_points(
+            &self.campaign,
+            self.simulator,
+            points,
+            observable,
+            runs,
+        )?)
     }
 
     /// Points of a sweep with regime and slip of their first runs.
     fn with_regime(
-        &self,
         store: &Store,
         values: &[f64],
         results: Vec<PointResult>,
@@ -306,7 +332,7 @@ impl Loop<'_> {
         let mut points = Vec::new();
         for (value, result) in values.iter().zip(results) {
             let record = match result.keys.first() {
-                Some(key) => self.record(store, key)?,
+                Some(key) => record_of(store, key)?,
                 None => None,
             };
             let regime = record.as_ref().and_then(|r| r.details()["regime"].as_str());
@@ -323,7 +349,10 @@ impl Loop<'_> {
 
     /// Filling angle of the metering device with the chosen parameters.
     fn metering(&self, chosen: &BTreeMap<String, f64>) -> Result<MeteringResult, Error> {
-        let points = [("metering device".to_owned(), self.at("metering", chosen, 40_000)?)];
+        let points = [(
+            "metering device".to_owned(),
+            self.at("metering", chosen, 40_000),
+        )];
         let runs = self.profile.point_runs;
         let observable = "filling_angle_deg";
         let mut results = run_points(&self.campaign, self.simulator, &points, observable, runs)?;
@@ -354,19 +383,27 @@ impl Loop<'_> {
         let target = &self.study.target;
         let plan = ResidualPlan {
             id: "bench measurements against the drum".into(),
-            base: self.at("drum", &BTreeMap::new(), 50_000)?,
-            conditions: vec![StudyCondition { condition: BTreeMap::new(), used: true }],
+            base: self.at("drum", &BTreeMap::new(), 50_000),
+            conditions: vec![StudyCondition {
+                condition: BTreeMap::new(),
+                used: true,
+            }],
             observables: vec![target.observable.clone()],
             declared,
             effects: probes(&settings.effects)?,
-            replicates: self.profile.residual_replicates.max(3),
+            replicates: self.profile.residual_replicates,
             seed: self.settings.seed,
         };
         let observed = Observed {
             values: vec![vec![target.value]],
             covariance: vec![vec![target.sd * target.sd / target.n as f64]],
         };
-        Ok(study_residual(&self.campaign, self.simulator, &plan, &observed)?)
+        Ok(study_residual(
+            &self.campaign,
+            self.simulator,
+            &plan,
+            &observed,
+        )?)
     }
 
     /// Angle at the bench measurements with smoother and smoother fillings.
@@ -375,20 +412,12 @@ impl Loop<'_> {
         values.extend(&self.study.residual.smoothness);
         let mut points = Vec::new();
         for value in &values {
-            let request = self.at("drum", &BTreeMap::new(), 50_000)?;
+            let request = self.at("drum", &BTreeMap::new(), 50_000);
             let request = request.with_effect("filling-smoothness", *value);
             points.push((format!("smoothness {value}"), request));
         }
         let results = self.points(&points)?;
-        self.with_regime(store, &values, results)
-    }
-
-    /// A record by its key.
-    pub(crate) fn record(&self, store: &Store, key: &str) -> Result<Option<Record>, Error> {
-        Ok(match store.get(key)? {
-            Lookup::Found(record) => Some(record),
-            _ => None,
-        })
+        Self::with_regime(store, &values, results)
     }
 
     /// Means of some observables of a record.
@@ -407,57 +436,65 @@ impl Loop<'_> {
             })
             .collect()
     }
+}
 
-    /// Image angle against position angle over drum runs.
-    fn image_against_position(
-        &self,
-        store: &Store,
-        keys: &[String],
-    ) -> Result<ImageAgainstPosition, Error> {
-        let (mut means, mut sds, mut n_frames) = (Vec::new(), Vec::new(), 0);
-        for key in keys {
-            let record = self.record(store, key)?;
-            let found = record.as_ref().and_then(|r| r.observable("image_minus_position_deg"));
-            if let Some(difference) = found {
-                means.push(difference.mean);
-                sds.extend(difference.sd);
-                n_frames += difference.n;
-            }
+/// A record by its key.
+fn record_of(store: &Store, key: &str) -> Result<Option<Record>, Error> {
+    Ok(match store.get(key)? {
+        Lookup::Found(record) => Some(record),
+        _ => None,
+    })
+}
+
+/// Image angle against position angle over drum runs.
+fn image_against_position(store: &Store, keys: &[String]) -> Result<ImageAgainstPosition, Error> {
+    let (mut means, mut sds, mut n_frames) = (Vec::new(), Vec::new(), 0);
+    for key in keys {
+        let record = record_of(store, key)?;
+        let found = record
+            .as_ref()
+            .and_then(|r| r.observable("image_minus_position_deg"));
+        if let Some(difference) = found {
+            means.push(difference.mean);
+            sds.extend(difference.sd);
+            n_frames += difference.n;
         }
-        let n = means.len() as f64;
-        let mean = means.iter().sum::<f64>() / n;
-        let square: f64 = means.iter().map(|m| (m - mean).powi(2)).sum();
-        Ok(ImageAgainstPosition {
-            n_runs: means.len(),
-            n_frames,
-            mean_deg: mean,
-            sd_of_runs_deg: (square / (n - 1.0)).sqrt(),
-            sd_of_frames_deg: sds.iter().sum::<f64>() / sds.len() as f64,
-        })
     }
+    let n = means.len() as f64;
+    let mean = means.iter().sum::<f64>() / n;
+    let square: f64 = means.iter().map(|m| (m - mean).powi(2)).sum();
+    Ok(ImageAgainstPosition {
+        n_runs: means.len(),
+        n_frames,
+        mean_deg: mean,
+        sd_of_runs_deg: (square / (n - 1.0)).sqrt(),
+        sd_of_frames_deg: sds.iter().sum::<f64>() / sds.len() as f64,
+    })
+}
 
+impl Loop<'_> {
     /// What the runs cost, and what profile `study` would.
     fn cost(&self, store: &Store, drum_keys: &[String]) -> Result<Cost, Error> {
-        let timing = |record: &Record, name: &str| {
-            record.details()["timing"][name].as_f64().unwrap_or(0.0)
-        };
+        let timing =
+            |record: &Record, name: &str| record.details()["timing"][name].as_f64().unwrap_or(0.0);
         let (mut total, mut n_runs) = (0.0, 0);
         for key in store.keys()? {
-            if let Some(record) = self.record(store, &key)? {
+            if let Some(record) = record_of(store, &key)? {
                 total += timing(&record, "wall_s");
                 n_runs += 1;
             }
         }
         let (mut drum_time, mut drum_steps) = (0.0, 0.0);
         for key in drum_keys {
-            if let Some(record) = self.record(store, key)? {
+            if let Some(record) = record_of(store, key)? {
                 drum_time += timing(&record, "wall_s");
                 drum_steps += timing(&record, "steps");
             }
         }
         let study = self.study.profile("study").unwrap_or(self.profile);
         let conditions = self.study.hidden.conditions.len();
-        let hidden = (self.study.hidden.factors.len() + self.study.hidden.effects.len()) * conditions;
+        let hidden =
+            (self.study.hidden.factors.len() + self.study.hidden.effects.len()) * conditions;
         let runs = 12 * study.screening_replicates
             + (12 + study.centre_points) * study.surface_replicates
             + study.validation_runs
@@ -477,29 +514,29 @@ impl Loop<'_> {
             study_profile_core_hours: weight * steps * per_step / 3600.0,
         })
     }
+}
 
-    /// What a reader should know.
-    fn remarks(&self, solutions: &Solutions, reached: bool) -> Vec<String> {
-        let mut remarks = Vec::new();
-        let (low, high) = (solutions.reachable.min.value, solutions.reachable.max.value);
-        if !reached {
-            remarks.push(format!(
-                "The surface reaches {low:.2} to {high:.2} deg within the bounds of the design; the \
+/// What a reader should know.
+fn remarks(solutions: &Solutions, reached: bool) -> Vec<String> {
+    let mut remarks = Vec::new();
+    let (low, high) = (solutions.reachable.min.value, solutions.reachable.max.value);
+    if !reached {
+        remarks.push(format!(
+            "The surface reaches {low:.2} to {high:.2} deg within the bounds of the design; the \
                  measured {:.2} deg lies outside. The validation is run at the point that comes \
                  nearest, and the difference is a finding, not a calibration.",
-                solutions.target
-            ));
-        }
-        remarks.push(
-            "One angle cannot fix three parameters: the solutions form a surface, and the chosen \
-             point is the one nearest to the bench means."
-                .into(),
-        );
-        remarks.push(
-            "The metering device's dimensions are assumed: its filling angle is no test of the \
-             published value."
-                .into(),
-        );
-        remarks
+            solutions.target
+        ));
     }
+    remarks.push(
+        "One angle cannot fix three parameters: the solutions form a surface, and the chosen \
+             point is the one nearest to the bench means."
+            .into(),
+    );
+    remarks.push(
+        "The metering device's dimensions are assumed: its filling angle is no test of the \
+             published value."
+            .into(),
+    );
+    remarks
 }

@@ -2,8 +2,8 @@
 
 use campaign::{RunOutcome, RunRequest, Simulator, SimulatorError};
 use image::{DynamicImage, ImageFormat};
-use quantity::AngularSpeed;
 use photo_profile::Verdict;
+use quantity::AngularSpeed;
 use run_store::Observation;
 use scene::{Apparatus, FillingLibrary, Override, RunResult, Scene, drum_picture, run};
 use std::collections::BTreeMap;
@@ -49,8 +49,16 @@ impl SceneSimulator {
         }
         let content = serde_json::json!({ "scenes": scenes, "meshes": meshes });
         let key = run_store::run_key("scenes", &content, 0)?;
-        let version = format!("seedloop {} physics {REVISION} scenes {}", env!("CARGO_PKG_VERSION"), &key[..16]);
-        Ok(Self { scenes, fillings: FillingLibrary::default(), version })
+        let version = format!(
+            "seedloop {} physics {REVISION} scenes {}",
+            env!("CARGO_PKG_VERSION"),
+            &key[..16]
+        );
+        Ok(Self {
+            scenes,
+            fillings: FillingLibrary::default(),
+            version,
+        })
     }
 
     /// Bodies made so far.
@@ -67,22 +75,35 @@ impl SceneSimulator {
         let refused = |reason: String| SimulatorError::Refused { reason };
         let base = self.scenes.get(&request.model).ok_or_else(|| {
             let known: Vec<_> = self.scenes.keys().map(String::as_str).collect();
-            refused(format!("no model '{}'; there are {}", request.model, known.join(", ")))
+            refused(format!(
+                "no model '{}'; there are {}",
+                request.model,
+                known.join(", ")
+            ))
         })?;
         let overrides: Vec<Override> = request
             .parameters
             .iter()
-            .map(|(name, value)| Override { name: name.clone(), value: value.to_string() })
+            .map(|(name, value)| Override {
+                name: name.clone(),
+                value: value.to_string(),
+            })
             .collect();
         let mut scene = base.with(&overrides).map_err(SimulatorError::other)?;
         for (name, value) in &request.condition {
             match name.as_str() {
                 "rpm" => {
                     let speed = AngularSpeed::from_si(value * std::f64::consts::TAU / 60.0);
-                    scene.apparatus.set_speed(speed.map_err(SimulatorError::other)?);
+                    scene
+                        .apparatus
+                        .set_speed(speed.map_err(SimulatorError::other)?);
                 }
                 "seed_count" if *value >= 1.0 && value.fract() == 0.0 && *value < 1e7 => {
-                    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "checked by the guard")]
+                    #[expect(
+                        clippy::cast_possible_truncation,
+                        clippy::cast_sign_loss,
+                        reason = "checked by the guard"
+                    )]
                     scene.set_seed_count(*value as usize);
                 }
                 _ => {
@@ -126,7 +147,12 @@ impl Simulator for SceneSimulator {
 fn over_frames(values: &[f64], unit: &str) -> Option<Observation> {
     let SeriesSummary { mean, sd, n, .. } = summarise(values).ok()?;
     let sd = (n > 1).then_some(sd);
-    Some(Observation { mean, sd, n, unit: unit.into() })
+    Some(Observation {
+        mean,
+        sd,
+        n,
+        unit: unit.into(),
+    })
 }
 
 /// The outcome of a run: observables with their units, and details for the reader.
@@ -146,7 +172,11 @@ pub fn outcome_of(
         }
     };
     let photos = result.readings.iter().map(|r| r.photo.angle);
-    let image: Vec<f64> = photos.clone().flatten().map(|a| a.line.to_degrees()).collect();
+    let image: Vec<f64> = photos
+        .clone()
+        .flatten()
+        .map(|a| a.line.to_degrees())
+        .collect();
     let curvature: Vec<f64> = photos.flatten().map(|a| a.curvature).collect();
     let (mut position, mut difference) = (Vec::new(), Vec::new());
     for reading in &result.readings {
@@ -165,7 +195,11 @@ pub fn outcome_of(
             reason: first.unwrap_or_default(),
         });
     }
-    let filling: Vec<f64> = result.filling_angles.iter().map(|a| a.to_degrees()).collect();
+    let filling: Vec<f64> = result
+        .filling_angles
+        .iter()
+        .map(|a| a.to_degrees())
+        .collect();
     let start = result.truncation.map_or(0, |t| t.cut);
     let steady = &result.series[start.min(result.series.len())..];
     let mass: Vec<f64> = steady.iter().map(|p| p.centre_of_mass_deg).collect();
@@ -185,15 +219,41 @@ pub fn outcome_of(
     add("fluctuation_deg", fluctuation);
     add("shell_slip", over_frames(&slip, "1"));
 
+    outcome.details = details(scene, result, wall_s, &image, &position)?;
+    Ok(outcome)
+}
+
+/// What is worth keeping of a run besides the observables.
+fn details(
+    scene: &Scene,
+    result: &RunResult,
+    wall_s: f64,
+    image: &[f64],
+    position: &[f64],
+) -> Result<serde_json::Value, scene::Error> {
     let picture = match result.frames.last() {
-        Some(frame) => Some(png(&DynamicImage::from(drum_picture(scene, &result.bodies, frame)?))),
+        Some(frame) => Some(png(&DynamicImage::from(drum_picture(
+            scene,
+            &result.bodies,
+            frame,
+        )?))),
         None => None,
     };
-    let lag = summarise(&image).ok();
-    outcome.details = serde_json::json!({
+    let filling: Vec<f64> = result
+        .filling_angles
+        .iter()
+        .map(|a| a.to_degrees())
+        .collect();
+    let cut = result
+        .truncation
+        .map_or(0, |t| t.cut)
+        .min(result.series.len());
+    let start_up = result.series.get(cut).map(|p| p.time_s);
+    let lag = summarise(image).ok();
+    Ok(serde_json::json!({
         "regime": result.regime,
         "steady": result.truncation.is_some_and(|t| t.steady),
-        "start_up_s": steady.first().map(|p| p.time_s),
+        "start_up_s": start_up,
         "froude_number": scene.apparatus.froude_number(scene.model.gravity_m_s2),
         "frames": {
             "times_s": result.frames.iter().map(|f| f.time).collect::<Vec<_>>(),
@@ -217,8 +277,7 @@ pub fn outcome_of(
             "sphere_steps_per_s": result.n_spheres as f64 * result.n_steps as f64 / wall_s.max(1e-9),
         },
         "last_frame_png_base64": picture,
-    });
-    Ok(outcome)
+    }))
 }
 
 /// A picture as PNG in base 64.

@@ -26,7 +26,7 @@ pub(crate) struct ClosestPoint {
 ///
 /// # Source
 ///
-/// [Ericson2005, section 5.1.5].
+/// `[Ericson2005, section 5.1.5]`.
 #[inline]
 pub(crate) fn closest_point(point: &Vector3<f64>, [a, b, c]: &[Vector3<f64>; 3]) -> ClosestPoint {
     let at = |point: Vector3<f64>, feature| ClosestPoint { point, feature };

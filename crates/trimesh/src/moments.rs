@@ -25,7 +25,7 @@ impl VolumeMoments {
     ///
     /// # Source
     ///
-    /// \[Tonon2005\] gives the tensor of a tetrahedron; the form here is its matrix writing.
+    /// `[Tonon2005]` gives the tensor of a tetrahedron; the form here is its matrix writing.
     pub(crate) fn of_triangles(
         origin: &Vector3<f64>,
         triangles: impl Iterator<Item = [Vector3<f64>; 3]>,

@@ -27,7 +27,7 @@ pub struct SurfacePoint {
 /// is that of the offset against the pseudo-normal of the feature on which the nearest point
 /// lies: face normal, sum of both normals at an edge, and at a vertex the normals weighted by
 /// the angle of each triangle, which is right for every closed mesh that does not intersect
-/// itself [Baerentzen2005, theorem 1].
+/// itself `[Baerentzen2005, theorem 1]`.
 #[derive(Debug, Clone)]
 pub struct SignedDistance {
     /// Boxes over the triangles.

@@ -10,7 +10,7 @@ use nalgebra::Vector3;
 /// # Formula
 ///
 /// w = (1/4π) Σ Ω, tan(Ω/2) = a·(b×c) / (abc + (a·b)c + (b·c)a + (c·a)b) with the corners a, b,
-/// c seen from the point [Oosterom1983, eq. 8].
+/// c seen from the point `[Oosterom1983, eq. 8]`.
 pub fn winding_number(mesh: &TriMesh, point: &Vector3<f64>) -> f64 {
     let corners = (0..mesh.triangles().len()).map(|t| mesh.corners(t));
     solid_angle_sum(point, corners) / (4.0 * std::f64::consts::PI)

@@ -16,7 +16,9 @@ pub(super) fn added(a: &[Vec<f64>], b: &[Vec<f64>], factor: f64) -> Vec<Vec<f64>
 
 /// Covariance scaled.
 fn scaled(a: &[Vec<f64>], factor: f64) -> Vec<Vec<f64>> {
-    a.iter().map(|row| row.iter().map(|x| x * factor).collect()).collect()
+    a.iter()
+        .map(|row| row.iter().map(|x| x * factor).collect())
+        .collect()
 }
 
 /// The problem file of a study at the fitted parameters.
@@ -30,10 +32,13 @@ pub(super) fn problem(
     fitted: &[f64],
     at_fit: &Means,
 ) -> ProblemFile {
-    let pick = |used: bool| (0..plan.conditions.len()).filter(move |&c| plan.conditions[c].used == used);
+    let pick =
+        |used: bool| (0..plan.conditions.len()).filter(move |&c| plan.conditions[c].used == used);
     let condition = |c: usize| {
         let levels = plan.conditions[c].condition.iter();
-        levels.map(|(name, value)| (name.clone(), Level::Number(*value))).collect()
+        levels
+            .map(|(name, value)| (name.clone(), Level::Number(*value)))
+            .collect()
     };
     let residual = |used: bool| -> Vec<Option<f64>> {
         pick(used)
@@ -65,15 +70,30 @@ pub(super) fn problem(
         cov_sensitivities_declared: plan.declared.iter().map(|d| slope_noise(d.step)).collect(),
         prior_precision: any_prior.then(|| {
             let precision = |sd: f64| 1.0 / (sd * sd);
-            let each = plan.declared.iter().map(|d| d.prior.map_or(0.0, |p| precision(p[1])));
+            let each = plan
+                .declared
+                .iter()
+                .map(|d| d.prior.map_or(0.0, |p| precision(p[1])));
             PriorPrecision::Diagonal(each.collect())
         }),
-        prior_offset: if any_prior { offsets(plan, fitted) } else { Vec::new() },
+        prior_offset: if any_prior {
+            offsets(plan, fitted)
+        } else {
+            Vec::new()
+        },
         library: plan.effects.iter().map(|e| e.name.clone()).collect(),
         sensitivities_library: rows(&linear.library, true),
         cov_sensitivities_library: plan.effects.iter().map(|e| slope_noise(e.probe)).collect(),
-        largest_amplitudes: plan.effects.iter().map(|e| (e.name.clone(), e.largest)).collect(),
-        signs: plan.effects.iter().map(|e| (e.name.clone(), e.sign)).collect(),
+        largest_amplitudes: plan
+            .effects
+            .iter()
+            .map(|e| (e.name.clone(), e.largest))
+            .collect(),
+        signs: plan
+            .effects
+            .iter()
+            .map(|e| (e.name.clone(), e.sign))
+            .collect(),
         unused_conditions: pick(false).map(condition).collect(),
         unused_residual_obs_minus_sim: residual(false),
         unused_sensitivities_declared: rows(&linear.declared, false),
@@ -94,7 +114,11 @@ pub(super) fn whitener(
     linear: &Linearisation,
     n_runs: usize,
 ) -> Result<Cholesky<f64, nalgebra::Dyn>, Error> {
-    let total = added(&observed.covariance, &linear.run_covariance, 1.0 / n_runs as f64);
+    let total = added(
+        &observed.covariance,
+        &linear.run_covariance,
+        1.0 / n_runs as f64,
+    );
     let n = total.len();
     let matrix = DMatrix::from_fn(n, n, |a, b| total[a][b]);
     Cholesky::new(matrix).ok_or(Error::Search {
@@ -112,8 +136,9 @@ pub(super) fn errors(
 ) -> Result<ErrorPair, Error> {
     let root = whitener(observed, linear, simulated.n)?;
     let part = |used: bool| {
-        let conditions: Vec<usize> =
-            (0..plan.conditions.len()).filter(|&c| plan.conditions[c].used == used).collect();
+        let conditions: Vec<usize> = (0..plan.conditions.len())
+            .filter(|&c| plan.conditions[c].used == used)
+            .collect();
         let residual = |c: usize, k: usize| observed.values[c][k] - simulated.values[c][k];
         let n = conditions.len() as f64;
         let rmse = plan.observables.iter().enumerate().map(|(k, name)| {
@@ -130,13 +155,18 @@ pub(super) fn errors(
                 solved.map_or(f64::NAN, |w| w.norm_squared())
             })
             .sum();
-        (!conditions.is_empty())
-            .then(|| RealErrors { rmse, whitened_mse: whitened / (n * width as f64) })
+        (!conditions.is_empty()).then(|| RealErrors {
+            rmse,
+            whitened_mse: whitened / (n * width as f64),
+        })
     };
     let used = part(true).ok_or(Error::Count {
         what: "used conditions",
         got: 0,
         expected: "at least one",
     })?;
-    Ok(ErrorPair { used, kept: part(false) })
+    Ok(ErrorPair {
+        used,
+        kept: part(false),
+    })
 }

@@ -34,21 +34,38 @@ pub(super) fn with_effects(
         .filter_map(|name| plan.effects.iter().position(|e| e.name == *name))
         .collect();
     let (parameters, amplitudes): (Vec<f64>, Vec<f64>) = match runs {
-        None => (plan.declared.iter().map(|d| d.start).collect(), vec![0.0; taken.len()]),
+        None => (
+            plan.declared.iter().map(|d| d.start).collect(),
+            vec![0.0; taken.len()],
+        ),
         Some((point, _)) => (
-            plan.declared.iter().map(|d| point.parameters[&d.name]).collect(),
-            taken.iter().map(|&j| point.effects[&plan.effects[j].name]).collect(),
+            plan.declared
+                .iter()
+                .map(|d| point.parameters[&d.name])
+                .collect(),
+            taken
+                .iter()
+                .map(|&j| point.effects[&plan.effects[j].name])
+                .collect(),
         ),
     };
     let means = runs.map_or(&linear.nominal, |r| r.1);
-    let problem =
-        linear_problem(plan, observed, linear, &taken, (&parameters, &amplitudes), means)?;
+    let problem = linear_problem(
+        plan,
+        observed,
+        linear,
+        &taken,
+        (&parameters, &amplitudes),
+        means,
+    )?;
     let start: Vec<f64> = parameters.iter().chain(&amplitudes).copied().collect();
     let solution = bounded_least_squares(&problem, &start)?;
     let (parameters, amplitudes) = solution.split_at(plan.declared.len());
     let mut setting = Setting::declared(plan, parameters);
     for (&j, amplitude) in taken.iter().zip(amplitudes) {
-        setting.effects.insert(plan.effects[j].name.clone(), *amplitude);
+        setting
+            .effects
+            .insert(plan.effects[j].name.clone(), *amplitude);
     }
     Ok(setting)
 }
@@ -78,7 +95,9 @@ fn linear_problem(
             reason: "the covariance has a zero on its diagonal".into(),
         };
         let white = root.solve_lower_triangular(&slopes).ok_or_else(unsolved)?;
-        let right = root.solve_lower_triangular(&residual).ok_or_else(unsolved)?;
+        let right = root
+            .solve_lower_triangular(&residual)
+            .ok_or_else(unsolved)?;
         for k in 0..width {
             matrix.push(white.row(k).iter().copied().collect());
             target.push(right[k]);
@@ -86,18 +105,38 @@ fn linear_problem(
     }
     for (j, declared) in plan.declared.iter().enumerate() {
         if let Some([mean, sd]) = declared.prior {
-            matrix.push((0..n).map(|i| if i == j { 1.0 / sd } else { 0.0 }).collect());
+            matrix.push(
+                (0..n)
+                    .map(|i| if i == j { 1.0 / sd } else { 0.0 })
+                    .collect(),
+            );
             target.push(mean / sd);
         }
     }
     let effect = |&j: &usize| &plan.effects[j];
-    let least = |e: &super::EffectProbe| if e.sign == Sign::Positive { 0.0 } else { -e.largest };
-    let most = |e: &super::EffectProbe| if e.sign == Sign::Negative { 0.0 } else { e.largest };
+    let least = |e: &super::EffectProbe| {
+        if e.sign == Sign::Positive {
+            0.0
+        } else {
+            -e.largest
+        }
+    };
+    let most = |e: &super::EffectProbe| {
+        if e.sign == Sign::Negative {
+            0.0
+        } else {
+            e.largest
+        }
+    };
     let bounds = |end: usize| plan.declared.iter().map(move |d| d.bounds[end]);
     Ok(BoundedProblem {
         matrix,
         target,
-        low: bounds(0).chain(taken.iter().map(effect).map(least)).collect(),
-        high: bounds(1).chain(taken.iter().map(effect).map(most)).collect(),
+        low: bounds(0)
+            .chain(taken.iter().map(effect).map(least))
+            .collect(),
+        high: bounds(1)
+            .chain(taken.iter().map(effect).map(most))
+            .collect(),
     })
 }

@@ -91,20 +91,28 @@ pub(super) fn means(
         }
     }
     let records = campaign.run_all(simulator, &requests)?;
-    let rows = records.iter().map(|r| row(plan, r)).collect::<Result<Vec<_>, _>>()?;
+    let rows = records
+        .iter()
+        .map(|r| row(plan, r))
+        .collect::<Result<Vec<_>, _>>()?;
     Ok(Means::of(&rows, plan.replicates))
 }
 
 /// Observables of a record, in the order of the plan.
 fn row(plan: &ResidualPlan, record: &run_store::Record) -> Result<Vec<f64>, Error> {
-    plan.observables.iter().map(|name| value(record, name)).collect()
+    plan.observables
+        .iter()
+        .map(|name| value(record, name))
+        .collect()
 }
 
 /// Mean of rows.
 fn mean_row(rows: &[Vec<f64>]) -> Vec<f64> {
     let n = rows.len().max(1) as f64;
     let width = rows.first().map_or(0, Vec::len);
-    (0..width).map(|k| rows.iter().map(|r| r[k]).sum::<f64>() / n).collect()
+    (0..width)
+        .map(|k| rows.iter().map(|r| r[k]).sum::<f64>() / n)
+        .collect()
 }
 
 impl Linearisation {
@@ -123,7 +131,9 @@ impl Linearisation {
         let mut settings = Vec::new();
         for declared in &plan.declared {
             let mut moved = at_start.clone();
-            moved.parameters.insert(declared.name.clone(), declared.start + declared.step);
+            moved
+                .parameters
+                .insert(declared.name.clone(), declared.start + declared.step);
             settings.push((moved, declared.step));
         }
         for effect in &plan.effects {
@@ -137,10 +147,17 @@ impl Linearisation {
             requests.extend((0..r).map(|k| at_start.request(plan, condition, 0, k)));
         }
         for (setting, _) in &settings {
-            requests.extend(plan.conditions.iter().map(|c| setting.request(plan, c, 0, 0)));
+            requests.extend(
+                plan.conditions
+                    .iter()
+                    .map(|c| setting.request(plan, c, 0, 0)),
+            );
         }
         let records = campaign.run_all(simulator, &requests)?;
-        let rows = records.iter().map(|r| row(plan, r)).collect::<Result<Vec<_>, _>>()?;
+        let rows = records
+            .iter()
+            .map(|r| row(plan, r))
+            .collect::<Result<Vec<_>, _>>()?;
         let (replicates, probes) = rows.split_at(n * r);
         let nominal = Means::of(replicates, r);
         let values = &nominal.values;
@@ -149,7 +166,9 @@ impl Linearisation {
         };
         let columns = |first: usize, count: usize| -> Vec<Vec<Vec<f64>>> {
             let of = |c: usize, k: usize| (0..count).map(|j| slope(first + j, c, k)).collect();
-            (0..n).map(|c| (0..plan.observables.len()).map(|k| of(c, k)).collect()).collect()
+            (0..n)
+                .map(|c| (0..plan.observables.len()).map(|k| of(c, k)).collect())
+                .collect()
         };
         Ok(Self {
             declared: columns(0, plan.declared.len()),
@@ -180,7 +199,10 @@ impl Scatter {
     /// Covariance of one run.
     fn covariance(&self) -> Vec<Vec<f64>> {
         let dof = self.dof.max(1) as f64;
-        self.products.iter().map(|line| line.iter().map(|x| x / dof).collect()).collect()
+        self.products
+            .iter()
+            .map(|line| line.iter().map(|x| x / dof).collect())
+            .collect()
     }
 }
 
@@ -200,6 +222,10 @@ impl Means {
             }
         }
         let dof = values.len() * (r - 1);
-        Self { values, n: r, scatter: Scatter { products, dof } }
+        Self {
+            values,
+            n: r,
+            scatter: Scatter { products, dof },
+        }
     }
 }

@@ -16,7 +16,10 @@ struct Toy;
 
 fn truth(rpm: f64, fill: f64, a: f64, b: f64, effects: [f64; 2]) -> [f64; 2] {
     [
-        30.0 + 10.0 * a + 0.1 * rpm + 2.0 * b * fill + effects[0] * 0.004 * rpm * rpm
+        30.0 + 10.0 * a
+            + 0.1 * rpm
+            + 2.0 * b * fill
+            + effects[0] * 0.004 * rpm * rpm
             + effects[1] * 3.0 * fill,
         1.0 + a * fill + 0.5 * b + effects[0] * fill * fill - effects[1] * 0.05 * rpm,
     ]
@@ -30,13 +33,23 @@ impl Simulator for Toy {
     fn run(&self, request: &RunRequest) -> Result<RunOutcome, SimulatorError> {
         let (rpm, fill) = (request.condition("rpm")?, request.condition("fill")?);
         let effects = [request.effect("bend"), request.effect("tilt")];
-        let values =
-            truth(rpm, fill, request.parameter("a")?, request.parameter("b")?, effects);
+        let values = truth(
+            rpm,
+            fill,
+            request.parameter("a")?,
+            request.parameter("b")?,
+            effects,
+        );
         let mut stream = Stream::new(request.seed, &format!("{request}"));
         let mut outcome = RunOutcome::default();
         for (name, value) in ["angle", "shape"].iter().zip(values) {
             let mean = value + RUN_SD * stream.normal();
-            let result = Observation { mean, sd: None, n: 1, unit: "1".into() };
+            let result = Observation {
+                mean,
+                sd: None,
+                n: 1,
+                unit: "1".into(),
+            };
             outcome = outcome.with_observable(name, result);
         }
         Ok(outcome)
@@ -82,10 +95,16 @@ fn observed(plan: &ResidualPlan, effects: [f64; 2], seed: u64) -> Observed {
     let mut stream = Stream::new(seed, "measured");
     let values = plan.conditions.iter().map(|c| {
         let values = truth(c.condition["rpm"], c.condition["fill"], 0.7, 0.4, effects);
-        values.iter().map(|v| v + MEASURED_SD * stream.normal()).collect()
+        values
+            .iter()
+            .map(|v| v + MEASURED_SD * stream.normal())
+            .collect()
     });
     let square = MEASURED_SD * MEASURED_SD;
-    Observed { values: values.collect(), covariance: vec![vec![square, 0.0], vec![0.0, square]] }
+    Observed {
+        values: values.collect(),
+        covariance: vec![vec![square, 0.0], vec![0.0, square]],
+    }
 }
 
 /// The planted effect is named, its amplitude comes back within four standard errors of the
@@ -98,14 +117,26 @@ fn a_planted_effect_is_named_and_the_kept_error_falls() {
     let campaign = Campaign::new(&store, 2, &Silent);
     let plan = plan(1);
     let study = study_residual(&campaign, &Toy, &plan, &observed(&plan, [2.0, 0.0], 1)).unwrap();
-    assert_eq!(study.diagnosis.verdict, Verdict::Named, "{}", study.diagnosis.summary());
+    assert_eq!(
+        study.diagnosis.verdict,
+        Verdict::Named,
+        "{}",
+        study.diagnosis.summary()
+    );
     assert_eq!(study.diagnosis.effects, ["bend"]);
     let after = study.after.unwrap();
     let se = study.diagnosis.candidates["bend"].se.unwrap();
-    assert!((after.effects["bend"] - 2.0).abs() < 4.0 * se, "{:?} se {se}", after.effects);
+    assert!(
+        (after.effects["bend"] - 2.0).abs() < 4.0 * se,
+        "{:?} se {se}",
+        after.effects
+    );
     let kept = after.errors.kept.unwrap().whitened_mse;
     let before = study.errors_before.kept.unwrap().whitened_mse;
-    assert!(kept < 3.0 && kept < before / 2.0, "before {before}, after {kept}");
+    assert!(
+        kept < 3.0 && kept < before / 2.0,
+        "before {before}, after {kept}"
+    );
 }
 
 /// Without a planted effect nothing is named; the seed is fixed, and a right rule errs in 5 %.
@@ -116,10 +147,19 @@ fn nothing_is_named_where_nothing_is_hidden() {
     let campaign = Campaign::new(&store, 2, &Silent);
     let plan = plan(2);
     let study = study_residual(&campaign, &Toy, &plan, &observed(&plan, [0.0, 0.0], 2)).unwrap();
-    assert_eq!(study.diagnosis.verdict, Verdict::None, "{}", study.diagnosis.summary());
+    assert_eq!(
+        study.diagnosis.verdict,
+        Verdict::None,
+        "{}",
+        study.diagnosis.summary()
+    );
     assert!(study.after.is_none(), "an effect was added");
     for (name, expected) in [("a", 0.7), ("b", 0.4)] {
-        assert!((study.fitted[name] - expected).abs() < 0.3, "{name} {:?}", study.fitted);
+        assert!(
+            (study.fitted[name] - expected).abs() < 0.3,
+            "{name} {:?}",
+            study.fitted
+        );
     }
 }
 
@@ -128,7 +168,15 @@ fn one_replicate_is_refused_because_it_gives_no_noise() {
     let folder = tempfile::tempdir().unwrap();
     let store = Store::open(folder.path()).unwrap();
     let campaign = Campaign::new(&store, 1, &Silent);
-    let plan = ResidualPlan { replicates: 1, ..plan(3) };
+    let plan = ResidualPlan {
+        replicates: 1,
+        ..plan(3)
+    };
     let error = study_residual(&campaign, &Toy, &plan, &observed(&plan, [0.0; 2], 3)).unwrap_err();
-    assert!(error.to_string().contains("replicates: 1 given, two or more needed"), "{error}");
+    assert!(
+        error
+            .to_string()
+            .contains("replicates: 1 given, two or more needed"),
+        "{error}"
+    );
 }

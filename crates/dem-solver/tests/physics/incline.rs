@@ -34,6 +34,7 @@ fn block() -> Template {
     // The principal axes come in the order of the moments: the thin axis of the square is z.
     cluster(
         &corners.map(|[x, y]| ([x, y, 0.0], RADIUS)),
+        0,
         DashpotMass::Body,
     )
 }

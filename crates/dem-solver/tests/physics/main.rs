@@ -5,6 +5,7 @@
 mod drum;
 mod energy;
 mod free_rotation;
+mod grazing;
 mod incline;
 mod momentum;
 mod oracle;

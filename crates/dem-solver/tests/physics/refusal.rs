@@ -1,9 +1,12 @@
 //! What a world refuses, and how a hopeless one ends.
 
 use crate::scene::{
-    ball, box_of_planes, plane, rough, scattered, seed_and_block, settings, smooth, sticky, table,
+    ball, box_of_planes, cluster, interaction, plane, rough, scattered, seed_and_block, settings,
+    smooth, sticky,
 };
-use dem_solver::{Error, Interaction, Placement, Settings, Shape, Template, Wall, World};
+use dem_solver::{
+    DashpotMass, Error, Interaction, Placement, Settings, Shape, Template, Wall, World,
+};
 use nalgebra::{UnitQuaternion, Vector3};
 use random_stream::Stream;
 
@@ -21,7 +24,7 @@ fn good() -> Parts {
     Parts {
         settings: settings(1e-5, Vector3::new(0.0, -9.81, 0.0)),
         templates: vec![ball(2e-3)],
-        interactions: table(&smooth()),
+        interactions: vec![interaction(&smooth())],
         walls: vec![plane(Vector3::zeros(), Vector3::y())],
         starts: vec![Placement::at_rest(0, position, UnitQuaternion::identity())],
     }
@@ -86,14 +89,14 @@ fn index_that_points_to_nothing_is_refused() {
 #[test]
 fn table_of_interactions_must_be_square_and_even_handed() {
     refused("2 interactions given, 4 needed", |parts| {
-        parts.interactions = [table(&smooth()), table(&smooth())].concat();
+        parts.interactions = vec![interaction(&smooth()); 2];
     });
-    let [own, other] = [rough(0.5, 0.1), rough(0.5, 0.2)].map(|surface| table(&surface)[0]);
+    let [own, other] = [rough(0.5, 0.1), rough(0.5, 0.2)].map(|surface| interaction(&surface));
     let mixed = |parts: &mut Parts, interactions: [Interaction; 4]| {
-        let mut second = parts.templates[0].clone();
-        let clump = clump::Clump::sphere(1e-3, 1000.0).expect("the radius is positive");
-        second.clone_from(&Template::new(&clump, 1, dem_solver::DashpotMass::Body));
-        parts.templates.push(second);
+        let sphere = ([0.0; 3], 1e-3);
+        parts
+            .templates
+            .push(cluster(&[sphere], 1, DashpotMass::Body));
         parts.interactions = interactions.to_vec();
     };
     refused("materials 0 and 1 differs", |parts| {
@@ -228,8 +231,14 @@ fn hopeless_time_step_ends_in_an_error() {
         let settings = settings(time_step, Vector3::new(0.0, -9.81, 0.0));
         let templates = seed_and_block(1.0);
         let walls = box_of_planes(0.0125);
-        let mut world = World::new(settings, templates, table(&sticky()), walls, &starts)
-            .expect("the start is possible");
+        let mut world = World::new(
+            settings,
+            templates,
+            vec![interaction(&sticky()); 4],
+            walls,
+            &starts,
+        )
+        .expect("the start is possible");
         let error = end_of(&mut world).expect("such a step cannot go well");
         assert!(matches!(error, Error::Diverged { .. }), "{error}");
     }

@@ -63,9 +63,9 @@ pub(crate) fn sticky() -> InteractionSettings {
     }
 }
 
-/// One interaction as the table of a single material.
-pub(crate) fn table(settings: &InteractionSettings) -> Vec<Interaction> {
-    vec![Interaction::new(settings).expect("the parameters are possible")]
+/// The interaction of a surface with its like.
+pub(crate) fn interaction(settings: &InteractionSettings) -> Interaction {
+    Interaction::new(settings).expect("the parameters are possible")
 }
 
 /// Settings with lists that suit bodies of some millimetres; the time step in s.
@@ -85,7 +85,11 @@ pub(crate) fn ball(radius: f64) -> Template {
 }
 
 /// A body of spheres (centre and radius in m) with the mass of these.
-pub(crate) fn cluster(spheres: &[([f64; 3], f64)], dashpot_mass: DashpotMass) -> Template {
+pub(crate) fn cluster(
+    spheres: &[([f64; 3], f64)],
+    material: usize,
+    dashpot_mass: DashpotMass,
+) -> Template {
     let spheres: Vec<_> = spheres
         .iter()
         .map(|&(c, radius)| Sphere {
@@ -94,10 +98,15 @@ pub(crate) fn cluster(spheres: &[([f64; 3], f64)], dashpot_mass: DashpotMass) ->
         })
         .collect();
     let clump = Clump::new(&spheres, &properties_of_spheres(&spheres, DENSITY));
-    Template::new(&clump.expect("the spheres are proper"), 0, dashpot_mass)
+    Template::new(
+        &clump.expect("the spheres are proper"),
+        material,
+        dashpot_mass,
+    )
 }
 
-/// A seed of five spheres in a bent row, `size` times 2 mm thick, and a block of eight.
+/// A seed of five spheres in a bent row, `size` times 2 mm thick, of material 0, and a block of
+/// eight of material 1.
 pub(crate) fn seed_and_block(size: f64) -> Vec<Template> {
     let row = [
         ([0.0, 0.0, 0.0], 1.0),
@@ -111,17 +120,17 @@ pub(crate) fn seed_and_block(size: f64) -> Vec<Template> {
         let side = |bit: i32, half: f64| if k >> bit & 1 == 1 { half } else { -half };
         corners.push(([side(0, 1.1), side(1, 0.9), side(2, 0.8)], 0.9));
     }
-    let scaled = |spheres: &[([f64; 3], f64)], dashpot_mass| {
+    let scaled = |spheres: &[([f64; 3], f64)], material, dashpot_mass| {
         let unit = 1e-3 * size;
         let spheres: Vec<_> = spheres
             .iter()
             .map(|&(c, radius)| (c.map(|x| x * unit), radius * unit))
             .collect();
-        cluster(&spheres, dashpot_mass)
+        cluster(&spheres, material, dashpot_mass)
     };
     vec![
-        scaled(&row, DashpotMass::Sphere),
-        scaled(&corners, DashpotMass::Body),
+        scaled(&row, 0, DashpotMass::Sphere),
+        scaled(&corners, 1, DashpotMass::Body),
     ]
 }
 
@@ -180,7 +189,7 @@ pub(crate) fn box_of_planes(half: f64) -> Vec<Wall> {
         .collect()
 }
 
-/// A world of one material.
+/// A world whose two materials have one surface.
 pub(crate) fn world(
     settings: Settings,
     surface: &InteractionSettings,
@@ -188,8 +197,8 @@ pub(crate) fn world(
     walls: Vec<Wall>,
     placements: &[Placement],
 ) -> World {
-    World::new(settings, templates, table(surface), walls, placements)
-        .expect("the scene is possible")
+    let interactions = vec![interaction(surface); 4];
+    World::new(settings, templates, interactions, walls, placements).expect("the scene is possible")
 }
 
 /// Moves a world by a number of steps.

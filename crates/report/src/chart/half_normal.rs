@@ -40,7 +40,7 @@ impl Effect {
 ///
 /// # Formula
 /// The i-th smallest of n absolute effects stands at the half-normal quantile of
-/// (i - 1/2) / n \[Daniel1959].
+/// (i - 1/2) / n `[Daniel1959]`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct HalfNormal {
     /// What is shown, such as "|effect|" in the unit of the response.

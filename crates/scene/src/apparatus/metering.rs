@@ -64,7 +64,10 @@ impl Metering {
         let (radius, length) = (0.5 * self.inner_diameter.si(), self.board_length.si());
         Shape::Rectangle {
             centre: self.outward() * (radius - 0.5 * length),
-            half_edges: [self.outward() * (0.5 * length), Vector3::z() * (0.5 * self.width.si())],
+            half_edges: [
+                self.outward() * (0.5 * length),
+                Vector3::z() * (0.5 * self.width.si()),
+            ],
         }
     }
 
@@ -99,7 +102,10 @@ impl Metering {
     pub(crate) fn filling_angle(&self, at_rim: &[f64], gap: f64) -> f64 {
         let start = self.board_angle.si();
         let full = std::f64::consts::TAU;
-        let mut ahead: Vec<f64> = at_rim.iter().map(|a| (a - start).rem_euclid(full)).collect();
+        let mut ahead: Vec<f64> = at_rim
+            .iter()
+            .map(|a| (a - start).rem_euclid(full))
+            .collect();
         ahead.sort_by(f64::total_cmp);
         let mut end = 0.0;
         for angle in ahead {

@@ -1,0 +1,82 @@
+//! Contacts that barely exist: the single-precision search must not miss what double precision
+//! calls a contact, whatever the size of the bodies.
+
+use crate::scene::{seed_and_block, settings, smooth, world};
+use dem_solver::{Placement, Settings, World, plain};
+use nalgebra::{Quaternion, UnitQuaternion, Vector3};
+use random_stream::Stream;
+
+/// Two bodies at a distance (m) along a direction.
+struct Pair {
+    size: f64,
+    orientations: [UnitQuaternion<f64>; 2],
+    direction: Vector3<f64>,
+}
+
+impl Pair {
+    fn random(size: f64, stream: &mut Stream) -> Self {
+        let orientations = [(); 2].map(|()| {
+            let [w, i, j, k] = stream.rotation();
+            UnitQuaternion::new_normalize(Quaternion::new(w, i, j, k))
+        });
+        let direction = Vector3::from_fn(|_, _| stream.normal()).normalize();
+        Self {
+            size,
+            orientations,
+            direction,
+        }
+    }
+
+    fn at(&self, distance: f64) -> World {
+        let position = self.direction * distance;
+        let starts = [
+            Placement::at_rest(0, Vector3::zeros(), self.orientations[0]),
+            Placement::at_rest(1, position, self.orientations[1]),
+        ];
+        let settings = Settings {
+            skin: 1e-7 * self.size,
+            margin: 1e-3 * self.size,
+            ..settings(1e-6, Vector3::zeros())
+        };
+        let templates = seed_and_block(self.size);
+        world(settings, &smooth(), templates, Vec::new(), &starts)
+    }
+
+    /// Contacts of spheres by the plain loop.
+    fn n_contacts(&self, distance: f64) -> usize {
+        let mut history = plain::History::default();
+        plain::loads(&self.at(distance), &mut history);
+        history.n_contacts()
+    }
+}
+
+/// The distance at which the first spheres touch is found to the last bit with the plain loop;
+/// just inside of it, where the overlap is 1e-12 of the size, the fast loop must see the contact.
+#[test]
+fn faintest_contact_is_found_at_any_size() {
+    let mut stream = Stream::new(10, "grazing");
+    for size in [1e-2, 1.0, 1e2, 1e4] {
+        for _ in 0..40 {
+            let pair = Pair::random(size, &mut stream);
+            let (mut touching, mut apart) = (0.0, 8e-3 * size);
+            while apart - touching > 1e-14 * size {
+                let middle = 0.5 * (touching + apart);
+                if pair.n_contacts(middle) > 0 {
+                    touching = middle;
+                } else {
+                    apart = middle;
+                }
+            }
+            let expected = pair.n_contacts(touching);
+            let mut world = pair.at(touching);
+            world.step().expect("a faint contact is harmless");
+            let found = world.census().sphere_contacts;
+            assert_eq!(
+                found,
+                expected,
+                "at size {size}, overlap below {} m",
+                apart - touching
+            );
+        }
+    }
+}
