@@ -172,6 +172,8 @@ pub struct HiddenSettings {
     pub steps: Vec<f64>,
     /// Bounds.
     pub bounds: Vec<[f64; 2]>,
+    /// Whether the bench measurement of each factor is its prior.
+    pub bench_prior: Vec<bool>,
     /// Changes of the drum scene.
     pub scene: Vec<String>,
     /// Number of seeds at fill 1.
@@ -348,7 +350,7 @@ impl StudyFile {
         if same.iter().any(|n| *n != h.factors.len()) {
             return Err(self.wrong(
                 "hidden",
-                "needs as many true_values, starts, steps and bounds as factors",
+                "needs as many true_values, starts, steps, bounds and bench_prior as factors",
             ));
         }
         if h.reading_sd.len() != h.observables.len() || h.measured_runs < 2 {

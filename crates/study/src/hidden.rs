@@ -45,16 +45,18 @@ impl Loop<'_> {
             .profile
             .hidden_full_seed_count
             .unwrap_or(settings.full_seed_count);
-        let mut names = Vec::new();
-        for symbol in &settings.factors {
-            names.push(self.study.factor(symbol)?.parameter.clone());
+        let (mut names, mut priors) = (Vec::new(), Vec::new());
+        for (symbol, prior) in settings.factors.iter().zip(&settings.bench_prior) {
+            let factor = self.study.factor(symbol)?;
+            names.push(factor.parameter.clone());
+            priors.push(prior.then_some([factor.measured.mean, factor.measured.sd]));
         }
         let declared = names.iter().enumerate().map(|(k, name)| DeclaredParameter {
             name: name.clone(),
             start: settings.starts[k],
             step: settings.steps[k],
             bounds: settings.bounds[k],
-            prior: None,
+            prior: priors[k],
         });
         let conditions = settings.conditions.iter().map(|c| StudyCondition {
             condition: BTreeMap::from([

@@ -24,7 +24,7 @@ fn scaled(a: &[Vec<f64>], factor: f64) -> Vec<Vec<f64>> {
 /// The problem file of a study at the fitted parameters.
 ///
 /// The observation noise goes in as known. The noise of the simulator enters three times: in the
-/// residual (mean of n runs), and in each sensitivity (one run against the nominal mean).
+/// residual (mean of n runs), and in each sensitivity (difference of two means of n runs).
 pub(super) fn problem(
     plan: &ResidualPlan,
     observed: &Observed,
@@ -52,7 +52,7 @@ pub(super) fn problem(
         pick(used).flat_map(|c| table[c].clone()).collect()
     };
     let slope_noise = |step: f64| {
-        let runs = 1.0 + 1.0 / linear.nominal.n as f64;
+        let runs = 2.0 / linear.nominal.n as f64;
         CovarianceInput::Matrix(scaled(&linear.run_covariance, runs / (step * step)))
     };
     let simulator = scaled(&linear.run_covariance, 1.0 / at_fit.n as f64);

@@ -7,15 +7,16 @@ use crate::least_squares::{BoundedProblem, bounded_least_squares};
 use nalgebra::{DMatrix, DVector};
 use residual_diagnosis::Sign;
 
-/// Fits the declared parameters to the used conditions and the priors.
+/// Fits the declared parameters to the used conditions and the priors, about means at a point.
 pub(super) fn declared(
     plan: &ResidualPlan,
     observed: &Observed,
     linear: &Linearisation,
-    start: &[f64],
+    point: &[f64],
+    means: &Means,
 ) -> Result<Vec<f64>, Error> {
-    let problem = linear_problem(plan, observed, linear, &[], (start, &[]), &linear.nominal)?;
-    bounded_least_squares(&problem, start)
+    let problem = linear_problem(plan, observed, linear, &[], (point, &[]), means)?;
+    bounded_least_squares(&problem, point)
 }
 
 /// Fits parameters and amplitudes of some effects together.

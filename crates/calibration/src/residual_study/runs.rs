@@ -116,8 +116,8 @@ fn mean_row(rows: &[Vec<f64>]) -> Vec<f64> {
 }
 
 impl Linearisation {
-    /// Runs the start with replicates, and one run of each condition for each parameter and each
-    /// effect, all in one list so that no core waits.
+    /// Runs the start and, for each parameter and each effect, a point beside it, with replicates at
+    /// every condition, all in one list so that no core waits.
     ///
     /// Differences are taken against the mean of the replicates: with contacts that come and go,
     /// two runs of one seed part ways within a second, so that a common seed saves no noise.
@@ -147,11 +147,9 @@ impl Linearisation {
             requests.extend((0..r).map(|k| at_start.request(plan, condition, 0, k)));
         }
         for (setting, _) in &settings {
-            requests.extend(
-                plan.conditions
-                    .iter()
-                    .map(|c| setting.request(plan, c, 0, 0)),
-            );
+            for condition in &plan.conditions {
+                requests.extend((0..r).map(|k| setting.request(plan, condition, 0, k)));
+            }
         }
         let records = campaign.run_all(simulator, &requests)?;
         let rows = records
@@ -159,6 +157,7 @@ impl Linearisation {
             .map(|r| row(plan, r))
             .collect::<Result<Vec<_>, _>>()?;
         let (replicates, probes) = rows.split_at(n * r);
+        let probes: Vec<Vec<f64>> = probes.chunks(r).map(mean_row).collect();
         let nominal = Means::of(replicates, r);
         let values = &nominal.values;
         let slope = |column: usize, c: usize, k: usize| {
