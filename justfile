@@ -24,9 +24,10 @@ test:
 docs:
     RUSTDOCFLAGS="-D warnings" cargo doc --workspace --no-deps --locked
 
-# Calibrate the cotton seeds of the published study: screening to missing effect.
+# Calibrate the cotton seeds of the published study: screening to missing effect. Called again after
+# a stop it goes on where it was.
 calibrate *ARGS:
-    cargo run --release --locked -p seedloop -- calibrate fixtures/cotton/study.toml "$@"
+    cargo run --release --locked -p seedloop -- calibrate fixtures/cotton/study.toml --resume "$@"
 
 # Fill a closed mesh with spheres.
 fill *ARGS:

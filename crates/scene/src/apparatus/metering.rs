@@ -84,9 +84,13 @@ impl Metering {
         })
     }
 
-    /// Whether a ball is clear of the board.
+    /// Whether a ball is clear of the board, on the side to which the plate carries the seeds: they
+    /// are filled in there, and the board keeps them from the other side.
     pub(crate) fn is_clear_of_board(&self, centre: &Vector3<f64>, radius: f64) -> bool {
         let outward = self.outward();
+        if outward.cross(centre).z <= 0.0 {
+            return false;
+        }
         let inner = 0.5 * self.inner_diameter.si() - self.board_length.si();
         let along = centre.dot(&outward);
         let beside = (centre - outward * along).xy().norm();
