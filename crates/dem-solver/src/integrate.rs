@@ -13,9 +13,10 @@
     reason = "the hot loops are vectorised only when inlined"
 )]
 
-use crate::bodies::{Bodies, single};
+use crate::bodies::{Bodies, scaled_single};
 use crate::template::Template;
-use multiversion::multiversion;
+use fearless_simd::prelude::*;
+use fearless_simd::{Level, dispatch};
 use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3};
 
 /// What a step needs beside the bodies.
@@ -74,7 +75,12 @@ fn vector(columns: &Columns<3>, k: usize) -> Vector3<f64> {
 
 /// Moves all bodies by one step and returns the longest travel since the last broad phase, m;
 /// infinite if a travel is no finite number.
-pub(crate) fn advance(bodies: &mut Bodies, templates: &[Template], around: &Surroundings) -> f32 {
+pub(crate) fn advance(
+    level: Level,
+    bodies: &mut Bodies,
+    templates: &[Template],
+    around: &Surroundings,
+) -> f32 {
     let mut motion = Motion {
         position: [[0.0; ROOM]; 3],
         velocity: [[0.0; ROOM]; 3],
@@ -98,9 +104,12 @@ pub(crate) fn advance(bodies: &mut Bodies, templates: &[Template], around: &Surr
         for (k, i) in block.clone().enumerate() {
             gather(bodies, templates, i, k, &mut motion, &mut drive);
         }
-        move_block(&mut motion, &drive, around, block.len());
+        dispatch!(level, simd => simd.vectorize(
+            #[inline(always)]
+            || move_block(&mut motion, &drive, around, block.len()),
+        ));
         for (k, i) in block.enumerate() {
-            let travel = scatter(&motion, k, bodies, i);
+            let travel = scatter(&motion, k, bodies, i, templates);
             longest = longest.max(travel);
             sum += travel;
         }
@@ -146,7 +155,7 @@ fn gather(
 }
 
 /// Moves the first `n` bodies of a block.
-#[multiversion(targets("x86_64+avx2"))]
+#[inline(always)]
 fn move_block(motion: &mut Motion, drive: &Drive, around: &Surroundings, n: usize) {
     let dt = around.time_step;
     for k in 0..n.min(ROOM) {
@@ -181,14 +190,19 @@ fn move_block(motion: &mut Motion, drive: &Drive, around: &Surroundings, n: usiz
         let middle = position - velocity * (0.5 * dt);
         let frame = Vector3::new(-middle.y, middle.x, 0.0) * around.reference_spin;
         let turning = length(&(spin - Vector3::z() * around.reference_spin));
-        motion.travel[k] +=
-            (length(&(velocity - frame)) + turning * drive.bounding_radius[k]) * dt;
+        motion.travel[k] += (length(&(velocity - frame)) + turning * drive.bounding_radius[k]) * dt;
     }
 }
 
 /// Copies column `k` back to body `i` and returns its travel, m.
 #[inline(always)]
-fn scatter(motion: &Motion, k: usize, bodies: &mut Bodies, i: usize) -> f32 {
+fn scatter(
+    motion: &Motion,
+    k: usize,
+    bodies: &mut Bodies,
+    i: usize,
+    templates: &[Template],
+) -> f32 {
     let (q, r) = (&motion.orientation, &motion.rotation);
     let rotation = Matrix3::new(
         r[0][k], r[1][k], r[2][k], r[3][k], r[4][k], r[5][k], r[6][k], r[7][k], r[8][k],
@@ -201,7 +215,8 @@ fn scatter(motion: &Motion, k: usize, bodies: &mut Bodies, i: usize) -> f32 {
     bodies.orientation[i] =
         UnitQuaternion::new_unchecked(Quaternion::new(q[3][k], q[0][k], q[1][k], q[2][k]));
     bodies.rotation[i] = rotation;
-    bodies.rotation_single[i] = single(&rotation);
+    let cell = templates[bodies.template[i]].cell;
+    bodies.cells_to_metres[i] = scaled_single(&rotation, cell);
     bodies.spin[i] = vector(&motion.spin, k);
     bodies.travel[i] = travel;
     travel

@@ -21,6 +21,7 @@ mod check;
 mod contact;
 mod error;
 mod integrate;
+mod lanes;
 mod neighbours;
 mod pair_force;
 pub mod plain;

@@ -12,6 +12,7 @@ use crate::pair_force::{Context, Slack, add_pair_forces};
 use crate::template::Template;
 use crate::wall::Wall;
 use crate::wall_force::WallNeighbours;
+use fearless_simd::Level;
 use nalgebra::Vector3;
 
 /// What a world needs beside bodies and walls.
@@ -57,6 +58,8 @@ pub struct World {
     grid: Grid,
     /// Bounding radii by body, m.
     radii: Vec<f64>,
+    /// Instruction set of the processor.
+    level: Level,
     /// Buffer of contacts.
     batch: Batch,
     /// Force on each wall in the last step, N.
@@ -120,6 +123,7 @@ impl World {
             wall_neighbours: WallNeighbours::default(),
             grid: Grid::default(),
             radii,
+            level: Level::new(),
             batch: Batch::default(),
             wall_load,
             reference_spin: 0.0,
@@ -165,7 +169,7 @@ impl World {
             time_step: self.settings.time_step,
         };
         let (neighbours, batch) = (&mut self.neighbours, &mut self.batch);
-        add_pair_forces(neighbours, &mut self.bodies, batch, &context);
+        add_pair_forces(self.level, neighbours, &mut self.bodies, batch, &context);
         let walls = &mut self.wall_neighbours;
         walls.add_forces(&mut self.bodies, &self.walls, &context, &mut self.wall_load);
         let around = Surroundings {
@@ -173,7 +177,7 @@ impl World {
             gravity: self.settings.gravity,
             reference_spin: self.reference_spin,
         };
-        self.longest = advance(&mut self.bodies, &self.templates, &around);
+        self.longest = advance(self.level, &mut self.bodies, &self.templates, &around);
         self.n_steps += 1;
         self.time += self.settings.time_step;
         Ok(())
@@ -277,6 +281,7 @@ impl World {
         let (neighbours, travel) = (&mut self.neighbours, &self.bodies.travel);
         neighbours.begin();
         self.grid.pairs(
+            self.level,
             &self.bodies.position,
             &self.radii,
             self.settings.margin,
