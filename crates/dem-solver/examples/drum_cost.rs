@@ -42,7 +42,11 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     }
     blocks.sort_unstable_by(f64::total_cmp);
     run(&mut world, 0.0, "steady")?;
-    println!("fastest tenth of blocks: {:.0} us/step, median {:.0}", blocks[blocks.len() / 10], blocks[blocks.len() / 2]);
+    println!(
+        "fastest tenth of blocks: {:.0} us/step, median {:.0}",
+        blocks[blocks.len() / 10],
+        blocks[blocks.len() / 2]
+    );
     let n = (world.n_steps() - steps) as f64;
     let elapsed = processor_seconds()? - start;
     let census = world.census();

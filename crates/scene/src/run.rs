@@ -9,6 +9,7 @@ use contact_law::{Material, PairParameters, constant_attraction};
 use dem_solver::{Census, Interaction, InteractionSettings, Settings, Template, Wall, World};
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
+use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
 
 /// Time between the values of the series that decide whether the run is steady, s.
@@ -31,6 +32,9 @@ const STEP_SHARE: f64 = 0.36;
 /// Speed of a hard contact: a fall across half of a drum of 0.1 m, m/s.
 const HARD_CONTACT_SPEED: f64 = 1.0;
 
+/// Seeds at the shell count for the slip within this angle of the centre of mass, rad.
+const MIDDLE_OF_BED: f64 = PI / 6.0;
+
 /// How the bed moves.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
@@ -48,8 +52,11 @@ pub struct SeriesPoint {
     pub time_s: f64,
     /// Direction of the centre of mass from straight down, counter-clockwise positive, deg.
     pub centre_of_mass_deg: f64,
-    /// 1 minus the speed of the seeds at the shell over the speed of the shell.
+    /// 1 minus the speed of the seeds at the shell over the speed of the shell, within 30 deg of
+    /// the centre of mass: at the edges of the bed seeds come to rest or turn back.
     pub shell_slip: f64,
+    /// Kinetic energy of all seeds, J.
+    pub kinetic_energy_j: f64,
 }
 
 /// What a run gives.
@@ -383,12 +390,16 @@ fn series_point(scene: &Scene, world: &World, time: f64) -> SeriesPoint {
     let (bodies, templates) = (world.bodies(), world.templates());
     let (radius, spin) = (scene.apparatus.radius(), scene.apparatus.speed());
     let mut centre = Vector3::zeros();
+    for p in &bodies.position {
+        centre += p;
+    }
+    let lowest = centre.x.atan2(-centre.y);
     let (mut speed, mut n) = (0.0, 0_usize);
     for (i, p) in bodies.position.iter().enumerate() {
-        centre += p;
         let from_axis = p.xy().norm();
-        // Seeds of the first layer at the shell, in the lower middle of the bed.
-        if from_axis > radius - templates[bodies.template[i]].bounding_radius() {
+        let aside = (p.x.atan2(-p.y) - lowest + PI).rem_euclid(TAU) - PI;
+        let at_shell = from_axis > radius - templates[bodies.template[i]].bounding_radius();
+        if at_shell && aside.abs() < MIDDLE_OF_BED {
             let v = bodies.velocity[i];
             speed += (p.x * v.y - p.y * v.x) / from_axis;
             n += 1;
@@ -402,8 +413,9 @@ fn series_point(scene: &Scene, world: &World, time: f64) -> SeriesPoint {
     };
     SeriesPoint {
         time_s: time,
-        centre_of_mass_deg: centre.x.atan2(-centre.y).to_degrees(),
+        centre_of_mass_deg: lowest.to_degrees(),
         shell_slip: slip,
+        kinetic_energy_j: world.kinetic_energy(),
     }
 }
 
