@@ -7,6 +7,7 @@ mod diagnose;
 mod diagnose_problem;
 mod optimise;
 mod simulate;
+mod verify;
 
 use clap::{Parser, Subcommand};
 use command_line::Common;
@@ -43,6 +44,8 @@ enum Command {
     },
     /// Tells which effect, if any, a residual that re-tuning cannot remove speaks for
     Diagnose(diagnose::Arguments),
+    /// Checks the solver against mechanics and prints the table
+    Verify(verify::Arguments),
 }
 
 fn main() -> ExitCode {
@@ -54,5 +57,6 @@ fn main() -> ExitCode {
         Command::Optimise(arguments) => optimise::run(arguments),
         Command::Calibrate { arguments, common } => calibrate::run(arguments, common),
         Command::Diagnose(arguments) => diagnose::run(arguments),
+        Command::Verify(arguments) => verify::run(arguments),
     })
 }
