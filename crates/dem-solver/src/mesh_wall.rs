@@ -5,6 +5,7 @@
 
 use crate::error::Error;
 use nalgebra::{UnitQuaternion, Vector3};
+use trimesh::nearest_on_triangle;
 
 /// A wall made of triangles.
 #[derive(Debug, Clone, PartialEq)]
@@ -161,16 +162,20 @@ impl Moving {
         motion.velocity + self.swing_velocity + motion.spin.cross(&(point - self.pivot()))
     }
 
-    /// Triangles within a distance (m) of a point of the frame of the triangles, by their balls.
+    /// Triangles within a distance (m) of a point of the frame of the triangles.
     pub(crate) fn near<'a>(
         &'a self,
         own: &'a Vector3<f64>,
         distance: f64,
     ) -> impl Iterator<Item = u32> + 'a {
-        let is_near = move |ball: &Ball| (ball.centre - own).norm() < ball.radius + distance;
+        let triangles = self.balls.iter().zip(&self.wall.triangles);
+        let is_near = move |ball: &Ball, corners: &[Vector3<f64>; 3]| {
+            (ball.centre - own).norm() < ball.radius + distance
+                && (nearest_on_triangle(own, corners) - own).norm() < distance
+        };
         (0_u32..)
-            .zip(&self.balls)
-            .filter(move |(_, ball)| is_near(ball))
+            .zip(triangles)
+            .filter(move |(_, (ball, corners))| is_near(ball, corners))
             .map(|(index, _)| index)
     }
 

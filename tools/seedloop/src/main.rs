@@ -1,6 +1,7 @@
 //! The seedloop command: thin glue between the command line and the crates.
 
 mod analyse;
+mod bench_test;
 mod calibrate;
 mod design;
 mod diagnose;
@@ -44,6 +45,8 @@ enum Command {
     },
     /// Tells which effect, if any, a residual that re-tuning cannot remove speaks for
     Diagnose(diagnose::Arguments),
+    /// Reads bench measurements, or does the same test with the solver
+    BenchTest(bench_test::Arguments),
     /// Checks the solver against mechanics and prints the table
     Verify(verify::Arguments),
 }
@@ -57,6 +60,7 @@ fn main() -> ExitCode {
         Command::Optimise(arguments) => optimise::run(arguments),
         Command::Calibrate { arguments, common } => calibrate::run(arguments, common),
         Command::Diagnose(arguments) => diagnose::run(arguments),
+        Command::BenchTest(arguments) => bench_test::run(arguments),
         Command::Verify(arguments) => verify::run(arguments),
     })
 }
