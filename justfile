@@ -29,6 +29,10 @@ docs:
 calibrate *ARGS:
     cargo run --release --locked -p seedloop -- calibrate fixtures/cotton/study.toml --resume "$@"
 
+# Check the solver against mechanics and write the table.
+verify *ARGS:
+    cargo run --release --locked -p seedloop -- verify --out docs/verification.md --force "$@"
+
 # Fill a closed mesh with spheres.
 fill *ARGS:
     cargo run --release --locked -p seedfill -- "$@"

@@ -193,6 +193,16 @@ impl HertzMindlin {
         }
     }
 
+    /// Tangential stiffness at an overlap, `8 G* sqrt(R* d)`, N/m.
+    pub fn tangential_stiffness(&self, overlap: f64, reduced_radius: f64) -> f64 {
+        8.0 * self.moduli.shear * (reduced_radius * overlap).sqrt()
+    }
+
+    /// Energy of the normal spring at an overlap, `8/15 E* sqrt(R*) d^(5/2)`, J.
+    pub fn elastic_energy(&self, overlap: f64, reduced_radius: f64) -> f64 {
+        8.0 / 15.0 * self.moduli.young * (reduced_radius * overlap).sqrt() * overlap * overlap
+    }
+
     /// Normal stiffness at an overlap, `d F_n / d d = 2 E* sqrt(R* d)`, N/m.
     pub fn normal_stiffness(&self, overlap: f64, reduced_radius: f64) -> f64 {
         2.0 * self.moduli.young * (reduced_radius * overlap).sqrt()

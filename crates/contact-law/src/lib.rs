@@ -1,14 +1,22 @@
 //! Contact laws as pure functions with explicit history.
 //!
-//! One law, one file: [`hertz_mindlin`] (elastic and damping forces, sliding friction),
-//! [`rolling_constant_torque`] (rolling resistance, type A), [`constant_attraction`]
-//! (cohesion). [`material`] holds the elastic constants of the two sides. Nothing here knows
-//! bodies, lists or time stepping.
+//! One law, one file. In the force loop of the solver: [`hertz_mindlin`] (elastic and damping forces,
+//! sliding friction), [`rolling_constant_torque`] (rolling resistance, type A),
+//! [`constant_attraction`] (cohesion). With forces added to a step: [`bond`] (bonded agglomerates).
+//! As functions only, not yet offered by the force loop: [`rolling_spring_dashpot`] (rolling
+//! resistance, type C), [`johnson_kendall_roberts`] and [`linear_cohesion`] (dry adhesion),
+//! [`capillary_bridge`] (liquid bridges). [`material`] holds the elastic constants of the two sides.
+//! Nothing here knows bodies, lists or time stepping.
 
+pub mod bond;
+pub mod capillary_bridge;
 pub mod constant_attraction;
 pub mod hertz_mindlin;
+pub mod johnson_kendall_roberts;
+pub mod linear_cohesion;
 pub mod material;
 pub mod rolling_constant_torque;
+pub mod rolling_spring_dashpot;
 
 pub use hertz_mindlin::{
     ContactForce, ContactGeometry, HertzMindlin, NormalForceEnd, PairParameters,

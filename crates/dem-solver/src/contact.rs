@@ -51,6 +51,18 @@ impl Interaction {
     }
 }
 
+impl Interaction {
+    /// Elastic, damping and sliding part.
+    pub(crate) fn law(&self) -> &HertzMindlin {
+        &self.law
+    }
+
+    /// Attraction while touching, N.
+    pub(crate) fn attraction(&self) -> f64 {
+        self.attraction
+    }
+}
+
 /// Position and motion of a body that takes part in a contact.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Mover {

@@ -90,4 +90,79 @@ pub enum Error {
         /// Time step, s.
         time_step: f64,
     },
+    /// A body is outside the region in which bodies can be.
+    #[error(
+        "body {body} is lost at {time} s: its centre is at {position} m, outside the region of the \
+         apparatus; a wall is missing or was passed: close the walls or lower the time step"
+    )]
+    Lost {
+        /// Index of the body.
+        body: usize,
+        /// Time, s.
+        time: f64,
+        /// Where it is, m.
+        position: String,
+    },
+    /// A body is faster than anything in the apparatus can be.
+    #[error(
+        "body {body} flies with {speed} m/s at {position} m after {time} s, the limit is {limit} \
+         m/s: lower the time step of {time_step} s, or look for bodies that overlap at the start"
+    )]
+    Flying {
+        /// Index of the body.
+        body: usize,
+        /// Speed of its fastest point, m/s.
+        speed: f64,
+        /// Limit, m/s.
+        limit: f64,
+        /// Where it is, m.
+        position: String,
+        /// Time, s.
+        time: f64,
+        /// Time step, s.
+        time_step: f64,
+    },
+    /// Two spheres overlap more than the contact law can mean.
+    #[error(
+        "bodies {i} and {j} overlap by {share} of the smaller sphere's radius at {position} m after \
+         {time} s, the limit is {limit}: raise the stiffness, lower the speed, or lower the time \
+         step of {time_step} s"
+    )]
+    TooDeep {
+        /// Index of one body.
+        i: usize,
+        /// Index of the other.
+        j: usize,
+        /// Overlap over the radius of the smaller sphere.
+        share: f64,
+        /// Limit of that share.
+        limit: f64,
+        /// Where body i is, m.
+        position: String,
+        /// Time, s.
+        time: f64,
+        /// Time step, s.
+        time_step: f64,
+    },
+    /// The time step is too long for the contacts.
+    #[error(
+        "the time step of {time_step} s is above {limit} s, the longest that resolves the contact \
+         of body type {template} with material {material}: lower the time step, or the stiffness"
+    )]
+    StepTooLong {
+        /// Time step, s.
+        time_step: f64,
+        /// Longest allowed, s.
+        limit: f64,
+        /// Index of the body type.
+        template: usize,
+        /// Index of the other material.
+        material: usize,
+    },
+    /// A checkpoint does not belong to a world.
+    #[error("the checkpoint does not fit this world: {what}")]
+    Checkpoint {
+        /// What differs.
+        what: String,
+    },
 }

@@ -1,7 +1,7 @@
 //! Contact search, force loop and time integration of rigid agglomerates.
 //!
-//! A [`World`] holds bodies (copies of a few [`clump::Clump`] templates), analytic walls and the
-//! contact laws between them, and moves them step by step.
+//! A [`World`] holds bodies (copies of a few [`clump::Clump`] templates), analytic walls, walls of
+//! triangles and the contact laws between them, and moves them step by step.
 //!
 //! Invariants:
 //!
@@ -20,8 +20,12 @@ mod candidates;
 mod check;
 mod contact;
 mod error;
+mod health;
 mod integrate;
 mod lanes;
+mod ledger;
+mod mesh_force;
+mod mesh_wall;
 mod neighbours;
 mod pair_force;
 pub mod plain;
@@ -33,6 +37,9 @@ mod world;
 pub use bodies::{Bodies, Placement};
 pub use contact::{Interaction, InteractionSettings};
 pub use error::Error;
+pub use health::HealthLimits;
+pub use ledger::{EnergyLedger, EnergyTerms};
+pub use mesh_wall::{MeshWall, Motion, Vibration};
 pub use neighbours::Census;
 pub use template::{DashpotMass, Template};
 pub use wall::{Shape, Wall};

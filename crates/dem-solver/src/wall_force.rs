@@ -73,13 +73,14 @@ impl WallNeighbours {
         spare.extend(old);
     }
 
-    /// Adds the forces of all walls; `load` collects the force on each wall, N.
+    /// Adds the forces of all walls; `load` and `torque` collect the force on each wall (N) and its
+    /// torque about the z axis (N m).
     pub(crate) fn add_forces(
         &mut self,
         bodies: &mut Bodies,
         walls: &[Wall],
         context: &Context<'_>,
-        load: &mut [Vector3<f64>],
+        (load, torque): (&mut [Vector3<f64>], &mut [f64]),
     ) {
         for near in &mut self.near {
             let template = &context.templates[bodies.template[near.body]];
@@ -93,6 +94,8 @@ impl WallNeighbours {
                 bodies.force[near.body] += total.force;
                 bodies.torque[near.body] += total.torque_i;
                 load[near.wall] -= total.force;
+                let about_axis = bodies.position[near.body].cross(&total.force) + total.torque_i;
+                torque[near.wall] -= about_axis.z;
             }
         }
     }

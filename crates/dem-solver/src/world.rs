@@ -7,6 +7,8 @@ use crate::check;
 use crate::contact::Interaction;
 use crate::error::Error;
 use crate::integrate::{Surroundings, advance};
+use crate::mesh_force::MeshWalls;
+use crate::mesh_wall::{MeshWall, Motion};
 use crate::neighbours::{Census, Neighbours};
 use crate::pair_force::{Context, Slack, add_pair_forces};
 use crate::template::Template;
@@ -64,6 +66,10 @@ pub struct World {
     batch: Batch,
     /// Force on each wall in the last step, N.
     wall_load: Vec<Vector3<f64>>,
+    /// Torque about the z axis on each wall in the last step, N m.
+    wall_torque: Vec<f64>,
+    /// Walls of triangles.
+    mesh_walls: MeshWalls,
     /// Spin of the frame in which ways are counted, rad/s.
     reference_spin: f64,
     /// Longest way of a body since the last broad phase, m; infinite when there is none yet.
@@ -109,6 +115,7 @@ impl World {
             .collect();
         let slack = Slack::new(radii.iter().copied().fold(0.0, f64::max), &settings);
         let wall_load = vec![Vector3::zeros(); walls.len()];
+        let wall_torque = vec![0.0; walls.len()];
         let mut world = Self {
             templates,
             interactions,
@@ -126,6 +133,8 @@ impl World {
             level: Level::new(),
             batch: Batch::default(),
             wall_load,
+            wall_torque,
+            mesh_walls: MeshWalls::default(),
             reference_spin: 0.0,
             longest: f32::INFINITY,
         };
@@ -149,18 +158,57 @@ impl World {
         true
     }
 
+    /// Adds a wall of triangles at its start.
+    ///
+    /// # Errors
+    ///
+    /// No triangles, corners or motion that are not finite, a triangle without area, a material
+    /// out of range.
+    pub fn add_mesh_wall(&mut self, wall: MeshWall) -> Result<(), Error> {
+        if wall.material >= self.n_materials {
+            return Err(Error::NoSuch {
+                what: "material",
+                index: wall.material,
+                count: self.n_materials,
+            });
+        }
+        self.mesh_walls.add(wall)?;
+        self.longest = f32::INFINITY;
+        self.choose_reference_spin();
+        Ok(())
+    }
+
+    /// Changes velocity, spin and vibration of all walls of triangles of a name; their centre of
+    /// rotation stays what it is. False if there is no such wall or a number is not finite.
+    pub fn set_mesh_motion(&mut self, name: &str, motion: &Motion) -> bool {
+        self.mesh_walls.set_motion(name, motion)
+    }
+
     /// Moves the world by one step.
     ///
     /// # Errors
     ///
     /// A body that has run away or whose state is no longer a number.
     pub fn step(&mut self) -> Result<(), Error> {
-        if f64::from(self.longest) > 0.5 * self.settings.margin {
+        self.step_with(|_| {})
+    }
+
+    /// Moves the world by one step in which further forces act, such as those of bonds.
+    ///
+    /// `further` adds to `force` (N) and `torque` (N m about the centre of mass) of the bodies.
+    ///
+    /// # Errors
+    ///
+    /// A body that has run away or whose state is no longer a number.
+    pub fn step_with(&mut self, further: impl FnOnce(&mut Bodies)) -> Result<(), Error> {
+        let half = 0.5 * self.settings.margin;
+        if f64::from(self.longest) > half || self.mesh_walls.longest() > half {
             self.search_pairs()?;
         }
         self.bodies.force.fill(Vector3::zeros());
         self.bodies.torque.fill(Vector3::zeros());
         self.wall_load.fill(Vector3::zeros());
+        self.wall_torque.fill(0.0);
         let context = Context {
             templates: &self.templates,
             interactions: &self.interactions,
@@ -171,7 +219,13 @@ impl World {
         let (neighbours, batch) = (&mut self.neighbours, &mut self.batch);
         add_pair_forces(self.level, neighbours, &mut self.bodies, batch, &context);
         let walls = &mut self.wall_neighbours;
-        walls.add_forces(&mut self.bodies, &self.walls, &context, &mut self.wall_load);
+        let loads = (
+            self.wall_load.as_mut_slice(),
+            self.wall_torque.as_mut_slice(),
+        );
+        walls.add_forces(&mut self.bodies, &self.walls, &context, loads);
+        self.mesh_walls.add_forces(&mut self.bodies, &context);
+        further(&mut self.bodies);
         let around = Surroundings {
             time_step: self.settings.time_step,
             gravity: self.settings.gravity,
@@ -180,6 +234,7 @@ impl World {
         self.longest = advance(self.level, &mut self.bodies, &self.templates, &around);
         self.n_steps += 1;
         self.time += self.settings.time_step;
+        self.mesh_walls.advance(self.settings.time_step, self.time);
         Ok(())
     }
 
@@ -201,6 +256,31 @@ impl World {
     /// Force on each wall in the last step, N.
     pub fn wall_load(&self) -> &[Vector3<f64>] {
         &self.wall_load
+    }
+
+    /// Torque about the z axis on each wall in the last step, N m.
+    pub fn wall_torque(&self) -> &[f64] {
+        &self.wall_torque
+    }
+
+    /// Walls of triangles, as they were given, with their motion of now.
+    pub fn mesh_walls(&self) -> impl Iterator<Item = &MeshWall> {
+        self.mesh_walls.moving.iter().map(|m| &m.wall)
+    }
+
+    /// Force (N) on each wall of triangles in the last step, and its torque (N m) about the
+    /// centre of rotation.
+    pub fn mesh_loads(&self) -> impl Iterator<Item = (Vector3<f64>, Vector3<f64>)> + '_ {
+        self.mesh_walls.moving.iter().map(|m| (m.force, m.torque))
+    }
+
+    /// Triangles of a wall of triangles where they are now, m.
+    pub fn mesh_triangles(&self, wall: usize) -> Vec<[Vector3<f64>; 3]> {
+        self.mesh_walls.moving.get(wall).map_or_else(Vec::new, |m| {
+            (0..m.wall.triangles.len())
+                .map(|t| m.corners_now(t))
+                .collect()
+        })
     }
 
     /// Time since the start, s.
@@ -225,7 +305,7 @@ impl World {
 
     /// Number of touching spheres at all walls.
     pub fn n_wall_contacts(&self) -> usize {
-        self.wall_neighbours.n_contacts()
+        self.wall_neighbours.n_contacts() + self.mesh_walls.n_contacts()
     }
 
     /// Kinetic energy of translation and rotation, J.
@@ -237,6 +317,19 @@ impl World {
                 0.5 * (translation + b.angular_momentum[i].dot(&b.spin[i]))
             })
             .sum()
+    }
+
+    /// Touching spheres of two bodies: (body, body, key of the spheres), as of the last step.
+    pub(crate) fn touching_spheres(&self) -> impl Iterator<Item = (usize, usize, u32)> + '_ {
+        let n = &self.neighbours;
+        let pairs = (0..n.start.len().saturating_sub(1))
+            .flat_map(move |i| (n.start[i] as usize..n.start[i + 1] as usize).map(move |k| (i, k)));
+        pairs.flat_map(move |(i, k)| {
+            let lists = &n.lists[k];
+            let touches = lists.touch as usize..(lists.touch + lists.n_touches) as usize;
+            let j = n.heads[k].j as usize;
+            n.touches[touches].iter().map(move |t| (i, j, t.key))
+        })
     }
 
     /// What the force loops need; for the plain reference.
@@ -255,7 +348,8 @@ impl World {
     /// lists: gaps between bodies, and between bodies and walls of revolution, are the same in
     /// both frames, and the ways before and after the change add up to a bound in either.
     fn choose_reference_spin(&mut self) {
-        let revolved = self.walls.iter().all(Wall::is_axisymmetric);
+        let revolved =
+            self.walls.iter().all(Wall::is_axisymmetric) && self.mesh_walls.moving.is_empty();
         let spins = self.walls.iter().map(|w| w.spin);
         self.reference_spin = if revolved {
             spins.fold(0.0, largest)
@@ -292,6 +386,8 @@ impl World {
         let margin = self.settings.margin;
         self.wall_neighbours
             .rebuild(&self.bodies, &self.templates, &self.walls, margin);
+        self.mesh_walls
+            .rebuild(&self.bodies, &self.templates, margin);
         self.bodies.travel.fill(0.0);
         Ok(())
     }

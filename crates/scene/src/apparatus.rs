@@ -1,13 +1,17 @@
 //! The machines: walls, drive, room for the seeds.
 
+mod box_collapse;
 mod drum;
+mod heap;
 mod metering;
 
-pub use drum::Drum;
+pub use box_collapse::BoxCollapse;
+pub use drum::{Drum, Lifters};
+pub use heap::Heap;
 pub use metering::Metering;
 
 use crate::Error;
-use dem_solver::Shape;
+use dem_solver::{Motion, Shape};
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
@@ -19,6 +23,23 @@ pub enum Apparatus {
     Drum(Drum),
     /// Inside-filling seed-metering device.
     Metering(Metering),
+    /// Heap on a floor, from a cylinder that is lifted.
+    Heap(Heap),
+    /// Box whose gate is lifted.
+    BoxCollapse(BoxCollapse),
+}
+
+/// A wall of triangles by the name of its material.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct NamedMesh {
+    /// Name.
+    pub(crate) name: String,
+    /// Triangles at the start, m.
+    pub(crate) triangles: Vec<[Vector3<f64>; 3]>,
+    /// Name of the material.
+    pub(crate) material: String,
+    /// Motion when the drive runs.
+    pub(crate) motion: Motion,
 }
 
 /// A wall by the name of its material.
@@ -38,16 +59,26 @@ impl Apparatus {
     /// Names of the wall materials.
     pub(crate) fn materials(&self) -> Vec<&str> {
         match self {
-            Self::Drum(drum) => vec![&drum.shell, &drum.cover],
+            Self::Drum(drum) => {
+                let lifters = drum.lifters.iter().map(|l| l.material.as_str());
+                [drum.shell.as_str(), &drum.cover]
+                    .into_iter()
+                    .chain(lifters)
+                    .collect()
+            }
             Self::Metering(device) => vec![&device.plate, &device.front, &device.board],
+            Self::Heap(heap) => vec![&heap.floor, &heap.cylinder],
+            Self::BoxCollapse(body) => vec![&body.floor, &body.wall],
         }
     }
 
     /// Refuses sizes that cannot be meant.
     pub(crate) fn check(&self) -> Result<(), Error> {
         match self {
-            Self::Drum(_) => Ok(()),
+            Self::Drum(drum) => drum.check(),
             Self::Metering(device) => device.check(),
+            Self::Heap(heap) => return heap.check(),
+            Self::BoxCollapse(body) => return body.check(),
         }?;
         for (name, length) in [
             ("apparatus.inner_diameter", 2.0 * self.radius()),
@@ -69,14 +100,62 @@ impl Apparatus {
         match self {
             Self::Drum(drum) => drum.walls(),
             Self::Metering(device) => device.walls(),
+            Self::Heap(heap) => heap.walls(),
+            Self::BoxCollapse(body) => body.walls(),
         }
     }
 
-    /// Inner radius, m.
+    /// Walls of triangles: lifters, cylinder, gate.
+    pub(crate) fn mesh_walls(&self) -> Vec<NamedMesh> {
+        match self {
+            Self::Drum(drum) => match &drum.lifters {
+                Some(lifters) => vec![NamedMesh {
+                    name: "lifters".into(),
+                    triangles: drum.lifter_triangles(),
+                    material: lifters.material.clone(),
+                    motion: Motion {
+                        spin: Vector3::z() * drum.speed.si(),
+                        ..Motion::default()
+                    },
+                }],
+                None => Vec::new(),
+            },
+            Self::Metering(_) => Vec::new(),
+            Self::Heap(heap) => vec![heap.cylinder_mesh()],
+            Self::BoxCollapse(body) => vec![body.gate_mesh()],
+        }
+    }
+
+    /// Whether the seeds are let go by a wall that is lifted.
+    pub fn is_release(&self) -> bool {
+        matches!(self, Self::Heap(_) | Self::BoxCollapse(_))
+    }
+
+    /// Gravity, m/s².
+    pub(crate) fn gravity(&self, size: f64) -> Vector3<f64> {
+        match self {
+            Self::Drum(Drum {
+                tilt: Some(tilt), ..
+            }) => Vector3::new(0.0, -tilt.si().cos(), tilt.si().sin()) * size,
+            _ => Vector3::new(0.0, -size, 0.0),
+        }
+    }
+
+    /// Share of the speed at a time after the start of the drive (s); none where it is constant.
+    pub(crate) fn share_of_speed(&self, time: f64) -> Option<f64> {
+        match self {
+            Self::Drum(drum) if drum.has_schedule() => Some(drum.share_of_speed(time)),
+            _ => None,
+        }
+    }
+
+    /// Inner radius, half the length of a box, m.
     pub fn radius(&self) -> f64 {
         match self {
             Self::Drum(drum) => 0.5 * drum.inner_diameter.si(),
             Self::Metering(device) => 0.5 * device.inner_diameter.si(),
+            Self::Heap(heap) => 0.5 * heap.inner_diameter.si(),
+            Self::BoxCollapse(body) => 0.5 * body.length.si(),
         }
     }
 
@@ -85,22 +164,26 @@ impl Apparatus {
         match self {
             Self::Drum(drum) => drum.width.si(),
             Self::Metering(device) => device.width.si(),
+            Self::Heap(heap) => heap.inner_diameter.si(),
+            Self::BoxCollapse(body) => body.width.si(),
         }
     }
 
-    /// Speed, counter-clockwise positive as the camera sees it, rad/s.
+    /// Speed, counter-clockwise positive as the camera sees it, rad/s; 0 where nothing turns.
     pub fn speed(&self) -> f64 {
         match self {
             Self::Drum(drum) => drum.speed.si(),
             Self::Metering(device) => device.speed.si(),
+            Self::Heap(_) | Self::BoxCollapse(_) => 0.0,
         }
     }
 
-    /// Sets the speed, rad/s.
+    /// Sets the speed; nothing happens where nothing turns.
     pub fn set_speed(&mut self, speed: quantity::AngularSpeed) {
         match self {
             Self::Drum(drum) => drum.speed = speed,
             Self::Metering(device) => device.speed = speed,
+            Self::Heap(_) | Self::BoxCollapse(_) => {}
         }
     }
 
@@ -111,11 +194,38 @@ impl Apparatus {
 
     /// Whether a ball (centre and radius, m) is clear of all walls.
     pub(crate) fn has_room(&self, centre: &Vector3<f64>, radius: f64) -> bool {
-        let inside = centre.xy().norm() + radius < self.radius()
-            && centre.z.abs() + radius < 0.5 * self.width();
+        let inside = || {
+            centre.xy().norm() + radius < self.radius()
+                && centre.z.abs() + radius < 0.5 * self.width()
+        };
         match self {
-            Self::Drum(_) => inside,
-            Self::Metering(device) => inside && device.is_clear_of_board(centre, radius),
+            Self::Drum(_) => inside(),
+            Self::Metering(device) => inside() && device.is_clear_of_board(centre, radius),
+            Self::Heap(heap) => heap.has_room(centre, radius),
+            Self::BoxCollapse(body) => body.has_room(centre, radius),
+        }
+    }
+
+    /// Whether no ball of a radius (m) at these coordinates (m) can be inside.
+    pub(crate) fn is_out_of_reach(&self, x: f64, y: f64, radius: f64) -> bool {
+        match self {
+            Self::Drum(_) | Self::Metering(_) => x.hypot(y) + radius >= self.radius(),
+            Self::Heap(_) | Self::BoxCollapse(_) => false,
+        }
+    }
+
+    /// Region in which seeds may start: lower and upper corner, m.
+    pub(crate) fn room(&self) -> [Vector3<f64>; 2] {
+        match self {
+            Self::Heap(heap) => heap.room(),
+            Self::BoxCollapse(body) => body.room(),
+            Self::Drum(_) | Self::Metering(_) => {
+                let (radius, half) = (self.radius(), 0.5 * self.width());
+                [
+                    Vector3::new(-radius, -radius, -half),
+                    Vector3::new(radius, radius, half),
+                ]
+            }
         }
     }
 }

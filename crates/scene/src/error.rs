@@ -92,6 +92,14 @@ pub enum Error {
         /// Why.
         source: trimesh::Error,
     },
+    /// The mesh of a wall is refused.
+    #[error("mesh of wall '{wall}': {source}")]
+    WallMesh {
+        /// Name of the wall.
+        wall: String,
+        /// Why.
+        source: trimesh::Error,
+    },
     /// The mesh of a seed cannot be filled.
     #[error("filling of seed '{seed}': {source}")]
     Filling {
@@ -107,6 +115,14 @@ pub enum Error {
         pair: String,
         /// Why.
         source: contact_law::Error,
+    },
+    /// A run has left what can be believed.
+    #[error("{file}: the run is stopped: {source}")]
+    Unhealthy {
+        /// The scene.
+        file: String,
+        /// What was found, where and when, and the way out.
+        source: dem_solver::Error,
     },
     /// The solver stopped.
     #[error(transparent)]

@@ -21,6 +21,10 @@ pub struct Frame {
     pub position: Vec<Vector3<f64>>,
     /// Rotations from the principal frames.
     pub orientation: Vec<UnitQuaternion<f64>>,
+    /// Velocities of the centres of mass, m/s.
+    pub velocity: Vec<Vector3<f64>>,
+    /// Angular velocities, rad/s.
+    pub spin: Vec<Vector3<f64>>,
 }
 
 /// What a frame says, read in two ways.
@@ -34,7 +38,7 @@ pub struct FrameReading {
 
 impl Frame {
     /// All spheres that can be seen, with the number of their seed.
-    fn spheres<'a>(
+    pub(crate) fn spheres<'a>(
         &'a self,
         bodies: &'a [Arc<SeedBody>],
     ) -> impl Iterator<Item = (usize, clump::Sphere)> + 'a {

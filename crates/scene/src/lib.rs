@@ -3,24 +3,34 @@
 //! A [`Scene`] is what `SCENE.toml` says: an apparatus, the seeds, materials and contacts, the
 //! protocol and the camera. [`run`] fills the apparatus, lets the seeds settle, turns the drum
 //! until the surface is steady, takes frames as the camera would see them and measures each with
-//! the same code that measures photos. A run is decided by the scene and a seed alone.
+//! the same code that measures photos. In a heap or a box a wall is lifted instead, and the slope is read
+//! from the outline at rest. A run is decided by the scene and a seed alone.
 
 mod apparatus;
+mod bench;
 mod error;
 mod filling;
+mod flow;
 mod frame;
+mod health;
+mod obstacles;
+mod outline;
 mod parse;
 mod placement;
+mod release;
 mod run;
 mod settings;
 mod steady;
 
-pub use apparatus::{Apparatus, Drum, Metering};
+pub use apparatus::{Apparatus, BoxCollapse, Drum, Heap, Lifters, Metering};
+pub use bench::BenchParts;
 pub use error::Error;
 pub use filling::{FillingLibrary, SeedBody};
+pub use flow::{FlowingLayer, avalanche_period, fill_level, flowing_layer};
 pub use frame::{Frame, FrameReading, drum_picture, read_frame};
+pub use obstacles::{VibrationSettings, WallSettings};
 pub use parse::Override;
-pub use run::{Regime, RunResult, SeriesPoint, run};
+pub use run::{Further, Regime, RunResult, SeriesPoint, run};
 pub use settings::{
     CameraSettings, ContactSettings, FillingSettings, MaterialSettings, ModelSettings, Protocol,
     Scene, SeedSettings,

@@ -146,7 +146,7 @@ impl Scene {
 
     /// Refuses names that refer to nothing, and contacts that nobody states.
     fn check_names(&self) -> Result<(), Error> {
-        let walls = self.apparatus.materials();
+        let walls = self.wall_materials();
         let seeds: Vec<&str> = self.seed.iter().map(|s| s.material.as_str()).collect();
         let in_contacts = self.contact.keys().flat_map(|pair| pair.split('-'));
         for name in walls

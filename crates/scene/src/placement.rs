@@ -62,6 +62,7 @@ impl Capsule {
 /// More bodies than fit.
 pub(crate) fn place(
     apparatus: &Apparatus,
+    obstacles: &[[Vector3<f64>; 3]],
     kinds: &[(&Clump, usize)],
     seed: u64,
 ) -> Result<Vec<Placement>, Error> {
@@ -84,7 +85,13 @@ pub(crate) fn place(
             .flat_map(|(k, kind)| std::iter::repeat_n(k, kind.1))
             .collect();
         stream.shuffle(&mut order);
-        let placed = fill_grid(apparatus, &capsules, &order, spacing, &mut stream);
+        let placed = fill_grid(
+            (apparatus, obstacles),
+            &capsules,
+            &order,
+            spacing,
+            &mut stream,
+        );
         if placed.len() == count {
             return Ok(placed);
         }
@@ -96,33 +103,41 @@ pub(crate) fn place(
 
 /// Fills a grid of a given spacing (m) as far as it goes.
 fn fill_grid(
-    apparatus: &Apparatus,
+    (apparatus, obstacles): (&Apparatus, &[[Vector3<f64>; 3]]),
     capsules: &[Capsule],
     order: &[usize],
     spacing: f64,
     stream: &mut Stream,
 ) -> Vec<Placement> {
-    let (radius, half_width) = (apparatus.radius(), 0.5 * apparatus.width());
+    let [low, high] = apparatus.room();
     let thin = capsules
         .iter()
         .map(|c| c.radius)
         .fold(f64::INFINITY, f64::min);
-    let across = ticks(radius - thin, spacing);
-    let along = ticks(half_width - thin, spacing);
+    let [across, up, along] = [0, 1, 2].map(|axis| {
+        let middle = 0.5 * (low[axis] + high[axis]);
+        let mut points = ticks(0.5 * (high[axis] - low[axis]) - thin, spacing);
+        // A middle of 0 is left alone: adding it could change the sign of a zero.
+        if middle != 0.0 {
+            points.iter_mut().for_each(|p| *p += middle);
+        }
+        points
+    });
     let mut placed: Vec<Placed> = Vec::new();
     let mut result = Vec::new();
-    for &y in &across {
+    for &y in &up {
         for &x in &across {
             for &z in &along {
                 let Some(&kind) = order.get(result.len()) else {
                     return result;
                 };
                 let capsule = capsules[kind];
-                if x.hypot(y) + capsule.radius >= radius {
+                if apparatus.is_out_of_reach(x, y, capsule.radius) {
                     continue;
                 }
+                let around = (apparatus, obstacles);
                 if let Some((body, turn)) =
-                    try_place(apparatus, capsule, [x, y, z], spacing, &placed, stream)
+                    try_place(around, capsule, [x, y, z], spacing, &placed, stream)
                 {
                     placed.push(body);
                     result.push(Placement::at_rest(kind, body.centre, turn));
@@ -135,7 +150,7 @@ fn fill_grid(
 
 /// Draws offsets and orientations until the body is clear of everything.
 fn try_place(
-    apparatus: &Apparatus,
+    (apparatus, obstacles): (&Apparatus, &[[Vector3<f64>; 3]]),
     capsule: Capsule,
     at: [f64; 3],
     spacing: f64,
@@ -164,11 +179,35 @@ fn try_place(
         let room = [-1.0, 0.0, 1.0]
             .iter()
             .all(|s| apparatus.has_room(&(centre + half * *s), capsule.radius));
+        let room = room && is_clear_of(obstacles, &body);
         if room && near.iter().all(|other| clear(&body, other)) {
             return Some((body, turn));
         }
     }
     None
+}
+
+/// Whether a capsule is clear of triangles: by balls along it, a half of its radius apart.
+fn is_clear_of(obstacles: &[[Vector3<f64>; 3]], body: &Placed) -> bool {
+    let length = body.half.norm();
+    obstacles.iter().all(|corners| {
+        let middle = trimesh::nearest_on_triangle(&body.centre, corners) - body.centre;
+        if middle.norm() > length + 2.0 * body.radius {
+            return true;
+        }
+        let n = (2.0 * length / body.radius).ceil().max(1.0);
+        let mut step = 0.0;
+        while step <= n {
+            let point = body.centre + body.half * (2.0 * step / n - 1.0);
+            let gap = (trimesh::nearest_on_triangle(&point, corners) - point).norm();
+            // Between two balls the capsule is nearer by less than a sixteenth of its radius.
+            if gap < 1.07 * body.radius {
+                return false;
+            }
+            step += 1.0;
+        }
+        true
+    })
 }
 
 /// Whether two capsules do not touch.

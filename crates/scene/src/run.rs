@@ -1,19 +1,25 @@
 //! One run: fill, settle, rotate until steady, take frames, measure.
 
-use crate::apparatus::Apparatus;
+use crate::apparatus::{Apparatus, NamedMesh};
+use crate::flow::{avalanche_period, fill_level, flowing_layer};
+use crate::health::limits;
+use crate::obstacles::mesh_walls;
 use crate::placement::place;
 use crate::steady::{Truncation, marginal_standard_error_rule};
 use crate::{Error, FillingLibrary, Frame, FrameReading, Scene, SeedBody, read_frame};
 use contact_law::material::effective_moduli;
 use contact_law::{Material, PairParameters, constant_attraction};
-use dem_solver::{Census, Interaction, InteractionSettings, Settings, Template, Wall, World};
+use dem_solver::{
+    Census, HealthLimits, Interaction, InteractionSettings, MeshWall, Motion, Settings, Template,
+    Wall, World,
+};
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
 
 /// Time between the values of the series that decide whether the run is steady, s.
-const SERIES_INTERVAL: f64 = 0.02;
+pub(crate) const SERIES_INTERVAL: f64 = 0.02;
 /// Values in one batch of the rule that finds the end of the start-up.
 const BATCH: usize = 5;
 /// Kinetic energy of a seed at rest over the energy of a fall by its own size.
@@ -43,6 +49,8 @@ pub enum Regime {
     Rolling,
     /// The bed slides on the shell.
     Sliding,
+    /// The seeds were let go and came to rest, or were to.
+    Resting,
 }
 
 /// State of the bed at one moment.
@@ -55,8 +63,29 @@ pub struct SeriesPoint {
     /// 1 minus the speed of the seeds at the shell over the speed of the shell, within 30 deg of
     /// the centre of mass: at the edges of the bed seeds come to rest or turn back.
     pub shell_slip: f64,
+    /// Power of the moving walls on the seeds, W. Over a time in which the bed is steady, its
+    /// mean is what friction and dashpots take.
+    pub drive_power_w: f64,
     /// Kinetic energy of all seeds, J.
     pub kinetic_energy_j: f64,
+}
+
+/// A further observable: values whose mean counts.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Further {
+    /// Name, with the unit at its end.
+    pub name: &'static str,
+    /// Unit.
+    pub unit: &'static str,
+    /// Values.
+    pub values: Vec<f64>,
+}
+
+impl Further {
+    /// Names some values.
+    pub(crate) fn new(name: &'static str, unit: &'static str, values: Vec<f64>) -> Self {
+        Self { name, unit, values }
+    }
 }
 
 /// What a run gives.
@@ -72,6 +101,8 @@ pub struct RunResult {
     pub readings: Vec<FrameReading>,
     /// Filling angle in each frame, rad; metering device only.
     pub filling_angles: Vec<f64>,
+    /// Further observables.
+    pub further: Vec<Further>,
     /// How the bed moves.
     pub regime: Regime,
     /// Time step used: that of the protocol, or less where the seeds demand it, s.
@@ -94,21 +125,18 @@ pub struct RunResult {
 ///
 /// A scene that cannot be built, a solver that stops, frames that cannot be drawn.
 pub fn run(scene: &Scene, library: &FillingLibrary, seed: u64) -> Result<RunResult, Error> {
-    let bodies = scene
-        .seed
-        .iter()
-        .map(|s| library.body(scene, s))
-        .collect::<Result<Vec<_>, _>>()?;
-    let mut world = build(scene, &bodies, seed)?;
-    settle(scene, &mut world)?;
-    for wall in scene.apparatus.walls() {
-        world.set_wall_spin(wall.name, wall.spin);
+    if scene.apparatus.is_release() {
+        return released(scene, library, seed);
     }
+    let mut built = build(scene, library, seed)?;
+    settle(scene, &mut built)?;
+    start_drive(scene, &mut built);
     let Rotation {
         series,
         frames,
         truncation,
-    } = rotate(scene, &mut world)?;
+    } = rotate(scene, &mut built)?;
+    let Built { world, bodies, .. } = built;
     let mut readings = Vec::new();
     let mut filling_angles = Vec::new();
     for frame in &frames {
@@ -123,12 +151,15 @@ pub fn run(scene: &Scene, library: &FillingLibrary, seed: u64) -> Result<RunResu
                 let gap = GROUP_GAP * 2.0 * length / scene.apparatus.radius();
                 filling_angles.push(device.filling_angle(&at_rim, gap));
             }
+            Apparatus::Heap(_) | Apparatus::BoxCollapse(_) => {}
         }
     }
     let start = truncation.map_or(0, |t| t.cut);
     let slips: Vec<f64> = series[start..].iter().map(|p| p.shell_slip).collect();
     let slip = slips.iter().sum::<f64>() / slips.len().max(1) as f64;
+    let further = further(scene, &bodies, &frames, &series[start..]);
     Ok(RunResult {
+        further,
         series,
         truncation,
         frames,
@@ -153,19 +184,150 @@ pub fn run(scene: &Scene, library: &FillingLibrary, seed: u64) -> Result<RunResu
     })
 }
 
+/// The result of a release in the form of a run.
+fn released(scene: &Scene, library: &FillingLibrary, seed: u64) -> Result<RunResult, Error> {
+    let result = crate::release::release(scene, library, seed)?;
+    let Built { world, bodies, .. } = result.built;
+    let kinds = &world.bodies().template;
+    Ok(RunResult {
+        series: Vec::new(),
+        truncation: result.rested.then_some(Truncation {
+            cut: 0,
+            standard_error: 0.0,
+            steady: true,
+        }),
+        frames: vec![result.frame],
+        readings: Vec::new(),
+        filling_angles: Vec::new(),
+        further: result.further,
+        regime: Regime::Resting,
+        time_step: world.settings().time_step,
+        n_steps: world.n_steps(),
+        n_bodies: kinds.len(),
+        n_spheres: kinds.iter().map(|&t| bodies[t].clump.spheres().len()).sum(),
+        census: world.census(),
+        bodies,
+    })
+}
+
+/// Observables of a drum beside the angles.
+fn further(
+    scene: &Scene,
+    bodies: &[Arc<SeedBody>],
+    frames: &[Frame],
+    steady: &[SeriesPoint],
+) -> Vec<Further> {
+    let power = steady.iter().map(|p| 1e3 * p.drive_power_w).collect();
+    let kinetic = steady.iter().map(|p| 1e6 * p.kinetic_energy_j).collect();
+    let mut all = vec![
+        Further::new("drive_power_mw", "mW", power),
+        Further::new("kinetic_energy_uj", "uJ", kinetic),
+    ];
+    if !matches!(scene.apparatus, Apparatus::Drum(_)) {
+        return all;
+    }
+    let radius = scene.apparatus.radius();
+    let mass: Vec<f64> = steady.iter().map(|p| p.centre_of_mass_deg).collect();
+    let direction = mass.iter().sum::<f64>() / mass.len().max(1) as f64;
+    let layers: Vec<_> = frames
+        .iter()
+        .filter_map(|f| flowing_layer(f, bodies, direction.to_radians(), radius))
+        .collect();
+    let depths = layers.iter().map(|l| 1e3 * l.depth).collect();
+    let speeds = layers.iter().map(|l| 1e3 * l.surface_speed).collect();
+    let fills = frames.iter().filter_map(|f| fill_level(f, bodies, radius));
+    let period = avalanche_period(&mass, SERIES_INTERVAL);
+    all.push(Further::new("flowing_layer_depth_mm", "mm", depths));
+    all.push(Further::new("surface_speed_mm_s", "mm/s", speeds));
+    all.push(Further::new("fill_level", "1", fills.collect()));
+    all.push(Further::new(
+        "avalanche_period_s",
+        "s",
+        period.into_iter().collect(),
+    ));
+    all
+}
+
+/// A world with what belongs to it.
+#[derive(Debug, Clone)]
+pub(crate) struct Built {
+    /// The world.
+    pub(crate) world: World,
+    /// The bodies of the seeds, by kind.
+    pub(crate) bodies: Vec<Arc<SeedBody>>,
+    /// Walls of triangles with their motion.
+    pub(crate) meshes: Vec<NamedMesh>,
+    /// What a believable world keeps to.
+    limits: HealthLimits,
+}
+
 /// Builds the world with the seeds in their starting places and the drive at rest.
-fn build(scene: &Scene, bodies: &[Arc<SeedBody>], seed: u64) -> Result<World, Error> {
+pub(crate) fn build(scene: &Scene, library: &FillingLibrary, seed: u64) -> Result<Built, Error> {
+    let bodies = scene
+        .seed
+        .iter()
+        .map(|s| library.body(scene, s))
+        .collect::<Result<Vec<_>, _>>()?;
+    let meshes = mesh_walls(scene)?;
+    let mut world = empty_drive(scene, &bodies, &meshes, seed)?;
+    let names = material_names(scene, &meshes);
+    for mesh in &meshes {
+        let about = mesh.motion.about;
+        world.add_mesh_wall(MeshWall {
+            name: mesh.name.clone(),
+            triangles: mesh.triangles.clone(),
+            material: index_of(&names, &mesh.material),
+            motion: Motion {
+                about,
+                ..Motion::default()
+            },
+        })?;
+    }
+    let limits = limits(scene, &bodies);
+    Ok(Built {
+        world,
+        bodies,
+        meshes,
+        limits,
+    })
+}
+
+/// Names of all materials that take part, in alphabetical order.
+fn material_names<'a>(scene: &'a Scene, meshes: &'a [NamedMesh]) -> Vec<&'a str> {
+    let seeds = scene.seed.iter().map(|s| s.material.as_str());
+    let walls = scene.wall_materials();
+    let meshes = meshes.iter().map(|m| m.material.as_str());
+    let mut names: Vec<&str> = seeds.chain(walls).chain(meshes).collect();
+    names.sort_unstable();
+    names.dedup();
+    names
+}
+
+/// Place of a name in a list.
+fn index_of(names: &[&str], name: &str) -> usize {
+    names.iter().position(|n| *n == name).unwrap_or(0)
+}
+
+/// Sets all walls in motion.
+fn start_drive(scene: &Scene, built: &mut Built) {
+    for wall in scene.apparatus.walls() {
+        built.world.set_wall_spin(wall.name, wall.spin);
+    }
+    for mesh in &built.meshes {
+        built.world.set_mesh_motion(&mesh.name, &mesh.motion);
+    }
+}
+
+/// The world without its walls of triangles.
+fn empty_drive(
+    scene: &Scene,
+    bodies: &[Arc<SeedBody>],
+    meshes: &[NamedMesh],
+    seed: u64,
+) -> Result<World, Error> {
     let walls = scene.apparatus.walls();
-    let names: Vec<&str> = {
-        let seeds = scene.seed.iter().map(|s| s.material.as_str());
-        let mut names: Vec<&str> = seeds
-            .chain(walls.iter().map(|w| w.material.as_str()))
-            .collect();
-        names.sort_unstable();
-        names.dedup();
-        names
-    };
-    let index = |name: &str| names.iter().position(|n| *n == name).unwrap_or(0);
+    let names = material_names(scene, meshes);
+    let index = |name: &str| index_of(&names, name);
     let templates: Vec<Template> = scene
         .seed
         .iter()
@@ -181,7 +343,8 @@ fn build(scene: &Scene, bodies: &[Arc<SeedBody>], seed: u64) -> Result<World, Er
         .zip(&scene.seed)
         .map(|(b, s)| (&b.clump, s.count))
         .collect();
-    let placements = place(&scene.apparatus, &kinds, seed)?;
+    let obstacles: Vec<_> = meshes.iter().flat_map(|m| m.triangles.clone()).collect();
+    let placements = place(&scene.apparatus, &obstacles, &kinds, seed)?;
     let still = walls.iter().map(|w| Wall {
         name: w.name.into(),
         shape: w.shape,
@@ -194,7 +357,7 @@ fn build(scene: &Scene, bodies: &[Arc<SeedBody>], seed: u64) -> Result<World, Er
             .time_step
             .si()
             .min(longest_time_step(scene, bodies)?),
-        gravity: Vector3::new(0.0, -scene.model.gravity_m_s2, 0.0),
+        gravity: scene.apparatus.gravity(scene.model.gravity_m_s2),
         skin: 0.45 * radius,
         margin: 4.5 * radius,
     };
@@ -220,7 +383,7 @@ fn build(scene: &Scene, bodies: &[Arc<SeedBody>], seed: u64) -> Result<World, Er
 /// # Source
 ///
 /// Duration of an elastic collision `[Hertz1881]`.
-fn longest_time_step(scene: &Scene, bodies: &[Arc<SeedBody>]) -> Result<f64, Error> {
+pub(crate) fn longest_time_step(scene: &Scene, bodies: &[Arc<SeedBody>]) -> Result<f64, Error> {
     let mut longest = f64::INFINITY;
     for (seed, body) in scene.seed.iter().zip(bodies) {
         let clump = &body.clump;
@@ -233,7 +396,7 @@ fn longest_time_step(scene: &Scene, bodies: &[Arc<SeedBody>]) -> Result<f64, Err
         let arm = clump.bounding_radius();
         let felt = 1.0 / (1.0 / clump.mass() + arm * arm / clump.inertia().max());
         let mut stiffest = 0.0_f64;
-        for name in scene.apparatus.materials() {
+        for name in scene.wall_materials() {
             let pair = format!("{}-{name}", seed.material);
             let moduli = effective_moduli(
                 &material_of(scene, &seed.material, &pair)?,
@@ -259,7 +422,7 @@ fn material_of(scene: &Scene, name: &str, pair: &str) -> Result<Material, Error>
 }
 
 /// Interactions of all pairs of materials, row by row.
-fn interactions(scene: &Scene, names: &[&str]) -> Result<Vec<Interaction>, Error> {
+pub(crate) fn interactions(scene: &Scene, names: &[&str]) -> Result<Vec<Interaction>, Error> {
     let heaviest = scene.seed.iter().map(|s| s.mass.si()).fold(0.0, f64::max);
     let model = &scene.model;
     let pull = constant_attraction::attraction(model.bond_number, heaviest, model.gravity_m_s2);
@@ -291,19 +454,15 @@ fn interactions(scene: &Scene, names: &[&str]) -> Result<Vec<Interaction>, Error
 }
 
 /// Runs until the seeds rest, or the limit is reached.
-fn settle(scene: &Scene, world: &mut World) -> Result<(), Error> {
-    let size = world
-        .templates()
-        .iter()
-        .map(Template::smallest_radius)
-        .fold(f64::INFINITY, f64::min);
-    let masses = scene.seed.iter().map(|s| s.mass.si() * s.count as f64);
-    let rest = AT_REST * masses.sum::<f64>() * scene.model.gravity_m_s2 * 10.0 * size;
+pub(crate) fn settle(scene: &Scene, built: &mut Built) -> Result<(), Error> {
+    let rest = rest_energy(scene, &built.world);
     let limit = scene.protocol.settle_limit.si();
     // Free fall across the apparatus comes first: at the very start nothing moves.
-    let fall = (2.0 * 2.0 * scene.apparatus.radius() / scene.model.gravity_m_s2).sqrt();
+    let [low, high] = scene.apparatus.room();
+    let fall = (2.0 * (high.y - low.y) / scene.model.gravity_m_s2).sqrt();
     loop {
-        advance(world, SERIES_INTERVAL)?;
+        advance(scene, built, SERIES_INTERVAL)?;
+        let world = &built.world;
         let rested = world.time() > fall && world.kinetic_energy() < rest;
         if rested || world.time() >= limit {
             return Ok(());
@@ -311,13 +470,30 @@ fn settle(scene: &Scene, world: &mut World) -> Result<(), Error> {
     }
 }
 
-/// Moves the world by a time, s.
-fn advance(world: &mut World, time: f64) -> Result<(), Error> {
+/// Kinetic energy below which all seeds rest, J.
+pub(crate) fn rest_energy(scene: &Scene, world: &World) -> f64 {
+    let size = world
+        .templates()
+        .iter()
+        .map(Template::smallest_radius)
+        .fold(f64::INFINITY, f64::min);
+    let masses = scene.seed.iter().map(|s| s.mass.si() * s.count as f64);
+    AT_REST * masses.sum::<f64>() * scene.model.gravity_m_s2 * 10.0 * size
+}
+
+/// Moves the world by a time (s), and looks whether it can still be believed.
+pub(crate) fn advance(scene: &Scene, built: &mut Built, time: f64) -> Result<(), Error> {
+    let world = &mut built.world;
     let end = world.time() + time - 0.5 * world.settings().time_step;
     while world.time() < end {
         world.step()?;
     }
-    Ok(())
+    world
+        .check_health(&built.limits)
+        .map_err(|source| Error::Unhealthy {
+            file: scene.file.clone(),
+            source,
+        })
 }
 
 /// What is kept of the rotation.
@@ -331,7 +507,7 @@ struct Rotation {
 }
 
 /// Turns the drive until the wanted number of frames lies behind the start-up.
-fn rotate(scene: &Scene, world: &mut World) -> Result<Rotation, Error> {
+fn rotate(scene: &Scene, built: &mut Built) -> Result<Rotation, Error> {
     let protocol = &scene.protocol;
     #[expect(
         clippy::cast_possible_truncation,
@@ -343,11 +519,16 @@ fn rotate(scene: &Scene, world: &mut World) -> Result<Rotation, Error> {
         .max(1.0) as usize;
     let mut series: Vec<SeriesPoint> = Vec::new();
     let mut frames: Vec<(usize, Frame)> = Vec::new();
-    let start = world.time();
+    let start = built.world.time();
     loop {
-        advance(world, SERIES_INTERVAL)?;
+        let share = scene.apparatus.share_of_speed(built.world.time() - start);
+        if let Some(share) = share {
+            set_share_of_speed(scene, built, share);
+        }
+        advance(scene, built, SERIES_INTERVAL)?;
+        let world = &built.world;
         let time = world.time() - start;
-        series.push(series_point(scene, world, time));
+        series.push(series_point(scene, world, time, share.unwrap_or(1.0)));
         let over = time >= protocol.rotation_limit.si();
         if series.len().is_multiple_of(every) {
             frames.push((series.len(), snapshot(world, time)));
@@ -374,19 +555,35 @@ fn rotate(scene: &Scene, world: &mut World) -> Result<Rotation, Error> {
     }
 }
 
+/// Turns everything that turns with the drive at a share of its speed.
+fn set_share_of_speed(scene: &Scene, built: &mut Built, share: f64) {
+    for wall in scene.apparatus.walls() {
+        built.world.set_wall_spin(wall.name, wall.spin * share);
+    }
+    for mesh in scene.apparatus.mesh_walls() {
+        let motion = Motion {
+            spin: mesh.motion.spin * share,
+            ..mesh.motion
+        };
+        built.world.set_mesh_motion(&mesh.name, &motion);
+    }
+}
+
 /// Poses of all bodies.
-fn snapshot(world: &World, time: f64) -> Frame {
+pub(crate) fn snapshot(world: &World, time: f64) -> Frame {
     let bodies = world.bodies();
     Frame {
         time,
         kind: bodies.template.clone(),
         position: bodies.position.clone(),
         orientation: bodies.orientation.clone(),
+        velocity: bodies.velocity.clone(),
+        spin: bodies.spin.clone(),
     }
 }
 
 /// Direction of the centre of mass and slip at the shell.
-fn series_point(scene: &Scene, world: &World, time: f64) -> SeriesPoint {
+fn series_point(scene: &Scene, world: &World, time: f64, share: f64) -> SeriesPoint {
     let (bodies, templates) = (world.bodies(), world.templates());
     let (radius, spin) = (scene.apparatus.radius(), scene.apparatus.speed());
     let mut centre = Vector3::zeros();
@@ -405,7 +602,7 @@ fn series_point(scene: &Scene, world: &World, time: f64) -> SeriesPoint {
             n += 1;
         }
     }
-    let surface_speed = spin * radius;
+    let surface_speed = spin * share * radius;
     let slip = if n > 0 && surface_speed != 0.0 {
         1.0 - speed / n as f64 / surface_speed
     } else {
@@ -415,8 +612,24 @@ fn series_point(scene: &Scene, world: &World, time: f64) -> SeriesPoint {
         time_s: time,
         centre_of_mass_deg: lowest.to_degrees(),
         shell_slip: slip,
+        drive_power_w: drive_power(world),
         kinetic_energy_j: world.kinetic_energy(),
     }
+}
+
+/// Power of the moving walls on the seeds in the last step, W; vibrations are left out.
+fn drive_power(world: &World) -> f64 {
+    let torques = world.wall_torque().iter();
+    let turning = world.walls().iter().zip(torques);
+    let meshes = world.mesh_walls().zip(world.mesh_loads());
+    turning
+        .map(|(wall, torque)| -torque * wall.spin)
+        .sum::<f64>()
+        - meshes
+            .map(|(wall, (force, torque))| {
+                force.dot(&wall.motion.velocity) + torque.dot(&wall.motion.spin)
+            })
+            .sum::<f64>()
 }
 
 /// Angles from straight down (counter-clockwise positive, rad) of the seeds at the rim.

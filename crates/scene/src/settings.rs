@@ -16,6 +16,9 @@ pub struct Scene {
     pub apparatus: Apparatus,
     /// Kinds of seeds.
     pub seed: Vec<SeedSettings>,
+    /// Walls from meshes, beside those of the apparatus.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub wall: Vec<crate::WallSettings>,
     /// Materials by name.
     pub material: BTreeMap<String, MaterialSettings>,
     /// Contacts by the names of the two materials, joined by a hyphen.
@@ -116,7 +119,7 @@ pub struct Protocol {
     pub time_step: Time,
     /// Longest time for the seeds to come to rest before the drive starts.
     pub settle_limit: Time,
-    /// Longest time of rotation.
+    /// Longest time of rotation, or of waiting for rest after a wall is lifted.
     pub rotation_limit: Time,
     /// Time between frames: at least the correlation time of the surface.
     pub frame_interval: Time,

@@ -37,14 +37,14 @@ impl SceneSimulator {
     pub fn new(scenes: BTreeMap<String, Scene>) -> Result<Self, crate::Error> {
         let mut meshes = BTreeMap::new();
         for scene in scenes.values() {
-            for seed in &scene.seed {
-                let path = scene.folder.join(&seed.mesh);
+            for mesh in scene.mesh_files() {
+                let path = scene.folder.join(mesh);
                 let bytes = std::fs::read(&path).map_err(|source| crate::Error::File {
                     what: "read",
                     path: path.clone(),
                     source,
                 })?;
-                meshes.insert(seed.mesh.display().to_string(), bytes);
+                meshes.insert(mesh.display().to_string(), bytes);
             }
         }
         let content = serde_json::json!({ "scenes": scenes, "meshes": meshes });
@@ -220,6 +220,9 @@ pub fn outcome_of(
     add("fluctuation_deg", fluctuation);
     add("shell_slip", over_frames(&slip, "1"));
     add("kinetic_energy_mj", over_frames(&kinetic, "mJ"));
+    for further in &result.further {
+        add(further.name, over_frames(&further.values, further.unit));
+    }
 
     outcome.details = details(scene, result, wall_s, &image, &position)?;
     Ok(outcome)
@@ -234,6 +237,8 @@ fn details(
     position: &[f64],
 ) -> Result<serde_json::Value, scene::Error> {
     let picture = match result.frames.last() {
+        // The camera of the scene looks into a drum.
+        Some(_) if scene.apparatus.is_release() => None,
         Some(frame) => Some(png(&DynamicImage::from(drum_picture(
             scene,
             &result.bodies,

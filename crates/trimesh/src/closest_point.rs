@@ -62,3 +62,8 @@ pub(crate) fn closest_point(point: &Vector3<f64>, [a, b, c]: &[Vector3<f64>; 3])
     let total = va + vb + vc;
     at(a + ab * (vb / total) + ac * (vc / total), Feature::Face)
 }
+
+/// The point of a triangle that is nearest to a given point, m `[Ericson2005, section 5.1.5]`.
+pub fn nearest_on_triangle(point: &Vector3<f64>, corners: &[Vector3<f64>; 3]) -> Vector3<f64> {
+    closest_point(point, corners).point
+}

@@ -36,6 +36,7 @@ mod weld;
 mod winding;
 
 pub use build::CheckedMesh;
+pub use closest_point::nearest_on_triangle;
 pub use error::Error;
 pub use length_unit::LengthUnit;
 pub use mesh::{BoundingBox, Topology, TriMesh};

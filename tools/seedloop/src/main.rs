@@ -1,12 +1,14 @@
 //! The seedloop command: thin glue between the command line and the crates.
 
 mod analyse;
+mod bench_test;
 mod calibrate;
 mod design;
 mod diagnose;
 mod diagnose_problem;
 mod optimise;
 mod simulate;
+mod verify;
 
 use clap::{Parser, Subcommand};
 use command_line::Common;
@@ -43,6 +45,10 @@ enum Command {
     },
     /// Tells which effect, if any, a residual that re-tuning cannot remove speaks for
     Diagnose(diagnose::Arguments),
+    /// Reads bench measurements, or does the same test with the solver
+    BenchTest(bench_test::Arguments),
+    /// Checks the solver against mechanics and prints the table
+    Verify(verify::Arguments),
 }
 
 fn main() -> ExitCode {
@@ -54,5 +60,7 @@ fn main() -> ExitCode {
         Command::Optimise(arguments) => optimise::run(arguments),
         Command::Calibrate { arguments, common } => calibrate::run(arguments, common),
         Command::Diagnose(arguments) => diagnose::run(arguments),
+        Command::BenchTest(arguments) => bench_test::run(arguments),
+        Command::Verify(arguments) => verify::run(arguments),
     })
 }

@@ -1,11 +1,13 @@
 //! Rotating drum between two covers that turn with it.
 
 use super::{NamedWall, cover};
+use crate::Error;
 use dem_solver::Shape;
-use quantity::{AngularSpeed, Length};
+use nalgebra::Vector3;
+use quantity::{Angle, AngularSpeed, Length, Time};
 use serde::{Deserialize, Serialize};
 
-/// The drum of the study: a shell and two covers, turning about a level axis.
+/// A shell and two covers that turn together; in the study about a level axis at one speed.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Drum {
@@ -19,9 +21,115 @@ pub struct Drum {
     pub shell: String,
     /// Material of the covers.
     pub cover: String,
+    /// Tilt of the axis: positive when the front end, which the camera faces, is the lower one.
+    /// Level where absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub tilt: Option<Angle>,
+    /// Time in which the speed rises evenly from 0; at once where absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub ramp: Option<Time>,
+    /// Time after which the drum turns the other way, again and again; never where absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub reverse_every: Option<Time>,
+    /// Radial plates on the shell; none where absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub lifters: Option<Lifters>,
+}
+
+/// Radial plates on the inside of the shell, evenly spread, over the whole width.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Lifters {
+    /// Number of plates.
+    pub count: usize,
+    /// Height of a plate from the shell towards the axis.
+    pub height: Length,
+    /// Material.
+    pub material: String,
 }
 
 impl Drum {
+    /// Share of the speed at a time after the start of the drive (s), -1 to 1.
+    pub(crate) fn share_of_speed(&self, time: f64) -> f64 {
+        let rise = self.ramp.map_or(1.0, |ramp| {
+            if ramp.si() > 0.0 {
+                (time / ramp.si()).min(1.0)
+            } else {
+                1.0
+            }
+        });
+        let reversed = self
+            .reverse_every
+            .is_some_and(|every| (time / every.si()).rem_euclid(2.0) >= 1.0);
+        if reversed { -rise } else { rise }
+    }
+
+    /// Whether the speed changes with time.
+    pub(crate) fn has_schedule(&self) -> bool {
+        self.ramp.is_some() || self.reverse_every.is_some()
+    }
+
+    /// Triangles of the lifters, m.
+    pub(crate) fn lifter_triangles(&self) -> Vec<[Vector3<f64>; 3]> {
+        let Some(lifters) = &self.lifters else {
+            return Vec::new();
+        };
+        let (outer, half) = (0.5 * self.inner_diameter.si(), 0.5 * self.width.si());
+        let inner = outer - lifters.height.si();
+        let plate = |k: usize| {
+            let angle = std::f64::consts::TAU * k as f64 / lifters.count as f64;
+            let at = |r: f64, z: f64| Vector3::new(r * angle.cos(), r * angle.sin(), z);
+            let [a, b] = [at(outer, -half), at(outer, half)];
+            let [c, d] = [at(inner, half), at(inner, -half)];
+            [[a, b, c], [a, c, d]]
+        };
+        (0..lifters.count).flat_map(plate).collect()
+    }
+
+    /// Refuses what cannot be meant.
+    pub(crate) fn check(&self) -> Result<(), Error> {
+        let bad = |name: &str, value: String, requirement: &str| {
+            Err(Error::BadValue {
+                name: name.into(),
+                value,
+                requirement: requirement.into(),
+            })
+        };
+        if let Some(tilt) = self.tilt
+            && tilt.si().abs() >= std::f64::consts::FRAC_PI_2
+        {
+            return bad(
+                "apparatus.tilt",
+                tilt.to_string(),
+                "between -90 deg and 90 deg",
+            );
+        }
+        if let Some(every) = self.reverse_every
+            && every.si() <= 0.0
+        {
+            return bad("apparatus.reverse_every", every.to_string(), "above 0 s");
+        }
+        if let Some(lifters) = &self.lifters {
+            let height = lifters.height.si();
+            if height <= 0.0 || height >= 0.5 * self.inner_diameter.si() {
+                let requirement = "above 0 and below the inner radius";
+                return bad(
+                    "apparatus.lifters.height",
+                    lifters.height.to_string(),
+                    requirement,
+                );
+            }
+            if lifters.count == 0 || lifters.count > 1000 {
+                return bad(
+                    "apparatus.lifters.count",
+                    lifters.count.to_string(),
+                    "1 to 1000",
+                );
+            }
+        }
+        Ok(())
+    }
+
     /// Shell and covers.
     pub(crate) fn walls(&self) -> Vec<NamedWall> {
         let (half, spin) = (0.5 * self.width.si(), self.speed.si());

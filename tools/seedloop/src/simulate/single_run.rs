@@ -44,9 +44,9 @@ impl SingleRun {
     /// A scene with a number that is not finite, a mesh that cannot be read.
     pub(super) fn blank_record(&self) -> anyhow::Result<Record> {
         let mut meshes = BTreeMap::new();
-        for seed in &self.scene.seed {
-            let digest = file_sha256(&self.scene.folder.join(&seed.mesh))?;
-            meshes.insert(seed.mesh.display().to_string(), digest);
+        for mesh in self.scene.mesh_files() {
+            let digest = file_sha256(&self.scene.folder.join(mesh))?;
+            meshes.insert(mesh.display().to_string(), digest);
         }
         let inputs = json!({ "scene": self.scene, "meshes": meshes });
         let version = campaign::Simulator::version(&self.simulator);

@@ -1,0 +1,151 @@
+//! Tables of bench measurements.
+//!
+//! A table is CSV with a header; lines that begin with `#` and empty lines are left out. Columns:
+//!
+//! | test | columns | coefficient |
+//! |---|---|---|
+//! | drop | `drop_height_mm`, `rebound_height_mm` | e = sqrt(H2 / H1) |
+//! | slider | `pull_force_n`, `normal_force_n` | mu = F / N |
+//! | tilt | `angle_deg` | `mu_r` = tan(angle) |
+//!
+//! Sources: `[CottonStudy, eq. 1 and section 2.2]`.
+
+use crate::Error;
+
+/// A bench test.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Test {
+    /// Restitution from heights.
+    Drop,
+    /// Static friction from the pull on a sled.
+    Slider,
+    /// Rolling friction from the angle at which a seed starts to roll.
+    Tilt,
+}
+
+impl Test {
+    /// The columns that the test reads.
+    fn columns(self) -> (&'static [&'static str], &'static str) {
+        match self {
+            Self::Drop => (
+                &["drop_height_mm", "rebound_height_mm"],
+                "drop_height_mm and rebound_height_mm",
+            ),
+            Self::Slider => (
+                &["pull_force_n", "normal_force_n"],
+                "pull_force_n and normal_force_n",
+            ),
+            Self::Tilt => (&["angle_deg"], "angle_deg"),
+        }
+    }
+
+    /// Name of the coefficient.
+    pub fn coefficient(self) -> &'static str {
+        match self {
+            Self::Drop => "restitution",
+            Self::Slider => "static_friction",
+            Self::Tilt => "rolling_friction",
+        }
+    }
+}
+
+/// The coefficients of a table, one a line; `file` is named in messages.
+///
+/// # Errors
+///
+/// A missing column, a cell that is no number in its range.
+pub fn coefficients(test: Test, text: &str, file: &str) -> Result<Vec<f64>, Error> {
+    let (columns, known) = test.columns();
+    let mut lines = text
+        .lines()
+        .enumerate()
+        .filter(|(_, line)| !line.trim().is_empty() && !line.starts_with('#'));
+    let header: Vec<&str> = lines.next().map_or_else(Vec::new, |(_, line)| {
+        line.split(',').map(str::trim).collect()
+    });
+    let mut places = Vec::new();
+    for &column in columns {
+        let place = header.iter().position(|h| *h == column);
+        places.push(place.ok_or_else(|| Error::NoColumn {
+            file: file.to_owned(),
+            column,
+            known,
+        })?);
+    }
+    let mut values = Vec::new();
+    for (number, line) in lines {
+        let cells: Vec<&str> = line.split(',').map(str::trim).collect();
+        let cell = |k: usize| -> Result<f64, Error> {
+            let text = cells.get(places[k]).copied().unwrap_or("");
+            let (high, requirement) = match (test, k) {
+                (Test::Tilt, _) => (90.0, "an angle from 0 to below 90"),
+                (_, 0) => (f64::MAX, "a number of 0 or more"),
+                _ => (f64::MAX, "a number of 0 or more"),
+            };
+            let value = text.parse().ok().filter(|v: &f64| (0.0..high).contains(v));
+            value.ok_or_else(|| Error::Cell {
+                file: file.to_owned(),
+                line: number + 1,
+                column: columns[k],
+                text: text.to_owned(),
+                requirement,
+            })
+        };
+        let refused = |k: usize, requirement| Error::Cell {
+            file: file.to_owned(),
+            line: number + 1,
+            column: columns[k],
+            text: cells.get(places[k]).copied().unwrap_or("").to_owned(),
+            requirement,
+        };
+        values.push(match test {
+            Test::Drop => {
+                let (from, to) = (cell(0)?, cell(1)?);
+                if to > from || from == 0.0 {
+                    return Err(refused(1, "at most the drop height, which is above 0"));
+                }
+                (to / from).sqrt()
+            }
+            Test::Slider => {
+                let (pull, load) = (cell(0)?, cell(1)?);
+                if load == 0.0 {
+                    return Err(refused(1, "above 0"));
+                }
+                pull / load
+            }
+            Test::Tilt => cell(0)?.to_radians().tan(),
+        });
+    }
+    Ok(values)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Test, coefficients};
+
+    #[test]
+    fn each_table_gives_its_coefficient() {
+        let drop = "# a comment\nseed,drop_height_mm,rebound_height_mm\n1,400,4\n2,400,16\n";
+        assert_eq!(coefficients(Test::Drop, drop, "t.csv").unwrap(), [0.1, 0.2]);
+        let slider = "pull_force_n,normal_force_n\n0.32,1\n";
+        assert_eq!(coefficients(Test::Slider, slider, "t.csv").unwrap(), [0.32]);
+        let tilt = coefficients(Test::Tilt, "angle_deg\n45\n", "t.csv").unwrap();
+        assert!((tilt[0] - 1.0).abs() < 1e-15, "{tilt:?}");
+    }
+
+    #[test]
+    fn wrong_tables_are_refused_with_their_place() {
+        let refused = |test, text: &str, words: &[&str]| {
+            let message = coefficients(test, text, "t.csv").unwrap_err().to_string();
+            for word in words {
+                assert!(message.contains(word), "'{word}' is not in '{message}'");
+            }
+        };
+        refused(Test::Tilt, "angle\n1\n", &["t.csv", "angle_deg"]);
+        refused(Test::Tilt, "angle_deg\n95\n", &["line 2", "'95'"]);
+        let higher = "drop_height_mm,rebound_height_mm\n100,120\n";
+        refused(Test::Drop, higher, &["line 2", "'120'", "drop height"]);
+        let text = "pull_force_n,normal_force_n\n0.1,1\n0.1,x\n";
+        refused(Test::Slider, text, &["line 3", "'x'", "normal_force_n"]);
+    }
+}

@@ -1,0 +1,289 @@
+//! Forces between bodies and walls of triangles.
+//!
+//! A sphere that touches several triangles feels the nearest one, and of the others those whose
+//! nearest point does not lie on a triangle that it feels already. So a flat face of many triangles
+//! acts as one plane, a convex edge as one edge, and a concave corner as two walls. The tangential
+//! displacement belongs to the sphere and the direction of its contact, and thus survives the way
+//! from one triangle to the next.
+
+use crate::bodies::Bodies;
+use crate::contact::{Effect, Mover, SphereWall};
+use crate::error::Error;
+use crate::mesh_wall::{MeshWall, Motion, Moving};
+use crate::pair_force::{Context, mover};
+use crate::template::{OuterSphere, Template};
+use contact_law::ContactGeometry;
+use nalgebra::Vector3;
+use trimesh::nearest_on_triangle;
+
+/// Two nearest points closer than this share of the sphere's radius are one.
+const SAME_POINT: f64 = 1e-6;
+
+/// Cosine of the angle by which a contact may turn in one step and still be the same.
+const SAME_CONTACT: f64 = 0.9;
+
+/// A sphere that touches a wall.
+#[derive(Debug, Clone, Copy)]
+struct Touch {
+    /// The sphere.
+    sphere: u16,
+    /// Unit vector from the sphere towards the wall.
+    normal: Vector3<f64>,
+    /// Tangential displacement, m.
+    slip: Vector3<f64>,
+}
+
+/// A body near a wall.
+#[derive(Debug, Clone)]
+struct Near {
+    /// The body.
+    body: usize,
+    /// The wall.
+    wall: usize,
+    /// Sum of the ways of body and wall at which the list must be made anew, m.
+    limit: f64,
+    /// Triangles within the margin of the body.
+    triangles: Vec<u32>,
+    /// Spheres and triangles within the skin, by sphere.
+    candidates: Vec<(u16, u32)>,
+    /// Spheres that touch.
+    touches: Vec<Touch>,
+}
+
+/// A triangle that a sphere touches, in the frame of the triangles.
+#[derive(Debug, Clone, Copy)]
+struct Hit {
+    /// Distance of the sphere's centre, m.
+    distance: f64,
+    /// Nearest point, m.
+    point: Vector3<f64>,
+    /// The triangle.
+    triangle: usize,
+}
+
+/// All walls of triangles, and the bodies near them.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct MeshWalls {
+    /// The walls.
+    pub(crate) moving: Vec<Moving>,
+    /// Bodies near walls, by body, then wall.
+    near: Vec<Near>,
+}
+
+impl MeshWalls {
+    /// Adds a wall.
+    pub(crate) fn add(&mut self, wall: MeshWall) -> Result<(), Error> {
+        self.moving.push(Moving::new(wall)?);
+        Ok(())
+    }
+
+    /// Changes velocity, spin and vibration of all walls of a name; the centre of rotation stays.
+    /// False if there is no such wall or a number is not finite.
+    pub(crate) fn set_motion(&mut self, name: &str, motion: &Motion) -> bool {
+        let mut known = false;
+        for moving in self.moving.iter_mut().filter(|m| m.wall.name == name) {
+            let about = moving.wall.motion.about;
+            moving.wall.motion = Motion { about, ..*motion };
+            known = true;
+        }
+        known && motion.is_finite()
+    }
+
+    /// Longest way of a wall since the last search, m.
+    pub(crate) fn longest(&self) -> f64 {
+        self.moving.iter().map(|m| m.travel).fold(0.0, f64::max)
+    }
+
+    /// Lists the bodies whose bounding sphere is within the margin (m) of a triangle.
+    pub(crate) fn rebuild(&mut self, bodies: &Bodies, templates: &[Template], margin: f64) {
+        let mut old = std::mem::take(&mut self.near).into_iter().peekable();
+        for body in 0..bodies.len() {
+            let reach = templates[bodies.template[body]].bounding_radius + margin;
+            for (wall, moving) in self.moving.iter().enumerate() {
+                let own = moving.into_own(&bodies.position[body]);
+                let triangles: Vec<u32> = moving.near(&own, reach).collect();
+                if triangles.is_empty() {
+                    continue;
+                }
+                while old.next_if(|n| (n.body, n.wall) < (body, wall)).is_some() {}
+                let same = old.next_if(|n| (n.body, n.wall) == (body, wall));
+                self.near.push(Near {
+                    body,
+                    wall,
+                    limit: f64::NEG_INFINITY,
+                    triangles,
+                    candidates: Vec::new(),
+                    touches: same.map_or_else(Vec::new, |n| n.touches),
+                });
+            }
+        }
+        for moving in &mut self.moving {
+            moving.travel = 0.0;
+        }
+    }
+
+    /// Adds the forces of all walls.
+    pub(crate) fn add_forces(&mut self, bodies: &mut Bodies, context: &Context<'_>) {
+        for moving in &mut self.moving {
+            (moving.force, moving.torque) = (Vector3::zeros(), Vector3::zeros());
+        }
+        for near in &mut self.near {
+            let moving = &mut self.moving[near.wall];
+            let template = &context.templates[bodies.template[near.body]];
+            let body = mover(bodies, near.body);
+            if f64::from(bodies.travel[near.body]) + moving.travel > near.limit {
+                near.list_candidates(bodies, template, moving, context);
+            }
+            let total = near.add_contacts(&body, bodies, moving, context);
+            bodies.force[near.body] += total.force;
+            bodies.torque[near.body] += total.torque_i;
+            moving.force -= total.force;
+            let arm = body.position - moving.pivot();
+            moving.torque -= arm.cross(&total.force) + total.torque_i;
+        }
+    }
+
+    /// Moves all walls by a step (s) that ends at a time (s).
+    pub(crate) fn advance(&mut self, time_step: f64, time: f64) {
+        for moving in &mut self.moving {
+            moving.advance(time_step, time);
+        }
+    }
+
+    /// Number of touching spheres at all walls.
+    pub(crate) fn n_contacts(&self) -> usize {
+        self.near.iter().map(|n| n.touches.len()).sum()
+    }
+}
+
+impl Near {
+    /// Lists the spheres and triangles that may touch before body and wall have moved by the skin.
+    fn list_candidates(
+        &mut self,
+        bodies: &Bodies,
+        template: &Template,
+        moving: &Moving,
+        context: &Context<'_>,
+    ) {
+        let skin = f64::from(context.slack.skin);
+        let (position, rotation) = (bodies.position[self.body], bodies.rotation[self.body]);
+        self.candidates.clear();
+        let mut nearest = f64::INFINITY;
+        for (k, sphere) in (0_u16..).zip(&template.spheres) {
+            let own = moving.into_own(&(position + rotation * sphere.centre));
+            for &triangle in &self.triangles {
+                let corners = &moving.wall.triangles[triangle as usize];
+                let gap = (nearest_on_triangle(&own, corners) - own).norm() - sphere.radius;
+                nearest = nearest.min(gap);
+                if gap < skin {
+                    self.candidates.push((k, triangle));
+                }
+            }
+        }
+        let reach = nearest.max(skin) - f64::from(context.slack.safety);
+        self.limit = f64::from(bodies.travel[self.body]) + moving.travel + reach;
+    }
+
+    /// Forces of the spheres that touch.
+    fn add_contacts(
+        &mut self,
+        body: &Mover,
+        bodies: &Bodies,
+        moving: &Moving,
+        context: &Context<'_>,
+    ) -> Effect {
+        let template = &context.templates[bodies.template[self.body]];
+        let interaction = context.interaction(template.material, moving.wall.material);
+        let rotation = &bodies.rotation[self.body];
+        let mut total = Effect::default();
+        let mut before = std::mem::take(&mut self.touches);
+        for group in self.candidates.chunk_by(|a, b| a.0 == b.0) {
+            let number = group[0].0;
+            let sphere = &template.spheres[usize::from(number)];
+            let centre = body.position + rotation * sphere.centre;
+            for hit in felt(group, &moving.into_own(&centre), sphere.radius, moving) {
+                let contact = geometry(body, sphere, &centre, moving, &hit);
+                let slip = take_slip(&mut before, number, &contact.normal);
+                let effect = interaction.at_wall(&contact, body, slip, context.time_step);
+                self.touches.push(Touch {
+                    sphere: number,
+                    normal: contact.normal,
+                    slip: effect.slip,
+                });
+                total.force += effect.force;
+                total.torque_i += effect.torque_i;
+            }
+        }
+        total
+    }
+}
+
+/// Contacts of a sphere at a point of the frame of the triangles, nearest first.
+fn felt(group: &[(u16, u32)], own: &Vector3<f64>, radius: f64, moving: &Moving) -> Vec<Hit> {
+    let triangles = &moving.wall.triangles;
+    let mut hits: Vec<Hit> = Vec::new();
+    for &(_, triangle) in group {
+        let triangle = triangle as usize;
+        let point = nearest_on_triangle(own, &triangles[triangle]);
+        let distance = (point - own).norm();
+        if distance < radius {
+            hits.push(Hit {
+                distance,
+                point,
+                triangle,
+            });
+        }
+    }
+    hits.sort_by(|a, b| a.distance.total_cmp(&b.distance));
+    let mut kept: Vec<Hit> = Vec::new();
+    for hit in hits {
+        let shared = |other: &Hit| {
+            let there = nearest_on_triangle(&hit.point, &triangles[other.triangle]);
+            (there - hit.point).norm() < SAME_POINT * radius
+        };
+        if !kept.iter().any(shared) {
+            kept.push(hit);
+        }
+    }
+    kept
+}
+
+/// Geometry of a sphere of a body at a triangle.
+fn geometry(
+    body: &Mover,
+    sphere: &OuterSphere,
+    centre: &Vector3<f64>,
+    moving: &Moving,
+    hit: &Hit,
+) -> SphereWall {
+    let towards = if hit.distance > 0.0 {
+        moving.direction(&((hit.point - moving.into_own(centre)) / hit.distance))
+    } else {
+        let [a, b, c] = moving.wall.triangles[hit.triangle];
+        moving.direction(&(b - a).cross(&(c - a)).normalize())
+    };
+    let overlap = sphere.radius - hit.distance;
+    let point = centre + towards * (sphere.radius - 0.5 * overlap);
+    SphereWall {
+        normal: towards,
+        arm: point - body.position,
+        wall_velocity: moving.velocity_at(&point),
+        wall_spin: moving.wall.motion.spin,
+        geometry: ContactGeometry {
+            overlap,
+            reduced_radius: sphere.radius,
+            reduced_mass: sphere.dashpot_mass,
+        },
+    }
+}
+
+/// Takes the displacement of the contact of a sphere that had nearly this normal; 0 for a new one.
+fn take_slip(before: &mut Vec<Touch>, sphere: u16, normal: &Vector3<f64>) -> Vector3<f64> {
+    let same = before
+        .iter()
+        .enumerate()
+        .filter(|(_, t)| t.sphere == sphere && t.normal.dot(normal) > SAME_CONTACT)
+        .max_by(|a, b| a.1.normal.dot(normal).total_cmp(&b.1.normal.dot(normal)))
+        .map(|(at, _)| at);
+    same.map_or_else(Vector3::zeros, |at| before.swap_remove(at).slip)
+}

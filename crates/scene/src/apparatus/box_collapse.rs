@@ -1,0 +1,95 @@
+//! A box whose gate is lifted, so that the seeds run out over the floor.
+
+use super::heap::{check_lift, check_size, floor};
+use super::{NamedMesh, NamedWall, cover};
+use crate::Error;
+use dem_solver::{Motion, Shape};
+use nalgebra::Vector3;
+use quantity::{Length, Speed};
+use serde::{Deserialize, Serialize};
+
+/// The box from x = 0 to `length`, its floor y = 0, its sides at plus and minus half of `width`. The
+/// gate closes it at x = `length`; the sides and the floor go on behind the gate.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct BoxCollapse {
+    /// Length of the box.
+    pub length: Length,
+    /// Height of the gate.
+    pub height: Length,
+    /// Distance of the sides.
+    pub width: Length,
+    /// Speed at which the gate is lifted, once the seeds rest.
+    pub lift_speed: Speed,
+    /// Material of the floor.
+    pub floor: String,
+    /// Material of back, sides and gate.
+    pub wall: String,
+}
+
+impl BoxCollapse {
+    /// Floor, back and sides.
+    pub(crate) fn walls(&self) -> Vec<NamedWall> {
+        let half = 0.5 * self.width.si();
+        let back = Shape::Plane {
+            point: Vector3::zeros(),
+            normal: Vector3::x(),
+        };
+        let wall = |name, shape| NamedWall {
+            name,
+            shape,
+            material: self.wall.clone(),
+            spin: 0.0,
+        };
+        vec![
+            floor(&self.floor),
+            wall("back", back),
+            wall("front side", cover(half)),
+            wall("back side", cover(-half)),
+        ]
+    }
+
+    /// The gate, lifted when the drive runs.
+    pub(crate) fn gate_mesh(&self) -> NamedMesh {
+        let (x, height, half) = (self.length.si(), self.height.si(), 0.5 * self.width.si());
+        let at = |y: f64, z: f64| Vector3::new(x, y, z);
+        let [a, b, c, d] = [
+            at(0.0, -half),
+            at(0.0, half),
+            at(height, half),
+            at(height, -half),
+        ];
+        NamedMesh {
+            name: "gate".into(),
+            triangles: vec![[a, b, c], [a, c, d]],
+            material: self.wall.clone(),
+            motion: Motion {
+                velocity: Vector3::y() * self.lift_speed.si(),
+                ..Motion::default()
+            },
+        }
+    }
+
+    /// Refuses what cannot be meant.
+    pub(crate) fn check(&self) -> Result<(), Error> {
+        check_size("apparatus.length", self.length)?;
+        check_size("apparatus.height", self.height)?;
+        check_size("apparatus.width", self.width)?;
+        check_lift("apparatus.lift_speed", self.lift_speed)
+    }
+
+    /// Whether a ball is inside the box.
+    pub(crate) fn has_room(&self, centre: &Vector3<f64>, radius: f64) -> bool {
+        let [low, high] = self.room();
+        (0..3).all(|k| centre[k] - radius > low[k] && centre[k] + radius < high[k])
+    }
+
+    /// Region in which seeds may start, m.
+    pub(crate) fn room(&self) -> [Vector3<f64>; 2] {
+        let half = 0.5 * self.width.si();
+        [
+            Vector3::new(0.0, 0.0, -half),
+            Vector3::new(self.length.si(), self.height.si(), half),
+        ]
+    }
+}

@@ -1,0 +1,113 @@
+//! Walls of triangles in a scene: those of the apparatus and those that the user brings.
+
+use crate::apparatus::NamedMesh;
+use crate::{Error, Scene};
+use dem_solver::{Motion, Vibration};
+use nalgebra::Vector3;
+use quantity::{AngularSpeed, Frequency, Length, Speed};
+use serde::{Deserialize, Serialize};
+use std::path::PathBuf;
+
+/// A wall from a mesh, with prescribed motion. It moves from the start of the drive on; while the
+/// seeds settle it stands still.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct WallSettings {
+    /// Name.
+    pub name: String,
+    /// Mesh, relative to the scene file; it need not be closed.
+    pub mesh: PathBuf,
+    /// What one unit of the mesh is.
+    pub mesh_unit: trimesh::LengthUnit,
+    /// Name of the material.
+    pub material: String,
+    /// Shift of the mesh: x, y, z. None where absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub position: Option<[Length; 3]>,
+    /// Velocity: x, y, z.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub velocity: Option<[Speed; 3]>,
+    /// Angular velocity: x, y, z.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub spin: Option<[AngularSpeed; 3]>,
+    /// Centre of rotation, in the frame of the scene; the origin where absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub about: Option<[Length; 3]>,
+    /// Vibration.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub vibration: Option<VibrationSettings>,
+}
+
+/// A harmonic motion.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct VibrationSettings {
+    /// Amplitude: x, y, z.
+    pub amplitude: [Length; 3],
+    /// Frequency.
+    pub frequency: Frequency,
+}
+
+impl WallSettings {
+    /// Reads the mesh and puts it in its place.
+    fn read(&self, scene: &Scene) -> Result<NamedMesh, Error> {
+        let path = scene.folder.join(&self.mesh);
+        let mesh = trimesh::read_stl(&path, self.mesh_unit).map_err(|source| Error::WallMesh {
+            wall: self.name.clone(),
+            source,
+        })?;
+        let lengths = |v: Option<[Length; 3]>| {
+            v.map_or_else(Vector3::zeros, |v| Vector3::from(v.map(Length::si)))
+        };
+        let shift = lengths(self.position);
+        let mesh = &mesh.mesh;
+        let triangles = (0..mesh.triangles().len()).map(|t| mesh.corners(t).map(|c| c + shift));
+        let velocity = self.velocity.map(|v| Vector3::from(v.map(Speed::si)));
+        let spin = self.spin.map(|v| Vector3::from(v.map(AngularSpeed::si)));
+        let vibration = self.vibration.as_ref().map(|v| Vibration {
+            amplitude: Vector3::from(v.amplitude.map(Length::si)),
+            angular_frequency: std::f64::consts::TAU * v.frequency.si(),
+        });
+        Ok(NamedMesh {
+            name: self.name.clone(),
+            triangles: triangles.collect(),
+            material: self.material.clone(),
+            motion: Motion {
+                velocity: velocity.unwrap_or_default(),
+                spin: spin.unwrap_or_default(),
+                about: lengths(self.about),
+                vibration,
+            },
+        })
+    }
+}
+
+/// All walls of triangles of a scene.
+///
+/// # Errors
+///
+/// A mesh that is refused.
+pub(crate) fn mesh_walls(scene: &Scene) -> Result<Vec<NamedMesh>, Error> {
+    let mut walls = scene.apparatus.mesh_walls();
+    for wall in &scene.wall {
+        walls.push(wall.read(scene)?);
+    }
+    Ok(walls)
+}
+
+impl Scene {
+    /// Names of the materials of all walls.
+    pub(crate) fn wall_materials(&self) -> Vec<&str> {
+        let mut names = self.apparatus.materials();
+        names.extend(self.wall.iter().map(|w| w.material.as_str()));
+        names
+    }
+
+    /// All mesh files that a run depends on, relative to the folder of the scene.
+    pub fn mesh_files(&self) -> Vec<&std::path::Path> {
+        let seeds = self.seed.iter().map(|s| s.mesh.as_path());
+        seeds
+            .chain(self.wall.iter().map(|w| w.mesh.as_path()))
+            .collect()
+    }
+}

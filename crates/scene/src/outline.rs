@@ -1,0 +1,162 @@
+//! The slope of a heap, read from its outline as a photo from the side would show it.
+
+use clump::Sphere;
+use nalgebra::Vector3;
+
+/// Share of the height between which a flank is read: the foot is ragged and the top is round.
+const FLANK: [f64; 2] = [0.2, 0.8];
+
+/// A direction of looking: which coordinate runs to the right.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum View {
+    /// x to the right, seen along z.
+    AlongZ,
+    /// z to the right, seen along x.
+    AlongX,
+}
+
+/// Upper outline: highest point of any sphere in columns of a width (m) from the left on.
+#[derive(Debug, Clone)]
+pub(crate) struct Outline {
+    /// Left end of the first column, m.
+    start: f64,
+    /// Width of a column, m.
+    width: f64,
+    /// Heights, m; 0 where there is nothing.
+    heights: Vec<f64>,
+}
+
+impl Outline {
+    /// The outline of spheres over the floor y = 0; none where there is no sphere.
+    pub(crate) fn of(spheres: &[Sphere], view: View, width: f64) -> Option<Self> {
+        let across = |c: &Vector3<f64>| match view {
+            View::AlongZ => c.x,
+            View::AlongX => c.z,
+        };
+        let ends = |sign: f64| {
+            spheres
+                .iter()
+                .map(move |s| sign * across(&s.centre) + s.radius)
+        };
+        let start = -ends(-1.0).fold(f64::NEG_INFINITY, f64::max);
+        let end = ends(1.0).fold(f64::NEG_INFINITY, f64::max);
+        if !(start.is_finite() && end > start) {
+            return None;
+        }
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "clamped to a million columns"
+        )]
+        let column = |x: f64| ((x - start) / width).clamp(0.0, 1e6) as usize;
+        let mut heights = vec![0.0_f64; column(end) + 1];
+        for sphere in spheres {
+            let x = across(&sphere.centre);
+            let n = heights.len();
+            let columns = column(x - sphere.radius)..=column(x + sphere.radius).min(n - 1);
+            for (k, height) in heights
+                .iter_mut()
+                .enumerate()
+                .take(columns.end() + 1)
+                .skip(*columns.start())
+            {
+                let aside = (start + width * (k as f64 + 0.5) - x)
+                    .abs()
+                    .min(sphere.radius);
+                let top = sphere.centre.y + (sphere.radius.powi(2) - aside * aside).sqrt();
+                *height = height.max(top);
+            }
+        }
+        Some(Self {
+            start,
+            width,
+            heights,
+        })
+    }
+
+    /// Height of the highest point, m.
+    pub(crate) fn height(&self) -> f64 {
+        self.heights.iter().copied().fold(0.0, f64::max)
+    }
+
+    /// Angle of the flank that falls to the right, rad: least squares through the columns right of the
+    /// top between a fifth and four fifths of the height. None with fewer than five columns.
+    pub(crate) fn right_flank(&self) -> Option<f64> {
+        let height = self.height();
+        let top = self.heights.iter().position(|h| *h >= height)?;
+        let points: Vec<(f64, f64)> = (top..self.heights.len())
+            .map(|k| (self.start + self.width * (k as f64 + 0.5), self.heights[k]))
+            .skip_while(|p| p.1 > FLANK[1] * height)
+            .take_while(|p| p.1 >= FLANK[0] * height)
+            .collect();
+        if points.len() < 5 {
+            return None;
+        }
+        let n = points.len() as f64;
+        let mean = |f: &dyn Fn(&(f64, f64)) -> f64| points.iter().map(f).sum::<f64>() / n;
+        let (x, y) = (mean(&|p| p.0), mean(&|p| p.1));
+        let slope = mean(&|p| (p.0 - x) * (p.1 - y)) / mean(&|p| (p.0 - x).powi(2));
+        Some((-slope).atan())
+    }
+
+    /// The same outline seen from the other side.
+    pub(crate) fn mirrored(&self) -> Self {
+        let mut heights = self.heights.clone();
+        heights.reverse();
+        Self {
+            start: -(self.start + self.width * self.heights.len() as f64),
+            heights,
+            ..*self
+        }
+    }
+
+    /// Where the outline ends on the right, at half a percent of the height, m.
+    pub(crate) fn right_end(&self) -> f64 {
+        self.start + self.width * self.heights.len() as f64
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Outline, View};
+    use clump::Sphere;
+    use nalgebra::Vector3;
+
+    /// Small spheres on a cone of 30 degrees: both flanks in both views read 30 degrees; half a degree
+    /// is the roughness of spheres of a fortieth of the height.
+    #[test]
+    fn flanks_of_a_cone_have_its_angle() {
+        let slope = 30_f64.to_radians().tan();
+        let mut spheres = Vec::new();
+        for i in -60..=60_i32 {
+            for j in -60..=60_i32 {
+                let (x, z) = (f64::from(i) * 1e-3, f64::from(j) * 1e-3);
+                let y = 0.04 * slope - slope * x.hypot(z);
+                if y > 0.0 {
+                    spheres.push(Sphere {
+                        centre: Vector3::new(x, y, z),
+                        radius: 0.6e-3,
+                    });
+                }
+            }
+        }
+        for view in [View::AlongX, View::AlongZ] {
+            let outline = Outline::of(&spheres, view, 1e-3).unwrap();
+            for outline in [outline.mirrored(), outline] {
+                let angle = outline.right_flank().unwrap().to_degrees();
+                assert!((angle - 30.0).abs() < 0.5, "{view:?}: {angle} deg");
+            }
+        }
+    }
+
+    #[test]
+    fn a_single_sphere_has_no_flank() {
+        let sphere = Sphere {
+            centre: Vector3::new(0.0, 1e-3, 0.0),
+            radius: 1e-3,
+        };
+        let outline = Outline::of(&[sphere], View::AlongZ, 1e-3).unwrap();
+        assert!(outline.right_flank().is_none());
+        assert!(Outline::of(&[], View::AlongZ, 1e-3).is_none());
+    }
+}

@@ -1,0 +1,101 @@
+//! Heap and box collapse: fill, settle, lift a wall, wait for rest, read the slope.
+
+use crate::outline::{Outline, View};
+use crate::run::{Built, SERIES_INTERVAL, advance, build, rest_energy, settle, snapshot};
+use crate::{Apparatus, Error, FillingLibrary, Frame, Further, Scene, SeedBody};
+use clump::Sphere;
+use std::sync::Arc;
+
+/// What the seeds look like when they rest again.
+#[derive(Debug, Clone)]
+pub(crate) struct Released {
+    /// The world, for the counts.
+    pub(crate) built: Built,
+    /// The seeds at the end.
+    pub(crate) frame: Frame,
+    /// Observables.
+    pub(crate) further: Vec<Further>,
+    /// Whether they rested before the limit.
+    pub(crate) rested: bool,
+}
+
+/// Runs a release.
+pub(crate) fn release(
+    scene: &Scene,
+    library: &FillingLibrary,
+    seed: u64,
+) -> Result<Released, Error> {
+    let mut built = build(scene, library, seed)?;
+    settle(scene, &mut built)?;
+    for mesh in &built.meshes {
+        built.world.set_mesh_motion(&mesh.name, &mesh.motion);
+    }
+    let start = built.world.time();
+    let rest = rest_energy(scene, &built.world);
+    // The wall must be out of the way before rest can mean anything.
+    let lifted = match &scene.apparatus {
+        Apparatus::Heap(heap) => heap.height.si() / heap.lift_speed.si(),
+        Apparatus::BoxCollapse(body) => body.height.si() / body.lift_speed.si(),
+        Apparatus::Drum(_) | Apparatus::Metering(_) => 0.0,
+    };
+    let limit = scene.protocol.rotation_limit.si();
+    let mut rested = false;
+    while !rested && built.world.time() - start < limit {
+        advance(scene, &mut built, SERIES_INTERVAL)?;
+        let time = built.world.time() - start;
+        rested = time > lifted && built.world.kinetic_energy() < rest;
+    }
+    let frame = snapshot(&built.world, built.world.time() - start);
+    let further = observables(scene, &frame, &built.bodies);
+    Ok(Released {
+        built,
+        frame,
+        further,
+        rested,
+    })
+}
+
+/// Slope, height and extent.
+fn observables(scene: &Scene, frame: &Frame, bodies: &[Arc<SeedBody>]) -> Vec<Further> {
+    let spheres: Vec<Sphere> = frame.spheres(bodies).map(|(_, s)| s).collect();
+    let width = bodies
+        .iter()
+        .map(|b| b.clump.bounding_radius())
+        .fold(0.0, f64::max);
+    let views: &[View] = match scene.apparatus {
+        Apparatus::Heap(_) => &[View::AlongZ, View::AlongX],
+        _ => &[View::AlongZ],
+    };
+    let outlines: Vec<Outline> = views
+        .iter()
+        .filter_map(|view| Outline::of(&spheres, *view, 0.5 * width))
+        .collect();
+    let is_heap = views.len() > 1;
+    let mut angles: Vec<f64> = Vec::new();
+    let mut ends = Vec::new();
+    for outline in &outlines {
+        angles.extend(outline.right_flank());
+        ends.push(outline.right_end());
+        if is_heap {
+            let mirrored = outline.mirrored();
+            angles.extend(mirrored.right_flank());
+            ends.push(mirrored.right_end());
+        }
+    }
+    let angles = angles.iter().map(|a| a.to_degrees()).collect();
+    let heights = outlines.first().map(|o| 1e3 * o.height());
+    let extent = ends.iter().map(|e| 1e3 * e).collect();
+    vec![
+        Further::new("angle_of_repose_deg", "deg", angles),
+        Further::new("height_mm", "mm", heights.into_iter().collect()),
+        Further::new(
+            if is_heap {
+                "base_radius_mm"
+            } else {
+                "runout_mm"
+            },
+            "mm",
+            extent,
+        ),
+    ]
+}

@@ -1,0 +1,71 @@
+//! Checks of the solver against mechanics, one row a check.
+//!
+//! [`run`] does the checks of the [`suite`] and gives their [`Row`]s; [`page`] writes them as the page
+//! `docs/verification.md`. A row compares one number that the solver gives with one that does not
+//! come from the solver, within a tolerance whose reason is stated. [`Kind`] says what the expected
+//! number rests on.
+
+mod agglomerate;
+mod bond_beam;
+mod chung_ooi;
+mod determinism;
+mod energy_ledger;
+mod free_rotation;
+mod impact_reference;
+mod laws;
+mod maw;
+mod page;
+mod restitution;
+mod rolling;
+mod row;
+mod size_ratio;
+mod suite;
+mod walls;
+mod worlds;
+
+pub use page::page;
+pub use row::{Kind, Row, Tolerance};
+pub use suite::{Check, run, suite};
+
+/// Why a check could not be done at all.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// A world could not be built or stopped.
+    #[error("check '{check}': {source}")]
+    Solver {
+        /// Name of the check.
+        check: &'static str,
+        /// Why.
+        source: Trouble,
+    },
+    /// No check has the name.
+    #[error("no check is named '{name}'; there are {known}")]
+    NoSuchCheck {
+        /// The name given.
+        name: String,
+        /// The names that exist.
+        known: String,
+    },
+}
+
+/// What can go wrong inside a check.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Trouble {
+    /// The solver.
+    #[error(transparent)]
+    Solver(#[from] dem_solver::Error),
+    /// A material or contact parameter.
+    #[error(transparent)]
+    Contact(#[from] contact_law::Error),
+    /// A body.
+    #[error(transparent)]
+    Body(#[from] clump::Error),
+    /// Bonds.
+    #[error(transparent)]
+    Bond(#[from] bonded_body::Error),
+    /// An event that the check waits for did not come.
+    #[error("{0} did not happen")]
+    NoEvent(&'static str),
+}

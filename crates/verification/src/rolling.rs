@@ -1,0 +1,108 @@
+//! Balls on planes: from sliding to rolling, rolling and sliding down an incline, rolling resistance.
+
+use crate::Trouble;
+use crate::row::{Basis, Kind, Row, Tolerance};
+use crate::worlds::{
+    DENSITY, GRAVITY, RADIUS, ball, floor, resting_overlap, run, settings, soft_surface, thrown,
+    world,
+};
+use dem_solver::{Placement, World};
+use nalgebra::Vector3;
+
+/// Time step, a hundredth of a contact, s.
+const STEP: f64 = 1e-5;
+
+/// A ball on the floor, pressed in by its weight; gravity is tilted by an angle (rad) towards +x.
+fn on_the_floor(
+    parameters: [f64; 3],
+    tilt: f64,
+    speed: f64,
+    spin: f64,
+) -> Result<(World, f64), Trouble> {
+    let overlap = resting_overlap(RADIUS, GRAVITY * tilt.cos())?;
+    let start = Placement {
+        spin: Vector3::z() * spin,
+        ..thrown(0, Vector3::y() * (RADIUS - overlap), Vector3::x() * speed)
+    };
+    let gravity = Vector3::new(tilt.sin(), -tilt.cos(), 0.0) * GRAVITY;
+    let world = world(
+        settings(STEP, gravity, RADIUS),
+        &soft_surface(parameters)?,
+        vec![ball(RADIUS, DENSITY)?],
+        vec![floor()],
+        &[start],
+    )?;
+    Ok((world, overlap / RADIUS))
+}
+
+/// Mean acceleration along x over some steps, m/s².
+fn acceleration(world: &mut World, n_steps: usize) -> Result<f64, Trouble> {
+    let (time, velocity) = (world.time(), world.bodies().velocity[0].x);
+    run(world, n_steps)?;
+    Ok((world.bodies().velocity[0].x - velocity) / (world.time() - time))
+}
+
+/// A ball thrown along a level floor.
+pub(crate) fn slip_to_roll() -> Result<Vec<Row>, Trouble> {
+    let (mut world, flattening) = on_the_floor([0.5, 0.3, 0.0], 0.0, 0.3, 0.0)?;
+    let basis = Basis {
+        check: "slip-to-roll",
+        kind: Kind::Analytical,
+        tolerance: Tolerance::Relative(1e-3 + 2.0 * flattening),
+        reason: "friction acts at the arm R - d/2 instead of R",
+        source: "angular momentum about the point of contact is kept",
+    };
+    run(&mut world, 2000)?;
+    let sliding = world.bodies().velocity[0].x;
+    let expected = 0.3 - 0.3 * GRAVITY * world.time();
+    run(&mut world, 8000)?;
+    let (velocity, spin) = (world.bodies().velocity[0].x, world.bodies().spin[0].z);
+    Ok(vec![
+        basis.row("speed while sliding, v - mu g t", "m/s", expected, sliding),
+        basis.row(
+            "speed when rolling, 5/7 v",
+            "m/s",
+            5.0 / 7.0 * 0.3,
+            velocity,
+        ),
+        basis.row(
+            "spin when rolling, v / R",
+            "rad/s",
+            velocity / RADIUS,
+            -spin,
+        ),
+    ])
+}
+
+/// A ball on inclines, and slowed down by rolling resistance.
+pub(crate) fn inclines() -> Result<Vec<Row>, Trouble> {
+    let basis = Basis {
+        check: "incline",
+        kind: Kind::Analytical,
+        tolerance: Tolerance::Relative(3e-3),
+        reason: "arm R - d/2 (d/R up to 6e-4) and the first loading of the tangential spring",
+        source: "5/7 g sin; g (sin - mu cos) above tan = 7/2 mu; 5/7 mu_r g",
+    };
+    let mut rows = Vec::new();
+    for degrees in [5.0_f64, 20.0, 40.0] {
+        let angle = degrees.to_radians();
+        let (mut world, _) = on_the_floor([0.3, 0.5, 0.0], angle, 0.0, 0.0)?;
+        run(&mut world, 10_000)?;
+        let got = acceleration(&mut world, 10_000)?;
+        let expected = 5.0 / 7.0 * GRAVITY * angle.sin();
+        rows.push(basis.row(format!("rolling down {degrees} deg"), "m/s2", expected, got));
+    }
+    let angle = 70.0_f64.to_radians();
+    let (mut world, _) = on_the_floor([0.3, 0.5, 0.0], angle, 0.0, 0.0)?;
+    run(&mut world, 2000)?;
+    let got = acceleration(&mut world, 8000)?;
+    let expected = GRAVITY * (angle.sin() - 0.5 * angle.cos());
+    rows.push(basis.row("sliding down 70 deg", "m/s2", expected, got));
+
+    let (mut world, _) = on_the_floor([0.5, 0.3, 0.02], 0.0, 0.3, -0.3 / RADIUS)?;
+    run(&mut world, 5000)?;
+    let got = -acceleration(&mut world, 10_000)?;
+    let expected = 5.0 / 7.0 * 0.02 * GRAVITY;
+    rows.push(basis.row("slowing by rolling friction 0.02", "m/s2", expected, got));
+    Ok(rows)
+}

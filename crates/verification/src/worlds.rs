@@ -1,0 +1,170 @@
+//! Small worlds: balls, clusters, planes, starts.
+
+use crate::Trouble;
+use clump::{Clump, Sphere, properties_of_spheres};
+use contact_law::{Material, NormalForceEnd, PairParameters};
+use dem_solver::{
+    DashpotMass, Interaction, InteractionSettings, Placement, Settings, Shape, Template, Wall,
+    World,
+};
+use nalgebra::{UnitQuaternion, Vector3};
+
+/// Acceleration of gravity, m/s².
+pub(crate) const GRAVITY: f64 = 9.81;
+
+/// Density of bodies that have no other, kg/m³.
+pub(crate) const DENSITY: f64 = 1000.0;
+
+/// Radius of balls that have no other, m.
+pub(crate) const RADIUS: f64 = 2e-3;
+
+/// A material by Young's modulus (Pa) and Poisson's ratio.
+pub(crate) fn elastic(young: f64, poisson: f64) -> Result<Material, contact_law::Error> {
+    Material::new(poisson, young / (2.0 * (1.0 + poisson)))
+}
+
+/// A soft material, so that a contact lasts many steps.
+pub(crate) fn soft() -> Result<Material, contact_law::Error> {
+    Material::new(0.25, 4e6)
+}
+
+/// A surface between two materials: restitution, sliding and rolling friction, no attraction, a
+/// dashpot that may pull.
+pub(crate) fn surface(
+    materials: [Material; 2],
+    [restitution, static_friction, rolling_friction]: [f64; 3],
+) -> InteractionSettings {
+    InteractionSettings {
+        materials,
+        parameters: PairParameters {
+            restitution,
+            static_friction,
+            rolling_friction,
+        },
+        attraction: 0.0,
+        end: NormalForceEnd::Attractive,
+    }
+}
+
+/// The same with soft sides.
+pub(crate) fn soft_surface(parameters: [f64; 3]) -> Result<InteractionSettings, Trouble> {
+    Ok(surface([soft()?; 2], parameters))
+}
+
+/// The same without a pulling dashpot.
+pub(crate) fn clipped(settings: InteractionSettings) -> InteractionSettings {
+    InteractionSettings {
+        end: NormalForceEnd::Clipped,
+        ..settings
+    }
+}
+
+/// Settings whose lists suit bodies of a size (m).
+pub(crate) fn settings(time_step: f64, gravity: Vector3<f64>, size: f64) -> Settings {
+    Settings {
+        time_step,
+        gravity,
+        skin: 0.15 * size,
+        margin: 0.5 * size,
+    }
+}
+
+/// A ball: radius in m, density in kg/m³.
+pub(crate) fn ball(radius: f64, density: f64) -> Result<Template, Trouble> {
+    let clump = Clump::sphere(radius, density)?;
+    Ok(Template::new(&clump, 0, DashpotMass::Body))
+}
+
+/// A body of spheres (centre and radius in m) with their mass.
+pub(crate) fn cluster(spheres: &[([f64; 3], f64)]) -> Result<Clump, Trouble> {
+    let spheres: Vec<_> = spheres
+        .iter()
+        .map(|&(centre, radius)| Sphere {
+            centre: Vector3::from(centre),
+            radius,
+        })
+        .collect();
+    Ok(Clump::new(
+        &spheres,
+        &properties_of_spheres(&spheres, DENSITY),
+    )?)
+}
+
+/// A plane through a point (m).
+pub(crate) fn plane(point: Vector3<f64>, normal: Vector3<f64>) -> Wall {
+    let shape = Shape::Plane {
+        point,
+        normal: normal.normalize(),
+    };
+    Wall {
+        name: "plane".into(),
+        shape,
+        material: 0,
+        spin: 0.0,
+    }
+}
+
+/// The plane y = 0 with bodies above.
+pub(crate) fn floor() -> Wall {
+    plane(Vector3::zeros(), Vector3::y())
+}
+
+/// A body that starts without spin: template, position (m), velocity (m/s).
+pub(crate) fn thrown(template: usize, position: Vector3<f64>, velocity: Vector3<f64>) -> Placement {
+    Placement {
+        velocity,
+        ..Placement::at_rest(template, position, UnitQuaternion::identity())
+    }
+}
+
+/// A world with one surface everywhere.
+pub(crate) fn world(
+    settings: Settings,
+    surface: &InteractionSettings,
+    templates: Vec<Template>,
+    walls: Vec<Wall>,
+    starts: &[Placement],
+) -> Result<World, Trouble> {
+    let interactions = vec![Interaction::new(surface)?];
+    Ok(World::new(
+        settings,
+        templates,
+        interactions,
+        walls,
+        starts,
+    )?)
+}
+
+/// Moves a world by a number of steps.
+pub(crate) fn run(world: &mut World, n_steps: usize) -> Result<(), Trouble> {
+    for _ in 0..n_steps {
+        world.step()?;
+    }
+    Ok(())
+}
+
+/// Whether anything touches.
+pub(crate) fn touches(world: &World) -> bool {
+    world.census().sphere_contacts + world.n_wall_contacts() > 0
+}
+
+/// Runs until the first contact has come and gone; the time of contact, s.
+pub(crate) fn collide(world: &mut World, most_steps: usize) -> Result<f64, Trouble> {
+    let mut n_touching = 0;
+    for _ in 0..most_steps {
+        world.step()?;
+        if touches(world) {
+            n_touching += 1;
+        } else if n_touching > 0 {
+            return Ok(f64::from(n_touching) * world.settings().time_step);
+        }
+    }
+    Err(Trouble::NoEvent("the end of the contact"))
+}
+
+/// Overlap at which a plane of the same soft material carries a ball of [`DENSITY`], m.
+pub(crate) fn resting_overlap(radius: f64, gravity: f64) -> Result<f64, Trouble> {
+    let mass = DENSITY * clump::volume_of_sphere(radius);
+    let young = contact_law::material::effective_moduli(&soft()?, &soft()?).young;
+    Ok((0.75 * mass * gravity / (young * radius.sqrt())).powf(2.0 / 3.0))
+}

@@ -1,0 +1,206 @@
+//! `seedloop bench-test`: contact parameters from the bench, measured or simulated.
+
+use anyhow::{Context as _, ensure};
+use bench_test::measured::{Test, coefficients};
+use bench_test::slider::Base;
+use bench_test::tilt::Start;
+use bench_test::{Summary, drop, slider, summarise, tilt};
+use clap::ValueEnum;
+use command_line::{Common, DONE, Header};
+use scene::{BenchParts, FillingLibrary, Scene};
+use serde::Serialize;
+use std::path::PathBuf;
+
+/// A bench test.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Kind {
+    /// Restitution from the heights of a drop
+    Drop,
+    /// Static friction from the pull on a sled
+    Slider,
+    /// Rolling friction from the angle at which a seed starts to roll
+    Tilt,
+}
+
+/// Reads bench measurements, or does the same test with the solver, and prints the coefficient
+#[derive(clap::Args, Debug)]
+pub(crate) struct Arguments {
+    /// Which test
+    #[arg(value_enum)]
+    test: Kind,
+
+    /// Measurements: drop_height_mm,rebound_height_mm or pull_force_n,normal_force_n or angle_deg
+    #[arg(
+        value_name = "DATA.csv",
+        required_unless_present = "scene",
+        conflicts_with = "scene"
+    )]
+    data: Option<PathBuf>,
+
+    /// Does the test with the solver: seeds and contacts of this scene
+    #[arg(long, value_name = "SCENE.toml")]
+    scene: Option<PathBuf>,
+
+    /// Material of the plate, as the scene names it; that of the seeds stands for a plate of seeds
+    #[arg(long, value_name = "MATERIAL", requires = "scene")]
+    plate: Option<String>,
+
+    /// Kind of seed, as the scene names it [default: the first]
+    #[arg(long, value_name = "NAME", requires = "scene")]
+    kind: Option<String>,
+
+    /// Height of the drop; the study does not state its own
+    #[arg(long, value_name = "MM", default_value_t = 200.0)]
+    height_mm: f64,
+
+    /// Number of repeats [default: 40 drops, 5 pulls, 20 tilts]
+    #[arg(long, value_name = "N")]
+    repeats: Option<usize>,
+
+    /// Seed of orientations
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    seed: u64,
+
+    #[command(flatten)]
+    common: Common,
+}
+
+/// A coefficient as it stands in JSON.
+#[derive(Debug, Serialize)]
+struct Report {
+    /// Version, seed, inputs.
+    #[serde(flatten)]
+    header: Header,
+    /// `measured` or `simulated`.
+    origin: &'static str,
+    /// Name of the coefficient.
+    coefficient: &'static str,
+    /// What the scene puts into the contact of each sphere; none for measurements.
+    put_in: Option<f64>,
+    /// Seeds that slid instead of rolling; tilt only.
+    slid: usize,
+    /// Mean, spread, interval.
+    #[serde(flatten)]
+    summary: Summary,
+}
+
+/// Does the test and prints the coefficient.
+///
+/// # Errors
+/// A table or scene that cannot be read, a test that does not come to its end.
+pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
+    let common = &arguments.common;
+    let report = match (&arguments.scene, &arguments.data) {
+        (Some(file), _) => simulated(arguments, file)?,
+        (None, Some(file)) => measured(arguments.test, file)?,
+        (None, None) => anyhow::bail!("give DATA.csv, or --scene SCENE.toml for a simulated test"),
+    };
+    let s = &report.summary;
+    common.print(format!(
+        "{} {} {:.4} (sd {:.4}, n {}, 95 % interval {:.4} to {:.4}, range {:.4} to {:.4})",
+        report.origin,
+        report.coefficient,
+        s.mean,
+        s.sd,
+        s.n,
+        s.interval[0],
+        s.interval[1],
+        s.min,
+        s.max
+    ))?;
+    if let Some(put_in) = report.put_in {
+        common.print(format!("put into the contact of each sphere: {put_in}"))?;
+    }
+    if report.slid > 0 {
+        common.log(|| format!("warning: {} seeds slid instead of rolling", report.slid));
+    }
+    common.emit_json(&report)?;
+    Ok(DONE)
+}
+
+/// The test as the tables know it.
+fn test_of(kind: Kind) -> Test {
+    match kind {
+        Kind::Drop => Test::Drop,
+        Kind::Slider => Test::Slider,
+        Kind::Tilt => Test::Tilt,
+    }
+}
+
+/// Reads a table.
+fn measured(kind: Kind, file: &PathBuf) -> anyhow::Result<Report> {
+    let name = file.display().to_string();
+    let text = std::fs::read_to_string(file).with_context(|| format!("cannot read {name}"))?;
+    let test = test_of(kind);
+    Ok(Report {
+        header: Header::new(None, [file])?,
+        origin: "measured",
+        coefficient: test.coefficient(),
+        put_in: None,
+        slid: 0,
+        summary: summarise(&coefficients(test, &text, &name)?)?,
+    })
+}
+
+/// Does the test with the solver.
+fn simulated(arguments: &Arguments, file: &PathBuf) -> anyhow::Result<Report> {
+    let scene = Scene::read(file, &[])?;
+    let first = scene.seed.first().context("the scene has no seed")?;
+    let seed_name = arguments.kind.clone().unwrap_or_else(|| first.name.clone());
+    let plate = arguments
+        .plate
+        .as_deref()
+        .context("--plate MATERIAL is missing: the plate on which the test is done")?;
+    let parts = BenchParts::new(&scene, &FillingLibrary::default(), &seed_name, plate)?;
+    let kind = scene
+        .seed
+        .iter()
+        .find(|s| s.name == seed_name)
+        .unwrap_or(first);
+    let contact = scene
+        .contact_of(&kind.material, plate)
+        .context("the contact of seed and plate is missing")?;
+    let repeats = arguments.repeats.unwrap_or(match arguments.test {
+        Kind::Drop => 40,
+        Kind::Slider => 5,
+        Kind::Tilt => 20,
+    });
+    ensure!(
+        repeats >= 2,
+        "--repeats {repeats}: at least 2 are needed for an interval"
+    );
+    let seed = arguments.seed;
+    let mut slid = 0;
+    let (values, put_in) = match arguments.test {
+        Kind::Drop => {
+            let height = 1e-3 * arguments.height_mm;
+            (
+                drop::drop(&parts, height, repeats, seed)?,
+                contact.restitution.get(),
+            )
+        }
+        Kind::Slider => {
+            let base = if plate == kind.material {
+                Base::Seeds
+            } else {
+                Base::Plate
+            };
+            let values = slider::slider(&parts, base, repeats, seed)?;
+            (values, contact.static_friction.get())
+        }
+        Kind::Tilt => {
+            let starts = tilt::tilt(&parts, repeats, seed)?;
+            slid = starts.iter().filter(|s| s.1 == Start::Slid).count();
+            let values = starts.iter().map(|s| s.0).collect();
+            (values, contact.rolling_friction.get())
+        }
+    };
+    Ok(Report {
+        header: Header::new(seed, [file.clone(), scene.folder.join(&kind.mesh)])?,
+        origin: "simulated",
+        coefficient: test_of(arguments.test).coefficient(),
+        put_in: Some(put_in),
+        slid,
+        summary: summarise(&values)?,
+    })
+}
