@@ -31,7 +31,7 @@ fn run(arguments: &Arguments) -> anyhow::Result<u8> {
     };
     refuse_existing(arguments)?;
     let start = Instant::now();
-    let read = trimesh::read_stl(&arguments.mesh, arguments.unit)?;
+    let read = trimesh::read_mesh(&arguments.mesh, arguments.unit)?;
     let header = Header::new(arguments.seed, [&arguments.mesh])?;
     common.log(|| {
         let (unit, radius) = (arguments.unit, settings.radius * 1e3);
