@@ -1,7 +1,11 @@
 //! A body turned into spheres.
 
+use crate::count_search::fewest_spheres;
 use crate::union_moments::union_moments;
-use crate::{Body, Error, FillSettings, FitReport, Lattice, Method, Pack, Smooth};
+use crate::{
+    Body, DistanceTransform, Error, Favier, Ferellec, FillSettings, FitReport, Lattice, Method,
+    Pack, Smooth, Surface,
+};
 use clump::{Clump, MassProperties, Sphere, volume_of_sphere};
 use trimesh::{TriMesh, VolumeMoments};
 
@@ -47,27 +51,54 @@ pub struct Filling {
 /// # Errors
 ///
 /// Settings that cannot be meant, a mesh that is not closed, a radius of which none or far too
-/// many fit, a count or roughness that is not reached.
+/// many fit, a count, roughness or target that is not reached.
 pub fn fill(mesh: &TriMesh, settings: &FillSettings) -> Result<Filling, Error> {
     settings.check()?;
     let body = Body::new(mesh)?;
     body.check_radius(settings.radius)?;
+    let Some(target) = settings.target else {
+        return fill_body(&body, settings);
+    };
+    if settings.count.is_none() && settings.method.follows_count() {
+        return fewest_spheres(&body, settings, &target);
+    }
+    let filling = fill_body(&body, settings)?;
+    if target.is_met(&filling.report) {
+        return Ok(filling);
+    }
+    Err(target.not_reached(&body, &filling))
+}
+
+/// Fills a body by the method of the settings, without a look at the target.
+pub(crate) fn fill_body(body: &Body<'_>, settings: &FillSettings) -> Result<Filling, Error> {
     let method: &dyn Place = match settings.method {
         Method::Pack => &Pack,
         Method::Lattice => &Lattice,
         Method::Smooth => &Smooth,
+        Method::Surface => &Surface,
+        Method::Favier => &Favier,
+        Method::Ferellec => &Ferellec,
+        Method::DistanceTransform => &DistanceTransform,
     };
-    let spheres = method.place(&body, settings)?;
+    let mut spheres = method.place(body, settings)?;
+    let most = settings.max_spheres.unwrap_or(usize::MAX);
+    if settings.count.is_none() && spheres.len() > most {
+        let limited = FillSettings {
+            count: Some(most),
+            ..*settings
+        };
+        spheres = method.place(body, &limited)?;
+    }
     if spheres.is_empty() {
         return Err(Error::RadiusTooLarge {
-            mesh: mesh.source().to_owned(),
+            mesh: body.mesh.source().to_owned(),
             radius_mm: settings.radius * 1e3,
             largest_mm: body.inscribed_radius * 1e3,
         });
     }
     let union_moments = union_moments(&spheres);
     Ok(Filling {
-        report: FitReport::new(&body, &spheres, &union_moments),
+        report: FitReport::new(body, &spheres, &union_moments),
         spheres,
         settings: *settings,
         mesh_moments: body.moments,

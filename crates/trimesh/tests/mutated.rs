@@ -28,7 +28,7 @@ fn whole_files() -> Vec<Vec<u8>> {
                 reason = "the format is single precision"
             )]
             stl.extend([c.x, c.y, c.z].map(|v| (v as f32).to_le_bytes()).concat());
-            ascii += &format!("vertex {} {} {}\n", c.x, c.y, c.z);
+            ascii.extend([format!("vertex {} {} {}\n", c.x, c.y, c.z)]);
         }
         stl.extend([0; 2]);
         ascii += "endloop\nendfacet\n";
@@ -47,15 +47,15 @@ fn whole_files() -> Vec<Vec<u8>> {
     let mut little = head("binary_little_endian").into_bytes();
     let mut big = head("binary_big_endian").into_bytes();
     for v in ball.vertices() {
-        obj += &format!("v {} {} {}\n", v.x, v.y, v.z);
-        ply += &format!("{} {} {}\n", v.x, v.y, v.z);
+        obj.extend([format!("v {} {} {}\n", v.x, v.y, v.z)]);
+        ply.extend([format!("{} {} {}\n", v.x, v.y, v.z)]);
         little.extend([v.x, v.y, v.z].map(f64::to_le_bytes).concat());
         big.extend([v.x, v.y, v.z].map(f64::to_be_bytes).concat());
     }
     for t in ball.triangles() {
         let index = t.map(|i| u32::try_from(i).expect("few"));
-        obj += &format!("f {} {} {}\n", t[0] + 1, t[1] + 1, t[2] + 1);
-        ply += &format!("3 {} {} {}\n", t[0], t[1], t[2]);
+        obj.extend([format!("f {} {} {}\n", t[0] + 1, t[1] + 1, t[2] + 1)]);
+        ply.extend([format!("3 {} {} {}\n", t[0], t[1], t[2])]);
         little.push(3);
         little.extend(index.map(u32::to_le_bytes).concat());
         big.push(3);

@@ -4,16 +4,19 @@ mod arguments;
 mod preview;
 mod sphere_file;
 mod summary;
+mod target;
 
-use arguments::{Arguments, length_in_metres};
+use arguments::{Arguments, MethodName, length_in_metres};
 use clap::Parser as _;
+use clump_exchange::Format;
 use command_line::{DONE, Header, NOT_MET, write_new};
-use sphere_file::{Format, choose_format, sphere_text};
+use sphere_file::{choose_format, sphere_text};
 use sphere_fill::{Error, FillSettings, fill};
 use std::io::Write as _;
 use std::process::ExitCode;
 use std::time::Instant;
 use summary::{Refusal, Summary};
+use target::target_of;
 
 fn main() -> ExitCode {
     let arguments = Arguments::parse_from(command_line::arguments());
@@ -57,7 +60,12 @@ fn run(arguments: &Arguments) -> anyhow::Result<u8> {
     };
     let elapsed_s = start.elapsed().as_secs_f64();
     let summary = Summary::new(header, arguments, &read.report, &filling, elapsed_s);
-    let text = |format: Format| sphere_text(format, &filling.spheres, arguments.unit);
+    let name = arguments
+        .mesh
+        .file_stem()
+        .map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
+    let mass = arguments.mass_of(filling.mesh_moments.volume);
+    let text = |format: Format| sphere_text(format, &filling, &name, arguments.unit, mass);
     match (&arguments.out, format) {
         (Some(file), Some(format)) => {
             write_new(file, text(format).as_bytes(), common.overwrite())?;
@@ -79,11 +87,13 @@ fn settings_of(arguments: &Arguments) -> anyhow::Result<FillSettings> {
     let unit = arguments.unit;
     let roughness = arguments.roughness.as_deref();
     let roughness = roughness.map(|text| length_in_metres("roughness", text, unit));
-    let smooth = arguments.method == arguments::MethodName::Smooth;
+    let takes_roughness = matches!(arguments.method, MethodName::Smooth | MethodName::Ferellec);
     anyhow::ensure!(
-        roughness.is_none() || smooth,
-        "--roughness is for --method smooth only"
+        roughness.is_none() || takes_roughness,
+        "--roughness is for --method smooth only (and ferellec)"
     );
+    let target = arguments.target.as_deref();
+    let target = target.map(|text| target_of(text, unit));
     for (flag, value) in [("mass", arguments.mass), ("density", arguments.density)] {
         let given = value.unwrap_or(1.0);
         anyhow::ensure!(
@@ -94,6 +104,8 @@ fn settings_of(arguments: &Arguments) -> anyhow::Result<FillSettings> {
     let settings = FillSettings {
         method: arguments.method.into(),
         count: arguments.count,
+        max_spheres: arguments.max_spheres,
+        target: target.transpose()?,
         roughness: roughness.transpose()?,
         seed: arguments.seed,
         effort: arguments.effort,
@@ -122,5 +134,6 @@ fn is_refusal(error: &Error) -> bool {
         Error::RadiusTooLarge { .. }
             | Error::CountNotReached { .. }
             | Error::RoughnessNotReached { .. }
+            | Error::TargetNotReached { .. }
     )
 }

@@ -1,7 +1,7 @@
 //! The result as JSON and as text.
 
-use crate::arguments::Arguments;
-use crate::sphere_file::in_unit;
+use crate::arguments::{Arguments, MethodName};
+use clump::Sphere;
 use command_line::Header;
 use serde::Serialize;
 use sphere_fill::{Filling, FitReport};
@@ -43,6 +43,7 @@ struct MeshSummary {
     degenerate_dropped: usize,
     duplicates_dropped: usize,
     triangles_turned: usize,
+    holes_closed: usize,
     warnings: Vec<Warning>,
 }
 
@@ -90,14 +91,12 @@ impl Summary {
         let unit = arguments.unit;
         let metre = unit.in_metres();
         let volume = filling.mesh_moments.volume;
-        let mass_kg = arguments
-            .mass
-            .or(arguments.density.map(|density| density * volume));
+        let mass_kg = arguments.mass_of(volume);
         Self {
             header,
             verdict: "ok",
             unit,
-            method: format!("{:?}", filling.settings.method).to_lowercase(),
+            method: name_of(arguments.method),
             spheres: filling.spheres.len(),
             radius: filling.settings.radius / metre,
             radius_mm: filling.settings.radius / metre * (metre * 1e3),
@@ -116,13 +115,14 @@ impl Summary {
                 degenerate_dropped: mesh.degenerate_dropped,
                 duplicates_dropped: mesh.duplicates_dropped,
                 triangles_turned: mesh.triangles_turned,
+                holes_closed: mesh.holes_closed,
                 warnings: mesh.warnings.clone(),
             },
             fit: fit_in(&filling.report, metre),
             mass_kg,
             fraction_density_kg_m3: mass_kg.map(|mass| filling.fraction_density(mass)),
             elapsed_s,
-            sphere_list: filling.spheres.iter().map(|s| in_unit(s, unit)).collect(),
+            sphere_list: filling.spheres.iter().map(|s| in_unit(s, metre)).collect(),
         }
     }
 
@@ -162,6 +162,18 @@ impl Summary {
         }
         text
     }
+}
+
+/// Centre and radius in a unit.
+fn in_unit(sphere: &Sphere, metre: f64) -> [f64; 4] {
+    let c = sphere.centre;
+    [c.x, c.y, c.z, sphere.radius].map(|length| length / metre)
+}
+
+/// Name of a method as its flag takes it.
+fn name_of(method: MethodName) -> String {
+    let value = clap::ValueEnum::to_possible_value(&method);
+    value.map_or_else(String::new, |value| value.get_name().to_owned())
 }
 
 /// Fit figures with lengths in a unit.
