@@ -33,6 +33,11 @@ calibrate *ARGS:
 fill *ARGS:
     cargo run --release --locked -p seedfill -- "$@"
 
+# Read the files of seedfill back with LIGGGHTS, YADE and LAMMPS, where they are installed.
+fill-formats:
+    cargo build --release --locked -p seedfill
+    python3 tools/seedfill/read-back/read_back.py "${CARGO_TARGET_DIR:-target}/release/seedfill" fixtures/stl/cotton_flat.stl
+
 # Read the angle of repose from photos or frames.
 angle *ARGS:
     cargo run --release --locked -p angle-from-image -- "$@"

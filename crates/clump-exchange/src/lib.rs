@@ -4,7 +4,7 @@
 //! |---|---|---|---|
 //! | [`Format::Csv`], [`Format::Vtk`] | of the mesh | of the mesh | centres and radii |
 //! | [`Format::Liggghts`], [`Format::Yade`] | of the mesh | m | centres and radii, one sphere a line |
-//! | [`Format::Lammps`] | of the mesh | m, kg | a molecule: spheres, and mass, centre, inertia if the mass is known |
+//! | [`Format::Lammps`] | principal axes about the centroid | m, kg | a molecule: spheres, and mass, centre, inertia if the mass is known |
 //! | [`Format::Pfc`] | about the centroid | m | a clump template with volume and inertia at unit density |
 //! | [`Format::Edem`] | principal axes about the centroid | m | the table of spheres of a multi-sphere particle |
 //!
@@ -29,6 +29,7 @@ mod edem;
 mod lammps;
 mod liggghts;
 mod pfc;
+mod principal;
 mod rows;
 mod vtk;
 mod yade;

@@ -10,7 +10,7 @@ pub(crate) fn text(body: &Body<'_>) -> String {
     let mut text = format!(
         "# x y z radius, m\n\
          # fix {} all particletemplate/multisphere 15485863 atom_type 1 density constant DENSITY \
-         nspheres {n} ntry 1000000 spheres file FILE type 1",
+         nspheres {n} ntry 1000000 spheres file FILE scale 1.0 type 1",
         body.word()
     );
     if let Some(mass) = body.mass {
