@@ -50,7 +50,7 @@ pub use distance_transform::DistanceTransform;
 pub use error::Error;
 pub use favier::Favier;
 pub use ferellec::Ferellec;
-pub use filling::{Filling, InertiaSource, Place, fill};
+pub use filling::{Filling, InertiaSource, Place, fill, measure};
 pub use fit_report::FitReport;
 pub use lattice::Lattice;
 pub use pack::Pack;

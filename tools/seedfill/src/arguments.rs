@@ -19,8 +19,17 @@ pub(crate) struct Arguments {
     pub(crate) mesh: PathBuf,
 
     /// Radius of the spheres (pack, lattice), or of the smallest allowed (all others)
-    #[arg(long, value_name = "LENGTH", allow_hyphen_values = true)]
-    pub(crate) radius: String,
+    #[arg(
+        long,
+        value_name = "LENGTH",
+        allow_hyphen_values = true,
+        required_unless_present = "spheres"
+    )]
+    pub(crate) radius: Option<String>,
+
+    /// Place nothing: measure the spheres of a table x,y,z,radius in the unit and frame of the mesh
+    #[arg(long, value_name = "FILE.csv", conflicts_with_all = ["radius", "method", "count", "max_spheres", "target", "roughness", "effort"])]
+    pub(crate) spheres: Option<PathBuf>,
 
     /// Unit of the numbers in the mesh: mm, cm, m or um
     #[arg(long, default_value = "mm", value_name = "UNIT")]
@@ -86,6 +95,22 @@ pub(crate) struct Arguments {
     /// Draw spheres and mesh to a picture
     #[arg(long, value_name = "FILE.png")]
     pub(crate) preview: Option<PathBuf>,
+
+    /// Write a report with pictures and the spheres to be turned, one HTML file
+    #[arg(long, value_name = "FILE.html")]
+    pub(crate) html: Option<PathBuf>,
+
+    /// Shear modulus of the seed in Pa, for the Rayleigh time step (default: cotton seed)
+    #[arg(long, value_name = "PA", default_value_t = 4.01e6)]
+    pub(crate) shear_modulus_pa: f64,
+
+    /// Poisson's ratio of the seed, for the Rayleigh time step (default: cotton seed)
+    #[arg(long, value_name = "RATIO", default_value_t = 0.14)]
+    pub(crate) poisson_ratio: f64,
+
+    /// JSON of a run (seedloop simulate ... --json RUN.json): its speed gives the cost
+    #[arg(long, value_name = "RUN.json")]
+    pub(crate) timing: Option<PathBuf>,
 
     #[command(flatten)]
     pub(crate) common: command_line::Common,

@@ -1,17 +1,23 @@
 //! Fills a closed mesh with spheres.
 
 mod arguments;
+mod page;
 mod preview;
+mod price;
 mod sphere_file;
+mod sphere_table;
 mod summary;
 mod target;
 
 use arguments::{Arguments, MethodName, length_in_metres};
 use clap::Parser as _;
+use clump::Sphere;
 use clump_exchange::Format;
 use command_line::{DONE, Header, NOT_MET, write_new};
+use price::Price;
 use sphere_file::{choose_format, sphere_text};
-use sphere_fill::{Error, FillSettings, fill};
+use sphere_fill::{Error, FillSettings, fill, measure};
+use sphere_table::read_spheres;
 use std::io::Write as _;
 use std::process::ExitCode;
 use std::time::Instant;
@@ -26,7 +32,7 @@ fn main() -> ExitCode {
 /// Reads, fills, writes.
 fn run(arguments: &Arguments) -> anyhow::Result<u8> {
     let common = &arguments.common;
-    let settings = settings_of(arguments)?;
+    let task = task_of(arguments)?;
     let format = match (&arguments.out, arguments.format) {
         (Some(file), asked) => Some(choose_format(asked, file)?),
         (None, Some(asked)) => Some(choose_format(Some(asked), "".as_ref())?),
@@ -35,15 +41,27 @@ fn run(arguments: &Arguments) -> anyhow::Result<u8> {
     refuse_existing(arguments)?;
     let start = Instant::now();
     let read = trimesh::read_mesh(&arguments.mesh, arguments.unit)?;
-    let header = Header::new(arguments.seed, [&arguments.mesh])?;
+    let header = Header::new(
+        arguments.seed,
+        [Some(&arguments.mesh), arguments.spheres.as_ref()]
+            .into_iter()
+            .flatten(),
+    )?;
     common.log(|| {
-        let (unit, radius) = (arguments.unit, settings.radius * 1e3);
-        format!("mesh read in {unit}; sphere radius {radius:.6} mm")
+        let what = match &task {
+            Task::Fill(settings) => format!("sphere radius {:.6} mm", settings.radius * 1e3),
+            Task::Measure(spheres) => format!("{} spheres given", spheres.len()),
+        };
+        format!("mesh read in {}; {what}", arguments.unit)
     });
     for warning in &read.report.warnings {
         common.log(|| format!("warning: {}: {warning}", arguments.mesh.display()));
     }
-    let filling = match fill(&read.mesh, &settings) {
+    let filled = match task {
+        Task::Fill(settings) => fill(&read.mesh, &settings),
+        Task::Measure(spheres) => measure(&read.mesh, spheres),
+    };
+    let filling = match filled {
         Ok(filling) => filling,
         Err(error) if is_refusal(&error) => {
             // The reason of a refusal is told even when the log is quiet.
@@ -59,7 +77,8 @@ fn run(arguments: &Arguments) -> anyhow::Result<u8> {
         Err(error) => return Err(error.into()),
     };
     let elapsed_s = start.elapsed().as_secs_f64();
-    let summary = Summary::new(header, arguments, &read.report, &filling, elapsed_s);
+    let price = Price::new(arguments, &filling)?;
+    let summary = Summary::new(header, arguments, &read.report, &filling, price, elapsed_s);
     let name = arguments
         .mesh
         .file_stem()
@@ -78,12 +97,38 @@ fn run(arguments: &Arguments) -> anyhow::Result<u8> {
         let picture = preview::picture(&filling, &read.mesh)?;
         write_new(file, &picture, common.overwrite())?;
     }
+    if let Some(file) = &arguments.html {
+        let page = page::page(&summary, &filling, &read.mesh)?;
+        write_new(file, page.as_bytes(), common.overwrite())?;
+    }
     common.emit_json(&summary)?;
     Ok(DONE)
 }
 
+/// What is to be done.
+enum Task {
+    Fill(FillSettings),
+    Measure(Vec<Sphere>),
+}
+
+/// What the arguments ask for.
+fn task_of(arguments: &Arguments) -> anyhow::Result<Task> {
+    for (flag, value) in [("mass", arguments.mass), ("density", arguments.density)] {
+        let given = value.unwrap_or(1.0);
+        anyhow::ensure!(
+            given.is_finite() && given > 0.0,
+            "--{flag} {given}: it must be a positive number"
+        );
+    }
+    match (&arguments.spheres, &arguments.radius) {
+        (Some(file), _) => Ok(Task::Measure(read_spheres(file, arguments.unit)?)),
+        (None, Some(radius)) => Ok(Task::Fill(settings_of(arguments, radius)?)),
+        (None, None) => anyhow::bail!("--radius is needed"),
+    }
+}
+
 /// Settings of the filling from the arguments.
-fn settings_of(arguments: &Arguments) -> anyhow::Result<FillSettings> {
+fn settings_of(arguments: &Arguments, radius: &str) -> anyhow::Result<FillSettings> {
     let unit = arguments.unit;
     let roughness = arguments.roughness.as_deref();
     let roughness = roughness.map(|text| length_in_metres("roughness", text, unit));
@@ -94,13 +139,6 @@ fn settings_of(arguments: &Arguments) -> anyhow::Result<FillSettings> {
     );
     let target = arguments.target.as_deref();
     let target = target.map(|text| target_of(text, unit));
-    for (flag, value) in [("mass", arguments.mass), ("density", arguments.density)] {
-        let given = value.unwrap_or(1.0);
-        anyhow::ensure!(
-            given.is_finite() && given > 0.0,
-            "--{flag} {given}: it must be a positive number"
-        );
-    }
     let settings = FillSettings {
         method: arguments.method.into(),
         count: arguments.count,
@@ -109,7 +147,7 @@ fn settings_of(arguments: &Arguments) -> anyhow::Result<FillSettings> {
         roughness: roughness.transpose()?,
         seed: arguments.seed,
         effort: arguments.effort,
-        ..FillSettings::new(length_in_metres("radius", &arguments.radius, unit)?)
+        ..FillSettings::new(length_in_metres("radius", radius, unit)?)
     };
     settings.check()?;
     Ok(settings)
@@ -117,7 +155,8 @@ fn settings_of(arguments: &Arguments) -> anyhow::Result<FillSettings> {
 
 /// Refuses output files that exist before the work is done.
 fn refuse_existing(arguments: &Arguments) -> anyhow::Result<()> {
-    for file in [&arguments.out, &arguments.preview].into_iter().flatten() {
+    let outputs = [&arguments.out, &arguments.preview, &arguments.html];
+    for file in outputs.into_iter().flatten() {
         anyhow::ensure!(
             arguments.common.force || !file.exists(),
             "{} exists: say --force to overwrite it, or give another name",

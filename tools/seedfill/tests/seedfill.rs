@@ -199,6 +199,92 @@ fn a_target_is_kept_with_few_spheres_or_refused_with_what_was_reached() {
     );
 }
 
+/// The page holds the figures, two pictures and the viewer; the price follows from the speed of
+/// the run: 1200 bodies of 10 spheres at 1e6 sphere steps a second and 1e-4 s a step are 120 s.
+#[test]
+fn the_page_and_the_price_of_a_filling() {
+    let folder = tempfile::tempdir().unwrap();
+    let (html, run) = (folder.path().join("a.html"), folder.path().join("run.json"));
+    let timing = r#"{"timing": {"bodies": 1200, "time_step_s": 1e-4, "sphere_steps_per_s": 1e6}}"#;
+    std::fs::write(&run, timing).unwrap();
+    let mesh = fixture("cotton_flat.stl");
+    let output = seedfill(&[
+        path_text(&mesh),
+        "--radius",
+        "0.3",
+        "--method",
+        "surface",
+        "--count",
+        "10",
+        "--mass",
+        "94.5e-6",
+        "--json",
+        "--quiet",
+        "--html",
+        path_text(&html),
+        "--timing",
+        path_text(&run),
+    ]);
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    let price = &json_of(&output)["price"];
+    assert!((price["wall_s_per_drum_s"].as_f64().unwrap() - 120.0).abs() < 1e-9);
+    assert_eq!(price["outer_spheres"], 10);
+    let density = price["density_kg_m3"].as_f64().unwrap();
+    assert!((density - 94.5e-6 / 93.0e-9).abs() < 0.01, "{density}");
+    let page = std::fs::read_to_string(&html).unwrap();
+    for part in [
+        "data-spheres=",
+        "surface error, rms",
+        "stand out",
+        "SHA-256 e2996577",
+    ] {
+        assert!(page.contains(part), "{part}");
+    }
+    assert_eq!(page.matches("data:image/png").count(), 3);
+    std::fs::write(&run, "{}").unwrap();
+    let words = [
+        path_text(&mesh),
+        "--radius",
+        "1",
+        "--timing",
+        path_text(&run),
+    ];
+    let refused = seedfill(&words);
+    assert_eq!(refused.status.code(), Some(2));
+    assert!(text(&refused.stderr).contains("timing.bodies"));
+}
+
+/// What is written and read back has the report of the filling, and no other is made.
+#[test]
+fn given_spheres_are_measured() {
+    let folder = tempfile::tempdir().unwrap();
+    let (mesh, csv) = (fixture("cotton_flat.stl"), folder.path().join("flat.csv"));
+    let (mesh, csv_text) = (path_text(&mesh), path_text(&csv));
+    let filled = ["--radius", "0.8", "--json", "--quiet", "--out", csv_text];
+    let filled = json_of(&seedfill(&[&[mesh], &filled[..]].concat()));
+    let run = || {
+        Command::new(env!("CARGO_BIN_EXE_seedfill"))
+            .args([mesh, "--spheres", csv_text, "--json", "--quiet"])
+            .output()
+            .expect("the command starts")
+    };
+    let measured = json_of(&run());
+    assert_eq!(measured["method"], "given");
+    assert_eq!(measured["spheres"], filled["spheres"]);
+    for key in ["union_fraction", "surface_rms", "roughness_rms"] {
+        let (a, b) = (measured["fit"][key].as_f64(), filled["fit"][key].as_f64());
+        assert!((a.unwrap() / b.unwrap() - 1.0).abs() < 1e-9, "{key}");
+    }
+    std::fs::write(&csv, "x,y,z,radius\n0,0,0,1\n0,0,nan,1\n").unwrap();
+    let refused = run();
+    assert_eq!(refused.status.code(), Some(2));
+    assert!(
+        text(&refused.stderr).contains("line 3"),
+        "{}",
+        text(&refused.stderr)
+    );
+}
+
 #[test]
 fn broken_meshes_end_with_code_2_and_the_name_of_the_file() {
     let folder = tempfile::tempdir().unwrap();
