@@ -33,6 +33,15 @@ calibrate *ARGS:
 fill *ARGS:
     cargo run --release --locked -p seedfill -- "$@"
 
+# Compare the methods of seedfill on two seeds, with CLUMP and multisphere where they are installed.
+fill-table *MESHES:
+    cargo build --release --locked -p seedfill
+    python3 tools/seedfill/compare/fill_table.py "${CARGO_TARGET_DIR:-target}/release/seedfill" fixtures/stl/cotton_ellipsoidal.stl fixtures/stl/cotton_flat.stl "$@"
+
+# Feed the mesh readers with damaged files for ten minutes.
+fuzz-meshes:
+    cargo test --release --locked -p trimesh --test mutated -- --ignored
+
 # Read the files of seedfill back with LIGGGHTS, YADE and LAMMPS, where they are installed.
 fill-formats:
     cargo build --release --locked -p seedfill

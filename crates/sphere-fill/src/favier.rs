@@ -38,7 +38,7 @@ impl Place for Favier {
         let Some(first) = deep.next() else {
             return Ok(Vec::new());
         };
-        let last = deep.last().unwrap_or(first);
+        let last = deep.next_back().unwrap_or(first);
         let count = settings
             .count
             .unwrap_or_else(|| steps(&first, &last, settings));

@@ -28,7 +28,7 @@ fn with(method: Method, count: usize) -> FillSettings {
 }
 
 fn filled(mesh: &TriMesh, method: Method, count: usize) -> Filling {
-    fill(mesh, &with(method, count)).unwrap_or_else(|error| panic!("{method:?}: {error}"))
+    fill(mesh, &with(method, count)).expect("a filling")
 }
 
 fn worst_inertia(filling: &Filling) -> f64 {

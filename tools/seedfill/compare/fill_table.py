@@ -51,12 +51,12 @@ def by_clump(mesh):
 
 
 def by_multisphere(mesh):
-    """Spheres of multisphere; it too works about the middle of the bounding box."""
+    """Spheres of multisphere, in the frame of the mesh by its manual."""
     from multisphere import multisphere_from_mesh
     from multisphere.multisphere_io import load_mesh
 
     pack = multisphere_from_mesh(load_mesh(str(mesh)), div=100, max_spheres=COUNT)
-    return [[*c, float(r)] for c, r in zip(pack.centers, pack.radii)], True
+    return [[*c, float(r)] for c, r in zip(pack.centers, pack.radii)], False
 
 
 OTHERS = [("CLUMP", "CLUMP", by_clump), ("multisphere", "multisphere", by_multisphere)]
