@@ -38,6 +38,11 @@ fill-table *MESHES:
     cargo build --release --locked -p seedfill
     python3 tools/seedfill/compare/fill_table.py "${CARGO_TARGET_DIR:-target}/release/seedfill" fixtures/stl/cotton_ellipsoidal.stl fixtures/stl/cotton_flat.stl "$@"
 
+# Show what seedfill says to broken and odd meshes.
+fill-bad-input:
+    cargo build --release --locked -p seedfill
+    python3 tools/seedfill/bad-input/bad_input.py "${CARGO_TARGET_DIR:-target}/release/seedfill"
+
 # Feed the mesh readers with damaged files for ten minutes.
 fuzz-meshes:
     cargo test --release --locked -p trimesh --test mutated -- --ignored

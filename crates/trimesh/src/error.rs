@@ -139,7 +139,10 @@ pub enum Error {
         file: String,
     },
     /// More than one body, or shells that cut each other.
-    #[error("{file} holds {bodies} separate or intersecting bodies in {shells} shells; keep one")]
+    #[error(
+        "{file} holds {bodies} separate or intersecting bodies in {shells} shells; the largest \
+         enclose {volumes_mm3} mm3: keep one (seedfill: --largest-body)"
+    )]
     SeveralBodies {
         /// File.
         file: String,
@@ -147,6 +150,8 @@ pub enum Error {
         bodies: usize,
         /// All connected surfaces.
         shells: usize,
+        /// Volumes of the largest, mm³.
+        volumes_mm3: String,
     },
     /// The unit is not known.
     #[error("unknown unit of length `{found}`; use mm, cm, m or um")]

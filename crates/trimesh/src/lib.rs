@@ -20,6 +20,7 @@
 //! opposite directions, outward normals by the right-hand rule. Self-intersection of a single
 //! shell is not searched for.
 
+mod bodies;
 mod bounding_tree;
 mod build;
 mod closest_point;
@@ -43,6 +44,7 @@ mod weld;
 mod winding;
 mod words;
 
+pub use bodies::Shell;
 pub use build::CheckedMesh;
 pub use error::Error;
 pub use length_unit::LengthUnit;

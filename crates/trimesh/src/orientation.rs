@@ -156,6 +156,11 @@ fn walk(edges: &Edges) -> Orientation {
     found
 }
 
+/// Shell of each triangle.
+pub(crate) fn shells_of(edges: &Edges) -> Vec<usize> {
+    walk(edges).shell_of
+}
+
 /// Result of turning the triangles outward.
 pub(crate) struct Turned {
     /// Triangles whose corner order was swapped.

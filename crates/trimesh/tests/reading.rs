@@ -315,10 +315,28 @@ fn two_bodies_apart_or_cutting_each_other_are_refused() {
         let read = TriMesh::from_triangles(&all, MM, "two").unwrap();
         let message = read.mesh.require_closed().unwrap_err().to_string();
         assert!(
-            message.contains("2 separate or intersecting bodies"),
+            message.contains("2 separate or intersecting bodies")
+                && message.contains("enclose 180.0000, 180.0000 mm3"),
             "{message}"
         );
     }
+}
+
+/// A body of 180 mm³ with a cavity of 180/8 beside a crumb of 180/1000: the body stays, hollow.
+#[test]
+fn the_largest_body_is_kept_with_its_cavity() {
+    let hole = moved(&soup(), 0.5, Vector3::new(0.3, 0.2, -0.1));
+    let crumb = moved(&soup(), 0.1, Vector3::new(8.0, 0.0, 0.0));
+    let all = [crumb, hole, soup()].concat();
+    let read = TriMesh::from_triangles(&all, MM, "dusty").unwrap();
+    assert!(read.mesh.require_closed().is_err());
+    let volumes: Vec<f64> = read.mesh.shells().iter().map(|s| s.volume * 1e9).collect();
+    for (found, exact) in volumes.iter().zip([180.0, 0.18, -22.5]) {
+        assert!((found - exact).abs() < 1e-9, "{volumes:?}");
+    }
+    let body = read.mesh.largest_body().unwrap();
+    assert!(body.mesh.require_closed().is_ok());
+    assert!((body.report.volume.unwrap() / 157.5e-9 - 1.0).abs() < 1e-12);
 }
 
 #[test]

@@ -35,6 +35,10 @@ pub(crate) struct Arguments {
     #[arg(long, default_value = "mm", value_name = "UNIT")]
     pub(crate) unit: LengthUnit,
 
+    /// Of several bodies take the largest with its cavities, leave the others out
+    #[arg(long)]
+    pub(crate) largest_body: bool,
+
     /// How spheres are placed
     #[arg(long, value_enum, default_value = "pack")]
     pub(crate) method: MethodName,

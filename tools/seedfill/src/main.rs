@@ -23,6 +23,7 @@ use std::process::ExitCode;
 use std::time::Instant;
 use summary::{Refusal, Summary};
 use target::target_of;
+use trimesh::{CheckedMesh, MeshReport};
 
 fn main() -> ExitCode {
     let arguments = Arguments::parse_from(command_line::arguments());
@@ -40,7 +41,7 @@ fn run(arguments: &Arguments) -> anyhow::Result<u8> {
     };
     refuse_existing(arguments)?;
     let start = Instant::now();
-    let read = trimesh::read_mesh(&arguments.mesh, arguments.unit)?;
+    let read = read_body(arguments)?;
     let header = Header::new(
         arguments.seed,
         [Some(&arguments.mesh), arguments.spheres.as_ref()]
@@ -103,6 +104,26 @@ fn run(arguments: &Arguments) -> anyhow::Result<u8> {
     }
     common.emit_json(&summary)?;
     Ok(DONE)
+}
+
+/// Reads the mesh; of several bodies the largest, if that is asked for.
+fn read_body(arguments: &Arguments) -> anyhow::Result<CheckedMesh> {
+    let mut read = trimesh::read_mesh(&arguments.mesh, arguments.unit)?;
+    if arguments.largest_body && read.mesh.topology().shells > 1 {
+        let body = read.mesh.largest_body()?;
+        read.mesh = body.mesh;
+        // What was repaired on reading stays told; the figures are those of the body.
+        read.report = MeshReport {
+            warnings: read.report.warnings,
+            degenerate_dropped: read.report.degenerate_dropped,
+            duplicates_dropped: read.report.duplicates_dropped,
+            triangles_turned: read.report.triangles_turned,
+            holes_closed: read.report.holes_closed,
+            unit: read.report.unit,
+            ..body.report
+        };
+    }
+    Ok(read)
 }
 
 /// What is to be done.
