@@ -4,6 +4,9 @@ use crate::{Body, Error, FillSettings, Place};
 use clump::Sphere;
 use nalgebra::Vector3;
 
+/// Most spheres, when no count is given.
+const MOST: usize = 400;
+
 /// Points of the axis at which the depth is measured.
 const POINTS: usize = 2001;
 
@@ -73,10 +76,10 @@ fn steps(first: &Vector3<f64>, last: &Vector3<f64>, settings: &FillSettings) -> 
     #[expect(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
-        reason = "positive, and bounded by the check of the radius"
+        reason = "positive, and a float cast saturates"
     )]
     let steps = ((last - first).norm() / settings.radius).ceil() as usize;
-    steps + 1
+    steps.min(MOST - 1) + 1
 }
 
 /// Unit vector of the axis of least inertia.

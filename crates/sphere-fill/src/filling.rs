@@ -58,6 +58,9 @@ pub fn fill(mesh: &TriMesh, settings: &FillSettings) -> Result<Filling, Error> {
     settings.check()?;
     let body = Body::new(mesh)?;
     body.check_radius(settings.radius)?;
+    if !settings.method.follows_count() {
+        body.check_number(settings.radius)?;
+    }
     let Some(target) = settings.target else {
         return fill_body(&body, settings);
     };

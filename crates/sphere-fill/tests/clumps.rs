@@ -183,6 +183,19 @@ fn a_target_takes_few_spheres_and_an_impossible_one_is_refused() {
     assert!(fill(&mesh, &settings(Method::Surface, zero)).is_err());
 }
 
+/// The radius is only a bound here: a tiny one is no reason to refuse, nor to place more spheres.
+#[test]
+fn a_tiny_least_radius_is_allowed() {
+    for method in CLUMPS {
+        let settings = FillSettings {
+            radius: 1e-6,
+            ..with(method, 12)
+        };
+        let filling = fill(&seed(), &settings).expect("a filling");
+        assert_eq!(filling.spheres.len(), 12, "{method:?}");
+    }
+}
+
 #[test]
 fn a_limit_of_spheres_is_kept() {
     let settings = FillSettings {
