@@ -27,6 +27,7 @@
 //! n this is ordinary least squares on the means.
 
 mod alias;
+mod box_cox;
 mod canonical;
 pub mod distribution;
 mod error;
@@ -37,14 +38,22 @@ mod model;
 mod named;
 mod natural;
 mod observations;
+mod one_way;
+mod orders;
 mod pareto;
 mod prediction;
 mod quadratic;
+mod reduce;
+mod refine;
+mod ridge;
 mod saturated;
 mod screening;
 pub mod solutions;
+mod spread;
+mod wide;
 
 pub use alias::alias_matrix;
+pub use box_cox::{BoxCox, box_cox};
 pub use canonical::{Canonical, StationaryKind};
 pub use error::Error;
 pub use extremes::{BoxExtremes, Extreme};
@@ -52,8 +61,13 @@ pub use fit::{ErrorSource, ErrorVariance, Fit, Weighting, fit, fit_weighted};
 pub use model::{Model, Term};
 pub use named::NamedValues;
 pub use observations::{Cell, Observations};
+pub use one_way::{OneWay, one_way};
+pub use orders::{Order, Orders, orders};
 pub use pareto::{Pareto, pareto};
 pub use prediction::Prediction;
+pub use reduce::{ReductionRule, ReductionStep, reduce};
+pub use ridge::{RidgePoint, ridge_path};
 pub use saturated::{HalfNormalPoint, Lenth, Saturated, saturated};
 pub use screening::{FactorSignificance, Screening, screen};
 pub use solutions::{Measured, SolutionRequest, Solutions, solutions};
+pub use spread::{Spread, spread};
