@@ -8,8 +8,8 @@ use thiserror::Error;
 pub enum Error {
     /// A symbol cannot serve as a column name and in a model formula.
     #[error(
-        "the symbol '{symbol}' cannot be used; a symbol is a letter followed by letters, digits \
-         or '_', is not one of run, cell, replicate, block, and does not end in _natural"
+        "the symbol '{symbol}' cannot be used; a symbol is a letter followed by letters, digits, \
+         '_' or '.', is not one of run, cell, replicate, block, and does not end in _natural"
     )]
     BadSymbol {
         /// The symbol as given.
