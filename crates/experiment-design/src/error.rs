@@ -70,6 +70,20 @@ pub enum Error {
         /// What to do instead.
         way_out: &'static str,
     },
+    /// The axial distance of a central composite design cannot be meant.
+    #[error("the axial distance is {value}; it must lie above 0 and be 100 half-ranges at most")]
+    BadAxialDistance {
+        /// The distance given, coded.
+        value: f64,
+    },
+    /// A generator of a fraction or of blocks cannot be used.
+    #[error("the generator '{generator}' cannot be used: {reason}")]
+    BadGenerator {
+        /// The generator as given.
+        generator: String,
+        /// What is wrong with it, and the way out.
+        reason: &'static str,
+    },
     /// A count is out of its range.
     #[error("the number of {what} is {given}; it must lie in {least} to {most}")]
     CountOutOfRange {

@@ -28,18 +28,21 @@ mod error;
 mod factor;
 mod fractional_factorial;
 mod full_factorial;
+mod hadamard;
 mod latin_hypercube;
 mod optimal;
 mod plackett_burman;
 pub mod table;
 
-pub use box_behnken::box_behnken;
-pub use central_composite::{AxialDistance, central_composite};
+pub use box_behnken::{box_behnken, box_behnken_in_blocks};
+pub use central_composite::{AxialDistance, central_composite, central_composite_in_blocks};
 pub use design::{Design, DesignKind, Run};
 pub use error::Error;
 pub use factor::{Factor, check_factors};
-pub use fractional_factorial::{Fraction, fractional_factorial};
+pub use fractional_factorial::{
+    Fraction, fraction_with_generators, fractional_factorial, in_blocks,
+};
 pub use full_factorial::full_factorial;
 pub use latin_hypercube::latin_hypercube;
-pub use optimal::{Criterion, optimal_design};
+pub use optimal::{Criterion, augmented_design, augmented_near, optimal_design};
 pub use plackett_burman::{plackett_burman, plackett_burman_with_runs};

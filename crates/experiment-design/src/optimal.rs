@@ -40,22 +40,160 @@ pub fn optimal_design(
     seed: u64,
     row: &dyn Fn(&[f64]) -> Vec<f64>,
 ) -> Result<Design, Error> {
+    augmented_design(factors, criterion, &[], n_runs, seed, row)
+}
+
+/// Adds `n_runs` runs on the levels -1, 0, +1 to given coded runs so that all of them together are
+/// nearly optimal for a model. The given runs come first, in block 1; the added ones are block 2.
+/// Without given runs it is [`optimal_design`].
+///
+/// # Errors
+/// As [`optimal_design`], for all runs together; [`Error::BadRun`] for a given run of wrong length.
+pub fn augmented_design(
+    factors: &[Factor],
+    criterion: Criterion,
+    given: &[Vec<f64>],
+    n_runs: usize,
+    seed: u64,
+    row: &dyn Fn(&[f64]) -> Vec<f64>,
+) -> Result<Design, Error> {
+    optimal_within(factors, criterion, given, n_runs, seed, row)
+}
+
+/// As [`augmented_design`], the added runs taken from the points that `allowed` lets pass among a
+/// grid of levels -1, -1/2, 0, 1/2, +1: the second stage of an experiment near a contour.
+///
+/// # Errors
+/// As [`augmented_design`]; [`Error::CountOutOfRange`] if no point of the grid is allowed.
+pub fn augmented_near(
+    factors: &[Factor],
+    criterion: Criterion,
+    given: &[Vec<f64>],
+    n_runs: usize,
+    seed: u64,
+    row: &dyn Fn(&[f64]) -> Vec<f64>,
+    allowed: &dyn Fn(&[f64]) -> bool,
+) -> Result<Design, Error> {
     check_factors(factors)?;
     let k = factors.len();
+    let levels = if k <= 4 { 5_usize } else { 3 };
+    if k > 8 {
+        return Err(Error::CountOutOfRange {
+            what: "factors of an experiment near a contour",
+            given: k,
+            least: 1,
+            most: 8,
+        });
+    }
+    let point = |index: usize| -> Vec<f64> {
+        let mut rest = index;
+        (0..k)
+            .map(|_| {
+                let level = rest % levels;
+                rest /= levels;
+                2.0 * level as f64 / (levels - 1) as f64 - 1.0
+            })
+            .collect()
+    };
+    let count = (0..k).fold(1, |count, _| count * levels);
+    let candidates: Vec<Vec<f64>> = (0..count).map(point).filter(|x| allowed(x)).collect();
     let terms = row(&vec![0.0; k]).len();
-    if !(terms..=500).contains(&n_runs) {
+    if candidates.is_empty() || given.len() + n_runs < terms || n_runs > 500 {
+        return Err(Error::CountOutOfRange {
+            what: "points of the grid near the contour, and runs of both stages together",
+            given: candidates.len().min(given.len() + n_runs),
+            least: terms,
+            most: 500,
+        });
+    }
+    let mut stream = Stream::new(seed, "second stage");
+    let moments = box_moments(k, row, seed);
+    let cost = |rows: &[Vec<f64>]| {
+        let all: Vec<Vec<f64>> = given.iter().chain(rows).cloned().collect();
+        let information = information(&all, row, terms);
+        match criterion {
+            Criterion::Determinant => log_determinant_cost(&information),
+            Criterion::MeanVariance => variance_cost(&information, &moments),
+        }
+    };
+    let mut rows: Vec<Vec<f64>> = (0..n_runs)
+        .map(|_| candidates[stream.below(candidates.len())].clone())
+        .collect();
+    let mut reached = cost(&rows);
+    for _ in 0..PASSES {
+        let before = reached;
+        for i in 0..rows.len() {
+            for candidate in &candidates {
+                let kept = std::mem::replace(&mut rows[i], candidate.clone());
+                let value = cost(&rows);
+                if value < reached - 1e-12 * reached.abs() {
+                    reached = value;
+                } else {
+                    rows[i] = kept;
+                }
+            }
+        }
+        if reached >= before {
+            break;
+        }
+    }
+    stacked(factors, given, rows, DesignKind::Augmented)
+}
+
+/// Given runs as block 1 and added ones as block 2.
+fn stacked(
+    factors: &[Factor],
+    given: &[Vec<f64>],
+    added: Vec<Vec<f64>>,
+    kind: DesignKind,
+) -> Result<Design, Error> {
+    let first = given.len();
+    let rows: Vec<Vec<f64>> = given.iter().cloned().chain(added).collect();
+    let blocks: Vec<usize> = (0..rows.len())
+        .map(|i| 1 + usize::from(first > 0 && i >= first))
+        .collect();
+    Design::new(kind, factors, Vec::new(), rows)?.blocked(&blocks)
+}
+
+/// The exchange behind the designs on three levels.
+fn optimal_within(
+    factors: &[Factor],
+    criterion: Criterion,
+    given: &[Vec<f64>],
+    n_runs: usize,
+    seed: u64,
+    row: &dyn Fn(&[f64]) -> Vec<f64>,
+) -> Result<Design, Error> {
+    check_factors(factors)?;
+    let k = factors.len();
+    if let Some(i) = given.iter().position(|x| x.len() != k) {
+        return Err(Error::BadRun {
+            run: i + 1,
+            columns: k,
+        });
+    }
+    let terms = row(&vec![0.0; k]).len();
+    let least = terms.saturating_sub(given.len());
+    if !(least..=500).contains(&n_runs) {
         return Err(Error::CountOutOfRange {
             what: "runs of the optimal design (at least one per term)",
             given: n_runs,
-            least: terms,
+            least,
             most: 500,
         });
     }
     let mut stream = Stream::new(seed, "optimal design");
     let moments = box_moments(k, row, seed);
-    let cost = |rows: &[Vec<f64>]| match criterion {
-        Criterion::Determinant => log_determinant_cost(&information(rows, row, terms)),
-        Criterion::MeanVariance => variance_cost(&information(rows, row, terms), &moments),
+    let fixed = information(given, row, terms);
+    let cost = |rows: &[Vec<f64>]| {
+        let mut sum = information(rows, row, terms);
+        for (entry, more) in sum.iter_mut().flatten().zip(fixed.iter().flatten()) {
+            *entry += more;
+        }
+        match criterion {
+            Criterion::Determinant => log_determinant_cost(&sum),
+            Criterion::MeanVariance => variance_cost(&sum, &moments),
+        }
     };
     let mut best: Option<(f64, Vec<Vec<f64>>)> = None;
     for _ in 0..STARTS {
@@ -70,11 +208,12 @@ pub fn optimal_design(
     }
     let (_, mut rows) = best.unwrap_or_default();
     rows.sort_by(|a, b| a.partial_cmp(b).unwrap_or(std::cmp::Ordering::Equal));
-    let kind = match criterion {
-        Criterion::Determinant => DesignKind::DOptimal,
-        Criterion::MeanVariance => DesignKind::IOptimal,
+    let kind = match (given.is_empty(), criterion) {
+        (false, _) => DesignKind::Augmented,
+        (true, Criterion::Determinant) => DesignKind::DOptimal,
+        (true, Criterion::MeanVariance) => DesignKind::IOptimal,
     };
-    Design::new(kind, factors, Vec::new(), rows)
+    stacked(factors, given, rows, kind)
 }
 
 /// Sets each coordinate to its best level until a pass changes nothing; returns the cost.
@@ -190,7 +329,10 @@ fn box_moments(k: usize, row: &dyn Fn(&[f64]) -> Vec<f64>, seed: u64) -> Vec<Vec
 
 #[cfg(test)]
 mod tests {
-    use super::{Criterion, information, log_determinant_cost, optimal_design};
+    use super::{
+        Criterion, augmented_design, augmented_near, information, log_determinant_cost,
+        optimal_design,
+    };
     use crate::{Error, Factor, full_factorial};
 
     fn factors(k: usize) -> Vec<Factor> {
@@ -229,6 +371,47 @@ mod tests {
         };
         assert_eq!(middle(Criterion::Determinant), 4);
         assert_eq!(middle(Criterion::MeanVariance), 6);
+    }
+
+    /// Half a factorial in three factors, augmented by four runs for a linear model with
+    /// interactions, must become the full factorial: no other eight runs are orthogonal.
+    #[test]
+    fn augmentation_completes_the_factorial() {
+        let half: Vec<Vec<f64>> = full_factorial(&factors(3), 0)
+            .unwrap()
+            .coded_rows()
+            .into_iter()
+            .filter(|x| x.iter().product::<f64>() > 0.0)
+            .collect();
+        let row = |x: &[f64]| vec![1.0, x[0], x[1], x[2], x[0] * x[1], x[0] * x[2], x[1] * x[2]];
+        let both =
+            augmented_design(&factors(3), Criterion::Determinant, &half, 4, 1, &row).unwrap();
+        let mut rows = both.coded_rows();
+        assert_eq!(rows[..4], half[..]);
+        assert_eq!(both.runs()[4].block, 2);
+        rows.sort_by(|a, b| a.partial_cmp(b).unwrap());
+        rows.dedup();
+        assert_eq!(rows.len(), 8, "{rows:?}");
+    }
+
+    /// Points of the second stage stay where they are allowed.
+    #[test]
+    fn the_second_stage_keeps_to_its_band() {
+        let given = full_factorial(&factors(2), 1).unwrap().coded_rows();
+        let row = |x: &[f64]| vec![1.0, x[0], x[1], x[0] * x[1]];
+        let near = |x: &[f64]| (x[0] - x[1]).abs() < 0.1;
+        let both = augmented_near(
+            &factors(2),
+            Criterion::Determinant,
+            &given,
+            4,
+            1,
+            &row,
+            &near,
+        );
+        let rows = both.unwrap().coded_rows();
+        assert_eq!(rows.len(), 9);
+        assert!(rows[5..].iter().all(|x| near(x)));
     }
 
     #[test]
