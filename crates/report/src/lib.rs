@@ -47,6 +47,8 @@ pub use chart::line_series::{LineSeries, Series, SeriesPoint};
 pub use chart::pareto::Pareto;
 pub use chart::predicted_against_measured::{Comparison, PredictedAgainstMeasured, Role};
 pub use chart::residuals::{ResidualCondition, ResidualPanel, Residuals};
+pub use chart::scatter::Scatter;
+pub use chart::surface::Surface;
 pub use chart::timeseries::{TimeSeries, TimeSpan};
 pub use chart::{AxisTitle, Level};
 pub use error::Error;

@@ -19,7 +19,7 @@ pub(crate) use matrix::Matrix;
 pub use replicates::{Bartlett, FTest, Replicates};
 pub(crate) use replicates::{bartlett_of, f_test, pooled_variance};
 pub use terms::TermRow;
-pub(crate) use terms::tested;
+pub(crate) use terms::{tested, variance_inflation};
 pub use typed::{TypedRow, TypedSum};
 pub use warnings::Warning;
 
@@ -390,7 +390,7 @@ impl Fit {
 }
 
 /// Condition number of the scaled columns; none where it is not finite.
-fn condition(solved: &LeastSquares) -> Option<f64> {
+pub(crate) fn condition(solved: &LeastSquares) -> Option<f64> {
     let p = solved.triangle.len();
     let triangle =
         nalgebra::DMatrix::from_fn(

@@ -158,6 +158,17 @@ impl Model {
         if !through_zero && !terms.contains(&intercept) {
             terms.push(intercept);
         }
+        let model = Self::from_terms(symbols, terms);
+        match model.terms.windows(2).find(|pair| pair[0] == pair[1]) {
+            Some(pair) => Err(Error::DuplicateTerm {
+                term: model.name(&pair[0]),
+            }),
+            None => Ok(model),
+        }
+    }
+
+    /// A model of terms in any order.
+    pub(crate) fn from_terms(symbols: Vec<String>, mut terms: Vec<Term>) -> Self {
         terms.sort_by_key(|term| {
             // Within a class, earlier factors first: larger leading powers come first.
             let lead = term
@@ -167,13 +178,12 @@ impl Model {
                 .collect::<Vec<_>>();
             (term.degree(), usize::MAX - term.n_factors(), lead)
         });
-        let model = Self { symbols, terms };
-        match model.terms.windows(2).find(|pair| pair[0] == pair[1]) {
-            Some(pair) => Err(Error::DuplicateTerm {
-                term: model.name(&pair[0]),
-            }),
-            None => Ok(model),
-        }
+        Self { symbols, terms }
+    }
+
+    /// All terms up to a degree.
+    pub(crate) fn of_degree(degree: usize, symbols: &[String]) -> Self {
+        Self::from_terms(symbols.to_vec(), terms_up_to(degree, symbols.len()))
     }
 
     /// A model of some of the terms of this one, those at `keep` with true.

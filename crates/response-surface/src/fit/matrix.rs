@@ -102,6 +102,11 @@ impl Matrix {
         })
     }
 
+    /// Place of the first column that is neither intercept nor block.
+    pub(crate) fn first(&self) -> usize {
+        self.intercept + self.n_blocks
+    }
+
     /// Whether the intercept is part of the model.
     pub(crate) fn intercept_is_in(&self) -> bool {
         self.intercept == 1
