@@ -3,9 +3,20 @@
 use experiment_design::Factor;
 
 use crate::natural::rebased;
-use crate::{Error, Fit};
+use crate::{BoxExtremes, Error, Fit};
 
 impl Fit {
+    /// Least and greatest value over the ranges of the factors.
+    ///
+    /// # Errors
+    /// [`Error::DegreeTooHigh`].
+    pub fn extremes(&self) -> Result<BoxExtremes, Error> {
+        Ok(crate::extremes::box_extremes(
+            &self.quadratic()?,
+            &self.factors,
+        ))
+    }
+
     /// The fit with other bounds of its factors: the coded range -1..+1 becomes the new one, and
     /// coefficients and their covariances are carried over exactly. Tests of the terms, cases and
     /// canonical form belong to the old coding and are left empty.
