@@ -60,7 +60,7 @@ pub fn central_composite(
 /// orthogonal to the quadratic.
 ///
 /// # Formula
-/// `alpha^2 = F (2 k + c_a) / (2 (F + c_f))`, F the cube runs, c_f and c_a the centre runs of the
+/// `alpha^2 = F (2 k + c_a) / (2 (F + c_f))`, F the cube runs, `c_f` and `c_a` the centre runs of the
 /// two blocks `[Box1957]`.
 ///
 /// # Errors

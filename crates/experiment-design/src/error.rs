@@ -143,7 +143,9 @@ pub enum Error {
         candidates: String,
     },
     /// A field is not a finite number.
-    #[error("line {line}, column '{column}': '{text}' is not a finite number")]
+    #[error(
+        "line {line}, column '{column}': '{text}' is not a finite number; correct it, or leave the row out"
+    )]
     BadNumber {
         /// Line number, from 1.
         line: usize,

@@ -97,9 +97,9 @@ pub(crate) fn last_adds(mut columns: Vec<Vec<f64>>, mut target: Vec<f64>) -> f64
     let m = columns.len();
     let scales: Vec<f64> = columns.iter().map(|c| norm(c)).collect();
     for (column, scale) in columns.iter_mut().zip(&scales) {
-        column
-            .iter_mut()
-            .for_each(|x| *x /= scale.max(f64::MIN_POSITIVE));
+        for x in column {
+            *x /= scale.max(f64::MIN_POSITIVE);
+        }
     }
     let names = vec![String::new(); m];
     match triangularise(&mut columns, &mut target, &scales, &names) {
@@ -127,7 +127,9 @@ pub(crate) fn basis(rows: &[Vec<f64>], names: &[String], weights: &[f64]) -> Bas
     let scales: Vec<f64> = columns.iter().map(|c| norm(c)).collect();
     for (column, scale) in columns.iter_mut().zip(&scales) {
         if *scale > 0.0 {
-            column.iter_mut().for_each(|x| *x /= scale);
+            for x in column {
+                *x /= scale;
+            }
         }
     }
     let mut found = Reduction::default();

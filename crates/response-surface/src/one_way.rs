@@ -35,7 +35,7 @@ pub struct OneWay {
 /// Compares the means of named groups; groups of the same name are one group.
 ///
 /// # Formula
-/// between = sum n_g (mean_g - mean)^2, within = sum (y - mean_g)^2, F of their mean squares. The
+/// `between = sum n_g (mean_g - mean)^2`, `within = sum (y - mean_g)^2`, F of their mean squares. The
 /// runs are taken about the first one, and summed in long arithmetic, so a common offset of the
 /// data costs only the digits that it took from the data themselves.
 ///

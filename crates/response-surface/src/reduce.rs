@@ -106,11 +106,9 @@ fn criterion_without(fit: &Fit, ss: f64, rule: ReductionRule) -> Option<f64> {
     let n = fit.n as f64;
     let base = information.minus_2_log_likelihood + n * (ss / fit.sse).ln_1p();
     let m = (fit.p + usize::from(ss == 0.0)) as f64;
-    match rule {
-        ReductionRule::Bic => Some(base + m * n.ln()),
-        _ => {
-            let left = n - m - 1.0;
-            (left > 0.0).then(|| base + 2.0 * m + 2.0 * m * (m + 1.0) / left)
-        }
+    if rule == ReductionRule::Bic {
+        return Some(base + m * n.ln());
     }
+    let left = n - m - 1.0;
+    (left > 0.0).then(|| base + 2.0 * m + 2.0 * m * (m + 1.0) / left)
 }

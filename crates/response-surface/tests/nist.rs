@@ -4,11 +4,6 @@
 //! with an offset of 1e6 or 1e12 lose 6 or 12 of their 15 digits when they are stored as f64, so
 //! nine and three are asked for; measured are 9.9 and 3.9.
 
-#![expect(
-    clippy::unwrap_used,
-    reason = "the helpers of tests may fail like tests"
-)]
-
 #[path = "nist/table.rs"]
 mod table;
 

@@ -3,11 +3,6 @@
 //! Limit: 1e-8 relative. R holds coefficients to about 1e-10 on the worst of these sets (squares in
 //! natural units); the measured worst difference is printed by the example `r_agreement`.
 
-#![expect(
-    clippy::unwrap_used,
-    reason = "the helpers of tests may fail like tests"
-)]
-
 #[path = "r/table.rs"]
 mod table;
 

@@ -26,6 +26,10 @@ use text::{orders_text, summary};
 
 /// Fits a model to the table of an experiment: coefficients, analysis of variance, diagnostics
 #[derive(clap::Args, Debug)]
+#[expect(
+    clippy::struct_excessive_bools,
+    reason = "each is a flag of the command line"
+)]
 pub(crate) struct Arguments {
     /// Table of the experiment, one row per run or per cell of replicates
     #[arg(value_name = "DATA.csv")]

@@ -185,7 +185,7 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
     if let Some(evaluation) = &evaluation {
         describe(common, evaluation)?;
     }
-    common.emit_json(&report(arguments, &design, facts, evaluation)?)?;
+    common.emit_json(&report(arguments, &design, &facts, evaluation.as_ref())?)?;
     Ok(DONE)
 }
 
@@ -239,8 +239,8 @@ fn describe(common: &Common, evaluation: &Evaluation) -> anyhow::Result<()> {
 fn report(
     arguments: &Arguments,
     design: &Design,
-    facts: serde_json::Value,
-    evaluation: Option<Evaluation>,
+    facts: &serde_json::Value,
+    evaluation: Option<&Evaluation>,
 ) -> anyhow::Result<serde_json::Value> {
     let header = Header::new(arguments.seed, [&arguments.factors])?;
     let rows = design.runs().iter().enumerate().map(|(i, run)| {

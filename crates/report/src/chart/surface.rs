@@ -56,7 +56,7 @@ impl Surface {
             z: Domain::around(self.values.iter().copied()),
         };
         let mut canvas = Canvas::new(WIDTH, HEIGHT);
-        self.draw_floor(&mut canvas, &view);
+        view.draw_floor(&mut canvas);
         self.draw_patches(&mut canvas, &view);
         self.draw_labels(&mut canvas, &view);
         let description = format!(
@@ -66,23 +66,6 @@ impl Surface {
             self.y.text("")
         );
         canvas.finish(CHART, &description)
-    }
-
-    /// Outline of the floor and the upright axis.
-    fn draw_floor(&self, canvas: &mut Canvas, view: &View) {
-        let stroke = Stroke::solid(AXIS, 1.0);
-        let z = view.z.low;
-        let corner = |x: f64, y: f64| view.place(x, y, z);
-        let (x, y) = (view.x, view.y);
-        let corners = [
-            corner(x.low, y.low),
-            corner(x.high, y.low),
-            corner(x.high, y.high),
-            corner(x.low, y.high),
-            corner(x.low, y.low),
-        ];
-        canvas.polyline(&corners, &stroke);
-        canvas.line(corners[3], view.place(x.low, y.high, view.z.high), &stroke);
     }
 
     /// The patches from the farthest to the nearest.
@@ -180,6 +163,23 @@ struct View {
 }
 
 impl View {
+    /// Outline of the floor and the upright axis.
+    fn draw_floor(&self, canvas: &mut Canvas) {
+        let stroke = Stroke::solid(AXIS, 1.0);
+        let z = self.z.low;
+        let corner = |x: f64, y: f64| self.place(x, y, z);
+        let (x, y) = (self.x, self.y);
+        let corners = [
+            corner(x.low, y.low),
+            corner(x.high, y.low),
+            corner(x.high, y.high),
+            corner(x.low, y.high),
+            corner(x.low, y.low),
+        ];
+        canvas.polyline(&corners, &stroke);
+        canvas.line(corners[3], self.place(x.low, y.high, self.z.high), &stroke);
+    }
+
     /// Share of a value in a domain, -1/2 to 1/2.
     fn share(domain: Domain, value: f64) -> f64 {
         (value - domain.low) / (domain.high - domain.low) - 0.5

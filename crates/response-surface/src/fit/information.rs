@@ -25,7 +25,7 @@ pub struct Information {
 /// `AIC = -2 ln L + 2 m`, `AICc = AIC + 2 m (m + 1) / (n - m - 1)`, `BIC = -2 ln L + m ln n`.
 ///
 /// # Source
-/// AICc: `[HurvichTsai1989]`; BIC: `[Schwarz1978]`.
+/// `AICc`: `[HurvichTsai1989]`; BIC: `[Schwarz1978]`.
 pub(crate) fn information(sums: &Sums, weights: &[f64], p: usize) -> Option<Information> {
     let n = weights.len() as f64;
     let logs: f64 = weights.iter().map(|w| w.ln()).sum();

@@ -2,7 +2,8 @@
 
 use experiment_design::Factor;
 use experiment_design::table::Table;
-use response_surface::{Cell, Model, Observations, fit, one_way, spread};
+use response_surface::fit::{Case, Information, TermRow, TypedRow};
+use response_surface::{Cell, Fit, Model, NamedValues, Observations, fit, one_way, spread};
 use serde_json::Value;
 use std::error::Error;
 use std::path::PathBuf;
@@ -42,8 +43,8 @@ fn strings(value: &Value) -> Vec<String> {
         .collect()
 }
 
-/// One regression.
-fn regression(name: &str, r: &Value) -> Result<Row, Box<dyn Error>> {
+/// The factors of a table, coded from their least to their greatest value, with its cells.
+fn read(name: &str, r: &Value) -> Result<(Vec<Factor>, Vec<Cell>), Box<dyn Error>> {
     let table = Table::parse(&std::fs::read_to_string(
         folder().join(format!("{name}.csv")),
     )?)?;
@@ -69,86 +70,84 @@ fn regression(name: &str, r: &Value) -> Result<Row, Box<dyn Error>> {
             .map(|(f, c)| f.coded(c[i]))
             .collect();
         let n = table.count(row, "n")?.unwrap_or(1);
+        let y = table.number(row, table.column("y")?)?;
         cells.push(Cell {
             n,
-            ..Cell::single(coded, table.number(row, table.column("y")?)?)
+            ..Cell::single(coded, y)
         });
     }
-    let data = Observations::from_cells(cells)?;
-    let model = Model::parse(&strings(&r["terms"]).join(" + "), &factors)?;
-    let f = fit(&factors, &model, &data)?;
-    let terms: Vec<_> = f.terms.values().collect();
-    let natural: Vec<_> = f.terms_natural.values().collect();
-    let anova: Vec<_> = f.anova.values().collect();
-    let or_nan = |x: Option<f64>| x.unwrap_or(f64::NAN);
-    let cases = |value: &dyn Fn(&response_surface::fit::Case) -> f64| -> Vec<f64> {
-        f.cases.iter().map(value).collect()
+    Ok((factors, cells))
+}
+
+fn or_nan(x: Option<f64>) -> f64 {
+    x.unwrap_or(f64::NAN)
+}
+
+/// Coefficients and sums of squares.
+fn of_terms(f: &Fit, r: &Value) -> Vec<(&'static str, f64)> {
+    let terms = |rows: &NamedValues<TermRow>, value: &dyn Fn(&TermRow) -> f64| -> Vec<f64> {
+        rows.values().map(value).collect()
     };
-    let information = f.information.as_ref().ok_or("no residuals")?;
-    let mut differences = vec![
+    let sums =
+        |value: &dyn Fn(&TypedRow) -> f64| -> Vec<f64> { f.anova.values().map(value).collect() };
+    vec![
         (
             "coefficients",
-            worst(
-                &terms.iter().map(|t| t.coef).collect::<Vec<_>>(),
-                &r["coef"],
-            ),
+            worst(&terms(&f.terms, &|t| t.coef), &r["coef"]),
         ),
         (
             "standard errors",
-            worst(
-                &terms.iter().map(|t| or_nan(t.se)).collect::<Vec<_>>(),
-                &r["se"],
-            ),
+            worst(&terms(&f.terms, &|t| or_nan(t.se)), &r["se"]),
         ),
         (
             "p values",
-            worst(
-                &terms.iter().map(|t| or_nan(t.p)).collect::<Vec<_>>(),
-                &r["p"],
-            ),
+            worst(&terms(&f.terms, &|t| or_nan(t.p)), &r["p"]),
         ),
         (
             "natural coefficients",
-            worst(
-                &natural.iter().map(|t| t.coef).collect::<Vec<_>>(),
-                &r["natural_coef"],
-            ),
+            worst(&terms(&f.terms_natural, &|t| t.coef), &r["natural_coef"]),
         ),
         (
             "natural standard errors",
             worst(
-                &natural.iter().map(|t| or_nan(t.se)).collect::<Vec<_>>(),
+                &terms(&f.terms_natural, &|t| or_nan(t.se)),
                 &r["natural_se"],
             ),
         ),
-        (
-            "Type I",
-            worst(
-                &anova.iter().map(|a| a.type_i.ss).collect::<Vec<_>>(),
-                &r["type_i"],
-            ),
-        ),
-        (
-            "Type II",
-            worst(
-                &anova.iter().map(|a| a.type_ii.ss).collect::<Vec<_>>(),
-                &r["type_ii"],
-            ),
-        ),
-        (
-            "Type III",
-            worst(
-                &anova.iter().map(|a| a.type_iii.ss).collect::<Vec<_>>(),
-                &r["type_iii"],
-            ),
-        ),
+        ("Type I", worst(&sums(&|a| a.type_i.ss), &r["type_i"])),
+        ("Type II", worst(&sums(&|a| a.type_ii.ss), &r["type_ii"])),
+        ("Type III", worst(&sums(&|a| a.type_iii.ss), &r["type_iii"])),
+    ]
+}
+
+/// Figures of the whole fit.
+fn of_fit(f: &Fit, r: &Value) -> Vec<(&'static str, f64)> {
+    let information = f.information.as_ref();
+    let of = |value: &dyn Fn(&Information) -> Option<f64>| [or_nan(information.and_then(value))];
+    let mut differences = vec![
         ("R2", worst(&[or_nan(f.r2)], &r["r2"])),
         ("adjusted R2", worst(&[or_nan(f.adj_r2)], &r["adj_r2"])),
         ("residual sd", worst(&[or_nan(f.root_mse)], &r["sigma"])),
         ("PRESS", worst(&[or_nan(f.press)], &r["press"])),
-        ("AIC", worst(&[information.aic], &r["aic"])),
-        ("AICc", worst(&[or_nan(information.aicc)], &r["aicc"])),
-        ("BIC", worst(&[information.bic], &r["bic"])),
+        ("AIC", worst(&of(&|i| Some(i.aic)), &r["aic"])),
+        ("AICc", worst(&of(&|i| i.aicc), &r["aicc"])),
+        ("BIC", worst(&of(&|i| Some(i.bic)), &r["bic"])),
+    ];
+    if let Some(pure) = &f.pure_error {
+        differences.push(("pure error", worst(&[pure.ss], &r["pure_error_ss"])));
+        differences.push((
+            "pure error dof",
+            worst(&[pure.df as f64], &r["pure_error_df"]),
+        ));
+    }
+    differences
+}
+
+/// Figures of the single rows.
+fn of_cases(f: &Fit, r: &Value) -> Vec<(&'static str, f64)> {
+    let cases = |value: &dyn Fn(&Case) -> f64| -> Vec<f64> { f.cases.iter().map(value).collect() };
+    let dfbetas = f.dfbetas(f.n - 1).unwrap_or_default();
+    vec![
         ("leverage", worst(&cases(&|c| c.leverage), &r["leverage"])),
         (
             "internal studentised",
@@ -163,21 +162,17 @@ fn regression(name: &str, r: &Value) -> Result<Row, Box<dyn Error>> {
             worst(&cases(&|c| or_nan(c.cooks_d)), &r["cooks"]),
         ),
         ("DFFITS", worst(&cases(&|c| or_nan(c.dffits)), &r["dffits"])),
-        (
-            "DFBETAS",
-            worst(
-                &f.dfbetas(f.n - 1).unwrap_or_default(),
-                &r["dfbetas_of_last_case"],
-            ),
-        ),
-    ];
-    if let Some(pure) = &f.pure_error {
-        differences.push(("pure error", worst(&[pure.ss], &r["pure_error_ss"])));
-        differences.push((
-            "pure error dof",
-            worst(&[pure.df as f64], &r["pure_error_df"]),
-        ));
-    }
+        ("DFBETAS", worst(&dfbetas, &r["dfbetas_of_last_case"])),
+    ]
+}
+
+/// One regression.
+fn regression(name: &str, r: &Value) -> Result<Row, Box<dyn Error>> {
+    let (factors, cells) = read(name, r)?;
+    let data = Observations::from_cells(cells)?;
+    let model = Model::parse(&strings(&r["terms"]).join(" + "), &factors)?;
+    let f = fit(&factors, &model, &data)?;
+    let differences = [of_terms(&f, r), of_fit(&f, r), of_cases(&f, r)].concat();
     Ok(Row {
         name: name.to_owned(),
         differences,
@@ -211,7 +206,6 @@ fn groups(name: &str, r: &Value) -> Result<Row, Box<dyn Error>> {
     let spread = spread(&Observations::from_cells(cells)?).ok_or("no groups")?;
     let bartlett = spread.bartlett.ok_or("no scatter")?;
     let levene = spread.levene.ok_or("no scatter")?;
-    let or_nan = |x: Option<f64>| x.unwrap_or(f64::NAN);
     let differences = vec![
         ("between", worst(&[got.between_ss], &r["between_ss"])),
         ("within", worst(&[got.within_ss], &r["within_ss"])),

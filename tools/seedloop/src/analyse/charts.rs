@@ -69,24 +69,14 @@ fn effects(report: &Report<'_>, charts: &mut Vec<Named>) -> anyhow::Result<()> {
         };
         charts.push(("pareto".to_owned(), chart.draw()?));
     }
-    let (effects, named_above): (Vec<Effect>, f64) = match &report.saturated {
-        Some(s) => {
-            let list = s.effects.iter().map(|(name, e)| Effect::new(name, *e));
-            (list.collect(), s.lenth.me.unwrap_or(0.0))
-        }
-        None => {
-            let tested = report
-                .fit
-                .terms
-                .iter()
-                .filter(|(_, row)| row.ss_partial.is_some());
-            (
-                tested
-                    .map(|(name, row)| Effect::new(name, row.coef))
-                    .collect(),
-                0.0,
-            )
-        }
+    let (effects, named_above): (Vec<Effect>, f64) = if let Some(s) = &report.saturated {
+        let list = s.effects.iter().map(|(name, e)| Effect::new(name, *e));
+        (list.collect(), s.lenth.me.unwrap_or(0.0))
+    } else {
+        let terms = report.fit.terms.iter();
+        let tested = terms.filter(|(_, row)| row.ss_partial.is_some());
+        let list = tested.map(|(name, row)| Effect::new(name, row.coef));
+        (list.collect(), 0.0)
     };
     if !effects.is_empty() {
         let quantity = if report.saturated.is_some() {
@@ -162,7 +152,12 @@ fn diagnostics(fit: &Fit, response: &str, charts: &mut Vec<Named>) -> anyhow::Re
         levels: Vec::new(),
     };
     charts.push(("fitted-actual".to_owned(), comparison.draw()?));
-    let influence = [
+    influence(fit, &order, charts)
+}
+
+/// What single rows do to the fit.
+fn influence(fit: &Fit, order: &AxisTitle, charts: &mut Vec<Named>) -> anyhow::Result<()> {
+    let measures = [
         (
             "cook",
             "Cook's distance",
@@ -171,7 +166,7 @@ fn diagnostics(fit: &Fit, response: &str, charts: &mut Vec<Named>) -> anyhow::Re
         ("leverage", "leverage", |c: &Case| Some(c.leverage)),
         ("dffits", "DFFITS", |c: &Case| c.dffits),
     ];
-    for (name, title, value) in influence {
+    for (name, title, value) in measures {
         let chart = Scatter {
             x: order.clone(),
             y: AxisTitle::new(title, ""),

@@ -16,10 +16,10 @@ pub(super) fn page(fit: &Fit, response: &str, orders: &str, charts: &[(String, S
     };
     let response = escaped(response);
     let body = escaped(&format!("{}\n{orders}", summary(fit, None)));
-    let pictures: String = charts
-        .iter()
-        .map(|(name, chart)| format!("<h2>{}</h2>\n{}\n", escaped(name), chart.as_str()))
-        .collect();
+    let mut pictures = String::new();
+    for (name, chart) in charts {
+        let _ = writeln!(pictures, "<h2>{}</h2>\n{}", escaped(name), chart.as_str());
+    }
     let mut cases = String::new();
     for case in &fit.cases {
         let _ = writeln!(
