@@ -234,7 +234,7 @@ fn second_stage_bounds_and_confirmation_work_together() {
     };
     let narrow = optimise(&["--target", "38.87", "--bounds", "F=0.02:0.08"]);
     assert_code(&narrow, 0);
-    let f = json(&narrow)["factor_ranges"]["F"]["natural"]["high"]
+    let f = json(&narrow)["factor_ranges"]["F"]["natural"][1]
         .as_f64()
         .unwrap();
     assert_eq!(f, 0.08);
@@ -303,7 +303,7 @@ fn analyse_draws_its_charts_and_compares_orders() {
 fn tables_that_cannot_be_meant_are_refused_with_the_place() {
     let folder = tempdir().unwrap();
     let cases = [
-        ("A,B,y\n1,2,3\n1,,4\n", "A,B", &["line 3", "'B'"][..]),
+        ("A,B,y\n1,2,3\n2,,4\n", "A,B", &["line 3", "'B'"][..]),
         ("A,B,y\n1,2,3\n2,x,4\n", "A,B", &["line 3", "'x'"]),
         ("A,B,y\n1,2,3\n2,2,4\n", "A,B", &["'B' never varies"]),
         ("A,A,y\n1,2,3\n2,3,4\n", "A", &["several columns"]),
