@@ -7,10 +7,8 @@ mod groups;
 mod page;
 mod text;
 
-use std::fs;
 use std::path::PathBuf;
 
-use anyhow::Context as _;
 use clap::ValueEnum;
 use command_line::{Common, DONE, Header, write_new};
 use response_surface::{
@@ -96,7 +94,7 @@ pub(crate) struct Arguments {
     #[arg(long)]
     groups: bool,
 
-    /// Writes the charts into this folder as SVG
+    /// Writes the charts into this folder as SVG and PNG
     #[arg(long, value_name = "FOLDER")]
     plots: Option<PathBuf>,
 
@@ -271,11 +269,7 @@ fn write(arguments: &Arguments, report: &Report<'_>) -> anyhow::Result<()> {
         write_new(file, page.as_bytes(), common.overwrite())?;
     }
     if let Some(folder) = &arguments.plots {
-        fs::create_dir_all(folder).with_context(|| format!("cannot make {}", folder.display()))?;
-        for (name, chart) in &charts {
-            let file = folder.join(format!("{name}.svg"));
-            write_new(&file, chart.as_str().as_bytes(), common.overwrite())?;
-        }
+        charts::write(common, folder, &charts)?;
     }
     Ok(())
 }
