@@ -26,12 +26,14 @@ mod central_composite;
 mod design;
 mod error;
 mod factor;
+mod fraction_generators;
 mod fractional_factorial;
 mod full_factorial;
 mod hadamard;
 mod latin_hypercube;
 mod optimal;
 mod plackett_burman;
+mod second_stage;
 pub mod table;
 
 pub use box_behnken::{box_behnken, box_behnken_in_blocks};
@@ -39,10 +41,10 @@ pub use central_composite::{AxialDistance, central_composite, central_composite_
 pub use design::{Design, DesignKind, Run};
 pub use error::Error;
 pub use factor::{Factor, check_factors};
-pub use fractional_factorial::{
-    Fraction, fraction_with_generators, fractional_factorial, in_blocks,
-};
+pub use fraction_generators::{fraction_with_generators, in_blocks};
+pub use fractional_factorial::{Fraction, fractional_factorial};
 pub use full_factorial::full_factorial;
 pub use latin_hypercube::latin_hypercube;
-pub use optimal::{Criterion, augmented_design, augmented_near, optimal_design};
+pub use optimal::{Criterion, augmented_design, optimal_design};
 pub use plackett_burman::{plackett_burman, plackett_burman_with_runs};
+pub use second_stage::augmented_near;

@@ -7,7 +7,7 @@ use crate::{Design, DesignKind, Error, Factor, check_factors};
 /// Random starts of the exchange; the best of ten is rarely beaten by more than 1 %.
 const STARTS: usize = 10;
 /// Passes over all coordinates per start; the exchange stops by itself long before.
-const PASSES: usize = 50;
+pub(crate) const PASSES: usize = 50;
 /// The levels a coordinate may take; enough for quadratic models on a box.
 const LEVELS: [f64; 3] = [-1.0, 0.0, 1.0];
 /// Added to the diagonal of X'X, relative to the runs, so that a poor start has a finite value.
@@ -60,88 +60,8 @@ pub fn augmented_design(
     optimal_within(factors, criterion, given, n_runs, seed, row)
 }
 
-/// As [`augmented_design`], the added runs taken from the points that `allowed` lets pass among a
-/// grid of levels -1, -1/2, 0, 1/2, +1: the second stage of an experiment near a contour.
-///
-/// # Errors
-/// As [`augmented_design`]; [`Error::CountOutOfRange`] if no point of the grid is allowed.
-pub fn augmented_near(
-    factors: &[Factor],
-    criterion: Criterion,
-    given: &[Vec<f64>],
-    n_runs: usize,
-    seed: u64,
-    row: &dyn Fn(&[f64]) -> Vec<f64>,
-    allowed: &dyn Fn(&[f64]) -> bool,
-) -> Result<Design, Error> {
-    check_factors(factors)?;
-    let k = factors.len();
-    let levels = if k <= 4 { 5_usize } else { 3 };
-    if k > 8 {
-        return Err(Error::CountOutOfRange {
-            what: "factors of an experiment near a contour",
-            given: k,
-            least: 1,
-            most: 8,
-        });
-    }
-    let point = |index: usize| -> Vec<f64> {
-        let mut rest = index;
-        (0..k)
-            .map(|_| {
-                let level = rest % levels;
-                rest /= levels;
-                2.0 * level as f64 / (levels - 1) as f64 - 1.0
-            })
-            .collect()
-    };
-    let count = (0..k).fold(1, |count, _| count * levels);
-    let candidates: Vec<Vec<f64>> = (0..count).map(point).filter(|x| allowed(x)).collect();
-    let terms = row(&vec![0.0; k]).len();
-    if candidates.is_empty() || given.len() + n_runs < terms || n_runs > 500 {
-        return Err(Error::CountOutOfRange {
-            what: "points of the grid near the contour, and runs of both stages together",
-            given: candidates.len().min(given.len() + n_runs),
-            least: terms,
-            most: 500,
-        });
-    }
-    let mut stream = Stream::new(seed, "second stage");
-    let moments = box_moments(k, row, seed);
-    let cost = |rows: &[Vec<f64>]| {
-        let all: Vec<Vec<f64>> = given.iter().chain(rows).cloned().collect();
-        let information = information(&all, row, terms);
-        match criterion {
-            Criterion::Determinant => log_determinant_cost(&information),
-            Criterion::MeanVariance => variance_cost(&information, &moments),
-        }
-    };
-    let mut rows: Vec<Vec<f64>> = (0..n_runs)
-        .map(|_| candidates[stream.below(candidates.len())].clone())
-        .collect();
-    let mut reached = cost(&rows);
-    for _ in 0..PASSES {
-        let before = reached;
-        for i in 0..rows.len() {
-            for candidate in &candidates {
-                let kept = std::mem::replace(&mut rows[i], candidate.clone());
-                let value = cost(&rows);
-                if value < reached - 1e-12 * reached.abs() {
-                    reached = value;
-                } else {
-                    rows[i] = kept;
-                }
-            }
-        }
-        if reached >= before {
-            break;
-        }
-    }
-    stacked(factors, given, rows, DesignKind::Augmented)
-}
-
 /// Given runs as block 1 and added ones as block 2.
-fn stacked(
+pub(crate) fn stacked(
     factors: &[Factor],
     given: &[Vec<f64>],
     added: Vec<Vec<f64>>,
@@ -243,7 +163,11 @@ fn exchange(rows: &mut [Vec<f64>], cost: &dyn Fn(&[Vec<f64>]) -> f64) -> f64 {
 }
 
 /// X'X with a slight ridge, (terms, terms).
-fn information(rows: &[Vec<f64>], row: &dyn Fn(&[f64]) -> Vec<f64>, terms: usize) -> Vec<Vec<f64>> {
+pub(crate) fn information(
+    rows: &[Vec<f64>],
+    row: &dyn Fn(&[f64]) -> Vec<f64>,
+    terms: usize,
+) -> Vec<Vec<f64>> {
     let mut sum = vec![vec![0.0; terms]; terms];
     for (i, line) in sum.iter_mut().enumerate() {
         line[i] = RIDGE * rows.len() as f64;
@@ -276,13 +200,13 @@ fn cholesky(matrix: &[Vec<f64>]) -> Vec<Vec<f64>> {
 }
 
 /// ln det (X'X)^-1.
-fn log_determinant_cost(information: &[Vec<f64>]) -> f64 {
+pub(crate) fn log_determinant_cost(information: &[Vec<f64>]) -> f64 {
     let factor = cholesky(information);
     -2.0 * (0..factor.len()).map(|i| factor[i][i].ln()).sum::<f64>()
 }
 
 /// Trace of (X'X)^-1 M, M the mean of x x' over the box.
-fn variance_cost(information: &[Vec<f64>], moments: &[Vec<f64>]) -> f64 {
+pub(crate) fn variance_cost(information: &[Vec<f64>], moments: &[Vec<f64>]) -> f64 {
     let factor = cholesky(information);
     let n = factor.len();
     // Columns of the inverse factor: (X'X)^-1 = L^-T L^-1.
@@ -305,7 +229,7 @@ fn variance_cost(information: &[Vec<f64>], moments: &[Vec<f64>]) -> f64 {
 
 /// Mean of x x' over the box from a Latin hypercube and its mirror images of signs, exact for
 /// odd powers and good to about 1 % for even ones, which is enough to rank designs.
-fn box_moments(k: usize, row: &dyn Fn(&[f64]) -> Vec<f64>, seed: u64) -> Vec<Vec<f64>> {
+pub(crate) fn box_moments(k: usize, row: &dyn Fn(&[f64]) -> Vec<f64>, seed: u64) -> Vec<Vec<f64>> {
     const POINTS: usize = 512;
     let mut stream = Stream::new(seed, "moments of the box");
     let mut columns: Vec<Vec<f64>> = Vec::with_capacity(k);
@@ -329,10 +253,7 @@ fn box_moments(k: usize, row: &dyn Fn(&[f64]) -> Vec<f64>, seed: u64) -> Vec<Vec
 
 #[cfg(test)]
 mod tests {
-    use super::{
-        Criterion, augmented_design, augmented_near, information, log_determinant_cost,
-        optimal_design,
-    };
+    use super::{Criterion, augmented_design, information, log_determinant_cost, optimal_design};
     use crate::{Error, Factor, full_factorial};
 
     fn factors(k: usize) -> Vec<Factor> {
@@ -392,26 +313,6 @@ mod tests {
         rows.sort_by(|a, b| a.partial_cmp(b).unwrap());
         rows.dedup();
         assert_eq!(rows.len(), 8, "{rows:?}");
-    }
-
-    /// Points of the second stage stay where they are allowed.
-    #[test]
-    fn the_second_stage_keeps_to_its_band() {
-        let given = full_factorial(&factors(2), 1).unwrap().coded_rows();
-        let row = |x: &[f64]| vec![1.0, x[0], x[1], x[0] * x[1]];
-        let near = |x: &[f64]| (x[0] - x[1]).abs() < 0.1;
-        let both = augmented_near(
-            &factors(2),
-            Criterion::Determinant,
-            &given,
-            4,
-            1,
-            &row,
-            &near,
-        );
-        let rows = both.unwrap().coded_rows();
-        assert_eq!(rows.len(), 9);
-        assert!(rows[5..].iter().all(|x| near(x)));
     }
 
     #[test]
