@@ -24,6 +24,9 @@ const TRIPLES_7: [[usize; 3]; 7] = [
     [1, 2, 5],
 ];
 
+/// Pairs of the first block for 5 factors, twice each factor; the other pairs are the second.
+const BLOCK_OF_5: [[usize; 2]; 5] = [[0, 1], [2, 3], [1, 4], [0, 2], [3, 4]];
+
 /// Box-Behnken design for 3 to 7 factors: 12, 24, 40, 48 or 56 runs and `n_centre` centre runs.
 ///
 /// Two (from six factors on: three) factors at a time take all combinations of -1 and +1 while
@@ -61,6 +64,72 @@ pub fn box_behnken(factors: &[Factor], n_centre: usize) -> Result<Design, Error>
     Design::new(DesignKind::BoxBehnken, factors, Vec::new(), rows)
 }
 
+/// Box-Behnken design in orthogonal blocks, `n_centre` centre runs shared out among them: three
+/// blocks for 4 factors, two for 5, 6 and 7. Main effects, interactions and squares are free of the
+/// differences between blocks.
+///
+/// # Source
+/// `[Box1960]`, list of designs: pairs are shared out so that every factor occurs equally often in
+/// a block; triples are split by the sign of their product.
+///
+/// # Errors
+/// As [`box_behnken`]; [`Error::FactorCount`] for 3 factors (no orthogonal blocks exist);
+/// [`Error::CountOutOfRange`] unless each block gets the same number of centre runs.
+pub fn box_behnken_in_blocks(factors: &[Factor], n_centre: usize) -> Result<Design, Error> {
+    let design = box_behnken(factors, n_centre)?;
+    let k = factors.len();
+    let n_blocks = match k {
+        3 => {
+            return Err(Error::FactorCount {
+                design: "blocked Box-Behnken",
+                given: k,
+                least: 4,
+                most: 7,
+                way_out: "run it in one block, or take a central composite design in blocks",
+            });
+        }
+        4 => 3,
+        _ => 2,
+    };
+    if !n_centre.is_multiple_of(n_blocks) || n_centre == 0 {
+        return Err(Error::CountOutOfRange {
+            what: "centre runs of a blocked Box-Behnken design (a multiple of its blocks)",
+            given: n_centre,
+            least: n_blocks,
+            most: 10_000,
+        });
+    }
+    let edge = design.runs().len() - n_centre;
+    let block = |(i, run): (usize, &crate::Run)| {
+        if i >= edge {
+            return (i - edge) % n_blocks + 1;
+        }
+        let moved: Vec<usize> = (0..k).filter(|&j| run.coded[j] != 0.0).collect();
+        let sign: f64 = moved.iter().map(|&j| run.coded[j]).product();
+        match k {
+            // A pair and the pair of the other two factors share a block.
+            4 if moved[0] == 0 => moved[1],
+            4 => 6 - moved[0] - moved[1],
+            5 => {
+                if BLOCK_OF_5.contains(&[moved[0], moved[1]]) {
+                    1
+                } else {
+                    2
+                }
+            }
+            _ => {
+                if sign > 0.0 {
+                    1
+                } else {
+                    2
+                }
+            }
+        }
+    };
+    let blocks: Vec<usize> = design.runs().iter().enumerate().map(block).collect();
+    design.blocked(&blocks)
+}
+
 /// All combinations of -1 and +1 of the factors in `set`, the first fastest; the others at 0.
 fn corners(set: &[usize], k: usize) -> Vec<Vec<f64>> {
     let row = |bits: usize| {
@@ -75,7 +144,7 @@ fn corners(set: &[usize], k: usize) -> Vec<Vec<f64>> {
 
 #[cfg(test)]
 mod tests {
-    use super::box_behnken;
+    use super::{box_behnken, box_behnken_in_blocks};
     use crate::{Error, Factor};
 
     fn factors(k: usize) -> Vec<Factor> {
@@ -114,6 +183,34 @@ mod tests {
                 }
             }
         }
+    }
+
+    /// Blocks are orthogonal if within each of them odd moments vanish and the sum of squares of
+    /// every factor is the same share of the runs (exact whole numbers).
+    #[test]
+    fn blocks_are_orthogonal_to_the_quadratic() {
+        for (k, n_blocks, centre) in [(4, 3, 3), (5, 2, 6), (6, 2, 6), (7, 2, 6)] {
+            let design = box_behnken_in_blocks(&factors(k), centre).unwrap();
+            for block in 1..=n_blocks {
+                let rows: Vec<&[f64]> = design
+                    .runs()
+                    .iter()
+                    .filter(|run| run.block == block)
+                    .map(|run| &run.coded[..])
+                    .collect();
+                assert_eq!(rows.len() * n_blocks, design.runs().len(), "{k} factors");
+                let square: f64 = rows.iter().map(|r| r[0] * r[0]).sum();
+                for i in 0..k {
+                    assert_eq!(rows.iter().map(|r| r[i]).sum::<f64>(), 0.0);
+                    assert_eq!(rows.iter().map(|r| r[i] * r[i]).sum::<f64>(), square);
+                    for j in 0..i {
+                        assert_eq!(rows.iter().map(|r| r[i] * r[j]).sum::<f64>(), 0.0);
+                    }
+                }
+            }
+        }
+        assert!(box_behnken_in_blocks(&factors(3), 6).is_err());
+        assert!(box_behnken_in_blocks(&factors(5), 5).is_err());
     }
 
     #[test]

@@ -12,7 +12,7 @@ const MOST_RUNS: usize = 1_000_000;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum DesignKind {
-    /// Two-level screening design, 12, 20 or 24 runs.
+    /// Two-level screening design, 12 to 48 runs.
     PlackettBurman,
     /// A Plackett-Burman design followed by its mirror image.
     PlackettBurmanFoldover,
@@ -30,6 +30,10 @@ pub enum DesignKind {
     DOptimal,
     /// Runs chosen for a small mean variance of the prediction over the box.
     IOptimal,
+    /// Points along the path of steepest ascent.
+    SteepestAscent,
+    /// Runs added to an earlier design.
+    Augmented,
     /// Runs given by the user.
     Given,
 }
@@ -184,6 +188,30 @@ impl Design {
             })
         };
         let runs = self.runs.iter().flat_map(repeat).collect();
+        Ok(Self {
+            runs,
+            ..self.clone()
+        })
+    }
+
+    /// The same runs with the blocks given, one per run from 1.
+    ///
+    /// # Errors
+    /// [`Error::CountOutOfRange`] unless there is one block per run, each at least 1.
+    pub fn blocked(&self, blocks: &[usize]) -> Result<Self, Error> {
+        if blocks.len() != self.runs.len() || blocks.contains(&0) {
+            return Err(Error::CountOutOfRange {
+                what: "block numbers, one per run and each at least 1",
+                given: blocks.len(),
+                least: self.runs.len(),
+                most: self.runs.len(),
+            });
+        }
+        let mut runs = self.runs.clone();
+        for (run, &block) in runs.iter_mut().zip(blocks) {
+            run.block = block;
+        }
+        runs.sort_by_key(|run| run.block);
         Ok(Self {
             runs,
             ..self.clone()

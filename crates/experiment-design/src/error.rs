@@ -8,8 +8,8 @@ use thiserror::Error;
 pub enum Error {
     /// A symbol cannot serve as a column name and in a model formula.
     #[error(
-        "the symbol '{symbol}' cannot be used; a symbol is a letter followed by letters, digits \
-         or '_', is not one of run, cell, replicate, block, and does not end in _natural"
+        "the symbol '{symbol}' cannot be used; a symbol is a letter followed by letters, digits, \
+         '_' or '.', is not one of run, cell, replicate, block, and does not end in _natural"
     )]
     BadSymbol {
         /// The symbol as given.
@@ -70,6 +70,20 @@ pub enum Error {
         /// What to do instead.
         way_out: &'static str,
     },
+    /// The axial distance of a central composite design cannot be meant.
+    #[error("the axial distance is {value}; it must lie above 0 and be 100 half-ranges at most")]
+    BadAxialDistance {
+        /// The distance given, coded.
+        value: f64,
+    },
+    /// A generator of a fraction or of blocks cannot be used.
+    #[error("the generator '{generator}' cannot be used: {reason}")]
+    BadGenerator {
+        /// The generator as given.
+        generator: String,
+        /// What is wrong with it, and the way out.
+        reason: &'static str,
+    },
     /// A count is out of its range.
     #[error("the number of {what} is {given}; it must lie in {least} to {most}")]
     CountOutOfRange {
@@ -129,7 +143,9 @@ pub enum Error {
         candidates: String,
     },
     /// A field is not a finite number.
-    #[error("line {line}, column '{column}': '{text}' is not a finite number")]
+    #[error(
+        "line {line}, column '{column}': '{text}' is not a finite number; correct it, or leave the row out"
+    )]
     BadNumber {
         /// Line number, from 1.
         line: usize,

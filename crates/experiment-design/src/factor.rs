@@ -170,7 +170,7 @@ fn check_symbol(symbol: &str) -> Result<(), Error> {
     let starts_well = symbol.starts_with(|c: char| c.is_ascii_alphabetic());
     let all_well = symbol
         .chars()
-        .all(|c| c.is_ascii_alphanumeric() || c == '_');
+        .all(|c| c.is_ascii_alphanumeric() || c == '_' || c == '.');
     if starts_well && all_well && !reserved.contains(&symbol) && !symbol.ends_with("_natural") {
         return Ok(());
     }

@@ -7,13 +7,17 @@ use crate::{Design, DesignKind, Error, Factor, check_factors};
 /// Random samples among which the one with the greatest least distance is kept.
 const TRIES: usize = 50;
 
+/// Exchanges in a row that must fail before the search ends.
+const EXCHANGES: usize = 200;
+
 /// Latin hypercube of `n_runs` runs: each of the n equal slices of every factor holds one run.
 ///
-/// Of 50 random samples the one whose two closest runs are farthest apart is kept; ten times as
-/// many widen that distance by a few per cent only.
+/// Of 50 random samples the one whose two closest runs are farthest apart is kept; exchanges of
+/// values between runs then move its closest runs apart (maximin, up to 300 runs).
 ///
 /// # Source
-/// `[Mckay1979]`; choice by least distance: `[Johnson1990]`.
+/// `[Mckay1979]`; choice by least distance: `[Johnson1990]`; criterion of
+/// the exchange: `[MorrisMitchell1995]`.
 ///
 /// # Errors
 /// [`Error::CountOutOfRange`] outside 2 to 2000 runs; those of [`check_factors`].
@@ -39,7 +43,61 @@ pub fn latin_hypercube(factors: &[Factor], n_runs: usize, seed: u64) -> Result<D
             (best, widest) = (rows, distance);
         }
     }
+    if n_runs <= 300 {
+        improve(&mut best, &mut stream);
+    }
     Design::new(DesignKind::LatinHypercube, factors, Vec::new(), best)
+}
+
+/// Exchanges the values of one factor between a run of the closest pair and another run as long as
+/// that moves the closest runs apart; each slice keeps its one run.
+fn improve(rows: &mut [Vec<f64>], stream: &mut Stream) {
+    let (n, k) = (rows.len(), rows[0].len());
+    let mut criterion = crowding(rows);
+    let mut failures = 0;
+    while failures < EXCHANGES {
+        let (i, _) = closest(rows);
+        let (other, j) = (stream.below(n), stream.below(k));
+        if other == i {
+            failures += 1;
+            continue;
+        }
+        let swap = |rows: &mut [Vec<f64>]| {
+            let kept = rows[i][j];
+            rows[i][j] = rows[other][j];
+            rows[other][j] = kept;
+        };
+        swap(rows);
+        let reached = crowding(rows);
+        if reached < criterion {
+            criterion = reached;
+            failures = 0;
+        } else {
+            swap(rows);
+            failures += 1;
+        }
+    }
+}
+
+/// The least distance and, among equals, fewer pairs at it: the sum of d^-30.
+fn crowding(rows: &[Vec<f64>]) -> f64 {
+    pairs(rows).map(|(_, _, squared)| squared.powi(-15)).sum()
+}
+
+/// The closest pair of rows.
+fn closest(rows: &[Vec<f64>]) -> (usize, usize) {
+    let pair = pairs(rows).min_by(|a, b| a.2.total_cmp(&b.2));
+    pair.map_or((0, 0), |(i, j, _)| (i, j))
+}
+
+/// All pairs of rows with their squared distance, coded units.
+fn pairs(rows: &[Vec<f64>]) -> impl Iterator<Item = (usize, usize, f64)> {
+    (0..rows.len()).flat_map(move |i| {
+        (0..i).map(move |j| {
+            let gaps = rows[i].iter().zip(&rows[j]).map(|(x, y)| (x - y) * (x - y));
+            (i, j, gaps.sum())
+        })
+    })
 }
 
 /// One random Latin hypercube in coded variables.
@@ -57,14 +115,7 @@ fn sample(stream: &mut Stream, k: usize, n: usize) -> Vec<Vec<f64>> {
 
 /// Square of the distance of the two closest rows, coded units.
 fn least_distance_squared(rows: &[Vec<f64>]) -> f64 {
-    let mut least = f64::INFINITY;
-    for (i, a) in rows.iter().enumerate() {
-        for b in &rows[..i] {
-            let squared: f64 = a.iter().zip(b).map(|(x, y)| (x - y) * (x - y)).sum();
-            least = least.min(squared);
-        }
-    }
-    least
+    pairs(rows).fold(f64::INFINITY, |least, (_, _, squared)| least.min(squared))
 }
 
 #[cfg(test)]
@@ -102,7 +153,9 @@ mod tests {
     fn the_kept_sample_is_wider_than_the_first_and_depends_on_the_seed() {
         let kept = latin_hypercube(&factors(), 20, 9).unwrap();
         let first = sample(&mut Stream::new(9, "latin hypercube"), 3, 20);
-        assert!(least_distance_squared(&kept.coded_rows()) > least_distance_squared(&first));
+        // The exchanges alone widen the best of 50 samples by a fifth or more here.
+        let gain = least_distance_squared(&kept.coded_rows()) / least_distance_squared(&first);
+        assert!(gain > 1.44, "squared distance grew by {gain}");
         assert_eq!(kept, latin_hypercube(&factors(), 20, 9).unwrap());
         assert_ne!(kept, latin_hypercube(&factors(), 20, 10).unwrap());
         assert!(latin_hypercube(&factors(), 1, 9).is_err());

@@ -7,7 +7,7 @@ use crate::{Design, DesignKind, Error, Factor, check_factors};
 /// Random starts of the exchange; the best of ten is rarely beaten by more than 1 %.
 const STARTS: usize = 10;
 /// Passes over all coordinates per start; the exchange stops by itself long before.
-const PASSES: usize = 50;
+pub(crate) const PASSES: usize = 50;
 /// The levels a coordinate may take; enough for quadratic models on a box.
 const LEVELS: [f64; 3] = [-1.0, 0.0, 1.0];
 /// Added to the diagonal of X'X, relative to the runs, so that a poor start has a finite value.
@@ -40,22 +40,80 @@ pub fn optimal_design(
     seed: u64,
     row: &dyn Fn(&[f64]) -> Vec<f64>,
 ) -> Result<Design, Error> {
+    augmented_design(factors, criterion, &[], n_runs, seed, row)
+}
+
+/// Adds `n_runs` runs on the levels -1, 0, +1 to given coded runs so that all of them together are
+/// nearly optimal for a model. The given runs come first, in block 1; the added ones are block 2.
+/// Without given runs it is [`optimal_design`].
+///
+/// # Errors
+/// As [`optimal_design`], for all runs together; [`Error::BadRun`] for a given run of wrong length.
+pub fn augmented_design(
+    factors: &[Factor],
+    criterion: Criterion,
+    given: &[Vec<f64>],
+    n_runs: usize,
+    seed: u64,
+    row: &dyn Fn(&[f64]) -> Vec<f64>,
+) -> Result<Design, Error> {
+    optimal_within(factors, criterion, given, n_runs, seed, row)
+}
+
+/// Given runs as block 1 and added ones as block 2.
+pub(crate) fn stacked(
+    factors: &[Factor],
+    given: &[Vec<f64>],
+    added: Vec<Vec<f64>>,
+    kind: DesignKind,
+) -> Result<Design, Error> {
+    let first = given.len();
+    let rows: Vec<Vec<f64>> = given.iter().cloned().chain(added).collect();
+    let blocks: Vec<usize> = (0..rows.len())
+        .map(|i| 1 + usize::from(first > 0 && i >= first))
+        .collect();
+    Design::new(kind, factors, Vec::new(), rows)?.blocked(&blocks)
+}
+
+/// The exchange behind the designs on three levels.
+fn optimal_within(
+    factors: &[Factor],
+    criterion: Criterion,
+    given: &[Vec<f64>],
+    n_runs: usize,
+    seed: u64,
+    row: &dyn Fn(&[f64]) -> Vec<f64>,
+) -> Result<Design, Error> {
     check_factors(factors)?;
     let k = factors.len();
+    if let Some(i) = given.iter().position(|x| x.len() != k) {
+        return Err(Error::BadRun {
+            run: i + 1,
+            columns: k,
+        });
+    }
     let terms = row(&vec![0.0; k]).len();
-    if !(terms..=500).contains(&n_runs) {
+    let least = terms.saturating_sub(given.len());
+    if !(least..=500).contains(&n_runs) {
         return Err(Error::CountOutOfRange {
             what: "runs of the optimal design (at least one per term)",
             given: n_runs,
-            least: terms,
+            least,
             most: 500,
         });
     }
     let mut stream = Stream::new(seed, "optimal design");
     let moments = box_moments(k, row, seed);
-    let cost = |rows: &[Vec<f64>]| match criterion {
-        Criterion::Determinant => log_determinant_cost(&information(rows, row, terms)),
-        Criterion::MeanVariance => variance_cost(&information(rows, row, terms), &moments),
+    let fixed = information(given, row, terms);
+    let cost = |rows: &[Vec<f64>]| {
+        let mut sum = information(rows, row, terms);
+        for (entry, more) in sum.iter_mut().flatten().zip(fixed.iter().flatten()) {
+            *entry += more;
+        }
+        match criterion {
+            Criterion::Determinant => log_determinant_cost(&sum),
+            Criterion::MeanVariance => variance_cost(&sum, &moments),
+        }
     };
     let mut best: Option<(f64, Vec<Vec<f64>>)> = None;
     for _ in 0..STARTS {
@@ -70,11 +128,12 @@ pub fn optimal_design(
     }
     let (_, mut rows) = best.unwrap_or_default();
     rows.sort_by(|a, b| a.partial_cmp(b).unwrap_or(std::cmp::Ordering::Equal));
-    let kind = match criterion {
-        Criterion::Determinant => DesignKind::DOptimal,
-        Criterion::MeanVariance => DesignKind::IOptimal,
+    let kind = match (given.is_empty(), criterion) {
+        (false, _) => DesignKind::Augmented,
+        (true, Criterion::Determinant) => DesignKind::DOptimal,
+        (true, Criterion::MeanVariance) => DesignKind::IOptimal,
     };
-    Design::new(kind, factors, Vec::new(), rows)
+    stacked(factors, given, rows, kind)
 }
 
 /// Sets each coordinate to its best level until a pass changes nothing; returns the cost.
@@ -104,7 +163,11 @@ fn exchange(rows: &mut [Vec<f64>], cost: &dyn Fn(&[Vec<f64>]) -> f64) -> f64 {
 }
 
 /// X'X with a slight ridge, (terms, terms).
-fn information(rows: &[Vec<f64>], row: &dyn Fn(&[f64]) -> Vec<f64>, terms: usize) -> Vec<Vec<f64>> {
+pub(crate) fn information(
+    rows: &[Vec<f64>],
+    row: &dyn Fn(&[f64]) -> Vec<f64>,
+    terms: usize,
+) -> Vec<Vec<f64>> {
     let mut sum = vec![vec![0.0; terms]; terms];
     for (i, line) in sum.iter_mut().enumerate() {
         line[i] = RIDGE * rows.len() as f64;
@@ -137,13 +200,13 @@ fn cholesky(matrix: &[Vec<f64>]) -> Vec<Vec<f64>> {
 }
 
 /// ln det (X'X)^-1.
-fn log_determinant_cost(information: &[Vec<f64>]) -> f64 {
+pub(crate) fn log_determinant_cost(information: &[Vec<f64>]) -> f64 {
     let factor = cholesky(information);
     -2.0 * (0..factor.len()).map(|i| factor[i][i].ln()).sum::<f64>()
 }
 
 /// Trace of (X'X)^-1 M, M the mean of x x' over the box.
-fn variance_cost(information: &[Vec<f64>], moments: &[Vec<f64>]) -> f64 {
+pub(crate) fn variance_cost(information: &[Vec<f64>], moments: &[Vec<f64>]) -> f64 {
     let factor = cholesky(information);
     let n = factor.len();
     // Columns of the inverse factor: (X'X)^-1 = L^-T L^-1.
@@ -166,7 +229,7 @@ fn variance_cost(information: &[Vec<f64>], moments: &[Vec<f64>]) -> f64 {
 
 /// Mean of x x' over the box from a Latin hypercube and its mirror images of signs, exact for
 /// odd powers and good to about 1 % for even ones, which is enough to rank designs.
-fn box_moments(k: usize, row: &dyn Fn(&[f64]) -> Vec<f64>, seed: u64) -> Vec<Vec<f64>> {
+pub(crate) fn box_moments(k: usize, row: &dyn Fn(&[f64]) -> Vec<f64>, seed: u64) -> Vec<Vec<f64>> {
     const POINTS: usize = 512;
     let mut stream = Stream::new(seed, "moments of the box");
     let mut columns: Vec<Vec<f64>> = Vec::with_capacity(k);
@@ -190,7 +253,7 @@ fn box_moments(k: usize, row: &dyn Fn(&[f64]) -> Vec<f64>, seed: u64) -> Vec<Vec
 
 #[cfg(test)]
 mod tests {
-    use super::{Criterion, information, log_determinant_cost, optimal_design};
+    use super::{Criterion, augmented_design, information, log_determinant_cost, optimal_design};
     use crate::{Error, Factor, full_factorial};
 
     fn factors(k: usize) -> Vec<Factor> {
@@ -229,6 +292,27 @@ mod tests {
         };
         assert_eq!(middle(Criterion::Determinant), 4);
         assert_eq!(middle(Criterion::MeanVariance), 6);
+    }
+
+    /// Half a factorial in three factors, augmented by four runs for a linear model with
+    /// interactions, must become the full factorial: no other eight runs are orthogonal.
+    #[test]
+    fn augmentation_completes_the_factorial() {
+        let half: Vec<Vec<f64>> = full_factorial(&factors(3), 0)
+            .unwrap()
+            .coded_rows()
+            .into_iter()
+            .filter(|x| x.iter().product::<f64>() > 0.0)
+            .collect();
+        let row = |x: &[f64]| vec![1.0, x[0], x[1], x[2], x[0] * x[1], x[0] * x[2], x[1] * x[2]];
+        let both =
+            augmented_design(&factors(3), Criterion::Determinant, &half, 4, 1, &row).unwrap();
+        let mut rows = both.coded_rows();
+        assert_eq!(rows[..4], half[..]);
+        assert_eq!(both.runs()[4].block, 2);
+        rows.sort_by(|a, b| a.partial_cmp(b).unwrap());
+        rows.dedup();
+        assert_eq!(rows.len(), 8, "{rows:?}");
     }
 
     #[test]

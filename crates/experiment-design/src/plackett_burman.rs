@@ -1,52 +1,48 @@
 //! Plackett-Burman screening designs.
 
+use crate::hadamard::saturated_rows;
 use crate::{Design, DesignKind, Error, Factor, check_factors};
 
-/// First row of the 12-run design `[Plackett1946]`, in the order the study prints it.
-const GENERATOR_12: &str = "++-+++---+-";
-/// First row of the 20-run design `[Plackett1946]`.
-const GENERATOR_20: &str = "++--++++-+-+----++-";
-/// First row of the 24-run design `[Plackett1946]`.
-const GENERATOR_24: &str = "+++++-+-++--++--+-+----";
-
-/// Screens up to 23 factors in the smallest of 12, 20 and 24 runs that holds them.
+/// Screens up to 47 factors in the smallest of 12, 20, 24, 28, 36, 40, 44 and 48 runs that holds
+/// them. (16 and 32 runs are offered too, but alias two-factor interactions fully.)
 ///
-/// Columns without a factor become dummies that estimate the error. Row i + 1 is row i shifted
-/// one place to the right; the last row is all minus. The columns are orthogonal, X'X = N I, but
+/// Columns without a factor become dummies that estimate the error. Where the design is
+/// cyclic, row i + 1 is row i shifted one place to the right; the last row is all minus. The columns are orthogonal, X'X = N I, but
 /// each main effect is partially aliased with the two-factor interactions of the others.
 ///
 /// # Source
-/// `[Plackett1946]`, table of first rows.
+/// `[Plackett1946]`; 28 runs: `[Paley1933]`.
 ///
 /// # Errors
-/// [`Error::FactorCount`] beyond 23 factors; those of [`check_factors`].
+/// [`Error::FactorCount`] beyond 47 factors; those of [`check_factors`].
 pub fn plackett_burman(factors: &[Factor]) -> Result<Design, Error> {
     let n_runs = match factors.len() {
         0..=11 => 12,
         12..=19 => 20,
-        _ => 24,
+        20..=23 => 24,
+        24..=27 => 28,
+        28..=35 => 36,
+        36..=39 => 40,
+        40..=43 => 44,
+        _ => 48,
     };
     plackett_burman_with_runs(factors, n_runs)
 }
 
-/// Screens factors in a stated number of runs: 12, 20 or 24.
+/// Screens factors in a stated number of runs: a multiple of four from 12 to 48.
 ///
 /// # Errors
 /// [`Error::RunCount`] for another number of runs; [`Error::FactorCount`] for more factors than
 /// runs - 1; those of [`check_factors`].
 pub fn plackett_burman_with_runs(factors: &[Factor], n_runs: usize) -> Result<Design, Error> {
     check_factors(factors)?;
-    let generator = match n_runs {
-        12 => GENERATOR_12,
-        20 => GENERATOR_20,
-        24 => GENERATOR_24,
-        given => {
-            return Err(Error::RunCount {
-                design: "Plackett-Burman",
-                given,
-                way_out: "take 12, 20 or 24 runs, or a two-level fraction for 8, 16 or 32",
-            });
-        }
+    let rows = saturated_rows(n_runs).filter(|_| n_runs >= 12);
+    let Some(rows) = rows else {
+        return Err(Error::RunCount {
+            design: "Plackett-Burman",
+            given: n_runs,
+            way_out: "take 12, 16, 20, 24, 28, 32, 36, 40, 44 or 48 runs",
+        });
     };
     if factors.len() >= n_runs {
         return Err(Error::FactorCount {
@@ -54,23 +50,11 @@ pub fn plackett_burman_with_runs(factors: &[Factor], n_runs: usize) -> Result<De
             given: factors.len(),
             least: 1,
             most: n_runs - 1,
-            way_out: "take a larger one (up to 23 factors in 24 runs), screen in groups, or take \
+            way_out: "take a larger one (up to 47 factors in 48 runs), screen in groups, or take \
                       a Latin hypercube",
         });
     }
-    let first: Vec<f64> = generator
-        .chars()
-        .map(|c| if c == '+' { 1.0 } else { -1.0 })
-        .collect();
-    let columns = first.len();
-    let mut rows: Vec<Vec<f64>> = (0..columns)
-        .map(|shift| {
-            (0..columns)
-                .map(|j| first[(j + columns - shift) % columns])
-                .collect()
-        })
-        .collect();
-    rows.push(vec![-1.0; columns]);
+    let columns = n_runs - 1;
     let dummies = dummy_names(factors, columns - factors.len());
     Design::new(DesignKind::PlackettBurman, factors, dummies, rows)
 }
@@ -131,7 +115,7 @@ mod tests {
     /// Signs are whole numbers, so orthogonality is exact.
     #[test]
     fn columns_are_balanced_and_orthogonal_for_every_published_size() {
-        for n in [12, 20, 24] {
+        for n in [12, 16, 20, 24, 28, 32, 36, 40, 44, 48] {
             let rows = plackett_burman_with_runs(&factors(3), n)
                 .unwrap()
                 .coded_rows();
@@ -151,6 +135,24 @@ mod tests {
         }
     }
 
+    /// The designs take the smallest size that holds the factors, and fill up with dummies.
+    #[test]
+    fn the_smallest_design_that_holds_the_factors_is_taken() {
+        for (k, n) in [
+            (6, 12),
+            (12, 20),
+            (23, 24),
+            (24, 28),
+            (30, 36),
+            (39, 40),
+            (47, 48),
+        ] {
+            let design = plackett_burman(&factors(k)).unwrap();
+            assert_eq!(design.runs().len(), n);
+            assert_eq!(design.dummies().len(), n - 1 - k);
+        }
+    }
+
     /// In a fold-over every product of three columns sums to zero, so no two-factor interaction
     /// is aliased with a main effect.
     #[test]
@@ -167,11 +169,11 @@ mod tests {
     #[test]
     fn sizes_beyond_the_published_ones_are_refused_with_a_way_out() {
         assert!(matches!(
-            plackett_burman(&factors(24)),
-            Err(Error::FactorCount { most: 23, .. })
+            plackett_burman(&factors(48)),
+            Err(Error::FactorCount { most: 47, .. })
         ));
-        let error = plackett_burman_with_runs(&factors(3), 16).unwrap_err();
-        assert!(error.to_string().contains("12, 20 or 24"), "{error}");
+        let error = plackett_burman_with_runs(&factors(3), 18).unwrap_err();
+        assert!(error.to_string().contains("44 or 48"), "{error}");
         assert!(plackett_burman_with_runs(&factors(12), 12).is_err());
     }
 }

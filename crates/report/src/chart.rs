@@ -7,6 +7,8 @@ pub(crate) mod line_series;
 pub(crate) mod pareto;
 pub(crate) mod predicted_against_measured;
 pub(crate) mod residuals;
+pub(crate) mod scatter;
+pub(crate) mod surface;
 pub(crate) mod timeseries;
 
 use serde::{Deserialize, Serialize};

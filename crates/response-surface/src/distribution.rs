@@ -72,6 +72,27 @@ pub fn chi_squared_upper_tail(x: f64, df: f64) -> Option<f64> {
     checked_gamma_ur(df / 2.0, x / 2.0).ok()
 }
 
+/// The x with P(chi2 >= x) = `tail`, for 0 < `tail` < 1; none where it is undefined.
+pub fn chi_squared_quantile(tail: f64, df: f64) -> Option<f64> {
+    if !(tail > 0.0 && tail < 1.0 && df > 0.0 && df.is_finite()) {
+        return None;
+    }
+    let mut high = 1.0;
+    while chi_squared_upper_tail(high, df)? > tail {
+        high *= 2.0;
+    }
+    let mut low = 0.0;
+    for _ in 0..100 {
+        let middle = 0.5 * (low + high);
+        if chi_squared_upper_tail(middle, df)? > tail {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    Some(0.5 * (low + high))
+}
+
 /// The z with P(Z <= z) = `probability` of the standard normal distribution, 0 < `probability` < 1.
 pub fn normal_quantile(probability: f64) -> Option<f64> {
     if !(probability > 0.0 && probability < 1.0) {

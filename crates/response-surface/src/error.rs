@@ -28,6 +28,12 @@ pub enum Error {
         /// Name of the term.
         term: String,
     },
+    /// A model without intercept is asked for where it makes no sense.
+    #[error("{what}; leave the 0 out of the formula")]
+    NoIntercept {
+        /// What is wrong.
+        what: &'static str,
+    },
     /// The model has terms only for other factors than the given ones.
     #[error("the model is for the factors {model}, but the factors given are {given}")]
     FactorMismatch {

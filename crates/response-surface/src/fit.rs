@@ -2,19 +2,25 @@
 
 mod anova;
 mod cases;
+mod information;
 mod lack_of_fit;
 mod matrix;
 mod replicates;
 mod terms;
+mod typed;
 mod warnings;
 
 pub use anova::{AnovaRow, SequentialModel};
 pub use cases::Case;
+pub use information::Information;
 pub use lack_of_fit::{LackOfFit, PureError};
-pub(crate) use replicates::f_test;
+pub(crate) use lack_of_fit::{pure_error as pure_error_of, same_settings};
+pub(crate) use matrix::Matrix;
 pub use replicates::{Bartlett, FTest, Replicates};
+pub(crate) use replicates::{bartlett_of, f_test, pooled_variance};
 pub use terms::TermRow;
-pub(crate) use terms::tested;
+pub(crate) use terms::{tested, variance_inflation};
+pub use typed::{TypedRow, TypedSum};
 pub use warnings::Warning;
 
 use experiment_design::Factor;
@@ -23,8 +29,8 @@ use serde::{Deserialize, Serialize};
 use crate::distribution::t_two_sided_quantile;
 use crate::least_squares::{LeastSquares, least_squares};
 use crate::natural::natural_terms;
+use crate::refine::refine;
 use crate::{BoxExtremes, Canonical, Error, Model, NamedValues, Observations};
-use matrix::Matrix;
 
 /// What the weights of the observations are taken from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -36,6 +42,8 @@ pub enum Weighting {
     Equal,
     /// n / sd^2 of each cell. With few replicates the noise of sd does more harm than good.
     InverseVariance,
+    /// n / s^2 with the variance s^2 of each cell drawn towards the pooled one.
+    ShrunkVariance,
 }
 
 /// Which variance stands for the error.
@@ -116,6 +124,14 @@ pub struct Fit {
     pub lack_of_fit: Option<LackOfFit>,
     /// Scatter of rows with the same settings.
     pub pure_error: Option<PureError>,
+    /// Test of the misfit against all repeats: repeated rows and replicates within rows.
+    pub lack_of_fit_all_repeats: Option<FTest>,
+    /// Sums of squares of each term of Type I, II and III with their tests.
+    pub anova: NamedValues<TypedRow>,
+    /// Likelihood with its penalties; none without residuals.
+    pub information: Option<Information>,
+    /// Greatest over least singular value of the columns scaled to unit length.
+    pub condition: Option<f64>,
     /// Sum of squares that each term adds to those before it (Type I).
     pub ss_sequential: NamedValues<f64>,
     /// The same by degree.
@@ -188,15 +204,23 @@ fn assemble(
 ) -> Fit {
     let (n, p) = (matrix.rows.len(), matrix.names.len());
     let df_resid = n - p;
-    let sums = anova::sums(matrix, &solved);
+    let refined = refine(
+        &|i| matrix.wide_row(model, data, i),
+        &matrix.response,
+        &matrix.weights,
+        &solved.xtx_inverse,
+        &solved.coefficients,
+    );
+    let sums = anova::sums(matrix, refined.residuals);
     let mse = positive_df(df_resid).map(|df| sums.sse / df);
-    let terms = terms::rows(matrix, &solved, &sums, df_resid);
+    let terms = terms::rows(matrix, &refined.coefficients, &solved, &sums, df_resid);
     let cases = cases::cases(data, matrix, &solved, &sums, df_resid);
     let press = cases::press(&cases, &matrix.weights);
     let pure_error = lack_of_fit::pure_error(data, &matrix.weights);
-    let coefficients = matrix.model_part(&solved.coefficients);
+    let coefficients = matrix.model_part(&refined.coefficients);
     let covariance = matrix.model_block(&solved.xtx_inverse);
     let terms_natural = natural_terms(factors, model, &coefficients, &covariance, mse, df_resid);
+    let replicates = replicates::replicates(data, &terms, sums.sse, df_resid);
     let mut fit = Fit {
         factors: factors.to_vec(),
         formula: model.clone(),
@@ -213,7 +237,7 @@ fn assemble(
         ssr: sums.sst - sums.sse,
         r2: ratio(sums.sst - sums.sse, sums.sst),
         adj_r2: mse
-            .and_then(|mse| ratio(mse * (n - 1) as f64, sums.sst))
+            .and_then(|mse| ratio(mse * sums.df_total as f64, sums.sst))
             .map(|q| 1.0 - q),
         press,
         pred_r2: press
@@ -221,12 +245,11 @@ fn assemble(
             .map(|q| 1.0 - q),
         cv_pct: mse.and_then(|mse| ratio(100.0 * mse.sqrt(), sums.mean)),
         adeq_precision: mse.and_then(|mse| cases::adequate_precision(&cases, p, mse)),
-        model: anova::model_row(&sums, p, df_resid),
+        model: anova::model_row(&sums, df_resid),
         t_crit_975: positive_df(df_resid).and_then(|df| t_two_sided_quantile(0.05, df)),
         lack_of_fit: pure_error
             .as_ref()
             .and_then(|pure| lack_of_fit::lack_of_fit(sums.sse, df_resid, pure)),
-        pure_error,
         ss_sequential: anova::sequential(matrix, &solved),
         sequential_model_ss: anova::sequential_by_degree(matrix, model, &solved, &sums),
         vif: terms::variance_inflation(matrix, &solved),
@@ -237,7 +260,17 @@ fn assemble(
         terms_natural,
         canonical: None,
         box_extremes: None,
-        replicates: replicates::replicates(data, &terms, sums.sse, df_resid),
+        lack_of_fit_all_repeats: lack_of_fit::against_all_repeats(
+            sums.sse,
+            df_resid,
+            pure_error.as_ref(),
+            replicates.as_ref(),
+        ),
+        anova: typed::rows(matrix, model, &solved, &terms, mse, df_resid),
+        information: information::information(&sums, &matrix.weights, p),
+        condition: condition(&solved),
+        pure_error,
+        replicates,
         terms,
         cases,
         xtx_inverse: solved.xtx_inverse,
@@ -313,6 +346,30 @@ impl Fit {
         row.iter().enumerate().map(|(i, x)| x * dot(i)).sum()
     }
 
+    /// Change of each coefficient (in the order of `terms`) when case `i` (from 0) is left out, over
+    /// its standard error without it; none at leverage 1 or without degrees of freedom, and with
+    /// blocks.
+    ///
+    /// # Source
+    /// DFBETAS: `[Belsley1980, section 2.1]`.
+    pub fn dfbetas(&self, i: usize) -> Option<Vec<f64>> {
+        let case = self.cases.get(i)?;
+        let row = self.formula.row(&case.coded);
+        let external = case.studentized_external?;
+        let free = 1.0 - case.leverage;
+        if row.len() != self.p {
+            return None;
+        }
+        let change = |line: &Vec<f64>| -> f64 { line.iter().zip(&row).map(|(c, x)| c * x).sum() };
+        let scale = external * (case.weight / free).sqrt();
+        let lines = self.xtx_inverse.iter().enumerate();
+        Some(
+            lines
+                .map(|(j, line)| change(line) * scale / line[j].sqrt())
+                .collect(),
+        )
+    }
+
     /// Natural values of a coded point, units of the factors.
     pub fn natural(&self, coded: &[f64]) -> Vec<f64> {
         self.factors
@@ -330,6 +387,21 @@ impl Fit {
             .map(|(factor, &u)| factor.coded(u))
             .collect()
     }
+}
+
+/// Condition number of the scaled columns; none where it is not finite.
+pub(crate) fn condition(solved: &LeastSquares) -> Option<f64> {
+    let p = solved.triangle.len();
+    let triangle =
+        nalgebra::DMatrix::from_fn(
+            p,
+            p,
+            |i, j| {
+                if i <= j { solved.triangle[j][i] } else { 0.0 }
+            },
+        );
+    let values = triangle.singular_values();
+    ratio(values.max(), values.min())
 }
 
 /// Refuses a model for other factors.

@@ -19,6 +19,10 @@ pub(crate) struct LeastSquares {
     pub(crate) sequential_ss: Vec<f64>,
     /// Diagonal of the hat matrix, (n).
     pub(crate) leverages: Vec<f64>,
+    /// Columns of the upper triangle R of the scaled columns, (p, p).
+    pub(crate) triangle: Vec<Vec<f64>>,
+    /// The response in the coordinates of R, (p).
+    pub(crate) rotated: Vec<f64>,
 }
 
 /// Minimises sum w (y - X beta)^2.
@@ -83,7 +87,82 @@ pub(crate) fn least_squares(
             .collect(),
         sequential_ss: target[..p].iter().map(|z| z * z).collect(),
         leverages: leverages(&reflections, rows.len()),
+        triangle: columns.iter().map(|c| c[..p].to_vec()).collect(),
+        rotated: target[..p].to_vec(),
     })
+}
+
+/// Sum of squares that the last of some columns adds to the others; 0 if it depends on them.
+pub(crate) fn last_adds(mut columns: Vec<Vec<f64>>, mut target: Vec<f64>) -> f64 {
+    let m = columns.len();
+    let scales: Vec<f64> = columns.iter().map(|c| norm(c)).collect();
+    for (column, scale) in columns.iter_mut().zip(&scales) {
+        for x in column {
+            *x /= scale.max(f64::MIN_POSITIVE);
+        }
+    }
+    let names = vec![String::new(); m];
+    match triangularise(&mut columns, &mut target, &scales, &names) {
+        Ok(_) => target[m - 1] * target[m - 1],
+        Err(_) => 0.0,
+    }
+}
+
+/// An orthonormal basis built column by column, so that the fits of all leading sets of columns
+/// can be read off.
+#[derive(Debug)]
+pub(crate) struct Basis {
+    /// Places of the columns that depend on earlier ones, and their relations to them.
+    pub(crate) dependent: Vec<(usize, String)>,
+    /// The orthonormal columns of the others, with their places.
+    pub(crate) columns: Vec<(usize, Vec<f64>)>,
+}
+
+/// Builds the basis of the columns of weighted rows.
+pub(crate) fn basis(rows: &[Vec<f64>], names: &[String], weights: &[f64]) -> Basis {
+    let roots: Vec<f64> = weights.iter().map(|w| w.sqrt()).collect();
+    let column =
+        |j: usize| -> Vec<f64> { rows.iter().zip(&roots).map(|(r, w)| r[j] * w).collect() };
+    let mut columns: Vec<Vec<f64>> = (0..names.len()).map(column).collect();
+    let scales: Vec<f64> = columns.iter().map(|c| norm(c)).collect();
+    for (column, scale) in columns.iter_mut().zip(&scales) {
+        if *scale > 0.0 {
+            for x in column {
+                *x /= scale;
+            }
+        }
+    }
+    let mut found = Reduction::default();
+    reduce(
+        &mut columns,
+        &mut vec![0.0; rows.len()],
+        &scales,
+        names,
+        &mut found,
+    );
+    let unit = |place: usize| {
+        let mut unit = vec![0.0; rows.len()];
+        unit[place] = 1.0;
+        let before = found.reflections[..=place].iter().rev();
+        before.for_each(|v| reflect(&mut unit, v));
+        unit
+    };
+    let places = found.independent.iter().enumerate();
+    Basis {
+        columns: places.map(|(place, &j)| (j, unit(place))).collect(),
+        dependent: found.dependent,
+    }
+}
+
+/// What a reduction found.
+#[derive(Debug, Default)]
+struct Reduction {
+    /// The reflections, one per independent column.
+    reflections: Vec<Vec<f64>>,
+    /// Places of the independent columns.
+    independent: Vec<usize>,
+    /// Places of the dependent columns with their relations.
+    dependent: Vec<(usize, String)>,
 }
 
 /// Reduces the columns to upper triangular form, applies the same reflections to the target, and
@@ -94,15 +173,32 @@ fn triangularise(
     scales: &[f64],
     names: &[String],
 ) -> Result<Vec<Vec<f64>>, Error> {
-    let mut reflections: Vec<Vec<f64>> = Vec::with_capacity(columns.len());
-    let mut independent: Vec<usize> = Vec::with_capacity(columns.len());
-    let (mut terms, mut relations) = (Vec::new(), Vec::new());
+    let mut found = Reduction::default();
+    reduce(columns, target, scales, names, &mut found);
+    if found.dependent.is_empty() {
+        return Ok(found.reflections);
+    }
+    let (places, relations): (Vec<usize>, Vec<String>) = found.dependent.into_iter().unzip();
+    Err(Error::AliasedTerms {
+        terms: places.into_iter().map(|j| names[j].clone()).collect(),
+        relations,
+    })
+}
+
+/// Reduces the columns from left to right and passes over those that depend on earlier ones.
+fn reduce(
+    columns: &mut [Vec<f64>],
+    target: &mut [f64],
+    scales: &[f64],
+    names: &[String],
+    found: &mut Reduction,
+) {
     for j in 0..columns.len() {
-        let place = reflections.len();
+        let place = found.reflections.len();
         let rest = columns[j].get(place..).map_or(0.0, norm);
         if scales[j] == 0.0 || rest < DEPENDENT {
-            terms.push(names[j].clone());
-            relations.push(relation(columns, &independent, j, scales, names));
+            let relation = relation(columns, &found.independent, j, scales, names);
+            found.dependent.push((j, relation));
             continue;
         }
         let mut v = vec![0.0; target.len()];
@@ -116,13 +212,8 @@ fn triangularise(
             .iter_mut()
             .for_each(|column| reflect(column, &v));
         reflect(target, &v);
-        reflections.push(v);
-        independent.push(j);
-    }
-    if terms.is_empty() {
-        Ok(reflections)
-    } else {
-        Err(Error::AliasedTerms { terms, relations })
+        found.reflections.push(v);
+        found.independent.push(j);
     }
 }
 

@@ -6,9 +6,10 @@ use experiment_design::Factor;
 use serde::{Deserialize, Serialize};
 
 use crate::Error;
+use crate::wide::Wide;
 
 /// Greatest power of one factor in a term.
-const MOST_POWER: u8 = 4;
+const MOST_POWER: u8 = 12;
 
 /// A product of powers of the coded factors; all powers zero is the intercept.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -43,6 +44,11 @@ impl Term {
         self.degree() == 1
     }
 
+    /// Whether another term is a factor of this one.
+    pub fn contains(&self, other: &Self) -> bool {
+        self.powers.iter().zip(&other.powers).all(|(a, b)| a >= b)
+    }
+
     /// Value of the product at a coded point.
     pub fn value(&self, coded: &[f64]) -> f64 {
         let pairs = self.powers.iter().zip(coded);
@@ -50,14 +56,14 @@ impl Term {
     }
 }
 
-/// Intercept and terms in hierarchical order: main effects, two-factor interactions, squares,
-/// then by degree.
+/// Terms in hierarchical order: intercept, main effects, two-factor interactions, squares, then by
+/// degree.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(into = "ModelText", try_from = "ModelText")]
 pub struct Model {
     /// Symbols of the factors.
     symbols: Vec<String>,
-    /// The terms; the first is the intercept.
+    /// The terms; the first is the intercept, if there is one.
     terms: Vec<Term>,
 }
 
@@ -88,9 +94,10 @@ impl TryFrom<ModelText> for Model {
 }
 
 impl Model {
-    /// Reads `linear`, `2fi`, `quadratic`, or a formula such as `1 + B + E + B:E + B^2`.
+    /// Reads `mean`, `linear`, `2fi`, `quadratic`, `cubic`, or a formula such as
+    /// `1 + B + E + B:E + B^2`.
     ///
-    /// The intercept is always part of the model. The order of the terms is that of [`Model`],
+    /// The intercept is part of the model unless the formula has a `0`. The order of the terms is that of [`Model`],
     /// whatever the order in the formula.
     ///
     /// # Errors
@@ -119,25 +126,49 @@ impl Model {
 
     /// Reads a formula over given symbols.
     fn parse_symbols(formula: &str, symbols: Vec<String>) -> Result<Self, Error> {
-        let degree_two = |keep: &dyn Fn(&Term) -> bool| {
-            let all = terms_up_to_degree_two(symbols.len());
+        let up_to = |degree: usize, keep: &dyn Fn(&Term) -> bool| {
+            let all = terms_up_to(degree, symbols.len());
             all.into_iter().filter(|term| keep(term)).collect()
         };
+        let mut through_zero = false;
         let mut terms: Vec<Term> = match formula.trim() {
-            "linear" => degree_two(&|term| term.degree() < 2),
-            "2fi" => degree_two(&|term| term.degree() < 2 || term.n_factors() == 2),
-            "quadratic" => degree_two(&|_| true),
+            "mean" => Vec::new(),
+            "linear" => up_to(1, &|_| true),
+            "2fi" => up_to(2, &|term| term.degree() < 2 || term.n_factors() == 2),
+            "quadratic" => up_to(2, &|_| true),
+            "cubic" => up_to(3, &|_| true),
             formula => {
-                let parts = formula.split('+').map(|part| parse_term(part, &symbols));
+                let parts = formula.split('+').filter(|part| {
+                    let zero = part.trim() == "0";
+                    through_zero |= zero;
+                    !zero
+                });
+                let parts = parts.map(|part| parse_term(part, &symbols));
                 parts.collect::<Result<_, _>>()?
             }
         };
         let intercept = Term {
             powers: vec![0; symbols.len()],
         };
-        if !terms.contains(&intercept) {
+        if through_zero && (terms.is_empty() || terms.contains(&intercept)) {
+            return Err(Error::NoIntercept {
+                what: "a formula with 0 needs other terms than the intercept",
+            });
+        }
+        if !through_zero && !terms.contains(&intercept) {
             terms.push(intercept);
         }
+        let model = Self::from_terms(symbols, terms);
+        match model.terms.windows(2).find(|pair| pair[0] == pair[1]) {
+            Some(pair) => Err(Error::DuplicateTerm {
+                term: model.name(&pair[0]),
+            }),
+            None => Ok(model),
+        }
+    }
+
+    /// A model of terms in any order.
+    pub(crate) fn from_terms(symbols: Vec<String>, mut terms: Vec<Term>) -> Self {
         terms.sort_by_key(|term| {
             // Within a class, earlier factors first: larger leading powers come first.
             let lead = term
@@ -147,13 +178,26 @@ impl Model {
                 .collect::<Vec<_>>();
             (term.degree(), usize::MAX - term.n_factors(), lead)
         });
-        let model = Self { symbols, terms };
-        match model.terms.windows(2).find(|pair| pair[0] == pair[1]) {
-            Some(pair) => Err(Error::DuplicateTerm {
-                term: model.name(&pair[0]),
-            }),
-            None => Ok(model),
+        Self { symbols, terms }
+    }
+
+    /// All terms up to a degree.
+    pub(crate) fn of_degree(degree: usize, symbols: &[String]) -> Self {
+        Self::from_terms(symbols.to_vec(), terms_up_to(degree, symbols.len()))
+    }
+
+    /// A model of some of the terms of this one, those at `keep` with true.
+    pub(crate) fn subset(&self, keep: &[bool]) -> Self {
+        let kept = self.terms.iter().zip(keep).filter(|(_, keep)| **keep);
+        Self {
+            symbols: self.symbols.clone(),
+            terms: kept.map(|(term, _)| term.clone()).collect(),
         }
+    }
+
+    /// Whether the intercept is part of the model.
+    pub fn has_intercept(&self) -> bool {
+        self.terms.first().is_some_and(|term| term.degree() == 0)
     }
 
     /// Symbols of the factors.
@@ -161,7 +205,7 @@ impl Model {
         &self.symbols
     }
 
-    /// The terms; the first is the intercept.
+    /// The terms; the first is the intercept, if there is one.
     pub fn terms(&self) -> &[Term] {
         &self.terms
     }
@@ -191,6 +235,21 @@ impl Model {
         self.terms.iter().map(|term| term.value(coded)).collect()
     }
 
+    /// The same row in long arithmetic.
+    pub(crate) fn wide_row(&self, coded: &[f64]) -> Vec<Wide> {
+        let value = |term: &Term| {
+            let powers = term
+                .powers
+                .iter()
+                .zip(coded)
+                .filter(|(power, _)| **power > 0);
+            powers.fold(Wide::ONE, |product, (&power, &x)| {
+                product * Wide::from(x).power(power)
+            })
+        };
+        self.terms.iter().map(value).collect()
+    }
+
     /// The terms that hierarchy asks for and the model lacks: the factors of every product.
     pub fn missing_for_hierarchy(&self) -> Vec<String> {
         let mut missing = Vec::new();
@@ -199,7 +258,8 @@ impl Model {
                 let mut below = term.clone();
                 below.powers[j] -= 1;
                 let name = self.name(&below);
-                if !self.terms.contains(&below) && !missing.contains(&name) {
+                let wanted = below.degree() > 0 && !self.terms.contains(&below);
+                if wanted && !missing.contains(&name) {
                     missing.push(name);
                 }
             }
@@ -231,23 +291,27 @@ impl Model {
 impl fmt::Display for Model {
     fn fmt(&self, formatter: &mut fmt::Formatter) -> fmt::Result {
         let terms: Vec<String> = self.terms.iter().map(|t| self.spell(t, ":", "^")).collect();
-        formatter.write_str(&terms.join(" + "))
+        let zero = if self.has_intercept() { "" } else { "0 + " };
+        write!(formatter, "{zero}{}", terms.join(" + "))
     }
 }
 
-/// All terms of degree zero, one and two of k factors.
-fn terms_up_to_degree_two(k: usize) -> Vec<Term> {
-    let raised = |places: &[usize]| {
-        let mut powers = vec![0; k];
-        for &place in places {
-            powers[place] += 1;
+/// All terms of k factors up to a degree.
+fn terms_up_to(degree: usize, k: usize) -> Vec<Term> {
+    let mut terms = vec![Term { powers: vec![0; k] }];
+    let mut first = 0;
+    for _ in 0..degree {
+        let last = terms.len();
+        for i in first..last {
+            // Raising only the last factor of a term or later ones makes each product once.
+            let from = terms[i].powers.iter().rposition(|&p| p > 0).unwrap_or(0);
+            for j in from..k {
+                let mut raised = terms[i].clone();
+                raised.powers[j] += 1;
+                terms.push(raised);
+            }
         }
-        Term { powers }
-    };
-    let mut terms = vec![raised(&[])];
-    for i in 0..k {
-        terms.push(raised(&[i]));
-        terms.extend((i..k).map(|j| raised(&[i, j])));
+        first = last;
     }
     terms
 }
@@ -319,13 +383,31 @@ mod tests {
     fn formulas_that_cannot_be_meant_are_refused() {
         let f = factors(&["B", "E"]);
         for formula in [
-            "B + G", "B*E", "B^0", "B^9", "", "B + ", "0 + B", "B^-1", "B:",
+            "B + G", "B*E", "B^0", "B^13", "", "B + ", "2 + B", "B^-1", "B:",
         ] {
             let error = Model::parse(formula, &f).unwrap_err();
             assert!(matches!(error, Error::BadTerm { .. }), "{formula}: {error}");
         }
         let twice = Model::parse("B + E + B", &f);
         assert!(matches!(twice, Err(Error::DuplicateTerm { .. })));
+    }
+
+    #[test]
+    fn a_zero_takes_the_intercept_away_and_is_read_back() {
+        let f = factors(&["x"]);
+        let model = Model::parse("0 + x + x^2", &f).unwrap();
+        assert_eq!(model.names(), ["x", "x2"]);
+        let text = serde_json::to_string(&model).unwrap();
+        assert_eq!(serde_json::from_str::<Model>(&text).unwrap(), model);
+        assert!(Model::parse("0", &f).is_err());
+        assert!(Model::parse("0 + 1 + x", &f).is_err());
+    }
+
+    #[test]
+    fn a_cubic_of_three_factors_has_twenty_terms() {
+        let model = Model::parse("cubic", &factors(&["A", "B", "C"])).unwrap();
+        assert_eq!(model.terms().len(), 20);
+        assert_eq!(model.names()[10..12], ["ABC", "A2B"]);
     }
 
     #[test]

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use experiment_design::Factor;
 
 use crate::fit::TermRow;
+use crate::wide::Wide;
 use crate::{Model, NamedValues, Term};
 
 /// Coefficients in natural units with their tests.
@@ -16,22 +17,28 @@ use crate::{Model, NamedValues, Term};
 pub(crate) fn natural_terms(
     factors: &[Factor],
     model: &Model,
-    coefficients: &[f64],
+    coefficients: &[Wide],
     covariance: &[Vec<f64>],
     mse: Option<f64>,
     df_resid: usize,
 ) -> NamedValues<TermRow> {
-    let mut map: BTreeMap<Vec<u8>, Vec<f64>> = BTreeMap::new();
+    let mut map: BTreeMap<Vec<u8>, Vec<Wide>> = BTreeMap::new();
+    let lines: Vec<(Wide, Wide)> = factors.iter().map(to_coded).collect();
     for (j, term) in model.terms().iter().enumerate() {
-        for (powers, amount) in multiply_out(factors, term) {
+        for (powers, amount) in multiply_out(&lines, term) {
             map.entry(powers)
-                .or_insert_with(|| vec![0.0; coefficients.len()])[j] += amount;
+                .or_insert_with(|| vec![Wide::ZERO; coefficients.len()])[j] += amount;
         }
     }
-    let row = |parts: &[f64]| {
-        let coef = parts.iter().zip(coefficients).map(|(a, c)| a * c).sum();
-        let dot = |i: usize| -> f64 { covariance[i].iter().zip(parts).map(|(c, a)| c * a).sum() };
-        let c: f64 = parts.iter().enumerate().map(|(i, a)| a * dot(i)).sum();
+    let wide = |values: &[f64]| -> Vec<Wide> { values.iter().map(|&v| Wide::from(v)).collect() };
+    let covariance: Vec<Vec<Wide>> = covariance.iter().map(|line| wide(line)).collect();
+    let row = |parts: &[Wide]| {
+        let used: Vec<usize> = (0..parts.len())
+            .filter(|&i| parts[i] != Wide::ZERO)
+            .collect();
+        let sum = |f: &dyn Fn(usize) -> Wide| used.iter().fold(Wide::ZERO, |sum, &i| sum + f(i));
+        let coef = sum(&|i| parts[i] * coefficients[i]).rounded();
+        let c = sum(&|i| parts[i] * sum(&|j| parts[j] * covariance[i][j])).rounded();
         crate::fit::tested(coef, c, mse, df_resid)
     };
     // Terms of the model first and in its order, then those that only the natural form has.
@@ -47,24 +54,62 @@ pub(crate) fn natural_terms(
     ordered.into_iter().collect()
 }
 
-/// A product of coded powers as a sum of products of natural powers.
-fn multiply_out(factors: &[Factor], term: &Term) -> Vec<(Vec<u8>, f64)> {
-    let mut sum = vec![(vec![0_u8; factors.len()], 1.0)];
-    for (j, factor) in factors.iter().enumerate() {
+/// Offset and slope of the coded value as a function of the natural one.
+fn to_coded(factor: &Factor) -> (Wide, Wide) {
+    let slope = Wide::ONE.divided_by(factor.half_range());
+    (-(Wide::from(factor.mid()) * slope), slope)
+}
+
+/// A polynomial of x as one of x', x = offset + slope x' in every coordinate: its terms, its
+/// coefficients, and their covariances.
+pub(crate) fn rebased(
+    model: &Model,
+    lines: &[(f64, f64)],
+    coefficients: &[f64],
+    covariance: &[Vec<f64>],
+) -> (Model, Vec<f64>, Vec<Vec<f64>>) {
+    let wide = |&(a, b): &(f64, f64)| (Wide::from(a), Wide::from(b));
+    let lines: Vec<(Wide, Wide)> = lines.iter().map(wide).collect();
+    let p = coefficients.len();
+    let mut map: BTreeMap<Vec<u8>, Vec<f64>> = BTreeMap::new();
+    for (j, term) in model.terms().iter().enumerate() {
+        for (powers, amount) in multiply_out(&lines, term) {
+            map.entry(powers).or_insert_with(|| vec![0.0; p])[j] += amount.rounded();
+        }
+    }
+    let terms = map.keys().cloned().map(Term::from_powers).collect();
+    let model = Model::from_terms(model.symbols().to_vec(), terms);
+    let parts: Vec<Vec<f64>> = model
+        .terms()
+        .iter()
+        .filter_map(|term| map.remove(term.powers()))
+        .collect();
+    let dot = |a: &[f64], b: &[f64]| -> f64 { a.iter().zip(b).map(|(x, y)| x * y).sum() };
+    let moved: Vec<Vec<f64>> = parts
+        .iter()
+        .map(|row| covariance.iter().map(|line| dot(line, row)).collect())
+        .collect();
+    let new_covariance = parts
+        .iter()
+        .map(|row| moved.iter().map(|column| dot(row, column)).collect())
+        .collect();
+    let new_coefficients = parts.iter().map(|row| dot(row, coefficients)).collect();
+    (model, new_coefficients, new_covariance)
+}
+
+/// A product of powers of x as a sum of products of powers of x', x = offset + slope x'.
+fn multiply_out(lines: &[(Wide, Wide)], term: &Term) -> Vec<(Vec<u8>, Wide)> {
+    let mut sum = vec![(vec![0_u8; lines.len()], Wide::ONE)];
+    for (j, &(offset, slope)) in lines.iter().enumerate() {
         let power = term.powers()[j];
-        let (slope, offset) = (
-            1.0 / factor.half_range(),
-            -factor.mid() / factor.half_range(),
-        );
         let mut next = Vec::with_capacity(sum.len() * usize::from(power + 1));
         for (powers, amount) in &sum {
             for m in 0..=power {
                 let mut powers = powers.clone();
                 powers[j] = m;
-                let part = binomial(power, m)
-                    * slope.powi(i32::from(m))
-                    * offset.powi(i32::from(power - m));
-                next.push((powers, amount * part));
+                let part =
+                    Wide::from(binomial(power, m)) * slope.power(m) * offset.power(power - m);
+                next.push((powers, *amount * part));
             }
         }
         sum = next;

@@ -114,11 +114,15 @@ impl Observations {
             });
         }
         let mut groups: Vec<(&Vec<f64>, Vec<f64>)> = Vec::new();
+        let mut places = BTreeMap::new();
         for (row, &response) in coded.iter().zip(responses) {
-            match groups.iter_mut().find(|(settings, _)| *settings == row) {
-                Some((_, group)) => group.push(response),
-                None => groups.push((row, vec![response])),
-            }
+            // Adding 0 makes -0 and 0 the same settings.
+            let settings: Vec<u64> = row.iter().map(|x| (x + 0.0).to_bits()).collect();
+            let place = *places.entry(settings).or_insert_with(|| {
+                groups.push((row, Vec::new()));
+                groups.len() - 1
+            });
+            groups[place].1.push(response);
         }
         let cells = groups
             .into_iter()

@@ -29,13 +29,14 @@ pub struct Pareto {
 /// # Source
 /// Bonferroni limit: `[Dunn1961]`.
 pub fn pareto(fit: &Fit) -> Option<Pareto> {
+    let intercept = usize::from(fit.formula.has_intercept());
     let t = |(name, row): (&str, &crate::fit::TermRow)| Some((name.to_owned(), row.t?.abs()));
-    let t_abs: NamedValues<f64> = fit.terms.iter().skip(1).filter_map(t).collect();
+    let t_abs: NamedValues<f64> = fit.terms.iter().skip(intercept).filter_map(t).collect();
     if t_abs.is_empty() {
         return None;
     }
     let sign = |coef: f64| i32::from(coef > 0.0) - i32::from(coef < 0.0);
-    let terms = fit.terms.iter().skip(1);
+    let terms = fit.terms.iter().skip(intercept);
     let mut by_size: Vec<(&str, f64)> = t_abs.iter().map(|(name, t)| (name, *t)).collect();
     by_size.sort_by(|a, b| b.1.total_cmp(&a.1));
     let order = by_size

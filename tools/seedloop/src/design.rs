@@ -1,18 +1,19 @@
 //! `seedloop design`: writes a design of experiments.
 
+mod make;
+
 use std::fs;
 use std::path::PathBuf;
 
 use anyhow::{Context as _, ensure};
 use clap::ValueEnum;
 use command_line::{Common, DONE, Header, write_new};
+use experiment_design::Design;
 use experiment_design::table::{design_to_csv, factors_from_csv};
-use experiment_design::{
-    AxialDistance, Criterion, Design, Factor, box_behnken, central_composite, fractional_factorial,
-    full_factorial, latin_hypercube, optimal_design, plackett_burman, plackett_burman_with_runs,
-};
-use response_surface::Model;
+use response_surface::{Evaluation, Model, evaluate};
 use serde_json::json;
+
+use make::Made;
 
 /// Writes a design of experiments as a table of runs
 #[derive(clap::Args, Debug)]
@@ -38,7 +39,8 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "N")]
     seed: Option<u64>,
 
-    /// Number of runs before replication (pb: 12, 20 or 24; lhs; d-optimal, i-optimal)
+    /// Number of runs before replication (pb: a multiple of four from 12 to 48; lhs; d-optimal,
+    /// i-optimal: those added with --augment; steepest: 5 if not given)
     #[arg(long, value_name = "N")]
     runs: Option<usize>,
 
@@ -50,13 +52,52 @@ pub(crate) struct Arguments {
     #[arg(long, value_enum, default_value_t = Axial::Face)]
     axial: Axial,
 
+    /// Axial distance of ccd in half-ranges, in place of --axial
+    #[arg(long, value_name = "HALF-RANGES")]
+    alpha: Option<f64>,
+
+    /// Generators of the fraction, D=ABC,E=-AB (D=A:B:C for longer symbols)
+    #[arg(long, value_name = "LIST", value_delimiter = ',')]
+    generators: Vec<String>,
+
+    /// Blocks: the products that part them (full, fraction: ABC,CDE), or `orthogonal` (bbd, ccd)
+    #[arg(long, value_name = "LIST", value_delimiter = ',')]
+    blocks: Vec<String>,
+
+    /// Design whose runs are kept and added to (d-optimal, i-optimal)
+    #[arg(long, value_name = "DESIGN.csv")]
+    augment: Option<PathBuf>,
+
+    /// Analysis that a path (steepest) or a second stage (--target) starts from
+    #[arg(long, value_name = "ANALYSIS.json")]
+    analysis: Option<PathBuf>,
+
+    /// Second stage: adds runs only where the surface of --analysis is within two standard errors
+    /// of this value (d-optimal, i-optimal with --augment)
+    #[arg(
+        long,
+        value_name = "VALUE",
+        allow_negative_numbers = true,
+        requires = "analysis"
+    )]
+    target: Option<f64>,
+
+    /// Follows the path down instead of up (steepest)
+    #[arg(long)]
+    descend: bool,
+
+    /// Distance of the points of a path in half-ranges (steepest)
+    #[arg(long, value_name = "HALF-RANGES", default_value_t = 0.5)]
+    step: f64,
+
     /// How often the full factorial is halved (fraction)
     #[arg(long, value_name = "P", default_value_t = 1)]
     halvings: usize,
 
-    /// Model that d-optimal and i-optimal are made for: linear, 2fi, quadratic or a formula
-    #[arg(long, default_value = "quadratic")]
-    model: String,
+    /// Model that d-optimal and i-optimal are made for, and every design is judged by: linear, 2fi,
+    /// quadratic or a formula [default: linear for pb and fraction, 2fi for full, or quadratic]
+    #[arg(long)]
+    model: Option<String>,
 
     /// File of the design
     #[arg(long, value_name = "DESIGN.csv")]
@@ -69,7 +110,7 @@ pub(crate) struct Arguments {
 /// Kinds of design.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum Kind {
-    /// Plackett-Burman, for screening up to 23 factors
+    /// Plackett-Burman, for screening up to 47 factors
     Pb,
     /// Box-Behnken, for a quadratic in 3 to 7 factors
     Bbd,
@@ -85,6 +126,8 @@ enum Kind {
     DOptimal,
     /// Least mean variance of the prediction over the ranges
     IOptimal,
+    /// Points along the path of steepest ascent of an analysis
+    Steepest,
 }
 
 /// Where axial runs lie.
@@ -109,7 +152,7 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
     let text =
         fs::read_to_string(path).with_context(|| format!("cannot read {}", path.display()))?;
     let factors = factors_from_csv(&text).with_context(|| path.display().to_string())?;
-    let mut design = make(arguments, &factors)?;
+    let Made { mut design, facts } = make::make(arguments, &factors)?;
     if arguments.foldover {
         ensure!(
             matches!(arguments.kind, Kind::Pb | Kind::Fraction),
@@ -121,6 +164,7 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
     if let Some(seed) = arguments.seed {
         design = design.randomised(seed);
     }
+    let evaluation = judge(arguments, &design)?;
     let common = &arguments.common;
     write_new(
         &arguments.out,
@@ -138,85 +182,66 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
         "{runs} runs written to {}",
         arguments.out.display()
     ))?;
-    common.emit_json(&report(arguments, &design)?)?;
+    if let Some(evaluation) = &evaluation {
+        describe(common, evaluation)?;
+    }
+    common.emit_json(&report(arguments, &design, &facts, evaluation.as_ref())?)?;
     Ok(DONE)
 }
 
-/// The design in standard order, not replicated.
-fn make(arguments: &Arguments, factors: &[Factor]) -> anyhow::Result<Design> {
-    let seed = arguments.seed.unwrap_or(1);
-    let centre = |default: usize| arguments.centre.unwrap_or(default);
-    let takes_centre = matches!(
-        arguments.kind,
-        Kind::Bbd | Kind::Ccd | Kind::Full | Kind::Fraction
-    );
-    ensure!(
-        takes_centre || arguments.centre.is_none(),
-        "--centre is for bbd, ccd, full and fraction"
-    );
-    let takes_runs = matches!(
-        arguments.kind,
-        Kind::Pb | Kind::Lhs | Kind::DOptimal | Kind::IOptimal
-    );
-    ensure!(
-        takes_runs || arguments.runs.is_none(),
-        "--runs is for pb, lhs, d-optimal and i-optimal; use --replicates or --centre"
-    );
-    Ok(match arguments.kind {
-        Kind::Pb => match arguments.runs {
-            Some(runs) => plackett_burman_with_runs(factors, runs)?,
-            None => plackett_burman(factors)?,
-        },
-        Kind::Bbd => box_behnken(factors, centre(5))?,
-        Kind::Ccd => central_composite(factors, axial(arguments.axial), centre(5))?,
-        Kind::Full => full_factorial(factors, centre(0))?,
-        Kind::Fraction => {
-            let fraction = fractional_factorial(factors, arguments.halvings, centre(0))?;
-            let words = fraction.defining_words.join(", ");
-            let resolution = fraction.resolution;
-            arguments
-                .common
-                .log(|| format!("resolution {resolution}; constant products: {words}"));
-            fraction.design
-        }
-        Kind::Lhs => {
-            let runs = arguments
-                .runs
-                .context("lhs needs --runs N; 10 per factor are a start")?;
-            latin_hypercube(factors, runs, seed)?
-        }
-        Kind::DOptimal => optimal(arguments, factors, Criterion::Determinant, seed)?,
-        Kind::IOptimal => optimal(arguments, factors, Criterion::MeanVariance, seed)?,
-    })
-}
-
-/// An optimal design for the model asked for.
-fn optimal(
-    arguments: &Arguments,
-    factors: &[Factor],
-    criterion: Criterion,
-    seed: u64,
-) -> anyhow::Result<Design> {
-    let model = Model::parse(&arguments.model, factors)?;
-    let terms = model.terms().len();
-    let runs = arguments.runs.unwrap_or(terms + 5);
-    Ok(optimal_design(factors, criterion, runs, seed, &|coded| {
-        model.row(coded)
-    })?)
-}
-
-/// The place of the axial runs.
-fn axial(axial: Axial) -> AxialDistance {
-    match axial {
-        Axial::Face => AxialDistance::Face,
-        Axial::Rotatable => AxialDistance::Rotatable,
-        Axial::Inscribed => AxialDistance::RotatableInscribed,
-        Axial::Spherical => AxialDistance::Spherical,
+/// Judges the design by its model; none for a path and for very many runs.
+fn judge(arguments: &Arguments, design: &Design) -> anyhow::Result<Option<Evaluation>> {
+    if arguments.kind == Kind::Steepest || design.runs().len() > 20_000 {
+        return Ok(None);
     }
+    let formula = arguments.model.as_deref().unwrap_or(match arguments.kind {
+        Kind::Pb | Kind::Fraction => "linear",
+        Kind::Full => "2fi",
+        _ => "quadratic",
+    });
+    let model = Model::parse(formula, design.factors())?;
+    Ok(Some(evaluate(design, &model, arguments.seed.unwrap_or(1))?))
+}
+
+/// Prints what the design can tell.
+fn describe(common: &Common, evaluation: &Evaluation) -> anyhow::Result<()> {
+    common.print(format!("for the model {}:", evaluation.model))?;
+    if !evaluation.aliased.is_empty() {
+        let relations = evaluation.aliased.join("; ");
+        return common.print(format!("  the runs cannot separate its terms: {relations}"));
+    }
+    common.print(format!(
+        "  residual degrees of freedom {}, of them pure error {}",
+        evaluation.df_resid, evaluation.df_pure_error
+    ))?;
+    let greatest = |values: &mut dyn Iterator<Item = f64>| values.fold(0.0_f64, f64::max);
+    let vif = greatest(&mut evaluation.vif.values().copied());
+    let leverage = greatest(&mut evaluation.leverage.iter().copied());
+    common.print(format!(
+        "  greatest correlation of terms {:.4}, variance inflation {vif:.3}, leverage {leverage:.4}",
+        evaluation.greatest_correlation.unwrap_or(0.0)
+    ))?;
+    if let Some(e) = &evaluation.efficiency {
+        common.print(format!(
+            "  efficiency % D {:.2}, A {:.2}, G {:.2}; mean variance of the prediction {:.4}",
+            e.d_pct, e.a_pct, e.g_pct, e.mean_variance
+        ))?;
+    }
+    for (term, [one, two, three]) in evaluation.power.iter() {
+        common.print(format!(
+            "  power for {term:<8} of 1, 2, 3 standard deviations: {one:.3} {two:.3} {three:.3}"
+        ))?;
+    }
+    Ok(())
 }
 
 /// The design as JSON.
-fn report(arguments: &Arguments, design: &Design) -> anyhow::Result<serde_json::Value> {
+fn report(
+    arguments: &Arguments,
+    design: &Design,
+    facts: &serde_json::Value,
+    evaluation: Option<&Evaluation>,
+) -> anyhow::Result<serde_json::Value> {
     let header = Header::new(arguments.seed, [&arguments.factors])?;
     let rows = design.runs().iter().enumerate().map(|(i, run)| {
         json!({
@@ -235,6 +260,8 @@ fn report(arguments: &Arguments, design: &Design) -> anyhow::Result<serde_json::
         "columns": design.columns(),
         "reach_coded": design.reach(),
         "out": arguments.out.display().to_string(),
+        "evaluation": evaluation,
+        "facts": facts,
         "runs": rows.collect::<Vec<_>>(),
     });
     if let (Some(report), serde_json::Value::Object(header)) =

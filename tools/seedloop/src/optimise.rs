@@ -1,6 +1,7 @@
 //! `seedloop optimise`: where a fitted surface meets a target.
 
-use std::fs;
+mod goals;
+
 use std::path::PathBuf;
 
 use anyhow::{Context as _, bail, ensure};
@@ -8,7 +9,8 @@ use clap::ValueEnum;
 use command_line::{Common, DONE, Header, NOT_MET};
 use experiment_design::Factor;
 use response_surface::{
-    ErrorSource, Fit, Measured, NamedValues, Prediction, SolutionRequest, Solutions, solutions,
+    Confirmation, ErrorSource, Fit, Measured, NamedValues, Prediction, SolutionRequest, Solutions,
+    confirm, solutions,
 };
 use serde::Serialize;
 
@@ -20,8 +22,37 @@ pub(crate) struct Arguments {
     analysis: PathBuf,
 
     /// Value that the response should have, unit of the response
-    #[arg(long, allow_negative_numbers = true)]
-    target: f64,
+    #[arg(long, allow_negative_numbers = true, required_unless_present = "goal")]
+    target: Option<f64>,
+
+    /// What the response should be instead: max, max:LOW:HIGH, min, min:LOW:HIGH, range:LOW:HIGH or
+    /// target:LOW:VALUE:HIGH, with ^WEIGHT and *IMPORTANCE behind it where wanted
+    #[arg(
+        long,
+        value_name = "GOAL",
+        conflicts_with = "target",
+        allow_hyphen_values = true
+    )]
+    goal: Option<String>,
+
+    /// A further response with its goal, OTHER.json=GOAL; may be given several times
+    #[arg(long = "also", value_name = "FILE=GOAL", requires = "goal")]
+    also: Vec<String>,
+
+    /// Narrower or wider bounds of factors, B=0.30:0.36,E=0.01:0.10
+    #[arg(long, value_name = "LIST", value_delimiter = ',')]
+    bounds: Vec<String>,
+
+    /// Responses of confirmation runs at the point of --at, judged against the prediction interval
+    /// of their mean
+    #[arg(
+        long,
+        value_name = "LIST",
+        value_delimiter = ',',
+        requires = "at",
+        allow_negative_numbers = true
+    )]
+    confirm: Vec<f64>,
 
     /// Standard deviation of the measured target, unit of the response
     #[arg(long, value_name = "SD", requires = "target_n")]
@@ -74,6 +105,8 @@ struct Report {
     solutions: Solutions,
     /// The prediction at the point asked for.
     at: Option<Prediction>,
+    /// The verdict on the confirmation runs.
+    confirmation: Option<Confirmation>,
 }
 
 /// Reads the analysis and answers.
@@ -82,11 +115,10 @@ struct Report {
 /// Files that cannot be read, a target or measured values that cannot be meant.
 pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
     let path = &arguments.analysis;
-    let place = path.display();
-    let text = fs::read_to_string(path).with_context(|| format!("cannot read {place}"))?;
-    let fit: Fit = serde_json::from_str(&text).with_context(|| {
-        format!("{place} is no analysis; write one with seedloop analyse --json")
-    })?;
+    let fit = goals::read(path, &arguments.bounds)?;
+    let Some(target) = arguments.target else {
+        return goals::run(arguments, fit);
+    };
     let error = arguments.error.map(|kind| match kind {
         ErrorKind::Residual => ErrorSource::Residual,
         ErrorKind::RepeatedRows => ErrorSource::RepeatedRows,
@@ -94,7 +126,7 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
         ErrorKind::AllRepeats => ErrorSource::AllRepeats,
     });
     let request = SolutionRequest {
-        target: arguments.target,
+        target,
         target_sd: arguments.target_sd,
         target_n: arguments.target_n,
         near: measured(&fit, &arguments.near)?,
@@ -102,16 +134,47 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
     };
     let solutions = solutions(&fit, &request)?;
     let at = predicted(&fit, &arguments.at, &solutions)?;
+    let confirmation = match (&arguments.confirm[..], &at) {
+        ([], _) | (_, None) => None,
+        (runs, Some(at)) => Some(confirm(&fit, &at.natural, runs, solutions.error)?),
+    };
     let common = &arguments.common;
     describe(common, &fit, &solutions, at.as_ref())?;
-    let code = if solutions.exists { DONE } else { NOT_MET };
+    if let Some(confirmation) = &confirmation {
+        describe_confirmation(common, confirmation)?;
+    }
+    let refuted = confirmation.as_ref().and_then(|c| c.confirmed) == Some(false);
+    let code = if solutions.exists && !refuted {
+        DONE
+    } else {
+        NOT_MET
+    };
     common.emit_json(&Report {
         header: Header::new(None, [path])?,
         factors: fit.factors.iter().map(|f| f.symbol().to_owned()).collect(),
         solutions,
         at,
+        confirmation,
     })?;
     Ok(code)
+}
+
+/// Prints the verdict on the confirmation runs.
+fn describe_confirmation(common: &Common, confirmation: &Confirmation) -> anyhow::Result<()> {
+    let Confirmation { n, mean, .. } = confirmation;
+    let verdict = match confirmation.confirmed {
+        Some(true) => "they confirm it",
+        Some(false) => "they do not confirm it",
+        None => "no interval: there is no error variance",
+    };
+    let interval = confirmation
+        .pi95_mean
+        .map_or_else(String::new, |[low, high]| {
+            format!(" (95 % prediction interval of the mean {low:.4} to {high:.4})")
+        });
+    common.print(format!(
+        "{n} confirmation runs, mean {mean:.4}{interval}: {verdict}"
+    ))
 }
 
 /// Reads `B=0.32+-0.05/5` and the like into the order of the factors.

@@ -49,16 +49,18 @@ pub struct SequentialModel {
 pub(crate) struct Sums {
     /// Weighted mean of the response.
     pub(crate) mean: f64,
-    /// Sum of squares about the mean.
+    /// Sum of squares about the mean; about zero without intercept.
     pub(crate) sst: f64,
+    /// Degrees of freedom of `sst`.
+    pub(crate) df_total: usize,
     /// Sum of squares of the residuals.
     pub(crate) sse: f64,
-    /// Fitted values, (n).
-    pub(crate) fitted: Vec<f64>,
+    /// Observed minus fitted, (n).
+    pub(crate) residuals: Vec<f64>,
 }
 
 /// Centred sums of squares of a solved problem.
-pub(crate) fn sums(matrix: &Matrix, solved: &LeastSquares) -> Sums {
+pub(crate) fn sums(matrix: &Matrix, residuals: Vec<f64>) -> Sums {
     let n = matrix.rows.len() as f64;
     let weighted = |f: &dyn Fn(usize) -> f64| -> f64 {
         matrix
@@ -70,13 +72,6 @@ pub(crate) fn sums(matrix: &Matrix, solved: &LeastSquares) -> Sums {
     };
     // The weights sum to n.
     let mean = weighted(&|i| matrix.response[i]) / n;
-    let value = |row: &Vec<f64>| {
-        row.iter()
-            .zip(&solved.coefficients)
-            .map(|(x, c)| x * c)
-            .sum()
-    };
-    let fitted: Vec<f64> = matrix.rows.iter().map(value).collect();
     // Sums of squares of nothing but rounding are zero: ratios of them mean nothing.
     let size = matrix
         .response
@@ -84,17 +79,19 @@ pub(crate) fn sums(matrix: &Matrix, solved: &LeastSquares) -> Sums {
         .fold(0.0_f64, |size, y| size.max(y.abs()));
     let rounding = n * (1e-14 * size).powi(2);
     let clean = |ss: f64| if ss <= rounding { 0.0 } else { ss };
+    let origin = if matrix.intercept == 1 { mean } else { 0.0 };
     Sums {
         mean,
-        sst: clean(weighted(&|i| (matrix.response[i] - mean).powi(2))),
-        sse: clean(weighted(&|i| (matrix.response[i] - fitted[i]).powi(2))),
-        fitted,
+        sst: clean(weighted(&|i| (matrix.response[i] - origin).powi(2))),
+        df_total: matrix.rows.len() - matrix.intercept,
+        sse: clean(weighted(&|i| residuals[i].powi(2))),
+        residuals,
     }
 }
 
 /// Test of all terms but the intercept together.
-pub(crate) fn model_row(sums: &Sums, p: usize, df_resid: usize) -> AnovaRow {
-    let (ss, df) = (sums.sst - sums.sse, p - 1);
+pub(crate) fn model_row(sums: &Sums, df_resid: usize) -> AnovaRow {
+    let (ss, df) = (sums.sst - sums.sse, sums.df_total - df_resid);
     let ms = positive_df(df).map(|df| ss / df);
     let mse = positive_df(df_resid).map(|df| sums.sse / df);
     let f = ms.zip(mse).and_then(|(ms, mse)| ratio(ms, mse));
@@ -109,7 +106,7 @@ pub(crate) fn sequential(matrix: &Matrix, solved: &LeastSquares) -> NamedValues<
         .iter()
         .cloned()
         .zip(solved.sequential_ss.iter().copied());
-    pairs.skip(1).collect()
+    pairs.skip(matrix.intercept).collect()
 }
 
 /// The same, summed by kind of term.
@@ -130,9 +127,10 @@ pub(crate) fn sequential_by_degree(
     };
     let degree = |powers: &[u8]| powers.iter().map(|&p| usize::from(p)).sum::<usize>();
     let square = |powers: &[u8]| powers.contains(&2);
-    let blocks = &solved.sequential_ss[1..=matrix.n_blocks];
+    let after = matrix.intercept;
+    let blocks = &solved.sequential_ss[after..after + matrix.n_blocks];
     SequentialModel {
-        mean: terms[0],
+        mean: group(&|powers| degree(powers) == 0).unwrap_or(0.0),
         blocks: (!blocks.is_empty()).then(|| blocks.iter().sum()),
         linear: group(&|powers| degree(powers) == 1).unwrap_or(0.0),
         two_fi: group(&|powers| degree(powers) == 2 && !square(powers)),

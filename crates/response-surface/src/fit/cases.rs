@@ -26,6 +26,8 @@ pub struct Case {
     pub run: usize,
     /// Coded settings of the factors.
     pub coded: Vec<f64>,
+    /// Weight in the fit; the weights have mean 1.
+    pub weight: f64,
     /// Observed mean, unit of the response.
     pub actual: f64,
     /// Fitted value, unit of the response.
@@ -55,8 +57,9 @@ pub(crate) fn cases(
     let p = matrix.names.len() as f64;
     let df = df_resid as f64;
     let case = |i: usize| {
-        let (fitted, h, w) = (sums.fitted[i], solved.leverages[i], matrix.weights[i]);
-        let residual = matrix.response[i] - fitted;
+        let (h, w) = (solved.leverages[i], matrix.weights[i]);
+        let residual = sums.residuals[i];
+        let fitted = matrix.response[i] - residual;
         let free = Some(1.0 - h).filter(|free| *free > FITTED_EXACTLY);
         let scaled = |variance: f64| {
             let free = free?;
@@ -70,6 +73,7 @@ pub(crate) fn cases(
         Case {
             run: i + 1,
             coded: data.cells()[i].coded.clone(),
+            weight: w,
             actual: matrix.response[i],
             fitted,
             residual,

@@ -1,8 +1,10 @@
 //! Pure error from repeated rows, and the test of the model against it.
 
+use std::collections::BTreeMap;
+
 use serde::{Deserialize, Serialize};
 
-use super::ratio;
+use super::{FTest, Replicates, f_test, ratio};
 use crate::Observations;
 use crate::distribution::f_upper_tail;
 
@@ -36,18 +38,8 @@ pub struct LackOfFit {
 /// are none.
 pub(crate) fn pure_error(data: &Observations, weights: &[f64]) -> Option<PureError> {
     let cells = data.cells();
-    let mut seen = vec![false; cells.len()];
     let (mut ss, mut df) = (0.0, 0);
-    for i in 0..cells.len() {
-        if seen[i] {
-            continue;
-        }
-        let same =
-            |j: &usize| cells[*j].coded == cells[i].coded && cells[*j].block == cells[i].block;
-        let group: Vec<usize> = (i..cells.len()).filter(same).collect();
-        for &j in &group {
-            seen[j] = true;
-        }
+    for group in same_settings(data) {
         let total: f64 = group.iter().map(|&j| weights[j]).sum();
         let mean = group
             .iter()
@@ -67,6 +59,22 @@ pub(crate) fn pure_error(data: &Observations, weights: &[f64]) -> Option<PureErr
     })
 }
 
+/// Places of the cells that share settings and block, in order of first appearance.
+pub(crate) fn same_settings(data: &Observations) -> Vec<Vec<usize>> {
+    let mut groups: Vec<Vec<usize>> = Vec::new();
+    let mut places = BTreeMap::new();
+    for (i, cell) in data.cells().iter().enumerate() {
+        // Adding 0 makes -0 and 0 the same settings.
+        let settings: Vec<u64> = cell.coded.iter().map(|x| (x + 0.0).to_bits()).collect();
+        let place = *places.entry((cell.block, settings)).or_insert_with(|| {
+            groups.push(Vec::new());
+            groups.len() - 1
+        });
+        groups[place].push(i);
+    }
+    groups
+}
+
 /// Test of the residuals beyond the pure error; none if there is nothing beyond it.
 ///
 /// # Source
@@ -79,4 +87,27 @@ pub(crate) fn lack_of_fit(sse: f64, df_resid: usize, pure: &PureError) -> Option
     let f = ratio(ms, pure.ms);
     let p = f.and_then(|f| f_upper_tail(f, df as f64, pure.df as f64));
     Some(LackOfFit { ss, df, ms, f, p })
+}
+
+/// Test of the misfit against replicates within cells and repeated rows together; none without
+/// either or without misfit.
+pub(crate) fn against_all_repeats(
+    sse: f64,
+    df_resid: usize,
+    pure: Option<&PureError>,
+    replicates: Option<&Replicates>,
+) -> Option<FTest> {
+    let (rows_ss, rows_df) = pure.map_or((0.0, 0), |pure| (pure.ss, pure.df));
+    let within = replicates.map_or((0.0, 0), |r| (r.var_of_run_mean * r.df as f64, r.df));
+    let df = rows_df + within.1;
+    let misfit_df = df_resid
+        .checked_sub(rows_df)
+        .filter(|misfit| *misfit > 0 && df > 0)?;
+    let misfit = (sse - rows_ss).max(0.0) / misfit_df as f64;
+    Some(f_test(
+        misfit,
+        misfit_df,
+        (rows_ss + within.0) / df as f64,
+        df,
+    ))
 }

@@ -112,6 +112,25 @@ fn spreads(data: &Observations) -> Vec<Spread> {
     known.filter_map(spread).collect()
 }
 
+/// Variance of a run, pooled over the cells; none without replicates.
+pub(crate) fn pooled_variance(data: &Observations) -> Option<f64> {
+    let spreads = spreads(data);
+    let df: usize = spreads.iter().map(|s| s.df).sum();
+    let ss: f64 = spreads.iter().map(|s| s.df as f64 * s.variance).sum();
+    (df > 0).then(|| ss / df as f64)
+}
+
+/// Bartlett's test of variances with their degrees of freedom.
+pub(crate) fn bartlett_of(variances: &[(usize, f64)]) -> Option<Bartlett> {
+    let spreads: Vec<Spread> = variances
+        .iter()
+        .map(|&(df, variance)| Spread { df, variance })
+        .collect();
+    let df: usize = spreads.iter().map(|s| s.df).sum();
+    let ss: f64 = spreads.iter().map(|s| s.df as f64 * s.variance).sum();
+    bartlett(&spreads, ss / df as f64)
+}
+
 /// Bartlett's statistic.
 ///
 /// # Formula

@@ -8,6 +8,7 @@ use super::{positive_df, ratio};
 use crate::NamedValues;
 use crate::distribution::{t_two_sided_quantile, t_two_sided_tail};
 use crate::least_squares::LeastSquares;
+use crate::wide::Wide;
 
 /// A coefficient with its test against the residuals.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -62,22 +63,24 @@ pub(crate) fn tested(coef: f64, c: f64, mse: Option<f64>, df_resid: usize) -> Te
 /// The tested coefficients of a fit in coded units.
 pub(crate) fn rows(
     matrix: &Matrix,
+    coefficients: &[Wide],
     solved: &LeastSquares,
     sums: &Sums,
     df_resid: usize,
 ) -> NamedValues<TermRow> {
     let mse = positive_df(df_resid).map(|df| sums.sse / df);
     let row = |(j, name): (usize, &String)| {
-        let (coef, c) = (solved.coefficients[j], solved.xtx_inverse[j][j]);
+        let (coef, c) = (coefficients[j].rounded(), solved.xtx_inverse[j][j]);
         let mut row = tested(coef, c, mse, df_resid);
-        if j > 0 {
+        if j >= matrix.intercept {
             let ss = coef * coef / c;
             row.ss_partial = Some(ss);
             row.f = mse.and_then(|mse| ratio(ss, mse));
             row.contribution_pct = ratio(100.0 * ss, sums.sst);
             // A two-level column of degree one takes only the values -1 and +1; so do products,
             // whose effect is defined alike.
-            row.effect = (matrix.two_level && j > matrix.n_blocks).then_some(2.0 * coef);
+            row.effect =
+                (matrix.two_level && j >= matrix.intercept + matrix.n_blocks).then_some(2.0 * coef);
         }
         (name.clone(), row)
     };
@@ -99,11 +102,12 @@ pub(crate) fn variance_inflation(matrix: &Matrix, solved: &LeastSquares) -> Name
                 .zip(&matrix.weights)
                 .map(|(row, w)| (row[j], w))
         };
-        let mean = column().map(|(x, w)| w * x).sum::<f64>() / n;
+        // Without intercept there is no mean to take the column about.
+        let mean = column().map(|(x, w)| w * x).sum::<f64>() / n * matrix.intercept as f64;
         let spread: f64 = column().map(|(x, w)| w * (x - mean) * (x - mean)).sum();
         solved.xtx_inverse[j][j] * spread
     };
-    let names = matrix.names.iter().enumerate().skip(1);
+    let names = matrix.names.iter().enumerate().skip(matrix.intercept);
     names
         .map(|(j, name)| (name.clone(), inflation(j)))
         .collect()

@@ -5,6 +5,7 @@ use std::fmt;
 use serde::{Deserialize, Serialize};
 
 use super::{Fit, ratio};
+use crate::distribution::t_two_sided_quantile;
 
 /// A property of the fit that calls for care.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -50,6 +51,20 @@ pub enum Warning {
     ResidualsBelowReplicates {
         /// Mean square of the residuals over the variance of a cell mean.
         ratio: f64,
+    },
+    /// There is neither a replicate nor a repeated row: lack of fit cannot be tested.
+    NoReplicates,
+    /// The scaled columns of the model are nearly dependent: condition number above 1e8.
+    IllConditioned {
+        /// Greatest over least singular value of the scaled columns.
+        condition: f64,
+    },
+    /// An observation lies outside the Bonferroni limit of all external studentised residuals.
+    Outlier {
+        /// Number of the observation, from 1.
+        run: usize,
+        /// External studentised residual.
+        t: f64,
     },
     /// There are no residual degrees of freedom: nothing can be tested against residuals.
     Saturated,
@@ -104,6 +119,19 @@ impl fmt::Display for Warning {
                 "residuals are {ratio:.2} of what replicates allow; check what the standard \
                  deviations were taken over"
             ),
+            Self::NoReplicates => write!(
+                out,
+                "no settings are repeated: there is no pure error, so lack of fit is undefined"
+            ),
+            Self::IllConditioned { condition } => write!(
+                out,
+                "the terms are nearly dependent over these runs (condition number {condition:.1e})"
+            ),
+            Self::Outlier { run, t } => write!(
+                out,
+                "observation {run} lies outside the limit for all observations (external \
+                 studentised residual {t:.2})"
+            ),
             Self::Saturated => write!(out, "no residual degrees of freedom; nothing is tested"),
         }
     }
@@ -127,6 +155,13 @@ pub(crate) fn warnings(fit: &Fit) -> Vec<Warning> {
         let full = fit.cases.iter().filter(|case| case.leverage > 1.0 - 1e-8);
         found.extend(full.map(|case| Warning::FullLeverage { run: case.run }));
     }
+    if let Some(condition) = fit.condition.filter(|condition| *condition > 1e8) {
+        found.push(Warning::IllConditioned { condition });
+    }
+    found.extend(outliers(fit));
+    if fit.pure_error.is_none() && fit.replicates.is_none() {
+        found.push(Warning::NoReplicates);
+    }
     if let Some(p) = fit
         .lack_of_fit
         .as_ref()
@@ -146,6 +181,21 @@ pub(crate) fn warnings(fit: &Fit) -> Vec<Warning> {
     }
     against_replicates(fit, &mut found);
     found
+}
+
+/// Observations beyond the two-sided 5 % limit that holds for all of them at once.
+fn outliers(fit: &Fit) -> Vec<Warning> {
+    let Some(df) = fit.df_resid.checked_sub(1).filter(|df| *df > 0) else {
+        return Vec::new();
+    };
+    let Some(limit) = t_two_sided_quantile(0.05 / fit.n as f64, df as f64) else {
+        return Vec::new();
+    };
+    let beyond = |case: &super::Case| {
+        let t = case.studentized_external.filter(|t| t.abs() > limit)?;
+        Some(Warning::Outlier { run: case.run, t })
+    };
+    fit.cases.iter().filter_map(beyond).collect()
 }
 
 /// Adds the warnings that replicates allow.

@@ -123,3 +123,205 @@ fn a_design_is_written_and_not_overwritten_without_force() {
         design
     );
 }
+
+/// Factors A to E on 0 to 1, in a folder.
+fn five_factors() -> TempDir {
+    let folder = tempdir().unwrap();
+    let rows = ["A", "B", "C", "D", "E"]
+        .map(|s| format!("{s},0,1\n"))
+        .concat();
+    fs::write(
+        folder.path().join("f.csv"),
+        format!("symbol,low,high\n{rows}"),
+    )
+    .unwrap();
+    folder
+}
+
+/// The 2^(5-2) with D = AB, E = AC is the textbook fraction of resolution III; blocks by ABC and CDE
+/// of the full factorial confound ABDE as well.
+#[test]
+fn generators_and_blocks_tell_what_they_cost() {
+    let folder = five_factors();
+    let words = [
+        "design",
+        "fraction",
+        "--factors",
+        "f.csv",
+        "--generators",
+        "D=AB,E=AC",
+    ];
+    let output = seedloop(
+        folder.path(),
+        &[&words[..], &["--out", "fr.csv", "--json=-"]].concat(),
+    );
+    assert_code(&output, 0);
+    let report = json(&output);
+    assert_eq!(report["facts"]["resolution"], 3);
+    assert_eq!(
+        report["facts"]["alias_sets"][0],
+        serde_json::json!(["A", "B:D", "C:E"])
+    );
+    assert_eq!(report["evaluation"]["greatest_correlation"], 0.0);
+    let words = [
+        "design",
+        "full",
+        "--factors",
+        "f.csv",
+        "--blocks",
+        "ABC,CDE",
+    ];
+    let output = seedloop(
+        folder.path(),
+        &[&words[..], &["--out", "fu.csv", "--json=-"]].concat(),
+    );
+    assert_code(&output, 0);
+    let confounded = &json(&output)["facts"]["confounded_with_blocks"];
+    assert_eq!(
+        confounded,
+        &serde_json::json!(["A:B:C", "C:D:E", "A:B:D:E"])
+    );
+    let bad = seedloop(
+        folder.path(),
+        &[
+            "design",
+            "bbd",
+            "--factors",
+            "f.csv",
+            "--generators",
+            "D=AB",
+            "--out",
+            "x.csv",
+        ],
+    );
+    assert_error(&bad, &["--generators is for fraction"]);
+}
+
+/// The second stage adds its runs as block 2, all where the surface of the first stage cannot be
+/// told from the target; bounds are kept exactly, and confirmation runs far off refute (exit 1).
+#[test]
+fn second_stage_bounds_and_confirmation_work_together() {
+    let folder = analysed();
+    let factors = "symbol,low,high\nB,0.30,0.42\nE,0.01,0.18\nF,0.00,0.10\n";
+    fs::write(folder.path().join("f.csv"), factors).unwrap();
+    let first = ["design", "bbd", "--factors", "f.csv", "--out", "one.csv"];
+    assert_code(&seedloop(folder.path(), &first), 0);
+    let second = [
+        "design",
+        "d-optimal",
+        "--factors",
+        "f.csv",
+        "--augment",
+        "one.csv",
+        "--runs",
+        "6",
+        "--analysis",
+        "analysis.json",
+        "--target",
+        "38.87",
+        "--out",
+        "two.csv",
+        "--json=-",
+    ];
+    let output = seedloop(folder.path(), &second);
+    assert_code(&output, 0);
+    let runs = json(&output)["runs"].as_array().unwrap().clone();
+    assert_eq!(runs.len(), 17 + 6);
+    assert!(runs[17..].iter().all(|run| run["block"] == 2));
+    let optimise = |more: &[&str]| {
+        let words = ["optimise", "analysis.json", "--json=-"];
+        seedloop(folder.path(), &[&words[..], more].concat())
+    };
+    let narrow = optimise(&["--target", "38.87", "--bounds", "F=0.02:0.08"]);
+    assert_code(&narrow, 0);
+    let f = json(&narrow)["factor_ranges"]["F"]["natural"][1]
+        .as_f64()
+        .unwrap();
+    assert_eq!(f, 0.08);
+    let at = [
+        "--target",
+        "38.87",
+        "--at",
+        "B=0.33,E=0.06,F=0.10",
+        "--confirm",
+    ];
+    assert_code(&optimise(&[&at[..], &["38.9,39.4"]].concat()), 0);
+    let far = optimise(&[&at[..], &["33,34"]].concat());
+    assert_code(&far, 1);
+    assert_eq!(json(&far)["confirmation"]["confirmed"], false);
+    let best = optimise(&["--goal", "max"]);
+    assert_code(&best, 0);
+    let point = json(&best)["compromises"][0]["natural"].clone();
+    assert_eq!(point, serde_json::json!([0.42, 0.01, 0.1]));
+    assert_code(&optimise(&["--goal", "range:50:60"]), 1);
+}
+
+/// Charts are written as SVG, and the table of orders names what the design cannot hold.
+#[test]
+fn analyse_draws_its_charts_and_compares_orders() {
+    let folder = tempdir().unwrap();
+    let data = fixture("paper/bbd_table5.csv");
+    let words = [
+        "analyse",
+        data.to_str().unwrap(),
+        "--factors",
+        FACTORS,
+        "--response",
+        "theta",
+        "--reduce",
+        "p",
+        "--plots",
+        "plots",
+        "--json=-",
+    ];
+    let output = seedloop(folder.path(), &words);
+    assert_code(&output, 0);
+    let report = json(&output);
+    assert_eq!(
+        report["orders"]["orders"][4]["aliased"]
+            .as_array()
+            .map(Vec::len),
+        Some(7)
+    );
+    let kept = report["formula"]["formula"].as_str().unwrap();
+    assert_eq!(kept, "1 + B + E + F + B:F + B^2");
+    for chart in [
+        "pareto",
+        "half-normal",
+        "normal",
+        "contour-B-F",
+        "surface-B-F",
+        "interaction-B-F",
+    ] {
+        let text = fs::read_to_string(folder.path().join(format!("plots/{chart}.svg"))).unwrap();
+        assert!(text.starts_with("<svg"), "{chart}");
+        let png = fs::read(folder.path().join(format!("plots/{chart}.png"))).unwrap();
+        assert!(png.starts_with(b"\x89PNG"), "{chart}");
+    }
+}
+
+/// Bad tables: the message names the place and what is wrong with it.
+#[test]
+fn tables_that_cannot_be_meant_are_refused_with_the_place() {
+    let folder = tempdir().unwrap();
+    let cases = [
+        ("A,B,y\n1,2,3\n2,,4\n", "A,B", &["line 3", "'B'"][..]),
+        ("A,B,y\n1,2,3\n2,x,4\n", "A,B", &["line 3", "'x'"]),
+        ("A,B,y\n1,2,3\n2,2,4\n", "A,B", &["'B' never varies"]),
+        ("A,A,y\n1,2,3\n2,3,4\n", "A", &["several columns"]),
+        ("A,y\n1,3\n2,4\n", "A", &["2 observations", "3 terms"]),
+        (
+            "A,B,y\n1,2,3\n2,4,4\n3,6,6\n4,8,7\n5,10,7\n6,12,1\n7,14,3\n",
+            "A,B",
+            &["B = A"],
+        ),
+    ];
+    for (text, factors, parts) in cases {
+        fs::write(folder.path().join("t.csv"), text).unwrap();
+        let output = seedloop(
+            folder.path(),
+            &["analyse", "t.csv", "--factors", factors, "--response", "y"],
+        );
+        assert_error(&output, parts);
+    }
+}

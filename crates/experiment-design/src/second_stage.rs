@@ -1,0 +1,120 @@
+//! Runs added near a contour: the second stage of an experiment.
+
+use random_stream::Stream;
+
+use crate::optimal::{
+    PASSES, box_moments, information, log_determinant_cost, stacked, variance_cost,
+};
+use crate::{Criterion, Design, DesignKind, Error, Factor, check_factors};
+
+/// As [`crate::augmented_design`], the added runs taken from the points that `allowed` lets pass among a
+/// grid of levels -1, -1/2, 0, 1/2, +1: the second stage of an experiment near a contour.
+///
+/// # Errors
+/// As [`crate::augmented_design`]; [`Error::CountOutOfRange`] if no point of the grid is allowed.
+pub fn augmented_near(
+    factors: &[Factor],
+    criterion: Criterion,
+    given: &[Vec<f64>],
+    n_runs: usize,
+    seed: u64,
+    row: &dyn Fn(&[f64]) -> Vec<f64>,
+    allowed: &dyn Fn(&[f64]) -> bool,
+) -> Result<Design, Error> {
+    check_factors(factors)?;
+    let k = factors.len();
+    let levels = if k <= 4 { 5_usize } else { 3 };
+    if k > 8 {
+        return Err(Error::CountOutOfRange {
+            what: "factors of an experiment near a contour",
+            given: k,
+            least: 1,
+            most: 8,
+        });
+    }
+    let point = |index: usize| -> Vec<f64> {
+        let mut rest = index;
+        (0..k)
+            .map(|_| {
+                let level = rest % levels;
+                rest /= levels;
+                2.0 * level as f64 / (levels - 1) as f64 - 1.0
+            })
+            .collect()
+    };
+    let count = (0..k).fold(1, |count, _| count * levels);
+    let candidates: Vec<Vec<f64>> = (0..count).map(point).filter(|x| allowed(x)).collect();
+    let terms = row(&vec![0.0; k]).len();
+    if candidates.is_empty() || given.len() + n_runs < terms || n_runs > 500 {
+        return Err(Error::CountOutOfRange {
+            what: "points of the grid near the contour, and runs of both stages together",
+            given: candidates.len().min(given.len() + n_runs),
+            least: terms,
+            most: 500,
+        });
+    }
+    let mut stream = Stream::new(seed, "second stage");
+    let moments = box_moments(k, row, seed);
+    let cost = |rows: &[Vec<f64>]| {
+        let all: Vec<Vec<f64>> = given.iter().chain(rows).cloned().collect();
+        let information = information(&all, row, terms);
+        match criterion {
+            Criterion::Determinant => log_determinant_cost(&information),
+            Criterion::MeanVariance => variance_cost(&information, &moments),
+        }
+    };
+    let mut rows: Vec<Vec<f64>> = (0..n_runs)
+        .map(|_| candidates[stream.below(candidates.len())].clone())
+        .collect();
+    let mut reached = cost(&rows);
+    for _ in 0..PASSES {
+        let before = reached;
+        for i in 0..rows.len() {
+            for candidate in &candidates {
+                let kept = std::mem::replace(&mut rows[i], candidate.clone());
+                let value = cost(&rows);
+                if value < reached - 1e-12 * reached.abs() {
+                    reached = value;
+                } else {
+                    rows[i] = kept;
+                }
+            }
+        }
+        if reached >= before {
+            break;
+        }
+    }
+    stacked(factors, given, rows, DesignKind::Augmented)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::augmented_near;
+    use crate::{Criterion, Factor, full_factorial};
+
+    fn factors(k: usize) -> Vec<Factor> {
+        (0..k)
+            .map(|i| Factor::coded_only(&format!("x{i}")).unwrap())
+            .collect()
+    }
+
+    /// Points of the second stage stay where they are allowed.
+    #[test]
+    fn the_second_stage_keeps_to_its_band() {
+        let given = full_factorial(&factors(2), 1).unwrap().coded_rows();
+        let row = |x: &[f64]| vec![1.0, x[0], x[1], x[0] * x[1]];
+        let near = |x: &[f64]| (x[0] - x[1]).abs() < 0.1;
+        let both = augmented_near(
+            &factors(2),
+            Criterion::Determinant,
+            &given,
+            4,
+            1,
+            &row,
+            &near,
+        );
+        let rows = both.unwrap().coded_rows();
+        assert_eq!(rows.len(), 9);
+        assert!(rows[5..].iter().all(|x| near(x)));
+    }
+}

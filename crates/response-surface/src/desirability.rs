@@ -1,0 +1,274 @@
+//! One setting for several responses.
+
+use experiment_design::Factor;
+use serde::{Deserialize, Serialize};
+
+use crate::fit::ErrorSource;
+use crate::{Error, Fit, Prediction};
+
+/// Greatest number of solutions returned.
+const MOST_SOLUTIONS: usize = 10;
+/// Starts of the search.
+const STARTS: usize = 200;
+
+/// What one response should be, unit of the response.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case", tag = "aim")]
+pub enum Aim {
+    /// As large as possible: worth nothing at `low`, everything at `high`.
+    Maximise {
+        /// Worth nothing.
+        low: f64,
+        /// Worth everything.
+        high: f64,
+    },
+    /// As small as possible: worth everything at `low`, nothing at `high`.
+    Minimise {
+        /// Worth everything.
+        low: f64,
+        /// Worth nothing.
+        high: f64,
+    },
+    /// At a value: worth nothing at `low` and `high`.
+    Target {
+        /// Worth nothing.
+        low: f64,
+        /// Worth everything.
+        value: f64,
+        /// Worth nothing.
+        high: f64,
+    },
+    /// Anywhere in a range.
+    Range {
+        /// Least value allowed.
+        low: f64,
+        /// Greatest value allowed.
+        high: f64,
+    },
+}
+
+/// An aim with its weights.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Goal {
+    /// What the response should be.
+    pub aim: Aim,
+    /// Power of the desirability: above 1 it must come close to the aim to be worth something.
+    pub weight: f64,
+    /// How much this response counts, 1 to 5 by custom.
+    pub importance: f64,
+}
+
+/// A setting.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Compromise {
+    /// Weighted geometric mean of the desirabilities, 0 to 1.
+    pub desirability: f64,
+    /// Coded point.
+    pub coded: Vec<f64>,
+    /// Natural point, units of the factors.
+    pub natural: Vec<f64>,
+    /// Desirability of each response.
+    pub each: Vec<f64>,
+    /// Prediction of each response.
+    pub predictions: Vec<Prediction>,
+}
+
+impl Goal {
+    /// Desirability of a value, 0 to 1.
+    ///
+    /// # Formula
+    /// `((y - low) / (high - low))^weight` between the bounds, and its mirror image
+    /// `[Derringer1980]`.
+    pub fn desirability(&self, y: f64) -> f64 {
+        let rise =
+            |from: f64, to: f64| ((y - from) / (to - from)).clamp(0.0, 1.0).powf(self.weight);
+        match self.aim {
+            Aim::Maximise { low, high } => rise(low, high),
+            Aim::Minimise { low, high } => rise(high, low),
+            Aim::Target { low, value, .. } if y <= value => rise(low, value),
+            Aim::Target { value, high, .. } => rise(high, value),
+            Aim::Range { low, high } => f64::from(u8::from((low..=high).contains(&y))),
+        }
+    }
+
+    /// How far a value is from being worth something, as a share of the range; 0 where it is.
+    fn shortfall(&self, y: f64) -> f64 {
+        let (low, high) = self.bounds();
+        let width = (high - low).max(f64::MIN_POSITIVE);
+        ((low - y).max(y - high).max(0.0)) / width
+    }
+
+    /// Least and greatest value of the aim.
+    fn bounds(&self) -> (f64, f64) {
+        match self.aim {
+            Aim::Maximise { low, .. } => (low, f64::INFINITY),
+            Aim::Minimise { high, .. } => (f64::NEG_INFINITY, high),
+            Aim::Target { low, high, .. } | Aim::Range { low, high } => (low, high),
+        }
+    }
+
+    /// Refuses numbers that cannot be meant.
+    fn check(&self) -> Result<(), Error> {
+        let ascending = match self.aim {
+            Aim::Target { low, value, high } => low < value && value < high,
+            Aim::Maximise { low, high }
+            | Aim::Minimise { low, high }
+            | Aim::Range { low, high } => low < high,
+        };
+        let positive = |x: f64| x > 0.0 && x.is_finite();
+        if ascending && positive(self.weight) && positive(self.importance) {
+            return Ok(());
+        }
+        Err(Error::SettingOutOfRange {
+            what: "a goal's least bound less its next one, or its weight or importance",
+            value: self.weight.min(self.importance),
+            range: "bounds ascending, weight and importance above 0",
+        })
+    }
+}
+
+/// The best settings for several responses over the common box, best first; empty if every point
+/// of the box is worth nothing.
+///
+/// # Formula
+/// `D = (prod d_i^r_i)^(1 / sum r_i)`, r the importance. The search goes from many starts by moves
+/// along one or two factors within the box, so the bounds hold exactly.
+///
+/// # Source
+/// `[Derringer1980]`.
+///
+/// # Errors
+/// [`Error::Length`] unless there is one goal per response; [`Error::FactorMismatch`] for responses
+/// over different factors or ranges; [`Error::SettingOutOfRange`] for a goal that cannot be meant.
+pub fn compromises(fits: &[Fit], goals: &[Goal]) -> Result<Vec<Compromise>, Error> {
+    let Some(first) = fits.first().filter(|_| fits.len() == goals.len()) else {
+        return Err(Error::Length {
+            what: "goals, one per response",
+            expected: fits.len(),
+            given: goals.len(),
+        });
+    };
+    let symbols = |fit: &Fit| -> Vec<String> {
+        let range = |f: &Factor| format!("{} {} to {}", f.symbol(), f.low(), f.high());
+        fit.factors.iter().map(range).collect()
+    };
+    for fit in fits {
+        if symbols(fit) != symbols(first) {
+            return Err(Error::FactorMismatch {
+                model: symbols(first).join(", "),
+                given: symbols(fit).join(", "),
+            });
+        }
+    }
+    goals.iter().try_for_each(Goal::check)?;
+    let surfaces: Vec<Vec<f64>> = fits.iter().map(Fit::coefficients).collect();
+    let value = |i: usize, x: &[f64]| -> f64 {
+        fits[i]
+            .formula
+            .row(x)
+            .iter()
+            .zip(&surfaces[i])
+            .map(|(t, c)| t * c)
+            .sum()
+    };
+    let cost = |x: &[f64]| -> f64 {
+        let values: Vec<f64> = (0..fits.len()).map(|i| value(i, x)).collect();
+        let total = overall(goals, &values);
+        if total > 0.0 {
+            return -total;
+        }
+        goals.iter().zip(values).map(|(g, y)| g.shortfall(y)).sum()
+    };
+    let k = first.factors.len();
+    let mut found: Vec<(f64, Vec<f64>)> = (0..STARTS)
+        .map(|i| {
+            let mut x: Vec<f64> = (0..k).map(|j| start(i, j)).collect();
+            (within_box(&mut x, &cost), x)
+        })
+        .filter(|(cost, _)| *cost < 0.0)
+        .collect();
+    found.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let mut kept: Vec<Vec<f64>> = Vec::new();
+    for (_, x) in found {
+        let near = |other: &Vec<f64>| x.iter().zip(other).all(|(a, b)| (a - b).abs() < 0.05);
+        if kept.len() < MOST_SOLUTIONS && !kept.iter().any(near) {
+            kept.push(x);
+        }
+    }
+    kept.into_iter()
+        .map(|x| compromise(fits, goals, x))
+        .collect()
+}
+
+/// Weighted geometric mean of the desirabilities.
+fn overall(goals: &[Goal], values: &[f64]) -> f64 {
+    let weight: f64 = goals.iter().map(|g| g.importance).sum();
+    let logs = goals
+        .iter()
+        .zip(values)
+        .map(|(g, y)| g.importance * g.desirability(*y).ln());
+    (logs.sum::<f64>() / weight).exp()
+}
+
+/// Coordinate j of start i: the fractional parts of multiples of irrational numbers.
+fn start(i: usize, j: usize) -> f64 {
+    let step = ((j + 2) as f64 * 1.618_033_988_749_895).sqrt();
+    2.0 * ((i + 1) as f64 * step).fract() - 1.0
+}
+
+/// Moves along one factor or two at a time, the steps halving; returns the cost.
+fn within_box(x: &mut [f64], cost: &dyn Fn(&[f64]) -> f64) -> f64 {
+    let mut reached = cost(x);
+    let mut step = 0.5;
+    let k = x.len();
+    while step > 1e-7 {
+        let before = reached;
+        for i in 0..k {
+            for j in 0..=i {
+                for (a, b) in [(step, step), (step, -step), (-step, step), (-step, -step)] {
+                    let kept = (x[i], x[j]);
+                    x[i] = (x[i] + a).clamp(-1.0, 1.0);
+                    if j != i {
+                        x[j] = (x[j] + b).clamp(-1.0, 1.0);
+                    }
+                    let value = cost(x);
+                    if value < reached {
+                        reached = value;
+                    } else {
+                        (x[i], x[j]) = (kept.0, kept.1);
+                    }
+                }
+            }
+        }
+        if reached >= before {
+            step *= 0.5;
+        }
+    }
+    reached
+}
+
+/// A setting with its predictions.
+fn compromise(fits: &[Fit], goals: &[Goal], coded: Vec<f64>) -> Result<Compromise, Error> {
+    let natural = fits[0].natural(&coded);
+    let predictions: Vec<Prediction> = fits
+        .iter()
+        .map(|fit| {
+            let error = fit
+                .error_variance(ErrorSource::AllRepeats)
+                .or_else(|| fit.error_variance(ErrorSource::Residual));
+            fit.predict_with(&natural, error)
+        })
+        .collect::<Result<_, _>>()?;
+    let values: Vec<f64> = fits.iter().map(|fit| fit.value(&coded)).collect();
+    Ok(Compromise {
+        desirability: overall(goals, &values),
+        each: goals
+            .iter()
+            .zip(&values)
+            .map(|(g, y)| g.desirability(*y))
+            .collect(),
+        coded,
+        natural,
+        predictions,
+    })
+}

@@ -1,0 +1,322 @@
+//! What a design can tell before it is run.
+
+use experiment_design::Design;
+use random_stream::Stream;
+use serde::Serialize;
+use statrs::function::beta::checked_beta_reg;
+
+use crate::distribution::t_two_sided_quantile;
+use crate::fit::{Matrix, ratio};
+use crate::least_squares::{basis, least_squares};
+use crate::{Error, Model, NamedValues, Observations, Weighting};
+
+/// Random points of the box at which the variance of the prediction is taken.
+const POINTS: usize = 4000;
+
+/// Properties of a design for a model.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Evaluation {
+    /// The model.
+    pub model: String,
+    /// Number of runs.
+    pub runs: usize,
+    /// Number of coefficients with the intercept and blocks.
+    pub p: usize,
+    /// Degrees of freedom of the residuals.
+    pub df_resid: usize,
+    /// Degrees of freedom of the pure error: runs that repeat earlier settings in their block.
+    pub df_pure_error: usize,
+    /// Relations of terms that the runs cannot separate; what follows is then none or empty.
+    pub aliased: Vec<String>,
+    /// Greatest |correlation| of two columns about their means; 0 for an orthogonal design.
+    pub greatest_correlation: Option<f64>,
+    /// Greatest over least singular value of the scaled columns.
+    pub condition: Option<f64>,
+    /// Variance inflation factor of each term.
+    pub vif: NamedValues<f64>,
+    /// Leverage of each run, in its order.
+    pub leverage: Vec<f64>,
+    /// Efficiencies; none for aliased terms.
+    pub efficiency: Option<Efficiency>,
+    /// Chance that a term of 1, 2 and 3 standard deviations is found at the 5 % level.
+    pub power: NamedValues<[f64; 3]>,
+    /// Coefficients of two-factor interactions, squares and products of three that are not in the
+    /// model on its terms; none of them if all are zero.
+    pub alias: NamedValues<NamedValues<f64>>,
+    /// Variance of the prediction over that of a run at shares 0, 0.05, ... 1 of the box (fraction
+    /// of design space).
+    pub variance_by_share: Vec<f64>,
+}
+
+/// Efficiencies, %.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Efficiency {
+    /// 100 det(X'X)^(1/p) / n.
+    pub d_pct: f64,
+    /// 100 p / (n trace (X'X)^-1).
+    pub a_pct: f64,
+    /// 100 p / (n greatest variance over the box), the greatest over the runs, the corners and
+    /// random points.
+    pub g_pct: f64,
+    /// Mean over the box of the variance of the prediction over that of a run.
+    pub mean_variance: f64,
+}
+
+/// Evaluates a design for a model.
+///
+/// # Formula
+/// Power of a term: `P(F > F_crit)` with noncentrality `beta^2 / C_jj`, `beta = 1/2` per standard
+/// deviation for main effects and products (the effect from low to high is 2 beta), `beta = 1` for
+/// squares (the effect from the middle to a bound).
+///
+/// # Source
+/// `[Myers2016, chapter 8]`.
+///
+/// # Errors
+/// Those of [`crate::fit_weighted`] but for aliased terms, which are named in the result.
+pub fn evaluate(design: &Design, model: &Model, seed: u64) -> Result<Evaluation, Error> {
+    let k = design.factors().len();
+    let cells = design.runs().iter().map(|run| crate::Cell {
+        block: run.block,
+        ..crate::Cell::single(run.coded[..k].to_vec(), 0.0)
+    });
+    let data = Observations::from_cells(cells.collect())?;
+    let matrix = Matrix::unchecked(model, &data, Weighting::Equal)?;
+    let (n, p) = (matrix.rows.len(), matrix.names.len());
+    let groups = crate::fit::same_settings(&data).len();
+    let dependent = basis(&matrix.rows, &matrix.names, &matrix.weights).dependent;
+    let mut evaluation = Evaluation {
+        model: model.to_string(),
+        runs: n,
+        p,
+        df_resid: n.saturating_sub(p - dependent.len()),
+        df_pure_error: n - groups,
+        aliased: dependent
+            .into_iter()
+            .map(|(_, relation)| relation)
+            .collect(),
+        greatest_correlation: greatest_correlation(&matrix),
+        condition: None,
+        vif: NamedValues::default(),
+        leverage: Vec::new(),
+        efficiency: None,
+        power: NamedValues::default(),
+        alias: NamedValues::default(),
+        variance_by_share: Vec::new(),
+    };
+    if !evaluation.aliased.is_empty() || n < p {
+        return Ok(evaluation);
+    }
+    let solved = least_squares(&matrix.rows, &matrix.names, &vec![0.0; n], &matrix.weights)?;
+    evaluation.condition = crate::fit::condition(&solved);
+    evaluation.vif = crate::fit::variance_inflation(&matrix, &solved);
+    evaluation.leverage.clone_from(&solved.leverages);
+    let covariance = matrix.model_block(&solved.xtx_inverse);
+    let variances = box_variances(model, &covariance, seed);
+    let greatest = variances
+        .iter()
+        .chain(&solved.leverages)
+        .fold(0.0_f64, |m, v| m.max(*v));
+    let log_det: f64 = (0..p)
+        .map(|j| {
+            let length: f64 = matrix.rows.iter().map(|r| r[j] * r[j]).sum();
+            2.0 * solved.triangle[j][j].abs().ln() + length.ln()
+        })
+        .sum();
+    let trace: f64 = (0..p).map(|j| solved.xtx_inverse[j][j]).sum();
+    let (runs, terms) = (n as f64, p as f64);
+    evaluation.efficiency = Some(Efficiency {
+        d_pct: 100.0 * (log_det / terms).exp() / runs,
+        a_pct: 100.0 * terms / (runs * trace),
+        g_pct: 100.0 * terms / (runs * greatest),
+        mean_variance: variances.iter().sum::<f64>() / variances.len() as f64,
+    });
+    let place = |i: usize| ((variances.len() - 1) * i) / 20;
+    evaluation.variance_by_share = (0..=20).map(|i| variances[place(i)]).collect();
+    evaluation.power = powers(model, &matrix, &solved.xtx_inverse, n - p);
+    evaluation.alias = aliases(model, &matrix, &data, k)?;
+    Ok(evaluation)
+}
+
+/// Greatest |correlation| of two columns about their means; none without two columns that vary.
+fn greatest_correlation(matrix: &Matrix) -> Option<f64> {
+    let n = matrix.rows.len() as f64;
+    let centred = |j: usize| -> Vec<f64> {
+        let mean = matrix.rows.iter().map(|r| r[j]).sum::<f64>() / n;
+        matrix.rows.iter().map(|r| r[j] - mean).collect()
+    };
+    let columns: Vec<Vec<f64>> = (matrix.first()..matrix.names.len()).map(centred).collect();
+    let dot = |a: &[f64], b: &[f64]| -> f64 { a.iter().zip(b).map(|(x, y)| x * y).sum() };
+    let mut greatest = None;
+    for (i, a) in columns.iter().enumerate() {
+        for b in &columns[..i] {
+            let correlation = ratio(dot(a, b).abs(), (dot(a, a) * dot(b, b)).sqrt())?;
+            greatest = Some(correlation.max(greatest.unwrap_or(0.0)));
+        }
+    }
+    greatest
+}
+
+/// Variances of the prediction at random points and the corners of the box, ascending.
+fn box_variances(model: &Model, covariance: &[Vec<f64>], seed: u64) -> Vec<f64> {
+    let k = model.symbols().len();
+    let mut stream = Stream::new(seed, "variance over the box");
+    let mut points: Vec<Vec<f64>> = (0..POINTS)
+        .map(|_| (0..k).map(|_| stream.between(-1.0, 1.0)).collect())
+        .collect();
+    if k <= 10 {
+        let corner = |bits: usize| (0..k).map(move |j| if bits >> j & 1 == 1 { 1.0 } else { -1.0 });
+        points.extend((0..1 << k).map(|bits| corner(bits).collect::<Vec<f64>>()));
+    }
+    let variance = |x: &Vec<f64>| {
+        let row = model.row(x);
+        let lines = covariance.iter().zip(&row);
+        lines
+            .map(|(line, a)| a * line.iter().zip(&row).map(|(c, b)| c * b).sum::<f64>())
+            .sum()
+    };
+    let mut variances: Vec<f64> = points.iter().map(variance).collect();
+    variances.sort_by(f64::total_cmp);
+    variances
+}
+
+/// Power of each term for 1, 2, 3 standard deviations; empty without residual degrees of freedom.
+fn powers(model: &Model, matrix: &Matrix, c: &[Vec<f64>], df: usize) -> NamedValues<[f64; 3]> {
+    let Some(limit) = t_two_sided_quantile(0.05, df as f64) else {
+        return NamedValues::default();
+    };
+    let row = |j: usize| {
+        let term = &model.terms()[j - matrix.n_blocks];
+        let square = term.powers().iter().all(|power| power % 2 == 0);
+        let size = if square { 1.0 } else { 0.5 };
+        let power = |sigmas: f64| {
+            noncentral_tail(limit * limit, df as f64, (size * sigmas).powi(2) / c[j][j])
+        };
+        (
+            matrix.names[j].clone(),
+            [power(1.0), power(2.0), power(3.0)],
+        )
+    };
+    (matrix.first()..matrix.names.len()).map(row).collect()
+}
+
+/// P(F' > f) of the noncentral F distribution with 1 and `df` degrees of freedom.
+///
+/// # Formula
+/// `sum_j Poisson(j; lambda / 2) I_x(df/2, 1/2 + j)`, `x = df / (df + f)`
+/// `[Abramowitz1964, eq. 26.6.20]`.
+pub(crate) fn noncentral_tail(f: f64, df: f64, lambda: f64) -> f64 {
+    let half = 0.5 * lambda;
+    let x = df / (df + f);
+    let mut sum = 0.0;
+    let mut log_weight = -half;
+    let last = half + 12.0 * half.sqrt() + 40.0;
+    let mut j = 0.0;
+    while j <= last {
+        sum += log_weight.exp() * checked_beta_reg(df / 2.0, 0.5 + j, x).unwrap_or(0.0);
+        j += 1.0;
+        log_weight += half.max(f64::MIN_POSITIVE).ln() - j.ln();
+    }
+    sum.clamp(0.0, 1.0)
+}
+
+/// What terms left out of the model do to those in it.
+fn aliases(
+    model: &Model,
+    matrix: &Matrix,
+    data: &Observations,
+    k: usize,
+) -> Result<NamedValues<NamedValues<f64>>, Error> {
+    let wider = Model::of_degree(3, model.symbols());
+    let left_out = wider.terms().iter().filter(|term| {
+        let crossed = term.degree() == 2 || term.powers().iter().all(|power| *power <= 1);
+        crossed && !model.terms().contains(term)
+    });
+    let mut found = Vec::new();
+    for term in left_out.take(200) {
+        let values: Vec<f64> = data
+            .cells()
+            .iter()
+            .map(|c| term.value(&c.coded[..k]))
+            .collect();
+        let solved = least_squares(&matrix.rows, &matrix.names, &values, &matrix.weights)?;
+        let parts = matrix.names.iter().cloned().zip(solved.coefficients);
+        let parts: NamedValues<f64> = parts.filter(|(_, c)| c.abs() > 1e-9).collect();
+        if !parts.is_empty() {
+            found.push((model.name(term), parts));
+        }
+    }
+    Ok(found.into_iter().collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{evaluate, noncentral_tail};
+    use crate::Model;
+    use experiment_design::{Factor, box_behnken, full_factorial, plackett_burman};
+
+    fn factors(symbols: &str) -> Vec<Factor> {
+        symbols
+            .chars()
+            .map(|c| Factor::coded_only(&c.to_string()).unwrap())
+            .collect()
+    }
+
+    /// A full factorial is the best two-level design: orthogonal, VIF 1, all efficiencies 100 %.
+    #[test]
+    fn a_full_factorial_is_fully_efficient() {
+        let f = factors("ABC");
+        let design = full_factorial(&f, 0).unwrap();
+        let got = evaluate(&design, &Model::linear(&f).unwrap(), 1).unwrap();
+        let efficiency = got.efficiency.unwrap();
+        for value in [efficiency.d_pct, efficiency.a_pct, efficiency.g_pct] {
+            assert!((value - 100.0).abs() < 1e-9, "{value}");
+        }
+        assert_eq!(got.greatest_correlation, Some(0.0));
+        assert!(got.leverage.iter().all(|h| (h - 0.5).abs() < 1e-12));
+        // Squares are constant over two levels; nothing else is aliased.
+        assert!(
+            got.alias
+                .iter()
+                .all(|(name, parts)| name.ends_with('2') && parts.len() == 1)
+        );
+        // Mean of (1 + x1^2 + x2^2 + x3^2) / 8 over the box is 2/8; the corners add 8 of 4008.
+        assert!((efficiency.mean_variance - 0.25).abs() < 0.01);
+    }
+
+    /// In a Plackett-Burman design of 12 runs interactions alias with +-1/3; a Box-Behnken design
+    /// cannot hold a cubic, and says which terms.
+    #[test]
+    fn aliases_are_reported() {
+        let f = factors("ABCDEF");
+        let pb = evaluate(
+            &plackett_burman(&f).unwrap(),
+            &Model::linear(&f).unwrap(),
+            1,
+        )
+        .unwrap();
+        let third = pb.alias.get("AB").unwrap().get("C").unwrap().abs();
+        assert!((third - 1.0 / 3.0).abs() < 1e-12);
+        let f = factors("ABC");
+        let cubic = Model::parse("cubic", &f).unwrap();
+        let bbd = evaluate(&box_behnken(&f, 5).unwrap(), &cubic, 1).unwrap();
+        assert!(
+            bbd.aliased
+                .iter()
+                .any(|relation| relation.starts_with("A3 = A")),
+            "{:?}",
+            bbd.aliased
+        );
+        assert!(bbd.efficiency.is_none());
+    }
+
+    /// Reference: R 4.2.2, sum(dpois(j, 4) * pbeta(8 / (8 + f), 4, 0.5 + j)), j = 0 to 200; its pf with
+    /// ncp = 8 differs from that by 3e-10.
+    #[test]
+    fn power_is_the_tail_of_the_noncentral_f() {
+        let got = noncentral_tail(5.317655071578714, 8.0, 8.0);
+        assert!((got - POWER_BY_R).abs() < 1e-10, "{got}");
+        assert!((noncentral_tail(5.317655071578714, 8.0, 0.0) - 0.05).abs() < 1e-12);
+    }
+    const POWER_BY_R: f64 = 0.698459057338846;
+}

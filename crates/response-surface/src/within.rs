@@ -1,0 +1,110 @@
+//! The same surface over narrower or wider ranges of the factors.
+
+use experiment_design::Factor;
+
+use crate::natural::rebased;
+use crate::{BoxExtremes, Error, Fit};
+
+impl Fit {
+    /// Least and greatest value over the ranges of the factors.
+    ///
+    /// # Errors
+    /// [`Error::DegreeTooHigh`].
+    pub fn extremes(&self) -> Result<BoxExtremes, Error> {
+        Ok(crate::extremes::box_extremes(
+            &self.quadratic()?,
+            &self.factors,
+        ))
+    }
+
+    /// The fit with other bounds of its factors: the coded range -1..+1 becomes the new one, and
+    /// coefficients and their covariances are carried over exactly. Tests of the terms, cases and
+    /// canonical form belong to the old coding and are left empty.
+    ///
+    /// # Errors
+    /// [`Error::FactorMismatch`] for factors with other symbols.
+    pub fn within(&self, factors: &[Factor]) -> Result<Self, Error> {
+        let symbols = |list: &[Factor]| -> Vec<String> {
+            list.iter().map(|f| f.symbol().to_owned()).collect()
+        };
+        if symbols(factors) != symbols(&self.factors) {
+            return Err(Error::FactorMismatch {
+                model: symbols(&self.factors).join(", "),
+                given: symbols(factors).join(", "),
+            });
+        }
+        // The new coded value x' gives the old one as offset + slope x'.
+        let lines: Vec<(f64, f64)> = self
+            .factors
+            .iter()
+            .zip(factors)
+            .map(|(old, new)| (old.coded(new.mid()), new.half_range() / old.half_range()))
+            .collect();
+        let blocks = self.p - self.formula.terms().len();
+        let place = |i: usize| if i == 0 { 0 } else { i + blocks };
+        let old: Vec<usize> = (0..self.formula.terms().len()).map(place).collect();
+        let covariance: Vec<Vec<f64>> = old
+            .iter()
+            .map(|&i| old.iter().map(|&j| self.xtx_inverse[i][j]).collect())
+            .collect();
+        let (formula, coefficients, covariance) =
+            rebased(&self.formula, &lines, &self.coefficients(), &covariance);
+        let row = |(i, c): (usize, f64)| {
+            let row = crate::fit::tested(c, covariance[i][i], self.mse, self.df_resid);
+            (formula.name(&formula.terms()[i]), row)
+        };
+        Ok(Self {
+            factors: factors.to_vec(),
+            terms: coefficients.into_iter().enumerate().map(row).collect(),
+            p: formula.terms().len(),
+            formula,
+            xtx_inverse: covariance,
+            cases: Vec::new(),
+            canonical: None,
+            box_extremes: None,
+            ..self.clone()
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::{Cell, Model, Observations, fit};
+    use experiment_design::{Factor, box_behnken};
+
+    /// Values and leverages at natural points do not depend on the coding (rounding: 1e-12).
+    #[test]
+    fn the_surface_is_the_same_over_other_ranges() {
+        let factor = |s, low, high| Factor::new(s, "", "1", low, high).unwrap();
+        let factors = [
+            factor("A", 0.0, 10.0),
+            factor("B", -1.0, 3.0),
+            factor("C", 5.0, 6.0),
+        ];
+        let cells = box_behnken(&factors, 3)
+            .unwrap()
+            .coded_rows()
+            .into_iter()
+            .enumerate();
+        let cells =
+            cells.map(|(i, x)| Cell::single(x.clone(), x[0] - x[1] * x[2] + (i % 3) as f64));
+        let data = Observations::from_cells(cells.collect()).unwrap();
+        let old = fit(
+            &factors,
+            &Model::parse("A + B:C + C^2", &factors).unwrap(),
+            &data,
+        )
+        .unwrap();
+        let narrow = [
+            factor("A", 2.0, 3.0),
+            factor("B", 0.0, 1.0),
+            factor("C", 5.5, 7.0),
+        ];
+        let new = old.within(&narrow).unwrap();
+        for point in [[2.0, 0.3, 5.5], [9.0, -1.0, 6.0], [2.5, 0.5, 5.8]] {
+            let (a, b) = (old.predict(&point).unwrap(), new.predict(&point).unwrap());
+            assert!((a.mean - b.mean).abs() < 1e-12 && (a.leverage - b.leverage).abs() < 1e-12);
+        }
+        assert!(new.predict(&[9.0, 0.5, 5.8]).unwrap().extrapolated);
+    }
+}

@@ -1,0 +1,192 @@
+//! Log relative errors on the reference data sets of NIST (`fixtures/nist`).
+
+use experiment_design::Factor;
+use experiment_design::table::Table;
+use response_surface::{Cell, Model, Observations, fit, one_way};
+use serde_json::Value;
+use std::error::Error;
+use std::path::PathBuf;
+
+/// Digits of agreement on one data set; 15 where all agree, the certified values have no more.
+pub(crate) struct Row {
+    /// Data set.
+    pub(crate) name: String,
+    /// Least digits over the estimates (regression) or of F (analysis of variance).
+    pub(crate) estimate: f64,
+    /// Least digits over the standard deviations, or of the sums of squares.
+    pub(crate) spread: f64,
+    /// Digits of the residual standard deviation.
+    pub(crate) residual_sd: f64,
+    /// Digits of R2.
+    pub(crate) r2: f64,
+}
+
+/// -log10 of the relative error, at most 15; of the absolute error where the certified value is 0.
+fn digits(got: f64, certified: f64) -> f64 {
+    let size = if certified == 0.0 {
+        1.0
+    } else {
+        certified.abs()
+    };
+    let error = (got - certified).abs() / size;
+    (-error.max(1e-15).log10()).max(0.0)
+}
+
+fn folder() -> PathBuf {
+    PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../fixtures/nist")
+}
+
+/// The certified values.
+pub(crate) fn certified() -> Result<Value, Box<dyn Error>> {
+    Ok(serde_json::from_str(&std::fs::read_to_string(
+        folder().join("certified.json"),
+    )?)?)
+}
+
+fn numbers(value: &Value) -> Vec<f64> {
+    value
+        .as_array()
+        .into_iter()
+        .flatten()
+        .filter_map(Value::as_f64)
+        .collect()
+}
+
+/// One regression set: the factors run from the least to the greatest value, as the command does
+/// with a table of natural values.
+pub(crate) fn regression(name: &str, certified: &Value) -> Result<Row, Box<dyn Error>> {
+    let text = std::fs::read_to_string(folder().join(format!("{name}.csv")))?;
+    let table = Table::parse(&text)?;
+    let column = |j: usize| -> Result<Vec<f64>, Box<dyn Error>> {
+        Ok(table
+            .rows()
+            .iter()
+            .map(|row| table.number(row, j))
+            .collect::<Result<_, _>>()?)
+    };
+    let y = column(0)?;
+    let terms: Vec<&str> = certified["terms"]
+        .as_array()
+        .into_iter()
+        .flatten()
+        .filter_map(Value::as_str)
+        .collect();
+    let through_zero = !terms.contains(&"1");
+    let mut factors = Vec::new();
+    let mut coded = vec![Vec::new(); y.len()];
+    for (j, symbol) in table.header().iter().enumerate().skip(1) {
+        let x = column(j)?;
+        let low = x.iter().copied().fold(f64::INFINITY, f64::min);
+        let high = x.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let factor = if through_zero {
+            // A line through zero stays one only if coded 0 is natural 0.
+            Factor::new(symbol, "", "1", -high, high)?
+        } else {
+            Factor::new(symbol, "", "1", low, high)?
+        };
+        for (row, &value) in coded.iter_mut().zip(&x) {
+            row.push(factor.coded(value));
+        }
+        factors.push(factor);
+    }
+    let mut formula = terms.join(" + ");
+    if through_zero {
+        formula = format!("0 + {formula}");
+    }
+    let model = Model::parse(&formula, &factors)?;
+    let cells = coded
+        .into_iter()
+        .zip(&y)
+        .map(|(x, &y)| Cell::single(x, y))
+        .collect();
+    let fitted = fit(&factors, &model, &Observations::from_cells(cells)?)?;
+    let rows: Vec<_> = fitted.terms_natural.values().collect();
+    let least = |got: Vec<f64>, wanted: Vec<f64>| {
+        got.into_iter()
+            .zip(wanted)
+            .map(|(g, w)| digits(g, w))
+            .fold(15.0, f64::min)
+    };
+    Ok(Row {
+        name: name.to_owned(),
+        estimate: least(
+            rows.iter().map(|r| r.coef).collect(),
+            numbers(&certified["estimate"]),
+        ),
+        spread: least(
+            rows.iter().map(|r| r.se.unwrap_or(f64::NAN)).collect(),
+            numbers(&certified["sd"]),
+        ),
+        residual_sd: digits(
+            fitted.root_mse.unwrap_or(f64::NAN),
+            certified["residual_sd"].as_f64().unwrap_or(f64::NAN),
+        ),
+        r2: digits(
+            fitted.r2.unwrap_or(f64::NAN),
+            certified["r2"].as_f64().unwrap_or(f64::NAN),
+        ),
+    })
+}
+
+/// Groups and responses of a set of the analysis of variance. The nine sets of Simon and Lesage
+/// are made by their rule: a group starts with its middle value and alternates about it by 0.1.
+fn groups(name: &str) -> Result<(Vec<String>, Vec<f64>), Box<dyn Error>> {
+    if let Some(number) = name.strip_prefix("smls") {
+        let number: usize = number.parse()?;
+        let base = ["1", "1000000", "1000000000000"][(number - 1) / 3];
+        let count = [21, 201, 2001][(number - 1) % 3];
+        let mut lists = (Vec::new(), Vec::new());
+        for (group, middle) in [4, 3, 5, 3, 5, 3, 5, 3, 5].into_iter().enumerate() {
+            for i in 0..count {
+                let tenth = match i {
+                    0 => middle,
+                    i if i % 2 == 1 => middle - 1,
+                    _ => middle + 1,
+                };
+                lists.0.push((group + 1).to_string());
+                lists.1.push(format!("{base}.{tenth}").parse()?);
+            }
+        }
+        return Ok(lists);
+    }
+    let table = Table::parse(&std::fs::read_to_string(
+        folder().join(format!("{name}.csv")),
+    )?)?;
+    let mut lists = (Vec::new(), Vec::new());
+    for row in table.rows() {
+        lists.0.push(row.text(0).to_owned());
+        lists.1.push(table.number(row, 1)?);
+    }
+    Ok(lists)
+}
+
+/// One set of the analysis of variance.
+pub(crate) fn variance(name: &str, certified: &Value) -> Result<Row, Box<dyn Error>> {
+    let (labels, responses) = groups(name)?;
+    let got = one_way(&labels, &responses)?;
+    let wanted = |key: &str| certified[key].as_f64().unwrap_or(f64::NAN);
+    Ok(Row {
+        name: name.to_owned(),
+        estimate: digits(got.f.unwrap_or(f64::NAN), wanted("f")),
+        spread: digits(got.between_ss, wanted("between_ss"))
+            .min(digits(got.within_ss, wanted("within_ss"))),
+        residual_sd: digits(got.residual_sd.unwrap_or(f64::NAN), wanted("residual_sd")),
+        r2: digits(got.r2.unwrap_or(f64::NAN), wanted("r2")),
+    })
+}
+
+/// A data set of one kind.
+type Analysis = fn(&str, &Value) -> Result<Row, Box<dyn Error>>;
+
+/// All rows: regression, then analysis of variance.
+pub(crate) fn rows() -> Result<Vec<Row>, Box<dyn Error>> {
+    let certified = certified()?;
+    let mut rows = Vec::new();
+    let kinds: [(&str, Analysis); 2] = [("regression", regression), ("anova", variance)];
+    for (kind, analyse) in kinds {
+        for (name, values) in certified[kind].as_object().into_iter().flatten() {
+            rows.push(analyse(name, values)?);
+        }
+    }
+    Ok(rows)
+}

@@ -1,0 +1,275 @@
+//! Reading the table of an experiment.
+
+use std::fs;
+use std::path::PathBuf;
+
+use anyhow::{Context as _, bail, ensure};
+use experiment_design::Factor;
+use experiment_design::table::{Row, Table, factors_from_csv};
+use response_surface::Cell;
+use serde::Serialize;
+
+use super::Arguments;
+
+/// What the columns of the factors hold.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub(super) enum Coding {
+    /// -1 at the low level, +1 at the high level.
+    Coded,
+    /// Units of the factors.
+    Natural,
+}
+
+/// The table with the meaning of its columns.
+pub(super) struct Data {
+    /// The factors with their ranges.
+    pub(super) factors: Vec<Factor>,
+    /// What the columns hold.
+    pub(super) coding: Coding,
+    /// Cells with coded values of the factors, then the dummies.
+    pub(super) cells: Vec<Cell>,
+    /// Name of the column of the response.
+    pub(super) response: String,
+    /// Labels of the regime of each row, if a column is named.
+    pub(super) regimes: Vec<String>,
+}
+
+/// The file of the factors, if the argument is one.
+pub(super) fn factor_file(argument: &str) -> Option<PathBuf> {
+    let path = PathBuf::from(argument);
+    path.extension()
+        .is_some_and(|end| end.eq_ignore_ascii_case("csv"))
+        .then_some(path)
+}
+
+/// Reads the table.
+pub(super) fn read(arguments: &Arguments) -> anyhow::Result<Data> {
+    let path = &arguments.data;
+    let place = || path.display().to_string();
+    let text = fs::read_to_string(path).with_context(|| format!("cannot read {}", place()))?;
+    let table = Table::parse(&text).with_context(place)?;
+    let given = given_factors(&arguments.factors)?;
+    let mut columns = Vec::with_capacity(given.len());
+    for (symbol, _) in &given {
+        columns.push(table.column(symbol).with_context(place)?);
+    }
+    let coding = coding(arguments, &table, &columns).with_context(place)?;
+    let mut factors = Vec::with_capacity(given.len());
+    for ((symbol, known), &column) in given.into_iter().zip(&columns) {
+        factors.push(match known {
+            Some(factor) => factor,
+            None => seen_factor(&table, &symbol, column, coding).with_context(place)?,
+        });
+    }
+    let response = table.column(&arguments.response).with_context(place)?;
+    let cells = Cells {
+        table: &table,
+        factors: columns.into_iter().zip(factors.clone()).collect(),
+        coding,
+        dummies: optional_columns(&table, &arguments.dummies).with_context(place)?,
+        response,
+        sd: named_column(&table, arguments.sd.as_deref()).with_context(place)?,
+        n: named_column(&table, arguments.n.as_deref()).with_context(place)?,
+        block: named_column(&table, arguments.block.as_deref()).with_context(place)?,
+    };
+    ensure!(
+        cells.sd.is_none() || cells.n.is_some(),
+        "--sd needs --n, the column of the number of replicates that the sd was taken over"
+    );
+    let cells = table
+        .rows()
+        .iter()
+        .map(|row| cells.cell(row))
+        .collect::<Result<_, _>>();
+    let regimes = match arguments.regime_column() {
+        Some(name) => {
+            let column = table.column(name).with_context(place)?;
+            let labels = table.rows().iter().map(|row| row.text(column).to_owned());
+            labels.collect()
+        }
+        None => Vec::new(),
+    };
+    Ok(Data {
+        regimes,
+        factors,
+        coding,
+        cells: cells.with_context(place)?,
+        response: table.header()[response].clone(),
+    })
+}
+
+/// Where the numbers of a row stand.
+struct Cells<'a> {
+    /// The table.
+    table: &'a Table,
+    /// Column and factor.
+    factors: Vec<(usize, Factor)>,
+    /// What the columns of the factors hold.
+    coding: Coding,
+    /// Columns of the dummies.
+    dummies: Vec<usize>,
+    /// Column of the mean.
+    response: usize,
+    /// Column of the standard deviation.
+    sd: Option<usize>,
+    /// Column of the number of replicates.
+    n: Option<usize>,
+    /// Column of the block.
+    block: Option<usize>,
+}
+
+impl Cells<'_> {
+    /// Reads one row.
+    fn cell(&self, row: &Row) -> anyhow::Result<Cell> {
+        let mut coded = Vec::with_capacity(self.factors.len() + self.dummies.len());
+        for (column, factor) in &self.factors {
+            let value = self.table.number(row, *column)?;
+            coded.push(match self.coding {
+                Coding::Coded => value,
+                Coding::Natural => plain(factor.coded(value)),
+            });
+        }
+        for &column in &self.dummies {
+            coded.push(self.table.number(row, column)?);
+        }
+        let count = |column: Option<usize>| match column {
+            Some(column) => {
+                let name = &self.table.header()[column];
+                anyhow::Ok(self.table.count(row, name)?.unwrap_or(1))
+            }
+            None => Ok(1),
+        };
+        let sd = self
+            .sd
+            .map(|column| self.table.optional_number(row, column))
+            .transpose()?;
+        Ok(Cell {
+            coded,
+            mean: self.table.number(row, self.response)?,
+            sd: sd.flatten(),
+            n: count(self.n)?,
+            block: count(self.block)?,
+        })
+    }
+}
+
+/// A coded value freed of the rounding of its range: 0.5 rather than 0.5000000000000002.
+fn plain(coded: f64) -> f64 {
+    let short = (coded * 1e6).round() / 1e6;
+    if (short - coded).abs() < 4e-15 {
+        short
+    } else {
+        coded
+    }
+}
+
+/// The column of that name, if one is named.
+fn named_column(table: &Table, name: Option<&str>) -> anyhow::Result<Option<usize>> {
+    Ok(name.map(|name| table.column(name)).transpose()?)
+}
+
+/// The columns of these names.
+fn optional_columns(table: &Table, names: &[String]) -> anyhow::Result<Vec<usize>> {
+    Ok(names
+        .iter()
+        .map(|name| table.column(name))
+        .collect::<Result<_, _>>()?)
+}
+
+/// Symbols in the order given, with the factor where its range is given too.
+fn given_factors(argument: &str) -> anyhow::Result<Vec<(String, Option<Factor>)>> {
+    if let Some(path) = factor_file(argument) {
+        let place = path.display().to_string();
+        let text = fs::read_to_string(&path).with_context(|| format!("cannot read {place}"))?;
+        let factors = factors_from_csv(&text).context(place)?;
+        return Ok(factors
+            .into_iter()
+            .map(|f| (f.symbol().to_owned(), Some(f)))
+            .collect());
+    }
+    let mut given = Vec::new();
+    for part in argument.split(',').map(str::trim) {
+        let Some((symbol, range)) = part.split_once('=') else {
+            given.push((part.to_owned(), None));
+            continue;
+        };
+        let bounds = range.split_once(':').and_then(|(low, high)| {
+            Some((
+                low.trim().parse::<f64>().ok()?,
+                high.trim().parse::<f64>().ok()?,
+            ))
+        });
+        let Some((low, high)) = bounds else {
+            bail!("'{part}' is no factor with its range; write it as B=0.30:0.42");
+        };
+        let symbol = symbol.trim();
+        given.push((
+            symbol.to_owned(),
+            Some(Factor::new(symbol, "", "1", low, high)?),
+        ));
+    }
+    Ok(given)
+}
+
+/// What the columns hold: as told, or coded if all values lie in -1..+1 and every column reaches
+/// both ends, as the columns of a design do.
+fn coding(arguments: &Arguments, table: &Table, columns: &[usize]) -> anyhow::Result<Coding> {
+    if arguments.coded {
+        return Ok(Coding::Coded);
+    }
+    if arguments.natural {
+        return Ok(Coding::Natural);
+    }
+    for &column in columns {
+        let (low, high) = extremes(table, column)?;
+        if (low, high) != (-1.0, 1.0) {
+            return Ok(Coding::Natural);
+        }
+    }
+    Ok(Coding::Coded)
+}
+
+/// Least and greatest value of a column.
+fn extremes(table: &Table, column: usize) -> anyhow::Result<(f64, f64)> {
+    let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
+    for row in table.rows() {
+        let value = table.number(row, column)?;
+        (low, high) = (low.min(value), high.max(value));
+    }
+    Ok((low, high))
+}
+
+/// A factor whose range is not given: from the column of natural values beside the coded one, or
+/// from the values of the column itself.
+fn seen_factor(
+    table: &Table,
+    symbol: &str,
+    column: usize,
+    coding: Coding,
+) -> anyhow::Result<Factor> {
+    if coding == Coding::Natural {
+        let (low, high) = extremes(table, column)?;
+        ensure!(
+            low < high,
+            "the factor '{symbol}' never varies: column '{}' is {low} in all rows; leave it out",
+            table.header()[column]
+        );
+        return Ok(Factor::new(symbol, "", "1", low, high)?);
+    }
+    let Ok(natural) = table.column(&format!("{symbol}_natural")) else {
+        return Ok(Factor::coded_only(symbol)?);
+    };
+    let level = |wanted: f64| -> anyhow::Result<Option<f64>> {
+        for row in table.rows() {
+            if table.number(row, column)? == wanted {
+                return Ok(Some(table.number(row, natural)?));
+            }
+        }
+        Ok(None)
+    };
+    match (level(-1.0)?, level(1.0)?) {
+        (Some(low), Some(high)) => Ok(Factor::new(symbol, "", "1", low, high)?),
+        _ => Ok(Factor::coded_only(symbol)?),
+    }
+}

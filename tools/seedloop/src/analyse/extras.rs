@@ -1,0 +1,163 @@
+//! What an analysis tells beside the fit: ridge paths, the rival surface, regimes.
+
+use anyhow::ensure;
+use command_line::Common;
+use experiment_design::Factor;
+use response_surface::{
+    Fit, GaussianProcess, Observations, Regime, RidgePoint, gaussian_process, regime, ridge_path,
+};
+use serde::Serialize;
+
+use super::data::Data;
+use super::text::probability;
+use super::{Arguments, Report};
+
+/// Radii of the ridge paths, coded.
+const RADII: [f64; 9] = [0.0, 0.25, 0.5, 0.75, 1.0, 1.25, 1.5, 1.75, 2.0];
+/// Seed of the points at which a regime's share of the box is counted.
+const SEED: u64 = 1;
+
+/// The paths of steepest ascent and descent.
+#[derive(Debug, Serialize)]
+pub(super) struct Ridge {
+    /// Highest points.
+    ascent: Vec<RidgePoint>,
+    /// Lowest points.
+    descent: Vec<RidgePoint>,
+}
+
+impl Ridge {
+    /// The paths of a fit; none for models above degree two.
+    pub(super) fn of(fit: &Fit) -> Option<Self> {
+        Some(Self {
+            ascent: ridge_path(fit, &RADII, true).ok()?,
+            descent: ridge_path(fit, &RADII, false).ok()?,
+        })
+    }
+}
+
+/// A Gaussian process beside the polynomial.
+#[derive(Debug, Serialize)]
+pub(super) struct Comparison {
+    /// The process.
+    process: GaussianProcess,
+    /// Root of the mean squared error of rows left out, process, unit of the response.
+    process_leave_one_out_rmse: f64,
+    /// The same of the polynomial; null where a row is fitted exactly.
+    polynomial_leave_one_out_rmse: Option<f64>,
+    /// Which of the two predicts left-out rows better. The analysis stays that of the polynomial.
+    better: &'static str,
+}
+
+/// Fits the process if asked for.
+pub(super) fn comparison(
+    arguments: &Arguments,
+    factors: &[Factor],
+    data: &Observations,
+    fit: &Fit,
+) -> anyhow::Result<Option<Comparison>> {
+    if !arguments.gaussian_process {
+        return Ok(None);
+    }
+    let process = gaussian_process(factors, data)?;
+    // Unweighted, as that of the process.
+    let deleted = |case: &response_surface::fit::Case| {
+        let free = Some(1.0 - case.leverage).filter(|free| *free > 1e-10)?;
+        Some((case.residual / free).powi(2))
+    };
+    let squares: Option<f64> = fit.cases.iter().map(deleted).sum();
+    let polynomial = squares.map(|sum| (sum / fit.n as f64).sqrt());
+    let better = match polynomial {
+        Some(polynomial) if polynomial <= process.leave_one_out_rmse => "polynomial",
+        _ => "gaussian-process",
+    };
+    Ok(Some(Comparison {
+        process_leave_one_out_rmse: process.leave_one_out_rmse,
+        polynomial_leave_one_out_rmse: polynomial,
+        better,
+        process,
+    }))
+}
+
+/// Keeps the rows of the regime asked for, and fits its boundary to the others.
+pub(super) fn split_regimes(
+    arguments: &Arguments,
+    data: &mut Data,
+) -> anyhow::Result<Option<Regime>> {
+    let Some((column, name)) = &arguments.regime else {
+        return Ok(None);
+    };
+    let mut labels = data.regimes.clone();
+    labels.sort();
+    labels.dedup();
+    ensure!(
+        labels.contains(name),
+        "there is no regime '{name}' in column '{column}'; it holds {}",
+        labels.join(", ")
+    );
+    let kept: Vec<bool> = data.regimes.iter().map(|label| label == name).collect();
+    let boundary = if labels.len() > 1 {
+        let coded: Vec<Vec<f64>> = data.cells.iter().map(|cell| cell.coded.clone()).collect();
+        Some(regime(&data.factors, &coded, &data.regimes, name, SEED)?)
+    } else {
+        None
+    };
+    let mut places = kept.into_iter();
+    data.cells.retain(|_| places.next().unwrap_or(true));
+    Ok(boundary)
+}
+
+/// Prints what was asked for beside the fit.
+pub(super) fn print(common: &Common, report: &Report<'_>) -> anyhow::Result<()> {
+    if !report.reduction.is_empty() {
+        let dropped: Vec<&str> = report
+            .reduction
+            .iter()
+            .map(|s| s.dropped.as_str())
+            .collect();
+        common.print(format!("dropped in this order: {}", dropped.join(", ")))?;
+    }
+    if let Some(b) = &report.box_cox {
+        let [low, high] = b.interval95;
+        let verdict = if b.keeps_the_response {
+            "1 is in it"
+        } else {
+            "1 is not in it"
+        };
+        common.print(format!(
+            "Box-Cox power {:.2}, 95 % {low:.2} to {high:.2}: {verdict}",
+            b.best
+        ))?;
+    }
+    if let Some(spread) = &report.spread {
+        let bartlett = spread.bartlett.as_ref().and_then(|b| b.p);
+        let levene = spread.levene.as_ref().and_then(|l| l.p);
+        common.print(format!(
+            "equal scatter: Bartlett p {}, Levene p {}",
+            probability(bartlett),
+            probability(levene)
+        ))?;
+    }
+    if let Some(comparison) = &report.gaussian_process {
+        let polynomial = comparison.polynomial_leave_one_out_rmse;
+        common.print(format!(
+            "rows left out are predicted to {:.4} by a Gaussian process and to {} by the \
+             polynomial; the {} is better",
+            comparison.process_leave_one_out_rmse,
+            polynomial.map_or_else(|| "-".to_owned(), |p| format!("{p:.4}")),
+            comparison.better
+        ))?;
+    }
+    if let Some(regime) = &report.regime {
+        common.print(format!(
+            "regime '{}': {} rows, {} others left out; {:.0} % of the box; boundary right for \
+             {:.0} % of rows left out",
+            regime.name,
+            regime.inside,
+            regime.outside,
+            100.0 * regime.box_fraction,
+            100.0 * regime.leave_one_out_accuracy
+        ))?;
+    }
+    Ok(())
+}

@@ -1,0 +1,49 @@
+//! The analysis as a page.
+
+use std::fmt::Write as _;
+
+use report::Svg;
+use response_surface::Fit;
+
+use super::text::{fixed, summary};
+
+/// The tables as a page without scripts.
+pub(super) fn page(fit: &Fit, response: &str, orders: &str, charts: &[(String, Svg)]) -> String {
+    let escaped = |text: &str| {
+        text.replace('&', "&amp;")
+            .replace('<', "&lt;")
+            .replace('>', "&gt;")
+    };
+    let response = escaped(response);
+    let body = escaped(&format!("{}\n{orders}", summary(fit, None)));
+    let mut pictures = String::new();
+    for (name, chart) in charts {
+        let _ = writeln!(pictures, "<h2>{}</h2>\n{}", escaped(name), chart.as_str());
+    }
+    let mut cases = String::new();
+    for case in &fit.cases {
+        let _ = writeln!(
+            cases,
+            "<tr><td>{}</td><td>{}</td><td>{:.4}</td><td>{:.4}</td><td>{:.4}</td><td>{}</td>\
+             <td>{}</td></tr>",
+            case.run,
+            case.actual,
+            case.fitted,
+            case.residual,
+            case.leverage,
+            fixed(case.studentized_external, 3),
+            fixed(case.cooks_d, 4)
+        );
+    }
+    let mut warnings = String::new();
+    for warning in &fit.warnings {
+        let _ = writeln!(warnings, "<li>{}</li>", escaped(&warning.to_string()));
+    }
+    format!(
+        "<!doctype html>\n<html lang=\"en\"><meta charset=\"utf-8\"><title>{response}</title>\n\
+         <style>body{{font-family:sans-serif}}td,th{{padding:0 .7em;text-align:right}}</style>\n\
+         <h1>{response}</h1>\n<pre>{body}</pre>\n<ul>{warnings}</ul>\n<table>\n<tr><th>run</th>\
+         <th>actual</th><th>fitted</th><th>residual</th><th>leverage</th>\
+         <th>external studentised</th><th>Cook's D</th></tr>\n{cases}</table>\n{pictures}</html>\n"
+    )
+}

@@ -1,0 +1,151 @@
+//! The analysis in words and columns.
+
+use std::fmt::Write as _;
+
+use response_surface::fit::FTest;
+use response_surface::{Fit, NamedValues, Orders, Saturated};
+
+/// The analysis as text.
+pub(super) fn summary(fit: &Fit, saturated: Option<&Saturated>) -> String {
+    // Writing to a string cannot fail.
+    let mut text = String::new();
+    let _ = writeln!(text, "model: {}", fit.formula);
+    let _ = writeln!(
+        text,
+        "{:<10} {:>11} {:>10} {:>10} {:>4} {:>10} {:>9} {:>9} {:>7}",
+        "term", "coef", "se", "SS", "dof", "F", "p", "p(rep)", "%"
+    );
+    for (name, row) in fit.terms.iter() {
+        let against = |r: &response_surface::fit::Replicates| r.tests.get(name)?.p;
+        let _ = writeln!(
+            text,
+            "{name:<10} {:>11.5} {:>10} {:>10} {:>4} {:>10} {:>9} {:>9} {:>7}",
+            row.coef,
+            fixed(row.se, 5),
+            fixed(row.ss_partial, 4),
+            1,
+            fixed(row.f, 2),
+            probability(row.p),
+            probability(fit.replicates.as_ref().and_then(against)),
+            fixed(row.contribution_pct, 3),
+        );
+    }
+    for (name, ss, dof, f, p) in sources(fit) {
+        let (f, p) = (fixed(f, 2), probability(p));
+        let _ = writeln!(text, "{name:<33} {ss:>10.4} {dof:>4} {f:>10} {p:>9}");
+    }
+    for (name, value) in figures(fit).iter() {
+        let _ = writeln!(text, "{name:<20} {value}");
+    }
+    if let Some(saturated) = saturated {
+        let lenth = &saturated.lenth;
+        let (me, sme) = (fixed(lenth.me, 4), fixed(lenth.sme, 4));
+        let _ = writeln!(text, "Lenth: PSE {:.4}, ME {me}, SME {sme}", lenth.pse);
+        for point in saturated.half_normal.iter().rev() {
+            let _ = writeln!(
+                text,
+                "{:<10} |effect| {:.4}",
+                point.factor, point.abs_effect
+            );
+        }
+    }
+    text
+}
+
+/// A line of the analysis of variance: name, sum of squares, dof, F, p.
+type Source = (&'static str, f64, usize, Option<f64>, Option<f64>);
+
+/// The lines of the analysis of variance that belong to no single term.
+fn sources(fit: &Fit) -> Vec<Source> {
+    let mut lines: Vec<Source> = vec![
+        (
+            "model",
+            fit.model.ss,
+            fit.model.df,
+            fit.model.f,
+            fit.model.p,
+        ),
+        ("residual", fit.sse, fit.df_resid, None, None),
+    ];
+    if let Some(lack) = &fit.lack_of_fit {
+        lines.push(("lack of fit", lack.ss, lack.df, lack.f, lack.p));
+    }
+    if let Some(pure) = &fit.pure_error {
+        lines.push(("pure error", pure.ss, pure.df, None, None));
+    }
+    if let Some(replicates) = &fit.replicates {
+        let (ss, df) = (
+            replicates.var_of_run_mean * replicates.df as f64,
+            replicates.df,
+        );
+        let test = fit.lack_of_fit_all_repeats.as_ref();
+        let (f, p) = (test.and_then(|t| t.f), test.and_then(|t| t.p));
+        lines.push(("replicates (F: misfit to all)", ss, df, f, p));
+    }
+    let intercept = usize::from(fit.formula.has_intercept());
+    lines.push(("total", fit.sst, fit.n - intercept, None, None));
+    lines
+}
+
+/// The summary figures by name.
+fn figures(fit: &Fit) -> NamedValues<String> {
+    let figures = [
+        ("R2", fit.r2, 4),
+        ("adjusted R2", fit.adj_r2, 4),
+        ("predicted R2", fit.pred_r2, 4),
+        ("PRESS", fit.press, 4),
+        ("CV %", fit.cv_pct, 2),
+        ("adequate precision", fit.adeq_precision, 2),
+        ("AICc", fit.information.as_ref().and_then(|i| i.aicc), 3),
+        ("BIC", fit.information.as_ref().map(|i| i.bic), 3),
+    ];
+    figures
+        .into_iter()
+        .map(|(name, v, digits)| (name.to_owned(), fixed(v, digits)))
+        .collect()
+}
+
+/// A number with a fixed number of decimals, or `-`.
+pub(super) fn fixed(value: Option<f64>, digits: usize) -> String {
+    value.map_or_else(|| "-".to_owned(), |v| format!("{v:.digits$}"))
+}
+
+/// A p value: four decimals, small ones as a power of ten.
+pub(super) fn probability(value: Option<f64>) -> String {
+    match value {
+        Some(p) if p < 1e-3 => format!("{p:.1e}"),
+        value => fixed(value, 4),
+    }
+}
+
+/// The sequence of orders as text.
+pub(super) fn orders_text(orders: &Orders) -> String {
+    let mut text = format!(
+        "{:<10} {:>3} {:>11} {:>9} {:>9} {:>9} {:>8} {:>8} {:>8} {:>9}\n",
+        "order", "p", "added SS", "p added", "p misfit", "sd", "R2", "adj", "pred", "AICc"
+    );
+    for order in &orders.orders {
+        let p = |test: &Option<FTest>| probability(test.as_ref().and_then(|t| t.p));
+        let _ = writeln!(
+            text,
+            "{:<10} {:>3} {:>11.4} {:>9} {:>9} {:>9} {:>8} {:>8} {:>8} {:>9}{}",
+            order.order,
+            order.p,
+            order.added_ss,
+            p(&order.added),
+            p(&order.lack_of_fit),
+            fixed(order.root_mse, 4),
+            fixed(order.r2, 4),
+            fixed(order.adj_r2, 4),
+            fixed(order.pred_r2, 4),
+            fixed(order.aicc, 2),
+            if order.aliased.is_empty() {
+                ""
+            } else {
+                "  aliased"
+            }
+        );
+    }
+    let _ = writeln!(text, "suggested order: {}", orders.suggested);
+    text
+}

@@ -1,0 +1,180 @@
+//! `seedloop optimise --goal`: one setting for one or several responses.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context as _, ensure};
+use command_line::{DONE, Header, NOT_MET};
+use experiment_design::Factor;
+use response_surface::{Aim, Compromise, Fit, Goal, compromises};
+use serde::Serialize;
+
+use super::Arguments;
+
+/// The answer as it stands in JSON.
+#[derive(Debug, Serialize)]
+struct Report {
+    /// Version, seed, inputs.
+    #[serde(flatten)]
+    header: Header,
+    /// Symbols of the factors, in the order of all points.
+    factors: Vec<String>,
+    /// Goals of the responses, in the order of the files.
+    goals: Vec<Goal>,
+    /// Whether any point of the box is worth something.
+    exists: bool,
+    /// The settings, best first.
+    compromises: Vec<Compromise>,
+}
+
+/// Reads an analysis, with other bounds where given.
+pub(super) fn read(path: &Path, bounds: &[String]) -> anyhow::Result<Fit> {
+    let place = path.display();
+    let text = fs::read_to_string(path).with_context(|| format!("cannot read {place}"))?;
+    let fit: Fit = serde_json::from_str(&text).with_context(|| {
+        format!("{place} is no analysis; write one with seedloop analyse --json")
+    })?;
+    if bounds.is_empty() {
+        return Ok(fit);
+    }
+    let mut factors = fit.factors.clone();
+    for part in bounds {
+        let form = || format!("'{part}' is no bound; write B=0.30:0.36");
+        let (symbol, range) = part.split_once('=').with_context(form)?;
+        let (low, high) = range.split_once(':').with_context(form)?;
+        let number = |text: &str| text.trim().parse::<f64>().ok().with_context(form);
+        let symbol = symbol.trim();
+        let factor = factors
+            .iter_mut()
+            .find(|f| f.symbol() == symbol)
+            .with_context(|| format!("there is no factor '{symbol}' in {place}"))?;
+        *factor = Factor::new(
+            symbol,
+            factor.name(),
+            factor.unit(),
+            number(low)?,
+            number(high)?,
+        )?;
+    }
+    Ok(fit.within(&factors)?)
+}
+
+/// Answers for one or several responses.
+///
+/// # Errors
+/// Goals and files that cannot be read, responses over different factors.
+pub(super) fn run(arguments: &Arguments, first: Fit) -> anyhow::Result<u8> {
+    let text = arguments.goal.as_deref().unwrap_or_default();
+    let mut files = vec![arguments.analysis.clone()];
+    let mut goals = vec![goal(text, &first)?];
+    let mut fits = vec![first];
+    for part in &arguments.also {
+        let (file, text) = part
+            .split_once('=')
+            .with_context(|| format!("'{part}' is no further response; write OTHER.json=max"))?;
+        let fit = read(Path::new(file), &arguments.bounds)?;
+        goals.push(goal(text, &fit)?);
+        fits.push(fit);
+        files.push(PathBuf::from(file));
+    }
+    let found = compromises(&fits, &goals)?;
+    let symbols: Vec<String> = fits[0]
+        .factors
+        .iter()
+        .map(|f| f.symbol().to_owned())
+        .collect();
+    let common = &arguments.common;
+    if found.is_empty() {
+        common.print(
+            "no setting within the bounds is worth anything for all responses; widen the goals",
+        )?;
+    }
+    for compromise in &found {
+        let point: Vec<String> = symbols
+            .iter()
+            .zip(&compromise.natural)
+            .map(|(s, v)| format!("{s} = {v:.5}"))
+            .collect();
+        let values: Vec<String> = compromise
+            .predictions
+            .iter()
+            .map(|p| {
+                let interval = p
+                    .ci95
+                    .map_or_else(String::new, |[a, b]| format!(" ({a:.4} to {b:.4})"));
+                format!("{:.4}{interval}", p.mean)
+            })
+            .collect();
+        common.print(format!(
+            "desirability {:.4} at {}: {}",
+            compromise.desirability,
+            point.join(", "),
+            values.join("; ")
+        ))?;
+    }
+    let exists = !found.is_empty();
+    common.emit_json(&Report {
+        header: Header::new(None, &files)?,
+        factors: symbols,
+        goals,
+        exists,
+        compromises: found,
+    })?;
+    Ok(if exists { DONE } else { NOT_MET })
+}
+
+/// Reads a goal such as `target:30:38.87:45^2*3`. Without bounds, max and min take the least and the
+/// greatest value that the surface reaches.
+fn goal(text: &str, fit: &Fit) -> anyhow::Result<Goal> {
+    let form = || {
+        format!(
+            "'{text}' is no goal; write max, max:LOW:HIGH, min, min:LOW:HIGH, range:LOW:HIGH or \
+             target:LOW:VALUE:HIGH, with ^WEIGHT and *IMPORTANCE behind it where wanted"
+        )
+    };
+    let number = |text: &str| text.trim().parse::<f64>().ok().with_context(form);
+    let (rest, importance) = match text.split_once('*') {
+        Some((rest, importance)) => (rest, number(importance)?),
+        None => (text, 1.0),
+    };
+    let (rest, weight) = match rest.split_once('^') {
+        Some((rest, weight)) => (rest, number(weight)?),
+        None => (rest, 1.0),
+    };
+    let mut words = rest.split(':');
+    let kind = words.next().unwrap_or_default().trim();
+    let numbers = words.map(number).collect::<anyhow::Result<Vec<f64>>>()?;
+    let aim = match (kind, &numbers[..]) {
+        ("max" | "maximise", &[low, high]) => Aim::Maximise { low, high },
+        ("min" | "minimise", &[low, high]) => Aim::Minimise { low, high },
+        ("max" | "maximise", []) => {
+            let (low, high) = reach(fit)?;
+            Aim::Maximise { low, high }
+        }
+        ("min" | "minimise", []) => {
+            let (low, high) = reach(fit)?;
+            Aim::Minimise { low, high }
+        }
+        ("range", &[low, high]) => Aim::Range { low, high },
+        ("target", &[low, value, high]) => Aim::Target { low, value, high },
+        _ => anyhow::bail!(form()),
+    };
+    Ok(Goal {
+        aim,
+        weight,
+        importance,
+    })
+}
+
+/// Least and greatest value of the surface within the bounds.
+fn reach(fit: &Fit) -> anyhow::Result<(f64, f64)> {
+    let extremes = fit
+        .extremes()
+        .context("max and min without numbers need a model of degree two at most")?;
+    let (low, high) = (extremes.min.value, extremes.max.value);
+    ensure!(
+        low < high,
+        "the surface is flat; nothing can be raised or lowered"
+    );
+    Ok((low, high))
+}
