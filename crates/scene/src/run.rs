@@ -287,6 +287,21 @@ pub(crate) fn build(
     })
 }
 
+/// Where the seeds of a scene start, their bodies, and the time step of the solver (s).
+///
+/// # Errors
+///
+/// A scene that cannot be built.
+pub fn starting_frame(
+    scene: &Scene,
+    library: &FillingLibrary,
+    seed: u64,
+) -> Result<(Frame, Vec<Arc<SeedBody>>, f64), Error> {
+    let built = build(scene, library, seed)?;
+    let frame = snapshot(&built.world, 0.0);
+    Ok((frame, built.bodies, built.world.settings().time_step))
+}
+
 /// Names of all materials that take part, in alphabetical order.
 fn material_names<'a>(scene: &'a Scene, meshes: &'a [NamedMesh]) -> Vec<&'a str> {
     let seeds = scene.seed.iter().map(|s| s.material.as_str());
