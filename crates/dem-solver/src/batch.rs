@@ -12,7 +12,7 @@
 use crate::bodies::Bodies;
 use crate::contact::{Effect, Interaction, SpherePair};
 use crate::neighbours::Touch;
-use multiversion::multiversion;
+use fearless_simd::prelude::*;
 use nalgebra::Vector3;
 
 /// Contacts of one batch: enough to fill the registers, few enough for the first-level cache.
@@ -31,7 +31,7 @@ struct Input {
     spins: [Column; 2],
     slip: Column,
     radii: [[f64; ROOM]; 2],
-    reduced_mass: [f64; ROOM],
+    dashpot_masses: [[f64; ROOM]; 2],
 }
 
 /// Fields of [`Effect`], one entry a contact.
@@ -76,7 +76,7 @@ impl Default for Batch {
                 spins: [EMPTY; 2],
                 slip: EMPTY,
                 radii: [[0.0; ROOM]; 2],
-                reduced_mass: [0.0; ROOM],
+                dashpot_masses: [[0.0; ROOM]; 2],
             }),
             output: Box::new(Output {
                 force: EMPTY,
@@ -131,13 +131,16 @@ impl Batch {
         write(&mut input.slip, k, &pair.slip);
         input.radii[0][k] = pair.radii[0];
         input.radii[1][k] = pair.radii[1];
-        input.reduced_mass[k] = pair.reduced_mass;
+        input.dashpot_masses[0][k] = pair.dashpot_masses[0];
+        input.dashpot_masses[1][k] = pair.dashpot_masses[1];
         self.n = k + 1;
     }
 
     /// Computes all contacts, adds their forces to the bodies and empties the batch.
-    pub(crate) fn apply(
+    #[inline(always)]
+    pub(crate) fn apply<S: Simd>(
         &mut self,
+        simd: S,
         interactions: &[Interaction],
         time_step: f64,
         bodies: &mut Bodies,
@@ -148,7 +151,11 @@ impl Batch {
         }
         // A copy on the stack lets the compiler see that nothing else changes the law.
         let law = interactions[self.interaction];
-        compute(&law, &self.input, &mut self.output, self.n, time_step);
+        let (input, output, n) = (&*self.input, &mut *self.output, self.n);
+        simd.vectorize(
+            #[inline(always)]
+            || compute(&law, input, output, n, time_step),
+        );
         let output = &*self.output;
         for k in 0..self.n {
             let [i, j] = self.bodies[k];
@@ -164,7 +171,7 @@ impl Batch {
 }
 
 /// Runs the law over the first `n` contacts.
-#[multiversion(targets("x86_64+avx2"))]
+#[inline(always)]
 fn compute(law: &Interaction, input: &Input, output: &mut Output, n: usize, time_step: f64) {
     for k in 0..n.min(ROOM) {
         let pair = SpherePair {
@@ -175,7 +182,7 @@ fn compute(law: &Interaction, input: &Input, output: &mut Output, n: usize, time
             spins: [read(&input.spins[0], k), read(&input.spins[1], k)],
             slip: read(&input.slip, k),
             radii: [input.radii[0][k], input.radii[1][k]],
-            reduced_mass: input.reduced_mass[k],
+            dashpot_masses: [input.dashpot_masses[0][k], input.dashpot_masses[1][k]],
         };
         let Effect {
             force,

@@ -52,8 +52,8 @@ pub struct Bodies {
     pub angular_momentum: Vec<Vector3<f64>>,
     /// Rotation matrices, from the principal frames to the world.
     pub(crate) rotation: Vec<Matrix3<f64>>,
-    /// The same in single precision, row by row, for the overlap test.
-    pub(crate) rotation_single: Vec<[f32; 9]>,
+    /// The same times the size of a cell of the template (m), row by row, for the overlap test.
+    pub(crate) cells_to_metres: Vec<[f32; 9]>,
     /// Contact forces of the last step, N.
     pub force: Vec<Vector3<f64>>,
     /// Contact torques of the last step about the centre of mass, N m.
@@ -86,29 +86,23 @@ impl Bodies {
         self.angular_momentum
             .push(rotation * template.inertia.component_mul(&body_spin));
         self.rotation.push(rotation);
-        self.rotation_single.push(single(&rotation));
+        self.cells_to_metres
+            .push(scaled_single(&rotation, template.cell));
         self.force.push(Vector3::zeros());
         self.torque.push(Vector3::zeros());
         self.travel.push(0.0);
     }
 }
 
-/// A rotation matrix in single precision, row by row.
+/// A multiple of a matrix in single precision, row by row.
 #[inline]
 #[expect(
     clippy::cast_possible_truncation,
     reason = "rounding to single precision is meant"
 )]
-pub(crate) fn single(m: &Matrix3<f64>) -> [f32; 9] {
+pub(crate) fn scaled_single(m: &Matrix3<f64>, factor: f64) -> [f32; 9] {
     [
-        m.m11 as f32,
-        m.m12 as f32,
-        m.m13 as f32,
-        m.m21 as f32,
-        m.m22 as f32,
-        m.m23 as f32,
-        m.m31 as f32,
-        m.m32 as f32,
-        m.m33 as f32,
+        m.m11, m.m12, m.m13, m.m21, m.m22, m.m23, m.m31, m.m32, m.m33,
     ]
+    .map(|entry| (entry * factor) as f32)
 }

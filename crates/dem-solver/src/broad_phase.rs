@@ -1,6 +1,15 @@
 //! Pairs of bodies whose bounding spheres are near, found on a grid of cells.
 
+#![expect(
+    clippy::inline_always,
+    reason = "the hot loops are vectorised only when inlined"
+)]
+
+use crate::lanes::{LANES, set_bits, squares};
+use fearless_simd::prelude::*;
+use fearless_simd::{Level, dispatch, f32x8};
 use nalgebra::Vector3;
+use std::ops::Range;
 
 /// Buffers of the grid, kept between calls.
 #[derive(Debug, Clone, Default)]
@@ -13,6 +22,9 @@ pub(crate) struct Grid {
     order: Vec<u32>,
     /// Next free entry of each cell in `order`, while it is filled.
     next: Vec<u32>,
+    /// x, y, z of the bodies in `order` against the lower corner of all, m, and room for one
+    /// more group at the end.
+    sorted: [Vec<f32>; 3],
     /// Partners of one body.
     partners: Vec<u32>,
 }
@@ -28,6 +40,7 @@ impl Grid {
     /// Positions in m, finite; `radii` by body, m.
     pub(crate) fn pairs(
         &mut self,
+        level: Level,
         positions: &[Vector3<f64>],
         radii: &[f64],
         margin: f64,
@@ -51,21 +64,25 @@ impl Grid {
         let coordinates = |p: &Vector3<f64>| -> [usize; 3] {
             std::array::from_fn(|k| cell(p[k] - low[k], size).min(counts[k] - 1))
         };
-        self.sort(positions, counts, coordinates);
+        self.sort(positions, &low, counts, coordinates);
+        // Single precision finds those that may be near; each of them is then looked at again.
+        let extent = (high - low).amax();
+        let rounding = 1e-6 * (extent + size);
         let mut partners = std::mem::take(&mut self.partners);
         for (i, p) in positions.iter().enumerate() {
             partners.clear();
-            let c = coordinates(p);
-            for_each_neighbour(c, counts, |index| {
-                for &j in &self.order[self.start[index] as usize..self.start[index + 1] as usize] {
-                    let (other, reach) = (j as usize, radii[i] + margin);
-                    if other > i {
-                        let limit = reach + radii[other];
-                        if (positions[other] - p).norm_squared() < limit * limit {
-                            partners.push(j);
-                        }
+            let reach = radii[i] + margin;
+            let near = single_square(reach + largest + rounding);
+            let centre = single(&(p - low));
+            for_each_row(coordinates(p), counts, |first, last| {
+                let range = self.start[first] as usize..self.start[last + 1] as usize;
+                dispatch!(level, simd => self.near(simd, range, &centre, near, |j| {
+                    let other = j as usize;
+                    let limit = reach + radii[other];
+                    if other > i && (positions[other] - p).norm_squared() < limit * limit {
+                        partners.push(j);
                     }
-                }
+                }));
             });
             partners.sort_unstable();
             found(i, &partners);
@@ -73,10 +90,33 @@ impl Grid {
         self.partners = partners;
     }
 
+    /// Calls `found` with the bodies of a range of `order` closer to a point than a limit (m²).
+    #[inline(always)]
+    fn near<S: Simd>(
+        &self,
+        simd: S,
+        range: Range<usize>,
+        centre: &[f32; 3],
+        limit: f32,
+        mut found: impl FnMut(u32),
+    ) {
+        for first in range.clone().step_by(LANES) {
+            let between = [0, 1, 2].map(|axis| {
+                f32x8::from_slice(simd, &self.sorted[axis][first..first + LANES]) - centre[axis]
+            });
+            let used = (1_u64 << (range.end - first).min(LANES)) - 1;
+            // What is no number counts as near: the caller looks again in double precision.
+            for lane in set_bits(!squares(&between).simd_gt(limit).to_bitmask() & used) {
+                found(self.order[first + lane]);
+            }
+        }
+    }
+
     /// Sorts the bodies by cell (counting sort).
     fn sort(
         &mut self,
         positions: &[Vector3<f64>],
+        low: &Vector3<f64>,
         counts: [usize; 3],
         coordinates: impl Fn(&Vector3<f64>) -> [usize; 3],
     ) {
@@ -95,9 +135,17 @@ impl Grid {
         self.order.clear();
         self.order.resize(positions.len(), 0);
         self.next.clone_from(&self.start);
+        for axis in &mut self.sorted {
+            axis.clear();
+            axis.resize(positions.len() + LANES, 0.0);
+        }
         for (i, &index) in self.cell_of.iter().enumerate() {
             let place = &mut self.next[index as usize];
             self.order[*place as usize] = u32::try_from(i).unwrap_or(u32::MAX);
+            let centre = single(&(positions[i] - low));
+            for (axis, coordinate) in self.sorted.iter_mut().zip(centre) {
+                axis[*place as usize] = coordinate;
+            }
             *place += 1;
         }
     }
@@ -125,21 +173,40 @@ fn flat(c: [usize; 3], counts: [usize; 3]) -> usize {
     (c[0] * counts[1] + c[1]) * counts[2] + c[2]
 }
 
-/// Calls `visit` with the index of each of the 27 cells about `c` that exist.
-fn for_each_neighbour(c: [usize; 3], counts: [usize; 3], mut visit: impl FnMut(usize)) {
+/// Calls `visit` with the first and the last index of each row of cells about `c`: up to nine
+/// rows of up to three cells, which lie one after the other.
+fn for_each_row(c: [usize; 3], counts: [usize; 3], mut visit: impl FnMut(usize, usize)) {
     let range = |k: usize| c[k].saturating_sub(1)..=(c[k] + 1).min(counts[k] - 1);
     for x in range(0) {
         for y in range(1) {
-            for z in range(2) {
-                visit(flat([x, y, z], counts));
-            }
+            let row = |z: usize| flat([x, y, z], counts);
+            visit(row(*range(2).start()), row(*range(2).end()));
         }
     }
+}
+
+/// A vector in single precision.
+#[expect(
+    clippy::cast_possible_truncation,
+    reason = "covered by the rounding that is added to the reach"
+)]
+fn single(v: &Vector3<f64>) -> [f32; 3] {
+    [v.x as f32, v.y as f32, v.z as f32]
+}
+
+/// The square of a length in single precision.
+#[expect(
+    clippy::cast_possible_truncation,
+    reason = "covered by the rounding that is added to the reach"
+)]
+fn single_square(length: f64) -> f32 {
+    (length * length) as f32
 }
 
 #[cfg(test)]
 mod tests {
     use super::Grid;
+    use fearless_simd::Level;
     use nalgebra::Vector3;
     use random_stream::Stream;
 
@@ -152,7 +219,7 @@ mod tests {
             .collect();
         let radii: Vec<f64> = (0..300).map(|_| stream.between(0.01, 0.06)).collect();
         let mut found = Vec::new();
-        Grid::default().pairs(&positions, &radii, 0.02, |i, partners| {
+        Grid::default().pairs(Level::new(), &positions, &radii, 0.02, |i, partners| {
             found.extend(partners.iter().map(|&j| (i, j as usize)));
         });
         let mut expected = Vec::new();
@@ -183,7 +250,7 @@ mod tests {
                 Vector3::new(far, -far, 0.0),
             ];
             let mut found = Vec::new();
-            grid.pairs(&positions, &[0.06; 4], 0.02, |i, partners| {
+            grid.pairs(Level::new(), &positions, &[0.06; 4], 0.02, |i, partners| {
                 found.extend(partners.iter().map(|&j| (i, j as usize)));
             });
             assert_eq!(found, [(1, 2)], "at {far} m");
@@ -197,6 +264,8 @@ mod tests {
 
     #[test]
     fn grid_of_no_body_has_no_pair() {
-        Grid::default().pairs(&[], &[], 0.02, |_, _| panic!("a pair of nothing"));
+        Grid::default().pairs(Level::new(), &[], &[], 0.02, |_, _| {
+            panic!("a pair of nothing")
+        });
     }
 }

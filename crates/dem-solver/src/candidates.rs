@@ -12,10 +12,11 @@
     reason = "the hot loops are vectorised only when inlined"
 )]
 
+use crate::lanes::{LANES, Lanes, along, load, load_vectors, set_bits, squares};
 use crate::pair_force::Slack;
-use crate::template::{Group, LANES, Packed};
-use multiversion::multiversion;
-use wide::f32x8;
+use crate::template::{Group, Packed};
+use fearless_simd::f32x8;
+use fearless_simd::prelude::*;
 
 /// Pose of body j in the principal frame of body i.
 #[derive(Debug, Clone, Copy)]
@@ -60,12 +61,12 @@ impl Kept {
 
     /// Adds sphere number `index`, which is in lane `l` of the centres and radii.
     #[inline(always)]
-    fn push(&mut self, centre: &[[f32; LANES]; 3], radius: f32, l: usize, index: usize) {
+    fn push(&mut self, centre: &[Lanes; 3], radius: f32, l: usize, index: usize) {
         let place = &mut self.groups[self.n / LANES];
         let lane = self.n % LANES;
-        place.x[lane] = centre[0][l];
-        place.y[lane] = centre[1][l];
-        place.z[lane] = centre[2][l];
+        for axis in 0..3 {
+            place.centre[axis][lane] = centre[axis][l];
+        }
         place.radius[lane] = radius;
         self.index[self.n] = u16::try_from(index).unwrap_or(u16::MAX);
         self.n += 1;
@@ -74,26 +75,22 @@ impl Kept {
     /// Fills the last group with spheres that touch nothing.
     fn pad(&mut self) {
         for k in self.n..self.n.div_ceil(LANES) * LANES {
-            self.groups[k / LANES].x[k % LANES] = f32::INFINITY;
+            self.groups[k / LANES].centre[0][k % LANES] = f32::INFINITY;
         }
     }
 }
 
-/// Component of eight vectors along a direction.
-#[inline(always)]
-fn along(vectors: &[f32x8; 3], direction: &[f32; 3]) -> f32x8 {
-    vectors[0] * direction[0] + vectors[1] * direction[1] + vectors[2] * direction[2]
-}
-
 /// Farthest reach of a template along a direction of its own frame, m.
 #[inline(always)]
-fn support(packed: &Packed, direction: &[f32; 3]) -> f32 {
-    let mut best = f32x8::splat(f32::NEG_INFINITY);
+fn support<S: Simd>(simd: S, packed: &Packed, direction: &[f32; 3]) -> f32 {
+    let mut best = f32x8::splat(simd, f32::NEG_INFINITY);
     for group in &packed.groups {
-        best = best.fast_max(along(&group.centres(), direction) + f32x8::from(group.radius));
+        let centre = load_vectors(simd, &group.centre);
+        best = best.max(along(&centre, direction) + load(simd, &group.radius));
     }
-    best.to_array()
-        .into_iter()
+    best.as_slice()
+        .iter()
+        .copied()
         .fold(f32::NEG_INFINITY, f32::max)
 }
 
@@ -101,8 +98,9 @@ fn support(packed: &Packed, direction: &[f32; 3]) -> f32 {
 ///
 /// Returns a lower bound of the gap of all pairs that are not listed, m: the skin less the
 /// safety, or more where a plane between the bodies proves more.
-#[multiversion(targets("x86_64+avx2"))]
-pub(crate) fn search(
+#[inline(always)]
+pub(crate) fn search<S: Simd>(
+    simd: S,
     i: &Packed,
     j: &Packed,
     pose: &RelativeSingle,
@@ -119,8 +117,8 @@ pub(crate) fn search(
         -(r[1] * normal[0] + r[4] * normal[1] + r[7] * normal[2]),
         -(r[2] * normal[0] + r[5] * normal[1] + r[8] * normal[2]),
     ];
-    let far_of_i = support(i, &normal);
-    let near_of_j = distance - support(j, &back);
+    let far_of_i = support(simd, i, &normal);
+    let near_of_j = distance - support(simd, j, &back);
     let gap = near_of_j - far_of_i - safety;
     if gap > skin {
         return gap;
@@ -131,20 +129,24 @@ pub(crate) fn search(
     kept_j.reset(j.groups.len());
     let (mut low, mut high) = ([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]);
     for (k, group) in j.groups.iter().enumerate() {
-        let own = group.centres();
+        let own = load_vectors(simd, &group.centre);
         let centre = [
             along(&own, &[r[0], r[1], r[2]]) + p[0],
             along(&own, &[r[3], r[4], r[5]]) + p[1],
             along(&own, &[r[6], r[7], r[8]]) + p[2],
         ];
-        let reach = f32x8::from(group.radius) + skin;
-        let mut keep = (along(&centre, &normal) - reach).simd_lt(f32x8::splat(far_of_i));
+        let reach = load(simd, &group.radius) + skin;
+        let mut keep = (along(&centre, &normal) - reach).simd_lt(far_of_i);
         for axis in 0..3 {
-            keep &= centre[axis].simd_gt(f32x8::splat(i.low[axis]) - reach);
-            keep &= centre[axis].simd_lt(f32x8::splat(i.high[axis]) + reach);
+            keep &= (centre[axis] + reach).simd_gt(i.low[axis]);
+            keep &= (centre[axis] - reach).simd_lt(i.high[axis]);
         }
-        let centre = centre.map(f32x8::to_array);
-        for l in lanes_of(keep) {
+        let keep = keep.to_bitmask();
+        if keep == 0 {
+            continue;
+        }
+        let centre = centre.map(Lanes::from);
+        for l in set_bits(keep) {
             kept_j.push(&centre, group.radius[l], l, k * LANES + l);
             let reach = group.radius[l] + skin;
             for axis in 0..3 {
@@ -162,45 +164,40 @@ pub(crate) fn search(
     let kept_i = &mut scratch.i;
     kept_i.reset(i.groups.len());
     for (k, group) in i.groups.iter().enumerate() {
-        let (centre, radius) = (group.centres(), f32x8::from(group.radius));
-        let mut keep = (along(&centre, &normal) + radius + skin).simd_gt(f32x8::splat(near_of_j));
+        let (centre, radius) = (load_vectors(simd, &group.centre), load(simd, &group.radius));
+        let mut keep = (along(&centre, &normal) + radius + skin).simd_gt(near_of_j);
         for axis in 0..3 {
-            keep &= centre[axis].simd_gt(f32x8::splat(low[axis]) - radius);
-            keep &= centre[axis].simd_lt(f32x8::splat(high[axis]) + radius);
+            keep &= (centre[axis] + radius).simd_gt(low[axis]);
+            keep &= (centre[axis] - radius).simd_lt(high[axis]);
         }
-        let centre = [group.x, group.y, group.z];
-        for l in lanes_of(keep) {
-            kept_i.push(&centre, group.radius[l], l, k * LANES + l);
+        for l in set_bits(keep.to_bitmask()) {
+            kept_i.push(&group.centre, group.radius[l], l, k * LANES + l);
         }
     }
-    pair_up(kept_i, kept_j, skin, &mut scratch.found);
+    pair_up(simd, kept_i, kept_j, skin, &mut scratch.found);
     skin - safety
 }
 
 /// Tests each survivor of i against each of j.
 #[inline(always)]
-fn pair_up(i: &Kept, j: &Kept, skin: f32, found: &mut Vec<(u16, u16)>) {
+fn pair_up<S: Simd>(simd: S, i: &Kept, j: &Kept, skin: f32, found: &mut Vec<(u16, u16)>) {
     let groups = &j.groups[..j.n.div_ceil(LANES)];
     for a in 0..i.n {
         let (own, l) = (&i.groups[a / LANES], a % LANES);
+        let centre = [own.centre[0][l], own.centre[1][l], own.centre[2][l]];
+        let reach = own.radius[l] + skin;
         for (b, group) in groups.iter().enumerate() {
-            let [x, y, z] = group.centres();
-            let (dx, dy, dz) = (x - own.x[l], y - own.y[l], z - own.z[l]);
-            let limit = f32x8::from(group.radius) + (own.radius[l] + skin);
-            for l in lanes_of((dx * dx + dy * dy + dz * dz).simd_lt(limit * limit)) {
+            let other = load_vectors(simd, &group.centre);
+            let between = [
+                other[0] - centre[0],
+                other[1] - centre[1],
+                other[2] - centre[2],
+            ];
+            let limit = load(simd, &group.radius) + reach;
+            let near = squares(&between).simd_lt(limit * limit);
+            for l in set_bits(near.to_bitmask()) {
                 found.push((i.index[a], j.index[b * LANES + l]));
             }
         }
     }
-}
-
-/// The lanes of a comparison that hold, in rising order.
-#[inline(always)]
-pub(crate) fn lanes_of(comparison: f32x8) -> impl Iterator<Item = usize> {
-    let mut mask = comparison.to_bitmask();
-    std::iter::from_fn(move || {
-        let lane = mask.trailing_zeros() as usize;
-        mask &= mask.wrapping_sub(1);
-        (lane < LANES).then_some(lane)
-    })
 }

@@ -91,8 +91,8 @@ pub(crate) struct SpherePair {
     pub(crate) slip: Vector3<f64>,
     /// Radii of both spheres, m.
     pub(crate) radii: [f64; 2],
-    /// Reduced mass of the dashpots, kg.
-    pub(crate) reduced_mass: f64,
+    /// Masses that both spheres bring into the dashpots, kg.
+    pub(crate) dashpot_masses: [f64; 2],
 }
 
 /// A sphere that touches a wall.
@@ -132,9 +132,10 @@ impl Interaction {
     #[inline(always)]
     pub(crate) fn between_spheres(&self, pair: &SpherePair, time_step: f64) -> Effect {
         let distance = pair.between.norm();
-        let normal = pair.between / distance;
+        let normal = pair.between * (1.0 / distance);
         let [radius_i, radius_j] = pair.radii;
         let sum = radius_i + radius_j;
+        let [mass_i, mass_j] = pair.dashpot_masses;
         let overlap = sum - distance;
         let arm_i = pair.offset_i + normal * (radius_i - 0.5 * overlap);
         let arm_j = pair.offset_j - normal * (radius_j - 0.5 * overlap);
@@ -142,7 +143,7 @@ impl Interaction {
         let geometry = ContactGeometry {
             overlap,
             reduced_radius: radius_i * radius_j / sum,
-            reduced_mass: pair.reduced_mass,
+            reduced_mass: mass_i * mass_j / (mass_i + mass_j),
         };
         let approach = relative.dot(&normal);
         let sliding = relative - normal * approach;
@@ -151,12 +152,16 @@ impl Interaction {
             .law
             .force(&geometry, approach, sliding, kept, time_step);
         let on_i = force.tangential - normal * (force.normal - self.attraction);
-        let inverse_arm = 1.0 / arm_i.norm() + 1.0 / arm_j.norm();
-        let rolling = self.rolling(
-            force.normal,
-            1.0 / inverse_arm,
-            pair.spins[0] - pair.spins[1],
-        );
+        let rolling = if self.rolling_friction > 0.0 {
+            let inverse_arm = 1.0 / arm_i.norm() + 1.0 / arm_j.norm();
+            self.rolling(
+                force.normal,
+                1.0 / inverse_arm,
+                pair.spins[0] - pair.spins[1],
+            )
+        } else {
+            Vector3::zeros()
+        };
         Effect {
             force: on_i,
             torque_i: arm_i.cross(&on_i) + rolling,
@@ -243,7 +248,7 @@ mod tests {
                 spins: [Vector3::new(1.0, 2.0, 3.0), Vector3::new(-2.0, 0.0, 1.0)],
                 slip,
                 radii: [1e-3, 1e-3],
-                reduced_mass: 2e-6,
+                dashpot_masses: [4e-6, 4e-6],
             };
             interaction().between_spheres(&pair, 1e-6)
         });

@@ -4,7 +4,7 @@
 //! for it from time to time. It changes nothing.
 
 use crate::error::Error;
-use crate::pair_force::sphere_pair;
+use crate::pair_force::PairFrame;
 use crate::world::World;
 use nalgebra::Vector3;
 
@@ -72,7 +72,8 @@ impl World {
     fn check_overlaps(&self, limit: f64) -> Result<(), Error> {
         let bodies = self.bodies();
         for (i, j, key) in self.touching_spheres() {
-            let Some(pair) = sphere_pair(key, [i, j], bodies, self.templates()) else {
+            let templates = [i, j].map(|k| &self.templates()[bodies.template[k]]);
+            let Some(pair) = PairFrame::new(bodies, [i, j]).sphere_pair(key, templates) else {
                 continue;
             };
             let [a, b] = pair.radii;

@@ -18,7 +18,7 @@
 
 use crate::contact::{Effect, Interaction};
 use crate::error::Error;
-use crate::pair_force::{mover, sphere_pair};
+use crate::pair_force::{PairFrame, mover};
 use crate::wall_force::sphere_at_wall;
 use crate::world::World;
 use nalgebra::Vector3;
@@ -184,11 +184,12 @@ impl EnergyLedger {
                 if (bodies.position[j] - bodies.position[i]).norm() > reach {
                     continue;
                 }
-                let [n, m] = [i, j].map(|k| template(k).centres.len());
+                let templates = [i, j].map(template);
+                let [n, m] = templates.map(|t| t.spheres.len());
+                let frame = PairFrame::new(bodies, [i, j]);
                 for pair in 0..n * m {
                     let spheres = word(pair / m) << 16 | word(pair % m);
-                    let Some(mut pair) = sphere_pair(spheres, [i, j], bodies, context.templates)
-                    else {
+                    let Some(mut pair) = frame.sphere_pair(spheres, templates) else {
                         continue;
                     };
                     let key = (i, j, false, spheres);
@@ -219,13 +220,13 @@ impl EnergyLedger {
         let template = &context.templates[bodies.template[i]];
         let body = mover(bodies, i);
         for (w, wall) in world.walls().iter().enumerate() {
-            for (k, centre) in template.centres.iter().enumerate() {
-                let centre = body.position + bodies.rotation[i] * centre;
+            for (k, sphere) in template.spheres.iter().enumerate() {
+                let centre = body.position + bodies.rotation[i] * sphere.centre;
                 let nearest = wall.nearest(&centre);
-                if nearest.distance >= template.radii[k] {
+                if nearest.distance >= sphere.radius {
                     continue;
                 }
-                let at = sphere_at_wall(&body, template, k, &centre, wall, &nearest);
+                let at = sphere_at_wall(&body, sphere, &centre, wall, &nearest);
                 let key = (i, w, true, word(k));
                 let law = context.interaction(template.material, wall.material);
                 let effect = law.at_wall(&at, &body, self.slip(&key), context.time_step);

@@ -22,6 +22,7 @@ mod contact;
 mod error;
 mod health;
 mod integrate;
+mod lanes;
 mod ledger;
 mod mesh_force;
 mod mesh_wall;

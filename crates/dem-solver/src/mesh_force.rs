@@ -11,7 +11,7 @@ use crate::contact::{Effect, Mover, SphereWall};
 use crate::error::Error;
 use crate::mesh_wall::{MeshWall, Motion, Moving};
 use crate::pair_force::{Context, mover};
-use crate::template::Template;
+use crate::template::{OuterSphere, Template};
 use contact_law::ContactGeometry;
 use nalgebra::Vector3;
 use trimesh::nearest_on_triangle;
@@ -169,11 +169,11 @@ impl Near {
         let (position, rotation) = (bodies.position[self.body], bodies.rotation[self.body]);
         self.candidates.clear();
         let mut nearest = f64::INFINITY;
-        for (k, (centre, radius)) in (0_u16..).zip(template.centres.iter().zip(&template.radii)) {
-            let own = moving.into_own(&(position + rotation * centre));
+        for (k, sphere) in (0_u16..).zip(&template.spheres) {
+            let own = moving.into_own(&(position + rotation * sphere.centre));
             for &triangle in &self.triangles {
                 let corners = &moving.wall.triangles[triangle as usize];
-                let gap = (nearest_on_triangle(&own, corners) - own).norm() - radius;
+                let gap = (nearest_on_triangle(&own, corners) - own).norm() - sphere.radius;
                 nearest = nearest.min(gap);
                 if gap < skin {
                     self.candidates.push((k, triangle));
@@ -199,11 +199,10 @@ impl Near {
         let mut before = std::mem::take(&mut self.touches);
         for group in self.candidates.chunk_by(|a, b| a.0 == b.0) {
             let sphere = group[0].0;
-            let k = usize::from(sphere);
-            let centre = body.position + rotation * template.centres[k];
-            let radius = template.radii[k];
-            for hit in felt(group, &moving.into_own(&centre), radius, moving) {
-                let contact = geometry(body, template, k, &centre, moving, &hit);
+            let outer = &template.spheres[usize::from(sphere)];
+            let centre = body.position + rotation * outer.centre;
+            for hit in felt(group, &moving.into_own(&centre), outer.radius, moving) {
+                let contact = geometry(body, outer, &centre, moving, &hit);
                 let slip = take_slip(&mut before, sphere, &contact.normal);
                 let effect = interaction.at_wall(&contact, body, slip, context.time_step);
                 self.touches.push(Touch {
@@ -249,11 +248,10 @@ fn felt(group: &[(u16, u32)], own: &Vector3<f64>, radius: f64, moving: &Moving) 
     kept
 }
 
-/// Geometry of sphere `k` of a body at a triangle.
+/// Geometry of a sphere of a body at a triangle.
 fn geometry(
     body: &Mover,
-    template: &Template,
-    k: usize,
+    sphere: &OuterSphere,
     centre: &Vector3<f64>,
     moving: &Moving,
     hit: &Hit,
@@ -264,8 +262,8 @@ fn geometry(
         let [a, b, c] = moving.wall.triangles[hit.triangle];
         moving.direction(&(b - a).cross(&(c - a)).normalize())
     };
-    let overlap = template.radii[k] - hit.distance;
-    let point = centre + towards * (template.radii[k] - 0.5 * overlap);
+    let overlap = sphere.radius - hit.distance;
+    let point = centre + towards * (sphere.radius - 0.5 * overlap);
     SphereWall {
         normal: towards,
         arm: point - body.position,
@@ -273,8 +271,8 @@ fn geometry(
         wall_spin: moving.wall.motion.spin,
         geometry: ContactGeometry {
             overlap,
-            reduced_radius: template.radii[k],
-            reduced_mass: template.dashpot_masses[k],
+            reduced_radius: sphere.radius,
+            reduced_mass: sphere.dashpot_mass,
         },
     }
 }

@@ -5,10 +5,17 @@
 //! a bed that turns as a whole stands still. When the count runs out, the true relative motion
 //! since the list was made decides whether the list must be made anew.
 
-use crate::bodies::{Bodies, single};
+#![expect(
+    clippy::inline_always,
+    reason = "the hot loops are vectorised only when inlined"
+)]
+
+use crate::bodies::{Bodies, scaled_single};
 use crate::candidates::{RelativeSingle, Scratch, search};
+use crate::lanes::LANES;
 use crate::pair_force::Slack;
-use crate::template::{LANES, Template};
+use crate::template::Template;
+use fearless_simd::prelude::*;
 use nalgebra::{UnitQuaternion, Vector3};
 
 /// A touching pair of spheres and its tangential displacement.
@@ -20,17 +27,19 @@ pub(crate) struct Touch {
     pub(crate) slip: Vector3<f64>,
 }
 
-/// Eight pairs of spheres in the principal frames of their bodies.
+/// Up to eight pairs of spheres in the principal frames of their bodies.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Chunk {
-    /// x, y, z of the spheres of i, m.
-    pub(crate) i: [[f32; LANES]; 3],
-    /// x, y, z of the spheres of j, m.
-    pub(crate) j: [[f32; LANES]; 3],
-    /// Square of the distance at which a lane touches, m²; negative for an unused lane.
-    pub(crate) limit: [f32; LANES],
+    /// x, y, z of the spheres of i, in cells of its template.
+    pub(crate) i: [[i16; LANES]; 3],
+    /// x, y, z of the spheres of j, in cells of its template.
+    pub(crate) j: [[i16; LANES]; 3],
     /// Keys of the lanes, as in [`Touch`].
     pub(crate) key: [u32; LANES],
+    /// Lanes in use, as bits.
+    pub(crate) used: u64,
+    /// Square of the distance at which the largest two spheres touch, m².
+    pub(crate) limit: f32,
 }
 
 /// What decides whether a pair needs attention in a step; read every step for every pair.
@@ -38,11 +47,24 @@ pub(crate) struct Chunk {
 pub(crate) struct Head {
     /// The other body.
     pub(crate) j: u32,
-    /// Sum of the travels of both bodies at which the list must be looked at, m.
-    pub(crate) limit: f32,
+    /// Sum of the travels of both bodies above which the pair is awake, m: minus infinity for a
+    /// pair that touches, else where its nearest spheres could.
+    wake: f32,
 }
 
-/// Where the lists of a pair are; read only for pairs with candidates.
+impl Head {
+    /// The head of a pair whose list holds so many chunks up to a limit (m).
+    fn new(j: u32, n_chunks: u32, limit: f32) -> Self {
+        let wake = if n_chunks > 0 {
+            f32::NEG_INFINITY
+        } else {
+            limit
+        };
+        Self { j, wake }
+    }
+}
+
+/// The list of a pair; read only for pairs that are awake.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Lists {
     /// First chunk of the pair.
@@ -57,6 +79,8 @@ pub(crate) struct Lists {
     pub(crate) n_touches: u32,
     /// Where the pose of the pair is kept.
     pose: u32,
+    /// Sum of the travels of both bodies above which the list must be looked at, m.
+    pub(crate) limit: f32,
 }
 
 /// Relative pose of a pair when its list was made.
@@ -83,6 +107,8 @@ pub(crate) struct Neighbours {
     pub(crate) lists: Vec<Lists>,
     /// First entry of each body in `heads`; one more than there are bodies.
     pub(crate) start: Vec<u32>,
+    /// Entries of one body that are awake; filled by [`Self::find_awake`].
+    pub(crate) awake: Vec<u32>,
     /// Candidates.
     pub(crate) chunks: Vec<Chunk>,
     /// Touching pairs of spheres of the step before.
@@ -189,9 +215,9 @@ impl Neighbours {
                 k += 1;
             }
             if k < end && self.old.heads[k].j == j {
-                let limit = lowered(self.old.heads[k].limit, travel[i] + travel[j as usize]);
-                self.heads.push(Head { j, limit });
                 let lists = self.old.lists[k];
+                let limit = lowered(lists.limit, travel[i] + travel[j as usize]);
+                self.heads.push(Head::new(j, lists.n_chunks, limit));
                 let first = lists.chunk as usize;
                 let moved = &self.old.chunks[first..first + lists.n_chunks as usize];
                 let chunk = stored(self.chunks.len());
@@ -199,17 +225,16 @@ impl Neighbours {
                 self.lists.push(Lists {
                     chunk,
                     room: lists.n_chunks,
+                    limit,
                     ..lists
                 });
                 k += 1;
             } else {
                 let pose = self.take_pose();
-                self.heads.push(Head {
-                    j,
-                    limit: f32::NEG_INFINITY,
-                });
+                self.heads.push(Head::new(j, 0, f32::NEG_INFINITY));
                 self.lists.push(Lists {
                     pose,
+                    limit: f32::NEG_INFINITY,
                     ..Lists::default()
                 });
             }
@@ -236,8 +261,10 @@ impl Neighbours {
 
     /// Looks at pair `k` of body `i`, whose covered motion is used up; makes its list anew where
     /// the true relative motion demands it.
-    pub(crate) fn refresh(
+    #[inline(always)]
+    pub(crate) fn refresh<S: Simd>(
         &mut self,
+        simd: S,
         k: usize,
         i: usize,
         bodies: &Bodies,
@@ -263,27 +290,63 @@ impl Neighbours {
             )]
             let moved = moved as f32 + slack.safety;
             if moved < 0.7 * pose.reach {
-                self.heads[k].limit = travel + (pose.reach - moved);
+                let limit = travel + (pose.reach - moved);
+                self.set_limit(k, limit);
                 return;
             }
         }
         let relative = RelativeSingle {
-            rotation: single(&rotation.to_rotation_matrix().into_inner()),
+            rotation: scaled_single(&rotation.to_rotation_matrix().into_inner(), 1.0),
             #[expect(
                 clippy::cast_possible_truncation,
                 reason = "covered by the safety distance"
             )]
             position: [position.x as f32, position.y as f32, position.z as f32],
         };
-        let reach = search(&a.packed, &b.packed, &relative, slack, &mut self.scratch);
+        let scratch = &mut self.scratch;
+        let reach = simd.vectorize(
+            #[inline(always)]
+            || search(simd, &a.packed, &b.packed, &relative, slack, scratch),
+        );
         *pose = Pose {
             position,
             rotation,
             reach,
         };
-        self.heads[k].limit = travel + reach;
         self.n_rebuilds += 1;
         self.place_chunks(k, a, b, slack.safety);
+        self.set_limit(k, travel + reach);
+    }
+
+    /// Sets the limit of pair `k`, whose chunks are in place.
+    fn set_limit(&mut self, k: usize, limit: f32) {
+        let lists = &mut self.lists[k];
+        lists.limit = limit;
+        self.heads[k] = Head::new(self.heads[k].j, lists.n_chunks, limit);
+    }
+
+    /// Lets pair `k`, none of whose candidates touches, sleep up to a sum of travels (m), but not
+    /// beyond the limit of its list.
+    #[inline(always)]
+    pub(crate) fn sleep(&mut self, k: usize, travel: f32) {
+        self.heads[k].wake = travel.min(self.lists[k].limit);
+    }
+
+    /// Puts the pairs of body `i` that need attention in this step into [`Self::awake`] and
+    /// returns their number. Nine of ten pairs sleep, so that the loop over all of them must
+    /// not branch.
+    #[inline(always)]
+    pub(crate) fn find_awake(&mut self, i: usize, travel: &[f32]) -> usize {
+        let range = self.start[i] as usize..self.start[i + 1] as usize;
+        if self.awake.len() < range.len() + 1 {
+            self.awake.resize(range.len() + 1, 0);
+        }
+        let mut n = 0;
+        for (k, head) in (self.start[i]..).zip(&self.heads[range]) {
+            self.awake[n] = k;
+            n += usize::from(travel[i] + travel[head.j as usize] > head.wake);
+        }
+        n
     }
 
     /// Writes the candidates found into the place of pair `k`, or to the end if it is too small.
@@ -310,25 +373,26 @@ impl Neighbours {
 }
 
 /// Lays candidates out in lanes.
-#[expect(
-    clippy::cast_possible_truncation,
-    reason = "rounding to single precision is meant"
-)]
 fn chunk_of(group: &[(u16, u16)], a: &Template, b: &Template, safety: f32) -> Chunk {
     let mut chunk = Chunk {
-        i: [[0.0; LANES]; 3],
-        j: [[0.0; LANES]; 3],
-        limit: [-1.0; LANES],
+        i: [[0; LANES]; 3],
+        j: [[0; LANES]; 3],
         key: [0; LANES],
+        used: (1 << group.len()) - 1,
+        limit: 0.0,
     };
     for (l, &(si, sj)) in group.iter().enumerate() {
         let (u, v) = (usize::from(si), usize::from(sj));
         for axis in 0..3 {
-            chunk.i[axis][l] = a.centres[u][axis] as f32;
-            chunk.j[axis][l] = b.centres[v][axis] as f32;
+            chunk.i[axis][l] = a.cells[u][axis];
+            chunk.j[axis][l] = b.cells[v][axis];
         }
-        let sum = (a.radii[u] + b.radii[v]) as f32 + safety;
-        chunk.limit[l] = sum * sum;
+        #[expect(
+            clippy::cast_possible_truncation,
+            reason = "covered by the safety distance"
+        )]
+        let sum = (a.spheres[u].radius + b.spheres[v].radius) as f32 + safety;
+        chunk.limit = chunk.limit.max(sum * sum);
         chunk.key[l] = u32::from(si) << 16 | u32::from(sj);
     }
     chunk

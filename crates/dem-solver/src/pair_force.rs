@@ -8,12 +8,13 @@
 use crate::batch::Batch;
 use crate::bodies::Bodies;
 use crate::contact::{Interaction, Mover, SpherePair};
+use crate::lanes::{Lanes, along, load_vectors, set_bits, squares};
 use crate::neighbours::{Chunk, Neighbours, Touch};
-use crate::template::Template;
+use crate::template::{CELLS, Template};
 use crate::world::Settings;
-use multiversion::multiversion;
-use nalgebra::Vector3;
-use wide::f32x8;
+use fearless_simd::prelude::*;
+use fearless_simd::{Level, dispatch, f32x8};
+use nalgebra::{Matrix3, Vector3};
 
 /// Distances of the sphere lists.
 #[derive(Debug, Clone, Copy)]
@@ -28,10 +29,12 @@ impl Slack {
     /// Distances for bodies of a largest bounding radius (m).
     ///
     /// A gap is the difference of coordinates below twice the radius plus the margin. Each comes
-    /// from about ten roundings of 6e-8 of that size, some of them in three components.
+    /// from about ten roundings of 6e-8 of that size, some of them in three components. The
+    /// stored centres of the two spheres are rounded to cells of a 32767th of the radius.
     #[expect(clippy::cast_possible_truncation, reason = "the skin may be anything")]
     pub(crate) fn new(largest_radius: f64, settings: &Settings) -> Self {
-        let safety = 2e-6 * (2.0 * largest_radius + settings.margin);
+        let cells = 3.0_f64.sqrt() * largest_radius / CELLS;
+        let safety = 2e-6 * (2.0 * largest_radius + settings.margin) + cells;
         Self {
             skin: (settings.skin + 2.0 * safety) as f32,
             safety: safety as f32,
@@ -68,25 +71,44 @@ impl<'a> Context<'a> {
     }
 }
 
-/// Lanes of a chunk whose spheres touch, as bits.
+/// Squares of the distances of the sphere centres of a chunk, m².
+///
+/// `ri` and `rj` turn the stored cells of both bodies into metres, row by row; `d` is the way
+/// from body i to body j, m.
 #[inline(always)]
-fn touching_lanes(chunk: &Chunk, ri: &[f32; 9], rj: &[f32; 9], d: &[f32; 3]) -> u32 {
-    let [ix, iy, iz] = chunk.i.map(f32x8::from);
-    let [jx, jy, jz] = chunk.j.map(f32x8::from);
-    let mut squares = f32x8::splat(0.0);
-    for axis in 0..3 {
-        let (a, b) = (&ri[3 * axis..3 * axis + 3], &rj[3 * axis..3 * axis + 3]);
-        let p = jx * b[0] + jy * b[1] + jz * b[2];
-        let q = ix * a[0] + iy * a[1] + iz * a[2];
-        let c = p - q + d[axis];
-        squares += c * c;
-    }
-    squares.simd_lt(f32x8::from(chunk.limit)).to_bitmask()
+fn distances<S: Simd>(
+    simd: S,
+    chunk: &Chunk,
+    ri: &[f32; 9],
+    rj: &[f32; 9],
+    d: &[f32; 3],
+) -> f32x8<S> {
+    let metres = |cells: &[[i16; 8]; 3]| -> [Lanes; 3] { cells.map(|axis| axis.map(f32::from)) };
+    let i = load_vectors(simd, &metres(&chunk.i));
+    let j = load_vectors(simd, &metres(&chunk.j));
+    let between = [0, 3, 6].map(|row| {
+        along(&j, &[rj[row], rj[row + 1], rj[row + 2]])
+            - along(&i, &[ri[row], ri[row + 1], ri[row + 2]])
+            + d[row / 3]
+    });
+    squares(&between)
 }
 
 /// Adds the forces between all bodies.
-#[multiversion(targets("x86_64+avx2"))]
 pub(crate) fn add_pair_forces(
+    level: Level,
+    neighbours: &mut Neighbours,
+    bodies: &mut Bodies,
+    batch: &mut Batch,
+    context: &Context<'_>,
+) {
+    dispatch!(level, simd => add_pair_forces_on(simd, neighbours, bodies, batch, context));
+}
+
+/// [`add_pair_forces`] on one instruction set.
+#[inline(always)]
+fn add_pair_forces_on<S: Simd>(
+    simd: S,
     neighbours: &mut Neighbours,
     bodies: &mut Bodies,
     batch: &mut Batch,
@@ -94,21 +116,25 @@ pub(crate) fn add_pair_forces(
 ) {
     neighbours.next_touches.clear();
     for i in 0..bodies.len() {
-        let range = neighbours.start[i] as usize..neighbours.start[i + 1] as usize;
-        let travel = bodies.travel[i];
-        for k in range {
-            let head = neighbours.heads[k];
-            let j = head.j as usize;
-            if travel + bodies.travel[j] > head.limit {
-                neighbours.refresh(k, i, bodies, context.templates, context.slack);
+        for entry in 0..neighbours.find_awake(i, &bodies.travel) {
+            let k = neighbours.awake[entry] as usize;
+            let j = neighbours.heads[k].j as usize;
+            if bodies.travel[i] + bodies.travel[j] > neighbours.lists[k].limit {
+                neighbours.refresh(simd, k, i, bodies, context.templates, context.slack);
             }
             if neighbours.lists[k].n_chunks > 0 {
-                collect_pair(neighbours, k, [i, j], bodies, batch, context);
+                collect_pair(simd, neighbours, k, [i, j], bodies, batch, context);
             }
         }
     }
     let touches = &mut neighbours.next_touches;
-    batch.apply(context.interactions, context.time_step, bodies, touches);
+    batch.apply(
+        simd,
+        context.interactions,
+        context.time_step,
+        bodies,
+        touches,
+    );
     std::mem::swap(&mut neighbours.touches, &mut neighbours.next_touches);
 }
 
@@ -118,7 +144,8 @@ pub(crate) fn add_pair_forces(
     clippy::cast_possible_truncation,
     reason = "the overlap test has a safety distance"
 )]
-fn collect_pair(
+fn collect_pair<S: Simd>(
+    simd: S,
     neighbours: &mut Neighbours,
     k: usize,
     [i, j]: [usize; 2],
@@ -129,29 +156,35 @@ fn collect_pair(
     let lists = &mut neighbours.lists[k];
     let old = lists.touch as usize..(lists.touch + lists.n_touches) as usize;
     let first = neighbours.next_touches.len();
-    let [a, b] = [i, j].map(|body| context.templates[bodies.template[body]].material);
-    let interaction = context.interaction_index(a, b);
-    let difference = bodies.position[j] - bodies.position[i];
-    let single = [
-        difference.x as f32,
-        difference.y as f32,
-        difference.z as f32,
-    ];
-    let (ri, rj) = (bodies.rotation_single[i], bodies.rotation_single[j]);
+    let templates = [i, j].map(|body| &context.templates[bodies.template[body]]);
+    let interaction = context.interaction_index(templates[0].material, templates[1].material);
+    let frame = PairFrame::new(bodies, [i, j]);
+    let single = [0, 1, 2].map(|axis| frame.difference[axis] as f32);
+    let (ri, rj) = (bodies.cells_to_metres[i], bodies.cells_to_metres[j]);
     let chunks = lists.chunk as usize..(lists.chunk + lists.n_chunks) as usize;
+    let mut nearest = f32x8::splat(simd, f32::INFINITY);
+    let mut limit: f32 = 0.0;
     for chunk in &neighbours.chunks[chunks] {
-        let mut mask = touching_lanes(chunk, &ri, &rj, &single);
-        while mask != 0 {
-            let key = chunk.key[mask.trailing_zeros() as usize];
-            mask &= mask - 1;
-            if let Some(mut pair) = sphere_pair(key, [i, j], bodies, context.templates) {
+        let squares = distances(simd, chunk, &ri, &rj, &single);
+        let touching = squares.simd_lt(chunk.limit).to_bitmask() & chunk.used;
+        nearest = nearest.min(squares);
+        limit = limit.max(chunk.limit);
+        for lane in set_bits(touching) {
+            let key = chunk.key[lane];
+            if let Some(mut pair) = frame.sphere_pair(key, templates) {
                 let known = neighbours.touches[old.clone()]
                     .iter()
                     .find(|t| t.key == key);
                 pair.slip = known.map_or_else(Vector3::zeros, |touch| touch.slip);
                 let touches = &mut neighbours.next_touches;
                 if batch.must_be_applied(interaction) {
-                    batch.apply(context.interactions, context.time_step, bodies, touches);
+                    batch.apply(
+                        simd,
+                        context.interactions,
+                        context.time_step,
+                        bodies,
+                        touches,
+                    );
                 }
                 batch.push(interaction, [i, j], touches.len(), &pair);
                 touches.push(Touch {
@@ -163,40 +196,68 @@ fn collect_pair(
     }
     lists.touch = first as u32;
     lists.n_touches = (neighbours.next_touches.len() - first) as u32;
+    if lists.n_touches == 0 {
+        // The touches move on without a pair that sleeps.
+        lists.touch = 0;
+        let square = nearest
+            .as_slice()
+            .iter()
+            .copied()
+            .fold(f32::INFINITY, f32::min);
+        let gap = square.sqrt() - limit.sqrt();
+        neighbours.sleep(k, bodies.travel[i] + bodies.travel[j] + gap);
+    }
 }
 
-/// Geometry and motion of two spheres, without a slip; none if they do not touch.
-#[inline(always)]
-pub(crate) fn sphere_pair(
-    key: u32,
-    [i, j]: [usize; 2],
-    bodies: &Bodies,
-    templates: &[Template],
-) -> Option<SpherePair> {
-    let (u, v) = ((key >> 16) as usize, (key & 0xffff) as usize);
-    let (a, b) = (
-        &templates[bodies.template[i]],
-        &templates[bodies.template[j]],
-    );
-    let offset_i = bodies.rotation[i] * a.centres[u];
-    let offset_j = bodies.rotation[j] * b.centres[v];
-    let between = (bodies.position[j] + offset_j) - (bodies.position[i] + offset_i);
-    let sum = a.radii[u] + b.radii[v];
-    let square = between.norm_squared();
-    if square >= sum * sum || square == 0.0 {
-        return None;
+/// What all pairs of spheres of two bodies have in common.
+#[derive(Debug)]
+pub(crate) struct PairFrame {
+    /// From the principal frames to the world.
+    rotations: [Matrix3<f64>; 2],
+    /// From the centre of i to the centre of j, m.
+    difference: Vector3<f64>,
+    /// Velocity of i minus that of j, m/s.
+    velocity: Vector3<f64>,
+    /// Angular velocities, rad/s.
+    spins: [Vector3<f64>; 2],
+}
+
+impl PairFrame {
+    /// Of two bodies.
+    #[inline(always)]
+    pub(crate) fn new(bodies: &Bodies, [i, j]: [usize; 2]) -> Self {
+        Self {
+            rotations: [bodies.rotation[i], bodies.rotation[j]],
+            difference: bodies.position[j] - bodies.position[i],
+            velocity: bodies.velocity[i] - bodies.velocity[j],
+            spins: [bodies.spin[i], bodies.spin[j]],
+        }
     }
-    let (mass_i, mass_j) = (a.dashpot_masses[u], b.dashpot_masses[v]);
-    Some(SpherePair {
-        between,
-        offset_i,
-        offset_j,
-        velocity: bodies.velocity[i] - bodies.velocity[j],
-        spins: [bodies.spin[i], bodies.spin[j]],
-        slip: Vector3::zeros(),
-        radii: [a.radii[u], b.radii[v]],
-        reduced_mass: mass_i * mass_j / (mass_i + mass_j),
-    })
+
+    /// Geometry and motion of two spheres, without a slip; none if they do not touch.
+    #[inline(always)]
+    pub(crate) fn sphere_pair(&self, key: u32, [a, b]: [&Template; 2]) -> Option<SpherePair> {
+        let u = &a.spheres[(key >> 16) as usize];
+        let v = &b.spheres[(key & 0xffff) as usize];
+        let offset_i = self.rotations[0] * u.centre;
+        let offset_j = self.rotations[1] * v.centre;
+        let between = self.difference + (offset_j - offset_i);
+        let sum = u.radius + v.radius;
+        let square = between.norm_squared();
+        if square >= sum * sum || square == 0.0 {
+            return None;
+        }
+        Some(SpherePair {
+            between,
+            offset_i,
+            offset_j,
+            velocity: self.velocity,
+            spins: self.spins,
+            slip: Vector3::zeros(),
+            radii: [u.radius, v.radius],
+            dashpot_masses: [u.dashpot_mass, v.dashpot_mass],
+        })
+    }
 }
 
 /// Motion of a body.

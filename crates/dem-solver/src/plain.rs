@@ -2,7 +2,7 @@
 //!
 //! It is slow and obvious. The tests hold the fast loop to it.
 
-use crate::pair_force::{mover, sphere_pair};
+use crate::pair_force::{PairFrame, mover};
 use crate::wall_force::sphere_at_wall;
 use crate::world::World;
 use nalgebra::Vector3;
@@ -49,12 +49,14 @@ pub fn loads(world: &World, history: &mut History) -> Vec<Load> {
     let mut next = History::default();
     for i in 0..bodies.len() {
         for j in i + 1..bodies.len() {
-            let [n, m] = [i, j].map(|k| context.templates[bodies.template[k]].centres.len());
-            let [a, b] = [i, j].map(|k| context.templates[bodies.template[k]].material);
+            let templates = [i, j].map(|k| &context.templates[bodies.template[k]]);
+            let [n, m] = templates.map(|t| t.spheres.len());
+            let [a, b] = templates.map(|t| t.material);
+            let frame = PairFrame::new(bodies, [i, j]);
             for pair in 0..n * m {
                 let key = u32::try_from(pair / m).unwrap_or(0) << 16
                     | u32::try_from(pair % m).unwrap_or(0);
-                let Some(mut pair) = sphere_pair(key, [i, j], bodies, context.templates) else {
+                let Some(mut pair) = frame.sphere_pair(key, templates) else {
                     continue;
                 };
                 pair.slip = history.pairs.get(&(i, j, key)).copied().unwrap_or_default();
@@ -80,16 +82,16 @@ fn wall_loads(world: &World, i: usize, before: &History, next: &mut History, loa
     let template = &context.templates[bodies.template[i]];
     let body = mover(bodies, i);
     for (w, wall) in world.walls().iter().enumerate() {
-        for (k, centre) in template.centres.iter().enumerate() {
-            let centre = body.position + bodies.rotation[i] * centre;
+        for (k, sphere) in template.spheres.iter().enumerate() {
+            let centre = body.position + bodies.rotation[i] * sphere.centre;
             let nearest = wall.nearest(&centre);
-            let overlap = template.radii[k] - nearest.distance;
+            let overlap = sphere.radius - nearest.distance;
             if overlap <= 0.0 {
                 continue;
             }
             let key = (i, w, u32::try_from(k).unwrap_or(0));
             let slip = before.walls.get(&key).copied().unwrap_or_default();
-            let contact = sphere_at_wall(&body, template, k, &centre, wall, &nearest);
+            let contact = sphere_at_wall(&body, sphere, &centre, wall, &nearest);
             let law = context.interaction(template.material, wall.material);
             let effect = law.at_wall(&contact, &body, slip, context.time_step);
             load.force += effect.force;

@@ -1,17 +1,14 @@
 //! A body type, prepared for the contact search.
 
-#![expect(
-    clippy::inline_always,
-    reason = "the hot loops are vectorised only when inlined"
-)]
-
+use crate::lanes::{LANES, Lanes};
 use clump::Clump;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
-use wide::f32x8;
 
-/// Number of sphere pairs handled together.
-pub(crate) const LANES: usize = 8;
+/// Cells from the centre of mass to the farthest sphere centre, in which centres are stored in
+/// the lists of candidates: half the memory of single precision, and a sixteenth of a micrometre
+/// for a grain of 4 mm.
+pub(crate) const CELLS: f64 = 32767.0;
 
 /// Which mass enters the dashpots of a contact between two agglomerates.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -27,12 +24,12 @@ pub enum DashpotMass {
 /// A body type.
 #[derive(Debug, Clone)]
 pub struct Template {
-    /// Reachable spheres: centres in the principal frame, m.
-    pub(crate) centres: Vec<Vector3<f64>>,
-    /// Radii of the same spheres, m.
-    pub(crate) radii: Vec<f64>,
-    /// Mass that each sphere brings into a dashpot, kg.
-    pub(crate) dashpot_masses: Vec<f64>,
+    /// Reachable spheres.
+    pub(crate) spheres: Vec<OuterSphere>,
+    /// Centres of the same spheres, in cells.
+    pub(crate) cells: Vec<[i16; 3]>,
+    /// Size of a cell, m.
+    pub(crate) cell: f64,
     /// The same spheres in single precision.
     pub(crate) packed: Packed,
     /// Mass, kg.
@@ -49,6 +46,17 @@ pub struct Template {
     pub(crate) material: usize,
 }
 
+/// A sphere that other bodies can touch.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct OuterSphere {
+    /// Centre in the principal frame, m.
+    pub(crate) centre: Vector3<f64>,
+    /// Radius, m.
+    pub(crate) radius: f64,
+    /// Mass that it brings into a dashpot, kg.
+    pub(crate) dashpot_mass: f64,
+}
+
 /// Copy of the spheres in single precision for the vectorised search.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Packed {
@@ -63,14 +71,10 @@ pub(crate) struct Packed {
 /// Eight spheres side by side.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Group {
-    /// x of the centres, m.
-    pub(crate) x: [f32; LANES],
-    /// y of the centres, m.
-    pub(crate) y: [f32; LANES],
-    /// z of the centres, m.
-    pub(crate) z: [f32; LANES],
+    /// x, y, z of the centres, m.
+    pub(crate) centre: [Lanes; 3],
     /// Radii, m.
-    pub(crate) radius: [f32; LANES],
+    pub(crate) radius: Lanes,
 }
 
 impl Template {
@@ -90,13 +94,22 @@ impl Template {
             DashpotMass::Sphere => clump.mass() * radius.powi(3) / total,
             DashpotMass::Body => clump.mass(),
         };
-        let centres: Vec<_> = outer.spheres().iter().map(|s| s.centre).collect();
-        let radii: Vec<_> = outer.spheres().iter().map(|s| s.radius).collect();
+        let spheres: Vec<_> = outer
+            .spheres()
+            .iter()
+            .map(|sphere| OuterSphere {
+                centre: sphere.centre,
+                radius: sphere.radius,
+                dashpot_mass: dashpot(sphere.radius),
+            })
+            .collect();
+        let extents = spheres.iter().map(|sphere| sphere.centre.amax());
+        let cell = extents.fold(f64::MIN_POSITIVE * CELLS, f64::max) / CELLS;
         Self {
-            packed: Packed::new(&centres, &radii),
-            dashpot_masses: radii.iter().map(|&r| dashpot(r)).collect(),
-            centres,
-            radii,
+            packed: Packed::new(&spheres),
+            cells: spheres.iter().map(|s| in_cells(&s.centre, cell)).collect(),
+            spheres,
+            cell,
             mass: clump.mass(),
             inertia: clump.inertia(),
             inverse_mass: 1.0 / clump.mass(),
@@ -113,7 +126,7 @@ impl Template {
 
     /// Number of spheres that take part in the contact search.
     pub fn n_outer_spheres(&self) -> usize {
-        self.centres.len()
+        self.spheres.len()
     }
 
     /// Radius of the bounding sphere about the centre of mass, m.
@@ -123,8 +136,20 @@ impl Template {
 
     /// Smallest radius of the spheres that take part in the contact search, m.
     pub fn smallest_radius(&self) -> f64 {
-        self.radii.iter().copied().fold(f64::INFINITY, f64::min)
+        self.spheres
+            .iter()
+            .map(|sphere| sphere.radius)
+            .fold(f64::INFINITY, f64::min)
     }
+}
+
+/// A centre in cells (m), to the nearest.
+#[expect(
+    clippy::cast_possible_truncation,
+    reason = "no coordinate is beyond the farthest, which is 32767 cells away"
+)]
+fn in_cells(centre: &Vector3<f64>, cell: f64) -> [i16; 3] {
+    [0, 1, 2].map(|axis| (centre[axis] / cell).round() as i16)
 }
 
 impl Packed {
@@ -133,38 +158,28 @@ impl Packed {
         clippy::cast_possible_truncation,
         reason = "rounding to single precision is meant"
     )]
-    fn new(centres: &[Vector3<f64>], radii: &[f64]) -> Self {
+    fn new(spheres: &[OuterSphere]) -> Self {
         let bound = |axis: usize, sign: f64| {
-            let reaches = centres.iter().zip(radii).map(|(c, r)| sign * c[axis] + r);
+            let reaches = spheres.iter().map(|s| sign * s.centre[axis] + s.radius);
             (sign * reaches.fold(f64::NEG_INFINITY, f64::max)) as f32
         };
-        let group = |(centres, radii): (&[Vector3<f64>], &[f64])| {
+        let group = |spheres: &[OuterSphere]| {
             let mut group = Group {
                 radius: [f32::NEG_INFINITY; LANES],
                 ..Group::default()
             };
-            for (l, (centre, &radius)) in centres.iter().zip(radii).enumerate() {
-                (group.x[l], group.y[l]) = (centre.x as f32, centre.y as f32);
-                (group.z[l], group.radius[l]) = (centre.z as f32, radius as f32);
+            for (l, sphere) in spheres.iter().enumerate() {
+                for axis in 0..3 {
+                    group.centre[axis][l] = sphere.centre[axis] as f32;
+                }
+                group.radius[l] = sphere.radius as f32;
             }
             group
         };
         Self {
-            groups: centres
-                .chunks(LANES)
-                .zip(radii.chunks(LANES))
-                .map(group)
-                .collect(),
+            groups: spheres.chunks(LANES).map(group).collect(),
             low: [bound(0, -1.0), bound(1, -1.0), bound(2, -1.0)],
             high: [bound(0, 1.0), bound(1, 1.0), bound(2, 1.0)],
         }
-    }
-}
-
-impl Group {
-    /// Centres in registers, m.
-    #[inline(always)]
-    pub(crate) fn centres(&self) -> [f32x8; 3] {
-        [self.x, self.y, self.z].map(f32x8::from)
     }
 }

@@ -9,7 +9,7 @@ use crate::bodies::Bodies;
 use crate::contact::{Effect, Mover, SphereWall};
 use crate::neighbours::{Touch, lowered};
 use crate::pair_force::{Context, Slack, mover};
-use crate::template::Template;
+use crate::template::{OuterSphere, Template};
 use crate::wall::{Nearest, Wall};
 use contact_law::ContactGeometry;
 use nalgebra::Vector3;
@@ -23,6 +23,8 @@ struct Near {
     wall: usize,
     /// Travel of the body at which the list must be made anew, m.
     limit: f32,
+    /// Travel of the body up to which none of the candidates can touch, m.
+    wake: f32,
     /// Spheres within the skin of the wall.
     candidates: Vec<u16>,
     /// Spheres that touch.
@@ -64,6 +66,7 @@ impl WallNeighbours {
                 let same = old.next_if(|n| (n.body, n.wall) == (body, wall));
                 let mut entry = same.unwrap_or_else(|| Near::fresh(body, wall, spare.pop()));
                 entry.limit = lowered(entry.limit, bodies.travel[body]);
+                entry.wake = lowered(entry.wake, bodies.travel[body]);
                 self.near.push(entry);
             }
         }
@@ -82,10 +85,11 @@ impl WallNeighbours {
         for near in &mut self.near {
             let template = &context.templates[bodies.template[near.body]];
             let wall = &walls[near.wall];
-            if bodies.travel[near.body] > near.limit {
+            let travel = bodies.travel[near.body];
+            if travel > near.limit {
                 near.list_candidates(bodies, template, wall, context.slack);
             }
-            if !near.candidates.is_empty() {
+            if travel > near.wake {
                 let total = near.add_contacts(&mover(bodies, near.body), bodies, wall, context);
                 bodies.force[near.body] += total.force;
                 bodies.torque[near.body] += total.torque_i;
@@ -113,6 +117,7 @@ impl Near {
             body,
             wall,
             limit: f32::NEG_INFINITY,
+            wake: f32::NEG_INFINITY,
             candidates,
             touches,
         }
@@ -127,8 +132,9 @@ impl Near {
         let (position, rotation) = (bodies.position[self.body], bodies.rotation[self.body]);
         self.candidates.clear();
         let mut nearest = f64::INFINITY;
-        for (k, centre) in template.centres.iter().enumerate() {
-            let gap = wall.nearest(&(position + rotation * centre)).distance - template.radii[k];
+        for (k, sphere) in template.spheres.iter().enumerate() {
+            let centre = position + rotation * sphere.centre;
+            let gap = wall.nearest(&centre).distance - sphere.radius;
             nearest = nearest.min(gap);
             if gap < f64::from(slack.skin) {
                 self.candidates.push(u16::try_from(k).unwrap_or(u16::MAX));
@@ -137,12 +143,21 @@ impl Near {
         // Without candidates the body may move until its nearest sphere could touch.
         let reach = (nearest as f32).max(slack.skin) - slack.safety;
         self.limit = bodies.travel[self.body] + reach;
+        self.wake = if self.candidates.is_empty() {
+            self.limit
+        } else {
+            f32::NEG_INFINITY
+        };
         let listed = &self.candidates;
         self.touches
             .retain(|t| listed.iter().any(|&k| u32::from(k) << 16 == t.key));
     }
 
-    /// Forces of the spheres that touch.
+    /// Forces of the spheres that touch; puts the entry to sleep if none does.
+    #[expect(
+        clippy::cast_possible_truncation,
+        reason = "rounding is covered by the safety"
+    )]
     fn add_contacts(
         &mut self,
         body: &Mover,
@@ -154,11 +169,14 @@ impl Near {
         let interaction = context.interaction(template.material, wall.material);
         let rotation = &bodies.rotation[self.body];
         let mut total = Effect::default();
+        let mut nearest_gap = f64::INFINITY;
         for &k in &self.candidates {
             let (key, k) = (u32::from(k) << 16, usize::from(k));
-            let centre = body.position + rotation * template.centres[k];
+            let sphere = &template.spheres[k];
+            let centre = body.position + rotation * sphere.centre;
             let nearest = wall.nearest(&centre);
-            let overlap = template.radii[k] - nearest.distance;
+            let overlap = sphere.radius - nearest.distance;
+            nearest_gap = nearest_gap.min(-overlap);
             let known = self.touches.iter().position(|t| t.key == key);
             if overlap <= 0.0 {
                 if let Some(at) = known {
@@ -166,7 +184,7 @@ impl Near {
                 }
                 continue;
             }
-            let contact = sphere_at_wall(body, template, k, &centre, wall, &nearest);
+            let contact = sphere_at_wall(body, sphere, &centre, wall, &nearest);
             let at = known.unwrap_or_else(|| {
                 self.touches.push(Touch {
                     key,
@@ -180,22 +198,27 @@ impl Near {
             total.force += effect.force;
             total.torque_i += effect.torque_i;
         }
+        let free = nearest_gap as f32 - context.slack.safety;
+        self.wake = if free > 0.0 {
+            bodies.travel[self.body] + free
+        } else {
+            f32::NEG_INFINITY
+        };
         total
     }
 }
 
-/// Geometry of sphere `k` of a body whose overlap with a wall is positive.
+/// Geometry of a sphere of a body whose overlap with a wall is positive.
 #[inline(always)]
 pub(crate) fn sphere_at_wall(
     body: &Mover,
-    template: &Template,
-    k: usize,
+    sphere: &OuterSphere,
     centre: &Vector3<f64>,
     wall: &Wall,
     nearest: &Nearest,
 ) -> SphereWall {
-    let overlap = template.radii[k] - nearest.distance;
-    let point = centre + nearest.towards * (template.radii[k] - 0.5 * overlap);
+    let overlap = sphere.radius - nearest.distance;
+    let point = centre + nearest.towards * (sphere.radius - 0.5 * overlap);
     SphereWall {
         normal: nearest.towards,
         arm: point - body.position,
@@ -203,8 +226,8 @@ pub(crate) fn sphere_at_wall(
         wall_spin: Vector3::z() * wall.spin,
         geometry: ContactGeometry {
             overlap,
-            reduced_radius: template.radii[k],
-            reduced_mass: template.dashpot_masses[k],
+            reduced_radius: sphere.radius,
+            reduced_mass: sphere.dashpot_mass,
         },
     }
 }

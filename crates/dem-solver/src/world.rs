@@ -14,6 +14,7 @@ use crate::pair_force::{Context, Slack, add_pair_forces};
 use crate::template::Template;
 use crate::wall::Wall;
 use crate::wall_force::WallNeighbours;
+use fearless_simd::Level;
 use nalgebra::Vector3;
 
 /// What a world needs beside bodies and walls.
@@ -59,6 +60,8 @@ pub struct World {
     grid: Grid,
     /// Bounding radii by body, m.
     radii: Vec<f64>,
+    /// Instruction set of the processor.
+    level: Level,
     /// Buffer of contacts.
     batch: Batch,
     /// Force on each wall in the last step, N.
@@ -127,6 +130,7 @@ impl World {
             wall_neighbours: WallNeighbours::default(),
             grid: Grid::default(),
             radii,
+            level: Level::new(),
             batch: Batch::default(),
             wall_load,
             wall_torque,
@@ -213,7 +217,7 @@ impl World {
             time_step: self.settings.time_step,
         };
         let (neighbours, batch) = (&mut self.neighbours, &mut self.batch);
-        add_pair_forces(neighbours, &mut self.bodies, batch, &context);
+        add_pair_forces(self.level, neighbours, &mut self.bodies, batch, &context);
         let walls = &mut self.wall_neighbours;
         let loads = (
             self.wall_load.as_mut_slice(),
@@ -227,7 +231,7 @@ impl World {
             gravity: self.settings.gravity,
             reference_spin: self.reference_spin,
         };
-        self.longest = advance(&mut self.bodies, &self.templates, &around);
+        self.longest = advance(self.level, &mut self.bodies, &self.templates, &around);
         self.n_steps += 1;
         self.time += self.settings.time_step;
         self.mesh_walls.advance(self.settings.time_step, self.time);
@@ -371,6 +375,7 @@ impl World {
         let (neighbours, travel) = (&mut self.neighbours, &self.bodies.travel);
         neighbours.begin();
         self.grid.pairs(
+            self.level,
             &self.bodies.position,
             &self.radii,
             self.settings.margin,

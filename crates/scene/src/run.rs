@@ -15,6 +15,7 @@ use dem_solver::{
 };
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
+use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
 
 /// Time between the values of the series that decide whether the run is steady, s.
@@ -37,6 +38,9 @@ const STEP_SHARE: f64 = 0.36;
 /// Speed of a hard contact: a fall across half of a drum of 0.1 m, m/s.
 const HARD_CONTACT_SPEED: f64 = 1.0;
 
+/// Seeds at the shell count for the slip within this angle of the centre of mass, rad.
+const MIDDLE_OF_BED: f64 = PI / 6.0;
+
 /// How the bed moves.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
@@ -56,7 +60,8 @@ pub struct SeriesPoint {
     pub time_s: f64,
     /// Direction of the centre of mass from straight down, counter-clockwise positive, deg.
     pub centre_of_mass_deg: f64,
-    /// 1 minus the speed of the seeds at the shell over the speed of the shell.
+    /// 1 minus the speed of the seeds at the shell over the speed of the shell, within 30 deg of
+    /// the centre of mass: at the edges of the bed seeds come to rest or turn back.
     pub shell_slip: f64,
     /// Power of the moving walls on the seeds, W. Over a time in which the bed is steady, its
     /// mean is what friction and dashpots take.
@@ -213,11 +218,7 @@ fn further(
     steady: &[SeriesPoint],
 ) -> Vec<Further> {
     let power = steady.iter().map(|p| 1e3 * p.drive_power_w).collect();
-    let kinetic = steady.iter().map(|p| 1e6 * p.kinetic_energy_j).collect();
-    let mut all = vec![
-        Further::new("drive_power_mw", "mW", power),
-        Further::new("kinetic_energy_uj", "uJ", kinetic),
-    ];
+    let mut all = vec![Further::new("drive_power_mw", "mW", power)];
     if !matches!(scene.apparatus, Apparatus::Drum(_)) {
         return all;
     }
@@ -595,12 +596,16 @@ fn series_point(scene: &Scene, world: &World, time: f64, share: f64) -> SeriesPo
     let (bodies, templates) = (world.bodies(), world.templates());
     let (radius, spin) = (scene.apparatus.radius(), scene.apparatus.speed());
     let mut centre = Vector3::zeros();
+    for p in &bodies.position {
+        centre += p;
+    }
+    let lowest = centre.x.atan2(-centre.y);
     let (mut speed, mut n) = (0.0, 0_usize);
     for (i, p) in bodies.position.iter().enumerate() {
-        centre += p;
         let from_axis = p.xy().norm();
-        // Seeds of the first layer at the shell, in the lower middle of the bed.
-        if from_axis > radius - templates[bodies.template[i]].bounding_radius() {
+        let aside = (p.x.atan2(-p.y) - lowest + PI).rem_euclid(TAU) - PI;
+        let at_shell = from_axis > radius - templates[bodies.template[i]].bounding_radius();
+        if at_shell && aside.abs() < MIDDLE_OF_BED {
             let v = bodies.velocity[i];
             speed += (p.x * v.y - p.y * v.x) / from_axis;
             n += 1;
@@ -614,7 +619,7 @@ fn series_point(scene: &Scene, world: &World, time: f64, share: f64) -> SeriesPo
     };
     SeriesPoint {
         time_s: time,
-        centre_of_mass_deg: centre.x.atan2(-centre.y).to_degrees(),
+        centre_of_mass_deg: lowest.to_degrees(),
         shell_slip: slip,
         drive_power_w: drive_power(world),
         kinetic_energy_j: world.kinetic_energy(),

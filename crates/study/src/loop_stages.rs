@@ -492,19 +492,23 @@ impl Loop<'_> {
             }
         }
         let study = self.study.profile("study").unwrap_or(self.profile);
-        let conditions = self.study.hidden.conditions.len();
-        let hidden =
-            (self.study.hidden.factors.len() + self.study.hidden.effects.len()) * conditions;
+        let campaign = &self.study.hidden;
+        let conditions = campaign.conditions.len();
+        let used = campaign.conditions.iter().filter(|c| c.used).count();
+        // Probes once; data, two fits and two corrections in each campaign, and one with the effect.
+        let probes = (1 + campaign.factors.len() + campaign.effects.len()) * used;
+        let hidden = 2 * conditions * campaign.measured_runs
+            + (probes + 9 * conditions) * study.residual_replicates;
         let runs = 12 * study.screening_replicates
             + (12 + study.centre_points) * study.surface_replicates
             + study.validation_runs
             + (1 + self.study.sweep.values.len()) * study.point_runs
             + 10 * study.point_runs;
-        let study_runs = runs + hidden + 8 * conditions * study.residual_replicates;
+        let study_runs = runs + hidden;
         // 10.6 s of drum at the step of that profile; the small drums of the campaign cost a third.
         let steps = 10.6 / 8e-5;
         let per_step = drum_time / drum_steps.max(1.0);
-        let weight = runs as f64 + (study_runs - runs) as f64 / 3.0;
+        let weight = runs as f64 + hidden as f64 / 3.0;
         Ok(Cost {
             n_runs,
             run_time_s: total,

@@ -12,7 +12,7 @@ use std::time::Instant;
 use surface_profile::{SeriesSummary, summarise};
 
 /// Revision of the physics: raised when the same scene and seed give other numbers.
-const REVISION: u32 = 1;
+const REVISION: u32 = 2;
 
 /// Scenes by name, with effects that can be switched on.
 ///
@@ -204,6 +204,7 @@ pub fn outcome_of(
     let steady = &result.series[start.min(result.series.len())..];
     let mass: Vec<f64> = steady.iter().map(|p| p.centre_of_mass_deg).collect();
     let slip: Vec<f64> = steady.iter().map(|p| p.shell_slip).collect();
+    let kinetic: Vec<f64> = steady.iter().map(|p| p.kinetic_energy_j * 1e3).collect();
     let fluctuation = summarise(&mass).ok().map(|s| Observation {
         mean: s.sd,
         sd: None,
@@ -218,6 +219,7 @@ pub fn outcome_of(
     add("centre_of_mass_deg", over_frames(&mass, "deg"));
     add("fluctuation_deg", fluctuation);
     add("shell_slip", over_frames(&slip, "1"));
+    add("kinetic_energy_mj", over_frames(&kinetic, "mJ"));
     for further in &result.further {
         add(further.name, over_frames(&further.values, further.unit));
     }

@@ -24,7 +24,8 @@ fn scaled(a: &[Vec<f64>], factor: f64) -> Vec<Vec<f64>> {
 /// The problem file of a study at the fitted parameters.
 ///
 /// The observation noise goes in as known. The noise of the simulator enters three times: in the
-/// residual (mean of n runs), and in each sensitivity (difference of two means of n runs).
+/// residual (mean of n runs), and in each sensitivity (difference of two means of n runs). What an
+/// effect does to the conditions kept apart is not predicted here: real runs tell it.
 pub(super) fn problem(
     plan: &ResidualPlan,
     observed: &Observed,
@@ -32,25 +33,17 @@ pub(super) fn problem(
     fitted: &[f64],
     at_fit: &Means,
 ) -> ProblemFile {
-    let pick =
-        |used: bool| (0..plan.conditions.len()).filter(move |&c| plan.conditions[c].used == used);
+    let used = || (0..plan.conditions.len()).filter(|&c| plan.conditions[c].used);
     let condition = |c: usize| {
         let levels = plan.conditions[c].condition.iter();
         levels
             .map(|(name, value)| (name.clone(), Level::Number(*value)))
             .collect()
     };
-    let residual = |used: bool| -> Vec<Option<f64>> {
-        pick(used)
-            .flat_map(|c| {
-                let pairs = observed.values[c].iter().zip(&at_fit.values[c]);
-                pairs.map(|(y, f)| Some(y - f)).collect::<Vec<_>>()
-            })
-            .collect()
-    };
-    let rows = |table: &[Vec<Vec<f64>>], used: bool| -> Vec<Vec<f64>> {
-        pick(used).flat_map(|c| table[c].clone()).collect()
-    };
+    let residual = used().flat_map(|c| {
+        let pairs = observed.values[c].iter().zip(&at_fit.values[c]);
+        pairs.map(|(y, f)| Some(y - f)).collect::<Vec<_>>()
+    });
     let slope_noise = |step: f64| {
         let runs = 2.0 / linear.nominal.n as f64;
         CovarianceInput::Matrix(scaled(&linear.run_covariance, runs / (step * step)))
@@ -59,14 +52,14 @@ pub(super) fn problem(
     let any_prior = plan.declared.iter().any(|d| d.prior.is_some());
     ProblemFile {
         id: plan.id.clone(),
-        conditions: pick(true).map(condition).collect(),
+        conditions: used().map(condition).collect(),
         observables: plan.observables.clone(),
-        residual_obs_minus_sim: residual(true),
+        residual_obs_minus_sim: residual.collect(),
         cov_measurement: Some(CovarianceInput::Matrix(observed.covariance.clone())),
         cov_simulator: Some(CovarianceInput::Matrix(simulator)),
         covariance_dof: Some(linear.noise_dof as f64),
         declared: plan.declared.iter().map(|d| d.name.clone()).collect(),
-        sensitivities_declared: rows(&linear.declared, true),
+        sensitivities_declared: linear.declared.concat(),
         cov_sensitivities_declared: plan.declared.iter().map(|d| slope_noise(d.step)).collect(),
         prior_precision: any_prior.then(|| {
             let precision = |sd: f64| 1.0 / (sd * sd);
@@ -82,7 +75,7 @@ pub(super) fn problem(
             Vec::new()
         },
         library: plan.effects.iter().map(|e| e.name.clone()).collect(),
-        sensitivities_library: rows(&linear.library, true),
+        sensitivities_library: linear.library.concat(),
         cov_sensitivities_library: plan.effects.iter().map(|e| slope_noise(e.probe)).collect(),
         largest_amplitudes: plan
             .effects
@@ -94,10 +87,6 @@ pub(super) fn problem(
             .iter()
             .map(|e| (e.name.clone(), e.sign))
             .collect(),
-        unused_conditions: pick(false).map(condition).collect(),
-        unused_residual_obs_minus_sim: residual(false),
-        unused_sensitivities_declared: rows(&linear.declared, false),
-        unused_sensitivities_library: rows(&linear.library, false),
         ..ProblemFile::default()
     }
 }

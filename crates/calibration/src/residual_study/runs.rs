@@ -38,7 +38,8 @@ pub(super) struct Scatter {
 /// The simulator near the starting point.
 #[derive(Debug, Clone)]
 pub(super) struct Linearisation {
-    /// Means at the start.
+    /// Means at the start; as in the tables below, the rows of conditions that are kept apart are
+    /// empty.
     pub(super) nominal: Means,
     /// d observable / d parameter, (conditions, observables, parameters).
     pub(super) declared: Vec<Vec<Vec<f64>>>,
@@ -48,6 +49,8 @@ pub(super) struct Linearisation {
     pub(super) run_covariance: Vec<Vec<f64>>,
     /// Its degrees of freedom.
     pub(super) noise_dof: usize,
+    /// Scatter of all runs so far.
+    scatter: Scatter,
 }
 
 impl Setting {
@@ -117,7 +120,7 @@ fn mean_row(rows: &[Vec<f64>]) -> Vec<f64> {
 
 impl Linearisation {
     /// Runs the start and, for each parameter and each effect, a point beside it, with replicates at
-    /// every condition, all in one list so that no core waits.
+    /// every condition that the fit uses, all in one list so that no core waits.
     ///
     /// Differences are taken against the mean of the replicates: with contacts that come and go,
     /// two runs of one seed part ways within a second, so that a common seed saves no noise.
@@ -142,59 +145,66 @@ impl Linearisation {
             settings.push((on, effect.probe));
         }
         let (n, r) = (plan.conditions.len(), plan.replicates);
-        let mut requests = Vec::new();
-        for condition in &plan.conditions {
-            requests.extend((0..r).map(|k| at_start.request(plan, condition, 0, k)));
-        }
-        for (setting, _) in &settings {
-            for condition in &plan.conditions {
-                requests.extend((0..r).map(|k| setting.request(plan, condition, 0, k)));
-            }
-        }
+        let used = || plan.conditions.iter().filter(|c| c.used);
+        let points = std::iter::once(&at_start).chain(settings.iter().map(|(point, _)| point));
+        let requests: Vec<RunRequest> = points
+            .flat_map(|point| used().map(move |condition| (point, condition)))
+            .flat_map(|(point, c)| (0..r).map(move |k| point.request(plan, c, 0, k)))
+            .collect();
         let records = campaign.run_all(simulator, &requests)?;
         let rows = records
             .iter()
             .map(|r| row(plan, r))
             .collect::<Result<Vec<_>, _>>()?;
-        let (replicates, probes) = rows.split_at(n * r);
-        let probes: Vec<Vec<f64>> = probes.chunks(r).map(mean_row).collect();
-        let nominal = Means::of(replicates, r);
-        let values = &nominal.values;
-        let slope = |column: usize, c: usize, k: usize| {
-            (probes[column * n + c][k] - values[c][k]) / settings[column].1
-        };
+        let mut points = rows
+            .chunks(used().count() * r)
+            .map(|rows| Means::of(rows, r).spread_over(plan));
+        let nominal = points.next().unwrap_or_else(|| Means::of(&[], r));
+        let probes: Vec<Means> = points.collect();
+        let mut scatter = nominal.scatter.clone();
+        for probe in &probes {
+            scatter.add(&probe.scatter);
+        }
         let columns = |first: usize, count: usize| -> Vec<Vec<Vec<f64>>> {
-            let of = |c: usize, k: usize| (0..count).map(|j| slope(first + j, c, k)).collect();
+            let slope = |j: usize, c: usize, k: usize| {
+                (probes[first + j].values[c][k] - nominal.values[c][k]) / settings[first + j].1
+            };
+            let of = |c: usize, k: usize| (0..count).map(|j| slope(j, c, k)).collect();
             (0..n)
-                .map(|c| (0..plan.observables.len()).map(|k| of(c, k)).collect())
+                .map(|c| (0..nominal.values[c].len()).map(|k| of(c, k)).collect())
                 .collect()
         };
         Ok(Self {
             declared: columns(0, plan.declared.len()),
             library: columns(plan.declared.len(), plan.effects.len()),
-            run_covariance: nominal.scatter.covariance(),
-            noise_dof: nominal.scatter.dof,
+            run_covariance: scatter.covariance(),
+            noise_dof: scatter.dof,
             nominal,
+            scatter,
         })
     }
 
     /// The same with the scatter of further means in the covariance: the noise of a run is taken
     /// to be the same at all settings, and more degrees of freedom make sharper tests.
     pub(super) fn with_scatter(mut self, means: &Means) -> Self {
-        let mut both = self.nominal.scatter.clone();
-        for (line, more) in both.products.iter_mut().zip(&means.scatter.products) {
-            for (sum, product) in line.iter_mut().zip(more) {
-                *sum += product;
-            }
-        }
-        both.dof += means.scatter.dof;
-        self.run_covariance = both.covariance();
-        self.noise_dof = both.dof;
+        self.scatter.add(&means.scatter);
+        self.run_covariance = self.scatter.covariance();
+        self.noise_dof = self.scatter.dof;
         self
     }
 }
 
 impl Scatter {
+    /// Takes in the scatter of other runs.
+    fn add(&mut self, other: &Self) {
+        for (line, more) in self.products.iter_mut().zip(&other.products) {
+            for (sum, product) in line.iter_mut().zip(more) {
+                *sum += product;
+            }
+        }
+        self.dof += other.dof;
+    }
+
     /// Covariance of one run.
     fn covariance(&self) -> Vec<Vec<f64>> {
         let dof = self.dof.max(1) as f64;
@@ -225,6 +235,21 @@ impl Means {
             values,
             n: r,
             scatter: Scatter { products, dof },
+        }
+    }
+
+    /// Means of the used conditions only, with empty rows put in for the others.
+    fn spread_over(self, plan: &ResidualPlan) -> Self {
+        let mut rows = self.values.into_iter();
+        let row = |c: &StudyCondition| if c.used { rows.next() } else { None };
+        Self {
+            values: plan
+                .conditions
+                .iter()
+                .map(row)
+                .map(Option::unwrap_or_default)
+                .collect(),
+            ..self
         }
     }
 }
