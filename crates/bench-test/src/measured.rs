@@ -60,9 +60,9 @@ pub fn coefficients(test: Test, text: &str, file: &str) -> Result<Vec<f64>, Erro
         .lines()
         .enumerate()
         .filter(|(_, line)| !line.trim().is_empty() && !line.starts_with('#'));
-    let header: Vec<&str> = lines
-        .next()
-        .map_or_else(Vec::new, |(_, line)| line.split(',').map(str::trim).collect());
+    let header: Vec<&str> = lines.next().map_or_else(Vec::new, |(_, line)| {
+        line.split(',').map(str::trim).collect()
+    });
     let mut places = Vec::new();
     for &column in columns {
         let place = header.iter().position(|h| *h == column);

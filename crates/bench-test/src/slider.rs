@@ -37,9 +37,16 @@ pub enum Base {
 /// # Errors
 ///
 /// A body that cannot be made, a solver that stops.
-pub fn slider(parts: &BenchParts, base: Base, repeats: usize, seed: u64) -> Result<Vec<f64>, Error> {
+pub fn slider(
+    parts: &BenchParts,
+    base: Base,
+    repeats: usize,
+    seed: u64,
+) -> Result<Vec<f64>, Error> {
     let mut stream = Stream::new(seed, "slider test");
-    (0..repeats).map(|_| one(parts, base, &mut stream)).collect()
+    (0..repeats)
+        .map(|_| one(parts, base, &mut stream))
+        .collect()
 }
 
 /// One pull.
@@ -61,7 +68,11 @@ fn one(parts: &BenchParts, base: Base, stream: &mut Stream) -> Result<f64, Error
         // Too heavy to move.
         templates.push(body(&ground, 1e12, 0)?);
         height += top;
-        starts.push(Placement::at_rest(1, Vector3::zeros(), UnitQuaternion::identity()));
+        starts.push(Placement::at_rest(
+            1,
+            Vector3::zeros(),
+            UnitQuaternion::identity(),
+        ));
     }
     let at = Vector3::y() * (height + 1e-5);
     starts.insert(0, Placement::at_rest(0, at, UnitQuaternion::identity()));
@@ -107,10 +118,8 @@ fn glued(parts: &BenchParts, n_x: usize, n_z: usize, stream: &mut Stream) -> Vec
     for i in 0..n_x {
         for k in 0..n_z {
             // The principal axes come in the order of the moments: z is across the flat side.
-            let flat = UnitQuaternion::from_axis_angle(
-                &Vector3::x_axis(),
-                std::f64::consts::FRAC_PI_2,
-            );
+            let flat =
+                UnitQuaternion::from_axis_angle(&Vector3::x_axis(), std::f64::consts::FRAC_PI_2);
             let angle = stream.between(0.0, std::f64::consts::TAU);
             let about = Quaternion::new((0.5 * angle).cos(), 0.0, (0.5 * angle).sin(), 0.0);
             let turn = UnitQuaternion::new_normalize(about) * flat;
@@ -129,7 +138,10 @@ fn glued(parts: &BenchParts, n_x: usize, n_z: usize, stream: &mut Stream) -> Vec
 fn heights(spheres: &[Sphere]) -> (f64, f64) {
     let low = spheres.iter().map(|s| s.centre.y - s.radius);
     let high = spheres.iter().map(|s| s.centre.y + s.radius);
-    (low.fold(f64::INFINITY, f64::min), high.fold(f64::NEG_INFINITY, f64::max))
+    (
+        low.fold(f64::INFINITY, f64::min),
+        high.fold(f64::NEG_INFINITY, f64::max),
+    )
 }
 
 /// A rigid body of these spheres that keeps the axes in which they are given; mass in kg.

@@ -49,7 +49,9 @@ fn one(parts: &BenchParts, angle: f64, repeat: usize) -> Result<(f64, Start), Er
     let across = UnitQuaternion::from_axis_angle(&Vector3::y_axis(), -std::f64::consts::FRAC_PI_2);
     let turn = across * UnitQuaternion::from_axis_angle(&Vector3::x_axis(), angle);
     let spheres = parts.body.outer.spheres().iter();
-    let reach = spheres.map(|s| s.radius - (turn * s.centre).y).fold(0.0, f64::max);
+    let reach = spheres
+        .map(|s| s.radius - (turn * s.centre).y)
+        .fold(0.0, f64::max);
     let start = Placement::at_rest(0, Vector3::y() * (reach + 1e-6), turn);
     let mut world = World::new(
         settings(parts, Vector3::zeros()),

@@ -198,15 +198,15 @@ impl Near {
         let mut total = Effect::default();
         let mut before = std::mem::take(&mut self.touches);
         for group in self.candidates.chunk_by(|a, b| a.0 == b.0) {
-            let sphere = group[0].0;
-            let outer = &template.spheres[usize::from(sphere)];
-            let centre = body.position + rotation * outer.centre;
-            for hit in felt(group, &moving.into_own(&centre), outer.radius, moving) {
-                let contact = geometry(body, outer, &centre, moving, &hit);
-                let slip = take_slip(&mut before, sphere, &contact.normal);
+            let number = group[0].0;
+            let sphere = &template.spheres[usize::from(number)];
+            let centre = body.position + rotation * sphere.centre;
+            for hit in felt(group, &moving.into_own(&centre), sphere.radius, moving) {
+                let contact = geometry(body, sphere, &centre, moving, &hit);
+                let slip = take_slip(&mut before, number, &contact.normal);
                 let effect = interaction.at_wall(&contact, body, slip, context.time_step);
                 self.touches.push(Touch {
-                    sphere,
+                    sphere: number,
                     normal: contact.normal,
                     slip: effect.slip,
                 });

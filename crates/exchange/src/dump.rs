@@ -46,7 +46,9 @@ pub fn read(text: &str, file: &str) -> Result<Vec<Moment>, Error> {
         let mut discs = Vec::new();
         for k in 0..usize::try_from(count).unwrap_or(usize::MAX) {
             let row = at + 9 + k;
-            let cells: Vec<&str> = lines.get(row).map_or_else(Vec::new, |l| l.split_whitespace().collect());
+            let cells: Vec<&str> = lines
+                .get(row)
+                .map_or_else(Vec::new, |l| l.split_whitespace().collect());
             let cell = |place: usize| -> Result<f64, Error> {
                 let value = cells.get(place).and_then(|c| c.parse().ok());
                 value.ok_or_else(|| wrong(row, "a row of numbers must stand here"))
@@ -71,7 +73,8 @@ pub fn angle(moment: &Moment, radius: f64) -> Option<f64> {
         y: 0.0,
         radius,
     };
-    let points = profile_from_discs(&moment.discs, &drum, &DensitySettings::for_drum(&drum)).ok()?;
+    let points =
+        profile_from_discs(&moment.discs, &drum, &DensitySettings::for_drum(&drum)).ok()?;
     measure(&points, &drum).ok().map(|a| a.line)
 }
 
@@ -87,7 +90,10 @@ mod tests {
         let moments = read(&DUMP.repeat(2), "bed.dump").unwrap();
         assert_eq!(moments.len(), 2);
         let disc = moments[1].discs[1];
-        assert_eq!((moments[1].step, disc.x, disc.y, disc.radius), (100, 0.3, -0.4, 0.25));
+        assert_eq!(
+            (moments[1].step, disc.x, disc.y, disc.radius),
+            (100, 0.3, -0.4, 0.25)
+        );
     }
 
     #[test]
@@ -95,7 +101,9 @@ mod tests {
         let short = DUMP.replace("2 0.3 -0.4 0 0.25\n", "");
         let message = read(&short, "bed.dump").unwrap_err().to_string();
         assert!(message.contains("bed.dump: line 11"), "{message}");
-        let message = read(&DUMP.replace("radius", "mass"), "b").unwrap_err().to_string();
+        let message = read(&DUMP.replace("radius", "mass"), "b")
+            .unwrap_err()
+            .to_string();
         assert!(message.contains("'radius'"), "{message}");
     }
 }

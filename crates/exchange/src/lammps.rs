@@ -127,7 +127,10 @@ fn supported(scene: &Scene) -> Result<&Drum, Error> {
         return missing("this apparatus", "export a scene with a drum");
     };
     if drum.lifters.is_some() || !scene.wall.is_empty() {
-        return missing("a wall of triangles", "remove lifters and [[wall]] from the scene");
+        return missing(
+            "a wall of triangles",
+            "remove lifters and [[wall]] from the scene",
+        );
     }
     if drum.ramp.is_some() || drum.reverse_every.is_some() {
         return missing("a speed that changes", "remove ramp and reverse_every");
@@ -158,7 +161,9 @@ fn contact(scene: &Scene, bodies: &[Arc<SeedBody>], other: &str) -> Result<Granu
     };
     let clump = &bodies[0].clump;
     let outer = bodies[0].outer.spheres();
-    let levers = outer.iter().map(|s| (s.centre.norm() + s.radius) / s.radius);
+    let levers = outer
+        .iter()
+        .map(|s| (s.centre.norm() + s.radius) / s.radius);
     Ok(convert(&Conversion {
         materials: [material(seed)?, material(other)?],
         coefficients: [
@@ -206,8 +211,16 @@ fn script(
     let [pair, shell, cover] = [seed, &drum.shell, &drum.cover]
         .map(|name| contact(scene, bodies, name).map(|c| words(scene, bodies, &c)));
     let (pair, shell, cover) = (pair?, shell?, cover?);
-    let longest = bodies.iter().map(|b| b.clump.bounding_radius()).fold(0.0, f64::max);
-    let smallest = bodies[0].clump.spheres().iter().map(|s| s.radius).fold(f64::INFINITY, f64::min);
+    let longest = bodies
+        .iter()
+        .map(|b| b.clump.bounding_radius())
+        .fold(0.0, f64::max);
+    let smallest = bodies[0]
+        .clump
+        .spheres()
+        .iter()
+        .map(|s| s.radius)
+        .fold(f64::INFINITY, f64::min);
     let steps = |time: f64| (time / time_step).ceil();
     let protocol = &scene.protocol;
     let settle = steps(protocol.settle_limit.si());
@@ -354,7 +367,10 @@ mod tests {
             mass_share: 1.0,
             ..conversion()
         };
-        assert!((convert(&body).restitution - 0.13).abs() < 1e-14, "the same");
+        assert!(
+            (convert(&body).restitution - 0.13).abs() < 1e-14,
+            "the same"
+        );
         let ratio = |e: f64| -e.ln() / e.ln().hypot(std::f64::consts::PI);
         let got = ratio(convert(&conversion()).restitution) / ratio(0.13);
         assert!((got * 146_f64.sqrt() - 1.0).abs() < 1e-12, "{got}");

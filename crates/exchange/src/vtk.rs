@@ -59,7 +59,10 @@ fn points(frame: &Frame, bodies: &[Arc<SeedBody>]) -> String {
             let c = frame.position[i] + arm;
             let v = frame.velocity[i] + frame.spin[i].cross(&arm);
             add(&mut at, format_args!("{:e} {:e} {:e}\n", c.x, c.y, c.z));
-            add(&mut velocity, format_args!("{:e} {:e} {:e}\n", v.x, v.y, v.z));
+            add(
+                &mut velocity,
+                format_args!("{:e} {:e} {:e}\n", v.x, v.y, v.z),
+            );
             add(&mut radius, format_args!("{:e}\n", sphere.radius));
             add(&mut seed, format_args!("{i}\n"));
             add(&mut kind, format_args!("{}\n", frame.kind[i]));

@@ -61,7 +61,10 @@ impl Apparatus {
         match self {
             Self::Drum(drum) => {
                 let lifters = drum.lifters.iter().map(|l| l.material.as_str());
-                [drum.shell.as_str(), &drum.cover].into_iter().chain(lifters).collect()
+                [drum.shell.as_str(), &drum.cover]
+                    .into_iter()
+                    .chain(lifters)
+                    .collect()
             }
             Self::Metering(device) => vec![&device.plate, &device.front, &device.board],
             Self::Heap(heap) => vec![&heap.floor, &heap.cylinder],

@@ -46,9 +46,9 @@ pub fn flowing_layer(
         .fold(0.0, f64::max);
     let top = seeds.first()?.0;
     let mut layers: Vec<(f64, f64)> = Vec::new();
-    for layer in seeds.chunk_by(|a, b| {
-        ((a.0 - top) / thickness).floor() == ((b.0 - top) / thickness).floor()
-    }) {
+    for layer in seeds
+        .chunk_by(|a, b| ((a.0 - top) / thickness).floor() == ((b.0 - top) / thickness).floor())
+    {
         let n = layer.len() as f64;
         let depth = layer.iter().map(|s| s.0 - top).sum::<f64>() / n;
         layers.push((depth, layer.iter().map(|s| s.1).sum::<f64>() / n));
@@ -108,7 +108,8 @@ pub fn avalanche_period(series: &[f64], interval: f64) -> Option<f64> {
     let correlation: Vec<f64> = (0..=longest).map(|lag| product(lag) / variance).collect();
     let negative = correlation.iter().position(|c| *c < 0.0)?;
     let best = (negative..longest).max_by(|&a, &b| correlation[a].total_cmp(&correlation[b]))?;
-    let is_peak = correlation[best] > correlation[best - 1] && correlation[best] >= correlation[best + 1];
+    let is_peak =
+        correlation[best] > correlation[best - 1] && correlation[best] >= correlation[best + 1];
     (is_peak && correlation[best] > 0.2).then_some(best as f64 * interval)
 }
 

@@ -16,8 +16,12 @@ pub(crate) fn limits(scene: &Scene, bodies: &[Arc<SeedBody>]) -> HealthLimits {
     let (size, gravity) = ((high - low).norm(), scene.model.gravity_m_s2);
     let wall = scene.apparatus.speed().abs() * scene.apparatus.radius();
     let meshes = scene.wall.iter().map(|w| {
-        let speed = w.velocity.map_or(0.0, |v| v.iter().map(|c| c.si().abs()).sum::<f64>());
-        let spin = w.spin.map_or(0.0, |v| v.iter().map(|c| c.si().abs()).sum::<f64>());
+        let speed = w
+            .velocity
+            .map_or(0.0, |v| v.iter().map(|c| c.si().abs()).sum::<f64>());
+        let spin = w
+            .spin
+            .map_or(0.0, |v| v.iter().map(|c| c.si().abs()).sum::<f64>());
         let swing = w.vibration.as_ref().map_or(0.0, |v| {
             let way: f64 = v.amplitude.iter().map(|c| c.si().abs()).sum();
             std::f64::consts::TAU * v.frequency.si() * way

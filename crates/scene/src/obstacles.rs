@@ -106,6 +106,8 @@ impl Scene {
     /// All mesh files that a run depends on, relative to the folder of the scene.
     pub fn mesh_files(&self) -> Vec<&std::path::Path> {
         let seeds = self.seed.iter().map(|s| s.mesh.as_path());
-        seeds.chain(self.wall.iter().map(|w| w.mesh.as_path())).collect()
+        seeds
+            .chain(self.wall.iter().map(|w| w.mesh.as_path()))
+            .collect()
     }
 }

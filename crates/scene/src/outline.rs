@@ -33,7 +33,11 @@ impl Outline {
             View::AlongZ => c.x,
             View::AlongX => c.z,
         };
-        let ends = |sign: f64| spheres.iter().map(move |s| sign * across(&s.centre) + s.radius);
+        let ends = |sign: f64| {
+            spheres
+                .iter()
+                .map(move |s| sign * across(&s.centre) + s.radius)
+        };
         let start = -ends(-1.0).fold(f64::NEG_INFINITY, f64::max);
         let end = ends(1.0).fold(f64::NEG_INFINITY, f64::max);
         if !(start.is_finite() && end > start) {
@@ -50,9 +54,15 @@ impl Outline {
             let x = across(&sphere.centre);
             let n = heights.len();
             let columns = column(x - sphere.radius)..=column(x + sphere.radius).min(n - 1);
-            for (k, height) in heights.iter_mut().enumerate().take(columns.end() + 1).skip(*columns.start())
+            for (k, height) in heights
+                .iter_mut()
+                .enumerate()
+                .take(columns.end() + 1)
+                .skip(*columns.start())
             {
-                let aside = (start + width * (k as f64 + 0.5) - x).abs().min(sphere.radius);
+                let aside = (start + width * (k as f64 + 0.5) - x)
+                    .abs()
+                    .min(sphere.radius);
                 let top = sphere.centre.y + (sphere.radius.powi(2) - aside * aside).sqrt();
                 *height = height.max(top);
             }

@@ -20,7 +20,11 @@ pub(crate) struct Released {
 }
 
 /// Runs a release.
-pub(crate) fn release(scene: &Scene, library: &FillingLibrary, seed: u64) -> Result<Released, Error> {
+pub(crate) fn release(
+    scene: &Scene,
+    library: &FillingLibrary,
+    seed: u64,
+) -> Result<Released, Error> {
     let mut built = build(scene, library, seed)?;
     settle(scene, &mut built)?;
     for mesh in &built.meshes {
@@ -84,6 +88,14 @@ fn observables(scene: &Scene, frame: &Frame, bodies: &[Arc<SeedBody>]) -> Vec<Fu
     vec![
         Further::new("angle_of_repose_deg", "deg", angles),
         Further::new("height_mm", "mm", heights.into_iter().collect()),
-        Further::new(if is_heap { "base_radius_mm" } else { "runout_mm" }, "mm", extent),
+        Further::new(
+            if is_heap {
+                "base_radius_mm"
+            } else {
+                "runout_mm"
+            },
+            "mm",
+            extent,
+        ),
     ]
 }

@@ -1,10 +1,10 @@
 //! One run: fill, settle, rotate until steady, take frames, measure.
 
 use crate::apparatus::{Apparatus, NamedMesh};
+use crate::flow::{avalanche_period, fill_level, flowing_layer};
 use crate::health::limits;
 use crate::obstacles::mesh_walls;
 use crate::placement::place;
-use crate::flow::{avalanche_period, fill_level, flowing_layer};
 use crate::steady::{Truncation, marginal_standard_error_rule};
 use crate::{Error, FillingLibrary, Frame, FrameReading, Scene, SeedBody, read_frame};
 use contact_law::material::effective_moduli;
@@ -236,7 +236,11 @@ fn further(
     all.push(Further::new("flowing_layer_depth_mm", "mm", depths));
     all.push(Further::new("surface_speed_mm_s", "mm/s", speeds));
     all.push(Further::new("fill_level", "1", fills.collect()));
-    all.push(Further::new("avalanche_period_s", "s", period.into_iter().collect()));
+    all.push(Further::new(
+        "avalanche_period_s",
+        "s",
+        period.into_iter().collect(),
+    ));
     all
 }
 
@@ -254,11 +258,7 @@ pub(crate) struct Built {
 }
 
 /// Builds the world with the seeds in their starting places and the drive at rest.
-pub(crate) fn build(
-    scene: &Scene,
-    library: &FillingLibrary,
-    seed: u64,
-) -> Result<Built, Error> {
+pub(crate) fn build(scene: &Scene, library: &FillingLibrary, seed: u64) -> Result<Built, Error> {
     let bodies = scene
         .seed
         .iter()
@@ -499,10 +499,12 @@ pub(crate) fn advance(scene: &Scene, built: &mut Built, time: f64) -> Result<(),
     while world.time() < end {
         world.step()?;
     }
-    world.check_health(&built.limits).map_err(|source| Error::Unhealthy {
-        file: scene.file.clone(),
-        source,
-    })
+    world
+        .check_health(&built.limits)
+        .map_err(|source| Error::Unhealthy {
+            file: scene.file.clone(),
+            source,
+        })
 }
 
 /// What is kept of the rotation.
@@ -631,7 +633,9 @@ fn drive_power(world: &World) -> f64 {
     let torques = world.wall_torque().iter();
     let turning = world.walls().iter().zip(torques);
     let meshes = world.mesh_walls().zip(world.mesh_loads());
-    turning.map(|(wall, torque)| -torque * wall.spin).sum::<f64>()
+    turning
+        .map(|(wall, torque)| -torque * wall.spin)
+        .sum::<f64>()
         - meshes
             .map(|(wall, (force, torque))| {
                 force.dot(&wall.motion.velocity) + torque.dot(&wall.motion.spin)

@@ -30,7 +30,11 @@ pub(crate) struct Arguments {
     test: Kind,
 
     /// Measurements: drop_height_mm,rebound_height_mm or pull_force_n,normal_force_n or angle_deg
-    #[arg(value_name = "DATA.csv", required_unless_present = "scene", conflicts_with = "scene")]
+    #[arg(
+        value_name = "DATA.csv",
+        required_unless_present = "scene",
+        conflicts_with = "scene"
+    )]
     data: Option<PathBuf>,
 
     /// Does the test with the solver: seeds and contacts of this scene
@@ -94,7 +98,15 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
     let s = &report.summary;
     common.print(format!(
         "{} {} {:.4} (sd {:.4}, n {}, 95 % interval {:.4} to {:.4}, range {:.4} to {:.4})",
-        report.origin, report.coefficient, s.mean, s.sd, s.n, s.interval[0], s.interval[1], s.min, s.max
+        report.origin,
+        report.coefficient,
+        s.mean,
+        s.sd,
+        s.n,
+        s.interval[0],
+        s.interval[1],
+        s.min,
+        s.max
     ))?;
     if let Some(put_in) = report.put_in {
         common.print(format!("put into the contact of each sphere: {put_in}"))?;
@@ -140,7 +152,11 @@ fn simulated(arguments: &Arguments, file: &PathBuf) -> anyhow::Result<Report> {
         .as_deref()
         .context("--plate MATERIAL is missing: the plate on which the test is done")?;
     let parts = BenchParts::new(&scene, &FillingLibrary::default(), &seed_name, plate)?;
-    let kind = scene.seed.iter().find(|s| s.name == seed_name).unwrap_or(first);
+    let kind = scene
+        .seed
+        .iter()
+        .find(|s| s.name == seed_name)
+        .unwrap_or(first);
     let contact = scene
         .contact_of(&kind.material, plate)
         .context("the contact of seed and plate is missing")?;
@@ -149,16 +165,26 @@ fn simulated(arguments: &Arguments, file: &PathBuf) -> anyhow::Result<Report> {
         Kind::Slider => 5,
         Kind::Tilt => 20,
     });
-    ensure!(repeats >= 2, "--repeats {repeats}: at least 2 are needed for an interval");
+    ensure!(
+        repeats >= 2,
+        "--repeats {repeats}: at least 2 are needed for an interval"
+    );
     let seed = arguments.seed;
     let mut slid = 0;
     let (values, put_in) = match arguments.test {
         Kind::Drop => {
             let height = 1e-3 * arguments.height_mm;
-            (drop::drop(&parts, height, repeats, seed)?, contact.restitution.get())
+            (
+                drop::drop(&parts, height, repeats, seed)?,
+                contact.restitution.get(),
+            )
         }
         Kind::Slider => {
-            let base = if plate == kind.material { Base::Seeds } else { Base::Plate };
+            let base = if plate == kind.material {
+                Base::Seeds
+            } else {
+                Base::Plate
+            };
             let values = slider::slider(&parts, base, repeats, seed)?;
             (values, contact.static_friction.get())
         }

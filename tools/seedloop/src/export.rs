@@ -78,7 +78,12 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
         common.print(arguments.out.join(&file.name).display())?;
     }
     let mut inputs = vec![arguments.scene.clone()];
-    inputs.extend(scene.mesh_files().iter().map(|mesh| scene.folder.join(mesh)));
+    inputs.extend(
+        scene
+            .mesh_files()
+            .iter()
+            .map(|mesh| scene.folder.join(mesh)),
+    );
     common.emit_json(&Report {
         header: Header::new(arguments.seed, inputs)?,
         files: files.into_iter().map(|f| f.name).collect(),

@@ -80,7 +80,12 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
     let changes = [arguments.set.as_slice(), &arguments.further].concat();
     let scene = Scene::read(&arguments.scene, &changes)?;
     let mut inputs = vec![arguments.scene.clone()];
-    inputs.extend(scene.mesh_files().iter().map(|mesh| scene.folder.join(mesh)));
+    inputs.extend(
+        scene
+            .mesh_files()
+            .iter()
+            .map(|mesh| scene.folder.join(mesh)),
+    );
     let header = Header::new(arguments.seed, inputs)?;
     let single = SingleRun::new(scene, arguments.seed)?;
     let outcome = match find_or_run(arguments, &single) {

@@ -29,7 +29,11 @@ fn seedloop(folder: &Path, words: &[&str]) -> Vec<u8> {
         .current_dir(folder)
         .output()
         .expect("the command starts");
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    assert!(
+        output.status.success(),
+        "{}",
+        String::from_utf8_lossy(&output.stderr)
+    );
     output.stdout
 }
 
@@ -51,11 +55,24 @@ fn bed_angle_of_the_exported_deck_agrees_with_lammps() {
         let words = ["simulate", "drum.toml", "--quiet", "--json", "--seed", seed];
         let json: Value = serde_json::from_slice(&seedloop(folder.path(), &words)).expect("JSON");
         let angles = &json["frames"]["angles_by_position_deg"];
-        let angles = angles.as_array().expect("angles").iter().filter_map(Value::as_f64);
+        let angles = angles
+            .as_array()
+            .expect("angles")
+            .iter()
+            .filter_map(Value::as_f64);
         own.push(mean_and_variance(&angles.collect::<Vec<_>>()).0);
 
         let deck = format!("deck{seed}");
-        let words = ["export", "lammps", "drum.toml", "--quiet", "--out", &deck, "--seed", seed];
+        let words = [
+            "export",
+            "lammps",
+            "drum.toml",
+            "--quiet",
+            "--out",
+            &deck,
+            "--seed",
+            seed,
+        ];
         seedloop(folder.path(), &words);
         let deck = folder.path().join(deck);
         let output = Command::new(&command)
@@ -64,11 +81,19 @@ fn bed_angle_of_the_exported_deck_agrees_with_lammps() {
             .current_dir(&deck)
             .output()
             .expect("LAMMPS starts");
-        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stdout));
+        assert!(
+            output.status.success(),
+            "{}",
+            String::from_utf8_lossy(&output.stdout)
+        );
         let text = std::fs::read_to_string(deck.join("bed.dump")).expect("a dump");
         let moments = dump::read(&text, "bed.dump").expect("the dump can be read");
         let skip = moments.len() * 10 / 30;
-        assert!(skip as f64 * 0.1 >= START_UP - 0.1, "{} moments", moments.len());
+        assert!(
+            skip as f64 * 0.1 >= START_UP - 0.1,
+            "{} moments",
+            moments.len()
+        );
         let angles: Vec<f64> = moments[skip..]
             .iter()
             .step_by(2)
@@ -79,6 +104,12 @@ fn bed_angle_of_the_exported_deck_agrees_with_lammps() {
     }
     let ((a, va), (b, vb)) = (mean_and_variance(&own), mean_and_variance(&theirs));
     let error = (va + vb).sqrt();
-    println!("here {own:?}, LAMMPS {theirs:?}: difference {:.2} deg, standard error {error:.2}", a - b);
-    assert!((a - b).abs() < 3.0 * error, "here {own:?}, LAMMPS {theirs:?}");
+    println!(
+        "here {own:?}, LAMMPS {theirs:?}: difference {:.2} deg, standard error {error:.2}",
+        a - b
+    );
+    assert!(
+        (a - b).abs() < 3.0 * error,
+        "here {own:?}, LAMMPS {theirs:?}"
+    );
 }

@@ -53,7 +53,12 @@ impl BoxCollapse {
     pub(crate) fn gate_mesh(&self) -> NamedMesh {
         let (x, height, half) = (self.length.si(), self.height.si(), 0.5 * self.width.si());
         let at = |y: f64, z: f64| Vector3::new(x, y, z);
-        let [a, b, c, d] = [at(0.0, -half), at(0.0, half), at(height, half), at(height, -half)];
+        let [a, b, c, d] = [
+            at(0.0, -half),
+            at(0.0, half),
+            at(height, half),
+            at(height, -half),
+        ];
         NamedMesh {
             name: "gate".into(),
             triangles: vec![[a, b, c], [a, c, d]],

@@ -98,7 +98,11 @@ impl Drum {
         if let Some(tilt) = self.tilt
             && tilt.si().abs() >= std::f64::consts::FRAC_PI_2
         {
-            return bad("apparatus.tilt", tilt.to_string(), "between -90 deg and 90 deg");
+            return bad(
+                "apparatus.tilt",
+                tilt.to_string(),
+                "between -90 deg and 90 deg",
+            );
         }
         if let Some(every) = self.reverse_every
             && every.si() <= 0.0
@@ -109,10 +113,18 @@ impl Drum {
             let height = lifters.height.si();
             if height <= 0.0 || height >= 0.5 * self.inner_diameter.si() {
                 let requirement = "above 0 and below the inner radius";
-                return bad("apparatus.lifters.height", lifters.height.to_string(), requirement);
+                return bad(
+                    "apparatus.lifters.height",
+                    lifters.height.to_string(),
+                    requirement,
+                );
             }
             if lifters.count == 0 || lifters.count > 1000 {
-                return bad("apparatus.lifters.count", lifters.count.to_string(), "1 to 1000");
+                return bad(
+                    "apparatus.lifters.count",
+                    lifters.count.to_string(),
+                    "1 to 1000",
+                );
             }
         }
         Ok(())
