@@ -89,8 +89,7 @@ pub fn convert(from: &Conversion) -> GranularContact {
 ///
 /// # Errors
 ///
-/// An apparatus other than a drum of constant speed, cohesion, several materials of seeds, a frame
-/// with overlaps of walls (none is checked here).
+/// An apparatus other than a drum of constant speed, cohesion, several materials of seeds.
 pub fn deck(
     scene: &Scene,
     bodies: &[Arc<SeedBody>],
@@ -225,7 +224,7 @@ fn script(
     let protocol = &scene.protocol;
     let settle = steps(protocol.settle_limit.si());
     let every = steps(protocol.frame_interval.si());
-    let down = drum.tilt.map_or(0.0, |t| t.si());
+    let down = drum.tilt.map_or(0.0, quantity::Angle::si);
     Ok(format!(
         "# {} seeds in a drum of {} mm, written from {}.\n\
          # Contacts are converted, not copied: E and nu stand for both sides, the restitution is that\n\

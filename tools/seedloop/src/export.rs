@@ -14,11 +14,11 @@ use std::path::PathBuf;
 enum Format {
     /// Deck of a drum for LAMMPS: in.drum, drum.data, drum.bodies
     Lammps,
-    /// Frames of a run for ParaView: frames.pvd and one file a frame
+    /// Frames of a run for `ParaView`: frames.pvd and one file a frame
     Vtk,
 }
 
-/// Writes a scene as a deck for LAMMPS, or its frames for ParaView
+/// Writes a scene as a deck for LAMMPS, or its frames for `ParaView`
 #[derive(clap::Args, Debug)]
 pub(crate) struct Arguments {
     /// Format

@@ -48,7 +48,7 @@ enum Command {
     Diagnose(diagnose::Arguments),
     /// Reads bench measurements, or does the same test with the solver
     BenchTest(bench_test::Arguments),
-    /// Writes a scene as a deck for LAMMPS, or its frames for ParaView
+    /// Writes a scene as a deck for LAMMPS, or its frames for `ParaView`
     Export(export::Arguments),
     /// Checks the solver against mechanics and prints the table
     Verify(verify::Arguments),
