@@ -50,7 +50,7 @@ fn lifters_that_do_not_fit_are_refused() {
     let scene = TinyScene::changed(DRUM, &more);
     assert_error(
         &scene.simulate(&[]),
-        &["lifters.height", "40 mm", "inner radius"],
+        &["lifters.height", "0.04 m", "inner radius"],
     );
 }
 
@@ -69,7 +69,7 @@ fn a_wall_of_an_unknown_material_or_without_a_mesh_is_named() {
     assert_error(&scene.simulate(&[]), &["baffle.stl"]);
 }
 
-/// A turning plate in the bed takes part: the mesh is read, placed and moved.
+/// A turning bent plate in the bed takes part: the mesh is read, placed and moved.
 #[test]
 fn a_wall_from_a_mesh_takes_part() {
     let wall = "[[wall]]\nname = \"baffle\"\nmesh = \"baffle.stl\"\nmesh_unit = \"mm\"\n\
@@ -80,7 +80,7 @@ fn a_wall_from_a_mesh_takes_part() {
             "facet normal 0 0 0\nouter loop\nvertex {a}\nvertex {b}\nvertex {c}\nendloop\nendfacet\n"
         )
     };
-    let (a, b, c, d) = ("-10 0 -8", "10 0 -8", "10 0 8", "-10 0 8");
+    let (a, b, c, d) = ("-10 0 -6", "10 0 -6", "10 3 6", "-10 0 6");
     let text = format!(
         "solid baffle\n{}{}endsolid baffle\n",
         facet(a, b, c),
