@@ -43,6 +43,25 @@ lammps:
 fill *ARGS:
     cargo run --release --locked -p seedfill -- "$@"
 
+# Compare the methods of seedfill on two seeds, with CLUMP and multisphere where they are installed.
+fill-table *MESHES:
+    cargo build --release --locked -p seedfill
+    python3 tools/seedfill/compare/fill_table.py "${CARGO_TARGET_DIR:-target}/release/seedfill" fixtures/stl/cotton_ellipsoidal.stl fixtures/stl/cotton_flat.stl "$@"
+
+# Show what seedfill says to broken and odd meshes.
+fill-bad-input:
+    cargo build --release --locked -p seedfill
+    python3 tools/seedfill/bad-input/bad_input.py "${CARGO_TARGET_DIR:-target}/release/seedfill"
+
+# Feed the mesh readers with damaged files for ten minutes.
+fuzz-meshes:
+    cargo test --release --locked -p trimesh --test mutated -- --ignored
+
+# Read the files of seedfill back with LIGGGHTS, YADE and LAMMPS, where they are installed.
+fill-formats:
+    cargo build --release --locked -p seedfill
+    python3 tools/seedfill/read-back/read_back.py "${CARGO_TARGET_DIR:-target}/release/seedfill" fixtures/stl/cotton_flat.stl
+
 # Read the angle of repose from photos or frames.
 angle *ARGS:
     cargo run --release --locked -p angle-from-image -- "$@"

@@ -9,7 +9,6 @@
     reason = "the hot loops are vectorised only when inlined"
 )]
 
-use crate::bodies::Bodies;
 use crate::contact::{Effect, Interaction, SpherePair};
 use crate::neighbours::Touch;
 use fearless_simd::prelude::*;
@@ -102,6 +101,50 @@ fn read(column: &Column, k: usize) -> Vector3<f64> {
     Vector3::new(column[0][k], column[1][k], column[2][k])
 }
 
+/// Force and torques of one contact.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct ContactLoad {
+    /// The two bodies.
+    bodies: [usize; 2],
+    /// Force on the first, the opposite of that on the second, N.
+    force: Vector3<f64>,
+    /// Torques on both, N m.
+    torques: [Vector3<f64>; 2],
+}
+
+/// Where the loads of contacts go: to the bodies, or to a list that is given to them later.
+pub(crate) trait Sink {
+    /// Takes the load of a contact.
+    fn take(&mut self, load: &ContactLoad);
+}
+
+/// Forces (N) and torques (N m) of all bodies.
+#[derive(Debug)]
+pub(crate) struct Loads<'a> {
+    /// Forces, N.
+    pub(crate) force: &'a mut [Vector3<f64>],
+    /// Torques, N m.
+    pub(crate) torque: &'a mut [Vector3<f64>],
+}
+
+impl Sink for Loads<'_> {
+    #[inline(always)]
+    fn take(&mut self, load: &ContactLoad) {
+        let [i, j] = load.bodies;
+        self.force[i] += load.force;
+        self.force[j] -= load.force;
+        self.torque[i] += load.torques[0];
+        self.torque[j] += load.torques[1];
+    }
+}
+
+impl Sink for Vec<ContactLoad> {
+    #[inline(always)]
+    fn take(&mut self, load: &ContactLoad) {
+        self.push(*load);
+    }
+}
+
 impl Batch {
     /// Whether a contact of this interaction has no place before the batch is worked off.
     #[inline(always)]
@@ -136,14 +179,14 @@ impl Batch {
         self.n = k + 1;
     }
 
-    /// Computes all contacts, adds their forces to the bodies and empties the batch.
+    /// Computes all contacts, gives their loads to a sink and empties the batch.
     #[inline(always)]
     pub(crate) fn apply<S: Simd>(
         &mut self,
         simd: S,
         interactions: &[Interaction],
         time_step: f64,
-        bodies: &mut Bodies,
+        sink: &mut impl Sink,
         touches: &mut [Touch],
     ) {
         if self.n == 0 {
@@ -158,12 +201,11 @@ impl Batch {
         );
         let output = &*self.output;
         for k in 0..self.n {
-            let [i, j] = self.bodies[k];
-            let force = read(&output.force, k);
-            bodies.force[i] += force;
-            bodies.force[j] -= force;
-            bodies.torque[i] += read(&output.torque_i, k);
-            bodies.torque[j] += read(&output.torque_j, k);
+            sink.take(&ContactLoad {
+                bodies: self.bodies[k],
+                force: read(&output.force, k),
+                torques: [read(&output.torque_i, k), read(&output.torque_j, k)],
+            });
             touches[self.touch[k]].slip = read(&output.slip, k);
         }
         self.n = 0;

@@ -74,6 +74,23 @@ impl Bodies {
         self.position.is_empty()
     }
 
+    /// All bodies.
+    pub(crate) fn slices(&mut self) -> BodySlices<'_> {
+        BodySlices {
+            template: &self.template,
+            position: &mut self.position,
+            velocity: &mut self.velocity,
+            orientation: &mut self.orientation,
+            spin: &mut self.spin,
+            angular_momentum: &mut self.angular_momentum,
+            rotation: &mut self.rotation,
+            cells_to_metres: &mut self.cells_to_metres,
+            force: &self.force,
+            torque: &self.torque,
+            travel: &mut self.travel,
+        }
+    }
+
     /// Adds a body.
     pub(crate) fn push(&mut self, placement: &Placement, template: &Template) {
         let rotation = placement.orientation.to_rotation_matrix().into_inner();
@@ -91,6 +108,72 @@ impl Bodies {
         self.force.push(Vector3::zeros());
         self.torque.push(Vector3::zeros());
         self.travel.push(0.0);
+    }
+}
+
+/// A range of bodies, fields as in [`Bodies`]: what moves them, and what moves.
+#[derive(Debug)]
+pub(crate) struct BodySlices<'a> {
+    pub(crate) template: &'a [usize],
+    pub(crate) position: &'a mut [Vector3<f64>],
+    pub(crate) velocity: &'a mut [Vector3<f64>],
+    pub(crate) orientation: &'a mut [UnitQuaternion<f64>],
+    pub(crate) spin: &'a mut [Vector3<f64>],
+    pub(crate) angular_momentum: &'a mut [Vector3<f64>],
+    pub(crate) rotation: &'a mut [Matrix3<f64>],
+    pub(crate) cells_to_metres: &'a mut [[f32; 9]],
+    pub(crate) force: &'a [Vector3<f64>],
+    pub(crate) torque: &'a [Vector3<f64>],
+    pub(crate) travel: &'a mut [f32],
+}
+
+impl BodySlices<'_> {
+    /// Number of bodies.
+    pub(crate) fn len(&self) -> usize {
+        self.position.len()
+    }
+
+    /// The bodies before `middle` and those from there on.
+    pub(crate) fn split_at(self, middle: usize) -> (Self, Self) {
+        let template = self.template.split_at(middle);
+        let position = self.position.split_at_mut(middle);
+        let velocity = self.velocity.split_at_mut(middle);
+        let orientation = self.orientation.split_at_mut(middle);
+        let spin = self.spin.split_at_mut(middle);
+        let angular_momentum = self.angular_momentum.split_at_mut(middle);
+        let rotation = self.rotation.split_at_mut(middle);
+        let cells_to_metres = self.cells_to_metres.split_at_mut(middle);
+        let force = self.force.split_at(middle);
+        let torque = self.torque.split_at(middle);
+        let travel = self.travel.split_at_mut(middle);
+        (
+            Self {
+                template: template.0,
+                position: position.0,
+                velocity: velocity.0,
+                orientation: orientation.0,
+                spin: spin.0,
+                angular_momentum: angular_momentum.0,
+                rotation: rotation.0,
+                cells_to_metres: cells_to_metres.0,
+                force: force.0,
+                torque: torque.0,
+                travel: travel.0,
+            },
+            Self {
+                template: template.1,
+                position: position.1,
+                velocity: velocity.1,
+                orientation: orientation.1,
+                spin: spin.1,
+                angular_momentum: angular_momentum.1,
+                rotation: rotation.1,
+                cells_to_metres: cells_to_metres.1,
+                force: force.1,
+                torque: torque.1,
+                travel: travel.1,
+            },
+        )
     }
 }
 

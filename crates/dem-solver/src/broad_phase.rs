@@ -25,8 +25,17 @@ pub(crate) struct Grid {
     /// x, y, z of the bodies in `order` against the lower corner of all, m, and room for one
     /// more group at the end.
     sorted: [Vec<f32>; 3],
-    /// Partners of one body.
-    partners: Vec<u32>,
+    /// Lower and upper corner of all positions, m.
+    low: Vector3<f64>,
+    high: Vector3<f64>,
+    /// Largest radius, m.
+    largest: f64,
+    /// Margin, m.
+    margin: f64,
+    /// Size of a cell, m.
+    size: f64,
+    /// Number of cells along each axis.
+    counts: [usize; 3],
 }
 
 /// Most cells of a grid for each body; beyond it the cells grow. A packed bed needs about one, a
@@ -34,47 +43,52 @@ pub(crate) struct Grid {
 const MOST_CELLS_PER_BODY: usize = 64;
 
 impl Grid {
-    /// Calls `found` with each body i and its partners j > i, in rising order: the bodies closer
-    /// than the sum of both radii and the margin.
-    ///
-    /// Positions in m, finite; `radii` by body, m.
-    pub(crate) fn pairs(
-        &mut self,
-        level: Level,
-        positions: &[Vector3<f64>],
-        radii: &[f64],
-        margin: f64,
-        mut found: impl FnMut(usize, &[u32]),
-    ) {
-        let largest = radii.iter().copied().fold(0.0, f64::max);
-        let low = fold(positions, f64::INFINITY, f64::min);
-        let high = fold(positions, f64::NEG_INFINITY, f64::max);
+    /// Sorts the bodies into cells; positions in m, finite; `radii` by body, m.
+    pub(crate) fn sort(&mut self, positions: &[Vector3<f64>], radii: &[f64], margin: f64) {
+        self.largest = radii.iter().copied().fold(0.0, f64::max);
+        self.low = fold(positions, f64::INFINITY, f64::min);
+        self.high = fold(positions, f64::NEG_INFINITY, f64::max);
+        self.margin = margin;
         let most = MOST_CELLS_PER_BODY
             .saturating_mul(positions.len())
             .clamp(1 << 12, 1 << 28);
-        let mut size = 2.0 * largest + margin;
-        let counts = loop {
-            let counts: [usize; 3] = std::array::from_fn(|k| cell(high[k] - low[k], size) + 1);
-            let total = counts.iter().fold(1_usize, |n, &c| n.saturating_mul(c));
+        self.size = 2.0 * self.largest + margin;
+        loop {
+            let extent = self.high - self.low;
+            self.counts = std::array::from_fn(|k| cell(extent[k], self.size) + 1);
+            let total = self
+                .counts
+                .iter()
+                .fold(1_usize, |n, &c| n.saturating_mul(c));
             if total <= most {
-                break counts;
+                break;
             }
-            size *= 2.0;
-        };
-        let coordinates = |p: &Vector3<f64>| -> [usize; 3] {
-            std::array::from_fn(|k| cell(p[k] - low[k], size).min(counts[k] - 1))
-        };
-        self.sort(positions, &low, counts, coordinates);
+            self.size *= 2.0;
+        }
+        self.fill_cells(positions);
+    }
+
+    /// Calls `found` with each body i of a range and its partners j > i, in rising order: the
+    /// bodies closer than the sum of both radii and the margin. Positions and radii as in
+    /// [`Self::sort`].
+    pub(crate) fn for_each_body(
+        &self,
+        level: Level,
+        range: Range<usize>,
+        positions: &[Vector3<f64>],
+        radii: &[f64],
+        partners: &mut Vec<u32>,
+        mut found: impl FnMut(usize, &[u32]),
+    ) {
         // Single precision finds those that may be near; each of them is then looked at again.
-        let extent = (high - low).amax();
-        let rounding = 1e-6 * (extent + size);
-        let mut partners = std::mem::take(&mut self.partners);
-        for (i, p) in positions.iter().enumerate() {
+        let rounding = 1e-6 * ((self.high - self.low).amax() + self.size);
+        for i in range {
             partners.clear();
-            let reach = radii[i] + margin;
-            let near = single_square(reach + largest + rounding);
-            let centre = single(&(p - low));
-            for_each_row(coordinates(p), counts, |first, last| {
+            let p = &positions[i];
+            let reach = radii[i] + self.margin;
+            let near = single_square(reach + self.largest + rounding);
+            let centre = single(&(p - self.low));
+            for_each_row(self.cell_of_point(p), self.counts, |first, last| {
                 let range = self.start[first] as usize..self.start[last + 1] as usize;
                 dispatch!(level, simd => self.near(simd, range, &centre, near, |j| {
                     let other = j as usize;
@@ -85,9 +99,13 @@ impl Grid {
                 }));
             });
             partners.sort_unstable();
-            found(i, &partners);
+            found(i, partners);
         }
-        self.partners = partners;
+    }
+
+    /// Coordinates of the cell of a point.
+    fn cell_of_point(&self, p: &Vector3<f64>) -> [usize; 3] {
+        std::array::from_fn(|k| cell(p[k] - self.low[k], self.size).min(self.counts[k] - 1))
     }
 
     /// Calls `found` with the bodies of a range of `order` closer to a point than a limit (m²).
@@ -113,19 +131,13 @@ impl Grid {
     }
 
     /// Sorts the bodies by cell (counting sort).
-    fn sort(
-        &mut self,
-        positions: &[Vector3<f64>],
-        low: &Vector3<f64>,
-        counts: [usize; 3],
-        coordinates: impl Fn(&Vector3<f64>) -> [usize; 3],
-    ) {
-        let total = counts[0] * counts[1] * counts[2];
+    fn fill_cells(&mut self, positions: &[Vector3<f64>]) {
+        let total = self.counts.iter().product::<usize>();
         self.cell_of.clear();
         self.start.clear();
         self.start.resize(total + 1, 0);
         for p in positions {
-            let index = flat(coordinates(p), counts);
+            let index = flat(self.cell_of_point(p), self.counts);
             self.cell_of.push(u32::try_from(index).unwrap_or(u32::MAX));
             self.start[index + 1] += 1;
         }
@@ -142,7 +154,7 @@ impl Grid {
         for (i, &index) in self.cell_of.iter().enumerate() {
             let place = &mut self.next[index as usize];
             self.order[*place as usize] = u32::try_from(i).unwrap_or(u32::MAX);
-            let centre = single(&(positions[i] - low));
+            let centre = single(&(positions[i] - self.low));
             for (axis, coordinate) in self.sorted.iter_mut().zip(centre) {
                 axis[*place as usize] = coordinate;
             }
@@ -210,6 +222,24 @@ mod tests {
     use nalgebra::Vector3;
     use random_stream::Stream;
 
+    /// All pairs within a margin of 0.02.
+    fn pairs(grid: &mut Grid, positions: &[Vector3<f64>], radii: &[f64]) -> Vec<(usize, usize)> {
+        let mut found = Vec::new();
+        grid.sort(positions, radii, 0.02);
+        let (level, all) = (Level::new(), 0..positions.len());
+        grid.for_each_body(
+            level,
+            all,
+            positions,
+            radii,
+            &mut Vec::new(),
+            |i, partners| {
+                found.extend(partners.iter().map(|&j| (i, j as usize)));
+            },
+        );
+        found
+    }
+
     /// The grid finds exactly the pairs that a double loop finds, for mixed sizes.
     #[test]
     fn grid_finds_the_pairs_of_a_double_loop() {
@@ -218,10 +248,7 @@ mod tests {
             .map(|_| Vector3::from_fn(|_, _| stream.uniform()))
             .collect();
         let radii: Vec<f64> = (0..300).map(|_| stream.between(0.01, 0.06)).collect();
-        let mut found = Vec::new();
-        Grid::default().pairs(Level::new(), &positions, &radii, 0.02, |i, partners| {
-            found.extend(partners.iter().map(|&j| (i, j as usize)));
-        });
+        let found = pairs(&mut Grid::default(), &positions, &radii);
         let mut expected = Vec::new();
         for i in 0..300 {
             for j in i + 1..300 {
@@ -249,10 +276,7 @@ mod tests {
                 Vector3::x() * 0.1,
                 Vector3::new(far, -far, 0.0),
             ];
-            let mut found = Vec::new();
-            grid.pairs(Level::new(), &positions, &[0.06; 4], 0.02, |i, partners| {
-                found.extend(partners.iter().map(|&j| (i, j as usize)));
-            });
+            let found = pairs(&mut grid, &positions, &[0.06; 4]);
             assert_eq!(found, [(1, 2)], "at {far} m");
             assert!(
                 grid.start.len() < 1 << 13,
@@ -264,8 +288,6 @@ mod tests {
 
     #[test]
     fn grid_of_no_body_has_no_pair() {
-        Grid::default().pairs(Level::new(), &[], &[], 0.02, |_, _| {
-            panic!("a pair of nothing")
-        });
+        assert_eq!(pairs(&mut Grid::default(), &[], &[]), []);
     }
 }

@@ -18,6 +18,14 @@ pub enum Error {
         /// What holds the number, by name or index.
         what: String,
     },
+    /// The steps of a world cannot be spread over threads.
+    #[error("{threads} threads cannot be used: {reason}")]
+    Threads {
+        /// Number asked for.
+        threads: usize,
+        /// Why.
+        reason: String,
+    },
     /// An index points to nothing.
     #[error("{what} {index} does not exist: there are {count}")]
     NoSuch {

@@ -13,11 +13,12 @@
     reason = "the hot loops are vectorised only when inlined"
 )]
 
-use crate::bodies::{Bodies, scaled_single};
+use crate::bodies::{Bodies, BodySlices, scaled_single};
 use crate::template::Template;
 use fearless_simd::prelude::*;
 use fearless_simd::{Level, dispatch};
 use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3};
+use rayon::ThreadPool;
 
 /// What a step needs beside the bodies.
 #[derive(Debug, Clone, Copy)]
@@ -74,13 +75,54 @@ fn vector(columns: &Columns<3>, k: usize) -> Vector3<f64> {
 }
 
 /// Moves all bodies by one step and returns the longest travel since the last broad phase, m;
-/// infinite if a travel is no finite number.
+/// infinite if a travel is no finite number. The halves of the bodies are moved at the same time
+/// where threads are to be had.
 pub(crate) fn advance(
     level: Level,
+    pool: Option<&ThreadPool>,
     bodies: &mut Bodies,
     templates: &[Template],
     around: &Surroundings,
 ) -> f32 {
+    let slices = bodies.slices();
+    // The largest of some numbers leaves out what is no number; their sum does not.
+    let (longest, sum) = match pool {
+        Some(pool) => pool.install(|| advance_halves(level, slices, templates, around)),
+        None => advance_slices(level, slices, templates, around),
+    };
+    if sum.is_finite() {
+        longest
+    } else {
+        f32::INFINITY
+    }
+}
+
+/// Longest travel and sum of all travels, m; each half on a thread of its own.
+fn advance_halves(
+    level: Level,
+    bodies: BodySlices<'_>,
+    templates: &[Template],
+    around: &Surroundings,
+) -> (f32, f32) {
+    if bodies.len() <= 8 * ROOM {
+        return advance_slices(level, bodies, templates, around);
+    }
+    let middle = bodies.len() / 2;
+    let (low, high) = bodies.split_at(middle);
+    let (a, b) = rayon::join(
+        || advance_halves(level, low, templates, around),
+        || advance_halves(level, high, templates, around),
+    );
+    (a.0.max(b.0), a.1 + b.1)
+}
+
+/// Longest travel and sum of all travels, m.
+fn advance_slices(
+    level: Level,
+    mut bodies: BodySlices<'_>,
+    templates: &[Template],
+    around: &Surroundings,
+) -> (f32, f32) {
     let mut motion = Motion {
         position: [[0.0; ROOM]; 3],
         velocity: [[0.0; ROOM]; 3],
@@ -97,34 +139,29 @@ pub(crate) fn advance(
         inverse_inertia: [[0.0; ROOM]; 3],
         bounding_radius: [0.0; ROOM],
     };
-    // The largest of some numbers leaves out what is no number; their sum does not.
     let (mut longest, mut sum) = (0.0_f32, 0.0_f32);
     for first in (0..bodies.len()).step_by(ROOM) {
         let block = first..bodies.len().min(first + ROOM);
         for (k, i) in block.clone().enumerate() {
-            gather(bodies, templates, i, k, &mut motion, &mut drive);
+            gather(&bodies, templates, i, k, &mut motion, &mut drive);
         }
         dispatch!(level, simd => simd.vectorize(
             #[inline(always)]
             || move_block(&mut motion, &drive, around, block.len()),
         ));
         for (k, i) in block.enumerate() {
-            let travel = scatter(&motion, k, bodies, i, templates);
+            let travel = scatter(&motion, k, &mut bodies, i, templates);
             longest = longest.max(travel);
             sum += travel;
         }
     }
-    if sum.is_finite() {
-        longest
-    } else {
-        f32::INFINITY
-    }
+    (longest, sum)
 }
 
 /// Copies body `i` into column `k`.
 #[inline(always)]
 fn gather(
-    bodies: &Bodies,
+    bodies: &BodySlices<'_>,
     templates: &[Template],
     i: usize,
     k: usize,
@@ -199,7 +236,7 @@ fn move_block(motion: &mut Motion, drive: &Drive, around: &Surroundings, n: usiz
 fn scatter(
     motion: &Motion,
     k: usize,
-    bodies: &mut Bodies,
+    bodies: &mut BodySlices<'_>,
     i: usize,
     templates: &[Template],
 ) -> f32 {

@@ -5,7 +5,8 @@
 //!
 //! Invariants:
 //!
-//! - the same input gives the same bits, whatever the instruction set of the processor;
+//! - the same input gives the same bits, whatever the instruction set of the processor and the
+//!   number of threads;
 //! - a step allocates nothing once the lists have grown to their working size;
 //! - [`plain`] computes the same forces without any list and is the oracle of the fast path.
 //!
@@ -28,6 +29,7 @@ mod mesh_force;
 mod mesh_wall;
 mod neighbours;
 mod pair_force;
+mod part;
 pub mod plain;
 mod template;
 mod wall;

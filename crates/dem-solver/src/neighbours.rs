@@ -17,6 +17,7 @@ use crate::pair_force::Slack;
 use crate::template::Template;
 use fearless_simd::prelude::*;
 use nalgebra::{UnitQuaternion, Vector3};
+use std::ops::{AddAssign, Range};
 
 /// A touching pair of spheres and its tangential displacement.
 #[derive(Debug, Clone, Copy)]
@@ -94,19 +95,21 @@ struct Pose {
     reach: f32,
 }
 
-/// All pairs of bodies.
+/// The pairs of a range of bodies with all bodies behind them.
 ///
 /// Chunks and touches lie in the order in which the force loop visits the pairs, so that the
 /// loop reads memory from front to back. A list that grows out of its place goes to the end;
 /// the next broad phase puts it back in order.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Neighbours {
+    /// The first body of the range.
+    first: usize,
     /// Entries, grouped by the first body.
     pub(crate) heads: Vec<Head>,
     /// Lists of the same entries.
     pub(crate) lists: Vec<Lists>,
-    /// First entry of each body in `heads`; one more than there are bodies.
-    pub(crate) start: Vec<u32>,
+    /// First entry of each body of the range in `heads`; one more than there are bodies.
+    start: Vec<u32>,
     /// Entries of one body that are awake; filled by [`Self::find_awake`].
     pub(crate) awake: Vec<u32>,
     /// Candidates.
@@ -161,6 +164,18 @@ pub struct Census {
     pub checks: u64,
 }
 
+impl AddAssign for Census {
+    fn add_assign(&mut self, other: Self) {
+        self.body_pairs += other.body_pairs;
+        self.pairs_with_candidates += other.pairs_with_candidates;
+        self.chunks += other.chunks;
+        self.touching_pairs += other.touching_pairs;
+        self.sphere_contacts += other.sphere_contacts;
+        self.rebuilds += other.rebuilds;
+        self.checks += other.checks;
+    }
+}
+
 /// A limit of the travel lowered by what is used up, and by the rounding of doing so, m.
 pub(crate) fn lowered(limit: f32, travel: f32) -> f32 {
     limit - travel - f32::EPSILON * (limit.abs() + travel)
@@ -172,6 +187,23 @@ fn stored(index: usize) -> u32 {
 }
 
 impl Neighbours {
+    /// The bodies whose pairs are listed.
+    pub(crate) fn range(&self) -> Range<usize> {
+        self.first..self.first + self.start.len().saturating_sub(1)
+    }
+
+    /// Touching spheres of two bodies: (body, body, key of the spheres), as of the last step.
+    pub(crate) fn touching_spheres(&self) -> impl Iterator<Item = (usize, usize, u32)> + '_ {
+        let bodies = self.start.windows(2).zip(self.first..);
+        let pairs = bodies.flat_map(|(w, i)| (w[0] as usize..w[1] as usize).map(move |k| (i, k)));
+        pairs.flat_map(|(i, k)| {
+            let lists = &self.lists[k];
+            let touches = lists.touch as usize..(lists.touch + lists.n_touches) as usize;
+            let j = self.heads[k].j as usize;
+            self.touches[touches].iter().map(move |t| (i, j, t.key))
+        })
+    }
+
     /// Sizes of the lists.
     pub(crate) fn census(&self) -> Census {
         let count = |test: &dyn Fn(&Lists) -> bool| self.lists.iter().filter(|l| test(l)).count();
@@ -186,8 +218,10 @@ impl Neighbours {
         }
     }
 
-    /// Begins a new list; partners of each body follow in order through [`Self::add`].
-    pub(crate) fn begin(&mut self) {
+    /// Begins a new list; partners of each body follow in order, from the first one on, through
+    /// [`Self::add`].
+    pub(crate) fn begin(&mut self, first: usize) {
+        self.first = first;
         let old = &mut self.old;
         std::mem::swap(&mut self.heads, &mut old.heads);
         std::mem::swap(&mut self.lists, &mut old.lists);
@@ -205,7 +239,8 @@ impl Neighbours {
     /// `travel` is the travel of the bodies up to now; the caller sets it to 0 afterwards, so
     /// the limits of the pairs that stay are lowered by it.
     pub(crate) fn add(&mut self, i: usize, partners: &[u32], travel: &[f32]) {
-        let (mut k, end) = match self.old.start.get(i..i + 2) {
+        let place = i - self.first;
+        let (mut k, end) = match self.old.start.get(place..place + 2) {
             Some(range) => (range[0] as usize, range[1] as usize),
             None => (0, 0),
         };
@@ -337,12 +372,14 @@ impl Neighbours {
     /// not branch.
     #[inline(always)]
     pub(crate) fn find_awake(&mut self, i: usize, travel: &[f32]) -> usize {
-        let range = self.start[i] as usize..self.start[i + 1] as usize;
+        let place = i - self.first;
+        let first = self.start[place];
+        let range = first as usize..self.start[place + 1] as usize;
         if self.awake.len() < range.len() + 1 {
             self.awake.resize(range.len() + 1, 0);
         }
         let mut n = 0;
-        for (k, head) in (self.start[i]..).zip(&self.heads[range]) {
+        for (k, head) in (first..).zip(&self.heads[range]) {
             self.awake[n] = k;
             n += usize::from(travel[i] + travel[head.j as usize] > head.wake);
         }

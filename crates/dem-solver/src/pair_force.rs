@@ -5,7 +5,7 @@
     reason = "the hot loops are vectorised only when inlined"
 )]
 
-use crate::batch::Batch;
+use crate::batch::{Batch, Sink};
 use crate::bodies::Bodies;
 use crate::contact::{Interaction, Mover, SpherePair};
 use crate::lanes::{Lanes, along, load_vectors, set_bits, squares};
@@ -94,15 +94,16 @@ fn distances<S: Simd>(
     squares(&between)
 }
 
-/// Adds the forces between all bodies.
+/// Finds the forces between the bodies of a range and those behind them.
 pub(crate) fn add_pair_forces(
     level: Level,
     neighbours: &mut Neighbours,
-    bodies: &mut Bodies,
+    bodies: &Bodies,
     batch: &mut Batch,
     context: &Context<'_>,
+    sink: &mut impl Sink,
 ) {
-    dispatch!(level, simd => add_pair_forces_on(simd, neighbours, bodies, batch, context));
+    dispatch!(level, simd => add_pair_forces_on(simd, neighbours, bodies, batch, context, sink));
 }
 
 /// [`add_pair_forces`] on one instruction set.
@@ -110,12 +111,13 @@ pub(crate) fn add_pair_forces(
 fn add_pair_forces_on<S: Simd>(
     simd: S,
     neighbours: &mut Neighbours,
-    bodies: &mut Bodies,
+    bodies: &Bodies,
     batch: &mut Batch,
     context: &Context<'_>,
+    sink: &mut impl Sink,
 ) {
     neighbours.next_touches.clear();
-    for i in 0..bodies.len() {
+    for i in neighbours.range() {
         for entry in 0..neighbours.find_awake(i, &bodies.travel) {
             let k = neighbours.awake[entry] as usize;
             let j = neighbours.heads[k].j as usize;
@@ -123,18 +125,12 @@ fn add_pair_forces_on<S: Simd>(
                 neighbours.refresh(simd, k, i, bodies, context.templates, context.slack);
             }
             if neighbours.lists[k].n_chunks > 0 {
-                collect_pair(simd, neighbours, k, [i, j], bodies, batch, context);
+                collect_pair(simd, neighbours, k, [i, j], bodies, batch, context, sink);
             }
         }
     }
     let touches = &mut neighbours.next_touches;
-    batch.apply(
-        simd,
-        context.interactions,
-        context.time_step,
-        bodies,
-        touches,
-    );
+    batch.apply(simd, context.interactions, context.time_step, sink, touches);
     std::mem::swap(&mut neighbours.touches, &mut neighbours.next_touches);
 }
 
@@ -144,14 +140,19 @@ fn add_pair_forces_on<S: Simd>(
     clippy::cast_possible_truncation,
     reason = "the overlap test has a safety distance"
 )]
+#[expect(
+    clippy::too_many_arguments,
+    reason = "a piece of the hot loop, cut out to be read"
+)]
 fn collect_pair<S: Simd>(
     simd: S,
     neighbours: &mut Neighbours,
     k: usize,
     [i, j]: [usize; 2],
-    bodies: &mut Bodies,
+    bodies: &Bodies,
     batch: &mut Batch,
     context: &Context<'_>,
+    sink: &mut impl Sink,
 ) {
     let lists = &mut neighbours.lists[k];
     let old = lists.touch as usize..(lists.touch + lists.n_touches) as usize;
@@ -178,13 +179,7 @@ fn collect_pair<S: Simd>(
                 pair.slip = known.map_or_else(Vector3::zeros, |touch| touch.slip);
                 let touches = &mut neighbours.next_touches;
                 if batch.must_be_applied(interaction) {
-                    batch.apply(
-                        simd,
-                        context.interactions,
-                        context.time_step,
-                        bodies,
-                        touches,
-                    );
+                    batch.apply(simd, context.interactions, context.time_step, sink, touches);
                 }
                 batch.push(interaction, [i, j], touches.len(), &pair);
                 touches.push(Touch {

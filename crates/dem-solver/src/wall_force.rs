@@ -5,6 +5,7 @@
     reason = "the hot loops are vectorised only when inlined"
 )]
 
+use crate::batch::Loads;
 use crate::bodies::Bodies;
 use crate::contact::{Effect, Mover, SphereWall};
 use crate::neighbours::{Touch, lowered};
@@ -13,6 +14,7 @@ use crate::template::{OuterSphere, Template};
 use crate::wall::{Nearest, Wall};
 use contact_law::ContactGeometry;
 use nalgebra::Vector3;
+use std::ops::Range;
 
 /// A body near a wall.
 #[derive(Debug, Clone)]
@@ -29,6 +31,8 @@ struct Near {
     candidates: Vec<u16>,
     /// Spheres that touch.
     touches: Vec<Touch>,
+    /// Force and torque on the body in this step; none if nothing touches.
+    total: Option<Effect>,
 }
 
 /// All bodies near walls.
@@ -43,9 +47,10 @@ pub(crate) struct WallNeighbours {
 }
 
 impl WallNeighbours {
-    /// Lists the bodies whose bounding sphere is within the margin (m) of a wall.
+    /// Lists the bodies of a range whose bounding sphere is within the margin (m) of a wall.
     pub(crate) fn rebuild(
         &mut self,
+        range: Range<usize>,
         bodies: &Bodies,
         templates: &[Template],
         walls: &[Wall],
@@ -54,7 +59,7 @@ impl WallNeighbours {
         std::mem::swap(&mut self.near, &mut self.old);
         let spare = &mut self.spare;
         let mut old = self.old.drain(..).peekable();
-        for body in 0..bodies.len() {
+        for body in range {
             let reach = templates[bodies.template[body]].bounding_radius + margin;
             for (wall, shape) in walls.iter().enumerate() {
                 if shape.nearest(&bodies.position[body]).distance >= reach {
@@ -73,15 +78,8 @@ impl WallNeighbours {
         spare.extend(old);
     }
 
-    /// Adds the forces of all walls; `load` and `torque` collect the force on each wall (N) and its
-    /// torque about the z axis (N m).
-    pub(crate) fn add_forces(
-        &mut self,
-        bodies: &mut Bodies,
-        walls: &[Wall],
-        context: &Context<'_>,
-        (load, torque): (&mut [Vector3<f64>], &mut [f64]),
-    ) {
+    /// Finds the forces of all walls.
+    pub(crate) fn find_forces(&mut self, bodies: &Bodies, walls: &[Wall], context: &Context<'_>) {
         for near in &mut self.near {
             let template = &context.templates[bodies.template[near.body]];
             let wall = &walls[near.wall];
@@ -89,12 +87,25 @@ impl WallNeighbours {
             if travel > near.limit {
                 near.list_candidates(bodies, template, wall, context.slack);
             }
-            if travel > near.wake {
-                let total = near.add_contacts(&mover(bodies, near.body), bodies, wall, context);
-                bodies.force[near.body] += total.force;
-                bodies.torque[near.body] += total.torque_i;
+            near.total = (travel > near.wake)
+                .then(|| near.add_contacts(&mover(bodies, near.body), bodies, wall, context));
+        }
+    }
+
+    /// Gives the forces found to the bodies; `load` and `torque` collect the force on each wall
+    /// (N) and its torque about the z axis (N m).
+    pub(crate) fn give_forces(
+        &self,
+        positions: &[Vector3<f64>],
+        loads: &mut Loads<'_>,
+        (load, torque): (&mut [Vector3<f64>], &mut [f64]),
+    ) {
+        for near in &self.near {
+            if let Some(total) = &near.total {
+                loads.force[near.body] += total.force;
+                loads.torque[near.body] += total.torque_i;
                 load[near.wall] -= total.force;
-                let about_axis = bodies.position[near.body].cross(&total.force) + total.torque_i;
+                let about_axis = positions[near.body].cross(&total.force) + total.torque_i;
                 torque[near.wall] -= about_axis.z;
             }
         }
@@ -120,6 +131,7 @@ impl Near {
             wake: f32::NEG_INFINITY,
             candidates,
             touches,
+            total: None,
         }
     }
 

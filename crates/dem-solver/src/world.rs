@@ -1,6 +1,6 @@
 //! The world: bodies, walls, laws, and the step.
 
-use crate::batch::Batch;
+use crate::batch::Loads;
 use crate::bodies::{Bodies, Placement};
 use crate::broad_phase::Grid;
 use crate::check;
@@ -9,13 +9,20 @@ use crate::error::Error;
 use crate::integrate::{Surroundings, advance};
 use crate::mesh_force::MeshWalls;
 use crate::mesh_wall::{MeshWall, Motion};
-use crate::neighbours::{Census, Neighbours};
-use crate::pair_force::{Context, Slack, add_pair_forces};
+use crate::neighbours::Census;
+use crate::pair_force::{Context, Slack};
+use crate::part::Part;
 use crate::template::Template;
 use crate::wall::Wall;
-use crate::wall_force::WallNeighbours;
 use fearless_simd::Level;
 use nalgebra::Vector3;
+use rayon::prelude::*;
+use rayon::{ThreadPool, ThreadPoolBuilder};
+use std::mem::take;
+use std::sync::Arc;
+
+/// Parts of the bodies for each thread: enough that no thread waits long for another.
+const PARTS_PER_THREAD: usize = 4;
 
 /// What a world needs beside bodies and walls.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -52,18 +59,16 @@ pub struct World {
     time: f64,
     /// Steps since the start.
     n_steps: u64,
-    /// Pairs of bodies.
-    neighbours: Neighbours,
-    /// Bodies near walls.
-    wall_neighbours: WallNeighbours,
+    /// Lists of ranges of bodies.
+    parts: Vec<Part>,
+    /// Threads of one step; none if it runs on the caller's.
+    pool: Option<Arc<ThreadPool>>,
     /// Grid of the broad phase.
     grid: Grid,
     /// Bounding radii by body, m.
     radii: Vec<f64>,
     /// Instruction set of the processor.
     level: Level,
-    /// Buffer of contacts.
-    batch: Batch,
     /// Force on each wall in the last step, N.
     wall_load: Vec<Vector3<f64>>,
     /// Torque about the z axis on each wall in the last step, N m.
@@ -126,12 +131,11 @@ impl World {
             slack,
             time: 0.0,
             n_steps: 0,
-            neighbours: Neighbours::default(),
-            wall_neighbours: WallNeighbours::default(),
+            parts: Part::cut(placements.len(), 1),
+            pool: None,
             grid: Grid::default(),
             radii,
             level: Level::new(),
-            batch: Batch::default(),
             wall_load,
             wall_torque,
             mesh_walls: MeshWalls::default(),
@@ -140,6 +144,38 @@ impl World {
         };
         world.choose_reference_spin();
         Ok(world)
+    }
+
+    /// The world with its steps spread over so many threads; 1 keeps them on the caller's.
+    ///
+    /// The results are the same to the last bit. It pays for some thousands of bodies; many
+    /// smaller worlds are better run side by side.
+    ///
+    /// # Errors
+    ///
+    /// No thread, a world that has moved already, threads that cannot be started.
+    pub fn on_threads(mut self, threads: usize) -> Result<Self, Error> {
+        let refused = |reason: String| Error::Threads { threads, reason };
+        if threads == 0 {
+            return Err(refused("at least one is needed".into()));
+        }
+        if self.n_steps > 0 {
+            return Err(refused(
+                "the world has moved already: choose before the first step".into(),
+            ));
+        }
+        let pool = ThreadPoolBuilder::new().num_threads(threads).build();
+        self.pool = match threads {
+            1 => None,
+            _ => Some(Arc::new(pool.map_err(|e| refused(e.to_string()))?)),
+        };
+        let n_parts = if threads == 1 {
+            1
+        } else {
+            PARTS_PER_THREAD * threads
+        };
+        self.parts = Part::cut(self.bodies.len(), n_parts);
+        Ok(self)
     }
 
     /// Sets the spin of all walls of a name, rad/s.
@@ -216,14 +252,36 @@ impl World {
             slack: self.slack,
             time_step: self.settings.time_step,
         };
-        let (neighbours, batch) = (&mut self.neighbours, &mut self.batch);
-        add_pair_forces(self.level, neighbours, &mut self.bodies, batch, &context);
-        let walls = &mut self.wall_neighbours;
-        let loads = (
-            self.wall_load.as_mut_slice(),
-            self.wall_torque.as_mut_slice(),
-        );
-        walls.add_forces(&mut self.bodies, &self.walls, &context, loads);
+        let (mut force, mut torque) = (take(&mut self.bodies.force), take(&mut self.bodies.torque));
+        let mut loads = Loads {
+            force: &mut force,
+            torque: &mut torque,
+        };
+        let (level, bodies, walls) = (self.level, &self.bodies, &self.walls);
+        match &self.pool {
+            None => {
+                for part in &mut self.parts {
+                    part.find_loads(level, bodies, walls, &context, &mut loads);
+                }
+            }
+            Some(pool) => {
+                let parts = &mut self.parts;
+                let find = |part: &mut Part| part.keep_loads(level, bodies, walls, &context);
+                pool.install(|| parts.par_iter_mut().for_each(find));
+                for part in parts {
+                    part.give_loads(&mut loads);
+                }
+            }
+        }
+        for part in &self.parts {
+            let on_walls = (
+                self.wall_load.as_mut_slice(),
+                self.wall_torque.as_mut_slice(),
+            );
+            part.walls
+                .give_forces(&bodies.position, &mut loads, on_walls);
+        }
+        (self.bodies.force, self.bodies.torque) = (force, torque);
         self.mesh_walls.add_forces(&mut self.bodies, &context);
         further(&mut self.bodies);
         let around = Surroundings {
@@ -231,7 +289,13 @@ impl World {
             gravity: self.settings.gravity,
             reference_spin: self.reference_spin,
         };
-        self.longest = advance(self.level, &mut self.bodies, &self.templates, &around);
+        self.longest = advance(
+            self.level,
+            self.pool.as_deref(),
+            &mut self.bodies,
+            &self.templates,
+            &around,
+        );
         self.n_steps += 1;
         self.time += self.settings.time_step;
         self.mesh_walls.advance(self.settings.time_step, self.time);
@@ -300,12 +364,17 @@ impl World {
 
     /// Sizes of the contact lists.
     pub fn census(&self) -> Census {
-        self.neighbours.census()
+        let mut total = Census::default();
+        for part in &self.parts {
+            total += part.neighbours.census();
+        }
+        total
     }
 
     /// Number of touching spheres at all walls.
     pub fn n_wall_contacts(&self) -> usize {
-        self.wall_neighbours.n_contacts() + self.mesh_walls.n_contacts()
+        let analytic: usize = self.parts.iter().map(|p| p.walls.n_contacts()).sum();
+        analytic + self.mesh_walls.n_contacts()
     }
 
     /// Kinetic energy of translation and rotation, J.
@@ -321,15 +390,8 @@ impl World {
 
     /// Touching spheres of two bodies: (body, body, key of the spheres), as of the last step.
     pub(crate) fn touching_spheres(&self) -> impl Iterator<Item = (usize, usize, u32)> + '_ {
-        let n = &self.neighbours;
-        let pairs = (0..n.start.len().saturating_sub(1))
-            .flat_map(move |i| (n.start[i] as usize..n.start[i + 1] as usize).map(move |k| (i, k)));
-        pairs.flat_map(move |(i, k)| {
-            let lists = &n.lists[k];
-            let touches = lists.touch as usize..(lists.touch + lists.n_touches) as usize;
-            let j = n.heads[k].j as usize;
-            n.touches[touches].iter().map(move |t| (i, j, t.key))
-        })
+        let parts = self.parts.iter();
+        parts.flat_map(|part| part.neighbours.touching_spheres())
     }
 
     /// What the force loops need; for the plain reference.
@@ -372,20 +434,15 @@ impl World {
                 time_step,
             });
         }
-        let (neighbours, travel) = (&mut self.neighbours, &self.bodies.travel);
-        neighbours.begin();
-        self.grid.pairs(
-            self.level,
-            &self.bodies.position,
-            &self.radii,
-            self.settings.margin,
-            |i, partners| {
-                neighbours.add(i, partners, travel);
-            },
-        );
-        let margin = self.settings.margin;
-        self.wall_neighbours
-            .rebuild(&self.bodies, &self.templates, &self.walls, margin);
+        let (bodies, radii, margin) = (&self.bodies, &self.radii, self.settings.margin);
+        self.grid.sort(&bodies.position, radii, margin);
+        let (level, grid) = (self.level, &self.grid);
+        let around = (self.templates.as_slice(), self.walls.as_slice(), margin);
+        let search = |part: &mut Part| part.search(level, grid, bodies, radii, around);
+        match &self.pool {
+            None => self.parts.iter_mut().for_each(search),
+            Some(pool) => pool.install(|| self.parts.par_iter_mut().for_each(search)),
+        }
         self.mesh_walls
             .rebuild(&self.bodies, &self.templates, margin);
         self.bodies.travel.fill(0.0);

@@ -42,7 +42,7 @@ impl<'a> Body<'a> {
         })
     }
 
-    /// Refuses radii of which none, or far too many, fit.
+    /// Refuses radii of which none fits.
     pub(crate) fn check_radius(&self, radius: f64) -> Result<(), Error> {
         // The largest sphere is searched for to 0.1 % and its tolerance is 1 %.
         if radius > self.inscribed_radius * 1.001 {
@@ -52,6 +52,11 @@ impl<'a> Body<'a> {
                 largest_mm: self.inscribed_radius * 1e3,
             });
         }
+        Ok(())
+    }
+
+    /// Refuses radii of which far too many fit without overlap.
+    pub(crate) fn check_number(&self, radius: f64) -> Result<(), Error> {
         let estimate = self.expected_count(radius) * 1.3;
         if estimate > MOST_SPHERES as f64 {
             return Err(Error::TooManySpheres {

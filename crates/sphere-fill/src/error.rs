@@ -79,4 +79,19 @@ pub enum Error {
         /// Spheres used.
         spheres: usize,
     },
+    /// The errors asked for were not reached.
+    #[error(
+        "the target of {mesh} was not reached: {spheres} spheres give {reached}; allow more or \
+         smaller spheres, another method, or a wider target ({asked})"
+    )]
+    TargetNotReached {
+        /// Mesh.
+        mesh: String,
+        /// Errors asked for.
+        asked: String,
+        /// Errors reached.
+        reached: String,
+        /// Spheres used.
+        spheres: usize,
+    },
 }

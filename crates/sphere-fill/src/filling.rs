@@ -1,8 +1,14 @@
 //! A body turned into spheres.
 
+use crate::count_search::fewest_spheres;
+use crate::surface_gap::gaps_at;
 use crate::union_moments::union_moments;
-use crate::{Body, Error, FillSettings, FitReport, Lattice, Method, Pack, Smooth};
+use crate::{
+    Body, DistanceTransform, Error, Favier, Ferellec, FillSettings, FitReport, Lattice, Method,
+    Pack, Smooth, Surface,
+};
 use clump::{Clump, MassProperties, Sphere, volume_of_sphere};
+use nalgebra::Vector3;
 use trimesh::{TriMesh, VolumeMoments};
 
 /// A way of placing spheres in a body.
@@ -47,32 +53,88 @@ pub struct Filling {
 /// # Errors
 ///
 /// Settings that cannot be meant, a mesh that is not closed, a radius of which none or far too
-/// many fit, a count or roughness that is not reached.
+/// many fit, a count, roughness or target that is not reached.
 pub fn fill(mesh: &TriMesh, settings: &FillSettings) -> Result<Filling, Error> {
     settings.check()?;
     let body = Body::new(mesh)?;
     body.check_radius(settings.radius)?;
+    if !settings.method.follows_count() {
+        body.check_number(settings.radius)?;
+    }
+    let Some(target) = settings.target else {
+        return fill_body(&body, settings);
+    };
+    if settings.count.is_none() && settings.method.follows_count() {
+        return fewest_spheres(&body, settings, &target);
+    }
+    let filling = fill_body(&body, settings)?;
+    if target.is_met(&filling.report) {
+        return Ok(filling);
+    }
+    Err(target.not_reached(&body, &filling))
+}
+
+/// Fills a body by the method of the settings, without a look at the target.
+pub(crate) fn fill_body(body: &Body<'_>, settings: &FillSettings) -> Result<Filling, Error> {
     let method: &dyn Place = match settings.method {
         Method::Pack => &Pack,
         Method::Lattice => &Lattice,
         Method::Smooth => &Smooth,
+        Method::Surface => &Surface,
+        Method::Favier => &Favier,
+        Method::Ferellec => &Ferellec,
+        Method::DistanceTransform => &DistanceTransform,
     };
-    let spheres = method.place(&body, settings)?;
+    let mut spheres = method.place(body, settings)?;
+    let most = settings.max_spheres.unwrap_or(usize::MAX);
+    if settings.count.is_none() && spheres.len() > most {
+        let limited = FillSettings {
+            count: Some(most),
+            ..*settings
+        };
+        spheres = method.place(body, &limited)?;
+    }
     if spheres.is_empty() {
         return Err(Error::RadiusTooLarge {
-            mesh: mesh.source().to_owned(),
+            mesh: body.mesh.source().to_owned(),
             radius_mm: settings.radius * 1e3,
             largest_mm: body.inscribed_radius * 1e3,
         });
     }
+    Ok(filling_of(body, spheres, settings))
+}
+
+/// Measures spheres that came from elsewhere, in the frame of the mesh.
+///
+/// The radius of the settings of the result is that of the smallest sphere.
+///
+/// # Errors
+///
+/// No sphere, a sphere whose centre or radius cannot be meant, a mesh that is not closed.
+pub fn measure(mesh: &TriMesh, spheres: Vec<Sphere>) -> Result<Filling, Error> {
+    let radii = spheres.iter().map(|s| s.radius);
+    let settings = FillSettings::new(radii.fold(f64::INFINITY, f64::min));
+    let body = Body::new(mesh)?;
+    let properties = MassProperties {
+        mass: 1.0,
+        centre: body.moments.centroid,
+        inertia: body.moments.inertia * (1.0 / body.moments.volume),
+    };
+    // Building a rigid body checks every sphere.
+    Clump::new(&spheres, &properties)?;
+    Ok(filling_of(&body, spheres, &settings))
+}
+
+/// Spheres with their report.
+fn filling_of(body: &Body<'_>, spheres: Vec<Sphere>, settings: &FillSettings) -> Filling {
     let union_moments = union_moments(&spheres);
-    Ok(Filling {
-        report: FitReport::new(&body, &spheres, &union_moments),
+    Filling {
+        report: FitReport::new(body, &spheres, &union_moments),
         spheres,
         settings: *settings,
         mesh_moments: body.moments,
         union_moments,
-    })
+    }
 }
 
 impl Filling {
@@ -84,6 +146,33 @@ impl Filling {
     pub fn fraction_density(&self, mass: f64) -> f64 {
         let volumes = self.spheres.iter().map(|s| volume_of_sphere(s.radius));
         mass / volumes.sum::<f64>()
+    }
+
+    /// Points that share the area of the mesh evenly, with the gap from each to the spheres, m:
+    /// positive where these fall short, negative where they stand out.
+    pub fn gaps(&self, mesh: &TriMesh, n: usize) -> Vec<(Vector3<f64>, f64)> {
+        let samples = mesh.surface_samples(n);
+        let gaps = gaps_at(samples.iter().map(|sample| &sample.point), &self.spheres);
+        samples
+            .iter()
+            .map(|sample| sample.point)
+            .zip(gaps)
+            .collect()
+    }
+
+    /// Spheres that a probe of half the radius of the smallest one can touch from outside.
+    ///
+    /// # Errors
+    ///
+    /// Spheres that make no rigid body.
+    pub fn outer_count(&self) -> Result<usize, Error> {
+        let smallest = self
+            .spheres
+            .iter()
+            .map(|s| s.radius)
+            .fold(f64::INFINITY, f64::min);
+        let body = self.clump(1.0, InertiaSource::Mesh)?;
+        Ok(body.without_hidden_spheres(0.5 * smallest).spheres().len())
     }
 
     /// Rigid body of the mass given, kg.

@@ -14,7 +14,8 @@ const WORK: f64 = 2e6;
 /// Equal touching spheres on the best placed close-packed lattice.
 ///
 /// Cubic (layers ABC) and hexagonal (layers AB) close packing in random rotations and offsets;
-/// the second half of the tries varies the best so far by ever smaller turns and shifts. The
+/// each start is then varied by ever smaller turns and shifts, and a variation kept when the
+/// count is not less, centres up to 0.1 radii too near to the surface counting in part. The
 /// placement with most centres at least one radius below the surface is kept. With a count N,
 /// the N spheres nearest to the surface are kept, so that the surface stays covered.
 #[derive(Debug, Clone, Copy)]
@@ -24,7 +25,7 @@ impl Place for Lattice {
     fn place(&self, body: &Body<'_>, settings: &FillSettings) -> Result<Vec<Sphere>, Error> {
         let grid = body.grid(settings);
         let mut stream = Stream::new(settings.seed, "sphere lattice");
-        let found = best_lattice(&grid, &mut stream, 4.0 * settings.effort);
+        let found = climbed_lattice(&grid, &mut stream, settings.effort);
         let wall = Wall::Exact {
             grid: &grid,
             distance: &body.distance,
@@ -46,6 +47,54 @@ impl Place for Lattice {
         }
         Ok(in_metres(&centres, settings.radius))
     }
+}
+
+/// Variations of one start.
+const CLIMB: usize = 150;
+
+/// Distance to the depth of one radius over which a centre counts in part, radii.
+const NEARLY: f64 = 0.1;
+
+/// Part of a sphere that a centre a little too near to the surface is worth, at most.
+const PARTLY: f64 = 0.5;
+
+/// Climbs from several random placements; gives the points of the best.
+fn climbed_lattice(grid: &DistanceGrid, stream: &mut Stream, effort: f64) -> Vec<Vector3<f64>> {
+    let [low, high] = grid.corners();
+    let reach = (high - low).norm() / 2.0;
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "clamped"
+    )]
+    let starts =
+        (effort * 16.0 * WORK / lattice_count(reach) / CLIMB as f64).clamp(1.0, 400.0) as usize;
+    let mut best: Vec<Vector3<f64>> = Vec::new();
+    for _ in 0..starts {
+        let mut placement = random_placement(stream);
+        let mut worth = 0.0;
+        for step in 0..CLIMB {
+            let size = 0.6 * (1.0 - step as f64 / CLIMB as f64).powi(2) + 0.01;
+            let trial = if step == 0 {
+                placement
+            } else {
+                varied(&placement, &random_placement(stream), size)
+            };
+            let near = points_below(grid, &trial, reach, NEARLY - 1.0);
+            let depth = |point: &Vector3<f64>| grid.at(point).value;
+            let part = |point| (1.0 - (depth(point) + 1.0).max(0.0) / NEARLY) * PARTLY;
+            let inside: Vec<_> = near.iter().filter(|p| depth(p) <= -1.0).copied().collect();
+            let trial_worth =
+                inside.len() as f64 * (1.0 - PARTLY) + near.iter().map(part).sum::<f64>();
+            if trial_worth >= worth {
+                (placement, worth) = (trial, trial_worth);
+            }
+            if inside.len() > best.len() {
+                best = inside;
+            }
+        }
+    }
+    best
 }
 
 /// Where a lattice lies.
@@ -84,7 +133,7 @@ pub(crate) fn best_lattice(
             }
             _ => fresh,
         };
-        let inside = points_inside(grid, &placement, reach);
+        let inside = points_below(grid, &placement, reach, -1.0);
         if best
             .as_ref()
             .is_none_or(|(_, most)| inside.len() > most.len())
@@ -118,8 +167,13 @@ fn varied(base: &Placement, random: &Placement, size: f64) -> Placement {
     }
 }
 
-/// Lattice points at least one radius below the surface.
-fn points_inside(grid: &DistanceGrid, placement: &Placement, reach: f64) -> Vec<Vector3<f64>> {
+/// Lattice points whose signed distance to the surface is at most `level`, radii.
+fn points_below(
+    grid: &DistanceGrid,
+    placement: &Placement,
+    reach: f64,
+    level: f64,
+) -> Vec<Vector3<f64>> {
     let [low, high] = grid.corners();
     let middle = (low + high) * 0.5;
     let (row, layer) = (3.0_f64.sqrt(), (8.0_f64 / 3.0).sqrt());
@@ -148,7 +202,7 @@ fn points_inside(grid: &DistanceGrid, placement: &Placement, reach: f64) -> Vec<
                 }
                 let point = middle + placement.shift + placement.turn * point;
                 let within = (0..3).all(|a| point[a] > low[a] && point[a] < high[a]);
-                if within && grid.at(&point).value <= -1.0 {
+                if within && grid.at(&point).value <= level {
                     inside.push(point);
                 }
             }

@@ -22,10 +22,15 @@
 //! same mesh, settings and seed give the same spheres. No clock is read: work is counted.
 
 mod body;
+mod count_search;
 mod distance_grid;
+mod distance_transform;
 mod error;
+mod favier;
+mod ferellec;
 mod filling;
 mod fit_report;
+mod greedy;
 mod holes;
 mod lattice;
 mod neighbours;
@@ -33,14 +38,23 @@ mod pack;
 mod relaxation;
 mod settings;
 mod smooth;
+mod surface;
+mod surface_fit;
 mod surface_gap;
+mod target;
+mod touching;
 mod union_moments;
 
 pub use body::Body;
+pub use distance_transform::DistanceTransform;
 pub use error::Error;
-pub use filling::{Filling, InertiaSource, Place, fill};
+pub use favier::Favier;
+pub use ferellec::Ferellec;
+pub use filling::{Filling, InertiaSource, Place, fill, measure};
 pub use fit_report::FitReport;
 pub use lattice::Lattice;
 pub use pack::Pack;
 pub use settings::{FillSettings, Method};
 pub use smooth::Smooth;
+pub use surface::Surface;
+pub use target::Target;

@@ -1,6 +1,6 @@
 //! What to fill a body with.
 
-use crate::Error;
+use crate::{Error, Target};
 use serde::{Deserialize, Serialize};
 
 /// How spheres are placed.
@@ -14,17 +14,30 @@ pub enum Method {
     Lattice,
     /// Overlapping spheres of several radii that follow the surface: see [`crate::Smooth`].
     Smooth,
+    /// Fewest spheres for a surface error, at the volume of the body: see [`crate::Surface`].
+    Surface,
+    /// Spheres along the longest axis: see [`crate::Favier`].
+    Favier,
+    /// Inscribed spheres at random surface points: see [`crate::Ferellec`].
+    Ferellec,
+    /// Peaks of the Euclidean distance transform: see [`crate::DistanceTransform`].
+    DistanceTransform,
 }
 
 /// What to fill a body with.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct FillSettings {
-    /// Radius of the spheres (for [`Method::Smooth`] of the smallest allowed), m.
+    /// Radius of the spheres ([`Method::Pack`], [`Method::Lattice`]) or of the smallest allowed
+    /// (all others), m.
     pub radius: f64,
     /// How spheres are placed.
     pub method: Method,
     /// Exact number of spheres; none: as many as are found (pack, lattice) or needed (smooth).
     pub count: Option<usize>,
+    /// Most spheres; none: 400 for the methods of several radii, no limit for the others.
+    pub max_spheres: Option<usize>,
+    /// Errors that the filling must keep, with as few spheres as found.
+    pub target: Option<Target>,
     /// Roughness at which [`Method::Smooth`] stops adding spheres, m; none: radius / 20.
     pub roughness: Option<f64>,
     /// Seed of all random choices.
@@ -40,6 +53,8 @@ impl FillSettings {
             radius,
             method: Method::Pack,
             count: None,
+            max_spheres: None,
+            target: None,
             roughness: None,
             seed: 1,
             effort: 1.0,
@@ -52,19 +67,22 @@ impl FillSettings {
     ///
     /// A radius, effort or roughness that is not positive and finite; a count of 0.
     pub fn check(&self) -> Result<(), Error> {
-        let positive = |what: &'static str, value: f64| {
-            if value.is_finite() && value > 0.0 {
-                Ok(())
-            } else {
-                Err(Error::NotPositive { what, value })
-            }
-        };
         positive("the sphere radius in m", self.radius)?;
         positive("the effort", self.effort)?;
         positive("the roughness in m", self.roughness.unwrap_or(1.0))?;
-        if self.count == Some(0) {
+        self.target.map_or(Ok(()), |target| target.check())?;
+        if self.count == Some(0) || self.max_spheres == Some(0) {
             return Err(Error::NoSpheresAsked);
         }
         Ok(())
+    }
+}
+
+/// Refuses what is no positive finite number.
+pub(crate) fn positive(what: &'static str, value: f64) -> Result<(), Error> {
+    if value.is_finite() && value > 0.0 {
+        Ok(())
+    } else {
+        Err(Error::NotPositive { what, value })
     }
 }

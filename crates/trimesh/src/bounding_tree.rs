@@ -66,8 +66,8 @@ impl BoundingTree {
     /// Makes the node over `triangles[start..end]` and all below it.
     fn split(&mut self, mesh: &TriMesh, middles: &[Vector3<f64>], start: usize, end: usize) {
         let run = &mut self.triangles[start..end];
-        let corners: Vec<_> = run.iter().flat_map(|&t| mesh.corners(t)).collect();
-        let bounds = BoundingBox::of(corners.iter());
+        let vertices = run.iter().flat_map(|&t| mesh.triangles()[t]);
+        let bounds = BoundingBox::of(vertices.map(|vertex| &mesh.vertices()[vertex]));
         let node = self.nodes.len();
         let count = if run.len() <= LEAF { run.len() } else { 0 };
         if count == 0 {

@@ -3,9 +3,20 @@
 use crate::mesh::area_vector;
 use crate::orientation::{Edges, turn_outward};
 use crate::report::suspect_unit;
-use crate::weld::weld;
+use crate::small_holes::close_small_holes;
+use crate::weld::{Welded, weld};
 use crate::{BoundingBox, Error, LengthUnit, MeshReport, Topology, TriMesh, Warning};
 use nalgebra::{Matrix3, Vector3};
+use rustc_hash::{FxBuildHasher, FxHashSet};
+
+/// Most triangles: indices of sides then have 32 bits. A file of them has 25 gigabytes.
+const MOST_TRIANGLES: usize = 500_000_000;
+
+/// Least extent of a body, m: its moments of inertia are then still above the least number.
+const SMALLEST: f64 = 1e-40;
+
+/// Largest coordinate in the unit of the file: volumes and moments of inertia stay finite.
+const LARGEST: f64 = 1e30;
 
 /// Bodies thinner than this part of their length are refused as flat.
 ///
@@ -22,7 +33,8 @@ pub struct CheckedMesh {
 }
 
 impl TriMesh {
-    /// Makes a mesh of loose triangles: joins vertices, drops faulty triangles, turns outward.
+    /// Makes a mesh of loose triangles: joins vertices, drops faulty triangles, closes small
+    /// holes, turns outward.
     ///
     /// Corner coordinates are in `unit`; `source` names them in messages. An open mesh is
     /// accepted with a warning (see [`TriMesh::require_closed`]).
@@ -35,52 +47,74 @@ impl TriMesh {
         unit: LengthUnit,
         source: &str,
     ) -> Result<CheckedMesh, Error> {
-        let soup = in_metres(soup, unit, source)?;
-        let mut welded = weld(&soup);
-        let read = welded.triangles.len();
-        welded
-            .triangles
-            .retain(|t| t[0] != t[1] && t[1] != t[2] && t[2] != t[0]);
-        let degenerate_dropped = read - welded.triangles.len();
-        let duplicates_dropped = drop_repeated(&mut welded.triangles);
-        let dropped = degenerate_dropped + duplicates_dropped;
-        let file = source.to_owned();
-        if welded.triangles.is_empty() {
-            return Err(Error::NoTriangles {
-                file,
-                read,
-                dropped,
-            });
-        }
-        refuse_flat(&welded.vertices, source)?;
-        drop_unused(&mut welded.vertices, &mut welded.triangles);
-        let edges = Edges::new(&welded.triangles);
-        let turned = turn_outward(&welded.vertices, &mut welded.triangles, &edges);
-        let middle =
-            |edge: &[usize; 2]| (welded.vertices[edge[0]] + welded.vertices[edge[1]]) * 0.5;
-        let topology = Topology {
-            open_edges: edges.open.len(),
-            first_open_edge: edges.open.first().map(middle),
-            non_manifold_edges: edges.crowded.len(),
-            first_non_manifold_edge: edges.crowded.first().map(middle),
-            shells: turned.shells,
-            bodies: turned.bodies,
-            orientable: turned.orientable,
-        };
-        let mesh = Self {
-            source: file,
-            vertices: welded.vertices,
-            triangles: welded.triangles,
-            topology,
-        };
-        let counts = Repairs {
-            degenerate_dropped,
-            duplicates_dropped,
-            triangles_turned: turned.count,
-        };
-        let report = report_of(&mesh, unit, &counts);
-        Ok(CheckedMesh { mesh, report })
+        build(soup.to_vec(), unit, source, Vec::new())
     }
+}
+
+/// Makes a mesh of loose triangles, with what is already known to be odd.
+pub(crate) fn build(
+    mut soup: Vec<[Vector3<f64>; 3]>,
+    unit: LengthUnit,
+    source: &str,
+    mut warnings: Vec<Warning>,
+) -> Result<CheckedMesh, Error> {
+    into_metres(&mut soup, unit, source)?;
+    let mut welded = weld(&soup);
+    // The memory is needed for the edges.
+    drop(soup);
+    let (degenerate_dropped, duplicates_dropped) = drop_faulty(&mut welded, source)?;
+    refuse_flat(&welded.vertices, source)?;
+    drop_unused(&mut welded.vertices, &mut welded.triangles);
+    let mut edges = Edges::new(&welded.triangles);
+    let holes_closed = close_small_holes(&mut welded, &edges);
+    if holes_closed > 0 {
+        edges = Edges::new(&welded.triangles);
+    }
+    let turned = turn_outward(&welded.vertices, &mut welded.triangles, &edges);
+    let middle = |edge: &[usize; 2]| (welded.vertices[edge[0]] + welded.vertices[edge[1]]) * 0.5;
+    let topology = Topology {
+        open_edges: edges.open.len(),
+        first_open_edge: edges.open.first().map(middle),
+        non_manifold_edges: edges.crowded.len(),
+        first_non_manifold_edge: edges.crowded.first().map(middle),
+        shells: turned.shells,
+        bodies: turned.bodies,
+        orientable: turned.orientable,
+    };
+    let mesh = TriMesh {
+        source: source.to_owned(),
+        vertices: welded.vertices,
+        triangles: welded.triangles,
+        topology,
+    };
+    let counts = Repairs {
+        degenerate_dropped,
+        duplicates_dropped,
+        triangles_turned: turned.count,
+        holes_closed,
+    };
+    let mut report = report_of(&mesh, unit, &counts);
+    warnings.append(&mut report.warnings);
+    report.warnings = warnings;
+    Ok(CheckedMesh { mesh, report })
+}
+
+/// Drops degenerate and repeated triangles; gives their numbers.
+fn drop_faulty(welded: &mut Welded, source: &str) -> Result<(usize, usize), Error> {
+    let read = welded.triangles.len();
+    welded
+        .triangles
+        .retain(|t| t[0] != t[1] && t[1] != t[2] && t[2] != t[0]);
+    let degenerate = read - welded.triangles.len();
+    let duplicates = drop_repeated(&mut welded.triangles);
+    if welded.triangles.is_empty() {
+        return Err(Error::NoTriangles {
+            file: source.to_owned(),
+            read,
+            dropped: degenerate + duplicates,
+        });
+    }
+    Ok((degenerate, duplicates))
 }
 
 /// Counts of what was changed.
@@ -91,31 +125,42 @@ struct Repairs {
     duplicates_dropped: usize,
     /// Triangles turned to face outward.
     triangles_turned: usize,
+    /// Small holes closed.
+    holes_closed: usize,
 }
 
 /// Checks that all is finite and converts to metres.
-fn in_metres(
-    soup: &[[Vector3<f64>; 3]],
+fn into_metres(
+    soup: &mut [[Vector3<f64>; 3]],
     unit: LengthUnit,
     source: &str,
-) -> Result<Vec<[Vector3<f64>; 3]>, Error> {
-    for (triangle, corners) in soup.iter().enumerate() {
-        for (corner, point) in corners.iter().enumerate() {
-            if let Some(&value) = point.iter().find(|value| !value.is_finite()) {
+) -> Result<(), Error> {
+    let file = || source.to_owned();
+    if soup.len() > MOST_TRIANGLES {
+        return Err(Error::TooManyTriangles {
+            file: file(),
+            triangles: soup.len(),
+            most: MOST_TRIANGLES,
+        });
+    }
+    let factor = unit.in_metres();
+    for (triangle, corners) in soup.iter_mut().enumerate() {
+        for (corner, point) in corners.iter_mut().enumerate() {
+            if let Some(&value) = point
+                .iter()
+                .find(|value| value.abs() > LARGEST || value.is_nan())
+            {
                 return Err(Error::NotFinite {
-                    file: source.to_owned(),
+                    file: file(),
                     triangle,
                     corner,
                     value,
                 });
             }
+            *point *= factor;
         }
     }
-    let factor = unit.in_metres();
-    Ok(soup
-        .iter()
-        .map(|corners| corners.map(|corner| corner * factor))
-        .collect())
+    Ok(())
 }
 
 /// Drops triangles that name the same corners in the same sense as an earlier one.
@@ -125,8 +170,12 @@ fn drop_repeated(triangles: &mut Vec<[usize; 3]>) -> usize {
         [t[first], t[(first + 1) % 3], t[(first + 2) % 3]]
     };
     let before = triangles.len();
-    let mut seen = std::collections::HashSet::with_capacity(before);
-    triangles.retain(|t| seen.insert(canonical(t)));
+    let mut seen = FxHashSet::with_capacity_and_hasher(before, FxBuildHasher);
+    #[expect(
+        clippy::cast_possible_truncation,
+        reason = "the number of triangles is limited"
+    )]
+    triangles.retain(|t| seen.insert(canonical(t).map(|index| index as u32)));
     before - triangles.len()
 }
 
@@ -157,7 +206,7 @@ fn drop_unused(vertices: &mut Vec<Vector3<f64>>, triangles: &mut [[usize; 3]]) {
 /// Refuses vertices that all lie in one plane.
 fn refuse_flat(vertices: &[Vector3<f64>], source: &str) -> Result<(), Error> {
     let bounds = BoundingBox::of(vertices.iter());
-    let scale = bounds.size().amax().max(f64::MIN_POSITIVE);
+    let scale = bounds.size().amax().max(SMALLEST);
     let n = vertices.len() as f64;
     let relative = || vertices.iter().map(|v| (v - bounds.centre()) / scale);
     let mean = relative().sum::<Vector3<f64>>() / n;
@@ -166,7 +215,7 @@ fn refuse_flat(vertices: &[Vector3<f64>], source: &str) -> Result<(), Error> {
         .sum();
     let eigen = spread.symmetric_eigenvalues();
     let ratio = (eigen.min().max(0.0) / eigen.max().max(f64::MIN_POSITIVE)).sqrt();
-    if ratio > FLATTEST {
+    if ratio > FLATTEST && bounds.size().amax() > SMALLEST {
         return Ok(());
     }
     Err(Error::Flat {
@@ -186,6 +235,7 @@ fn report_of(mesh: &TriMesh, unit: LengthUnit, repairs: &Repairs) -> MeshReport 
         ),
         (repairs.duplicates_dropped, Warning::DuplicatesDropped),
         (repairs.triangles_turned, Warning::Turned),
+        (repairs.holes_closed, Warning::HolesClosed),
         (topology.open_edges, Warning::OpenEdges),
         (topology.non_manifold_edges, Warning::NonManifoldEdges),
     ];
@@ -217,6 +267,7 @@ fn report_of(mesh: &TriMesh, unit: LengthUnit, repairs: &Repairs) -> MeshReport 
         degenerate_dropped: repairs.degenerate_dropped,
         duplicates_dropped: repairs.duplicates_dropped,
         triangles_turned: repairs.triangles_turned,
+        holes_closed: repairs.holes_closed,
         bounding_box,
         area: (0..mesh.triangles.len())
             .map(|t| area_vector(&mesh.corners(t)).norm())

@@ -60,6 +60,10 @@ pub(crate) fn closest_point(point: &Vector3<f64>, [a, b, c]: &[Vector3<f64>; 3])
         return at(b + (c - b) * share, Feature::Side(1));
     }
     let total = va + vb + vc;
+    if total <= 0.0 {
+        // A triangle without area: rounding led past its sides.
+        return at(*a, Feature::Corner(0));
+    }
     at(a + ab * (vb / total) + ac * (vc / total), Feature::Face)
 }
 

@@ -13,15 +13,15 @@ pub enum Error {
         source: std::io::Error,
     },
     /// The file has no bytes.
-    #[error("{file} is empty (0 bytes); expected an STL mesh")]
+    #[error("{file} is empty (0 bytes); expected a mesh (STL, OBJ or PLY)")]
     EmptyFile {
         /// File.
         file: String,
     },
     /// Neither a binary nor an ASCII STL.
     #[error(
-        "{file} is no STL: {bytes} bytes are not 84 + 50 n of a binary file, and no text \
-         `solid` ... `facet` was found"
+        "{file} is no STL, OBJ or PLY: {bytes} bytes are not 84 + 50 n of a binary STL, no text \
+         `solid` ... `facet` was found, it does not begin with `ply`, and no line `v x y z` was found"
     )]
     NotStl {
         /// File.
@@ -43,6 +43,16 @@ pub enum Error {
         expected_bytes: u64,
         /// Length of the file, bytes.
         actual_bytes: u64,
+    },
+    /// More triangles than are handled.
+    #[error("{file} has {triangles} triangles; at most {most} are handled: thin the mesh out")]
+    TooManyTriangles {
+        /// File.
+        file: String,
+        /// Triangles read.
+        triangles: usize,
+        /// Largest number.
+        most: usize,
     },
     /// A word of an ASCII file is not what the format asks for.
     #[error("{file}, line {line}: expected {expected}, found `{found}`")]
@@ -129,7 +139,10 @@ pub enum Error {
         file: String,
     },
     /// More than one body, or shells that cut each other.
-    #[error("{file} holds {bodies} separate or intersecting bodies in {shells} shells; keep one")]
+    #[error(
+        "{file} holds {bodies} separate or intersecting bodies in {shells} shells; the largest \
+         enclose {volumes_mm3} mm3: keep one (seedfill: --largest-body)"
+    )]
     SeveralBodies {
         /// File.
         file: String,
@@ -137,6 +150,8 @@ pub enum Error {
         bodies: usize,
         /// All connected surfaces.
         shells: usize,
+        /// Volumes of the largest, mm³.
+        volumes_mm3: String,
     },
     /// The unit is not known.
     #[error("unknown unit of length `{found}`; use mm, cm, m or um")]

@@ -1,7 +1,8 @@
 //! Triangle meshes: reading, checking, volume, inertia, inside test.
 //!
-//! A scan comes as an STL file without units, often with faults. [`read_stl`] reads it in a
-//! declared unit, joins vertices, turns the triangles outward and reports all that it did.
+//! A scan comes as an STL, OBJ or PLY file without units, often with faults. [`read_mesh`] reads
+//! it in a declared unit, joins vertices, closes small holes, turns the triangles outward and
+//! reports all that it did.
 //! A [`TriMesh`] is always in metres.
 //!
 //! ```
@@ -19,6 +20,7 @@
 //! opposite directions, outward normals by the right-hand rule. Self-intersection of a single
 //! shell is not searched for.
 
+mod bodies;
 mod bounding_tree;
 mod build;
 mod closest_point;
@@ -26,21 +28,30 @@ mod error;
 mod length_unit;
 mod mesh;
 mod moments;
+mod obj;
 mod orientation;
+mod ply;
+mod polygon;
+mod read;
 mod report;
 mod sampling;
 pub mod shapes;
 mod signed_distance;
+mod small_holes;
+mod soup;
 mod stl;
 mod weld;
 mod winding;
+mod words;
 
+pub use bodies::Shell;
 pub use build::CheckedMesh;
 pub use closest_point::nearest_on_triangle;
 pub use error::Error;
 pub use length_unit::LengthUnit;
 pub use mesh::{BoundingBox, Topology, TriMesh};
 pub use moments::VolumeMoments;
+pub use read::{parse_mesh, read_mesh};
 pub use report::{MeshReport, Warning};
 pub use sampling::SurfaceSample;
 pub use signed_distance::{SignedDistance, SurfacePoint};

@@ -166,6 +166,7 @@ impl TriMesh {
                 file,
                 bodies,
                 shells,
+                volumes_mm3: self.volumes_told(),
             });
         }
         Ok(())

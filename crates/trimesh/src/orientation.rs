@@ -9,59 +9,56 @@ const SHELLS_TESTED: usize = 32;
 /// Vertices of one shell that are tested for lying inside another.
 const VERTICES_TESTED: usize = 24;
 
-/// One side of a triangle, with its edge's vertices in rising order.
-#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-struct Side {
-    /// Vertices of the edge, the lower index first.
-    edge: [usize; 2],
-    /// Triangle.
-    triangle: usize,
-    /// Which of its sides: 0 runs from corner 0 to corner 1.
-    place: usize,
-    /// Whether the triangle runs through the edge from the lower to the higher index.
-    rising: bool,
-}
+/// Mark of a side beyond which there is no single triangle.
+const NONE: u32 = u32::MAX;
 
 /// What lies beyond each side of each triangle.
+#[derive(Debug, Clone)]
 pub(crate) struct Edges {
-    /// Per triangle and side: the triangle beyond, and whether both run the same way (a fault).
-    beyond: Vec<[Option<(usize, bool)>; 3]>,
+    /// Per triangle and side: twice the triangle beyond, plus one if both run the same way (a
+    /// fault); or [`NONE`].
+    beyond: Vec<[u32; 3]>,
     /// Edges with one triangle.
     pub(crate) open: Vec<[usize; 2]>,
     /// Edges with more than two triangles.
     pub(crate) crowded: Vec<[usize; 2]>,
 }
 
+/// A side at the vertex of lower index.
+#[derive(Clone, Copy, Default, PartialEq, Eq, PartialOrd, Ord)]
+struct Side {
+    /// The vertex of higher index.
+    other: u32,
+    /// Triangle.
+    triangle: u32,
+    /// Which of its sides, times two, plus one if it runs from the higher to the lower index.
+    place: u8,
+}
+
 impl Edges {
-    /// Pairs up the sides of all triangles.
+    /// Pairs up the sides of all triangles; indices must have 31 bits.
     pub(crate) fn new(triangles: &[[usize; 3]]) -> Self {
-        let mut sides: Vec<Side> = Vec::with_capacity(3 * triangles.len());
-        for (triangle, corners) in triangles.iter().enumerate() {
-            for side in 0..3 {
-                let (from, to) = (corners[side], corners[(side + 1) % 3]);
-                sides.push(Side {
-                    edge: [from.min(to), from.max(to)],
-                    triangle,
-                    place: side,
-                    rising: from < to,
-                });
-            }
-        }
-        sides.sort_unstable();
+        let (starts, sides) = sides_by_lower_vertex(triangles);
         let mut edges = Self {
-            beyond: vec![[None; 3]; triangles.len()],
+            beyond: vec![[NONE; 3]; triangles.len()],
             open: Vec::new(),
             crowded: Vec::new(),
         };
-        for group in sides.chunk_by(|a, b| a.edge == b.edge) {
-            match group {
-                [single] => edges.open.push(single.edge),
-                [a, b] => {
-                    let same = a.rising == b.rising;
-                    edges.beyond[a.triangle][a.place] = Some((b.triangle, same));
-                    edges.beyond[b.triangle][b.place] = Some((a.triangle, same));
+        for (lower, range) in starts.windows(2).enumerate() {
+            let of_vertex = &sides[range[0] as usize..range[1] as usize];
+            for group in of_vertex.chunk_by(|a, b| a.other == b.other) {
+                let edge = [lower, group[0].other as usize];
+                match group {
+                    [_] => edges.open.push(edge),
+                    [a, b] => {
+                        let same = u32::from(a.place % 2 == b.place % 2);
+                        let place = |side: &Side| (side.triangle as usize, side.place as usize / 2);
+                        let ((t, k), (u, l)) = (place(a), place(b));
+                        edges.beyond[t][k] = 2 * b.triangle + same;
+                        edges.beyond[u][l] = 2 * a.triangle + same;
+                    }
+                    _ => edges.crowded.push(edge),
                 }
-                _ => edges.crowded.push(group[0].edge),
             }
         }
         edges
@@ -69,8 +66,50 @@ impl Edges {
 
     /// Triangle beyond a side, if the side has exactly one.
     pub(crate) fn beyond(&self, triangle: usize, side: usize) -> Option<usize> {
-        self.beyond[triangle][side].map(|(other, _)| other)
+        let code = self.beyond[triangle][side];
+        (code != NONE).then_some(code as usize / 2)
     }
+
+    /// Triangles beyond all sides, and whether they run the same way.
+    fn around(&self, triangle: usize) -> impl Iterator<Item = (usize, bool)> {
+        let codes = self.beyond[triangle];
+        let found = codes.into_iter().filter(|&code| code != NONE);
+        found.map(|code| (code as usize / 2, code % 2 == 1))
+    }
+}
+
+/// All sides sorted by the lower vertex (a counting sort), then by the higher one.
+fn sides_by_lower_vertex(triangles: &[[usize; 3]]) -> (Vec<u32>, Vec<Side>) {
+    let pairs = |t: &[usize; 3]| [[t[0], t[1]], [t[1], t[2]], [t[2], t[0]]];
+    let n = triangles.iter().flatten().max().map_or(0, |most| most + 1);
+    let mut starts = vec![0_u32; n + 1];
+    for [from, to] in triangles.iter().flat_map(pairs) {
+        starts[from.min(to) + 1] += 1;
+    }
+    for i in 0..n {
+        starts[i + 1] += starts[i];
+    }
+    let mut sides = vec![Side::default(); 3 * triangles.len()];
+    let mut filled = starts.clone();
+    #[expect(
+        clippy::cast_possible_truncation,
+        reason = "the number of triangles is limited"
+    )]
+    for (triangle, corners) in triangles.iter().enumerate() {
+        for (place, [from, to]) in (0_u8..).zip(pairs(corners)) {
+            let end = &mut filled[from.min(to)];
+            sides[*end as usize] = Side {
+                other: from.max(to) as u32,
+                triangle: triangle as u32,
+                place: 2 * place + u8::from(from > to),
+            };
+            *end += 1;
+        }
+    }
+    for range in starts.windows(2) {
+        sides[range[0] as usize..range[1] as usize].sort_unstable();
+    }
+    (starts, sides)
 }
 
 /// Shells and the turns that make them consistent.
@@ -101,7 +140,7 @@ fn walk(edges: &Edges) -> Orientation {
         found.shell_of[start] = found.shells;
         let mut to_do = vec![start];
         while let Some(triangle) = to_do.pop() {
-            for &(other, same) in edges.beyond[triangle].iter().flatten() {
+            for (other, same) in edges.around(triangle) {
                 let turn = found.turned[triangle] ^ same;
                 if found.shell_of[other] == usize::MAX {
                     found.shell_of[other] = found.shells;
@@ -115,6 +154,11 @@ fn walk(edges: &Edges) -> Orientation {
         found.shells += 1;
     }
     found
+}
+
+/// Shell of each triangle.
+pub(crate) fn shells_of(edges: &Edges) -> Vec<usize> {
+    walk(edges).shell_of
 }
 
 /// Result of turning the triangles outward.

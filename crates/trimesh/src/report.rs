@@ -22,12 +22,25 @@ pub enum Warning {
         /// Unit that would give a seed of common size, and that size, m.
         likely: Option<(LengthUnit, f64)>,
     },
+    /// The header of a binary STL declares fewer triangles than the file holds; all were read.
+    CountCorrected {
+        /// Triangles that the header declares.
+        declared: u32,
+        /// Triangles that the file holds.
+        found: usize,
+    },
+    /// Bytes after the last triangle were left aside.
+    TrailingBytes(usize),
+    /// A text ends without `endsolid`.
+    NoEnd,
     /// Degenerate triangles were dropped.
     DegenerateDropped(usize),
     /// Repeated triangles were dropped.
     DuplicatesDropped(usize),
     /// Triangles were turned to face outward.
     Turned(usize),
+    /// Small holes were closed.
+    HolesClosed(usize),
     /// The surface has holes.
     OpenEdges(usize),
     /// Edges have more than two triangles.
@@ -69,6 +82,13 @@ impl std::fmt::Display for Warning {
                     None => write!(f, "; a seed is 0.1 to 100 mm: check the unit"),
                 }
             }
+            Self::CountCorrected { declared, found } => write!(
+                f,
+                "the header declares {declared} triangles, the file holds {found}: all were read"
+            ),
+            Self::TrailingBytes(n) => write!(f, "{n} bytes after the last triangle left aside"),
+            Self::NoEnd => write!(f, "the text ends without endsolid: it may be cut off"),
+            Self::HolesClosed(n) => write!(f, "{n} small holes closed"),
             Self::DegenerateDropped(n) => write!(f, "{n} degenerate triangles dropped"),
             Self::DuplicatesDropped(n) => write!(f, "{n} repeated triangles dropped"),
             Self::Turned(n) => write!(f, "{n} triangles turned to face outward"),
@@ -114,6 +134,8 @@ pub struct MeshReport {
     pub duplicates_dropped: usize,
     /// Triangles turned to face outward.
     pub triangles_turned: usize,
+    /// Small holes that were closed.
+    pub holes_closed: usize,
     /// Box along the axes, m.
     pub bounding_box: BoundingBox,
     /// Surface area, m².

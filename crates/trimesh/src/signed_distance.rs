@@ -34,8 +34,8 @@ pub struct SignedDistance {
     tree: BoundingTree,
     /// Unit normals of the triangles.
     face_normals: Vec<Vector3<f64>>,
-    /// Pseudo-normals of the sides of each triangle (not of unit length).
-    side_normals: Vec<[Vector3<f64>; 3]>,
+    /// Triangles beyond the sides of each triangle.
+    edges: Edges,
     /// Pseudo-normals of the vertices (not of unit length).
     vertex_normals: Vec<Vector3<f64>>,
     /// Vertex indices of the triangles.
@@ -56,14 +56,6 @@ impl SignedDistance {
             .map(|t| unit(area_vector(&mesh.corners(t))))
             .collect();
         let edges = Edges::new(mesh.triangles());
-        let side_normals = (0..n)
-            .map(|t| {
-                [0, 1, 2].map(|side| {
-                    let other = edges.beyond(t, side).map(|beyond| face_normals[beyond]);
-                    face_normals[t] + other.unwrap_or_default()
-                })
-            })
-            .collect();
         let mut vertex_normals = vec![Vector3::zeros(); mesh.vertices().len()];
         for (t, triangle) in mesh.triangles().iter().enumerate() {
             let corners = mesh.corners(t);
@@ -76,7 +68,7 @@ impl SignedDistance {
         Ok(Self {
             tree: BoundingTree::new(mesh),
             face_normals,
-            side_normals,
+            edges,
             vertex_normals,
             triangles: mesh.triangles().to_vec(),
         })
@@ -121,11 +113,18 @@ impl SignedDistance {
         }
     }
 
+    /// Pseudo-normal of a side (not of unit length): the sum of the normals on both sides of it.
+    fn side_normal(&self, triangle: usize, side: usize) -> Vector3<f64> {
+        let other = self.edges.beyond(triangle, side);
+        let other = other.map(|beyond| self.face_normals[beyond]);
+        self.face_normals[triangle] + other.unwrap_or_default()
+    }
+
     /// Pseudo-normal of the feature on which a nearest point lies.
     fn pseudo_normal(&self, found: &Nearest) -> Vector3<f64> {
         match found.closest.feature {
             Feature::Face => self.face_normals[found.triangle],
-            Feature::Side(side) => self.side_normals[found.triangle][side],
+            Feature::Side(side) => self.side_normal(found.triangle, side),
             Feature::Corner(corner) => self.vertex_normals[self.triangles[found.triangle][corner]],
         }
     }

@@ -1,7 +1,11 @@
 //! Joining the corners of separate triangles to shared vertices.
 
 use nalgebra::Vector3;
-use std::collections::HashMap;
+use rustc_hash::{FxHashMap, FxHasher};
+use std::hash::{Hash as _, Hasher as _};
+
+/// Mark of a vertex that is the last of its cube.
+const LAST: u32 = u32::MAX;
 
 /// Corners closer than this part of the mesh's diagonal are one vertex.
 ///
@@ -24,38 +28,81 @@ pub(crate) struct Welded {
 /// to be searched; only a corner near a cube's face looks next door.
 pub(crate) fn weld(soup: &[[Vector3<f64>; 3]]) -> Welded {
     let tolerance = tolerance_of(soup);
-    let cube = 64.0 * tolerance;
-    let mut cubes: HashMap<[i64; 3], Vec<usize>> = HashMap::new();
-    let mut vertices: Vec<Vector3<f64>> = Vec::new();
-    let mut index_of = |corner: &Vector3<f64>| {
-        let low = cube_of(&corner.add_scalar(-tolerance), cube);
-        let high = cube_of(&corner.add_scalar(tolerance), cube);
+    let mut cubes = Cubes {
+        tolerance,
+        side: 64.0 * tolerance,
+        first: FxHashMap::default(),
+        next: Vec::new(),
+        vertices: Vec::new(),
+    };
+    let mut triangles = Vec::with_capacity(soup.len());
+    for corners in soup {
+        triangles.push([0, 1, 2].map(|k| cubes.index_of(&corners[k])));
+    }
+    Welded {
+        vertices: cubes.vertices,
+        triangles,
+    }
+}
+
+/// Vertices by the cube that holds them.
+struct Cubes {
+    /// Joining distance, m.
+    tolerance: f64,
+    /// Side of a cube, m.
+    side: f64,
+    /// Newest vertex of a cube, by the hash of the cube: two cubes of one hash share a list,
+    /// which costs a comparison and changes nothing.
+    first: FxHashMap<u64, u32>,
+    /// The vertex listed before each vertex in the same list.
+    next: Vec<u32>,
+    /// The vertices, m.
+    vertices: Vec<Vector3<f64>>,
+}
+
+impl Cubes {
+    /// Vertex that a corner is, a new one if no other is near.
+    fn index_of(&mut self, corner: &Vector3<f64>) -> usize {
+        let own = cube_of(corner, self.side);
+        let low = cube_of(&corner.add_scalar(-self.tolerance), self.side);
+        let high = cube_of(&corner.add_scalar(self.tolerance), self.side);
         for x in low[0]..=high[0] {
             for y in low[1]..=high[1] {
                 for z in low[2]..=high[2] {
-                    let near = cubes.get(&[x, y, z]).into_iter().flatten();
-                    let mut same = near.filter(|&&i| (vertices[i] - corner).norm() <= tolerance);
-                    if let Some(&found) = same.next() {
+                    if let Some(found) = self.find(hash_of([x, y, z]), corner) {
                         return found;
                     }
                 }
             }
         }
-        vertices.push(*corner);
-        cubes
-            .entry(cube_of(corner, cube))
-            .or_default()
-            .push(vertices.len() - 1);
-        vertices.len() - 1
-    };
-    let triangles = soup
-        .iter()
-        .map(|corners| [0, 1, 2].map(|k| index_of(&corners[k])))
-        .collect();
-    Welded {
-        vertices,
-        triangles,
+        let index = self.vertices.len();
+        // The number of triangles is limited before, so that every index has 32 bits.
+        let name = u32::try_from(index).unwrap_or(LAST);
+        let older = self.first.insert(hash_of(own), name);
+        self.next.push(older.unwrap_or(LAST));
+        self.vertices.push(*corner);
+        index
     }
+
+    /// The vertex of a list that lies within the tolerance.
+    fn find(&self, list: u64, corner: &Vector3<f64>) -> Option<usize> {
+        let mut name = *self.first.get(&list)?;
+        while name != LAST {
+            let index = name as usize;
+            if (self.vertices[index] - corner).norm_squared() <= self.tolerance.powi(2) {
+                return Some(index);
+            }
+            name = self.next[index];
+        }
+        None
+    }
+}
+
+/// Hash of a cube.
+fn hash_of(cube: [i64; 3]) -> u64 {
+    let mut hasher = FxHasher::default();
+    cube.hash(&mut hasher);
+    hasher.finish()
 }
 
 /// Joining distance, m: relative to the diagonal, but not below single-precision rounding.

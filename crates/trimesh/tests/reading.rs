@@ -92,6 +92,7 @@ fn odd_but_whole_files_are_read() {
         ("binary with a zero header", binary(&soup, &[0; 80])),
         ("text", plain.clone().into_bytes()),
         ("carriage returns", plain.replace('\n', "\r\n").into_bytes()),
+        ("old line ends", plain.replace('\n', "\r").into_bytes()),
         ("upper case", plain.to_uppercase().into_bytes()),
         (
             "no name",
@@ -121,6 +122,33 @@ fn odd_but_whole_files_are_read() {
     }
 }
 
+/// A header that counts too few, bytes after the end, and a text without its last line: the whole
+/// box is read, and the report says what was odd.
+#[test]
+fn wrong_counts_and_trailing_bytes_are_told() {
+    let soup = soup();
+    let counted = |n: u32| {
+        let mut bytes = binary(&soup, b"");
+        bytes[80..84].copy_from_slice(&n.to_le_bytes());
+        bytes
+    };
+    let followed = |rest: &[u8]| [&binary(&soup, b"solid facet")[..], rest].concat();
+    let text = ascii(&soup, "seed", "0 0 1").replace("endsolid\n", "");
+    let found = 12;
+    let cases = [
+        (counted(5), Warning::CountCorrected { declared: 5, found }),
+        (counted(0), Warning::CountCorrected { declared: 0, found }),
+        (followed(b"made by"), Warning::TrailingBytes(7)),
+        (followed(&[0xFF; 100]), Warning::TrailingBytes(100)),
+        (text.into_bytes(), Warning::NoEnd),
+    ];
+    for (bytes, warning) in cases {
+        let report = parse_stl(bytes.clone(), MM, "box.stl").unwrap().report;
+        assert_eq!(report.warnings, [warning]);
+        assert!((volume_of(bytes) / 180e-9 - 1.0).abs() < 1e-12);
+    }
+}
+
 #[test]
 fn units_scale_the_mesh() {
     for (unit, metre) in [("mm", 1e-3), ("cm", 1e-2), ("m", 1.0), ("um", 1e-6)] {
@@ -145,8 +173,6 @@ fn damaged_files_are_refused_with_file_and_place() {
     let good = binary(&soup, b"");
     let mut huge = good.clone();
     huge[80..84].copy_from_slice(&u32::MAX.to_le_bytes());
-    let mut low = good.clone();
-    low[80..84].copy_from_slice(&5_u32.to_le_bytes());
     let text = ascii(&soup, "seed", "0 0 1");
     let half = text[..text.rfind("endloop").unwrap()].to_owned();
     let cases: Vec<(&str, Vec<u8>, &str)> = vec![
@@ -157,9 +183,8 @@ fn damaged_files_are_refused_with_file_and_place() {
             "declares 12 triangles",
         ),
         ("huge count", huge, "declares 4294967295 triangles"),
-        ("count too small", low, "declares 5 triangles"),
         ("count 0", binary(&[], b""), "no triangle"),
-        ("short", b"solid".to_vec(), "no STL"),
+        ("short", b"solid".to_vec(), "no STL, OBJ or PLY"),
         ("prose", vec![b'x'; 5000], "no STL"),
         ("random", vec![0x01; 700], "declares"),
         ("text cut off", half.into_bytes(), "end of file"),
@@ -290,10 +315,28 @@ fn two_bodies_apart_or_cutting_each_other_are_refused() {
         let read = TriMesh::from_triangles(&all, MM, "two").unwrap();
         let message = read.mesh.require_closed().unwrap_err().to_string();
         assert!(
-            message.contains("2 separate or intersecting bodies"),
+            message.contains("2 separate or intersecting bodies")
+                && message.contains("enclose 180.0000, 180.0000 mm3"),
             "{message}"
         );
     }
+}
+
+/// A body of 180 mm³ with a cavity of 180/8 beside a crumb of 180/1000: the body stays, hollow.
+#[test]
+fn the_largest_body_is_kept_with_its_cavity() {
+    let hole = moved(&soup(), 0.5, Vector3::new(0.3, 0.2, -0.1));
+    let crumb = moved(&soup(), 0.1, Vector3::new(8.0, 0.0, 0.0));
+    let all = [crumb, hole, soup()].concat();
+    let read = TriMesh::from_triangles(&all, MM, "dusty").unwrap();
+    assert!(read.mesh.require_closed().is_err());
+    let volumes: Vec<f64> = read.mesh.shells().iter().map(|s| s.volume * 1e9).collect();
+    for (found, exact) in volumes.iter().zip([180.0, 0.18, -22.5]) {
+        assert!((found - exact).abs() < 1e-9, "{volumes:?}");
+    }
+    let body = read.mesh.largest_body().unwrap();
+    assert!(body.mesh.require_closed().is_ok());
+    assert!((body.report.volume.unwrap() / 157.5e-9 - 1.0).abs() < 1e-12);
 }
 
 #[test]

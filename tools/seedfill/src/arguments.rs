@@ -1,29 +1,43 @@
 //! What the command can be asked.
 
-use crate::sphere_file::Format;
+use crate::sphere_file::format_named;
 use clap::Parser;
+use clump_exchange::Format;
 use sphere_fill::Method;
 use std::path::PathBuf;
 use trimesh::LengthUnit;
 
-/// Fills a closed mesh (STL) with spheres
+/// Fills a closed mesh (STL, OBJ, PLY) with spheres
 ///
 /// Bare lengths are in the unit of the mesh; a unit may be written behind them (0.45mm).
-/// Exit code: 0 filled; 1 refused (radius does not fit, count or roughness not reached); 2 error.
+/// Exit code: 0 filled; 1 refused (radius does not fit, count, roughness or target not reached); 2 error.
 #[derive(Debug, Parser)]
 #[command(name = "seedfill", version, about)]
 pub(crate) struct Arguments {
-    /// Mesh to fill, STL (binary or ASCII)
+    /// Mesh to fill: STL, OBJ or PLY, binary or text
     #[arg(value_name = "MESH.stl")]
     pub(crate) mesh: PathBuf,
 
-    /// Radius of the spheres (method smooth: of the smallest allowed)
-    #[arg(long, value_name = "LENGTH", allow_hyphen_values = true)]
-    pub(crate) radius: String,
+    /// Radius of the spheres (pack, lattice), or of the smallest allowed (all others)
+    #[arg(
+        long,
+        value_name = "LENGTH",
+        allow_hyphen_values = true,
+        required_unless_present = "spheres"
+    )]
+    pub(crate) radius: Option<String>,
+
+    /// Place nothing: measure the spheres of a table x,y,z,radius in the unit and frame of the mesh
+    #[arg(long, value_name = "FILE.csv", conflicts_with_all = ["radius", "method", "count", "max_spheres", "target", "roughness", "effort"])]
+    pub(crate) spheres: Option<PathBuf>,
 
     /// Unit of the numbers in the mesh: mm, cm, m or um
     #[arg(long, default_value = "mm", value_name = "UNIT")]
     pub(crate) unit: LengthUnit,
+
+    /// Of several bodies take the largest with its cavities, leave the others out
+    #[arg(long)]
+    pub(crate) largest_body: bool,
 
     /// How spheres are placed
     #[arg(long, value_enum, default_value = "pack")]
@@ -33,7 +47,16 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "N")]
     pub(crate) count: Option<usize>,
 
-    /// Surface roughness (rms) at which the method smooth stops [default: radius / 20]
+    /// Place at most N spheres
+    #[arg(long, value_name = "N", conflicts_with = "count")]
+    pub(crate) max_spheres: Option<usize>,
+
+    /// Take the fewest spheres that keep these errors: volume=1%,inertia=2%,surface=0.05mm
+    #[arg(long, value_name = "ERRORS")]
+    pub(crate) target: Option<String>,
+
+    /// Surface roughness (rms) at which the method smooth stops; what ferellec takes for covered
+    /// [default: radius / 20]
     #[arg(long, value_name = "LENGTH", allow_hyphen_values = true)]
     pub(crate) roughness: Option<String>,
 
@@ -68,15 +91,40 @@ pub(crate) struct Arguments {
     pub(crate) out: Option<PathBuf>,
 
     /// Format of the spheres [default: by the extension of FILE]
-    #[arg(long, value_enum)]
+    ///
+    /// csv, vtk: unit of the mesh; liggghts, yade, lammps, edem, pfc: metres
+    #[arg(long, value_name = "FORMAT", value_parser = format_named)]
     pub(crate) format: Option<Format>,
 
     /// Draw spheres and mesh to a picture
     #[arg(long, value_name = "FILE.png")]
     pub(crate) preview: Option<PathBuf>,
 
+    /// Write a report with pictures and the spheres to be turned, one HTML file
+    #[arg(long, value_name = "FILE.html")]
+    pub(crate) html: Option<PathBuf>,
+
+    /// Shear modulus of the seed in Pa, for the Rayleigh time step (default: cotton seed)
+    #[arg(long, value_name = "PA", default_value_t = 4.01e6)]
+    pub(crate) shear_modulus_pa: f64,
+
+    /// Poisson's ratio of the seed, for the Rayleigh time step (default: cotton seed)
+    #[arg(long, value_name = "RATIO", default_value_t = 0.14)]
+    pub(crate) poisson_ratio: f64,
+
+    /// JSON of a run (seedloop simulate ... --json RUN.json): its speed gives the cost
+    #[arg(long, value_name = "RUN.json")]
+    pub(crate) timing: Option<PathBuf>,
+
     #[command(flatten)]
     pub(crate) common: command_line::Common,
+}
+
+impl Arguments {
+    /// Mass of a seed of a volume (m³), kg, if mass or density are given.
+    pub(crate) fn mass_of(&self, volume: f64) -> Option<f64> {
+        self.mass.or(self.density.map(|density| density * volume))
+    }
 }
 
 /// Names of the methods.
@@ -86,8 +134,16 @@ pub(crate) enum MethodName {
     Pack,
     /// Equal spheres on the best placed close-packed lattice
     Lattice,
-    /// Overlapping spheres of several radii that follow the surface
+    /// Inscribed overlapping spheres that follow the surface
     Smooth,
+    /// Overlapping spheres fitted to the surface, at the volume of the body
+    Surface,
+    /// Spheres along the longest axis (Favier 1999)
+    Favier,
+    /// Inscribed spheres at random surface points (Ferellec and `McDowell` 2010)
+    Ferellec,
+    /// Peaks of the distance to the surface
+    DistanceTransform,
 }
 
 impl From<MethodName> for Method {
@@ -96,6 +152,10 @@ impl From<MethodName> for Method {
             MethodName::Pack => Self::Pack,
             MethodName::Lattice => Self::Lattice,
             MethodName::Smooth => Self::Smooth,
+            MethodName::Surface => Self::Surface,
+            MethodName::Favier => Self::Favier,
+            MethodName::Ferellec => Self::Ferellec,
+            MethodName::DistanceTransform => Self::DistanceTransform,
         }
     }
 }

@@ -1,19 +1,29 @@
 //! Fills a closed mesh with spheres.
 
 mod arguments;
+mod page;
 mod preview;
+mod price;
 mod sphere_file;
+mod sphere_table;
 mod summary;
+mod target;
 
-use arguments::{Arguments, length_in_metres};
+use arguments::{Arguments, MethodName, length_in_metres};
 use clap::Parser as _;
+use clump::Sphere;
+use clump_exchange::Format;
 use command_line::{DONE, Header, NOT_MET, write_new};
-use sphere_file::{Format, choose_format, sphere_text};
-use sphere_fill::{Error, FillSettings, fill};
+use price::Price;
+use sphere_file::{choose_format, sphere_text};
+use sphere_fill::{Error, FillSettings, fill, measure};
+use sphere_table::read_spheres;
 use std::io::Write as _;
 use std::process::ExitCode;
 use std::time::Instant;
 use summary::{Refusal, Summary};
+use target::target_of;
+use trimesh::{CheckedMesh, MeshReport};
 
 fn main() -> ExitCode {
     let arguments = Arguments::parse_from(command_line::arguments());
@@ -23,7 +33,7 @@ fn main() -> ExitCode {
 /// Reads, fills, writes.
 fn run(arguments: &Arguments) -> anyhow::Result<u8> {
     let common = &arguments.common;
-    let settings = settings_of(arguments)?;
+    let task = task_of(arguments)?;
     let format = match (&arguments.out, arguments.format) {
         (Some(file), asked) => Some(choose_format(asked, file)?),
         (None, Some(asked)) => Some(choose_format(Some(asked), "".as_ref())?),
@@ -31,16 +41,28 @@ fn run(arguments: &Arguments) -> anyhow::Result<u8> {
     };
     refuse_existing(arguments)?;
     let start = Instant::now();
-    let read = trimesh::read_stl(&arguments.mesh, arguments.unit)?;
-    let header = Header::new(arguments.seed, [&arguments.mesh])?;
+    let read = read_body(arguments)?;
+    let header = Header::new(
+        arguments.seed,
+        [Some(&arguments.mesh), arguments.spheres.as_ref()]
+            .into_iter()
+            .flatten(),
+    )?;
     common.log(|| {
-        let (unit, radius) = (arguments.unit, settings.radius * 1e3);
-        format!("mesh read in {unit}; sphere radius {radius:.6} mm")
+        let what = match &task {
+            Task::Fill(settings) => format!("sphere radius {:.6} mm", settings.radius * 1e3),
+            Task::Measure(spheres) => format!("{} spheres given", spheres.len()),
+        };
+        format!("mesh read in {}; {what}", arguments.unit)
     });
     for warning in &read.report.warnings {
         common.log(|| format!("warning: {}: {warning}", arguments.mesh.display()));
     }
-    let filling = match fill(&read.mesh, &settings) {
+    let filled = match task {
+        Task::Fill(settings) => fill(&read.mesh, &settings),
+        Task::Measure(spheres) => measure(&read.mesh, spheres),
+    };
+    let filling = match filled {
         Ok(filling) => filling,
         Err(error) if is_refusal(&error) => {
             // The reason of a refusal is told even when the log is quiet.
@@ -56,8 +78,14 @@ fn run(arguments: &Arguments) -> anyhow::Result<u8> {
         Err(error) => return Err(error.into()),
     };
     let elapsed_s = start.elapsed().as_secs_f64();
-    let summary = Summary::new(header, arguments, &read.report, &filling, elapsed_s);
-    let text = |format: Format| sphere_text(format, &filling.spheres, arguments.unit);
+    let price = Price::new(arguments, &filling)?;
+    let summary = Summary::new(header, arguments, &read.report, &filling, price, elapsed_s);
+    let name = arguments
+        .mesh
+        .file_stem()
+        .map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
+    let mass = arguments.mass_of(filling.mesh_moments.volume);
+    let text = |format: Format| sphere_text(format, &filling, &name, arguments.unit, mass);
     match (&arguments.out, format) {
         (Some(file), Some(format)) => {
             write_new(file, text(format).as_bytes(), common.overwrite())?;
@@ -70,20 +98,42 @@ fn run(arguments: &Arguments) -> anyhow::Result<u8> {
         let picture = preview::picture(&filling, &read.mesh)?;
         write_new(file, &picture, common.overwrite())?;
     }
+    if let Some(file) = &arguments.html {
+        let page = page::page(&summary, &filling, &read.mesh)?;
+        write_new(file, page.as_bytes(), common.overwrite())?;
+    }
     common.emit_json(&summary)?;
     Ok(DONE)
 }
 
-/// Settings of the filling from the arguments.
-fn settings_of(arguments: &Arguments) -> anyhow::Result<FillSettings> {
-    let unit = arguments.unit;
-    let roughness = arguments.roughness.as_deref();
-    let roughness = roughness.map(|text| length_in_metres("roughness", text, unit));
-    let smooth = arguments.method == arguments::MethodName::Smooth;
-    anyhow::ensure!(
-        roughness.is_none() || smooth,
-        "--roughness is for --method smooth only"
-    );
+/// Reads the mesh; of several bodies the largest, if that is asked for.
+fn read_body(arguments: &Arguments) -> anyhow::Result<CheckedMesh> {
+    let mut read = trimesh::read_mesh(&arguments.mesh, arguments.unit)?;
+    if arguments.largest_body && read.mesh.topology().shells > 1 {
+        let body = read.mesh.largest_body()?;
+        read.mesh = body.mesh;
+        // What was repaired on reading stays told; the figures are those of the body.
+        read.report = MeshReport {
+            warnings: read.report.warnings,
+            degenerate_dropped: read.report.degenerate_dropped,
+            duplicates_dropped: read.report.duplicates_dropped,
+            triangles_turned: read.report.triangles_turned,
+            holes_closed: read.report.holes_closed,
+            unit: read.report.unit,
+            ..body.report
+        };
+    }
+    Ok(read)
+}
+
+/// What is to be done.
+enum Task {
+    Fill(FillSettings),
+    Measure(Vec<Sphere>),
+}
+
+/// What the arguments ask for.
+fn task_of(arguments: &Arguments) -> anyhow::Result<Task> {
     for (flag, value) in [("mass", arguments.mass), ("density", arguments.density)] {
         let given = value.unwrap_or(1.0);
         anyhow::ensure!(
@@ -91,13 +141,34 @@ fn settings_of(arguments: &Arguments) -> anyhow::Result<FillSettings> {
             "--{flag} {given}: it must be a positive number"
         );
     }
+    match (&arguments.spheres, &arguments.radius) {
+        (Some(file), _) => Ok(Task::Measure(read_spheres(file, arguments.unit)?)),
+        (None, Some(radius)) => Ok(Task::Fill(settings_of(arguments, radius)?)),
+        (None, None) => anyhow::bail!("--radius is needed"),
+    }
+}
+
+/// Settings of the filling from the arguments.
+fn settings_of(arguments: &Arguments, radius: &str) -> anyhow::Result<FillSettings> {
+    let unit = arguments.unit;
+    let roughness = arguments.roughness.as_deref();
+    let roughness = roughness.map(|text| length_in_metres("roughness", text, unit));
+    let takes_roughness = matches!(arguments.method, MethodName::Smooth | MethodName::Ferellec);
+    anyhow::ensure!(
+        roughness.is_none() || takes_roughness,
+        "--roughness is for --method smooth only (and ferellec)"
+    );
+    let target = arguments.target.as_deref();
+    let target = target.map(|text| target_of(text, unit));
     let settings = FillSettings {
         method: arguments.method.into(),
         count: arguments.count,
+        max_spheres: arguments.max_spheres,
+        target: target.transpose()?,
         roughness: roughness.transpose()?,
         seed: arguments.seed,
         effort: arguments.effort,
-        ..FillSettings::new(length_in_metres("radius", &arguments.radius, unit)?)
+        ..FillSettings::new(length_in_metres("radius", radius, unit)?)
     };
     settings.check()?;
     Ok(settings)
@@ -105,7 +176,8 @@ fn settings_of(arguments: &Arguments) -> anyhow::Result<FillSettings> {
 
 /// Refuses output files that exist before the work is done.
 fn refuse_existing(arguments: &Arguments) -> anyhow::Result<()> {
-    for file in [&arguments.out, &arguments.preview].into_iter().flatten() {
+    let outputs = [&arguments.out, &arguments.preview, &arguments.html];
+    for file in outputs.into_iter().flatten() {
         anyhow::ensure!(
             arguments.common.force || !file.exists(),
             "{} exists: say --force to overwrite it, or give another name",
@@ -122,5 +194,6 @@ fn is_refusal(error: &Error) -> bool {
         Error::RadiusTooLarge { .. }
             | Error::CountNotReached { .. }
             | Error::RoughnessNotReached { .. }
+            | Error::TargetNotReached { .. }
     )
 }

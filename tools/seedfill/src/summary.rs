@@ -1,7 +1,8 @@
 //! The result as JSON and as text.
 
-use crate::arguments::Arguments;
-use crate::sphere_file::in_unit;
+use crate::arguments::{Arguments, MethodName};
+use crate::price::Price;
+use clump::Sphere;
 use command_line::Header;
 use serde::Serialize;
 use sphere_fill::{Filling, FitReport};
@@ -26,6 +27,7 @@ pub(crate) struct Summary {
     fit: FitSummary,
     mass_kg: Option<f64>,
     fraction_density_kg_m3: Option<f64>,
+    price: Price,
     elapsed_s: f64,
     /// x, y, z, radius of each sphere.
     sphere_list: Vec<[f64; 4]>,
@@ -43,6 +45,7 @@ struct MeshSummary {
     degenerate_dropped: usize,
     duplicates_dropped: usize,
     triangles_turned: usize,
+    holes_closed: usize,
     warnings: Vec<Warning>,
 }
 
@@ -85,19 +88,21 @@ impl Summary {
         arguments: &Arguments,
         mesh: &MeshReport,
         filling: &Filling,
+        price: Price,
         elapsed_s: f64,
     ) -> Self {
         let unit = arguments.unit;
         let metre = unit.in_metres();
         let volume = filling.mesh_moments.volume;
-        let mass_kg = arguments
-            .mass
-            .or(arguments.density.map(|density| density * volume));
+        let mass_kg = arguments.mass_of(volume);
         Self {
             header,
             verdict: "ok",
             unit,
-            method: format!("{:?}", filling.settings.method).to_lowercase(),
+            method: match arguments.spheres {
+                Some(_) => "given".to_owned(),
+                None => name_of(arguments.method),
+            },
             spheres: filling.spheres.len(),
             radius: filling.settings.radius / metre,
             radius_mm: filling.settings.radius / metre * (metre * 1e3),
@@ -116,52 +121,99 @@ impl Summary {
                 degenerate_dropped: mesh.degenerate_dropped,
                 duplicates_dropped: mesh.duplicates_dropped,
                 triangles_turned: mesh.triangles_turned,
+                holes_closed: mesh.holes_closed,
                 warnings: mesh.warnings.clone(),
             },
             fit: fit_in(&filling.report, metre),
             mass_kg,
             fraction_density_kg_m3: mass_kg.map(|mass| filling.fraction_density(mass)),
+            price,
             elapsed_s,
-            sphere_list: filling.spheres.iter().map(|s| in_unit(s, unit)).collect(),
+            sphere_list: filling.spheres.iter().map(|s| in_unit(s, metre)).collect(),
         }
     }
 
     /// Short text for people.
     pub(crate) fn text(&self) -> String {
-        let (fit, unit) = (&self.fit, self.unit);
+        let lines = [self.fit_lines(), self.price_lines()].concat();
+        let rows = lines
+            .iter()
+            .map(|(name, value)| format!("\n{name:<23} {value}"));
+        self.headline() + &rows.collect::<String>()
+    }
+
+    /// How many spheres in what.
+    fn headline(&self) -> String {
+        let unit = self.unit;
         let [a, b, c] = self.mesh.bounding_box.size;
-        let [i, j, k] = fit.inertia_error_percent;
-        let mut text = format!(
-            "{} spheres ({}, radius {} {unit}) in {a:.3} x {b:.3} x {c:.3} {unit}, \
-             volume {:.4} {unit}3\n\
-             packing fraction    {:.4}  (union {:.4})\n\
-             largest overlap     {:.2e} {unit}\n\
-             largest protrusion  {:.2e} {unit}\n\
-             surface             rms gap {:.4}, largest {:.4}, roughness {:.4} {unit}\n\
-             centroid offset     {:.4} {unit}\n\
-             inertia error       {i:.2}, {j:.2}, {k:.2} %",
+        format!(
+            "{} spheres ({}, radius {} {unit}) in {a:.3} x {b:.3} x {c:.3} {unit}, volume {:.4} {unit}3",
             self.spheres,
             self.method,
             self.radius,
             self.mesh.volume.unwrap_or(f64::NAN),
-            fit.packing_fraction,
-            fit.union_fraction,
-            fit.max_overlap,
-            fit.max_protrusion,
-            fit.surface_rms,
-            fit.surface_hausdorff,
-            fit.roughness_rms,
-            fit.centroid_offset,
-        );
-        if let (Some(mass), Some(density)) = (self.mass_kg, self.fraction_density_kg_m3) {
-            let lines = [
-                format!("\nmass                {mass:.4e} kg"),
-                format!("\nfraction density    {density:.1} kg/m3"),
-            ];
-            text.extend(lines);
-        }
-        text
+        )
     }
+
+    /// Names and values of the fit.
+    pub(crate) fn fit_lines(&self) -> Vec<(&'static str, String)> {
+        let (fit, unit) = (&self.fit, self.unit);
+        let [i, j, k] = fit.inertia_error_percent;
+        let length = |value: f64| format!("{value:.4} {unit}");
+        vec![
+            (
+                "sphere volumes / mesh",
+                format!("{:.4}", fit.packing_fraction),
+            ),
+            ("union / mesh", format!("{:.4}", fit.union_fraction)),
+            ("largest overlap", format!("{:.2e} {unit}", fit.max_overlap)),
+            (
+                "largest protrusion",
+                format!("{:.2e} {unit}", fit.max_protrusion),
+            ),
+            ("surface error, rms", length(fit.surface_rms)),
+            ("surface error, largest", length(fit.surface_hausdorff)),
+            ("roughness, rms", length(fit.roughness_rms)),
+            ("centroid offset", length(fit.centroid_offset)),
+            ("inertia error", format!("{i:.2}, {j:.2}, {k:.2} %")),
+        ]
+    }
+
+    /// Names and values of mass, time step and cost.
+    pub(crate) fn price_lines(&self) -> Vec<(&'static str, String)> {
+        let mut lines = Vec::new();
+        if let (Some(mass), Some(density)) = (self.mass_kg, self.fraction_density_kg_m3) {
+            lines.push(("mass", format!("{mass:.4e} kg")));
+            lines.push(("fraction density", format!("{density:.1} kg/m3")));
+        }
+        lines.extend(self.price.lines());
+        lines
+    }
+
+    /// What the user should know of the mesh.
+    pub(crate) fn warnings(&self) -> &[Warning] {
+        &self.mesh.warnings
+    }
+
+    /// Where the result comes from.
+    pub(crate) fn provenance(&self) -> Vec<String> {
+        let head = format!("seedfill {}, {}", self.header.version, self.headline());
+        let inputs = self.header.inputs.iter();
+        let inputs = inputs.map(|(file, sum)| format!("{file}: SHA-256 {sum}"));
+        std::iter::once(head).chain(inputs).collect()
+    }
+}
+
+/// Centre and radius in a unit.
+fn in_unit(sphere: &Sphere, metre: f64) -> [f64; 4] {
+    let c = sphere.centre;
+    [c.x, c.y, c.z, sphere.radius].map(|length| length / metre)
+}
+
+/// Name of a method as its flag takes it.
+fn name_of(method: MethodName) -> String {
+    let value = clap::ValueEnum::to_possible_value(&method);
+    value.map_or_else(String::new, |value| value.get_name().to_owned())
 }
 
 /// Fit figures with lengths in a unit.

@@ -50,3 +50,20 @@ fn copy_of_a_world_has_the_same_future() {
     run(&mut copy, 1500);
     assert_eq!(bits(&world), bits(&copy));
 }
+
+/// The sums of forces do not depend on who found them: one, two and three threads, whose bodies are
+/// cut into 1, 8 and 12 parts, give the same bits.
+#[test]
+fn threads_change_no_bit() {
+    let [one, two, three] = [1, 2, 3].map(|threads| {
+        let mut world = shaken().on_threads(threads).unwrap();
+        run(&mut world, 10_000);
+        let (pairs, walls) = (world.census().touching_pairs, world.n_wall_contacts());
+        // The order matters only to a body with three loads or more; half a box full has many.
+        let mean = (2 * pairs + walls) as f64 / world.bodies().len() as f64;
+        assert!(mean > 2.5, "the bodies have only {mean} contacts each");
+        bits(&world)
+    });
+    assert_eq!(one, two);
+    assert_eq!(one, three);
+}

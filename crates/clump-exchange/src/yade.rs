@@ -1,0 +1,14 @@
+//! YADE: `x y z r clump` a line, in metres.
+
+use crate::Body;
+use crate::rows::{in_unit, joined};
+
+/// `ymport.textClumps` takes the last column as the number of the clump; `ymport.text` reads the
+/// first four and passes it over.
+pub(crate) fn text(body: &Body<'_>) -> String {
+    let mut text = "# x y z radius clump, m\n".to_owned();
+    for sphere in body.spheres {
+        text.extend([joined(&in_unit(sphere, 1.0), " "), " 0\n".to_owned()]);
+    }
+    text
+}

@@ -1,0 +1,45 @@
+//! Reading a mesh of any known format.
+
+use crate::obj::{looks_like_obj, obj_soup};
+use crate::ply::{looks_like_ply, ply_soup};
+use crate::soup::bytes_of;
+use crate::stl::stl_soup;
+use crate::{CheckedMesh, Error, LengthUnit};
+use std::path::Path;
+
+/// Reads and checks a mesh file (STL, OBJ or PLY) whose numbers are in `unit`.
+///
+/// What a file holds decides its format; its name decides only between an OBJ and an STL that
+/// both cannot be told from their text.
+///
+/// # Errors
+///
+/// The file cannot be read, is no whole mesh file, or holds no body; see [`Error`].
+pub fn read_mesh(path: &Path, unit: LengthUnit) -> Result<CheckedMesh, Error> {
+    let (name, bytes) = bytes_of(path)?;
+    parse_mesh(bytes, unit, &name)
+}
+
+/// Reads and checks the bytes of a mesh file; `file` names it in messages.
+///
+/// # Errors
+///
+/// The bytes are no whole mesh file or hold no body; see [`Error`].
+pub fn parse_mesh(bytes: Vec<u8>, unit: LengthUnit, file: &str) -> Result<CheckedMesh, Error> {
+    let is_obj = || {
+        let named = Path::new(file)
+            .extension()
+            .is_some_and(|end| end.eq_ignore_ascii_case("obj"));
+        named || looks_like_obj(&bytes)
+    };
+    let soup = if looks_like_ply(&bytes) {
+        ply_soup(&bytes, file)?
+    } else {
+        match stl_soup(&bytes, file) {
+            Err(Error::NotStl { .. }) if is_obj() => obj_soup(&bytes, file)?,
+            other => other?,
+        }
+    };
+    drop(bytes);
+    soup.check(unit, file)
+}

@@ -1,0 +1,31 @@
+//! Loose triangles as a file gives them, before any check.
+
+use crate::build::build;
+use crate::{CheckedMesh, Error, LengthUnit, Warning};
+use nalgebra::Vector3;
+use std::path::Path;
+
+/// Triangles of a file and what was odd about the file.
+#[derive(Debug, Default)]
+pub(crate) struct Soup {
+    /// Corners, in the unit of the file.
+    pub(crate) triangles: Vec<[Vector3<f64>; 3]>,
+    /// What the user should know.
+    pub(crate) warnings: Vec<Warning>,
+}
+
+impl Soup {
+    /// Makes the mesh.
+    pub(crate) fn check(self, unit: LengthUnit, file: &str) -> Result<CheckedMesh, Error> {
+        build(self.triangles, unit, file, self.warnings)
+    }
+}
+
+/// Name and bytes of a file; an empty one is refused.
+pub(crate) fn bytes_of(path: &Path) -> Result<(String, Vec<u8>), Error> {
+    let name = path.display().to_string();
+    match std::fs::read(path) {
+        Ok(bytes) => Ok((name, bytes)),
+        Err(source) => Err(Error::Read { path: name, source }),
+    }
+}

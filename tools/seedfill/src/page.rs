@@ -1,0 +1,67 @@
+//! The report of a filling as one HTML page.
+
+use crate::preview::{deviation_picture, picture};
+use crate::summary::Summary;
+use report::{Fact, Report, SphereViewer, ViewerSphere};
+use sphere_fill::Filling;
+use trimesh::TriMesh;
+
+/// Colour of the spheres in the viewer.
+const COLOUR: [u8; 3] = [168, 142, 112];
+
+/// Makes the page: figures, pictures, and spheres to be turned.
+///
+/// # Errors
+///
+/// A body that cannot be drawn.
+pub(crate) fn page(summary: &Summary, filling: &Filling, mesh: &TriMesh) -> anyhow::Result<String> {
+    let fact = |(name, value): &(&str, String)| Fact::new(*name, value.clone());
+    let facts = |lines: &[(&str, String)]| lines.iter().map(fact).collect::<Vec<_>>();
+    let mut report = Report::new(format!("Filling of {}", mesh.source()));
+    report.section("Fit").facts(&facts(&summary.fit_lines()));
+    report
+        .section("Price")
+        .facts(&facts(&summary.price_lines()));
+    if !summary.warnings().is_empty() {
+        let warnings: Vec<String> = summary.warnings().iter().map(ToString::to_string).collect();
+        let warnings: Vec<&str> = warnings.iter().map(String::as_str).collect();
+        report.section("What was found in the mesh").list(&warnings);
+    }
+    let drawn = picture(filling, mesh)?;
+    let (coloured, scale) = deviation_picture(filling, mesh)?;
+    report.section("Pictures");
+    report.picture(
+        &drawn,
+        "The mesh, half transparent, over the spheres",
+        "The mesh, half transparent, over the spheres.",
+    )?;
+    let caption = format!(
+        "Gap between mesh and spheres: blue where the spheres fall short, red where they stand \
+         out, full colour at {:.4} mm (the gap that 95 % of the surface keeps).",
+        scale * 1e3
+    );
+    report.picture(
+        &coloured,
+        "The mesh coloured by its gap to the spheres",
+        &caption,
+    )?;
+    let spheres: Vec<ViewerSphere> = filling
+        .spheres
+        .iter()
+        .map(|sphere| ViewerSphere {
+            centre: sphere.centre.into(),
+            radius: sphere.radius,
+        })
+        .collect();
+    let viewer = SphereViewer {
+        spheres: &spheres,
+        colour: COLOUR,
+        picture: &drawn,
+        description: "The spheres of the filling",
+    };
+    report.viewer(&viewer, "The spheres; drag to turn.")?;
+    for line in summary.provenance() {
+        report.provenance(&line);
+    }
+    Ok(report.html())
+}
