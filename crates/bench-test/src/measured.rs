@@ -79,7 +79,6 @@ pub fn coefficients(test: Test, text: &str, file: &str) -> Result<Vec<f64>, Erro
             let text = cells.get(places[k]).copied().unwrap_or("");
             let (high, requirement) = match (test, k) {
                 (Test::Tilt, _) => (90.0, "an angle from 0 to below 90"),
-                (_, 0) => (f64::MAX, "a number of 0 or more"),
                 _ => (f64::MAX, "a number of 0 or more"),
             };
             let value = text.parse().ok().filter(|v: &f64| (0.0..high).contains(v));

@@ -152,25 +152,4 @@ pub enum Error {
         /// Time step, s.
         time_step: f64,
     },
-    /// The time step is too long for the contacts.
-    #[error(
-        "the time step of {time_step} s is above {limit} s, the longest that resolves the contact \
-         of body type {template} with material {material}: lower the time step, or the stiffness"
-    )]
-    StepTooLong {
-        /// Time step, s.
-        time_step: f64,
-        /// Longest allowed, s.
-        limit: f64,
-        /// Index of the body type.
-        template: usize,
-        /// Index of the other material.
-        material: usize,
-    },
-    /// A checkpoint does not belong to a world.
-    #[error("the checkpoint does not fit this world: {what}")]
-    Checkpoint {
-        /// What differs.
-        what: String,
-    },
 }

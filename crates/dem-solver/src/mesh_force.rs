@@ -100,7 +100,7 @@ impl MeshWalls {
         for body in 0..bodies.len() {
             let reach = templates[bodies.template[body]].bounding_radius + margin;
             for (wall, moving) in self.moving.iter().enumerate() {
-                let own = moving.into_own(&bodies.position[body]);
+                let own = moving.own_point(&bodies.position[body]);
                 let triangles: Vec<u32> = moving.near(&own, reach).collect();
                 if triangles.is_empty() {
                     continue;
@@ -170,7 +170,7 @@ impl Near {
         self.candidates.clear();
         let mut nearest = f64::INFINITY;
         for (k, sphere) in (0_u16..).zip(&template.spheres) {
-            let own = moving.into_own(&(position + rotation * sphere.centre));
+            let own = moving.own_point(&(position + rotation * sphere.centre));
             for &triangle in &self.triangles {
                 let corners = &moving.wall.triangles[triangle as usize];
                 let gap = (nearest_on_triangle(&own, corners) - own).norm() - sphere.radius;
@@ -201,7 +201,7 @@ impl Near {
             let number = group[0].0;
             let sphere = &template.spheres[usize::from(number)];
             let centre = body.position + rotation * sphere.centre;
-            for hit in felt(group, &moving.into_own(&centre), sphere.radius, moving) {
+            for hit in felt(group, &moving.own_point(&centre), sphere.radius, moving) {
                 let contact = geometry(body, sphere, &centre, moving, &hit);
                 let slip = take_slip(&mut before, number, &contact.normal);
                 let effect = interaction.at_wall(&contact, body, slip, context.time_step);
@@ -257,7 +257,7 @@ fn geometry(
     hit: &Hit,
 ) -> SphereWall {
     let towards = if hit.distance > 0.0 {
-        moving.direction(&((hit.point - moving.into_own(centre)) / hit.distance))
+        moving.direction(&((hit.point - moving.own_point(centre)) / hit.distance))
     } else {
         let [a, b, c] = moving.wall.triangles[hit.triangle];
         moving.direction(&(b - a).cross(&(c - a)).normalize())

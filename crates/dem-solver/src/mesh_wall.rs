@@ -147,7 +147,7 @@ impl Moving {
     }
 
     /// A point of the world in the frame in which the triangles were given.
-    pub(crate) fn into_own(&self, point: &Vector3<f64>) -> Vector3<f64> {
+    pub(crate) fn own_point(&self, point: &Vector3<f64>) -> Vector3<f64> {
         self.turn.inverse_transform_vector(&(point - self.pivot())) + self.wall.motion.about
     }
 

@@ -15,7 +15,8 @@ use std::path::PathBuf;
 pub struct WallSettings {
     /// Name.
     pub name: String,
-    /// Mesh, relative to the scene file; it need not be closed.
+    /// Mesh, relative to the scene file. It need not be closed, but a mesh without any thickness is
+    /// refused: give a flat plate a thickness.
     pub mesh: PathBuf,
     /// What one unit of the mesh is.
     pub mesh_unit: trimesh::LengthUnit,

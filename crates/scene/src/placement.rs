@@ -119,7 +119,9 @@ fn fill_grid(
         let mut points = ticks(0.5 * (high[axis] - low[axis]) - thin, spacing);
         // A middle of 0 is left alone: adding it could change the sign of a zero.
         if middle != 0.0 {
-            points.iter_mut().for_each(|p| *p += middle);
+            for point in &mut points {
+                *point += middle;
+            }
         }
         points
     });

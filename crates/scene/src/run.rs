@@ -218,11 +218,7 @@ fn further(
     steady: &[SeriesPoint],
 ) -> Vec<Further> {
     let power = steady.iter().map(|p| 1e3 * p.drive_power_w).collect();
-    let kinetic = steady.iter().map(|p| 1e6 * p.kinetic_energy_j).collect();
-    let mut all = vec![
-        Further::new("drive_power_mw", "mW", power),
-        Further::new("kinetic_energy_uj", "uJ", kinetic),
-    ];
+    let mut all = vec![Further::new("drive_power_mw", "mW", power)];
     if !matches!(scene.apparatus, Apparatus::Drum(_)) {
         return all;
     }
@@ -290,6 +286,21 @@ pub(crate) fn build(scene: &Scene, library: &FillingLibrary, seed: u64) -> Resul
         meshes,
         limits,
     })
+}
+
+/// Where the seeds of a scene start, their bodies, and the time step of the solver (s).
+///
+/// # Errors
+///
+/// A scene that cannot be built.
+pub fn starting_frame(
+    scene: &Scene,
+    library: &FillingLibrary,
+    seed: u64,
+) -> Result<(Frame, Vec<Arc<SeedBody>>, f64), Error> {
+    let built = build(scene, library, seed)?;
+    let frame = snapshot(&built.world, 0.0);
+    Ok((frame, built.bodies, built.world.settings().time_step))
 }
 
 /// Names of all materials that take part, in alphabetical order.

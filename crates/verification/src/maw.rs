@@ -6,9 +6,9 @@
 //! psi = K v_t / (mu v_n)     K = 2 (1 - nu) / (2 - nu)     chi = 7 K / 4
 //! ```
 //!
-//! psi_1 before, psi_2 after the impact, both at the point of contact. Where the contact slides
-//! throughout (psi_1 > 4 chi - 1), psi_2 = psi_1 - 4 chi. Below, a stored tangential displacement
-//! turns the point of contact back: psi_2 < 0 over the middle range. The law of the solver has no
+//! `psi_1` before, `psi_2` after the impact, both at the point of contact. Where the contact slides
+//! throughout (`psi_1 > 4 chi - 1`), `psi_2 = psi_1 - 4 chi`. Below, a stored tangential displacement
+//! turns the point of contact back: `psi_2 < 0` over the middle range. The law of the solver has no
 //! partial slip within the contact, so there the comparison is with an integration of the same law.
 
 use crate::Trouble;

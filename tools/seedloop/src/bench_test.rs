@@ -9,7 +9,7 @@ use clap::ValueEnum;
 use command_line::{Common, DONE, Header};
 use scene::{BenchParts, FillingLibrary, Scene};
 use serde::Serialize;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// A bench test.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -29,7 +29,8 @@ pub(crate) struct Arguments {
     #[arg(value_enum)]
     test: Kind,
 
-    /// Measurements: drop_height_mm,rebound_height_mm or pull_force_n,normal_force_n or angle_deg
+    /// Measurements with the columns `drop_height_mm,rebound_height_mm` (drop),
+    /// `pull_force_n,normal_force_n` (slider) or `angle_deg` (tilt)
     #[arg(
         value_name = "DATA.csv",
         required_unless_present = "scene",
@@ -128,7 +129,7 @@ fn test_of(kind: Kind) -> Test {
 }
 
 /// Reads a table.
-fn measured(kind: Kind, file: &PathBuf) -> anyhow::Result<Report> {
+fn measured(kind: Kind, file: &Path) -> anyhow::Result<Report> {
     let name = file.display().to_string();
     let text = std::fs::read_to_string(file).with_context(|| format!("cannot read {name}"))?;
     let test = test_of(kind);
@@ -143,7 +144,7 @@ fn measured(kind: Kind, file: &PathBuf) -> anyhow::Result<Report> {
 }
 
 /// Does the test with the solver.
-fn simulated(arguments: &Arguments, file: &PathBuf) -> anyhow::Result<Report> {
+fn simulated(arguments: &Arguments, file: &Path) -> anyhow::Result<Report> {
     let scene = Scene::read(file, &[])?;
     let first = scene.seed.first().context("the scene has no seed")?;
     let seed_name = arguments.kind.clone().unwrap_or_else(|| first.name.clone());
@@ -196,7 +197,7 @@ fn simulated(arguments: &Arguments, file: &PathBuf) -> anyhow::Result<Report> {
         }
     };
     Ok(Report {
-        header: Header::new(seed, [file.clone(), scene.folder.join(&kind.mesh)])?,
+        header: Header::new(seed, [file.to_path_buf(), scene.folder.join(&kind.mesh)])?,
         origin: "simulated",
         coefficient: test_of(arguments.test).coefficient(),
         put_in: Some(put_in),

@@ -6,6 +6,7 @@ mod calibrate;
 mod design;
 mod diagnose;
 mod diagnose_problem;
+mod export;
 mod optimise;
 mod simulate;
 mod verify;
@@ -47,6 +48,8 @@ enum Command {
     Diagnose(diagnose::Arguments),
     /// Reads bench measurements, or does the same test with the solver
     BenchTest(bench_test::Arguments),
+    /// Writes a scene as a deck for LAMMPS, or its frames for `ParaView`
+    Export(export::Arguments),
     /// Checks the solver against mechanics and prints the table
     Verify(verify::Arguments),
 }
@@ -61,6 +64,7 @@ fn main() -> ExitCode {
         Command::Calibrate { arguments, common } => calibrate::run(arguments, common),
         Command::Diagnose(arguments) => diagnose::run(arguments),
         Command::BenchTest(arguments) => bench_test::run(arguments),
+        Command::Export(arguments) => export::run(arguments),
         Command::Verify(arguments) => verify::run(arguments),
     })
 }

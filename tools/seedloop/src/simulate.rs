@@ -50,7 +50,7 @@ pub(crate) struct Arguments {
 }
 
 /// Reads `name=value`.
-fn setting(text: &str) -> Result<Override, String> {
+pub(crate) fn setting(text: &str) -> Result<Override, String> {
     match text.split_once('=') {
         Some((name, value)) if !name.trim().is_empty() && !value.trim().is_empty() => {
             Ok(Override {

@@ -49,7 +49,7 @@ struct Report {
 pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
     let common = &arguments.common;
     let rows = verification::run(&arguments.only, |name| {
-        common.log(|| format!("checking {name}"))
+        common.log(|| format!("checking {name}"));
     })?;
     for row in &rows {
         let verdict = verdict(row);

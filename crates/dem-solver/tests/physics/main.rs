@@ -6,6 +6,7 @@ mod drum;
 mod energy;
 mod free_rotation;
 mod grazing;
+mod health;
 mod incline;
 mod momentum;
 mod oracle;

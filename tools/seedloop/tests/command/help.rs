@@ -3,13 +3,16 @@
 use crate::{assert_code, assert_error, seedloop, text};
 use std::path::Path;
 
-const COMMANDS: [&str; 6] = [
+const COMMANDS: [&str; 9] = [
     "simulate",
     "design",
     "analyse",
     "optimise",
     "calibrate",
     "diagnose",
+    "bench-test",
+    "export",
+    "verify",
 ];
 
 #[test]

@@ -1,0 +1,383 @@
+//! A drum as a deck for LAMMPS (`pair_style granular`, `fix rigid/small`).
+//!
+//! # What is converted
+//!
+//! | here | LAMMPS |
+//! |---|---|
+//! | contact of two materials, `E*` and `G*` of both sides | one Young's modulus and Poisson's ratio that, mixed with themselves as LAMMPS does, give the same `E*` and `G*` |
+//! | dashpot with the mass of the sphere | LAMMPS takes that of the rigid body: the ratio b is scaled by sqrt(`m_sphere` / `m_body`) and turned back into a restitution |
+//! | tangential dashpot with its own stiffness | `x_gammat = 2 sqrt(G* / E*)` |
+//! | clipped end of the normal force | `limit_damping` |
+//! | rolling friction of type A with the lever arm of the body | `rolling sds` (type C), whose arm is the reduced radius of the spheres: the coefficient is scaled by arm over radius |
+//! | mass and inertia of the seed | `infile` of `fix rigid/small` |
+//! | gravity on bodies | `fix gravity ... disable`, and `gravity` of `fix rigid/small` |
+
+use crate::Error;
+use crate::vtk::{File, add};
+use contact_law::hertz_mindlin::damping_ratio;
+use contact_law::{Material, NormalForceEnd, material::effective_moduli};
+use dem_solver::DashpotMass;
+use scene::{Apparatus, Drum, Frame, Scene, SeedBody};
+use std::f64::consts::PI;
+use std::sync::Arc;
+
+/// The tool, for messages.
+const TOOL: &str = "LAMMPS";
+
+/// How much finer than here the deck is stepped: velocity Verlet with the hard contacts of the tips
+/// needs more steps a contact than three.
+const FINER: f64 = 4.0;
+
+/// Stiffness of the rolling spring: it reaches its limit under ten times the weight of a seed on a way
+/// of this share of the sphere's radius.
+const ROLLING_WAY: f64 = 0.05;
+
+/// A contact in the words of LAMMPS.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct GranularContact {
+    /// Young's modulus of both sides, Pa.
+    pub young: f64,
+    /// Poisson's ratio of both sides.
+    pub poisson: f64,
+    /// Restitution for the mass of rigid bodies.
+    pub restitution: f64,
+    /// Tangential over normal damping.
+    pub tangential_damping: f64,
+    /// Static friction.
+    pub static_friction: f64,
+    /// Rolling friction for the reduced radius of the spheres.
+    pub rolling_friction: f64,
+}
+
+/// What the conversion of a contact starts from.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Conversion {
+    /// Materials of both sides.
+    pub materials: [Material; 2],
+    /// Restitution, static and rolling friction as in the scene.
+    pub coefficients: [f64; 3],
+    /// Mass that the dashpot sees here over the mass of the body.
+    pub mass_share: f64,
+    /// Lever arm of a contact about the centre of the seed over the radius of its sphere.
+    pub lever_share: f64,
+}
+
+/// Converts a contact.
+pub fn convert(from: &Conversion) -> GranularContact {
+    let moduli = effective_moduli(&from.materials[0], &from.materials[1]);
+    // One material against itself: E* = E / (2 (1 - nu²)), G* = E / (4 (2 - nu)(1 + nu)).
+    let q = 2.0 * moduli.shear / moduli.young;
+    let poisson = (1.0 - 2.0 * q) / (1.0 - q);
+    let [restitution, static_friction, rolling_friction] = from.coefficients;
+    let ratio = damping_ratio(restitution) * from.mass_share.sqrt();
+    let restitution = if ratio < 1.0 {
+        (-PI * ratio / (1.0 - ratio * ratio).sqrt()).exp()
+    } else {
+        0.0
+    };
+    GranularContact {
+        young: 2.0 * (1.0 - poisson * poisson) * moduli.young,
+        poisson,
+        restitution,
+        tangential_damping: 2.0 * (moduli.shear / moduli.young).sqrt(),
+        static_friction,
+        rolling_friction: rolling_friction * from.lever_share,
+    }
+}
+
+/// The deck: `in.drum`, `drum.data`, `drum.bodies`. `time_step` is the one that the solver here takes, s.
+///
+/// # Errors
+///
+/// An apparatus other than a drum of constant speed, cohesion, several materials of seeds.
+pub fn deck(
+    scene: &Scene,
+    bodies: &[Arc<SeedBody>],
+    start: &Frame,
+    time_step: f64,
+) -> Result<Vec<File>, Error> {
+    let drum = supported(scene)?;
+    Ok(vec![
+        File {
+            name: "in.drum".into(),
+            text: script(scene, drum, bodies, start, time_step / FINER)?,
+        },
+        File {
+            name: "drum.data".into(),
+            text: data(drum, bodies, start),
+        },
+        File {
+            name: "drum.bodies".into(),
+            text: rigid_bodies(bodies, start),
+        },
+    ])
+}
+
+/// The drum, if LAMMPS can run the scene.
+fn supported(scene: &Scene) -> Result<&Drum, Error> {
+    let missing = |what: &str, way_out| {
+        Err(Error::NotThere {
+            what: what.to_owned(),
+            tool: TOOL,
+            way_out,
+        })
+    };
+    let Apparatus::Drum(drum) = &scene.apparatus else {
+        return missing("this apparatus", "export a scene with a drum");
+    };
+    if drum.lifters.is_some() || !scene.wall.is_empty() {
+        return missing(
+            "a wall of triangles",
+            "remove lifters and [[wall]] from the scene",
+        );
+    }
+    if drum.ramp.is_some() || drum.reverse_every.is_some() {
+        return missing("a speed that changes", "remove ramp and reverse_every");
+    }
+    if scene.model.bond_number != 0.0 {
+        return missing("a constant attraction", "set model.bond_number to 0");
+    }
+    let materials = scene.seed.iter().map(|s| s.material.as_str());
+    let mut materials: Vec<_> = materials.collect();
+    materials.dedup();
+    if materials.len() > 1 {
+        return missing("a second material of seeds", "give all seeds one material");
+    }
+    Ok(drum)
+}
+
+/// The contact of the seeds with a material, as LAMMPS takes it.
+fn contact(scene: &Scene, bodies: &[Arc<SeedBody>], other: &str) -> Result<GranularContact, Error> {
+    let seed = &scene.seed[0].material;
+    let missing = || scene::Error::MissingContact {
+        file: scene.file.clone(),
+        pair: format!("{seed}-{other}"),
+    };
+    let c = scene.contact_of(seed, other).ok_or_else(missing)?;
+    let material = |name: &str| {
+        let m = &scene.material[name];
+        Material::new(m.poisson_ratio.get(), m.shear_modulus.si())
+    };
+    let clump = &bodies[0].clump;
+    let outer = bodies[0].outer.spheres();
+    let levers = outer
+        .iter()
+        .map(|s| (s.centre.norm() + s.radius) / s.radius);
+    Ok(convert(&Conversion {
+        materials: [material(seed)?, material(other)?],
+        coefficients: [
+            c.restitution.get(),
+            c.static_friction.get(),
+            c.rolling_friction.get(),
+        ],
+        mass_share: match scene.model.dashpot_mass {
+            DashpotMass::Sphere => clump.fraction_mass(0) / clump.mass(),
+            DashpotMass::Body => 1.0,
+        },
+        lever_share: levers.sum::<f64>() / outer.len() as f64,
+    }))
+}
+
+/// A contact as the words of `pair_coeff` and `fix wall/gran/region`.
+fn words(scene: &Scene, bodies: &[Arc<SeedBody>], c: &GranularContact) -> String {
+    let mut text = format!(
+        "hertz/material {:e} {} {} tangential mindlin NULL {} {} damping coeff_restitution",
+        c.young, c.restitution, c.poisson, c.tangential_damping, c.static_friction
+    );
+    if c.rolling_friction > 0.0 {
+        let load = 10.0 * bodies[0].clump.mass() * scene.model.gravity_m_s2;
+        let way = ROLLING_WAY * bodies[0].clump.spheres()[0].radius;
+        let stiffness = c.rolling_friction * load / way;
+        let text_of_rolling = format_args!(" rolling sds {stiffness:e} 0.0 {}", c.rolling_friction);
+        add(&mut text, text_of_rolling);
+    }
+    if scene.model.normal_force_end == NormalForceEnd::Clipped {
+        text.push_str(" limit_damping");
+    }
+    text
+}
+
+/// The input script.
+fn script(
+    scene: &Scene,
+    drum: &Drum,
+    bodies: &[Arc<SeedBody>],
+    start: &Frame,
+    time_step: f64,
+) -> Result<String, Error> {
+    let (radius, half) = (0.5 * drum.inner_diameter.si(), 0.5 * drum.width.si());
+    let seed = &scene.seed[0].material;
+    let [pair, shell, cover] = [seed, &drum.shell, &drum.cover]
+        .map(|name| contact(scene, bodies, name).map(|c| words(scene, bodies, &c)));
+    let (pair, shell, cover) = (pair?, shell?, cover?);
+    let longest = bodies
+        .iter()
+        .map(|b| b.clump.bounding_radius())
+        .fold(0.0, f64::max);
+    let smallest = bodies[0]
+        .clump
+        .spheres()
+        .iter()
+        .map(|s| s.radius)
+        .fold(f64::INFINITY, f64::min);
+    let steps = |time: f64| (time / time_step).ceil();
+    let protocol = &scene.protocol;
+    let settle = steps(protocol.settle_limit.si());
+    let every = steps(protocol.frame_interval.si());
+    let down = drum.tilt.map_or(0.0, quantity::Angle::si);
+    Ok(format!(
+        "# {} seeds in a drum of {} mm, written from {}.\n\
+         # Contacts are converted, not copied: E and nu stand for both sides, the restitution is that\n\
+         # of a dashpot with the mass of the rigid body, rolling friction that of the spheres' arm.\n\
+         units si\n\
+         atom_style hybrid sphere molecular\n\
+         boundary f f f\n\
+         newton off\n\
+         comm_modify vel yes cutoff {:e}\n\
+         read_data drum.data\n\
+         neighbor {:e} bin\n\
+         neigh_modify delay 0 every 1 check yes exclude molecule/intra all\n\
+         timestep {time_step:e}\n\
+         pair_style granular\n\
+         pair_coeff * * {pair}\n\
+         fix weight all gravity {} vector 0 {} {} disable\n\
+         fix seeds all rigid/small molecule infile drum.bodies gravity weight\n\
+         # The drum stands still while the seeds settle.\n\
+         variable angle equal {}*dt*(step-{settle})*(step>{settle})\n\
+         region shell cylinder z 0 0 {radius} {} {} side in open 1 open 2 rotate v_angle 0 0 0 0 0 1\n\
+         region front plane 0 0 {half} 0 0 -1 side in rotate v_angle 0 0 0 0 0 1\n\
+         region back plane 0 0 {} 0 0 1 side in rotate v_angle 0 0 0 0 0 1\n\
+         fix shell all wall/gran/region granular {shell} region shell\n\
+         fix front all wall/gran/region granular {cover} region front\n\
+         fix back all wall/gran/region granular {cover} region back\n\
+         thermo_style custom step time\n\
+         thermo {every}\n\
+         run {settle}\n\
+         dump bed all custom {every} bed.dump id type mol x y z radius vx vy vz\n\
+         run {}\n",
+        start.position.len(),
+        2e3 * radius,
+        scene.file,
+        2.0 * longest + 4.0 * smallest,
+        0.5 * smallest,
+        scene.model.gravity_m_s2,
+        -down.cos(),
+        down.sin(),
+        drum.speed.si(),
+        -2.0 * half,
+        2.0 * half,
+        -half,
+        steps(protocol.rotation_limit.si()),
+    ))
+}
+
+/// The spheres at the surface of all seeds.
+fn data(drum: &Drum, bodies: &[Arc<SeedBody>], start: &Frame) -> String {
+    let mut rows = String::new();
+    let mut n = 0_usize;
+    for i in 0..start.position.len() {
+        let body = &bodies[start.kind[i]];
+        for sphere in body.outer.spheres() {
+            n += 1;
+            let c = start.position[i] + start.orientation[i] * sphere.centre;
+            // The density is not used: mass and inertia of the seeds stand in drum.bodies.
+            let row = format_args!(
+                "{n} 1 {:e} {:e} {:e} {:e} {} {}\n",
+                c.x,
+                c.y,
+                c.z,
+                2.0 * sphere.radius,
+                body.fraction_density,
+                i + 1
+            );
+            add(&mut rows, row);
+        }
+    }
+    let (r, h) = (0.55 * drum.inner_diameter.si(), 0.6 * drum.width.si());
+    format!(
+        "Spheres at the surface of seeds\n\n{n} atoms\n1 atom types\n\n{} {r} xlo xhi\n{} {r} ylo \
+         yhi\n{} {h} zlo zhi\n\nAtoms # hybrid\n\n{rows}",
+        -r, -r, -h
+    )
+}
+
+/// Mass, place and inertia of each seed.
+fn rigid_bodies(bodies: &[Arc<SeedBody>], start: &Frame) -> String {
+    let mut text = format!("{}\n", start.position.len());
+    for i in 0..start.position.len() {
+        let clump = &bodies[start.kind[i]].clump;
+        let turn = start.orientation[i].to_rotation_matrix();
+        let moments = nalgebra::Matrix3::from_diagonal(&clump.inertia());
+        let inertia = turn.matrix() * moments * turn.matrix().transpose();
+        let p = start.position[i];
+        let row = format_args!(
+            "{} {:e} {:e} {:e} {:e} {:e} {:e} {:e} {:e} {:e} {:e} 0 0 0 0 0 0 0 0 0\n",
+            i + 1,
+            clump.mass(),
+            p.x,
+            p.y,
+            p.z,
+            inertia.m11,
+            inertia.m22,
+            inertia.m33,
+            inertia.m12,
+            inertia.m13,
+            inertia.m23
+        );
+        add(&mut text, row);
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Conversion, convert};
+    use contact_law::{Material, material::effective_moduli};
+
+    fn conversion() -> Conversion {
+        Conversion {
+            materials: [
+                Material::new(0.14, 4.01e6).unwrap(),
+                Material::new(0.42, 1.04e9).unwrap(),
+            ],
+            coefficients: [0.13, 0.33, 0.1],
+            mass_share: 1.0 / 146.0,
+            lever_share: 7.0,
+        }
+    }
+
+    /// The converted material against itself has the moduli of the pair; rounding only.
+    #[test]
+    fn moduli_of_the_pair_are_kept() {
+        let from = conversion();
+        let pair = effective_moduli(&from.materials[0], &from.materials[1]);
+        let got = convert(&from);
+        let own = Material::new(got.poisson, got.young / (2.0 * (1.0 + got.poisson))).unwrap();
+        let same = effective_moduli(&own, &own);
+        assert!((same.young / pair.young - 1.0).abs() < 1e-12, "{got:?}");
+        assert!((same.shear / pair.shear - 1.0).abs() < 1e-12, "{got:?}");
+    }
+
+    /// With the mass of the body nothing changes; with that of the sphere the ratio of damping falls by
+    /// the root of the masses, and the restitution rises.
+    #[test]
+    fn restitution_is_that_of_the_same_dashpot_on_the_mass_of_the_body() {
+        let body = Conversion {
+            mass_share: 1.0,
+            ..conversion()
+        };
+        assert!(
+            (convert(&body).restitution - 0.13).abs() < 1e-14,
+            "the same"
+        );
+        let ratio = |e: f64| -e.ln() / e.ln().hypot(std::f64::consts::PI);
+        let got = ratio(convert(&conversion()).restitution) / ratio(0.13);
+        assert!((got * 146_f64.sqrt() - 1.0).abs() < 1e-12, "{got}");
+    }
+
+    #[test]
+    fn rolling_friction_takes_the_lever_arm_along() {
+        let got = convert(&conversion()).rolling_friction;
+        assert!((got - 0.7).abs() < 1e-15, "{got}");
+    }
+}

@@ -1,0 +1,115 @@
+//! `seedloop export`: a scene in the formats of other tools.
+
+use anyhow::{Context as _, ensure};
+use clap::ValueEnum;
+use command_line::{Common, DONE, Header, write_new};
+use exchange::vtk::File;
+use exchange::{lammps, vtk};
+use scene::{FillingLibrary, Scene, starting_frame};
+use serde::Serialize;
+use std::path::PathBuf;
+
+/// A format.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Format {
+    /// Deck of a drum for LAMMPS: in.drum, drum.data, drum.bodies
+    Lammps,
+    /// Frames of a run for `ParaView`: frames.pvd and one file a frame
+    Vtk,
+}
+
+/// Writes a scene as a deck for LAMMPS, or its frames for `ParaView`
+#[derive(clap::Args, Debug)]
+pub(crate) struct Arguments {
+    /// Format
+    #[arg(value_enum)]
+    format: Format,
+
+    /// Scene file
+    #[arg(value_name = "SCENE.toml")]
+    scene: PathBuf,
+
+    /// Changes a setting of the scene, as in `seedloop simulate`
+    #[arg(long, value_name = "NAME=VALUE", value_parser = crate::simulate::setting)]
+    set: Vec<scene::Override>,
+
+    /// Seed of the starting places and turns of the seeds
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    seed: u64,
+
+    /// Folder for the files
+    #[arg(long, value_name = "DIR")]
+    out: PathBuf,
+
+    #[command(flatten)]
+    common: Common,
+}
+
+/// What was written, as it stands in JSON.
+#[derive(Debug, Serialize)]
+struct Report {
+    /// Version, seed, inputs.
+    #[serde(flatten)]
+    header: Header,
+    /// Names of the files in the folder.
+    files: Vec<String>,
+}
+
+/// Reads the scene, runs it where frames are asked for, and writes the files.
+///
+/// # Errors
+/// A scene that cannot be read, run or written in the format, files that exist.
+pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
+    let common = &arguments.common;
+    let scene = Scene::read(&arguments.scene, &arguments.set)?;
+    let library = FillingLibrary::default();
+    let files = match arguments.format {
+        Format::Lammps => {
+            let (frame, bodies, time_step) = starting_frame(&scene, &library, arguments.seed)?;
+            lammps::deck(&scene, &bodies, &frame, time_step)?
+        }
+        Format::Vtk => {
+            let result = scene::run(&scene, &library, arguments.seed)?;
+            vtk::series("frames", &result.frames, &result.bodies)
+        }
+    };
+    write_all(arguments, &files)?;
+    for file in &files {
+        common.print(arguments.out.join(&file.name).display())?;
+    }
+    let mut inputs = vec![arguments.scene.clone()];
+    inputs.extend(
+        scene
+            .mesh_files()
+            .iter()
+            .map(|mesh| scene.folder.join(mesh)),
+    );
+    common.emit_json(&Report {
+        header: Header::new(arguments.seed, inputs)?,
+        files: files.into_iter().map(|f| f.name).collect(),
+    })?;
+    Ok(DONE)
+}
+
+/// Writes all files, or none where one of them exists.
+fn write_all(arguments: &Arguments, files: &[File]) -> anyhow::Result<()> {
+    let folder = &arguments.out;
+    for file in files {
+        let path = folder.join(&file.name);
+        ensure!(
+            arguments.common.force || !path.exists(),
+            "{} exists: say --force to overwrite it, or give another folder",
+            path.display()
+        );
+    }
+    std::fs::create_dir_all(folder)
+        .with_context(|| format!("cannot make the folder {}", folder.display()))?;
+    for file in files {
+        write_new(
+            &folder.join(&file.name),
+            file.text.as_bytes(),
+            arguments.common.overwrite(),
+        )?;
+    }
+    Ok(())
+}

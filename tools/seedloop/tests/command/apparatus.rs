@@ -1,0 +1,196 @@
+//! Other apparatus than the plain drum, bench tests, the verification table, and exports.
+
+use crate::tiny_scene::TinyScene;
+use crate::{assert_code, assert_error, json, seedloop, text};
+use std::fs;
+use std::path::Path;
+
+/// The apparatus of the tiny scene.
+const DRUM: &str = "kind = \"drum\"\ninner_diameter = \"70 mm\"\nwidth = \"14 mm\"\nspeed = \"20 rpm\"\n\
+                    shell = \"tough_resin\"\ncover = \"clear_resin\"\n";
+
+#[test]
+fn a_heap_and_a_box_show_a_slope() {
+    let heap = "kind = \"heap\"\ninner_diameter = \"30 mm\"\nheight = \"60 mm\"\n\
+                lift_speed = \"200 mm/s\"\nfloor = \"tough_resin\"\ncylinder = \"clear_resin\"\n";
+    let body = "kind = \"box-collapse\"\nlength = \"20 mm\"\nheight = \"60 mm\"\nwidth = \"16 mm\"\n\
+                lift_speed = \"500 mm/s\"\nfloor = \"tough_resin\"\nwall = \"clear_resin\"\n";
+    for apparatus in [heap, body] {
+        let scene = TinyScene::changed(DRUM, apparatus);
+        let output = scene.simulate(&["--set", "time_s=0.5", "--json", "--quiet"]);
+        assert_code(&output, 0);
+        let json = json(&output);
+        let height = json["observables"]["height_mm"]["mean"].as_f64().unwrap();
+        // No lower than the flattest seed, no higher than what the seeds were let go from.
+        assert!((3.0..60.0).contains(&height), "{height} mm");
+        assert_eq!(json["regime"], "resting");
+    }
+}
+
+#[test]
+fn a_tilted_drum_with_lifters_and_a_ramp_runs() {
+    let more = format!(
+        "{DRUM}tilt = \"2 deg\"\nramp = \"0.1 s\"\nreverse_every = \"0.2 s\"\n\
+         lifters = {{ count = 3, height = \"5 mm\", material = \"tough_resin\" }}\n"
+    );
+    let scene = TinyScene::changed(DRUM, &more);
+    let output = scene.simulate(&["--set", "time_s=0.3", "--json", "--quiet"]);
+    assert_code(&output, 0);
+    let fill = json(&output)["observables"]["fill_level"]["mean"]
+        .as_f64()
+        .unwrap();
+    assert!((0.02..0.6).contains(&fill), "fill level {fill}");
+}
+
+#[test]
+fn lifters_that_do_not_fit_are_refused() {
+    let more = format!(
+        "{DRUM}lifters = {{ count = 3, height = \"40 mm\", material = \"tough_resin\" }}\n"
+    );
+    let scene = TinyScene::changed(DRUM, &more);
+    assert_error(
+        &scene.simulate(&[]),
+        &["lifters.height", "0.04 m", "inner radius"],
+    );
+}
+
+/// A wall from a mesh takes its material from the scene like any other.
+#[test]
+fn a_wall_of_an_unknown_material_or_without_a_mesh_is_named() {
+    let wall = |material: &str| {
+        format!(
+            "[[wall]]\nname = \"baffle\"\nmesh = \"baffle.stl\"\nmesh_unit = \"mm\"\n\
+             material = \"{material}\"\n\n[material.seed]"
+        )
+    };
+    let scene = TinyScene::changed("[material.seed]", &wall("glass"));
+    assert_error(&scene.simulate(&[]), &["'glass'", "clear_resin"]);
+    let scene = TinyScene::changed("[material.seed]", &wall("clear_resin"));
+    assert_error(&scene.simulate(&[]), &["baffle.stl"]);
+}
+
+/// A turning bent plate in the bed takes part: the mesh is read, placed and moved.
+#[test]
+fn a_wall_from_a_mesh_takes_part() {
+    let wall = "[[wall]]\nname = \"baffle\"\nmesh = \"baffle.stl\"\nmesh_unit = \"mm\"\n\
+                material = \"clear_resin\"\nspin = [\"0 rpm\", \"0 rpm\", \"30 rpm\"]\n\n[material.seed]";
+    let scene = TinyScene::changed("[material.seed]", wall);
+    let facet = |a: &str, b: &str, c: &str| {
+        format!(
+            "facet normal 0 0 0\nouter loop\nvertex {a}\nvertex {b}\nvertex {c}\nendloop\nendfacet\n"
+        )
+    };
+    let (a, b, c, d) = ("-10 0 -6", "10 0 -6", "10 3 6", "-10 0 6");
+    let text = format!(
+        "solid baffle\n{}{}endsolid baffle\n",
+        facet(a, b, c),
+        facet(a, c, d)
+    );
+    fs::write(scene.path("baffle.stl"), text).unwrap();
+    let output = scene.simulate(&["--set", "time_s=0.2", "--json", "--quiet"]);
+    assert_code(&output, 0);
+    let inputs = json(&output)["inputs"].as_object().unwrap().len();
+    assert_eq!(inputs, 4, "the scene, two seeds and the wall");
+}
+
+#[test]
+fn bench_measurements_become_a_coefficient_with_its_interval() {
+    let folder = tempfile::tempdir().unwrap();
+    let table = "drop_height_mm,rebound_height_mm\n400,4\n400,16\n400,36\n";
+    fs::write(folder.path().join("drop.csv"), table).unwrap();
+    let output = seedloop(folder.path(), &["bench-test", "drop", "drop.csv", "--json"]);
+    assert_code(&output, 0);
+    let json = json(&output);
+    // 0.1, 0.2 and 0.3: mean 0.2, sd 0.1.
+    assert!((json["mean"].as_f64().unwrap() - 0.2).abs() < 1e-12);
+    assert!((json["sd"].as_f64().unwrap() - 0.1).abs() < 1e-12);
+    assert_eq!(json["coefficient"], "restitution");
+    assert_error(
+        &seedloop(folder.path(), &["bench-test", "tilt", "drop.csv"]),
+        &["drop.csv", "angle_deg"],
+    );
+}
+
+/// A sled on a smooth plate shows the friction of its spheres, whatever their number: Coulomb's law;
+/// 1 % is what still swings.
+#[test]
+fn simulated_sled_shows_the_friction_that_was_put_in() {
+    let scene = TinyScene::new();
+    let words = [
+        "bench-test",
+        "slider",
+        "--scene",
+        "tiny.toml",
+        "--plate",
+        "tough_resin",
+    ];
+    let words = [&words[..], &["--repeats", "2", "--json"]].concat();
+    let output = seedloop(scene.path("").as_path(), &words);
+    assert_code(&output, 0);
+    let json = json(&output);
+    let (mean, put_in) = (
+        json["mean"].as_f64().unwrap(),
+        json["put_in"].as_f64().unwrap(),
+    );
+    assert!(
+        (mean / put_in - 1.0).abs() < 0.01,
+        "{mean} against {put_in}"
+    );
+}
+
+#[test]
+fn verification_prints_its_rows_and_refuses_unknown_names() {
+    let here = Path::new(".");
+    let output = seedloop(here, &["verify", "--only", "laws", "--json"]);
+    assert_code(&output, 0);
+    let json = json(&output);
+    assert_eq!(json["failed"], 0);
+    assert_eq!(json["rows"][0]["verdict"], "PASS");
+    assert_error(
+        &seedloop(here, &["verify", "--only", "magic"]),
+        &["magic", "slip-to-roll"],
+    );
+}
+
+#[test]
+fn a_scene_is_exported_for_lammps_and_paraview() {
+    let scene = TinyScene::new();
+    let folder = scene.path("");
+    let export = |format: &str, more: &[&str]| {
+        let words = ["export", format, "tiny.toml", "--out", format];
+        seedloop(&folder, &[&words[..], more].concat())
+    };
+    assert_code(&export("lammps", &[]), 0);
+    let bodies = fs::read_to_string(scene.path("lammps/drum.bodies")).unwrap();
+    let seeds: usize = bodies.lines().next().unwrap().parse().unwrap();
+    assert_eq!(bodies.lines().count(), seeds + 1, "one line a seed");
+    assert_error(&export("lammps", &[]), &["exists", "--force"]);
+
+    assert_code(&export("vtk", &["--set", "time_s=0.1"]), 0);
+    let list = fs::read_to_string(scene.path("vtk/frames.pvd")).unwrap();
+    let frame = fs::read_to_string(scene.path("vtk/frames_0000.vtp")).unwrap();
+    assert!(list.contains("frames_0000.vtp"), "{list}");
+    for array in ["radius", "velocity", "seed"] {
+        assert!(
+            frame.contains(&format!("Name=\"{array}\"")),
+            "no array {array}"
+        );
+    }
+}
+
+#[test]
+fn cohesion_has_no_place_in_a_deck() {
+    let scene = TinyScene::new();
+    let words = [
+        "export",
+        "lammps",
+        "tiny.toml",
+        "--out",
+        "deck",
+        "--set",
+        "bond_number=1",
+    ];
+    let output = seedloop(scene.path("").as_path(), &words);
+    assert_error(&output, &["attraction", "LAMMPS", "bond_number"]);
+    assert!(text(&output.stdout).is_empty());
+}
