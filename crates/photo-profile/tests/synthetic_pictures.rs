@@ -3,7 +3,7 @@
 #![expect(clippy::unwrap_used, reason = "helpers of tests fail like tests")]
 
 use image::{GrayImage, imageops};
-use photo_profile::synthetic::Scene;
+use photo_profile::synthetic::{Disturbance, Scene};
 use photo_profile::{DrumPixels, Foreground, PhotoReading, Settings, Verdict, measure_image};
 use surface_profile::{HighSide, SurfaceAngle, measure};
 
@@ -75,6 +75,7 @@ const FINE: Scene = Scene {
     grain: [0.0, 0.0],
     n_dust: 0,
     aspect: 1.0,
+    disturbance: Disturbance::NONE,
     seed: 0,
 };
 
