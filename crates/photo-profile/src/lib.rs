@@ -38,6 +38,7 @@ mod overlay;
 mod pixels;
 mod reading;
 mod rectify;
+mod rim;
 mod settings;
 pub mod synthetic;
 mod tone;

@@ -1,6 +1,6 @@
 //! The path from a picture to its angle.
 
-use crate::drum::{FoundDrum, LEAST_ALONG_ARC, find_drum, shown_along_an_arc};
+use crate::drum::{FoundDrum, find_drum};
 use crate::tone::{BedShare, bed_share};
 use crate::view::{DiscView, REACH};
 use crate::{
@@ -60,7 +60,7 @@ pub fn measure_photo(picture: &PhotoPixels, settings: &Settings) -> Result<Photo
     let found = match settings.drum {
         Some(circle) => FoundDrum {
             circle,
-            shows: Vec::new(),
+            rim: None,
         },
         None => match find_drum(picture) {
             Ok(drum) => drum,
@@ -107,13 +107,6 @@ fn read_disc(
         foreground: bed.foreground,
     };
     let result = reading(&view, drum, &points, &surface, &trust);
-    if let (Some(ends), false) = (result.chord_ends, found.shows.is_empty()) {
-        let shown = shown_along_an_arc(found, ends);
-        if shown < LEAST_ALONG_ARC {
-            let least = LEAST_ALONG_ARC;
-            return Err(Refusal::BrokenRim { shown, least });
-        }
-    }
     if roughness > MOST_ROUGHNESS {
         return Err(Refusal::TooRough {
             roughness,

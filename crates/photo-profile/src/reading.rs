@@ -28,17 +28,16 @@ pub enum Refusal {
         /// Least part, 1.
         least: f64,
     },
-    /// A circle shows, but with gaps along the bed and along the air.
+    /// A circle shows in parts, and edges run off it.
     #[error(
-        "no drum circle: along neither the bed nor the air the rim shows on more than \
-         {shown:.2} of the way, {least} is needed; a camera off the drum axis shows an ellipse, \
-         which is not measured"
+        "no drum circle: an edge lies on the best circle on {shown:.2} of its way round and beside \
+         it on {elsewhere:.2}; a camera off the drum axis shows an ellipse, which is not measured"
     )]
     BrokenRim {
-        /// Larger of the two shares, 1.
+        /// Part of the way round with an edge on the circle, 1.
         shown: f64,
-        /// Least share, 1.
-        least: f64,
+        /// Part of the way round with an edge beside the circle only, 1.
+        elsewhere: f64,
     },
     /// The drum is an ellipse: the camera was not on its axis.
     #[error(

@@ -1,0 +1,308 @@
+//! The rim of a drum at full resolution: its circle, and how well it is known.
+
+use crate::PhotoPixels;
+use crate::circle::{Circle, least_squares};
+
+/// Rays from the axis.
+const N_RAYS: usize = 360;
+/// Each ray is the mean of so many side by side, over [`RAY_WIDTH`].
+const N_SIDE: i32 = 5;
+/// Width of a ray, rad: 2.5 degrees. It averages noise and grains along the rim.
+const RAY_WIDTH: f64 = 0.044;
+/// The rim shows on a ray where an edge lies within this part of the radius from it.
+const ON_RIM: f64 = 0.01;
+/// Edges are looked for within this part of the radius on either side.
+const WINDOW: f64 = 0.12;
+/// A ring within the window is preferred to a better one outside it from this part of the
+/// better one's support on: a flange shows two edges all round, and the inner one holds the bed.
+const INNER_SUPPORT: f64 = 0.75;
+/// A ring with this part of the support may be the true one and enters the uncertainty.
+const RIVAL_SUPPORT: f64 = 0.4;
+/// From this part of the turn on the rim is whole, hidden only here and there.
+const WHOLE: f64 = 0.7;
+/// Most of the turn that may show an edge beside a rim that is not whole. The end of an ellipse
+/// is near a circle, and its sides run off it.
+const MOST_ELSEWHERE: f64 = 0.2;
+
+/// The rim at full resolution.
+#[derive(Debug, Clone)]
+pub(crate) struct Rim {
+    /// The circle, px.
+    pub(crate) circle: Circle,
+    /// Standard error of its place and radius, px.
+    pub(crate) error: f64,
+    /// Distance to a rival ring, 0 for none, px.
+    pub(crate) rival: f64,
+    /// 1 minus the ratio of the axes of the ellipse nearest to the rim, 1.
+    pub(crate) flattening: f64,
+    /// Part of the turn on which an edge lies on the circle, 1.
+    pub(crate) shown: f64,
+    /// Part of the turn on which an edge lies beside the circle only, 1.
+    pub(crate) elsewhere: f64,
+}
+
+impl Rim {
+    /// Refines a circle: the ring of edges nearest to it, then robust least squares.
+    ///
+    /// `scale` is how many pixels the start may be off.
+    pub(crate) fn find(picture: &PhotoPixels, start: Circle, scale: f64) -> Option<Self> {
+        let (start, rival) = choose_ring(picture, start);
+        let (circle, kept) = refine(picture, start, scale)?;
+        let rays = Rays::scan(picture, &circle, WINDOW * circle.r);
+        let near = (ON_RIM * circle.r).max(1.5).max(0.3 * rays.edge_width());
+        let weakest = rays.weakest(near);
+        let (mut shown, mut elsewhere) = (0.0, 0.0);
+        for ray in 0..N_RAYS {
+            let edges = rays.edges(ray, weakest);
+            if edges.iter().any(|off| off.abs() <= near) {
+                shown += 1.0 / N_RAYS as f64;
+            } else if !edges.is_empty() {
+                elsewhere += 1.0 / N_RAYS as f64;
+            }
+        }
+        let scatter = kept.iter().map(|p| p.off(&circle).powi(2)).sum::<f64>() / kept.len() as f64;
+        // Neighbouring rays overlap by about RAY_WIDTH; four points of each count once.
+        let independent = (kept.len() as f64 / 4.0).max(1.0);
+        Some(Self {
+            circle,
+            error: (2.0 * scatter / independent).sqrt().max(0.05),
+            rival,
+            flattening: flattening(&kept, &circle),
+            shown,
+            elsewhere,
+        })
+    }
+
+    /// Whether edges run off the circle as those of an ellipse do.
+    pub(crate) fn is_broken(&self) -> bool {
+        self.shown < WHOLE && self.elsewhere > MOST_ELSEWHERE
+    }
+}
+
+/// An edge on one radius.
+#[derive(Debug, Clone, Copy)]
+struct RimPoint {
+    /// Horizontal coordinate, px.
+    x: f64,
+    /// Vertical coordinate, px.
+    y: f64,
+}
+
+impl RimPoint {
+    /// Distance from a circle, positive outside, px.
+    fn off(&self, circle: &Circle) -> f64 {
+        (self.x - circle.x).hypot(self.y - circle.y) - circle.r
+    }
+}
+
+/// Grey steps along the radii around a circle.
+struct Rays {
+    /// The circle, px.
+    circle: Circle,
+    /// Step along a radius, px.
+    step: f64,
+    /// Absolute grey step at each place of each ray, from inside out.
+    slopes: Vec<Vec<f64>>,
+}
+
+impl Rays {
+    /// Samples the rays within the window (px) about the circle.
+    fn scan(picture: &PhotoPixels, circle: &Circle, window: f64) -> Self {
+        let step = (circle.r / 400.0).max(0.5);
+        let n = (window / step).ceil();
+        let slopes = (0..N_RAYS).map(|ray| {
+            let turn = std::f64::consts::TAU * (ray as f64 + 0.5) / N_RAYS as f64;
+            let sides: Vec<(f64, f64)> = (0..N_SIDE)
+                .map(|k| RAY_WIDTH * ((f64::from(k) + 0.5) / f64::from(N_SIDE) - 0.5))
+                .map(|side| (turn + side).sin_cos())
+                .collect();
+            let mut gray = Vec::new();
+            let mut k = -n - 1.0;
+            while k <= n + 1.0 {
+                let r = circle.r + k * step;
+                let sum: f64 = sides
+                    .iter()
+                    .map(|(sin, cos)| picture.at(circle.x + r * cos, circle.y + r * sin))
+                    .sum();
+                gray.push(sum / f64::from(N_SIDE));
+                k += 1.0;
+            }
+            gray.windows(3).map(|w| (w[2] - w[0]).abs()).collect()
+        });
+        Self {
+            circle: *circle,
+            step,
+            slopes: slopes.collect(),
+        }
+    }
+
+    /// Distance of a place on a ray from the circle, px.
+    fn off(&self, ray: usize, place: f64) -> f64 {
+        (place - (self.slopes[ray].len() / 2) as f64) * self.step
+    }
+
+    /// The largest grey step of each ray, within a distance (px) of the circle.
+    fn strongest(&self, within: f64) -> Vec<f64> {
+        (0..N_RAYS)
+            .map(|ray| {
+                let slopes = self.slopes[ray].iter().enumerate();
+                slopes
+                    .filter(|(place, _)| self.off(ray, *place as f64).abs() <= within)
+                    .fold(0.0, |most, (_, slope)| f64::max(most, *slope))
+            })
+            .collect()
+    }
+
+    /// The least grey step that counts as an edge: a quarter of the rim's, and above noise.
+    fn weakest(&self, near: f64) -> f64 {
+        let mut strengths = self.strongest(near);
+        strengths.sort_by(f64::total_cmp);
+        let mut all: Vec<f64> = self.slopes.iter().flatten().copied().collect();
+        let noise = median(&mut all);
+        (0.25 * strengths[N_RAYS * 3 / 4]).max(2.0).max(4.0 * noise)
+    }
+
+    /// Edges of a ray at least so strong: their distances from the circle, px.
+    fn edges(&self, ray: usize, weakest: f64) -> Vec<f64> {
+        let slopes = &self.slopes[ray];
+        (1..slopes.len().saturating_sub(1))
+            .filter(|k| slopes[*k] >= weakest)
+            .filter(|k| slopes[*k] >= slopes[k - 1] && slopes[*k] > slopes[k + 1])
+            .map(|k| self.off(ray, k as f64))
+            .collect()
+    }
+
+    /// Median width over which the grey step of a ray stays above half of its largest, px.
+    fn edge_width(&self) -> f64 {
+        let mut widths: Vec<f64> = self
+            .slopes
+            .iter()
+            .map(|slopes| {
+                let best = (0..slopes.len()).fold(0, |b, i| if slopes[i] > slopes[b] { i } else { b });
+                let above = |k: &usize| slopes[*k] > 0.5 * slopes[best];
+                let before = (0..best).rev().take_while(above).count();
+                let after = (best..slopes.len()).take_while(above).count();
+                (before + after) as f64 * self.step
+            })
+            .collect();
+        median(&mut widths)
+    }
+
+    /// The steepest grey step of each ray, weak ones left out.
+    fn steepest(&self) -> Vec<RimPoint> {
+        let strengths = self.strongest(f64::INFINITY);
+        let mut sorted = strengths.clone();
+        sorted.sort_by(f64::total_cmp);
+        let weakest = (0.25 * sorted[N_RAYS * 3 / 4]).max(2.0);
+        (0..N_RAYS)
+            .filter(|ray| strengths[*ray] >= weakest)
+            .map(|ray| self.steepest_on(ray))
+            .collect()
+    }
+
+    /// The steepest grey step of one ray, by the vertex of the parabola about it.
+    fn steepest_on(&self, ray: usize) -> RimPoint {
+        let slopes = &self.slopes[ray];
+        let best = (0..slopes.len()).fold(0, |b, i| if slopes[i] > slopes[b] { i } else { b });
+        let mut place = best as f64;
+        if let (Some(before), Some(after)) =
+            (slopes.get(best.wrapping_sub(1)), slopes.get(best + 1))
+        {
+            let bend = before - 2.0 * slopes[best] + after;
+            if bend < 0.0 {
+                place += (0.5 * (before - after) / bend).clamp(-1.0, 1.0);
+            }
+        }
+        let turn = std::f64::consts::TAU * (ray as f64 + 0.5) / N_RAYS as f64;
+        let r = self.circle.r + self.off(ray, place);
+        RimPoint {
+            x: self.circle.x + r * turn.cos(),
+            y: self.circle.y + r * turn.sin(),
+        }
+    }
+}
+
+/// The middle value; 0 for none.
+fn median(values: &mut [f64]) -> f64 {
+    let middle = values.len() / 2;
+    if values.is_empty() {
+        return 0.0;
+    }
+    *values.select_nth_unstable_by(middle, f64::total_cmp).1
+}
+
+/// Moves the circle to the ring of edges that bounds the bed, and tells how far a rival is.
+///
+/// The support of a radius is the part of the turn with an edge within [`ON_RIM`] of it.
+fn choose_ring(picture: &PhotoPixels, start: Circle) -> (Circle, f64) {
+    let rays = Rays::scan(picture, &start, WINDOW * start.r);
+    let near = (ON_RIM * start.r).max(1.5);
+    let weakest = rays.weakest(2.0 * near);
+    let edges: Vec<Vec<f64>> = (0..N_RAYS).map(|ray| rays.edges(ray, weakest)).collect();
+    let support = |off: f64| {
+        let hit = |edges: &&Vec<f64>| edges.iter().any(|e| (e - off).abs() <= near);
+        edges.iter().filter(hit).count() as f64 / N_RAYS as f64
+    };
+    let n = (WINDOW * start.r / (0.5 * near)).floor();
+    let mut rings = Vec::new();
+    let mut k = -n;
+    while k <= n {
+        let off = k * 0.5 * near;
+        rings.push((off, support(off)));
+        k += 1.0;
+    }
+    let best = rings.iter().map(|r| r.1).fold(0.0, f64::max);
+    let tops: Vec<(f64, f64)> = (1..rings.len().saturating_sub(1))
+        .filter(|i| rings[*i].1 >= rings[i - 1].1 && rings[*i].1 > rings[i + 1].1)
+        .map(|i| rings[i])
+        .collect();
+    let inner = tops.iter().find(|top| top.1 >= INNER_SUPPORT * best);
+    let off = inner.map_or(0.0, |top| top.0);
+    let rival = tops
+        .iter()
+        .filter(|top| top.1 >= RIVAL_SUPPORT * best && (top.0 - off).abs() > 2.0 * near)
+        .map(|top| (top.0 - off).abs())
+        .fold(f64::INFINITY, f64::min);
+    let circle = Circle {
+        r: start.r + off,
+        ..start
+    };
+    (circle, if rival.is_finite() { rival } else { 0.0 })
+}
+
+/// The steepest grey steps near the circle and the robust least-squares circle through them.
+fn refine(picture: &PhotoPixels, start: Circle, scale: f64) -> Option<(Circle, Vec<RimPoint>)> {
+    let mut circle = start;
+    let mut kept = Vec::new();
+    for pass in 0..4 {
+        let window = match pass {
+            0 => (0.03 * start.r).max(2.0 * scale),
+            _ => (0.015 * start.r).max(2.0),
+        };
+        kept = Rays::scan(picture, &circle, window).steepest();
+        for _ in 0..4 {
+            let points: Vec<(f64, f64)> = kept.iter().map(|p| (p.x, p.y)).collect();
+            circle = least_squares(&points, circle)?;
+            let mut sizes: Vec<f64> = kept.iter().map(|p| p.off(&circle).abs()).collect();
+            let cut = (4.0 * 1.4826 * median(&mut sizes)).max(0.5);
+            kept.retain(|p| p.off(&circle).abs() <= cut);
+        }
+    }
+    (!kept.is_empty()).then_some((circle, kept))
+}
+
+/// Flattening of the ellipse nearest to the points.
+///
+/// # Formula
+/// `4 sqrt(a^2 + b^2) / r` with `a, b = mean (d cos 2 phi), mean (d sin 2 phi)` of the distances
+/// d from the circle; exact to first order for points evenly round it.
+fn flattening(points: &[RimPoint], circle: &Circle) -> f64 {
+    let (mut a, mut b) = (0.0, 0.0);
+    for p in points {
+        let (sin, cos) = (2.0 * (p.y - circle.y).atan2(p.x - circle.x)).sin_cos();
+        a += p.off(circle) * cos;
+        b += p.off(circle) * sin;
+    }
+    let n = points.len().max(1) as f64;
+    4.0 * a.hypot(b) / (n * circle.r)
+}
