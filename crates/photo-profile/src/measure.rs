@@ -107,6 +107,14 @@ fn read_disc(
         foreground: bed.foreground,
     };
     let result = reading(&view, drum, &points, &surface, &trust);
+    if let (Some(ends), Some(rim)) = (result.chord_ends, &found.rim)
+        && rim.hides_oddly(ends)
+    {
+        return Err(Refusal::BrokenRim {
+            shown: rim.shown,
+            elsewhere: rim.elsewhere,
+        });
+    }
     if roughness > MOST_ROUGHNESS {
         return Err(Refusal::TooRough {
             roughness,

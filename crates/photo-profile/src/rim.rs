@@ -1,6 +1,6 @@
 //! The rim of a drum at full resolution: its circle, and how well it is known.
 
-use crate::PhotoPixels;
+use crate::{PhotoPixels, PixelPoint};
 use crate::circle::{Circle, least_squares};
 
 /// Rays from the axis.
@@ -24,6 +24,11 @@ const WHOLE: f64 = 0.7;
 /// is near a circle, and its sides run off it.
 const MOST_ELSEWHERE: f64 = 0.2;
 
+/// A circle through fewer rays than this is not refined further.
+const FEWEST_POINTS: usize = 40;
+/// Least part of the rim that must show along the bed or along the air.
+const LEAST_ALONG_ARC: f64 = 0.75;
+
 /// The rim at full resolution.
 #[derive(Debug, Clone)]
 pub(crate) struct Rim {
@@ -35,6 +40,8 @@ pub(crate) struct Rim {
     pub(crate) rival: f64,
     /// 1 minus the ratio of the axes of the ellipse nearest to the rim, 1.
     pub(crate) flattening: f64,
+    /// For each ray, from right over down, whether an edge lies on the circle.
+    shows: Vec<bool>,
     /// Part of the turn on which an edge lies on the circle, 1.
     pub(crate) shown: f64,
     /// Part of the turn on which an edge lies beside the circle only, 1.
@@ -46,20 +53,22 @@ impl Rim {
     ///
     /// `scale` is how many pixels the start may be off.
     pub(crate) fn find(picture: &PhotoPixels, start: Circle, scale: f64) -> Option<Self> {
-        let (start, rival) = choose_ring(picture, start);
-        let (circle, kept) = refine(picture, start, scale)?;
+        let Ring { start, rival, width } = choose_ring(picture, start);
+        let (circle, kept) = refine(picture, start, scale, width)?;
         let rays = Rays::scan(picture, &circle, WINDOW * circle.r);
         let near = (ON_RIM * circle.r).max(1.5).max(0.3 * rays.edge_width());
         let weakest = rays.weakest(near);
-        let (mut shown, mut elsewhere) = (0.0, 0.0);
-        for ray in 0..N_RAYS {
+        let mut shows = vec![false; N_RAYS];
+        let mut elsewhere = 0.0;
+        for (ray, shows) in shows.iter_mut().enumerate() {
             let edges = rays.edges(ray, weakest);
-            if edges.iter().any(|off| off.abs() <= near) {
-                shown += 1.0 / N_RAYS as f64;
-            } else if !edges.is_empty() {
+            *shows = edges.iter().any(|off| off.abs() <= near);
+            if !*shows && !edges.is_empty() {
                 elsewhere += 1.0 / N_RAYS as f64;
             }
         }
+        let shown = shows.iter().filter(|s| **s).count() as f64 / N_RAYS as f64;
+        if std::env::var_os("DBG").is_some() { println!("   rim r {:.1} shown {shown:.2} elsewhere {elsewhere:.2} near {near:.1} weakest {weakest:.1} width {:.1} flat {:.3} rival {rival:.1}", circle.r, rays.edge_width(), flattening(&kept, &circle)); }
         let scatter = kept.iter().map(|p| p.off(&circle).powi(2)).sum::<f64>() / kept.len() as f64;
         // Neighbouring rays overlap by about RAY_WIDTH; four points of each count once.
         let independent = (kept.len() as f64 / 4.0).max(1.0);
@@ -68,6 +77,7 @@ impl Rim {
             error: (2.0 * scatter / independent).sqrt().max(0.05),
             rival,
             flattening: flattening(&kept, &circle),
+            shows,
             shown,
             elsewhere,
         })
@@ -76,6 +86,32 @@ impl Rim {
     /// Whether edges run off the circle as those of an ellipse do.
     pub(crate) fn is_broken(&self) -> bool {
         self.shown < WHOLE && self.elsewhere > MOST_ELSEWHERE
+    }
+
+    /// Whether a rim that shows in part only hides elsewhere than along the bed or along the air.
+    ///
+    /// A background of the tone of the air hides the rim along the air, one of the tone of the
+    /// bed along the bed; a circle that hides along both is not the drum. `ends` are where the
+    /// surface meets the circle, px. An arc shorter than a tenth of the turn does not count.
+    pub(crate) fn hides_oddly(&self, ends: [PixelPoint; 2]) -> bool {
+        let turn = |p: PixelPoint| {
+            let turn = (p.y - self.circle.y).atan2(p.x - self.circle.x) / std::f64::consts::TAU;
+            turn.rem_euclid(1.0)
+        };
+        let (from, to) = (turn(ends[0]), turn(ends[1]));
+        let mut counts = [[0.0_f64; 2]; 2];
+        for (ray, shows) in self.shows.iter().enumerate() {
+            let place = (ray as f64 + 0.5) / N_RAYS as f64;
+            let arc = usize::from((place - from).rem_euclid(1.0) < (to - from).rem_euclid(1.0));
+            counts[arc][0] += 1.0;
+            counts[arc][1] += f64::from(u8::from(*shows));
+        }
+        let most = counts
+            .iter()
+            .filter(|c| c[0] >= 0.1 * N_RAYS as f64)
+            .map(|c| c[1] / c[0])
+            .fold(0.0, f64::max);
+        self.shown < WHOLE && most < LEAST_ALONG_ARC
     }
 }
 
@@ -117,8 +153,8 @@ impl Rays {
                 .map(|side| (turn + side).sin_cos())
                 .collect();
             let mut gray = Vec::new();
-            let mut k = -n - 1.0;
-            while k <= n + 1.0 {
+            let mut k = -n - 2.0;
+            while k <= n + 2.0 {
                 let r = circle.r + k * step;
                 let sum: f64 = sides
                     .iter()
@@ -127,7 +163,7 @@ impl Rays {
                 gray.push(sum / f64::from(N_SIDE));
                 k += 1.0;
             }
-            gray.windows(3).map(|w| (w[2] - w[0]).abs()).collect()
+            gray.windows(5).map(|w| (w[4] - w[0]).abs()).collect()
         });
         Self {
             circle: *circle,
@@ -159,7 +195,9 @@ impl Rays {
         strengths.sort_by(f64::total_cmp);
         let mut all: Vec<f64> = self.slopes.iter().flatten().copied().collect();
         let noise = median(&mut all);
-        (0.25 * strengths[N_RAYS * 3 / 4]).max(2.0).max(4.0 * noise)
+        let typical = strengths[N_RAYS * 3 / 4];
+        // A wide blur fills the window with slopes; they are no noise.
+        (0.25 * typical).max((4.0 * noise).min(0.5 * typical)).max(2.0)
     }
 
     /// Edges of a ray at least so strong: their distances from the circle, px.
@@ -196,29 +234,32 @@ impl Rays {
         let weakest = (0.25 * sorted[N_RAYS * 3 / 4]).max(2.0);
         (0..N_RAYS)
             .filter(|ray| strengths[*ray] >= weakest)
-            .map(|ray| self.steepest_on(ray))
+            .filter_map(|ray| self.steepest_on(ray))
             .collect()
     }
 
-    /// The steepest grey step of one ray, by the vertex of the parabola about it.
-    fn steepest_on(&self, ray: usize) -> RimPoint {
+    /// The steepest grey step of one ray, by the vertex of the parabola about it; none where it
+    /// has no top within the window.
+    fn steepest_on(&self, ray: usize) -> Option<RimPoint> {
         let slopes = &self.slopes[ray];
-        let best = (0..slopes.len()).fold(0, |b, i| if slopes[i] > slopes[b] { i } else { b });
-        let mut place = best as f64;
-        if let (Some(before), Some(after)) =
-            (slopes.get(best.wrapping_sub(1)), slopes.get(best + 1))
-        {
-            let bend = before - 2.0 * slopes[best] + after;
-            if bend < 0.0 {
-                place += (0.5 * (before - after) / bend).clamp(-1.0, 1.0);
-            }
-        }
+        let is_top = |k: &usize| slopes[*k] >= slopes[k - 1] && slopes[*k] > slopes[k + 1];
+        let best = (1..slopes.len().saturating_sub(1))
+            .filter(is_top)
+            .reduce(|b, k| if slopes[k] > slopes[b] { k } else { b })?;
+        let (before, after) = (slopes[best - 1], slopes[best + 1]);
+        let bend = before - 2.0 * slopes[best] + after;
+        let shift = if bend < 0.0 {
+            (0.5 * (before - after) / bend).clamp(-1.0, 1.0)
+        } else {
+            0.0
+        };
+        let place = best as f64 + shift;
         let turn = std::f64::consts::TAU * (ray as f64 + 0.5) / N_RAYS as f64;
         let r = self.circle.r + self.off(ray, place);
-        RimPoint {
+        Some(RimPoint {
             x: self.circle.x + r * turn.cos(),
             y: self.circle.y + r * turn.sin(),
-        }
+        })
     }
 }
 
@@ -231,10 +272,20 @@ fn median(values: &mut [f64]) -> f64 {
     *values.select_nth_unstable_by(middle, f64::total_cmp).1
 }
 
+/// A ring of edges.
+struct Ring {
+    /// Its circle, px.
+    start: Circle,
+    /// Distance to a rival ring, 0 for none, px.
+    rival: f64,
+    /// Width of its edges, px.
+    width: f64,
+}
+
 /// Moves the circle to the ring of edges that bounds the bed, and tells how far a rival is.
 ///
 /// The support of a radius is the part of the turn with an edge within [`ON_RIM`] of it.
-fn choose_ring(picture: &PhotoPixels, start: Circle) -> (Circle, f64) {
+fn choose_ring(picture: &PhotoPixels, start: Circle) -> Ring {
     let rays = Rays::scan(picture, &start, WINDOW * start.r);
     let near = (ON_RIM * start.r).max(1.5);
     let weakest = rays.weakest(2.0 * near);
@@ -263,23 +314,36 @@ fn choose_ring(picture: &PhotoPixels, start: Circle) -> (Circle, f64) {
         .filter(|top| top.1 >= RIVAL_SUPPORT * best && (top.0 - off).abs() > 2.0 * near)
         .map(|top| (top.0 - off).abs())
         .fold(f64::INFINITY, f64::min);
-    let circle = Circle {
-        r: start.r + off,
-        ..start
-    };
-    (circle, if rival.is_finite() { rival } else { 0.0 })
+    Ring {
+        start: Circle {
+            r: start.r + off,
+            ..start
+        },
+        rival: if rival.is_finite() { rival } else { 0.0 },
+        width: rays.edge_width(),
+    }
 }
 
 /// The steepest grey steps near the circle and the robust least-squares circle through them.
-fn refine(picture: &PhotoPixels, start: Circle, scale: f64) -> Option<(Circle, Vec<RimPoint>)> {
+fn refine(
+    picture: &PhotoPixels,
+    start: Circle,
+    scale: f64,
+    width: f64,
+) -> Option<(Circle, Vec<RimPoint>)> {
     let mut circle = start;
     let mut kept = Vec::new();
     for pass in 0..4 {
         let window = match pass {
             0 => (0.03 * start.r).max(2.0 * scale),
             _ => (0.015 * start.r).max(2.0),
-        };
-        kept = Rays::scan(picture, &circle, window).steepest();
+        }
+        .max(0.7 * width);
+        let found = Rays::scan(picture, &circle, window).steepest();
+        if found.len() < FEWEST_POINTS {
+            break;
+        }
+        kept = found;
         for _ in 0..4 {
             let points: Vec<(f64, f64)> = kept.iter().map(|p| (p.x, p.y)).collect();
             circle = least_squares(&points, circle)?;
