@@ -95,7 +95,7 @@ fn one(trial: &Trial, tell: Option<u64>) -> Outcome {
     if let Some(number) = tell {
         match &outcome {
             Outcome::Refused(reason) => println!("{number}: {reason}"),
-            Outcome::Measured(all) => println!("{number}: {all:.3?} at {:.1} h {:.2} r {:.0}", trial.scene.inclination.to_degrees(), trial.scene.height, trial.scene.radius),
+            Outcome::Measured(all) => println!("{number}: {all:.3?} at {:.1} h {:.2} r {:.0} rim {:.3} curv {:.2} s {:.2}", trial.scene.inclination.to_degrees(), trial.scene.height, trial.scene.radius, trial.scene.rim_width / trial.scene.radius, trial.scene.curvature, trial.scene.s_shape),
         }
     }
     outcome

@@ -2,6 +2,7 @@
 
 use crate::{PhotoPixels, PixelPoint};
 use crate::circle::{Circle, least_squares};
+use nalgebra::{SMatrix, SVector};
 
 /// Rays from the axis.
 const N_RAYS: usize = 360;
@@ -11,6 +12,10 @@ const N_SIDE: i32 = 5;
 const RAY_WIDTH: f64 = 0.044;
 /// The rim shows on a ray where an edge lies within this part of the radius from it.
 const ON_RIM: f64 = 0.01;
+/// A strip whose tones spread by less than this part of those inside it is a solid rim.
+const ONE_TONE: f64 = 0.4;
+/// Edges wider than this part of the window count as blurred.
+const WIDE: f64 = 0.12;
 /// Edges are looked for within this part of the radius on either side.
 const WINDOW: f64 = 0.12;
 /// A ring within the window is preferred to a better one outside it from this part of the
@@ -24,6 +29,8 @@ const WHOLE: f64 = 0.7;
 /// is near a circle, and its sides run off it.
 const MOST_ELSEWHERE: f64 = 0.2;
 
+/// The ellipse is looked for within this part of the radius from the circle.
+const ELLIPSE_WINDOW: f64 = 0.035;
 /// A circle through fewer rays than this is not refined further.
 const FEWEST_POINTS: usize = 40;
 /// Least part of the rim that must show along the bed or along the air.
@@ -53,7 +60,12 @@ impl Rim {
     ///
     /// `scale` is how many pixels the start may be off.
     pub(crate) fn find(picture: &PhotoPixels, start: Circle, scale: f64) -> Option<Self> {
-        let Ring { start, rival, width } = choose_ring(picture, start);
+        let Ring {
+            start,
+            outer,
+            rival,
+            width,
+        } = choose_ring(picture, start);
         let (circle, kept) = refine(picture, start, scale, width)?;
         let rays = Rays::scan(picture, &circle, WINDOW * circle.r);
         let near = (ON_RIM * circle.r).max(1.5).max(0.3 * rays.edge_width());
@@ -62,13 +74,15 @@ impl Rim {
         let mut elsewhere = 0.0;
         for (ray, shows) in shows.iter_mut().enumerate() {
             let edges = rays.edges(ray, weakest);
-            *shows = edges.iter().any(|off| off.abs() <= near);
+            *shows = edges
+                .iter()
+                .any(|off| off.abs() <= near || (off - outer).abs() <= near);
             if !*shows && !edges.is_empty() {
                 elsewhere += 1.0 / N_RAYS as f64;
             }
         }
         let shown = shows.iter().filter(|s| **s).count() as f64 / N_RAYS as f64;
-        if std::env::var_os("DBG").is_some() { println!("   rim r {:.1} shown {shown:.2} elsewhere {elsewhere:.2} near {near:.1} weakest {weakest:.1} width {:.1} flat {:.3} rival {rival:.1}", circle.r, rays.edge_width(), flattening(&kept, &circle)); }
+        if std::env::var_os("DBG").is_some() { println!("   rim r {:.1} shown {shown:.2} elsewhere {elsewhere:.2} near {near:.1} weakest {weakest:.1} width {:.1} flat {:.3} rival {rival:.1}", circle.r, rays.edge_width(), flattening(picture, &circle, (ELLIPSE_WINDOW * circle.r).max(0.7 * width))); }
         let scatter = kept.iter().map(|p| p.off(&circle).powi(2)).sum::<f64>() / kept.len() as f64;
         // Neighbouring rays overlap by about RAY_WIDTH; four points of each count once.
         let independent = (kept.len() as f64 / 4.0).max(1.0);
@@ -76,7 +90,7 @@ impl Rim {
             circle,
             error: (2.0 * scatter / independent).sqrt().max(0.05),
             rival,
-            flattening: flattening(&kept, &circle),
+            flattening: flattening(picture, &circle, (ELLIPSE_WINDOW * circle.r).max(0.7 * width)),
             shows,
             shown,
             elsewhere,
@@ -196,8 +210,14 @@ impl Rays {
         let mut all: Vec<f64> = self.slopes.iter().flatten().copied().collect();
         let noise = median(&mut all);
         let typical = strengths[N_RAYS * 3 / 4];
-        // A wide blur fills the window with slopes; they are no noise.
-        (0.25 * typical).max((4.0 * noise).min(0.5 * typical)).max(2.0)
+        let length = self.slopes[0].len() as f64 * self.step;
+        let noise = if self.edge_width() > WIDE * length {
+            // A blur this wide fills the window with slopes that are no noise.
+            (4.0 * noise).min(0.5 * typical)
+        } else {
+            4.0 * noise
+        };
+        (0.25 * typical).max(noise).max(2.0)
     }
 
     /// Edges of a ray at least so strong: their distances from the circle, px.
@@ -276,6 +296,8 @@ fn median(values: &mut [f64]) -> f64 {
 struct Ring {
     /// Its circle, px.
     start: Circle,
+    /// Distance to the outer edge of a solid rim, 0 for none, px.
+    outer: f64,
     /// Distance to a rival ring, 0 for none, px.
     rival: f64,
     /// Width of its edges, px.
@@ -307,7 +329,14 @@ fn choose_ring(picture: &PhotoPixels, start: Circle) -> Ring {
         .filter(|i| rings[*i].1 >= rings[i - 1].1 && rings[*i].1 > rings[i + 1].1)
         .map(|i| rings[i])
         .collect();
-    let inner = tops.iter().find(|top| top.1 >= INNER_SUPPORT * best);
+    let strongest = tops.iter().find(|top| top.1 >= best).map_or(0.0, |top| top.0);
+    let inner = tops.iter().find(|top| {
+        top.1 >= INNER_SUPPORT * best
+            || best >= WHOLE
+                && top.1 >= RIVAL_SUPPORT * best
+                && top.0 + 2.0 * near < strongest
+                && is_one_tone(picture, &start, top.0, strongest, near)
+    });
     let off = inner.map_or(0.0, |top| top.0);
     let rival = tops
         .iter()
@@ -319,9 +348,29 @@ fn choose_ring(picture: &PhotoPixels, start: Circle) -> Ring {
             r: start.r + off,
             ..start
         },
+        outer: if best >= WHOLE {
+            f64::max(strongest - off, 0.0)
+        } else {
+            0.0
+        },
         rival: if rival.is_finite() { rival } else { 0.0 },
         width: rays.edge_width(),
     }
+}
+
+/// Whether the strip between two rings has one tone all round, as a solid rim has; what is seen
+/// through a window shows bed on one side and air on the other.
+fn is_one_tone(picture: &PhotoPixels, start: &Circle, low: f64, high: f64, near: f64) -> bool {
+    let spread = |off: f64| {
+        let r = start.r + off;
+        let mut tones: Vec<f64> = (0..N_RAYS)
+            .map(|ray| std::f64::consts::TAU * (ray as f64 + 0.5) / N_RAYS as f64)
+            .map(|turn| picture.at(start.x + r * turn.cos(), start.y + r * turn.sin()))
+            .collect();
+        tones.sort_by(f64::total_cmp);
+        tones[N_RAYS * 9 / 10] - tones[N_RAYS / 10]
+    };
+    spread(0.5 * (low + high)) < ONE_TONE * spread(low - 3.0 * near)
 }
 
 /// The steepest grey steps near the circle and the robust least-squares circle through them.
@@ -355,18 +404,36 @@ fn refine(
     (!kept.is_empty()).then_some((circle, kept))
 }
 
-/// Flattening of the ellipse nearest to the points.
+/// Flattening of the ellipse nearest to the rim.
 ///
 /// # Formula
-/// `4 sqrt(a^2 + b^2) / r` with `a, b = mean (d cos 2 phi), mean (d sin 2 phi)` of the distances
-/// d from the circle; exact to first order for points evenly round it.
-fn flattening(points: &[RimPoint], circle: &Circle) -> f64 {
-    let (mut a, mut b) = (0.0, 0.0);
-    for p in points {
-        let (sin, cos) = (2.0 * (p.y - circle.y).atan2(p.x - circle.x)).sin_cos();
-        a += p.off(circle) * cos;
-        b += p.off(circle) * sin;
+/// `d = a0 + a1 cos phi + b1 sin phi + a2 cos 2 phi + b2 sin 2 phi` by least squares on the
+/// distances d of the steepest steps from the circle, outliers cut; the flattening is
+/// `2 sqrt(a2^2 + b2^2) / r`, exact to first order.
+fn flattening(picture: &PhotoPixels, circle: &Circle, window: f64) -> f64 {
+    let mut points = Rays::scan(picture, circle, window).steepest();
+    let row = |p: &RimPoint| {
+        let turn = (p.y - circle.y).atan2(p.x - circle.x);
+        let (s1, c1) = turn.sin_cos();
+        let (s2, c2) = (2.0 * turn).sin_cos();
+        SVector::<f64, 5>::new(1.0, c1, s1, c2, s2)
+    };
+    let mut fitted = SVector::<f64, 5>::zeros();
+    for _ in 0..8 {
+        let mut matrix = SMatrix::<f64, 5, 5>::zeros();
+        let mut right = SVector::<f64, 5>::zeros();
+        for p in &points {
+            matrix += row(p) * row(p).transpose();
+            right += p.off(circle) * row(p);
+        }
+        let Some(inverse) = matrix.cholesky() else {
+            break;
+        };
+        fitted = inverse.solve(&right);
+        let rest = |p: &RimPoint| (p.off(circle) - fitted.dot(&row(p))).abs();
+        let mut sizes: Vec<f64> = points.iter().map(rest).collect();
+        let cut = (3.0 * 1.4826 * median(&mut sizes)).max(0.5);
+        points.retain(|p| rest(p) <= cut);
     }
-    let n = points.len().max(1) as f64;
-    4.0 * a.hypot(b) / (n * circle.r)
+    2.0 * fitted[3].hypot(fitted[4]) / circle.r
 }
