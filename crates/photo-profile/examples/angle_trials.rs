@@ -85,8 +85,8 @@ fn one(trial: &Trial, tell: Option<u64>) -> Outcome {
                     };
                     Outcome::Measured([
                         pair(angle.line, truth.line, angle.standard_error),
-                        pair(angle.mid, truth.mid, angle.standard_error),
-                        pair(angle.chord, truth.chord, angle.standard_error),
+                        pair(angle.mid, truth.mid, angle.mid_standard_error),
+                        pair(angle.chord, truth.chord, angle.chord_standard_error),
                     ])
                 }
             },

@@ -25,6 +25,7 @@
 //! Invariants: nothing random; a picture and its mirror give the same angle; no step knows
 //! which file it works on.
 
+mod agreement;
 mod circle;
 mod decode;
 mod digits;
@@ -42,6 +43,7 @@ mod rim;
 mod settings;
 pub mod synthetic;
 mod tone;
+mod uncertainty;
 mod view;
 
 pub use decode::{MOST_PIXELS, read_frames, read_photo};

@@ -1,7 +1,9 @@
 //! The path from a picture to its angle.
 
+use crate::agreement::agreement;
 use crate::drum::{FoundDrum, find_drum};
 use crate::tone::{BedShare, bed_share};
+use crate::uncertainty::widened;
 use crate::view::{DiscView, REACH};
 use crate::{
     DrumPixels, Error, Foreground, PhotoPixels, PhotoReading, PixelPoint, Refusal, Settings,
@@ -17,13 +19,10 @@ use surface_profile::{
 const SMOOTHING: f64 = 0.03;
 /// Shortest side of a picture, px: below, a step of one pixel turns a surface by a degree.
 const LEAST_SIDE: u32 = 64;
-/// Least drop of the bed share across the surface. A sharp or half-blurred surface drops by 0.7
-/// to 1, a gradient of the light across the whole drum by less than 0.2.
-const LEAST_STEP: f64 = 0.4;
-/// The drop is taken between these distances from the surface, in drum radii.
-const STEP_BAND: [f64; 2] = [0.05, 0.12];
 /// Largest roughness, in drum radii: twice that of seeds of a seventh of the radius.
 const MOST_ROUGHNESS: f64 = 0.1;
+/// Largest standard error of the line, rad: 3 degrees. Beyond, a number says nothing.
+const MOST_ERROR: f64 = 0.052;
 
 /// Measures the angle in a picture file.
 ///
@@ -93,17 +92,27 @@ fn read_disc(
     let field = smoothed(&view, &bed, drum.r).map_err(Refusal::Surface)?;
     let level = bulk_level(&field, &circle);
     let points = free_surface(&field, level, &circle, REACH).map_err(Refusal::Surface)?;
-    let surface = read_surface(&points, &circle).map_err(Refusal::Surface)?;
-    let step = share_step(&view, &bed, &points, &surface);
-    if step < LEAST_STEP {
-        return Err(Refusal::NoClearSurface {
-            step,
-            least: LEAST_STEP,
+    let mut surface = read_surface(&points, &circle).map_err(Refusal::Surface)?;
+    let agreement = agreement(&view, &bed, &points, &surface);
+    agreement.check()?;
+    surface.angle = widened(
+        &field,
+        level,
+        &points,
+        &surface,
+        (&circle, REACH),
+        found.rim.as_ref(),
+    );
+    let error = surface.angle.standard_error;
+    if surface.roughness > MOST_ROUGHNESS * drum.r || error > MOST_ERROR {
+        return Err(Refusal::TooRough {
+            roughness: surface.roughness / drum.r,
+            most: MOST_ROUGHNESS,
+            error: error.to_degrees(),
         });
     }
-    let roughness = surface.roughness / drum.r;
     let trust = Trust {
-        step,
+        step: agreement.step,
         foreground: bed.foreground,
     };
     let result = reading(&view, drum, &points, &surface, &trust);
@@ -113,12 +122,6 @@ fn read_disc(
         return Err(Refusal::BrokenRim {
             shown: rim.shown,
             elsewhere: rim.elsewhere,
-        });
-    }
-    if roughness > MOST_ROUGHNESS {
-        return Err(Refusal::TooRough {
-            roughness,
-            most: MOST_ROUGHNESS,
         });
     }
     Ok(result)
@@ -156,44 +159,6 @@ fn smoothed(view: &DiscView, bed: &BedShare, radius: f64) -> Result<Field, surfa
         view.n,
         values,
     )
-}
-
-/// Drop of the mean bed share from just below to just above the surface points, 1.
-fn share_step(
-    view: &DiscView,
-    bed: &BedShare,
-    points: &[SurfacePoint],
-    surface: &SurfaceReading,
-) -> f64 {
-    let [high, low] = surface.line_ends;
-    let length = (low.x - high.x)
-        .hypot(low.y - high.y)
-        .max(f64::MIN_POSITIVE);
-    let turn = if low.x > high.x { 1.0 } else { -1.0 };
-    let (nx, ny) = (
-        -turn * (low.y - high.y) / length,
-        turn * (low.x - high.x) / length,
-    );
-    let share = PhotoPixels::from_values(view.n, bed.share.clone());
-    let half = (view.n / 2) as f64;
-    let radius = half * view.cell;
-    let mut sums = [0.0, 0.0];
-    let mut n = 0.0;
-    for p in points {
-        for k in 0..8 {
-            let distance = radius
-                * (STEP_BAND[0] + (STEP_BAND[1] - STEP_BAND[0]) * (f64::from(k) + 0.5) / 8.0);
-            let places = [-distance, distance].map(|d| (p.x + d * nx, p.y + d * ny));
-            if places.iter().any(|q| q.0.hypot(q.1) > REACH * radius) {
-                continue;
-            }
-            n += 1.0;
-            for (sum, (x, y)) in sums.iter_mut().zip(places) {
-                *sum += share.at(x / view.cell + half, y / view.cell + half);
-            }
-        }
-    }
-    (sums[0] - sums[1]) / f64::max(n, 1.0)
 }
 
 /// Puts the reading together in the pixels of the picture.

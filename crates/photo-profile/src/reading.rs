@@ -83,13 +83,46 @@ pub enum Refusal {
         /// Least drop, 1.
         least: f64,
     },
+    /// The boundary found shows on a part of its length only.
+    #[error(
+        "no clear surface: only {clear:.2} of the boundary found parts bed from air, {least} is \
+         needed"
+    )]
+    SurfaceInParts {
+        /// Part of the boundary with a clear step, 1.
+        clear: f64,
+        /// Least part, 1.
+        least: f64,
+    },
+    /// Bed above the surface or air below it.
+    #[error(
+        "no single surface: the bed fills only {contrast:.2} more of the drum below the boundary \
+         found than above it, {least} is needed (bed thrown round the drum, or two surfaces)"
+    )]
+    BedOnBothSides {
+        /// Mean bed share below less that above, 1.
+        contrast: f64,
+        /// Least difference, 1.
+        least: f64,
+    },
+    /// A stretch of the surface is vertical or hangs over.
+    #[error("the surface overhangs: a stretch of it stands at {steepest:.0} degrees (crumbling bed)")]
+    Overhang {
+        /// Steepest inclination, degrees.
+        steepest: f64,
+    },
     /// The surface is too rough to have an angle.
-    #[error("the surface is too rough: {roughness:.3} of the drum radius, at most {most}")]
+    #[error(
+        "the surface is too rough: {roughness:.3} of the drum radius (at most {most}), standard \
+         error of the angle {error:.1} degrees (at most 3)"
+    )]
     TooRough {
         /// Root mean square height about the smooth surface, drum radii.
         roughness: f64,
-        /// Largest value, drum radii.
+        /// Largest roughness, drum radii.
         most: f64,
+        /// Standard error of the line, degrees.
+        error: f64,
     },
     /// The ruler itself refused the surface.
     #[error("no surface: {0}")]

@@ -82,7 +82,6 @@ impl Rim {
             }
         }
         let shown = shows.iter().filter(|s| **s).count() as f64 / N_RAYS as f64;
-        if std::env::var_os("DBG").is_some() { println!("   rim r {:.1} shown {shown:.2} elsewhere {elsewhere:.2} near {near:.1} weakest {weakest:.1} width {:.1} flat {:.3} rival {rival:.1}", circle.r, rays.edge_width(), flattening(picture, &circle, (ELLIPSE_WINDOW * circle.r).max(0.7 * width))); }
         let scatter = kept.iter().map(|p| p.off(&circle).powi(2)).sum::<f64>() / kept.len() as f64;
         // Neighbouring rays overlap by about RAY_WIDTH; four points of each count once.
         let independent = (kept.len() as f64 / 4.0).max(1.0);

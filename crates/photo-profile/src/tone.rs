@@ -25,6 +25,25 @@ pub(crate) struct BedShare {
     pub(crate) foreground: Foreground,
 }
 
+impl BedShare {
+    /// The share of the cell nearest to a place about the axis (y up, px); 0 outside.
+    pub(crate) fn at(&self, view: &DiscView, x: f64, y: f64) -> f64 {
+        let half = (view.n / 2) as f64;
+        let (i, j) = ((x / view.cell + half).round(), (y / view.cell + half).round());
+        let last = view.n as f64 - 1.0;
+        if !((0.0..=last).contains(&i) && (0.0..=last).contains(&j)) {
+            return 0.0;
+        }
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "whole numbers on the grid"
+        )]
+        let k = j as usize * view.n + i as usize;
+        f64::from(self.share[k])
+    }
+}
+
 /// Separates bed from air.
 ///
 /// The air is the upper side of the straight cut that tells most about the grey level. Its

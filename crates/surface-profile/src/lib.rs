@@ -33,6 +33,7 @@ mod field;
 mod frame;
 mod geometry;
 mod line;
+mod line_error;
 mod series;
 mod stations;
 
