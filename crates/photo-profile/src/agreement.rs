@@ -132,7 +132,7 @@ fn steps(view: &DiscView, bed: &BedShare, points: &[SurfacePoint], frame: &Frame
             let [below, above] = [-distance, distance].map(|d| (p.x + d * nx, p.y + d * ny));
             if below.0.hypot(below.1).max(above.0.hypot(above.1)) <= REACH * radius {
                 n += 1.0;
-                sum += bed.at(view, below.0, below.1) - bed.at(view, above.0, above.1);
+                sum += bed.plain_at(view, below.0, below.1) - bed.plain_at(view, above.0, above.1);
             }
         }
         if n > 0.0 {
@@ -154,7 +154,7 @@ fn contrast(view: &DiscView, bed: &BedShare, points: &[SurfacePoint], frame: &Fr
         let near = curve.get(next).or(curve.last());
         let side = usize::from(near.is_some_and(|p| v < p.1));
         sums[side][0] += 1.0;
-        sums[side][1] += f64::from(bed.share[k]);
+        sums[side][1] += f64::from(bed.plain[k]);
     }
     let mean = |side: [f64; 2]| side[1] / side[0].max(1.0);
     mean(sums[1]) - mean(sums[0])

@@ -33,6 +33,7 @@ mod drum;
 mod edges;
 mod error;
 mod jpeg_end;
+mod light;
 mod measure;
 mod otsu;
 mod overlay;

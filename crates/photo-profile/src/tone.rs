@@ -1,5 +1,6 @@
 //! Which grey level is air, and how much of each cell is bed.
 
+use crate::light::local_share;
 use crate::view::{DiscView, REACH};
 use crate::{Foreground, Refusal, otsu};
 
@@ -21,13 +22,16 @@ const ONE_SIDED: f64 = 0.9;
 pub(crate) struct BedShare {
     /// 0 for air, 1 for bed, shape as the view.
     pub(crate) share: Vec<f32>,
+    /// The same by one threshold for all: a light that fades over an empty drum makes no edge in
+    /// it, as it may make where the threshold follows the light.
+    pub(crate) plain: Vec<f32>,
     /// The tone that was taken for bed.
     pub(crate) foreground: Foreground,
 }
 
 impl BedShare {
-    /// The share of the cell nearest to a place about the axis (y up, px); 0 outside.
-    pub(crate) fn at(&self, view: &DiscView, x: f64, y: f64) -> f64 {
+    /// The plain share of the cell nearest to a place about the axis (y up, px); 0 outside.
+    pub(crate) fn plain_at(&self, view: &DiscView, x: f64, y: f64) -> f64 {
         let half = (view.n / 2) as f64;
         let (i, j) = ((x / view.cell + half).round(), (y / view.cell + half).round());
         let last = view.n as f64 - 1.0;
@@ -40,16 +44,15 @@ impl BedShare {
             reason = "whole numbers on the grid"
         )]
         let k = j as usize * view.n + i as usize;
-        f64::from(self.share[k])
+        f64::from(self.plain[k])
     }
 }
 
 /// Separates bed from air.
 ///
 /// The air is the upper side of the straight cut that tells most about the grey level. Its
-/// median grey is the air tone; a cell is bed by its distance from that tone. The threshold t
-/// is that of [`otsu::threshold`]; the share rises from 0 at t/2 to 1 at 3t/2, so that the half
-/// share of a blurred edge lies where the grey is half way.
+/// median grey is the air tone; a cell is bed by its distance from that tone. The threshold is
+/// that of [`otsu::threshold`], made local by [`local_share`].
 pub(crate) fn bed_share(view: &DiscView, foreground: Foreground) -> Result<BedShare, Refusal> {
     let cut = best_cut(view).ok_or(Refusal::OneTone { difference: 0.0 })?;
     let gray = view.gray.values();
@@ -77,12 +80,13 @@ pub(crate) fn bed_share(view: &DiscView, foreground: Foreground) -> Result<BedSh
         });
     }
     #[expect(clippy::cast_possible_truncation, reason = "a share from 0 to 1")]
-    let share = distance
+    let plain = distance
         .iter()
         .map(|d| (f64::from(*d) / threshold - 0.5).clamp(0.0, 1.0) as f32)
         .collect();
     Ok(BedShare {
-        share,
+        share: local_share(view, &distance, threshold),
+        plain,
         foreground: chosen,
     })
 }
