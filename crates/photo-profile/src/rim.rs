@@ -25,6 +25,8 @@ const INNER_SUPPORT: f64 = 0.75;
 const RIVAL_SUPPORT: f64 = 0.4;
 /// From this part of the turn on the rim is whole, hidden only here and there.
 const WHOLE: f64 = 0.7;
+/// From this part of the turn on the flattening is known well enough to tell an ellipse.
+const HALF: f64 = 0.5;
 /// Most of the turn that may show an edge beside a rim that is not whole. The end of an ellipse
 /// is near a circle, and its sides run off it.
 const MOST_ELSEWHERE: f64 = 0.2;
@@ -98,7 +100,7 @@ impl Rim {
 
     /// Whether edges run off the circle as those of an ellipse do.
     pub(crate) fn is_broken(&self) -> bool {
-        self.shown < WHOLE && self.elsewhere > MOST_ELSEWHERE
+        self.shown < HALF && self.elsewhere > MOST_ELSEWHERE
     }
 
     /// Whether a rim that shows in part only hides elsewhere than along the bed or along the air.

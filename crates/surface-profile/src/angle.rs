@@ -129,10 +129,10 @@ pub struct SurfaceReading {
 /// downhill along the line, v its upward normal, c the half-chord; `curvature = a2`,
 /// `s_shape = a3`. Standard error: `sqrt(s^2 tau / Suu)`, `s^2 = (RSS / n) m / (m - 4)`,
 /// `m = n / tau`, with the residuals of the n stations about their cubic and their correlation
-/// factor tau along the surface `[Geyer1992, section 3.3]`; m - 4 is held at 1 or more. Those of
+/// factor tau along the surface `[Geyer1992, section 3.3]`; m - 4 is held at 3 or more. Those of
 /// `mid` and `chord`: `sqrt(sum_ij w_i C(i - j) w_j)` with the lag covariance C of the residuals
 /// and the change w of the slope by the height of a station. All three are widened by
-/// `t / 1.96`, t being the 97.5 % point of Student's distribution with m - 4 degrees of freedom
+/// `t / 1.96`, t being the 97.5 % point of Student's distribution with m - 4 degrees of freedom (half as many for `line`, whose tau is estimated as well)
 /// `[Abramowitz1964, eq. 26.7.5]`, so that 1.96 of them are half of the 95 % interval.
 ///
 /// # Errors

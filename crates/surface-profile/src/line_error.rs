@@ -7,6 +7,10 @@ use crate::stations::Stations;
 /// Step of the heights in the derivatives, parts of the half-chord.
 const STEP: f64 = 1e-4;
 
+/// Fewest degrees of freedom that the residuals are taken to have. A smooth shape that is no
+/// cubic leaves waves that look like fewer; they are a shape, and no accident.
+const LEAST_FREEDOM: f64 = 3.0;
+
 /// Roughness of a surface and what it does to the slope of the line.
 pub(crate) struct LineError {
     /// Standard error of the slope, rad.
@@ -33,14 +37,14 @@ pub(crate) fn line_error(stations: &Stations, whole: &Cubic) -> LineError {
     let mean_square = residuals.iter().map(|r| r * r).sum::<f64>() / n;
     let tau = correlation_factor(&residuals, 4.0);
     let independent = n / tau;
-    let freedom = (independent - 4.0).max(1.0);
-    let variance = mean_square * independent / freedom;
+    let freedom = (independent - 4.0).max(LEAST_FREEDOM);
+    let variance = mean_square * (independent / freedom).max(1.0);
     let centre = stations.positions().map(|p| p.0).sum::<f64>() / n;
     let suu: f64 = stations.positions().map(|p| (p.0 - centre).powi(2)).sum();
     LineError {
-        slope: (variance * tau / suu).sqrt() * widening(freedom),
+        slope: (variance * tau / suu).sqrt() * widening((0.5 * freedom).max(LEAST_FREEDOM)),
         roughness: mean_square.sqrt(),
-        widening: (independent / freedom).sqrt() * widening(freedom),
+        widening: (independent / freedom).max(1.0).sqrt() * widening(freedom),
     }
 }
 
