@@ -32,7 +32,10 @@ fn main() {
     println!("|---|---|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|");
     let mut classes: BTreeMap<&str, Vec<Outcome>> = BTreeMap::new();
     for kind in kinds() {
-        if only.as_ref().is_some_and(|name| !kind.name.contains(name.as_str())) {
+        if only
+            .as_ref()
+            .is_some_and(|name| !kind.name.contains(name.as_str()))
+        {
             continue;
         }
         let outcomes = run(&kind, each, only.is_some());
@@ -76,26 +79,40 @@ fn one(trial: &Trial, tell: Option<u64>) -> Outcome {
         Ok(reading) => match (reading.verdict, reading.angle) {
             (Verdict::Refused { reason }, _) => Outcome::Refused(format!("{reason:?}")),
             (Verdict::Ok, None) => Outcome::Refused("no angle".to_owned()),
-            (Verdict::Ok, Some(angle)) => match measure(&trial.scene.surface(), &trial.scene.drum()) {
-                Err(_) => Outcome::Measured([[f64::NAN; 2]; 3]),
-                Ok(truth) => {
-                    let sign = if angle.high_side == truth.high_side { 1.0 } else { -1.0 };
-                    let pair = |a: f64, b: f64, se: f64| {
-                        [(sign * a - b).to_degrees(), se.to_degrees()]
-                    };
-                    Outcome::Measured([
-                        pair(angle.line, truth.line, angle.standard_error),
-                        pair(angle.mid, truth.mid, angle.mid_standard_error),
-                        pair(angle.chord, truth.chord, angle.chord_standard_error),
-                    ])
+            (Verdict::Ok, Some(angle)) => {
+                match measure(&trial.scene.surface(), &trial.scene.drum()) {
+                    Err(_) => Outcome::Measured([[f64::NAN; 2]; 3]),
+                    Ok(truth) => {
+                        let sign = if angle.high_side == truth.high_side {
+                            1.0
+                        } else {
+                            -1.0
+                        };
+                        let pair = |a: f64, b: f64, se: f64| {
+                            [(sign * a - b).to_degrees(), se.to_degrees()]
+                        };
+                        Outcome::Measured([
+                            pair(angle.line, truth.line, angle.standard_error),
+                            pair(angle.mid, truth.mid, angle.mid_standard_error),
+                            pair(angle.chord, truth.chord, angle.chord_standard_error),
+                        ])
+                    }
                 }
-            },
+            }
         },
     };
     if let Some(number) = tell {
         match &outcome {
             Outcome::Refused(reason) => println!("{number}: {reason}"),
-            Outcome::Measured(all) => println!("{number}: {all:.3?} at {:.1} h {:.2} r {:.0} rim {:.3} curv {:.2} s {:.2}", trial.scene.inclination.to_degrees(), trial.scene.height, trial.scene.radius, trial.scene.rim_width / trial.scene.radius, trial.scene.curvature, trial.scene.s_shape),
+            Outcome::Measured(all) => println!(
+                "{number}: {all:.3?} at {:.1} h {:.2} r {:.0} rim {:.3} curv {:.2} s {:.2}",
+                trial.scene.inclination.to_degrees(),
+                trial.scene.height,
+                trial.scene.radius,
+                trial.scene.rim_width / trial.scene.radius,
+                trial.scene.curvature,
+                trial.scene.s_shape
+            ),
         }
     }
     outcome

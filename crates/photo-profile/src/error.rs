@@ -57,7 +57,4 @@ pub enum Error {
          right, lower right, lower left"
     )]
     BadCorners,
-    /// Heaps are not measured yet.
-    #[error("heap pictures are not supported yet; only drums are measured")]
-    HeapNotSupported,
 }

@@ -32,6 +32,7 @@ mod digits;
 mod drum;
 mod edges;
 mod error;
+mod heap;
 mod jpeg_end;
 mod light;
 mod measure;
@@ -49,6 +50,7 @@ mod view;
 
 pub use decode::{MOST_PIXELS, read_frames, read_photo};
 pub use error::Error;
+pub use heap::HeapReading;
 pub use measure::{measure_file, measure_image, measure_photo};
 pub use overlay::{overlay, overlay_gray};
 pub use pixels::PhotoPixels;

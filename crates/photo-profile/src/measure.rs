@@ -2,11 +2,12 @@
 
 use crate::agreement::agreement;
 use crate::drum::{FoundDrum, find_drum};
+use crate::heap::read_heap;
 use crate::tone::{BedShare, bed_share};
 use crate::uncertainty::widened;
 use crate::view::{DiscView, REACH};
 use crate::{
-    DrumPixels, Error, Foreground, PhotoPixels, PhotoReading, PixelPoint, Refusal, Settings,
+    DrumPixels, Error, Foreground, Mode, PhotoPixels, PhotoReading, PixelPoint, Refusal, Settings,
     Verdict,
 };
 use image::GrayImage;
@@ -56,11 +57,14 @@ pub fn measure_photo(picture: &PhotoPixels, settings: &Settings) -> Result<Photo
         };
         return Ok(PhotoReading::refused(reason, settings.drum));
     }
+    if settings.mode == Mode::Heap {
+        return Ok(read_heap(picture, settings).map_or_else(
+            |reason| PhotoReading::refused(reason, None),
+            PhotoReading::heap,
+        ));
+    }
     let found = match settings.drum {
-        Some(circle) => FoundDrum {
-            circle,
-            rim: None,
-        },
+        Some(circle) => FoundDrum { circle, rim: None },
         None => match find_drum(picture) {
             Ok(drum) => drum,
             Err(reason) => return Ok(PhotoReading::refused(reason, None)),
@@ -182,6 +186,7 @@ fn reading(
     PhotoReading {
         verdict: Verdict::Ok,
         angle: Some(surface.angle),
+        heap: None,
         drum: Some(drum),
         used,
         rejected,

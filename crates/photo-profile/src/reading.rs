@@ -1,5 +1,6 @@
 //! What a measurement of one picture gives.
 
+use crate::heap::{FoundHeap, HeapReading};
 use crate::{DrumPixels, Foreground};
 use serde::{Deserialize, Serialize};
 use surface_profile::SurfaceAngle;
@@ -106,7 +107,9 @@ pub enum Refusal {
         least: f64,
     },
     /// A stretch of the surface is vertical or hangs over.
-    #[error("the surface overhangs: a stretch of it stands at {steepest:.0} degrees (crumbling bed)")]
+    #[error(
+        "the surface overhangs: a stretch of it stands at {steepest:.0} degrees (crumbling bed)"
+    )]
     Overhang {
         /// Steepest inclination, degrees.
         steepest: f64,
@@ -124,6 +127,9 @@ pub enum Refusal {
         /// Standard error of the line, degrees.
         error: f64,
     },
+    /// The heap reaches out of the picture.
+    #[error("no air above: the heap reaches the upper border of the picture")]
+    HeapCut,
     /// The ruler itself refused the surface.
     #[error("no surface: {0}")]
     Surface(surface_profile::Error),
@@ -148,6 +154,8 @@ pub struct PhotoReading {
     pub verdict: Verdict,
     /// The angle and the shape of the surface; none when refused. Its points were px, y up.
     pub angle: Option<SurfaceAngle>,
+    /// The heap, when one was measured.
+    pub heap: Option<HeapReading>,
     /// The drum, when one was given or found, px.
     pub drum: Option<DrumPixels>,
     /// Surface points that count, px.
@@ -173,6 +181,7 @@ impl PhotoReading {
         Self {
             verdict: Verdict::Refused { reason },
             angle: None,
+            heap: None,
             drum,
             used: Vec::new(),
             rejected: Vec::new(),
@@ -181,6 +190,24 @@ impl PhotoReading {
             chord_ends: None,
             foreground: Foreground::Auto,
             quality: 0.0,
+        }
+    }
+
+    /// The reading of a heap. Quality: the part of the outline's flanks that counts.
+    pub(crate) fn heap(found: FoundHeap) -> Self {
+        let n = (found.used.len() + found.rejected.len()).max(1) as f64;
+        Self {
+            verdict: Verdict::Ok,
+            angle: None,
+            drum: None,
+            quality: (2.0 * found.used.len() as f64 / n).clamp(0.0, 1.0),
+            used: found.used,
+            rejected: found.rejected,
+            heap: Some(found.heap),
+            line_ends: None,
+            mid_ends: None,
+            chord_ends: None,
+            foreground: found.bed.foreground,
         }
     }
 }

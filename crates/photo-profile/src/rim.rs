@@ -1,7 +1,7 @@
 //! The rim of a drum at full resolution: its circle, and how well it is known.
 
-use crate::{PhotoPixels, PixelPoint};
 use crate::circle::{Circle, least_squares};
+use crate::{PhotoPixels, PixelPoint};
 use nalgebra::{SMatrix, SVector};
 
 /// Rays from the axis.
@@ -91,7 +91,11 @@ impl Rim {
             circle,
             error: (2.0 * scatter / independent).sqrt().max(0.05),
             rival,
-            flattening: flattening(picture, &circle, (ELLIPSE_WINDOW * circle.r).max(0.7 * width)),
+            flattening: flattening(
+                picture,
+                &circle,
+                (ELLIPSE_WINDOW * circle.r).max(0.7 * width),
+            ),
             shows,
             shown,
             elsewhere,
@@ -237,7 +241,8 @@ impl Rays {
             .slopes
             .iter()
             .map(|slopes| {
-                let best = (0..slopes.len()).fold(0, |b, i| if slopes[i] > slopes[b] { i } else { b });
+                let best =
+                    (0..slopes.len()).fold(0, |b, i| if slopes[i] > slopes[b] { i } else { b });
                 let above = |k: &usize| slopes[*k] > 0.5 * slopes[best];
                 let before = (0..best).rev().take_while(above).count();
                 let after = (best..slopes.len()).take_while(above).count();
@@ -330,7 +335,10 @@ fn choose_ring(picture: &PhotoPixels, start: Circle) -> Ring {
         .filter(|i| rings[*i].1 >= rings[i - 1].1 && rings[*i].1 > rings[i + 1].1)
         .map(|i| rings[i])
         .collect();
-    let strongest = tops.iter().find(|top| top.1 >= best).map_or(0.0, |top| top.0);
+    let strongest = tops
+        .iter()
+        .find(|top| top.1 >= best)
+        .map_or(0.0, |top| top.0);
     let inner = tops.iter().find(|top| {
         top.1 >= INNER_SUPPORT * best
             || best >= WHOLE

@@ -5,14 +5,16 @@
 //! each time.
 
 mod disturbance;
+mod heap;
 mod kinds;
 mod paint;
 
 use crate::PhotoPixels;
 use crate::pixels::to_level;
 pub use disturbance::Disturbance;
-pub use kinds::{Class, Kind, Trial, kinds};
+pub use heap::HeapScene;
 use image::{GrayImage, ImageBuffer, Luma};
+pub use kinds::{Class, Kind, Trial, kinds};
 use paint::{Ellipse, PixelStream, to_f32};
 use surface_profile::{DrumCircle, SurfacePoint};
 
@@ -190,7 +192,8 @@ impl Scene {
         let ramp = self.ramp.max(1.0);
         let depth = self.depth(x, y);
         let front = (0.5 + depth / ramp).clamp(0.0, 1.0);
-        let back = (0.5 + (depth + self.disturbance.back_edge * self.radius) / ramp).clamp(0.0, 1.0);
+        let back =
+            (0.5 + (depth + self.disturbance.back_edge * self.radius) / ramp).clamp(0.0, 1.0);
         let mut share = 0.5 * (front + back);
         if self.disturbance.curl > 0.0 {
             // A layer on the wall whose thickness falls from 0.06 radii to nothing.
@@ -273,7 +276,12 @@ impl Blotches {
         let waves = (0..n).map(|_| {
             let (sin, cos) = (std::f64::consts::TAU * random.uniform()).sin_cos();
             let k = std::f64::consts::TAU / (length * random.between(0.5, 2.0));
-            [amplitude, k * cos, k * sin, std::f64::consts::TAU * random.uniform()]
+            [
+                amplitude,
+                k * cos,
+                k * sin,
+                std::f64::consts::TAU * random.uniform(),
+            ]
         });
         Self {
             waves: waves.collect(),

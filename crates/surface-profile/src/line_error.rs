@@ -56,7 +56,7 @@ pub(crate) fn line_error(stations: &Stations, whole: &Cubic) -> LineError {
 ///
 /// # Source
 /// `[Abramowitz1964, eq. 26.7.5]`, three terms: 1 % low at 3 degrees of freedom f.
-fn widening(freedom: f64) -> f64 {
+pub(crate) fn widening(freedom: f64) -> f64 {
     let z2 = 1.96_f64.powi(2);
     1.0 + (z2 + 1.0) / (4.0 * freedom)
         + (5.0 * z2 * z2 + 16.0 * z2 + 3.0) / (96.0 * freedom.powi(2))

@@ -77,7 +77,8 @@ impl Scene {
             ];
             let tone = random.between(0.0, 255.0);
             self.each_pixel(gray, |px, py, old| {
-                let beyond = (px - cx).hypot((py - cy) / self.aspect) > self.radius + self.rim_width;
+                let beyond =
+                    (px - cx).hypot((py - cy) / self.aspect) > self.radius + self.rim_width;
                 let hit = (px - x).abs() < half[0] && (py - y).abs() < half[1];
                 if beyond && hit { tone } else { old }
             });

@@ -302,10 +302,7 @@ fn harder() -> Vec<Kind> {
         }),
         kind("little or much bed", Class::Hard, |r| {
             let height = r.between(0.5, 0.75) * if r.uniform() < 0.5 { -1.0 } else { 1.0 };
-            Scene {
-                height,
-                ..plain(r)
-            }
+            Scene { height, ..plain(r) }
         }),
         kind("camera slightly tilted", Class::Hard, |r| Scene {
             aspect: r.between(0.978, 1.0),
