@@ -16,7 +16,7 @@ pub enum Error {
         source: std::io::Error,
     },
     /// The file is no picture of a known format, or is damaged.
-    #[error("cannot decode {} (PNG, JPEG and BMP are read)", path.display())]
+    #[error("cannot decode {} (PNG, JPEG, BMP and GIF are read)", path.display())]
     Decode {
         /// The file.
         path: PathBuf,

@@ -8,9 +8,7 @@
 
 use image::{GrayImage, Luma};
 use photo_profile::synthetic::Scene;
-use photo_profile::{
-    DrumPixels, Refusal, Settings, Verdict, measure_file, measure_image,
-};
+use photo_profile::{DrumPixels, Refusal, Settings, Verdict, measure_file, measure_image};
 use std::path::PathBuf;
 
 fn refusal(picture: &GrayImage, settings: &Settings) -> Refusal {

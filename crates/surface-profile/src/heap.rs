@@ -24,6 +24,10 @@ const LEAST_CUT: f64 = 0.02;
 /// Largest root mean square distance from the line of a flank, parts of the height.
 const MOST_ROUGHNESS: f64 = 0.08;
 
+/// Largest difference between the inclinations of the upper and the lower half of a flank, rad:
+/// 13 degrees. The outline of a ball or of a drum has 17.
+const MOST_BEND: f64 = 0.23;
+
 /// One flank of a heap.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct HeapFlank {
@@ -74,7 +78,8 @@ impl HeapAngle {
 ///
 /// # Errors
 /// [`Error::NotFinitePoint`], [`Error::TooFewPoints`], [`Error::NoHeap`] for an outline without
-/// height, with a flank that is missing, does not fall outwards, or is too rough to be a line.
+/// height, with a flank that is missing, does not fall outwards, is bent, or is too rough to be
+/// a line.
 pub fn measure_heap(points: &[SurfacePoint]) -> Result<HeapAngle, Error> {
     if let Some(index) = points
         .iter()
@@ -158,6 +163,11 @@ fn flank(
         if members.len() == before {
             break;
         }
+    }
+    let (upper, lower) = members.split_at(members.len() / 2);
+    let halves = [upper, lower].map(|half| Line::through(points, half).inclination);
+    if (halves[0] - halves[1]).abs() > MOST_BEND {
+        return no_heap("a flank is bent, as the outline of a ball or a drum is");
     }
     let line = Line::through(points, &members);
     let fall = -side * line.inclination;
@@ -293,6 +303,19 @@ mod tests {
             (heap.left.inclination.to_degrees() - 30.0).abs() < 1e-6,
             "{heap:?}"
         );
+    }
+
+    /// The upper half of a circle rises to 90 degrees at its ends.
+    #[test]
+    fn the_outline_of_a_ball_is_no_heap() {
+        let ball: Vec<SurfacePoint> = (-300..=300)
+            .map(|k| {
+                let x = f64::from(k);
+                let y = (200.0_f64.powi(2) - x * x).max(0.0).sqrt();
+                SurfacePoint { x, y }
+            })
+            .collect();
+        assert!(matches!(measure_heap(&ball), Err(Error::NoHeap { .. })));
     }
 
     #[test]
