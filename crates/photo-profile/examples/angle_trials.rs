@@ -5,8 +5,8 @@
 
 #![expect(clippy::print_stdout, reason = "the table is the result")]
 
-use photo_profile::synthetic::{Class, Kind, Trial, kinds};
-use photo_profile::{Settings, Verdict, measure_image};
+use photo_profile::synthetic::{Class, HeapScene, Kind, Trial, kinds};
+use photo_profile::{Mode, Settings, Verdict, measure_image};
 use std::collections::BTreeMap;
 use surface_profile::measure;
 
@@ -42,9 +42,54 @@ fn main() {
         row(kind.name, class(&kind), &outcomes);
         classes.entry(class(&kind)).or_default().extend(outcomes);
     }
+    if only.is_none() {
+        heaps(each);
+    }
     for (name, outcomes) in classes {
         row("all", name, &outcomes);
     }
+}
+
+/// Measures heaps and prints their row: both flanks of each count as one picture.
+fn heaps(each: u64) {
+    let settings = Settings {
+        mode: Mode::Heap,
+        ..Settings::default()
+    };
+    let mut outcomes = Vec::new();
+    for seed in 0..each {
+        let part = |step: f64| (seed as f64 * step).fract();
+        let dark = seed % 2 == 0;
+        let scene = HeapScene {
+            flanks: [0.35 + 0.5 * part(0.754_878), 0.35 + 0.5 * part(0.569_840)],
+            tones: if dark {
+                [60.0, 210.0, 40.0]
+            } else {
+                [200.0, 30.0, 120.0]
+            },
+            apex: [0.4 + 0.2 * part(0.682_328), 0.2],
+            rounding: 0.02 * part(0.318),
+            bumps: 0.006 * part(0.414),
+            blur: 0.7 + 2.0 * part(0.732),
+            noise: 10.0 * part(0.236),
+            seed,
+            ..HeapScene::default()
+        };
+        let reading = measure_image(&scene.draw(), &settings);
+        match reading.ok().and_then(|r| r.heap) {
+            None => outcomes.push(Outcome::Refused("heap".to_owned())),
+            Some(heap) => {
+                for (angle, truth, error) in [
+                    (heap.left, scene.flanks[0], heap.left_standard_error),
+                    (heap.right, scene.flanks[1], heap.right_standard_error),
+                ] {
+                    let pair = [(angle - truth).to_degrees(), error.to_degrees()];
+                    outcomes.push(Outcome::Measured([pair, [f64::NAN; 2], [f64::NAN; 2]]));
+                }
+            }
+        }
+    }
+    row("heap, a flank each", "heap", &outcomes);
 }
 
 /// Name of a class.
@@ -104,15 +149,7 @@ fn one(trial: &Trial, tell: Option<u64>) -> Outcome {
     if let Some(number) = tell {
         match &outcome {
             Outcome::Refused(reason) => println!("{number}: {reason}"),
-            Outcome::Measured(all) => println!(
-                "{number}: {all:.3?} at {:.1} h {:.2} r {:.0} rim {:.3} curv {:.2} s {:.2}",
-                trial.scene.inclination.to_degrees(),
-                trial.scene.height,
-                trial.scene.radius,
-                trial.scene.rim_width / trial.scene.radius,
-                trial.scene.curvature,
-                trial.scene.s_shape
-            ),
+            Outcome::Measured(all) => println!("{number}: {all:.3?}"),
         }
     }
     outcome

@@ -28,6 +28,9 @@ const MOST_ROUGHNESS: f64 = 0.08;
 /// 13 degrees. The outline of a ball or of a drum has 17.
 const MOST_BEND: f64 = 0.23;
 
+/// Steepest flank, rad: 70 degrees. Powders that cling stand at 60; beyond is a wall.
+const STEEPEST: f64 = 1.222;
+
 /// One flank of a heap.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct HeapFlank {
@@ -78,7 +81,7 @@ impl HeapAngle {
 ///
 /// # Errors
 /// [`Error::NotFinitePoint`], [`Error::TooFewPoints`], [`Error::NoHeap`] for an outline without
-/// height, with a flank that is missing, does not fall outwards, is bent, or is too rough to be
+/// height, with a flank that is missing, does not fall outwards, is a wall, is bent, or is too rough to be
 /// a line.
 pub fn measure_heap(points: &[SurfacePoint]) -> Result<HeapAngle, Error> {
     if let Some(index) = points
@@ -173,6 +176,9 @@ fn flank(
     let fall = -side * line.inclination;
     if fall <= 0.0 {
         return no_heap("a flank does not fall outwards");
+    }
+    if fall > STEEPEST {
+        return no_heap("a flank is steeper than 70 degrees, as a wall is");
     }
     let residuals: Vec<f64> = members.iter().map(|k| line.off(&points[*k])).collect();
     let n = residuals.len() as f64;
