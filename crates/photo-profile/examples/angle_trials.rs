@@ -68,7 +68,7 @@ fn heaps(each: u64) {
                 [200.0, 30.0, 120.0]
             },
             apex: [0.4 + 0.2 * part(0.682_328), 0.2],
-            rounding: 0.02 * part(0.318),
+            rounding: 0.02 * part(0.317),
             bumps: 0.006 * part(0.414),
             blur: 0.7 + 2.0 * part(0.732),
             noise: 10.0 * part(0.236),

@@ -3,7 +3,7 @@
 use crate::agreement::agreement;
 use crate::drum::{FoundDrum, find_drum};
 use crate::heap::read_heap;
-use crate::tone::{BedShare, bed_share};
+use crate::tone::bed_share;
 use crate::uncertainty::widened;
 use crate::view::{DiscView, REACH};
 use crate::{
@@ -93,14 +93,15 @@ fn read_disc(
         y: 0.0,
         radius: drum.r,
     };
-    let field = smoothed(&view, &bed, drum.r).map_err(Refusal::Surface)?;
+    let field = smoothed(&view, &bed.share, drum.r).map_err(Refusal::Surface)?;
+    let plain = smoothed(&view, &bed.plain, drum.r).map_err(Refusal::Surface)?;
     let level = bulk_level(&field, &circle);
     let points = free_surface(&field, level, &circle, REACH).map_err(Refusal::Surface)?;
     let mut surface = read_surface(&points, &circle).map_err(Refusal::Surface)?;
     let agreement = agreement(&view, &bed, &points, &surface);
     agreement.check()?;
     surface.angle = widened(
-        &field,
+        [&field, &plain],
         level,
         &points,
         &surface,
@@ -140,13 +141,13 @@ struct Trust {
 }
 
 /// Bed share smoothed inside the disc, as a field about the drum axis.
-fn smoothed(view: &DiscView, bed: &BedShare, radius: f64) -> Result<Field, surface_profile::Error> {
+fn smoothed(view: &DiscView, share: &[f32], radius: f64) -> Result<Field, surface_profile::Error> {
     let inside: Vec<f32> = view
         .inside
         .iter()
         .map(|i| f32::from(u8::from(*i)))
         .collect();
-    let masked = bed.share.iter().zip(&inside).map(|(s, i)| s * i).collect();
+    let masked = share.iter().zip(&inside).map(|(s, i)| s * i).collect();
     let sd = SMOOTHING * radius / view.cell;
     let share = PhotoPixels::from_values(view.n, masked).blurred(sd);
     let weight = PhotoPixels::from_values(view.n, inside).blurred(sd);

@@ -2,11 +2,12 @@
 
 use crate::rim::Rim;
 use surface_profile::{
-    DrumCircle, Field, SurfaceAngle, SurfacePoint, SurfaceReading, free_surface, read_surface,
+    DrumCircle, Field, SurfaceAngle, SurfacePoint, SurfaceReading, bulk_level, free_surface,
+    read_surface,
 };
 
 /// Part of the radius by which two people may set the same circle apart (rim, glass, seal).
-const CIRCLE_CHOICE: f64 = 0.005;
+const CIRCLE_CHOICE: f64 = 0.008;
 /// A circle given by the caller is known to so many pixels.
 const GIVEN: f64 = 0.5;
 /// Of the distance to a rival ring, what counts as standard deviation: that of a uniform
@@ -14,17 +15,21 @@ const GIVEN: f64 = 0.5;
 const RIVAL_PART: f64 = 0.289;
 /// Part of the level by which it is moved up and down.
 const LEVEL_STEP: f64 = 0.3;
+/// Of the change by the light, what counts as standard deviation: a light of second degree leaves
+/// about a fifth of it.
+const LIGHT_PART: f64 = 0.2;
 /// Flattening that the rim of an upright drum shows by chance.
 const CHANCE_FLATTENING: f64 = 0.003;
 
 /// Widens the standard errors of a reading by what depends on drum, threshold and camera.
 ///
 /// # Formula
-/// `sqrt(roughness^2 + sum drum^2 + level^2 + tilt^2)`, each the change of the angle with one
-/// standard deviation of centre, radius, threshold level and flattening f; `tilt = f / 2`, the
+/// `sqrt(roughness^2 + sum drum^2 + level^2 + light^2 + tilt^2)`, each the change of the angle
+/// with one standard deviation of centre, radius, threshold level, light and flattening f;
+/// `light` is a fifth of the change from one threshold for all to one that follows the light; `tilt = f / 2`, the
 /// largest turn by an ellipse, for f above what chance gives.
 pub(crate) fn widened(
-    field: &Field,
+    [field, plain]: [&Field; 2],
     level: f64,
     points: &[SurfacePoint],
     surface: &SurfaceReading,
@@ -53,6 +58,11 @@ pub(crate) fn widened(
     });
     if let [Ok(low), Ok(high)] = ends {
         add(changes(&low.angle, &high.angle).map(|c| 0.5 * c));
+    }
+    let by_plain = free_surface(plain, bulk_level(plain, circle), circle, reach)
+        .and_then(|points| read_surface(&points, circle));
+    if let Ok(other) = by_plain {
+        add(changes(&at, &other.angle).map(|c| LIGHT_PART * c));
     }
     let flattening = rim.map_or(0.0, |rim| rim.flattening);
     let excess = (flattening.powi(2) - CHANCE_FLATTENING.powi(2)).max(0.0);

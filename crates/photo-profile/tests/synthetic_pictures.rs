@@ -30,7 +30,7 @@ struct Errors {
 }
 
 /// Measures `n` scenes of one kind, slopes of 20 to 53 degrees to either side.
-fn errors(kind: Scene, n: u32) -> Errors {
+fn errors(kind: &Scene, n: u32) -> Errors {
     let (mut sum, mut squares, mut held) = (0.0, 0.0, 0);
     for k in 0..n {
         let side = if k % 2 == 0 { 1.0 } else { -1.0 };
@@ -38,7 +38,7 @@ fn errors(kind: Scene, n: u32) -> Errors {
         let scene = Scene {
             inclination: side * slope,
             seed: u64::from(k),
-            ..kind
+            ..*kind
         };
         let angle = angle_of(&scene.draw());
         let truth = measure(&scene.surface(), &scene.drum()).unwrap();
@@ -109,7 +109,7 @@ fn a_fine_powder_is_read_to_a_hundredth_of_a_degree() {
         },
         Scene { ramp: 25.0, ..FINE },
     ] {
-        let errors = errors(kind, 6);
+        let errors = errors(&kind, 6);
         assert!(errors.rms < 0.015, "{errors:?} for {kind:?}");
     }
 }
@@ -119,7 +119,7 @@ fn a_fine_powder_is_read_to_a_hundredth_of_a_degree() {
 #[test]
 fn curved_surfaces_are_read_as_the_ruler_reads_the_true_curve() {
     let bow = errors(
-        Scene {
+        &Scene {
             curvature: 0.15,
             ..FINE
         },
@@ -127,7 +127,7 @@ fn curved_surfaces_are_read_as_the_ruler_reads_the_true_curve() {
     );
     assert!(bow.rms < 0.03, "{bow:?}");
     let s = errors(
-        Scene {
+        &Scene {
             s_shape: 0.25,
             ..FINE
         },
@@ -140,7 +140,7 @@ fn curved_surfaces_are_read_as_the_ruler_reads_the_true_curve() {
 #[test]
 fn dust_on_the_glass_moves_the_line_by_less_than_a_twentieth_of_a_degree() {
     let errors = errors(
-        Scene {
+        &Scene {
             n_dust: 150,
             ..FINE
         },
@@ -170,7 +170,7 @@ fn coarse_grains_are_read_without_bias_and_with_their_own_error() {
             ..COARSE
         },
     ] {
-        let errors = errors(kind, 20);
+        let errors = errors(&kind, 20);
         assert!(errors.rms < 0.9, "{errors:?}");
         assert!(
             errors.bias.abs() < 4.0 * errors.rms / 20_f64.sqrt(),

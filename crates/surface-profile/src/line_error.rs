@@ -51,8 +51,8 @@ pub(crate) fn line_error(stations: &Stations, whole: &Cubic) -> LineError {
 /// The 97.5 % point of Student's distribution over 1.96.
 ///
 /// # Formula
-/// `1 + (z^2 + 1) / (4 f) + (5 z^4 + 16 z^2 + 3) / (96 f^2)
-/// + (3 z^6 + 19 z^4 + 17 z^2 - 15) / (384 f^3)`, z = 1.96.
+/// `1 + (z^2 + 1) / (4 f) + (5 z^4 + 16 z^2 + 3) / (96 f^2) +
+/// (3 z^6 + 19 z^4 + 17 z^2 - 15) / (384 f^3)`, z = 1.96.
 ///
 /// # Source
 /// `[Abramowitz1964, eq. 26.7.5]`, three terms: 1 % low at 3 degrees of freedom f.
