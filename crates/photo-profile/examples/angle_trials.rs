@@ -185,15 +185,24 @@ fn row(name: &str, class: &str, outcomes: &[Outcome]) {
         .iter()
         .filter(|m| m[0][0].abs() > 1.0 && m[0][0].abs() > 3.0 * m[0][1])
         .count();
+    let number = |value: f64, digits: usize| {
+        if value.is_nan() || measured.is_empty() {
+            "-".to_owned()
+        } else {
+            format!("{value:.digits$}")
+        }
+    };
     println!(
-        "| {name} | {class} | {} | {refused} | {bias:.3} | {rms:.3} | {:.3} | {worst:.2} | {:.1} | \
-         {off} | {:.3} | {:.1} | {:.3} | {:.1} |",
+        "| {name} | {class} | {} | {refused} | {} | {} | {} | {} | {} | {off} | {} | {} | {} | {} |",
         outcomes.len(),
-        median(0),
-        share(0, 1.96),
-        median(1),
-        share(1, 1.96),
-        median(2),
-        share(2, 1.96),
+        number(bias, 3),
+        number(rms, 3),
+        number(median(0), 3),
+        number(worst, 2),
+        number(share(0, 1.96), 1),
+        number(median(1), 3),
+        number(share(1, 1.96), 1),
+        number(median(2), 3),
+        number(share(2, 1.96), 1),
     );
 }
