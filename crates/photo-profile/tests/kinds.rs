@@ -1,8 +1,6 @@
 //! A few pictures of every kind of `docs/angle-trials.md`: what must be refused, what must be
 //! measured, and the mirror.
 
-#![expect(clippy::unwrap_used, reason = "helpers of tests fail like tests")]
-
 use image::imageops;
 use photo_profile::synthetic::{Class, kinds};
 use photo_profile::{Settings, measure_image};
