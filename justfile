@@ -66,6 +66,10 @@ fill-formats:
 angle *ARGS:
     cargo run --release --locked -p angle-from-image -- "$@"
 
+# Make the table of errors, refusals and coverage of the angle over drawn pictures.
+angle-trials *ARGS:
+    cargo run --release --locked -p photo-profile --example angle_trials -- "$@"
+
 # Run all that must pass before a change is merged.
 ci:
     bash .ci/run

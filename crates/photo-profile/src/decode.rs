@@ -2,6 +2,7 @@
 
 use crate::jpeg_end::reaches_end;
 use crate::{Error, PhotoPixels};
+use image::codecs::gif::GifDecoder;
 use image::codecs::png::PngDecoder;
 use image::{AnimationDecoder as _, DynamicImage, ImageDecoder as _, ImageFormat, ImageReader};
 use std::io::Cursor;
@@ -10,7 +11,7 @@ use std::path::Path;
 /// Most pixels that are decoded: above any camera of today, below 1 GB of memory.
 pub const MOST_PIXELS: u64 = 120_000_000;
 
-/// Reads a PNG, JPEG or BMP file, upright as its EXIF orientation says.
+/// Reads a PNG, JPEG, BMP or GIF file, upright as its EXIF orientation says.
 ///
 /// # Errors
 /// [`Error::Read`], [`Error::Decode`], [`Error::Truncated`] and [`Error::TooLarge`].
@@ -18,7 +19,9 @@ pub fn read_photo(path: &Path) -> Result<DynamicImage, Error> {
     decode(path, &read_bytes(path)?)
 }
 
-/// Reads the frames of an animated PNG in order, or the one picture of any other file.
+/// Reads the frames of an animated PNG or GIF in order, or the one picture of any other file.
+///
+/// Each frame is the whole picture as it is seen at its time.
 ///
 /// # Errors
 /// As [`read_photo`]; all frames together count against [`MOST_PIXELS`].
@@ -29,20 +32,24 @@ pub fn read_frames(path: &Path) -> Result<Vec<DynamicImage>, Error> {
         path: path.to_path_buf(),
         source,
     };
-    if image::guess_format(&bytes).ok() != Some(ImageFormat::Png) {
-        return Ok(vec![first]);
-    }
-    let decoder = PngDecoder::new(Cursor::new(&bytes)).map_err(failed)?;
-    if !decoder.is_apng().map_err(failed)? {
-        return Ok(vec![first]);
-    }
+    let frames = match image::guess_format(&bytes).ok() {
+        Some(ImageFormat::Gif) => GifDecoder::new(Cursor::new(&bytes))
+            .map_err(failed)?
+            .into_frames(),
+        Some(ImageFormat::Png) => {
+            let decoder = PngDecoder::new(Cursor::new(&bytes)).map_err(failed)?;
+            if !decoder.is_apng().map_err(failed)? {
+                return Ok(vec![first]);
+            }
+            decoder.apng().map_err(failed)?.into_frames()
+        }
+        _ => return Ok(vec![first]),
+    };
     let each = u64::from(first.width()) * u64::from(first.height());
-    let mut frames = Vec::new();
-    for frame in decoder.apng().map_err(failed)?.into_frames() {
-        frames.push(DynamicImage::ImageRgba8(
-            frame.map_err(failed)?.into_buffer(),
-        ));
-        let pixels = each * frames.len() as u64;
+    let mut pictures = Vec::new();
+    for frame in frames {
+        // Before the next one is kept: a small file may hold any number of frames.
+        let pixels = each * (pictures.len() as u64 + 1);
         if pixels > MOST_PIXELS {
             return Err(Error::TooLarge {
                 path: path.to_path_buf(),
@@ -50,11 +57,15 @@ pub fn read_frames(path: &Path) -> Result<Vec<DynamicImage>, Error> {
                 most: MOST_PIXELS,
             });
         }
+        let seen = frame.map_err(failed)?.into_buffer();
+        pictures.push(DynamicImage::ImageLuma8(
+            DynamicImage::ImageRgba8(seen).into_luma8(),
+        ));
     }
-    Ok(if frames.is_empty() {
+    Ok(if pictures.is_empty() {
         vec![first]
     } else {
-        frames
+        pictures
     })
 }
 

@@ -1,7 +1,8 @@
-//! Finding the drum: edges, a robust circle, and its refinement at full resolution.
+//! Finding the drum: edges and a robust circle; [`Rim`] refines it.
 
 use crate::circle::{Circle, least_squares, through};
 use crate::edges::{EdgePoint, find_edges};
+use crate::rim::Rim;
 use crate::{DrumPixels, PhotoPixels, Refusal};
 
 /// The picture is searched at no more than this many pixels on its longer side.
@@ -22,26 +23,19 @@ const NEAR: f64 = 1.2;
 const ALONG_RADIUS: f64 = 0.906;
 /// Smallest and largest radius, parts of the shorter and the longer side of the picture.
 const RADIUS_LIMITS: [f64; 2] = [0.12, 0.6];
-/// Least part of the circle that must show an edge. A bed against a background of the tone of
-/// the air shows a little less than half a circle when the drum is half full.
-const LEAST_COVER: f64 = 0.42;
-/// Least part of the rim that must show along the bed or along the air.
-pub(crate) const LEAST_ALONG_ARC: f64 = 0.8;
+/// Least part of the circle that must show an edge: the bed's side alone, of a bed that fills a
+/// sixth of a drum whose background has the tone of the air.
+const LEAST_COVER: f64 = 0.25;
 /// Largest flattening: 0.025 tilts an angle of 40 degrees by up to 0.7 degrees.
 const MOST_FLATTENING: f64 = 0.025;
-/// The rim shows on a ray where the steepest step lies within this part of the radius from it.
-const ON_RIM: f64 = 0.01;
-/// Rays of the refinement.
-const N_RAYS: usize = 360;
 
 /// A drum found in a picture.
 #[derive(Debug, Clone)]
 pub(crate) struct FoundDrum {
     /// Its circle, px.
     pub(crate) circle: DrumPixels,
-    /// For each of the rays at (k + 1/2) / n of a turn, from right over down, whether the rim
-    /// shows there.
-    pub(crate) shows: Vec<bool>,
+    /// How well its rim is known; none for a drum that the caller gave.
+    pub(crate) rim: Option<Rim>,
 }
 
 /// Finds the circle of the drum.
@@ -64,7 +58,16 @@ pub(crate) fn find_drum(picture: &PhotoPixels) -> Result<FoundDrum, Refusal> {
         y: found.circle.y * scale + shift,
         r: found.circle.r * scale,
     };
-    let rim = refine(picture, start, scale).ok_or(no_drum(found.covered))?;
+    let rim = Rim::find(picture, start, scale).ok_or(no_drum(found.covered))?;
+    if rim.shown < LEAST_COVER {
+        return Err(no_drum(rim.shown));
+    }
+    if rim.is_broken() {
+        return Err(Refusal::BrokenRim {
+            shown: rim.shown,
+            elsewhere: rim.elsewhere,
+        });
+    }
     if rim.flattening > MOST_FLATTENING {
         return Err(Refusal::TiltedView {
             flattening: rim.flattening,
@@ -78,7 +81,7 @@ pub(crate) fn find_drum(picture: &PhotoPixels) -> Result<FoundDrum, Refusal> {
     };
     Ok(FoundDrum {
         circle,
-        shows: rim.shows,
+        rim: Some(rim),
     })
 }
 
@@ -205,145 +208,4 @@ fn polish(edges: &[EdgePoint], mut found: Found) -> Found {
         found = Found { circle, covered };
     }
     found
-}
-
-/// The rim at full resolution.
-struct Rim {
-    /// The circle, px.
-    circle: Circle,
-    /// 1 minus the ratio of the axes of the ellipse nearest to the rim, 1.
-    flattening: f64,
-    /// For each ray whether the rim shows on it.
-    shows: Vec<bool>,
-}
-
-/// The steepest grey step on one radius.
-#[derive(Debug, Clone, Copy)]
-struct RimPoint {
-    /// Number of the ray.
-    ray: usize,
-    /// Horizontal coordinate, px.
-    x: f64,
-    /// Vertical coordinate, px.
-    y: f64,
-    /// Grey step, levels.
-    strength: f64,
-}
-
-/// Refines the circle: the steepest grey step on each of 360 radii, then robust least squares.
-fn refine(picture: &PhotoPixels, start: Circle, scale: f64) -> Option<Rim> {
-    let mut circle = start;
-    let mut kept = Vec::new();
-    for pass in 0..4 {
-        let window = match pass {
-            0 => (0.03 * start.r).max(2.0 * scale),
-            _ => (0.015 * start.r).max(2.0),
-        };
-        kept = rim_points(picture, &circle, window);
-        for _ in 0..4 {
-            let points: Vec<(f64, f64)> = kept.iter().map(|p| (p.x, p.y)).collect();
-            circle = least_squares(&points, circle)?;
-            let off = |p: &RimPoint| ((p.x - circle.x).hypot(p.y - circle.y) - circle.r).abs();
-            let mut sizes: Vec<f64> = kept.iter().map(off).collect();
-            sizes.sort_by(f64::total_cmp);
-            let cut = (4.0 * 1.4826 * sizes[sizes.len() / 2]).max(0.5);
-            kept.retain(|p| off(p) <= cut);
-        }
-    }
-    let mut shows = vec![false; N_RAYS];
-    let near = (ON_RIM * circle.r).max(1.5);
-    for p in rim_points(picture, &circle, 2.0 * near) {
-        shows[p.ray] = ((p.x - circle.x).hypot(p.y - circle.y) - circle.r).abs() <= near;
-    }
-    Some(Rim {
-        circle,
-        flattening: flattening(&kept, &circle),
-        shows,
-    })
-}
-
-/// Rim points on 360 radii, weak ones left out.
-fn rim_points(picture: &PhotoPixels, circle: &Circle, window: f64) -> Vec<RimPoint> {
-    let mut found: Vec<RimPoint> = (0..N_RAYS)
-        .map(|ray| steepest(picture, circle, window, ray))
-        .collect();
-    let mut strengths: Vec<f64> = found.iter().map(|f| f.strength).collect();
-    strengths.sort_by(f64::total_cmp);
-    let weakest = (0.25 * strengths[strengths.len() * 3 / 4]).max(2.0);
-    found.retain(|f| f.strength >= weakest);
-    found
-}
-
-/// The steepest grey step on a ray within the window about the circle.
-fn steepest(picture: &PhotoPixels, circle: &Circle, window: f64, ray: usize) -> RimPoint {
-    let step = (circle.r / 400.0).max(0.5);
-    let (sin, cos) = (std::f64::consts::TAU * (ray as f64 + 0.5) / N_RAYS as f64).sin_cos();
-    let n = (window / step).ceil();
-    let mut gray = Vec::new();
-    let mut k = -n - 1.0;
-    while k <= n + 1.0 {
-        let r = circle.r + k * step;
-        gray.push(picture.at(circle.x + r * cos, circle.y + r * sin));
-        k += 1.0;
-    }
-    let slopes: Vec<f64> = gray.windows(3).map(|w| (w[2] - w[0]).abs()).collect();
-    let best = (0..slopes.len()).fold(0, |b, i| if slopes[i] > slopes[b] { i } else { b });
-    let mut place = best as f64;
-    if let (Some(before), Some(after)) = (slopes.get(best.wrapping_sub(1)), slopes.get(best + 1)) {
-        let bend = before - 2.0 * slopes[best] + after;
-        if bend < 0.0 {
-            place += (0.5 * (before - after) / bend).clamp(-1.0, 1.0);
-        }
-    }
-    let r = circle.r + (place - n) * step;
-    RimPoint {
-        ray,
-        x: circle.x + r * cos,
-        y: circle.y + r * sin,
-        strength: slopes[best],
-    }
-}
-
-/// Flattening of the ellipse nearest to the points.
-///
-/// # Formula
-/// `4 sqrt(a^2 + b^2) / r` with `a, b = mean (d cos 2 phi), mean (d sin 2 phi)` of the distances
-/// d from the circle; exact to first order for points evenly round it.
-fn flattening(points: &[RimPoint], circle: &Circle) -> f64 {
-    let (mut a, mut b) = (0.0, 0.0);
-    for p in points {
-        let (dx, dy) = (p.x - circle.x, p.y - circle.y);
-        let (sin, cos) = (2.0 * dy.atan2(dx)).sin_cos();
-        let distance = dx.hypot(dy) - circle.r;
-        a += distance * cos;
-        b += distance * sin;
-    }
-    let n = points.len().max(1) as f64;
-    4.0 * a.hypot(b) / (n * circle.r)
-}
-
-/// The larger share of the rim that shows along either of the arcs that the surface leaves.
-///
-/// A background of the tone of the air hides the rim along the air, one of the tone of the bed
-/// along the bed; a circle that hides along both is not the drum. `ends` are where the surface
-/// meets the circle, px. An arc shorter than a tenth of the turn does not count.
-pub(crate) fn shown_along_an_arc(drum: &FoundDrum, ends: [crate::PixelPoint; 2]) -> f64 {
-    let turn = |p: crate::PixelPoint| {
-        let turn = (p.y - drum.circle.cy).atan2(p.x - drum.circle.cx) / std::f64::consts::TAU;
-        turn.rem_euclid(1.0)
-    };
-    let (from, to) = (turn(ends[0]), turn(ends[1]));
-    let mut counts = [[0.0_f64; 2]; 2];
-    for (ray, shows) in drum.shows.iter().enumerate() {
-        let place = (ray as f64 + 0.5) / drum.shows.len() as f64;
-        let arc = usize::from((place - from).rem_euclid(1.0) < (to - from).rem_euclid(1.0));
-        counts[arc][0] += 1.0;
-        counts[arc][1] += f64::from(u8::from(*shows));
-    }
-    let least = 0.1 * drum.shows.len() as f64;
-    counts
-        .iter()
-        .filter(|c| c[0] >= least)
-        .map(|c| c[1] / c[0])
-        .fold(0.0, f64::max)
 }

@@ -16,7 +16,7 @@ pub enum Error {
         source: std::io::Error,
     },
     /// The file is no picture of a known format, or is damaged.
-    #[error("cannot decode {} (PNG, JPEG and BMP are read)", path.display())]
+    #[error("cannot decode {} (PNG, JPEG, BMP and GIF are read)", path.display())]
     Decode {
         /// The file.
         path: PathBuf,
@@ -57,7 +57,4 @@ pub enum Error {
          right, lower right, lower left"
     )]
     BadCorners,
-    /// Heaps are not measured yet.
-    #[error("heap pictures are not supported yet; only drums are measured")]
-    HeapNotSupported,
 }

@@ -8,8 +8,16 @@
 //! Steps, in order: [`read_photo`] (or [`PhotoPixels::from_gray`]) holds the picture; the drum is
 //! found by edges and a robust circle; the disc is resampled around the axis; the air tone is
 //! found on the upper side of the most telling straight cut; pixels are separated by their
-//! distance from the air tone with the threshold of `[Otsu1979]`; the mask is smoothed over 0.03
-//! drum radii and its half-of-bulk contour is the free surface.
+//! distance from the air tone with the threshold of `[Otsu1979]`, made to follow uneven light;
+//! the mask is smoothed over 0.03 drum radii and its half-of-bulk contour is the free surface. The
+//! surface must agree with the picture (a step along it, bed below and air above), or it is
+//! refused. The standard errors hold roughness, drum circle, threshold, light and camera tilt.
+//! A heap has its own path from the same tones: the highest bed in each column, then
+//! [`surface_profile::measure_heap`].
+//!
+//! `imageproc` straightens oblique pictures. Its edge finder, Hough lines, threshold and
+//! morphology are not used: the first is not mirror-symmetric, the second counts in degrees, the
+//! third overflows on large pictures, and the fourth moves a surface by whole pixels.
 //!
 //! Pixel frame: x to the right, y **down**, the centre of the first pixel is (0, 0).
 //!
@@ -25,26 +33,33 @@
 //! Invariants: nothing random; a picture and its mirror give the same angle; no step knows
 //! which file it works on.
 
+mod agreement;
 mod circle;
 mod decode;
 mod digits;
 mod drum;
 mod edges;
 mod error;
+mod heap;
 mod jpeg_end;
+mod light;
 mod measure;
 mod otsu;
 mod overlay;
 mod pixels;
+mod rays;
 mod reading;
 mod rectify;
+mod rim;
 mod settings;
 pub mod synthetic;
 mod tone;
+mod uncertainty;
 mod view;
 
 pub use decode::{MOST_PIXELS, read_frames, read_photo};
 pub use error::Error;
+pub use heap::HeapReading;
 pub use measure::{measure_file, measure_image, measure_photo};
 pub use overlay::{overlay, overlay_gray};
 pub use pixels::PhotoPixels;

@@ -1,10 +1,13 @@
 //! The path from a picture to its angle.
 
-use crate::drum::{FoundDrum, LEAST_ALONG_ARC, find_drum, shown_along_an_arc};
-use crate::tone::{BedShare, bed_share};
+use crate::agreement::agreement;
+use crate::drum::{FoundDrum, find_drum};
+use crate::heap::read_heap;
+use crate::tone::bed_share;
+use crate::uncertainty::widened;
 use crate::view::{DiscView, REACH};
 use crate::{
-    DrumPixels, Error, Foreground, PhotoPixels, PhotoReading, PixelPoint, Refusal, Settings,
+    DrumPixels, Error, Foreground, Mode, PhotoPixels, PhotoReading, PixelPoint, Refusal, Settings,
     Verdict,
 };
 use image::GrayImage;
@@ -17,13 +20,10 @@ use surface_profile::{
 const SMOOTHING: f64 = 0.03;
 /// Shortest side of a picture, px: below, a step of one pixel turns a surface by a degree.
 const LEAST_SIDE: u32 = 64;
-/// Least drop of the bed share across the surface. A sharp or half-blurred surface drops by 0.7
-/// to 1, a gradient of the light across the whole drum by less than 0.2.
-const LEAST_STEP: f64 = 0.4;
-/// The drop is taken between these distances from the surface, in drum radii.
-const STEP_BAND: [f64; 2] = [0.05, 0.12];
 /// Largest roughness, in drum radii: twice that of seeds of a seventh of the radius.
 const MOST_ROUGHNESS: f64 = 0.1;
+/// Largest standard error of the line, rad: 3 degrees. Beyond, a number says nothing.
+const MOST_ERROR: f64 = 0.052;
 
 /// Measures the angle in a picture file.
 ///
@@ -57,11 +57,14 @@ pub fn measure_photo(picture: &PhotoPixels, settings: &Settings) -> Result<Photo
         };
         return Ok(PhotoReading::refused(reason, settings.drum));
     }
+    if settings.mode == Mode::Heap {
+        return Ok(read_heap(picture, settings).map_or_else(
+            |reason| PhotoReading::refused(reason, None),
+            PhotoReading::heap,
+        ));
+    }
     let found = match settings.drum {
-        Some(circle) => FoundDrum {
-            circle,
-            shows: Vec::new(),
-        },
+        Some(circle) => FoundDrum { circle, rim: None },
         None => match find_drum(picture) {
             Ok(drum) => drum,
             Err(reason) => return Ok(PhotoReading::refused(reason, None)),
@@ -90,34 +93,40 @@ fn read_disc(
         y: 0.0,
         radius: drum.r,
     };
-    let field = smoothed(&view, &bed, drum.r).map_err(Refusal::Surface)?;
+    let field = smoothed(&view, &bed.share, drum.r).map_err(Refusal::Surface)?;
+    let plain = smoothed(&view, &bed.plain, drum.r).map_err(Refusal::Surface)?;
     let level = bulk_level(&field, &circle);
     let points = free_surface(&field, level, &circle, REACH).map_err(Refusal::Surface)?;
-    let surface = read_surface(&points, &circle).map_err(Refusal::Surface)?;
-    let step = share_step(&view, &bed, &points, &surface);
-    if step < LEAST_STEP {
-        return Err(Refusal::NoClearSurface {
-            step,
-            least: LEAST_STEP,
+    let mut surface = read_surface(&points, &circle).map_err(Refusal::Surface)?;
+    let agreement = agreement(&view, &bed, &points, &surface);
+    agreement.check()?;
+    surface.angle = widened(
+        [&field, &plain],
+        level,
+        &points,
+        &surface,
+        (&circle, REACH),
+        found.rim.as_ref(),
+    );
+    let error = surface.angle.standard_error;
+    if surface.roughness > MOST_ROUGHNESS * drum.r || error > MOST_ERROR {
+        return Err(Refusal::TooRough {
+            roughness: surface.roughness / drum.r,
+            most: MOST_ROUGHNESS,
+            error: error.to_degrees(),
         });
     }
-    let roughness = surface.roughness / drum.r;
     let trust = Trust {
-        step,
+        step: agreement.step,
         foreground: bed.foreground,
     };
     let result = reading(&view, drum, &points, &surface, &trust);
-    if let (Some(ends), false) = (result.chord_ends, found.shows.is_empty()) {
-        let shown = shown_along_an_arc(found, ends);
-        if shown < LEAST_ALONG_ARC {
-            let least = LEAST_ALONG_ARC;
-            return Err(Refusal::BrokenRim { shown, least });
-        }
-    }
-    if roughness > MOST_ROUGHNESS {
-        return Err(Refusal::TooRough {
-            roughness,
-            most: MOST_ROUGHNESS,
+    if let (Some(ends), Some(rim)) = (result.chord_ends, &found.rim)
+        && rim.hides_oddly(ends)
+    {
+        return Err(Refusal::BrokenRim {
+            shown: rim.shown,
+            elsewhere: rim.elsewhere,
         });
     }
     Ok(result)
@@ -132,13 +141,13 @@ struct Trust {
 }
 
 /// Bed share smoothed inside the disc, as a field about the drum axis.
-fn smoothed(view: &DiscView, bed: &BedShare, radius: f64) -> Result<Field, surface_profile::Error> {
+fn smoothed(view: &DiscView, share: &[f32], radius: f64) -> Result<Field, surface_profile::Error> {
     let inside: Vec<f32> = view
         .inside
         .iter()
         .map(|i| f32::from(u8::from(*i)))
         .collect();
-    let masked = bed.share.iter().zip(&inside).map(|(s, i)| s * i).collect();
+    let masked = share.iter().zip(&inside).map(|(s, i)| s * i).collect();
     let sd = SMOOTHING * radius / view.cell;
     let share = PhotoPixels::from_values(view.n, masked).blurred(sd);
     let weight = PhotoPixels::from_values(view.n, inside).blurred(sd);
@@ -155,44 +164,6 @@ fn smoothed(view: &DiscView, bed: &BedShare, radius: f64) -> Result<Field, surfa
         view.n,
         values,
     )
-}
-
-/// Drop of the mean bed share from just below to just above the surface points, 1.
-fn share_step(
-    view: &DiscView,
-    bed: &BedShare,
-    points: &[SurfacePoint],
-    surface: &SurfaceReading,
-) -> f64 {
-    let [high, low] = surface.line_ends;
-    let length = (low.x - high.x)
-        .hypot(low.y - high.y)
-        .max(f64::MIN_POSITIVE);
-    let turn = if low.x > high.x { 1.0 } else { -1.0 };
-    let (nx, ny) = (
-        -turn * (low.y - high.y) / length,
-        turn * (low.x - high.x) / length,
-    );
-    let share = PhotoPixels::from_values(view.n, bed.share.clone());
-    let half = (view.n / 2) as f64;
-    let radius = half * view.cell;
-    let mut sums = [0.0, 0.0];
-    let mut n = 0.0;
-    for p in points {
-        for k in 0..8 {
-            let distance = radius
-                * (STEP_BAND[0] + (STEP_BAND[1] - STEP_BAND[0]) * (f64::from(k) + 0.5) / 8.0);
-            let places = [-distance, distance].map(|d| (p.x + d * nx, p.y + d * ny));
-            if places.iter().any(|q| q.0.hypot(q.1) > REACH * radius) {
-                continue;
-            }
-            n += 1.0;
-            for (sum, (x, y)) in sums.iter_mut().zip(places) {
-                *sum += share.at(x / view.cell + half, y / view.cell + half);
-            }
-        }
-    }
-    (sums[0] - sums[1]) / f64::max(n, 1.0)
 }
 
 /// Puts the reading together in the pixels of the picture.
@@ -216,6 +187,7 @@ fn reading(
     PhotoReading {
         verdict: Verdict::Ok,
         angle: Some(surface.angle),
+        heap: None,
         drum: Some(drum),
         used,
         rejected,

@@ -16,7 +16,7 @@ const LINE: Rgb<u8> = Rgb([255, 130, 0]);
 const MOST_SIDE: u32 = 1600;
 
 /// Draws the drum circle (blue), the surface points that count (green) and those set aside
-/// (magenta), the chosen line (orange) and its angle in degrees over the picture.
+/// (magenta), the chosen line or the flanks of a heap (orange) and the angle in degrees over the picture.
 ///
 /// A picture longer than 1600 px is scaled down. A refused reading shows the drum, if any.
 pub fn overlay(picture: &DynamicImage, reading: &PhotoReading, settings: &Settings) -> RgbImage {
@@ -51,11 +51,13 @@ pub fn overlay(picture: &DynamicImage, reading: &PhotoReading, settings: &Settin
         surface_profile::Definition::Mid => reading.mid_ends,
         surface_profile::Definition::Chord => reading.chord_ends,
     };
-    if let Some([from, to]) = ends {
+    let flanks = reading.heap.iter().flat_map(|heap| heap.lines);
+    for [from, to] in ends.into_iter().chain(flanks) {
         pen.line(from, to);
     }
-    if let Some(angle) = reading.angle {
-        let degrees = angle.by(settings.definition).to_degrees();
+    let angle = reading.angle.map(|angle| angle.by(settings.definition));
+    if let Some(angle) = angle.or(reading.heap.as_ref().map(|heap| heap.mean)) {
+        let degrees = angle.to_degrees();
         pen.text(&format!("{degrees:.2}\u{b0}"));
     }
     pen.canvas

@@ -1,5 +1,6 @@
 //! What a measurement of one picture gives.
 
+use crate::heap::{FoundHeap, HeapReading};
 use crate::{DrumPixels, Foreground};
 use serde::{Deserialize, Serialize};
 use surface_profile::SurfaceAngle;
@@ -28,17 +29,16 @@ pub enum Refusal {
         /// Least part, 1.
         least: f64,
     },
-    /// A circle shows, but with gaps along the bed and along the air.
+    /// A circle shows in parts, and edges run off it.
     #[error(
-        "no drum circle: along neither the bed nor the air the rim shows on more than \
-         {shown:.2} of the way, {least} is needed; a camera off the drum axis shows an ellipse, \
-         which is not measured"
+        "no drum circle: an edge lies on the best circle on {shown:.2} of its way round and beside \
+         it on {elsewhere:.2}; a camera off the drum axis shows an ellipse, which is not measured"
     )]
     BrokenRim {
-        /// Larger of the two shares, 1.
+        /// Part of the way round with an edge on the circle, 1.
         shown: f64,
-        /// Least share, 1.
-        least: f64,
+        /// Part of the way round with an edge beside the circle only, 1.
+        elsewhere: f64,
     },
     /// The drum is an ellipse: the camera was not on its axis.
     #[error(
@@ -84,14 +84,52 @@ pub enum Refusal {
         /// Least drop, 1.
         least: f64,
     },
+    /// The boundary found shows on a part of its length only.
+    #[error(
+        "no clear surface: only {clear:.2} of the boundary found parts bed from air, {least} is \
+         needed"
+    )]
+    SurfaceInParts {
+        /// Part of the boundary with a clear step, 1.
+        clear: f64,
+        /// Least part, 1.
+        least: f64,
+    },
+    /// Bed above the surface or air below it.
+    #[error(
+        "no single surface: the bed fills only {contrast:.2} more of the drum below the boundary \
+         found than above it, {least} is needed (bed thrown round the drum, or two surfaces)"
+    )]
+    BedOnBothSides {
+        /// Mean bed share below less that above, 1.
+        contrast: f64,
+        /// Least difference, 1.
+        least: f64,
+    },
+    /// A stretch of the surface is vertical or hangs over.
+    #[error(
+        "the surface overhangs: a stretch of it stands at {steepest:.0} degrees (crumbling bed)"
+    )]
+    Overhang {
+        /// Steepest inclination, degrees.
+        steepest: f64,
+    },
     /// The surface is too rough to have an angle.
-    #[error("the surface is too rough: {roughness:.3} of the drum radius, at most {most}")]
+    #[error(
+        "the surface is too rough: {roughness:.3} of the drum radius (at most {most}), standard \
+         error of the angle {error:.1} degrees (at most 3)"
+    )]
     TooRough {
         /// Root mean square height about the smooth surface, drum radii.
         roughness: f64,
-        /// Largest value, drum radii.
+        /// Largest roughness, drum radii.
         most: f64,
+        /// Standard error of the line, degrees.
+        error: f64,
     },
+    /// The heap reaches out of the picture.
+    #[error("no air above: the heap reaches the upper border of the picture")]
+    HeapCut,
     /// The ruler itself refused the surface.
     #[error("no surface: {0}")]
     Surface(surface_profile::Error),
@@ -116,6 +154,8 @@ pub struct PhotoReading {
     pub verdict: Verdict,
     /// The angle and the shape of the surface; none when refused. Its points were px, y up.
     pub angle: Option<SurfaceAngle>,
+    /// The heap, when one was measured.
+    pub heap: Option<HeapReading>,
     /// The drum, when one was given or found, px.
     pub drum: Option<DrumPixels>,
     /// Surface points that count, px.
@@ -141,6 +181,7 @@ impl PhotoReading {
         Self {
             verdict: Verdict::Refused { reason },
             angle: None,
+            heap: None,
             drum,
             used: Vec::new(),
             rejected: Vec::new(),
@@ -149,6 +190,24 @@ impl PhotoReading {
             chord_ends: None,
             foreground: Foreground::Auto,
             quality: 0.0,
+        }
+    }
+
+    /// The reading of a heap. Quality: the part of the outline's flanks that counts.
+    pub(crate) fn heap(found: FoundHeap) -> Self {
+        let n = (found.used.len() + found.rejected.len()).max(1) as f64;
+        Self {
+            verdict: Verdict::Ok,
+            angle: None,
+            drum: None,
+            quality: (2.0 * found.used.len() as f64 / n).clamp(0.0, 1.0),
+            used: found.used,
+            rejected: found.rejected,
+            heap: Some(found.heap),
+            line_ends: None,
+            mid_ends: None,
+            chord_ends: None,
+            foreground: found.bed.foreground,
         }
     }
 }

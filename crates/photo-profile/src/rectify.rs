@@ -1,8 +1,8 @@
 //! Taking the perspective out of an oblique picture by four known corners.
 
 use crate::{Error, PixelPoint};
-use image::{DynamicImage, GrayImage, Luma};
-use nalgebra::{SMatrix, SVector};
+use image::{DynamicImage, GrayImage};
+use imageproc::geometric_transformations::{Border, Interpolation, Projection, warp_into};
 
 /// Part of the square's side that is kept around it.
 const MARGIN: f64 = 0.1;
@@ -35,41 +35,27 @@ pub fn rectify(picture: &DynamicImage, corners: [PixelPoint; 4]) -> Result<GrayI
         return Err(bad);
     }
     let side = longest.min(MOST_SIDE / (1.0 + 2.0 * MARGIN));
-    let map = homography(side, &corners).ok_or(bad)?;
-    let source = crate::PhotoPixels::from_picture(picture);
+    let (low, high) = (MARGIN * side, (1.0 + MARGIN) * side);
+    let square = [(low, low), (high, low), (high, high), (low, high)];
+    #[expect(clippy::cast_possible_truncation, reason = "pixels are f32 there")]
+    let pair = |(x, y): (f64, f64)| (x as f32, y as f32);
+    let projection =
+        Projection::from_control_points(corners.map(|p| pair((p.x, p.y))), square.map(pair))
+            .ok_or(bad)?;
     #[expect(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
         reason = "positive and at most MOST_SIDE"
     )]
-    let size = (side * (1.0 + 2.0 * MARGIN)).ceil() as u32;
-    Ok(GrayImage::from_fn(size.max(1), size.max(1), |i, j| {
-        let (u, v) = (f64::from(i) - MARGIN * side, f64::from(j) - MARGIN * side);
-        let scale = map[6] * u + map[7] * v + 1.0;
-        let x = (map[0] * u + map[1] * v + map[2]) / scale;
-        let y = (map[3] * u + map[4] * v + map[5]) / scale;
-        Luma([crate::pixels::to_level(source.at(x, y))])
-    }))
-}
-
-/// Coefficients a to h of the map from the square of this side to the corners.
-fn homography(side: f64, corners: &[PixelPoint; 4]) -> Option<SVector<f64, 8>> {
-    let square = [(0.0, 0.0), (side, 0.0), (side, side), (0.0, side)];
-    let mut matrix = SMatrix::<f64, 8, 8>::zeros();
-    let mut right = SVector::<f64, 8>::zeros();
-    for (i, ((u, v), p)) in square.iter().zip(corners).enumerate() {
-        let (u, v) = (*u, *v);
-        let rows = [
-            [u, v, 1.0, 0.0, 0.0, 0.0, -u * p.x, -v * p.x],
-            [0.0, 0.0, 0.0, u, v, 1.0, -u * p.y, -v * p.y],
-        ];
-        for (k, row) in rows.iter().enumerate() {
-            for (j, value) in row.iter().enumerate() {
-                matrix[(2 * i + k, j)] = *value;
-            }
-        }
-        right[2 * i] = p.x;
-        right[2 * i + 1] = p.y;
-    }
-    matrix.lu().solve(&right)
+    let size = ((side * (1.0 + 2.0 * MARGIN)).ceil() as u32).max(1);
+    let mut straight = GrayImage::new(size, size);
+    let gray = picture.to_luma8();
+    warp_into(
+        &gray,
+        projection,
+        Interpolation::Bilinear,
+        Border::Replicate,
+        &mut straight,
+    );
+    Ok(straight)
 }

@@ -22,7 +22,7 @@ pub enum Mode {
     /// A drum seen along its axis.
     #[default]
     Drum,
-    /// A heap on a level base; not measured yet, see [`Error::HeapNotSupported`].
+    /// A heap on a level base, seen from the side.
     Heap,
 }
 
@@ -59,11 +59,8 @@ impl Settings {
     ///
     /// # Errors
     /// [`Error::BadSetting`] for a drum that is not finite or smaller than 16 px in radius and
-    /// for a roll beyond 45 degrees; [`Error::HeapNotSupported`] for a heap.
+    /// for a roll beyond 45 degrees.
     pub fn check(&self) -> Result<(), Error> {
-        if self.mode == Mode::Heap {
-            return Err(Error::HeapNotSupported);
-        }
         if let Some(drum) = self.drum {
             if !(drum.r.is_finite() && drum.r >= 16.0) {
                 return Err(Error::BadSetting {

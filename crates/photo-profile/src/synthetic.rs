@@ -4,9 +4,18 @@
 //! coarse grains, either polarity, blur, noise, rim and dust. Every scene draws the same picture
 //! each time.
 
+mod disturbance;
+mod heap;
+mod kinds;
+mod paint;
+
 use crate::PhotoPixels;
 use crate::pixels::to_level;
+pub use disturbance::Disturbance;
+pub use heap::HeapScene;
 use image::{GrayImage, ImageBuffer, Luma};
+pub use kinds::{Class, Kind, Trial, kinds};
+use paint::{Ellipse, PixelStream, to_f32};
 use surface_profile::{DrumCircle, SurfacePoint};
 
 /// A drum picture to be drawn.
@@ -49,6 +58,8 @@ pub struct Scene {
     pub n_dust: u32,
     /// Ratio of the height of the drum to its width: 1 seen along the axis.
     pub aspect: f64,
+    /// What else is in the picture.
+    pub disturbance: Disturbance,
     /// Number of the random picture.
     pub seed: u64,
 }
@@ -75,6 +86,7 @@ impl Default for Scene {
             grain: [0.0, 0.0],
             n_dust: 0,
             aspect: 1.0,
+            disturbance: Disturbance::NONE,
             seed: 1,
         }
     }
@@ -88,26 +100,26 @@ impl Scene {
         let size = self.size.max(1);
         let mut random = PixelStream::new(self.seed);
         let width = size as usize;
-        let mut gray: Vec<f32> = Vec::with_capacity(width * width);
-        for k in 0..width * width {
-            gray.push(to_f32(self.plain((k % width) as f64, (k / width) as f64)));
+        let mut gray: Vec<f32> = vec![to_f32(self.outside); width * width];
+        self.draw_clutter(&mut gray, &mut random);
+        let blotches = Blotches::new(self.disturbance.blotches, 0.12 * self.radius, &mut random);
+        for (k, value) in gray.iter_mut().enumerate() {
+            let (x, y) = ((k % width) as f64, (k / width) as f64);
+            let tone = blotches.at(x, y);
+            *value = to_f32(self.plain(x, y, tone, f64::from(*value)));
         }
         if self.grain[0] > 0.0 {
             self.draw_grains(&mut gray, &mut random);
         }
+        self.draw_things(&mut gray, &mut random);
+        self.light(&mut gray, &mut random);
         for _ in 0..self.n_dust {
             let (x, y) = (
                 random.uniform() * f64::from(size),
                 random.uniform() * f64::from(size),
             );
             let (half, tone) = (1.0 + 2.0 * random.uniform(), 255.0 * random.uniform());
-            let speck = Ellipse {
-                x,
-                y,
-                half: [half, half],
-                turn: 0.0,
-            };
-            speck.paint(&mut gray, width, |_, _, _| Some(tone));
+            Ellipse::circle(x, y, half).paint(&mut gray, width, |_, _, _| Some(tone));
         }
         let mut picture = PhotoPixels::from_values(width, gray);
         if self.blur > 0.0 {
@@ -175,21 +187,49 @@ impl Scene {
         self.height_at(u) - v
     }
 
-    /// Grey level of a pixel without grains, blur and noise.
-    fn plain(&self, x: f64, y: f64) -> f64 {
+    /// Part of a place about the axis (y up) that is bed: surface, ramp, back edge and curl.
+    fn bed_share(&self, x: f64, y: f64) -> f64 {
+        let ramp = self.ramp.max(1.0);
+        let depth = self.depth(x, y);
+        let front = (0.5 + depth / ramp).clamp(0.0, 1.0);
+        let back =
+            (0.5 + (depth + self.disturbance.back_edge * self.radius) / ramp).clamp(0.0, 1.0);
+        let mut share = 0.5 * (front + back);
+        if self.disturbance.curl > 0.0 {
+            // A layer on the wall whose thickness falls from 0.06 radii to nothing.
+            let uphill = if self.inclination > 0.0 { x } else { -x };
+            let rise = -depth / (self.disturbance.curl * self.radius);
+            let thickness = 0.06 * self.radius * (1.0 - rise).max(0.0);
+            let from_wall = self.radius - x.hypot(y);
+            if uphill > 0.0 && rise > 0.0 {
+                share = share.max((thickness - from_wall + 0.5).clamp(0.0, 1.0));
+            }
+        }
+        share
+    }
+
+    /// Grey level of a pixel without grains, blur and noise; `blotch` is added inside the drum,
+    /// `behind` shows outside.
+    fn plain(&self, x: f64, y: f64, blotch: f64, behind: f64) -> f64 {
         let [cx, cy] = self.centre();
         let (x, y) = (x - cx, (cy - y) / self.aspect);
         let off_rim = x.hypot(y) - self.radius;
         let bed_share = if self.grain[0] > 0.0 {
             0.0
         } else {
-            (0.5 + self.depth(x, y) / self.ramp.max(1.0)).clamp(0.0, 1.0)
+            self.bed_share(x, y)
         };
-        let interior = self.air + (self.bed - self.air) * bed_share;
+        let mut interior = self.air + (self.bed - self.air) * bed_share + blotch;
+        let over = -self.depth(x, y) / self.radius;
+        if (0.0..0.04).contains(&over) {
+            interior += self.disturbance.halo;
+        }
+        let from_rim = (-off_rim / (0.1 * self.radius)).clamp(0.0, 1.0);
+        interior *= 1.0 - self.disturbance.shadow * (1.0 - from_rim);
         let on_rim =
             (off_rim + 0.5).clamp(0.0, 1.0) * (self.rim_width - off_rim + 0.5).clamp(0.0, 1.0);
         let beyond = (off_rim - self.rim_width + 0.5).clamp(0.0, 1.0);
-        interior * (1.0 - on_rim - beyond).max(0.0) + self.rim * on_rim + self.outside * beyond
+        interior * (1.0 - on_rim - beyond).max(0.0) + self.rim * on_rim + behind * beyond
     }
 
     /// Draws shaded ellipses with centres under the surface, three deep at any place.
@@ -222,83 +262,37 @@ impl Scene {
     }
 }
 
-/// An ellipse in the picture.
-struct Ellipse {
-    /// Horizontal coordinate of the centre, px.
-    x: f64,
-    /// Vertical coordinate of the centre, px.
-    y: f64,
-    /// Semi-axes, px.
-    half: [f64; 2],
-    /// Direction of the first axis, rad.
-    turn: f64,
+/// A blotchy tone: a few plane waves of random direction and phase.
+struct Blotches {
+    /// Amplitude, grey levels, and wave vector and phase of each wave, rad per px and rad.
+    waves: Vec<[f64; 4]>,
 }
 
-impl Ellipse {
-    /// Paints the pixels inside with the tone for (x, y, squared distance in semi-axes).
-    fn paint(&self, gray: &mut [f32], width: usize, tone: impl Fn(f64, f64, f64) -> Option<f64>) {
-        let reach = self.half[0].max(self.half[1]).ceil() + 1.0;
-        let (sin, cos) = self.turn.sin_cos();
-        let mut y = (self.y - reach).floor();
-        while y <= self.y + reach {
-            let mut x = (self.x - reach).floor();
-            while x <= self.x + reach {
-                let (dx, dy) = (x - self.x, y - self.y);
-                let a = (dx * cos + dy * sin) / self.half[0];
-                let b = (dy * cos - dx * sin) / self.half[1];
-                let rim = a * a + b * b;
-                let last = width as f64 - 1.0;
-                if rim <= 1.0 && (0.0..=last).contains(&x) && (0.0..=last).contains(&y) {
-                    #[expect(
-                        clippy::cast_possible_truncation,
-                        clippy::cast_sign_loss,
-                        reason = "whole numbers inside the picture"
-                    )]
-                    let k = y as usize * width + x as usize;
-                    if let (Some(value), Some(tone)) = (gray.get_mut(k), tone(x, y, rim)) {
-                        *value = to_f32(tone);
-                    }
-                }
-                x += 1.0;
-            }
-            y += 1.0;
-        }
-    }
-}
-
-/// Grey value as it is stored.
-fn to_f32(value: f64) -> f32 {
-    #[expect(clippy::cast_possible_truncation, reason = "grey levels are f32")]
-    let value = value as f32;
-    value
-}
-
-/// Random numbers of a drawn picture: the splittable counter hash of `[Steele2014]`.
-struct PixelStream {
-    /// Counter of the hash.
-    state: u64,
-}
-
-impl PixelStream {
-    /// The stream of a seed.
-    fn new(seed: u64) -> Self {
+impl Blotches {
+    /// Waves of about the length (px) whose sum has the standard deviation (levels).
+    fn new(sd: f64, length: f64, random: &mut PixelStream) -> Self {
+        let n = if sd > 0.0 { 12_u32 } else { 0 };
+        let amplitude = sd * (2.0 / f64::from(n.max(1))).sqrt();
+        let waves = (0..n).map(|_| {
+            let (sin, cos) = (std::f64::consts::TAU * random.uniform()).sin_cos();
+            let k = std::f64::consts::TAU / (length * random.between(0.5, 2.0));
+            [
+                amplitude,
+                k * cos,
+                k * sin,
+                std::f64::consts::TAU * random.uniform(),
+            ]
+        });
         Self {
-            state: seed.wrapping_mul(0xD134_2543_DE82_EF95),
+            waves: waves.collect(),
         }
     }
 
-    /// A number in [0, 1).
-    fn uniform(&mut self) -> f64 {
-        self.state = self.state.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mut z = self.state;
-        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
-    }
-
-    /// A standard normal number.
-    fn normal(&mut self) -> f64 {
-        let radius = (-2.0 * (1.0 - self.uniform()).ln()).sqrt();
-        radius * (std::f64::consts::TAU * self.uniform()).cos()
+    /// The tone at a place, grey levels.
+    fn at(&self, x: f64, y: f64) -> f64 {
+        self.waves
+            .iter()
+            .map(|[a, kx, ky, phase]| a * (kx * x + ky * y + phase).cos())
+            .sum()
     }
 }

@@ -1,5 +1,6 @@
 //! Which grey level is air, and how much of each cell is bed.
 
+use crate::light::local_share;
 use crate::view::{DiscView, REACH};
 use crate::{Foreground, Refusal, otsu};
 
@@ -21,16 +22,40 @@ const ONE_SIDED: f64 = 0.9;
 pub(crate) struct BedShare {
     /// 0 for air, 1 for bed, shape as the view.
     pub(crate) share: Vec<f32>,
+    /// The same by one threshold for all: a light that fades over an empty drum makes no edge in
+    /// it, as it may make where the threshold follows the light.
+    pub(crate) plain: Vec<f32>,
     /// The tone that was taken for bed.
     pub(crate) foreground: Foreground,
+}
+
+impl BedShare {
+    /// The plain share of the cell nearest to a place about the axis (y up, px); 0 outside.
+    pub(crate) fn plain_at(&self, view: &DiscView, x: f64, y: f64) -> f64 {
+        let half = (view.n / 2) as f64;
+        let (i, j) = (
+            (x / view.cell + half).round(),
+            (y / view.cell + half).round(),
+        );
+        let last = view.n as f64 - 1.0;
+        if !((0.0..=last).contains(&i) && (0.0..=last).contains(&j)) {
+            return 0.0;
+        }
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "whole numbers on the grid"
+        )]
+        let k = j as usize * view.n + i as usize;
+        f64::from(self.plain[k])
+    }
 }
 
 /// Separates bed from air.
 ///
 /// The air is the upper side of the straight cut that tells most about the grey level. Its
-/// median grey is the air tone; a cell is bed by its distance from that tone. The threshold t
-/// is that of [`otsu::threshold`]; the share rises from 0 at t/2 to 1 at 3t/2, so that the half
-/// share of a blurred edge lies where the grey is half way.
+/// median grey is the air tone; a cell is bed by its distance from that tone. The threshold is
+/// that of [`otsu::threshold`], made local by [`local_share`].
 pub(crate) fn bed_share(view: &DiscView, foreground: Foreground) -> Result<BedShare, Refusal> {
     let cut = best_cut(view).ok_or(Refusal::OneTone { difference: 0.0 })?;
     let gray = view.gray.values();
@@ -44,27 +69,86 @@ pub(crate) fn bed_share(view: &DiscView, foreground: Foreground) -> Result<BedSh
     if air.is_empty() || bed.is_empty() {
         return Err(Refusal::OneTone { difference: 0.0 });
     }
+    let parted = part(gray, &view.inside, &mut air, &bed, foreground)?;
+    Ok(BedShare {
+        share: local_share(view, &parted.distance, parted.threshold),
+        plain: parted.plain(),
+        foreground: parted.foreground,
+    })
+}
+
+/// Separates a heap from the air above it, whose tone the first `n_sky` cells show.
+pub(crate) fn air_and_bed(
+    gray: &[f32],
+    n_sky: usize,
+    foreground: Foreground,
+) -> Result<BedShare, Refusal> {
+    let (sky, rest) = gray.split_at(n_sky.min(gray.len()));
+    if sky.is_empty() || rest.is_empty() {
+        return Err(Refusal::OneTone { difference: 0.0 });
+    }
+    let parted = part(
+        gray,
+        &vec![true; gray.len()],
+        &mut sky.to_vec(),
+        rest,
+        foreground,
+    )?;
+    let plain = parted.plain();
+    Ok(BedShare {
+        share: plain.clone(),
+        plain,
+        foreground: parted.foreground,
+    })
+}
+
+/// Cells sorted by their distance from the air tone.
+struct Parted {
+    /// Distance of each cell from the air tone, grey levels.
+    distance: Vec<f32>,
+    /// Threshold between air and bed, grey levels.
+    threshold: f64,
+    /// The tone that was taken for bed.
+    foreground: Foreground,
+}
+
+impl Parted {
+    /// Share of bed by the one threshold: 0 at half of it, 1 at one and a half.
+    fn plain(&self) -> Vec<f32> {
+        #[expect(clippy::cast_possible_truncation, reason = "a share from 0 to 1")]
+        let share = |d: &f32| (f64::from(*d) / self.threshold - 0.5).clamp(0.0, 1.0) as f32;
+        self.distance.iter().map(share).collect()
+    }
+}
+
+/// Takes the median of the air for its tone and parts the cells by their distance from it.
+fn part(
+    gray: &[f32],
+    inside: &[bool],
+    air: &mut [f32],
+    bed: &[f32],
+    foreground: Foreground,
+) -> Result<Parted, Refusal> {
     let middle = air.len() / 2;
     let air_tone = *air.select_nth_unstable_by(middle, f32::total_cmp).1;
-    let chosen = match foreground {
-        Foreground::Auto => polarity(view, &bed, air_tone)?,
+    let foreground = match foreground {
+        Foreground::Auto => {
+            let distance = distances(gray, air_tone, Foreground::Auto);
+            polarity(bed, air_tone, threshold(inside, &distance)?)
+        }
         given => given,
     };
-    let distance = distances(gray, air_tone, chosen);
-    let threshold = threshold(view, &distance)?;
+    let distance = distances(gray, air_tone, foreground);
+    let threshold = threshold(inside, &distance)?;
     if 2.0 * threshold < LEAST_DIFFERENCE {
         return Err(Refusal::OneTone {
             difference: 2.0 * threshold,
         });
     }
-    #[expect(clippy::cast_possible_truncation, reason = "a share from 0 to 1")]
-    let share = distance
-        .iter()
-        .map(|d| (f64::from(*d) / threshold - 0.5).clamp(0.0, 1.0) as f32)
-        .collect();
-    Ok(BedShare {
-        share,
-        foreground: chosen,
+    Ok(Parted {
+        distance,
+        threshold,
+        foreground,
     })
 }
 
@@ -79,31 +163,25 @@ fn distances(gray: &[f32], air_tone: f32, foreground: Foreground) -> Vec<f32> {
 }
 
 /// Whether what differs from the air below the cut is darker, brighter or both.
-fn polarity(view: &DiscView, bed: &[f32], air_tone: f32) -> Result<Foreground, Refusal> {
-    let distance = distances(view.gray.values(), air_tone, Foreground::Auto);
-    let threshold = threshold(view, &distance)?;
+fn polarity(bed: &[f32], air_tone: f32, threshold: f64) -> Foreground {
     let beyond = bed
         .iter()
         .filter(|v| f64::from((*v - air_tone).abs()) > threshold);
     let n = beyond.clone().count().max(1) as f64;
     let part = beyond.filter(|v| **v < air_tone).count() as f64 / n;
-    Ok(if part >= ONE_SIDED {
+    if part >= ONE_SIDED {
         Foreground::Dark
     } else if part <= 1.0 - ONE_SIDED {
         Foreground::Light
     } else {
         Foreground::Auto
-    })
+    }
 }
 
 /// Threshold of the distances from the air tone inside the disc.
-fn threshold(view: &DiscView, distance: &[f32]) -> Result<f64, Refusal> {
+fn threshold(inside: &[bool], distance: &[f32]) -> Result<f64, Refusal> {
     let mut histogram = [0_u64; 256];
-    for (value, _) in distance
-        .iter()
-        .zip(&view.inside)
-        .filter(|(_, inside)| **inside)
-    {
+    for (value, _) in distance.iter().zip(inside).filter(|(_, inside)| **inside) {
         #[expect(
             clippy::cast_possible_truncation,
             clippy::cast_sign_loss,

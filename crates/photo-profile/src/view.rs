@@ -95,6 +95,11 @@ impl DiscView {
         )
     }
 
+    /// Half the width of the grid, about the drum radius, px.
+    pub(crate) fn radius(&self) -> f64 {
+        (self.n / 2) as f64 * self.cell
+    }
+
     /// Where a point of the view lies in the picture.
     pub(crate) fn to_picture(&self, point: &SurfacePoint) -> PixelPoint {
         PixelPoint {

@@ -2,7 +2,7 @@
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests fail like tests")]
 
-use image::{ExtendedColorType, GrayImage, ImageEncoder as _, ImageFormat, imageops};
+use image::{DynamicImage, ExtendedColorType, GrayImage, ImageEncoder as _, ImageFormat, imageops};
 use photo_profile::synthetic::Scene;
 use photo_profile::{Error, Settings, measure_file, read_frames, read_photo, rectify};
 use std::path::PathBuf;
@@ -177,4 +177,52 @@ fn corners_take_the_oblique_view_out() {
         matches!(rectify(&picture, crossed), Err(Error::BadCorners)),
         "crossed corners"
     );
+}
+
+/// An animated GIF gives its frames in order, each with its own slope; 0.3 degrees: 256 colours
+/// of each frame and their dither. One that would unpack to more than is decoded is an error.
+#[test]
+fn the_frames_of_an_animated_gif_come_in_order() {
+    let slopes = [0.4, 0.6];
+    let path = folder("gif").join("two.gif");
+    let mut encoder = image::codecs::gif::GifEncoder::new(std::fs::File::create(&path).unwrap());
+    for inclination in slopes {
+        let scene = Scene {
+            size: 400,
+            radius: 180.0,
+            inclination,
+            blur: 1.0,
+            ..Scene::default()
+        };
+        let frame = DynamicImage::ImageLuma8(scene.draw()).into_rgba8();
+        encoder.encode_frame(image::Frame::new(frame)).unwrap();
+    }
+    drop(encoder);
+    let frames = read_frames(&path).unwrap();
+    assert_eq!(frames.len(), 2);
+    for (frame, slope) in frames.iter().zip(slopes) {
+        let picture = photo_profile::PhotoPixels::from_picture(frame);
+        let reading = photo_profile::measure_photo(&picture, &Settings::default()).unwrap();
+        let line = reading.angle.unwrap().line;
+        assert!((line - slope).to_degrees().abs() < 0.3, "{line} rad");
+    }
+}
+
+/// Corners seen in strong perspective, and ones so near to a line that the margin around the
+/// square reaches the horizon: a picture or an error, never a panic.
+#[test]
+fn corners_in_any_perspective_give_a_picture_or_an_error() {
+    let picture = DynamicImage::ImageLuma8(Scene::default().draw());
+    let corner = |x: f64, y: f64| photo_profile::PixelPoint { x, y };
+    for far in [250.0, 279.0, 279.9] {
+        let corners = [
+            corner(far, 100.0),
+            corner(560.0 - far, 100.0),
+            corner(500.0, 500.0),
+            corner(60.0, 500.0),
+        ];
+        if let Ok(straight) = rectify(&picture, corners) {
+            assert!(straight.width() > 0, "{far}");
+        }
+    }
 }

@@ -8,9 +8,7 @@
 
 use image::{GrayImage, Luma};
 use photo_profile::synthetic::Scene;
-use photo_profile::{
-    DrumPixels, Error, Mode, Refusal, Settings, Verdict, measure_file, measure_image,
-};
+use photo_profile::{DrumPixels, Refusal, Settings, Verdict, measure_file, measure_image};
 use std::path::PathBuf;
 
 fn refusal(picture: &GrayImage, settings: &Settings) -> Refusal {
@@ -204,11 +202,6 @@ fn a_tiny_picture_and_a_drum_outside_are_refused() {
 fn settings_that_cannot_be_meant_are_errors() {
     let picture = Scene::default().draw();
     let with = |settings: Settings| measure_image(&picture, &settings);
-    let heap = with(Settings {
-        mode: Mode::Heap,
-        ..Settings::default()
-    });
-    assert!(matches!(heap, Err(Error::HeapNotSupported)));
     for r in [0.0, -3.0, f64::NAN, f64::INFINITY] {
         let drum = Some(DrumPixels {
             cx: 1.0,

@@ -3,7 +3,7 @@
 #![expect(clippy::unwrap_used, reason = "helpers of tests fail like tests")]
 
 use image::{GrayImage, imageops};
-use photo_profile::synthetic::Scene;
+use photo_profile::synthetic::{Disturbance, Scene};
 use photo_profile::{DrumPixels, Foreground, PhotoReading, Settings, Verdict, measure_image};
 use surface_profile::{HighSide, SurfaceAngle, measure};
 
@@ -25,20 +25,20 @@ struct Errors {
     bias: f64,
     /// Root mean square error, deg.
     rms: f64,
-    /// Root mean square of the stated standard errors, deg.
-    stated: f64,
+    /// Pictures whose 95 % interval, 1.96 stated standard errors, holds the truth.
+    held: u32,
 }
 
 /// Measures `n` scenes of one kind, slopes of 20 to 53 degrees to either side.
-fn errors(kind: Scene, n: u32) -> Errors {
-    let (mut sum, mut squares, mut stated) = (0.0, 0.0, 0.0);
+fn errors(kind: &Scene, n: u32) -> Errors {
+    let (mut sum, mut squares, mut held) = (0.0, 0.0, 0);
     for k in 0..n {
         let side = if k % 2 == 0 { 1.0 } else { -1.0 };
         let slope = 0.35 + 0.58 * f64::from(k) / f64::from(n);
         let scene = Scene {
             inclination: side * slope,
             seed: u64::from(k),
-            ..kind
+            ..*kind
         };
         let angle = angle_of(&scene.draw());
         let truth = measure(&scene.surface(), &scene.drum()).unwrap();
@@ -46,13 +46,13 @@ fn errors(kind: Scene, n: u32) -> Errors {
         let error = (angle.line - truth.line).to_degrees();
         sum += error;
         squares += error * error;
-        stated += angle.standard_error.to_degrees().powi(2);
+        held += u32::from(error.abs() <= 1.96 * angle.standard_error.to_degrees());
     }
     let n = f64::from(n);
     Errors {
         bias: sum / n,
         rms: (squares / n).sqrt(),
-        stated: (stated / n).sqrt(),
+        held,
     }
 }
 
@@ -75,6 +75,7 @@ const FINE: Scene = Scene {
     grain: [0.0, 0.0],
     n_dust: 0,
     aspect: 1.0,
+    disturbance: Disturbance::NONE,
     seed: 0,
 };
 
@@ -108,7 +109,7 @@ fn a_fine_powder_is_read_to_a_hundredth_of_a_degree() {
         },
         Scene { ramp: 25.0, ..FINE },
     ] {
-        let errors = errors(kind, 6);
+        let errors = errors(&kind, 6);
         assert!(errors.rms < 0.015, "{errors:?} for {kind:?}");
     }
 }
@@ -118,7 +119,7 @@ fn a_fine_powder_is_read_to_a_hundredth_of_a_degree() {
 #[test]
 fn curved_surfaces_are_read_as_the_ruler_reads_the_true_curve() {
     let bow = errors(
-        Scene {
+        &Scene {
             curvature: 0.15,
             ..FINE
         },
@@ -126,7 +127,7 @@ fn curved_surfaces_are_read_as_the_ruler_reads_the_true_curve() {
     );
     assert!(bow.rms < 0.03, "{bow:?}");
     let s = errors(
-        Scene {
+        &Scene {
             s_shape: 0.25,
             ..FINE
         },
@@ -139,7 +140,7 @@ fn curved_surfaces_are_read_as_the_ruler_reads_the_true_curve() {
 #[test]
 fn dust_on_the_glass_moves_the_line_by_less_than_a_twentieth_of_a_degree() {
     let errors = errors(
-        Scene {
+        &Scene {
             n_dust: 150,
             ..FINE
         },
@@ -150,10 +151,11 @@ fn dust_on_the_glass_moves_the_line_by_less_than_a_twentieth_of_a_degree() {
 
 /// Coarse grains, dark, bright and both at once around the tone of the air. The roughness of such
 /// a bed is its own error: 0.6 to 0.7 degrees a picture. The bias over 20 pictures must be within
-/// four of its standard errors (0.15), and the stated error that of the spread within a half
-/// (16 % of its own at n = 20).
+/// four of its standard errors (0.15). Of the 60 intervals of 95 %, 57 should hold the truth, with
+/// a standard deviation of 1.7; the trials in `docs/angle-trials.md` count thousands.
 #[test]
 fn coarse_grains_are_read_without_bias_and_with_their_own_error() {
+    let mut held = 0;
     for kind in [
         COARSE,
         Scene {
@@ -168,15 +170,15 @@ fn coarse_grains_are_read_without_bias_and_with_their_own_error() {
             ..COARSE
         },
     ] {
-        let errors = errors(kind, 20);
+        let errors = errors(&kind, 20);
         assert!(errors.rms < 0.9, "{errors:?}");
         assert!(
             errors.bias.abs() < 4.0 * errors.rms / 20_f64.sqrt(),
             "{errors:?}"
         );
-        let ratio = errors.stated / errors.rms;
-        assert!((0.6..1.6).contains(&ratio), "{errors:?}");
+        held += errors.held;
     }
+    assert!(held >= 52, "{held} of 60");
 }
 
 /// A picture and its mirror: 0.01 degrees is what users are promised; also at odd sizes, where

@@ -1,9 +1,9 @@
 //! The angle of repose of a surface: its three definitions, its shape and its standard error.
 
-use crate::correlation::correlation_factor;
 use crate::cubic::Cubic;
 use crate::frame::SurfaceFrame;
 use crate::line::direction;
+use crate::line_error::{functional_errors, line_error};
 use crate::stations::Stations;
 use crate::{DrumCircle, Error, SurfacePoint};
 use serde::{Deserialize, Serialize};
@@ -56,6 +56,10 @@ pub struct SurfaceAngle {
     pub mid: f64,
     /// Standard error of `line` from the roughness of this one surface, rad.
     pub standard_error: f64,
+    /// Standard error of `chord` from the roughness of this one surface, rad.
+    pub chord_standard_error: f64,
+    /// Standard error of `mid` from the roughness of this one surface, rad.
+    pub mid_standard_error: f64,
     /// Quadratic coefficient over 80 % of the half-chord, lengths in half-chords; positive when
     /// the ends stand above the middle, 1.
     pub curvature: f64,
@@ -77,6 +81,15 @@ impl SurfaceAngle {
             Definition::Line => self.line,
             Definition::Mid => self.mid,
             Definition::Chord => self.chord,
+        }
+    }
+
+    /// The standard error of the inclination by one of the three definitions, rad.
+    pub fn error_by(&self, definition: Definition) -> f64 {
+        match definition {
+            Definition::Line => self.standard_error,
+            Definition::Mid => self.mid_standard_error,
+            Definition::Chord => self.chord_standard_error,
         }
     }
 }
@@ -116,7 +129,11 @@ pub struct SurfaceReading {
 /// downhill along the line, v its upward normal, c the half-chord; `curvature = a2`,
 /// `s_shape = a3`. Standard error: `sqrt(s^2 tau / Suu)`, `s^2 = (RSS / n) m / (m - 4)`,
 /// `m = n / tau`, with the residuals of the n stations about their cubic and their correlation
-/// factor tau along the surface `[Geyer1992, section 3.3]`; m - 4 is held at 1 or more.
+/// factor tau along the surface `[Geyer1992, section 3.3]`; m - 4 is held at 3 or more. Those of
+/// `mid` and `chord`: `sqrt(sum_ij w_i C(i - j) w_j)` with the lag covariance C of the residuals
+/// and the change w of the slope by the height of a station. All three are widened by
+/// `t / 1.96`, t being the 97.5 % point of Student's distribution with m - 4 degrees of freedom (half as many for `line`, whose tau is estimated as well)
+/// `[Abramowitz1964, eq. 26.7.5]`, so that 1.96 of them are half of the 95 % interval.
 ///
 /// # Errors
 /// [`Error::BadDrum`], [`Error::NotFinitePoint`], [`Error::TooFewPoints`], [`Error::TooShort`],
@@ -144,14 +161,23 @@ pub fn read_surface(points: &[SurfacePoint], drum: &DrumCircle) -> Result<Surfac
     let error = line_error(&stations, &whole);
     let steepness = frame.inclination.abs();
     let ends = [-1.0, 1.0].map(|side| end(&stations, &whole, drum.radius, side));
-    let chord_slope = (ends[1].1 - ends[0].1).atan2(ends[1].0 - ends[0].0);
     let mid_slope = middle_slope(&stations, &whole, drum.radius);
+    let errors = functional_errors(
+        &stations,
+        &whole,
+        error.widening,
+        [&|s, w| middle_slope(s, w, drum.radius), &|s, w| {
+            chord_slope(&[-1.0, 1.0].map(|side| end(s, w, drum.radius, side)))
+        }],
+    );
     let n_points = stations.used.iter().filter(|used| **used).count();
     let angle = SurfaceAngle {
         line: steepness,
-        chord: steepness - chord_slope,
+        chord: steepness - chord_slope(&ends),
         mid: steepness - mid_slope,
         standard_error: error.slope,
+        chord_standard_error: errors[1],
+        mid_standard_error: errors[0],
         curvature: middle.coefficients[2] / stations.half_chord,
         s_shape: middle.coefficients[3] / stations.half_chord,
         high_side: if frame.inclination > 0.0 {
@@ -240,32 +266,9 @@ fn shape(stations: &Stations, reach: f64) -> Result<Cubic, Error> {
     })
 }
 
-/// Roughness of a surface and what it does to the slope of the line.
-struct LineError {
-    /// Standard error of the slope, rad.
-    slope: f64,
-    /// Root mean square residual about the cubic, unit of the caller.
-    roughness: f64,
-}
-
-/// Standard error of the line from the residuals about the cubic; formula at [`measure`].
-fn line_error(stations: &Stations, whole: &Cubic) -> LineError {
-    let residuals: Vec<f64> = stations
-        .all
-        .iter()
-        .map(|s| s.height - whole.at(s.along))
-        .collect();
-    let n = residuals.len() as f64;
-    let mean_square = residuals.iter().map(|r| r * r).sum::<f64>() / n;
-    let tau = correlation_factor(&residuals, 4.0);
-    let independent = n / tau;
-    let variance = mean_square * independent / (independent - 4.0).max(1.0);
-    let centre = stations.positions().map(|p| p.0).sum::<f64>() / n;
-    let suu: f64 = stations.positions().map(|p| (p.0 - centre).powi(2)).sum();
-    LineError {
-        slope: (variance * tau / suu).sqrt(),
-        roughness: mean_square.sqrt(),
-    }
+/// Slope from one end of the chord to the other against the line, rad.
+fn chord_slope(ends: &[(f64, f64); 2]) -> f64 {
+    (ends[1].1 - ends[0].1).atan2(ends[1].0 - ends[0].0)
 }
 
 /// Slope of the central fifth of the diameter against the line, rad.

@@ -44,3 +44,23 @@ pub(crate) fn correlation_factor(residuals: &[f64], n_fitted: f64) -> f64 {
     }
     tau
 }
+
+/// Lag covariance of residuals, up to the first pair of lags that is not positive.
+///
+/// # Source
+/// `[Geyer1992, section 3.3]`, initial positive sequence.
+pub(crate) fn lag_covariance(residuals: &[f64]) -> Vec<f64> {
+    let n = residuals.len();
+    let mut kept = Vec::new();
+    for pair in 0..n / 4 {
+        let lags = [2 * pair, 2 * pair + 1].map(|lag| {
+            let later = residuals.iter().skip(lag);
+            residuals.iter().zip(later).map(|(a, b)| a * b).sum::<f64>() / n as f64
+        });
+        if lags[0] + lags[1] <= 0.0 {
+            break;
+        }
+        kept.extend(lags);
+    }
+    kept
+}

@@ -50,6 +50,12 @@ pub enum Error {
         /// Radius of the drum, unit of the caller.
         radius: f64,
     },
+    /// An outline that is no heap.
+    #[error("no heap: {what}")]
+    NoHeap {
+        /// What is missing, in words.
+        what: &'static str,
+    },
     /// A setting is outside its limits.
     #[error("{name} is {value}, it must be {limit}")]
     BadSetting {

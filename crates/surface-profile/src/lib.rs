@@ -32,7 +32,9 @@ mod error;
 mod field;
 mod frame;
 mod geometry;
+mod heap;
 mod line;
+mod line_error;
 mod series;
 mod stations;
 
@@ -42,6 +44,7 @@ pub use discs::{DensitySettings, Disc, density_of_discs, profile_from_discs};
 pub use error::Error;
 pub use field::Field;
 pub use geometry::{DrumCircle, SurfacePoint};
+pub use heap::{HeapAngle, HeapFlank, measure_heap};
 pub use series::{SeriesSummary, summarise};
 
 #[cfg(test)]

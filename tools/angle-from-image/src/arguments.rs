@@ -4,7 +4,7 @@ use photo_profile::{DrumPixels, Foreground, Mode, PixelPoint, Settings};
 use std::path::PathBuf;
 use surface_profile::Definition;
 
-/// Reads the dynamic angle of repose from photos and frames of a rotating drum.
+/// Reads the angle of repose from photos and frames of a rotating drum, or of a heap.
 ///
 /// The angle is the inclination of the free surface from the horizontal of the picture, always
 /// positive, with the side that stands higher. Exit code 0: all measured; 1: at least one picture
@@ -12,7 +12,7 @@ use surface_profile::Definition;
 #[derive(Debug, clap::Parser)]
 #[command(version)]
 pub(crate) struct Arguments {
-    /// Photos (PNG, JPEG, BMP, animated PNG) or folders of them
+    /// Photos (PNG, JPEG, BMP, GIF, animated PNG and GIF) or folders of them
     #[arg(required = true, value_name = "PHOTO")]
     pub(crate) photos: Vec<PathBuf>,
 
@@ -44,7 +44,8 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "X,Y;X,Y;X,Y;X,Y", value_parser = corners, allow_hyphen_values = true)]
     pub(crate) corners: Option<Corners>,
 
-    /// What the picture shows (heap is not supported yet)
+    /// What the picture shows: a drum along its axis, or a heap from the side (its angle is the
+    /// mean of both flanks)
     #[arg(long, value_enum, default_value_t = ModeName::Drum)]
     pub(crate) mode: ModeName,
 

@@ -4,7 +4,7 @@ use anyhow::Context as _;
 use std::path::{Path, PathBuf};
 
 /// Name endings of pictures that are taken from a folder.
-const ENDINGS: [&str; 4] = ["png", "jpg", "jpeg", "bmp"];
+const ENDINGS: [&str; 5] = ["png", "jpg", "jpeg", "bmp", "gif"];
 
 /// The files, folders replaced by the pictures in them in the order of their names.
 pub(crate) fn files(photos: &[PathBuf]) -> anyhow::Result<Vec<PathBuf>> {

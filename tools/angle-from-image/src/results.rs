@@ -1,9 +1,12 @@
 //! What the command says: JSON and text.
 
 use command_line::Header;
-use photo_profile::{DrumPixels, PhotoReading, Settings, Verdict};
+use photo_profile::{DrumPixels, HeapReading, PhotoReading, Settings, Verdict};
 use serde::Serialize;
 use surface_profile::{Definition, HighSide, SeriesSummary};
+
+/// Standard errors in half of the 95 % interval.
+const HALF_INTERVAL: f64 = 1.96;
 
 /// The JSON of one picture.
 #[derive(Debug, Clone, Serialize)]
@@ -22,14 +25,23 @@ pub(crate) struct ImageResult {
     pub(crate) definition: Definition,
     /// The angle by the chosen definition, degrees.
     pub(crate) angle_deg: Option<f64>,
-    /// Standard error of the least-squares line from this picture, degrees.
+    /// Standard error of `angle_deg` from this picture, degrees; 1.96 of it are half of the 95 %
+    /// interval.
     pub(crate) angle_se_deg: Option<f64>,
+    /// The 95 % interval of `angle_deg`, degrees.
+    pub(crate) angle_interval_deg: Option<[f64; 2]>,
     /// Least-squares line, degrees.
     pub(crate) line_deg: Option<f64>,
+    /// Standard error of `line_deg`, degrees.
+    pub(crate) line_se_deg: Option<f64>,
     /// Rim to rim, degrees.
     pub(crate) chord_deg: Option<f64>,
+    /// Standard error of `chord_deg`, degrees.
+    pub(crate) chord_se_deg: Option<f64>,
     /// Central fifth of the diameter, degrees.
     pub(crate) mid_deg: Option<f64>,
+    /// Standard error of `mid_deg`, degrees.
+    pub(crate) mid_se_deg: Option<f64>,
     /// Quadratic coefficient in half-chords, positive when the ends stand up, 1.
     pub(crate) curvature: Option<f64>,
     /// Cubic coefficient in half-chords, positive when the middle is steeper, 1.
@@ -38,6 +50,8 @@ pub(crate) struct ImageResult {
     pub(crate) high_side: Option<HighSide>,
     /// The drum circle, px, y down.
     pub(crate) drum: Option<DrumPixels>,
+    /// Flanks and apex of a heap; none for a drum.
+    pub(crate) heap: Option<HeapResult>,
     /// Surface points that count, px, y down.
     pub(crate) surface: Vec<[f64; 2]>,
     /// Surface points set aside, px, y down.
@@ -46,6 +60,37 @@ pub(crate) struct ImageResult {
     pub(crate) rectified: bool,
     /// Trust in the reading, 0 to 1.
     pub(crate) quality: f64,
+}
+
+/// Flanks and apex of a heap.
+#[derive(Debug, Clone, Copy, Serialize)]
+pub(crate) struct HeapResult {
+    /// Inclination of the left flank, degrees.
+    pub(crate) left_deg: f64,
+    /// Its standard error, degrees.
+    pub(crate) left_se_deg: f64,
+    /// Inclination of the right flank, degrees.
+    pub(crate) right_deg: f64,
+    /// Its standard error, degrees.
+    pub(crate) right_se_deg: f64,
+    /// Where the lines of the flanks meet, px, y down.
+    pub(crate) apex: [f64; 2],
+    /// By how much the top of the heap stays below that point, px.
+    pub(crate) rounding_px: f64,
+}
+
+impl HeapResult {
+    /// The result of a reading.
+    fn new(heap: &HeapReading) -> Self {
+        Self {
+            left_deg: heap.left.to_degrees(),
+            left_se_deg: heap.left_standard_error.to_degrees(),
+            right_deg: heap.right.to_degrees(),
+            right_se_deg: heap.right_standard_error.to_degrees(),
+            apex: [heap.apex.x, heap.apex.y],
+            rounding_px: heap.rounding,
+        }
+    }
 }
 
 /// Where a picture came from.
@@ -68,6 +113,13 @@ impl ImageResult {
         rectified: bool,
     ) -> Self {
         let angle = reading.angle.as_ref();
+        let heap = reading.heap.as_ref();
+        let chosen = angle
+            .map(|a| a.by(settings.definition))
+            .or(heap.map(|h| h.mean));
+        let error = angle
+            .map(|a| a.error_by(settings.definition))
+            .or(heap.map(|h| h.standard_error));
         let degrees = |value: Option<f64>| value.map(f64::to_degrees);
         let (verdict, reason) = match &reading.verdict {
             Verdict::Ok => ("ok", None),
@@ -83,15 +135,22 @@ impl ImageResult {
             verdict,
             reason,
             definition: settings.definition,
-            angle_deg: degrees(angle.map(|a| a.by(settings.definition))),
-            angle_se_deg: degrees(angle.map(|a| a.standard_error)),
+            angle_deg: degrees(chosen),
+            angle_se_deg: degrees(error),
+            angle_interval_deg: chosen
+                .zip(error)
+                .map(|(a, e)| [a - HALF_INTERVAL * e, a + HALF_INTERVAL * e].map(f64::to_degrees)),
             line_deg: degrees(angle.map(|a| a.line)),
+            line_se_deg: degrees(angle.map(|a| a.standard_error)),
             chord_deg: degrees(angle.map(|a| a.chord)),
+            chord_se_deg: degrees(angle.map(|a| a.chord_standard_error)),
             mid_deg: degrees(angle.map(|a| a.mid)),
+            mid_se_deg: degrees(angle.map(|a| a.mid_standard_error)),
             curvature: angle.map(|a| a.curvature),
             s_shape: angle.map(|a| a.s_shape),
             high_side: angle.map(|a| a.high_side),
             drum: reading.drum,
+            heap: heap.map(HeapResult::new),
             surface: pairs(&reading.used),
             surface_rejected: pairs(&reading.rejected),
             rectified,
@@ -113,6 +172,15 @@ impl ImageResult {
                 };
                 format!(
                     "{name}: {angle:.2} deg (se {error:.2}), high on the {side}, quality {:.2}",
+                    self.quality
+                )
+            }
+            (Some(angle), Some(error), None) => {
+                let flanks = self.heap.map_or(String::new(), |h| {
+                    format!(", left {:.2}, right {:.2}", h.left_deg, h.right_deg)
+                });
+                format!(
+                    "{name}: {angle:.2} deg (se {error:.2}){flanks}, quality {:.2}",
                     self.quality
                 )
             }

@@ -133,6 +133,50 @@ fn a_refused_photo_exits_1_and_says_why() {
     );
 }
 
+/// A heap with flanks of 0.5 and 0.66 rad, 28.6 and 37.8 degrees, mean 33.2: both flanks, the apex
+/// at (450, 180) px and the mean are in the JSON. A drum is no heap.
+#[test]
+fn a_heap_gives_both_flanks_and_a_drum_none() {
+    let folder = folder("heap");
+    let path = folder.join("heap.png");
+    photo_profile::synthetic::HeapScene {
+        flanks: [0.5, 0.66],
+        rounding: 0.005,
+        ..photo_profile::synthetic::HeapScene::default()
+    }
+    .draw()
+    .save(&path)
+    .unwrap();
+    let overlay = folder.join("overlay.png");
+    let output = run(&[
+        path.to_str().unwrap(),
+        "--mode",
+        "heap",
+        "--json",
+        "--overlay",
+        overlay.to_str().unwrap(),
+    ]);
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    assert!(overlay.exists(), "the overlay is written");
+    let json: Value = serde_json::from_slice(&output.stdout).unwrap();
+    let number = |value: &Value| value.as_f64().unwrap();
+    for (value, expected, tolerance) in [
+        (&json["angle_deg"], 33.23, 0.1),
+        (&json["heap"]["left_deg"], 28.65, 0.1),
+        (&json["heap"]["right_deg"], 37.82, 0.1),
+        (&json["heap"]["apex"][0], 450.0, 2.0),
+        (&json["heap"]["apex"][1], 180.0, 3.0),
+    ] {
+        assert!(
+            (number(value) - expected).abs() < tolerance,
+            "{value} for {expected}"
+        );
+    }
+    let drum = photo(GOOD);
+    let output = run(&[drum.to_str().unwrap(), "--mode", "heap"]);
+    assert_eq!(output.status.code(), Some(1), "{}", text(&output.stdout));
+}
+
 #[test]
 fn what_cannot_be_read_or_meant_exits_2() {
     let folder = folder("unreadable");
@@ -141,12 +185,11 @@ fn what_cannot_be_read_or_meant_exits_2() {
     std::fs::write(&cut, &whole[..8000]).unwrap();
     let good = photo(GOOD);
     let good = good.to_str().unwrap();
-    let cases: [(&[&str], &str); 6] = [
+    let cases: [(&[&str], &str); 5] = [
         (&[cut.to_str().unwrap()], "cut off"),
         (&["no-such-photo.png"], "cannot read"),
         (&[good, "--drum", "1,2"], "3 finite numbers"),
         (&[good, "--drum", "10,10,NaN"], "3 finite numbers"),
-        (&[good, "--mode", "heap"], "not supported yet"),
         (&[good, "--camera-roll-deg", "200"], "camera roll"),
     ];
     for (arguments, expected) in cases {
