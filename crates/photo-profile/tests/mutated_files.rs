@@ -56,8 +56,18 @@ fn damaged(whole: &[u8], random: &mut Stream) -> Vec<u8> {
 
 #[test]
 fn a_damaged_file_gives_an_error_a_refusal_or_a_number() {
-    let tries = std::env::var("MUTATIONS").map_or(400, |text| text.parse().unwrap());
-    let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("photo-mutated");
+    try_damaged_files(400);
+}
+
+/// Ten minutes of the same: `cargo test --release -p photo-profile --test mutated_files -- --ignored`.
+#[test]
+#[ignore = "takes ten minutes"]
+fn many_damaged_files_give_an_error_a_refusal_or_a_number() {
+    try_damaged_files(96_000);
+}
+
+fn try_damaged_files(tries: usize) {
+    let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(format!("damaged-{tries}"));
     std::fs::create_dir_all(&folder).unwrap();
     let scene = Scene {
         size: 120,

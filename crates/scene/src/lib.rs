@@ -33,6 +33,6 @@ pub use parse::Override;
 pub use run::{Further, Regime, RunResult, SeriesPoint, run, starting_frame};
 pub use settings::{
     CameraSettings, ContactSettings, FillingSettings, MaterialSettings, ModelSettings, Protocol,
-    Scene, SeedSettings,
+    STEP_SHARE, Scene, SeedSettings,
 };
 pub use steady::{Truncation, marginal_standard_error_rule};

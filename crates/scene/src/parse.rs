@@ -99,6 +99,13 @@ impl Scene {
                 return bad(name, time.to_string(), "above 0");
             }
         }
+        if !(p.step_share > 0.0 && p.step_share <= 1.0) {
+            return bad(
+                "protocol.step_share",
+                p.step_share.to_string(),
+                "above 0, at most 1",
+            );
+        }
         if p.frames < 2 {
             return bad("protocol.frames", p.frames.to_string(), "at least 2");
         }

@@ -29,12 +29,6 @@ const SLIDING_BELOW: f64 = 0.5;
 /// Gap that ends the group of seeds at the rim of the metering device, in seed lengths.
 const GROUP_GAP: f64 = 1.5;
 
-/// Largest time step as a share of the duration of a hard contact.
-///
-/// Chosen: it gives 9.9e-5 s for the study's seeds, inside the range in which rigid agglomerates with
-/// dashpots of sphere mass keep angle and slip. At about half as much again, bodies are thrown out of
-/// the drum. A comparison with a quarter of the step has still to be made.
-const STEP_SHARE: f64 = 0.36;
 /// Speed of a hard contact: a fall across half of a drum of 0.1 m, m/s.
 const HARD_CONTACT_SPEED: f64 = 1.0;
 
@@ -417,7 +411,7 @@ pub(crate) fn longest_time_step(scene: &Scene, bodies: &[Arc<SeedBody>]) -> Resu
         }
         let base = 15.0 * felt / (16.0 * largest.sqrt() * stiffest);
         let duration = 2.9432 * base.powf(0.4) * HARD_CONTACT_SPEED.powf(-0.2);
-        longest = longest.min(STEP_SHARE * duration);
+        longest = longest.min(scene.protocol.step_share * duration);
     }
     Ok(longest)
 }

@@ -11,7 +11,7 @@ use calibration::{
     StudyCondition, fit_surface, run_points, screen_factors, significant_factors, study_residual,
     validate,
 };
-use campaign::{Campaign, Progress, RunRequest};
+use campaign::{Campaign, Progress, RunRequest, Simulator};
 use response_surface::{Fit, Measured, SolutionRequest, Solutions, solutions};
 use run_store::{Lookup, Record, Store};
 use scene::Scene;
@@ -475,15 +475,18 @@ fn image_against_position(store: &Store, keys: &[String]) -> Result<ImageAgainst
 impl Loop<'_> {
     /// What the runs cost, and what profile `study` would.
     fn cost(&self, store: &Store, drum_keys: &[String]) -> Result<Cost, Error> {
+        let version = self.simulator.version();
         let timing =
             |record: &Record, name: &str| record.details()["timing"][name].as_f64().unwrap_or(0.0);
-        let (mut total, mut n_runs) = (0.0, 0);
+        let mut times: BTreeMap<String, Vec<f64>> = BTreeMap::new();
         for key in store.keys()? {
-            if let Some(record) = record_of(store, &key)? {
-                total += timing(&record, "wall_s");
-                n_runs += 1;
+            if let Some(record) = record_of(store, &key)?.filter(|r| r.version() == version) {
+                let scene = record.inputs()["model"].as_str().unwrap_or_default();
+                let time = timing(&record, "wall_s");
+                times.entry(scene.to_owned()).or_default().push(time);
             }
         }
+        let all = times.values().flatten();
         let (mut drum_time, mut drum_steps) = (0.0, 0.0);
         for key in drum_keys {
             if let Some(record) = record_of(store, key)? {
@@ -504,20 +507,28 @@ impl Loop<'_> {
             + study.validation_runs
             + (1 + self.study.sweep.values.len()) * study.point_runs
             + 10 * study.point_runs;
-        let study_runs = runs + hidden;
-        // 10.6 s of drum at the step of that profile; the small drums of the campaign cost a third.
-        let steps = 10.6 / 8e-5;
-        let per_step = drum_time / drum_steps.max(1.0);
-        let weight = runs as f64 + hidden as f64 / 3.0;
+        // Time of a run there: as measured here, times the ratio of seeds and drum time.
+        let there = SceneSimulator::new(scenes(self.study, study)?)?;
+        let run_time = |scene: &str| {
+            let request = RunRequest::new(scene, 0);
+            let ratio = there.expected_cost(&request) / self.simulator.expected_cost(&request);
+            ratio * mean(times.get(scene).map_or(&[], Vec::as_slice))
+        };
+        let study_time = runs as f64 * run_time("drum") + hidden as f64 * run_time("hidden");
         Ok(Cost {
-            n_runs,
-            run_time_s: total,
+            n_runs: all.clone().count(),
+            run_time_s: all.sum(),
             drum_run_s: drum_time / drum_keys.len().max(1) as f64,
             drum_steps_per_s: drum_steps / drum_time.max(1e-9),
-            study_profile_runs: study_runs,
-            study_profile_core_hours: weight * steps * per_step / 3600.0,
+            study_profile_runs: runs + hidden,
+            study_profile_core_hours: study_time / 3600.0,
         })
     }
+}
+
+/// Mean, 0 of nothing.
+fn mean(values: &[f64]) -> f64 {
+    values.iter().sum::<f64>() / values.len().max(1) as f64
 }
 
 /// What a reader should know.

@@ -145,6 +145,6 @@ pub struct Cost {
     pub drum_steps_per_s: f64,
     /// Runs that the profile `study` needs.
     pub study_profile_runs: usize,
-    /// What profile `study` would cost by the measured time per step, hours of one core.
+    /// What profile `study` would cost by the measured time per run, hours of one core.
     pub study_profile_core_hours: f64,
 }

@@ -276,6 +276,7 @@ fn details(
         },
         "timing": {
             "time_step_s": result.time_step,
+            "time_step_asked_s": scene.protocol.time_step.si(),
             "steps": result.n_steps,
             "wall_s": wall_s,
             "us_per_step": wall_s * 1e6 / result.n_steps.max(1) as f64,
