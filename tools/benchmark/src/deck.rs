@@ -64,6 +64,8 @@ pub(crate) fn liggghts(drum: &SphereDrum, plan: &Plan) -> String {
     };
     // A wall takes its shape between the name of the law and its settings.
     let (law, end) = ("model hertz tangential history", "limitForce on");
+    // The shear of a cylinder along z is named after x and given in rad/s: a sphere laid on the
+    // shell came to roll at 2/7 of its surface speed.
     let (radius, half, spin) = (drum.radius, 0.5 * drum.width, drum.spin);
     format!(
         "atom_style granular\natom_modify map array\nboundary f f f\nnewton off\n\
@@ -75,7 +77,7 @@ pub(crate) fn liggghts(drum: &SphereDrum, plan: &Plan) -> String {
          fix friction all property/global coefficientFriction peratomtypepair 3 {friction}\n\
          pair_style gran {law} {end}\npair_coeff * *\ntimestep {TIME_STEP:e}\n\
          fix weight all gravity {GRAVITY} vector 0.0 -1.0 0.0\n\
-         fix shell all wall/gran {law} primitive type 2 zcylinder {radius:e} 0. 0. shear z {surface:e} {end}\n\
+         fix shell all wall/gran {law} primitive type 2 zcylinder {radius:e} 0. 0. shear x {spin:e} {end}\n\
          fix back all wall/gran {law} primitive type 3 zplane {low:e} {end}\n\
          fix front all wall/gran {law} primitive type 3 zplane {half:e} {end}\n\
          fix motion all nve/sphere\n{run}",
@@ -84,7 +86,6 @@ pub(crate) fn liggghts(drum: &SphereDrum, plan: &Plan) -> String {
         poisson = list(poisson),
         restitution = pairs(|p| p.restitution),
         friction = pairs(|p| p.static_friction),
-        surface = spin,
         low = -half,
         run = run_blocks(plan),
     )
@@ -105,21 +106,26 @@ pub(crate) fn lammps(drum: &SphereDrum, plan: &Plan) -> String {
             p.static_friction
         )
     };
+    // A cylinder of wall/gran does not turn about its axis; a region does.
     let (radius, half) = (drum.radius, 0.5 * drum.width);
     format!(
         "atom_style sphere\natom_modify map array\nboundary f f f\nnewton off\ncomm_modify vel yes\n\
          units si\nread_data spheres.data\nneighbor {skin:e} bin\nneigh_modify delay 0\n\
          pair_style granular\npair_coeff * * {own}\ntimestep {TIME_STEP:e}\n\
          fix weight all gravity {GRAVITY} vector 0 -1 0\n\
-         fix shell all wall/gran granular {shell} zcylinder {radius:e} shear x {surface:e}\n\
+         variable angle equal {spin:e}*dt*step\n\
+         region shell cylinder z 0 0 {radius:e} {beyond_low:e} {beyond:e} side in open 1 open 2 &\n\
+         rotate v_angle 0 0 0 0 0 1\n\
+         fix shell all wall/gran/region granular {shell} region shell\n\
          fix covers all wall/gran granular {cover} zplane {low:e} {half:e}\n\
          fix motion all nve/sphere\n{run}",
         skin = plan.skin,
         own = law(0),
         shell = law(1),
         cover = law(2),
-        // Sheared along x, the shell turns clockwise at this surface speed.
-        surface = -drum.spin * radius,
+        spin = drum.spin,
+        beyond = half + RADIUS,
+        beyond_low = -half - RADIUS,
         low = -half,
         run = run_blocks(plan),
     )
