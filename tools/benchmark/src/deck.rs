@@ -149,3 +149,47 @@ fn list(numbers: impl IntoIterator<Item = f64>) -> String {
     let words: Vec<_> = numbers.into_iter().map(|n| format!("{n:e}")).collect();
     words.join(" ")
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{Plan, lammps, liggghts};
+    use crate::contacts::Contacts;
+    use crate::sphere_drum::SphereDrum;
+    use scene::Scene;
+
+    /// Values by hand for the study's materials: E = 2 G (1 + nu) = 9.1428 MPa; effective modulus
+    /// of two seeds E* = G / (1 - nu) = 4.6628 MPa, so 4/3 E* = 6.2171 MPa; G* = G / (2 (2 - nu))
+    /// = 1.0780 MPa, so 8 G* = 8.6237 MPa; ratio of the dashpots sqrt(2 (1 - nu) / (2 - nu)) = 0.96163.
+    #[test]
+    fn both_decks_carry_the_moduli_of_the_scene() {
+        let file = std::path::Path::new(env!("CARGO_MANIFEST_DIR"))
+            .join("../../fixtures/cotton/drum.toml");
+        let drum = SphereDrum {
+            contacts: Contacts::of(&Scene::read(&file, &[]).unwrap()).unwrap(),
+            radius: 0.07,
+            width: 0.046,
+            spin: 1.0,
+            placements: Vec::new(),
+        };
+        let plan = Plan {
+            block_steps: 10,
+            blocks: 2,
+            skin: 1e-3,
+        };
+        let (one, other) = (liggghts(&drum, &plan), lammps(&drum, &plan));
+        let number = |deck: &str, line: &str, word: usize| -> f64 {
+            let line = deck.lines().find(|l| l.starts_with(line)).unwrap();
+            line.split_whitespace().nth(word).unwrap().parse().unwrap()
+        };
+        let near = |got: f64, expected: f64| {
+            assert!((got / expected - 1.0).abs() < 1e-4, "{got} {expected}");
+        };
+        near(number(&one, "fix young", 6), 9.1428e6);
+        near(number(&other, "pair_coeff", 4), 6.2171e6);
+        near(number(&other, "pair_coeff", 8), 8.6237e6);
+        near(number(&other, "pair_coeff", 9), 0.96163);
+        for deck in [one, other] {
+            assert_eq!(deck.matches("run 10\n").count(), 3, "{deck}");
+        }
+    }
+}

@@ -194,3 +194,45 @@ fn program(file: &Path) -> anyhow::Result<PathBuf> {
     );
     Ok(full)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{Plan, read_result, read_samples};
+
+    /// A file of this test alone.
+    fn file(name: &str, text: &str) -> std::path::PathBuf {
+        let name = format!("seedloop-benchmark-{}-{name}", std::process::id());
+        let path = std::env::temp_dir().join(name);
+        std::fs::write(&path, text).unwrap();
+        path
+    }
+
+    #[test]
+    fn samples_are_read_and_a_run_that_broke_off_is_an_error() {
+        let plan = Plan {
+            block_steps: 10,
+            blocks: 1,
+            skin: 1e-3,
+        };
+        let whole = file("whole", "5000 100\n9000 120\n");
+        let read = read_samples(&whole, &plan).unwrap();
+        assert_eq!(read, [(5000.0, 100.0), (9000.0, 120.0)]);
+        for text in ["5000 100\n", "5000 100\n9000\n", ""] {
+            let broken = file("broken", text);
+            assert!(read_samples(&broken, &plan).is_err(), "{text}");
+            std::fs::remove_file(broken).unwrap();
+        }
+        std::fs::remove_file(whole).unwrap();
+    }
+
+    /// The deck's own line comes first in the log, with the names of the variables.
+    #[test]
+    fn result_is_the_printed_line_and_not_the_command() {
+        let log = file("log", "print \"result $x $y $e\"\nresult 1e-2 -0.04 3e-6\n");
+        assert_eq!(read_result(&log).unwrap(), [1e-2, -0.04, 3e-6]);
+        let without = file("without", "print \"result $x $y $e\"\n");
+        assert!(read_result(&without).is_err());
+        std::fs::remove_file(log).unwrap();
+        std::fs::remove_file(without).unwrap();
+    }
+}
