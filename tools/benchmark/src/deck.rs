@@ -157,9 +157,9 @@ mod tests {
     use crate::sphere_drum::SphereDrum;
     use scene::Scene;
 
-    /// Values by hand for the study's materials: E = 2 G (1 + nu) = 9.1428 MPa; effective modulus
-    /// of two seeds E* = G / (1 - nu) = 4.6628 MPa, so 4/3 E* = 6.2171 MPa; G* = G / (2 (2 - nu))
-    /// = 1.0780 MPa, so 8 G* = 8.6237 MPa; ratio of the dashpots sqrt(2 (1 - nu) / (2 - nu)) = 0.96163.
+    // Values by hand for the study's materials: E = 2 G (1 + nu) = 9.1428 MPa; of two seeds
+    // E* = G / (1 - nu) = 4.6628 MPa, so 4/3 E* = 6.2171 MPa; G* = G / (2 (2 - nu)) = 1.0780 MPa,
+    // so 8 G* = 8.6237 MPa; ratio of the dashpots sqrt(2 (1 - nu) / (2 - nu)) = 0.96163.
     #[test]
     fn both_decks_carry_the_moduli_of_the_scene() {
         let file = std::path::Path::new(env!("CARGO_MANIFEST_DIR"))

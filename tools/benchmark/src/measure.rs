@@ -23,7 +23,8 @@ pub(crate) struct Row {
     pub(crate) us_per_step: f64,
     pub(crate) sphere_steps_per_s: f64,
     pub(crate) cpu_s_per_simulated_s: f64,
-    pub(crate) peak_memory_mib: f64,
+    /// Of the process; none where it has done other things before.
+    pub(crate) peak_memory_mib: Option<f64>,
     /// Direction of the centre of mass from straight down at the end, deg.
     pub(crate) centre_of_mass_deg: f64,
     /// Kinetic energy of translation at the end, uJ.
@@ -79,7 +80,7 @@ pub(crate) fn measure_world(
         us_per_step: 0.0,
         sphere_steps_per_s: 0.0,
         cpu_s_per_simulated_s: 0.0,
-        peak_memory_mib: peak_memory_mib()?,
+        peak_memory_mib: Some(peak_memory_mib()?),
         centre_of_mass_deg: moment.x.atan2(-moment.y).to_degrees(),
         kinetic_energy_uj: energy * 1e6,
         cost_over_seedloop: None,

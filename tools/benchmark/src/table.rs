@@ -56,11 +56,12 @@ fn lines(head: &str, rows: &[Row], line: impl Fn(&Row) -> String) -> String {
 
 /// Cells that both tables share.
 fn costs(row: &Row) -> String {
+    let memory = row.peak_memory_mib;
+    let memory = memory.map_or("-".into(), |mib| format!("{mib:.0}"));
     format!(
-        "{:.1} | {:.2} | {:.2} | {:.0}",
+        "{:.1} | {:.2} | {:.2} | {memory}",
         row.us_per_step,
         row.sphere_steps_per_s * 1e-6,
-        row.cpu_s_per_simulated_s,
-        row.peak_memory_mib
+        row.cpu_s_per_simulated_s
     )
 }
