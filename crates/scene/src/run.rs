@@ -10,8 +10,8 @@ use crate::{Error, FillingLibrary, Frame, FrameReading, Scene, SeedBody, read_fr
 use contact_law::material::effective_moduli;
 use contact_law::{Material, PairParameters, constant_attraction};
 use dem_solver::{
-    Census, HealthLimits, Interaction, InteractionSettings, MeshWall, Motion, Settings, Template,
-    Wall, World,
+    Census, HealthLimits, Interaction, InteractionSettings, MeshWall, Motion, Placement, Settings,
+    Template, Wall, World,
 };
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
@@ -253,13 +253,26 @@ pub(crate) struct Built {
 
 /// Builds the world with the seeds in their starting places and the drive at rest.
 pub(crate) fn build(scene: &Scene, library: &FillingLibrary, seed: u64) -> Result<Built, Error> {
-    let bodies = scene
-        .seed
-        .iter()
-        .map(|s| library.body(scene, s))
-        .collect::<Result<Vec<_>, _>>()?;
+    let bodies = seed_bodies(scene, library)?;
     let meshes = mesh_walls(scene)?;
-    let mut world = empty_drive(scene, &bodies, &meshes, seed)?;
+    let kinds: Vec<_> = bodies
+        .iter()
+        .zip(&scene.seed)
+        .map(|(b, s)| (&b.clump, s.count))
+        .collect();
+    let obstacles: Vec<_> = meshes.iter().flat_map(|m| m.triangles.clone()).collect();
+    let placements = place(&scene.apparatus, &obstacles, &kinds, seed)?;
+    assemble(scene, bodies, meshes, &placements)
+}
+
+/// Puts seeds in given places into the apparatus at rest.
+fn assemble(
+    scene: &Scene,
+    bodies: Vec<Arc<SeedBody>>,
+    meshes: Vec<NamedMesh>,
+    placements: &[Placement],
+) -> Result<Built, Error> {
+    let mut world = empty_drive(scene, &bodies, &meshes, placements)?;
     let names = material_names(scene, &meshes);
     for mesh in &meshes {
         let about = mesh.motion.about;
@@ -297,6 +310,41 @@ pub fn starting_frame(
     Ok((frame, built.bodies, built.world.settings().time_step))
 }
 
+/// The solver's world of a scene, for callers that step it themselves: the drive runs, and the
+/// seeds are where `placements` has them; a template of a placement is a kind of seed.
+///
+/// # Errors
+///
+/// A scene that cannot be built, a seed outside the apparatus.
+pub fn running_world(
+    scene: &Scene,
+    library: &FillingLibrary,
+    placements: &[Placement],
+) -> Result<World, Error> {
+    let bodies = seed_bodies(scene, library)?;
+    let mut built = assemble(scene, bodies, mesh_walls(scene)?, placements)?;
+    start_drive(scene, &mut built);
+    Ok(built.world)
+}
+
+/// The solver's world of a scene after the seeds have settled, with the drive running.
+///
+/// # Errors
+///
+/// A scene that cannot be built, a solver that stops.
+pub fn settled_world(scene: &Scene, library: &FillingLibrary, seed: u64) -> Result<World, Error> {
+    let mut built = build(scene, library, seed)?;
+    settle(scene, &mut built)?;
+    start_drive(scene, &mut built);
+    Ok(built.world)
+}
+
+/// Bodies of the seeds, by kind.
+fn seed_bodies(scene: &Scene, library: &FillingLibrary) -> Result<Vec<Arc<SeedBody>>, Error> {
+    let kinds = scene.seed.iter();
+    kinds.map(|s| library.body(scene, s)).collect()
+}
+
 /// Names of all materials that take part, in alphabetical order.
 fn material_names<'a>(scene: &'a Scene, meshes: &'a [NamedMesh]) -> Vec<&'a str> {
     let seeds = scene.seed.iter().map(|s| s.material.as_str());
@@ -328,7 +376,7 @@ fn empty_drive(
     scene: &Scene,
     bodies: &[Arc<SeedBody>],
     meshes: &[NamedMesh],
-    seed: u64,
+    placements: &[Placement],
 ) -> Result<World, Error> {
     let walls = scene.apparatus.walls();
     let names = material_names(scene, meshes);
@@ -343,13 +391,6 @@ fn empty_drive(
         .iter()
         .map(Template::smallest_radius)
         .fold(f64::INFINITY, f64::min);
-    let kinds: Vec<_> = bodies
-        .iter()
-        .zip(&scene.seed)
-        .map(|(b, s)| (&b.clump, s.count))
-        .collect();
-    let obstacles: Vec<_> = meshes.iter().flat_map(|m| m.triangles.clone()).collect();
-    let placements = place(&scene.apparatus, &obstacles, &kinds, seed)?;
     let still = walls.iter().map(|w| Wall {
         name: w.name.into(),
         shape: w.shape,
@@ -372,7 +413,7 @@ fn empty_drive(
         templates,
         interactions,
         still.collect(),
-        &placements,
+        placements,
     )?)
 }
 

@@ -22,7 +22,10 @@ fn seeds_have_the_triangles_that_another_reader_finds() {
                 let other = theirs.vertices[index].0;
                 for axis in 0..3 {
                     let difference = (own[axis] - 1e-3 * f64::from(other[axis])).abs();
-                    assert!(difference < 1e-6 * size, "{name}, triangle {t}: {difference} m");
+                    assert!(
+                        difference < 1e-6 * size,
+                        "{name}, triangle {t}: {difference} m"
+                    );
                 }
             }
         }

@@ -1,0 +1,88 @@
+//! What the command can be asked.
+
+use crate::scenes::BenchmarkScene;
+use clap::Parser;
+use std::path::PathBuf;
+
+/// Measures what a step of the solver costs
+///
+/// Cost is time on the processor, as the kernel counts it: other work on the machine does not
+/// count. Each scene is measured in the flowing state, in blocks of steps; the figure is the median
+/// of the blocks. Exit code: 0 measured; 2 error.
+#[derive(Debug, Parser)]
+#[command(name = "benchmark", version, about)]
+pub(crate) struct Arguments {
+    /// Scenes: seeds-N (the drum of the study, its length in proportion to N) or spheres-N (plain
+    /// spheres) [default: seeds 300, 1200, 4800 and spheres 2000, 10000, 100000; with --peers the
+    /// spheres alone]
+    #[arg(value_name = "SCENE")]
+    scene: Vec<BenchmarkScene>,
+
+    /// Add the large scenes to the default set: seeds-19200 and spheres-1000000
+    #[arg(long)]
+    large: bool,
+
+    /// Scene file of the drum
+    #[arg(long, value_name = "FILE", default_value = "fixtures/cotton/drum.toml")]
+    pub(crate) drum: PathBuf,
+
+    /// Seed of the filling
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    pub(crate) seed: u64,
+
+    /// Blocks of steps
+    #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..1000))]
+    pub(crate) blocks: u32,
+
+    /// Run LIGGGHTS and LAMMPS on the same plain spheres in turn with this solver
+    #[arg(long)]
+    pub(crate) peers: bool,
+
+    /// Rounds of all codes with --peers
+    #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..100))]
+    pub(crate) rounds: u32,
+
+    /// Program of LIGGGHTS
+    #[arg(long, value_name = "FILE", default_value = "liggghts")]
+    pub(crate) liggghts: PathBuf,
+
+    /// Program of LAMMPS
+    #[arg(long, value_name = "FILE", default_value = ".tools/lammps/bin/lmp")]
+    pub(crate) lammps: PathBuf,
+
+    /// Neighbour skin of the peers in mm
+    #[arg(long, value_name = "MM", default_value_t = 0.5, value_parser = skin)]
+    pub(crate) peer_skin_mm: f64,
+
+    /// Folder for decks and logs of the peers
+    #[arg(long, value_name = "FOLDER", default_value = "out/benchmark")]
+    pub(crate) work: PathBuf,
+
+    #[command(flatten)]
+    pub(crate) common: command_line::Common,
+}
+
+impl Arguments {
+    /// The scenes asked for, or the default set.
+    pub(crate) fn scenes(&self) -> Vec<BenchmarkScene> {
+        if !self.scene.is_empty() {
+            return self.scene.clone();
+        }
+        let mut all = vec![];
+        if !self.peers {
+            all.extend([300, 1200, 4800].map(BenchmarkScene::Seeds));
+            all.extend(self.large.then_some(BenchmarkScene::Seeds(19200)));
+        }
+        all.extend([2000, 10_000, 100_000].map(BenchmarkScene::Spheres));
+        all.extend(self.large.then_some(BenchmarkScene::Spheres(1_000_000)));
+        all
+    }
+}
+
+/// Reads a skin.
+fn skin(text: &str) -> Result<f64, String> {
+    text.parse()
+        .ok()
+        .filter(|skin: &f64| *skin > 0.0 && *skin <= 5.0)
+        .ok_or_else(|| "a skin must be above 0 and at most 5 mm".into())
+}

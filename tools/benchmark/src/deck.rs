@@ -1,0 +1,195 @@
+//! Input of LIGGGHTS and LAMMPS for a drum of plain spheres: the same positions and motion, the
+//! same law, the same step.
+
+use crate::sphere_drum::{DENSITY, GRAVITY, RADIUS, SphereDrum, TIME_STEP};
+use std::fmt::Write as _;
+
+/// Script that the peers start between blocks: it adds the time on the processor (ns) and the peak
+/// memory (KiB) of the process that started it to a file.
+pub(crate) const SAMPLE: &str = "echo \"$(cut -d' ' -f1 /proc/$PPID/schedstat) \
+    $(awk '/VmHWM/ {print $2}' /proc/$PPID/status)\" >> samples.txt\n";
+
+/// How a peer is run.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Plan {
+    /// Steps of a block.
+    pub(crate) block_steps: usize,
+    /// Blocks behind the first, which warms up.
+    pub(crate) blocks: u32,
+    /// Neighbour skin, m.
+    pub(crate) skin: f64,
+}
+
+/// Spheres as both codes read them.
+pub(crate) fn data(drum: &SphereDrum) -> String {
+    let reach = drum.radius + RADIUS;
+    let half = 0.5 * drum.width + RADIUS;
+    let n = drum.placements.len();
+    let mut text = format!(
+        "spheres in a drum\n\n{n} atoms\n3 atom types\n\n{0:e} {reach:e} xlo xhi\n\
+         {0:e} {reach:e} ylo yhi\n{1:e} {half:e} zlo zhi\n\nAtoms\n\n",
+        -reach, -half
+    );
+    for (i, at) in drum.placements.iter().enumerate() {
+        let (p, diameter) = (at.position, 2.0 * RADIUS);
+        let id = i + 1;
+        // Writing to a string cannot fail.
+        let _ = writeln!(
+            text,
+            "{id} 1 {diameter:e} {DENSITY:e} {:e} {:e} {:e}",
+            p.x, p.y, p.z
+        );
+    }
+    text.push_str("\nVelocities\n\n");
+    for (i, at) in drum.placements.iter().enumerate() {
+        let (v, w) = (at.velocity, at.spin);
+        let id = i + 1;
+        let _ = writeln!(
+            text,
+            "{id} {:e} {:e} {:e} {:e} {:e} {:e}",
+            v.x, v.y, v.z, w.x, w.y, w.z
+        );
+    }
+    text
+}
+
+/// Deck of LIGGGHTS.
+pub(crate) fn liggghts(drum: &SphereDrum, plan: &Plan) -> String {
+    let contacts = &drum.contacts;
+    let young = contacts.materials.map(|m| m.youngs_modulus());
+    let poisson = contacts.materials.map(|m| m.poisson_ratio);
+    let pairs = |of: fn(&contact_law::PairParameters) -> f64| {
+        let table = (0..3).flat_map(|i| (0..3).map(move |j| usize::max(i, j)));
+        list(table.map(|k| of(&contacts.parameters[k])))
+    };
+    // A wall takes its shape between the name of the law and its settings.
+    let (law, end) = ("model hertz tangential history", "limitForce on");
+    // The shear of a cylinder along z is named after x and given in rad/s: a sphere laid on the
+    // shell came to roll at 2/7 of its surface speed.
+    let (radius, half, spin) = (drum.radius, 0.5 * drum.width, drum.spin);
+    format!(
+        "atom_style granular\natom_modify map array\nboundary f f f\nnewton off\n\
+         communicate single vel yes\nunits si\nhard_particles yes\nread_data spheres.data\n\
+         neighbor {skin:e} bin\nneigh_modify delay 0\n\
+         fix young all property/global youngsModulus peratomtype {young}\n\
+         fix poisson all property/global poissonsRatio peratomtype {poisson}\n\
+         fix restitution all property/global coefficientRestitution peratomtypepair 3 {restitution}\n\
+         fix friction all property/global coefficientFriction peratomtypepair 3 {friction}\n\
+         pair_style gran {law} {end}\npair_coeff * *\ntimestep {TIME_STEP:e}\n\
+         fix weight all gravity {GRAVITY} vector 0.0 -1.0 0.0\n\
+         fix shell all wall/gran {law} primitive type 2 zcylinder {radius:e} 0. 0. shear x {spin:e} {end}\n\
+         fix back all wall/gran {law} primitive type 3 zplane {low:e} {end}\n\
+         fix front all wall/gran {law} primitive type 3 zplane {half:e} {end}\n\
+         fix motion all nve/sphere\n{run}",
+        skin = plan.skin,
+        young = list(young),
+        poisson = list(poisson),
+        restitution = pairs(|p| p.restitution),
+        friction = pairs(|p| p.static_friction),
+        low = -half,
+        run = run_blocks(plan),
+    )
+}
+
+/// Deck of LAMMPS.
+pub(crate) fn lammps(drum: &SphereDrum, plan: &Plan) -> String {
+    let moduli = drum.contacts.moduli();
+    let law = |k: usize| {
+        let (m, p) = (&moduli[k], &drum.contacts.parameters[k]);
+        format!(
+            "hertz {:e} {:e} tangential mindlin {:e} {:e} {:e} damping coeff_restitution limit_damping",
+            4.0 / 3.0 * m.young,
+            p.restitution,
+            8.0 * m.shear,
+            // Ratio of the dashpots, c_t / c_n.
+            (4.0 * m.shear / m.young).sqrt(),
+            p.static_friction
+        )
+    };
+    // A cylinder of wall/gran does not turn about its axis; a region does.
+    let (radius, half) = (drum.radius, 0.5 * drum.width);
+    format!(
+        "atom_style sphere\natom_modify map array\nboundary f f f\nnewton off\ncomm_modify vel yes\n\
+         units si\nread_data spheres.data\nneighbor {skin:e} bin\nneigh_modify delay 0\n\
+         pair_style granular\npair_coeff * * {own}\ntimestep {TIME_STEP:e}\n\
+         fix weight all gravity {GRAVITY} vector 0 -1 0\n\
+         variable angle equal {spin:e}*dt*step\n\
+         region shell cylinder z 0 0 {radius:e} {beyond_low:e} {beyond:e} side in open 1 open 2 &\n\
+         rotate v_angle 0 0 0 0 0 1\n\
+         fix shell all wall/gran/region granular {shell} region shell\n\
+         fix covers all wall/gran granular {cover} zplane {low:e} {half:e}\n\
+         fix motion all nve/sphere\n{run}",
+        skin = plan.skin,
+        own = law(0),
+        shell = law(1),
+        cover = law(2),
+        spin = drum.spin,
+        beyond = half + RADIUS,
+        beyond_low = -half - RADIUS,
+        low = -half,
+        run = run_blocks(plan),
+    )
+}
+
+/// The steps with a sample behind each block, and the bed at the end.
+fn run_blocks(plan: &Plan) -> String {
+    let mut text = String::from(
+        "variable x equal xcm(all,x)\nvariable y equal xcm(all,y)\nvariable e equal ke\n\
+         thermo_style custom step ke\nthermo_modify norm no\nthermo 1000000\n",
+    );
+    for _ in 0..=plan.blocks {
+        let _ = writeln!(text, "run {}\nshell exec sh sample.sh", plan.block_steps);
+    }
+    text.push_str("print \"result $x $y $e\"\n");
+    text
+}
+
+/// Numbers with blanks between.
+fn list(numbers: impl IntoIterator<Item = f64>) -> String {
+    let words: Vec<_> = numbers.into_iter().map(|n| format!("{n:e}")).collect();
+    words.join(" ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Plan, lammps, liggghts};
+    use crate::contacts::Contacts;
+    use crate::sphere_drum::SphereDrum;
+    use scene::Scene;
+
+    // Values by hand for the study's materials: E = 2 G (1 + nu) = 9.1428 MPa; of two seeds
+    // E* = G / (1 - nu) = 4.6628 MPa, so 4/3 E* = 6.2171 MPa; G* = G / (2 (2 - nu)) = 1.0780 MPa,
+    // so 8 G* = 8.6237 MPa; ratio of the dashpots sqrt(2 (1 - nu) / (2 - nu)) = 0.96163.
+    #[test]
+    fn both_decks_carry_the_moduli_of_the_scene() {
+        let file = std::path::Path::new(env!("CARGO_MANIFEST_DIR"))
+            .join("../../fixtures/cotton/drum.toml");
+        let drum = SphereDrum {
+            contacts: Contacts::of(&Scene::read(&file, &[]).unwrap()).unwrap(),
+            radius: 0.07,
+            width: 0.046,
+            spin: 1.0,
+            placements: Vec::new(),
+        };
+        let plan = Plan {
+            block_steps: 10,
+            blocks: 2,
+            skin: 1e-3,
+        };
+        let (one, other) = (liggghts(&drum, &plan), lammps(&drum, &plan));
+        let number = |deck: &str, line: &str, word: usize| -> f64 {
+            let line = deck.lines().find(|l| l.starts_with(line)).unwrap();
+            line.split_whitespace().nth(word).unwrap().parse().unwrap()
+        };
+        let near = |got: f64, expected: f64| {
+            assert!((got / expected - 1.0).abs() < 1e-4, "{got} {expected}");
+        };
+        near(number(&one, "fix young", 6), 9.1428e6);
+        near(number(&other, "pair_coeff", 4), 6.2171e6);
+        near(number(&other, "pair_coeff", 8), 8.6237e6);
+        near(number(&other, "pair_coeff", 9), 0.96163);
+        for deck in [one, other] {
+            assert_eq!(deck.matches("run 10\n").count(), 3, "{deck}");
+        }
+    }
+}

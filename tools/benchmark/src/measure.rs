@@ -1,0 +1,131 @@
+//! Time on the processor, peak memory, medians.
+
+use anyhow::Context as _;
+use dem_solver::World;
+use serde::{Deserialize, Serialize};
+
+/// Cost of a scene with one code; each unit is in the name.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub(crate) struct Row {
+    pub(crate) scene: String,
+    pub(crate) code: String,
+    pub(crate) seeds: usize,
+    /// All spheres, those hidden inside a seed included.
+    pub(crate) spheres: usize,
+    /// Touching pairs of spheres and of spheres and walls at the end; none for other codes.
+    pub(crate) contacts: Option<usize>,
+    pub(crate) time_step_s: f64,
+    /// Steps of a block.
+    pub(crate) block_steps: usize,
+    /// Cost of a step in each block, in the order of time.
+    pub(crate) us_per_step_blocks: Vec<f64>,
+    /// Their median.
+    pub(crate) us_per_step: f64,
+    pub(crate) sphere_steps_per_s: f64,
+    pub(crate) cpu_s_per_simulated_s: f64,
+    /// Of the process; none where it has done other things before.
+    pub(crate) peak_memory_mib: Option<f64>,
+    /// Direction of the centre of mass from straight down at the end, deg.
+    pub(crate) centre_of_mass_deg: f64,
+    /// Kinetic energy of translation at the end, uJ.
+    pub(crate) kinetic_energy_uj: f64,
+    /// Cost over that of this solver; none without peers.
+    pub(crate) cost_over_seedloop: Option<f64>,
+}
+
+impl Row {
+    /// Sets the costs from those of the blocks.
+    pub(crate) fn set_blocks(&mut self, blocks: Vec<f64>) {
+        self.us_per_step = median(&blocks);
+        self.sphere_steps_per_s = self.spheres as f64 / self.us_per_step * 1e6;
+        self.cpu_s_per_simulated_s = self.us_per_step * 1e-6 / self.time_step_s;
+        self.us_per_step_blocks = blocks;
+    }
+}
+
+/// Runs one block to warm up and then `n_blocks` that are measured; gives the row.
+pub(crate) fn measure_world(
+    scene: &str,
+    world: &mut World,
+    spheres: usize,
+    block_steps: usize,
+    n_blocks: u32,
+) -> anyhow::Result<Row> {
+    let mut blocks = Vec::new();
+    for block in 0..=n_blocks {
+        let start = processor_seconds()?;
+        for _ in 0..block_steps {
+            world.step()?;
+        }
+        if block > 0 {
+            blocks.push((processor_seconds()? - start) / block_steps as f64 * 1e6);
+        }
+    }
+    let bodies = world.bodies();
+    let (mut moment, mut energy) = (nalgebra::Vector3::zeros(), 0.0);
+    for i in 0..bodies.len() {
+        let mass = world.templates()[bodies.template[i]].mass();
+        moment += bodies.position[i] * mass;
+        energy += 0.5 * mass * bodies.velocity[i].norm_squared();
+    }
+    let mut row = Row {
+        scene: scene.to_owned(),
+        code: "seedloop".into(),
+        seeds: bodies.len(),
+        spheres,
+        contacts: Some(world.census().sphere_contacts + world.n_wall_contacts()),
+        time_step_s: world.settings().time_step,
+        block_steps,
+        us_per_step_blocks: Vec::new(),
+        us_per_step: 0.0,
+        sphere_steps_per_s: 0.0,
+        cpu_s_per_simulated_s: 0.0,
+        peak_memory_mib: Some(peak_memory_mib()?),
+        centre_of_mass_deg: moment.x.atan2(-moment.y).to_degrees(),
+        kinetic_energy_uj: energy * 1e6,
+        cost_over_seedloop: None,
+    };
+    row.set_blocks(blocks);
+    Ok(row)
+}
+
+/// Time that this process has had a processor, s.
+fn processor_seconds() -> anyhow::Result<f64> {
+    let file = "/proc/self/schedstat";
+    let text = std::fs::read_to_string(file)
+        .with_context(|| format!("cannot read {file}: the benchmark needs Linux"))?;
+    let nanoseconds = text.split(' ').next().and_then(|n| n.parse::<f64>().ok());
+    Ok(nanoseconds.with_context(|| format!("{file}: no number"))? * 1e-9)
+}
+
+/// Largest resident memory of this process so far, MiB.
+fn peak_memory_mib() -> anyhow::Result<f64> {
+    let file = "/proc/self/status";
+    let text = std::fs::read_to_string(file).with_context(|| format!("cannot read {file}"))?;
+    let line = text.lines().find_map(|line| line.strip_prefix("VmHWM:"));
+    let kib = line.and_then(|rest| rest.split_whitespace().next()?.parse::<f64>().ok());
+    Ok(kib.with_context(|| format!("{file}: no VmHWM"))? / 1024.0)
+}
+
+/// Median; the mean of the middle two of an even number, NaN of none.
+pub(crate) fn median(values: &[f64]) -> f64 {
+    let mut sorted = values.to_vec();
+    sorted.sort_unstable_by(f64::total_cmp);
+    let n = sorted.len();
+    match n {
+        0 => f64::NAN,
+        _ => 0.5 * (sorted[(n - 1) / 2] + sorted[n / 2]),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::median;
+
+    #[test]
+    fn median_of_odd_and_even_numbers_is_the_middle() {
+        assert_eq!(median(&[3.0, 1.0, 9.0]), 3.0);
+        assert_eq!(median(&[3.0, 1.0, 9.0, 4.0]), 3.5);
+        assert!(median(&[]).is_nan());
+    }
+}

@@ -1,0 +1,240 @@
+//! LIGGGHTS and LAMMPS on the same plain spheres, in turn with this solver.
+
+use crate::arguments::Arguments;
+use crate::deck::{self, Plan};
+use crate::measure::{Row, measure_world};
+use crate::scenes::BenchmarkScene;
+use crate::sphere_drum::{SphereDrum, TIME_STEP, flowing};
+use anyhow::Context as _;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+
+/// A code to compare with.
+#[derive(Debug, Clone)]
+struct Peer {
+    /// Name.
+    name: &'static str,
+    /// Program.
+    program: PathBuf,
+    /// Its deck.
+    deck: fn(&SphereDrum, &Plan) -> String,
+}
+
+/// Measures this solver and the peers on each scene; rows of one scene follow each other, this
+/// solver first.
+pub(crate) fn compare(
+    arguments: &Arguments,
+    scenes: &[BenchmarkScene],
+) -> anyhow::Result<Vec<Row>> {
+    let peers = [
+        Peer {
+            name: "LIGGGHTS",
+            program: program(&arguments.liggghts)?,
+            deck: deck::liggghts,
+        },
+        Peer {
+            name: "LAMMPS",
+            program: program(&arguments.lammps)?,
+            deck: deck::lammps,
+        },
+    ];
+    let mut rows = Vec::new();
+    for scene in scenes {
+        let BenchmarkScene::Spheres(count) = *scene else {
+            anyhow::bail!("{scene}: with --peers only spheres-N can be measured");
+        };
+        rows.extend(compare_scene(arguments, *scene, count, &peers)?);
+    }
+    Ok(rows)
+}
+
+/// Rounds of all codes on one scene.
+fn compare_scene(
+    arguments: &Arguments,
+    scene: BenchmarkScene,
+    count: usize,
+    peers: &[Peer],
+) -> anyhow::Result<Vec<Row>> {
+    let drum = flowing(arguments, count)?;
+    let plan = Plan {
+        block_steps: scene.block_steps(),
+        blocks: arguments.blocks,
+        skin: arguments.peer_skin_mm * 1e-3,
+    };
+    let mut rows: Vec<Row> = Vec::new();
+    for round in 1..=arguments.rounds {
+        arguments
+            .common
+            .log(|| format!("{scene}: round {round} of {}", arguments.rounds));
+        let mut world = drum.world(TIME_STEP)?;
+        let name = scene.to_string();
+        let mut own = measure_world(&name, &mut world, count, plan.block_steps, plan.blocks)?;
+        // This process has also prepared the scene and written it for the peers.
+        own.peak_memory_mib = None;
+        let mut of_round = vec![own];
+        for peer in peers {
+            let folder = arguments.work.join(&name).join(peer.name);
+            of_round.push(run_peer(peer, &drum, &plan, &folder, &of_round[0])?);
+        }
+        if rows.is_empty() {
+            rows = of_round;
+        } else {
+            for (row, new) in rows.iter_mut().zip(of_round) {
+                row.us_per_step_blocks.extend(new.us_per_step_blocks);
+            }
+        }
+    }
+    for row in &mut rows {
+        let blocks = std::mem::take(&mut row.us_per_step_blocks);
+        row.set_blocks(blocks);
+    }
+    let own = rows.first().map_or(f64::NAN, |row| row.us_per_step);
+    for row in &mut rows {
+        row.cost_over_seedloop = Some(row.us_per_step / own);
+    }
+    Ok(rows)
+}
+
+/// Runs a peer once in a folder of its own.
+fn run_peer(
+    peer: &Peer,
+    drum: &SphereDrum,
+    plan: &Plan,
+    folder: &Path,
+    own: &Row,
+) -> anyhow::Result<Row> {
+    let write = |name: &str, text: &str| {
+        let file = folder.join(name);
+        fs::write(&file, text).with_context(|| format!("cannot write {}", file.display()))
+    };
+    fs::create_dir_all(folder).with_context(|| format!("cannot make {}", folder.display()))?;
+    write("spheres.data", &deck::data(drum))?;
+    write("in.deck", &(peer.deck)(drum, plan))?;
+    write("sample.sh", deck::SAMPLE)?;
+    write("samples.txt", "")?;
+    let status = Command::new(&peer.program)
+        .args(["-in", "in.deck", "-log", "log.txt", "-screen", "none"])
+        .current_dir(folder)
+        .env("OMP_NUM_THREADS", "1")
+        .stdin(Stdio::null())
+        .stdout(Stdio::null())
+        .status()
+        .with_context(|| {
+            let program = peer.program.display();
+            format!(
+                "cannot start {program}: install {} or name its program",
+                peer.name
+            )
+        })?;
+    let log = folder.join("log.txt");
+    anyhow::ensure!(
+        status.success(),
+        "{} ended with {status}: see {}",
+        peer.name,
+        log.display()
+    );
+    let samples = read_samples(&folder.join("samples.txt"), plan)?;
+    let blocks = samples.windows(2).map(|pair| {
+        let nanoseconds = pair[1].0 - pair[0].0;
+        nanoseconds / plan.block_steps as f64 * 1e-3
+    });
+    let [x, y, energy] = read_result(&log)?;
+    let mut row = Row {
+        code: peer.name.into(),
+        contacts: None,
+        peak_memory_mib: samples.last().map(|s| s.1 / 1024.0),
+        centre_of_mass_deg: x.atan2(-y).to_degrees(),
+        kinetic_energy_uj: energy * 1e6,
+        time_step_s: TIME_STEP,
+        ..own.clone()
+    };
+    row.set_blocks(blocks.collect());
+    Ok(row)
+}
+
+/// Time on the processor (ns) and peak memory (KiB) behind each block.
+fn read_samples(file: &Path, plan: &Plan) -> anyhow::Result<Vec<(f64, f64)>> {
+    let text = fs::read_to_string(file)?;
+    let sample = |line: &str| {
+        let (time, memory) = line.split_once(' ')?;
+        Some((time.parse().ok()?, memory.trim().parse().ok()?))
+    };
+    let samples: Option<Vec<_>> = text.lines().map(sample).collect();
+    let expected = plan.blocks as usize + 1;
+    samples.filter(|s| s.len() == expected).with_context(|| {
+        format!(
+            "{}: expected {expected} lines of two numbers",
+            file.display()
+        )
+    })
+}
+
+/// Centre of mass (m) and kinetic energy (J) at the end.
+fn read_result(log: &Path) -> anyhow::Result<[f64; 3]> {
+    let text = fs::read_to_string(log)?;
+    let line = text.lines().rev().find_map(|l| l.strip_prefix("result "));
+    let numbers = line.map(|l| l.split_whitespace().map(str::parse).collect());
+    let numbers: Option<Result<Vec<f64>, _>> = numbers;
+    numbers
+        .and_then(Result::ok)
+        .and_then(|n| n.try_into().ok())
+        .with_context(|| format!("{}: no line \"result X Y ENERGY\"", log.display()))
+}
+
+/// A program in a folder by its full path, for it is started elsewhere; a bare name as it is.
+fn program(file: &Path) -> anyhow::Result<PathBuf> {
+    if file.components().count() == 1 {
+        return Ok(file.to_owned());
+    }
+    // The link itself is kept: LAMMPS in its own folder finds its libraries by it.
+    let full = std::path::absolute(file)?;
+    anyhow::ensure!(
+        full.exists(),
+        "{} does not exist: `just bench-peers` installs it",
+        file.display()
+    );
+    Ok(full)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Plan, read_result, read_samples};
+
+    /// A file of this test alone.
+    fn file(name: &str, text: &str) -> std::path::PathBuf {
+        let name = format!("seedloop-benchmark-{}-{name}", std::process::id());
+        let path = std::env::temp_dir().join(name);
+        std::fs::write(&path, text).unwrap();
+        path
+    }
+
+    #[test]
+    fn samples_are_read_and_a_run_that_broke_off_is_an_error() {
+        let plan = Plan {
+            block_steps: 10,
+            blocks: 1,
+            skin: 1e-3,
+        };
+        let whole = file("whole", "5000 100\n9000 120\n");
+        let read = read_samples(&whole, &plan).unwrap();
+        assert_eq!(read, [(5000.0, 100.0), (9000.0, 120.0)]);
+        for text in ["5000 100\n", "5000 100\n9000\n", ""] {
+            let broken = file("broken", text);
+            assert!(read_samples(&broken, &plan).is_err(), "{text}");
+            std::fs::remove_file(broken).unwrap();
+        }
+        std::fs::remove_file(whole).unwrap();
+    }
+
+    /// The deck's own line comes first in the log, with the names of the variables.
+    #[test]
+    fn result_is_the_printed_line_and_not_the_command() {
+        let log = file("log", "print \"result $x $y $e\"\nresult 1e-2 -0.04 3e-6\n");
+        assert_eq!(read_result(&log).unwrap(), [1e-2, -0.04, 3e-6]);
+        let without = file("without", "print \"result $x $y $e\"\n");
+        assert!(read_result(&without).is_err());
+        std::fs::remove_file(log).unwrap();
+        std::fs::remove_file(without).unwrap();
+    }
+}

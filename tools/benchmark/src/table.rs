@@ -1,0 +1,67 @@
+//! The rows as Markdown tables.
+
+use crate::measure::Row;
+
+/// Table of this solver.
+pub(crate) fn of_scenes(rows: &[Row]) -> String {
+    let head = "| scene | seeds | spheres | contacts | time step (us) | us per step | \
+        million sphere-steps/s | CPU-s per simulated second | peak memory (MiB) |\n\
+        |---|---|---|---|---|---|---|---|---|";
+    lines(head, rows, |row| {
+        // A plain sphere is no seed.
+        let seeds = if row.seeds == row.spheres {
+            "-".into()
+        } else {
+            row.seeds.to_string()
+        };
+        let contacts = row.contacts.map_or("-".into(), |n| n.to_string());
+        format!(
+            "| {} | {seeds} | {} | {contacts} | {:.1} | {} |",
+            row.scene,
+            row.spheres,
+            row.time_step_s * 1e6,
+            costs(row)
+        )
+    })
+}
+
+/// Table of all codes.
+pub(crate) fn of_peers(rows: &[Row]) -> String {
+    let head = "| scene | code | us per step | million sphere-steps/s | CPU-s per simulated \
+        second | peak memory (MiB) | cost over seedloop | centre of mass (deg) | kinetic energy \
+        (uJ) |\n|---|---|---|---|---|---|---|---|---|";
+    lines(head, rows, |row| {
+        let ratio = row
+            .cost_over_seedloop
+            .map_or("-".into(), |r| format!("{r:.2}"));
+        format!(
+            "| {} | {} | {} | {ratio} | {:.3} | {:.4} |",
+            row.scene,
+            row.code,
+            costs(row),
+            row.centre_of_mass_deg,
+            row.kinetic_energy_uj
+        )
+    })
+}
+
+/// A heading and a line for each row.
+fn lines(head: &str, rows: &[Row], line: impl Fn(&Row) -> String) -> String {
+    let lines = rows.iter().map(line);
+    std::iter::once(head.to_owned())
+        .chain(lines)
+        .collect::<Vec<_>>()
+        .join("\n")
+}
+
+/// Cells that both tables share.
+fn costs(row: &Row) -> String {
+    let memory = row.peak_memory_mib;
+    let memory = memory.map_or("-".into(), |mib| format!("{mib:.0}"));
+    format!(
+        "{:.1} | {:.2} | {:.2} | {memory}",
+        row.us_per_step,
+        row.sphere_steps_per_s * 1e-6,
+        row.cpu_s_per_simulated_s
+    )
+}
