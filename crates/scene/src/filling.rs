@@ -6,7 +6,7 @@ use clump::Clump;
 use sphere_fill::{FillSettings, FitReport, InertiaSource};
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, PoisonError};
-use trimesh::{CheckedMesh, read_stl};
+use trimesh::{CheckedMesh, LengthUnit, TriMesh, read_stl};
 
 /// A seed as a body, with the report of how well the spheres stand for it.
 #[derive(Debug, Clone)]
@@ -25,6 +25,13 @@ pub struct SeedBody {
     pub fraction_density: f64,
 }
 
+impl SeedBody {
+    /// Radius of the sphere with the volume of the mesh, m.
+    pub fn volume_radius(&self) -> f64 {
+        (3.0 * self.mesh.mesh.moments().volume / (4.0 * std::f64::consts::PI)).cbrt()
+    }
+}
+
 /// Bodies made so far; shared between threads.
 #[derive(Debug, Default)]
 pub struct FillingLibrary {
@@ -41,11 +48,12 @@ impl FillingLibrary {
     pub fn body(&self, scene: &Scene, seed: &SeedSettings) -> Result<Arc<SeedBody>, Error> {
         let path = scene.folder.join(&seed.mesh);
         let key = format!(
-            "{} {:?} {:?} {}",
+            "{} {:?} {:?} {} {:?}",
             path.display(),
             seed.mesh_unit,
             seed.filling,
-            seed.mass.si()
+            seed.mass.si(),
+            seed.scale
         );
         // The lock is held while a body is made: others wait for it and do not make it again.
         let mut bodies = self.bodies.lock().unwrap_or_else(PoisonError::into_inner);
@@ -68,13 +76,17 @@ fn make(scene: &Scene, seed: &SeedSettings) -> Result<SeedBody, Error> {
         seed: seed.name.clone(),
         source,
     };
-    let mesh = read_stl(&scene.folder.join(&seed.mesh), seed.mesh_unit).map_err(refused)?;
+    let mut mesh = read_stl(&scene.folder.join(&seed.mesh), seed.mesh_unit).map_err(refused)?;
+    let scale = seed.scale.unwrap_or(1.0);
+    if seed.scale.is_some() {
+        mesh = scaled(&mesh, scale).map_err(refused)?;
+    }
     let settings = FillSettings {
         method: seed.filling.method,
         count: seed.filling.sphere_count,
-        roughness: seed.filling.roughness.map(quantity::Length::si),
+        roughness: seed.filling.roughness.map(|r| scale * r.si()),
         seed: seed.filling.seed,
-        ..FillSettings::new(seed.filling.sphere_radius.si())
+        ..FillSettings::new(scale * seed.filling.sphere_radius.si())
     };
     let filling = sphere_fill::fill(&mesh.mesh, &settings).map_err(unfilled)?;
     let mass = seed.mass.si();
@@ -92,4 +104,13 @@ fn make(scene: &Scene, seed: &SeedSettings) -> Result<SeedBody, Error> {
         report: filling.report,
         mesh,
     })
+}
+
+/// A mesh with all lengths multiplied by a factor.
+fn scaled(mesh: &CheckedMesh, factor: f64) -> Result<CheckedMesh, trimesh::Error> {
+    let mesh = &mesh.mesh;
+    let triangles: Vec<_> = (0..mesh.triangles().len())
+        .map(|t| mesh.corners(t).map(|c| c * factor))
+        .collect();
+    TriMesh::from_triangles(&triangles, LengthUnit::Metre, mesh.source())
 }
