@@ -19,7 +19,7 @@ pub struct SeedBody {
     pub spheres: Vec<clump::Sphere>,
     /// The mesh.
     pub mesh: CheckedMesh,
-    /// Fit of the spheres.
+    /// Fit of the spheres, before a scale of the seed.
     pub report: FitReport,
     /// Density of the spheres by the study's eq. (9), kg/m³.
     pub fraction_density: f64,
@@ -76,17 +76,13 @@ fn make(scene: &Scene, seed: &SeedSettings) -> Result<SeedBody, Error> {
         seed: seed.name.clone(),
         source,
     };
-    let mut mesh = read_stl(&scene.folder.join(&seed.mesh), seed.mesh_unit).map_err(refused)?;
-    let scale = seed.scale.unwrap_or(1.0);
-    if seed.scale.is_some() {
-        mesh = scaled(&mesh, scale).map_err(refused)?;
-    }
+    let mesh = read_stl(&scene.folder.join(&seed.mesh), seed.mesh_unit).map_err(refused)?;
     let settings = FillSettings {
         method: seed.filling.method,
         count: seed.filling.sphere_count,
-        roughness: seed.filling.roughness.map(|r| scale * r.si()),
+        roughness: seed.filling.roughness.map(quantity::Length::si),
         seed: seed.filling.seed,
-        ..FillSettings::new(scale * seed.filling.sphere_radius.si())
+        ..FillSettings::new(seed.filling.sphere_radius.si())
     };
     let filling = sphere_fill::fill(&mesh.mesh, &settings).map_err(unfilled)?;
     let mass = seed.mass.si();
@@ -96,21 +92,47 @@ fn make(scene: &Scene, seed: &SeedSettings) -> Result<SeedBody, Error> {
         .iter()
         .map(|s| s.radius)
         .fold(f64::INFINITY, f64::min);
-    Ok(SeedBody {
+    let body = SeedBody {
         outer: clump.without_hidden_spheres(0.5 * smallest),
         clump,
         fraction_density: filling.fraction_density(mass),
         spheres: filling.spheres,
         report: filling.report,
         mesh,
-    })
+    };
+    match seed.scale {
+        None => Ok(body),
+        Some(scale) => scaled(body, scale, &seed.name),
+    }
 }
 
-/// A mesh with all lengths multiplied by a factor.
-fn scaled(mesh: &CheckedMesh, factor: f64) -> Result<CheckedMesh, trimesh::Error> {
-    let mesh = &mesh.mesh;
+/// The body with all lengths multiplied by a factor. It is made from the filling of the mesh as it is,
+/// since a search for another filling could end in another packing.
+fn scaled(body: SeedBody, factor: f64, seed: &str) -> Result<SeedBody, Error> {
+    let mesh = &body.mesh.mesh;
     let triangles: Vec<_> = (0..mesh.triangles().len())
         .map(|t| mesh.corners(t).map(|c| c * factor))
         .collect();
-    TriMesh::from_triangles(&triangles, LengthUnit::Metre, mesh.source())
+    let mesh = TriMesh::from_triangles(&triangles, LengthUnit::Metre, mesh.source()).map_err(
+        |source| Error::Mesh {
+            seed: seed.to_owned(),
+            source,
+        },
+    )?;
+    let refused = |source: clump::Error| Error::Filling {
+        seed: seed.to_owned(),
+        source: source.into(),
+    };
+    let grown = |s: &clump::Sphere| clump::Sphere {
+        centre: s.centre * factor,
+        radius: s.radius * factor,
+    };
+    Ok(SeedBody {
+        clump: body.clump.scaled(factor).map_err(refused)?,
+        outer: body.outer.scaled(factor).map_err(refused)?,
+        spheres: body.spheres.iter().map(grown).collect(),
+        fraction_density: body.fraction_density / factor.powi(3),
+        mesh,
+        report: body.report,
+    })
 }

@@ -56,8 +56,8 @@ pub struct SeedSettings {
     pub count: usize,
     /// Name of the material.
     pub material: String,
-    /// Size of the seed over that of its mesh; the spheres of the filling grow with it, the mass does
-    /// not. 1 where absent.
+    /// Size of the seed over that of its mesh; the filling, stated for the mesh, grows with it, the
+    /// mass does not. 1 where absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub scale: Option<f64>,
     /// How the mesh is filled with spheres.
