@@ -43,7 +43,7 @@ mod tests {
     use crate::{apply, tests::small_drum};
     use scene::FillingLibrary;
 
-    /// One decade: the seeds have a tenth of 4.01 MPa, the walls stay as they are. Rounding only.
+    /// One decade: the seeds have a tenth of `4.01 MPa`, the walls stay as they are. Rounding only.
     #[test]
     fn the_seeds_alone_are_softer_by_the_decades() {
         let mut scene = small_drum();

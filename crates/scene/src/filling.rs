@@ -102,13 +102,13 @@ fn make(scene: &Scene, seed: &SeedSettings) -> Result<SeedBody, Error> {
     };
     match seed.scale {
         None => Ok(body),
-        Some(scale) => scaled(body, scale, &seed.name),
+        Some(scale) => scaled(&body, scale, &seed.name),
     }
 }
 
 /// The body with all lengths multiplied by a factor. It is made from the filling of the mesh as it is,
 /// since a search for another filling could end in another packing.
-fn scaled(body: SeedBody, factor: f64, seed: &str) -> Result<SeedBody, Error> {
+fn scaled(body: &SeedBody, factor: f64, seed: &str) -> Result<SeedBody, Error> {
     let mesh = &body.mesh.mesh;
     let triangles: Vec<_> = (0..mesh.triangles().len())
         .map(|t| mesh.corners(t).map(|c| c * factor))
@@ -133,6 +133,6 @@ fn scaled(body: SeedBody, factor: f64, seed: &str) -> Result<SeedBody, Error> {
         spheres: body.spheres.iter().map(grown).collect(),
         fraction_density: body.fraction_density / factor.powi(3),
         mesh,
-        report: body.report,
+        report: body.report.clone(),
     })
 }

@@ -289,10 +289,10 @@ pub(crate) fn build(scene: &Scene, library: &FillingLibrary, seed: u64) -> Resul
     let limits = limits(scene, &bodies);
     let surroundings = Surroundings::of(scene, &bodies);
     Ok(Built {
-        surroundings,
         world,
         bodies,
         meshes,
+        surroundings,
         limits,
     })
 }
