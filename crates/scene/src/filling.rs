@@ -133,6 +133,6 @@ fn scaled(body: &SeedBody, factor: f64, seed: &str) -> Result<SeedBody, Error> {
         spheres: body.spheres.iter().map(grown).collect(),
         fraction_density: body.fraction_density / factor.powi(3),
         mesh,
-        report: body.report.clone(),
+        report: body.report,
     })
 }
