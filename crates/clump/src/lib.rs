@@ -129,6 +129,24 @@ impl Clump {
         )
     }
 
+    /// The body with all lengths multiplied by a factor; the mass stays.
+    ///
+    /// # Errors
+    ///
+    /// A factor that is not positive.
+    pub fn scaled(&self, factor: f64) -> Result<Self, Error> {
+        positive("factor of the lengths", factor)?;
+        let grown = |s: &Sphere| Sphere {
+            centre: s.centre * factor,
+            radius: s.radius * factor,
+        };
+        Ok(Self {
+            spheres: self.spheres.iter().map(grown).collect(),
+            mass: self.mass,
+            inertia: self.inertia * (factor * factor),
+        })
+    }
+
     /// Spheres in the principal frame.
     pub fn spheres(&self) -> &[Sphere] {
         &self.spheres

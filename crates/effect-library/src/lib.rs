@@ -4,10 +4,26 @@
 //! amplitude that switches it off and the range that is physically possible. To add one, write
 //! its file and name it in [`library`].
 
+mod air_drag;
+mod axis_tilt;
+mod camera_perspective;
 mod camera_roll;
 mod cohesion;
+mod cover_friction;
+mod drive_ripple;
+mod drive_slip;
+mod dry_adhesion;
 mod filling_smoothness;
+mod rig_vibration;
 mod rolling_resistance;
+mod seed_count;
+mod seed_size;
+mod shape_mix;
+mod shell_friction;
+mod size_spread;
+mod softened_stiffness;
+mod wall_charge;
+mod walls;
 
 use scene::{FillingLibrary, Scene};
 use serde::{Deserialize, Serialize};
@@ -18,6 +34,12 @@ use serde::{Deserialize, Serialize};
 pub enum Entry {
     /// The law of a contact.
     Contact,
+    /// Number of bodies, or a force on each.
+    Body,
+    /// A wall.
+    Wall,
+    /// The motion and stand of the apparatus.
+    Drive,
     /// The shape of the seeds.
     SeedShape,
     /// The camera.
@@ -102,13 +124,36 @@ pub enum Error {
     Scene(#[from] scene::Error),
 }
 
+/// The refusal of a quantity, under the name of the effect that led to it.
+pub(crate) fn refused(name: &'static str, error: &quantity::Error) -> Error {
+    Error::Setting {
+        name,
+        reason: error.to_string(),
+    }
+}
+
 /// All effects. Adding one is adding its file and its line here.
-pub fn library() -> [&'static dyn Effect; 4] {
+pub fn library() -> [&'static dyn Effect; 19] {
     [
         &rolling_resistance::RollingResistance,
         &cohesion::Cohesion,
+        &dry_adhesion::DryAdhesion,
+        &softened_stiffness::SoftenedStiffness,
         &filling_smoothness::FillingSmoothness,
+        &seed_size::SeedSize,
+        &size_spread::SizeSpread,
+        &shape_mix::ShapeMix,
+        &seed_count::SeedCount,
+        &air_drag::AirDrag,
+        &shell_friction::ShellFriction,
+        &cover_friction::CoverFriction,
+        &wall_charge::WallCharge,
+        &axis_tilt::AxisTilt,
+        &drive_slip::DriveSlip,
+        &drive_ripple::DriveRipple,
+        &rig_vibration::RigVibration,
         &camera_roll::CameraRoll,
+        &camera_perspective::CameraPerspective,
     ]
 }
 
@@ -165,7 +210,8 @@ pub fn apply(
     if amplitude == 0.0 {
         Ok(())
     } else {
-        effect.apply(scene, amplitude, fillings)
+        effect.apply(scene, amplitude, fillings)?;
+        Ok(scene.check()?)
     }
 }
 

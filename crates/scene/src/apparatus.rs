@@ -6,7 +6,7 @@ mod heap;
 mod metering;
 
 pub use box_collapse::BoxCollapse;
-pub use drum::{Drum, Lifters};
+pub use drum::{Drum, Lifters, Ripple};
 pub use heap::Heap;
 pub use metering::Metering;
 

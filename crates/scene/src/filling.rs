@@ -6,7 +6,7 @@ use clump::Clump;
 use sphere_fill::{FillSettings, FitReport, InertiaSource};
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, PoisonError};
-use trimesh::{CheckedMesh, read_stl};
+use trimesh::{CheckedMesh, LengthUnit, TriMesh, read_stl};
 
 /// A seed as a body, with the report of how well the spheres stand for it.
 #[derive(Debug, Clone)]
@@ -19,10 +19,17 @@ pub struct SeedBody {
     pub spheres: Vec<clump::Sphere>,
     /// The mesh.
     pub mesh: CheckedMesh,
-    /// Fit of the spheres.
+    /// Fit of the spheres, before a scale of the seed.
     pub report: FitReport,
     /// Density of the spheres by the study's eq. (9), kg/m³.
     pub fraction_density: f64,
+}
+
+impl SeedBody {
+    /// Radius of the sphere with the volume of the mesh, m.
+    pub fn volume_radius(&self) -> f64 {
+        (3.0 * self.mesh.mesh.moments().volume / (4.0 * std::f64::consts::PI)).cbrt()
+    }
 }
 
 /// Bodies made so far; shared between threads.
@@ -41,11 +48,12 @@ impl FillingLibrary {
     pub fn body(&self, scene: &Scene, seed: &SeedSettings) -> Result<Arc<SeedBody>, Error> {
         let path = scene.folder.join(&seed.mesh);
         let key = format!(
-            "{} {:?} {:?} {}",
+            "{} {:?} {:?} {} {:?}",
             path.display(),
             seed.mesh_unit,
             seed.filling,
-            seed.mass.si()
+            seed.mass.si(),
+            seed.scale
         );
         // The lock is held while a body is made: others wait for it and do not make it again.
         let mut bodies = self.bodies.lock().unwrap_or_else(PoisonError::into_inner);
@@ -84,12 +92,47 @@ fn make(scene: &Scene, seed: &SeedSettings) -> Result<SeedBody, Error> {
         .iter()
         .map(|s| s.radius)
         .fold(f64::INFINITY, f64::min);
-    Ok(SeedBody {
+    let body = SeedBody {
         outer: clump.without_hidden_spheres(0.5 * smallest),
         clump,
         fraction_density: filling.fraction_density(mass),
         spheres: filling.spheres,
         report: filling.report,
         mesh,
+    };
+    match seed.scale {
+        None => Ok(body),
+        Some(scale) => scaled(&body, scale, &seed.name),
+    }
+}
+
+/// The body with all lengths multiplied by a factor. It is made from the filling of the mesh as it is,
+/// since a search for another filling could end in another packing.
+fn scaled(body: &SeedBody, factor: f64, seed: &str) -> Result<SeedBody, Error> {
+    let mesh = &body.mesh.mesh;
+    let triangles: Vec<_> = (0..mesh.triangles().len())
+        .map(|t| mesh.corners(t).map(|c| c * factor))
+        .collect();
+    let mesh = TriMesh::from_triangles(&triangles, LengthUnit::Metre, mesh.source()).map_err(
+        |source| Error::Mesh {
+            seed: seed.to_owned(),
+            source,
+        },
+    )?;
+    let refused = |source: clump::Error| Error::Filling {
+        seed: seed.to_owned(),
+        source: source.into(),
+    };
+    let grown = |s: &clump::Sphere| clump::Sphere {
+        centre: s.centre * factor,
+        radius: s.radius * factor,
+    };
+    Ok(SeedBody {
+        clump: body.clump.scaled(factor).map_err(refused)?,
+        outer: body.outer.scaled(factor).map_err(refused)?,
+        spheres: body.spheres.iter().map(grown).collect(),
+        fraction_density: body.fraction_density / factor.powi(3),
+        mesh,
+        report: body.report,
     })
 }

@@ -78,10 +78,13 @@ pub fn drum_picture(
     };
     let spheres: Vec<RenderSphere> = frame
         .spheres(bodies)
-        .map(|(seed, s)| RenderSphere {
-            centre: s.centre.into(),
-            radius: s.radius,
-            colour: seed_colour(seed),
+        .map(|(seed, s)| {
+            let size = apparent_size(scene, s.centre.z);
+            RenderSphere {
+                centre: [size * s.centre.x, size * s.centre.y, s.centre.z],
+                radius: size * s.radius,
+                colour: seed_colour(seed),
+            }
         })
         .collect();
     Ok(render_drum(&spheres, &view)?)
@@ -118,4 +121,86 @@ pub fn read_frame(
         .and_then(|points| measure(&points, &drum))
         .ok();
     Ok(FrameReading { photo, position })
+}
+
+/// Size at which something at a depth z (m) is seen, over its size at the front cover.
+///
+/// # Formula
+///
+/// `D / (D + w/2 - z)`, with D the distance of the camera from the front cover and w the width of the
+/// drum; 1 for parallel rays. The camera looks along the axis. A sphere stays a disc: its true outline
+/// is an ellipse that is longer by about half the square of the angle from the axis.
+///
+/// # Source
+///
+/// Central projection `[HartleyZisserman2004, section 6.1]`.
+fn apparent_size(scene: &Scene, z: f64) -> f64 {
+    scene.camera.distance.map_or(1.0, |distance| {
+        distance.si() / (distance.si() + 0.5 * scene.apparatus.width() - z)
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Frame, apparent_size, drum_picture};
+    use crate::{FillingLibrary, Override, Scene};
+    use nalgebra::{UnitQuaternion, Vector3};
+    use std::path::Path;
+
+    /// The study's drum with a camera at 92 mm, twice its width, and seeds of few spheres.
+    fn scene() -> Scene {
+        let file = Path::new(concat!(
+            env!("CARGO_MANIFEST_DIR"),
+            "/../../fixtures/cotton/drum.toml"
+        ));
+        let set = |name: &str, value: &str| Override {
+            name: name.into(),
+            value: value.into(),
+        };
+        let changes = [
+            set("seed.0.filling.sphere_count", "20"),
+            set("seed.0.filling.sphere_radius", "0.8 mm"),
+            set("camera.pixels", "1400"),
+        ];
+        let mut scene = Scene::read(file, &changes).unwrap();
+        scene.camera.distance = Some(quantity::Length::parse("92 mm").unwrap());
+        scene
+    }
+
+    /// At the back cover everything is seen at 92/(92 + 46) = 2/3, at the front cover at 1, and without
+    /// a distance at 1 everywhere.
+    #[test]
+    fn the_back_is_seen_smaller() {
+        let mut scene = scene();
+        assert!((apparent_size(&scene, 0.023) - 1.0).abs() < 1e-15);
+        assert!((apparent_size(&scene, -0.023) - 2.0 / 3.0).abs() < 1e-15);
+        scene.camera.distance = None;
+        assert_eq!(apparent_size(&scene, -0.023), 1.0);
+    }
+
+    /// The lowest row of a seed at 5 cm below the axis: moved from the front cover to the back cover it
+    /// is seen at two thirds of its distance from the middle. One pixel is 0.4 % of that distance.
+    #[test]
+    fn a_seed_at_the_back_is_drawn_towards_the_axis() {
+        let scene = scene();
+        let body = FillingLibrary::default()
+            .body(&scene, &scene.seed[0])
+            .unwrap();
+        let lowest = |z: f64| {
+            let frame = Frame {
+                time: 0.0,
+                kind: vec![0],
+                position: vec![Vector3::new(0.0, -0.05, z)],
+                orientation: vec![UnitQuaternion::identity()],
+                velocity: vec![Vector3::zeros()],
+                spin: vec![Vector3::zeros()],
+            };
+            let picture = drum_picture(&scene, std::slice::from_ref(&body), &frame).unwrap();
+            let column = picture.width() / 2;
+            let dark = (0..1300).filter(|row| picture.get_pixel(column, *row).0[1] < 150);
+            f64::from(dark.max().unwrap()) - 699.5
+        };
+        let ratio = lowest(-0.023) / lowest(0.023);
+        assert!((ratio - 2.0 / 3.0).abs() < 0.008, "{ratio}");
+    }
 }

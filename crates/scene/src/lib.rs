@@ -21,8 +21,9 @@ mod release;
 mod run;
 mod settings;
 mod steady;
+mod surroundings;
 
-pub use apparatus::{Apparatus, BoxCollapse, Drum, Heap, Lifters, Metering};
+pub use apparatus::{Apparatus, BoxCollapse, Drum, Heap, Lifters, Metering, Ripple};
 pub use bench::BenchParts;
 pub use error::Error;
 pub use filling::{FillingLibrary, SeedBody};
@@ -38,3 +39,4 @@ pub use settings::{
     STEP_SHARE, Scene, SeedSettings,
 };
 pub use steady::{Truncation, marginal_standard_error_rule};
+pub use surroundings::SurroundingsSettings;

@@ -79,8 +79,12 @@ impl Scene {
         Self::from_text(&text, &self.file, &self.folder, overrides)
     }
 
-    /// Refuses what cannot be meant.
-    fn check(&self) -> Result<(), Error> {
+    /// Refuses what cannot be meant; for scenes that were changed after reading.
+    ///
+    /// # Errors
+    ///
+    /// A setting out of range, a name that refers to nothing, a contact that nobody states.
+    pub fn check(&self) -> Result<(), Error> {
         let bad = |name: &str, value: String, requirement: &str| {
             Err(Error::BadValue {
                 name: name.into(),
@@ -146,7 +150,23 @@ impl Scene {
                     "above 0",
                 );
             }
+            if let Some(scale) = seed.scale
+                && !(0.01..=100.0).contains(&scale)
+            {
+                let name = format!("scale of seed '{}'", seed.name);
+                return bad(&name, scale.to_string(), "0.01 to 100");
+            }
         }
+        if let Some(distance) = self.camera.distance
+            && distance.si() <= self.apparatus.radius()
+        {
+            return bad(
+                "camera.distance",
+                distance.to_string(),
+                "above the inner radius of the drum",
+            );
+        }
+        self.surroundings.check(&self.apparatus)?;
         self.apparatus.check()?;
         self.check_names()
     }

@@ -31,6 +31,9 @@ pub(crate) fn release(
         built.world.set_mesh_motion(&mesh.name, &mesh.motion);
     }
     let start = built.world.time();
+    if let Some(surroundings) = &mut built.surroundings {
+        surroundings.start(start);
+    }
     let rest = rest_energy(scene, &built.world);
     // The wall must be out of the way before rest can mean anything.
     let lifted = match &scene.apparatus {

@@ -6,6 +6,7 @@ use crate::health::limits;
 use crate::obstacles::mesh_walls;
 use crate::placement::place;
 use crate::steady::{Truncation, marginal_standard_error_rule};
+use crate::surroundings::Surroundings;
 use crate::{Error, FillingLibrary, Frame, FrameReading, Scene, SeedBody, read_frame};
 use contact_law::material::effective_moduli;
 use contact_law::{Material, PairParameters, constant_attraction};
@@ -247,6 +248,8 @@ pub(crate) struct Built {
     pub(crate) bodies: Vec<Arc<SeedBody>>,
     /// Walls of triangles with their motion.
     pub(crate) meshes: Vec<NamedMesh>,
+    /// What acts on the seeds beside gravity and contacts.
+    pub(crate) surroundings: Option<Surroundings>,
     /// What a believable world keeps to.
     limits: HealthLimits,
 }
@@ -287,10 +290,12 @@ fn assemble(
         })?;
     }
     let limits = limits(scene, &bodies);
+    let surroundings = Surroundings::of(scene, &bodies);
     Ok(Built {
         world,
         bodies,
         meshes,
+        surroundings,
         limits,
     })
 }
@@ -363,6 +368,9 @@ fn index_of(names: &[&str], name: &str) -> usize {
 
 /// Sets all walls in motion.
 fn start_drive(scene: &Scene, built: &mut Built) {
+    if let Some(surroundings) = &mut built.surroundings {
+        surroundings.start(built.world.time());
+    }
     for wall in scene.apparatus.walls() {
         built.world.set_wall_spin(wall.name, wall.spin);
     }
@@ -490,7 +498,7 @@ pub(crate) fn interactions(scene: &Scene, names: &[&str]) -> Result<Vec<Interact
             let settings = InteractionSettings {
                 materials: [material_of(scene, a, &pair)?, material_of(scene, b, &pair)?],
                 parameters,
-                attraction: pull,
+                attraction: pull + contact.and_then(|c| c.attraction_n).unwrap_or(0.0),
                 end: model.normal_force_end,
             };
             table.push(Interaction::new(&settings).map_err(refused)?);
@@ -532,7 +540,13 @@ pub(crate) fn advance(scene: &Scene, built: &mut Built, time: f64) -> Result<(),
     let world = &mut built.world;
     let end = world.time() + time - 0.5 * world.settings().time_step;
     while world.time() < end {
-        world.step()?;
+        match &built.surroundings {
+            None => world.step()?,
+            Some(surroundings) => {
+                let now = world.time();
+                world.step_with(|bodies| surroundings.add_forces(now, bodies))?;
+            }
+        }
     }
     world
         .check_health(&built.limits)

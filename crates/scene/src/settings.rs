@@ -1,6 +1,6 @@
 //! What a scene file says.
 
-use crate::Apparatus;
+use crate::{Apparatus, SurroundingsSettings};
 use quantity::{
     Angle, FrictionCoefficient, Length, Mass, PoissonRatio, Pressure, Restitution, Time,
 };
@@ -29,6 +29,9 @@ pub struct Scene {
     pub protocol: Protocol,
     /// The camera.
     pub camera: CameraSettings,
+    /// What acts on the seeds beside gravity and contacts; nothing where absent.
+    #[serde(default, skip_serializing_if = "SurroundingsSettings::is_empty")]
+    pub surroundings: SurroundingsSettings,
     /// Folder to which paths in the scene refer.
     #[serde(skip)]
     pub folder: PathBuf,
@@ -53,6 +56,10 @@ pub struct SeedSettings {
     pub count: usize,
     /// Name of the material.
     pub material: String,
+    /// Size of the seed over that of its mesh; the filling, stated for the mesh, grows with it, the
+    /// mass does not. 1 where absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub scale: Option<f64>,
     /// How the mesh is filled with spheres.
     pub filling: FillingSettings,
 }
@@ -95,6 +102,9 @@ pub struct ContactSettings {
     pub static_friction: FrictionCoefficient,
     /// Coefficient of rolling friction (type A).
     pub rolling_friction: FrictionCoefficient,
+    /// Attraction of a touching pair of spheres beside that of the Bond number, N; 0 where absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub attraction_n: Option<f64>,
 }
 
 /// How bodies and contacts are modelled.
@@ -151,6 +161,9 @@ pub struct CameraSettings {
     pub pixels: u32,
     /// Turn of the camera about its axis, counter-clockwise positive as seen in the picture.
     pub roll: Angle,
+    /// Distance of the camera from the front cover; without end where absent (parallel rays).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub distance: Option<Length>,
 }
 
 impl Scene {

@@ -16,7 +16,11 @@ fn seeds_have_the_triangles_that_another_reader_finds() {
         let ours = read_stl(&path, LengthUnit::Millimetre).unwrap().mesh;
         let theirs = stl_io::read_stl(&mut File::open(&path).unwrap()).unwrap();
         assert_eq!(ours.triangles().len(), theirs.faces.len(), "{name}");
-        let size = ours.vertices().iter().map(nalgebra::Vector3::amax).fold(0.0, f64::max);
+        let size = ours
+            .vertices()
+            .iter()
+            .map(nalgebra::Vector3::amax)
+            .fold(0.0, f64::max);
         for (t, face) in theirs.faces.iter().enumerate() {
             for (own, &index) in ours.corners(t).iter().zip(&face.vertices) {
                 let other = theirs.vertices[index].0;

@@ -31,9 +31,22 @@ pub struct Drum {
     /// Time after which the drum turns the other way, again and again; never where absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub reverse_every: Option<Time>,
+    /// Unsteadiness of the drive; none where absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub ripple: Option<Ripple>,
     /// Radial plates on the shell; none where absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub lifters: Option<Lifters>,
+}
+
+/// A speed that swings about its mean, as behind an eccentric roller.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Ripple {
+    /// Half of the swing over the mean speed, 0 to 1.
+    pub share: f64,
+    /// Swings in one revolution of the drum.
+    pub cycles: f64,
 }
 
 /// Radial plates on the inside of the shell, evenly spread, over the whole width.
@@ -49,7 +62,11 @@ pub struct Lifters {
 }
 
 impl Drum {
-    /// Share of the speed at a time after the start of the drive (s), -1 to 1.
+    /// Share of the speed at a time after the start of the drive (s).
+    ///
+    /// # Formula
+    ///
+    /// `rise(t) (1 + share sin(cycles w t))`, with the sign of the direction, w the mean speed.
     pub(crate) fn share_of_speed(&self, time: f64) -> f64 {
         let rise = self.ramp.map_or(1.0, |ramp| {
             if ramp.si() > 0.0 {
@@ -61,12 +78,19 @@ impl Drum {
         let reversed = self
             .reverse_every
             .is_some_and(|every| (time / every.si()).rem_euclid(2.0) >= 1.0);
-        if reversed { -rise } else { rise }
+        let swing = self.ripple.map_or(1.0, |ripple| {
+            1.0 + ripple.share * (ripple.cycles * self.speed.si() * time).sin()
+        });
+        if reversed {
+            -rise * swing
+        } else {
+            rise * swing
+        }
     }
 
     /// Whether the speed changes with time.
     pub(crate) fn has_schedule(&self) -> bool {
-        self.ramp.is_some() || self.reverse_every.is_some()
+        self.ramp.is_some() || self.reverse_every.is_some() || self.ripple.is_some()
     }
 
     /// Triangles of the lifters, m.
@@ -109,6 +133,17 @@ impl Drum {
         {
             return bad("apparatus.reverse_every", every.to_string(), "above 0 s");
         }
+        if let Some(Ripple { share, cycles }) = self.ripple {
+            if !(0.0..=1.0).contains(&share) {
+                return bad("apparatus.ripple.share", share.to_string(), "0 to 1");
+            }
+            // The speed is set anew every 0.02 s: five times in the shortest swing.
+            let swings = cycles * self.speed.si().abs() / std::f64::consts::TAU;
+            if !(cycles > 0.0 && swings <= 10.0) {
+                let requirement = "above 0, and at most 10 swings in a second";
+                return bad("apparatus.ripple.cycles", cycles.to_string(), requirement);
+            }
+        }
         if let Some(lifters) = &self.lifters {
             let height = lifters.height.si();
             if height <= 0.0 || height >= 0.5 * self.inner_diameter.si() {
@@ -145,5 +180,40 @@ impl Drum {
             wall("front cover", cover(half), &self.cover),
             wall("back cover", cover(-half), &self.cover),
         ]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Drum, Ripple};
+    use quantity::{AngularSpeed, Length};
+
+    /// Over one revolution the drum turns as far with ripple as without, and the speed swings by the
+    /// share to either side. Rounding only: the sum runs over whole swings.
+    #[test]
+    fn ripple_keeps_the_mean_speed() {
+        let drum = Drum {
+            inner_diameter: Length::parse("140 mm").unwrap(),
+            width: Length::parse("46 mm").unwrap(),
+            speed: AngularSpeed::parse("10 rpm").unwrap(),
+            shell: "resin".into(),
+            cover: "resin".into(),
+            tilt: None,
+            ramp: None,
+            reverse_every: None,
+            ripple: Some(Ripple {
+                share: 0.2,
+                cycles: 6.0,
+            }),
+            lifters: None,
+        };
+        let shares: Vec<f64> = (0..600)
+            .map(|k| drum.share_of_speed(f64::from(k) * 0.01))
+            .collect();
+        let mean = shares.iter().sum::<f64>() / 600.0;
+        assert!((mean - 1.0).abs() < 1e-12, "mean {mean}");
+        let largest = shares.iter().copied().fold(0.0, f64::max);
+        assert!((largest - 1.2).abs() < 1e-12, "largest {largest}");
+        assert!(drum.has_schedule(), "the run must follow the ripple");
     }
 }

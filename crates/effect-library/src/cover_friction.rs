@@ -1,0 +1,65 @@
+//! Friction of the covers: other than declared.
+
+use crate::{
+    Description, Effect, Entry, Error,
+    walls::{Part, scale_friction},
+};
+use scene::{FillingLibrary, Scene};
+
+/// Friction of the seeds at both covers, as a share of what the scene states.
+#[derive(Debug)]
+pub(crate) struct CoverFriction;
+
+impl Effect for CoverFriction {
+    fn description(&self) -> Description {
+        Description {
+            name: "cover-friction",
+            physics: "The end covers hold back the seeds beside them, and a narrow drum feels \
+                      that through its whole width. Their friction is often taken from another \
+                      surface than the one in the drum, or changed by dust, wear and cleaning.",
+            formula: "mu_cover = (1 + amplitude) x declared coefficient of static friction",
+            unit: "1",
+            source: "CottonStudy",
+            range: [-0.9, 3.0],
+            probe: 0.5,
+            entry: Entry::Wall,
+        }
+    }
+
+    fn apply(&self, scene: &mut Scene, amplitude: f64, _: &FillingLibrary) -> Result<(), Error> {
+        scale_friction(scene, Part::Cover, 1.0 + amplitude, self.description().name)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::{apply, tests::small_drum};
+    use scene::{Apparatus, FillingLibrary};
+
+    /// Half as much again of 0.29 at the cover, and 0.33 as before at the shell. Rounding only.
+    #[test]
+    fn friction_of_the_cover_alone_rises_by_the_share() {
+        let mut scene = small_drum();
+        apply(
+            &mut scene,
+            "cover-friction",
+            0.5,
+            &FillingLibrary::default(),
+        )
+        .unwrap();
+        let Apparatus::Drum(drum) = &scene.apparatus else {
+            panic!("no drum");
+        };
+        let friction = |wall: &str| {
+            scene
+                .contact_of("seed", wall)
+                .unwrap()
+                .static_friction
+                .get()
+        };
+        let raised = friction(&drum.cover);
+        assert!((raised - 1.5 * 0.29).abs() < 1e-15, "{raised}");
+        assert_eq!(friction(&drum.shell), 0.33, "the shell");
+        assert_eq!(friction("seed"), 0.10, "between seeds");
+    }
+}

@@ -1,0 +1,65 @@
+//! Friction of the shell: other than declared.
+
+use crate::{
+    Description, Effect, Entry, Error,
+    walls::{Part, scale_friction},
+};
+use scene::{FillingLibrary, Scene};
+
+/// Friction of the seeds at the shell, as a share of what the scene states.
+#[derive(Debug)]
+pub(crate) struct ShellFriction;
+
+impl Effect for ShellFriction {
+    fn description(&self) -> Description {
+        Description {
+            name: "shell-friction",
+            physics: "The shell drives the bed. With a smoother shell than the declared one the \
+                      bed slides or sits lower; a rougher one lifts it until the angle no longer \
+                      depends on the wall.",
+            formula: "mu_shell = (1 + amplitude) x declared coefficient of static friction",
+            unit: "1",
+            source: "CottonStudy",
+            range: [-0.9, 3.0],
+            probe: 0.5,
+            entry: Entry::Wall,
+        }
+    }
+
+    fn apply(&self, scene: &mut Scene, amplitude: f64, _: &FillingLibrary) -> Result<(), Error> {
+        scale_friction(scene, Part::Shell, 1.0 + amplitude, self.description().name)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::{apply, tests::small_drum};
+    use scene::{Apparatus, FillingLibrary};
+
+    /// Half as much again of 0.33 at the shell, and 0.29 as before at the cover. Rounding only.
+    #[test]
+    fn friction_of_the_shell_alone_rises_by_the_share() {
+        let mut scene = small_drum();
+        apply(
+            &mut scene,
+            "shell-friction",
+            0.5,
+            &FillingLibrary::default(),
+        )
+        .unwrap();
+        let Apparatus::Drum(drum) = &scene.apparatus else {
+            panic!("no drum");
+        };
+        let friction = |wall: &str| {
+            scene
+                .contact_of("seed", wall)
+                .unwrap()
+                .static_friction
+                .get()
+        };
+        let raised = friction(&drum.shell);
+        assert!((raised - 1.5 * 0.33).abs() < 1e-15, "{raised}");
+        assert_eq!(friction(&drum.cover), 0.29, "the cover");
+        assert_eq!(friction("seed"), 0.10, "between seeds");
+    }
+}

@@ -1,0 +1,80 @@
+//! Spread of size: the seeds of one kind are not all alike.
+
+use crate::{Description, Effect, Entry, Error, refused};
+use quantity::Mass;
+use scene::{FillingLibrary, Scene, SeedSettings};
+
+/// Each kind of seed in two sizes, half of the seeds each.
+#[derive(Debug)]
+pub(crate) struct SizeSpread;
+
+impl Effect for SizeSpread {
+    fn description(&self) -> Description {
+        Description {
+            name: "size-spread",
+            physics: "Grown seeds vary in size, the model has one size a kind. A spread lets \
+                      small seeds fill gaps between large ones and sink to the core of the bed. \
+                      Two sizes stand for the distribution; they have its standard deviation, and \
+                      the density of the declared seed.",
+            formula: "half of the seeds have (1 + amplitude) x, half (1 - amplitude) x the \
+                      declared lengths; mass ~ length^3",
+            unit: "1",
+            source: "CottonStudy",
+            range: [0.0, 0.3],
+            probe: 0.15,
+            entry: Entry::SeedShape,
+        }
+    }
+
+    fn apply(&self, scene: &mut Scene, amplitude: f64, _: &FillingLibrary) -> Result<(), Error> {
+        let mut seeds = Vec::with_capacity(2 * scene.seed.len());
+        for kind in &scene.seed {
+            let large = kind.count / 2;
+            for (word, factor, count) in [
+                ("small", 1.0 - amplitude, kind.count - large),
+                ("large", 1.0 + amplitude, large),
+            ] {
+                let mass = Mass::from_si(kind.mass.si() * factor.powi(3))
+                    .map_err(|e| refused(self.description().name, &e))?;
+                seeds.push(SeedSettings {
+                    name: format!("{} {word}", kind.name),
+                    mass,
+                    count,
+                    scale: Some(kind.scale.unwrap_or(1.0) * factor),
+                    ..kind.clone()
+                });
+            }
+        }
+        scene.seed = seeds;
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::{apply, tests::small_drum};
+    use scene::FillingLibrary;
+
+    /// Over all seeds the size has the declared mean and the standard deviation asked for, and the
+    /// density is the declared one. The counts are even, so that only rounding is left.
+    #[test]
+    fn sizes_have_the_spread_asked_for() {
+        let (declared, mut spread) = (small_drum(), small_drum());
+        apply(&mut spread, "size-spread", 0.2, &FillingLibrary::default()).unwrap();
+        assert_eq!(spread.seed_count(), declared.seed_count());
+        let n = spread.seed_count() as f64;
+        let mean = |f: &dyn Fn(f64) -> f64| {
+            let kinds = spread.seed.iter();
+            kinds
+                .map(|s| s.count as f64 * f(s.scale.unwrap()))
+                .sum::<f64>()
+                / n
+        };
+        assert!((mean(&|x| x) - 1.0).abs() < 1e-12);
+        assert!((mean(&|x| (x - 1.0).powi(2)).sqrt() - 0.2).abs() < 1e-12);
+        for seed in &spread.seed {
+            let density = seed.mass.si() / seed.scale.unwrap().powi(3);
+            assert!((density / 94.5e-6 - 1.0).abs() < 1e-12, "{}", seed.name);
+        }
+    }
+}
