@@ -119,9 +119,12 @@ impl Grid {
         mut found: impl FnMut(u32),
     ) {
         for first in range.clone().step_by(LANES) {
-            let between = [0, 1, 2].map(|axis| {
-                f32x8::from_slice(simd, &self.sorted[axis][first..first + LANES]) - centre[axis]
-            });
+            let block = |axis: usize| &self.sorted[axis][first..first + LANES];
+            let between = [
+                f32x8::from_slice(simd, block(0)) - centre[0],
+                f32x8::from_slice(simd, block(1)) - centre[1],
+                f32x8::from_slice(simd, block(2)) - centre[2],
+            ];
             let used = (1_u64 << (range.end - first).min(LANES)) - 1;
             // What is no number counts as near: the caller looks again in double precision.
             for lane in set_bits(!squares(&between).simd_gt(limit).to_bitmask() & used) {

@@ -145,7 +145,8 @@ pub(crate) fn search<S: Simd>(
         if keep == 0 {
             continue;
         }
-        let centre = centre.map(Lanes::from);
+        let [x, y, z] = centre;
+        let centre = [Lanes::from(x), Lanes::from(y), Lanes::from(z)];
         for l in set_bits(keep) {
             kept_j.push(&centre, group.radius[l], l, k * LANES + l);
             let reach = group.radius[l] + skin;

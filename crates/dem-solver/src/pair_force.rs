@@ -8,7 +8,7 @@
 use crate::batch::{Batch, Sink};
 use crate::bodies::Bodies;
 use crate::contact::{Interaction, Mover, SpherePair};
-use crate::lanes::{Lanes, along, load_vectors, set_bits, squares};
+use crate::lanes::{LANES, along, load_vectors, set_bits, squares};
 use crate::neighbours::{Chunk, Neighbours, Touch};
 use crate::template::{CELLS, Template};
 use crate::world::Settings;
@@ -83,14 +83,20 @@ fn distances<S: Simd>(
     rj: &[f32; 9],
     d: &[f32; 3],
 ) -> f32x8<S> {
-    let metres = |cells: &[[i16; 8]; 3]| -> [Lanes; 3] { cells.map(|axis| axis.map(f32::from)) };
-    let i = load_vectors(simd, &metres(&chunk.i));
-    let j = load_vectors(simd, &metres(&chunk.j));
-    let between = [0, 3, 6].map(|row| {
-        along(&j, &[rj[row], rj[row + 1], rj[row + 2]])
-            - along(&i, &[ri[row], ri[row + 1], ri[row + 2]])
-            + d[row / 3]
-    });
+    // Plain code: vector arithmetic inside a closure given to `map` would not be inlined.
+    let (mut own, mut other) = ([[0.0; LANES]; 3], [[0.0; LANES]; 3]);
+    for axis in 0..3 {
+        for l in 0..LANES {
+            own[axis][l] = f32::from(chunk.i[axis][l]);
+            other[axis][l] = f32::from(chunk.j[axis][l]);
+        }
+    }
+    let (i, j) = (load_vectors(simd, &own), load_vectors(simd, &other));
+    let between = [
+        along(&j, &[rj[0], rj[1], rj[2]]) - along(&i, &[ri[0], ri[1], ri[2]]) + d[0],
+        along(&j, &[rj[3], rj[4], rj[5]]) - along(&i, &[ri[3], ri[4], ri[5]]) + d[1],
+        along(&j, &[rj[6], rj[7], rj[8]]) - along(&i, &[ri[6], ri[7], ri[8]]) + d[2],
+    ];
     squares(&between)
 }
 
