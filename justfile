@@ -70,6 +70,11 @@ angle *ARGS:
 angle-trials *ARGS:
     cargo run --release --locked -p photo-profile --example angle_trials -- "$@"
 
+# Show what the time step does to the drum's angle, slip and energy: RUNS runs at each step (an hour for
+# 10). Finished runs in FOLDER are found again.
+step-study FOLDER="out/time-step" RUNS="10":
+    cargo run --release --locked -p study --example time_step -- {{FOLDER}} {{RUNS}}
+
 # Measure what a step of the solver costs, on the default set of scenes.
 bench *ARGS:
     cargo run --release --locked -p benchmark -- "$@"

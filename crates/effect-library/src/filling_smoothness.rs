@@ -5,6 +5,11 @@ use quantity::Length;
 use scene::{FillingLibrary, Scene};
 use sphere_fill::Method;
 
+/// Longest time step of a smooth filling, as a share of the duration of a hard contact: two smooth
+/// seeds touch at more spheres at a time, which makes their contact stiffer. At 0.40 a drum of seeds
+/// of 40 % of the roughness threw one out.
+const STEP_SHARE: f64 = 0.30;
+
 /// A filling whose surface follows the mesh more closely, with the mass and inertia of the seed.
 #[derive(Debug)]
 pub(crate) struct FillingSmoothness;
@@ -47,6 +52,8 @@ impl Effect for FillingSmoothness {
             seed.filling.sphere_count = None;
             seed.filling.roughness = Some(target);
         }
+        let share = &mut scene.protocol.step_share;
+        *share = share.min(STEP_SHARE);
         Ok(())
     }
 }

@@ -143,9 +143,9 @@ pub struct Protocol {
 /// Longest time step as a share of the duration of a hard contact, where a scene does not say
 /// otherwise.
 ///
-/// Measured on the study's drum (`just step-study`, docs/time-step.md): up to this share the angle, the
-/// slip at the shell, the curvature and the kinetic energy are those of a step four times smaller;
-/// at 0.51 the slip and the energy are not.
+/// Measured on the study's drum (docs/time-step.md): up to a share of 0.44 the angle, the slip at the shell,
+/// the curvature and the kinetic energy are those of a step several times smaller; at 0.51 the slip and
+/// the energy are not.
 pub const STEP_SHARE: f64 = 0.40;
 
 /// [`STEP_SHARE`], for serde.

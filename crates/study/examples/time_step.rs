@@ -1,0 +1,66 @@
+//! What the time step does to the study's drum: angle, shell slip, curvature and kinetic energy.
+//!
+//! `cargo run --release -p study --example time_step -- FOLDER [RUNS]`
+//!
+//! Runs the drum with RUNS seeds (default 10) at each step and prints means with standard errors.
+//! Finished runs are kept in FOLDER and found again. The shortest step is the reference; each of its runs
+//! takes more than a minute of one core.
+
+#![expect(clippy::print_stdout, reason = "the table is the purpose")]
+
+use campaign::{Campaign, RunRequest, Silent};
+use run_store::{Record, Store};
+use scene::Scene;
+use std::collections::BTreeMap;
+use std::error::Error;
+use std::path::Path;
+use study::SceneSimulator;
+
+/// Time steps, s; the first is the reference.
+const STEPS: [f64; 4] = [0.025e-3, 0.1e-3, 0.12e-3, 0.14e-3];
+
+/// What is compared.
+const OBSERVABLES: [&str; 5] = [
+    "angle_deg",
+    "centre_of_mass_deg",
+    "curvature",
+    "shell_slip",
+    "kinetic_energy_mj",
+];
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let mut arguments = std::env::args().skip(1);
+    let folder = arguments.next().ok_or("usage: time_step FOLDER [RUNS]")?;
+    let runs: u64 = arguments.next().map_or(Ok(10), |text| text.parse())?;
+    let drum = Path::new("fixtures/cotton/drum.toml");
+    let scenes = BTreeMap::from([("drum".to_owned(), Scene::read(drum, &[])?)]);
+    let simulator = SceneSimulator::new(scenes)?;
+    let store = Store::open(folder)?;
+    let threads = std::thread::available_parallelism().map_or(1, usize::from);
+    let campaign = Campaign::new(&store, threads, &Silent);
+    println!("| step, ms | runs | {} |", OBSERVABLES.join(" | "));
+    println!("|---|---|{}", "---|".repeat(OBSERVABLES.len()));
+    for step in STEPS {
+        let request = |seed| {
+            let mut request = RunRequest::new("drum", seed);
+            let settings = [("time_step_s", step), ("protocol.step_share", 1.0)];
+            request.parameters = settings.map(|(n, v)| (n.to_owned(), v)).into();
+            request
+        };
+        let requests: Vec<_> = (1..=runs).map(request).collect();
+        let records = campaign.run_all(&simulator, &requests)?;
+        let cells: Vec<_> = OBSERVABLES.iter().map(|o| cell(&records, o)).collect();
+        println!("| {:.4} | {runs} | {} |", step * 1e3, cells.join(" | "));
+    }
+    Ok(())
+}
+
+/// Mean and standard error over the runs.
+fn cell(records: &[Record], observable: &str) -> String {
+    let means = records.iter().filter_map(|r| r.observable(observable));
+    let values: Vec<f64> = means.map(|o| o.mean).collect();
+    let n = values.len() as f64;
+    let mean = values.iter().sum::<f64>() / n;
+    let square: f64 = values.iter().map(|v| (v - mean).powi(2)).sum();
+    format!("{mean:.4} +- {:.4}", (square / (n - 1.0) / n).sqrt())
+}
