@@ -80,13 +80,16 @@ impl MeshWalls {
     /// Changes velocity, spin and vibration of all walls of a name; the centre of rotation stays.
     /// False if there is no such wall or a number is not finite.
     pub(crate) fn set_motion(&mut self, name: &str, motion: &Motion) -> bool {
+        if !motion.is_finite() {
+            return false;
+        }
         let mut known = false;
         for moving in self.moving.iter_mut().filter(|m| m.wall.name == name) {
             let about = moving.wall.motion.about;
             moving.wall.motion = Motion { about, ..*motion };
             known = true;
         }
-        known && motion.is_finite()
+        known
     }
 
     /// Longest way of a wall since the last search, m.

@@ -6,8 +6,7 @@ use scene::{FillingLibrary, Scene};
 use sphere_fill::Method;
 
 /// Longest time step of a smooth filling, as a share of the duration of a hard contact: two smooth
-/// seeds touch at more spheres at a time, which makes their contact stiffer. At 0.40 a drum of seeds
-/// of 40 % of the roughness threw one out.
+/// seeds touch at more spheres at a time, which makes their contact stiffer (docs/time-step.md).
 const STEP_SHARE: f64 = 0.30;
 
 /// A filling whose surface follows the mesh more closely, with the mass and inertia of the seed.

@@ -17,7 +17,7 @@ use crate::vtk::{File, add};
 use contact_law::hertz_mindlin::damping_ratio;
 use contact_law::{Material, NormalForceEnd, material::effective_moduli};
 use dem_solver::DashpotMass;
-use scene::{Apparatus, Drum, Frame, Scene, SeedBody};
+use scene::{Apparatus, ContactSettings, Drum, Frame, Scene, SeedBody};
 use std::f64::consts::PI;
 use std::sync::Arc;
 
@@ -131,8 +131,18 @@ fn supported(scene: &Scene) -> Result<&Drum, Error> {
             "remove lifters and [[wall]] from the scene",
         );
     }
-    if drum.ramp.is_some() || drum.reverse_every.is_some() {
-        return missing("a speed that changes", "remove ramp and reverse_every");
+    if drum.ramp.is_some() || drum.reverse_every.is_some() || drum.ripple.is_some() {
+        return missing(
+            "a speed that changes",
+            "remove ramp, reverse_every and ripple",
+        );
+    }
+    if !scene.surroundings.is_empty() {
+        return missing("air, charge or vibration", "remove [surroundings]");
+    }
+    let pulls = |c: &ContactSettings| c.attraction_n.is_some_and(|force| force != 0.0);
+    if scene.contact.values().any(pulls) {
+        return missing("a constant attraction", "remove attraction_n");
     }
     if scene.model.bond_number != 0.0 {
         return missing("a constant attraction", "set model.bond_number to 0");

@@ -120,6 +120,17 @@ impl Scene {
                 "above the step",
             );
         }
+        let shaken = self.wall.iter().filter_map(|wall| wall.vibration.as_ref());
+        for vibration in shaken.chain(&self.surroundings.vibration) {
+            let swings_per_step = vibration.frequency.si() * p.time_step.si();
+            if !(swings_per_step > 0.0 && swings_per_step <= 0.05) {
+                return bad(
+                    "vibration.frequency",
+                    vibration.frequency.to_string(),
+                    "above 0, with 20 time steps or more in a swing",
+                );
+            }
+        }
         let bond = self.model.bond_number;
         if !(0.0..=100.0).contains(&bond) {
             return bad("model.bond_number", bond.to_string(), "0 to 100");
@@ -201,6 +212,20 @@ impl Scene {
                         pair,
                     });
                 }
+            }
+        }
+        let own: Vec<String> = {
+            let walls = self.apparatus.mesh_walls().into_iter();
+            walls.map(|wall| wall.name).collect()
+        };
+        for (k, wall) in self.wall.iter().enumerate() {
+            let twice = self.wall[..k].iter().any(|other| other.name == wall.name);
+            if twice || own.contains(&wall.name) {
+                return Err(Error::BadValue {
+                    name: "wall.name".into(),
+                    value: wall.name.clone(),
+                    requirement: "another name: each wall of triangles needs its own".into(),
+                });
             }
         }
         Ok(())

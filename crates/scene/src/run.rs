@@ -450,7 +450,8 @@ pub(crate) fn longest_time_step(scene: &Scene, bodies: &[Arc<SeedBody>]) -> Resu
         let arm = clump.bounding_radius();
         let felt = 1.0 / (1.0 / clump.mass() + arm * arm / clump.inertia().max());
         let mut stiffest = 0.0_f64;
-        for name in scene.wall_materials() {
+        let seeds = scene.seed.iter().map(|s| s.material.as_str());
+        for name in scene.wall_materials().into_iter().chain(seeds) {
             let pair = format!("{}-{name}", seed.material);
             let moduli = effective_moduli(
                 &material_of(scene, &seed.material, &pair)?,

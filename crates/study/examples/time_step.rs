@@ -32,6 +32,9 @@ fn main() -> Result<(), Box<dyn Error>> {
     let mut arguments = std::env::args().skip(1);
     let folder = arguments.next().ok_or("usage: time_step FOLDER [RUNS]")?;
     let runs: u64 = arguments.next().map_or(Ok(10), |text| text.parse())?;
+    if runs < 2 {
+        return Err("RUNS must be 2 or more: one run has no standard error".into());
+    }
     let drum = Path::new("fixtures/cotton/drum.toml");
     let scenes = BTreeMap::from([("drum".to_owned(), Scene::read(drum, &[])?)]);
     let simulator = SceneSimulator::new(scenes)?;
