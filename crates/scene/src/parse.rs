@@ -85,52 +85,7 @@ impl Scene {
     ///
     /// A setting out of range, a name that refers to nothing, a contact that nobody states.
     pub fn check(&self) -> Result<(), Error> {
-        let bad = |name: &str, value: String, requirement: &str| {
-            Err(Error::BadValue {
-                name: name.into(),
-                value,
-                requirement: requirement.into(),
-            })
-        };
-        let p = &self.protocol;
-        for (name, time) in [
-            ("protocol.time_step", p.time_step),
-            ("protocol.settle_limit", p.settle_limit),
-            ("protocol.rotation_limit", p.rotation_limit),
-            ("protocol.frame_interval", p.frame_interval),
-        ] {
-            if time.si() <= 0.0 {
-                return bad(name, time.to_string(), "above 0");
-            }
-        }
-        if !(p.step_share > 0.0 && p.step_share <= 1.0) {
-            return bad(
-                "protocol.step_share",
-                p.step_share.to_string(),
-                "above 0, at most 1",
-            );
-        }
-        if p.frames < 2 {
-            return bad("protocol.frames", p.frames.to_string(), "at least 2");
-        }
-        if p.frame_interval.si() < p.time_step.si() {
-            return bad(
-                "protocol.frame_interval",
-                p.frame_interval.to_string(),
-                "above the step",
-            );
-        }
-        let shaken = self.wall.iter().filter_map(|wall| wall.vibration.as_ref());
-        for vibration in shaken.chain(&self.surroundings.vibration) {
-            let swings_per_step = vibration.frequency.si() * p.time_step.si();
-            if !(swings_per_step > 0.0 && swings_per_step <= 0.05) {
-                return bad(
-                    "vibration.frequency",
-                    vibration.frequency.to_string(),
-                    "above 0, with 20 time steps or more in a swing",
-                );
-            }
-        }
+        self.check_protocol()?;
         let bond = self.model.bond_number;
         if !(0.0..=100.0).contains(&bond) {
             return bad("model.bond_number", bond.to_string(), "0 to 100");
@@ -182,6 +137,50 @@ impl Scene {
         self.check_names()
     }
 
+    /// Refuses times, steps and counts that cannot be meant.
+    fn check_protocol(&self) -> Result<(), Error> {
+        let p = &self.protocol;
+        for (name, time) in [
+            ("protocol.time_step", p.time_step),
+            ("protocol.settle_limit", p.settle_limit),
+            ("protocol.rotation_limit", p.rotation_limit),
+            ("protocol.frame_interval", p.frame_interval),
+        ] {
+            if time.si() <= 0.0 {
+                return bad(name, time.to_string(), "above 0");
+            }
+        }
+        if !(p.step_share > 0.0 && p.step_share <= 1.0) {
+            return bad(
+                "protocol.step_share",
+                p.step_share.to_string(),
+                "above 0, at most 1",
+            );
+        }
+        if p.frames < 2 {
+            return bad("protocol.frames", p.frames.to_string(), "at least 2");
+        }
+        if p.frame_interval.si() < p.time_step.si() {
+            return bad(
+                "protocol.frame_interval",
+                p.frame_interval.to_string(),
+                "above the step",
+            );
+        }
+        let shaken = self.wall.iter().filter_map(|wall| wall.vibration.as_ref());
+        for vibration in shaken.chain(&self.surroundings.vibration) {
+            let swings_per_step = vibration.frequency.si() * p.time_step.si();
+            if !(swings_per_step > 0.0 && swings_per_step <= 0.05) {
+                return bad(
+                    "vibration.frequency",
+                    vibration.frequency.to_string(),
+                    "above 0, with 20 time steps or more in a swing",
+                );
+            }
+        }
+        Ok(())
+    }
+
     /// Refuses names that refer to nothing, and contacts that nobody states.
     fn check_names(&self) -> Result<(), Error> {
         let walls = self.wall_materials();
@@ -230,6 +229,15 @@ impl Scene {
         }
         Ok(())
     }
+}
+
+/// The refusal of a value.
+fn bad<T>(name: &str, value: String, requirement: &str) -> Result<T, Error> {
+    Err(Error::BadValue {
+        name: name.into(),
+        value,
+        requirement: requirement.into(),
+    })
 }
 
 /// Changes one setting of a table.
