@@ -1,7 +1,7 @@
 //! Other apparatus than the plain drum, bench tests, the verification table, and exports.
 
 use crate::tiny_scene::TinyScene;
-use crate::{assert_code, assert_error, json, seedloop, text};
+use crate::{assert_code, assert_error, json, seedloop};
 use std::fs;
 use std::path::Path;
 
@@ -178,19 +178,29 @@ fn a_scene_is_exported_for_lammps_and_paraview() {
     }
 }
 
+/// What a deck cannot carry is refused, with the setting to remove; nothing is left out silently.
 #[test]
-fn cohesion_has_no_place_in_a_deck() {
-    let scene = TinyScene::new();
-    let words = [
-        "export",
-        "lammps",
-        "tiny.toml",
-        "--out",
-        "deck",
-        "--set",
-        "bond_number=1",
-    ];
-    let output = seedloop(scene.path("").as_path(), &words);
-    assert_error(&output, &["attraction", "LAMMPS", "bond_number"]);
-    assert!(text(&output.stdout).is_empty());
+fn what_a_deck_cannot_carry_is_refused() {
+    for (from, to, named) in [
+        ("bond_number = 0.0", "bond_number = 1.0", "bond_number"),
+        (
+            "restitution = 0.06",
+            "restitution = 0.06\nattraction_n = 1e-5",
+            "attraction_n",
+        ),
+        (
+            "[model]",
+            "[surroundings]\nair_drag = 1.0\n\n[model]",
+            "surroundings",
+        ),
+    ] {
+        let scene = TinyScene::changed(from, to);
+        let words = ["export", "lammps", "tiny.toml", "--out", "deck"];
+        let output = seedloop(scene.path("").as_path(), &words);
+        assert_error(&output, &["LAMMPS", named]);
+        assert!(
+            !scene.path("deck").exists(),
+            "a deck without {named} was written"
+        );
+    }
 }

@@ -130,3 +130,30 @@ fn a_setting_that_cannot_be_meant_is_refused_as_in_the_file() {
         &["tiny.toml", "2.5"],
     );
 }
+
+/// A step of 0.1 ms samples a swing of 5 kHz twice: what the seeds feel would be another frequency.
+#[test]
+fn a_vibration_too_fast_for_the_time_step_is_refused() {
+    let scene = TinyScene::changed(
+        "[model]",
+        "[surroundings.vibration]\namplitude = [\"0 mm\", \"0.1 mm\", \"0 mm\"]\nfrequency = \"5 kHz\"\n\n[model]",
+    );
+    assert_error(
+        &scene.simulate(&[]),
+        &["vibration.frequency", "20 time steps"],
+    );
+}
+
+#[test]
+fn a_step_share_above_1_is_refused() {
+    let scene = TinyScene::changed("[protocol]", "[protocol]\nstep_share = 1.5");
+    assert_error(&scene.simulate(&[]), &["step_share", "1.5", "at most 1"]);
+}
+
+/// Two walls of one name would take each other's motion.
+#[test]
+fn two_walls_of_one_name_are_refused() {
+    let wall = "[[wall]]\nname = \"plate\"\nmesh = \"FIXTURES/cotton_flat.stl\"\nmesh_unit = \"mm\"\nmaterial = \"tough_resin\"\n\n";
+    let scene = TinyScene::changed("[model]", &format!("{wall}{wall}[model]"));
+    assert_error(&scene.simulate(&[]), &["wall.name", "plate", "its own"]);
+}
