@@ -34,7 +34,9 @@ fn a_tilted_drum_with_lifters_and_a_ramp_runs() {
          lifters = {{ count = 3, height = \"5 mm\", material = \"tough_resin\" }}\n"
     );
     let scene = TinyScene::changed(DRUM, &more);
-    let output = scene.simulate(&["--set", "time_s=0.3", "--json", "--quiet"]);
+    // A bed deep enough that its surface can be read between the lifters.
+    let settings = ["--set", "time_s=0.3", "--set", "seed.0.count=60"];
+    let output = scene.simulate(&[&settings[..], &["--json", "--quiet"]].concat());
     assert_code(&output, 0);
     let fill = json(&output)["observables"]["fill_level"]["mean"]
         .as_f64()
