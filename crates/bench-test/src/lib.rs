@@ -3,7 +3,7 @@
 //! Three tests as the study did them `[CottonStudy, section 2.2]`: a drop on a plate (restitution from
 //! heights), a sled of glued seeds (static friction), a tilted plate (rolling friction as the tangent
 //! of the angle at which a seed starts to roll). [`measured`] turns tables of such measurements into
-//! a coefficient with its interval; [`drop`], [`slider`] and [`tilt`] do the tests with the solver, so
+//! a coefficient with its interval; [`mod@drop`], [`slider`] and [`tilt`] do the tests with the solver, so
 //! that what a whole agglomerate shows can be held against what was put into its spheres.
 
 pub mod drop;
