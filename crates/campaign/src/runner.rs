@@ -103,25 +103,65 @@ impl<'a> Campaign<'a> {
         simulator: &dyn Simulator,
         requests: &[RunRequest],
     ) -> Result<Vec<Record>, Error> {
-        let begin = Instant::now();
         let (jobs, job_of_request) = distinct_jobs(simulator, requests)?;
-        let board = Mutex::new(self.look_up(&jobs)?);
-        self.tell(&jobs, &lock(&board), begin);
-        let workers = self.threads.min(lock(&board).waiting.len());
-        std::thread::scope(|scope| {
-            for _ in 0..workers {
-                scope.spawn(|| self.work(simulator, &jobs, &board, begin));
-            }
-        });
-        let results = board
-            .into_inner()
-            .unwrap_or_else(PoisonError::into_inner)
-            .results;
-        let records = collect(&jobs, results)?;
+        let records = collect(&jobs, self.do_all(simulator, &jobs)?)?;
         Ok(job_of_request
             .into_iter()
             .filter_map(|job| records.get(job).cloned())
             .collect())
+    }
+
+    /// The same, but a run that fails costs its own record only: for each request, in order, the
+    /// record or the reason of the failure.
+    ///
+    /// # Errors
+    ///
+    /// As [`Campaign::run_all`], without [`Error::Run`].
+    pub fn run_each(
+        &self,
+        simulator: &dyn Simulator,
+        requests: &[RunRequest],
+    ) -> Result<Vec<Result<Record, String>>, Error> {
+        let (jobs, job_of_request) = distinct_jobs(simulator, requests)?;
+        let results = self.do_all(simulator, &jobs)?;
+        let n_done = results.iter().flatten().filter(|r| r.is_ok()).count();
+        let mut each = Vec::with_capacity(jobs.len());
+        for (job, result) in jobs.iter().zip(results) {
+            each.push(match result {
+                Some(Ok(record)) => Ok(record),
+                Some(Err(Failure::Simulator(error))) => Err(in_full(&error)),
+                Some(Err(Failure::Store(source))) => return Err(job.store_error(source)),
+                None => {
+                    return Err(Error::Stopped {
+                        n_done,
+                        n_runs: jobs.len(),
+                    });
+                }
+            });
+        }
+        Ok(job_of_request
+            .into_iter()
+            .filter_map(|job| each.get(job).cloned())
+            .collect())
+    }
+
+    /// What comes of every job: from the store, or by running it.
+    fn do_all(
+        &self,
+        simulator: &dyn Simulator,
+        jobs: &[Job],
+    ) -> Result<Vec<Option<Result<Record, Failure>>>, Error> {
+        let begin = Instant::now();
+        let board = Mutex::new(self.look_up(jobs)?);
+        self.tell(jobs, &lock(&board), begin);
+        let workers = self.threads.min(lock(&board).waiting.len());
+        std::thread::scope(|scope| {
+            for _ in 0..workers {
+                scope.spawn(|| self.work(simulator, jobs, &board, begin));
+            }
+        });
+        let board = board.into_inner().unwrap_or_else(PoisonError::into_inner);
+        Ok(board.results)
     }
 
     /// Finds what the store has, and orders the rest, longest first.
@@ -311,6 +351,21 @@ fn collect(
         });
     }
     Ok(records)
+}
+
+/// An error with its causes, as one line.
+fn in_full(error: &SimulatorError) -> String {
+    let mut text = error.to_string();
+    let mut cause = std::error::Error::source(error);
+    while let Some(next) = cause {
+        let words = next.to_string();
+        if !text.contains(&words) {
+            text.push_str(": ");
+            text.push_str(&words);
+        }
+        cause = next.source();
+    }
+    text
 }
 
 /// Puts a panic of the simulator into an error.

@@ -162,6 +162,27 @@ fn failure_of_a_run_is_reported_with_its_request_and_the_others_are_stored() {
     }
 }
 
+/// A failure costs its own record only, also where it is asked for twice; the others are as ever.
+#[test]
+fn each_run_gives_its_record_or_its_reason() {
+    let folder = tempfile::tempdir().unwrap();
+    let store = Store::open(folder.path()).unwrap();
+    let mut list = requests(&[1.0, 13.0, 2.0]);
+    list.push(list[1].clone());
+    let toy = Toy::default();
+    let results = Campaign::new(&store, 2, &Silent)
+        .run_each(&toy, &list)
+        .unwrap();
+    let y = |i: usize| results[i].as_ref().unwrap().observable("y").unwrap().mean;
+    assert!((y(0) - 2.0).abs() < 1.0 && (y(2) - 4.0).abs() < 1.0);
+    for i in [1, 3] {
+        let reason = results[i].as_ref().unwrap_err();
+        assert!(reason.contains("the drum is empty"), "{reason}");
+    }
+    assert_eq!(toy.runs.load(Ordering::SeqCst), 3);
+    assert_eq!(store.keys().unwrap().len(), 2);
+}
+
 #[test]
 fn stop_flag_is_honoured_between_runs_and_the_rest_follows_later() {
     let folder = tempfile::tempdir().unwrap();
