@@ -178,6 +178,17 @@ impl World {
         Ok(self)
     }
 
+    /// Sets the gravity that acts from the next step on, m/s².
+    ///
+    /// Changes nothing and returns false if it is not finite.
+    pub fn set_gravity(&mut self, gravity: Vector3<f64>) -> bool {
+        let finite = gravity.iter().all(|x| x.is_finite());
+        if finite {
+            self.settings.gravity = gravity;
+        }
+        finite
+    }
+
     /// Sets the spin of all walls of a name, rad/s.
     ///
     /// Changes nothing and returns false if there is no such wall, if one of them is no surface

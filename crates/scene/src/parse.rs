@@ -20,6 +20,9 @@ const SHORT_NAMES: [(&str, &str, &str); 3] = [
     ("time_step_s", "protocol.time_step", "s"),
 ];
 
+/// Largest slope at which a bed may be laid, rad.
+const MOST_START_SLOPE: f64 = std::f64::consts::FRAC_PI_4;
+
 impl Scene {
     /// Reads a scene file.
     ///
@@ -156,6 +159,16 @@ impl Scene {
                 p.step_share.to_string(),
                 "above 0, at most 1",
             );
+        }
+        if let Some(slope) = p.start_slope {
+            let in_a_drum = matches!(self.apparatus, crate::Apparatus::Drum(_));
+            if !(in_a_drum && (0.0..=MOST_START_SLOPE).contains(&slope.si())) {
+                return bad(
+                    "protocol.start_slope",
+                    slope.to_string(),
+                    "0 to 45 deg, in a drum only",
+                );
+            }
         }
         if p.frames < 2 {
             return bad("protocol.frames", p.frames.to_string(), "at least 2");

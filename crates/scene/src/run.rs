@@ -14,7 +14,8 @@ use dem_solver::{
     Census, HealthLimits, Interaction, InteractionSettings, MeshWall, Motion, Placement, Settings,
     Template, Wall, World,
 };
-use nalgebra::Vector3;
+use nalgebra::{Rotation3, Vector3};
+use quantity::Angle;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
@@ -508,8 +509,19 @@ pub(crate) fn interactions(scene: &Scene, names: &[&str]) -> Result<Vec<Interact
     Ok(table)
 }
 
-/// Runs until the seeds rest, or the limit is reached.
+/// Runs until the seeds rest, or the limit is reached; a start slope is there when it ends.
 pub(crate) fn settle(scene: &Scene, built: &mut Built) -> Result<(), Error> {
+    let gravity = scene.apparatus.gravity(scene.model.gravity_m_s2);
+    let slope = scene.protocol.start_slope.map_or(0.0, Angle::si);
+    let turn = Rotation3::new(Vector3::z() * slope * scene.apparatus.speed().signum());
+    built.world.set_gravity(turn * gravity);
+    let settled = wait_for_rest(scene, built);
+    built.world.set_gravity(gravity);
+    settled
+}
+
+/// Runs until the seeds rest, or the limit is reached.
+fn wait_for_rest(scene: &Scene, built: &mut Built) -> Result<(), Error> {
     let rest = rest_energy(scene, &built.world);
     let limit = scene.protocol.settle_limit.si();
     // Free fall across the apparatus comes first: at the very start nothing moves.

@@ -132,6 +132,11 @@ pub struct Protocol {
     pub step_share: f64,
     /// Longest time for the seeds to come to rest before the drive starts.
     pub settle_limit: Time,
+    /// Slope of the surface of the settled bed in a drum, towards the side that rises: the bed settles
+    /// under gravity turned by so much, and the drive starts nearer to the steady state. It changes
+    /// the length of the start-up, not the state behind it; level where absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub start_slope: Option<Angle>,
     /// Longest time of rotation, or of waiting for rest after a wall is lifted.
     pub rotation_limit: Time,
     /// Time between frames: at least the correlation time of the surface.
