@@ -6,7 +6,9 @@ use crate::Error;
 use crate::bayes_factor::ln_factor_of_effect;
 use crate::before_after::{BeforeAfter, before_after};
 use crate::decision::{Decision, decide};
-use crate::diagnosis::{CandidateResult, ConditionShare, Diagnosis, StructuredResidual, Verdict};
+use crate::diagnosis::{
+    CandidateResult, ConditionShare, Diagnosis, ObservableSupport, StructuredResidual, Verdict,
+};
 use crate::fit::Fit;
 use crate::gates::{GATE, Gates, testable};
 use crate::next_measurement::next_measurement;
@@ -85,7 +87,13 @@ pub fn diagnose(problem: &Problem, options: &Options) -> Result<Diagnosis, Error
         retuning: retuning(problem, &decision),
         largest_condition_share: largest_share(problem, &decision.nominal).filter(|_| !refused),
         recheck_condition: decision.recheck.map(|c| problem.used.label(c)),
+        observable_support: if refused {
+            Vec::new()
+        } else {
+            observable_support(problem, &decision)?
+        },
         before_after,
+        runs_on_unused: None,
         next_measurement: next_measurement(problem, &decision)?,
         warnings,
         seed: options.seed,
@@ -202,6 +210,29 @@ fn lone_support(
             largest.condition
         )
     }))
+}
+
+/// Score of the chosen effect, or of the best candidate, by each observable alone.
+fn observable_support(
+    problem: &Problem,
+    decision: &Decision,
+) -> Result<Vec<ObservableSupport>, Error> {
+    let Some(&effect) = decision.effects.first().or(decision.gates.best.as_ref()) else {
+        return Ok(Vec::new());
+    };
+    let mut support = Vec::new();
+    for (k, observable) in problem.observables.iter().enumerate() {
+        let alone = problem.with_observable(k);
+        if alone.used.rows.is_empty() {
+            continue;
+        }
+        support.push(ObservableSupport {
+            observable: observable.clone(),
+            effect: problem.candidates[effect].name.clone(),
+            z: Fit::new(&alone, &[])?.score(effect).map(|s| s.z),
+        });
+    }
+    Ok(support)
 }
 
 /// What each effect of the library would do.

@@ -4,6 +4,7 @@ use serde::Serialize;
 use std::collections::BTreeMap;
 use std::fmt;
 
+use crate::summary::summary;
 use crate::{BeforeAfter, NextMeasurement};
 
 /// What can be said of a residual.
@@ -75,8 +76,14 @@ pub struct Diagnosis {
     pub largest_condition_share: Option<ConditionShare>,
     /// The condition to measure again.
     pub recheck_condition: Option<String>,
+    /// What each observable alone says of the effect that stands out; empty when the test was
+    /// refused or there is no library.
+    pub observable_support: Vec<ObservableSupport>,
     /// Errors before and after; none when the test was refused or there is no library.
     pub before_after: Option<BeforeAfter>,
+    /// Whitened mean square on unused conditions by runs of the simulator itself, without and with
+    /// the named effects; none until [`Diagnosis::checked_by_runs`].
+    pub runs_on_unused: Option<[f64; 2]>,
     /// What to measure next, where it helps.
     pub next_measurement: Option<NextMeasurement>,
     /// What is odd, or limits the verdict.
@@ -133,6 +140,17 @@ pub struct CandidateResult {
     pub testable: bool,
 }
 
+/// What one observable says of the effect that stands out.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ObservableSupport {
+    /// The observable.
+    pub observable: String,
+    /// The effect.
+    pub effect: String,
+    /// Its score by the rows of this observable alone; none where re-tuning absorbs it there.
+    pub z: Option<f64>,
+}
+
 /// A condition and its share.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ConditionShare {
@@ -149,5 +167,80 @@ impl Diagnosis {
     /// The diagnosis in plain language, with what cannot be told.
     pub fn summary(&self) -> &str {
         &self.summary
+    }
+
+    /// Holds a naming against runs of the simulator itself, with the effects switched on, at
+    /// conditions that neither choice nor fit has used: whitened mean squares `before` and `after`.
+    ///
+    /// A naming that does not lower the error there is taken back, and the effects become suspects.
+    #[must_use]
+    pub fn checked_by_runs(mut self, before: f64, after: f64) -> Self {
+        self.runs_on_unused = Some([before, after]);
+        // An error that is no number counts as one that did not fall.
+        let falls = after < before;
+        if !falls {
+            self.warnings.push(format!(
+                "the naming is withdrawn: by real runs the whitened mean square on the unused \
+                 conditions goes from {before:.3} to {after:.3}, not down"
+            ));
+            self.verdict = Verdict::Unknown;
+            self.suspects = std::mem::take(&mut self.effects);
+            self.tie_groups.clear();
+        }
+        self.summary = summary(&self);
+        self
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Verdict;
+    use crate::{Options, Problem, ProblemFile, diagnose};
+
+    /// A line over four speeds with noise 1, one free level, and a library of one slope, planted with
+    /// twenty standard errors.
+    fn named() -> super::Diagnosis {
+        let text = r#"{
+            "id": "slope", "observables": ["angle_deg"],
+            "conditions": [{"rpm": 5}, {"rpm": 10}, {"rpm": 15}, {"rpm": 20}],
+            "residual_obs_minus_sim": [-15.3, -4.6, 5.2, 14.8],
+            "cov_measurement": [[1.0]], "cov_simulator": [[0.0]],
+            "sensitivities_declared": [[1], [1], [1], [1]],
+            "library": ["slope"], "sensitivities_library": [[-1.5], [-0.5], [0.5], [1.5]]
+        }"#;
+        let file: ProblemFile = serde_json::from_str(text).unwrap();
+        diagnose(&Problem::try_from(file).unwrap(), &Options::new(1)).unwrap()
+    }
+
+    #[test]
+    fn a_naming_that_real_runs_do_not_bear_out_is_withdrawn() {
+        assert_eq!(named().verdict, Verdict::Named, "{}", named().summary());
+        let stays = named().checked_by_runs(9.0, 1.1);
+        assert_eq!(stays.verdict, Verdict::Named);
+        assert!(
+            stays.summary().contains("from 9.00 to 1.10"),
+            "{}",
+            stays.summary()
+        );
+        for after in [9.0, 9.1, f64::NAN] {
+            let fallen = named().checked_by_runs(9.0, after);
+            assert_eq!(fallen.verdict, Verdict::Unknown);
+            assert!(fallen.effects.is_empty());
+            assert_eq!(fallen.suspects, ["slope"]);
+        }
+    }
+
+    /// With one observable the support is the score itself.
+    #[test]
+    fn a_lone_observable_carries_the_whole_score() {
+        let d = named();
+        let [only] = d.observable_support.as_slice() else {
+            panic!("{:?}", d.observable_support);
+        };
+        assert_eq!(
+            (only.observable.as_str(), only.effect.as_str()),
+            ("angle_deg", "slope")
+        );
+        assert!((only.z.unwrap() - d.candidates["slope"].z.unwrap()).abs() < 1e-9);
     }
 }

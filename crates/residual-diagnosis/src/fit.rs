@@ -187,6 +187,14 @@ impl Fit {
         self
     }
 
+    /// Standard errors of the declared parameters, in their units.
+    pub(crate) fn parameter_errors(&self) -> Vec<f64> {
+        let covariance = self.space.coefficient_covariance();
+        (0..self.shift.len())
+            .map(|k| covariance[(k, k)].sqrt())
+            .collect()
+    }
+
     /// Upper tail of the structured residual; none without degrees of freedom.
     pub(crate) fn p(&self, problem: &Problem) -> Option<f64> {
         upper_tail(self.t, self.df, problem.covariance_dof)

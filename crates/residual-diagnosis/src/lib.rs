@@ -44,7 +44,6 @@ mod decision;
 mod diagnose;
 mod diagnosis;
 mod error;
-mod error_rates;
 mod fit;
 mod gates;
 mod max_test;
@@ -55,14 +54,17 @@ mod smooth_basis;
 mod space;
 mod summary;
 mod tails;
+mod trials;
 
 pub use before_after::{BeforeAfter, Change, PartErrors, Stages};
 pub use diagnose::{Options, diagnose};
-pub use diagnosis::{CandidateResult, ConditionShare, Diagnosis, StructuredResidual, Verdict};
+pub use diagnosis::{
+    CandidateResult, ConditionShare, Diagnosis, ObservableSupport, StructuredResidual, Verdict,
+};
 pub use error::Error;
-pub use error_rates::{CandidateRates, ErrorRates, error_rates};
 pub use next_measurement::{NextMeasurement, PlannedExperiment, Purpose};
 pub use problem::Problem;
 pub use problem_file::{
     Condition, CovarianceInput, ExperimentFile, Level, PriorPrecision, ProblemFile, Sign,
 };
+pub use trials::{TrialRow, Truth, trials, usual_truths};

@@ -111,10 +111,23 @@ impl Problem {
         &self.observables
     }
 
-    /// The same problem with another residual on the used rows and without the unused part.
-    pub(crate) fn with_residual(&self, residual: DVector<f64>) -> Self {
+    /// The same problem with an effect taken out of the library and without the unused part.
+    pub(crate) fn without_candidate(&self, effect: usize) -> Self {
         let mut problem = self.clone();
-        problem.used.residual = residual;
+        problem.candidates.remove(effect);
+        problem.used.library = self.used.library.clone().remove_column(effect);
+        if !problem.used.library_noise.is_empty() {
+            problem.used.library_noise.remove(effect);
+        }
+        problem.experiments.clear();
+        problem.unused = None;
+        problem
+    }
+
+    /// The same problem with the rows of one observable and without the unused part.
+    pub(crate) fn with_observable(&self, observable: usize) -> Self {
+        let mut problem = self.clone();
+        problem.used = self.used.keep(|row| row.observable == observable);
         problem.unused = None;
         problem
     }

@@ -93,18 +93,27 @@ fn named(d: &Diagnosis) -> String {
             ))
         })
         .collect();
-    let check = match d.before_after.as_ref().and_then(|b| b.unused.as_ref()) {
-        Some(unused) => format!(
-            "; on the unused conditions the whitened mean square falls from {:.2} to {:.2} \
-             (noise alone: 1)",
-            unused.whitened_mse.before, unused.whitened_mse.after
+    let predicted = d.before_after.as_ref().and_then(|b| b.unused.as_ref());
+    let predicted = predicted.map(|u| [u.whitened_mse.before, u.whitened_mse.after]);
+    let (by, last_word) = if d.runs_on_unused.is_some() {
+        (" by real runs", "")
+    } else {
+        (
+            "",
+            "; a simulator run with it switched on has the last word",
+        )
+    };
+    let check = match d.runs_on_unused.or(predicted) {
+        Some([before, after]) => format!(
+            "; on the unused conditions the whitened mean square falls{by} from {before:.2} to \
+             {after:.2} (noise alone: 1)"
         ),
         None => "; no unused conditions were given to check it".to_owned(),
     };
     format!(
         "{} is missing: no other effect of the library does nearly as well, what remains is \
          noise, and an unknown effect is far less likely{check}. The library may lack the true \
-         cause; a simulator run with it switched on has the last word.",
+         cause{last_word}.",
         listed(&amplitudes, "and")
     )
 }

@@ -3,7 +3,7 @@
 use random_stream::Stream;
 use residual_diagnosis::{
     Condition, CovarianceInput, Error, ExperimentFile, Level, Options, PriorPrecision, Problem,
-    ProblemFile, Sign, Verdict, diagnose, error_rates,
+    ProblemFile, Sign, Truth, Verdict, diagnose, trials, usual_truths,
 };
 
 /// Conditions: 4 speeds x 3 fillings.
@@ -82,19 +82,37 @@ fn diagnosed(file: ProblemFile) -> residual_diagnosis::Diagnosis {
     diagnose(&problem, &OPTIONS).expect("its covariances can be factorised")
 }
 
-/// Nominal 0.05 at most (two gates of 0.025, correlated); three standard errors of 400 trials are
-/// 0.033. A planted effect of 7 standard errors is lost to the naming rules in few cases, and
-/// wrongly replaced by another in hardly any (bound by the rule: 0.05).
+/// 400 campaigns of each truth: a rate of 0.05 is met within three standard errors, 0.033. A hidden
+/// effect of 7 standard errors is lost to the naming rules in few cases, and wrongly replaced by
+/// another in hardly any (bound by the rule: 0.05 of the namings). An effect that the library lacks
+/// is not given a name of the library, within the same 0.033 of the 2 % that the rule aims at.
 #[test]
-fn error_rates_are_as_promised() {
+fn rules_err_as_seldom_as_promised_when_the_truth_is_known() {
     let problem = Problem::try_from(design()).expect("the design is sound");
-    let rates = error_rates(&problem, 7.0, 400, 3).expect("it can be simulated");
-    assert!(rates.false_alarm < 0.05 + 0.033, "{rates:?}");
-    assert!(rates.false_alarm > 0.01, "{rates:?}");
-    assert!(rates.outsider_named < 0.05, "{rates:?}");
-    for (name, candidate) in &rates.candidates {
-        assert!(candidate.in_named_set > 0.8, "{name}: {candidate:?}");
-        assert!(candidate.dropped < 0.05, "{name}: {candidate:?}");
+    let truths = usual_truths(&problem, 7.0).expect("it can be fitted");
+    for row in trials(&problem, &truths, 400, 3).expect("it can be simulated") {
+        let share = |count: usize| count as f64 / row.trials as f64;
+        let sum = row.none + row.named + row.tied + row.false_name + row.unknown + row.recheck;
+        assert_eq!(sum, row.trials);
+        match &row.truth {
+            Truth::Nothing => {
+                assert!(row.alarm() < 0.05 + 0.033, "{row:?}");
+                assert!(row.alarm() > 0.01, "{row:?}");
+            }
+            Truth::Effect { .. } => {
+                assert!(share(row.named + row.tied) > 0.8, "{row:?}");
+                let right = row.truth_in_named_set().expect("namings");
+                assert!(right > 0.95, "{row:?}");
+            }
+            Truth::TakenOut { .. } | Truth::Outsider { .. } => {
+                assert!(share(row.false_name) < 0.02 + 0.033, "{row:?}");
+            }
+            Truth::BadValue { .. } => assert!(share(row.false_name) < 0.05, "{row:?}"),
+            Truth::TwoEffects { .. } => {
+                assert!(row.alarm() > 0.95, "{row:?}");
+                assert!(share(row.false_name) < 0.05, "{row:?}");
+            }
+        }
     }
 }
 

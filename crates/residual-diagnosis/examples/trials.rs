@@ -1,0 +1,111 @@
+//! Campaigns with known truth: how often the rules of the diagnosis are right, for the designs of some
+//! problem files.
+//!
+//! `cargo run --release -p residual-diagnosis --example trials -- NUMBER PROBLEM.json...` prints a table
+//! in Markdown for each file. `just trials` writes docs/trials.md.
+
+#![expect(clippy::print_stdout, reason = "the table is the result")]
+
+use residual_diagnosis::{Problem, ProblemFile, TrialRow, Truth, trials, usual_truths};
+use std::error::Error;
+
+/// Strengths of the hidden effects, in standard errors of their amplitude.
+const STRENGTHS: [f64; 3] = [4.0, 6.0, 9.0];
+/// Seed of all draws.
+const SEED: u64 = 1;
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let mut arguments = std::env::args().skip(1);
+    let number: usize = arguments
+        .next()
+        .ok_or("give the number of campaigns of each truth, then problem files")?
+        .parse()?;
+    for path in arguments {
+        let text = std::fs::read_to_string(&path).map_err(|e| format!("{path}: {e}"))?;
+        let file: ProblemFile = serde_json::from_str(&text).map_err(|e| format!("{path}: {e}"))?;
+        let problem = Problem::try_from(file)?;
+        println!("\n## `{path}`\n");
+        let mut rows = Vec::new();
+        for (i, strength) in STRENGTHS.into_iter().enumerate() {
+            let mut truths = usual_truths(&problem, strength)?;
+            // Nothing hidden has no strength: once is enough.
+            truths.retain(|t| i == 0 || *t != Truth::Nothing);
+            rows.extend(trials(&problem, &truths, number, SEED)?);
+        }
+        print_rows(&rows);
+        print_summary(&rows);
+    }
+    Ok(())
+}
+
+/// One line for each truth.
+fn print_rows(rows: &[TrialRow]) {
+    println!(
+        "| hidden | strength | nothing | named rightly | in the tie set | false name | unknown | \
+         measure again |"
+    );
+    println!("|---|--:|--:|--:|--:|--:|--:|--:|");
+    for row in rows {
+        let (hidden, strength) = words(&row.truth);
+        let strength = strength.map_or_else(String::new, |s| s.to_string());
+        let percent = |count: usize| format!("{:.1}", 100.0 * count as f64 / row.trials as f64);
+        let counts = [
+            row.none,
+            row.named,
+            row.tied,
+            row.false_name,
+            row.unknown,
+            row.recheck,
+        ];
+        println!(
+            "| {hidden} | {strength} | {} |",
+            counts.map(percent).join(" | ")
+        );
+    }
+}
+
+/// The numbers that are promised.
+fn print_summary(rows: &[TrialRow]) {
+    println!();
+    for row in rows.iter().filter(|r| r.truth == Truth::Nothing) {
+        println!(
+            "- False alarms: {:.1} % (nominal 5 %).",
+            100.0 * row.alarm()
+        );
+    }
+    for strength in STRENGTHS {
+        let of = |wanted: fn(&Truth) -> bool| {
+            let chosen = rows
+                .iter()
+                .filter(move |r| wanted(&r.truth) && words(&r.truth).1 == Some(strength));
+            chosen.collect::<Vec<_>>()
+        };
+        let sum = |rows: &[&TrialRow], count: fn(&TrialRow) -> usize| {
+            rows.iter().map(|r| count(r)).sum::<usize>() as f64
+        };
+        let members = of(|t| matches!(t, Truth::Effect { .. }));
+        let right = sum(&members, |r| r.named + r.tied);
+        let namings = right + sum(&members, |r| r.false_name);
+        let outside = of(|t| matches!(t, Truth::TakenOut { .. } | Truth::Outsider { .. }));
+        println!(
+            "- Strength {strength}: a hidden effect of the library is in the named set in {:.1} % of \
+             the campaigns and in {:.1} % of the namings; an effect outside the library gets a false \
+             name in {:.1} %.",
+            100.0 * right / sum(&members, |r| r.trials),
+            100.0 * right / namings,
+            100.0 * sum(&outside, |r| r.false_name) / sum(&outside, |r| r.trials),
+        );
+    }
+}
+
+/// A truth in words, and its strength.
+fn words(truth: &Truth) -> (String, Option<f64>) {
+    match truth {
+        Truth::Nothing => ("nothing".to_owned(), None),
+        Truth::Effect { name, strength } => (name.clone(), Some(*strength)),
+        Truth::TwoEffects { strength } => ("two effects".to_owned(), Some(*strength)),
+        Truth::TakenOut { name, strength } => (format!("{name}, taken out"), Some(*strength)),
+        Truth::Outsider { strength } => ("unknown smooth effect".to_owned(), Some(*strength)),
+        Truth::BadValue { strength } => ("one bad value".to_owned(), Some(*strength)),
+    }
+}

@@ -1,0 +1,335 @@
+//! What the rules say when the truth is known: drawn campaigns of the user's own design.
+
+use nalgebra::{DMatrix, DVector};
+use random_stream::Stream;
+use serde::Serialize;
+
+use crate::covariance::Covariance;
+use crate::decision::decide;
+use crate::diagnosis::Verdict;
+use crate::fit::Fit;
+use crate::gates::testable;
+use crate::problem::{Prior, Problem};
+use crate::smooth_basis::smooth_basis;
+use crate::{Error, Options};
+
+/// Draws of the null distribution in each trial: the level of a gate is then right within 0.0035.
+const DRAWS: usize = 2000;
+/// Mis-tuning of the declared parameters, in standard errors of their fit.
+const MISTUNING: f64 = 2.0;
+
+/// What is hidden in a drawn campaign. Strengths are detectabilities |a||u|: amplitude over its
+/// standard error after re-tuning.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[serde(rename_all = "kebab-case", tag = "truth")]
+pub enum Truth {
+    /// Noise and mis-tuned parameters only.
+    Nothing,
+    /// One effect of the library.
+    Effect {
+        /// Its name.
+        name: String,
+        /// Its strength.
+        strength: f64,
+    },
+    /// Two effects of the library, drawn anew in each campaign.
+    TwoEffects {
+        /// Strength of each alone.
+        strength: f64,
+    },
+    /// An effect that the library lacks: a member that was taken out.
+    TakenOut {
+        /// Its name.
+        name: String,
+        /// Its strength.
+        strength: f64,
+    },
+    /// A smooth effect over the conditions that no library holds, drawn anew in each campaign.
+    Outsider {
+        /// Its strength.
+        strength: f64,
+    },
+    /// One value that was read or written wrongly, drawn anew in each campaign.
+    BadValue {
+        /// Its error, in standard deviations of that value.
+        strength: f64,
+    },
+}
+
+/// What came out of the campaigns of one truth; the counts add up to `trials`.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct TrialRow {
+    /// What was hidden.
+    #[serde(flatten)]
+    pub truth: Truth,
+    /// Number of campaigns; a share p has the standard error sqrt(p (1 - p) / trials).
+    pub trials: usize,
+    /// Nothing reported.
+    pub none: usize,
+    /// All hidden effects named, and no other.
+    pub named: usize,
+    /// A hidden effect in the tie set, or among the effects that are said to help.
+    pub tied: usize,
+    /// Effects named or tied, none of them hidden.
+    pub false_name: usize,
+    /// Reported as something that is not in the library.
+    pub unknown: usize,
+    /// One condition to be measured again.
+    pub recheck: usize,
+}
+
+impl TrialRow {
+    /// Share of campaigns in which anything is reported.
+    pub fn alarm(&self) -> f64 {
+        1.0 - self.none as f64 / self.trials.max(1) as f64
+    }
+
+    /// Share of the namings and ties that hold a hidden effect; none without namings.
+    pub fn truth_in_named_set(&self) -> Option<f64> {
+        let right = self.named + self.tied;
+        let all = right + self.false_name;
+        (all > 0).then(|| right as f64 / all as f64)
+    }
+}
+
+/// Draws campaigns of the design of a problem with known truth, and decides about each.
+///
+/// Drawn are: the noise of the values from the covariance V; its estimate, V times chi2/dof, where V
+/// is estimated; the noise of the sensitivities, so that the rules work with others than made the
+/// data; the mis-tuning of the declared parameters, normal with twice their standard errors; the
+/// bench means of the priors about the true values. The residual of the problem is not used. Effects
+/// act linearly with the sensitivities of the problem: what a real simulator adds to this by its
+/// curvature is not seen here.
+///
+/// # Errors
+///
+/// As [`crate::diagnose`]; [`Error::Missing`] for an effect that the library does not have.
+pub fn trials(
+    problem: &Problem,
+    truths: &[Truth],
+    number: usize,
+    seed: u64,
+) -> Result<Vec<TrialRow>, Error> {
+    let design = Design::new(problem)?;
+    truths
+        .iter()
+        .map(|truth| design.row(truth, number, seed))
+        .collect()
+}
+
+/// The usual truths of a library at one strength: nothing, each testable effect, two effects, each
+/// taken out, an outsider, one bad value.
+///
+/// # Errors
+///
+/// As [`crate::diagnose`].
+pub fn usual_truths(problem: &Problem, strength: f64) -> Result<Vec<Truth>, Error> {
+    let names = Design::new(problem)?.testable_names();
+    let mut truths = vec![Truth::Nothing];
+    let effect = |name: &String| Truth::Effect {
+        name: name.clone(),
+        strength,
+    };
+    truths.extend(names.iter().map(effect));
+    if names.len() > 1 {
+        truths.push(Truth::TwoEffects { strength });
+        truths.extend(names.iter().map(|name| Truth::TakenOut {
+            name: name.clone(),
+            strength,
+        }));
+    }
+    truths.push(Truth::Outsider { strength });
+    truths.push(Truth::BadValue { strength });
+    Ok(truths)
+}
+
+/// A design with its exact sensitivities.
+struct Design<'a> {
+    /// The problem.
+    problem: &'a Problem,
+    /// Nothing on.
+    nominal: Fit,
+    /// Standard errors of the declared parameters.
+    parameter_errors: Vec<f64>,
+    /// Candidates that could be seen.
+    testable: Vec<usize>,
+}
+
+impl<'a> Design<'a> {
+    /// Takes a problem for its design.
+    fn new(problem: &'a Problem) -> Result<Self, Error> {
+        let nominal = Fit::new(problem, &[])?;
+        Ok(Self {
+            parameter_errors: nominal.parameter_errors(),
+            testable: testable(problem, &nominal),
+            nominal,
+            problem,
+        })
+    }
+
+    /// Names of the candidates that could be seen.
+    fn testable_names(&self) -> Vec<String> {
+        let name = |&j: &usize| self.problem.candidates[j].name.clone();
+        self.testable.iter().map(name).collect()
+    }
+
+    /// All campaigns of one truth.
+    fn row(&self, truth: &Truth, number: usize, seed: u64) -> Result<TrialRow, Error> {
+        let mut stream = Stream::new(seed, &format!("trials: {truth:?}"));
+        let mut row = TrialRow {
+            truth: truth.clone(),
+            trials: number,
+            none: 0,
+            named: 0,
+            tied: 0,
+            false_name: 0,
+            unknown: 0,
+            recheck: 0,
+        };
+        for trial in 0..number as u64 {
+            let (problem, hidden) = self.campaign(truth, &mut stream)?;
+            let options = Options {
+                draws: DRAWS,
+                ..Options::new(seed.wrapping_add(trial))
+            };
+            let decision = decide(&problem, &options)?;
+            let name = |&j: &usize| problem.candidates[j].name.clone();
+            let found: Vec<String> = decision.effects.iter().map(name).collect();
+            *match decision.verdict {
+                Verdict::None | Verdict::NotTestable | Verdict::Refused => &mut row.none,
+                Verdict::Unknown => &mut row.unknown,
+                Verdict::Recheck => &mut row.recheck,
+                Verdict::Named if !hidden.is_empty() && same(&found, &hidden) => &mut row.named,
+                _ if found.iter().any(|name| hidden.contains(name)) => &mut row.tied,
+                _ => &mut row.false_name,
+            } += 1;
+        }
+        Ok(row)
+    }
+
+    /// One campaign: the problem as the rules see it, and the names of the hidden effects that its
+    /// library holds.
+    fn campaign(
+        &self,
+        truth: &Truth,
+        stream: &mut Stream,
+    ) -> Result<(Problem, Vec<String>), Error> {
+        let part = &self.problem.used;
+        let mut signal = DVector::zeros(part.residual.len());
+        let mut hidden = Vec::new();
+        match truth {
+            Truth::Nothing => {}
+            Truth::Effect { name, strength } => {
+                signal += self.effect(self.number(name)?, *strength, stream);
+                hidden.push(name.clone());
+            }
+            Truth::TakenOut { name, strength } => {
+                signal += self.effect(self.number(name)?, *strength, stream);
+            }
+            Truth::TwoEffects { strength } => {
+                let mut order = self.testable.clone();
+                stream.shuffle(&mut order);
+                for &j in order.iter().take(2) {
+                    signal += self.effect(j, *strength, stream);
+                    hidden.push(self.problem.candidates[j].name.clone());
+                }
+            }
+            Truth::Outsider { strength } => signal += self.outsider(*strength, stream),
+            Truth::BadValue { strength } => {
+                let row = stream.below(signal.len());
+                let sign = if stream.below(2) == 0 { 1.0 } else { -1.0 };
+                signal[row] = sign * strength * part.covariance.diagonal()[row].sqrt();
+            }
+        }
+        let mut problem = self.problem.clone();
+        problem.unused = None;
+        let mistuned = self.parameter_errors.iter();
+        let shift: Vec<f64> = mistuned
+            .map(|se| MISTUNING * se * stream.normal())
+            .collect();
+        let shift = DVector::from_vec(shift);
+        signal += &part.declared * &shift + noise(&part.covariance, stream)?;
+        problem.used.residual = signal;
+        if let Some(prior) = &self.problem.prior {
+            problem.prior = Some(drawn_prior(prior, &shift, stream));
+        }
+        if let Some(dof) = self.problem.covariance_dof {
+            let factor = chi_square(dof, stream) / dof;
+            problem.used.covariance = part.covariance.plus_scaled(factor - 1.0, &part.covariance);
+        }
+        for (k, own) in part.declared_noise.iter().enumerate() {
+            let noisy = part.declared.column(k) + noise(own, stream)?;
+            problem.used.declared.set_column(k, &noisy);
+        }
+        for (j, own) in part.library_noise.iter().enumerate() {
+            let noisy = part.library.column(j) + noise(own, stream)?;
+            problem.used.library.set_column(j, &noisy);
+        }
+        if let Truth::TakenOut { name, .. } = truth {
+            problem = problem.without_candidate(self.number(name)?);
+        }
+        Ok((problem, hidden))
+    }
+
+    /// What an effect of the library does at a strength, with a sign that it can have.
+    fn effect(&self, j: usize, strength: f64, stream: &mut Stream) -> DVector<f64> {
+        let sign = self.problem.candidates[j].sign;
+        let either = sign.allows(1.0) && sign.allows(-1.0);
+        let positive = if either {
+            stream.below(2) == 0
+        } else {
+            sign.allows(1.0)
+        };
+        let length = self.nominal.score(j).map_or(f64::INFINITY, |s| s.length);
+        let amplitude = strength / length * if positive { 1.0 } else { -1.0 };
+        self.problem.used.library.column(j) * amplitude
+    }
+
+    /// A random smooth effect: a direction of the smooth basis that re-tuning cannot absorb.
+    fn outsider(&self, strength: f64, stream: &mut Stream) -> DVector<f64> {
+        let basis = smooth_basis(&self.problem.used);
+        let coefficients = DVector::from_fn(basis.ncols(), |_, _| stream.normal());
+        let length = (self.nominal.smooth_outside() * &coefficients).norm();
+        basis * coefficients * (strength / length.max(f64::MIN_POSITIVE))
+    }
+
+    /// Number of an effect.
+    fn number(&self, name: &str) -> Result<usize, Error> {
+        let at = self.problem.candidates.iter().position(|c| c.name == name);
+        at.ok_or_else(|| Error::Missing {
+            what: format!("library effect '{name}'"),
+            way_out: "name an effect of the library".into(),
+        })
+    }
+}
+
+/// Whether two lists hold the same names.
+fn same(a: &[String], b: &[String]) -> bool {
+    a.len() == b.len() && a.iter().all(|name| b.contains(name))
+}
+
+/// Noise of a covariance.
+fn noise(covariance: &Covariance, stream: &mut Stream) -> Result<DVector<f64>, Error> {
+    let white = DMatrix::from_fn(covariance.rows(), 1, |_, _| stream.normal());
+    Ok(covariance.whitener()?.colour(&white).column(0).into_owned())
+}
+
+/// Bench means about the true values: R (shift) + white noise.
+fn drawn_prior(prior: &Prior, shift: &DVector<f64>, stream: &mut Stream) -> Prior {
+    let noise = DVector::from_fn(prior.offset.len(), |_, _| stream.normal());
+    Prior {
+        root: prior.root.clone(),
+        offset: &prior.root * shift + noise,
+    }
+}
+
+/// A chi-square number of whole degrees of freedom, by its definition.
+fn chi_square(dof: f64, stream: &mut Stream) -> f64 {
+    let mut sum = 0.0;
+    let mut left = dof.round().max(1.0);
+    while left > 0.0 {
+        sum += stream.normal().powi(2);
+        left -= 1.0;
+    }
+    sum
+}
