@@ -4,12 +4,14 @@
 //! them done by a [`campaign::Campaign`], and analyses what comes back. A toy simulator tests
 //! the whole loop in milliseconds.
 
+mod budget;
 mod cells;
 mod error;
 mod least_squares;
 mod residual_study;
 mod stages;
 
+pub use budget::{runs_needed, within_budget};
 pub use cells::{CalibrationFactor, CellRuns, Question, run_cells};
 pub use error::Error;
 pub use least_squares::{BoundedProblem, bounded_least_squares};

@@ -8,8 +8,8 @@ mod runs;
 
 use crate::Error;
 use campaign::{Campaign, RunRequest, Simulator};
-use residual_diagnosis::{Diagnosis, Options, Problem, Sign, diagnose};
-use runs::{Linearisation, Means};
+use residual_diagnosis::{Diagnosis, Options, Problem, ProblemFile, Sign, Verdict, diagnose};
+use runs::{At, Linearisation, Means};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -53,10 +53,24 @@ pub struct EffectProbe {
 /// What was measured.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Observed {
-    /// Values, (conditions, observables).
-    pub values: Vec<Vec<f64>>,
-    /// Covariance of the values of one condition, the same for all, (observables, observables).
-    pub covariance: Vec<Vec<f64>>,
+    /// Values, (conditions, observables); none where an observable was not measured.
+    pub values: Vec<Vec<Option<f64>>>,
+    /// Covariance of the values of each condition, (conditions, observables, observables); rows
+    /// and columns of what was not measured are not read.
+    pub covariance: Vec<Vec<Vec<f64>>>,
+}
+
+impl Observed {
+    /// Numbers of the observables that were measured at a condition.
+    pub fn measured(&self, condition: usize) -> Vec<usize> {
+        let values = self.values[condition].iter().enumerate();
+        values.filter_map(|(k, y)| y.map(|_| k)).collect()
+    }
+
+    /// Standard error of a value, in its unit.
+    pub fn standard_error(&self, condition: usize, observable: usize) -> f64 {
+        self.covariance[condition][observable][observable].sqrt()
+    }
 }
 
 /// Everything that a residual study needs.
@@ -101,8 +115,10 @@ pub struct ErrorPair {
 /// The outcome of a residual study.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ResidualStudy {
-    /// The plan.
+    /// The plan, with the effects that could be run.
     pub plan: ResidualPlan,
+    /// Effects that could not be run, with the reason.
+    pub left_out: BTreeMap<String, String>,
     /// What was measured.
     pub observed: Observed,
     /// Degrees of freedom of the simulator's noise.
@@ -115,9 +131,12 @@ pub struct ResidualStudy {
     pub simulated_before: Vec<Vec<f64>>,
     /// Errors of the fitted model, by real runs.
     pub errors_before: ErrorPair,
+    /// The residual, covariances and sensitivities that the diagnosis was made of.
+    pub problem: ProblemFile,
     /// Diagnosis of the residual.
     pub diagnosis: Diagnosis,
-    /// The model with the effect added; none where no effect was named.
+    /// The model with the effect added; none where no effect was named. It stays here when the kept
+    /// conditions speak against it and the naming is withdrawn.
     pub after: Option<AddedEffect>,
 }
 
@@ -146,11 +165,26 @@ pub fn study_residual(
     observed: &Observed,
 ) -> Result<ResidualStudy, Error> {
     check(plan, observed)?;
-    let linear = Linearisation::run(campaign, simulator, plan)?;
+    let (linear, left_out) = Linearisation::run(campaign, simulator, plan)?;
+    let mut plan = plan.clone();
+    plan.effects.retain(|e| !left_out.contains_key(&e.name));
+    let plan = &plan;
     let (fitted, at_fit) = fit_declared(campaign, simulator, plan, observed, &linear)?;
-    let linear = linear.with_scatter(&at_fit);
-    let file = assemble::problem(plan, observed, &linear, &fitted, &at_fit);
-    let diagnosis = diagnose(&Problem::try_from(file)?, &Options::new(plan.seed))?;
+    let mut linear = linear.with_scatter(&at_fit);
+    let mut file = assemble::problem(plan, observed, &linear, &fitted, &at_fit);
+    let mut diagnosis = diagnose(&Problem::try_from(file.clone())?, &Options::new(plan.seed))?;
+    let suspects = suspects(plan, &diagnosis);
+    if !suspects.is_empty() {
+        for (block, (effect, amplitude)) in (6..).zip(suspects) {
+            let mut on = runs::Setting::declared(plan, &fitted);
+            on.effects
+                .insert(plan.effects[effect].name.clone(), amplitude);
+            let means = runs::means(campaign, simulator, plan, &on, block, At::Used)?;
+            linear = linear.with_secant(effect, amplitude, &at_fit, &means);
+        }
+        file = assemble::problem(plan, observed, &linear, &fitted, &at_fit);
+        diagnosis = diagnose(&Problem::try_from(file.clone())?, &Options::new(plan.seed))?;
+    }
     let errors_before = assemble::errors(plan, observed, &linear, &at_fit)?;
     let after =
         if diagnosis.effects.is_empty() || !diagnosis.tie_groups.iter().all(|g| g.len() == 1) {
@@ -162,12 +196,19 @@ pub fn study_residual(
                 plan,
                 observed,
                 &linear,
+                (&fitted, &at_fit),
                 &diagnosis.effects,
             )?)
         };
+    let kept = |errors: &ErrorPair| errors.kept.as_ref().map(|e| e.whitened_mse);
+    let on_kept = |a: &AddedEffect| kept(&errors_before).zip(kept(&a.errors));
+    if let Some((before, after)) = after.as_ref().and_then(on_kept) {
+        diagnosis = diagnosis.checked_by_runs(before, after);
+    }
     let names = || plan.declared.iter().map(|d| d.name.clone());
     Ok(ResidualStudy {
         plan: plan.clone(),
+        left_out,
         observed: observed.clone(),
         noise_dof: linear.noise_dof,
         run_sd: plan
@@ -179,9 +220,41 @@ pub fn study_residual(
         fitted: names().zip(fitted).collect(),
         simulated_before: at_fit.values,
         errors_before,
+        problem: file,
         diagnosis,
         after,
     })
+}
+
+/// Largest number of effects whose sensitivity is measured anew.
+const MOST_SUSPECTS: usize = 3;
+
+/// Effects whose sensitivity decides, with the amplitudes that the first diagnosis gives them: where
+/// more than noise remains, the best explanations of it.
+///
+/// A sensitivity is a difference quotient at the start, with a step of its own choice. Parameters and
+/// amplitudes end elsewhere, so that it is measured anew there, from the fit to the amplitude.
+fn suspects(plan: &ResidualPlan, diagnosis: &Diagnosis) -> Vec<(usize, f64)> {
+    if matches!(
+        diagnosis.verdict,
+        Verdict::None | Verdict::Refused | Verdict::NotTestable
+    ) {
+        return Vec::new();
+    }
+    let mut suspects = Vec::new();
+    for (j, effect) in plan.effects.iter().enumerate() {
+        let candidate = diagnosis.candidates.get(&effect.name);
+        let helps = candidate.filter(|c| c.testable && c.z.is_some_and(|z| z.abs() > 2.0));
+        if let Some((c, amplitude)) = helps.and_then(|c| Some((c, c.amplitude?))) {
+            let size = amplitude.abs().min(effect.largest);
+            if size > 0.0 {
+                suspects.push((c.t_after, j, size.copysign(amplitude)));
+            }
+        }
+    }
+    suspects.sort_by(|a, b| a.0.total_cmp(&b.0));
+    suspects.truncate(MOST_SUSPECTS);
+    suspects.into_iter().map(|(_, j, a)| (j, a)).collect()
 }
 
 /// Fits the declared parameters and runs there; corrects up to twice where that misses.
@@ -196,36 +269,34 @@ fn fit_declared(
     linear: &Linearisation,
 ) -> Result<(Vec<f64>, Means), Error> {
     let start: Vec<f64> = plan.declared.iter().map(|d| d.start).collect();
-    let run = |point: &[f64], block: u64| {
-        runs::means(
-            campaign,
-            simulator,
-            plan,
-            &runs::Setting::declared(plan, point),
-            block,
-        )
+    let run = |point: &[f64], block: u64, at: At| {
+        let setting = runs::Setting::declared(plan, point);
+        runs::means(campaign, simulator, plan, &setting, block, at)
     };
-    let misfit =
-        |m: &Means| assemble::errors(plan, observed, linear, m).map(|e| e.used.whitened_mse);
+    let misfit = |m: &Means| assemble::misfit(plan, observed, linear, m);
     let mut fitted = refit::declared(plan, observed, linear, &start, &linear.nominal)?;
-    let mut means = run(&fitted, 1)?;
+    let mut means = run(&fitted, 1, At::Used)?;
+    let mut taken = 1;
     for block in [4, 5] {
-        if misfit(&means)? <= likely_mean_square(plan) {
+        if misfit(&means)? <= likely_mean_square(plan, observed) {
             break;
         }
         let corrected = refit::declared(plan, observed, linear, &fitted, &means)?;
-        let again = run(&corrected, block)?;
+        let again = run(&corrected, block, At::Used)?;
         if misfit(&again)? >= misfit(&means)? {
             break;
         }
-        (fitted, means) = (corrected, again);
+        (fitted, means, taken) = (corrected, again, block);
     }
-    Ok((fitted, means))
+    // The kept conditions are run once, where the fit has ended.
+    let kept = run(&fitted, taken, At::Kept)?;
+    Ok((fitted, means.with_kept(kept)))
 }
 
 /// Whitened mean square that a right model exceeds in 1 of 40 cases: 1 + 2 sqrt(2/n) for n rows.
-fn likely_mean_square(plan: &ResidualPlan) -> f64 {
-    let rows = plan.conditions.iter().filter(|c| c.used).count() * plan.observables.len();
+fn likely_mean_square(plan: &ResidualPlan, observed: &Observed) -> f64 {
+    let used = (0..plan.conditions.len()).filter(|&c| plan.conditions[c].used);
+    let rows: usize = used.map(|c| observed.measured(c).len()).sum();
     1.0 + 2.0 * (2.0 / rows as f64).sqrt()
 }
 
@@ -236,21 +307,28 @@ fn add_effects(
     plan: &ResidualPlan,
     observed: &Observed,
     linear: &Linearisation,
+    (fitted, at_fit): (&[f64], &Means),
     effects: &[String],
 ) -> Result<AddedEffect, Error> {
-    let mut point = refit::with_effects(plan, observed, linear, effects, None)?;
-    let mut means: Means = runs::means(campaign, simulator, plan, &point, 2)?;
-    let used = |m: &Means| assemble::errors(plan, observed, linear, m).map(|e| e.used.whitened_mse);
-    let first = used(&means)?;
-    if first > likely_mean_square(plan) {
-        let about = Some((&point, &means));
+    let mut start = runs::Setting::declared(plan, fitted);
+    start
+        .effects
+        .extend(effects.iter().map(|name| (name.clone(), 0.0)));
+    let mut point = refit::with_effects(plan, observed, linear, effects, (&start, at_fit))?;
+    let run = |point: &runs::Setting, block: u64, at: At| {
+        runs::means(campaign, simulator, plan, point, block, at)
+    };
+    let (mut means, mut taken) = (run(&point, 2, At::Used)?, 2);
+    let first = assemble::misfit(plan, observed, linear, &means)?;
+    if first > likely_mean_square(plan, observed) {
+        let about = (&point, &means);
         let corrected = refit::with_effects(plan, observed, linear, effects, about)?;
-        let again = runs::means(campaign, simulator, plan, &corrected, 3)?;
-        if used(&again)? < first {
-            point = corrected;
-            means = again;
+        let again = run(&corrected, 3, At::Used)?;
+        if assemble::misfit(plan, observed, linear, &again)? < first {
+            (point, means, taken) = (corrected, again, 3);
         }
     }
+    let means = means.with_kept(run(&point, taken, At::Kept)?);
     Ok(AddedEffect {
         errors: assemble::errors(plan, observed, linear, &means)?,
         effects: point.effects.clone(),
@@ -295,13 +373,22 @@ fn check(plan: &ResidualPlan, observed: &Observed) -> Result<(), Error> {
             "one for each observable",
         )?;
     }
-    let square = observed.covariance.len() == n && observed.covariance.iter().all(|r| r.len() == n);
     count(
-        "rows of the covariance",
+        "covariances",
         observed.covariance.len(),
-        square,
-        "one for each observable",
-    )
+        observed.covariance.len() == rows,
+        "one for each condition",
+    )?;
+    for block in &observed.covariance {
+        let square = block.len() == n && block.iter().all(|row| row.len() == n);
+        count(
+            "rows of a covariance",
+            block.len(),
+            square,
+            "one for each observable",
+        )?;
+    }
+    Ok(())
 }
 
 #[cfg(test)]

@@ -5,6 +5,7 @@ use super::{DeclaredParameter, ErrorPair, Observed, RealErrors, ResidualPlan};
 use crate::Error;
 use nalgebra::{Cholesky, DMatrix, DVector};
 use residual_diagnosis::{CovarianceInput, Level, PriorPrecision, ProblemFile};
+use std::collections::BTreeMap;
 
 /// Sum of two covariances, the second scaled.
 pub(super) fn added(a: &[Vec<f64>], b: &[Vec<f64>], factor: f64) -> Vec<Vec<f64>> {
@@ -42,12 +43,11 @@ pub(super) fn problem(
     };
     let residual = used().flat_map(|c| {
         let pairs = observed.values[c].iter().zip(&at_fit.values[c]);
-        pairs.map(|(y, f)| Some(y - f)).collect::<Vec<_>>()
+        pairs.map(|(y, f)| y.map(|y| y - f)).collect::<Vec<_>>()
     });
-    let slope_noise = |step: f64| {
-        let runs = 2.0 / linear.nominal.n as f64;
-        CovarianceInput::Matrix(scaled(&linear.run_covariance, runs / (step * step)))
-    };
+    let noise = |variance: f64| CovarianceInput::Matrix(scaled(&linear.run_covariance, variance));
+    // A difference of two means of n runs.
+    let of_step = |step: f64| noise(2.0 / (linear.nominal.n as f64 * step * step));
     let simulator = scaled(&linear.run_covariance, 1.0 / at_fit.n as f64);
     let any_prior = plan.declared.iter().any(|d| d.prior.is_some());
     ProblemFile {
@@ -55,12 +55,14 @@ pub(super) fn problem(
         conditions: used().map(condition).collect(),
         observables: plan.observables.clone(),
         residual_obs_minus_sim: residual.collect(),
-        cov_measurement: Some(CovarianceInput::Matrix(observed.covariance.clone())),
+        cov_measurement: Some(CovarianceInput::Blocks(
+            used().map(|c| observed.covariance[c].clone()).collect(),
+        )),
         cov_simulator: Some(CovarianceInput::Matrix(simulator)),
         covariance_dof: Some(linear.noise_dof as f64),
         declared: plan.declared.iter().map(|d| d.name.clone()).collect(),
         sensitivities_declared: linear.declared.concat(),
-        cov_sensitivities_declared: plan.declared.iter().map(|d| slope_noise(d.step)).collect(),
+        cov_sensitivities_declared: plan.declared.iter().map(|d| of_step(d.step)).collect(),
         prior_precision: any_prior.then(|| {
             let precision = |sd: f64| 1.0 / (sd * sd);
             let each = plan
@@ -76,7 +78,7 @@ pub(super) fn problem(
         },
         library: plan.effects.iter().map(|e| e.name.clone()).collect(),
         sensitivities_library: linear.library.concat(),
-        cov_sensitivities_library: plan.effects.iter().map(|e| slope_noise(e.probe)).collect(),
+        cov_sensitivities_library: linear.library_variance.iter().map(|v| noise(*v)).collect(),
         largest_amplitudes: plan
             .effects
             .iter()
@@ -97,24 +99,45 @@ fn offsets(plan: &ResidualPlan, fitted: &[f64]) -> Vec<f64> {
     plan.declared.iter().zip(fitted).map(offset).collect()
 }
 
-/// Root of the inverse covariance of one condition: whitens its residual.
-pub(super) fn whitener(
+/// Root of the covariance of observed minus simulated over the measured observables of a condition.
+pub(super) fn root(
     observed: &Observed,
     linear: &Linearisation,
     n_runs: usize,
-) -> Result<Cholesky<f64, nalgebra::Dyn>, Error> {
+    condition: usize,
+) -> Result<DMatrix<f64>, Error> {
     let total = added(
-        &observed.covariance,
+        &observed.covariance[condition],
         &linear.run_covariance,
         1.0 / n_runs as f64,
     );
-    let n = total.len();
-    let matrix = DMatrix::from_fn(n, n, |a, b| total[a][b]);
-    Cholesky::new(matrix).ok_or(Error::Search {
+    let measured = observed.measured(condition);
+    let n = measured.len();
+    let matrix = DMatrix::from_fn(n, n, |a, b| total[measured[a]][measured[b]]);
+    let root = Cholesky::new(matrix).ok_or(Error::Search {
         what: "the root of the covariance",
         reason: "it is not positive definite: are two observables the same?".into(),
-    })
+    })?;
+    Ok(root.l())
 }
+
+/// Whitened mean square of observed minus simulated on the used conditions.
+pub(super) fn misfit(
+    plan: &ResidualPlan,
+    observed: &Observed,
+    linear: &Linearisation,
+    simulated: &Means,
+) -> Result<f64, Error> {
+    let used = part(plan, observed, linear, simulated, true)?;
+    used.map(|e| e.whitened_mse).ok_or(NOTHING_USED)
+}
+
+/// What a fit without a value is told.
+const NOTHING_USED: Error = Error::Count {
+    what: "values at used conditions",
+    got: 0,
+    expected: "at least one",
+};
 
 /// Errors of simulated means against the observations.
 pub(super) fn errors(
@@ -123,39 +146,46 @@ pub(super) fn errors(
     linear: &Linearisation,
     simulated: &Means,
 ) -> Result<ErrorPair, Error> {
-    let root = whitener(observed, linear, simulated.n)?;
-    let part = |used: bool| {
-        let conditions: Vec<usize> = (0..plan.conditions.len())
-            .filter(|&c| plan.conditions[c].used == used)
-            .collect();
-        let residual = |c: usize, k: usize| observed.values[c][k] - simulated.values[c][k];
-        let n = conditions.len() as f64;
-        let rmse = plan.observables.iter().enumerate().map(|(k, name)| {
-            let sum: f64 = conditions.iter().map(|&c| residual(c, k).powi(2)).sum();
-            (name.clone(), (sum / n).sqrt())
-        });
-        let rmse = rmse.collect();
-        let width = plan.observables.len();
-        let whitened: f64 = conditions
-            .iter()
-            .map(|&c| {
-                let r = DVector::from_fn(width, |k, _| residual(c, k));
-                let solved = root.l().solve_lower_triangular(&r);
-                solved.map_or(f64::NAN, |w| w.norm_squared())
-            })
-            .sum();
-        (!conditions.is_empty()).then(|| RealErrors {
-            rmse,
-            whitened_mse: whitened / (n * width as f64),
-        })
-    };
-    let used = part(true).ok_or(Error::Count {
-        what: "used conditions",
-        got: 0,
-        expected: "at least one",
-    })?;
+    let of = |used: bool| part(plan, observed, linear, simulated, used);
     Ok(ErrorPair {
-        used,
-        kept: part(false),
+        used: of(true)?.ok_or(NOTHING_USED)?,
+        kept: of(false)?,
     })
+}
+
+/// Errors on the used or on the kept conditions; none where nothing was measured there.
+fn part(
+    plan: &ResidualPlan,
+    observed: &Observed,
+    linear: &Linearisation,
+    simulated: &Means,
+    used: bool,
+) -> Result<Option<RealErrors>, Error> {
+    let residual = |c: usize, k: usize| observed.values[c][k].map(|y| y - simulated.values[c][k]);
+    let conditions: Vec<usize> = (0..plan.conditions.len())
+        .filter(|&c| plan.conditions[c].used == used)
+        .collect();
+    let mut rmse = BTreeMap::new();
+    for (k, name) in plan.observables.iter().enumerate() {
+        let squares: Vec<f64> = conditions
+            .iter()
+            .filter_map(|&c| residual(c, k).map(|r| r * r))
+            .collect();
+        if !squares.is_empty() {
+            let mean = squares.iter().sum::<f64>() / squares.len() as f64;
+            rmse.insert(name.clone(), mean.sqrt());
+        }
+    }
+    let (mut whitened, mut rows) = (0.0, 0);
+    for &c in &conditions {
+        let values = (0..plan.observables.len()).filter_map(|k| residual(c, k));
+        let vector = DVector::from_iterator(observed.measured(c).len(), values);
+        let white = root(observed, linear, simulated.n, c)?.solve_lower_triangular(&vector);
+        whitened += white.map_or(f64::NAN, |w| w.norm_squared());
+        rows += vector.len();
+    }
+    Ok((rows > 0).then(|| RealErrors {
+        rmse,
+        whitened_mse: whitened / rows as f64,
+    }))
 }

@@ -19,38 +19,22 @@ pub(super) fn declared(
     bounded_least_squares(&problem, point)
 }
 
-/// Fits parameters and amplitudes of some effects together.
-///
-/// Without runs the model is that of the linearisation; with the means of runs at a point, these
-/// replace its constant part.
+/// Fits parameters and amplitudes of some effects together, about the means of runs at a point.
 pub(super) fn with_effects(
     plan: &ResidualPlan,
     observed: &Observed,
     linear: &Linearisation,
     effects: &[String],
-    runs: Option<(&Setting, &Means)>,
+    (point, means): (&Setting, &Means),
 ) -> Result<Setting, Error> {
     let taken: Vec<usize> = effects
         .iter()
         .filter_map(|name| plan.effects.iter().position(|e| e.name == *name))
         .collect();
-    let (parameters, amplitudes): (Vec<f64>, Vec<f64>) = match runs {
-        None => (
-            plan.declared.iter().map(|d| d.start).collect(),
-            vec![0.0; taken.len()],
-        ),
-        Some((point, _)) => (
-            plan.declared
-                .iter()
-                .map(|d| point.parameters[&d.name])
-                .collect(),
-            taken
-                .iter()
-                .map(|&j| point.effects[&plan.effects[j].name])
-                .collect(),
-        ),
-    };
-    let means = runs.map_or(&linear.nominal, |r| r.1);
+    let parameter = |d: &super::DeclaredParameter| point.parameters[&d.name];
+    let parameters: Vec<f64> = plan.declared.iter().map(parameter).collect();
+    let amplitude = |&j: &usize| point.effects[&plan.effects[j].name];
+    let amplitudes: Vec<f64> = taken.iter().map(amplitude).collect();
     let problem = linear_problem(
         plan,
         observed,
@@ -80,17 +64,21 @@ fn linear_problem(
     point: (&[f64], &[f64]),
     means: &Means,
 ) -> Result<BoundedProblem, Error> {
-    let root = assemble::whitener(observed, linear, means.n)?.l();
-    let (n, width) = (plan.declared.len() + taken.len(), plan.observables.len());
+    let n = plan.declared.len() + taken.len();
     let at: Vec<f64> = point.0.iter().chain(point.1).copied().collect();
     let (mut matrix, mut target) = (Vec::new(), Vec::new());
     for c in (0..plan.conditions.len()).filter(|&c| plan.conditions[c].used) {
-        let slopes = DMatrix::from_fn(width, n, |k, j| match j.checked_sub(plan.declared.len()) {
+        let measured = observed.measured(c);
+        let root = assemble::root(observed, linear, means.n, c)?;
+        let slope = |k: usize, j: usize| match j.checked_sub(plan.declared.len()) {
             None => linear.declared[c][k][j],
             Some(e) => linear.library[c][k][taken[e]],
-        });
-        let residual = DVector::from_fn(width, |k, _| observed.values[c][k] - means.values[c][k]);
-        let residual = residual + &slopes * DVector::from_column_slice(&at);
+        };
+        let slopes = DMatrix::from_fn(measured.len(), n, |row, j| slope(measured[row], j));
+        let pairs = observed.values[c].iter().zip(&means.values[c]);
+        let residuals = pairs.filter_map(|(y, f)| y.map(|y| y - f));
+        let residual = DVector::from_iterator(measured.len(), residuals)
+            + &slopes * DVector::from_column_slice(&at);
         let unsolved = || Error::Search {
             what: "whitened rows",
             reason: "the covariance has a zero on its diagonal".into(),
@@ -99,9 +87,9 @@ fn linear_problem(
         let right = root
             .solve_lower_triangular(&residual)
             .ok_or_else(unsolved)?;
-        for k in 0..width {
-            matrix.push(white.row(k).iter().copied().collect());
-            target.push(right[k]);
+        for (row, value) in white.row_iter().zip(right.iter()) {
+            matrix.push(row.iter().copied().collect());
+            target.push(*value);
         }
     }
     for (j, declared) in plan.declared.iter().enumerate() {

@@ -18,7 +18,7 @@ pub(super) struct Setting {
 /// Means of the observables, (conditions, observables).
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Means {
-    /// Means over the runs.
+    /// Means over the runs; empty rows where none were done.
     pub(super) values: Vec<Vec<f64>>,
     /// Number of runs in each mean.
     pub(super) n: usize,
@@ -45,6 +45,8 @@ pub(super) struct Linearisation {
     pub(super) declared: Vec<Vec<Vec<f64>>>,
     /// d observable / d amplitude, (conditions, observables, effects).
     pub(super) library: Vec<Vec<Vec<f64>>>,
+    /// Variance of each column of `library` over that of one run, 1 / (unit of the amplitude)^2.
+    pub(super) library_variance: Vec<f64>,
     /// Covariance of one run, pooled over conditions and settings, (observables, observables).
     pub(super) run_covariance: Vec<Vec<f64>>,
     /// Its degrees of freedom.
@@ -79,6 +81,15 @@ impl Setting {
     }
 }
 
+/// Which conditions are run.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum At {
+    /// Those that the fit uses; the rows of the others stay empty.
+    Used,
+    /// Those kept for the check; the rows of the others stay empty.
+    Kept,
+}
+
 /// Means at a setting, with the seeds of a block.
 pub(super) fn means(
     campaign: &Campaign<'_>,
@@ -86,9 +97,11 @@ pub(super) fn means(
     plan: &ResidualPlan,
     setting: &Setting,
     block: u64,
+    at: At,
 ) -> Result<Means, Error> {
+    let used = at == At::Used;
     let mut requests = Vec::new();
-    for condition in &plan.conditions {
+    for condition in plan.conditions.iter().filter(|c| c.used == used) {
         for replicate in 0..plan.replicates {
             requests.push(setting.request(plan, condition, block, replicate));
         }
@@ -98,7 +111,7 @@ pub(super) fn means(
         .iter()
         .map(|r| row(plan, r))
         .collect::<Result<Vec<_>, _>>()?;
-    Ok(Means::of(&rows, plan.replicates))
+    Ok(Means::of(&rows, plan.replicates).spread_over(plan, used))
 }
 
 /// Observables of a record, in the order of the plan.
@@ -124,14 +137,17 @@ impl Linearisation {
     ///
     /// Differences are taken against the mean of the replicates: with contacts that come and go,
     /// two runs of one seed part ways within a second, so that a common seed saves no noise.
+    ///
+    /// An effect that cannot be run, such as one whose bed shows no surface to the camera, is left out;
+    /// the second part of the result has the reasons by effect. The tables have no column for it.
     pub(super) fn run(
         campaign: &Campaign<'_>,
         simulator: &dyn Simulator,
         plan: &ResidualPlan,
-    ) -> Result<Self, Error> {
+    ) -> Result<(Self, BTreeMap<String, String>), Error> {
         let start: Vec<f64> = plan.declared.iter().map(|d| d.start).collect();
         let at_start = Setting::declared(plan, &start);
-        let mut settings = Vec::new();
+        let mut settings = vec![(at_start.clone(), 1.0)];
         for declared in &plan.declared {
             let mut moved = at_start.clone();
             moved
@@ -144,44 +160,86 @@ impl Linearisation {
             on.effects.insert(effect.name.clone(), effect.probe);
             settings.push((on, effect.probe));
         }
-        let (n, r) = (plan.conditions.len(), plan.replicates);
+        let r = plan.replicates;
         let used = || plan.conditions.iter().filter(|c| c.used);
-        let points = std::iter::once(&at_start).chain(settings.iter().map(|(point, _)| point));
-        let requests: Vec<RunRequest> = points
-            .flat_map(|point| used().map(move |condition| (point, condition)))
+        let requests: Vec<RunRequest> = settings
+            .iter()
+            .flat_map(|(point, _)| used().map(move |condition| (point, condition)))
             .flat_map(|(point, c)| (0..r).map(move |k| point.request(plan, c, 0, k)))
             .collect();
-        let records = campaign.run_all(simulator, &requests)?;
-        let rows = records
-            .iter()
-            .map(|r| row(plan, r))
-            .collect::<Result<Vec<_>, _>>()?;
-        let mut points = rows
-            .chunks(used().count() * r)
-            .map(|rows| Means::of(rows, r).spread_over(plan));
-        let nominal = points.next().unwrap_or_else(|| Means::of(&[], r));
-        let probes: Vec<Means> = points.collect();
+        let results = campaign.run_each(simulator, &requests)?;
+        let per_point = used().count() * r;
+        let needed = (1 + plan.declared.len()) * per_point;
+        if results.iter().take(needed).any(Result::is_err) {
+            // Asked for alone, they give the error with its run; what was done is not done again.
+            campaign.run_all(simulator, &requests[..needed])?;
+        }
+        let (mut probes, mut left_out) = (Vec::new(), BTreeMap::new());
+        for (i, group) in results.chunks(per_point).enumerate() {
+            let effect = i.checked_sub(1 + plan.declared.len());
+            let reason = group.iter().find_map(|result| result.as_ref().err());
+            if let (Some(reason), Some(j)) = (reason, effect) {
+                left_out.insert(plan.effects[j].name.clone(), reason.clone());
+                continue;
+            }
+            let rows = group.iter().flatten().map(|record| row(plan, record));
+            let rows = rows.collect::<Result<Vec<_>, _>>()?;
+            let means = Means::of(&rows, r).spread_over(plan, true);
+            probes.push((means, settings[i].1));
+        }
+        let mut probes = probes.into_iter();
+        let nominal = match probes.next() {
+            Some((means, _)) => means,
+            None => Means::of(&[], r),
+        };
+        let probes: Vec<(Means, f64)> = probes.collect();
         let mut scatter = nominal.scatter.clone();
-        for probe in &probes {
+        for (probe, _) in &probes {
             scatter.add(&probe.scatter);
         }
-        let columns = |first: usize, count: usize| -> Vec<Vec<Vec<f64>>> {
-            let slope = |j: usize, c: usize, k: usize| {
-                (probes[first + j].values[c][k] - nominal.values[c][k]) / settings[first + j].1
+        let columns = |probes: &[(Means, f64)]| -> Vec<Vec<Vec<f64>>> {
+            let slope = |(probe, step): &(Means, f64), c: usize, k: usize| {
+                (probe.values[c][k] - nominal.values[c][k]) / step
             };
-            let of = |c: usize, k: usize| (0..count).map(|j| slope(j, c, k)).collect();
-            (0..n)
+            let of = |c: usize, k: usize| probes.iter().map(|p| slope(p, c, k)).collect();
+            (0..plan.conditions.len())
                 .map(|c| (0..nominal.values[c].len()).map(|k| of(c, k)).collect())
                 .collect()
         };
-        Ok(Self {
-            declared: columns(0, plan.declared.len()),
-            library: columns(plan.declared.len(), plan.effects.len()),
+        let (declared, library) = probes.split_at(plan.declared.len().min(probes.len()));
+        let linear = Self {
+            declared: columns(declared),
+            library: columns(library),
+            // A difference of two means of r runs.
+            library_variance: library
+                .iter()
+                .map(|(_, step)| 2.0 / (r as f64 * step * step))
+                .collect(),
             run_covariance: scatter.covariance(),
             noise_dof: scatter.dof,
             nominal,
             scatter,
-        })
+        };
+        Ok((linear, left_out))
+    }
+
+    /// Replaces the column of an effect by the secant from the fitted point to the same point with the
+    /// effect on at an amplitude. The noise of the fitted point is in the residual already.
+    pub(super) fn with_secant(
+        mut self,
+        effect: usize,
+        amplitude: f64,
+        at_fit: &Means,
+        on: &Means,
+    ) -> Self {
+        let rows = on.values.iter().zip(&at_fit.values);
+        for (slopes, (on, off)) in self.library.iter_mut().zip(rows) {
+            for (slopes, (on, off)) in slopes.iter_mut().zip(on.iter().zip(off)) {
+                slopes[effect] = (on - off) / amplitude;
+            }
+        }
+        self.library_variance[effect] = 1.0 / (on.n as f64 * amplitude * amplitude);
+        self.with_scatter(on)
     }
 
     /// The same with the scatter of further means in the covariance: the noise of a run is taken
@@ -238,10 +296,23 @@ impl Means {
         }
     }
 
-    /// Means of the used conditions only, with empty rows put in for the others.
-    fn spread_over(self, plan: &ResidualPlan) -> Self {
+    /// These means of the used conditions, with those of the kept ones put in.
+    pub(super) fn with_kept(mut self, kept: Self) -> Self {
+        for (row, other) in self.values.iter_mut().zip(kept.values) {
+            if row.is_empty() {
+                *row = other;
+            }
+        }
+        self.scatter.add(&kept.scatter);
+        self
+    }
+
+    /// Means of the used or the kept conditions only, with empty rows put in for the others.
+    fn spread_over(self, plan: &ResidualPlan, used: bool) -> Self {
         let mut rows = self.values.into_iter();
-        let row = |c: &StudyCondition| if c.used { rows.next() } else { None };
+        let row = |c: &StudyCondition| {
+            if c.used == used { rows.next() } else { None }
+        };
         Self {
             values: plan
                 .conditions

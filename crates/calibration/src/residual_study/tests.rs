@@ -33,6 +33,10 @@ impl Simulator for Toy {
     fn run(&self, request: &RunRequest) -> Result<RunOutcome, SimulatorError> {
         let (rpm, fill) = (request.condition("rpm")?, request.condition("fill")?);
         let effects = [request.effect("bend"), request.effect("tilt")];
+        if request.effect("no surface") != 0.0 {
+            let reason = "no frame shows a surface".to_owned();
+            return Err(SimulatorError::Refused { reason });
+        }
         let values = truth(
             rpm,
             fill,
@@ -97,13 +101,13 @@ fn observed(plan: &ResidualPlan, effects: [f64; 2], seed: u64) -> Observed {
         let values = truth(c.condition["rpm"], c.condition["fill"], 0.7, 0.4, effects);
         values
             .iter()
-            .map(|v| v + MEASURED_SD * stream.normal())
+            .map(|v| Some(v + MEASURED_SD * stream.normal()))
             .collect()
     });
     let square = MEASURED_SD * MEASURED_SD;
     Observed {
         values: values.collect(),
-        covariance: vec![vec![square, 0.0], vec![0.0, square]],
+        covariance: vec![vec![vec![square, 0.0], vec![0.0, square]]; plan.conditions.len()],
     }
 }
 
@@ -179,4 +183,62 @@ fn one_replicate_is_refused_because_it_gives_no_noise() {
             .contains("replicates: 1 given, two or more needed"),
         "{error}"
     );
+}
+
+/// A probe that cannot be run costs its own effect only: the others are diagnosed as without it, bit
+/// for bit, and the reason is kept.
+#[test]
+fn an_effect_that_cannot_be_run_is_left_out_with_its_reason() {
+    let folder = tempfile::tempdir().unwrap();
+    let store = Store::open(folder.path()).unwrap();
+    let campaign = Campaign::new(&store, 2, &Silent);
+    let plan = plan(1);
+    let mut more = plan.clone();
+    more.effects.insert(
+        0,
+        EffectProbe {
+            name: "no surface".into(),
+            probe: 1.0,
+            largest: 1.0,
+            sign: Sign::Positive,
+        },
+    );
+    let data = observed(&plan, [2.0, 0.0], 1);
+    let with = study_residual(&campaign, &Toy, &more, &data).unwrap();
+    let without = study_residual(&campaign, &Toy, &plan, &data).unwrap();
+    assert!(with.left_out["no surface"].contains("no frame shows a surface"));
+    assert!(without.left_out.is_empty());
+    assert_eq!(with.diagnosis, without.diagnosis);
+}
+
+/// Values that were not measured carry nothing: with the second observable missing everywhere the
+/// study is that of the first alone.
+#[test]
+fn a_value_that_was_not_measured_has_no_weight() {
+    let folder = tempfile::tempdir().unwrap();
+    let store = Store::open(folder.path()).unwrap();
+    let campaign = Campaign::new(&store, 2, &Silent);
+    let both = plan(1);
+    let mut data = observed(&both, [2.0, 0.0], 1);
+    let one = ResidualPlan {
+        observables: vec!["angle".into()],
+        ..both.clone()
+    };
+    let mut alone = data.clone();
+    for (row, block) in alone.values.iter_mut().zip(&mut alone.covariance) {
+        row.truncate(1);
+        *block = vec![vec![block[0][0]]];
+    }
+    for row in &mut data.values {
+        row[1] = None;
+    }
+    let missing = study_residual(&campaign, &Toy, &both, &data).unwrap();
+    let alone = study_residual(&campaign, &Toy, &one, &alone).unwrap();
+    let t0 = |s: &super::ResidualStudy| s.diagnosis.structured_residual.t0.unwrap();
+    assert!(
+        (t0(&missing) - t0(&alone)).abs() < 1e-9 * t0(&alone),
+        "rounding"
+    );
+    assert_eq!(missing.fitted, alone.fitted);
+    assert_eq!(missing.errors_before.used.rmse.len(), 1);
 }
