@@ -29,6 +29,16 @@ docs:
 calibrate *ARGS:
     cargo run --release --locked -p seedloop -- calibrate fixtures/cotton/study.toml --resume "$@"
 
+# Find what a model lacks on a file of measurements, by simulations of its own.
+diagnose *ARGS:
+    cargo run --release --locked -p seedloop -- diagnose "$@"
+
+# Draw campaigns with known truth and count how often the diagnosis is right (about ten minutes).
+trials NUMBER="200":
+    cargo build --release --locked -p residual-diagnosis --example trials
+    cat docs/trials-intro.md > docs/trials.md
+    "${CARGO_TARGET_DIR:-target}/release/examples/trials" {{NUMBER}} fixtures/diagnosis/drum/problem.json fixtures/diagnosis/single/problem.json fixtures/diagnosis/tie/problem.json >> docs/trials.md
+
 # Check the solver against mechanics and write the table.
 verify *ARGS:
     cargo run --release --locked -p seedloop -- verify --out docs/verification.md --force "$@"

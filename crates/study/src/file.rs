@@ -1,6 +1,7 @@
 //! What a study file says.
 
 use crate::Error;
+use crate::diagnosis_file::overrides;
 use calibration::CalibrationFactor;
 use experiment_design::Factor;
 use scene::Override;
@@ -298,21 +299,12 @@ impl StudyFile {
     ///
     /// A change without an equals sign.
     pub fn overrides(&self, changes: &[String]) -> Result<Vec<Override>, Error> {
-        changes
-            .iter()
-            .map(|text| {
-                let (name, value) = text.split_once('=').ok_or_else(|| {
-                    self.wrong(
-                        format!("scene change '{text}'"),
-                        "has no '='; write 'name = value'",
-                    )
-                })?;
-                Ok(Override {
-                    name: name.trim().into(),
-                    value: value.trim().into(),
-                })
-            })
-            .collect()
+        overrides(changes).map_err(|text| {
+            self.wrong(
+                format!("scene change '{text}'"),
+                "has no '='; write 'name = value'",
+            )
+        })
     }
 
     /// Refuses numbers that cannot be meant.

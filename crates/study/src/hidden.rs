@@ -151,12 +151,12 @@ impl Loop<'_> {
             }
             values.push(
                 (0..width)
-                    .map(|k| mean[k] + settings.reading_sd[k] * noise.normal())
+                    .map(|k| Some(mean[k] + settings.reading_sd[k] * noise.normal()))
                     .collect(),
             );
         }
         let dof = (plan.conditions.len() * (n - 1)) as f64;
-        let covariance = (0..width)
+        let covariance: Vec<Vec<f64>> = (0..width)
             .map(|a| {
                 let reading = |b: usize| {
                     if a == b {
@@ -170,6 +170,9 @@ impl Loop<'_> {
                     .collect()
             })
             .collect();
-        Ok(Observed { values, covariance })
+        Ok(Observed {
+            values,
+            covariance: vec![covariance; plan.conditions.len()],
+        })
     }
 }

@@ -3,8 +3,11 @@
 //! This is the only room that joins the calibration to the solver: [`SceneSimulator`] makes a
 //! [`campaign::Simulator`] of scenes and effects, and [`run_study`] leads it through screening,
 //! response surface, solutions, validation, the metering device, the residual at the bench
-//! measurements, and a campaign with a hidden effect.
+//! measurements, and a campaign with a hidden effect. [`run_diagnosis`] does the last part alone, on a
+//! user's own measurements.
 
+mod diagnosis_file;
+mod diagnosis_run;
 mod error;
 mod file;
 mod hidden;
@@ -15,10 +18,14 @@ mod result;
 mod simulator;
 mod tables;
 
+pub use diagnosis_file::{
+    DeclaredEntry, DiagnosisFile, MeasuredEntry, Measurement, PlannedDiagnosis, Prior, Role,
+};
+pub use diagnosis_run::{DiagnosisResult, run_diagnosis};
 pub use error::Error;
 pub use file::{Profile, StudyFile};
 pub use loop_stages::{RunSettings, run_study};
-pub use output::write_results;
+pub use output::{write_diagnosis, write_results};
 pub use result::{
     FillingSummary, HiddenCampaign, ImageAgainstPosition, MeteringResult, StudyResult, SweepPoint,
 };

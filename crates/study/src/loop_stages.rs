@@ -395,8 +395,8 @@ impl Loop<'_> {
             seed: self.settings.seed,
         };
         let observed = Observed {
-            values: vec![vec![target.value]],
-            covariance: vec![vec![target.sd * target.sd / target.n as f64]],
+            values: vec![vec![Some(target.value)]],
+            covariance: vec![vec![vec![target.sd * target.sd / target.n as f64]]],
         };
         Ok(study_residual(
             &self.campaign,

@@ -1,8 +1,9 @@
 //! Writing the result folder.
 
 use crate::report_page::material::Material;
-use crate::report_page::pictures::{Picture, pictures};
-use crate::{Error, StudyFile, StudyResult, report_page, tables};
+use crate::report_page::pictures::{NamedPicture, Picture, campaign_charts, pictures};
+use crate::tables::CsvTable;
+use crate::{DiagnosisResult, Error, StudyFile, StudyResult, report_page, tables};
 use std::fs::File;
 use std::io::Write as _;
 use std::path::Path;
@@ -24,32 +25,56 @@ pub fn write_results(folder: &Path, study: &StudyFile, result: &StudyResult) -> 
     let material = Material::collect(folder, study, result)?;
     let pictures = pictures(study, result, &material)?;
     let page = report_page::page(study, result, &material, &pictures)?;
+    write_parts(folder, &pictures, &tables::tables(study, result))?;
+    write_json(folder, "result.json", result)?;
+    write_whole(&folder.join("report.html"), page.as_bytes())
+}
+
+/// Writes the result of a diagnosis into its folder, each file whole or not at all.
+///
+/// - `result.json`, `report.html`, `pictures/`, `tables/`: as those of a study.
+/// - `problem.json`: the residual with covariances and sensitivities, for anyone's statistics.
+///
+/// # Errors
+///
+/// A file that cannot be written, a chart that cannot be drawn.
+pub fn write_diagnosis(folder: &Path, result: &DiagnosisResult) -> Result<(), Error> {
+    let pictures = campaign_charts::charts("diagnosis", &result.study)?;
+    let page = report_page::diagnosis_page::page(result, &pictures)?;
+    let tables = tables::residual_tables::all("diagnosis", &result.study);
+    write_parts(folder, &pictures, &tables)?;
+    write_json(folder, "problem.json", &result.study.problem)?;
+    write_json(folder, "result.json", result)?;
+    write_whole(&folder.join("report.html"), page.as_bytes())
+}
+
+/// Writes pictures and tables into folders of their own.
+fn write_parts(folder: &Path, pictures: &[NamedPicture], tables: &[CsvTable]) -> Result<(), Error> {
     for part in ["pictures", "tables"] {
         make_folder(&folder.join(part))?;
     }
-    for named in &pictures {
+    for named in pictures {
         let path = folder.join("pictures").join(named.file_name());
         match &named.picture {
             Picture::Chart(svg) => write_whole(&path, svg.as_str().as_bytes())?,
             Picture::Png(bytes) => write_whole(&path, bytes)?,
         }
     }
-    for table in tables::tables(study, result) {
+    for table in tables {
         let path = folder.join("tables").join(table.file_name());
         write_whole(&path, table.text().as_bytes())?;
     }
-    write_whole(&folder.join("result.json"), &json(result)?)?;
-    write_whole(&folder.join("report.html"), page.as_bytes())
+    Ok(())
 }
 
-/// The result as text; numbers that are not finite become null.
-fn json(result: &StudyResult) -> Result<Vec<u8>, Error> {
+/// Writes a result as JSON; numbers that are not finite become null.
+fn write_json(folder: &Path, name: &str, result: &impl serde::Serialize) -> Result<(), Error> {
     let mut bytes = serde_json::to_vec_pretty(result).map_err(|source| Error::Text {
-        file: "result.json".into(),
+        file: name.into(),
         message: source.to_string(),
     })?;
     bytes.push(b'\n');
-    Ok(bytes)
+    write_whole(&folder.join(name), &bytes)
 }
 
 /// Makes a folder where it is missing.

@@ -4,6 +4,7 @@ mod bench_section;
 pub(crate) mod campaign;
 mod campaign_section;
 mod closing_section;
+pub(crate) mod diagnosis_page;
 pub(crate) mod material;
 mod numbers;
 mod opening_section;
@@ -11,6 +12,7 @@ pub(crate) mod pictures;
 mod point_sections;
 mod published_surface;
 mod residual_parts;
+mod residual_section;
 mod screening_section;
 mod seed_section;
 mod surface_section;
@@ -38,10 +40,7 @@ struct Page<'a> {
 impl Page<'_> {
     /// Adds a chart, or says that it is not there.
     fn chart(&mut self, name: &str, caption: &str) {
-        match pictures::chart(self.pictures, name) {
-            Some(svg) => self.report.figure(svg, caption),
-            None => self.report.paragraph(&missing(name)),
-        };
+        chart(&mut self.report, self.pictures, name, caption);
     }
 
     /// Adds a PNG picture, or says that it is not there.
@@ -52,6 +51,14 @@ impl Page<'_> {
         };
         Ok(())
     }
+}
+
+/// Adds a chart, or says that it is not there.
+fn chart(report: &mut Report, pictures: &[NamedPicture], name: &str, caption: &str) {
+    match pictures::chart(pictures, name) {
+        Some(svg) => report.figure(svg, caption),
+        None => report.paragraph(&missing(name)),
+    };
 }
 
 /// What stands for a picture that could not be made.

@@ -2,7 +2,7 @@
 
 mod csv;
 mod design_tables;
-mod residual_tables;
+pub(crate) mod residual_tables;
 mod run_tables;
 
 pub(crate) use csv::CsvTable;
@@ -27,10 +27,7 @@ pub(crate) fn tables(study: &StudyFile, result: &StudyResult) -> Vec<CsvTable> {
         ("hidden", &result.hidden.study),
         ("nothing_hidden", &result.nothing_hidden.study),
     ] {
-        tables.push(residual_tables::conditions(name, residual));
-        tables.push(residual_tables::parameters(name, residual));
-        tables.push(residual_tables::candidates(name, residual));
-        tables.push(residual_tables::errors(name, residual));
+        tables.extend(residual_tables::all(name, residual));
     }
     tables
 }

@@ -3,7 +3,7 @@
 use anyhow::Context as _;
 use campaign::LineProgress;
 use command_line::{Common, DONE, Header, NOT_MET, Overwrite};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 use study::{RunSettings, StudyFile, StudyResult, run_study, write_results};
 
@@ -42,17 +42,8 @@ pub(crate) fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<u8> 
     let folder = arguments.out.clone().unwrap_or_else(|| {
         PathBuf::from("out").join(format!("{}-{}", study.name, arguments.profile))
     });
-    let allowed = arguments.resume || common.overwrite() == Overwrite::Allow;
-    let used = folder
-        .read_dir()
-        .is_ok_and(|mut entries| entries.next().is_some());
-    anyhow::ensure!(
-        allowed || !used,
-        "{} holds the results of an earlier run: give --resume to go on with it (finished runs \
-         are reused), or another --out",
-        folder.display()
-    );
-    let base = arguments.study.parent().unwrap_or(std::path::Path::new(""));
+    refuse_used_folder(&folder, arguments.resume, common)?;
+    let base = arguments.study.parent().unwrap_or(Path::new(""));
     let files = [
         arguments.study.clone(),
         base.join(&study.drum),
@@ -65,12 +56,7 @@ pub(crate) fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<u8> 
         folder: folder.clone(),
         inputs: Header::new(arguments.seed, &files)?.inputs,
     };
-    let lines: Box<dyn std::io::Write + Send> = if common.quiet {
-        Box::new(std::io::sink())
-    } else {
-        Box::new(std::io::stderr())
-    };
-    let progress = LineProgress::new(lines);
+    let progress = progress_lines(common);
     let announce = |stage: &str| common.log(|| format!("== {stage}"));
     let stop = AtomicBool::new(false);
     let result = run_study(&study, &settings, &progress, &stop, &announce)?;
@@ -80,6 +66,34 @@ pub(crate) fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<u8> 
     common.print(format!("report: {}", folder.join("report.html").display()))?;
     common.emit_json(&result)?;
     Ok(if result.target_reached { DONE } else { NOT_MET })
+}
+
+/// Refuses a folder with results of an earlier run, unless the user said that it is to go on.
+pub(crate) fn refuse_used_folder(
+    folder: &Path,
+    resume: bool,
+    common: &Common,
+) -> anyhow::Result<()> {
+    let allowed = resume || common.overwrite() == Overwrite::Allow;
+    let used = folder
+        .read_dir()
+        .is_ok_and(|mut entries| entries.next().is_some());
+    anyhow::ensure!(
+        allowed || !used,
+        "{} holds the results of an earlier run: give --resume to go on with it (finished runs \
+         are reused), or another --out",
+        folder.display()
+    );
+    Ok(())
+}
+
+/// Where the progress of the runs is told.
+pub(crate) fn progress_lines(common: &Common) -> LineProgress {
+    if common.quiet {
+        LineProgress::new(std::io::sink())
+    } else {
+        LineProgress::new(std::io::stderr())
+    }
 }
 
 /// The result in a few lines.

@@ -1,7 +1,7 @@
 //! `seedloop diagnose`: what a residual says of missing effects.
 
-use crate::diagnose_problem;
-use anyhow::bail;
+use crate::{diagnose_problem, diagnose_study};
+use anyhow::ensure;
 use command_line::{Common, DONE, Header, NOT_MET};
 use residual_diagnosis::{CandidateResult, Diagnosis, Verdict};
 use serde::Serialize;
@@ -12,13 +12,26 @@ use std::path::PathBuf;
 /// Tells which effect, if any, a residual that re-tuning cannot remove speaks for
 #[derive(clap::Args, Debug)]
 pub(crate) struct Arguments {
-    /// Residual, covariances and sensitivities from any simulator
-    #[arg(value_name = "PROBLEM.json")]
-    problem: PathBuf,
+    /// A study (.toml): measurements, declared parameters, effects; seedloop runs its own simulations.
+    /// Or a problem (.json): residual, covariances and sensitivities from any simulator
+    #[arg(value_name = "STUDY.toml|PROBLEM.json")]
+    file: PathBuf,
 
-    /// Seed of the simulated distributions
+    /// First seed of the runs and of the simulated distributions
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
+
+    /// Folder of the results of a study [default: out/NAME-diagnosis]
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+
+    /// Go on in a folder that exists: finished runs are reused, result files are renewed
+    #[arg(long)]
+    resume: bool,
+
+    /// Say what would be run, and run nothing
+    #[arg(long)]
+    plan: bool,
 
     #[command(flatten)]
     common: Common,
@@ -39,20 +52,26 @@ struct Report<'a> {
 /// Reads, diagnoses, prints.
 ///
 /// # Errors
-/// A file that cannot be read or is no problem, a study file.
+/// A file that cannot be read, or holds neither a problem nor a study; runs that failed.
 pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
-    let (path, common) = (&arguments.problem, &arguments.common);
+    let (path, common) = (&arguments.file, &arguments.common);
     let is_study = path
         .extension()
         .is_some_and(|end| end.eq_ignore_ascii_case("toml"));
     if is_study {
-        bail!(
-            "{} is a study file, and diagnose reads problem files (.json): the residual of a \
-             study is diagnosed within `seedloop calibrate {}`",
-            path.display(),
-            path.display()
-        );
+        let options = diagnose_study::Options {
+            seed: arguments.seed,
+            out: arguments.out.clone(),
+            resume: arguments.resume,
+            plan_only: arguments.plan,
+        };
+        return diagnose_study::run(path, &options, common);
     }
+    ensure!(
+        arguments.out.is_none() && !arguments.resume && !arguments.plan,
+        "--out, --resume and --plan are for studies (.toml): {} is a problem, which needs no runs",
+        path.display()
+    );
     let diagnosis = diagnose_problem::run(path, arguments.seed)?;
     for warning in &diagnosis.warnings {
         common.log(|| format!("warning: {warning}"));
@@ -66,14 +85,19 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
         inputs,
         diagnosis: &diagnosis,
     })?;
-    Ok(match diagnosis.verdict {
+    Ok(exit_code(diagnosis.verdict))
+}
+
+/// An answer that says nothing about any effect is no success.
+pub(crate) fn exit_code(verdict: Verdict) -> u8 {
+    match verdict {
         Verdict::Refused | Verdict::NotTestable => NOT_MET,
         _ => DONE,
-    })
+    }
 }
 
 /// The verdict, its reasons in words, and the candidates.
-fn text(diagnosis: &Diagnosis) -> String {
+pub(crate) fn text(diagnosis: &Diagnosis) -> String {
     let mut text = format!("{}: {}", diagnosis.id, diagnosis.verdict);
     if !diagnosis.effects.is_empty() {
         add(&mut text, format_args!(" {}", diagnosis.effects.join(", ")));

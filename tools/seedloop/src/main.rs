@@ -6,6 +6,7 @@ mod calibrate;
 mod design;
 mod diagnose;
 mod diagnose_problem;
+mod diagnose_study;
 mod export;
 mod optimise;
 mod simulate;

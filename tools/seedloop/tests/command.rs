@@ -4,6 +4,8 @@
 
 #[path = "command/apparatus.rs"]
 mod apparatus;
+#[path = "command/diagnosis.rs"]
+mod diagnosis;
 #[path = "command/help.rs"]
 mod help;
 #[path = "command/residual.rs"]

@@ -32,14 +32,14 @@ pub(crate) fn role(condition: &StudyCondition) -> Role {
 
 /// Standard error of observed minus simulated, unit of the observable: that of the observation,
 /// and that of the mean of the simulated runs.
-pub(crate) fn residual_se(study: &ResidualStudy, k: usize) -> f64 {
+pub(crate) fn residual_se(study: &ResidualStudy, c: usize, k: usize) -> f64 {
     let runs = study.plan.replicates.max(1) as f64;
     let run_sd = study
         .run_sd
         .get(&study.plan.observables[k])
         .copied()
         .unwrap_or(0.0);
-    (study.observed.covariance[k][k] + run_sd * run_sd / runs).sqrt()
+    (study.observed.covariance[c][k][k] + run_sd * run_sd / runs).sqrt()
 }
 
 /// Errors of real runs with one model.

@@ -1,6 +1,6 @@
 //! The pictures of the report, by name; the same are written as files.
 
-mod campaign_charts;
+pub(crate) mod campaign_charts;
 pub(super) mod photographs;
 mod run_charts;
 mod screening_charts;
@@ -104,10 +104,10 @@ pub(crate) fn pictures(
     all.extend(run_charts::sweep(study, result)?);
     all.extend(run_charts::smoothness(result)?);
     all.extend(run_charts::filling_angle(result)?);
-    all.extend(campaign_charts::charts("hidden", &result.hidden)?);
+    all.extend(campaign_charts::charts("hidden", &result.hidden.study)?);
     all.extend(campaign_charts::charts(
         "nothing-hidden",
-        &result.nothing_hidden,
+        &result.nothing_hidden.study,
     )?);
     Ok(all)
 }

@@ -9,16 +9,23 @@ use calibration::ResidualStudy;
 use report::{Column, Report, Table, Verdict};
 use residual_diagnosis::Verdict as Diagnosed;
 
-/// The verdict of the diagnosis with its own words.
-pub(super) fn verdict(report: &mut Report, study: &ResidualStudy) {
-    let d = &study.diagnosis;
-    let colour = match d.verdict {
+/// Name of the chart of the residuals in the report of a diagnosis.
+pub(super) const ANSWER_CHART: &str = "diagnosis-residuals";
+
+/// The colour of a verdict: green where an answer was found, also where it is "nothing".
+pub(super) fn answer_colour(verdict: Diagnosed) -> Verdict {
+    match verdict {
         Diagnosed::None | Diagnosed::Named => Verdict::Good,
         Diagnosed::Refused | Diagnosed::NotTestable => Verdict::Note,
         _ => Verdict::Caution,
-    };
+    }
+}
+
+/// The verdict of the diagnosis with its own words.
+pub(super) fn verdict(report: &mut Report, study: &ResidualStudy) {
+    let d = &study.diagnosis;
     report.verdict(
-        colour,
+        answer_colour(d.verdict),
         &format!("Verdict of the diagnosis: {}", d.verdict),
         d.summary(),
     );
@@ -169,4 +176,24 @@ pub(super) fn added(study: &ResidualStudy) -> Option<String> {
         )
     };
     Some(after.effects.iter().map(one).collect::<Vec<_>>().join("; "))
+}
+
+/// What each observable alone says of the effect that stands out.
+pub(super) fn support(report: &mut Report, study: &ResidualStudy) -> Result<(), report::Error> {
+    let support = &study.diagnosis.observable_support;
+    let Some(first) = support.first() else {
+        return Ok(());
+    };
+    let mut table = Table::new(
+        format!(
+            "Which observable carries the verdict: score of {} by the rows of each alone.",
+            first.effect
+        ),
+        vec![Column::text("observable"), Column::number("z alone")],
+    )?;
+    for row in support {
+        table.row([observable(&row.observable).0, fixed_or_dash(row.z, 2)])?;
+    }
+    report.table(&table);
+    Ok(())
 }

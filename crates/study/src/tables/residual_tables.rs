@@ -22,8 +22,18 @@ fn coordinate(name: &str) -> String {
     }
 }
 
+/// All tables of a study.
+pub(crate) fn all(name: &str, study: &ResidualStudy) -> [CsvTable; 4] {
+    [
+        conditions(name, study),
+        parameters(name, study),
+        candidates(name, study),
+        errors(name, study),
+    ]
+}
+
 /// Observed and simulated values by condition, before and after.
-pub(super) fn conditions(name: &str, study: &ResidualStudy) -> CsvTable {
+fn conditions(name: &str, study: &ResidualStudy) -> CsvTable {
     let names: Vec<&String> = study
         .plan
         .conditions
@@ -56,10 +66,12 @@ pub(super) fn conditions(name: &str, study: &ResidualStudy) -> CsvTable {
         row.push(if condition.used { "fit" } else { "check" }.into());
         for k in 0..study.plan.observables.len() {
             row.push(study.observed.values[c][k].into());
-            row.push(study.observed.covariance[k][k].sqrt().into());
+            let measured = study.observed.values[c][k].is_some();
+            let se = study.observed.standard_error(c, k);
+            row.push(measured.then_some(se).into());
             row.push(study.simulated_before[c][k].into());
             row.push(study.after.as_ref().map(|a| a.simulated[c][k]).into());
-            row.push(residual_se(study, k).into());
+            row.push(measured.then(|| residual_se(study, c, k)).into());
         }
         table.row(row);
     }
@@ -67,7 +79,7 @@ pub(super) fn conditions(name: &str, study: &ResidualStudy) -> CsvTable {
 }
 
 /// Declared parameters: start, prior, fitted without and with the effects.
-pub(super) fn parameters(name: &str, study: &ResidualStudy) -> CsvTable {
+fn parameters(name: &str, study: &ResidualStudy) -> CsvTable {
     let mut table = CsvTable::new(
         format!("{name}_parameters"),
         [
@@ -103,7 +115,7 @@ pub(super) fn parameters(name: &str, study: &ResidualStudy) -> CsvTable {
 }
 
 /// What each effect of the library would do.
-pub(super) fn candidates(name: &str, study: &ResidualStudy) -> CsvTable {
+fn candidates(name: &str, study: &ResidualStudy) -> CsvTable {
     let mut table = CsvTable::new(
         format!("{name}_candidates"),
         [
@@ -150,7 +162,7 @@ pub(super) fn candidates(name: &str, study: &ResidualStudy) -> CsvTable {
 }
 
 /// Errors of real runs, before and after, on used and kept conditions.
-pub(super) fn errors(name: &str, study: &ResidualStudy) -> CsvTable {
+fn errors(name: &str, study: &ResidualStudy) -> CsvTable {
     let heads = study
         .plan
         .observables

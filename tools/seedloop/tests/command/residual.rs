@@ -51,10 +51,12 @@ fn noise_alone_is_a_good_answer() {
     assert_eq!(json(&output)["verdict"], "none");
 }
 
+/// A calibration study is no diagnosis: the message says what a diagnosis needs.
 #[test]
-fn a_study_file_is_sent_to_calibrate() {
-    let output = seedloop(Path::new("."), &["diagnose", "study.toml"]);
-    assert_error(&output, &["study.toml", "seedloop calibrate"]);
+fn a_study_of_another_kind_is_refused_with_what_is_missing() {
+    let study = fixture("cotton/study.toml");
+    let output = seedloop(Path::new("."), &["diagnose", study.to_str().unwrap()]);
+    assert_error(&output, &["study.toml", "unknown field"]);
 }
 
 #[test]

@@ -1,17 +1,16 @@
 //! Charts of a campaign over several conditions.
 
 use super::NamedPicture;
+use crate::Error;
 use crate::report_page::campaign::{condition_name, residual_se, role};
 use crate::report_page::numbers::observable;
-use crate::{Error, HiddenCampaign};
-use calibration::ResidualStudy;
+use calibration::{ResidualStudy, StudyCondition};
 use report::{
     AxisTitle, Comparison, PredictedAgainstMeasured, ResidualCondition, ResidualPanel, Residuals,
 };
 
 /// Predicted against measured for each observable, before and after, and the residuals.
-pub(super) fn charts(name: &str, campaign: &HiddenCampaign) -> Result<Vec<NamedPicture>, Error> {
-    let study = &campaign.study;
+pub(crate) fn charts(name: &str, study: &ResidualStudy) -> Result<Vec<NamedPicture>, Error> {
     let mut charts = Vec::new();
     let after = study.after.as_ref().map(|a| &a.simulated);
     for (k, quantity) in study.plan.observables.iter().enumerate() {
@@ -41,21 +40,18 @@ fn comparisons(study: &ResidualStudy, simulated: &[Vec<f64>], k: usize) -> Vec<C
         .get(&study.plan.observables[k])
         .copied()
         .unwrap_or(0.0);
-    let rows = study
-        .plan
-        .conditions
-        .iter()
-        .zip(&study.observed.values)
-        .zip(simulated);
-    rows.map(|((condition, observed), simulated)| Comparison {
-        name: condition_name(condition),
-        measured: observed[k],
-        measured_error: 2.0 * study.observed.covariance[k][k].sqrt(),
-        predicted: simulated[k],
-        predicted_error: 2.0 * run_sd / runs.sqrt(),
-        role: role(condition),
-    })
-    .collect()
+    let conditions = study.plan.conditions.iter().enumerate();
+    let comparison = |(c, condition): (usize, &StudyCondition)| {
+        Some(Comparison {
+            name: condition_name(condition),
+            measured: study.observed.values[c][k]?,
+            measured_error: 2.0 * study.observed.standard_error(c, k),
+            predicted: simulated[c][k],
+            predicted_error: 2.0 * run_sd / runs.sqrt(),
+            role: role(condition),
+        })
+    };
+    conditions.filter_map(comparison).collect()
 }
 
 /// Residuals by condition before and after, against twice their standard error.
@@ -63,7 +59,7 @@ fn residuals(study: &ResidualStudy) -> Residuals {
     let conditions = study.plan.conditions.iter();
     let left = |simulated: &[Vec<f64>], k: usize| -> Vec<Option<f64>> {
         let rows = study.observed.values.iter().zip(simulated);
-        rows.map(|(o, s)| Some(o[k] - s[k])).collect()
+        rows.map(|(o, s)| o[k].map(|y| y - s[k])).collect()
     };
     let n = study.plan.conditions.len();
     let panels = study
@@ -80,7 +76,7 @@ fn residuals(study: &ResidualStudy) -> Residuals {
                     Some(after) => left(&after.simulated, k),
                     None => vec![None; n],
                 },
-                noise: vec![2.0 * residual_se(study, k); n],
+                noise: (0..n).map(|c| 2.0 * residual_se(study, c, k)).collect(),
             }
         });
     let after_title = match &study.after {

@@ -1,0 +1,188 @@
+//! The report of a diagnosis: the answer first, then what it rests on.
+
+use super::numbers::{counted, digits, digits_or_dash, fixed, listed};
+use super::pictures::NamedPicture;
+use super::residual_parts::{ANSWER_CHART, answer_colour};
+use super::{campaign, chart, residual_section};
+use crate::{DiagnosisResult, Error};
+use report::{Column, Fact, Report, Table};
+use residual_diagnosis::{TrialRow, Truth, Verdict};
+
+/// Makes the page as HTML.
+pub(crate) fn page(result: &DiagnosisResult, pictures: &[NamedPicture]) -> Result<String, Error> {
+    let mut report = Report::new(format!("Diagnosis {}", result.name));
+    answer(&mut report, result, pictures);
+    report.section("What it rests on");
+    residual_section::add(&mut report, pictures, "diagnosis", &result.study)?;
+    known_truth(&mut report, &result.trials)?;
+    closing(&mut report, result);
+    Ok(report.html())
+}
+
+/// The answer on one screen.
+fn answer(report: &mut Report, result: &DiagnosisResult, pictures: &[NamedPicture]) {
+    let (study, d) = (&result.study, &result.study.diagnosis);
+    report.section("The answer");
+    report.verdict(
+        answer_colour(d.verdict),
+        &format!("Verdict: {}", d.verdict),
+        d.summary(),
+    );
+    let count = |used: bool| {
+        study
+            .plan
+            .conditions
+            .iter()
+            .filter(|c| c.used == used)
+            .count()
+    };
+    let excluded: Vec<String> = d
+        .candidates
+        .iter()
+        .filter(|(name, c)| {
+            let helps = d.effects.contains(name) || d.suspects.contains(name);
+            c.testable && !helps
+        })
+        .map(|(name, _)| name.clone())
+        .collect();
+    let whitened: Vec<String> = campaign::stages(study)
+        .iter()
+        .map(|s| {
+            let kept = s
+                .kept
+                .map_or_else(|| "none".to_owned(), |e| fixed(e.whitened_mse, 2));
+            format!("{} {kept}", s.name)
+        })
+        .collect();
+    let mut facts = vec![
+        Fact::new(
+            "Measured",
+            format!(
+                "{} for the fit, {} for the check",
+                counted(count(true), "condition", "conditions"),
+                count(false)
+            ),
+        ),
+        Fact::new("Not needed to explain it", listed(&excluded)),
+        Fact::new("Could not be seen here", listed(&d.not_testable)),
+        Fact::new("Whitened mean square on the check", whitened.join(", ")),
+    ];
+    if matches!(d.verdict, Verdict::Tie | Verdict::Partial | Verdict::Named) {
+        let amplitude = |name: &String| {
+            let c = d.candidates.get(name);
+            format!(
+                "{name} {} ± {}",
+                digits_or_dash(c.and_then(|c| c.amplitude)),
+                digits_or_dash(c.and_then(|c| c.se))
+            )
+        };
+        let amplitudes: Vec<String> = d.effects.iter().map(amplitude).collect();
+        facts.push(Fact::new(
+            "Amplitude by the linear prediction",
+            amplitudes.join(", "),
+        ));
+    }
+    if let Some(next) = &d.next_measurement {
+        facts.push(Fact::new(
+            "The measurement that helps most",
+            next.advice.clone(),
+        ));
+    }
+    report.facts(&facts);
+    chart(
+        report,
+        pictures,
+        ANSWER_CHART,
+        "What the model misses: observed minus simulated by condition, by real runs, before and \
+         after; the band is twice the standard error of observation and simulation.",
+    );
+}
+
+/// What the rules say of drawn campaigns whose truth is known.
+fn known_truth(report: &mut Report, rows: &[TrialRow]) -> Result<(), Error> {
+    let Some(first) = rows.first() else {
+        return Ok(());
+    };
+    report.paragraph(&format!(
+        "How far these rules can be trusted for these very conditions, sensitivities and noise: {} \
+         drawn campaigns of each truth. Strengths in standard errors.",
+        first.trials
+    ));
+    let mut table = Table::new(
+        "What came out, % of the campaigns.",
+        vec![
+            Column::text("hidden"),
+            Column::number("nothing"),
+            Column::number("named rightly"),
+            Column::number("in the tie set"),
+            Column::number("false name"),
+            Column::number("unknown"),
+            Column::number("measure again"),
+        ],
+    )?;
+    for row in rows {
+        let percent = |count: usize| fixed(100.0 * count as f64 / row.trials as f64, 1);
+        table.row([
+            hidden(&row.truth),
+            percent(row.none),
+            percent(row.named),
+            percent(row.tied),
+            percent(row.false_name),
+            percent(row.unknown),
+            percent(row.recheck),
+        ])?;
+    }
+    report.table(&table);
+    Ok(())
+}
+
+/// A truth in words.
+fn hidden(truth: &Truth) -> String {
+    match truth {
+        Truth::Nothing => "nothing".to_owned(),
+        Truth::Effect { name, strength } => format!("{name}, {}", digits(*strength)),
+        Truth::TwoEffects { strength } => format!("two effects, {} each", digits(*strength)),
+        Truth::TakenOut { name, strength } => {
+            format!("{name}, {}, not in the library", digits(*strength))
+        }
+        Truth::Outsider { strength } => format!("an unknown smooth effect, {}", digits(*strength)),
+        Truth::BadValue { strength } => format!("one bad value, {}", digits(*strength)),
+    }
+}
+
+/// What was left out, cost, and provenance.
+fn closing(report: &mut Report, result: &DiagnosisResult) {
+    report.section("What was left out, and what it cost");
+    let reasons = result.not_applicable.iter().chain(&result.study.left_out);
+    let lines: Vec<String> = reasons
+        .map(|(name, why)| format!("{name}: {why}"))
+        .collect();
+    if lines.is_empty() {
+        report.paragraph("Every effect that was asked for could be run.");
+    } else {
+        let lines: Vec<&str> = lines.iter().map(String::as_str).collect();
+        report
+            .paragraph("Effects that could not be run in this scene:")
+            .list(&lines);
+    }
+    if result.taken_out > 0 {
+        report.paragraph(&format!(
+            "The budget took {} out of the fit, by D-optimality in their coordinates; they serve \
+             for the check.",
+            counted(result.taken_out, "condition", "conditions")
+        ));
+    }
+    report.paragraph(&format!(
+        "At most {} runs were planned. This call took {} s, {} % of it in simulations.",
+        result.planned_runs,
+        fixed(result.wall_s, 0),
+        fixed(100.0 * result.simulation_share, 1)
+    ));
+    report.provenance(&format!(
+        "seedloop {}, first seed {}.",
+        result.version, result.seed
+    ));
+    for (file, sum) in &result.inputs {
+        report.provenance(&format!("{file}: SHA-256 {sum}"));
+    }
+}

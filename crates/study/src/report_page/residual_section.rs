@@ -1,0 +1,142 @@
+//! The study of a residual over several conditions: verdict, candidates, errors, charts.
+
+use super::chart;
+use super::numbers::{DASH, counted, digits, digits_or_dash, fixed, listed, observable};
+use super::pictures::{NamedPicture, plain_name};
+use super::{campaign, residual_parts};
+use crate::Error;
+use calibration::ResidualStudy;
+use report::{Column, Report, Table};
+
+/// Adds everything that the study of a residual says; `name` is that of its charts.
+pub(super) fn add(
+    report: &mut Report,
+    pictures: &[NamedPicture],
+    name: &str,
+    study: &ResidualStudy,
+) -> Result<(), Error> {
+    let count = |used: bool| {
+        study
+            .plan
+            .conditions
+            .iter()
+            .filter(|c| c.used == used)
+            .count()
+    };
+    report.paragraph(&format!(
+        "{} used, {} kept; {} each: {}. {} simulated for each mean; noise of a run with {} degrees \
+         of freedom.",
+        counted(count(true), "condition", "conditions"),
+        count(false),
+        counted(study.plan.observables.len(), "observable", "observables"),
+        listed(
+            &study
+                .plan
+                .observables
+                .iter()
+                .map(|o| observable(o).0)
+                .collect::<Vec<_>>()
+        ),
+        counted(study.plan.replicates, "run is", "runs are"),
+        study.noise_dof,
+    ));
+    residual_parts::verdict(report, study);
+    residual_parts::parameters(report, study)?;
+    residual_parts::candidates(report, study)?;
+    residual_parts::support(report, study)?;
+    report.paragraph(&match residual_parts::added(study) {
+        Some(effect) if study.diagnosis.effects.is_empty() => format!(
+            "Tried in the model, fitted again, and taken out because the kept conditions speak \
+             against it: {effect}."
+        ),
+        Some(effect) => format!("Added to the model and fitted again: {effect}."),
+        None => "No effect is added, because the diagnosis names none.".to_owned(),
+    });
+    residual_parts::errors(report, study)?;
+    report.paragraph(&kept_errors(study));
+    chart(
+        report,
+        pictures,
+        &format!("{name}-residuals"),
+        "Residuals by condition, observed minus simulated, by real runs; the band is twice the \
+         standard error of observation and simulation.",
+    );
+    for quantity in &study.plan.observables {
+        let words = observable(quantity).0;
+        for (stage, is_there, model) in [
+            ("before", true, "declared model, fitted"),
+            (
+                "after",
+                study.after.is_some(),
+                "with the added effect, fitted again",
+            ),
+        ] {
+            if is_there {
+                chart(
+                    report,
+                    pictures,
+                    &format!("{name}-predicted-{}-{stage}", plain_name(quantity)),
+                    &format!(
+                        "Predicted against measured {words}: {model}. Bars: 2 standard errors."
+                    ),
+                );
+            }
+        }
+    }
+    conditions(report, study)
+}
+
+/// The error on the kept conditions, before and after, in words.
+fn kept_errors(study: &ResidualStudy) -> String {
+    let stages = campaign::stages(study);
+    let whitened: Vec<Option<f64>> = stages
+        .iter()
+        .map(|s| s.kept.map(|e| e.whitened_mse))
+        .collect();
+    match whitened.as_slice() {
+        [Some(before), Some(after), ..] => format!(
+            "On the kept conditions the whitened mean square of real runs goes from {} to {} ({} %).",
+            fixed(*before, 2),
+            fixed(*after, 2),
+            super::numbers::signed(100.0 * (after / before - 1.0), 0),
+        ),
+        [Some(before), ..] => {
+            format!(
+                "On the kept conditions the whitened mean square of real runs is {}.",
+                fixed(*before, 2)
+            )
+        }
+        _ => "No condition is kept for the check.".into(),
+    }
+}
+
+/// Observed and simulated values.
+fn conditions(report: &mut Report, study: &ResidualStudy) -> Result<(), Error> {
+    let mut columns = vec![Column::text("condition"), Column::text("role")];
+    for quantity in &study.plan.observables {
+        let (words, unit) = observable(quantity);
+        let unit = if unit.is_empty() { "1" } else { unit };
+        columns.push(Column::number(format!("{words}: observed ± se ({unit})")));
+        columns.push(Column::number(format!("before ({unit})")));
+        columns.push(Column::number(format!("after ({unit})")));
+    }
+    let mut table = Table::new("Observed and simulated means by condition.", columns)?;
+    for (c, condition) in study.plan.conditions.iter().enumerate() {
+        let role = if condition.used { "used" } else { "kept" };
+        let mut row = vec![campaign::condition_name(condition), role.to_owned()];
+        for k in 0..study.plan.observables.len() {
+            let se = study.observed.standard_error(c, k);
+            row.push(match study.observed.values[c][k] {
+                Some(value) => format!("{} ± {}", digits(value), digits(se)),
+                None => DASH.to_owned(),
+            });
+            row.push(digits(study.simulated_before[c][k]));
+            row.push(digits_or_dash(
+                study.after.as_ref().map(|a| a.simulated[c][k]),
+            ));
+        }
+        table.row(row)?;
+    }
+    report.table(&table);
+    Ok(())
+}

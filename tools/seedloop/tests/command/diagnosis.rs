@@ -1,0 +1,117 @@
+//! `seedloop diagnose STUDY.toml`: own simulations.
+
+use crate::tiny_scene::TinyScene;
+use crate::{assert_code, assert_error, fixture, json, seedloop, text};
+use std::fs;
+use std::path::Path;
+use std::process::Output;
+
+/// Two speeds for the fit and one for the check in the tiny drum, one free friction, one effect.
+const STUDY: &str = r#"
+name = "tiny"
+scene = "tiny.toml"
+effects = ["camera-roll", "cohesion"]
+replicates = 2
+budget_runs = 60
+
+[[declared]]
+parameter = "contact.seed-seed.static_friction"
+start = 0.3
+step = 0.2
+low = 0.0
+high = 0.8
+prior = { mean = 0.3, sd = 0.05 }
+
+[[measured]]
+condition = { rpm = 15 }
+role = "fit"
+values.angle_deg = { mean = 30.0, sd = 3.0, n = 2 }
+values.curvature = { mean = -0.1, sd = 0.1, n = 2 }
+
+[[measured]]
+condition = { rpm = 30 }
+role = "fit"
+values.angle_deg = { mean = 32.0, sd = 3.0, n = 2 }
+
+[[measured]]
+condition = { rpm = 20 }
+role = "check"
+values.angle_deg = { mean = 31.0, sd = 3.0, n = 2 }
+"#;
+
+/// A tiny scene with a study beside it, one piece of whose text is replaced.
+fn study(from: &str, to: &str) -> TinyScene {
+    let scene = TinyScene::new();
+    assert!(STUDY.contains(from), "'{from}' is not in the study");
+    fs::write(scene.path("tiny-study.toml"), STUDY.replacen(from, to, 1)).unwrap();
+    scene
+}
+
+/// Runs `seedloop diagnose tiny-study.toml` with further words beside the scene.
+fn diagnose(scene: &TinyScene, words: &[&str]) -> Output {
+    let words = [&["diagnose", "tiny-study.toml"], words].concat();
+    seedloop(scene.path("").as_path(), &words)
+}
+
+/// The example of the guide: four conditions for the fit, two for the check. By hand: 2 runs at each of
+/// (1 start + 2 parameters + 4 effects + 8 rounds) x 4 and 2 x 2 conditions are 128.
+#[test]
+fn the_example_says_what_would_be_run_and_runs_nothing() {
+    let example = fixture("cotton/diagnosis.toml");
+    let words = ["diagnose", example.to_str().unwrap(), "--plan"];
+    let output = seedloop(Path::new("."), &words);
+    assert_code(&output, 0);
+    let said = text(&output.stdout);
+    assert!(said.contains("at most 128 runs of 160"), "{said}");
+    assert_eq!(said.matches("\n  fit ").count(), 4, "{said}");
+    assert_eq!(said.matches("\n  check ").count(), 2, "{said}");
+}
+
+/// The whole way on real runs; a second call reuses them all and gives the same study, bit for bit.
+#[test]
+fn a_diagnosis_fills_its_folder_and_goes_on_where_it_was() {
+    let scene = study("", "");
+    let first = diagnose(&scene, &["--json=-"]);
+    assert_code(&first, 0);
+    let first = json(&first);
+    assert!(first["verdict"].is_string());
+    assert!(first["candidates"]["camera-roll"]["testable"].is_boolean());
+    for name in ["result.json", "report.html", "problem.json", "tables"] {
+        assert!(
+            scene.path("out/tiny-diagnosis").join(name).exists(),
+            "{name}"
+        );
+    }
+    assert_error(&diagnose(&scene, &[]), &["tiny-diagnosis", "--resume"]);
+    let again = diagnose(&scene, &["--resume", "--json=-"]);
+    assert_code(&again, 0);
+    assert!(
+        text(&again.stderr).contains("12 reused"),
+        "{}",
+        text(&again.stderr)
+    );
+    assert_eq!(json(&again)["result"]["study"], first["result"]["study"]);
+}
+
+#[test]
+fn what_cannot_be_meant_is_refused_with_its_place() {
+    let wrong = [
+        ("replicates = 2", "replicates = 1", "replicates = 1"),
+        ("rpm = 20", "rpm = 30", "stands there twice"),
+        ("rpm = 20", "rpn = 20", "rpn"),
+        ("\"cohesion\"", "\"cohesiveness\"", "cohesiveness"),
+        ("seed-seed", "seed-sede", "seed-sede"),
+        ("n = 2 }\nvalues", "n = 0 }\nvalues", "n of 1 or more"),
+        ("step = 0.2", "step = 0.9", "within low and high"),
+        (
+            "budget_runs = 60",
+            "budget_runs = 5",
+            "budget of runs: 5 given",
+        ),
+    ];
+    for (from, to, said) in wrong {
+        let scene = study(from, to);
+        assert_error(&diagnose(&scene, &[]), &[said]);
+        assert!(!scene.path("out").exists(), "{to}: something was written");
+    }
+}
