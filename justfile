@@ -76,9 +76,18 @@ fill-formats:
 angle *ARGS:
     cargo run --release --locked -p angle-from-image -- "$@"
 
+# Feed the way from a picture file to its angle with damaged files for ten minutes.
+fuzz-photos:
+    cargo test --release --locked -p photo-profile --test mutated_files -- --ignored
+
 # Make the table of errors, refusals and coverage of the angle over drawn pictures.
 angle-trials *ARGS:
     cargo run --release --locked -p photo-profile --example angle_trials -- "$@"
+
+# Compare the angle in pictures of a simulated drum with the angle of its spheres, by speed: the
+# study's drum, FRAMES at each of four speeds (some minutes).
+two-rulers *ARGS:
+    cargo run --release --locked -p scene --example two_rulers -- "$@"
 
 # Show what the time step does to the drum's angle, slip and energy: RUNS runs at each step (an hour for
 # 10). Finished runs in FOLDER are found again.

@@ -8,7 +8,7 @@
 use photo_profile::synthetic::{Class, HeapScene, Kind, Trial, kinds};
 use photo_profile::{Mode, Settings, Verdict, measure_image};
 use std::collections::BTreeMap;
-use surface_profile::measure;
+use surface_profile::{measure, measure_heap};
 
 /// One measured picture: error and stated standard error for line, middle and chord, degrees.
 type Measured = [[f64; 2]; 3];
@@ -42,7 +42,7 @@ fn main() {
         row(kind.name, class(&kind), &outcomes);
         classes.entry(class(&kind)).or_default().extend(outcomes);
     }
-    if only.is_none() {
+    if only.as_ref().is_none_or(|name| name == "heap") {
         heaps(each);
     }
     for (name, outcomes) in classes {
@@ -57,6 +57,7 @@ fn heaps(each: u64) {
         ..Settings::default()
     };
     let mut outcomes = Vec::new();
+    let mut against_straight = Vec::new();
     for seed in 0..each {
         let part = |step: f64| (seed as f64 * step).fract();
         let dark = seed % 2 == 0;
@@ -79,17 +80,37 @@ fn heaps(each: u64) {
         match reading.ok().and_then(|r| r.heap) {
             None => outcomes.push(Outcome::Refused("heap".to_owned())),
             Some(heap) => {
-                for (angle, truth, error) in [
-                    (heap.left, scene.flanks[0], heap.left_standard_error),
-                    (heap.right, scene.flanks[1], heap.right_standard_error),
+                let Ok(truth) = measure_heap(&scene.outline()) else {
+                    continue;
+                };
+                let none = [f64::NAN; 2];
+                for (angle, truth, straight, error) in [
+                    (
+                        heap.left,
+                        truth.left.inclination,
+                        scene.flanks[0],
+                        heap.left_standard_error,
+                    ),
+                    (
+                        heap.right,
+                        truth.right.inclination,
+                        scene.flanks[1],
+                        heap.right_standard_error,
+                    ),
                 ] {
-                    let pair = [(angle - truth).to_degrees(), error.to_degrees()];
-                    outcomes.push(Outcome::Measured([pair, [f64::NAN; 2], [f64::NAN; 2]]));
+                    let pair = |truth: f64| [(angle - truth).to_degrees(), error.to_degrees()];
+                    outcomes.push(Outcome::Measured([pair(truth), none, none]));
+                    against_straight.push(Outcome::Measured([pair(straight), none, none]));
                 }
             }
         }
     }
     row("heap, a flank each", "heap", &outcomes);
+    row(
+        "the same, to the flank far from the top",
+        "heap",
+        &against_straight,
+    );
 }
 
 /// Name of a class.
@@ -167,6 +188,9 @@ fn row(name: &str, class: &str, outcomes: &[Outcome]) {
     let refused = outcomes.len() - measured.len();
     let n = measured.len() as f64;
     let share = |which: usize, far: f64| {
+        if measured.iter().any(|m| m[which][0].is_nan()) {
+            return f64::NAN;
+        }
         let inside = measured
             .iter()
             .filter(|m| m[which][0].abs() <= far * m[which][1]);

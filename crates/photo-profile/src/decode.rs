@@ -1,6 +1,7 @@
 //! Reading a picture file: size checked first, cut files refused, orientation honoured.
 
 use crate::jpeg_end::reaches_end;
+use crate::pixels::to_level;
 use crate::{Error, PhotoPixels};
 use image::codecs::gif::GifDecoder;
 use image::codecs::png::PngDecoder;
@@ -11,7 +12,8 @@ use std::path::Path;
 /// Most pixels that are decoded: above any camera of today, below 1 GB of memory.
 pub const MOST_PIXELS: u64 = 120_000_000;
 
-/// Reads a PNG, JPEG, BMP or GIF file, upright as its EXIF orientation says.
+/// Reads a PNG, JPEG, BMP or GIF file, upright as its EXIF orientation says, transparent parts on
+/// white.
 ///
 /// # Errors
 /// [`Error::Read`], [`Error::Decode`], [`Error::Truncated`] and [`Error::TooLarge`].
@@ -59,7 +61,7 @@ pub fn read_frames(path: &Path) -> Result<Vec<DynamicImage>, Error> {
         }
         let seen = frame.map_err(failed)?.into_buffer();
         pictures.push(DynamicImage::ImageLuma8(
-            DynamicImage::ImageRgba8(seen).into_luma8(),
+            on_white(DynamicImage::ImageRgba8(seen)).into_luma8(),
         ));
     }
     Ok(if pictures.is_empty() {
@@ -108,7 +110,23 @@ fn decode(path: &Path, bytes: &[u8]) -> Result<DynamicImage, Error> {
     let orientation = decoder.orientation().map_err(failed)?;
     let mut picture = DynamicImage::from_decoder(decoder).map_err(failed)?;
     picture.apply_orientation(orientation);
-    Ok(picture)
+    Ok(on_white(picture))
+}
+
+/// A transparent picture as it is seen on white paper; what lies under transparent pixels is not
+/// meant to be seen.
+fn on_white(picture: DynamicImage) -> DynamicImage {
+    if !picture.color().has_alpha() {
+        return picture;
+    }
+    let mut seen = picture.into_rgba8();
+    for pixel in seen.pixels_mut() {
+        let [red, green, blue, alpha] = pixel.0;
+        let part = f64::from(alpha) / 255.0;
+        let over = |value: u8| to_level(part * f64::from(value) + (1.0 - part) * 255.0);
+        pixel.0 = [over(red), over(green), over(blue), 255];
+    }
+    DynamicImage::ImageRgba8(seen).into_rgb8().into()
 }
 
 impl PhotoPixels {

@@ -42,7 +42,7 @@ pub(crate) struct FoundDrum {
 pub(crate) fn find_drum(picture: &PhotoPixels) -> Result<FoundDrum, Refusal> {
     let longer = picture.width().max(picture.height());
     let factor = longer.div_ceil(SEARCH_SIZE).max(1);
-    let edges = find_edges(&picture.shrunk(factor).blurred(1.0));
+    let edges = find_edges(&picture.shrunk(factor).blurred(std::f64::consts::SQRT_2));
     let no_drum = |covered| Refusal::NoDrum {
         covered,
         least: LEAST_COVER,

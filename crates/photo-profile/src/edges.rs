@@ -1,6 +1,7 @@
 //! Edge points with their direction.
 
 use crate::PhotoPixels;
+use crate::pixels::to_f32;
 
 /// A point on an edge.
 #[derive(Debug, Clone, Copy)]
@@ -39,9 +40,7 @@ pub(crate) fn find_edges(picture: &PhotoPixels) -> Vec<EdgePoint> {
     for j in 0..height {
         for i in 0..width {
             let (gx, gy) = gradient(i, j);
-            #[expect(clippy::cast_possible_truncation, reason = "grey levels are f32")]
-            let length = (gx * gx + gy * gy).sqrt() as f32;
-            strength[j * width + i] = length;
+            strength[j * width + i] = to_f32((gx * gx + gy * gy).sqrt());
         }
     }
     let strength = PhotoPixels::from_values(width, strength);

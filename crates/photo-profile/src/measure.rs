@@ -163,7 +163,8 @@ fn smoothed(view: &DiscView, share: &[f32], radius: f64) -> Result<Field, surfac
         view.cell,
         view.n,
         values,
-    )
+    )?
+    .smoothed_by(SMOOTHING * radius)
 }
 
 /// Puts the reading together in the pixels of the picture.

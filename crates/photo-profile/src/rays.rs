@@ -2,6 +2,7 @@
 
 use crate::PhotoPixels;
 use crate::circle::Circle;
+use surface_profile::median;
 
 /// Rays from the axis.
 pub(crate) const N_RAYS: usize = 360;
@@ -165,13 +166,4 @@ impl Rays {
             y: self.circle.y + r * turn.sin(),
         })
     }
-}
-
-/// The middle value; 0 for none.
-pub(crate) fn median(values: &mut [f64]) -> f64 {
-    let middle = values.len() / 2;
-    if values.is_empty() {
-        return 0.0;
-    }
-    *values.select_nth_unstable_by(middle, f64::total_cmp).1
 }

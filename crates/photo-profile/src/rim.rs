@@ -1,9 +1,10 @@
 //! The rim of a drum at full resolution: its circle, and how well it is known.
 
 use crate::circle::{Circle, least_squares};
-use crate::rays::{N_RAYS, Rays, RimPoint, median};
+use crate::rays::{N_RAYS, Rays, RimPoint};
 use crate::{PhotoPixels, PixelPoint};
 use nalgebra::{SMatrix, SVector};
+use surface_profile::median;
 
 /// The rim shows on a ray where an edge lies within this part of the radius from it.
 const ON_RIM: f64 = 0.01;
@@ -14,8 +15,11 @@ const WINDOW: f64 = 0.12;
 /// A ring within the window is preferred to a better one outside it from this part of the
 /// better one's support on: a flange shows two edges all round, and the inner one holds the bed.
 const INNER_SUPPORT: f64 = 0.75;
+/// A ring with this part of the support is preferred all the same where the strip between has one
+/// tone: the inner edge of a solid rim of the tone of the bed shows along the air only.
+const SOLID_SUPPORT: f64 = 0.4;
 /// A ring with this part of the support may be the true one and enters the uncertainty.
-const RIVAL_SUPPORT: f64 = 0.4;
+const RIVAL_SUPPORT: f64 = 0.25;
 /// From this part of the turn on the rim is whole, hidden only here and there.
 const WHOLE: f64 = 0.7;
 /// From this part of the turn on the flattening is known well enough to tell an ellipse.
@@ -23,6 +27,10 @@ const HALF: f64 = 0.5;
 /// Most of the turn that may show an edge beside a rim that is not whole. The end of an ellipse
 /// is near a circle, and its sides run off it.
 const MOST_ELSEWHERE: f64 = 0.2;
+/// Most of the turn that may show an edge beside a rim that shows on more than half: a solid rim has two
+/// edges, and a circle can follow the inner one at the sides of an ellipse and the outer one above and
+/// below.
+const MOST_BESIDE_WHOLE: f64 = 0.3;
 
 /// The ellipse is looked for within this part of the radius from the circle.
 const ELLIPSE_WINDOW: f64 = 0.035;
@@ -98,6 +106,7 @@ impl Rim {
     /// Whether edges run off the circle as those of an ellipse do.
     pub(crate) fn is_broken(&self) -> bool {
         self.shown < HALF && self.elsewhere > MOST_ELSEWHERE
+            || self.shown < WHOLE && self.elsewhere > MOST_BESIDE_WHOLE
     }
 
     /// Whether a rim that shows in part only hides elsewhere than along the bed or along the air.
@@ -171,7 +180,7 @@ fn choose_ring(picture: &PhotoPixels, start: Circle) -> Ring {
     let inner = tops.iter().find(|top| {
         top.1 >= INNER_SUPPORT * best
             || best >= WHOLE
-                && top.1 >= RIVAL_SUPPORT * best
+                && top.1 >= SOLID_SUPPORT * best
                 && top.0 + 2.0 * near < strongest
                 && is_one_tone(picture, &start, top.0, strongest, near)
     });

@@ -10,12 +10,13 @@ mod kinds;
 mod paint;
 
 use crate::PhotoPixels;
-use crate::pixels::to_level;
+use crate::pixels::to_f32;
 pub use disturbance::Disturbance;
 pub use heap::HeapScene;
-use image::{GrayImage, ImageBuffer, Luma};
+use image::GrayImage;
 pub use kinds::{Class, Kind, Trial, kinds};
-use paint::{Ellipse, PixelStream, to_f32};
+use paint::{Ellipse, taken};
+use random_stream::Stream;
 use surface_profile::{DrumCircle, SurfacePoint};
 
 /// A drum picture to be drawn.
@@ -98,7 +99,7 @@ impl Scene {
     /// A size of 0 is drawn as 1 px.
     pub fn draw(&self) -> GrayImage {
         let size = self.size.max(1);
-        let mut random = PixelStream::new(self.seed);
+        let mut random = Stream::new(self.seed, "drawn picture");
         let width = size as usize;
         let mut gray: Vec<f32> = vec![to_f32(self.outside); width * width];
         self.draw_clutter(&mut gray, &mut random);
@@ -121,16 +122,8 @@ impl Scene {
             let (half, tone) = (1.0 + 2.0 * random.uniform(), 255.0 * random.uniform());
             Ellipse::circle(x, y, half).paint(&mut gray, width, |_, _, _| Some(tone));
         }
-        let mut picture = PhotoPixels::from_values(width, gray);
-        if self.blur > 0.0 {
-            picture = picture.blurred(self.blur);
-        }
-        let noisy: Vec<u8> = picture
-            .values()
-            .iter()
-            .map(|v| to_level(f64::from(*v) + self.noise * random.normal()))
-            .collect();
-        ImageBuffer::<Luma<u8>, _>::from_raw(size, size, noisy).unwrap_or_default()
+        let picture = PhotoPixels::from_values(width, gray);
+        taken(picture, self.blur, self.noise, &mut random)
     }
 
     /// The true surface as points about the axis, px, y up.
@@ -233,7 +226,7 @@ impl Scene {
     }
 
     /// Draws shaded ellipses with centres under the surface, three deep at any place.
-    fn draw_grains(&self, gray: &mut [f32], random: &mut PixelStream) {
+    fn draw_grains(&self, gray: &mut [f32], random: &mut Stream) {
         let [cx, cy] = self.centre();
         let area = std::f64::consts::PI * self.grain[0] * self.grain[1];
         let n = 3.0 * std::f64::consts::PI * self.radius * self.radius / area;
@@ -270,7 +263,7 @@ struct Blotches {
 
 impl Blotches {
     /// Waves of about the length (px) whose sum has the standard deviation (levels).
-    fn new(sd: f64, length: f64, random: &mut PixelStream) -> Self {
+    fn new(sd: f64, length: f64, random: &mut Stream) -> Self {
         let n = if sd > 0.0 { 12_u32 } else { 0 };
         let amplitude = sd * (2.0 / f64::from(n.max(1))).sqrt();
         let waves = (0..n).map(|_| {

@@ -1,8 +1,10 @@
 //! Which grey level is air, and how much of each cell is bed.
 
 use crate::light::local_share;
+use crate::pixels::to_f32;
 use crate::view::{DiscView, REACH};
 use crate::{Foreground, Refusal, otsu};
+use surface_profile::median;
 
 /// Classes of grey level for the search of the cut.
 const N_CLASSES: usize = 16;
@@ -65,11 +67,11 @@ pub(crate) fn bed_share(view: &DiscView, foreground: Foreground) -> Result<BedSh
             .map(|k| gray[k])
             .collect()
     };
-    let (mut air, bed) = (side(true), side(false));
+    let (air, bed) = (side(true), side(false));
     if air.is_empty() || bed.is_empty() {
         return Err(Refusal::OneTone { difference: 0.0 });
     }
-    let parted = part(gray, &view.inside, &mut air, &bed, foreground)?;
+    let parted = part(gray, &view.inside, &air, &bed, foreground)?;
     Ok(BedShare {
         share: local_share(view, &parted.distance, parted.threshold),
         plain: parted.plain(),
@@ -87,13 +89,7 @@ pub(crate) fn air_and_bed(
     if sky.is_empty() || rest.is_empty() {
         return Err(Refusal::OneTone { difference: 0.0 });
     }
-    let parted = part(
-        gray,
-        &vec![true; gray.len()],
-        &mut sky.to_vec(),
-        rest,
-        foreground,
-    )?;
+    let parted = part(gray, &vec![true; gray.len()], sky, rest, foreground)?;
     let plain = parted.plain();
     Ok(BedShare {
         share: plain.clone(),
@@ -115,8 +111,7 @@ struct Parted {
 impl Parted {
     /// Share of bed by the one threshold: 0 at half of it, 1 at one and a half.
     fn plain(&self) -> Vec<f32> {
-        #[expect(clippy::cast_possible_truncation, reason = "a share from 0 to 1")]
-        let share = |d: &f32| (f64::from(*d) / self.threshold - 0.5).clamp(0.0, 1.0) as f32;
+        let share = |d: &f32| to_f32((f64::from(*d) / self.threshold - 0.5).clamp(0.0, 1.0));
         self.distance.iter().map(share).collect()
     }
 }
@@ -125,12 +120,12 @@ impl Parted {
 fn part(
     gray: &[f32],
     inside: &[bool],
-    air: &mut [f32],
+    air: &[f32],
     bed: &[f32],
     foreground: Foreground,
 ) -> Result<Parted, Refusal> {
-    let middle = air.len() / 2;
-    let air_tone = *air.select_nth_unstable_by(middle, f32::total_cmp).1;
+    let mut air: Vec<f64> = air.iter().map(|v| f64::from(*v)).collect();
+    let air_tone = to_f32(median(&mut air));
     let foreground = match foreground {
         Foreground::Auto => {
             let distance = distances(gray, air_tone, Foreground::Auto);
@@ -152,13 +147,16 @@ fn part(
     })
 }
 
-/// Distance of each grey level from the air tone, on the side of the foreground.
+/// Distance of each grey level from the air tone, positive on the side of the foreground.
+///
+/// It keeps its sign where the side is known: air in uneven light lies on either side of its median,
+/// and folded over it would have no smooth tone.
 fn distances(gray: &[f32], air_tone: f32, foreground: Foreground) -> Vec<f32> {
     let signed = gray.iter().map(|g| g - air_tone);
     match foreground {
         Foreground::Auto => signed.map(f32::abs).collect(),
-        Foreground::Dark => signed.map(|s| (-s).max(0.0)).collect(),
-        Foreground::Light => signed.map(|s| s.max(0.0)).collect(),
+        Foreground::Dark => signed.map(|s| -s).collect(),
+        Foreground::Light => signed.collect(),
     }
 }
 

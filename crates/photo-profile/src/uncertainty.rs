@@ -10,22 +10,23 @@ use surface_profile::{
 const CIRCLE_CHOICE: f64 = 0.008;
 /// A circle given by the caller is known to so many pixels.
 const GIVEN: f64 = 0.5;
-/// Of the distance to a rival ring, what counts as standard deviation: that of a uniform
-/// distribution between the two rings.
-const RIVAL_PART: f64 = 0.289;
+/// Of the distance to a rival ring, what counts as standard deviation: the rim is the one ring or the
+/// other, and a distribution of two equally likely values has half of their distance.
+const RIVAL_PART: f64 = 0.5;
 /// Part of the level by which it is moved up and down.
 const LEVEL_STEP: f64 = 0.3;
 /// Of the change by the light, what counts as standard deviation: a light of second degree leaves
 /// about a fifth of it.
 const LIGHT_PART: f64 = 0.2;
 /// Flattening that the rim of an upright drum shows by chance.
-const CHANCE_FLATTENING: f64 = 0.003;
+const CHANCE_FLATTENING: f64 = 0.001;
 
 /// Widens the standard errors of a reading by what depends on drum, threshold and camera.
 ///
 /// # Formula
 /// `sqrt(roughness^2 + sum drum^2 + level^2 + light^2 + tilt^2)`, each the change of the angle
-/// with one standard deviation of centre, radius, threshold level, light and flattening f;
+/// with one standard deviation of centre and radius (the larger one of both directions), threshold
+/// level, light and flattening f;
 /// `light` is a fifth of the change from one threshold for all to one that follows the light; `tilt = f / 2`, the
 /// largest turn by an ellipse, for f above what chance gives.
 pub(crate) fn widened(
@@ -47,10 +48,15 @@ pub(crate) fn widened(
             *square += change * change;
         }
     };
-    for moved in moved_circles(circle, rim) {
-        if let Ok(other) = read_surface(points, &moved) {
-            add(changes(&at, &other.angle));
+    for pair in moved_circles(circle, rim) {
+        let mut most = [0.0_f64; 3];
+        for moved in pair {
+            if let Ok(other) = read_surface(points, &moved) {
+                let changed = changes(&at, &other.angle).map(f64::abs);
+                most = [0, 1, 2].map(|k| most[k].max(changed[k]));
+            }
         }
+        add(most);
     }
     let ends = [1.0 - LEVEL_STEP, 1.0 + LEVEL_STEP].map(|part| {
         free_surface(field, part * level, circle, reach)
@@ -76,25 +82,21 @@ pub(crate) fn widened(
     }
 }
 
-/// The circle moved by one standard deviation right, up and outwards.
-fn moved_circles(circle: &DrumCircle, rim: Option<&Rim>) -> [DrumCircle; 3] {
+/// The circle moved by one standard deviation right and left, up and down, outwards and inwards.
+fn moved_circles(circle: &DrumCircle, rim: Option<&Rim>) -> [[DrumCircle; 2]; 3] {
     let (place, radius) = rim.map_or((GIVEN, GIVEN), |rim| {
         (rim.error, rim.error.hypot(RIVAL_PART * rim.rival))
     });
     let radius = radius.hypot(CIRCLE_CHOICE * circle.radius);
+    let moved = |x: f64, y: f64, radius: f64| DrumCircle {
+        x: circle.x + x,
+        y: circle.y + y,
+        radius: circle.radius + radius,
+    };
     [
-        DrumCircle {
-            x: circle.x + place,
-            ..*circle
-        },
-        DrumCircle {
-            y: circle.y + place,
-            ..*circle
-        },
-        DrumCircle {
-            radius: circle.radius + radius,
-            ..*circle
-        },
+        [place, -place].map(|d| moved(d, 0.0, 0.0)),
+        [place, -place].map(|d| moved(0.0, d, 0.0)),
+        [radius, -radius].map(|d| moved(0.0, 0.0, d)),
     ]
 }
 

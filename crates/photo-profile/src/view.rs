@@ -1,5 +1,6 @@
 //! The drum's disc on a grid about its axis, level and with y up.
 
+use crate::pixels::to_f32;
 use crate::{DrumPixels, PhotoPixels, PixelPoint};
 use surface_profile::SurfacePoint;
 
@@ -78,9 +79,7 @@ impl DiscView {
                 .flat_map(|dy| offsets.iter().map(move |dx| (dx, dy)))
                 .map(|(dx, dy)| picture.at(place.x + dx, place.y + dy))
                 .sum();
-            #[expect(clippy::cast_possible_truncation, reason = "grey levels are f32")]
-            let mean = (weight * sum) as f32;
-            *value = mean;
+            *value = to_f32(weight * sum);
         }
         self.gray = PhotoPixels::from_values(self.n, gray);
         self.part_in_picture = n_seen / f64::max(n_disc, 1.0);

@@ -226,3 +226,36 @@ fn corners_in_any_perspective_give_a_picture_or_an_error() {
         }
     }
 }
+
+/// What lies under transparent pixels is not seen: black there, the picture is measured as the one
+/// on white paper, exactly.
+#[test]
+fn a_transparent_picture_is_read_as_on_white_paper() {
+    let scene = Scene {
+        size: 400,
+        radius: 180.0,
+        inclination: 0.5,
+        outside: 255.0,
+        blur: 1.0,
+        ..Scene::default()
+    };
+    let gray = scene.draw();
+    let clear = image::RgbaImage::from_fn(400, 400, |x, y| {
+        let outside = (f64::from(x) - 199.5).hypot(f64::from(y) - 199.5) > 195.0;
+        let value = gray.get_pixel(x, y).0[0];
+        image::Rgba(if outside {
+            [0, 0, 0, 0]
+        } else {
+            [value, value, value, 255]
+        })
+    });
+    let folder = folder("transparent");
+    let (on_white, transparent) = (folder.join("white.png"), folder.join("clear.png"));
+    gray.save(&on_white).unwrap();
+    clear.save(&transparent).unwrap();
+    let line = |path: &PathBuf| {
+        let reading = measure_file(path, &Settings::default()).unwrap();
+        reading.angle.unwrap().line
+    };
+    assert_eq!(line(&on_white), line(&transparent));
+}

@@ -1,31 +1,20 @@
 //! Damaged files on the way from the decoder to the angle: an error, a refusal or a number, and
 //! never a panic or a hang.
 //!
-//! `MUTATIONS=100000 cargo test --release -p photo-profile --test mutated_files` tries more of
-//! them than the few of every test run.
+//! The files are the same every time. `just fuzz-photos` tries two hundred times as many, which
+//! takes about ten minutes.
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests fail like tests")]
 
 use image::{DynamicImage, ImageFormat};
 use photo_profile::synthetic::Scene;
 use photo_profile::{Mode, PhotoPixels, Settings, measure_photo, read_frames};
+use random_stream::Stream;
 use std::path::PathBuf;
 
-/// The splittable counter hash of `[Steele2014]`.
-struct Stream(u64);
-
-impl Stream {
-    fn below(&mut self, n: usize) -> usize {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        usize::try_from((z ^ (z >> 31)) % n as u64).unwrap()
-    }
-
-    fn byte(&mut self) -> u8 {
-        u8::try_from(self.below(256)).unwrap()
-    }
+/// A random byte.
+fn byte(random: &mut Stream) -> u8 {
+    u8::try_from(random.below(256)).unwrap()
 }
 
 /// Some bytes replaced, a stretch cut out, repeated or zeroed, or the end lost.
@@ -40,11 +29,11 @@ fn damaged(whole: &[u8], random: &mut Stream) -> Vec<u8> {
             0 | 1 => {
                 let header = n.min(64);
                 let place = random.below(header);
-                bytes[place] = random.byte();
+                bytes[place] = byte(random);
             }
-            2 => bytes[from] = random.byte(),
+            2 => bytes[from] = byte(random),
             3 => drop(bytes.drain(from..to)),
-            4 => bytes[from..to].fill(random.byte()),
+            4 => bytes[from..to].fill(byte(random)),
             _ => bytes.truncate(from.max(8)),
         }
         if bytes.len() < 2 {
@@ -59,9 +48,8 @@ fn a_damaged_file_gives_an_error_a_refusal_or_a_number() {
     try_damaged_files(400);
 }
 
-/// Ten minutes of the same: `cargo test --release -p photo-profile --test mutated_files -- --ignored`.
 #[test]
-#[ignore = "takes ten minutes"]
+#[ignore = "takes ten minutes: just fuzz-photos"]
 fn many_damaged_files_give_an_error_a_refusal_or_a_number() {
     try_damaged_files(96_000);
 }
@@ -91,7 +79,7 @@ fn try_damaged_files(tries: usize) {
             bytes.into_inner()
         })
         .collect();
-    let mut random = Stream(7);
+    let mut random = Stream::new(7, "damaged files");
     let (mut errors, mut read) = (0, 0);
     for number in 0..tries {
         let bytes = damaged(&wholes[number % wholes.len()], &mut random);

@@ -313,3 +313,29 @@ fn polarity_is_found_and_can_be_given() {
         assert_eq!(read(&picture, &settings).foreground, tone);
     }
 }
+
+/// Light that falls off to one side and to the corners, and the edge of the bed on the back wall as a
+/// strip of half tone along the surface: 0.03 degrees. One threshold for all would be off by 0.2
+/// degrees in the first, and a light fitted to all tones by 0.1 in the second.
+#[test]
+fn neither_uneven_light_nor_a_strip_of_half_tone_turns_the_surface() {
+    let light = Disturbance {
+        vignette: 0.4,
+        light: [0.5, -0.3],
+        ..Disturbance::NONE
+    };
+    let strip = Disturbance {
+        back_edge: 0.06,
+        ..Disturbance::NONE
+    };
+    for disturbance in [light, strip] {
+        let errors = errors(
+            &Scene {
+                disturbance,
+                ..FINE
+            },
+            6,
+        );
+        assert!(errors.rms < 0.03, "{errors:?} for {disturbance:?}");
+    }
+}

@@ -19,6 +19,9 @@ const MIDDLE: f64 = 0.2;
 const SHAPE_REACH: f64 = 0.8;
 /// The stations beyond this part of the half-chord carry the line on to the rim.
 const END_FROM: f64 = 0.8;
+/// Of the difference between two ways to carry the surface on to the rim, what counts as standard
+/// deviation of the chord: that of a distribution of two equally likely values.
+const CARRY_PART: f64 = 0.5;
 /// Turns of the frame until it lies along the line; each leaves about 1e-3 of the rest.
 const TURNS: usize = 8;
 
@@ -131,8 +134,9 @@ pub struct SurfaceReading {
 /// `m = n / tau`, with the residuals of the n stations about their cubic and their correlation
 /// factor tau along the surface `[Geyer1992, section 3.3]`; m - 4 is held at 3 or more. Those of
 /// `mid` and `chord`: `sqrt(sum_ij w_i C(i - j) w_j)` with the lag covariance C of the residuals
-/// and the change w of the slope by the height of a station. All three are widened by
-/// `t / 1.96`, t being the 97.5 % point of Student's distribution with m - 4 degrees of freedom (half as many for `line`, whose tau is estimated as well)
+/// and the change w of the slope by the height of a station; that of `chord` also holds half of the change
+/// when the cubic alone is carried on to the rim. All three are widened by
+/// `t / 1.96`, t being the 97.5 % point of Student's distribution with m - 4 degrees of freedom (a third as many for `line`, whose tau is estimated as well)
 /// `[Abramowitz1964, eq. 26.7.5]`, so that 1.96 of them are half of the 95 % interval.
 ///
 /// # Errors
@@ -170,13 +174,18 @@ pub fn read_surface(points: &[SurfacePoint], drum: &DrumCircle) -> Result<Surfac
             chord_slope(&[-1.0, 1.0].map(|side| end(s, w, drum.radius, side)))
         }],
     );
+    let slope_by_rest = chord_slope(&ends);
+    let slope_by_cubic = chord_slope(
+        &[-1.0, 1.0]
+            .map(|side| carried_on(&stations, &whole, &Regression::LEVEL, drum.radius, side)),
+    );
     let n_points = stations.used.iter().filter(|used| **used).count();
     let angle = SurfaceAngle {
         line: steepness,
-        chord: steepness - chord_slope(&ends),
+        chord: steepness - slope_by_rest,
         mid: steepness - mid_slope,
         standard_error: error.slope,
-        chord_standard_error: errors[1],
+        chord_standard_error: errors[1].hypot(CARRY_PART * (slope_by_cubic - slope_by_rest)),
         mid_standard_error: errors[0],
         curvature: middle.coefficients[2] / stations.half_chord,
         s_shape: middle.coefficients[3] / stations.half_chord,
@@ -295,7 +304,17 @@ fn end(stations: &Stations, whole: &Cubic, radius: f64, side: f64) -> (f64, f64)
         .filter(|s| s.along * side >= END_FROM)
         .map(|s| (s.along, s.height - whole.at(s.along)))
         .collect();
-    let rest = regression(&near);
+    carried_on(stations, whole, &regression(&near), radius, side)
+}
+
+/// Where the cubic plus the line of a rest meets the rim on one side: (u, v).
+fn carried_on(
+    stations: &Stations,
+    whole: &Cubic,
+    rest: &Regression,
+    radius: f64,
+    side: f64,
+) -> (f64, f64) {
     let height = whole.at(side) + rest.at(side);
     let [_, c1, c2, c3] = whole.coefficients;
     let slope = (c1 + 2.0 * c2 * side + 3.0 * c3 + rest.slope) / stations.half_chord;
@@ -326,6 +345,13 @@ struct Regression {
 }
 
 impl Regression {
+    /// No rest at all.
+    const LEVEL: Self = Self {
+        x: 0.0,
+        y: 0.0,
+        slope: 0.0,
+    };
+
     /// The value at `x`.
     fn at(&self, x: f64) -> f64 {
         self.y + self.slope * (x - self.x)
@@ -336,11 +362,7 @@ impl Regression {
 fn regression(points: &[(f64, f64)]) -> Regression {
     let n = points.len() as f64;
     if points.len() < 3 {
-        return Regression {
-            x: 0.0,
-            y: 0.0,
-            slope: 0.0,
-        };
+        return Regression::LEVEL;
     }
     let (x, y) = points
         .iter()

@@ -1,7 +1,9 @@
 //! The free surface as the level contour of a field inside the drum.
 
+use crate::cubic::Cubic;
 use crate::frame::SurfaceFrame;
-use crate::stations::median;
+use crate::median::median;
+use crate::stations::Stations;
 use crate::{DrumCircle, Error, Field, SurfacePoint, read_surface};
 
 /// Least and largest part of the drum that the bed may fill and still have a free surface.
@@ -40,11 +42,17 @@ pub fn bulk_level(field: &Field, drum: &DrumCircle) -> f64 {
 /// The bed is where the field is above the level. Each ray from the air side is cut once,
 /// where the cut leaves the fewest samples on the wrong side; a particle in flight and a gap in
 /// the bed therefore do not move it. The crossing is interpolated between samples. Rays are a
-/// cell apart and reach to `reach` of the drum radius (0 to 1), which keeps the rim out.
+/// cell apart and reach to `reach` of the drum radius (0 to 1), which keeps the rim out. What the
+/// smoothing of the field did to a bent surface is taken off.
 ///
 /// # Formula
 /// First normal: from the centroid of the bed to the drum axis, exact for a circular segment;
 /// then twice the normal of the line that [`read_surface`] finds.
+///
+/// A Gaussian of standard deviation s moves the half level of a surface v(u) by
+/// `s^2 v'' / (2 (1 + v'^2))` towards the hollow side, to first order in the curvature: the median of
+/// `Y - v'' X^2 / 2` with X and Y normal. This is subtracted, with the derivatives of the cubic
+/// through the surface. The line of an S of 0.25 would be 0.04 degrees too flat without it.
 ///
 /// # Errors
 /// [`Error::NoSurface`] when the bed fills next to nothing or all of the drum,
@@ -74,7 +82,34 @@ pub fn free_surface(
             frame = SurfaceFrame::new(*drum, ((high.y - low.y) / (high.x - low.x)).atan());
         }
     }
-    Ok(points)
+    Ok(unsmoothed(points, field.smoothing(), drum, &frame))
+}
+
+/// Moves the points back by what a smoothing with the standard deviation `sd` did to them.
+fn unsmoothed(
+    points: Vec<SurfacePoint>,
+    sd: f64,
+    drum: &DrumCircle,
+    frame: &SurfaceFrame,
+) -> Vec<SurfacePoint> {
+    let Ok(stations) = Stations::build(&points, drum, frame) else {
+        return points;
+    };
+    let Some(cubic) = Cubic::fit(stations.all.iter().map(|s| (s.along, s.height, 1.0))) else {
+        return points;
+    };
+    let [_, c1, c2, c3] = cubic.coefficients;
+    let half_chord = stations.half_chord;
+    points
+        .iter()
+        .map(|p| {
+            let (u, v) = frame.project(p);
+            let t = u / half_chord;
+            let slope = (c1 + 2.0 * c2 * t + 3.0 * c3 * t * t) / half_chord;
+            let bend = (2.0 * c2 + 6.0 * c3 * t) / (half_chord * half_chord);
+            frame.place(u, v - 0.5 * sd * sd * bend / (1.0 + slope * slope))
+        })
+        .collect()
 }
 
 /// Signed inclination of the surface of a circular segment with the bed's centroid, rad.

@@ -1,7 +1,7 @@
 //! What the density path must find in beds whose surface is known.
 
-use crate::test_noise::Noise;
 use crate::{DensitySettings, Disc, DrumCircle, Error, HighSide, measure, profile_from_discs};
+use random_stream::Stream;
 
 const DRUM: DrumCircle = DrumCircle {
     x: 0.01,
@@ -12,7 +12,7 @@ const DRUM: DrumCircle = DrumCircle {
 /// Spheres of 2 mm radius at random places under a line with signed inclination through the axis
 /// shifted by `height` along the normal; `n` in the whole drum.
 fn bed(inclination: f64, height: f64, n: usize, seed: u64) -> Vec<Disc> {
-    let mut noise = Noise(seed);
+    let mut noise = Stream::new(seed, "bed");
     let (sin, cos) = inclination.sin_cos();
     let mut discs = Vec::new();
     for _ in 0..n {

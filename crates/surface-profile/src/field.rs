@@ -17,6 +17,8 @@ pub struct Field {
     rows: usize,
     /// Values, row by row from the lowest row, shape (rows, columns), any unit.
     values: Vec<f32>,
+    /// Standard deviation of the Gaussian that the values were smoothed with, unit of `x`.
+    smoothing: f64,
 }
 
 impl Field {
@@ -63,7 +65,33 @@ impl Field {
             columns,
             rows,
             values,
+            smoothing: 0.0,
         })
+    }
+
+    /// States by which Gaussian the values were smoothed, so that the free surface in them can be
+    /// freed from it; `sd` in the unit of the drum.
+    ///
+    /// # Errors
+    /// [`Error::BadSetting`] unless `sd` is finite and not negative.
+    pub fn smoothed_by(self, sd: f64) -> Result<Self, Error> {
+        if sd.is_finite() && sd >= 0.0 {
+            Ok(Self {
+                smoothing: sd,
+                ..self
+            })
+        } else {
+            Err(Error::BadSetting {
+                name: "smoothing",
+                value: sd,
+                limit: "0 or more, in the unit of the drum",
+            })
+        }
+    }
+
+    /// Standard deviation of the Gaussian that the values were smoothed with, unit of the drum.
+    pub fn smoothing(&self) -> f64 {
+        self.smoothing
     }
 
     /// Edge of a cell, unit of the drum.

@@ -2,13 +2,15 @@
 
 use crate::correlation::correlation_factor;
 use crate::line::direction;
-use crate::line_error::widening;
-use crate::stations::median;
+use crate::line_error::{TAU_PART, widening};
+use crate::median::median;
 use crate::{Error, SurfacePoint};
 use serde::{Deserialize, Serialize};
 
 /// A flank is fitted between these parts of the height: the foot spreads, the apex is round.
 const FLANK: [f64; 2] = [0.2, 0.8];
+/// The same by another choice, as good as the first; the change counts as one standard deviation.
+const OTHER_FLANK: [f64; 2] = [0.25, 0.75];
 /// A flank ends where the outline first comes below this part of the height.
 const FOOT: f64 = 0.1;
 /// The apex lies in the middle of what stands above this part of the height.
@@ -77,7 +79,9 @@ impl HeapAngle {
 /// Height H: from the 5 % to the 99 % quantile of the heights. Flank: the points from the apex
 /// outwards to where the outline first comes below 0.1 H, of them those between 0.2 H and 0.8 H;
 /// principal axis `[Pearson1901]`, outliers beyond 4 robust standard deviations set aside.
-/// Standard error: `sqrt(s^2 tau / Suu)` as in [`crate::measure`] with two fitted parameters.
+/// Standard error: `sqrt(s^2 tau / Suu)` as in [`crate::measure`] with two fitted parameters, and the
+/// change of the inclination when the flank ends a twentieth of the height earlier on either side:
+/// where a foot and a round top begin is a choice.
 ///
 /// # Errors
 /// [`Error::NotFinitePoint`], [`Error::TooFewPoints`], [`Error::NoHeap`] for an outline without
@@ -130,7 +134,17 @@ pub fn measure_heap(points: &[SurfacePoint]) -> Result<HeapAngle, Error> {
             .take_while(|k| level(&points[*k]) >= FOOT)
             .filter(|k| (FLANK[0]..=FLANK[1]).contains(&level(&points[*k])))
             .collect();
-        flanks.push(flank(points, members, (side, height), &mut used)?);
+        let others = members.iter().copied();
+        let others = others
+            .filter(|k| (OTHER_FLANK[0]..=OTHER_FLANK[1]).contains(&level(&points[*k])))
+            .collect();
+        let mut found = flank(points, members, (side, height), &mut used)?;
+        let mut aside = vec![false; points.len()];
+        if let Ok(other) = flank(points, others, (side, height), &mut aside) {
+            let change = other.inclination - found.inclination;
+            found.standard_error = found.standard_error.hypot(change);
+        }
+        flanks.push(found);
     }
     let apex = meeting(&flanks[0], &flanks[1]);
     Ok(HeapAngle {
@@ -200,7 +214,7 @@ fn flank(
     let ends = [line.place(low), line.place(high)];
     Ok(HeapFlank {
         inclination: fall,
-        standard_error: (variance * tau / suu).sqrt() * widening((0.5 * freedom).max(3.0)),
+        standard_error: (variance * tau / suu).sqrt() * widening((TAU_PART * freedom).max(3.0)),
         ends: if ends[0].y > ends[1].y {
             ends
         } else {

@@ -35,6 +35,7 @@ mod geometry;
 mod heap;
 mod line;
 mod line_error;
+mod median;
 mod series;
 mod stations;
 
@@ -45,10 +46,13 @@ pub use error::Error;
 pub use field::Field;
 pub use geometry::{DrumCircle, SurfacePoint};
 pub use heap::{HeapAngle, HeapFlank, measure_heap};
+pub use median::median;
 pub use series::{SeriesSummary, summarise};
 
 #[cfg(test)]
 mod angle_tests;
+#[cfg(test)]
+mod contour_tests;
 #[cfg(test)]
 mod discs_tests;
 #[cfg(test)]

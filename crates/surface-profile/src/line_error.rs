@@ -11,6 +11,11 @@ const STEP: f64 = 1e-4;
 /// cubic leaves waves that look like fewer; they are a shape, and no accident.
 const LEAST_FREEDOM: f64 = 3.0;
 
+/// Of the degrees of freedom, the part left where the correlation factor is estimated from the same
+/// residuals. On 3000 surfaces each with 15 and 45 independent pieces the interval of the line holds
+/// the truth in 95 % with a third; with a half in 92 and 95 %.
+pub(crate) const TAU_PART: f64 = 1.0 / 3.0;
+
 /// Roughness of a surface and what it does to the slope of the line.
 pub(crate) struct LineError {
     /// Standard error of the slope, rad.
@@ -42,7 +47,7 @@ pub(crate) fn line_error(stations: &Stations, whole: &Cubic) -> LineError {
     let centre = stations.positions().map(|p| p.0).sum::<f64>() / n;
     let suu: f64 = stations.positions().map(|p| (p.0 - centre).powi(2)).sum();
     LineError {
-        slope: (variance * tau / suu).sqrt() * widening((0.5 * freedom).max(LEAST_FREEDOM)),
+        slope: (variance * tau / suu).sqrt() * widening((TAU_PART * freedom).max(LEAST_FREEDOM)),
         roughness: mean_square.sqrt(),
         widening: (independent / freedom).max(1.0).sqrt() * widening(freedom),
     }

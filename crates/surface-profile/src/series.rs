@@ -60,13 +60,14 @@ pub fn summarise(values: &[f64]) -> Result<SeriesSummary, Error> {
 #[cfg(test)]
 mod tests {
     use super::summarise;
-    use crate::test_noise::Noise;
+    use crate::test_noise::correlated;
+    use random_stream::Stream;
 
     /// Independent values: `n_effective` is at least two thirds of n, as chance correlation only
     /// ever lowers it (its standard deviation is about 10 % for n = 400).
     #[test]
     fn independent_frames_count_in_full() {
-        let summary = summarise(&Noise(1).correlated(400, 0.0)).unwrap();
+        let summary = summarise(&correlated(&mut Stream::new(1, "series"), 400, 0.0)).unwrap();
         assert!(summary.n_effective > 0.67 * 400.0, "{summary:?}");
     }
 
@@ -74,7 +75,7 @@ mod tests {
     /// values has about 10 % of its own, 40 % is four of these.
     #[test]
     fn correlated_frames_count_for_less() {
-        let summary = summarise(&Noise(2).correlated(4000, 0.8)).unwrap();
+        let summary = summarise(&correlated(&mut Stream::new(2, "series"), 4000, 0.8)).unwrap();
         let tau = 4000.0 / summary.n_effective;
         assert!((tau / 9.0 - 1.0).abs() < 0.4, "tau {tau}");
         let expected = summary.sd / summary.n_effective.sqrt();

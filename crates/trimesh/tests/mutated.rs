@@ -155,7 +155,7 @@ fn damaged_bytes_never_break_a_reader() {
 }
 
 #[test]
-#[ignore = "takes ten minutes"]
+#[ignore = "takes ten minutes: just fuzz-meshes"]
 fn many_damaged_bytes_never_break_a_reader() {
     run(MANY_CASES);
 }

@@ -8,7 +8,8 @@ use surface_profile::Definition;
 ///
 /// The angle is the inclination of the free surface from the horizontal of the picture, always
 /// positive, with the side that stands higher. Exit code 0: all measured; 1: at least one picture
-/// was refused, with the reason; 2: an error.
+/// was refused or one of several files could not be read, with the reason; 2: an error, or nothing
+/// could be read.
 #[derive(Debug, clap::Parser)]
 #[command(version)]
 pub(crate) struct Arguments {

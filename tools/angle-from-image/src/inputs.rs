@@ -19,7 +19,7 @@ pub(crate) fn files(photos: &[PathBuf]) -> anyhow::Result<Vec<PathBuf>> {
     Ok(files)
 }
 
-/// The pictures in a folder; frames in the order of their numbers when these have equal width.
+/// The pictures in a folder, in the order of their names, numbers in them by their value.
 fn pictures_in(folder: &Path) -> anyhow::Result<Vec<PathBuf>> {
     let cannot_read = || format!("cannot read the folder {}", folder.display());
     let mut found = Vec::new();
@@ -40,6 +40,41 @@ fn pictures_in(folder: &Path) -> anyhow::Result<Vec<PathBuf>> {
         folder.display(),
         ENDINGS.join(", ")
     );
-    found.sort();
+    found.sort_by_cached_key(|path| sort_key(path));
     Ok(found)
+}
+
+/// What a name is sorted by: stretches of digits count by their value, so that `frame-10` comes
+/// after `frame-9`, and the name itself where these are equal.
+fn sort_key(path: &Path) -> (Vec<(String, u128)>, PathBuf) {
+    let name = path.to_string_lossy();
+    let mut parts = vec![(String::new(), 0_u128)];
+    let mut in_number = false;
+    for letter in name.chars() {
+        match (letter.to_digit(10), parts.last_mut()) {
+            (Some(digit), Some((_, number))) => {
+                *number = number.saturating_mul(10).saturating_add(u128::from(digit));
+                in_number = true;
+            }
+            (None, Some((text, _))) if !in_number => text.push(letter),
+            _ => {
+                parts.push((letter.to_string(), 0));
+                in_number = false;
+            }
+        }
+    }
+    (parts, path.to_path_buf())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::sort_key;
+    use std::path::Path;
+
+    #[test]
+    fn frames_come_in_the_order_of_their_numbers() {
+        let mut names = ["f10.png", "f9.png", "e.png", "f09.png", "f9b.png"];
+        names.sort_by_cached_key(|name| sort_key(Path::new(name)));
+        assert_eq!(names, ["e.png", "f09.png", "f9.png", "f9b.png", "f10.png"]);
+    }
 }

@@ -3,23 +3,24 @@
 use command_line::Header;
 use photo_profile::{DrumPixels, HeapReading, PhotoReading, Settings, Verdict};
 use serde::Serialize;
+use std::path::Path;
 use surface_profile::{Definition, HighSide, SeriesSummary};
 
 /// Standard errors in half of the 95 % interval.
 const HALF_INTERVAL: f64 = 1.96;
 
 /// The JSON of one picture.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Default, Serialize)]
 pub(crate) struct ImageResult {
     /// The file as given.
     pub(crate) file: String,
     /// Number of the frame in an animated file, from 0; none for a still picture.
     pub(crate) frame: Option<usize>,
-    /// SHA-256 of the file.
-    pub(crate) sha256: String,
-    /// `ok` or `refused`.
+    /// SHA-256 of the file; none where it could not be read.
+    pub(crate) sha256: Option<String>,
+    /// `ok`, `refused`, or `error` for a file that could not be read.
     pub(crate) verdict: &'static str,
-    /// Why it was refused.
+    /// Why it was refused or not read.
     pub(crate) reason: Option<String>,
     /// Which slope `angle_deg` is.
     pub(crate) definition: Definition,
@@ -131,7 +132,7 @@ impl ImageResult {
         Self {
             file: origin.file,
             frame: origin.frame,
-            sha256: origin.sha256,
+            sha256: Some(origin.sha256),
             verdict,
             reason,
             definition: settings.definition,
@@ -155,6 +156,17 @@ impl ImageResult {
             surface_rejected: pairs(&reading.rejected),
             rectified,
             quality: reading.quality,
+        }
+    }
+
+    /// The result of a file that could not be read.
+    pub(crate) fn unread(file: &Path, reason: String, settings: &Settings) -> Self {
+        Self {
+            file: file.display().to_string(),
+            verdict: "error",
+            reason: Some(reason),
+            definition: settings.definition,
+            ..Self::default()
         }
     }
 
@@ -185,7 +197,8 @@ impl ImageResult {
                 )
             }
             _ => format!(
-                "{name}: refused: {}",
+                "{name}: {}: {}",
+                self.verdict,
                 self.reason.as_deref().unwrap_or("no reason")
             ),
         }
@@ -207,6 +220,8 @@ pub(crate) struct Summary {
     pub(crate) n_effective: Option<f64>,
     /// Pictures refused.
     pub(crate) refused: usize,
+    /// Files that could not be read.
+    pub(crate) unread: usize,
 }
 
 impl Summary {
@@ -215,21 +230,27 @@ impl Summary {
         let angles: Vec<f64> = images.iter().filter_map(|i| i.angle_deg).collect();
         let series: Option<SeriesSummary> = surface_profile::summarise(&angles).ok();
         let finite = |value: Option<f64>| value.filter(|v| v.is_finite());
+        let count = |verdict| images.iter().filter(|i| i.verdict == verdict).count();
         Self {
             n: angles.len(),
             mean_deg: finite(series.map(|s| s.mean)),
             sd_deg: finite(series.map(|s| s.sd)),
             se_deg: finite(series.map(|s| s.standard_error)),
             n_effective: finite(series.map(|s| s.n_effective)),
-            refused: images.len() - angles.len(),
+            refused: count("refused"),
+            unread: count("error"),
         }
     }
 
     /// The line for people.
     pub(crate) fn text(&self) -> String {
         let number = |value: Option<f64>| value.map_or("-".to_owned(), |v| format!("{v:.2}"));
+        let unread = match self.unread {
+            0 => String::new(),
+            unread => format!(", {unread} not read"),
+        };
         format!(
-            "mean {} deg, sd {}, se {}, {} measured, {} refused",
+            "mean {} deg, sd {}, se {}, {} measured, {} refused{unread}",
             number(self.mean_deg),
             number(self.sd_deg),
             number(self.se_deg),

@@ -4,7 +4,7 @@ use crate::arguments::Arguments;
 use crate::inputs::files;
 use crate::results::{ImageResult, Origin, Output, Summary};
 use anyhow::Context as _;
-use command_line::{DONE, Header, NOT_MET, file_sha256, write_new};
+use command_line::{DONE, ERROR, Header, NOT_MET, file_sha256, write_new};
 use image::{DynamicImage, ImageFormat};
 use photo_profile::{
     PhotoPixels, PhotoReading, Settings, measure_photo, overlay, read_frames, rectify,
@@ -17,16 +17,26 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
     let settings = arguments.settings();
     settings.check()?;
     let files = files(&arguments.photos)?;
+    refuse_existing(arguments, files.len())?;
     let mut images = Vec::new();
     for file in &files {
         arguments
             .common
             .log(|| format!("reading {}", file.display()));
-        let frames = read_frames(file)?;
-        let animated = frames.len() > 1;
+        let read = match read(file) {
+            Ok(read) => read,
+            // One bad file among others must not cost the others.
+            Err(error) if files.len() > 1 => {
+                let result = ImageResult::unread(file, format!("{error:#}"), &settings);
+                arguments.common.print(result.text())?;
+                images.push(result);
+                continue;
+            }
+            Err(error) => return Err(error),
+        };
+        let animated = read.frames.len() > 1;
         let several = animated || files.len() > 1;
-        let sha256 = file_sha256(file)?;
-        for (number, frame) in frames.into_iter().enumerate() {
+        for (number, frame) in read.frames.into_iter().enumerate() {
             let picture = straightened(frame, arguments)?;
             let reading = measure_photo(&PhotoPixels::from_picture(&picture), &settings)?;
             if let Some(out) = &arguments.overlay {
@@ -40,14 +50,60 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
             let origin = Origin {
                 file: file.display().to_string(),
                 frame: animated.then_some(number),
-                sha256: sha256.clone(),
+                sha256: read.sha256.clone(),
             };
             let result = ImageResult::new(origin, &reading, &settings, arguments.corners.is_some());
             arguments.common.print(result.text())?;
             images.push(result);
         }
     }
-    report(arguments, &files, images)
+    report(arguments, images)
+}
+
+/// A file as it was read.
+struct ReadFile {
+    /// Its pictures.
+    frames: Vec<DynamicImage>,
+    /// SHA-256 of the file.
+    sha256: String,
+}
+
+/// Reads the pictures in a file.
+fn read(file: &Path) -> anyhow::Result<ReadFile> {
+    Ok(ReadFile {
+        frames: read_frames(file)?,
+        sha256: file_sha256(file)?,
+    })
+}
+
+/// Refuses overlays that are no PNG, and overlays and JSON that exist, before any work is done.
+///
+/// How many frames an animation has is not known here; a later overlay that exists stops the run.
+fn refuse_existing(arguments: &Arguments, n_files: usize) -> anyhow::Result<()> {
+    let common = &arguments.common;
+    if let Some(out) = &arguments.overlay {
+        anyhow::ensure!(
+            out.extension()
+                .is_some_and(|end| end.eq_ignore_ascii_case("png")),
+            "--overlay {}: the picture is written as PNG; give a name that ends in .png",
+            out.display()
+        );
+    }
+    let json = common.json.iter().filter(|_| !common.json_on_stdout());
+    let overlays = arguments.overlay.iter().flat_map(|out| {
+        let several = (1..=n_files).map(|number| numbered(out, number));
+        several
+            .filter(move |_| n_files > 1)
+            .chain((n_files == 1).then(|| out.clone()))
+    });
+    for file in overlays.chain(json.cloned()) {
+        anyhow::ensure!(
+            common.force || !file.exists(),
+            "{} exists: say --force to overwrite it, or give another name",
+            file.display()
+        );
+    }
+    Ok(())
 }
 
 /// The picture, straightened where corners are given.
@@ -82,11 +138,7 @@ fn numbered(out: &Path, number: usize) -> PathBuf {
 }
 
 /// Writes the summary and the JSON; returns the exit code.
-fn report(
-    arguments: &Arguments,
-    files: &[PathBuf],
-    images: Vec<ImageResult>,
-) -> anyhow::Result<u8> {
+fn report(arguments: &Arguments, images: Vec<ImageResult>) -> anyhow::Result<u8> {
     let summary = Summary::new(&images);
     if images.len() > 1 {
         arguments.common.print(summary.text())?;
@@ -95,12 +147,19 @@ fn report(
         [one] => Some(one.clone()),
         _ => None,
     };
+    let read = images.iter().filter(|i| i.sha256.is_some());
     let output = Output {
-        header: Header::new(None::<u64>, files)?,
+        header: Header::new(None::<u64>, read.map(|i| &i.file))?,
         single,
         images,
         summary,
     };
     arguments.common.emit_json(&output)?;
-    Ok(if summary.refused > 0 { NOT_MET } else { DONE })
+    Ok(if summary.unread == output.images.len() {
+        ERROR
+    } else if summary.refused + summary.unread > 0 {
+        NOT_MET
+    } else {
+        DONE
+    })
 }

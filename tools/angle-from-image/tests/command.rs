@@ -254,3 +254,52 @@ fn a_folder_is_measured_as_a_series() {
         "nothing to measure"
     );
 }
+
+/// One cut and one foreign file among two good ones: both are named with their reason, nothing is
+/// lost, and the exit code says that not all was measured. Where nothing could be read it is 2.
+#[test]
+fn a_bad_file_in_a_folder_does_not_cost_the_others() {
+    let frames = folder("mixed");
+    for name in ["a.bmp", "d.bmp"] {
+        std::fs::copy(photo(GOOD), frames.join(name)).unwrap();
+    }
+    let whole = std::fs::read(photo("granudrum_mccA_inverted.jpg")).unwrap();
+    std::fs::write(frames.join("b.jpg"), &whole[..8000]).unwrap();
+    std::fs::write(frames.join("c.png"), "no picture").unwrap();
+    let output = run(&[frames.to_str().unwrap(), "--json", "--quiet"]);
+    assert_eq!(output.status.code(), Some(1), "{}", text(&output.stderr));
+    let json: Value = serde_json::from_slice(&output.stdout).unwrap();
+    let verdicts: Vec<&str> = json["images"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|image| image["verdict"].as_str().unwrap())
+        .collect();
+    assert_eq!(verdicts, ["ok", "error", "error", "ok"]);
+    for (index, name, reason) in [(1, "b.jpg", "cut off"), (2, "c.png", "cannot decode")] {
+        let image = &json["images"][index];
+        assert!(image["file"].as_str().unwrap().ends_with(name), "{image}");
+        assert!(
+            image["reason"].as_str().unwrap().contains(reason),
+            "{image}"
+        );
+        assert!(image["angle_deg"].is_null(), "no number for an error");
+    }
+    let summary = &json["summary"];
+    let counts = ["n", "refused", "unread"].map(|key| summary[key].as_u64());
+    assert_eq!(counts, [Some(2), Some(0), Some(2)]);
+    let plain = run(&[frames.to_str().unwrap()]);
+    let said = text(&plain.stdout);
+    assert!(
+        said.contains("c.png: error:") && said.contains("2 measured, 0 refused, 2 not read"),
+        "{said}"
+    );
+    for name in ["a.bmp", "d.bmp"] {
+        std::fs::remove_file(frames.join(name)).unwrap();
+    }
+    assert_eq!(
+        run(&[frames.to_str().unwrap()]).status.code(),
+        Some(2),
+        "nothing could be read"
+    );
+}

@@ -1,7 +1,9 @@
 //! What a real picture has besides bed, air and drum.
 
 use super::Scene;
-use super::paint::{Ellipse, PixelStream, to_f32};
+use super::paint::Ellipse;
+use crate::pixels::to_f32;
+use random_stream::Stream;
 
 /// Troubles of a drawn picture; the default has none. Places come from the scene's seed.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -66,7 +68,7 @@ impl Default for Disturbance {
 
 impl Scene {
     /// Things outside the drum, before the drum is drawn over them.
-    pub(super) fn draw_clutter(&self, gray: &mut [f32], random: &mut PixelStream) {
+    pub(super) fn draw_clutter(&self, gray: &mut [f32], random: &mut Stream) {
         let size = f64::from(self.size);
         let [cx, cy] = self.centre();
         for _ in 0..self.disturbance.n_clutter {
@@ -86,7 +88,7 @@ impl Scene {
     }
 
     /// Hub, stuck particles, bolts and what hides the rim.
-    pub(super) fn draw_things(&self, gray: &mut [f32], random: &mut PixelStream) {
+    pub(super) fn draw_things(&self, gray: &mut [f32], random: &mut Stream) {
         let [cx, cy] = self.centre();
         let width = self.size as usize;
         let d = &self.disturbance;
@@ -119,7 +121,7 @@ impl Scene {
     }
 
     /// A wedge over the rim, from 0.88 radii outwards.
-    fn draw_hiding(&self, gray: &mut [f32], random: &mut PixelStream) {
+    fn draw_hiding(&self, gray: &mut [f32], random: &mut Stream) {
         let [cx, cy] = self.centre();
         let middle = std::f64::consts::TAU * random.uniform();
         let tone = random.between(0.0, 255.0);
@@ -137,7 +139,7 @@ impl Scene {
     }
 
     /// Light over the picture and bars of it on the glass.
-    pub(super) fn light(&self, gray: &mut [f32], random: &mut PixelStream) {
+    pub(super) fn light(&self, gray: &mut [f32], random: &mut Stream) {
         let d = self.disturbance;
         let half = 0.5 * f64::from(self.size);
         if d.vignette > 0.0 || d.light != [0.0, 0.0] {

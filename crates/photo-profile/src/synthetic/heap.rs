@@ -1,9 +1,11 @@
 //! Drawn pictures of heaps whose flanks are known.
 
-use super::paint::{PixelStream, to_f32};
+use super::paint::taken;
 use crate::PhotoPixels;
-use crate::pixels::to_level;
-use image::{GrayImage, ImageBuffer, Luma};
+use crate::pixels::to_f32;
+use image::GrayImage;
+use random_stream::Stream;
+use surface_profile::SurfacePoint;
 
 /// A heap on a level table, seen from the side.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -53,7 +55,7 @@ impl HeapScene {
     pub fn draw(&self) -> GrayImage {
         let width = self.width.max(3);
         let height = width * 2 / 3;
-        let mut random = PixelStream::new(self.seed);
+        let mut random = Stream::new(self.seed, "drawn heap");
         let w = f64::from(width);
         let waves: Vec<[f64; 3]> = (0..6)
             .map(|_| {
@@ -71,30 +73,34 @@ impl HeapScene {
         let mut gray = vec![0.0_f32; columns * height as usize];
         for (k, value) in gray.iter_mut().enumerate() {
             let (x, y) = ((k % columns) as f64, (k / columns) as f64);
-            let off = x - self.apex[0] * w;
-            let slope = if off < 0.0 {
-                self.flanks[0]
-            } else {
-                self.flanks[1]
-            }
-            .tan();
-            let rounded = off.hypot(self.rounding * w);
             let bump: f64 = waves.iter().map(|[a, k, p]| a * (k * x + p).cos()).sum();
-            let surface = self.apex[1] * w + slope * rounded + bump;
+            let surface = self.depth_at(x) + bump;
             let in_bed = (0.5 + y - surface).clamp(0.0, 1.0);
             let in_table = (0.5 + y - self.table * w).clamp(0.0, 1.0);
             let above = air + (bed - air) * in_bed;
             *value = to_f32(above + (table - above) * in_table);
         }
-        let mut picture = PhotoPixels::from_values(columns, gray);
-        if self.blur > 0.0 {
-            picture = picture.blurred(self.blur);
-        }
-        let noisy: Vec<u8> = picture
-            .values()
-            .iter()
-            .map(|v| to_level(f64::from(*v) + self.noise * random.normal()))
-            .collect();
-        ImageBuffer::<Luma<u8>, _>::from_raw(width, height, noisy).unwrap_or_default()
+        let picture = PhotoPixels::from_values(columns, gray);
+        taken(picture, self.blur, self.noise, &mut random)
+    }
+
+    /// The true outline without bumps, px, y up from the upper border: heap and table.
+    pub fn outline(&self) -> Vec<SurfacePoint> {
+        let table = self.table * f64::from(self.width.max(3));
+        (0..self.width.max(3))
+            .map(f64::from)
+            .map(|x| SurfacePoint {
+                x,
+                y: -self.depth_at(x).min(table),
+            })
+            .collect()
+    }
+
+    /// Distance of the smooth surface from the upper border in a column, px.
+    fn depth_at(&self, x: f64) -> f64 {
+        let w = f64::from(self.width.max(3));
+        let off = x - self.apex[0] * w;
+        let flank = self.flanks[usize::from(off >= 0.0)];
+        self.apex[1] * w + flank.tan() * off.hypot(self.rounding * w)
     }
 }

@@ -1,8 +1,8 @@
 //! Kinds of drawn pictures, each with its spread of shapes, lights and troubles.
 
-use super::paint::PixelStream;
 use super::{Disturbance, Scene};
 use image::{DynamicImage, GrayImage, ImageEncoder as _, ImageFormat, Luma};
+use random_stream::Stream;
 use std::f64::consts::PI;
 
 /// What is expected of a picture.
@@ -24,7 +24,7 @@ pub struct Kind {
     /// What is expected.
     pub class: Class,
     /// Draws the scene of a stream.
-    scene: fn(&mut PixelStream) -> Scene,
+    scene: fn(&mut Stream) -> Scene,
     /// What else is done to the picture.
     finish: Finish,
 }
@@ -56,7 +56,7 @@ pub struct Trial {
 impl Kind {
     /// The picture of a number.
     pub fn trial(&self, number: u64) -> Trial {
-        let mut random = PixelStream::new(number.wrapping_add(1));
+        let mut random = Stream::new(number, self.name);
         let mut scene = (self.scene)(&mut random);
         scene.seed = number.wrapping_add(1);
         let drawn = scene.draw();
@@ -105,7 +105,7 @@ fn jpeg(picture: GrayImage, quality: f64) -> GrayImage {
 }
 
 /// A straight powder surface in a lit drum: size, place, slope, fill, tones, blur and noise vary.
-fn plain(r: &mut PixelStream) -> Scene {
+fn plain(r: &mut Stream) -> Scene {
     let size = r.between(320.0, 900.0);
     #[expect(
         clippy::cast_possible_truncation,
@@ -136,7 +136,7 @@ fn plain(r: &mut PixelStream) -> Scene {
 }
 
 /// A plain scene with a trouble.
-fn troubled(r: &mut PixelStream, trouble: fn(&mut PixelStream) -> Disturbance) -> Scene {
+fn troubled(r: &mut Stream, trouble: fn(&mut Stream) -> Disturbance) -> Scene {
     let scene = plain(r);
     Scene {
         disturbance: trouble(r),
@@ -145,7 +145,7 @@ fn troubled(r: &mut PixelStream, trouble: fn(&mut PixelStream) -> Disturbance) -
 }
 
 /// Semi-axes of grains between two parts of the drum radius.
-fn grains(r: &mut PixelStream, radius: f64, least: f64, most: f64) -> [f64; 2] {
+fn grains(r: &mut Stream, radius: f64, least: f64, most: f64) -> [f64; 2] {
     let long = radius * r.between(least, most);
     [long, long * r.between(0.5, 1.0)]
 }
@@ -159,7 +159,7 @@ pub fn kinds() -> Vec<Kind> {
 }
 
 /// A kind without further treatment.
-fn kind(name: &'static str, class: Class, scene: fn(&mut PixelStream) -> Scene) -> Kind {
+fn kind(name: &'static str, class: Class, scene: fn(&mut Stream) -> Scene) -> Kind {
     Kind {
         name,
         class,
@@ -339,7 +339,7 @@ fn harder() -> Vec<Kind> {
 
 /// Pictures that must not give a number.
 fn hopeless() -> Vec<Kind> {
-    let with = |name, finish, scene: fn(&mut PixelStream) -> Scene| Kind {
+    let with = |name, finish, scene: fn(&mut Stream) -> Scene| Kind {
         name,
         class: Class::Hopeless,
         scene,

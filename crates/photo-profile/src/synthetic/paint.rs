@@ -1,4 +1,9 @@
-//! Ellipses, grey values and random numbers of drawn pictures.
+//! Ellipses, grey values and the camera of drawn pictures.
+
+use crate::PhotoPixels;
+use crate::pixels::{to_f32, to_level};
+use image::GrayImage;
+use random_stream::Stream;
 
 /// An ellipse in the picture.
 pub(super) struct Ellipse {
@@ -59,44 +64,22 @@ impl Ellipse {
     }
 }
 
-/// Grey value as it is stored.
-pub(super) fn to_f32(value: f64) -> f32 {
-    #[expect(clippy::cast_possible_truncation, reason = "grey levels are f32")]
-    let value = value as f32;
-    value
-}
-
-/// Random numbers of a drawn picture: the splittable counter hash of `[Steele2014]`.
-pub(super) struct PixelStream {
-    /// Counter of the hash.
-    state: u64,
-}
-
-impl PixelStream {
-    /// The stream of a seed.
-    pub(super) fn new(seed: u64) -> Self {
-        Self {
-            state: seed.wrapping_mul(0xD134_2543_DE82_EF95),
-        }
+/// Takes the picture as a camera does: blurs it, adds noise (both standard deviations, px and
+/// grey levels; 0 for none) and rounds to whole grey levels.
+pub(super) fn taken(
+    mut picture: PhotoPixels,
+    blur: f64,
+    noise: f64,
+    random: &mut Stream,
+) -> GrayImage {
+    if blur > 0.0 {
+        picture = picture.blurred(blur);
     }
-
-    /// A number in [0, 1).
-    pub(super) fn uniform(&mut self) -> f64 {
-        self.state = self.state.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mut z = self.state;
-        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
-    }
-
-    /// A number in [low, high).
-    pub(super) fn between(&mut self, low: f64, high: f64) -> f64 {
-        low + (high - low) * self.uniform()
-    }
-
-    /// A standard normal number.
-    pub(super) fn normal(&mut self) -> f64 {
-        let radius = (-2.0 * (1.0 - self.uniform()).ln()).sqrt();
-        radius * (std::f64::consts::TAU * self.uniform()).cos()
-    }
+    let noisy: Vec<u8> = picture
+        .values()
+        .iter()
+        .map(|v| to_level(f64::from(*v) + noise * random.normal()))
+        .collect();
+    let side = |n: usize| u32::try_from(n).unwrap_or(0);
+    GrayImage::from_raw(side(picture.width()), side(picture.height()), noisy).unwrap_or_default()
 }
