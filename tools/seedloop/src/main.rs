@@ -7,6 +7,7 @@ mod design;
 mod diagnose;
 mod diagnose_problem;
 mod export;
+mod levels;
 mod optimise;
 mod simulate;
 mod verify;
