@@ -80,7 +80,7 @@ pub struct Solutions {
     /// The part of each range on which there are solutions; none if there is no solution.
     pub factor_ranges: Option<NamedValues<FactorRange>>,
     /// The connected parts of the set, largest first: two of them are two kinds of answer. Empty if there
-    /// is no solution or if all lie within a cell of the grid; none for more than nine factors.
+    /// is no solution or if all lie within a cell of the grid; none for more than seven factors.
     #[serde(default)]
     pub branches: Option<Vec<Branch>>,
     /// The solutions nearest to the given values by metric: `sd` and `standard_error` (differences

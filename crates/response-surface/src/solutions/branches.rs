@@ -6,7 +6,7 @@ use crate::Fit;
 use crate::quadratic::Quadratic;
 
 /// Greatest number of nodes of the grid; it sets how fine the grid is for many factors.
-const MOST_NODES: usize = 300_000;
+const MOST_NODES: usize = 60_000;
 
 /// A connected part of the set of solutions.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -20,7 +20,7 @@ pub struct Branch {
     pub ranges: Vec<[f64; 2]>,
 }
 
-/// The connected parts, largest first; none for more factors than a grid can show (9).
+/// The connected parts, largest first; none for more factors than a grid can show (7).
 ///
 /// The box is cut into cells; a cell whose corners lie on both sides of the target is on the set, and
 /// cells that share a face belong to one part. Parts closer than a cell count as one, and a part that
