@@ -40,6 +40,8 @@ fn the_answer_to_a_target_has_intervals_scatter_and_redrawn_experiments() {
             "38.87",
             "--at",
             "B=0.33,E=0.06,F=0.10",
+            "--near",
+            "B=0.32,E=0.06,F=0.10",
             "--factor-sd",
             "B=0.01,F=0.005",
             "--bootstrap",
