@@ -142,6 +142,14 @@ pub enum Error {
         /// The columns that fit, comma separated.
         candidates: String,
     },
+    /// Two columns have the same name.
+    #[error("{count} columns are named '{column}'; give each column its own name")]
+    DuplicateColumn {
+        /// The name.
+        column: String,
+        /// How often it stands in the header.
+        count: usize,
+    },
     /// A field is not a finite number.
     #[error(
         "line {line}, column '{column}': '{text}' is not a finite number; correct it, or leave the row out"

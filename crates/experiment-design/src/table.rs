@@ -137,7 +137,7 @@ mod tests {
             ("run,B,E,F\n1,0,inf,0\n", "not a finite number"),
             ("run,B,E,F\n", "no rows"),
             ("", "no header"),
-            ("run,B,B,E,F\n1,0,0,0,0\n", "several columns"),
+            ("run,B,B,E,F\n1,0,0,0,0\n", "2 columns are named 'B'"),
             ("run,B,E,F\n1,\"0,0,0\n", "never closed"),
             ("cell,B,E,F\n1.5,0,0,0\n", "'1.5' is not"),
         ];

@@ -4,6 +4,8 @@ use experiment_design::Factor;
 use serde::{Deserialize, Serialize};
 
 use crate::fit::ErrorSource;
+use crate::propagation::{coded_variances, transmitted_variance};
+use crate::quadratic::Quadratic;
 use crate::{Error, Fit, Prediction};
 
 /// Greatest number of solutions returned.
@@ -58,6 +60,17 @@ pub struct Goal {
     pub importance: f64,
 }
 
+/// A goal for the standard deviation that scattering factors hand on to a response.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ScatterGoal {
+    /// Which response, from 0.
+    pub response: usize,
+    /// Standard deviations of the factors, units of the factors.
+    pub factor_sd: Vec<f64>,
+    /// What the transmitted standard deviation should be.
+    pub goal: Goal,
+}
+
 /// A setting.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Compromise {
@@ -71,6 +84,8 @@ pub struct Compromise {
     pub each: Vec<f64>,
     /// Prediction of each response.
     pub predictions: Vec<Prediction>,
+    /// Standard deviation that the factors hand on, for each goal of that kind, unit of the response.
+    pub transmitted_sd: Vec<f64>,
 }
 
 impl Goal {
@@ -139,8 +154,13 @@ impl Goal {
 ///
 /// # Errors
 /// [`Error::Length`] unless there is one goal per response; [`Error::FactorMismatch`] for responses
-/// over different factors or ranges; [`Error::SettingOutOfRange`] for a goal that cannot be meant.
-pub fn compromises(fits: &[Fit], goals: &[Goal]) -> Result<Vec<Compromise>, Error> {
+/// over different factors or ranges; [`Error::SettingOutOfRange`] for a goal that cannot be meant;
+/// [`Error::DegreeTooHigh`] for goals of the scatter.
+pub fn compromises(
+    fits: &[Fit],
+    goals: &[Goal],
+    scatter: &[ScatterGoal],
+) -> Result<Vec<Compromise>, Error> {
     let Some(first) = fits.first().filter(|_| fits.len() == goals.len()) else {
         return Err(Error::Length {
             what: "goals, one per response",
@@ -161,6 +181,12 @@ pub fn compromises(fits: &[Fit], goals: &[Goal]) -> Result<Vec<Compromise>, Erro
         }
     }
     goals.iter().try_for_each(Goal::check)?;
+    let scatters = Transmitted::all(fits, scatter)?;
+    let all_goals: Vec<Goal> = goals
+        .iter()
+        .copied()
+        .chain(scatter.iter().map(|s| s.goal))
+        .collect();
     let surfaces: Vec<Vec<f64>> = fits.iter().map(Fit::coefficients).collect();
     let value = |i: usize, x: &[f64]| -> f64 {
         fits[i]
@@ -172,12 +198,17 @@ pub fn compromises(fits: &[Fit], goals: &[Goal]) -> Result<Vec<Compromise>, Erro
             .sum()
     };
     let cost = |x: &[f64]| -> f64 {
-        let values: Vec<f64> = (0..fits.len()).map(|i| value(i, x)).collect();
-        let total = overall(goals, &values);
+        let means = (0..fits.len()).map(|i| value(i, x));
+        let values: Vec<f64> = means.chain(scatters.iter().map(|s| s.sd(x))).collect();
+        let total = overall(&all_goals, &values);
         if total > 0.0 {
             return -total;
         }
-        goals.iter().zip(values).map(|(g, y)| g.shortfall(y)).sum()
+        all_goals
+            .iter()
+            .zip(values)
+            .map(|(g, y)| g.shortfall(y))
+            .sum()
     };
     let k = first.factors.len();
     let mut found: Vec<(f64, Vec<f64>)> = (0..STARTS)
@@ -196,8 +227,42 @@ pub fn compromises(fits: &[Fit], goals: &[Goal]) -> Result<Vec<Compromise>, Erro
         }
     }
     kept.into_iter()
-        .map(|x| compromise(fits, goals, x))
+        .map(|x| compromise(fits, &all_goals, &scatters, x))
         .collect()
+}
+
+/// What hands scatter on to a response.
+struct Transmitted {
+    /// The surface.
+    surface: Quadratic,
+    /// Variances of the factors, coded.
+    variances: Vec<f64>,
+}
+
+impl Transmitted {
+    /// Reads the goals of the scatter.
+    fn all(fits: &[Fit], scatter: &[ScatterGoal]) -> Result<Vec<Self>, Error> {
+        let one = |wanted: &ScatterGoal| {
+            wanted.goal.check()?;
+            let Some(fit) = fits.get(wanted.response) else {
+                return Err(Error::Length {
+                    what: "responses",
+                    expected: wanted.response + 1,
+                    given: fits.len(),
+                });
+            };
+            Ok(Self {
+                surface: fit.quadratic()?,
+                variances: coded_variances(&fit.factors, &wanted.factor_sd)?,
+            })
+        };
+        scatter.iter().map(one).collect()
+    }
+
+    /// Standard deviation handed on at a coded point.
+    fn sd(&self, x: &[f64]) -> f64 {
+        transmitted_variance(&self.surface, x, &self.variances).sqrt()
+    }
 }
 
 /// Weighted geometric mean of the desirabilities.
@@ -248,7 +313,12 @@ fn within_box(x: &mut [f64], cost: &dyn Fn(&[f64]) -> f64) -> f64 {
 }
 
 /// A setting with its predictions.
-fn compromise(fits: &[Fit], goals: &[Goal], coded: Vec<f64>) -> Result<Compromise, Error> {
+fn compromise(
+    fits: &[Fit],
+    goals: &[Goal],
+    scatters: &[Transmitted],
+    coded: Vec<f64>,
+) -> Result<Compromise, Error> {
     let natural = fits[0].natural(&coded);
     let predictions: Vec<Prediction> = fits
         .iter()
@@ -259,7 +329,9 @@ fn compromise(fits: &[Fit], goals: &[Goal], coded: Vec<f64>) -> Result<Compromis
             fit.predict_with(&natural, error)
         })
         .collect::<Result<_, _>>()?;
-    let values: Vec<f64> = fits.iter().map(|fit| fit.value(&coded)).collect();
+    let transmitted_sd: Vec<f64> = scatters.iter().map(|s| s.sd(&coded)).collect();
+    let means = fits.iter().map(|fit| fit.value(&coded));
+    let values: Vec<f64> = means.chain(transmitted_sd.iter().copied()).collect();
     Ok(Compromise {
         desirability: overall(goals, &values),
         each: goals
@@ -270,5 +342,6 @@ fn compromise(fits: &[Fit], goals: &[Goal], coded: Vec<f64>) -> Result<Compromis
         coded,
         natural,
         predictions,
+        transmitted_sd,
     })
 }

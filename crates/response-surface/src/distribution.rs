@@ -101,6 +101,16 @@ pub fn normal_quantile(probability: f64) -> Option<f64> {
     Some(Normal::standard().inverse_cdf(probability))
 }
 
+/// P(Z <= z) of the standard normal distribution.
+pub fn normal_cdf(z: f64) -> f64 {
+    Normal::standard().cdf(z)
+}
+
+/// Density of the standard normal distribution.
+pub(crate) fn normal_density(z: f64) -> f64 {
+    (-0.5 * z * z).exp() / (2.0 * std::f64::consts::PI).sqrt()
+}
+
 #[cfg(test)]
 mod tests {
     use super::{

@@ -195,6 +195,21 @@ impl Model {
         }
     }
 
+    /// The same model without the symbols at some places, which occur in no term.
+    pub(crate) fn without(&self, places: &[usize]) -> Self {
+        fn left<T: Clone>(list: &[T], places: &[usize]) -> Vec<T> {
+            let kept = list.iter().enumerate().filter(|(j, _)| !places.contains(j));
+            kept.map(|(_, item)| item.clone()).collect()
+        }
+        let term = |term: &Term| Term {
+            powers: left(&term.powers, places),
+        };
+        Self {
+            symbols: left(&self.symbols, places),
+            terms: self.terms.iter().map(term).collect(),
+        }
+    }
+
     /// Whether the intercept is part of the model.
     pub fn has_intercept(&self) -> bool {
         self.terms.first().is_some_and(|term| term.degree() == 0)

@@ -77,6 +77,10 @@ pub(crate) fn rebased(
             map.entry(powers).or_insert_with(|| vec![0.0; p])[j] += amount.rounded();
         }
     }
+    // What only zeros contribute to is no term, but for the intercept.
+    map.retain(|powers, parts| {
+        powers.iter().all(|power| *power == 0) || parts.iter().any(|part| *part != 0.0)
+    });
     let terms = map.keys().cloned().map(Term::from_powers).collect();
     let model = Model::from_terms(model.symbols().to_vec(), terms);
     let parts: Vec<Vec<f64>> = model

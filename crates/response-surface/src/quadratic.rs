@@ -24,6 +24,14 @@ impl Fit {
     /// # Errors
     /// [`Error::DegreeTooHigh`].
     pub(crate) fn quadratic(&self) -> Result<Quadratic, Error> {
+        self.quadratic_of(&self.coefficients())
+    }
+
+    /// The surface of other coefficients, in the order of the model, as a quadratic.
+    ///
+    /// # Errors
+    /// [`Error::DegreeTooHigh`].
+    pub(crate) fn quadratic_of(&self, coefficients: &[f64]) -> Result<Quadratic, Error> {
         let degree = self.formula.degree();
         if degree > 2 {
             return Err(Error::DegreeTooHigh { degree });
@@ -34,7 +42,7 @@ impl Fit {
             linear: DVector::zeros(k),
             hessian: DMatrix::zeros(k, k),
         };
-        for (term, c) in self.formula.terms().iter().zip(self.coefficients()) {
+        for (term, &c) in self.formula.terms().iter().zip(coefficients) {
             let powers = term.powers().iter().enumerate();
             let places: Vec<usize> = powers
                 .flat_map(|(j, &power)| std::iter::repeat_n(j, usize::from(power)))

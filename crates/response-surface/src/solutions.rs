@@ -5,14 +5,21 @@
 //! from it, and the points of it nearest to given values under named metrics.
 
 mod along;
+mod bootstrap;
+mod branches;
 mod nearest;
 mod range;
 mod region;
+mod robust;
 
 pub use along::roots_along;
+pub use bootstrap::{Bootstrap, BootstrapFactor, bootstrap};
+pub use branches::Branch;
 pub use nearest::Nearest;
+pub(crate) use range::golden_minimum;
 pub use range::{FactorRange, Interval};
 pub use region::{GivenOthers, Region};
+pub use robust::{Robust, most_robust};
 
 use serde::{Deserialize, Serialize};
 
@@ -72,6 +79,10 @@ pub struct Solutions {
     pub reachable: BoxExtremes,
     /// The part of each range on which there are solutions; none if there is no solution.
     pub factor_ranges: Option<NamedValues<FactorRange>>,
+    /// The connected parts of the set, largest first: two of them are two kinds of answer. Empty if there
+    /// is no solution or if all lie within a cell of the grid; none for more than seven factors.
+    #[serde(default)]
+    pub branches: Option<Vec<Branch>>,
     /// The solutions nearest to the given values by metric: `sd` and `standard_error` (differences
     /// over those of the measurements) and `coded` (over the half-ranges). Empty if there is no
     /// solution; `coded` refers to the middle of the ranges where nothing is given.
@@ -122,6 +133,11 @@ pub fn solutions(fit: &Fit, request: &SolutionRequest) -> Result<Solutions, Erro
         target_se,
         exists,
         factor_ranges: exists.then(|| range::factor_ranges(fit, &quadratic, target)),
+        branches: if exists {
+            branches::branches(fit, &quadratic, target)
+        } else {
+            Some(Vec::new())
+        },
         nearest,
         error,
         region: membership.map(|membership| region::region(&membership)),

@@ -38,6 +38,42 @@ impl Wide {
         quotient + Self::from(rest.rounded() / divisor)
     }
 
+    /// The number that a decimal text such as `1000000000000.4` or `-2.5e-3` names, to about 31 digits;
+    /// none if the text is no finite number.
+    ///
+    /// A number of the usual length holds 16 digits, so 12 of the digits of 1000000000000.4 stand
+    /// before the point and the 4 behind it is off by up to 6e-5.
+    pub(crate) fn from_decimal(text: &str) -> Option<Self> {
+        let text = text.trim();
+        text.parse::<f64>().ok().filter(|x| x.is_finite())?;
+        let (digits, exponent) = match text.split_once(['e', 'E']) {
+            Some((digits, exponent)) => (digits, exponent.parse::<i32>().ok()?),
+            None => (text, 0),
+        };
+        let (negative, digits) = match digits.strip_prefix('-') {
+            Some(digits) => (true, digits),
+            None => (false, digits.strip_prefix('+').unwrap_or(digits)),
+        };
+        let (whole, fraction) = digits.split_once('.').unwrap_or((digits, ""));
+        let mut number = Self::ZERO;
+        for digit in whole.chars().chain(fraction.chars()) {
+            number = number * Self::from(10.0) + Self::from(f64::from(digit.to_digit(10)?));
+        }
+        let mut shift = exponent - i32::try_from(fraction.len()).ok()?;
+        while shift > 0 {
+            number = number * Self::from(10.0);
+            shift -= 1;
+        }
+        while shift < 0 {
+            // Powers of ten are exact up to the 22nd.
+            let step = (-shift).min(22);
+            number = number.divided_by(10.0_f64.powi(step));
+            shift += step;
+        }
+        let number = if negative { -number } else { number };
+        number.rounded().is_finite().then_some(number)
+    }
+
     /// The number to a whole power.
     pub(crate) fn power(self, exponent: u8) -> Self {
         (0..exponent).fold(Self::ONE, |product, _| product * self)
@@ -137,5 +173,24 @@ mod tests {
         assert!((left / (2.0 * small) - 1.0).abs() < 1e-13, "{left}");
         let third = Wide::from(0.1) * Wide::from(0.1) - Wide::from(0.1 * 0.1);
         assert!(third.rounded() != 0.0);
+    }
+
+    /// 1e12 + 0.4 keeps the 0.4 to 1e-19 (31 digits); read as a usual number it is off by 2e-5.
+    #[test]
+    fn decimals_are_read_beyond_the_usual_length() {
+        let of = |text: &str| Wide::from_decimal(text).unwrap();
+        let tenths = (of("1000000000000.4") - Wide::from(1e12)).rounded();
+        assert!((tenths - 0.4).abs() < 1e-16, "{tenths}");
+        assert!((1_000_000_000_000.4_f64 - 1e12 - 0.4).abs() > 1e-6);
+        for text in ["-2.5e-3", "+7", ".5", "3.", "1e30", "1.25E2", "0"] {
+            let usual: f64 = text.parse().unwrap();
+            assert!(
+                (of(text).rounded() - usual).abs() <= 1e-16 * usual.abs(),
+                "{text}"
+            );
+        }
+        for text in ["", "x", "1,5", "nan", "inf", "1e999", "0x1"] {
+            assert_eq!(Wide::from_decimal(text), None, "{text}");
+        }
     }
 }

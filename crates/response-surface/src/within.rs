@@ -40,6 +40,48 @@ impl Fit {
             .zip(factors)
             .map(|(old, new)| (old.coded(new.mid()), new.half_range() / old.half_range()))
             .collect();
+        Ok(self.remapped(factors.to_vec(), &lines, &[]))
+    }
+
+    /// The fit over fewer factors: those at the given places (from 0) are held at coded values.
+    ///
+    /// # Errors
+    /// [`Error::SettingOutOfRange`] for a value that is not finite; [`Error::Length`] for a place without
+    /// factor, or if no factor is left.
+    pub fn held(&self, held: &[(usize, f64)]) -> Result<Self, Error> {
+        let k = self.factors.len();
+        let mut lines = vec![(0.0, 1.0); k];
+        for &(j, value) in held {
+            if !value.is_finite() {
+                return Err(Error::SettingOutOfRange {
+                    what: "the value of a held factor",
+                    value,
+                    range: "a finite number",
+                });
+            }
+            let line = lines.get_mut(j).ok_or(Error::Length {
+                what: "factors",
+                expected: j + 1,
+                given: k,
+            })?;
+            *line = (value, 0.0);
+        }
+        let dropped: Vec<usize> = (0..k).filter(|&j| lines[j].1 == 0.0).collect();
+        let left = (0..k).filter(|j| !dropped.contains(j));
+        let factors: Vec<Factor> = left.map(|j| self.factors[j].clone()).collect();
+        if factors.is_empty() {
+            return Err(Error::Length {
+                what: "factors that are not held",
+                expected: 1,
+                given: 0,
+            });
+        }
+        Ok(self.remapped(factors, &lines, &dropped))
+    }
+
+    /// The same surface in other coordinates: the old coded value is offset + slope x'. Dropped
+    /// coordinates have slope 0.
+    fn remapped(&self, factors: Vec<Factor>, lines: &[(f64, f64)], dropped: &[usize]) -> Self {
         let blocks = self.p - self.formula.terms().len();
         let place = |i: usize| if i == 0 { 0 } else { i + blocks };
         let old: Vec<usize> = (0..self.formula.terms().len()).map(place).collect();
@@ -48,13 +90,14 @@ impl Fit {
             .map(|&i| old.iter().map(|&j| self.xtx_inverse[i][j]).collect())
             .collect();
         let (formula, coefficients, covariance) =
-            rebased(&self.formula, &lines, &self.coefficients(), &covariance);
+            rebased(&self.formula, lines, &self.coefficients(), &covariance);
+        let formula = formula.without(dropped);
         let row = |(i, c): (usize, f64)| {
             let row = crate::fit::tested(c, covariance[i][i], self.mse, self.df_resid);
             (formula.name(&formula.terms()[i]), row)
         };
-        Ok(Self {
-            factors: factors.to_vec(),
+        Self {
+            factors,
             terms: coefficients.into_iter().enumerate().map(row).collect(),
             p: formula.terms().len(),
             formula,
@@ -63,7 +106,7 @@ impl Fit {
             canonical: None,
             box_extremes: None,
             ..self.clone()
-        })
+        }
     }
 }
 

@@ -9,15 +9,18 @@ mod text;
 
 use std::path::PathBuf;
 
+use anyhow::ensure;
 use clap::ValueEnum;
 use command_line::{Common, DONE, Header, write_new};
 use response_surface::{
-    BoxCox, Fit, Model, Observations, Orders, Pareto, ReductionRule, ReductionStep, Regime,
-    Saturated, Spread, Weighting, box_cox, fit_weighted, orders, pareto, reduce, saturated, spread,
+    BoxCox, Categorical, CategoricalModel, Fit, GroupRow, InteractionStep, Model, NamedValues,
+    Observations, Orders, Pareto, RandomBlocks, ReductionRule, ReductionStep, Regime, Saturated,
+    Spread, Weighting, box_cox, fit_weighted, interaction_search, orders, pareto, reduce,
+    saturated, spread,
 };
 use serde::Serialize;
 
-use data::{Coding, factor_file, read};
+use data::{Coding, Data, factor_file, read};
 use extras::{Comparison, Ridge};
 use page::page;
 use text::{orders_text, summary};
@@ -58,6 +61,19 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "COLUMN")]
     block: Option<String>,
 
+    /// Columns of factors with named levels (wall,operator), besides --factors
+    #[arg(
+        long,
+        value_name = "LIST",
+        value_delimiter = ',',
+        conflicts_with_all = ["dummies", "groups"]
+    )]
+    categories: Vec<String>,
+
+    /// Column of batches drawn at random (numbers or names): adds the fit with two variances
+    #[arg(long, value_name = "COLUMN", conflicts_with = "block")]
+    batch: Option<String>,
+
     /// Dummy columns of a screening design: adds the saturated analysis
     #[arg(long, value_name = "G,H,...", value_delimiter = ',')]
     dummies: Vec<String>,
@@ -78,7 +94,8 @@ pub(crate) struct Arguments {
     #[arg(long, value_enum, value_name = "RULE")]
     reduce: Option<Rule>,
 
-    /// Limit of p for --reduce p
+    /// Limit of p for --reduce p, and for the main effects whose interactions are looked for with
+    /// --dummies
     #[arg(long, value_name = "P", default_value_t = 0.1)]
     alpha: f64,
 
@@ -163,8 +180,12 @@ struct Report<'a> {
     pareto: Option<Pareto>,
     /// All columns as effects; null without dummy columns.
     saturated: Option<Saturated>,
-    /// Models of growing order, and the suggested one.
-    orders: Orders,
+    /// Models of growing order, and the suggested one; null with named levels.
+    orders: Option<Orders>,
+    /// The factors with named levels.
+    categories: Vec<Categorical>,
+    /// Tests of the terms as written, all columns of a named factor together; null without such.
+    level_tests: Option<NamedValues<GroupRow>>,
     /// Tests that single runs scatter alike; null without repeated rows.
     spread: Option<Spread>,
     /// Power of the response; null where a response is not above zero.
@@ -177,6 +198,10 @@ struct Report<'a> {
     /// Highest and lowest points of the surface at growing distance from the centre; null for
     /// models above degree two.
     ridge: Option<Ridge>,
+    /// The fit with batches drawn at random, if asked for.
+    random_batches: Option<RandomBlocks>,
+    /// Two-factor interactions that may stand behind a screening design; null without `--dummies`.
+    interaction_search: Option<Vec<InteractionStep>>,
     /// The alternative, if asked for.
     gaussian_process: Option<Comparison>,
     /// The boundary of the regime, if asked for.
@@ -196,7 +221,7 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
     }
     let mut data = read(arguments)?;
     let boundary = extras::split_regimes(arguments, &mut data)?;
-    let mut model = Model::parse(&arguments.model, &data.factors)?;
+    let (named, mut model) = asked_model(arguments, &mut data)?;
     let observations = Observations::from_cells(data.cells.clone())?;
     let weighting = match arguments.weights {
         Weights::Counts => Weighting::Counts,
@@ -204,20 +229,15 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
         Weights::InverseVariance => Weighting::InverseVariance,
         Weights::ShrunkVariance => Weighting::ShrunkVariance,
     };
-    let mut reduction = Vec::new();
-    let fit = match arguments.reduce {
-        None => fit_weighted(&data.factors, &model, &observations, weighting)?,
-        Some(rule) => {
-            let rule = match rule {
-                Rule::P => ReductionRule::PValue(arguments.alpha),
-                Rule::Aicc => ReductionRule::Aicc,
-                Rule::Bic => ReductionRule::Bic,
-            };
-            let (fit, steps) = reduce(&data.factors, &model, &observations, weighting, rule)?;
-            reduction = steps;
-            model = fit.formula.clone();
-            fit
-        }
+    let (mut fit, reduction) = fitted(arguments, &data, &model, &observations, weighting)?;
+    model.clone_from(&fit.formula);
+    if named.is_some() {
+        // The box of the columns of levels is no set of settings.
+        (fit.canonical, fit.box_extremes) = (None, None);
+    }
+    let level_tests = match &named {
+        None => None,
+        Some(named) => Some(named.tests(&fit, &observations, weighting)?),
     };
     let saturated = match &arguments.dummies[..] {
         [] => None,
@@ -238,12 +258,28 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
         fit: &fit,
         pareto: pareto(&fit),
         saturated,
-        orders: orders(&data.factors, &observations, weighting)?,
+        // Orders over the columns of named levels would have their powers.
+        orders: match &named {
+            None => Some(orders(&data.factors, &observations, weighting)?),
+            Some(_) => None,
+        },
+        categories: data.categories.clone(),
+        level_tests,
         spread: spread(&observations),
         box_cox: box_cox(&data.factors, &model, &observations, weighting)?,
         reduction,
         dfbetas: (fit.n <= 1000).then(|| (0..fit.n).map(|i| fit.dfbetas(i)).collect()),
-        ridge: Ridge::of(&fit),
+        ridge: named.is_none().then(|| Ridge::of(&fit)).flatten(),
+        random_batches: extras::batches(&data, &model, weighting)?,
+        interaction_search: match &arguments.dummies[..] {
+            [] => None,
+            _ => Some(interaction_search(
+                &data.factors,
+                &observations,
+                weighting,
+                arguments.alpha,
+            )?),
+        },
         gaussian_process: extras::comparison(arguments, &data.factors, &observations, &fit)?,
         regime: boundary,
         warning_texts: fit.warnings.iter().map(ToString::to_string).collect(),
@@ -253,19 +289,61 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
     Ok(DONE)
 }
 
+/// The model asked for; with named levels, their columns join the factors of the data.
+fn asked_model(
+    arguments: &Arguments,
+    data: &mut Data,
+) -> anyhow::Result<(Option<CategoricalModel>, Model)> {
+    if data.categories.is_empty() {
+        return Ok((None, Model::parse(&arguments.model, &data.factors)?));
+    }
+    ensure!(
+        arguments.reduce.is_none(),
+        "--reduce takes one column at a time and would tear named levels apart; write the smaller \
+         model with --model instead"
+    );
+    let named = CategoricalModel::parse(&arguments.model, &data.factors, &data.categories)?;
+    data.factors.clone_from(&named.factors);
+    let model = named.model.clone();
+    Ok((Some(named), model))
+}
+
+/// The fit, reduced where asked for, and the terms that went.
+fn fitted(
+    arguments: &Arguments,
+    data: &Data,
+    model: &Model,
+    observations: &Observations,
+    weighting: Weighting,
+) -> anyhow::Result<(Fit, Vec<ReductionStep>)> {
+    let factors = &data.factors;
+    let Some(rule) = arguments.reduce else {
+        let fit = fit_weighted(factors, model, observations, weighting)?;
+        return Ok((fit, Vec::new()));
+    };
+    let rule = match rule {
+        Rule::P => ReductionRule::PValue(arguments.alpha),
+        Rule::Aicc => ReductionRule::Aicc,
+        Rule::Bic => ReductionRule::Bic,
+    };
+    Ok(reduce(factors, model, observations, weighting, rule)?)
+}
+
 /// Prints the analysis, and writes page and charts where asked for.
 fn write(arguments: &Arguments, report: &Report<'_>) -> anyhow::Result<()> {
     let common = &arguments.common;
-    let orders = orders_text(&report.orders);
+    let orders = report.orders.as_ref().map(orders_text).unwrap_or_default();
     common.print(summary(report.fit, report.saturated.as_ref()).trim_end())?;
-    common.print(format!("\n{}", orders.trim_end()))?;
+    if !orders.is_empty() {
+        common.print(format!("\n{}", orders.trim_end()))?;
+    }
     extras::print(common, report)?;
     if arguments.html.is_none() && arguments.plots.is_none() {
         return Ok(());
     }
     let charts = charts::all(report)?;
     if let Some(file) = &arguments.html {
-        let page = page(report.fit, report.response, &orders, &charts);
+        let page = page(report, &orders, &charts);
         write_new(file, page.as_bytes(), common.overwrite())?;
     }
     if let Some(folder) = &arguments.plots {

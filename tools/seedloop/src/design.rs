@@ -1,5 +1,6 @@
 //! `seedloop design`: writes a design of experiments.
 
+mod categories;
 mod make;
 
 use std::fs;
@@ -9,7 +10,7 @@ use anyhow::{Context as _, ensure};
 use clap::ValueEnum;
 use command_line::{Common, DONE, Header, write_new};
 use experiment_design::Design;
-use experiment_design::table::{design_to_csv, factors_from_csv};
+use experiment_design::table::factors_from_csv;
 use response_surface::{Evaluation, Model, evaluate};
 use serde_json::json;
 
@@ -99,6 +100,11 @@ pub(crate) struct Arguments {
     #[arg(long)]
     model: Option<String>,
 
+    /// A factor with named levels, wall=steel:glass; the design is repeated at every combination of
+    /// levels. May be given several times
+    #[arg(long = "category", value_name = "NAME=LEVELS")]
+    categories: Vec<String>,
+
     /// File of the design
     #[arg(long, value_name = "DESIGN.csv")]
     out: PathBuf,
@@ -160,6 +166,9 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
         );
         design = design.folded_over();
     }
+    let combinations = categories::combinations(arguments, &design)?;
+    let cells = design.runs().iter().map(|run| run.cell).max().unwrap_or(1);
+    design = categories::crossed(&design, &combinations)?;
     design = design.replicated(arguments.replicates)?;
     if let Some(seed) = arguments.seed {
         design = design.randomised(seed);
@@ -168,7 +177,7 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
     let common = &arguments.common;
     write_new(
         &arguments.out,
-        design_to_csv(&design).as_bytes(),
+        categories::table(&design, &combinations, cells).as_bytes(),
         common.overwrite(),
     )?;
     let reach = design.reach();

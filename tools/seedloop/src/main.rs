@@ -8,6 +8,7 @@ mod diagnose;
 mod diagnose_problem;
 mod diagnose_study;
 mod export;
+mod levels;
 mod optimise;
 mod simulate;
 mod verify;

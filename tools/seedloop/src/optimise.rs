@@ -1,6 +1,7 @@
 //! `seedloop optimise`: where a fitted surface meets a target.
 
 mod goals;
+mod words;
 
 use std::path::PathBuf;
 
@@ -8,11 +9,15 @@ use anyhow::{Context as _, bail, ensure};
 use clap::ValueEnum;
 use command_line::{Common, DONE, Header, NOT_MET};
 use experiment_design::Factor;
+use response_surface::solutions::{Bootstrap, Robust, bootstrap, most_robust};
 use response_surface::{
-    Confirmation, ErrorSource, Fit, Measured, NamedValues, Prediction, SolutionRequest, Solutions,
-    confirm, solutions,
+    Confirmation, ErrorSource, Fit, Measured, NamedValues, Prediction, Propagation,
+    SolutionRequest, Solutions, Tolerance, confirm, solutions,
 };
 use serde::Serialize;
+
+/// Confidence of the tolerance interval: as customary.
+const CONFIDENCE: f64 = 0.95;
 
 /// Finds where a fitted surface meets a target: the whole set, its region, the nearest solutions
 #[derive(clap::Args, Debug)]
@@ -35,7 +40,8 @@ pub(crate) struct Arguments {
     )]
     goal: Option<String>,
 
-    /// A further response with its goal, OTHER.json=GOAL; may be given several times
+    /// A further response with its goal, OTHER.json=GOAL; may be given several times. With --factor-sd,
+    /// transmitted=min:LOW:HIGH is the scatter that the factors hand on to the first response
     #[arg(long = "also", value_name = "FILE=GOAL", requires = "goal")]
     also: Vec<String>,
 
@@ -67,6 +73,10 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "LIST", value_delimiter = ',')]
     near: Vec<String>,
 
+    /// Level of every factor with named levels: wall=steel,operator=A
+    #[arg(long, value_name = "LIST", value_delimiter = ',')]
+    level: Vec<String>,
+
     /// Which error variance the region is made with [default: all repeats, or the residuals]
     #[arg(long, value_enum)]
     error: Option<ErrorKind>,
@@ -74,6 +84,23 @@ pub(crate) struct Arguments {
     /// Predicts at this point as well: B=0.33,E=0.06,F=0.10
     #[arg(long, value_name = "LIST", value_delimiter = ',')]
     at: Vec<String>,
+
+    /// Standard deviations of the factors in use: B=0.01,E=0.005. Tells what they do to the response,
+    /// and the solution at which they do least
+    #[arg(long, value_name = "LIST", value_delimiter = ',')]
+    factor_sd: Vec<String>,
+
+    /// Redraws the experiment so often and solves each again: how the nearest solution scatters
+    #[arg(long, value_name = "DRAWS", conflicts_with = "goal")]
+    bootstrap: Option<usize>,
+
+    /// Seed of --bootstrap
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    seed: u64,
+
+    /// Share of all runs that the tolerance interval at --at holds, with 95 % confidence
+    #[arg(long, value_name = "SHARE", default_value_t = 0.99)]
+    content: f64,
 
     #[command(flatten)]
     common: Common,
@@ -105,6 +132,16 @@ struct Report {
     solutions: Solutions,
     /// The prediction at the point asked for.
     at: Option<Prediction>,
+    /// Where a share of all runs at that point lies; null without an error variance.
+    tolerance: Option<Tolerance>,
+    /// What the scatter of the factors does at that point; null without `--factor-sd`.
+    propagation: Option<Propagation>,
+    /// The same at the nearest solution of each metric.
+    propagation_nearest: NamedValues<Propagation>,
+    /// The solution at which that scatter does least; null without `--factor-sd` or solution.
+    most_robust: Option<Robust>,
+    /// The nearest solutions of redrawn experiments; empty without `--bootstrap`.
+    bootstrap: Vec<Bootstrap>,
     /// The verdict on the confirmation runs.
     confirmation: Option<Confirmation>,
 }
@@ -115,7 +152,7 @@ struct Report {
 /// Files that cannot be read, a target or measured values that cannot be meant.
 pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
     let path = &arguments.analysis;
-    let fit = goals::read(path, &arguments.bounds)?;
+    let fit = goals::read(path, arguments)?;
     let Some(target) = arguments.target else {
         return goals::run(arguments, fit);
     };
@@ -138,43 +175,75 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
         ([], _) | (_, None) => None,
         (runs, Some(at)) => Some(confirm(&fit, &at.natural, runs, solutions.error)?),
     };
-    let common = &arguments.common;
-    describe(common, &fit, &solutions, at.as_ref())?;
-    if let Some(confirmation) = &confirmation {
-        describe_confirmation(common, confirmation)?;
-    }
+    let tolerance = match &at {
+        Some(at) => fit.tolerance(&at.natural, solutions.error, arguments.content, CONFIDENCE)?,
+        None => None,
+    };
+    let scatter = Scatter::read(&fit, &arguments.factor_sd, &solutions, at.as_ref())?;
+    let bootstrap = match arguments.bootstrap {
+        Some(draws) => bootstrap(&fit, &request, draws, arguments.seed)?,
+        None => Vec::new(),
+    };
     let refuted = confirmation.as_ref().and_then(|c| c.confirmed) == Some(false);
     let code = if solutions.exists && !refuted {
         DONE
     } else {
         NOT_MET
     };
-    common.emit_json(&Report {
-        header: Header::new(None, [path])?,
+    let seed = arguments.bootstrap.map(|_| arguments.seed);
+    let report = Report {
+        header: Header::new(seed, [path])?,
         factors: fit.factors.iter().map(|f| f.symbol().to_owned()).collect(),
         solutions,
         at,
+        tolerance,
+        propagation: scatter.at,
+        propagation_nearest: scatter.nearest,
+        most_robust: scatter.most_robust,
+        bootstrap,
         confirmation,
-    })?;
+    };
+    let common = &arguments.common;
+    words::describe(common, &fit, &report)?;
+    common.emit_json(&report)?;
     Ok(code)
 }
 
-/// Prints the verdict on the confirmation runs.
-fn describe_confirmation(common: &Common, confirmation: &Confirmation) -> anyhow::Result<()> {
-    let Confirmation { n, mean, .. } = confirmation;
-    let verdict = match confirmation.confirmed {
-        Some(true) => "they confirm it",
-        Some(false) => "they do not confirm it",
-        None => "no interval: there is no error variance",
-    };
-    let interval = confirmation
-        .pi95_mean
-        .map_or_else(String::new, |[low, high]| {
-            format!(" (95 % prediction interval of the mean {low:.4} to {high:.4})")
-        });
-    common.print(format!(
-        "{n} confirmation runs, mean {mean:.4}{interval}: {verdict}"
-    ))
+/// What the scatter of the factors does.
+#[derive(Default)]
+struct Scatter {
+    /// At the point asked for.
+    at: Option<Propagation>,
+    /// At the nearest solutions.
+    nearest: NamedValues<Propagation>,
+    /// Where it does least.
+    most_robust: Option<Robust>,
+}
+
+impl Scatter {
+    /// Reads the standard deviations (none for a factor that is not named) and propagates them.
+    fn read(
+        fit: &Fit,
+        list: &[String],
+        solutions: &Solutions,
+        at: Option<&Prediction>,
+    ) -> anyhow::Result<Self> {
+        if list.is_empty() {
+            return Ok(Self::default());
+        }
+        let given = measured(fit, list)?;
+        let sd: Vec<f64> = given.iter().map(|m| m.map_or(0.0, |m| m.value)).collect();
+        let propagated = |point: &[f64]| fit.propagation(point, &sd, solutions.error);
+        let mut nearest = Vec::new();
+        for (metric, found) in solutions.nearest.iter() {
+            nearest.push((metric.to_owned(), propagated(&found.solution)?));
+        }
+        Ok(Self {
+            at: at.map(|at| propagated(&at.natural)).transpose()?,
+            nearest: nearest.into_iter().collect(),
+            most_robust: most_robust(fit, solutions.target, &sd)?,
+        })
+    }
 }
 
 /// Reads `B=0.32+-0.05/5` and the like into the order of the factors.
@@ -234,77 +303,4 @@ fn predicted(
         point.push(value.value);
     }
     Ok(Some(fit.predict_with(&point, solutions.error)?))
-}
-
-/// The answer as text.
-fn describe(
-    common: &Common,
-    fit: &Fit,
-    solutions: &Solutions,
-    at: Option<&Prediction>,
-) -> anyhow::Result<()> {
-    let symbols: Vec<&str> = fit.factors.iter().map(Factor::symbol).collect();
-    let point = |values: &[f64]| {
-        let pairs = symbols.iter().zip(values);
-        pairs
-            .map(|(s, v)| format!("{s} = {v:.5}"))
-            .collect::<Vec<_>>()
-            .join(", ")
-    };
-    let (min, max) = (&solutions.reachable.min, &solutions.reachable.max);
-    common.print(format!(
-        "surface within the ranges: {:.4} to {:.4}",
-        min.value, max.value
-    ))?;
-    if !solutions.exists {
-        let closest = if solutions.target < min.value {
-            min
-        } else {
-            max
-        };
-        common.print(format!(
-            "no solution: the closest value to {} is {:.4} at {}; widen the ranges there",
-            solutions.target,
-            closest.value,
-            point(&closest.natural)
-        ))?;
-    }
-    for (symbol, range) in solutions.factor_ranges.iter().flat_map(NamedValues::iter) {
-        let (low, high) = (range.natural.low, range.natural.high);
-        common.print(format!(
-            "{symbol} on the solution set: {low:.5} to {high:.5}"
-        ))?;
-    }
-    for (metric, nearest) in solutions.nearest.iter() {
-        let place = point(&nearest.solution);
-        common.print(format!(
-            "nearest by {metric}: {place}; distance {:.4}",
-            nearest.distance
-        ))?;
-        for (symbol, given) in nearest.given_others.iter().flat_map(NamedValues::iter) {
-            let (low, high) = (given.natural.low, given.natural.high);
-            let below = if given.open_below { " (bound)" } else { "" };
-            let above = if given.open_above { " (bound)" } else { "" };
-            common.print(format!(
-                "  {symbol} given the others, 95 %: {low:.5}{below} to {high:.5}{above}"
-            ))?;
-        }
-    }
-    if let Some(region) = &solutions.region {
-        let percent = 100.0 * region.box_fraction;
-        common.print(format!(
-            "{percent:.1} % of the box cannot be told from a solution"
-        ))?;
-    }
-    if let Some(at) = at {
-        let interval = at
-            .ci95
-            .map_or_else(String::new, |[a, b]| format!(", 95 % {a:.4} to {b:.4}"));
-        common.print(format!(
-            "at {}: {:.4}{interval}",
-            point(&at.natural),
-            at.mean
-        ))?;
-    }
-    Ok(())
 }

@@ -2,6 +2,8 @@
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests fail like tests")]
 
+#[path = "command/answers.rs"]
+mod answers;
 #[path = "command/apparatus.rs"]
 mod apparatus;
 #[path = "command/diagnosis.rs"]

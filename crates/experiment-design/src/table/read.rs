@@ -87,7 +87,7 @@ impl Table {
     /// name and a unit after it (`theta` finds `theta_deg`).
     ///
     /// # Errors
-    /// [`Error::MissingColumn`] or [`Error::AmbiguousColumn`].
+    /// [`Error::MissingColumn`], [`Error::DuplicateColumn`] or [`Error::AmbiguousColumn`].
     pub fn column(&self, name: &str) -> Result<usize, Error> {
         let places = |fits: &dyn Fn(&str) -> bool| -> Vec<usize> {
             let named = self.header.iter().enumerate();
@@ -110,6 +110,12 @@ impl Table {
         }
         match found[..] {
             [column] => Ok(column),
+            [first, second, ..] if self.header[first] == self.header[second] => {
+                Err(Error::DuplicateColumn {
+                    column: self.header[first].clone(),
+                    count: found.len(),
+                })
+            }
             [] => Err(Error::MissingColumn {
                 column: name.to_owned(),
                 available: self.header.join(", "),

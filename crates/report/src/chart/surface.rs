@@ -122,9 +122,9 @@ impl Surface {
             &title(Anchor::Start),
         );
         canvas.text(
-            below(floor(x.low, y.low), -4.0, 16.0),
+            below(floor(x.low, y.low), 4.0, 18.0),
             &short(x.low),
-            &small(Anchor::End),
+            &small(Anchor::Middle),
         );
         canvas.text(
             below(floor(x.high, y.low), -10.0, 18.0),
@@ -141,9 +141,9 @@ impl Surface {
             &short(y.high),
             &small(Anchor::Start),
         );
-        let back = |value: f64| below(view.place(x.low, y.high, value), -6.0, 0.0);
-        canvas.text(back(z.low), &short(z.low), &small(Anchor::End));
-        canvas.text(back(z.high), &short(z.high), &small(Anchor::End));
+        let upright = |value: f64| below(view.place(x.low, y.low, value), -6.0, 0.0);
+        canvas.text(upright(z.low), &short(z.low), &small(Anchor::End));
+        canvas.text(upright(z.high), &short(z.high), &small(Anchor::End));
         canvas.text(
             at(12.0, 18.0),
             &self.response.text(""),
@@ -177,7 +177,8 @@ impl View {
             corner(x.low, y.low),
         ];
         canvas.polyline(&corners, &stroke);
-        canvas.line(corners[3], self.place(x.low, y.high, self.z.high), &stroke);
+        // Upright at the left corner, where nothing can hide it.
+        canvas.line(corners[0], self.place(x.low, y.low, self.z.high), &stroke);
     }
 
     /// Share of a value in a domain, -1/2 to 1/2.

@@ -1,8 +1,8 @@
 //! Charts: well formed, within their paper, and with every number at its pixel.
 
 use report::{
-    AxisTitle, Comparison, Contour, Error, Level, LineSeries, PredictedAgainstMeasured, Role,
-    Series, SeriesPoint, Svg,
+    AxisTitle, Comparison, Contour, Cube, CubeEdge, Error, Level, LineSeries,
+    PredictedAgainstMeasured, Role, Series, SeriesPoint, Svg,
 };
 
 use crate::examples;
@@ -125,6 +125,43 @@ fn charts_without_values_are_refused() {
 #[test]
 fn same_input_gives_the_same_bytes() {
     assert_eq!(examples::all(&VALUES), examples::all(&VALUES));
+}
+
+/// Eight corners with their responses, all on the paper, whatever the names; each response stands nearest
+/// to its own corner.
+#[test]
+fn a_cube_shows_every_corner_with_its_response() {
+    let edge = |low: f64, high: f64| CubeEdge {
+        title: AxisTitle::new(examples::HOSTILE, "m"),
+        low,
+        high,
+    };
+    let cube = |values: [f64; 8]| Cube {
+        edges: [edge(0.0, 1.0), edge(0.3, 0.42), edge(-1e6, 1e6)],
+        response: AxisTitle::new(examples::HOSTILE, ""),
+        values,
+    };
+    let chart = cube([1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0])
+        .draw()
+        .unwrap();
+    check_paper("cube", &chart);
+    assert!(!chart.as_str().contains("<b"));
+    let elements = read(&chart);
+    let corners: Vec<&Element> = elements.iter().filter(|e| e.name == "circle").collect();
+    assert_eq!(corners.len(), 8);
+    for (i, corner) in corners.iter().enumerate() {
+        let label = texts(&elements, &format!("{:.2}", (i + 1) as f64))[0];
+        let away = |c: &Element| {
+            (c.number("cx") - label.number("x")).hypot(c.number("cy") - label.number("y"))
+        };
+        assert!(
+            corners.iter().all(|other| away(corner) <= away(other)),
+            "corner {i}"
+        );
+    }
+    check_paper("flat cube", &cube([38.9; 8]).draw().unwrap());
+    let broken = cube([1.0, 2.0, f64::NAN, 4.0, 5.0, 6.0, 7.0, 8.0]).draw();
+    assert!(matches!(broken, Err(Error::NonFinite { index: 2, .. })));
 }
 
 #[test]

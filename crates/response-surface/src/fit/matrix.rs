@@ -102,6 +102,19 @@ impl Matrix {
         })
     }
 
+    /// Builds the matrix as if all observations were of one block.
+    pub(crate) fn without_blocks(
+        model: &Model,
+        data: &Observations,
+        weighting: Weighting,
+    ) -> Result<Self, Error> {
+        let mut cells = data.cells().to_vec();
+        for cell in &mut cells {
+            cell.block = 1;
+        }
+        Self::new(model, &Observations::from_cells(cells)?, weighting)
+    }
+
     /// Place of the first column that is neither intercept nor block.
     pub(crate) fn first(&self) -> usize {
         self.intercept + self.n_blocks

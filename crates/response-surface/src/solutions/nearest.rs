@@ -55,13 +55,18 @@ impl Metric {
 /// The length of a factor that a metric counts as one, unit of the factor.
 type Length<'a> = &'a dyn Fn(&Measured, &Factor) -> Option<f64>;
 
-/// The nearest solutions under all metrics that the request allows.
-pub(crate) fn all_metrics(
-    fit: &Fit,
-    quadratic: &Quadratic,
-    request: &SolutionRequest,
-    membership: Option<&Membership>,
-) -> NamedValues<Nearest> {
+/// A named metric: the values to lie near, and the length of each factor that counts as one.
+pub(crate) struct NamedMetric {
+    /// `sd`, `standard_error` or `coded`.
+    pub(crate) name: &'static str,
+    /// Measured values, the middle of the ranges where nothing is given.
+    pub(crate) near: Vec<Option<Measured>>,
+    /// Lengths, units of the factors.
+    pub(crate) scale: Vec<Option<f64>>,
+}
+
+/// The metrics that the request allows.
+pub(crate) fn metrics(fit: &Fit, request: &SolutionRequest) -> Vec<NamedMetric> {
     let k = fit.factors.len();
     let mut near = request.near.clone();
     if near.iter().all(Option::is_none) {
@@ -77,32 +82,43 @@ pub(crate) fn all_metrics(
     let sd: Length = &|m, _| m.sd;
     let se: Length = &|m, _| Some(m.sd? / (m.n? as f64).sqrt());
     let coded: Length = &|_, f| Some(f.half_range());
-    let metrics: [(&str, Length); 3] = [("sd", sd), ("standard_error", se), ("coded", coded)];
-    let mut found = Vec::new();
-    for (name, length) in metrics {
+    let all: [(&'static str, Length); 3] = [("sd", sd), ("standard_error", se), ("coded", coded)];
+    let metric = |(name, length): (&'static str, Length)| {
         let scale: Vec<Option<f64>> = (0..k)
             .map(|j| length(near[j].as_ref()?, &fit.factors[j]))
             .collect();
         // A metric needs a length for every value given.
-        if (0..k).any(|j| near[j].is_some() && scale[j].is_none()) {
-            continue;
-        }
-        if let Some(nearest) = nearest(fit, quadratic, request.target, &near, &scale) {
-            let given_others = membership.map(|m| m.given_others(&nearest.coded));
-            found.push((
-                name.to_owned(),
-                Nearest {
-                    given_others,
-                    ..nearest
-                },
-            ));
-        }
-    }
-    found.into_iter().collect()
+        let known = (0..k).all(|j| near[j].is_none() || scale[j].is_some());
+        known.then(|| NamedMetric {
+            name,
+            near: near.clone(),
+            scale,
+        })
+    };
+    all.into_iter().filter_map(metric).collect()
+}
+
+/// The nearest solutions under all metrics that the request allows.
+pub(crate) fn all_metrics(
+    fit: &Fit,
+    quadratic: &Quadratic,
+    request: &SolutionRequest,
+    membership: Option<&Membership>,
+) -> NamedValues<Nearest> {
+    let found = metrics(fit, request).into_iter().filter_map(|metric| {
+        let nearest = nearest(fit, quadratic, request.target, &metric.near, &metric.scale)?;
+        let given_others = membership.map(|m| m.given_others(&nearest.coded));
+        let nearest = Nearest {
+            given_others,
+            ..nearest
+        };
+        Some((metric.name.to_owned(), nearest))
+    });
+    found.collect()
 }
 
 /// The nearest solution under one metric.
-fn nearest(
+pub(crate) fn nearest(
     fit: &Fit,
     quadratic: &Quadratic,
     target: f64,

@@ -19,6 +19,10 @@ pub struct Region {
     pub box_fraction_se: f64,
     /// Number of lines, parallel to the first factor, along which the region was measured.
     pub n_lines: usize,
+    /// Whether the region reaches the low and the high bound of each factor: it is open there, the
+    /// data give no limit.
+    #[serde(default)]
+    pub open: NamedValues<[bool; 2]>,
 }
 
 /// The interval of one factor in the region, the others at the solution.
@@ -184,7 +188,32 @@ pub(crate) fn region(membership: &Membership) -> Region {
         box_fraction,
         box_fraction_se,
         n_lines: shares.len(),
+        open: open_ends(membership),
     }
+}
+
+/// Points of a face of the box at which it is asked whether the region reaches it.
+const FACE_POINTS: usize = 2048;
+
+/// Whether the region reaches the bounds of each factor.
+fn open_ends(membership: &Membership) -> NamedValues<[bool; 2]> {
+    let others = membership.fit.factors.len() - 1;
+    let points: Vec<Vec<f64>> = match others {
+        0 => vec![Vec::new()],
+        _ => (0..FACE_POINTS).map(|i| recurrence(i, others)).collect(),
+    };
+    let reaches = |j: usize, end: f64| {
+        points.iter().any(|point| {
+            let mut x: Vec<f64> = point.iter().map(|u| 2.0 * u - 1.0).collect();
+            x.insert(j, end);
+            membership.miss(&x) <= 0.0
+        })
+    };
+    let factors = membership.fit.factors.iter().enumerate();
+    let ends = |(j, f): (usize, &experiment_design::Factor)| {
+        (f.symbol().to_owned(), [reaches(j, -1.0), reaches(j, 1.0)])
+    };
+    factors.map(ends).collect()
 }
 
 /// Point i of a sequence that fills the unit cube evenly: multiples of 1/phi, 1/phi^2, ..., phi

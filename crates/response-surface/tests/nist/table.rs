@@ -2,7 +2,7 @@
 
 use experiment_design::Factor;
 use experiment_design::table::Table;
-use response_surface::{Cell, Model, Observations, fit, one_way};
+use response_surface::{Cell, Model, Observations, fit, one_way, one_way_decimals};
 use serde_json::Value;
 use std::error::Error;
 use std::path::PathBuf;
@@ -19,6 +19,8 @@ pub(crate) struct Row {
     pub(crate) residual_sd: f64,
     /// Digits of R2.
     pub(crate) r2: f64,
+    /// Analysis of variance: digits of F where the responses are stored as f64 first.
+    pub(crate) stored: Option<f64>,
 }
 
 /// -log10 of the relative error, at most 15; of the absolute error where the certified value is 0.
@@ -125,12 +127,13 @@ pub(crate) fn regression(name: &str, certified: &Value) -> Result<Row, Box<dyn E
             fitted.r2.unwrap_or(f64::NAN),
             certified["r2"].as_f64().unwrap_or(f64::NAN),
         ),
+        stored: None,
     })
 }
 
 /// Groups and responses of a set of the analysis of variance. The nine sets of Simon and Lesage
 /// are made by their rule: a group starts with its middle value and alternates about it by 0.1.
-fn groups(name: &str) -> Result<(Vec<String>, Vec<f64>), Box<dyn Error>> {
+fn groups(name: &str) -> Result<(Vec<String>, Vec<String>), Box<dyn Error>> {
     if let Some(number) = name.strip_prefix("smls") {
         let number: usize = number.parse()?;
         let base = ["1", "1000000", "1000000000000"][(number - 1) / 3];
@@ -144,7 +147,7 @@ fn groups(name: &str) -> Result<(Vec<String>, Vec<f64>), Box<dyn Error>> {
                     _ => middle + 1,
                 };
                 lists.0.push((group + 1).to_string());
-                lists.1.push(format!("{base}.{tenth}").parse()?);
+                lists.1.push(format!("{base}.{tenth}"));
             }
         }
         return Ok(lists);
@@ -155,7 +158,7 @@ fn groups(name: &str) -> Result<(Vec<String>, Vec<f64>), Box<dyn Error>> {
     let mut lists = (Vec::new(), Vec::new());
     for row in table.rows() {
         lists.0.push(row.text(0).to_owned());
-        lists.1.push(table.number(row, 1)?);
+        lists.1.push(row.text(1).to_owned());
     }
     Ok(lists)
 }
@@ -163,10 +166,17 @@ fn groups(name: &str) -> Result<(Vec<String>, Vec<f64>), Box<dyn Error>> {
 /// One set of the analysis of variance.
 pub(crate) fn variance(name: &str, certified: &Value) -> Result<Row, Box<dyn Error>> {
     let (labels, responses) = groups(name)?;
-    let got = one_way(&labels, &responses)?;
+    let texts: Vec<&str> = responses.iter().map(String::as_str).collect();
+    let got = one_way_decimals(&labels, &texts)?;
     let wanted = |key: &str| certified[key].as_f64().unwrap_or(f64::NAN);
+    let mut stored = Vec::new();
+    for text in texts {
+        stored.push(text.parse::<f64>()?);
+    }
+    let stored = one_way(&labels, &stored)?.f.unwrap_or(f64::NAN);
     Ok(Row {
         name: name.to_owned(),
+        stored: Some(digits(stored, wanted("f"))),
         estimate: digits(got.f.unwrap_or(f64::NAN), wanted("f")),
         spread: digits(got.between_ss, wanted("between_ss"))
             .min(digits(got.within_ss, wanted("within_ss"))),

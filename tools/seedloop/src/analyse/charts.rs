@@ -12,11 +12,12 @@ use report::{
     AxisTitle, Effect, HalfNormal, Level, LineSeries, Pareto, PngPrinter, Scatter, Series,
     SeriesPoint, Svg,
 };
-use response_surface::Fit;
 use response_surface::distribution::normal_quantile;
 use response_surface::fit::Case;
+use response_surface::{Categorical, Fit};
 
 use super::Report;
+use crate::levels;
 use pairs::along;
 
 /// Points along a line.
@@ -32,7 +33,7 @@ pub(super) fn all(report: &Report<'_>) -> anyhow::Result<Vec<Named>> {
     let fit = report.fit;
     let mut charts = Vec::new();
     effects(report, &mut charts)?;
-    diagnostics(fit, report.response, &mut charts)?;
+    diagnostics(report, &mut charts)?;
     if let Some(profile) = &report.box_cox {
         let points = profile.lambda.iter().zip(&profile.ln_sse);
         let points = points.map(|(x, y)| SeriesPoint::new(*x, *y, 0.0)).collect();
@@ -47,14 +48,54 @@ pub(super) fn all(report: &Report<'_>) -> anyhow::Result<Vec<Named>> {
         };
         charts.push(("box-cox".to_owned(), chart.draw()?));
     }
-    charts.push((
-        "perturbation".to_owned(),
-        perturbation(fit, report.response)?,
-    ));
-    if fit.factors.len() <= MOST_FACTORS {
-        pairs::draw(fit, report.response, &mut charts)?;
+    if report.categories.is_empty() {
+        surfaces(fit, report.response, "", &mut charts)?;
+    } else {
+        for (name, fit) in at_levels(fit, &report.categories)? {
+            surfaces(&fit, report.response, &format!("-{name}"), &mut charts)?;
+        }
     }
     Ok(charts)
+}
+
+/// Charts of the surface; their names end with `suffix`.
+fn surfaces(
+    fit: &Fit,
+    response: &str,
+    suffix: &str,
+    charts: &mut Vec<Named>,
+) -> anyhow::Result<()> {
+    let mut own = vec![("perturbation".to_owned(), perturbation(fit, response)?)];
+    if fit.factors.len() <= MOST_FACTORS {
+        pairs::draw(fit, response, &mut own)?;
+        pairs::cubes(fit, response, &mut own)?;
+    }
+    let named = own.into_iter().map(|(name, chart)| (name + suffix, chart));
+    charts.extend(named);
+    Ok(())
+}
+
+/// The surface at every combination of named levels, with its name.
+fn at_levels(fit: &Fit, categories: &[Categorical]) -> anyhow::Result<Vec<(String, Fit)>> {
+    let mut combinations = vec![Vec::new()];
+    for category in categories {
+        let with = |chosen: &Vec<(Categorical, String)>| -> Vec<Vec<(Categorical, String)>> {
+            let each = category.levels().iter();
+            let one = |level: &String| {
+                let next = (category.clone(), level.clone());
+                [&chosen[..], &[next]].concat()
+            };
+            each.map(one).collect()
+        };
+        combinations = combinations.iter().flat_map(with).collect();
+    }
+    let mut found = Vec::with_capacity(combinations.len());
+    for chosen in combinations {
+        let safe = |text: &str| text.replace(|c: char| !c.is_alphanumeric(), "_");
+        let names: Vec<String> = chosen.iter().map(|(_, level)| safe(level)).collect();
+        found.push((names.join("-"), levels::held(fit, &chosen)?));
+    }
+    Ok(found)
 }
 
 /// Writes the charts as SVG and PNG into a folder.
@@ -119,7 +160,8 @@ fn effects(report: &Report<'_>, charts: &mut Vec<Named>) -> anyhow::Result<()> {
 }
 
 /// Residuals in the usual views.
-fn diagnostics(fit: &Fit, response: &str, charts: &mut Vec<Named>) -> anyhow::Result<()> {
+fn diagnostics(report: &Report<'_>, charts: &mut Vec<Named>) -> anyhow::Result<()> {
+    let (fit, response) = (report.fit, report.response);
     let studentised: Vec<(&Case, f64)> = fit
         .cases
         .iter()
@@ -146,7 +188,10 @@ fn diagnostics(fit: &Fit, response: &str, charts: &mut Vec<Named>) -> anyhow::Re
         "residuals-run".to_owned(),
         view(order.clone(), &|c| c.run as f64).draw()?,
     ));
-    for (j, factor) in fit.factors.iter().enumerate() {
+    // The columns of named levels stand behind the other factors.
+    let of_levels: usize = report.categories.iter().map(|c| c.levels().len() - 1).sum();
+    let numeric = fit.factors.len() - of_levels;
+    for (j, factor) in fit.factors[..numeric].iter().enumerate() {
         let axis = AxisTitle::new(factor.symbol(), factor.unit().trim_start_matches('1'));
         let chart = view(axis, &|c| factor.natural(c.coded[j]));
         charts.push((format!("residuals-{}", factor.symbol()), chart.draw()?));

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use anyhow::{Context as _, bail, ensure};
 use experiment_design::Factor;
 use experiment_design::table::{Row, Table, factors_from_csv};
-use response_surface::Cell;
+use response_surface::{Categorical, Cell};
 use serde::Serialize;
 
 use super::Arguments;
@@ -33,6 +33,10 @@ pub(super) struct Data {
     pub(super) response: String,
     /// Labels of the regime of each row, if a column is named.
     pub(super) regimes: Vec<String>,
+    /// Factors of named levels; their columns follow those of the factors in each cell.
+    pub(super) categories: Vec<Categorical>,
+    /// Names of the batch of each row, if a column is named.
+    pub(super) batches: Vec<String>,
 }
 
 /// The file of the factors, if the argument is one.
@@ -54,6 +58,8 @@ pub(super) fn read(arguments: &Arguments) -> anyhow::Result<Data> {
     for (symbol, _) in &given {
         columns.push(table.column(symbol).with_context(place)?);
     }
+    let response = table.column(&arguments.response).with_context(place)?;
+    check_columns(&table, &columns, response).with_context(place)?;
     let coding = coding(arguments, &table, &columns).with_context(place)?;
     let mut factors = Vec::with_capacity(given.len());
     for ((symbol, known), &column) in given.into_iter().zip(&columns) {
@@ -62,7 +68,6 @@ pub(super) fn read(arguments: &Arguments) -> anyhow::Result<Data> {
             None => seen_factor(&table, &symbol, column, coding).with_context(place)?,
         });
     }
-    let response = table.column(&arguments.response).with_context(place)?;
     let cells = Cells {
         table: &table,
         factors: columns.into_iter().zip(factors.clone()).collect(),
@@ -81,22 +86,70 @@ pub(super) fn read(arguments: &Arguments) -> anyhow::Result<Data> {
         .rows()
         .iter()
         .map(|row| cells.cell(row))
-        .collect::<Result<_, _>>();
-    let regimes = match arguments.regime_column() {
-        Some(name) => {
-            let column = table.column(name).with_context(place)?;
-            let labels = table.rows().iter().map(|row| row.text(column).to_owned());
-            labels.collect()
+        .collect::<Result<Vec<_>, _>>();
+    let mut cells = cells.with_context(place)?;
+    let labels = |name: Option<&str>, what: &str| -> anyhow::Result<Vec<String>> {
+        let Some(name) = name else {
+            return Ok(Vec::new());
+        };
+        let column = table.column(name).with_context(place)?;
+        for row in table.rows() {
+            let (line, path) = (row.line(), place());
+            ensure!(
+                !row.text(column).is_empty(),
+                "{path}: line {line}, column '{name}' names no {what}; fill it, or leave the row out"
+            );
         }
-        None => Vec::new(),
+        let texts = table.rows().iter().map(|row| row.text(column).to_owned());
+        Ok(texts.collect())
     };
+    let mut categories = Vec::with_capacity(arguments.categories.len());
+    for name in &arguments.categories {
+        let given = labels(Some(name), "level")?;
+        let mut levels = given.clone();
+        levels.sort();
+        levels.dedup();
+        ensure!(
+            levels.len() > 1,
+            "{}: the factor '{name}' never varies: it is '{}' in all rows; leave it out",
+            place(),
+            levels.concat()
+        );
+        let category = Categorical::new(name, levels)?;
+        for (cell, level) in cells.iter_mut().zip(&given) {
+            cell.coded.extend(category.coded(level).unwrap_or_default());
+        }
+        categories.push(category);
+    }
     Ok(Data {
-        regimes,
+        regimes: labels(arguments.regime_column(), "regime")?,
+        batches: labels(arguments.batch.as_deref(), "batch")?,
         factors,
         coding,
-        cells: cells.with_context(place)?,
+        cells,
+        categories,
         response: table.header()[response].clone(),
     })
+}
+
+/// Refuses a factor or a response that never varies, and a response that is a factor.
+fn check_columns(table: &Table, factors: &[usize], response: usize) -> anyhow::Result<()> {
+    let name = |column: usize| &table.header()[column];
+    ensure!(
+        !factors.contains(&response),
+        "column '{}' is named as a factor and as the response; it can only be one of them",
+        name(response)
+    );
+    let columns = factors.iter().map(|&column| (column, "factor"));
+    for (column, what) in columns.chain([(response, "response")]) {
+        let (low, high) = extremes(table, column)?;
+        let name = name(column);
+        ensure!(
+            low < high || table.rows().len() == 1,
+            "the {what} '{name}' never varies: it is {low} in all rows; leave it out"
+        );
+    }
+    Ok(())
 }
 
 /// Where the numbers of a row stand.
@@ -250,11 +303,6 @@ fn seen_factor(
 ) -> anyhow::Result<Factor> {
     if coding == Coding::Natural {
         let (low, high) = extremes(table, column)?;
-        ensure!(
-            low < high,
-            "the factor '{symbol}' never varies: column '{}' is {low} in all rows; leave it out",
-            table.header()[column]
-        );
         return Ok(Factor::new(symbol, "", "1", low, high)?);
     }
     let Ok(natural) = table.column(&format!("{symbol}_natural")) else {

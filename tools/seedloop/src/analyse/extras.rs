@@ -4,12 +4,13 @@ use anyhow::ensure;
 use command_line::Common;
 use experiment_design::Factor;
 use response_surface::{
-    Fit, GaussianProcess, Observations, Regime, RidgePoint, gaussian_process, regime, ridge_path,
+    Fit, GaussianProcess, GroupSum, Model, NamedValues, Observations, RandomBlocks, Regime,
+    RidgePoint, Weighting, gaussian_process, random_blocks, regime, ridge_path,
 };
 use serde::Serialize;
 
 use super::data::Data;
-use super::text::probability;
+use super::text::{fixed, probability};
 use super::{Arguments, Report};
 
 /// Radii of the ridge paths, coded.
@@ -47,6 +48,49 @@ pub(super) struct Comparison {
     polynomial_leave_one_out_rmse: Option<f64>,
     /// Which of the two predicts left-out rows better. The analysis stays that of the polynomial.
     better: &'static str,
+}
+
+/// Fits the model with random batches where a column of them is named.
+pub(super) fn batches(
+    data: &Data,
+    model: &Model,
+    weighting: Weighting,
+) -> anyhow::Result<Option<RandomBlocks>> {
+    if data.batches.is_empty() {
+        return Ok(None);
+    }
+    let mut names = data.batches.clone();
+    names.sort();
+    names.dedup();
+    let mut cells = data.cells.clone();
+    for (cell, name) in cells.iter_mut().zip(&data.batches) {
+        cell.block = 1 + names.binary_search(name).unwrap_or(0);
+    }
+    let observations = Observations::from_cells(cells)?;
+    let fit = random_blocks(&data.factors, model, &observations, weighting)?;
+    Ok(Some(fit))
+}
+
+/// Prints the fit with random batches.
+fn print_batches(common: &Common, fit: &RandomBlocks) -> anyhow::Result<()> {
+    common.print(format!(
+        "\n{} batches drawn at random: sd of batches {:.5}, of observations {:.5}",
+        fit.blocks, fit.block_sd, fit.residual_sd
+    ))?;
+    common.print(format!(
+        "{:<10} {:>11} {:>10} {:>8} {:>9}",
+        "term", "coef", "se", "dof", "p"
+    ))?;
+    for (name, row) in fit.terms.iter() {
+        common.print(format!(
+            "{name:<10} {:>11.5} {:>10.5} {:>8} {:>9}",
+            row.coef,
+            row.se,
+            fixed(row.df, 2),
+            probability(row.p)
+        ))?;
+    }
+    Ok(())
 }
 
 /// Fits the process if asked for.
@@ -102,8 +146,12 @@ pub(super) fn split_regimes(
     } else {
         None
     };
-    let mut places = kept.into_iter();
-    data.cells.retain(|_| places.next().unwrap_or(true));
+    let mut places = kept.iter();
+    data.cells
+        .retain(|_| places.next().copied().unwrap_or(true));
+    let mut places = kept.iter();
+    data.batches
+        .retain(|_| places.next().copied().unwrap_or(true));
     Ok(boundary)
 }
 
@@ -116,6 +164,33 @@ pub(super) fn print(common: &Common, report: &Report<'_>) -> anyhow::Result<()> 
             .map(|s| s.dropped.as_str())
             .collect();
         common.print(format!("dropped in this order: {}", dropped.join(", ")))?;
+    }
+    for (name, row) in report.level_tests.iter().flat_map(NamedValues::iter) {
+        let text = |sum: &GroupSum| {
+            let p = probability(sum.test.as_ref().and_then(|t| t.p));
+            format!("SS {:.4} p {p}", sum.ss)
+        };
+        common.print(format!(
+            "{name:<12} dof {:>2}  Type I {}, II {}, III {}",
+            row.df,
+            text(&row.type_i),
+            text(&row.type_ii),
+            text(&row.type_iii)
+        ))?;
+    }
+    if let Some(fit) = &report.random_batches {
+        print_batches(common, fit)?;
+    }
+    for step in report.interaction_search.iter().flatten() {
+        let rivals = if step.rivals.is_empty() {
+            "no other does as well".to_owned()
+        } else {
+            format!("cannot be told from {}", step.rivals.join(", "))
+        };
+        common.print(format!(
+            "a hidden interaction may be {} ({:.4}, AICc {:.2} to {:.2}): {rivals}",
+            step.added, step.coef, step.aicc[0], step.aicc[1]
+        ))?;
     }
     if let Some(b) = &report.box_cox {
         let [low, high] = b.interval95;

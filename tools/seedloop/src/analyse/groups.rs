@@ -5,7 +5,7 @@ use std::fs;
 use anyhow::{Context as _, ensure};
 use command_line::{DONE, Header};
 use experiment_design::table::Table;
-use response_surface::{OneWay, one_way};
+use response_surface::{OneWay, one_way_decimals};
 use serde::Serialize;
 
 use super::Arguments;
@@ -46,12 +46,13 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
         .iter()
         .map(|row| row.text(group).to_owned())
         .collect();
-    let values: Result<Vec<f64>, _> = table
-        .rows()
-        .iter()
-        .map(|row| table.number(row, response))
-        .collect();
-    let analysis = one_way(&labels, &values.with_context(place)?).with_context(place)?;
+    let mut values = Vec::with_capacity(labels.len());
+    for row in table.rows() {
+        // The number is checked here, where its line is known; its text keeps all digits.
+        table.number(row, response).with_context(place)?;
+        values.push(row.text(response));
+    }
+    let analysis = one_way_decimals(&labels, &values).with_context(place)?;
     let common = &arguments.common;
     let means = analysis.means.iter().zip(analysis.counts.values());
     for ((name, mean), n) in means {

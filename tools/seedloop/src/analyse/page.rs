@@ -2,20 +2,23 @@
 
 use std::fmt::Write as _;
 
-use report::Svg;
-use response_surface::Fit;
-
+use super::Report;
 use super::text::{fixed, summary};
+use report::Svg;
 
 /// The tables as a page without scripts.
-pub(super) fn page(fit: &Fit, response: &str, orders: &str, charts: &[(String, Svg)]) -> String {
+pub(super) fn page(report: &Report<'_>, orders: &str, charts: &[(String, Svg)]) -> String {
+    let fit = report.fit;
     let escaped = |text: &str| {
         text.replace('&', "&amp;")
             .replace('<', "&lt;")
             .replace('>', "&gt;")
     };
-    let response = escaped(response);
-    let body = escaped(&format!("{}\n{orders}", summary(fit, None)));
+    let response = escaped(report.response);
+    let body = escaped(&format!(
+        "{}\n{orders}",
+        summary(fit, report.saturated.as_ref())
+    ));
     let mut pictures = String::new();
     for (name, chart) in charts {
         let _ = writeln!(pictures, "<h2>{}</h2>\n{}", escaped(name), chart.as_str());
@@ -39,11 +42,16 @@ pub(super) fn page(fit: &Fit, response: &str, orders: &str, charts: &[(String, S
     for warning in &fit.warnings {
         let _ = writeln!(warnings, "<li>{}</li>", escaped(&warning.to_string()));
     }
+    let mut origin = format!("seedloop {}", escaped(&report.header.version));
+    for (file, hash) in &report.header.inputs {
+        let _ = write!(origin, "; {} SHA-256 {hash}", escaped(file));
+    }
     format!(
         "<!doctype html>\n<html lang=\"en\"><meta charset=\"utf-8\"><title>{response}</title>\n\
          <style>body{{font-family:sans-serif}}td,th{{padding:0 .7em;text-align:right}}</style>\n\
          <h1>{response}</h1>\n<pre>{body}</pre>\n<ul>{warnings}</ul>\n<table>\n<tr><th>run</th>\
          <th>actual</th><th>fitted</th><th>residual</th><th>leverage</th>\
-         <th>external studentised</th><th>Cook's D</th></tr>\n{cases}</table>\n{pictures}</html>\n"
+         <th>external studentised</th><th>Cook's D</th></tr>\n{cases}</table>\n{pictures}\
+         <p>{origin}</p>\n</html>\n"
     )
 }

@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use response_surface::fit::FTest;
-use response_surface::{Fit, NamedValues, Orders, Saturated};
+use response_surface::{Fit, NamedValues, Orders, Saturated, StationaryKind};
 
 /// The analysis as text.
 pub(super) fn summary(fit: &Fit, saturated: Option<&Saturated>) -> String {
@@ -37,6 +37,8 @@ pub(super) fn summary(fit: &Fit, saturated: Option<&Saturated>) -> String {
     for (name, value) in figures(fit).iter() {
         let _ = writeln!(text, "{name:<20} {value}");
     }
+    natural(&mut text, fit);
+    stationary(&mut text, fit);
     if let Some(saturated) = saturated {
         let lenth = &saturated.lenth;
         let (me, sme) = (fixed(lenth.me, 4), fixed(lenth.sme, 4));
@@ -50,6 +52,57 @@ pub(super) fn summary(fit: &Fit, saturated: Option<&Saturated>) -> String {
         }
     }
     text
+}
+
+/// Adds the coefficients in natural units with their 95 % intervals.
+fn natural(text: &mut String, fit: &Fit) {
+    let _ = writeln!(
+        text,
+        "\n{:<10} {:>14} {:>14} {:>14}  (natural units, 95 %)",
+        "term", "coef", "from", "to"
+    );
+    for (name, row) in fit.terms_natural.iter() {
+        let [low, high] = row.ci95.map_or([None; 2], |ends| ends.map(Some));
+        let _ = writeln!(
+            text,
+            "{name:<10} {:>14.6} {:>14} {:>14}",
+            row.coef,
+            fixed(low, 6),
+            fixed(high, 6)
+        );
+    }
+}
+
+/// Adds the stationary point with its kind and its distance from the data.
+fn stationary(text: &mut String, fit: &Fit) {
+    let Some(canonical) = &fit.canonical else {
+        return;
+    };
+    let kind = match canonical.kind {
+        StationaryKind::Maximum => "maximum",
+        StationaryKind::Minimum => "minimum",
+        StationaryKind::Saddle => "saddle",
+        StationaryKind::Ridge => "ridge",
+    };
+    let (Some(point), Some(reach)) = (&canonical.stationary_natural, canonical.reach_coded) else {
+        let _ = writeln!(text, "stationary point: none, the surface is a {kind}");
+        return;
+    };
+    let pairs = fit.factors.iter().zip(point);
+    let place: Vec<String> = pairs
+        .map(|(f, x)| format!("{} = {x:.5}", f.symbol()))
+        .collect();
+    let side = if canonical.inside_box == Some(true) {
+        "inside the ranges"
+    } else {
+        "outside the ranges: no optimum of these data"
+    };
+    let _ = writeln!(
+        text,
+        "stationary point: {kind} at {}, value {}, {reach:.2} half-ranges from the middle, {side}",
+        place.join(", "),
+        fixed(canonical.value, 4)
+    );
 }
 
 /// A line of the analysis of variance: name, sum of squares, dof, F, p.

@@ -6,10 +6,11 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context as _, ensure};
 use command_line::{DONE, Header, NOT_MET};
 use experiment_design::Factor;
-use response_surface::{Aim, Compromise, Fit, Goal, compromises};
-use serde::Serialize;
+use response_surface::{Aim, Categorical, Compromise, Fit, Goal, ScatterGoal, compromises};
+use serde::{Deserialize, Serialize};
 
 use super::Arguments;
+use crate::levels;
 
 /// The answer as it stands in JSON.
 #[derive(Debug, Serialize)]
@@ -21,19 +22,32 @@ struct Report {
     factors: Vec<String>,
     /// Goals of the responses, in the order of the files.
     goals: Vec<Goal>,
+    /// Goals of the scatter that the factors hand on.
+    scatter_goals: Vec<ScatterGoal>,
     /// Whether any point of the box is worth something.
     exists: bool,
     /// The settings, best first.
     compromises: Vec<Compromise>,
 }
 
-/// Reads an analysis, with other bounds where given.
-pub(super) fn read(path: &Path, bounds: &[String]) -> anyhow::Result<Fit> {
+/// What an analysis tells about factors with named levels.
+#[derive(Debug, Deserialize)]
+struct Named {
+    /// The factors; missing in analyses of older versions.
+    #[serde(default)]
+    categories: Vec<Categorical>,
+}
+
+/// Reads an analysis at the levels chosen, with other bounds where given.
+pub(super) fn read(path: &Path, arguments: &Arguments) -> anyhow::Result<Fit> {
+    let bounds = &arguments.bounds;
     let place = path.display();
     let text = fs::read_to_string(path).with_context(|| format!("cannot read {place}"))?;
     let fit: Fit = serde_json::from_str(&text).with_context(|| {
         format!("{place} is no analysis; write one with seedloop analyse --json")
     })?;
+    let named: Named = serde_json::from_str(&text).with_context(|| place.to_string())?;
+    let fit = at_levels(fit, named.categories, &arguments.level)?;
     if bounds.is_empty() {
         return Ok(fit);
     }
@@ -59,6 +73,35 @@ pub(super) fn read(path: &Path, bounds: &[String]) -> anyhow::Result<Fit> {
     Ok(fit.within(&factors)?)
 }
 
+/// The fit at the levels chosen, one for every factor with named levels.
+fn at_levels(fit: Fit, categories: Vec<Categorical>, chosen: &[String]) -> anyhow::Result<Fit> {
+    let mut pairs = Vec::new();
+    for part in chosen {
+        let (symbol, level) = part
+            .split_once('=')
+            .with_context(|| format!("'{part}' is no level; write wall=steel"))?;
+        ensure!(
+            categories.iter().any(|c| c.symbol() == symbol),
+            "the analysis has no factor '{symbol}' with named levels"
+        );
+        pairs.push((symbol, level));
+    }
+    if categories.is_empty() {
+        return Ok(fit);
+    }
+    let mut held = Vec::new();
+    for category in categories {
+        let symbol = category.symbol();
+        let levels = category.levels().join(", ");
+        let level = pairs.iter().find(|(s, _)| *s == symbol);
+        let (_, level) = level.with_context(|| {
+            format!("choose the level of '{symbol}' with --level {symbol}=...; it has {levels}")
+        })?;
+        held.push((category.clone(), (*level).to_owned()));
+    }
+    levels::held(&fit, &held)
+}
+
 /// Answers for one or several responses.
 ///
 /// # Errors
@@ -68,16 +111,25 @@ pub(super) fn run(arguments: &Arguments, first: Fit) -> anyhow::Result<u8> {
     let mut files = vec![arguments.analysis.clone()];
     let mut goals = vec![goal(text, &first)?];
     let mut fits = vec![first];
+    let mut scatter = Vec::new();
     for part in &arguments.also {
         let (file, text) = part
             .split_once('=')
             .with_context(|| format!("'{part}' is no further response; write OTHER.json=max"))?;
-        let fit = read(Path::new(file), &arguments.bounds)?;
+        if file == "transmitted" {
+            scatter.push(scatter_goal(arguments, text, &fits[0])?);
+            continue;
+        }
+        let fit = read(Path::new(file), arguments)?;
         goals.push(goal(text, &fit)?);
         fits.push(fit);
         files.push(PathBuf::from(file));
     }
-    let found = compromises(&fits, &goals)?;
+    ensure!(
+        arguments.factor_sd.is_empty() || !scatter.is_empty(),
+        "--factor-sd beside --goal needs --also transmitted=min:0:LIMIT"
+    );
+    let found = compromises(&fits, &goals, &scatter)?;
     let symbols: Vec<String> = fits[0]
         .factors
         .iter()
@@ -105,11 +157,17 @@ pub(super) fn run(arguments: &Arguments, first: Fit) -> anyhow::Result<u8> {
                 format!("{:.4}{interval}", p.mean)
             })
             .collect();
+        let handed: Vec<String> = compromise
+            .transmitted_sd
+            .iter()
+            .map(|sd| format!("; transmitted sd {sd:.4}"))
+            .collect();
         common.print(format!(
-            "desirability {:.4} at {}: {}",
+            "desirability {:.4} at {}: {}{}",
             compromise.desirability,
             point.join(", "),
-            values.join("; ")
+            values.join("; "),
+            handed.concat()
         ))?;
     }
     let exists = !found.is_empty();
@@ -117,10 +175,29 @@ pub(super) fn run(arguments: &Arguments, first: Fit) -> anyhow::Result<u8> {
         header: Header::new(None, &files)?,
         factors: symbols,
         goals,
+        scatter_goals: scatter,
         exists,
         compromises: found,
     })?;
     Ok(if exists { DONE } else { NOT_MET })
+}
+
+/// Reads the goal of the scatter that the factors hand on to the first response.
+fn scatter_goal(arguments: &Arguments, text: &str, first: &Fit) -> anyhow::Result<ScatterGoal> {
+    ensure!(
+        !arguments.factor_sd.is_empty(),
+        "--also transmitted=... needs --factor-sd, the standard deviations of the factors"
+    );
+    ensure!(
+        text.contains(':'),
+        "'transmitted={text}' needs its numbers: transmitted=min:LOW:HIGH"
+    );
+    let given = super::measured(first, &arguments.factor_sd)?;
+    Ok(ScatterGoal {
+        response: 0,
+        factor_sd: given.iter().map(|m| m.map_or(0.0, |m| m.value)).collect(),
+        goal: goal(text, first)?,
+    })
 }
 
 /// Reads a goal such as `target:30:38.87:45^2*3`. Without bounds, max and min take the least and the

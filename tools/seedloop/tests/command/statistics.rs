@@ -308,7 +308,17 @@ fn tables_that_cannot_be_meant_are_refused_with_the_place() {
         ("A,B,y\n1,2,3\n2,,4\n", "A,B", &["line 3", "'B'"][..]),
         ("A,B,y\n1,2,3\n2,x,4\n", "A,B", &["line 3", "'x'"]),
         ("A,B,y\n1,2,3\n2,2,4\n", "A,B", &["'B' never varies"]),
-        ("A,A,y\n1,2,3\n2,3,4\n", "A", &["several columns"]),
+        ("A,A,y\n1,2,3\n2,3,4\n", "A", &["2 columns are named 'A'"]),
+        (
+            "A,B,y\n1,2,3\n2,3,3\n",
+            "A,B",
+            &["response 'y' never varies"],
+        ),
+        (
+            "A,y\n1,2\n2,3\n",
+            "A,y",
+            &["'y'", "factor and as the response"],
+        ),
         ("A,y\n1,3\n2,4\n", "A", &["2 observations", "3 terms"]),
         (
             "A,B,y\n1,2,3\n2,4,4\n3,6,6\n4,8,7\n5,10,7\n6,12,1\n7,14,3\n",

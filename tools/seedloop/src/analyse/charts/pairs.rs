@@ -1,6 +1,6 @@
 //! Charts over pairs of factors.
 
-use report::{AxisTitle, Contour, LineSeries, Series, SeriesPoint, Surface, Svg};
+use report::{AxisTitle, Contour, Cube, CubeEdge, LineSeries, Series, SeriesPoint, Surface, Svg};
 use response_surface::{ErrorSource, Fit};
 
 use super::{LINE, Named};
@@ -63,6 +63,40 @@ pub(super) fn draw(fit: &Fit, response: &str, charts: &mut Vec<Named>) -> anyhow
                 format!("interaction-{name}"),
                 interaction(fit, response, i, j)?,
             ));
+        }
+    }
+    Ok(())
+}
+
+/// The response at the corners of every three factors, the others in the middle.
+pub(super) fn cubes(fit: &Fit, response: &str, charts: &mut Vec<Named>) -> anyhow::Result<()> {
+    let k = fit.factors.len();
+    let edge = |j: usize| {
+        let factor = &fit.factors[j];
+        CubeEdge {
+            title: AxisTitle::new(factor.symbol(), factor.unit().trim_start_matches('1')),
+            low: factor.low(),
+            high: factor.high(),
+        }
+    };
+    for a in 0..k {
+        for b in a + 1..k {
+            for c in b + 1..k {
+                let value = |corner: usize| {
+                    let mut coded = vec![0.0; k];
+                    for (bit, j) in [a, b, c].into_iter().enumerate() {
+                        coded[j] = if corner >> bit & 1 == 1 { 1.0 } else { -1.0 };
+                    }
+                    fit.value(&coded)
+                };
+                let chart = Cube {
+                    edges: [a, b, c].map(edge),
+                    response: AxisTitle::new(response, ""),
+                    values: std::array::from_fn(value),
+                };
+                let name = [a, b, c].map(|j| fit.factors[j].symbol()).join("-");
+                charts.push((format!("cube-{name}"), chart.draw()?));
+            }
         }
     }
     Ok(())

@@ -1,0 +1,166 @@
+//! Answers beyond a fit: intervals of runs, scatter of factors, branches, batches, named levels.
+
+use crate::{assert_code, assert_error, fixture, json, seedloop, text};
+use std::fs;
+use std::path::Path;
+use tempfile::tempdir;
+
+/// Writes the analysis of table 5 into a folder.
+fn analyse_table_5(folder: &Path) {
+    let data = fixture("paper/bbd_table5.csv");
+    let words = [
+        "analyse",
+        data.to_str().unwrap(),
+        "--factors",
+        "B=0.30:0.42,E=0.01:0.18,F=0.00:0.10",
+        "--response",
+        "theta_deg",
+        "--sd",
+        "theta_sd_deg",
+        "--n",
+        "n_rep",
+        "--json",
+        "a.json",
+    ];
+    assert_code(&seedloop(folder, &words), 0);
+}
+
+/// A tolerance interval of single runs is wider than the prediction interval of a mean of five; the
+/// bounds that redrawn experiments end on are told as a share; the printed optimum is not 38.87.
+#[test]
+fn the_answer_to_a_target_has_intervals_scatter_and_redrawn_experiments() {
+    let folder = tempdir().unwrap();
+    analyse_table_5(folder.path());
+    let output = seedloop(
+        folder.path(),
+        &[
+            "optimise",
+            "a.json",
+            "--target",
+            "38.87",
+            "--at",
+            "B=0.33,E=0.06,F=0.10",
+            "--near",
+            "B=0.32,E=0.06,F=0.10",
+            "--factor-sd",
+            "B=0.01,F=0.005",
+            "--bootstrap",
+            "200",
+            "--json=-",
+        ],
+    );
+    assert_code(&output, 0);
+    let got = json(&output);
+    let number = |pointer: &str| {
+        got.pointer(pointer)
+            .and_then(serde_json::Value::as_f64)
+            .unwrap()
+    };
+    assert!((number("/at/mean") - 39.07).abs() < 0.005);
+    assert!(number("/tolerance/interval/0") < number("/at/pi95/0"));
+    assert!(number("/tolerance/interval/1") > number("/at/pi95/1"));
+    assert!(number("/propagation/total_sd") > number("/propagation/transmitted_sd"));
+    let robust = number("/most_robust/transmitted_sd");
+    assert!(robust <= number("/propagation_nearest/coded/transmitted_sd"));
+    assert!(number("/bootstrap/0/factors/F/at_high") > 0.3);
+    assert_eq!(got.pointer("/seed").unwrap(), 1);
+    assert_eq!(got.pointer("/region/open/F/1").unwrap(), true);
+}
+
+/// A parabola meets a target on two sides; both are told.
+#[test]
+fn two_branches_are_an_answer() {
+    let folder = tempdir().unwrap();
+    let table = "A,y\n-1,1.1\n-1,0.9\n-0.5,0.26\n0,0.01\n0,-0.01\n0.5,0.24\n1,1.02\n1,0.98\n";
+    fs::write(folder.path().join("t.csv"), table).unwrap();
+    let words = [
+        "analyse",
+        "t.csv",
+        "--factors",
+        "A",
+        "--response",
+        "y",
+        "--json",
+        "t.json",
+    ];
+    assert_code(&seedloop(folder.path(), &words), 0);
+    let output = seedloop(folder.path(), &["optimise", "t.json", "--target", "0.5"]);
+    assert_code(&output, 0);
+    assert!(
+        text(&output.stdout).contains("2 branches"),
+        "{}",
+        text(&output.stdout)
+    );
+}
+
+/// Batches with names, and the pastes of a batch differ less than the batches.
+#[test]
+fn batches_drawn_at_random_have_their_own_variance() {
+    let folder = tempdir().unwrap();
+    let data = fixture("r/gasoline.csv");
+    let words = [
+        "analyse",
+        data.to_str().unwrap(),
+        "--factors",
+        "endpoint,vapor",
+        "--response",
+        "y",
+        "--model",
+        "linear",
+        "--batch",
+        "batch",
+        "--json=-",
+    ];
+    let output = seedloop(folder.path(), &words);
+    assert_code(&output, 0);
+    let got = json(&output);
+    assert_eq!(got.pointer("/random_batches/blocks").unwrap(), 10);
+    let few = got
+        .pointer("/random_batches/terms/vapor/df")
+        .unwrap()
+        .as_f64()
+        .unwrap();
+    assert!(few < 10.0, "vapor varies between ten batches only: {few}");
+}
+
+/// A design over a wall of two materials, filled with a response that depends on the wall, gives back
+/// the effect of the wall, and a level must be chosen to look for a solution.
+#[test]
+fn named_levels_go_from_the_design_to_the_solution() {
+    let folder = tempdir().unwrap();
+    let factors = "symbol,name,unit,low,high\nB,friction,1,0.3,0.4\nF,rolling,1,0,0.1\n";
+    fs::write(folder.path().join("f.csv"), factors).unwrap();
+    let run = |words: &str| seedloop(folder.path(), &words.split(' ').collect::<Vec<_>>());
+    let design =
+        "design ccd --factors f.csv --centre 3 --category wall=steel:glass --seed 4 --out d.csv";
+    assert_code(&run(design), 0);
+    let table = fs::read_to_string(folder.path().join("d.csv")).unwrap();
+    let mut filled = Vec::new();
+    for (i, line) in table.lines().enumerate() {
+        let fields: Vec<&str> = line.split(',').collect();
+        let wall = fields[fields.len() - 1];
+        let y = if i == 0 {
+            "y".to_owned()
+        } else {
+            let b: f64 = fields[4].parse().unwrap();
+            let shift = if wall == "steel" { 2.0 } else { -2.0 };
+            (30.0 + b + shift + 0.01 * (i % 3) as f64).to_string()
+        };
+        filled.push(format!("{line},{y}"));
+    }
+    assert_eq!(filled.len(), 1 + 2 * 11);
+    fs::write(folder.path().join("d.csv"), filled.join("\n")).unwrap();
+    let analyse =
+        "analyse d.csv --factors f.csv --response y --model linear --categories wall --json a.json";
+    assert_code(&run(analyse), 0);
+    assert_error(
+        &run("optimise a.json --target 32"),
+        &["--level wall=", "glass, steel"],
+    );
+    assert_error(
+        &run("optimise a.json --target 32 --level wall=wood"),
+        &["wood", "glass, steel"],
+    );
+    assert_code(&run("optimise a.json --target 32.5 --level wall=steel"), 0);
+    assert_code(&run("optimise a.json --target 32.5 --level wall=glass"), 1);
+}
