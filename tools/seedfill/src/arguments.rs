@@ -105,19 +105,39 @@ pub(crate) struct Arguments {
     pub(crate) html: Option<PathBuf>,
 
     /// Shear modulus of the seed in Pa, for the time step (default: cotton seed)
-    #[arg(long, value_name = "PA", default_value_t = 4.01e6)]
+    #[arg(
+        long,
+        value_name = "PA",
+        default_value_t = 4.01e6,
+        allow_hyphen_values = true
+    )]
     pub(crate) shear_modulus_pa: f64,
 
     /// Poisson's ratio of the seed, for the time step (default: cotton seed)
-    #[arg(long, value_name = "RATIO", default_value_t = 0.14)]
+    #[arg(
+        long,
+        value_name = "RATIO",
+        default_value_t = 0.14,
+        allow_hyphen_values = true
+    )]
     pub(crate) poisson_ratio: f64,
 
     /// Shear modulus of the stiffest wall in Pa, for the time step (default: the study's drum)
-    #[arg(long, value_name = "PA", default_value_t = 1.04e9)]
+    #[arg(
+        long,
+        value_name = "PA",
+        default_value_t = 1.04e9,
+        allow_hyphen_values = true
+    )]
     pub(crate) wall_shear_modulus_pa: f64,
 
     /// Poisson's ratio of that wall, for the time step (default: the study's drum)
-    #[arg(long, value_name = "RATIO", default_value_t = 0.42)]
+    #[arg(
+        long,
+        value_name = "RATIO",
+        default_value_t = 0.42,
+        allow_hyphen_values = true
+    )]
     pub(crate) wall_poisson_ratio: f64,
 
     /// JSON of a run with packed seeds (seedloop simulate ... --json RUN.json): its cost of a seed

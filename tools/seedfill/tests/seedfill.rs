@@ -383,7 +383,7 @@ fn usage_that_cannot_be_meant_ends_with_code_2() {
         ),
         (
             &[mesh, "--radius", "0.45", "--roughness", "0.01"],
-            "smooth only",
+            "smooth, surface and ferellec only",
         ),
         (
             &[mesh, "--radius", "0.45", "--out", "seed.xyz"],
