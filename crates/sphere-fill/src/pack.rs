@@ -34,7 +34,8 @@ const PROTRUSION_TOLERANCE: f64 = 1e-2;
 /// When it cannot, one of the most squeezed spheres is moved to another deep hole, and the
 /// move kept when the energy falls; after 60 moves without gain a new random start is made,
 /// until the work is spent. The largest configuration wins; a best-placed lattice is grown the
-/// same way when it holds more, as it does for bodies many spheres across. At last the spheres
+/// same way when it holds more, as it does for bodies many spheres across. An effort above 1 is
+/// spent on a random walk between the minima of the energy with one sphere more. At last the spheres
 /// are relaxed against the exact surface and checked.
 ///
 /// With a count N the same search stops at N spheres, and the centres are then spread: their
