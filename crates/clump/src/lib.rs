@@ -170,6 +170,17 @@ impl Clump {
             .fold(0.0, f64::max)
     }
 
+    /// Mass that a blow at the tip of the body has to move, kg.
+    ///
+    /// # Formula
+    ///
+    /// `1/m_e = 1/m + l²/I`, with l the bounding radius and I the largest moment of inertia: the
+    /// normal impulse at an arm l turns the body as well as it pushes it.
+    pub fn mass_felt_at_tip(&self) -> f64 {
+        let arm = self.bounding_radius();
+        1.0 / (1.0 / self.mass + arm * arm / self.inertia.max())
+    }
+
     /// Mass of one sphere if the mass is shared in proportion to sphere volume, kg.
     pub fn fraction_mass(&self, index: usize) -> f64 {
         let total: f64 = self.spheres.iter().map(|s| s.radius.powi(3)).sum();
@@ -337,6 +348,24 @@ mod tests {
         }
         let body = Clump::new(&spheres, &properties_of_spheres(&spheres, 1.0)).unwrap();
         assert_eq!(body.without_hidden_spheres(1.0).spheres().len(), 26);
+    }
+
+    /// A blow at the tip of a rod of length 2 l (I = m l²/3 without its thickness) moves m/4.
+    #[test]
+    fn a_quarter_of_a_thin_rod_is_felt_at_its_tip() {
+        let (mass, half) = (2.0, 5.0);
+        let properties = MassProperties {
+            mass,
+            centre: Vector3::zeros(),
+            inertia: Matrix3::from_diagonal(&Vector3::new(1e-9, 1.0, 1.0))
+                * (mass * half * half / 3.0),
+        };
+        let tips = [-half, half].map(|x| Sphere {
+            centre: Vector3::new(x, 0.0, 0.0),
+            radius: 1e-12,
+        });
+        let rod = Clump::new(&tips, &properties).unwrap();
+        assert!((rod.mass_felt_at_tip() / (0.25 * mass) - 1.0).abs() < 1e-9);
     }
 
     #[test]

@@ -5,12 +5,14 @@
 //! [`constant_attraction`] (cohesion). With forces added to a step: [`bond`] (bonded agglomerates).
 //! As functions only, not yet offered by the force loop: [`rolling_spring_dashpot`] (rolling
 //! resistance, type C), [`johnson_kendall_roberts`] and [`linear_cohesion`] (dry adhesion),
-//! [`capillary_bridge`] (liquid bridges). [`material`] holds the elastic constants of the two sides.
+//! [`capillary_bridge`] (liquid bridges). [`material`] holds the elastic constants of the two sides,
+//! [`hard_contact`] the time step that they allow.
 //! Nothing here knows bodies, lists or time stepping.
 
 pub mod bond;
 pub mod capillary_bridge;
 pub mod constant_attraction;
+pub mod hard_contact;
 pub mod hertz_mindlin;
 pub mod johnson_kendall_roberts;
 pub mod linear_cohesion;

@@ -36,7 +36,7 @@ pub use run::{
 };
 pub use settings::{
     CameraSettings, ContactSettings, FillingSettings, MaterialSettings, ModelSettings, Protocol,
-    STEP_SHARE, Scene, SeedSettings,
+    Scene, SeedSettings,
 };
 pub use steady::{Truncation, marginal_standard_error_rule};
 pub use surroundings::SurroundingsSettings;

@@ -9,7 +9,7 @@ use crate::steady::{Truncation, marginal_standard_error_rule};
 use crate::surroundings::Surroundings;
 use crate::{Error, FillingLibrary, Frame, FrameReading, Scene, SeedBody, read_frame};
 use contact_law::material::effective_moduli;
-use contact_law::{Material, PairParameters, constant_attraction};
+use contact_law::{Material, PairParameters, constant_attraction, hard_contact};
 use dem_solver::{
     Census, HealthLimits, Interaction, InteractionSettings, MeshWall, Motion, Placement, Settings,
     Template, Wall, World,
@@ -30,9 +30,6 @@ const AT_REST: f64 = 1e-4;
 const SLIDING_BELOW: f64 = 0.5;
 /// Gap that ends the group of seeds at the rim of the metering device, in seed lengths.
 const GROUP_GAP: f64 = 1.5;
-
-/// Speed of a hard contact: a fall across half of a drum of 0.1 m, m/s.
-const HARD_CONTACT_SPEED: f64 = 1.0;
 
 /// Seeds at the shell count for the slip within this angle of the centre of mass, rad.
 const MIDDLE_OF_BED: f64 = PI / 6.0;
@@ -430,14 +427,8 @@ fn empty_drive(
 ///
 /// # Formula
 ///
-/// `dt = share t_c`, `t_c = 2.9432 (15 m_e / (16 sqrt(R) E*))^(2/5) v^(-1/5)`
-///
-/// with R the largest sphere at the surface and `m_e` the mass felt at the tip of the seed,
-/// `1/m_e = 1/m + l²/I`, where l is the bounding radius and I the largest moment of inertia.
-///
-/// # Source
-///
-/// Duration of an elastic collision `[Hertz1881]`.
+/// `dt = share t_c`, with `t_c` the [duration](hard_contact::duration) of a collision of the largest
+/// sphere at the surface with the [mass felt at the tip](clump::Clump::mass_felt_at_tip).
 pub(crate) fn longest_time_step(scene: &Scene, bodies: &[Arc<SeedBody>]) -> Result<f64, Error> {
     let mut longest = f64::INFINITY;
     for (seed, body) in scene.seed.iter().zip(bodies) {
@@ -448,8 +439,6 @@ pub(crate) fn longest_time_step(scene: &Scene, bodies: &[Arc<SeedBody>]) -> Resu
             .iter()
             .map(|s| s.radius)
             .fold(0.0, f64::max);
-        let arm = clump.bounding_radius();
-        let felt = 1.0 / (1.0 / clump.mass() + arm * arm / clump.inertia().max());
         let mut stiffest = 0.0_f64;
         let seeds = scene.seed.iter().map(|s| s.material.as_str());
         for name in scene.wall_materials().into_iter().chain(seeds) {
@@ -460,8 +449,7 @@ pub(crate) fn longest_time_step(scene: &Scene, bodies: &[Arc<SeedBody>]) -> Resu
             );
             stiffest = stiffest.max(moduli.young);
         }
-        let base = 15.0 * felt / (16.0 * largest.sqrt() * stiffest);
-        let duration = 2.9432 * base.powf(0.4) * HARD_CONTACT_SPEED.powf(-0.2);
+        let duration = hard_contact::duration(clump.mass_felt_at_tip(), largest, stiffest);
         longest = longest.min(scene.protocol.step_share * duration);
     }
     Ok(longest)

@@ -1,6 +1,7 @@
 //! What a scene file says.
 
 use crate::{Apparatus, SurroundingsSettings};
+use contact_law::hard_contact;
 use quantity::{
     Angle, FrictionCoefficient, Length, Mass, PoissonRatio, Pressure, Restitution, Time,
 };
@@ -127,7 +128,7 @@ pub struct ModelSettings {
 pub struct Protocol {
     /// Time step of the solver; a longer one than `step_share` allows is shortened to it.
     pub time_step: Time,
-    /// Longest time step as a share of the duration of a hard contact, see [`STEP_SHARE`].
+    /// Longest time step as a share of the duration of a hard contact, see [`hard_contact::STEP_SHARE`].
     #[serde(default = "step_share")]
     pub step_share: f64,
     /// Longest time for the seeds to come to rest before the drive starts.
@@ -145,17 +146,9 @@ pub struct Protocol {
     pub frames: usize,
 }
 
-/// Longest time step as a share of the duration of a hard contact, where a scene does not say
-/// otherwise.
-///
-/// Measured on the study's drum (docs/time-step.md): in the steady flow the angle, the slip at the shell, the
-/// curvature and the kinetic energy are right up to a share of 0.44; but at 0.40 single seeds were
-/// thrown out while the bed fell into place.
-pub const STEP_SHARE: f64 = 0.36;
-
-/// [`STEP_SHARE`], for serde.
+/// [`hard_contact::STEP_SHARE`], for serde.
 fn step_share() -> f64 {
-    STEP_SHARE
+    hard_contact::STEP_SHARE
 }
 
 /// The camera that faces the end cover.

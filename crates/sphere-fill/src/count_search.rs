@@ -1,7 +1,7 @@
-//! The fewest spheres that keep a target.
+//! The fewest spheres that keep a target or a roughness.
 
 use crate::filling::fill_body;
-use crate::{Body, Error, FillSettings, Filling, Method, Target};
+use crate::{Body, Error, FillSettings, Filling, Method};
 
 /// Most spheres, when no limit is given.
 const MOST: usize = 400;
@@ -13,19 +13,33 @@ impl Method {
     }
 }
 
-/// Doubles the count until the target is kept, then halves the interval.
+/// Refuses a filling that misses the target, or the roughness where a count is sought for it.
+pub(crate) fn require_met(body: &Body<'_>, filling: &Filling) -> Result<(), Error> {
+    let (settings, report) = (&filling.settings, &filling.report);
+    if let Some(target) = settings.target.filter(|target| !target.is_met(report)) {
+        return Err(target.not_reached(body, filling));
+    }
+    match settings.roughness {
+        Some(asked) if settings.method == Method::Surface && report.roughness_rms > asked => {
+            Err(Error::RoughnessNotReached {
+                mesh: body.mesh.source().to_owned(),
+                asked_mm: asked * 1e3,
+                reached_mm: report.roughness_rms * 1e3,
+                spheres: filling.spheres.len(),
+            })
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Doubles the count until target and roughness are kept, then halves the interval.
 ///
 /// The errors fall with the count, but not strictly: a smaller count that happens to keep the
 /// target may be missed.
-pub(crate) fn fewest_spheres(
-    body: &Body<'_>,
-    settings: &FillSettings,
-    target: &Target,
-) -> Result<Filling, Error> {
+pub(crate) fn fewest_spheres(body: &Body<'_>, settings: &FillSettings) -> Result<Filling, Error> {
     let with = |count: usize| {
         let settings = FillSettings {
             count: Some(count),
-            target: Some(*target),
             ..*settings
         };
         fill_body(body, &settings)
@@ -35,11 +49,12 @@ pub(crate) fn fewest_spheres(
     let mut count = 4.min(most);
     let mut best = loop {
         let filling = with(count)?;
-        if target.is_met(&filling.report) {
+        let met = require_met(body, &filling);
+        if met.is_ok() {
             break filling;
         }
         if count == most {
-            return Err(target.not_reached(body, &filling));
+            met?;
         }
         too_few = count;
         count = (2 * count).min(most);
@@ -47,7 +62,7 @@ pub(crate) fn fewest_spheres(
     while best.spheres.len() - too_few > 1 {
         let middle = usize::midpoint(too_few, best.spheres.len());
         let filling = with(middle)?;
-        if target.is_met(&filling.report) {
+        if require_met(body, &filling).is_ok() {
             best = filling;
         } else {
             too_few = middle;

@@ -16,6 +16,9 @@ const MOST_NODES: f64 = 2e7;
 /// Least number of cells along the shortest extent of the body.
 const FEWEST_CELLS: f64 = 24.0;
 
+/// Nodes beyond which a thin body gets no finer ones than others.
+const MOST_NODES_FOR_THIN: f64 = 1e6;
+
 /// Distances (radii) between which the fine nodes must be exact: that of touching spheres.
 const BAND: [f64; 2] = [-1.3, -0.7];
 
@@ -57,7 +60,10 @@ impl DistanceGrid {
     pub(crate) fn new(exact: &SignedDistance, bounds: &BoundingBox, radius: f64) -> Self {
         let extent = bounds.size() / radius;
         let coarsest = (extent.product() / MOST_NODES).cbrt();
-        let spacing = SPACING.min(extent.min() / FEWEST_CELLS).max(coarsest);
+        let fine_enough = (extent.product() / MOST_NODES_FOR_THIN).cbrt();
+        let spacing = SPACING
+            .min((extent.min() / FEWEST_CELLS).max(fine_enough))
+            .max(coarsest);
         let low = bounds.low / radius;
         let high = bounds.high / radius;
         let mut guess = 0;

@@ -23,8 +23,10 @@ pub enum Error {
     NoSpheresAsked,
     /// Not even one sphere fits.
     #[error(
-        "a sphere of radius {radius_mm:.4} mm does not fit into {mesh}: the largest that does \
-         has about {largest_mm:.4} mm; take a smaller radius or check the unit of the mesh"
+        "a sphere of radius {} mm does not fit into {mesh}: the largest that does has about {} mm; \
+         take a smaller radius or check the unit of the mesh",
+        shown(*radius_mm),
+        shown(*largest_mm)
     )]
     RadiusTooLarge {
         /// Mesh.
@@ -51,8 +53,9 @@ pub enum Error {
     },
     /// The number of spheres asked for was not reached.
     #[error(
-        "{asked} spheres of radius {radius_mm:.4} mm were asked for in {mesh}, {reached} were \
-         placed; raise the effort, or take fewer or smaller spheres"
+        "{asked} spheres of radius {} mm were asked for in {mesh}, {reached} were placed; raise the \
+         effort, or take fewer or smaller spheres",
+        shown(*radius_mm)
     )]
     CountNotReached {
         /// Mesh.
@@ -66,8 +69,10 @@ pub enum Error {
     },
     /// The smoothness asked for was not reached.
     #[error(
-        "a surface roughness of {asked_mm:.4} mm was asked for in {mesh}; {spheres} spheres reach \
-         {reached_mm:.4} mm; allow smaller spheres"
+        "a surface roughness of {} mm was asked for in {mesh}; {spheres} spheres reach {} mm; allow \
+         more or smaller spheres",
+        shown(*asked_mm),
+        shown(*reached_mm)
     )]
     RoughnessNotReached {
         /// Mesh.
@@ -94,4 +99,13 @@ pub enum Error {
         /// Spheres used.
         spheres: usize,
     },
+}
+
+/// A length in mm with four decimals, or with a power of ten where these would not do.
+fn shown(length_mm: f64) -> String {
+    if (1e-3..1e6).contains(&length_mm.abs()) {
+        format!("{length_mm:.4}")
+    } else {
+        format!("{length_mm:.3e}")
+    }
 }

@@ -1,6 +1,6 @@
 //! A body turned into spheres.
 
-use crate::count_search::fewest_spheres;
+use crate::count_search::{fewest_spheres, require_met};
 use crate::surface_gap::gaps_at;
 use crate::union_moments::union_moments;
 use crate::{
@@ -61,17 +61,14 @@ pub fn fill(mesh: &TriMesh, settings: &FillSettings) -> Result<Filling, Error> {
     if !settings.method.follows_count() {
         body.check_number(settings.radius)?;
     }
-    let Some(target) = settings.target else {
-        return fill_body(&body, settings);
-    };
-    if settings.count.is_none() && settings.method.follows_count() {
-        return fewest_spheres(&body, settings, &target);
+    let sought = settings.target.is_some()
+        || settings.roughness.is_some() && settings.method == Method::Surface;
+    if sought && settings.count.is_none() && settings.method.follows_count() {
+        return fewest_spheres(&body, settings);
     }
     let filling = fill_body(&body, settings)?;
-    if target.is_met(&filling.report) {
-        return Ok(filling);
-    }
-    Err(target.not_reached(&body, &filling))
+    require_met(&body, &filling)?;
+    Ok(filling)
 }
 
 /// Fills a body by the method of the settings, without a look at the target.

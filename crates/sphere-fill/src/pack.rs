@@ -1,29 +1,23 @@
 //! Dense packing of equal spheres without overlap.
 
 use crate::distance_grid::DistanceGrid;
-use crate::holes::deepest_holes;
-use crate::lattice::best_lattice;
 use crate::neighbours::Neighbours;
-use crate::relaxation::{DEPTH, Relaxed, Room, Stop, Wall, energy_of_each, relax};
+use crate::pack_search::{FREE, LONGEST, Search};
+use crate::relaxation::{DEPTH, Room, Stop, Wall, relax};
 use crate::{Body, Error, FillSettings, Place};
 use clump::Sphere;
 use nalgebra::Vector3;
-use random_stream::Stream;
 
-/// Sum of squared overlaps (radii²) that counts as none: no overlap is above 1e-4 radii.
-const FREE: f64 = 1e-8;
-
-/// The same for the last relaxation against the exact surface.
+/// Sum of squared overlaps (radii²) that counts as none in the last relaxation against the exact surface.
 const FREE_AT_LAST: f64 = 1e-9;
 
-/// Evaluations of one relaxation, at most.
-const LONGEST: usize = 2000;
+/// Bodies of which the largest inscribed sphere has less than this many radii are packed against the
+/// exact surface: the interpolated distance rounds the ridge in the middle of a thin wall off, by up
+/// to a quarter of a radius.
+const THIN: f64 = 1.3;
 
-/// Sphere evaluations at effort 1: 30 000 evaluations of 150 spheres.
-const WORK: f64 = 4.5e6;
-
-/// Relocations without gain before a new start.
-const PATIENCE: usize = 60;
+/// Work against the exact surface, where an evaluation takes about ten times as long.
+const EXACT_SHARE: f64 = 0.1;
 
 /// Largest overlap of a result, radii: 0.1 %.
 const OVERLAP_TOLERANCE: f64 = 1e-3;
@@ -40,7 +34,8 @@ const PROTRUSION_TOLERANCE: f64 = 1e-2;
 /// When it cannot, one of the most squeezed spheres is moved to another deep hole, and the
 /// move kept when the energy falls; after 60 moves without gain a new random start is made,
 /// until the work is spent. The largest configuration wins; a best-placed lattice is grown the
-/// same way when it holds more, as it does for bodies many spheres across. At last the spheres
+/// same way when it holds more, as it does for bodies many spheres across. An effort above 1 is
+/// spent on a random walk between the minima of the energy with one sphere more. At last the spheres
 /// are relaxed against the exact surface and checked.
 ///
 /// With a count N the same search stops at N spheres, and the centres are then spread: their
@@ -58,14 +53,25 @@ pub struct Pack;
 impl Place for Pack {
     fn place(&self, body: &Body<'_>, settings: &FillSettings) -> Result<Vec<Sphere>, Error> {
         let grid = body.grid(settings);
+        let thin = body.inscribed_radius < THIN * settings.radius;
+        let exact = Wall::Exact {
+            grid: &grid,
+            distance: &body.distance,
+            radius: settings.radius,
+        };
         let room = Room {
-            wall: Wall::Grid(&grid),
+            wall: if thin { exact } else { Wall::Grid(&grid) },
             spacing: 2.0,
+        };
+        let effort = settings.effort * if thin { EXACT_SHARE } else { 1.0 };
+        let search = FillSettings {
+            effort,
+            ..*settings
         };
         let found = if settings.count == Some(1) {
             Vec::new()
         } else {
-            Search::new(body, settings, &grid, room).run()
+            Search::new(body, &search, &grid, room).run()
         };
         let spread = match settings.count {
             Some(count) if found.len() == count => spread(room, found),
@@ -98,180 +104,6 @@ pub(crate) fn in_metres(centres: &[Vector3<f64>], radius: f64) -> Vec<Sphere> {
         radius,
     };
     centres.iter().map(sphere).collect()
-}
-
-/// State of the search for the largest configuration.
-struct Search<'a> {
-    room: Room<'a>,
-    grid: &'a DistanceGrid,
-    /// Places where a sphere may be dropped, radii.
-    candidates: Vec<Vector3<f64>>,
-    stream: Stream,
-    /// Number of spheres that ends the search.
-    target: usize,
-    /// Spheres of a random start.
-    first: usize,
-    /// Evaluations left.
-    left: usize,
-}
-
-impl<'a> Search<'a> {
-    fn new(
-        body: &Body<'_>,
-        settings: &FillSettings,
-        grid: &'a DistanceGrid,
-        room: Room<'a>,
-    ) -> Self {
-        let expected = body.expected_count(settings.radius).max(1.0);
-        // Some depth less than one radius is allowed: relaxation moves the sphere inward.
-        let mut candidates = grid.nodes_below(-0.9);
-        if candidates.is_empty() {
-            candidates = grid.nodes_below(-0.5);
-        }
-        let whole = |count: f64| {
-            #[expect(
-                clippy::cast_possible_truncation,
-                clippy::cast_sign_loss,
-                reason = "positive, bounded by the largest number of spheres or the clamp"
-            )]
-            let count = count as usize;
-            count
-        };
-        let target = settings.count.unwrap_or(usize::MAX);
-        Self {
-            room,
-            grid,
-            candidates,
-            stream: Stream::new(settings.seed, "sphere packing"),
-            target,
-            // A start at three quarters of what is expected relaxes almost always.
-            first: whole(0.75 * expected).clamp(1, target),
-            left: whole((settings.effort * WORK / expected).clamp(400.0, 1e7)),
-        }
-    }
-
-    /// Searches until the target or the end of the work; gives the largest free configuration.
-    fn run(&mut self) -> Vec<Vector3<f64>> {
-        let mut best: Vec<Vector3<f64>> = Vec::new();
-        let lattice = best_lattice(self.grid, &mut self.stream, 0.25);
-        if lattice.len() > 2 * self.first.max(200) || self.candidates.is_empty() {
-            best = self.grow(truncated(lattice.clone(), self.target));
-        }
-        while self.left > 0 && best.len() < self.target && !self.candidates.is_empty() {
-            let Some(start) = self.random_start() else {
-                continue;
-            };
-            let grown = self.grow(start);
-            if grown.len() > best.len() {
-                best = grown;
-            }
-        }
-        if lattice.len() > best.len() {
-            return truncated(lattice, self.target);
-        }
-        best
-    }
-
-    /// Relaxes random centres; none (and fewer next time) when overlap remains.
-    fn random_start(&mut self) -> Option<Vec<Vector3<f64>>> {
-        let n = self.candidates.len();
-        let mut centres = Vec::with_capacity(self.first);
-        for _ in 0..self.first {
-            let node = self.candidates[self.stream.below(n)];
-            // Off the node, so that no two centres coincide.
-            let shift = Vector3::from_fn(|_, _| self.stream.between(-0.1, 0.1));
-            centres.push(node + shift);
-        }
-        let relaxed = self.relax(centres);
-        if relaxed.energy > FREE {
-            self.first = (self.first * 4 / 5).max(1);
-            return None;
-        }
-        Some(relaxed.centres)
-    }
-
-    /// Adds spheres as long as all overlap can be removed.
-    fn grow(&mut self, mut free: Vec<Vector3<f64>>) -> Vec<Vector3<f64>> {
-        let mut batch = (free.len() / 20).max(1);
-        while self.left > 0 && free.len() < self.target {
-            let wanted = batch.min(self.target - free.len());
-            let holes = deepest_holes(&self.candidates, &free, 2.0, wanted);
-            let mut fuller = free.clone();
-            fuller.extend(if holes.is_empty() {
-                &self.candidates[..1]
-            } else {
-                &holes[..]
-            });
-            let relaxed = self.relax(fuller);
-            if relaxed.energy <= FREE {
-                free = relaxed.centres;
-            } else if batch > 1 {
-                batch /= 2;
-            } else {
-                match self.relocate(relaxed) {
-                    Some(found) => free = found,
-                    None => break,
-                }
-            }
-        }
-        free
-    }
-
-    /// Moves squeezed spheres to holes until no overlap is left, or patience is.
-    fn relocate(&mut self, mut current: Relaxed) -> Option<Vec<Vector3<f64>>> {
-        let mut failures = 0;
-        while failures < PATIENCE && self.left > 0 {
-            let moved = self.relocate_one(&current.centres);
-            let relaxed = self.relax(moved);
-            if relaxed.energy <= FREE {
-                return Some(relaxed.centres);
-            }
-            if relaxed.energy < current.energy {
-                current = relaxed;
-                failures = 0;
-            } else {
-                failures += 1;
-            }
-        }
-        None
-    }
-
-    /// Moves one of the five most squeezed spheres to one of the six deepest holes elsewhere.
-    fn relocate_one(&mut self, centres: &[Vector3<f64>]) -> Vec<Vector3<f64>> {
-        let energies = energy_of_each(&self.room, centres);
-        let mut order: Vec<usize> = (0..centres.len()).collect();
-        order.sort_by(|&a, &b| energies[b].total_cmp(&energies[a]).then(a.cmp(&b)));
-        let chosen = order[self.stream.below(order.len().min(5))];
-        let mut moved = centres.to_vec();
-        let from = moved.swap_remove(chosen);
-        let mut holes = deepest_holes(&self.candidates, &moved, 2.0, 7);
-        holes.retain(|hole| (hole - from).norm() > 1.0);
-        holes.truncate(6);
-        let place = if holes.is_empty() {
-            self.candidates[self.stream.below(self.candidates.len())]
-        } else {
-            holes[self.stream.below(holes.len())]
-        };
-        moved.push(place);
-        moved
-    }
-
-    /// Relaxes and pays for it.
-    fn relax(&mut self, centres: Vec<Vector3<f64>>) -> Relaxed {
-        let stop = Stop {
-            energy: FREE,
-            evaluations: LONGEST,
-        };
-        let relaxed = relax(&self.room, centres, stop);
-        self.left = self.left.saturating_sub(relaxed.evaluations);
-        relaxed
-    }
-}
-
-/// Keeps the first n centres.
-fn truncated(mut centres: Vec<Vector3<f64>>, n: usize) -> Vec<Vector3<f64>> {
-    centres.truncate(n);
-    centres
 }
 
 /// Centres and the distance that they keep, radii.

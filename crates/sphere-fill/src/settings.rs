@@ -38,11 +38,13 @@ pub struct FillSettings {
     pub max_spheres: Option<usize>,
     /// Errors that the filling must keep, with as few spheres as found.
     pub target: Option<Target>,
-    /// Roughness at which [`Method::Smooth`] stops adding spheres, m; none: radius / 20.
+    /// Roughness at which [`Method::Smooth`] stops adding spheres, m; none: radius / 20. That
+    /// which [`Method::Surface`] keeps with as few spheres as found; none: it is not looked at.
     pub roughness: Option<f64>,
     /// Seed of all random choices.
     pub seed: u64,
-    /// Search work relative to the default, 1: about a second for 150 spheres.
+    /// Search work relative to the default, 1: about half a second for 150 spheres, two for a
+    /// lattice.
     pub effort: f64,
 }
 

@@ -3,7 +3,7 @@
 use clump::Sphere;
 use nalgebra::{Rotation3, Vector3};
 use proptest::prelude::*;
-use sphere_fill::{Error, FillSettings, Filling, Method, Target, fill, measure};
+use sphere_fill::{Error, FillSettings, Filling, InertiaSource, Method, Target, fill, measure};
 use trimesh::{LengthUnit, SignedDistance, TriMesh, shapes};
 
 const CLUMPS: [Method; 5] = [
@@ -276,4 +276,52 @@ proptest! {
         prop_assert!(b.report.max_overlap <= 1e-3 * 0.45e-3 * scale);
         prop_assert!(b.report.max_protrusion <= 1e-2 * 0.45e-3 * scale);
     }
+}
+
+/// Roughness as a factor: the series has the volume of the seed at each level (0.1 %, ten times
+/// what the radii are set to), mass and inertia to rounding, and the roughness asked for; as spheres
+/// are whole, one fewer is too rough, and the reached value lies a little below (a quarter at
+/// 10 spheres, where a sphere more or less counts most).
+#[test]
+fn a_series_of_roughness_keeps_volume_mass_and_inertia() {
+    let mesh = seed();
+    let mass = 94.5e-6;
+    let series: Vec<Filling> = [0.06e-3, 0.03e-3, 0.015e-3]
+        .map(|roughness| {
+            let settings = FillSettings {
+                method: Method::Surface,
+                roughness: Some(roughness),
+                effort: 0.2,
+                ..FillSettings::new(0.2e-3)
+            };
+            let filling = fill(&mesh, &settings).unwrap();
+            let reached = filling.report.roughness_rms;
+            assert!(
+                reached <= roughness && reached > 0.75 * roughness,
+                "{reached} for {roughness}"
+            );
+            filling
+        })
+        .into();
+    let first = series[0].clump(mass, InertiaSource::Mesh).unwrap();
+    for pair in series.windows(2) {
+        assert!(pair[1].spheres.len() > pair[0].spheres.len());
+    }
+    for filling in &series {
+        assert!((filling.report.union_fraction - 1.0).abs() < 1e-3);
+        let body = filling.clump(mass, InertiaSource::Mesh).unwrap();
+        assert_eq!(body.mass(), mass);
+        assert!((body.inertia() - first.inertia()).norm() < 1e-12 * first.inertia().norm());
+    }
+    let impossible = FillSettings {
+        method: Method::Surface,
+        roughness: Some(1e-9),
+        max_spheres: Some(10),
+        effort: 0.05,
+        ..FillSettings::new(0.2e-3)
+    };
+    assert!(matches!(
+        fill(&mesh, &impossible),
+        Err(Error::RoughnessNotReached { .. })
+    ));
 }

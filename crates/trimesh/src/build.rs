@@ -1,5 +1,6 @@
 //! From loose triangles to a checked mesh.
 
+use crate::crossings::Crossings;
 use crate::mesh::area_vector;
 use crate::orientation::{Edges, turn_outward};
 use crate::report::suspect_unit;
@@ -71,6 +72,7 @@ pub(crate) fn build(
         edges = Edges::new(&welded.triangles);
     }
     let turned = turn_outward(&welded.vertices, &mut welded.triangles, &edges);
+    let crossings = Crossings::new(&welded.vertices, &welded.triangles);
     let middle = |edge: &[usize; 2]| (welded.vertices[edge[0]] + welded.vertices[edge[1]]) * 0.5;
     let topology = Topology {
         open_edges: edges.open.len(),
@@ -80,7 +82,13 @@ pub(crate) fn build(
         shells: turned.shells,
         bodies: turned.bodies,
         orientable: turned.orientable,
+        crossings: crossings.pairs,
+        first_crossing: crossings.first,
+        folded_share: crossings.folded,
     };
+    if crossings.unfinished {
+        warnings.push(Warning::CrossingsUnfinished);
+    }
     let mesh = TriMesh {
         source: source.to_owned(),
         vertices: welded.vertices,
@@ -250,6 +258,12 @@ fn report_of(mesh: &TriMesh, unit: LengthUnit, repairs: &Repairs) -> MeshReport 
     );
     if !topology.orientable {
         warnings.push(Warning::NotOrientable);
+    }
+    if topology.crossings > 0 {
+        warnings.push(Warning::Crossings {
+            pairs: topology.crossings,
+            folded_share: topology.folded_share,
+        });
     }
     if topology.shells > 1 {
         warnings.push(Warning::SeveralShells {

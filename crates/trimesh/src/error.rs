@@ -153,6 +153,26 @@ pub enum Error {
         /// Volumes of the largest, mm³.
         volumes_mm3: String,
     },
+    /// The surface cuts itself.
+    #[error(
+        "{file} cuts itself: {pairs} pairs of triangles cross, the first at ({x:.6}, {y:.6}, {z:.6}) mm, and \
+         {folded_percent:.1} % of the surface does not part inside from outside: repair it in the scanning \
+         software"
+    )]
+    CutsItself {
+        /// File.
+        file: String,
+        /// Pairs of triangles that cross.
+        pairs: usize,
+        /// Share of the area that does not part inside from outside, %.
+        folded_percent: f64,
+        /// Where the first pair crosses, mm.
+        x: f64,
+        /// See `x`.
+        y: f64,
+        /// See `x`.
+        z: f64,
+    },
     /// The unit is not known.
     #[error("unknown unit of length `{found}`; use mm, cm, m or um")]
     UnknownUnit {

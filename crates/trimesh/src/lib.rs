@@ -24,6 +24,7 @@ mod bodies;
 mod bounding_tree;
 mod build;
 mod closest_point;
+mod crossings;
 mod error;
 mod length_unit;
 mod mesh;

@@ -4,6 +4,10 @@ use crate::{Error, VolumeMoments};
 use nalgebra::Vector3;
 use serde::Serialize;
 
+/// Share of the area of folds that are let pass: a fold of 1 % of a ball's area has 0.1 % of its
+/// volume.
+const MOST_FOLDED: f64 = 0.01;
+
 /// Box along the axes that holds a mesh.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct BoundingBox {
@@ -55,6 +59,12 @@ pub struct Topology {
     pub bodies: usize,
     /// Whether the surface has two sides.
     pub orientable: bool,
+    /// Pairs of triangles without a common vertex that cross.
+    pub crossings: usize,
+    /// A point where the first of them cross, m.
+    pub first_crossing: Option<Vector3<f64>>,
+    /// Share of the area that does not part inside from outside, where triangles cross.
+    pub folded_share: f64,
 }
 
 impl Topology {
@@ -129,7 +139,8 @@ impl TriMesh {
     ///
     /// # Errors
     ///
-    /// Open or crowded edges, a one-sided surface, several bodies; each with its place.
+    /// Open or crowded edges, a one-sided surface, several bodies, a surface that cuts itself and
+    /// does not part inside from outside on more than 1 % of its area; each with its place.
     pub fn require_closed(&self) -> Result<(), Error> {
         let (topology, file) = (&self.topology, self.source.clone());
         let in_mm = |place: Option<Vector3<f64>>| place.unwrap_or_default() * 1e3;
@@ -167,6 +178,17 @@ impl TriMesh {
                 bodies,
                 shells,
                 volumes_mm3: self.volumes_told(),
+            });
+        }
+        if topology.folded_share > MOST_FOLDED {
+            let at = in_mm(topology.first_crossing);
+            return Err(Error::CutsItself {
+                file,
+                pairs: topology.crossings,
+                folded_percent: topology.folded_share * 100.0,
+                x: at.x,
+                y: at.y,
+                z: at.z,
             });
         }
         Ok(())

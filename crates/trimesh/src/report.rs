@@ -47,6 +47,15 @@ pub enum Warning {
     NonManifoldEdges(usize),
     /// The surface has one side only.
     NotOrientable,
+    /// The surface cuts itself.
+    Crossings {
+        /// Pairs of triangles that cross.
+        pairs: usize,
+        /// Share of the area that does not part inside from outside.
+        folded_share: f64,
+    },
+    /// Not all pairs of triangles were tested for crossing.
+    CrossingsUnfinished,
     /// The file holds several connected surfaces.
     SeveralShells {
         /// Connected surfaces.
@@ -97,6 +106,20 @@ impl std::fmt::Display for Warning {
                 write!(f, "{n} edges belong to more than two triangles")
             }
             Self::NotOrientable => write!(f, "the surface has one side only"),
+            Self::Crossings {
+                pairs,
+                folded_share,
+            } => write!(
+                f,
+                "the surface cuts itself: {pairs} pairs of triangles cross, {:.1} % of the area lies \
+                 in folds",
+                folded_share * 100.0
+            ),
+            Self::CrossingsUnfinished => write!(
+                f,
+                "not all triangles were tested for crossing others: too many lie in each other's \
+                 boxes"
+            ),
             Self::SeveralShells { shells, bodies } => {
                 write!(
                     f,

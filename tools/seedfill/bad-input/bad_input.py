@@ -42,6 +42,22 @@ def strip():
     return soup
 
 
+def pushed():
+    """A seed whose tip was pushed in until it came out at the other end: it cuts itself."""
+    def point(i, j):
+        a, t = 2 * math.pi * i / 30, math.pi * j / 30
+        x = 3 * math.cos(t)
+        r = 1.5 * math.sin(t)
+        return [x - 3.5 * max(0, x - 0.9), r * math.cos(a), r * math.sin(a)]
+
+    soup = []
+    for i in range(30):
+        for j in range(30):
+            a, b, c, d = point(i, j), point(i + 1, j), point(i + 1, j + 1), point(i, j + 1)
+            soup += [[a, b, c], [a, c, d]]
+    return soup
+
+
 WHOLE = box((0, 0, 0), (9, 5, 4))
 WITH_NAN = [[[math.nan, 0.0, 0.0], *WHOLE[0][1:]], *WHOLE[1:]]
 FLAT = [[[x, y, 0.0] for x, y, _ in t] for t in WHOLE]
@@ -66,6 +82,7 @@ CASES = {
     "cavity.stl": binary(WHOLE + box((2, 2, 1.5), (3, 3, 2.5))),
     "shared_edge.stl": binary(WHOLE + box((9, 5, 0), (12, 8, 4))),
     "moebius.stl": binary(strip()),
+    "cuts_itself.stl": binary(pushed()),
     "metres.stl": binary(box((0, 0, 0), (9e-3, 5e-3, 4e-3))),
     "bad_index.obj": OBJ,
     "huge_count.ply": PLY,

@@ -55,8 +55,8 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "ERRORS")]
     pub(crate) target: Option<String>,
 
-    /// Surface roughness (rms) at which the method smooth stops; what ferellec takes for covered
-    /// [default: radius / 20]
+    /// Surface roughness (rms) at which the method smooth stops, or that surface keeps with the
+    /// fewest spheres; what ferellec takes for covered [default: radius / 20, surface: any]
     #[arg(long, value_name = "LENGTH", allow_hyphen_values = true)]
     pub(crate) roughness: Option<String>,
 
@@ -104,15 +104,44 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "FILE.html")]
     pub(crate) html: Option<PathBuf>,
 
-    /// Shear modulus of the seed in Pa, for the Rayleigh time step (default: cotton seed)
-    #[arg(long, value_name = "PA", default_value_t = 4.01e6)]
+    /// Shear modulus of the seed in Pa, for the time step (default: cotton seed)
+    #[arg(
+        long,
+        value_name = "PA",
+        default_value_t = 4.01e6,
+        allow_hyphen_values = true
+    )]
     pub(crate) shear_modulus_pa: f64,
 
-    /// Poisson's ratio of the seed, for the Rayleigh time step (default: cotton seed)
-    #[arg(long, value_name = "RATIO", default_value_t = 0.14)]
+    /// Poisson's ratio of the seed, for the time step (default: cotton seed)
+    #[arg(
+        long,
+        value_name = "RATIO",
+        default_value_t = 0.14,
+        allow_hyphen_values = true
+    )]
     pub(crate) poisson_ratio: f64,
 
-    /// JSON of a run (seedloop simulate ... --json RUN.json): its speed gives the cost
+    /// Shear modulus of the stiffest wall in Pa, for the time step (default: the study's drum)
+    #[arg(
+        long,
+        value_name = "PA",
+        default_value_t = 1.04e9,
+        allow_hyphen_values = true
+    )]
+    pub(crate) wall_shear_modulus_pa: f64,
+
+    /// Poisson's ratio of that wall, for the time step (default: the study's drum)
+    #[arg(
+        long,
+        value_name = "RATIO",
+        default_value_t = 0.42,
+        allow_hyphen_values = true
+    )]
+    pub(crate) wall_poisson_ratio: f64,
+
+    /// JSON of a run with packed seeds (seedloop simulate ... --json RUN.json): its cost of a seed
+    /// and step stands for the one in docs/benchmarks.md
     #[arg(long, value_name = "RUN.json")]
     pub(crate) timing: Option<PathBuf>,
 

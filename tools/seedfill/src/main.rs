@@ -153,10 +153,13 @@ fn settings_of(arguments: &Arguments, radius: &str) -> anyhow::Result<FillSettin
     let unit = arguments.unit;
     let roughness = arguments.roughness.as_deref();
     let roughness = roughness.map(|text| length_in_metres("roughness", text, unit));
-    let takes_roughness = matches!(arguments.method, MethodName::Smooth | MethodName::Ferellec);
+    let takes_roughness = matches!(
+        arguments.method,
+        MethodName::Smooth | MethodName::Surface | MethodName::Ferellec
+    );
     anyhow::ensure!(
         roughness.is_none() || takes_roughness,
-        "--roughness is for --method smooth only (and ferellec)"
+        "--roughness is for --method smooth, surface and ferellec only"
     );
     let target = arguments.target.as_deref();
     let target = target.map(|text| target_of(text, unit));

@@ -2,11 +2,29 @@
 
 use crate::arguments::Arguments;
 use anyhow::Context as _;
-use contact_law::Material;
 use contact_law::hertz_mindlin::rayleigh_time_step;
+use contact_law::material::effective_moduli;
+use contact_law::{Material, hard_contact};
 use serde::Serialize;
-use sphere_fill::Filling;
+use sphere_fill::{Filling, InertiaSource};
 use std::path::Path;
+
+/// Seeds of the study's drum.
+const DRUM_SEEDS: u64 = 1200;
+
+/// Cost of a seed and step with packed spheres, us: docs/benchmarks.md, scene `seeds-1200`
+/// (540.2 us a step of 1200 seeds).
+const PACKED_US: f64 = 540.2 / 1200.0;
+
+/// Name of that run in the output.
+const PACKED_RUN: &str = "docs/benchmarks.md, seeds-1200";
+
+/// Overlap of two spheres (over the smallest radius) from which a filling counts as overlapping.
+const OVERLAPPING: f64 = 0.01;
+
+/// Overlapping spheres at the surface up to which the time step is known to hold: 25 did, 50 not
+/// (docs/benchmarks.md, what a filling costs).
+const TOO_SMOOTH: usize = 25;
 
 /// Time step and cost that a filling implies; what is not known is none.
 #[derive(Debug, Serialize)]
@@ -15,74 +33,153 @@ pub(crate) struct Price {
     outer_spheres: usize,
     shear_modulus_pa: f64,
     poisson_ratio: f64,
+    /// Of the stiffest thing that the seed meets.
+    wall_shear_modulus_pa: f64,
+    wall_poisson_ratio: f64,
     /// Of the seed: mass over volume of the mesh.
     density_kg_m3: Option<f64>,
-    /// Of the smallest sphere at the density of the seed.
+    /// Longest step that a scene takes by default.
+    time_step_s: Option<f64>,
+    /// Whether that step may be too long: it was, for 50 overlapping spheres and more.
+    time_step_doubtful: bool,
+    /// That step over the duration of a hard contact.
+    step_share: f64,
+    /// Of the smallest sphere at the density of the seed; a yardstick only.
     rayleigh_time_step_s: Option<f64>,
-    /// Bodies of the run that was timed.
-    timed_bodies: Option<u64>,
-    /// Time step of that run.
-    timed_step_s: Option<f64>,
-    /// What a second of that drum would take with this filling.
-    wall_s_per_drum_s: Option<f64>,
+    /// Cost of a step over that with packed spheres.
+    relative_cost: f64,
+    /// Cost of a step for each seed.
+    cpu_us_per_seed_step: f64,
+    /// Run in which the cost was measured.
+    cost_source: String,
+    drum_seeds: u64,
+    /// What a second of that drum takes with this filling.
+    cpu_s_per_drum_s: Option<f64>,
 }
 
 impl Price {
     /// Works out time step and cost.
     ///
-    /// The cost is bodies x spheres / (sphere steps a second x time step): the measured speed of the
-    /// timed run, whose sphere steps count hidden spheres as well, carried over to this filling.
+    /// The time step is that of `protocol.step_share` in a scene: 0.36 of the
+    /// [duration](hard_contact::duration) of a hard contact at the tip. The cost is seeds x cost of a
+    /// seed and step / time step, the cost of a step as in [`relative_cost`].
     ///
     /// # Errors
     ///
     /// Elastic constants out of range, a file of a run that cannot be read.
     pub(crate) fn new(arguments: &Arguments, filling: &Filling) -> anyhow::Result<Self> {
         let material = Material::new(arguments.poisson_ratio, arguments.shear_modulus_pa)?;
+        let wall = Material::new(
+            arguments.wall_poisson_ratio,
+            arguments.wall_shear_modulus_pa,
+        )?;
         let volume = filling.mesh_moments.volume;
-        let density = arguments.mass_of(volume).map(|mass| mass / volume);
+        let mass = arguments.mass_of(volume);
+        let density = mass.map(|mass| mass / volume);
         let radii = filling.spheres.iter().map(|s| s.radius);
         let smallest = radii.fold(f64::INFINITY, f64::min);
+        let time_step_s = mass
+            .map(|mass| time_step(filling, mass, smallest, &[material, wall]))
+            .transpose()?;
         let timed = arguments.timing.as_deref().map(Timing::read).transpose()?;
-        let spheres = filling.spheres.len() as f64;
+        let packed_us = timed.as_ref().map_or(PACKED_US, |run| run.us_per_seed_step);
+        let drum_seeds = timed.as_ref().map_or(DRUM_SEEDS, |run| run.bodies);
+        let outer_spheres = filling.outer_count()?;
+        let relative_cost = relative_cost(filling, outer_spheres, smallest);
+        let cpu_us_per_seed_step = packed_us * relative_cost;
         Ok(Self {
-            outer_spheres: filling.outer_count()?,
+            outer_spheres,
             shear_modulus_pa: material.shear_modulus,
             poisson_ratio: material.poisson_ratio,
+            wall_shear_modulus_pa: wall.shear_modulus,
+            wall_poisson_ratio: wall.poisson_ratio,
             density_kg_m3: density,
+            time_step_s,
+            time_step_doubtful: relative_cost > 1.0 && outer_spheres > TOO_SMOOTH,
+            step_share: hard_contact::STEP_SHARE,
             rayleigh_time_step_s: density.map(|rho| rayleigh_time_step(smallest, rho, &material)),
-            timed_bodies: timed.as_ref().map(|timing| timing.bodies),
-            timed_step_s: timed.as_ref().map(|timing| timing.time_step_s),
-            wall_s_per_drum_s: timed.map(|timing| {
-                timing.bodies as f64 * spheres / (timing.sphere_steps_per_s * timing.time_step_s)
-            }),
+            relative_cost,
+            cpu_us_per_seed_step,
+            cost_source: match &arguments.timing {
+                Some(file) => file.display().to_string(),
+                None => PACKED_RUN.to_owned(),
+            },
+            drum_seeds,
+            cpu_s_per_drum_s: time_step_s
+                .map(|step| drum_seeds as f64 * cpu_us_per_seed_step * 1e-6 / step),
         })
     }
 
     /// Names and values for people.
     pub(crate) fn lines(&self) -> Vec<(&'static str, String)> {
         let mut lines = vec![("spheres at the surface", self.outer_spheres.to_string())];
-        if let Some(step) = self.rayleigh_time_step_s {
+        if let Some(step) = self.time_step_s {
             let text = format!(
-                "{step:.2e} s (shear modulus {:.3e} Pa)",
-                self.shear_modulus_pa
+                "{:.4} ms ({} of a hard contact)",
+                step * 1e3,
+                self.step_share
             );
-            lines.push(("Rayleigh time step", text));
+            let doubt = if self.time_step_doubtful {
+                "; too long for so many overlapping spheres: lower protocol.step_share"
+            } else {
+                ""
+            };
+            lines.push(("time step", text + doubt));
         }
-        if let (Some(cost), Some(bodies)) = (self.wall_s_per_drum_s, self.timed_bodies) {
-            lines.push((
-                "cost of a drum second",
-                format!("{cost:.0} s for {bodies} bodies"),
-            ));
+        if let Some(step) = self.rayleigh_time_step_s {
+            lines.push(("Rayleigh time step", format!("{:.4} ms", step * 1e3)));
+        }
+        if let Some(cost) = self.cpu_s_per_drum_s {
+            let text = format!(
+                "{cost:.1} CPU-s for {} seeds ({:.2} times a packing's step; measured: {})",
+                self.drum_seeds, self.relative_cost, self.cost_source
+            );
+            lines.push(("cost of a drum second", text));
+        } else {
+            let unknown = "not known without --mass or --density".to_owned();
+            lines.push(("time step and cost", unknown));
         }
         lines
     }
 }
 
-/// Measured speed of a run.
+/// Longest step of a seed of a mass (kg) with the stiffer of some materials, s.
+fn time_step(
+    filling: &Filling,
+    mass: f64,
+    smallest: f64,
+    others: &[Material; 2],
+) -> anyhow::Result<f64> {
+    let body = filling.clump(mass, InertiaSource::Mesh)?;
+    let outer = body.without_hidden_spheres(0.5 * smallest);
+    let radii = outer.spheres().iter().map(|s| s.radius);
+    let largest = radii.fold(0.0, f64::max);
+    let moduli = others.map(|other| effective_moduli(&others[0], &other).young);
+    let stiffest = moduli[0].max(moduli[1]);
+    let duration = hard_contact::duration(body.mass_felt_at_tip(), largest, stiffest);
+    Ok(hard_contact::STEP_SHARE * duration)
+}
+
+/// Cost of a step of a filling over that of a packing.
+///
+/// Measured once with 1200 seeds in the study's drum (docs/benchmarks.md, what a filling costs): 1
+/// for the 143.7 separate spheres of the study, 1.55 and 2.42 for 10 and 25 overlapping spheres fitted
+/// to the surface, since two smooth seeds touch at many spheres at a time. The line through these two
+/// is taken for all overlapping fillings.
+fn relative_cost(filling: &Filling, outer: usize, smallest: f64) -> f64 {
+    const FIRST: f64 = 0.97;
+    const EACH: f64 = 0.058;
+    if filling.report.max_overlap > OVERLAPPING * smallest {
+        FIRST + EACH * outer as f64
+    } else {
+        1.0
+    }
+}
+
+/// Measured cost of a run with packed seeds.
 struct Timing {
     bodies: u64,
-    time_step_s: f64,
-    sphere_steps_per_s: f64,
+    us_per_seed_step: f64,
 }
 
 impl Timing {
@@ -98,12 +195,14 @@ impl Timing {
                 format!("{name} has no positive number timing.{key}: expected the JSON of a run")
             })
         };
+        let seeds = number("bodies")?;
+        // Where the system told no time on the processor, the time on the clock stands for it.
+        let cost_s = number("cpu_s").or_else(|_| number("wall_s"))?;
         Ok(Self {
             bodies: run["timing"]["bodies"]
                 .as_u64()
-                .with_context(|| format!("{name} has no timing.bodies"))?,
-            time_step_s: number("time_step_s")?,
-            sphere_steps_per_s: number("sphere_steps_per_s")?,
+                .with_context(|| format!("{name}: timing.bodies is no whole number"))?,
+            us_per_seed_step: cost_s * 1e6 / (number("steps")? * seeds),
         })
     }
 }

@@ -199,13 +199,14 @@ fn a_target_is_kept_with_few_spheres_or_refused_with_what_was_reached() {
     );
 }
 
-/// The page holds the figures, two pictures and the viewer; the price follows from the speed of
-/// the run: 1200 bodies of 10 spheres at 1e6 sphere steps a second and 1e-4 s a step are 120 s.
+/// The page holds the figures, two pictures and the viewer; the price follows from the cost of the
+/// run: 1200 packed bodies at 0.5 us a body and step, times the factor of an overlapping filling,
+/// over the time step.
 #[test]
 fn the_page_and_the_price_of_a_filling() {
     let folder = tempfile::tempdir().unwrap();
     let (html, run) = (folder.path().join("a.html"), folder.path().join("run.json"));
-    let timing = r#"{"timing": {"bodies": 1200, "time_step_s": 1e-4, "sphere_steps_per_s": 1e6}}"#;
+    let timing = r#"{"timing": {"bodies": 1200, "steps": 2000, "cpu_s": 1.2}}"#;
     std::fs::write(&run, timing).unwrap();
     let mesh = fixture("cotton_flat.stl");
     let output = seedfill(&[
@@ -227,7 +228,10 @@ fn the_page_and_the_price_of_a_filling() {
     ]);
     assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
     let price = &json_of(&output)["price"];
-    assert!((price["wall_s_per_drum_s"].as_f64().unwrap() - 120.0).abs() < 1e-9);
+    let number = |key: &str| price[key].as_f64().unwrap();
+    let expected = 1200.0 * 0.5e-6 * number("relative_cost") / number("time_step_s");
+    assert!((number("cpu_s_per_drum_s") / expected - 1.0).abs() < 1e-12);
+    assert!(number("relative_cost") > 1.0);
     assert_eq!(price["outer_spheres"], 10);
     let density = price["density_kg_m3"].as_f64().unwrap();
     assert!((density - 94.5e-6 / 93.0e-9).abs() < 0.01, "{density}");
@@ -252,6 +256,27 @@ fn the_page_and_the_price_of_a_filling() {
     let refused = seedfill(&words);
     assert_eq!(refused.status.code(), Some(2));
     assert!(text(&refused.stderr).contains("timing.bodies"));
+}
+
+/// The study's seeds, coarsely filled, in the study's drum: `seedloop simulate` told this step for
+/// them (`timing.time_step_s`, docs/benchmarks.md), the shorter of those of both seeds. The
+/// arithmetic is the same, so only rounding may differ.
+#[test]
+fn the_time_step_is_that_of_the_solver() {
+    let step_of = |name: &str, count: &str| {
+        let mesh = fixture(name);
+        let output = Command::new(env!("CARGO_BIN_EXE_seedfill"))
+            .args([path_text(&mesh), "--radius", "0.6", "--count", count])
+            .args(["--mass", "94.5e-6", "--json", "--quiet"])
+            .output()
+            .expect("the command starts");
+        json_of(&output)["price"]["time_step_s"].as_f64().unwrap()
+    };
+    let shorter = step_of("cotton_ellipsoidal.stl", "58").min(step_of("cotton_flat.stl", "50"));
+    assert!(
+        (shorter / 92.92846012636716e-6 - 1.0).abs() < 1e-9,
+        "{shorter}"
+    );
 }
 
 /// What is written and read back has the report of the filling, and no other is made.
@@ -362,7 +387,7 @@ fn usage_that_cannot_be_meant_ends_with_code_2() {
         ),
         (
             &[mesh, "--radius", "0.45", "--roughness", "0.01"],
-            "smooth only",
+            "smooth, surface and ferellec only",
         ),
         (
             &[mesh, "--radius", "0.45", "--out", "seed.xyz"],
