@@ -175,11 +175,15 @@ pub fn study_residual(
     let mut diagnosis = diagnose(&Problem::try_from(file.clone())?, &Options::new(plan.seed))?;
     let suspects = suspects(plan, &diagnosis);
     if !suspects.is_empty() {
-        for (block, (effect, amplitude)) in (6..).zip(suspects) {
+        let on = |&(effect, amplitude): &(usize, f64)| {
             let mut on = runs::Setting::declared(plan, &fitted);
-            on.effects
-                .insert(plan.effects[effect].name.clone(), amplitude);
-            let means = runs::means(campaign, simulator, plan, &on, block, At::Used)?;
+            let name = plan.effects[effect].name.clone();
+            on.effects.insert(name, amplitude);
+            on
+        };
+        let settings: Vec<_> = suspects.iter().map(on).zip(6..).collect();
+        let means = runs::means_of_all(campaign, simulator, plan, &settings, At::Used)?;
+        for ((effect, amplitude), means) in suspects.into_iter().zip(means) {
             linear = linear.with_secant(effect, amplitude, &at_fit, &means);
         }
         file = assemble::problem(plan, observed, &linear, &fitted, &at_fit);

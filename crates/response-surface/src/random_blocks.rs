@@ -57,7 +57,7 @@ pub struct RandomBlockTerm {
 /// # Formula
 /// `y = X beta + b_block + e`, `var b = s_b^2`, `var e_i = s^2 / w_i`. The ratio of the variances minimises
 /// `-2 ln L = (n - p)(1 + ln(2 pi s^2)) + ln|V/s^2| + ln|X'(V/s^2)^-1 X|`. Degrees of freedom
-/// `2 C_jj^2 / (g' A g)`, g the derivatives of C_jj by both variances, A their covariance from the second
+/// `2 C_jj^2 / (g' A g)`, g the derivatives of `C_jj` by both variances, A their covariance from the second
 /// derivatives of -2 ln L.
 ///
 /// # Source

@@ -86,10 +86,8 @@ impl Fit {
 /// `[Witkovsky2014, section 2]`.
 pub fn tolerance_factor(share: f64, df: f64, content: f64, confidence: f64) -> Option<f64> {
     let inside = |x: f64| x > 0.0 && x < 1.0;
-    if !(share >= 0.0 && share.is_finite() && df > 0.0 && df.is_finite())
-        || !inside(content)
-        || !inside(confidence)
-    {
+    let spread = share >= 0.0 && share.is_finite() && df > 0.0 && df.is_finite();
+    if !(spread && inside(content) && inside(confidence)) {
         return None;
     }
     let step = REACH / STEPS as f64;

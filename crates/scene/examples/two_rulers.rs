@@ -47,7 +47,7 @@ fn main() -> Outcome<()> {
                 move || row(file, rpm, frames)
             })
         });
-        speeds.map(|thread| thread.join())
+        speeds.map(std::thread::ScopedJoinHandle::join)
     });
     for row in rows {
         let row = row.map_err(|_| "a run stopped")??;

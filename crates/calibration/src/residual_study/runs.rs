@@ -99,19 +99,35 @@ pub(super) fn means(
     block: u64,
     at: At,
 ) -> Result<Means, Error> {
-    let used = at == At::Used;
+    let all = means_of_all(campaign, simulator, plan, &[(setting.clone(), block)], at)?;
+    Ok(all.into_iter().next().unwrap_or_else(|| Means::of(&[], 1)))
+}
+
+/// Means at several settings, each with the seeds of its own block, in one list so that no core waits.
+pub(super) fn means_of_all(
+    campaign: &Campaign<'_>,
+    simulator: &dyn Simulator,
+    plan: &ResidualPlan,
+    settings: &[(Setting, u64)],
+    at: At,
+) -> Result<Vec<Means>, Error> {
+    let (used, r) = (at == At::Used, plan.replicates);
+    let conditions: Vec<_> = plan.conditions.iter().filter(|c| c.used == used).collect();
     let mut requests = Vec::new();
-    for condition in plan.conditions.iter().filter(|c| c.used == used) {
-        for replicate in 0..plan.replicates {
-            requests.push(setting.request(plan, condition, block, replicate));
+    for (setting, block) in settings {
+        for condition in &conditions {
+            requests.extend((0..r).map(|k| setting.request(plan, condition, *block, k)));
         }
     }
     let records = campaign.run_all(simulator, &requests)?;
     let rows = records
         .iter()
-        .map(|r| row(plan, r))
+        .map(|record| row(plan, record))
         .collect::<Result<Vec<_>, _>>()?;
-    Ok(Means::of(&rows, plan.replicates).spread_over(plan, used))
+    // Without conditions there is nothing to divide into groups.
+    let mut groups = rows.chunks((conditions.len() * r).max(1));
+    let mut next = || Means::of(groups.next().unwrap_or(&[]), r).spread_over(plan, used);
+    Ok(settings.iter().map(|_| next()).collect())
 }
 
 /// Observables of a record, in the order of the plan.

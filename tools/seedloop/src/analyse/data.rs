@@ -88,21 +88,7 @@ pub(super) fn read(arguments: &Arguments) -> anyhow::Result<Data> {
         .map(|row| cells.cell(row))
         .collect::<Result<Vec<_>, _>>();
     let mut cells = cells.with_context(place)?;
-    let labels = |name: Option<&str>, what: &str| -> anyhow::Result<Vec<String>> {
-        let Some(name) = name else {
-            return Ok(Vec::new());
-        };
-        let column = table.column(name).with_context(place)?;
-        for row in table.rows() {
-            let (line, path) = (row.line(), place());
-            ensure!(
-                !row.text(column).is_empty(),
-                "{path}: line {line}, column '{name}' names no {what}; fill it, or leave the row out"
-            );
-        }
-        let texts = table.rows().iter().map(|row| row.text(column).to_owned());
-        Ok(texts.collect())
-    };
+    let labels = |name: Option<&str>, what: &str| labels(&table, name, what).with_context(place);
     let mut categories = Vec::with_capacity(arguments.categories.len());
     for name in &arguments.categories {
         let given = labels(Some(name), "level")?;
@@ -130,6 +116,23 @@ pub(super) fn read(arguments: &Arguments) -> anyhow::Result<Data> {
         categories,
         response: table.header()[response].clone(),
     })
+}
+
+/// Texts of a column, none of them empty; nothing where no column is named.
+fn labels(table: &Table, name: Option<&str>, what: &str) -> anyhow::Result<Vec<String>> {
+    let Some(name) = name else {
+        return Ok(Vec::new());
+    };
+    let column = table.column(name)?;
+    for row in table.rows() {
+        let line = row.line();
+        ensure!(
+            !row.text(column).is_empty(),
+            "line {line}, column '{name}' names no {what}; fill it, or leave the row out"
+        );
+    }
+    let texts = table.rows().iter().map(|row| row.text(column).to_owned());
+    Ok(texts.collect())
 }
 
 /// Refuses a factor or a response that never varies, and a response that is a factor.

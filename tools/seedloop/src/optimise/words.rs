@@ -146,12 +146,12 @@ fn region_text(region: &Region) -> String {
         Some(format!("{symbol} {where_open}"))
     };
     let sides: Vec<String> = region.open.iter().filter_map(side).collect();
-    text += &if sides.is_empty() {
-        "; the region is closed within the box".to_owned()
+    text.push_str(if sides.is_empty() {
+        "; the region is closed within the box"
     } else {
-        format!("; the region is open: {}", sides.join(", "))
-    };
-    text
+        "; the region is open: "
+    });
+    text + &sides.join(", ")
 }
 
 /// The scatter of the nearest solution.
