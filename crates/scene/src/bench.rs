@@ -1,6 +1,6 @@
 //! What a bench test of one kind of seed takes from a scene.
 
-use crate::run::{interactions, longest_time_step};
+use crate::build::{interactions, longest_time_step};
 use crate::{Error, FillingLibrary, Scene, SeedBody};
 use dem_solver::Interaction;
 use std::sync::Arc;

@@ -8,11 +8,13 @@
 
 mod apparatus;
 mod bench;
+mod build;
 mod error;
 mod filling;
 mod flow;
 mod frame;
 mod health;
+mod motion;
 mod obstacles;
 mod outline;
 mod parse;
@@ -29,11 +31,10 @@ pub use error::Error;
 pub use filling::{FillingLibrary, SeedBody};
 pub use flow::{FlowingLayer, avalanche_period, fill_level, flowing_layer};
 pub use frame::{Frame, FrameReading, drum_picture, read_frame};
+pub use motion::SeriesPoint;
 pub use obstacles::{VibrationSettings, WallSettings};
 pub use parse::Override;
-pub use run::{
-    Further, Regime, RunResult, SeriesPoint, run, running_world, settled_world, starting_frame,
-};
+pub use run::{Further, Regime, RunResult, run, running_world, settled_world, starting_frame};
 pub use settings::{
     CameraSettings, ContactSettings, FillingSettings, MaterialSettings, ModelSettings, Protocol,
     Scene, SeedSettings,

@@ -1,7 +1,8 @@
 //! Heap and box collapse: fill, settle, lift a wall, wait for rest, read the slope.
 
+use crate::build::{Built, build};
+use crate::motion::{SERIES_INTERVAL, advance, rest_energy, settle, snapshot};
 use crate::outline::{Outline, View};
-use crate::run::{Built, SERIES_INTERVAL, advance, build, rest_energy, settle, snapshot};
 use crate::{Apparatus, Error, FillingLibrary, Frame, Further, Scene, SeedBody};
 use clump::Sphere;
 use std::sync::Arc;

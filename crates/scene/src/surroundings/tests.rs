@@ -1,5 +1,6 @@
 use super::{Kind, Surroundings, drag, image_force};
-use crate::run::{Built, advance, build};
+use crate::build::{Built, build};
+use crate::motion::advance;
 use crate::{FillingLibrary, Override, Scene};
 use nalgebra::Vector3;
 use std::path::Path;

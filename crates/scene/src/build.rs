@@ -1,0 +1,221 @@
+//! From a scene to the solver's world: bodies, walls, interactions, time step.
+
+use crate::apparatus::NamedMesh;
+use crate::health::limits;
+use crate::obstacles::mesh_walls;
+use crate::placement::place;
+use crate::surroundings::Surroundings;
+use crate::{Error, FillingLibrary, Scene, SeedBody};
+use contact_law::material::effective_moduli;
+use contact_law::{Material, PairParameters, constant_attraction, hard_contact};
+use dem_solver::{
+    HealthLimits, Interaction, InteractionSettings, MeshWall, Motion, Placement, Settings,
+    Template, Wall, World,
+};
+use std::sync::Arc;
+
+/// A world with what belongs to it.
+#[derive(Debug, Clone)]
+pub(crate) struct Built {
+    /// The world.
+    pub(crate) world: World,
+    /// The bodies of the seeds, by kind.
+    pub(crate) bodies: Vec<Arc<SeedBody>>,
+    /// Walls of triangles with their motion.
+    pub(crate) meshes: Vec<NamedMesh>,
+    /// What acts on the seeds beside gravity and contacts.
+    pub(crate) surroundings: Option<Surroundings>,
+    /// What a believable world keeps to.
+    pub(crate) limits: HealthLimits,
+}
+
+/// Builds the world with the seeds in their starting places and the drive at rest.
+pub(crate) fn build(scene: &Scene, library: &FillingLibrary, seed: u64) -> Result<Built, Error> {
+    let bodies = seed_bodies(scene, library)?;
+    let meshes = mesh_walls(scene)?;
+    let kinds: Vec<_> = bodies
+        .iter()
+        .zip(&scene.seed)
+        .map(|(b, s)| (&b.clump, s.count))
+        .collect();
+    let obstacles: Vec<_> = meshes.iter().flat_map(|m| m.triangles.clone()).collect();
+    let placements = place(&scene.apparatus, &obstacles, &kinds, seed)?;
+    assemble(scene, bodies, meshes, &placements)
+}
+
+/// Puts seeds in given places into the apparatus at rest.
+pub(crate) fn assemble(
+    scene: &Scene,
+    bodies: Vec<Arc<SeedBody>>,
+    meshes: Vec<NamedMesh>,
+    placements: &[Placement],
+) -> Result<Built, Error> {
+    let mut world = empty_drive(scene, &bodies, &meshes, placements)?;
+    let names = material_names(scene, &meshes);
+    for mesh in &meshes {
+        let about = mesh.motion.about;
+        world.add_mesh_wall(MeshWall {
+            name: mesh.name.clone(),
+            triangles: mesh.triangles.clone(),
+            material: index_of(&names, &mesh.material),
+            motion: Motion {
+                about,
+                ..Motion::default()
+            },
+        })?;
+    }
+    let limits = limits(scene, &bodies);
+    let surroundings = Surroundings::of(scene, &bodies);
+    Ok(Built {
+        world,
+        bodies,
+        meshes,
+        surroundings,
+        limits,
+    })
+}
+
+/// Bodies of the seeds, by kind.
+pub(crate) fn seed_bodies(
+    scene: &Scene,
+    library: &FillingLibrary,
+) -> Result<Vec<Arc<SeedBody>>, Error> {
+    let kinds = scene.seed.iter();
+    kinds.map(|s| library.body(scene, s)).collect()
+}
+
+/// Names of all materials that take part, in alphabetical order.
+fn material_names<'a>(scene: &'a Scene, meshes: &'a [NamedMesh]) -> Vec<&'a str> {
+    let seeds = scene.seed.iter().map(|s| s.material.as_str());
+    let walls = scene.wall_materials();
+    let meshes = meshes.iter().map(|m| m.material.as_str());
+    let mut names: Vec<&str> = seeds.chain(walls).chain(meshes).collect();
+    names.sort_unstable();
+    names.dedup();
+    names
+}
+
+/// Place of a name in a list.
+fn index_of(names: &[&str], name: &str) -> usize {
+    names.iter().position(|n| *n == name).unwrap_or(0)
+}
+
+/// The world without its walls of triangles.
+fn empty_drive(
+    scene: &Scene,
+    bodies: &[Arc<SeedBody>],
+    meshes: &[NamedMesh],
+    placements: &[Placement],
+) -> Result<World, Error> {
+    let walls = scene.apparatus.walls();
+    let names = material_names(scene, meshes);
+    let index = |name: &str| index_of(&names, name);
+    let templates: Vec<Template> = scene
+        .seed
+        .iter()
+        .zip(bodies)
+        .map(|(s, b)| Template::new(&b.clump, index(&s.material), scene.model.dashpot_mass))
+        .collect();
+    let radius = templates
+        .iter()
+        .map(Template::smallest_radius)
+        .fold(f64::INFINITY, f64::min);
+    let still = walls.iter().map(|w| Wall {
+        name: w.name.into(),
+        shape: w.shape,
+        material: index(&w.material),
+        spin: 0.0,
+    });
+    let settings = Settings {
+        time_step: scene
+            .protocol
+            .time_step
+            .si()
+            .min(longest_time_step(scene, bodies)?),
+        gravity: scene.apparatus.gravity(scene.model.gravity_m_s2),
+        skin: 0.45 * radius,
+        margin: 4.5 * radius,
+    };
+    let interactions = interactions(scene, &names)?;
+    Ok(World::new(
+        settings,
+        templates,
+        interactions,
+        still.collect(),
+        placements,
+    )?)
+}
+
+/// Longest time step that resolves a hard contact of every seed with every material, s.
+///
+/// # Formula
+///
+/// `dt = share t_c`, with `t_c` the [duration](hard_contact::duration) of a collision of the largest
+/// sphere at the surface with the [mass felt at the tip](clump::Clump::mass_felt_at_tip).
+pub(crate) fn longest_time_step(scene: &Scene, bodies: &[Arc<SeedBody>]) -> Result<f64, Error> {
+    let mut longest = f64::INFINITY;
+    for (seed, body) in scene.seed.iter().zip(bodies) {
+        let clump = &body.clump;
+        let largest = body
+            .outer
+            .spheres()
+            .iter()
+            .map(|s| s.radius)
+            .fold(0.0, f64::max);
+        let mut stiffest = 0.0_f64;
+        let seeds = scene.seed.iter().map(|s| s.material.as_str());
+        for name in scene.wall_materials().into_iter().chain(seeds) {
+            let pair = format!("{}-{name}", seed.material);
+            let moduli = effective_moduli(
+                &material_of(scene, &seed.material, &pair)?,
+                &material_of(scene, name, &pair)?,
+            );
+            stiffest = stiffest.max(moduli.young);
+        }
+        let duration = hard_contact::duration(clump.mass_felt_at_tip(), largest, stiffest);
+        longest = longest.min(scene.protocol.step_share * duration);
+    }
+    Ok(longest)
+}
+
+/// Elastic constants of a named material; `pair` is named in the message.
+fn material_of(scene: &Scene, name: &str, pair: &str) -> Result<Material, Error> {
+    let m = &scene.material[name];
+    let refused = |source| Error::Contact {
+        pair: pair.to_owned(),
+        source,
+    };
+    Material::new(m.poisson_ratio.get(), m.shear_modulus.si()).map_err(refused)
+}
+
+/// Interactions of all pairs of materials, row by row.
+pub(crate) fn interactions(scene: &Scene, names: &[&str]) -> Result<Vec<Interaction>, Error> {
+    let heaviest = scene.seed.iter().map(|s| s.mass.si()).fold(0.0, f64::max);
+    let model = &scene.model;
+    let pull = constant_attraction::attraction(model.bond_number, heaviest, model.gravity_m_s2);
+    let mut table = Vec::new();
+    for a in names {
+        for b in names {
+            let pair = format!("{a}-{b}");
+            let refused = |source| Error::Contact {
+                pair: pair.clone(),
+                source,
+            };
+            // Two walls never meet: their entry is filled with an inert law.
+            let contact = scene.contact_of(a, b);
+            let parameters = PairParameters {
+                restitution: contact.map_or(1.0, |c| c.restitution.get()),
+                static_friction: contact.map_or(0.0, |c| c.static_friction.get()),
+                rolling_friction: contact.map_or(0.0, |c| c.rolling_friction.get()),
+            };
+            let settings = InteractionSettings {
+                materials: [material_of(scene, a, &pair)?, material_of(scene, b, &pair)?],
+                parameters,
+                attraction: pull + contact.and_then(|c| c.attraction_n).unwrap_or(0.0),
+                end: model.normal_force_end,
+            };
+            table.push(Interaction::new(&settings).map_err(refused)?);
+        }
+    }
+    Ok(table)
+}

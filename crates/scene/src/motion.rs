@@ -1,0 +1,245 @@
+//! The time of a run: settling, the drive, the series that tells when the bed is steady, frames.
+
+use crate::build::Built;
+use crate::steady::{Truncation, marginal_standard_error_rule};
+use crate::{Error, Frame, Scene};
+use dem_solver::{Motion, Template, World};
+use nalgebra::{Rotation3, Vector3};
+use quantity::Angle;
+use serde::{Deserialize, Serialize};
+use std::f64::consts::{PI, TAU};
+
+/// Time between the values of the series that decide whether the run is steady, s.
+pub(crate) const SERIES_INTERVAL: f64 = 0.02;
+/// Values in one batch of the rule that finds the end of the start-up.
+const BATCH: usize = 5;
+/// Kinetic energy of a seed at rest over the energy of a fall by its own size.
+const AT_REST: f64 = 1e-4;
+/// Seeds at the shell count for the slip within this angle of the centre of mass, rad.
+const MIDDLE_OF_BED: f64 = PI / 6.0;
+
+/// State of the bed at one moment.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct SeriesPoint {
+    /// Time since the drive started, s.
+    pub time_s: f64,
+    /// Direction of the centre of mass from straight down, counter-clockwise positive, deg.
+    pub centre_of_mass_deg: f64,
+    /// 1 minus the speed of the seeds at the shell over the speed of the shell, within 30 deg of
+    /// the centre of mass: at the edges of the bed seeds come to rest or turn back.
+    pub shell_slip: f64,
+    /// Power of the moving walls on the seeds, W. Over a time in which the bed is steady, its
+    /// mean is what friction and dashpots take.
+    pub drive_power_w: f64,
+    /// Kinetic energy of all seeds, J.
+    pub kinetic_energy_j: f64,
+}
+
+/// Sets all walls in motion.
+pub(crate) fn start_drive(scene: &Scene, built: &mut Built) {
+    if let Some(surroundings) = &mut built.surroundings {
+        surroundings.start(built.world.time());
+    }
+    for wall in scene.apparatus.walls() {
+        built.world.set_wall_spin(wall.name, wall.spin);
+    }
+    for mesh in &built.meshes {
+        built.world.set_mesh_motion(&mesh.name, &mesh.motion);
+    }
+}
+
+/// Runs until the seeds rest, or the limit is reached; a start slope is there when it ends.
+pub(crate) fn settle(scene: &Scene, built: &mut Built) -> Result<(), Error> {
+    let gravity = scene.apparatus.gravity(scene.model.gravity_m_s2);
+    let slope = scene.protocol.start_slope.map_or(0.0, Angle::si);
+    let turn = Rotation3::new(Vector3::z() * slope * scene.apparatus.speed().signum());
+    built.world.set_gravity(turn * gravity);
+    let settled = wait_for_rest(scene, built);
+    built.world.set_gravity(gravity);
+    settled
+}
+
+/// Runs until the seeds rest, or the limit is reached.
+fn wait_for_rest(scene: &Scene, built: &mut Built) -> Result<(), Error> {
+    let rest = rest_energy(scene, &built.world);
+    let limit = scene.protocol.settle_limit.si();
+    // Free fall across the apparatus comes first: at the very start nothing moves.
+    let [low, high] = scene.apparatus.room();
+    let fall = (2.0 * (high.y - low.y) / scene.model.gravity_m_s2).sqrt();
+    loop {
+        advance(scene, built, SERIES_INTERVAL)?;
+        let world = &built.world;
+        let rested = world.time() > fall && world.kinetic_energy() < rest;
+        if rested || world.time() >= limit {
+            return Ok(());
+        }
+    }
+}
+
+/// Kinetic energy below which all seeds rest, J.
+pub(crate) fn rest_energy(scene: &Scene, world: &World) -> f64 {
+    let size = world
+        .templates()
+        .iter()
+        .map(Template::smallest_radius)
+        .fold(f64::INFINITY, f64::min);
+    let masses = scene.seed.iter().map(|s| s.mass.si() * s.count as f64);
+    AT_REST * masses.sum::<f64>() * scene.model.gravity_m_s2 * 10.0 * size
+}
+
+/// Moves the world by a time (s), and looks whether it can still be believed.
+pub(crate) fn advance(scene: &Scene, built: &mut Built, time: f64) -> Result<(), Error> {
+    let world = &mut built.world;
+    let end = world.time() + time - 0.5 * world.settings().time_step;
+    while world.time() < end {
+        match &built.surroundings {
+            None => world.step()?,
+            Some(surroundings) => {
+                let now = world.time();
+                world.step_with(|bodies| surroundings.add_forces(now, bodies))?;
+            }
+        }
+    }
+    world
+        .check_health(&built.limits)
+        .map_err(|source| Error::Unhealthy {
+            file: scene.file.clone(),
+            source,
+        })
+}
+
+/// What is kept of the rotation.
+pub(crate) struct Rotation {
+    /// The bed over time.
+    pub(crate) series: Vec<SeriesPoint>,
+    /// Frames behind the start-up.
+    pub(crate) frames: Vec<Frame>,
+    /// Where the start-up ends.
+    pub(crate) truncation: Option<Truncation>,
+}
+
+/// Turns the drive until the wanted number of frames lies behind the start-up.
+pub(crate) fn rotate(scene: &Scene, built: &mut Built) -> Result<Rotation, Error> {
+    let protocol = &scene.protocol;
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "a small ratio"
+    )]
+    let every = (protocol.frame_interval.si() / SERIES_INTERVAL)
+        .round()
+        .max(1.0) as usize;
+    let mut series: Vec<SeriesPoint> = Vec::new();
+    let mut frames: Vec<(usize, Frame)> = Vec::new();
+    let start = built.world.time();
+    loop {
+        let share = scene.apparatus.share_of_speed(built.world.time() - start);
+        if let Some(share) = share {
+            set_share_of_speed(scene, built, share);
+        }
+        advance(scene, built, SERIES_INTERVAL)?;
+        let world = &built.world;
+        let time = world.time() - start;
+        series.push(series_point(scene, world, time, share.unwrap_or(1.0)));
+        let over = time >= protocol.rotation_limit.si();
+        if series.len().is_multiple_of(every) {
+            frames.push((series.len(), snapshot(world, time)));
+        }
+        if !over && !series.len().is_multiple_of(every) {
+            continue;
+        }
+        let angles: Vec<f64> = series.iter().map(|p| p.centre_of_mass_deg).collect();
+        let truncation = marginal_standard_error_rule(&angles, BATCH);
+        let cut = truncation.map_or(usize::MAX, |t| if t.steady { t.cut } else { usize::MAX });
+        let after = frames.iter().filter(|(at, _)| *at > cut).count();
+        if after >= protocol.frames || over {
+            let keep = after
+                .clamp(2.min(frames.len()), protocol.frames)
+                .min(frames.len());
+            let last = frames.split_off(frames.len() - keep);
+            let frames = last.into_iter().map(|f| f.1).collect();
+            return Ok(Rotation {
+                series,
+                frames,
+                truncation,
+            });
+        }
+    }
+}
+
+/// Turns everything that turns with the drive at a share of its speed.
+fn set_share_of_speed(scene: &Scene, built: &mut Built, share: f64) {
+    for wall in scene.apparatus.walls() {
+        built.world.set_wall_spin(wall.name, wall.spin * share);
+    }
+    for mesh in scene.apparatus.mesh_walls() {
+        let motion = Motion {
+            spin: mesh.motion.spin * share,
+            ..mesh.motion
+        };
+        built.world.set_mesh_motion(&mesh.name, &motion);
+    }
+}
+
+/// Poses of all bodies.
+pub(crate) fn snapshot(world: &World, time: f64) -> Frame {
+    let bodies = world.bodies();
+    Frame {
+        time,
+        kind: bodies.template.clone(),
+        position: bodies.position.clone(),
+        orientation: bodies.orientation.clone(),
+        velocity: bodies.velocity.clone(),
+        spin: bodies.spin.clone(),
+    }
+}
+
+/// Direction of the centre of mass and slip at the shell.
+fn series_point(scene: &Scene, world: &World, time: f64, share: f64) -> SeriesPoint {
+    let (bodies, templates) = (world.bodies(), world.templates());
+    let (radius, spin) = (scene.apparatus.radius(), scene.apparatus.speed());
+    let mut centre = Vector3::zeros();
+    for p in &bodies.position {
+        centre += p;
+    }
+    let lowest = centre.x.atan2(-centre.y);
+    let (mut speed, mut n) = (0.0, 0_usize);
+    for (i, p) in bodies.position.iter().enumerate() {
+        let from_axis = p.xy().norm();
+        let aside = (p.x.atan2(-p.y) - lowest + PI).rem_euclid(TAU) - PI;
+        let at_shell = from_axis > radius - templates[bodies.template[i]].bounding_radius();
+        if at_shell && aside.abs() < MIDDLE_OF_BED {
+            let v = bodies.velocity[i];
+            speed += (p.x * v.y - p.y * v.x) / from_axis;
+            n += 1;
+        }
+    }
+    let surface_speed = spin * share * radius;
+    let slip = if n > 0 && surface_speed != 0.0 {
+        1.0 - speed / n as f64 / surface_speed
+    } else {
+        0.0
+    };
+    SeriesPoint {
+        time_s: time,
+        centre_of_mass_deg: lowest.to_degrees(),
+        shell_slip: slip,
+        drive_power_w: drive_power(world),
+        kinetic_energy_j: world.kinetic_energy(),
+    }
+}
+
+/// Power of the moving walls on the seeds in the last step, W; vibrations are left out.
+fn drive_power(world: &World) -> f64 {
+    let torques = world.wall_torque().iter();
+    let turning = world.walls().iter().zip(torques);
+    let meshes = world.mesh_walls().zip(world.mesh_loads());
+    turning
+        .map(|(wall, torque)| -torque * wall.spin)
+        .sum::<f64>()
+        - meshes
+            .map(|(wall, (force, torque))| {
+                force.dot(&wall.motion.velocity) + torque.dot(&wall.motion.spin)
+            })
+            .sum::<f64>()
+}
