@@ -103,11 +103,14 @@ impl HalfNormal {
                 sample: marker(VERMILION, VERMILION),
                 name: "negative",
             },
-            LegendEntry {
+        ];
+        let is_open = |e: &Effect| e.value.abs() <= self.named_above;
+        if self.effects.iter().any(is_open) {
+            entries.push(LegendEntry {
                 sample: marker(PAPER, AXIS),
                 name: "not above the limit",
-            },
-        ];
+            });
+        }
         if self.standard_error.is_some() {
             let sample = Sample::Line(Stroke::dashed(INK, 1.2));
             entries.push(LegendEntry {

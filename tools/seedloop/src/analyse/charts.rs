@@ -14,9 +14,10 @@ use report::{
 };
 use response_surface::distribution::normal_quantile;
 use response_surface::fit::Case;
-use response_surface::{Categorical, Fit};
+use response_surface::{Categorical, Fit, RidgePoint};
 
 use super::Report;
+use super::extras::Ridge;
 use crate::levels;
 use pairs::along;
 
@@ -66,6 +67,9 @@ fn surfaces(
     charts: &mut Vec<Named>,
 ) -> anyhow::Result<()> {
     let mut own = vec![("perturbation".to_owned(), perturbation(fit, response)?)];
+    if let Some(ridge) = Ridge::of(fit) {
+        own.push(("ridge".to_owned(), paths(&ridge, response)?));
+    }
     if fit.factors.len() <= MOST_FACTORS {
         pairs::draw(fit, response, &mut own)?;
         pairs::cubes(fit, response, &mut own)?;
@@ -251,6 +255,27 @@ fn influence(fit: &Fit, order: &AxisTitle, charts: &mut Vec<Named>) -> anyhow::R
         }
     }
     Ok(())
+}
+
+/// The highest and the lowest value on spheres around the middle of the ranges.
+fn paths(ridge: &Ridge, response: &str) -> anyhow::Result<Svg> {
+    let series = |name: &str, points: &[RidgePoint]| Series {
+        name: name.to_owned(),
+        points: points
+            .iter()
+            .map(|p| SeriesPoint::new(p.radius_coded, p.value, p.se_mean.unwrap_or(0.0)))
+            .collect(),
+    };
+    let chart = LineSeries {
+        x: AxisTitle::new("coded distance from the middle (bars: standard error)", ""),
+        y: AxisTitle::new(response, ""),
+        series: vec![
+            series("highest", &ridge.ascent),
+            series("lowest", &ridge.descent),
+        ],
+        levels: Vec::new(),
+    };
+    Ok(chart.draw()?)
 }
 
 /// The response along each factor from the middle of the ranges.

@@ -22,9 +22,9 @@ const SEED: u64 = 1;
 #[derive(Debug, Serialize)]
 pub(super) struct Ridge {
     /// Highest points.
-    ascent: Vec<RidgePoint>,
+    pub(super) ascent: Vec<RidgePoint>,
     /// Lowest points.
-    descent: Vec<RidgePoint>,
+    pub(super) descent: Vec<RidgePoint>,
 }
 
 impl Ridge {
