@@ -335,7 +335,7 @@ fn what_cannot_be_filled_is_refused_with_a_reason() {
                 method: Method::Smooth,
                 ..base
             },
-            "a surface roughness of 0.0001 mm",
+            "a surface roughness of 1.000e-4 mm",
         ),
     ];
     for (settings, part) in cases {

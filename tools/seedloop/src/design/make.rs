@@ -207,6 +207,20 @@ fn analysis(arguments: &Arguments, factors: &[Factor]) -> anyhow::Result<Fit> {
     let fit: Fit = serde_json::from_str(&text).with_context(|| {
         format!("{place} is no analysis; write one with seedloop analyse --json")
     })?;
+    let is_coded = |f: &Factor| (f.low(), f.high()) == (-1.0, 1.0);
+    for (old, new) in fit.factors.iter().zip(factors) {
+        ensure!(
+            !is_coded(old) || is_coded(new),
+            "{place} was made from coded values of '{}', and the table of factors has its natural range \
+             {} to {}: analyse again with --factors {}={}:{}",
+            old.symbol(),
+            new.low(),
+            new.high(),
+            new.symbol(),
+            new.low(),
+            new.high()
+        );
+    }
     fit.within(factors).with_context(|| place.to_string())
 }
 

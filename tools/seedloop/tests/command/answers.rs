@@ -164,3 +164,39 @@ fn named_levels_go_from_the_design_to_the_solution() {
     assert_code(&run("optimise a.json --target 32.5 --level wall=steel"), 0);
     assert_code(&run("optimise a.json --target 32.5 --level wall=glass"), 1);
 }
+
+/// A path or a second stage from an analysis of coded values, asked for in natural units, would run in a
+/// wrong direction: the slopes belong to other ranges.
+#[test]
+fn a_coded_analysis_is_not_taken_for_natural_ranges() {
+    let folder = tempdir().unwrap();
+    let data = fixture("paper/bbd_table5.csv");
+    let words = [
+        "analyse",
+        data.to_str().unwrap(),
+        "--factors",
+        "B,E,F",
+        "--response",
+        "theta_deg",
+        "--json",
+        "coded.json",
+    ];
+    assert_code(&seedloop(folder.path(), &words), 0);
+    let table = "symbol,name,unit,low,high\nB,b,1,0.30,0.42\nE,e,1,0.01,0.18\nF,f,1,0,0.10\n";
+    fs::write(folder.path().join("f.csv"), table).unwrap();
+    let words = [
+        "design",
+        "steepest",
+        "--factors",
+        "f.csv",
+        "--analysis",
+        "coded.json",
+        "--out",
+        "path.csv",
+    ];
+    assert_error(
+        &seedloop(folder.path(), &words),
+        &["coded.json", "coded values of 'B'", "--factors B=0.3:0.42"],
+    );
+    assert!(!folder.path().join("path.csv").exists());
+}

@@ -10,33 +10,34 @@ use std::process::Output;
 const STUDY: &str = r#"
 name = "tiny"
 scene = "tiny.toml"
+changes = ["seed.0.count = 64", "protocol.frames = 8", "protocol.rotation_limit = 3 s"]
 effects = ["camera-roll", "cohesion"]
 replicates = 2
 budget_runs = 60
 
 [[declared]]
 parameter = "contact.seed-seed.static_friction"
-start = 0.3
-step = 0.2
+start = 0.1
+step = 0.05
 low = 0.0
 high = 0.8
-prior = { mean = 0.3, sd = 0.05 }
+prior = { mean = 0.1, sd = 0.02 }
 
 [[measured]]
-condition = { rpm = 15 }
+condition = { rpm = 20 }
 role = "fit"
-values.angle_deg = { mean = 30.0, sd = 3.0, n = 2 }
+values.angle_deg = { mean = 39.0, sd = 3.0, n = 2 }
 values.curvature = { mean = -0.1, sd = 0.1, n = 2 }
 
 [[measured]]
 condition = { rpm = 30 }
 role = "fit"
-values.angle_deg = { mean = 32.0, sd = 3.0, n = 2 }
+values.angle_deg = { mean = 39.0, sd = 3.0, n = 2 }
 
 [[measured]]
-condition = { rpm = 20 }
+condition = { rpm = 25 }
 role = "check"
-values.angle_deg = { mean = 31.0, sd = 3.0, n = 2 }
+values.angle_deg = { mean = 39.0, sd = 3.0, n = 2 }
 "#;
 
 /// A tiny scene with a study beside it, one piece of whose text is replaced.
@@ -86,7 +87,7 @@ fn a_diagnosis_fills_its_folder_and_goes_on_where_it_was() {
     let again = diagnose(&scene, &["--resume", "--json=-"]);
     assert_code(&again, 0);
     assert!(
-        text(&again.stderr).contains("12 reused"),
+        text(&again.stderr).contains("16/16 runs (16 reused"),
         "{}",
         text(&again.stderr)
     );
@@ -97,12 +98,12 @@ fn a_diagnosis_fills_its_folder_and_goes_on_where_it_was() {
 fn what_cannot_be_meant_is_refused_with_its_place() {
     let wrong = [
         ("replicates = 2", "replicates = 1", "replicates = 1"),
-        ("rpm = 20", "rpm = 30", "stands there twice"),
-        ("rpm = 20", "rpn = 20", "rpn"),
+        ("rpm = 25", "rpm = 30", "stands there twice"),
+        ("rpm = 25", "rpn = 25", "rpn"),
         ("\"cohesion\"", "\"cohesiveness\"", "cohesiveness"),
         ("seed-seed", "seed-sede", "seed-sede"),
         ("n = 2 }\nvalues", "n = 0 }\nvalues", "n of 1 or more"),
-        ("step = 0.2", "step = 0.9", "within low and high"),
+        ("step = 0.05", "step = 0.9", "within low and high"),
         (
             "budget_runs = 60",
             "budget_runs = 5",
