@@ -33,11 +33,11 @@ calibrate *ARGS:
 diagnose *ARGS:
     cargo run --release --locked -p seedloop -- diagnose "$@"
 
-# Draw campaigns with known truth and count how often the diagnosis is right (about ten minutes).
+# Draw campaigns with known truth, count how often the diagnosis is right, and write the page (minutes).
 trials NUMBER="200":
     cargo build --release --locked -p residual-diagnosis --example trials
-    cat docs/trials-intro.md > docs/trials.md
-    "${CARGO_TARGET_DIR:-target}/release/examples/trials" {{NUMBER}} fixtures/diagnosis/drum/problem.json fixtures/diagnosis/single/problem.json fixtures/diagnosis/tie/problem.json >> docs/trials.md
+    "${CARGO_TARGET_DIR:-target}/release/examples/trials" {{NUMBER}} fixtures/diagnosis/drum/problem.json fixtures/diagnosis/single/problem.json fixtures/diagnosis/tie/problem.json > docs/trials.md
+    printf '\n`just trials {{NUMBER}}`, %s.\n' "$(date -I)" >> docs/trials.md
 
 # Check the solver against mechanics and write the table.
 verify *ARGS:

@@ -1,8 +1,8 @@
 //! Campaigns with known truth: how often the rules of the diagnosis are right, for the designs of some
 //! problem files.
 //!
-//! `cargo run --release -p residual-diagnosis --example trials -- NUMBER PROBLEM.json...` prints a table
-//! in Markdown for each file. `just trials` writes docs/trials.md.
+//! `cargo run --release -p residual-diagnosis --example trials -- NUMBER PROBLEM.json...` prints a page in
+//! Markdown with a table for each file. `just trials` writes docs/trials.md.
 
 #![expect(clippy::print_stdout, reason = "the table is the result")]
 
@@ -14,12 +14,27 @@ const STRENGTHS: [f64; 3] = [4.0, 6.0, 9.0];
 /// Seed of all draws.
 const SEED: u64 = 1;
 
+/// What the tables show.
+const HEAD: &str = "# How often the diagnosis is right
+
+Campaigns with known truth, drawn from the design of a problem: its conditions, sensitivities and noise. Drawn are
+the noise of the values, its estimate, the noise of the sensitivities (the rules see others than made the
+data), declared parameters mis-tuned with twice their standard errors, and bench means about the true values.
+Effects act linearly here; what the curvature of a real simulator adds shows only in campaigns by the
+simulator itself, as in `just calibrate`.
+
+Strength is the amplitude of the hidden effect over its standard error after re-tuning; for a bad value, its
+error over its standard deviation. Columns are shares of the campaigns in percent. `in the tie set`: one of
+several that cannot be told apart, or one that helps while something remains. `false name`: effects named
+or tied, none of them hidden. `taken out`: the effect made the data and the library did not hold it.";
+
 fn main() -> Result<(), Box<dyn Error>> {
     let mut arguments = std::env::args().skip(1);
     let number: usize = arguments
         .next()
         .ok_or("give the number of campaigns of each truth, then problem files")?
         .parse()?;
+    println!("{HEAD}\n\n{number} campaigns of each truth, seed {SEED}.");
     for path in arguments {
         let text = std::fs::read_to_string(&path).map_err(|e| format!("{path}: {e}"))?;
         let file: ProblemFile = serde_json::from_str(&text).map_err(|e| format!("{path}: {e}"))?;
