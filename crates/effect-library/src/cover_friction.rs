@@ -33,8 +33,9 @@ impl Effect for CoverFriction {
 
 #[cfg(test)]
 mod tests {
-    use crate::{apply, tests::small_drum};
-    use scene::{Apparatus, FillingLibrary};
+    use crate::apply;
+    use crate::tests::{friction_at, small_drum};
+    use scene::FillingLibrary;
 
     /// Half as much again of 0.29 at the cover, and 0.33 as before at the shell. Rounding only.
     #[test]
@@ -47,19 +48,8 @@ mod tests {
             &FillingLibrary::default(),
         )
         .unwrap();
-        let Apparatus::Drum(drum) = &scene.apparatus else {
-            panic!("no drum");
-        };
-        let friction = |wall: &str| {
-            scene
-                .contact_of("seed", wall)
-                .unwrap()
-                .static_friction
-                .get()
-        };
-        let raised = friction(&drum.cover);
-        assert!((raised - 1.5 * 0.29).abs() < 1e-15, "{raised}");
-        assert_eq!(friction(&drum.shell), 0.33, "the shell");
-        assert_eq!(friction("seed"), 0.10, "between seeds");
+        let [shell, cover, seeds] = friction_at(&scene);
+        assert!((cover - 1.5 * 0.29).abs() < 1e-15, "{cover}");
+        assert_eq!([shell, seeds], [0.33, 0.10]);
     }
 }

@@ -18,8 +18,10 @@ mod rig_vibration;
 mod rolling_resistance;
 mod seed_count;
 mod seed_size;
+mod session_drift;
 mod shape_mix;
 mod shell_friction;
+mod shell_wear;
 mod size_spread;
 mod softened_stiffness;
 mod wall_charge;
@@ -133,12 +135,13 @@ pub(crate) fn refused(name: &'static str, error: &quantity::Error) -> Error {
 }
 
 /// All effects. Adding one is adding its file and its line here.
-pub fn library() -> [&'static dyn Effect; 19] {
+pub fn library() -> [&'static dyn Effect; 21] {
     [
         &rolling_resistance::RollingResistance,
         &cohesion::Cohesion,
         &dry_adhesion::DryAdhesion,
         &softened_stiffness::SoftenedStiffness,
+        &session_drift::SessionDrift,
         &filling_smoothness::FillingSmoothness,
         &seed_size::SeedSize,
         &size_spread::SizeSpread,
@@ -146,6 +149,7 @@ pub fn library() -> [&'static dyn Effect; 19] {
         &seed_count::SeedCount,
         &air_drag::AirDrag,
         &shell_friction::ShellFriction,
+        &shell_wear::ShellWear,
         &cover_friction::CoverFriction,
         &wall_charge::WallCharge,
         &axis_tilt::AxisTilt,

@@ -33,8 +33,9 @@ impl Effect for ShellFriction {
 
 #[cfg(test)]
 mod tests {
-    use crate::{apply, tests::small_drum};
-    use scene::{Apparatus, FillingLibrary};
+    use crate::apply;
+    use crate::tests::{friction_at, small_drum};
+    use scene::FillingLibrary;
 
     /// Half as much again of 0.33 at the shell, and 0.29 as before at the cover. Rounding only.
     #[test]
@@ -47,19 +48,8 @@ mod tests {
             &FillingLibrary::default(),
         )
         .unwrap();
-        let Apparatus::Drum(drum) = &scene.apparatus else {
-            panic!("no drum");
-        };
-        let friction = |wall: &str| {
-            scene
-                .contact_of("seed", wall)
-                .unwrap()
-                .static_friction
-                .get()
-        };
-        let raised = friction(&drum.shell);
-        assert!((raised - 1.5 * 0.33).abs() < 1e-15, "{raised}");
-        assert_eq!(friction(&drum.cover), 0.29, "the cover");
-        assert_eq!(friction("seed"), 0.10, "between seeds");
+        let [shell, cover, seeds] = friction_at(&scene);
+        assert!((shell - 1.5 * 0.33).abs() < 1e-15, "{shell}");
+        assert_eq!([cover, seeds], [0.29, 0.10]);
     }
 }

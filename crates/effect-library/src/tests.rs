@@ -1,5 +1,5 @@
 use crate::{Error, apply, find, library};
-use scene::{FillingLibrary, Override, Scene, run};
+use scene::{Apparatus, FillingLibrary, Override, Scene, run};
 use std::path::Path;
 
 /// The study's drum, small: 40 seeds of 16 or 20 spheres in a slice of 14 mm, so that a run takes a
@@ -26,9 +26,21 @@ pub(crate) fn small_drum() -> Scene {
             set("seed.1.filling.sphere_count", "16"),
             set("protocol.frames", "4"),
             set("time_s", "2.4"),
+            set("protocol.session", "0.5"),
         ],
     )
     .unwrap()
+}
+
+/// Static friction of a seed at the shell, at the covers, and at another seed.
+pub(crate) fn friction_at(scene: &Scene) -> [f64; 3] {
+    let Apparatus::Drum(drum) = &scene.apparatus else {
+        panic!("no drum");
+    };
+    [drum.shell.as_str(), drum.cover.as_str(), "seed"].map(|wall| {
+        let contact = scene.contact_of("seed", wall).unwrap();
+        contact.static_friction.get()
+    })
 }
 
 /// Unique names, sources that the bibliography holds, ranges with 0 and the probe in them.

@@ -80,7 +80,8 @@ pub(crate) fn scale_friction(
 
 #[cfg(test)]
 mod tests {
-    use crate::{apply, tests::small_drum};
+    use crate::apply;
+    use crate::tests::{friction_at, small_drum};
     use quantity::FrictionCoefficient;
     use scene::{Apparatus, FillingLibrary};
 
@@ -92,18 +93,8 @@ mod tests {
             drum.cover = drum.shell.clone();
         }
         apply(&mut scene, "cover-friction", -0.5, &fillings).unwrap();
-        let Apparatus::Drum(drum) = &scene.apparatus else {
-            panic!("no drum");
-        };
-        let friction = |wall: &str| {
-            scene
-                .contact_of("seed", wall)
-                .unwrap()
-                .static_friction
-                .get()
-        };
-        assert_eq!(friction(&drum.shell), 0.33);
-        assert_eq!(friction(&drum.cover), 0.165);
+        let [shell, cover, _] = friction_at(&scene);
+        assert_eq!([shell, cover], [0.33, 0.165]);
     }
 
     #[test]

@@ -160,6 +160,11 @@ impl Scene {
                 "above 0, at most 1",
             );
         }
+        if let Some(session) = p.session
+            && !(0.0..=1.0).contains(&session)
+        {
+            return bad("protocol.session", session.to_string(), "0 to 1");
+        }
         if let Some(slope) = p.start_slope {
             let in_a_drum = matches!(self.apparatus, crate::Apparatus::Drum(_));
             if !(in_a_drum && (0.0..=MOST_START_SLOPE).contains(&slope.si())) {

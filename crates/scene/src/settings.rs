@@ -138,6 +138,10 @@ pub struct Protocol {
     /// the length of the start-up, not the state behind it; level where absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub start_slope: Option<Angle>,
+    /// When in the session the run is made: 0 at its start, 1 at its end. It matters only to effects
+    /// that drift.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub session: Option<f64>,
     /// Longest time of rotation, or of waiting for rest after a wall is lifted.
     pub rotation_limit: Time,
     /// Time between frames: at least the correlation time of the surface.

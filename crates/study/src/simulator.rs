@@ -17,7 +17,7 @@ const REVISION: u32 = 3;
 /// Scenes by name, with effects that can be switched on.
 ///
 /// A request's `parameters` are settings of the scene by their dotted path; its `condition` may
-/// hold `rpm` and `seed_count`; its `effects` are those of [`effect_library`].
+/// hold `rpm`, `seed_count` and `session`; its `effects` are those of [`effect_library`].
 #[derive(Debug)]
 pub struct SceneSimulator {
     /// Scenes by the name that requests use.
@@ -106,10 +106,13 @@ impl SceneSimulator {
                     )]
                     scene.set_seed_count(*value as usize);
                 }
+                "session" if (0.0..=1.0).contains(value) => {
+                    scene.protocol.session = Some(*value);
+                }
                 _ => {
                     return Err(refused(format!(
-                        "condition '{name}' = {value}; known are rpm and seed_count (a whole \
-                         number, 1 or more)"
+                        "condition '{name}' = {value}; known are rpm, seed_count (a whole number, \
+                         1 or more) and session (0 at its start, 1 at its end)"
                     )));
                 }
             }
