@@ -26,7 +26,9 @@ simulator itself, as in `just calibrate`.
 Strength is the amplitude of the hidden effect over its standard error after re-tuning; for a bad value, its
 error over its standard deviation. Columns are shares of the campaigns in percent. `in the tie set`: one of
 several that cannot be told apart, or one that helps while something remains. `false name`: effects named
-or tied, none of them hidden. `taken out`: the effect made the data and the library did not hold it.";
+or tied, none of them hidden. `taken out`: the effect made the data and the library did not hold it. Where a
+near twin of it stays in the library, the twin is named: these data cannot tell them apart, and only
+another observable or condition could.";
 
 fn main() -> Result<(), Box<dyn Error>> {
     let mut arguments = std::env::args().skip(1);
