@@ -140,7 +140,7 @@ const LINE: f64 = SMALL_TEXT + 2.0;
 
 impl Labels {
     /// Chooses a slope for labels with `room` px each, the first of them at `first` px from the
-    /// left edge of the picture.
+    /// left edge of what the plot may take of the picture.
     fn new(plan: &AxisPlan, room: f64, first: f64) -> Self {
         let wanted = plan.ticks.width(SMALL_TEXT);
         if plan.grid == Grid::Lines || wanted + 6.0 <= room {
@@ -151,7 +151,7 @@ impl Labels {
             };
         }
         let (sine, cosine) = SLOPE.to_radians().sin_cos();
-        // A slanted label reaches to the left of its mark, but must not leave the picture.
+        // A slanted label reaches to the left of its mark, but must not reach into a neighbour.
         let reach = ((first - 6.0) / cosine).min(WIDEST_LABEL);
         if room * sine >= LINE && wanted <= reach {
             return Self {
@@ -192,7 +192,7 @@ impl Plot {
         };
         let left = outside.left + y_title + y_width + TICK + 4.0;
         let room = (outside.right - left) / x_plan.ticks.values.len().max(1) as f64;
-        let x_labels = Labels::new(&x_plan, room, left + 0.5 * room);
+        let x_labels = Labels::new(&x_plan, room, left - outside.left + 0.5 * room);
         let label_height = x_labels.height();
         let x_title = if x_plan.title.is_empty() {
             4.0
