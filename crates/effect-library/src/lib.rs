@@ -168,15 +168,16 @@ pub fn library() -> [&'static dyn Effect; 21] {
 /// A name that is not in the library.
 pub fn find(name: &str) -> Result<&'static dyn Effect, Error> {
     let effects = library();
+    // The length is hidden from the optimiser: it would unroll the loops over the known list into code
+    // that takes many minutes to compile.
+    let effects: &[&'static dyn Effect] = std::hint::black_box(&effects);
     let known = || {
-        effects
-            .iter()
-            .map(|e| e.description().name)
-            .collect::<Vec<_>>()
-            .join(", ")
+        let names: Vec<_> = effects.iter().map(|e| e.description().name).collect();
+        names.join(", ")
     };
     effects
-        .into_iter()
+        .iter()
+        .copied()
         .find(|e| e.description().name == name)
         .ok_or_else(|| Error::Unknown {
             name: name.to_owned(),
