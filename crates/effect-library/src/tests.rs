@@ -13,7 +13,7 @@ pub(crate) fn small_drum() -> Scene {
         env!("CARGO_MANIFEST_DIR"),
         "/../../fixtures/cotton/drum.toml"
     ));
-    Scene::read(
+    let mut scene = Scene::read(
         file,
         &[
             set("apparatus.inner_diameter", "70 mm"),
@@ -26,10 +26,11 @@ pub(crate) fn small_drum() -> Scene {
             set("seed.1.filling.sphere_count", "16"),
             set("protocol.frames", "4"),
             set("time_s", "2.4"),
-            set("protocol.session", "0.5"),
         ],
     )
-    .unwrap()
+    .unwrap();
+    scene.protocol.session = Some(0.5);
+    scene
 }
 
 /// Static friction of a seed at the shell, at the covers, and at another seed.
