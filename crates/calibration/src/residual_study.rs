@@ -94,6 +94,13 @@ pub struct ResidualPlan {
     pub seed: u64,
 }
 
+impl ResidualPlan {
+    /// Number of conditions that the fit uses, or that are kept for the check.
+    pub fn count(&self, used: bool) -> usize {
+        self.conditions.iter().filter(|c| c.used == used).count()
+    }
+}
+
 /// Root mean square error by observable, and the whitened mean square, from real runs.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct RealErrors {

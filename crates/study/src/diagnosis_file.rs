@@ -1,5 +1,6 @@
 //! What the file of a diagnosis says: measurements, declared parameters, effects, budget.
 
+use crate::file::read_toml;
 use crate::hidden::probes;
 use crate::{Error, SceneSimulator};
 use calibration::{
@@ -129,15 +130,7 @@ impl DiagnosisFile {
     ///
     /// A file that cannot be read, text that is no diagnosis, numbers that cannot be meant.
     pub fn read(path: &Path) -> Result<Self, Error> {
-        let text = std::fs::read_to_string(path).map_err(|source| Error::File {
-            what: "read",
-            path: path.to_owned(),
-            source,
-        })?;
-        let mut file: Self = toml::from_str(&text).map_err(|e| Error::Text {
-            file: path.display().to_string(),
-            message: e.to_string(),
-        })?;
+        let mut file: Self = read_toml(path)?;
         path.clone_into(&mut file.path);
         file.check()?;
         Ok(file)

@@ -212,6 +212,19 @@ pub struct Profile {
     pub hidden_full_seed_count: Option<usize>,
 }
 
+/// Reads a file of settings; the message of an error names file and line.
+pub(crate) fn read_toml<T: serde::de::DeserializeOwned>(path: &Path) -> Result<T, Error> {
+    let text = std::fs::read_to_string(path).map_err(|source| Error::File {
+        what: "read",
+        path: path.to_owned(),
+        source,
+    })?;
+    toml::from_str(&text).map_err(|e| Error::Text {
+        file: path.display().to_string(),
+        message: e.to_string(),
+    })
+}
+
 impl StudyFile {
     /// Reads a study file.
     ///
@@ -219,15 +232,7 @@ impl StudyFile {
     ///
     /// A file that cannot be read, text that is no study, numbers that cannot be meant.
     pub fn read(path: &Path) -> Result<Self, Error> {
-        let text = std::fs::read_to_string(path).map_err(|source| Error::File {
-            what: "read",
-            path: path.to_owned(),
-            source,
-        })?;
-        let mut study: Self = toml::from_str(&text).map_err(|e| Error::Text {
-            file: path.display().to_string(),
-            message: e.to_string(),
-        })?;
+        let mut study: Self = read_toml(path)?;
         path.clone_into(&mut study.path);
         study.check()?;
         Ok(study)

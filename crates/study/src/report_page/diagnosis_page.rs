@@ -28,14 +28,6 @@ fn answer(report: &mut Report, result: &DiagnosisResult, pictures: &[NamedPictur
         &format!("Verdict: {}", d.verdict),
         d.summary(),
     );
-    let count = |used: bool| {
-        study
-            .plan
-            .conditions
-            .iter()
-            .filter(|c| c.used == used)
-            .count()
-    };
     let excluded: Vec<String> = d
         .candidates
         .iter()
@@ -59,8 +51,8 @@ fn answer(report: &mut Report, result: &DiagnosisResult, pictures: &[NamedPictur
             "Measured",
             format!(
                 "{} for the fit, {} for the check",
-                counted(count(true), "condition", "conditions"),
-                count(false)
+                counted(study.plan.count(true), "condition", "conditions"),
+                study.plan.count(false)
             ),
         ),
         Fact::new("Not needed to explain it", listed(&excluded)),

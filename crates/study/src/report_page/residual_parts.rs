@@ -144,12 +144,7 @@ pub(super) fn errors(report: &mut Report, study: &ResidualStudy) -> Result<(), r
             ("used", true, Some(stage.used)),
             ("kept", false, stage.kept),
         ] {
-            let n = study
-                .plan
-                .conditions
-                .iter()
-                .filter(|c| c.used == used)
-                .count();
+            let n = study.plan.count(used);
             let mut row = vec![stage.name.to_owned(), part.to_owned(), n.to_string()];
             for name in &study.plan.observables {
                 row.push(digits_or_dash(

@@ -15,19 +15,11 @@ pub(super) fn add(
     name: &str,
     study: &ResidualStudy,
 ) -> Result<(), Error> {
-    let count = |used: bool| {
-        study
-            .plan
-            .conditions
-            .iter()
-            .filter(|c| c.used == used)
-            .count()
-    };
     report.paragraph(&format!(
         "{} used, {} kept; {} each: {}. {} simulated for each mean; noise of a run with {} degrees \
          of freedom.",
-        counted(count(true), "condition", "conditions"),
-        count(false),
+        counted(study.plan.count(true), "condition", "conditions"),
+        study.plan.count(false),
         counted(study.plan.observables.len(), "observable", "observables"),
         listed(
             &study

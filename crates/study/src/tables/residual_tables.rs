@@ -182,12 +182,7 @@ fn errors(name: &str, study: &ResidualStudy) -> CsvTable {
         ];
         for (part, used, errors) in parts {
             let Some(errors) = errors else { continue };
-            let n = study
-                .plan
-                .conditions
-                .iter()
-                .filter(|c| c.used == used)
-                .count();
+            let n = study.plan.count(used);
             let mut row = vec![Field::from(stage.name), part.into(), n.into()];
             let rmse = |q: &String| Field::from(errors.rmse.get(q).copied());
             row.extend(study.plan.observables.iter().map(rmse));
