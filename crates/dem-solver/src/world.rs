@@ -189,6 +189,17 @@ impl World {
         finite
     }
 
+    /// Sets the time step from the next step on, s.
+    ///
+    /// Changes nothing and returns false if it is not above 0.
+    pub fn set_time_step(&mut self, time_step: f64) -> bool {
+        let possible = time_step > 0.0 && time_step.is_finite();
+        if possible {
+            self.settings.time_step = time_step;
+        }
+        possible
+    }
+
     /// Sets the spin of all walls of a name, rad/s.
     ///
     /// Changes nothing and returns false if there is no such wall, if one of them is no surface

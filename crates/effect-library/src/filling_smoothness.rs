@@ -51,8 +51,9 @@ impl Effect for FillingSmoothness {
             seed.filling.sphere_count = None;
             seed.filling.roughness = Some(target);
         }
-        let share = &mut scene.protocol.step_share;
-        *share = share.min(STEP_SHARE);
+        let protocol = &mut scene.protocol;
+        protocol.step_share = protocol.step_share.min(STEP_SHARE);
+        protocol.flow_step_share = protocol.flow_step_share.map(|s| s.min(STEP_SHARE));
         Ok(())
     }
 }

@@ -1,6 +1,7 @@
 //! What a bench test of one kind of seed takes from a scene.
 
-use crate::build::{interactions, longest_time_step};
+use crate::build::interactions;
+use crate::time_step::TimeSteps;
 use crate::{Error, FillingLibrary, Scene, SeedBody};
 use dem_solver::Interaction;
 use std::sync::Arc;
@@ -65,12 +66,12 @@ impl BenchParts {
             seed: vec![kind.clone()],
             ..scene.clone()
         };
-        let longest = longest_time_step(&single, std::slice::from_ref(&body))?;
+        let steps = TimeSteps::of(&single, std::slice::from_ref(&body))?;
         Ok(Self {
             body,
             interactions: interactions(&single, &[&kind.material, plate])?,
             dashpot_mass: scene.model.dashpot_mass,
-            time_step: longest.min(scene.protocol.time_step.si()) / FINER,
+            time_step: steps.settling / FINER,
             gravity: scene.model.gravity_m_s2,
         })
     }

@@ -5,9 +5,9 @@ use crate::health::limits;
 use crate::obstacles::mesh_walls;
 use crate::placement::place;
 use crate::surroundings::Surroundings;
+use crate::time_step::TimeSteps;
 use crate::{Error, FillingLibrary, Scene, SeedBody};
-use contact_law::material::effective_moduli;
-use contact_law::{Material, PairParameters, constant_attraction, hard_contact};
+use contact_law::{Material, PairParameters, constant_attraction};
 use dem_solver::{
     HealthLimits, Interaction, InteractionSettings, MeshWall, Motion, Placement, Settings,
     Template, Wall, World,
@@ -27,6 +27,8 @@ pub(crate) struct Built {
     pub(crate) surroundings: Option<Surroundings>,
     /// What a believable world keeps to.
     pub(crate) limits: HealthLimits,
+    /// Time steps of its phases.
+    pub(crate) time_steps: TimeSteps,
 }
 
 /// Builds the world with the seeds in their starting places and the drive at rest.
@@ -50,7 +52,8 @@ pub(crate) fn assemble(
     meshes: Vec<NamedMesh>,
     placements: &[Placement],
 ) -> Result<Built, Error> {
-    let mut world = empty_drive(scene, &bodies, &meshes, placements)?;
+    let time_steps = TimeSteps::of(scene, &bodies)?;
+    let mut world = empty_drive(scene, &bodies, &meshes, placements, time_steps)?;
     let names = material_names(scene, &meshes);
     for mesh in &meshes {
         let about = mesh.motion.about;
@@ -72,6 +75,7 @@ pub(crate) fn assemble(
         meshes,
         surroundings,
         limits,
+        time_steps,
     })
 }
 
@@ -106,6 +110,7 @@ fn empty_drive(
     bodies: &[Arc<SeedBody>],
     meshes: &[NamedMesh],
     placements: &[Placement],
+    time_steps: TimeSteps,
 ) -> Result<World, Error> {
     let walls = scene.apparatus.walls();
     let names = material_names(scene, meshes);
@@ -127,11 +132,7 @@ fn empty_drive(
         spin: 0.0,
     });
     let settings = Settings {
-        time_step: scene
-            .protocol
-            .time_step
-            .si()
-            .min(longest_time_step(scene, bodies)?),
+        time_step: time_steps.settling,
         gravity: scene.apparatus.gravity(scene.model.gravity_m_s2),
         skin: 0.45 * radius,
         margin: 4.5 * radius,
@@ -146,40 +147,8 @@ fn empty_drive(
     )?)
 }
 
-/// Longest time step that resolves a hard contact of every seed with every material, s.
-///
-/// # Formula
-///
-/// `dt = share t_c`, with `t_c` the [duration](hard_contact::duration) of a collision of the largest
-/// sphere at the surface with the [mass felt at the tip](clump::Clump::mass_felt_at_tip).
-pub(crate) fn longest_time_step(scene: &Scene, bodies: &[Arc<SeedBody>]) -> Result<f64, Error> {
-    let mut longest = f64::INFINITY;
-    for (seed, body) in scene.seed.iter().zip(bodies) {
-        let clump = &body.clump;
-        let largest = body
-            .outer
-            .spheres()
-            .iter()
-            .map(|s| s.radius)
-            .fold(0.0, f64::max);
-        let mut stiffest = 0.0_f64;
-        let seeds = scene.seed.iter().map(|s| s.material.as_str());
-        for name in scene.wall_materials().into_iter().chain(seeds) {
-            let pair = format!("{}-{name}", seed.material);
-            let moduli = effective_moduli(
-                &material_of(scene, &seed.material, &pair)?,
-                &material_of(scene, name, &pair)?,
-            );
-            stiffest = stiffest.max(moduli.young);
-        }
-        let duration = hard_contact::duration(clump.mass_felt_at_tip(), largest, stiffest);
-        longest = longest.min(scene.protocol.step_share * duration);
-    }
-    Ok(longest)
-}
-
 /// Elastic constants of a named material; `pair` is named in the message.
-fn material_of(scene: &Scene, name: &str, pair: &str) -> Result<Material, Error> {
+pub(crate) fn material_of(scene: &Scene, name: &str, pair: &str) -> Result<Material, Error> {
     let m = &scene.material[name];
     let refused = |source| Error::Contact {
         pair: pair.to_owned(),

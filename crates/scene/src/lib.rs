@@ -24,6 +24,7 @@ mod run;
 mod settings;
 mod steady;
 mod surroundings;
+mod time_step;
 
 pub use apparatus::{Apparatus, BoxCollapse, Drum, Heap, Lifters, Metering, Ripple};
 pub use bench::BenchParts;

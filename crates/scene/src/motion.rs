@@ -35,11 +35,12 @@ pub struct SeriesPoint {
     pub kinetic_energy_j: f64,
 }
 
-/// Sets all walls in motion.
+/// Sets all walls in motion, and the time step for it.
 pub(crate) fn start_drive(scene: &Scene, built: &mut Built) {
     if let Some(surroundings) = &mut built.surroundings {
         surroundings.start(built.world.time());
     }
+    built.world.set_time_step(built.time_steps.flow);
     for wall in scene.apparatus.walls() {
         built.world.set_wall_spin(wall.name, wall.spin);
     }

@@ -65,7 +65,9 @@ pub struct RunResult {
     pub further: Vec<Further>,
     /// How the bed moves.
     pub regime: Regime,
-    /// Time step used: that of the protocol, or less where the seeds demand it, s.
+    /// Time step while the seeds settled, s.
+    pub settling_time_step: f64,
+    /// Time step while the drive ran, s.
     pub time_step: f64,
     /// Steps done.
     pub n_steps: u64,
@@ -96,6 +98,7 @@ pub fn run(scene: &Scene, library: &FillingLibrary, seed: u64) -> Result<RunResu
         frames,
         truncation,
     } = rotate(scene, &mut built)?;
+    let settling_time_step = built.time_steps.settling;
     let Built { world, bodies, .. } = built;
     let mut readings = Vec::new();
     let mut filling_angles = Vec::new();
@@ -130,6 +133,7 @@ pub fn run(scene: &Scene, library: &FillingLibrary, seed: u64) -> Result<RunResu
         } else {
             Regime::Rolling
         },
+        settling_time_step,
         time_step: world.settings().time_step,
         n_steps: world.n_steps(),
         n_bodies: world.bodies().len(),
@@ -161,6 +165,7 @@ fn released(scene: &Scene, library: &FillingLibrary, seed: u64) -> Result<RunRes
         filling_angles: Vec::new(),
         further: result.further,
         regime: Regime::Resting,
+        settling_time_step: world.settings().time_step,
         time_step: world.settings().time_step,
         n_steps: world.n_steps(),
         n_bodies: kinds.len(),

@@ -126,11 +126,18 @@ pub struct ModelSettings {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Protocol {
-    /// Time step of the solver; a longer one than `step_share` allows is shortened to it.
-    pub time_step: Time,
-    /// Longest time step as a share of the duration of a hard contact, see [`hard_contact::STEP_SHARE`].
+    /// Time step of the solver, at most what `step_share` allows; chosen by the two shares where
+    /// absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub time_step: Option<Time>,
+    /// Time step while the seeds settle or run out, as a share of the duration of a hard contact, see
+    /// [`hard_contact::STEP_SHARE`].
     #[serde(default = "step_share")]
     pub step_share: f64,
+    /// Time step while the drive runs, likewise; where absent, [`hard_contact::FLOW_STEP_SHARE`], or
+    /// `step_share` if that is below its default.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub flow_step_share: Option<f64>,
     /// Longest time for the seeds to come to rest before the drive starts.
     pub settle_limit: Time,
     /// Slope of the surface of the settled bed in a drum, towards the side that rises: the bed settles

@@ -169,17 +169,15 @@ impl Report {
                 if self.reused { ", from its record" } else { "" },
             ),
         );
-        let (used, asked) = (time("time_step_s"), time("time_step_asked_s"));
-        add(&mut text, format_args!("time step {:.4} ms", used * 1e3));
-        if used < asked {
-            add(
-                &mut text,
-                format_args!(
-                    ", shortened from {:.4} ms: protocol.step_share allows no longer one",
-                    asked * 1e3
-                ),
-            );
-        }
+        let (settling, flow) = (time("settling_time_step_s"), time("time_step_s"));
+        add(
+            &mut text,
+            format_args!(
+                "time step {:.4} ms while settling, {:.4} ms after",
+                settling * 1e3,
+                flow * 1e3
+            ),
+        );
         text.push('\n');
         text
     }

@@ -1,6 +1,6 @@
-//! A bed that is laid at a slope before the drum turns.
+//! How a drum starts: a bed that is laid at a slope before it turns, and the time steps of both phases.
 
-use scene::{FillingLibrary, Override, Scene, settled_world};
+use scene::{FillingLibrary, Override, Scene, settled_world, starting_frame};
 use std::path::Path;
 
 /// A slice of the study's drum with coarse seeds, and further changes.
@@ -65,4 +65,27 @@ fn a_slope_that_no_bed_keeps_is_refused() {
         text.contains("start_slope") && text.contains("45 deg"),
         "{text}"
     );
+}
+
+/// The step grows from the share of a settling bed to that of a flow, 0.36 to 0.42 of a hard contact; a lower
+/// share for the settling holds for the flow too. Rounding only.
+#[test]
+fn the_flow_steps_longer_than_the_settling_bed() -> Result<(), scene::Error> {
+    let library = FillingLibrary::default();
+    let step = |changes: &[(&str, &str)]| -> Result<[f64; 2], scene::Error> {
+        let short = [("protocol.settle_limit", "0.02 s")];
+        let scene = drum(&[&short, changes].concat())?;
+        let (_, _, settling) = starting_frame(&scene, &library, 1)?;
+        let flow = settled_world(&scene, &library, 1)?.settings().time_step;
+        Ok([settling, flow])
+    };
+    let [settling, flow] = step(&[])?;
+    assert!(
+        (flow / settling - 0.42 / 0.36).abs() < 1e-12,
+        "{settling} {flow}"
+    );
+    let [lower, same] = step(&[("protocol.step_share", "0.2")])?;
+    assert!((lower / settling - 0.2 / 0.36).abs() < 1e-12, "{lower}");
+    assert_eq!(lower, same);
+    Ok(())
 }

@@ -1,0 +1,108 @@
+//! The time step of a run: what the hardest contact allows.
+
+use crate::build::material_of;
+use crate::{Error, Scene, SeedBody};
+use contact_law::hard_contact::{self, FLOW_STEP_SHARE, STEP_SHARE};
+use contact_law::material::effective_moduli;
+use std::sync::Arc;
+
+/// Time steps of the phases of a run, s.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct TimeSteps {
+    /// While the seeds settle, or run out behind a wall that is lifted.
+    pub(crate) settling: f64,
+    /// While the drive runs.
+    pub(crate) flow: f64,
+}
+
+impl TimeSteps {
+    /// The steps that the protocol of a scene gives its seeds.
+    ///
+    /// # Errors
+    ///
+    /// A fixed step that does not resolve a hard contact, a vibration that the steps do not
+    /// resolve, materials that cannot be meant.
+    pub(crate) fn of(scene: &Scene, bodies: &[Arc<SeedBody>]) -> Result<Self, Error> {
+        let protocol = &scene.protocol;
+        let duration = hardest_contact(scene, bodies)?;
+        let share = protocol.step_share;
+        let longest = share * duration;
+        let steps = match protocol.time_step {
+            Some(step) if step.si() > longest => {
+                return Err(Error::BadValue {
+                    name: "protocol.time_step".into(),
+                    value: step.to_string(),
+                    requirement: format!(
+                        "at most {:.4} ms, a share of {share} (protocol.step_share) of a hard \
+                         contact of these seeds; without protocol.time_step it is chosen",
+                        1e3 * longest
+                    ),
+                });
+            }
+            Some(step) => Self {
+                settling: step.si(),
+                flow: step.si(),
+            },
+            None => {
+                let usual = if share < STEP_SHARE {
+                    share
+                } else {
+                    FLOW_STEP_SHARE
+                };
+                Self {
+                    settling: longest,
+                    flow: protocol.flow_step_share.unwrap_or(usual) * duration,
+                }
+            }
+        };
+        steps.resolve_vibrations(scene)?;
+        Ok(steps)
+    }
+
+    /// Refuses a vibration with fewer than 20 steps in a swing.
+    fn resolve_vibrations(self, scene: &Scene) -> Result<(), Error> {
+        let shaken = scene.wall.iter().filter_map(|wall| wall.vibration.as_ref());
+        for vibration in shaken.chain(&scene.surroundings.vibration) {
+            let longest = self.settling.max(self.flow);
+            if 20.0 * longest * vibration.frequency.si() > 1.0 {
+                return Err(Error::BadValue {
+                    name: "vibration.frequency".into(),
+                    value: vibration.frequency.to_string(),
+                    requirement: format!(
+                        "with 20 time steps of {:.4} ms or more in a swing; a shorter \
+                         protocol.time_step resolves it",
+                        1e3 * longest
+                    ),
+                });
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Duration of the hardest contact of any seed with any material, s.
+///
+/// # Formula
+///
+/// The least [duration](hard_contact::duration) of a collision of the largest sphere at the surface with
+/// the [mass felt at the tip](clump::Clump::mass_felt_at_tip).
+pub(crate) fn hardest_contact(scene: &Scene, bodies: &[Arc<SeedBody>]) -> Result<f64, Error> {
+    let mut least = f64::INFINITY;
+    for (seed, body) in scene.seed.iter().zip(bodies) {
+        let outer = body.outer.spheres().iter();
+        let largest = outer.map(|s| s.radius).fold(0.0, f64::max);
+        let mut stiffest = 0.0_f64;
+        let seeds = scene.seed.iter().map(|s| s.material.as_str());
+        for name in scene.wall_materials().into_iter().chain(seeds) {
+            let pair = format!("{}-{name}", seed.material);
+            let moduli = effective_moduli(
+                &material_of(scene, &seed.material, &pair)?,
+                &material_of(scene, name, &pair)?,
+            );
+            stiffest = stiffest.max(moduli.young);
+        }
+        let mass = body.clump.mass_felt_at_tip();
+        least = least.min(hard_contact::duration(mass, largest, stiffest));
+    }
+    Ok(least)
+}
