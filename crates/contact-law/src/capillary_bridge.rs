@@ -19,6 +19,11 @@
 //! `[Willett2000]`, closed form for small bridges, there with half the gap (2.1 and 10 in place of
 //! 1.05 and 2.5); unequal spheres by the mean radius. Rupture: `[Lian1993]`.
 
+#![expect(
+    clippy::inline_always,
+    reason = "the loop over contacts is vectorised only when inlined"
+)]
+
 use crate::{Error, in_range};
 use std::f64::consts::PI;
 
@@ -78,9 +83,51 @@ impl CapillaryBridge {
         if gap > 0.0 && (!bridged || gap > self.rupture_gap()) {
             return 0.0;
         }
-        let radius = 2.0 * reduced_radius;
-        let s = gap.max(0.0) * (radius / self.volume).sqrt();
-        2.0 * PI * radius * self.tension * self.contact_angle.cos() / (1.0 + 1.05 * s + 2.5 * s * s)
+        self.between(2.0 * reduced_radius).attraction(gap)
+    }
+
+    /// The bridge between two surfaces of a mean radius (m).
+    pub fn between(&self, radius: f64) -> BridgeForce {
+        BridgeForce {
+            touching: 2.0 * PI * radius * self.tension * self.contact_angle.cos(),
+            inverse_length: (radius / self.volume).sqrt(),
+            rupture_gap: self.rupture_gap(),
+        }
+    }
+}
+
+/// The force of a bridge that exists, between two given surfaces.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BridgeForce {
+    /// Force while the surfaces touch, N.
+    touching: f64,
+    /// sqrt(R / V), 1/m.
+    inverse_length: f64,
+    /// Gap at which it breaks, m.
+    rupture_gap: f64,
+}
+
+impl BridgeForce {
+    /// The bridge with a share of its force, from 0 to 1: on rough surfaces little liquid does not
+    /// fill the valleys.
+    #[must_use]
+    pub fn scaled(self, share: f64) -> Self {
+        Self {
+            touching: share * self.touching,
+            ..self
+        }
+    }
+
+    /// Gap at which the bridge breaks, m.
+    pub fn rupture_gap(&self) -> f64 {
+        self.rupture_gap
+    }
+
+    /// Attraction at a gap (m, 0 or less while the surfaces touch), N.
+    #[inline(always)]
+    pub fn attraction(&self, gap: f64) -> f64 {
+        let s = gap.max(0.0) * self.inverse_length;
+        self.touching / (1.0 + 1.05 * s + 2.5 * s * s)
     }
 }
 

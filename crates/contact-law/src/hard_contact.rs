@@ -12,12 +12,6 @@ pub const SPEED: f64 = 1.0;
 /// a scene does not say otherwise: at 0.40 single seeds were thrown out (docs/time-step.md).
 pub const STEP_SHARE: f64 = 0.36;
 
-/// The same in the flow of a turning drum, whose contacts are softer.
-///
-/// Measured on the study's drum (docs/time-step.md): the angle, the slip at the shell, the curvature
-/// and the kinetic energy are right up to a share of 0.44.
-pub const FLOW_STEP_SHARE: f64 = 0.42;
-
 /// Duration of an elastic collision with a fixed plane at [`SPEED`], s.
 ///
 /// `mass` is that felt at the contact, kg; `radius` that of the sphere, m; `young` the effective
@@ -33,6 +27,16 @@ pub const FLOW_STEP_SHARE: f64 = 0.42;
 pub fn duration(mass: f64, radius: f64, young: f64) -> f64 {
     let base = 15.0 * mass / (16.0 * radius.sqrt() * young);
     2.9432 * base.powf(0.4) * SPEED.powf(-0.2)
+}
+
+/// Deepest overlap of that collision, m; arguments as in [`duration`].
+///
+/// # Formula
+///
+/// `d_0 = (15 m v² / (16 sqrt(R) E*))^(2/5)`: the energy of the spring, 8/15 E* sqrt(R) d^(5/2), is that of
+/// the motion. `[Hertz1881]`
+pub fn overlap(mass: f64, radius: f64, young: f64) -> f64 {
+    (15.0 * mass * SPEED * SPEED / (16.0 * radius.sqrt() * young)).powf(0.4)
 }
 
 #[cfg(test)]

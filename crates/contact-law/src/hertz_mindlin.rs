@@ -28,6 +28,8 @@
 )]
 
 use crate::material::EffectiveModuli;
+use crate::rate_dependent_friction::RateDependentFriction;
+use crate::viscoelastic_damping::ViscoelasticDamping;
 use crate::{Error, in_range};
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
@@ -95,6 +97,10 @@ pub struct HertzMindlin {
     static_friction: f64,
     /// Least normal force: 0 for a clipped end, minus infinity for an attractive one, N.
     least: f64,
+    /// Change of the damping with the overlap.
+    viscoelastic: Option<ViscoelasticDamping>,
+    /// Change of the friction with the speed of sliding.
+    rate: Option<RateDependentFriction>,
 }
 
 /// Size and mass of a contact.
@@ -155,7 +161,27 @@ impl HertzMindlin {
                 NormalForceEnd::Clipped => 0.0,
                 NormalForceEnd::Attractive => f64::NEG_INFINITY,
             },
+            viscoelastic: None,
+            rate: None,
         })
+    }
+
+    /// The law with a damping that depends on the overlap.
+    #[must_use]
+    pub fn with_viscoelastic_damping(self, damping: Option<ViscoelasticDamping>) -> Self {
+        Self {
+            viscoelastic: damping,
+            ..self
+        }
+    }
+
+    /// The law with a friction that depends on the speed of sliding.
+    #[must_use]
+    pub fn with_rate_dependent_friction(self, friction: Option<RateDependentFriction>) -> Self {
+        Self {
+            rate: friction,
+            ..self
+        }
     }
 
     /// Force for one step.
@@ -178,9 +204,17 @@ impl HertzMindlin {
         let tangential_damping = self.tangential_damping * root;
 
         let elastic = 4.0 / 3.0 * self.moduli.young * contact_radius * geometry.overlap;
-        let normal = (elastic + self.normal_damping * root * normal_velocity).max(self.least);
+        let damping = match &self.viscoelastic {
+            None => self.normal_damping,
+            Some(change) => self.normal_damping * change.factor(geometry.overlap),
+        };
+        let normal = (elastic + damping * root * normal_velocity).max(self.least);
 
-        let limit = self.static_friction * normal.max(0.0);
+        let friction = match &self.rate {
+            None => self.static_friction,
+            Some(change) => self.static_friction * change.factor(tangential_velocity.norm()),
+        };
+        let limit = friction * normal.max(0.0);
         let stretched = slip + tangential_velocity * time_step;
         let slip = stretched * within(limit, &(stretched * tangential_stiffness));
         let dashpot = tangential_velocity * tangential_damping;

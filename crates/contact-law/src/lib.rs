@@ -1,11 +1,11 @@
 //! Contact laws as pure functions with explicit history.
 //!
 //! One law, one file. In the force loop of the solver: [`hertz_mindlin`] (elastic and damping forces,
-//! sliding friction), [`rolling_constant_torque`] (rolling resistance, type A),
-//! [`constant_attraction`] (cohesion). With forces added to a step: [`bond`] (bonded agglomerates).
-//! As functions only, not yet offered by the force loop: [`rolling_spring_dashpot`] (rolling
-//! resistance, type C), [`johnson_kendall_roberts`] and [`linear_cohesion`] (dry adhesion),
-//! [`capillary_bridge`] (liquid bridges). [`material`] holds the elastic constants of the two sides,
+//! sliding friction) with [`viscoelastic_damping`] and [`rate_dependent_friction`],
+//! [`rolling_constant_torque`] and [`rolling_spring_dashpot`] (rolling resistance, types A and C),
+//! [`constant_attraction`] (cohesion), [`capillary_bridge`] (liquid bridges). With forces added to a
+//! step: [`bond`] (bonded agglomerates). As functions only, not offered by the force loop:
+//! [`johnson_kendall_roberts`] and [`linear_cohesion`] (dry adhesion). [`material`] holds the elastic constants of the two sides,
 //! [`hard_contact`] the time step that they allow.
 //! Nothing here knows bodies, lists or time stepping.
 
@@ -17,13 +17,19 @@ pub mod hertz_mindlin;
 pub mod johnson_kendall_roberts;
 pub mod linear_cohesion;
 pub mod material;
+pub mod rate_dependent_friction;
 pub mod rolling_constant_torque;
 pub mod rolling_spring_dashpot;
+pub mod viscoelastic_damping;
 
+pub use capillary_bridge::{BridgeForce, CapillaryBridge};
 pub use hertz_mindlin::{
     ContactForce, ContactGeometry, HertzMindlin, NormalForceEnd, PairParameters,
 };
 pub use material::{EffectiveModuli, Material};
+pub use rate_dependent_friction::RateDependentFriction;
+pub use rolling_spring_dashpot::RollingSpringDashpot;
+pub use viscoelastic_damping::ViscoelasticDamping;
 
 /// What is wrong with a material or a contact parameter.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]

@@ -9,7 +9,7 @@
     reason = "the hot loops are vectorised only when inlined"
 )]
 
-use crate::contact::{Effect, Interaction, SpherePair};
+use crate::contact::{Effect, Interaction, Memory, SpherePair};
 use crate::neighbours::Touch;
 use fearless_simd::prelude::*;
 use nalgebra::Vector3;
@@ -29,6 +29,7 @@ struct Input {
     velocity: Column,
     spins: [Column; 2],
     slip: Column,
+    rolling: Column,
     radii: [[f64; ROOM]; 2],
     dashpot_masses: [[f64; ROOM]; 2],
 }
@@ -40,6 +41,7 @@ struct Output {
     torque_i: Column,
     torque_j: Column,
     slip: Column,
+    rolling: Column,
 }
 
 /// Contacts that wait for their forces.
@@ -74,6 +76,7 @@ impl Default for Batch {
                 velocity: EMPTY,
                 spins: [EMPTY; 2],
                 slip: EMPTY,
+                rolling: EMPTY,
                 radii: [[0.0; ROOM]; 2],
                 dashpot_masses: [[0.0; ROOM]; 2],
             }),
@@ -82,6 +85,7 @@ impl Default for Batch {
                 torque_i: EMPTY,
                 torque_j: EMPTY,
                 slip: EMPTY,
+                rolling: EMPTY,
             }),
         }
     }
@@ -171,7 +175,8 @@ impl Batch {
         write(&mut input.velocity, k, &pair.velocity);
         write(&mut input.spins[0], k, &pair.spins[0]);
         write(&mut input.spins[1], k, &pair.spins[1]);
-        write(&mut input.slip, k, &pair.slip);
+        write(&mut input.slip, k, &pair.memory.slip);
+        write(&mut input.rolling, k, &pair.memory.rolling);
         input.radii[0][k] = pair.radii[0];
         input.radii[1][k] = pair.radii[1];
         input.dashpot_masses[0][k] = pair.dashpot_masses[0];
@@ -206,7 +211,10 @@ impl Batch {
                 force: read(&output.force, k),
                 torques: [read(&output.torque_i, k), read(&output.torque_j, k)],
             });
-            touches[self.touch[k]].slip = read(&output.slip, k);
+            touches[self.touch[k]].memory = Memory {
+                slip: read(&output.slip, k),
+                rolling: read(&output.rolling, k),
+            };
         }
         self.n = 0;
     }
@@ -222,7 +230,10 @@ fn compute(law: &Interaction, input: &Input, output: &mut Output, n: usize, time
             offset_j: read(&input.offset_j, k),
             velocity: read(&input.velocity, k),
             spins: [read(&input.spins[0], k), read(&input.spins[1], k)],
-            slip: read(&input.slip, k),
+            memory: Memory {
+                slip: read(&input.slip, k),
+                rolling: read(&input.rolling, k),
+            },
             radii: [input.radii[0][k], input.radii[1][k]],
             dashpot_masses: [input.dashpot_masses[0][k], input.dashpot_masses[1][k]],
         };
@@ -230,11 +241,12 @@ fn compute(law: &Interaction, input: &Input, output: &mut Output, n: usize, time
             force,
             torque_i,
             torque_j,
-            slip,
+            memory,
         } = law.between_spheres(&pair, time_step);
         write(&mut output.force, k, &force);
         write(&mut output.torque_i, k, &torque_i);
         write(&mut output.torque_j, k, &torque_j);
-        write(&mut output.slip, k, &slip);
+        write(&mut output.slip, k, &memory.slip);
+        write(&mut output.rolling, k, &memory.rolling);
     }
 }

@@ -2,6 +2,7 @@
 
 use crate::template::Template;
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
+use serde::{Deserialize, Serialize};
 
 /// Where a body starts.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -36,7 +37,7 @@ impl Placement {
 }
 
 /// State of all bodies; arrays of one length, one entry a body.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Bodies {
     /// Index of the template of each body.
     pub template: Vec<usize>,
@@ -67,6 +68,28 @@ impl Bodies {
     /// Number of bodies.
     pub fn len(&self) -> usize {
         self.position.len()
+    }
+
+    /// Whether all arrays have one length and hold numbers.
+    pub(crate) fn is_consistent(&self) -> bool {
+        let n = self.template.len();
+        let lengths = [
+            self.position.len(),
+            self.velocity.len(),
+            self.orientation.len(),
+            self.spin.len(),
+            self.angular_momentum.len(),
+            self.rotation.len(),
+            self.cells_to_metres.len(),
+            self.force.len(),
+            self.torque.len(),
+            self.travel.len(),
+        ];
+        let finite = |vectors: &[Vector3<f64>]| vectors.iter().flatten().all(|x| x.is_finite());
+        lengths.iter().all(|&length| length == n)
+            && [&self.position, &self.velocity, &self.spin]
+                .into_iter()
+                .all(|v| finite(v))
     }
 
     /// Whether there is no body.

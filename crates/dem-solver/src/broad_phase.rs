@@ -7,7 +7,7 @@
 
 use crate::lanes::{LANES, set_bits, squares};
 use fearless_simd::prelude::*;
-use fearless_simd::{Level, dispatch, f32x8};
+use fearless_simd::{Level, dispatch, f32x16};
 use nalgebra::Vector3;
 use std::ops::Range;
 
@@ -121,9 +121,9 @@ impl Grid {
         for first in range.clone().step_by(LANES) {
             let block = |axis: usize| &self.sorted[axis][first..first + LANES];
             let between = [
-                f32x8::from_slice(simd, block(0)) - centre[0],
-                f32x8::from_slice(simd, block(1)) - centre[1],
-                f32x8::from_slice(simd, block(2)) - centre[2],
+                f32x16::from_slice(simd, block(0)) - centre[0],
+                f32x16::from_slice(simd, block(1)) - centre[1],
+                f32x16::from_slice(simd, block(2)) - centre[2],
             ];
             let used = (1_u64 << (range.end - first).min(LANES)) - 1;
             // What is no number counts as near: the caller looks again in double precision.

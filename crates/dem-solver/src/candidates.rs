@@ -15,7 +15,7 @@
 use crate::lanes::{LANES, Lanes, along, load, load_vectors, set_bits, squares};
 use crate::pair_force::Slack;
 use crate::template::{Group, Packed};
-use fearless_simd::f32x8;
+use fearless_simd::f32x16;
 use fearless_simd::prelude::*;
 
 /// Pose of body j in the principal frame of body i.
@@ -83,7 +83,7 @@ impl Kept {
 /// Farthest reach of a template along a direction of its own frame, m.
 #[inline(always)]
 fn support<S: Simd>(simd: S, packed: &Packed, direction: &[f32; 3]) -> f32 {
-    let mut best = f32x8::splat(simd, f32::NEG_INFINITY);
+    let mut best = f32x16::splat(simd, f32::NEG_INFINITY);
     for group in &packed.groups {
         let centre = load_vectors(simd, &group.centre);
         best = best.max(along(&centre, direction) + load(simd, &group.radius));
@@ -107,7 +107,7 @@ pub(crate) fn search<S: Simd>(
     slack: Slack,
     scratch: &mut Scratch,
 ) -> f32 {
-    let Slack { skin, safety } = slack;
+    let Slack { skin, safety, .. } = slack;
     scratch.found.clear();
     let (r, p) = (&pose.rotation, &pose.position);
     let distance = (p[0] * p[0] + p[1] * p[1] + p[2] * p[2]).sqrt().max(1e-12);

@@ -5,21 +5,41 @@
     reason = "the hot loops are vectorised only when inlined"
 )]
 
+use contact_law::rolling_spring_dashpot::RollingContact;
 use contact_law::{
-    ContactGeometry, HertzMindlin, Material, NormalForceEnd, PairParameters, constant_attraction,
+    BridgeForce, ContactGeometry, HertzMindlin, Material, NormalForceEnd, PairParameters,
+    RateDependentFriction, RollingSpringDashpot, ViscoelasticDamping, constant_attraction,
     material, rolling_constant_torque,
 };
 use nalgebra::Vector3;
+use serde::{Deserialize, Serialize};
 
 /// Everything that decides the contact between two kinds of surface.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Interaction {
     /// Elastic, damping and sliding part.
     law: HertzMindlin,
-    /// Coefficient of rolling friction.
+    /// Coefficient of rolling friction of type A.
     rolling_friction: f64,
+    /// Rolling resistance of type C.
+    rolling_spring: Option<RollingSpringDashpot>,
     /// Attraction while touching, N.
     attraction: f64,
+    /// Bridge of liquid that forms when the surfaces touch.
+    bridge: Option<BridgeForce>,
+}
+
+/// Laws beside the usual ones; all off by default.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct FurtherLaws {
+    /// Damping that depends on the overlap.
+    pub viscoelastic: Option<ViscoelasticDamping>,
+    /// Friction that depends on the speed of sliding.
+    pub rate_dependent: Option<RateDependentFriction>,
+    /// Rolling resistance of type C, in place of type A; it brings its own coefficient.
+    pub rolling_spring: Option<RollingSpringDashpot>,
+    /// Bridge of liquid.
+    pub bridge: Option<BridgeForce>,
 }
 
 /// What a user states about two surfaces.
@@ -46,21 +66,62 @@ impl Interaction {
         Ok(Self {
             law: HertzMindlin::new(moduli, &settings.parameters, settings.end)?,
             rolling_friction: settings.parameters.rolling_friction,
+            rolling_spring: None,
             attraction: constant_attraction::check(settings.attraction)?,
+            bridge: None,
         })
+    }
+
+    /// The interaction with further laws.
+    #[must_use]
+    pub fn with(self, further: &FurtherLaws) -> Self {
+        let law = self.law.with_viscoelastic_damping(further.viscoelastic);
+        Self {
+            law: law.with_rate_dependent_friction(further.rate_dependent),
+            rolling_friction: if further.rolling_spring.is_some() {
+                0.0
+            } else {
+                self.rolling_friction
+            },
+            rolling_spring: further.rolling_spring,
+            bridge: further.bridge,
+            ..self
+        }
     }
 }
 
 impl Interaction {
+    /// Gap up to which a contact that was made lives on, m: 0 without liquid.
+    #[inline(always)]
+    pub(crate) fn reach(&self) -> f64 {
+        self.bridge.map_or(0.0, |bridge| bridge.rupture_gap())
+    }
+
     /// Elastic, damping and sliding part.
     pub(crate) fn law(&self) -> &HertzMindlin {
         &self.law
     }
 
-    /// Attraction while touching, N.
-    pub(crate) fn attraction(&self) -> f64 {
-        self.attraction
+    /// Attraction at an overlap (m, negative for a gap), N.
+    #[inline(always)]
+    pub(crate) fn attraction(&self, overlap: f64) -> f64 {
+        match &self.bridge {
+            None => self.attraction,
+            Some(bridge) => {
+                let touching = if overlap > 0.0 { self.attraction } else { 0.0 };
+                touching + bridge.attraction(-overlap)
+            }
+        }
     }
+}
+
+/// What a contact remembers from one step to the next.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+pub(crate) struct Memory {
+    /// Tangential displacement, m.
+    pub(crate) slip: Vector3<f64>,
+    /// Torque of the rolling spring on body i, N m.
+    pub(crate) rolling: Vector3<f64>,
 }
 
 /// Position and motion of a body that takes part in a contact.
@@ -87,8 +148,8 @@ pub(crate) struct SpherePair {
     pub(crate) velocity: Vector3<f64>,
     /// Angular velocities of both bodies, rad/s.
     pub(crate) spins: [Vector3<f64>; 2],
-    /// Tangential displacement of the step before, m.
-    pub(crate) slip: Vector3<f64>,
+    /// What was remembered in the step before.
+    pub(crate) memory: Memory,
     /// Radii of both spheres, m.
     pub(crate) radii: [f64; 2],
     /// Masses that both spheres bring into the dashpots, kg.
@@ -119,8 +180,8 @@ pub(crate) struct Effect {
     pub(crate) torque_i: Vector3<f64>,
     /// Torque on body j about its centre, N m.
     pub(crate) torque_j: Vector3<f64>,
-    /// Tangential displacement after the step, m.
-    pub(crate) slip: Vector3<f64>,
+    /// What to remember after the step.
+    pub(crate) memory: Memory,
 }
 
 impl Interaction {
@@ -141,74 +202,155 @@ impl Interaction {
         let arm_j = pair.offset_j - normal * (radius_j - 0.5 * overlap);
         let relative = pair.velocity + pair.spins[0].cross(&arm_i) - pair.spins[1].cross(&arm_j);
         let geometry = ContactGeometry {
-            overlap,
+            // Only a bridge keeps a contact beyond the touch; nothing is pressed then.
+            overlap: overlap.max(0.0),
             reduced_radius: radius_i * radius_j / sum,
             reduced_mass: mass_i * mass_j / (mass_i + mass_j),
         };
         let approach = relative.dot(&normal);
         let sliding = relative - normal * approach;
-        let kept = pair.slip - normal * pair.slip.dot(&normal);
+        let kept = pair.memory.slip - normal * pair.memory.slip.dot(&normal);
         let force = self
             .law
             .force(&geometry, approach, sliding, kept, time_step);
-        let on_i = force.tangential - normal * (force.normal - self.attraction);
-        let rolling = if self.rolling_friction > 0.0 {
-            let inverse_arm = 1.0 / arm_i.norm() + 1.0 / arm_j.norm();
-            self.rolling(
-                force.normal,
-                1.0 / inverse_arm,
-                pair.spins[0] - pair.spins[1],
-            )
+        let on_i = force.tangential - normal * (force.normal - self.attraction(overlap));
+        let rolling = if self.rolling_friction > 0.0 || self.rolling_spring.is_some() {
+            let [lever_i, lever_j] = [arm_i.norm(), arm_j.norm()];
+            let rolling = Rolling {
+                normal_force: force.normal.max(0.0),
+                lever: lever_i * lever_j / (lever_i + lever_j),
+                spin: pair.spins[0] - pair.spins[1],
+                normal,
+                overlap: geometry.overlap,
+                reduced_radius: geometry.reduced_radius,
+                inertia: reduced_inertia(mass_i * lever_i * lever_i, mass_j * lever_j * lever_j),
+            };
+            self.rolling(&rolling, pair.memory.rolling, time_step)
         } else {
-            Vector3::zeros()
+            [Vector3::zeros(); 2]
         };
         Effect {
             force: on_i,
-            torque_i: arm_i.cross(&on_i) + rolling,
-            torque_j: -arm_j.cross(&on_i) - rolling,
-            slip: force.slip,
+            torque_i: arm_i.cross(&on_i) + rolling[0],
+            torque_j: -arm_j.cross(&on_i) - rolling[0],
+            memory: Memory {
+                slip: force.slip,
+                rolling: rolling[1],
+            },
         }
     }
 
-    /// Force and torque of a wall on a sphere of `body`; `slip` as in [`SpherePair`].
+    /// Force and torque of a wall on a sphere of `body`; `memory` as in [`SpherePair`].
     #[inline(always)]
     pub(crate) fn at_wall(
         &self,
         contact: &SphereWall,
         body: &Mover,
-        slip: Vector3<f64>,
+        memory: Memory,
         time_step: f64,
     ) -> Effect {
         let normal = contact.normal;
         let relative = body.velocity + body.spin.cross(&contact.arm) - contact.wall_velocity;
         let approach = relative.dot(&normal);
         let sliding = relative - normal * approach;
-        let kept = slip - normal * slip.dot(&normal);
+        let kept = memory.slip - normal * memory.slip.dot(&normal);
+        let overlap = contact.geometry.overlap;
+        let geometry = ContactGeometry {
+            overlap: overlap.max(0.0),
+            ..contact.geometry
+        };
         let force = self
             .law
-            .force(&contact.geometry, approach, sliding, kept, time_step);
-        let on_body = force.tangential - normal * (force.normal - self.attraction);
+            .force(&geometry, approach, sliding, kept, time_step);
+        let on_body = force.tangential - normal * (force.normal - self.attraction(overlap));
         let lever = contact.arm.norm();
-        let rolling = self.rolling(force.normal, lever, body.spin - contact.wall_spin);
+        let rolling = Rolling {
+            normal_force: force.normal.max(0.0),
+            lever,
+            spin: body.spin - contact.wall_spin,
+            normal,
+            overlap: geometry.overlap,
+            reduced_radius: geometry.reduced_radius,
+            inertia: ROUND * geometry.reduced_mass * lever * lever,
+        };
+        let [torque, spring] = self.rolling(&rolling, memory.rolling, time_step);
         Effect {
             force: on_body,
-            torque_i: contact.arm.cross(&on_body) + rolling,
+            torque_i: contact.arm.cross(&on_body) + torque,
             torque_j: Vector3::zeros(),
-            slip: force.slip,
+            memory: Memory {
+                slip: force.slip,
+                rolling: spring,
+            },
         }
     }
 
-    /// Torque of rolling resistance, N m.
+    /// Torque of rolling resistance on body i and that of its spring, N m.
     #[inline(always)]
-    fn rolling(&self, normal_force: f64, lever: f64, spin: Vector3<f64>) -> Vector3<f64> {
-        let load = normal_force.max(0.0);
-        rolling_constant_torque::torque(self.rolling_friction, load, lever, spin)
+    fn rolling(
+        &self,
+        rolling: &Rolling,
+        spring: Vector3<f64>,
+        time_step: f64,
+    ) -> [Vector3<f64>; 2] {
+        if let Some(law) = &self.rolling_spring {
+            let contact = RollingContact {
+                normal_force: rolling.normal_force,
+                reduced_radius: rolling.lever,
+                tangential_stiffness: self
+                    .law
+                    .tangential_stiffness(rolling.overlap, rolling.reduced_radius),
+                reduced_inertia: rolling.inertia,
+                normal: rolling.normal,
+                relative_spin: rolling.spin,
+            };
+            let found = law.torque(&contact, spring, time_step);
+            return [found.torque, found.spring];
+        }
+        let torque = rolling_constant_torque::torque(
+            self.rolling_friction,
+            rolling.normal_force,
+            rolling.lever,
+            rolling.spin,
+        );
+        [torque, Vector3::zeros()]
     }
+}
+
+/// Moment of inertia of a sphere about its contact over m r²: 2/5 + 1.
+const ROUND: f64 = 1.4;
+
+/// Moment about the point of contact that resists the rolling of two bodies, kg m²; `m l²` of both.
+///
+/// The mass is the one that enters the dashpots: for single spheres the moment is exact, for
+/// agglomerates whose spheres damp with their own mass it is that of the spheres at their arms.
+#[inline(always)]
+fn reduced_inertia(i: f64, j: f64) -> f64 {
+    ROUND * i * j / (i + j)
+}
+
+/// A contact as rolling resistance sees it.
+#[derive(Debug, Clone, Copy)]
+struct Rolling {
+    /// Normal force, 0 or more, N.
+    normal_force: f64,
+    /// Reduced lever arm, m.
+    lever: f64,
+    /// Angular velocity of i less that of j, rad/s.
+    spin: Vector3<f64>,
+    /// Unit normal.
+    normal: Vector3<f64>,
+    /// Overlap, 0 or more, m.
+    overlap: f64,
+    /// Reduced radius, m.
+    reduced_radius: f64,
+    /// Reduced moment of inertia, kg m².
+    inertia: f64,
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{Interaction, InteractionSettings, Mover, SpherePair, SphereWall};
+    use super::{Interaction, InteractionSettings, Memory, Mover, SpherePair, SphereWall};
     use contact_law::{ContactGeometry, Material, NormalForceEnd, PairParameters};
     use nalgebra::Vector3;
 
@@ -246,7 +388,10 @@ mod tests {
                 offset_j: Vector3::new(0.0, -1e-3, 1e-3),
                 velocity: Vector3::new(0.01, 0.02, -0.01),
                 spins: [Vector3::new(1.0, 2.0, 3.0), Vector3::new(-2.0, 0.0, 1.0)],
-                slip,
+                memory: Memory {
+                    slip,
+                    ..Memory::default()
+                },
                 radii: [1e-3, 1e-3],
                 dashpot_masses: [4e-6, 4e-6],
             };
@@ -255,7 +400,7 @@ mod tests {
         let error = (plain.force - tilted.force).norm() / plain.force.norm();
         assert!(error < 1e-12, "force between spheres changes by {error}");
         assert!(
-            (plain.slip - tilted.slip).norm() < 1e-12 * plain.slip.norm(),
+            (plain.memory.slip - tilted.memory.slip).norm() < 1e-12 * plain.memory.slip.norm(),
             "slip changes"
         );
 
@@ -275,8 +420,13 @@ mod tests {
                 reduced_mass: 4e-6,
             },
         };
-        let [plain, tilted] = [SLIP, SLIP + NORMAL * 5e-7]
-            .map(|slip| interaction().at_wall(&contact, &body, slip, 1e-6));
+        let [plain, tilted] = [SLIP, SLIP + NORMAL * 5e-7].map(|slip| {
+            let memory = Memory {
+                slip,
+                ..Memory::default()
+            };
+            interaction().at_wall(&contact, &body, memory, 1e-6)
+        });
         let error = (plain.force - tilted.force).norm() / plain.force.norm();
         assert!(error < 1e-12, "force of a wall changes by {error}");
     }

@@ -152,4 +152,22 @@ pub enum Error {
         /// Time step, s.
         time_step: f64,
     },
+    /// A snapshot that is not of this world.
+    #[error(
+        "this snapshot is of another world: {what} are {found}, not {expected}; start the run anew"
+    )]
+    OtherWorld {
+        /// What differs.
+        what: &'static str,
+        /// What the snapshot says.
+        found: String,
+        /// What the world has.
+        expected: String,
+    },
+    /// A world that the energy ledger cannot book.
+    #[error("the energy ledger does not know the energy of {what}: leave them out of this world")]
+    NotInLedger {
+        /// What it does not know.
+        what: &'static str,
+    },
 }

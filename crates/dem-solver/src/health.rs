@@ -71,9 +71,10 @@ impl World {
     /// Refuses spheres of two bodies that overlap by more than a share of the smaller radius.
     fn check_overlaps(&self, limit: f64) -> Result<(), Error> {
         let bodies = self.bodies();
-        for (i, j, key) in self.touching_spheres() {
+        for contact in self.kept_pairs() {
+            let (i, j, key) = (contact.body, contact.other, contact.key);
             let templates = [i, j].map(|k| &self.templates()[bodies.template[k]]);
-            let Some(pair) = PairFrame::new(bodies, [i, j]).sphere_pair(key, templates) else {
+            let Some(pair) = PairFrame::new(bodies, [i, j]).sphere_pair(key, templates, 0.0) else {
                 continue;
             };
             let [a, b] = pair.radii;

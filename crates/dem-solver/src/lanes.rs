@@ -1,4 +1,4 @@
-//! Eight numbers side by side, on the widest instructions that the processor has.
+//! Sixteen numbers side by side, on the widest instructions that the processor has.
 //!
 //! [`Simd`] stands for an instruction set that is known to be there. A function that takes one
 //! is compiled for each set, if it is inlined down to the dispatch.
@@ -8,22 +8,22 @@
     reason = "the hot loops are vectorised only when inlined"
 )]
 
-use fearless_simd::f32x8;
+use fearless_simd::f32x16;
 use fearless_simd::prelude::*;
 
 /// Numbers handled together.
-pub(crate) const LANES: usize = 8;
+pub(crate) const LANES: usize = 16;
 
 /// One number in each lane.
 pub(crate) type Lanes = [f32; LANES];
 
 /// A vector in each lane.
-pub(crate) type Vectors<S> = [f32x8<S>; 3];
+pub(crate) type Vectors<S> = [f32x16<S>; 3];
 
 /// Numbers in a register.
 #[inline(always)]
-pub(crate) fn load<S: Simd>(simd: S, lanes: &Lanes) -> f32x8<S> {
-    f32x8::from_slice(simd, lanes)
+pub(crate) fn load<S: Simd>(simd: S, lanes: &Lanes) -> f32x16<S> {
+    f32x16::from_slice(simd, lanes)
 }
 
 /// Vectors in registers.
@@ -38,13 +38,13 @@ pub(crate) fn load_vectors<S: Simd>(simd: S, lanes: &[Lanes; 3]) -> Vectors<S> {
 
 /// Component of each vector along a direction.
 #[inline(always)]
-pub(crate) fn along<S: Simd>(vectors: &Vectors<S>, direction: &[f32; 3]) -> f32x8<S> {
+pub(crate) fn along<S: Simd>(vectors: &Vectors<S>, direction: &[f32; 3]) -> f32x16<S> {
     vectors[0] * direction[0] + vectors[1] * direction[1] + vectors[2] * direction[2]
 }
 
 /// Square of the length of each vector.
 #[inline(always)]
-pub(crate) fn squares<S: Simd>(vectors: &Vectors<S>) -> f32x8<S> {
+pub(crate) fn squares<S: Simd>(vectors: &Vectors<S>) -> f32x16<S> {
     vectors[0] * vectors[0] + vectors[1] * vectors[1] + vectors[2] * vectors[2]
 }
 

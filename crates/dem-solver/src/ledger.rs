@@ -13,10 +13,10 @@
 //! rolling friction, each from its own force. What the terms leave open is the error of the time
 //! stepping, and the change of `k_t` under a stored slip is counted as friction.
 //!
-//! The ledger looks at every pair of spheres in each step: it is for small worlds without walls of
-//! triangles.
+//! The ledger looks at every pair of spheres in each step: it is for small worlds. It refuses walls of
+//! triangles and bridges of liquid, whose energies it does not know.
 
-use crate::contact::{Effect, Interaction};
+use crate::contact::{Effect, Interaction, Memory};
 use crate::error::Error;
 use crate::pair_force::{PairFrame, mover};
 use crate::wall_force::sphere_at_wall;
@@ -71,8 +71,8 @@ struct Contact {
     rolling: Vector3<f64>,
     /// Force of the normal spring, N, and its energy, J.
     spring: [f64; 2],
-    /// Tangential displacement, m.
-    slip: Vector3<f64>,
+    /// What the contact remembers.
+    memory: Memory,
     /// Energy of the tangential spring, J.
     stored: f64,
 }
@@ -89,8 +89,8 @@ struct Work {
 /// The ledger of a world.
 #[derive(Debug, Clone, Default)]
 pub struct EnergyLedger {
-    /// Slip and energy of the tangential springs after the last step.
-    history: BTreeMap<Key, (Vector3<f64>, f64)>,
+    /// Memory of the contacts and energy of their tangential springs after the last step.
+    history: BTreeMap<Key, (Memory, f64)>,
     /// Work up to the middle of the last step.
     done: Work,
     /// Terms at the moment of the last force.
@@ -104,8 +104,18 @@ impl EnergyLedger {
     ///
     /// # Errors
     ///
-    /// A body that has run away.
+    /// A world with walls of triangles or bridges of liquid, a body that has run away.
     pub fn step(&mut self, world: &mut World) -> Result<(), Error> {
+        let unknown = if world.mesh_walls().next().is_some() {
+            Some("walls of triangles")
+        } else if world.context().slack.reach > 0.0 {
+            Some("bridges of liquid")
+        } else {
+            None
+        };
+        if let Some(what) = unknown {
+            return Err(Error::NotInLedger { what });
+        }
         let contacts = self.contacts(world);
         let potential = potential(world);
         let before = world.bodies().clone();
@@ -127,7 +137,7 @@ impl EnergyLedger {
         self.done.rubbed += work.rubbed;
         self.done.rolled += work.rolled;
         self.done.driven += work.driven;
-        let kept = contacts.iter().map(|c| (c.key, (c.slip, c.stored)));
+        let kept = contacts.iter().map(|c| (c.key, (c.memory, c.stored)));
         self.history = kept.collect();
         Ok(())
     }
@@ -189,11 +199,11 @@ impl EnergyLedger {
                 let frame = PairFrame::new(bodies, [i, j]);
                 for pair in 0..n * m {
                     let spheres = word(pair / m) << 16 | word(pair % m);
-                    let Some(mut pair) = frame.sphere_pair(spheres, templates) else {
+                    let Some(mut pair) = frame.sphere_pair(spheres, templates, 0.0) else {
                         continue;
                     };
                     let key = (i, j, false, spheres);
-                    pair.slip = self.slip(&key);
+                    pair.memory = self.memory(&key);
                     let law = context.interaction(template(i).material, template(j).material);
                     let effect = law.between_spheres(&pair, context.time_step);
                     let distance = pair.between.norm();
@@ -229,7 +239,7 @@ impl EnergyLedger {
                 let at = sphere_at_wall(&body, sphere, &centre, wall, &nearest);
                 let key = (i, w, true, word(k));
                 let law = context.interaction(template.material, wall.material);
-                let effect = law.at_wall(&at, &body, self.slip(&key), context.time_step);
+                let effect = law.at_wall(&at, &body, self.memory(&key), context.time_step);
                 let geometry = [at.geometry.overlap, at.geometry.reduced_radius];
                 let (arms, motion) = ([at.arm; 2], [at.wall_velocity, at.wall_spin]);
                 contacts.push(contact(
@@ -239,9 +249,9 @@ impl EnergyLedger {
         }
     }
 
-    /// Slip of a contact in the step before, m.
-    fn slip(&self, key: &Key) -> Vector3<f64> {
-        self.history.get(key).map_or_else(Vector3::zeros, |h| h.0)
+    /// What a contact remembers of the step before.
+    fn memory(&self, key: &Key) -> Memory {
+        self.history.get(key).map_or_else(Memory::default, |h| h.0)
     }
 }
 
@@ -255,7 +265,7 @@ fn contact(
     interaction: &Interaction,
     effect: &Effect,
 ) -> Contact {
-    let (law, pull) = (interaction.law(), interaction.attraction());
+    let (law, pull) = (interaction.law(), interaction.attraction(overlap));
     let spring = 2.0 / 3.0 * law.normal_stiffness(overlap, radius) * overlap;
     let stiffness = law.tangential_stiffness(overlap, radius);
     Contact {
@@ -269,8 +279,8 @@ fn contact(
             spring - pull,
             law.elastic_energy(overlap, radius) - pull * overlap,
         ],
-        slip: effect.slip,
-        stored: 0.5 * stiffness * effect.slip.norm_squared(),
+        memory: effect.memory,
+        stored: 0.5 * stiffness * effect.memory.slip.norm_squared(),
     }
 }
 

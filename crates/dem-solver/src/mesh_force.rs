@@ -7,30 +7,42 @@
 //! from one triangle to the next.
 
 use crate::bodies::Bodies;
-use crate::contact::{Effect, Mover, SphereWall};
+use crate::contact::{Effect, Memory, Mover, SphereWall};
 use crate::error::Error;
 use crate::mesh_wall::{MeshWall, Motion, Moving};
 use crate::pair_force::{Context, mover};
 use crate::template::{OuterSphere, Template};
 use contact_law::ContactGeometry;
 use nalgebra::Vector3;
+use serde::{Deserialize, Serialize};
 use trimesh::nearest_on_triangle;
 
-/// Two nearest points closer than this share of the sphere's radius are one.
+/// Two nearest points closer than this share of the reach of a sphere are one.
 const SAME_POINT: f64 = 1e-6;
 
 /// Cosine of the angle by which a contact may turn in one step and still be the same.
 const SAME_CONTACT: f64 = 0.9;
 
+/// A contact of a body and a wall, as a snapshot keeps it.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub(crate) struct MeshContact {
+    /// The body.
+    body: usize,
+    /// The wall.
+    wall: usize,
+    /// The contact.
+    touch: Touch,
+}
+
 /// A sphere that touches a wall.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 struct Touch {
     /// The sphere.
     sphere: u16,
     /// Unit vector from the sphere towards the wall.
     normal: Vector3<f64>,
-    /// Tangential displacement, m.
-    slip: Vector3<f64>,
+    /// What the contact remembers.
+    memory: Memory,
 }
 
 /// A body near a wall.
@@ -153,6 +165,29 @@ impl MeshWalls {
         }
     }
 
+    /// All contacts.
+    pub(crate) fn kept(&self) -> Vec<MeshContact> {
+        let near = self.near.iter();
+        near.flat_map(|n| {
+            n.touches.iter().map(|&touch| MeshContact {
+                body: n.body,
+                wall: n.wall,
+                touch,
+            })
+        })
+        .collect()
+    }
+
+    /// Takes up contacts; the bodies near walls are listed. False if one of them is not.
+    pub(crate) fn recall(&mut self, contacts: &[MeshContact]) -> bool {
+        contacts.iter().all(|contact| {
+            let place = (contact.body, contact.wall);
+            let at = self.near.binary_search_by_key(&place, |n| (n.body, n.wall));
+            at.map(|at| self.near[at].touches.push(contact.touch))
+                .is_ok()
+        })
+    }
+
     /// Number of touching spheres at all walls.
     pub(crate) fn n_contacts(&self) -> usize {
         self.near.iter().map(|n| n.touches.len()).sum()
@@ -199,19 +234,29 @@ impl Near {
         let interaction = context.interaction(template.material, moving.wall.material);
         let rotation = &bodies.rotation[self.body];
         let mut total = Effect::default();
+        let reach = interaction.reach();
         let mut before = std::mem::take(&mut self.touches);
         for group in self.candidates.chunk_by(|a, b| a.0 == b.0) {
             let number = group[0].0;
             let sphere = &template.spheres[usize::from(number)];
             let centre = body.position + rotation * sphere.centre;
-            for hit in felt(group, &moving.own_point(&centre), sphere.radius, moving) {
+            for hit in felt(
+                group,
+                &moving.own_point(&centre),
+                sphere.radius + reach,
+                moving,
+            ) {
                 let contact = geometry(body, sphere, &centre, moving, &hit);
-                let slip = take_slip(&mut before, number, &contact.normal);
-                let effect = interaction.at_wall(&contact, body, slip, context.time_step);
+                let known = take_memory(&mut before, number, &contact.normal);
+                if known.is_none() && contact.geometry.overlap <= 0.0 {
+                    continue;
+                }
+                let memory = known.unwrap_or_default();
+                let effect = interaction.at_wall(&contact, body, memory, context.time_step);
                 self.touches.push(Touch {
                     sphere: number,
                     normal: contact.normal,
-                    slip: effect.slip,
+                    memory: effect.memory,
                 });
                 total.force += effect.force;
                 total.torque_i += effect.torque_i;
@@ -221,15 +266,15 @@ impl Near {
     }
 }
 
-/// Contacts of a sphere at a point of the frame of the triangles, nearest first.
-fn felt(group: &[(u16, u32)], own: &Vector3<f64>, radius: f64, moving: &Moving) -> Vec<Hit> {
+/// Triangles within reach (m) of the centre of a sphere, a point of their frame, nearest first.
+fn felt(group: &[(u16, u32)], own: &Vector3<f64>, reach: f64, moving: &Moving) -> Vec<Hit> {
     let triangles = &moving.wall.triangles;
     let mut hits: Vec<Hit> = Vec::new();
     for &(_, triangle) in group {
         let triangle = triangle as usize;
         let point = nearest_on_triangle(own, &triangles[triangle]);
         let distance = (point - own).norm();
-        if distance < radius {
+        if distance < reach {
             hits.push(Hit {
                 distance,
                 point,
@@ -242,7 +287,7 @@ fn felt(group: &[(u16, u32)], own: &Vector3<f64>, radius: f64, moving: &Moving) 
     for hit in hits {
         let shared = |other: &Hit| {
             let there = nearest_on_triangle(&hit.point, &triangles[other.triangle]);
-            (there - hit.point).norm() < SAME_POINT * radius
+            (there - hit.point).norm() < SAME_POINT * reach
         };
         if !kept.iter().any(shared) {
             kept.push(hit);
@@ -280,13 +325,13 @@ fn geometry(
     }
 }
 
-/// Takes the displacement of the contact of a sphere that had nearly this normal; 0 for a new one.
-fn take_slip(before: &mut Vec<Touch>, sphere: u16, normal: &Vector3<f64>) -> Vector3<f64> {
+/// Takes the memory of the contact of a sphere that had nearly this normal; none for a new one.
+fn take_memory(before: &mut Vec<Touch>, sphere: u16, normal: &Vector3<f64>) -> Option<Memory> {
     let same = before
         .iter()
         .enumerate()
         .filter(|(_, t)| t.sphere == sphere && t.normal.dot(normal) > SAME_CONTACT)
         .max_by(|a, b| a.1.normal.dot(normal).total_cmp(&b.1.normal.dot(normal)))
         .map(|(at, _)| at);
-    same.map_or_else(Vector3::zeros, |at| before.swap_remove(at).slip)
+    same.map(|at| before.swap_remove(at).memory)
 }

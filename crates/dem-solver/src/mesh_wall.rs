@@ -5,6 +5,7 @@
 
 use crate::error::Error;
 use nalgebra::{UnitQuaternion, Vector3};
+use serde::{Deserialize, Serialize};
 use trimesh::nearest_on_triangle;
 
 /// A wall made of triangles.
@@ -21,7 +22,7 @@ pub struct MeshWall {
 }
 
 /// Prescribed motion of a rigid wall.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct Motion {
     /// Velocity of the centre of rotation, m/s.
     pub velocity: Vector3<f64>,
@@ -34,7 +35,7 @@ pub struct Motion {
 }
 
 /// A harmonic displacement `amplitude sin(angular_frequency t)`, t from the start of the world.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Vibration {
     /// Amplitude, m.
     pub amplitude: Vector3<f64>,
@@ -62,6 +63,25 @@ struct Ball {
     centre: Vector3<f64>,
     /// Radius, m.
     radius: f64,
+}
+
+/// Where a wall is on its way.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Path {
+    /// The motion of now.
+    motion: Motion,
+    /// Way of the centre of rotation without the vibration, m.
+    shift: Vector3<f64>,
+    /// Displacement of the vibration, m.
+    swing: Vector3<f64>,
+    /// Velocity of the vibration, m/s.
+    swing_velocity: Vector3<f64>,
+    /// Turn since the start.
+    turn: UnitQuaternion<f64>,
+    /// Force of the last step, N.
+    force: Vector3<f64>,
+    /// Torque of the last step about the centre of rotation, N m.
+    torque: Vector3<f64>,
 }
 
 /// A wall on its way.
@@ -139,6 +159,29 @@ impl Moving {
             torque: Vector3::zeros(),
             wall,
         })
+    }
+
+    /// Where the wall is.
+    pub(crate) fn path(&self) -> Path {
+        Path {
+            motion: self.wall.motion,
+            shift: self.shift,
+            swing: self.swing,
+            swing_velocity: self.swing_velocity,
+            turn: self.turn,
+            force: self.force,
+            torque: self.torque,
+        }
+    }
+
+    /// Puts the wall where it was.
+    pub(crate) fn put(&mut self, path: &Path) {
+        self.wall.motion = path.motion;
+        self.shift = path.shift;
+        self.swing = path.swing;
+        self.swing_velocity = path.swing_velocity;
+        self.turn = path.turn;
+        (self.force, self.torque) = (path.force, path.torque);
     }
 
     /// Centre of rotation now, m.

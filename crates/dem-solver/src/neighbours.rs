@@ -12,23 +12,25 @@
 
 use crate::bodies::{Bodies, scaled_single};
 use crate::candidates::{RelativeSingle, Scratch, search};
+use crate::contact::Memory;
 use crate::lanes::LANES;
 use crate::pair_force::Slack;
+use crate::snapshot::KeptContact;
 use crate::template::Template;
 use fearless_simd::prelude::*;
 use nalgebra::{UnitQuaternion, Vector3};
 use std::ops::{AddAssign, Range};
 
-/// A touching pair of spheres and its tangential displacement.
+/// A touching pair of spheres and what its contact remembers.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Touch {
     /// Sphere of i in the upper half, sphere of j (or 0 for a wall) in the lower half.
     pub(crate) key: u32,
-    /// Tangential displacement, m.
-    pub(crate) slip: Vector3<f64>,
+    /// What the contact remembers.
+    pub(crate) memory: Memory,
 }
 
-/// Up to eight pairs of spheres in the principal frames of their bodies.
+/// Up to sixteen pairs of spheres in the principal frames of their bodies.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Chunk {
     /// x, y, z of the spheres of i, in cells of its template.
@@ -39,7 +41,7 @@ pub(crate) struct Chunk {
     pub(crate) key: [u32; LANES],
     /// Lanes in use, as bits.
     pub(crate) used: u64,
-    /// Square of the distance at which the largest two spheres touch, m².
+    /// Square of the distance at which a contact of the largest two spheres ends, m².
     pub(crate) limit: f32,
 }
 
@@ -152,7 +154,7 @@ pub struct Census {
     pub body_pairs: usize,
     /// Those of them with at least one pair of spheres within the skin.
     pub pairs_with_candidates: usize,
-    /// Groups of eight candidates.
+    /// Groups of up to sixteen candidates.
     pub chunks: usize,
     /// Pairs of bodies that touch.
     pub touching_pairs: usize,
@@ -192,16 +194,47 @@ impl Neighbours {
         self.first..self.first + self.start.len().saturating_sub(1)
     }
 
-    /// Touching spheres of two bodies: (body, body, key of the spheres), as of the last step.
-    pub(crate) fn touching_spheres(&self) -> impl Iterator<Item = (usize, usize, u32)> + '_ {
+    /// All contacts, as of the last step.
+    pub(crate) fn kept(&self) -> impl Iterator<Item = KeptContact> + '_ {
         let bodies = self.start.windows(2).zip(self.first..);
         let pairs = bodies.flat_map(|(w, i)| (w[0] as usize..w[1] as usize).map(move |k| (i, k)));
         pairs.flat_map(|(i, k)| {
             let lists = &self.lists[k];
             let touches = lists.touch as usize..(lists.touch + lists.n_touches) as usize;
-            let j = self.heads[k].j as usize;
-            self.touches[touches].iter().map(move |t| (i, j, t.key))
+            let other = self.heads[k].j as usize;
+            self.touches[touches].iter().map(move |t| KeptContact {
+                body: i,
+                other,
+                key: t.key,
+                memory: t.memory,
+            })
         })
+    }
+
+    /// Takes up the contacts of its bodies, which come in order; the pairs are listed and have none
+    /// yet. The number taken.
+    pub(crate) fn recall(&mut self, contacts: &[KeptContact]) -> usize {
+        let range = self.range();
+        let mut taken = 0;
+        for pair in contacts.chunk_by(|a, b| (a.body, a.other) == (b.body, b.other)) {
+            if !range.contains(&pair[0].body) {
+                continue;
+            }
+            let place = pair[0].body - self.first;
+            let (from, to) = (self.start[place] as usize, self.start[place + 1] as usize);
+            let found = self.heads[from..to].binary_search_by_key(&pair[0].other, |h| h.j as usize);
+            if let Ok(at) = found {
+                let lists = &mut self.lists[from + at];
+                lists.touch = stored(self.touches.len());
+                lists.n_touches = stored(pair.len());
+                self.touches.extend(pair.iter().map(|contact| Touch {
+                    key: contact.key,
+                    memory: contact.memory,
+                }));
+                taken += pair.len();
+            }
+        }
+        taken
     }
 
     /// Sizes of the lists.
@@ -349,7 +382,7 @@ impl Neighbours {
             reach,
         };
         self.n_rebuilds += 1;
-        self.place_chunks(k, a, b, slack.safety);
+        self.place_chunks(k, a, b, slack.safety + slack.reach);
         self.set_limit(k, travel + reach);
     }
 
@@ -387,7 +420,7 @@ impl Neighbours {
     }
 
     /// Writes the candidates found into the place of pair `k`, or to the end if it is too small.
-    fn place_chunks(&mut self, k: usize, a: &Template, b: &Template, safety: f32) {
+    fn place_chunks(&mut self, k: usize, a: &Template, b: &Template, beyond: f32) {
         let lists = &mut self.lists[k];
         let groups = self.scratch.found.chunks(LANES);
         lists.n_chunks = stored(groups.len());
@@ -395,11 +428,11 @@ impl Neighbours {
             lists.chunk = stored(self.chunks.len());
             lists.room = lists.n_chunks;
             self.chunks
-                .extend(groups.map(|group| chunk_of(group, a, b, safety)));
+                .extend(groups.map(|group| chunk_of(group, a, b, beyond)));
         } else {
             let place = &mut self.chunks[lists.chunk as usize..];
             for (chunk, group) in place.iter_mut().zip(groups) {
-                *chunk = chunk_of(group, a, b, safety);
+                *chunk = chunk_of(group, a, b, beyond);
             }
         }
         if lists.n_chunks == 0 {
@@ -409,8 +442,8 @@ impl Neighbours {
     }
 }
 
-/// Lays candidates out in lanes.
-fn chunk_of(group: &[(u16, u16)], a: &Template, b: &Template, safety: f32) -> Chunk {
+/// Lays candidates out in lanes; contacts are looked for up to a gap `beyond` (m).
+fn chunk_of(group: &[(u16, u16)], a: &Template, b: &Template, beyond: f32) -> Chunk {
     let mut chunk = Chunk {
         i: [[0; LANES]; 3],
         j: [[0; LANES]; 3],
@@ -428,7 +461,7 @@ fn chunk_of(group: &[(u16, u16)], a: &Template, b: &Template, safety: f32) -> Ch
             clippy::cast_possible_truncation,
             reason = "covered by the safety distance"
         )]
-        let sum = (a.spheres[u].radius + b.spheres[v].radius) as f32 + safety;
+        let sum = (a.spheres[u].radius + b.spheres[v].radius) as f32 + beyond;
         chunk.limit = chunk.limit.max(sum * sum);
         chunk.key[l] = u32::from(si) << 16 | u32::from(sj);
     }

@@ -7,13 +7,13 @@
 
 use crate::batch::{Batch, Sink};
 use crate::bodies::Bodies;
-use crate::contact::{Interaction, Mover, SpherePair};
+use crate::contact::{Interaction, Memory, Mover, SpherePair};
 use crate::lanes::{LANES, along, load_vectors, set_bits, squares};
 use crate::neighbours::{Chunk, Neighbours, Touch};
 use crate::template::{CELLS, Template};
 use crate::world::Settings;
 use fearless_simd::prelude::*;
-use fearless_simd::{Level, dispatch, f32x8};
+use fearless_simd::{Level, dispatch, f32x16};
 use nalgebra::{Matrix3, Vector3};
 
 /// Distances of the sphere lists.
@@ -21,22 +21,26 @@ use nalgebra::{Matrix3, Vector3};
 pub(crate) struct Slack {
     /// Gap up to which spheres are listed, at least twice the safety, m.
     pub(crate) skin: f32,
+    /// Longest gap at which a contact that was made lives on, m.
+    pub(crate) reach: f32,
     /// Bound of the rounding of a gap in single precision, m.
     pub(crate) safety: f32,
 }
 
 impl Slack {
-    /// Distances for bodies of a largest bounding radius (m).
+    /// Distances for bodies of a largest bounding radius (m) and contacts that live on up to a gap
+    /// `reach` (m).
     ///
     /// A gap is the difference of coordinates below twice the radius plus the margin. Each comes
     /// from about ten roundings of 6e-8 of that size, some of them in three components. The
     /// stored centres of the two spheres are rounded to cells of a 32767th of the radius.
     #[expect(clippy::cast_possible_truncation, reason = "the skin may be anything")]
-    pub(crate) fn new(largest_radius: f64, settings: &Settings) -> Self {
+    pub(crate) fn new(largest_radius: f64, reach: f64, settings: &Settings) -> Self {
         let cells = 3.0_f64.sqrt() * largest_radius / CELLS;
         let safety = 2e-6 * (2.0 * largest_radius + settings.margin) + cells;
         Self {
-            skin: (settings.skin + 2.0 * safety) as f32,
+            skin: (settings.skin + reach + 2.0 * safety) as f32,
+            reach: reach as f32,
             safety: safety as f32,
         }
     }
@@ -82,7 +86,7 @@ fn distances<S: Simd>(
     ri: &[f32; 9],
     rj: &[f32; 9],
     d: &[f32; 3],
-) -> f32x8<S> {
+) -> f32x16<S> {
     // Plain code: vector arithmetic inside a closure given to `map` would not be inlined.
     let (mut own, mut other) = ([[0.0; LANES]; 3], [[0.0; LANES]; 3]);
     for axis in 0..3 {
@@ -165,11 +169,12 @@ fn collect_pair<S: Simd>(
     let first = neighbours.next_touches.len();
     let templates = [i, j].map(|body| &context.templates[bodies.template[body]]);
     let interaction = context.interaction_index(templates[0].material, templates[1].material);
+    let reach = context.interactions[interaction].reach();
     let frame = PairFrame::new(bodies, [i, j]);
     let single = [0, 1, 2].map(|axis| frame.difference[axis] as f32);
     let (ri, rj) = (bodies.cells_to_metres[i], bodies.cells_to_metres[j]);
     let chunks = lists.chunk as usize..(lists.chunk + lists.n_chunks) as usize;
-    let mut nearest = f32x8::splat(simd, f32::INFINITY);
+    let mut nearest = f32x16::splat(simd, f32::INFINITY);
     let mut limit: f32 = 0.0;
     for chunk in &neighbours.chunks[chunks] {
         let squares = distances(simd, chunk, &ri, &rj, &single);
@@ -178,11 +183,12 @@ fn collect_pair<S: Simd>(
         limit = limit.max(chunk.limit);
         for lane in set_bits(touching) {
             let key = chunk.key[lane];
-            if let Some(mut pair) = frame.sphere_pair(key, templates) {
-                let known = neighbours.touches[old.clone()]
-                    .iter()
-                    .find(|t| t.key == key);
-                pair.slip = known.map_or_else(Vector3::zeros, |touch| touch.slip);
+            let known = neighbours.touches[old.clone()]
+                .iter()
+                .find(|t| t.key == key);
+            let gap = if known.is_some() { reach } else { 0.0 };
+            if let Some(mut pair) = frame.sphere_pair(key, templates, gap) {
+                pair.memory = known.map_or_else(Memory::default, |touch| touch.memory);
                 let touches = &mut neighbours.next_touches;
                 if batch.must_be_applied(interaction) {
                     batch.apply(simd, context.interactions, context.time_step, sink, touches);
@@ -190,7 +196,7 @@ fn collect_pair<S: Simd>(
                 batch.push(interaction, [i, j], touches.len(), &pair);
                 touches.push(Touch {
                     key,
-                    slip: pair.slip,
+                    memory: pair.memory,
                 });
             }
         }
@@ -235,15 +241,21 @@ impl PairFrame {
         }
     }
 
-    /// Geometry and motion of two spheres, without a slip; none if they do not touch.
+    /// Geometry and motion of two spheres, without a memory; none if their gap is above `reach` (m):
+    /// 0 for spheres that must touch.
     #[inline(always)]
-    pub(crate) fn sphere_pair(&self, key: u32, [a, b]: [&Template; 2]) -> Option<SpherePair> {
+    pub(crate) fn sphere_pair(
+        &self,
+        key: u32,
+        [a, b]: [&Template; 2],
+        reach: f64,
+    ) -> Option<SpherePair> {
         let u = &a.spheres[(key >> 16) as usize];
         let v = &b.spheres[(key & 0xffff) as usize];
         let offset_i = self.rotations[0] * u.centre;
         let offset_j = self.rotations[1] * v.centre;
         let between = self.difference + (offset_j - offset_i);
-        let sum = u.radius + v.radius;
+        let sum = u.radius + v.radius + reach;
         let square = between.norm_squared();
         if square >= sum * sum || square == 0.0 {
             return None;
@@ -254,7 +266,7 @@ impl PairFrame {
             offset_j,
             velocity: self.velocity,
             spins: self.spins,
-            slip: Vector3::zeros(),
+            memory: Memory::default(),
             radii: [u.radius, v.radius],
             dashpot_masses: [u.dashpot_mass, v.dashpot_mass],
         })

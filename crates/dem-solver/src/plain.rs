@@ -2,19 +2,20 @@
 //!
 //! It is slow and obvious. The tests hold the fast loop to it.
 
+use crate::contact::Memory;
 use crate::pair_force::{PairFrame, mover};
 use crate::wall_force::sphere_at_wall;
 use crate::world::World;
 use nalgebra::Vector3;
 use std::collections::BTreeMap;
 
-/// Tangential displacements of the contacts: (body, body or wall, sphere pair) -> m.
+/// What the contacts remember, by (body, body or wall, sphere pair).
 #[derive(Debug, Clone, Default)]
 pub struct History {
     /// Between bodies.
-    pairs: BTreeMap<(usize, usize, u32), Vector3<f64>>,
+    pairs: BTreeMap<(usize, usize, u32), Memory>,
     /// Between bodies and walls.
-    walls: BTreeMap<(usize, usize, u32), Vector3<f64>>,
+    walls: BTreeMap<(usize, usize, u32), Memory>,
 }
 
 impl History {
@@ -40,7 +41,7 @@ pub struct Load {
 
 /// Contact loads on all bodies that the next step of a world will use.
 ///
-/// `history` holds the displacements of the step before, and of this step afterwards: starting
+/// `history` holds what the contacts remember of the step before, and of this step afterwards: starting
 /// from an empty one, call this once before each step.
 pub fn loads(world: &World, history: &mut History) -> Vec<Load> {
     let context = world.context();
@@ -56,13 +57,15 @@ pub fn loads(world: &World, history: &mut History) -> Vec<Load> {
             for pair in 0..n * m {
                 let key = u32::try_from(pair / m).unwrap_or(0) << 16
                     | u32::try_from(pair % m).unwrap_or(0);
-                let Some(mut pair) = frame.sphere_pair(key, templates) else {
+                let law = context.interaction(a, b);
+                let known = history.pairs.get(&(i, j, key));
+                let reach = if known.is_some() { law.reach() } else { 0.0 };
+                let Some(mut pair) = frame.sphere_pair(key, templates, reach) else {
                     continue;
                 };
-                pair.slip = history.pairs.get(&(i, j, key)).copied().unwrap_or_default();
-                let law = context.interaction(a, b);
+                pair.memory = known.copied().unwrap_or_default();
                 let effect = law.between_spheres(&pair, context.time_step);
-                next.pairs.insert((i, j, key), effect.slip);
+                next.pairs.insert((i, j, key), effect.memory);
                 loads[i].force += effect.force;
                 loads[j].force -= effect.force;
                 loads[i].torque += effect.torque_i;
@@ -86,17 +89,19 @@ fn wall_loads(world: &World, i: usize, before: &History, next: &mut History, loa
             let centre = body.position + bodies.rotation[i] * sphere.centre;
             let nearest = wall.nearest(&centre);
             let overlap = sphere.radius - nearest.distance;
-            if overlap <= 0.0 {
+            let key = (i, w, u32::try_from(k).unwrap_or(0));
+            let law = context.interaction(template.material, wall.material);
+            let known = before.walls.get(&key);
+            let reach = if known.is_some() { law.reach() } else { 0.0 };
+            if overlap <= -reach {
                 continue;
             }
-            let key = (i, w, u32::try_from(k).unwrap_or(0));
-            let slip = before.walls.get(&key).copied().unwrap_or_default();
+            let memory = known.copied().unwrap_or_default();
             let contact = sphere_at_wall(&body, sphere, &centre, wall, &nearest);
-            let law = context.interaction(template.material, wall.material);
-            let effect = law.at_wall(&contact, &body, slip, context.time_step);
+            let effect = law.at_wall(&contact, &body, memory, context.time_step);
             load.force += effect.force;
             load.torque += effect.torque_i;
-            next.walls.insert(key, effect.slip);
+            next.walls.insert(key, effect.memory);
         }
     }
 }

@@ -68,7 +68,7 @@ pub(crate) struct Packed {
     pub(crate) high: [f32; 3],
 }
 
-/// Eight spheres side by side.
+/// Sixteen spheres side by side.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Group {
     /// x, y, z of the centres, m.

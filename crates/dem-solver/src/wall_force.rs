@@ -7,9 +7,10 @@
 
 use crate::batch::Loads;
 use crate::bodies::Bodies;
-use crate::contact::{Effect, Mover, SphereWall};
+use crate::contact::{Effect, Memory, Mover, SphereWall};
 use crate::neighbours::{Touch, lowered};
 use crate::pair_force::{Context, Slack, mover};
+use crate::snapshot::KeptContact;
 use crate::template::{OuterSphere, Template};
 use crate::wall::{Nearest, Wall};
 use contact_law::ContactGeometry;
@@ -111,6 +112,35 @@ impl WallNeighbours {
         }
     }
 
+    /// All contacts.
+    pub(crate) fn kept(&self) -> impl Iterator<Item = KeptContact> + '_ {
+        self.near.iter().flat_map(|n| {
+            n.touches.iter().map(|touch| KeptContact {
+                body: n.body,
+                other: n.wall,
+                key: touch.key,
+                memory: touch.memory,
+            })
+        })
+    }
+
+    /// Takes up the contacts of its bodies; the bodies near walls are listed. The number taken.
+    pub(crate) fn recall(&mut self, contacts: &[KeptContact]) -> usize {
+        let mut taken = 0;
+        for contact in contacts {
+            let place = (contact.body, contact.other);
+            let at = self.near.binary_search_by_key(&place, |n| (n.body, n.wall));
+            if let Ok(at) = at {
+                self.near[at].touches.push(Touch {
+                    key: contact.key,
+                    memory: contact.memory,
+                });
+                taken += 1;
+            }
+        }
+        taken
+    }
+
     /// Number of touching spheres of all walls.
     pub(crate) fn n_contacts(&self) -> usize {
         self.near.iter().map(|n| n.touches.len()).sum()
@@ -179,6 +209,7 @@ impl Near {
     ) -> Effect {
         let template = &context.templates[bodies.template[self.body]];
         let interaction = context.interaction(template.material, wall.material);
+        let reach = interaction.reach();
         let rotation = &bodies.rotation[self.body];
         let mut total = Effect::default();
         let mut nearest_gap = f64::INFINITY;
@@ -190,7 +221,8 @@ impl Near {
             let overlap = sphere.radius - nearest.distance;
             nearest_gap = nearest_gap.min(-overlap);
             let known = self.touches.iter().position(|t| t.key == key);
-            if overlap <= 0.0 {
+            let ends = if known.is_some() { -reach } else { 0.0 };
+            if overlap <= ends {
                 if let Some(at) = known {
                     self.touches.swap_remove(at);
                 }
@@ -200,17 +232,17 @@ impl Near {
             let at = known.unwrap_or_else(|| {
                 self.touches.push(Touch {
                     key,
-                    slip: Vector3::zeros(),
+                    memory: Memory::default(),
                 });
                 self.touches.len() - 1
             });
-            let slip = self.touches[at].slip;
-            let effect = interaction.at_wall(&contact, body, slip, context.time_step);
-            self.touches[at].slip = effect.slip;
+            let memory = self.touches[at].memory;
+            let effect = interaction.at_wall(&contact, body, memory, context.time_step);
+            self.touches[at].memory = effect.memory;
             total.force += effect.force;
             total.torque_i += effect.torque_i;
         }
-        let free = nearest_gap as f32 - context.slack.safety;
+        let free = (nearest_gap - reach) as f32 - context.slack.safety;
         self.wake = if free > 0.0 {
             bodies.travel[self.body] + free
         } else {
@@ -220,7 +252,7 @@ impl Near {
     }
 }
 
-/// Geometry of a sphere of a body whose overlap with a wall is positive.
+/// Geometry of a sphere of a body at a wall; the overlap is negative where they do not touch.
 #[inline(always)]
 pub(crate) fn sphere_at_wall(
     body: &Mover,

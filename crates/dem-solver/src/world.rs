@@ -8,10 +8,11 @@ use crate::contact::Interaction;
 use crate::error::Error;
 use crate::integrate::{Surroundings, advance};
 use crate::mesh_force::MeshWalls;
-use crate::mesh_wall::{MeshWall, Motion};
+use crate::mesh_wall::{MeshWall, Motion, Moving};
 use crate::neighbours::Census;
 use crate::pair_force::{Context, Slack};
 use crate::part::Part;
+use crate::snapshot::{KeptContact, Snapshot};
 use crate::template::Template;
 use crate::wall::Wall;
 use fearless_simd::Level;
@@ -118,7 +119,11 @@ impl World {
             .iter()
             .map(|&t| templates[t].bounding_radius)
             .collect();
-        let slack = Slack::new(radii.iter().copied().fold(0.0, f64::max), &settings);
+        let reach = interactions
+            .iter()
+            .map(Interaction::reach)
+            .fold(0.0, f64::max);
+        let slack = Slack::new(radii.iter().copied().fold(0.0, f64::max), reach, &settings);
         let wall_load = vec![Vector3::zeros(); walls.len()];
         let wall_torque = vec![0.0; walls.len()];
         let mut world = Self {
@@ -127,7 +132,11 @@ impl World {
             n_materials,
             bodies,
             walls,
-            settings,
+            // A pair whose bridge may still hold must not be dropped.
+            settings: Settings {
+                margin: settings.margin + reach,
+                ..settings
+            },
             slack,
             time: 0.0,
             n_steps: 0,
@@ -410,10 +419,75 @@ impl World {
             .sum()
     }
 
-    /// Touching spheres of two bodies: (body, body, key of the spheres), as of the last step.
-    pub(crate) fn touching_spheres(&self) -> impl Iterator<Item = (usize, usize, u32)> + '_ {
-        let parts = self.parts.iter();
-        parts.flat_map(|part| part.neighbours.touching_spheres())
+    /// Contacts of bodies, as of the last step.
+    pub(crate) fn kept_pairs(&self) -> impl Iterator<Item = KeptContact> + '_ {
+        self.parts.iter().flat_map(|part| part.neighbours.kept())
+    }
+
+    /// The state between two steps.
+    pub fn snapshot(&self) -> Snapshot {
+        let loads = self.wall_load.iter().zip(&self.wall_torque);
+        let mut bodies = self.bodies.clone();
+        // Ways count from the search that the lists come from.
+        bodies.travel.fill(0.0);
+        Snapshot {
+            bodies,
+            pairs: self.kept_pairs().collect(),
+            walls: self.parts.iter().flat_map(|p| p.walls.kept()).collect(),
+            meshes: self.mesh_walls.kept(),
+            paths: self.mesh_walls.moving.iter().map(Moving::path).collect(),
+            spins: self.walls.iter().map(|wall| wall.spin).collect(),
+            wall_loads: loads.map(|(&force, &torque)| (force, torque)).collect(),
+            time: self.time,
+            n_steps: self.n_steps,
+            time_step: self.settings.time_step,
+            gravity: self.settings.gravity,
+        }
+    }
+
+    /// Continues from a snapshot of a world that was built like this one; this one has not moved yet.
+    ///
+    /// The steps that follow give the same bits as those of the world that the snapshot was taken of.
+    ///
+    /// # Errors
+    ///
+    /// A world that has moved already, a snapshot of another world.
+    pub fn resume(&mut self, snapshot: Snapshot) -> Result<(), Error> {
+        let other = |what, found: String, expected: String| Error::OtherWorld {
+            what,
+            found,
+            expected,
+        };
+        if self.n_steps > 0 {
+            return Err(other("steps done", self.n_steps.to_string(), "0".into()));
+        }
+        snapshot.check(self)?;
+        self.bodies = snapshot.bodies;
+        for (wall, spin) in self.walls.iter_mut().zip(snapshot.spins) {
+            wall.spin = spin;
+        }
+        (self.wall_load, self.wall_torque) = snapshot.wall_loads.into_iter().unzip();
+        for (moving, path) in self.mesh_walls.moving.iter_mut().zip(&snapshot.paths) {
+            moving.put(path);
+        }
+        (self.time, self.n_steps) = (snapshot.time, snapshot.n_steps);
+        (self.settings.time_step, self.settings.gravity) = (snapshot.time_step, snapshot.gravity);
+        self.choose_reference_spin();
+        self.search_pairs()?;
+        self.longest = 0.0;
+        let (mut pairs, mut walls) = (0, 0);
+        for part in &mut self.parts {
+            pairs += part.neighbours.recall(&snapshot.pairs);
+            walls += part.walls.recall(&snapshot.walls);
+        }
+        let all = [(pairs, snapshot.pairs.len()), (walls, snapshot.walls.len())];
+        if all.iter().any(|(taken, kept)| taken != kept)
+            || !self.mesh_walls.recall(&snapshot.meshes)
+        {
+            let (found, expected) = ("between bodies far apart", "between bodies that touch");
+            return Err(other("contacts", found.into(), expected.into()));
+        }
+        Ok(())
     }
 
     /// What the force loops need; for the plain reference.

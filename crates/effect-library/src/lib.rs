@@ -14,8 +14,11 @@ mod drive_ripple;
 mod drive_slip;
 mod dry_adhesion;
 mod filling_smoothness;
+mod liquid_bridges;
+mod rate_dependent_friction;
 mod rig_vibration;
 mod rolling_resistance;
+mod rolling_spring;
 mod seed_count;
 mod seed_size;
 mod session_drift;
@@ -24,6 +27,7 @@ mod shell_friction;
 mod shell_wear;
 mod size_spread;
 mod softened_stiffness;
+mod speed_dependent_restitution;
 mod wall_charge;
 mod walls;
 
@@ -135,10 +139,14 @@ pub(crate) fn refused(name: &'static str, error: &quantity::Error) -> Error {
 }
 
 /// All effects. Adding one is adding its file and its line here.
-pub fn library() -> [&'static dyn Effect; 21] {
+pub fn library() -> [&'static dyn Effect; 25] {
     [
         &rolling_resistance::RollingResistance,
+        &rolling_spring::RollingSpring,
+        &speed_dependent_restitution::SpeedDependentRestitution,
+        &rate_dependent_friction::RateDependentFriction,
         &cohesion::Cohesion,
+        &liquid_bridges::LiquidBridges,
         &dry_adhesion::DryAdhesion,
         &softened_stiffness::SoftenedStiffness,
         &session_drift::SessionDrift,

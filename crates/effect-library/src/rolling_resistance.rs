@@ -1,6 +1,6 @@
 //! Rolling resistance: a torque against the rolling of one seed on another or on a wall.
 
-use crate::{Description, Effect, Entry, Error};
+use crate::{Description, Effect, Entry, Error, refused};
 use quantity::FrictionCoefficient;
 use scene::{FillingLibrary, Scene};
 
@@ -26,11 +26,8 @@ impl Effect for RollingResistance {
     fn apply(&self, scene: &mut Scene, amplitude: f64, _: &FillingLibrary) -> Result<(), Error> {
         for contact in scene.contact.values_mut() {
             let raised = contact.rolling_friction.get() + amplitude;
-            let refused = |e: quantity::Error| Error::Setting {
-                name: self.description().name,
-                reason: e.to_string(),
-            };
-            contact.rolling_friction = FrictionCoefficient::new(raised).map_err(refused)?;
+            contact.rolling_friction = FrictionCoefficient::new(raised)
+                .map_err(|e| refused(self.description().name, &e))?;
         }
         Ok(())
     }

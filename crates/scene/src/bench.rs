@@ -1,6 +1,6 @@
 //! What a bench test of one kind of seed takes from a scene.
 
-use crate::build::interactions;
+use crate::interactions::interactions;
 use crate::time_step::TimeSteps;
 use crate::{Error, FillingLibrary, Scene, SeedBody};
 use dem_solver::Interaction;
@@ -67,9 +67,10 @@ impl BenchParts {
             ..scene.clone()
         };
         let steps = TimeSteps::of(&single, std::slice::from_ref(&body))?;
+        let bodies = std::slice::from_ref(&body);
         Ok(Self {
+            interactions: interactions(&single, bodies, &[&kind.material, plate])?,
             body,
-            interactions: interactions(&single, &[&kind.material, plate])?,
             dashpot_mass: scene.model.dashpot_mass,
             time_step: steps.settling / FINER,
             gravity: scene.model.gravity_m_s2,

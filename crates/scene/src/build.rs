@@ -2,16 +2,13 @@
 
 use crate::apparatus::NamedMesh;
 use crate::health::limits;
+use crate::interactions::interactions;
 use crate::obstacles::mesh_walls;
 use crate::placement::place;
 use crate::surroundings::Surroundings;
 use crate::time_step::TimeSteps;
 use crate::{Error, FillingLibrary, Scene, SeedBody};
-use contact_law::{Material, PairParameters, constant_attraction};
-use dem_solver::{
-    HealthLimits, Interaction, InteractionSettings, MeshWall, Motion, Placement, Settings,
-    Template, Wall, World,
-};
+use dem_solver::{HealthLimits, MeshWall, Motion, Placement, Settings, Template, Wall, World};
 use std::sync::Arc;
 
 /// A world with what belongs to it.
@@ -137,7 +134,7 @@ fn empty_drive(
         skin: 0.45 * radius,
         margin: 4.5 * radius,
     };
-    let interactions = interactions(scene, &names)?;
+    let interactions = interactions(scene, bodies, &names)?;
     Ok(World::new(
         settings,
         templates,
@@ -145,46 +142,4 @@ fn empty_drive(
         still.collect(),
         placements,
     )?)
-}
-
-/// Elastic constants of a named material; `pair` is named in the message.
-pub(crate) fn material_of(scene: &Scene, name: &str, pair: &str) -> Result<Material, Error> {
-    let m = &scene.material[name];
-    let refused = |source| Error::Contact {
-        pair: pair.to_owned(),
-        source,
-    };
-    Material::new(m.poisson_ratio.get(), m.shear_modulus.si()).map_err(refused)
-}
-
-/// Interactions of all pairs of materials, row by row.
-pub(crate) fn interactions(scene: &Scene, names: &[&str]) -> Result<Vec<Interaction>, Error> {
-    let heaviest = scene.seed.iter().map(|s| s.mass.si()).fold(0.0, f64::max);
-    let model = &scene.model;
-    let pull = constant_attraction::attraction(model.bond_number, heaviest, model.gravity_m_s2);
-    let mut table = Vec::new();
-    for a in names {
-        for b in names {
-            let pair = format!("{a}-{b}");
-            let refused = |source| Error::Contact {
-                pair: pair.clone(),
-                source,
-            };
-            // Two walls never meet: their entry is filled with an inert law.
-            let contact = scene.contact_of(a, b);
-            let parameters = PairParameters {
-                restitution: contact.map_or(1.0, |c| c.restitution.get()),
-                static_friction: contact.map_or(0.0, |c| c.static_friction.get()),
-                rolling_friction: contact.map_or(0.0, |c| c.rolling_friction.get()),
-            };
-            let settings = InteractionSettings {
-                materials: [material_of(scene, a, &pair)?, material_of(scene, b, &pair)?],
-                parameters,
-                attraction: pull + contact.and_then(|c| c.attraction_n).unwrap_or(0.0),
-                end: model.normal_force_end,
-            };
-            table.push(Interaction::new(&settings).map_err(refused)?);
-        }
-    }
-    Ok(table)
 }

@@ -116,6 +116,14 @@ pub enum Error {
         /// Why.
         source: contact_law::Error,
     },
+    /// The state of a run cannot be kept.
+    #[error("{file}: the state of the run cannot be kept: {reason}")]
+    NotKept {
+        /// The scene.
+        file: String,
+        /// Why.
+        reason: String,
+    },
     /// A run has left what can be believed.
     #[error("{file}: the run is stopped: {source}")]
     Unhealthy {

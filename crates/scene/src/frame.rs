@@ -5,13 +5,14 @@ use frame_render::{DrumView, RenderSphere, render_drum, seed_colour};
 use image::{DynamicImage, RgbImage};
 use nalgebra::{UnitQuaternion, Vector3};
 use photo_profile::{PhotoReading, measure_image};
+use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use surface_profile::{
     DensitySettings, Disc, DrumCircle, SurfaceAngle, measure, profile_from_discs,
 };
 
 /// Poses of all seeds at one moment.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Frame {
     /// Time since the drive started, s.
     pub time: f64,

@@ -14,6 +14,7 @@ mod filling;
 mod flow;
 mod frame;
 mod health;
+mod interactions;
 mod motion;
 mod obstacles;
 mod outline;
@@ -32,13 +33,15 @@ pub use error::Error;
 pub use filling::{FillingLibrary, SeedBody};
 pub use flow::{FlowingLayer, avalanche_period, fill_level, flowing_layer};
 pub use frame::{Frame, FrameReading, drum_picture, read_frame};
-pub use motion::SeriesPoint;
+pub use motion::{Keeper, NoKeeper, Progress, SeriesPoint};
 pub use obstacles::{VibrationSettings, WallSettings};
 pub use parse::Override;
-pub use run::{Further, Regime, RunResult, run, running_world, settled_world, starting_frame};
+pub use run::{
+    Further, Regime, RunResult, run, run_on, running_world, settled_world, starting_frame,
+};
 pub use settings::{
-    CameraSettings, ContactSettings, FillingSettings, MaterialSettings, ModelSettings, Protocol,
-    Scene, SeedSettings,
+    CameraSettings, ContactSettings, FillingSettings, LiquidSettings, MaterialSettings,
+    ModelSettings, Protocol, RollingLaw, Scene, SeedSettings,
 };
 pub use steady::{Truncation, marginal_standard_error_rule};
 pub use surroundings::SurroundingsSettings;

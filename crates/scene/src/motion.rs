@@ -3,7 +3,7 @@
 use crate::build::Built;
 use crate::steady::{Truncation, marginal_standard_error_rule};
 use crate::{Error, Frame, Scene};
-use dem_solver::{Motion, Template, World};
+use dem_solver::{Motion, Snapshot, Template, World};
 use nalgebra::{Rotation3, Vector3};
 use quantity::Angle;
 use serde::{Deserialize, Serialize};
@@ -35,6 +35,122 @@ pub struct SeriesPoint {
     pub kinetic_energy_j: f64,
 }
 
+/// How far a run has come: all that it goes on from.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Progress {
+    /// The world.
+    world: Snapshot,
+    /// Its time when the drive started, s; none while the seeds settle.
+    drive_since: Option<f64>,
+    /// The bed over time since then.
+    series: Vec<SeriesPoint>,
+    /// Frames, each with the number of values of the series before it.
+    frames: Vec<(usize, Frame)>,
+}
+
+impl Progress {
+    /// Time of the world, s.
+    pub fn time(&self) -> f64 {
+        self.world.time()
+    }
+}
+
+/// Where the state of a run is kept on its way.
+///
+/// It is asked after each interval of the series. What it costs to keep a state is some milliseconds
+/// and megabytes, so that it should not keep every one.
+pub trait Keeper {
+    /// Whether a state is wanted now.
+    fn is_due(&mut self) -> bool;
+
+    /// Keeps a state.
+    ///
+    /// # Errors
+    ///
+    /// A state that cannot be kept, in words.
+    fn keep(&mut self, progress: &Progress) -> Result<(), String>;
+}
+
+/// Keeps nothing.
+#[derive(Debug, Clone, Copy)]
+pub struct NoKeeper;
+
+impl Keeper for NoKeeper {
+    fn is_due(&mut self) -> bool {
+        false
+    }
+
+    fn keep(&mut self, _: &Progress) -> Result<(), String> {
+        Ok(())
+    }
+}
+
+/// A run between its start and its end.
+pub(crate) struct Running<'a> {
+    /// The scene.
+    scene: &'a Scene,
+    /// The world and what belongs to it.
+    pub(crate) built: Built,
+    /// Time of the world when the drive started, s.
+    drive_since: Option<f64>,
+    /// The bed since then.
+    series: Vec<SeriesPoint>,
+    /// Frames since then.
+    frames: Vec<(usize, Frame)>,
+}
+
+impl<'a> Running<'a> {
+    /// At the start, or where a run was left.
+    pub(crate) fn new(
+        scene: &'a Scene,
+        mut built: Built,
+        left: Option<Progress>,
+    ) -> Result<Self, Error> {
+        let Some(left) = left else {
+            return Ok(Self {
+                scene,
+                built,
+                drive_since: None,
+                series: Vec::new(),
+                frames: Vec::new(),
+            });
+        };
+        built.world.resume(left.world)?;
+        if let (Some(since), Some(surroundings)) = (left.drive_since, &mut built.surroundings) {
+            surroundings.start(since);
+        }
+        Ok(Self {
+            scene,
+            built,
+            drive_since: left.drive_since,
+            series: left.series,
+            frames: left.frames,
+        })
+    }
+
+    /// Whether the drive runs already.
+    pub(crate) fn is_driven(&self) -> bool {
+        self.drive_since.is_some()
+    }
+
+    /// Lets a keeper have the state, if it wants it.
+    fn offer(&self, keeper: &mut dyn Keeper) -> Result<(), Error> {
+        if !keeper.is_due() {
+            return Ok(());
+        }
+        let progress = Progress {
+            world: self.built.world.snapshot(),
+            drive_since: self.drive_since,
+            series: self.series.clone(),
+            frames: self.frames.clone(),
+        };
+        keeper.keep(&progress).map_err(|reason| Error::NotKept {
+            file: self.scene.file.clone(),
+            reason,
+        })
+    }
+}
+
 /// Sets all walls in motion, and the time step for it.
 pub(crate) fn start_drive(scene: &Scene, built: &mut Built) {
     if let Some(surroundings) = &mut built.surroundings {
@@ -50,30 +166,33 @@ pub(crate) fn start_drive(scene: &Scene, built: &mut Built) {
 }
 
 /// Runs until the seeds rest, or the limit is reached; a start slope is there when it ends.
-pub(crate) fn settle(scene: &Scene, built: &mut Built) -> Result<(), Error> {
+pub(crate) fn settle(running: &mut Running<'_>, keeper: &mut dyn Keeper) -> Result<(), Error> {
+    let scene = running.scene;
     let gravity = scene.apparatus.gravity(scene.model.gravity_m_s2);
     let slope = scene.protocol.start_slope.map_or(0.0, Angle::si);
     let turn = Rotation3::new(Vector3::z() * slope * scene.apparatus.speed().signum());
-    built.world.set_gravity(turn * gravity);
-    let settled = wait_for_rest(scene, built);
-    built.world.set_gravity(gravity);
+    running.built.world.set_gravity(turn * gravity);
+    let settled = wait_for_rest(running, keeper);
+    running.built.world.set_gravity(gravity);
     settled
 }
 
 /// Runs until the seeds rest, or the limit is reached.
-fn wait_for_rest(scene: &Scene, built: &mut Built) -> Result<(), Error> {
-    let rest = rest_energy(scene, &built.world);
+fn wait_for_rest(running: &mut Running<'_>, keeper: &mut dyn Keeper) -> Result<(), Error> {
+    let scene = running.scene;
+    let rest = rest_energy(scene, &running.built.world);
     let limit = scene.protocol.settle_limit.si();
     // Free fall across the apparatus comes first: at the very start nothing moves.
     let [low, high] = scene.apparatus.room();
     let fall = (2.0 * (high.y - low.y) / scene.model.gravity_m_s2).sqrt();
     loop {
-        advance(scene, built, SERIES_INTERVAL)?;
-        let world = &built.world;
+        advance(scene, &mut running.built, SERIES_INTERVAL)?;
+        let world = &running.built.world;
         let rested = world.time() > fall && world.kinetic_energy() < rest;
         if rested || world.time() >= limit {
             return Ok(());
         }
+        running.offer(keeper)?;
     }
 }
 
@@ -119,8 +238,13 @@ pub(crate) struct Rotation {
     pub(crate) truncation: Option<Truncation>,
 }
 
-/// Turns the drive until the wanted number of frames lies behind the start-up.
-pub(crate) fn rotate(scene: &Scene, built: &mut Built) -> Result<Rotation, Error> {
+/// Turns the drive until the wanted number of frames lies behind the start-up; starts it where it does
+/// not turn yet.
+pub(crate) fn rotate(
+    running: &mut Running<'_>,
+    keeper: &mut dyn Keeper,
+) -> Result<Rotation, Error> {
+    let scene = running.scene;
     let protocol = &scene.protocol;
     #[expect(
         clippy::cast_possible_truncation,
@@ -130,10 +254,19 @@ pub(crate) fn rotate(scene: &Scene, built: &mut Built) -> Result<Rotation, Error
     let every = (protocol.frame_interval.si() / SERIES_INTERVAL)
         .round()
         .max(1.0) as usize;
-    let mut series: Vec<SeriesPoint> = Vec::new();
-    let mut frames: Vec<(usize, Frame)> = Vec::new();
-    let start = built.world.time();
+    let start = running.drive_since.unwrap_or_else(|| {
+        start_drive(scene, &mut running.built);
+        running.built.world.time()
+    });
+    running.drive_since = Some(start);
     loop {
+        running.offer(keeper)?;
+        let Running {
+            built,
+            series,
+            frames,
+            ..
+        } = running;
         let share = scene.apparatus.share_of_speed(built.world.time() - start);
         if let Some(share) = share {
             set_share_of_speed(scene, built, share);
@@ -160,7 +293,7 @@ pub(crate) fn rotate(scene: &Scene, built: &mut Built) -> Result<Rotation, Error
             let last = frames.split_off(frames.len() - keep);
             let frames = last.into_iter().map(|f| f.1).collect();
             return Ok(Rotation {
-                series,
+                series: std::mem::take(series),
                 frames,
                 truncation,
             });

@@ -97,6 +97,15 @@ impl Scene {
         if !(0.0..=100.0).contains(&bond) {
             return bad("model.bond_number", bond.to_string(), "0 to 100");
         }
+        if let Some(liquid) = &self.model.liquid
+            && !(0.0..=0.2).contains(&liquid.content)
+        {
+            return bad(
+                "model.liquid.content",
+                liquid.content.to_string(),
+                "0 to 0.2",
+            );
+        }
         let gravity = self.model.gravity_m_s2;
         if !(gravity > 0.0 && gravity <= 1000.0) {
             return bad(

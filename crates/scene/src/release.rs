@@ -1,7 +1,7 @@
 //! Heap and box collapse: fill, settle, lift a wall, wait for rest, read the slope.
 
 use crate::build::{Built, build};
-use crate::motion::{SERIES_INTERVAL, advance, rest_energy, settle, snapshot};
+use crate::motion::{NoKeeper, Running, SERIES_INTERVAL, advance, rest_energy, settle, snapshot};
 use crate::outline::{Outline, View};
 use crate::{Apparatus, Error, FillingLibrary, Frame, Further, Scene, SeedBody};
 use clump::Sphere;
@@ -26,8 +26,9 @@ pub(crate) fn release(
     library: &FillingLibrary,
     seed: u64,
 ) -> Result<Released, Error> {
-    let mut built = build(scene, library, seed)?;
-    settle(scene, &mut built)?;
+    let mut running = Running::new(scene, build(scene, library, seed)?, None)?;
+    settle(&mut running, &mut NoKeeper)?;
+    let mut built = running.built;
     for mesh in &built.meshes {
         built.world.set_mesh_motion(&mesh.name, &mesh.motion);
     }

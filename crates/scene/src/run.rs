@@ -4,7 +4,8 @@ use crate::apparatus::Apparatus;
 use crate::build::{Built, assemble, build, seed_bodies};
 use crate::flow::{avalanche_period, fill_level, flowing_layer};
 use crate::motion::{
-    Rotation, SERIES_INTERVAL, SeriesPoint, rotate, settle, snapshot, start_drive,
+    Keeper, NoKeeper, Progress, Rotation, Running, SERIES_INTERVAL, SeriesPoint, rotate, settle,
+    snapshot, start_drive,
 };
 use crate::obstacles::mesh_walls;
 use crate::steady::Truncation;
@@ -87,17 +88,37 @@ pub struct RunResult {
 ///
 /// A scene that cannot be built, a solver that stops, frames that cannot be drawn.
 pub fn run(scene: &Scene, library: &FillingLibrary, seed: u64) -> Result<RunResult, Error> {
+    run_on(scene, library, seed, None, &mut NoKeeper)
+}
+
+/// [`run`], from where a run of the same scene and seed was left, with its state kept on the way.
+///
+/// The result is the same to the last bit as that of a run that was never left. The runs of a heap and of
+/// a box start anew and are not kept.
+///
+/// # Errors
+///
+/// As [`run`]; a state that is of another scene, or that cannot be kept.
+pub fn run_on(
+    scene: &Scene,
+    library: &FillingLibrary,
+    seed: u64,
+    left: Option<Progress>,
+    keeper: &mut dyn Keeper,
+) -> Result<RunResult, Error> {
     if scene.apparatus.is_release() {
         return released(scene, library, seed);
     }
-    let mut built = build(scene, library, seed)?;
-    settle(scene, &mut built)?;
-    start_drive(scene, &mut built);
+    let mut running = Running::new(scene, build(scene, library, seed)?, left)?;
+    if !running.is_driven() {
+        settle(&mut running, keeper)?;
+    }
     let Rotation {
         series,
         frames,
         truncation,
-    } = rotate(scene, &mut built)?;
+    } = rotate(&mut running, keeper)?;
+    let built = running.built;
     let settling_time_step = built.time_steps.settling;
     let Built { world, bodies, .. } = built;
     let mut readings = Vec::new();
@@ -247,8 +268,9 @@ pub fn running_world(
 ///
 /// A scene that cannot be built, a solver that stops.
 pub fn settled_world(scene: &Scene, library: &FillingLibrary, seed: u64) -> Result<World, Error> {
-    let mut built = build(scene, library, seed)?;
-    settle(scene, &mut built)?;
+    let mut running = Running::new(scene, build(scene, library, seed)?, None)?;
+    settle(&mut running, &mut NoKeeper)?;
+    let mut built = running.built;
     start_drive(scene, &mut built);
     Ok(built.world)
 }

@@ -106,6 +106,14 @@ pub struct ContactSettings {
     /// Attraction of a touching pair of spheres beside that of the Bond number, N; 0 where absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub attraction_n: Option<f64>,
+    /// Share, 0 to 1, of viscoelastic damping, whose restitution falls with the speed; the restitution
+    /// stated holds at 1 m/s ([`contact_law::viscoelastic_damping`]). 0 where absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub viscoelastic_damping: Option<f64>,
+    /// Relative change of the sliding friction at high speed, half of it at 50 mm/s
+    /// ([`contact_law::rate_dependent_friction`]). 0 where absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub friction_rate: Option<f64>,
 }
 
 /// How bodies and contacts are modelled.
@@ -120,6 +128,35 @@ pub struct ModelSettings {
     pub bond_number: f64,
     /// Gravity, m/s².
     pub gravity_m_s2: f64,
+    /// The law of rolling resistance.
+    #[serde(default)]
+    pub rolling_law: RollingLaw,
+    /// Liquid in bridges between seeds and at walls; dry where absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub liquid: Option<LiquidSettings>,
+}
+
+/// How rolling resistance acts.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum RollingLaw {
+    /// Type A: a torque of constant size against the relative rotation.
+    #[default]
+    ConstantTorque,
+    /// Type C: an elastic-plastic spring with a dashpot.
+    SpringDashpot,
+}
+
+/// Liquid on the seeds.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct LiquidSettings {
+    /// Volume of liquid over volume of seeds, 0 to 0.2.
+    pub content: f64,
+    /// Surface tension, N/m.
+    pub surface_tension_n_m: f64,
+    /// Angle of contact.
+    pub contact_angle: Angle,
 }
 
 /// What is done and when.
@@ -134,8 +171,7 @@ pub struct Protocol {
     /// [`hard_contact::STEP_SHARE`].
     #[serde(default = "step_share")]
     pub step_share: f64,
-    /// Time step while the drive runs, likewise; where absent, [`hard_contact::FLOW_STEP_SHARE`], or
-    /// `step_share` if that is below its default.
+    /// Time step while the drive runs, likewise; `step_share` where absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub flow_step_share: Option<f64>,
     /// Longest time for the seeds to come to rest before the drive starts.

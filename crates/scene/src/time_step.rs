@@ -1,8 +1,8 @@
 //! The time step of a run: what the hardest contact allows.
 
-use crate::build::material_of;
+use crate::interactions::material_of;
 use crate::{Error, Scene, SeedBody};
-use contact_law::hard_contact::{self, FLOW_STEP_SHARE, STEP_SHARE};
+use contact_law::hard_contact;
 use contact_law::material::effective_moduli;
 use std::sync::Arc;
 
@@ -43,17 +43,10 @@ impl TimeSteps {
                 settling: step.si(),
                 flow: step.si(),
             },
-            None => {
-                let usual = if share < STEP_SHARE {
-                    share
-                } else {
-                    FLOW_STEP_SHARE
-                };
-                Self {
-                    settling: longest,
-                    flow: protocol.flow_step_share.unwrap_or(usual) * duration,
-                }
-            }
+            None => Self {
+                settling: longest,
+                flow: protocol.flow_step_share.unwrap_or(share) * duration,
+            },
         };
         steps.resolve_vibrations(scene)?;
         Ok(steps)

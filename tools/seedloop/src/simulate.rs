@@ -2,6 +2,7 @@
 
 mod report;
 mod single_run;
+mod state_file;
 
 use anyhow::{Context as _, ensure};
 use base64::Engine as _;
@@ -10,6 +11,7 @@ use report::{Refusal, Report};
 use run_store::{Lookup, Record, Store};
 use scene::{Override, Scene};
 use single_run::SingleRun;
+use state_file::StateFile;
 use std::io::Write as _;
 use std::path::PathBuf;
 
@@ -37,9 +39,14 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
 
-    /// Takes the record of the same run from DIR/runs, where there is one
+    /// Takes the record of the same run from DIR/runs, where there is one, or goes on from the state in DIR
+    /// where the run was stopped
     #[arg(long, requires = "out")]
     resume: bool,
+
+    /// Keeps the state of the running run in DIR once in so many seconds
+    #[arg(long, value_name = "SECONDS", default_value_t = 60.0, requires = "out")]
+    keep_every: f64,
 
     /// Writes what the camera saw last
     #[arg(long, value_name = "FILE.png")]
@@ -170,9 +177,21 @@ fn find_or_run(arguments: &Arguments, single: &SingleRun) -> anyhow::Result<Outc
     }
     let (scene, seed) = (single.scene(), arguments.seed);
     common.log(|| format!("running {} seeds, seed {seed}", scene.seed_count()));
-    let record = single.run(blank)?;
+    let path = arguments.out.as_ref();
+    let path = path.map(|folder| folder.join(format!("{}.state.json", blank.key())));
+    let mut state = StateFile::new(path, arguments.keep_every);
+    let left = if arguments.resume {
+        state.left()?
+    } else {
+        None
+    };
+    if let Some(left) = &left {
+        common.log(|| format!("goes on from {:.2} s of the run", left.time()));
+    }
+    let record = single.run(blank, left, &mut state)?;
     if let Some(store) = &store {
         store.put(&record)?;
+        state.remove()?;
         common.log(|| format!("record {} in {}", record.key(), store.folder().display()));
     }
     Ok(Outcome {

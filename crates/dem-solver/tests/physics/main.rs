@@ -2,6 +2,7 @@
 //!
 //! One topic a file; [`scene`] builds the worlds.
 
+mod bridge;
 mod drum;
 mod energy;
 mod free_rotation;

@@ -8,7 +8,10 @@
 use crate::scene::{
     ball, box_of_planes, interaction, rough, run, scattered, seed_and_block, smooth, sticky, world,
 };
-use dem_solver::{Placement, Settings, Shape, Wall, World, plain};
+use contact_law::{
+    CapillaryBridge, RateDependentFriction, RollingSpringDashpot, ViscoelasticDamping,
+};
+use dem_solver::{FurtherLaws, Placement, Settings, Shape, Wall, World, plain};
 use nalgebra::Vector3;
 use random_stream::Stream;
 
@@ -159,6 +162,43 @@ fn loads_are_those_of_the_plain_loop_in_a_drum() {
     assert!(
         census.rebuilds > 1000,
         "the lists were hardly made anew: {census:?}"
+    );
+}
+
+/// All further laws at once: rolling springs and bridges remember, and a bridge lives on beyond the touch,
+/// so that a list that ends at the touch would lose it.
+#[test]
+fn loads_are_those_of_the_plain_loop_with_every_law() {
+    let water = CapillaryBridge::new(0.07, 0.1, 1e-11).expect("water");
+    let further = FurtherLaws {
+        viscoelastic: ViscoelasticDamping::new(0.7, 1e-5).ok(),
+        rate_dependent: RateDependentFriction::new(-0.5, 0.05).ok(),
+        rolling_spring: RollingSpringDashpot::new(0.2, 0.3, 2.25).ok(),
+        bridge: Some(water.between(1e-3)),
+    };
+    let surface = interaction(&sticky()).with(&further);
+    let starts = fallen(1.0, drum(1.0));
+    let dry = world_of(1.0, settings_of(1.0), drum(1.0), &starts);
+    let wet = |interactions: Vec<_>| {
+        let (settings, templates) = (settings_of(1.0), seed_and_block(1.0));
+        World::new(settings, templates, interactions, drum(1.0), &starts).expect("possible")
+    };
+    let mut world = wet(vec![surface; 4]);
+    let mut history = plain::History::default();
+    let mut most = [0; 2];
+    for spin in [12.0, -20.0] {
+        assert!(
+            world.set_wall_spin("shell", spin) && world.set_wall_spin("cover", spin),
+            "named"
+        );
+        let now = hold_to_the_plain_loop(&mut world, &mut history, 300);
+        most = [most[0].max(now[0]), most[1].max(now[1])];
+    }
+    let mut dry = dry;
+    let without = hold_to_the_plain_loop(&mut dry, &mut plain::History::default(), 300);
+    assert!(
+        most[0] > without[0] && most[1] > 30,
+        "bridges add contacts to {without:?}: {most:?}"
     );
 }
 

@@ -1,7 +1,12 @@
 //! The same input gives the same bits.
 
-use crate::scene::{box_of_planes, run, scattered, seed_and_block, settings, sticky, world};
-use dem_solver::World;
+use crate::scene::{
+    box_of_planes, interaction, run, scattered, seed_and_block, settings, sticky, world,
+};
+use contact_law::{
+    CapillaryBridge, RateDependentFriction, RollingSpringDashpot, ViscoelasticDamping,
+};
+use dem_solver::{FurtherLaws, MeshWall, Motion, World};
 use nalgebra::Vector3;
 use random_stream::Stream;
 
@@ -66,4 +71,53 @@ fn threads_change_no_bit() {
     });
     assert_eq!(one, two);
     assert_eq!(one, three);
+}
+
+/// A snapshot, taken on the way and given to a world that has not moved, has the same future: with every law on,
+/// and a wall of triangles on its way. Lists are made anew there, on other threads.
+#[test]
+fn a_world_goes_on_from_a_snapshot_with_the_same_bits() {
+    let water = CapillaryBridge::new(0.07, 0.1, 1e-11).unwrap();
+    let further = FurtherLaws {
+        viscoelastic: ViscoelasticDamping::new(0.7, 1e-5).ok(),
+        rate_dependent: RateDependentFriction::new(-0.5, 0.05).ok(),
+        rolling_spring: RollingSpringDashpot::new(0.2, 0.3, 2.25).ok(),
+        bridge: Some(water.between(1e-3)),
+    };
+    let fresh = || {
+        let starts = scattered([0.011; 3], 1.0, 0.5, &mut Stream::new(5, "bits"));
+        let settings = settings(2e-5, Vector3::new(0.0, -9.81, 0.0));
+        let surface = interaction(&sticky()).with(&further);
+        let walls = box_of_planes(0.0125);
+        let (templates, surfaces) = (seed_and_block(1.0), vec![surface; 4]);
+        let mut world = World::new(settings, templates, surfaces, walls, &starts).unwrap();
+        let corner = |x, z| Vector3::new(x, -0.008, z);
+        let plate = MeshWall {
+            name: "plate".into(),
+            triangles: vec![[corner(-0.01, -0.01), corner(0.01, -0.01), corner(0.0, 0.01)]],
+            material: 0,
+            motion: Motion {
+                spin: Vector3::y() * 3.0,
+                ..Motion::default()
+            },
+        };
+        world.add_mesh_wall(plate).unwrap();
+        world
+    };
+    let mut world = fresh();
+    run(&mut world, 5003);
+    let kept = world.snapshot();
+    let mut continued = fresh().on_threads(2).unwrap();
+    continued.resume(kept.clone()).unwrap();
+    assert!(continued.snapshot() == kept, "something is lost on the way");
+    run(&mut world, 3000);
+    run(&mut continued, 3000);
+    assert_eq!(bits(&world), bits(&continued));
+    let (touching, bodies) = (world.census().sphere_contacts, world.bodies().len());
+    assert!(
+        touching > bodies,
+        "the bodies hardly meet: {touching} contacts"
+    );
+    let error = continued.resume(kept).unwrap_err();
+    assert!(error.to_string().contains("another world"), "{error}");
 }

@@ -2,7 +2,7 @@
 
 use command_line::file_sha256;
 use run_store::Record;
-use scene::Scene;
+use scene::{Keeper, Progress, Scene};
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use std::time::Instant;
@@ -53,11 +53,17 @@ impl SingleRun {
         Ok(Record::new(&version, inputs, self.seed)?)
     }
 
-    /// Runs the scene; the time of filling the meshes is kept apart from that of the steps.
+    /// Runs the scene, on from where it was left; the time of filling the meshes is kept apart from that
+    /// of the steps.
     ///
     /// # Errors
     /// A scene that cannot be built, a solver that stops, frames without a surface.
-    pub(super) fn run(&self, blank: Record) -> anyhow::Result<Record> {
+    pub(super) fn run(
+        &self,
+        blank: Record,
+        left: Option<Progress>,
+        keeper: &mut dyn Keeper,
+    ) -> anyhow::Result<Record> {
         let (scene, library) = (&self.scene, self.simulator.fillings());
         let begin = Instant::now();
         for seed in &scene.seed {
@@ -65,7 +71,7 @@ impl SingleRun {
         }
         let filling_s = begin.elapsed().as_secs_f64();
         let (begin, cpu_before) = (Instant::now(), cpu_seconds());
-        let result = scene::run(scene, library, self.seed)?;
+        let result = scene::run_on(scene, library, self.seed, left, keeper)?;
         let wall_s = begin.elapsed().as_secs_f64();
         let cpu_s = cpu_seconds()
             .zip(cpu_before)

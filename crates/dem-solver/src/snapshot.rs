@@ -1,0 +1,101 @@
+//! The state of a world between two steps, to be kept and continued from.
+//!
+//! A snapshot holds what the next step depends on: bodies, what each contact remembers, the walls on
+//! their way, and the time. The lists are not part of it. They are made anew, and since the forces are
+//! summed in the order of bodies and spheres whatever the age of the lists, a world that continues from
+//! a snapshot goes on with the same bits.
+
+use crate::bodies::Bodies;
+use crate::contact::Memory;
+use crate::error::Error;
+use crate::mesh_force::MeshContact;
+use crate::mesh_wall::Path;
+use crate::world::World;
+use nalgebra::Vector3;
+use serde::{Deserialize, Serialize};
+
+/// What one contact of two bodies, or of a body and a wall, remembers.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub(crate) struct KeptContact {
+    /// The body.
+    pub(crate) body: usize,
+    /// The other body, or the wall.
+    pub(crate) other: usize,
+    /// The spheres.
+    pub(crate) key: u32,
+    /// What is remembered.
+    pub(crate) memory: Memory,
+}
+
+/// State of a world between two steps.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Snapshot {
+    /// Bodies.
+    pub(crate) bodies: Bodies,
+    /// Contacts of bodies, in order of the bodies and spheres.
+    pub(crate) pairs: Vec<KeptContact>,
+    /// Contacts of bodies and walls, likewise.
+    pub(crate) walls: Vec<KeptContact>,
+    /// Contacts of bodies and walls of triangles, likewise.
+    pub(crate) meshes: Vec<MeshContact>,
+    /// Way of each wall of triangles.
+    pub(crate) paths: Vec<Path>,
+    /// Spin of each wall, rad/s.
+    pub(crate) spins: Vec<f64>,
+    /// Force (N) and torque (N m) on each wall in the last step.
+    pub(crate) wall_loads: Vec<(Vector3<f64>, f64)>,
+    /// Time since the start, s.
+    pub(crate) time: f64,
+    /// Steps since the start.
+    pub(crate) n_steps: u64,
+    /// Time step, s.
+    pub(crate) time_step: f64,
+    /// Gravity, m/s².
+    pub(crate) gravity: Vector3<f64>,
+}
+
+impl Snapshot {
+    /// Time since the start, s.
+    pub fn time(&self) -> f64 {
+        self.time
+    }
+
+    /// Refuses a snapshot of another world.
+    pub(crate) fn check(&self, world: &World) -> Result<(), Error> {
+        let bodies = world.bodies();
+        let counts = [
+            ("bodies", self.bodies.template.len(), bodies.len()),
+            ("walls", self.spins.len(), world.walls().len()),
+            ("loads of walls", self.wall_loads.len(), world.walls().len()),
+            (
+                "walls of triangles",
+                self.paths.len(),
+                world.mesh_walls().count(),
+            ),
+        ];
+        for (what, found, expected) in counts {
+            if found != expected {
+                return Err(Error::OtherWorld {
+                    what,
+                    found: found.to_string(),
+                    expected: expected.to_string(),
+                });
+            }
+        }
+        if self.bodies.template != bodies.template {
+            return Err(Error::OtherWorld {
+                what: "types of the bodies",
+                found: "another order".into(),
+                expected: "the same".into(),
+            });
+        }
+        if !self.bodies.is_consistent() || self.time_step <= 0.0 {
+            return Err(Error::OtherWorld {
+                what: "state of the bodies",
+                found: "incomplete".into(),
+                expected: "whole".into(),
+            });
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,158 @@
+//! Bridges of liquid between bodies, and rolling springs.
+
+use crate::scene::{ball, interaction, rough, run, settings, smooth};
+use contact_law::{CapillaryBridge, RollingSpringDashpot};
+use dem_solver::{FurtherLaws, Placement, Shape, Wall, World};
+use nalgebra::{UnitQuaternion, Vector3};
+
+/// Radius of the balls, m.
+const RADIUS: f64 = 1e-3;
+
+/// Two balls that touch by a ten-thousandth of their radius and part with a speed (m/s) of each.
+fn parting(bridge: &CapillaryBridge, speed: f64) -> World {
+    let start = |sign: f64| {
+        let mut placement = Placement::at_rest(
+            0,
+            Vector3::x() * (sign * RADIUS * (1.0 - 5e-5)),
+            UnitQuaternion::identity(),
+        );
+        placement.velocity = Vector3::x() * (sign * speed);
+        placement
+    };
+    let further = FurtherLaws {
+        bridge: Some(bridge.between(RADIUS)),
+        ..FurtherLaws::default()
+    };
+    let surface = interaction(&smooth()).with(&further);
+    let starts = [start(-1.0), start(1.0)];
+    let settings = settings(1e-7, Vector3::zeros());
+    World::new(settings, vec![ball(RADIUS)], vec![surface], vec![], &starts).expect("possible")
+}
+
+/// Two balls leave each other so fast that their speed hardly changes: at each gap up to the rupture the force
+/// is that of the law, beyond it none, and no bridge forms again. The force belongs to the gap before the
+/// step, which is known to rounding.
+#[test]
+fn a_bridge_pulls_by_its_law_until_it_breaks() {
+    let bridge = CapillaryBridge::new(0.072, 0.2, 1e-12).expect("water");
+    let mut world = parting(&bridge, 0.5);
+    let rupture = bridge.rupture_gap();
+    let (mut beyond_touch, mut broken) = (0, 0);
+    for _ in 0..2000 {
+        let [a, b] = [world.bodies().position[0], world.bodies().position[1]];
+        let gap = (b - a).norm() - 2.0 * RADIUS;
+        world.step().expect("steps");
+        let pull = world.bodies().force[0].x;
+        if gap > 1e-9 && gap < rupture {
+            let expected = bridge.attraction(gap, 0.5 * RADIUS, true);
+            assert!(
+                (pull / expected - 1.0).abs() < 1e-9,
+                "gap {gap}: {pull} N, not {expected}"
+            );
+            beyond_touch += 1;
+        } else if gap > rupture {
+            assert_eq!(pull, 0.0, "gap {gap}");
+            broken += 1;
+        }
+    }
+    assert!(
+        beyond_touch > 500 && broken > 100,
+        "{beyond_touch} and {broken} steps"
+    );
+}
+
+/// A wall holds a ball twice as hard as another ball does: the mean radius is that of the ball doubled. The ball
+/// hangs under the wall on a bridge stronger than its weight (41 uN), and falls from a weaker one.
+#[test]
+fn a_ball_hangs_from_a_wet_wall() {
+    let hangs = |tension: f64| {
+        let bridge = CapillaryBridge::new(tension, 0.0, 1e-12).expect("liquid");
+        let further = FurtherLaws {
+            bridge: Some(bridge.between(2.0 * RADIUS)),
+            ..FurtherLaws::default()
+        };
+        let surface = interaction(&rough(0.3, 0.3)).with(&further);
+        let ceiling = Wall {
+            name: "ceiling".into(),
+            shape: Shape::Plane {
+                point: Vector3::zeros(),
+                normal: -Vector3::y(),
+            },
+            material: 0,
+            spin: 0.0,
+        };
+        let start = Placement::at_rest(
+            0,
+            -Vector3::y() * (RADIUS * 0.9999),
+            UnitQuaternion::identity(),
+        );
+        let settings = settings(2e-6, -Vector3::y() * 9.81);
+        let mut world = World::new(
+            settings,
+            vec![ball(RADIUS)],
+            vec![surface],
+            vec![ceiling],
+            &[start],
+        )
+        .expect("possible");
+        run(&mut world, 50_000);
+        world.bodies().position[0].y > -2.0 * RADIUS
+    };
+    // 2 pi (2 R) g = weight at g = 3.27 mN/m.
+    assert!(hangs(0.0040), "a bridge of 50 uN holds");
+    assert!(!hangs(0.0026), "a bridge of 33 uN does not");
+}
+
+/// A ball with rolling resistance of type C on a plane tilted below `tan = mu_r` comes to rest, and above
+/// it rolls away with the acceleration of the torque `mu_r F_n R`: a = (5/7) g (sin - mu_r cos). With type A
+/// it would creep on the gentle plane.
+#[test]
+fn a_rolling_spring_holds_a_ball_on_a_gentle_slope() {
+    let rolling_friction = 0.1;
+    let way = |slope: f64, seconds: f64| {
+        let further = FurtherLaws {
+            rolling_spring: RollingSpringDashpot::new(rolling_friction, 0.3, 2.25).ok(),
+            ..FurtherLaws::default()
+        };
+        let surface = interaction(&rough(0.3, 0.8)).with(&further);
+        let floor = Wall {
+            name: "floor".into(),
+            shape: Shape::Plane {
+                point: Vector3::zeros(),
+                normal: Vector3::y(),
+            },
+            material: 0,
+            spin: 0.0,
+        };
+        let start = Placement::at_rest(
+            0,
+            Vector3::y() * (RADIUS * 0.9999),
+            UnitQuaternion::identity(),
+        );
+        let gravity = 9.81 * Vector3::new(slope.sin(), -slope.cos(), 0.0);
+        let mut world = World::new(
+            settings(2e-6, gravity),
+            vec![ball(RADIUS)],
+            vec![surface],
+            vec![floor],
+            &[start],
+        )
+        .expect("possible");
+        let steps = seconds / 2e-6;
+        run(&mut world, steps.round() as usize);
+        (world.bodies().position[0].x, world.bodies().velocity[0].x)
+    };
+    let (_, creeping) = way(0.08_f64.atan(), 0.4);
+    assert!(
+        creeping.abs() < 1e-6,
+        "rests, but moves with {creeping} m/s"
+    );
+    let slope = 0.3_f64.atan();
+    let (_, speed) = way(slope, 0.1);
+    let expected = 5.0 / 7.0 * 9.81 * (slope.sin() - rolling_friction * slope.cos()) * 0.1;
+    // The ball starts at rest with its springs slack: they take about 1 ms of the 100 ms to load.
+    assert!(
+        (speed / expected - 1.0).abs() < 0.02,
+        "{speed} m/s, not {expected}"
+    );
+}

@@ -1,0 +1,37 @@
+//! Rolling resistance of type C: a spring that yields, so that a seed at rest feels no torque.
+
+use crate::{Description, Effect, Entry, Error, refused};
+use quantity::FrictionCoefficient;
+use scene::{FillingLibrary, RollingLaw, Scene};
+
+/// Rolling resistance of type C in every contact.
+#[derive(Debug)]
+pub(crate) struct RollingSpring;
+
+impl Effect for RollingSpring {
+    fn description(&self) -> Description {
+        Description {
+            name: "rolling-spring",
+            physics: "Facets and dents hold a seed in its place until the torque passes a limit: \
+                      elastic before, plastic after. Unlike the constant torque it carries a heap \
+                      at rest, so that it acts on slow beds more than on fast ones.",
+            formula: "k_r = 2.25 k_t L^2, |M| <= mu_r F_n L; the amplitude is added to mu_r of every \
+                      contact, and all rolling resistance becomes of this type",
+            unit: "1",
+            source: "Ai2011",
+            range: [0.0, 0.5],
+            probe: 0.1,
+            entry: Entry::Contact,
+        }
+    }
+
+    fn apply(&self, scene: &mut Scene, amplitude: f64, _: &FillingLibrary) -> Result<(), Error> {
+        scene.model.rolling_law = RollingLaw::SpringDashpot;
+        for contact in scene.contact.values_mut() {
+            let raised = contact.rolling_friction.get() + amplitude;
+            contact.rolling_friction = FrictionCoefficient::new(raised)
+                .map_err(|e| refused(self.description().name, &e))?;
+        }
+        Ok(())
+    }
+}

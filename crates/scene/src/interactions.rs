@@ -1,0 +1,175 @@
+//! From the contacts of a scene to the laws of the solver.
+
+use crate::settings::RollingLaw;
+use crate::{Error, LiquidSettings, Scene, SeedBody};
+use contact_law::material::effective_moduli;
+use contact_law::rolling_spring_dashpot::{DAMPING_RATIO, STIFFNESS_RATIO};
+use contact_law::{
+    BridgeForce, CapillaryBridge, Material, PairParameters, RateDependentFriction,
+    RollingSpringDashpot, ViscoelasticDamping, constant_attraction, hard_contact,
+};
+use dem_solver::{FurtherLaws, Interaction, InteractionSettings};
+use std::f64::consts::PI;
+use std::sync::Arc;
+
+/// Speed of sliding at which friction has changed by half of what it does at high speed, m/s: that of
+/// seeds in a flowing layer.
+const HALF_SPEED: f64 = 0.05;
+
+/// Bridges that share the liquid of a seed, each with one other body.
+const BRIDGES_OF_A_SEED: f64 = 6.0;
+
+/// Liquid content at which the bridges have half of the force of smooth surfaces: less stays in the
+/// valleys of the roughness.
+const HALF_WETTED: f64 = 0.001;
+
+/// Elastic constants of a named material; `pair` is named in the message.
+pub(crate) fn material_of(scene: &Scene, name: &str, pair: &str) -> Result<Material, Error> {
+    let m = &scene.material[name];
+    let refused = |source| Error::Contact {
+        pair: pair.to_owned(),
+        source,
+    };
+    Material::new(m.poisson_ratio.get(), m.shear_modulus.si()).map_err(refused)
+}
+
+/// Interactions of all pairs of materials, row by row.
+pub(crate) fn interactions(
+    scene: &Scene,
+    bodies: &[Arc<SeedBody>],
+    names: &[&str],
+) -> Result<Vec<Interaction>, Error> {
+    let heaviest = scene.seed.iter().map(|s| s.mass.si()).fold(0.0, f64::max);
+    let model = &scene.model;
+    let pull = constant_attraction::attraction(model.bond_number, heaviest, model.gravity_m_s2);
+    let mut table = Vec::new();
+    for a in names {
+        for b in names {
+            let pair = format!("{a}-{b}");
+            let refused = |source| Error::Contact {
+                pair: pair.clone(),
+                source,
+            };
+            // Two walls never meet: their entry is filled with an inert law.
+            let contact = scene.contact_of(a, b);
+            let parameters = PairParameters {
+                restitution: contact.map_or(1.0, |c| c.restitution.get()),
+                static_friction: contact.map_or(0.0, |c| c.static_friction.get()),
+                rolling_friction: contact.map_or(0.0, |c| c.rolling_friction.get()),
+            };
+            let settings = InteractionSettings {
+                materials: [material_of(scene, a, &pair)?, material_of(scene, b, &pair)?],
+                parameters,
+                attraction: pull + contact.and_then(|c| c.attraction_n).unwrap_or(0.0),
+                end: model.normal_force_end,
+            };
+            let usual = Interaction::new(&settings).map_err(refused)?;
+            let further = further_laws(scene, bodies, [a, b], &settings).map_err(refused)?;
+            table.push(usual.with(&further));
+        }
+    }
+    Ok(table)
+}
+
+/// The laws beside the usual ones between two materials.
+fn further_laws(
+    scene: &Scene,
+    bodies: &[Arc<SeedBody>],
+    names: [&str; 2],
+    settings: &InteractionSettings,
+) -> Result<FurtherLaws, contact_law::Error> {
+    let Some(contact) = scene.contact_of(names[0], names[1]) else {
+        return Ok(FurtherLaws::default());
+    };
+    let rolling_spring = match scene.model.rolling_law {
+        RollingLaw::ConstantTorque => None,
+        RollingLaw::SpringDashpot => Some(RollingSpringDashpot::new(
+            settings.parameters.rolling_friction,
+            DAMPING_RATIO,
+            STIFFNESS_RATIO,
+        )?),
+    };
+    let overlap = || reference_overlap(scene, bodies, names, &settings.materials);
+    let viscoelastic = contact
+        .viscoelastic_damping
+        .map(|share| ViscoelasticDamping::new(share, overlap()));
+    let rate_dependent = contact
+        .friction_rate
+        .map(|change| RateDependentFriction::new(change, HALF_SPEED));
+    let bridge = scene
+        .model
+        .liquid
+        .map(|liquid| bridge(scene, bodies, names, &liquid));
+    Ok(FurtherLaws {
+        viscoelastic: viscoelastic.transpose()?,
+        rate_dependent: rate_dependent.transpose()?,
+        rolling_spring,
+        bridge: bridge.transpose()?.flatten(),
+    })
+}
+
+/// Bodies of the seeds of a material.
+fn of_material<'a>(
+    scene: &'a Scene,
+    bodies: &'a [Arc<SeedBody>],
+    name: &'a str,
+) -> impl Iterator<Item = &'a Arc<SeedBody>> {
+    let pairs = scene.seed.iter().zip(bodies);
+    pairs.filter(move |(s, _)| s.material == name).map(|p| p.1)
+}
+
+/// [Overlap](hard_contact::overlap) of a hard contact of the seeds of two materials, m: the least of all,
+/// each against a fixed plane.
+fn reference_overlap(
+    scene: &Scene,
+    bodies: &[Arc<SeedBody>],
+    names: [&str; 2],
+    materials: &[Material; 2],
+) -> f64 {
+    let young = effective_moduli(&materials[0], &materials[1]).young;
+    let seeds = names
+        .iter()
+        .flat_map(|name| of_material(scene, bodies, name));
+    let overlaps = seeds.map(|body| {
+        let outer = body.outer.spheres().iter();
+        let largest = outer.map(|s| s.radius).fold(0.0, f64::max);
+        hard_contact::overlap(body.clump.mass_felt_at_tip(), largest, young)
+    });
+    overlaps.fold(f64::INFINITY, f64::min)
+}
+
+/// The bridge of liquid between two materials; none between two walls, and none without liquid.
+///
+/// The radii are those of spheres with the volume of a seed, a wall is flat. The liquid of a seed is
+/// shared by its bridges.
+fn bridge(
+    scene: &Scene,
+    bodies: &[Arc<SeedBody>],
+    names: [&str; 2],
+    liquid: &LiquidSettings,
+) -> Result<Option<BridgeForce>, contact_law::Error> {
+    let radius = |name| {
+        let (mut sum, mut n) = (0.0, 0.0);
+        for body in of_material(scene, bodies, name) {
+            sum += body.volume_radius();
+            n += 1.0;
+        }
+        (n > 0.0).then(|| sum / n)
+    };
+    let radii: Vec<f64> = names.iter().filter_map(|name| radius(name)).collect();
+    let curvature: f64 = radii.iter().map(|r| 1.0 / r).sum();
+    if radii.is_empty() || liquid.content <= 0.0 {
+        return Ok(None);
+    }
+    let smallest = radii.iter().copied().fold(f64::INFINITY, f64::min);
+    let solid = 4.0 / 3.0 * PI * smallest.powi(3);
+    // A bridge between two seeds is fed by both.
+    let volume = radii.len() as f64 * liquid.content * solid / BRIDGES_OF_A_SEED;
+    let bridge = CapillaryBridge::new(
+        liquid.surface_tension_n_m,
+        liquid.contact_angle.si(),
+        volume,
+    )?;
+    let wetted = liquid.content / (liquid.content + HALF_WETTED);
+    Ok(Some(bridge.between(2.0 / curvature).scaled(wetted)))
+}

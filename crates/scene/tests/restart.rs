@@ -1,0 +1,98 @@
+//! A run that is left on its way and continued gives what it would have given.
+
+use scene::{FillingLibrary, Keeper, Override, Progress, RunResult, Scene, run, run_on};
+use std::path::Path;
+
+/// Few coarse seeds in a slice of the study's drum, for a second.
+fn drum() -> Scene {
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fixtures/cotton/drum.toml");
+    let changes = [
+        ("apparatus.inner_diameter", "70 mm"),
+        ("apparatus.width", "14 mm"),
+        ("seed.0.count", "50"),
+        ("seed.1.count", "6"),
+        ("seed.0.filling.sphere_radius", "0.8 mm"),
+        ("seed.0.filling.sphere_count", "20"),
+        ("seed.1.filling.sphere_radius", "0.8 mm"),
+        ("seed.1.filling.sphere_count", "16"),
+        ("protocol.frames", "3"),
+        ("time_s", "1.2"),
+    ];
+    let changes = changes.map(|(name, value)| Override {
+        name: name.into(),
+        value: value.into(),
+    });
+    Scene::read(&file, &changes).expect("the scene is possible")
+}
+
+/// Keeps the state after so many intervals and stops the run there, as a broken disk would.
+struct StopAfter {
+    /// Intervals left.
+    left: usize,
+    /// The state as it would stand in a file.
+    text: Option<String>,
+}
+
+impl Keeper for StopAfter {
+    fn is_due(&mut self) -> bool {
+        self.left -= 1;
+        self.left == 0
+    }
+
+    fn keep(&mut self, progress: &Progress) -> Result<(), String> {
+        self.text = serde_json::to_string(progress).ok();
+        Err("stopped here".into())
+    }
+}
+
+/// Everything that a run tells, as text with all digits.
+fn all_of(result: &RunResult) -> String {
+    let (series, frames) = (&result.series, &result.frames);
+    format!(
+        "{series:?} {frames:?} {:?} {}",
+        result.further, result.n_steps
+    )
+}
+
+/// Stopped while the seeds fall (interval 5) or while the drum turns (interval 40), written as text, read
+/// and continued: every digit is that of the run that was never stopped.
+#[test]
+fn a_run_that_was_stopped_goes_on_with_the_same_bits() {
+    let (scene, library) = (drum(), FillingLibrary::default());
+    let whole = all_of(&run(&scene, &library, 3).expect("runs"));
+    for intervals in [5, 40] {
+        let mut stop = StopAfter {
+            left: intervals,
+            text: None,
+        };
+        let stopped = run_on(&scene, &library, 3, None, &mut stop).unwrap_err();
+        assert!(stopped.to_string().contains("stopped here"), "{stopped}");
+        let left = serde_json::from_str(&stop.text.expect("a state was kept")).expect("reads back");
+        let mut never = StopAfter {
+            left: usize::MAX,
+            text: None,
+        };
+        let continued = run_on(&scene, &library, 3, Some(left), &mut never).expect("goes on");
+        assert!(
+            all_of(&continued) == whole,
+            "stopped after {intervals} intervals"
+        );
+    }
+}
+
+/// A state of another scene is refused, not continued.
+#[test]
+fn a_state_of_another_scene_is_refused() {
+    let (scene, library) = (drum(), FillingLibrary::default());
+    let mut stop = StopAfter {
+        left: 3,
+        text: None,
+    };
+    let _ = run_on(&scene, &library, 3, None, &mut stop);
+    let text = stop.text.take().expect("a state was kept");
+    let left: Progress = serde_json::from_str(&text).expect("reads back");
+    let mut fewer = scene;
+    fewer.seed[0].count -= 1;
+    let error = run_on(&fewer, &library, 3, Some(left), &mut stop).unwrap_err();
+    assert!(error.to_string().contains("another world"), "{error}");
+}
