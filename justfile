@@ -94,6 +94,15 @@ two-rulers *ARGS:
 step-study FOLDER="out/time-step" RUNS="10":
     cargo run --release --locked -p study --example time_step -- {{FOLDER}} {{RUNS}}
 
+# Test the rolling friction of each pair of surfaces alone, as the study did: RUNS runs at each of ten
+# levels of the drum (a quarter of an hour for 5). Finished runs in FOLDER are found again.
+rolling-levels FOLDER="out/rolling-levels" RUNS="5":
+    cargo run --release --locked -p study --example rolling_levels -- {{FOLDER}} {{RUNS}}
+
+# Compare rigid agglomerates with bonded ones in a slice of the drum (minutes).
+rigid-or-bonded *ARGS:
+    cargo run --release --locked -p scene --example rigid_or_bonded -- "$@"
+
 # Measure what a step of the solver costs, on the default set of scenes.
 bench *ARGS:
     cargo run --release --locked -p benchmark -- "$@"

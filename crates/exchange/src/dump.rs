@@ -51,6 +51,7 @@ pub fn read(text: &str, file: &str) -> Result<Vec<Moment>, Error> {
                 .map_or_else(Vec::new, |l| l.split_whitespace().collect());
             let cell = |place: usize| -> Result<f64, Error> {
                 let value = cells.get(place).and_then(|c| c.parse().ok());
+                let value = value.filter(|number: &f64| number.is_finite());
                 value.ok_or_else(|| wrong(row, "a row of numbers must stand here"))
             };
             discs.push(Disc {
@@ -101,6 +102,8 @@ mod tests {
         let short = DUMP.replace("2 0.3 -0.4 0 0.25\n", "");
         let message = read(&short, "bed.dump").unwrap_err().to_string();
         assert!(message.contains("bed.dump: line 11"), "{message}");
+        let message = read(&DUMP.replace("-0.4", "NaN"), "bed.dump").unwrap_err();
+        assert!(message.to_string().contains("line 11"), "{message}");
         let message = read(&DUMP.replace("radius", "mass"), "b")
             .unwrap_err()
             .to_string();

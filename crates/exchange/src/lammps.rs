@@ -8,7 +8,7 @@
 //! | dashpot with the mass of the sphere | LAMMPS takes that of the rigid body: the ratio b is scaled by sqrt(`m_sphere` / `m_body`) and turned back into a restitution |
 //! | tangential dashpot with its own stiffness | `x_gammat = 2 sqrt(G* / E*)` |
 //! | clipped end of the normal force | `limit_damping` |
-//! | rolling friction of type A with the lever arm of the body | `rolling sds` (type C), whose arm is the reduced radius of the spheres: the coefficient is scaled by arm over radius |
+//! | rolling friction with the lever arm of the body, type A or C | `rolling sds` (type C), whose arm is the reduced radius of the spheres: the coefficient is scaled by arm over radius |
 //! | mass and inertia of the seed | `infile` of `fix rigid/small` |
 //! | gravity on bodies | `fix gravity ... disable`, and `gravity` of `fix rigid/small` |
 
@@ -147,6 +147,17 @@ fn supported(scene: &Scene) -> Result<&Drum, Error> {
     if scene.model.bond_number != 0.0 {
         return missing("a constant attraction", "set model.bond_number to 0");
     }
+    if scene.model.liquid.is_some() {
+        return missing("a bridge of liquid", "remove model.liquid");
+    }
+    let depends_on_rate =
+        |c: &ContactSettings| c.viscoelastic_damping.is_some() || c.friction_rate.is_some();
+    if scene.contact.values().any(depends_on_rate) {
+        return missing(
+            "a law that depends on the speed",
+            "remove viscoelastic_damping and friction_rate",
+        );
+    }
     let materials = scene.seed.iter().map(|s| s.material.as_str());
     let mut materials: Vec<_> = materials.collect();
     materials.dedup();
@@ -156,7 +167,7 @@ fn supported(scene: &Scene) -> Result<&Drum, Error> {
     Ok(drum)
 }
 
-/// The contact of the seeds with a material, as LAMMPS takes it.
+/// The contact of the seeds with a material, as LAMMPS takes it; shares are means over all seeds.
 fn contact(scene: &Scene, bodies: &[Arc<SeedBody>], other: &str) -> Result<GranularContact, Error> {
     let seed = &scene.seed[0].material;
     let missing = || scene::Error::MissingContact {
@@ -168,11 +179,11 @@ fn contact(scene: &Scene, bodies: &[Arc<SeedBody>], other: &str) -> Result<Granu
         let m = &scene.material[name];
         Material::new(m.poisson_ratio.get(), m.shear_modulus.si())
     };
-    let clump = &bodies[0].clump;
-    let outer = bodies[0].outer.spheres();
-    let levers = outer
-        .iter()
-        .map(|s| (s.centre.norm() + s.radius) / s.radius);
+    let over_seeds = |share: fn(&SeedBody) -> f64| {
+        let kinds = scene.seed.iter().zip(bodies);
+        let sum: f64 = kinds.map(|(s, body)| s.count as f64 * share(body)).sum();
+        sum / scene.seed_count() as f64
+    };
     Ok(convert(&Conversion {
         materials: [material(seed)?, material(other)?],
         coefficients: [
@@ -181,11 +192,21 @@ fn contact(scene: &Scene, bodies: &[Arc<SeedBody>], other: &str) -> Result<Granu
             c.rolling_friction.get(),
         ],
         mass_share: match scene.model.dashpot_mass {
-            DashpotMass::Sphere => clump.fraction_mass(0) / clump.mass(),
+            DashpotMass::Sphere => over_seeds(|b| b.clump.fraction_mass(0) / b.clump.mass()),
             DashpotMass::Body => 1.0,
         },
-        lever_share: levers.sum::<f64>() / outer.len() as f64,
+        lever_share: over_seeds(lever_share),
     }))
+}
+
+/// Lever arm of a contact about the centre of a seed over the radius of its sphere: the mean over the
+/// spheres at the surface.
+fn lever_share(body: &SeedBody) -> f64 {
+    let outer = body.outer.spheres();
+    let levers = outer
+        .iter()
+        .map(|s| (s.centre.norm() + s.radius) / s.radius);
+    levers.sum::<f64>() / outer.len() as f64
 }
 
 /// A contact as the words of `pair_coeff` and `fix wall/gran/region`.

@@ -8,6 +8,7 @@ use crate::placement::place;
 use crate::surroundings::Surroundings;
 use crate::time_step::TimeSteps;
 use crate::{Error, FillingLibrary, Scene, SeedBody};
+use clump::{Clump, volume_of_sphere};
 use dem_solver::{HealthLimits, MeshWall, Motion, Placement, Settings, Template, Wall, World};
 use std::sync::Arc;
 
@@ -50,8 +51,21 @@ pub(crate) fn assemble(
     placements: &[Placement],
 ) -> Result<Built, Error> {
     let time_steps = TimeSteps::of(scene, &bodies)?;
-    let mut world = empty_drive(scene, &bodies, &meshes, placements, time_steps)?;
     let names = material_names(scene, &meshes);
+    let kinds = scene.seed.iter().zip(&bodies);
+    let templates = kinds.map(|(s, b)| {
+        let material = index_of(&names, &s.material);
+        Template::new(&b.clump, material, scene.model.dashpot_mass)
+    });
+    let templates = templates.collect();
+    let mut world = empty_drive(
+        scene,
+        &bodies,
+        &names,
+        templates,
+        placements,
+        time_steps.settling,
+    )?;
     for mesh in &meshes {
         let about = mesh.motion.about;
         world.add_mesh_wall(MeshWall {
@@ -101,23 +115,45 @@ fn index_of(names: &[&str], name: &str) -> usize {
     names.iter().position(|n| *n == name).unwrap_or(0)
 }
 
+/// Every seed taken apart into its spheres, in the apparatus at rest, with a time step (s): the bodies
+/// of bonded agglomerates. Template k of a kind is its sphere k, behind the templates of the kinds
+/// before it.
+///
+/// # Errors
+///
+/// A scene that cannot be built, walls of triangles.
+pub(crate) fn assemble_spheres(
+    scene: &Scene,
+    bodies: &[Arc<SeedBody>],
+    placements: &[Placement],
+    time_step: f64,
+) -> Result<World, Error> {
+    let names = material_names(scene, &[]);
+    let mut templates = Vec::new();
+    for (seed, body) in scene.seed.iter().zip(bodies) {
+        for (k, sphere) in body.clump.spheres().iter().enumerate() {
+            let density = body.clump.fraction_mass(k) / volume_of_sphere(sphere.radius);
+            let single = Clump::sphere(sphere.radius, density).map_err(|source| Error::Body {
+                seed: seed.name.clone(),
+                source,
+            })?;
+            let material = index_of(&names, &seed.material);
+            templates.push(Template::new(&single, material, scene.model.dashpot_mass));
+        }
+    }
+    empty_drive(scene, bodies, &names, templates, placements, time_step)
+}
+
 /// The world without its walls of triangles.
 fn empty_drive(
     scene: &Scene,
     bodies: &[Arc<SeedBody>],
-    meshes: &[NamedMesh],
+    names: &[&str],
+    templates: Vec<Template>,
     placements: &[Placement],
-    time_steps: TimeSteps,
+    time_step: f64,
 ) -> Result<World, Error> {
     let walls = scene.apparatus.walls();
-    let names = material_names(scene, meshes);
-    let index = |name: &str| index_of(&names, name);
-    let templates: Vec<Template> = scene
-        .seed
-        .iter()
-        .zip(bodies)
-        .map(|(s, b)| Template::new(&b.clump, index(&s.material), scene.model.dashpot_mass))
-        .collect();
     let radius = templates
         .iter()
         .map(Template::smallest_radius)
@@ -125,16 +161,16 @@ fn empty_drive(
     let still = walls.iter().map(|w| Wall {
         name: w.name.into(),
         shape: w.shape,
-        material: index(&w.material),
+        material: index_of(names, &w.material),
         spin: 0.0,
     });
     let settings = Settings {
-        time_step: time_steps.settling,
+        time_step,
         gravity: scene.apparatus.gravity(scene.model.gravity_m_s2),
         skin: 0.45 * radius,
         margin: 4.5 * radius,
     };
-    let interactions = interactions(scene, bodies, &names)?;
+    let interactions = interactions(scene, bodies, names)?;
     Ok(World::new(
         settings,
         templates,

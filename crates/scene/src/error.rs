@@ -108,6 +108,14 @@ pub enum Error {
         /// Why.
         source: sphere_fill::Error,
     },
+    /// A body of spheres cannot be made.
+    #[error("body of seed '{seed}': {source}")]
+    Body {
+        /// Name of the seed.
+        seed: String,
+        /// Why.
+        source: clump::Error,
+    },
     /// A contact parameter is out of range.
     #[error("contact '{pair}': {source}")]
     Contact {

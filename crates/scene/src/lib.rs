@@ -38,6 +38,7 @@ pub use obstacles::{VibrationSettings, WallSettings};
 pub use parse::Override;
 pub use run::{
     Further, Regime, RunResult, run, run_on, running_world, settled_world, starting_frame,
+    world_of_spheres,
 };
 pub use settings::{
     CameraSettings, ContactSettings, FillingSettings, LiquidSettings, MaterialSettings,

@@ -1,7 +1,7 @@
 //! One run: fill, settle, rotate until steady, take frames, measure.
 
 use crate::apparatus::Apparatus;
-use crate::build::{Built, assemble, build, seed_bodies};
+use crate::build::{Built, assemble, assemble_spheres, build, seed_bodies};
 use crate::flow::{avalanche_period, fill_level, flowing_layer};
 use crate::motion::{
     Keeper, NoKeeper, Progress, Rotation, Running, SERIES_INTERVAL, SeriesPoint, rotate, settle,
@@ -121,21 +121,17 @@ pub fn run_on(
     let built = running.built;
     let settling_time_step = built.time_steps.settling;
     let Built { world, bodies, .. } = built;
-    let mut readings = Vec::new();
+    let readings = readings_of(scene, &bodies, &frames)?;
     let mut filling_angles = Vec::new();
-    for frame in &frames {
-        match &scene.apparatus {
-            Apparatus::Drum(_) => readings.push(read_frame(scene, &bodies, frame)?),
-            Apparatus::Metering(device) => {
-                let at_rim = angles_at_rim(&bodies, frame, scene.apparatus.radius());
-                let length = bodies
-                    .iter()
-                    .map(|b| b.clump.bounding_radius())
-                    .fold(0.0, f64::max);
-                let gap = GROUP_GAP * 2.0 * length / scene.apparatus.radius();
-                filling_angles.push(device.filling_angle(&at_rim, gap));
-            }
-            Apparatus::Heap(_) | Apparatus::BoxCollapse(_) => {}
+    if let Apparatus::Metering(device) = &scene.apparatus {
+        let length = bodies
+            .iter()
+            .map(|b| b.clump.bounding_radius())
+            .fold(0.0, f64::max);
+        let gap = GROUP_GAP * 2.0 * length / scene.apparatus.radius();
+        for frame in &frames {
+            let at_rim = angles_at_rim(&bodies, frame, scene.apparatus.radius());
+            filling_angles.push(device.filling_angle(&at_rim, gap));
         }
     }
     let start = truncation.map_or(0, |t| t.cut);
@@ -167,6 +163,34 @@ pub fn run_on(
         census: world.census(),
         bodies,
     })
+}
+
+/// What the camera of a scene sees in each frame of a drum, and what it reads.
+fn readings_of(
+    scene: &Scene,
+    bodies: &[Arc<SeedBody>],
+    frames: &[Frame],
+) -> Result<Vec<FrameReading>, Error> {
+    if !matches!(scene.apparatus, Apparatus::Drum(_)) {
+        return Ok(Vec::new());
+    }
+    let read = |frame| read_frame(scene, bodies, frame);
+    frames.iter().map(read).collect()
+}
+
+impl RunResult {
+    /// The same run seen by the camera of another scene, which differs from the scene of the run in
+    /// nothing else.
+    ///
+    /// # Errors
+    ///
+    /// Frames that cannot be drawn.
+    pub fn seen_in(&self, scene: &Scene) -> Result<Self, Error> {
+        Ok(Self {
+            readings: readings_of(scene, &self.bodies, &self.frames)?,
+            ..self.clone()
+        })
+    }
 }
 
 /// The result of a release in the form of a run.
@@ -260,6 +284,28 @@ pub fn running_world(
     let mut built = assemble(scene, bodies, mesh_walls(scene)?, placements)?;
     start_drive(scene, &mut built);
     Ok(built.world)
+}
+
+/// The solver's world of a drum whose seeds are taken apart into single spheres, with the drive running
+/// and a time step (s): for bonds to hold them together.
+///
+/// A template of a placement is the sphere of a kind of seed, counted through all kinds in order.
+///
+/// # Errors
+///
+/// A scene that cannot be built, a sphere outside the apparatus.
+pub fn world_of_spheres(
+    scene: &Scene,
+    library: &FillingLibrary,
+    placements: &[Placement],
+    time_step: f64,
+) -> Result<World, Error> {
+    let bodies = seed_bodies(scene, library)?;
+    let mut world = assemble_spheres(scene, &bodies, placements, time_step)?;
+    for wall in scene.apparatus.walls() {
+        world.set_wall_spin(wall.name, wall.spin);
+    }
+    Ok(world)
 }
 
 /// The solver's world of a scene after the seeds have settled, with the drive running.

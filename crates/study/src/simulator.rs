@@ -6,13 +6,17 @@ use photo_profile::Verdict;
 use quantity::AngularSpeed;
 use run_store::Observation;
 use scene::{Apparatus, FillingLibrary, Override, RunResult, Scene, drum_picture, run};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, VecDeque};
 use std::io::Cursor;
+use std::sync::{Arc, Mutex};
 use std::time::Instant;
 use surface_profile::{SeriesSummary, summarise};
 
 /// Revision of the physics: raised when the same scene and seed give other numbers.
 const REVISION: u32 = 4;
+
+/// Runs whose frames are kept in memory: some megabytes each for a thousand seeds.
+const REMEMBERED: usize = 64;
 
 /// Scenes by name, with effects that can be switched on.
 ///
@@ -26,6 +30,8 @@ pub struct SceneSimulator {
     fillings: FillingLibrary,
     /// Version of code, scenes and meshes.
     version: String,
+    /// The last runs by what moved the seeds: a scene without its camera, and the seed.
+    moved: Mutex<VecDeque<(String, Arc<RunResult>)>>,
 }
 
 impl SceneSimulator {
@@ -58,12 +64,45 @@ impl SceneSimulator {
             scenes,
             fillings: FillingLibrary::default(),
             version,
+            moved: Mutex::default(),
         })
     }
 
     /// Bodies made so far.
     pub fn fillings(&self) -> &FillingLibrary {
         &self.fillings
+    }
+
+    /// Runs a scene; where the same seeds moved before under another camera, their frames are seen again.
+    ///
+    /// Returns the run, and whether it was only seen.
+    fn run_or_see(
+        &self,
+        scene: &Scene,
+        seed: u64,
+    ) -> Result<(Arc<RunResult>, bool), SimulatorError> {
+        let mut blind = serde_json::to_value(scene).map_err(SimulatorError::other)?;
+        if let Some(settings) = blind.as_object_mut() {
+            settings.remove("camera");
+        }
+        let key = format!("{seed} {} {blind}", scene.folder.display());
+        let known = self.moved.lock().ok().and_then(|moved| {
+            let found = moved.iter().find(|(other, _)| *other == key);
+            found.map(|(_, result)| Arc::clone(result))
+        });
+        if let Some(result) = known {
+            let seen = result.seen_in(scene).map_err(SimulatorError::other)?;
+            return Ok((Arc::new(seen), true));
+        }
+        let result = run(scene, &self.fillings, seed).map_err(SimulatorError::other)?;
+        let result = Arc::new(result);
+        if let Ok(mut moved) = self.moved.lock() {
+            moved.push_back((key, Arc::clone(&result)));
+            if moved.len() > REMEMBERED {
+                moved.pop_front();
+            }
+        }
+        Ok((result, false))
     }
 
     /// The scene that a request stands for.
@@ -133,8 +172,14 @@ impl Simulator for SceneSimulator {
     fn run(&self, request: &RunRequest) -> Result<RunOutcome, SimulatorError> {
         let scene = self.scene_of(request)?;
         let begin = Instant::now();
-        let result = run(&scene, &self.fillings, request.seed).map_err(SimulatorError::other)?;
-        outcome_of(&scene, &result, begin.elapsed().as_secs_f64()).map_err(SimulatorError::other)
+        let (result, only_seen) = self.run_or_see(&scene, request.seed)?;
+        let mut outcome = outcome_of(&scene, &result, begin.elapsed().as_secs_f64())
+            .map_err(SimulatorError::other)?;
+        if only_seen {
+            // The time is that of the pictures alone.
+            outcome.details["timing"]["only_seen"] = true.into();
+        }
+        Ok(outcome)
     }
 
     fn expected_cost(&self, request: &RunRequest) -> f64 {
@@ -300,4 +345,60 @@ fn png(picture: &DynamicImage) -> String {
         return String::new();
     }
     base64::engine::general_purpose::STANDARD.encode(bytes.into_inner())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::SceneSimulator;
+    use campaign::{RunRequest, Simulator as _};
+    use scene::{Override, Scene};
+    use std::collections::BTreeMap;
+    use std::path::Path;
+
+    /// Another camera sees the seeds of the run before: the same observables as a simulator that moves them
+    /// anew, to the last bit, and another angle than the camera before.
+    #[test]
+    fn another_camera_sees_the_same_motion() {
+        let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fixtures/cotton/drum.toml");
+        let changes = [
+            ("apparatus.inner_diameter", "70 mm"),
+            ("apparatus.width", "14 mm"),
+            ("seed.0.count", "50"),
+            ("seed.1.count", "6"),
+            ("seed.0.filling.sphere_radius", "0.8 mm"),
+            ("seed.0.filling.sphere_count", "20"),
+            ("seed.1.filling.sphere_radius", "0.8 mm"),
+            ("seed.1.filling.sphere_count", "16"),
+            ("protocol.frames", "3"),
+            ("time_s", "0.8"),
+        ]
+        .map(|(name, value)| Override {
+            name: name.into(),
+            value: value.into(),
+        });
+        let scene = Scene::read(&file, &changes).unwrap();
+        let fresh =
+            || SceneSimulator::new(BTreeMap::from([("drum".into(), scene.clone())])).unwrap();
+        let straight = RunRequest::new("drum", 3);
+        let turned = straight.clone().with_effect("camera-roll", 3.0);
+        let simulator = fresh();
+        let first = simulator.run(&straight).unwrap();
+        let seen = simulator.run(&turned).unwrap();
+        let moved = fresh().run(&turned).unwrap();
+        assert_eq!(seen.observables, moved.observables);
+        assert_ne!(
+            seen.observables["angle_deg"],
+            first.observables["angle_deg"]
+        );
+        assert_eq!(seen.details["timing"]["only_seen"], true);
+        assert!(
+            moved.details["timing"].get("only_seen").is_none(),
+            "moved anew"
+        );
+        let other_seed = simulator.run(&turned.with_seed(4)).unwrap();
+        assert!(
+            other_seed.details["timing"].get("only_seen").is_none(),
+            "other seeds"
+        );
+    }
 }

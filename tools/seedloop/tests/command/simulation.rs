@@ -4,6 +4,8 @@ use crate::tiny_scene::TinyScene;
 use crate::{assert_code, assert_error, json, text};
 use serde_json::Value;
 use std::fs;
+use std::process::{Command, Output, Stdio};
+use std::time::Duration;
 
 /// Scripts rely on these keys.
 #[test]
@@ -185,4 +187,39 @@ fn a_surface_that_cannot_be_measured_is_a_refusal() {
         text(&output.stderr).contains("refused"),
         "told on standard error as well"
     );
+}
+
+/// A run that is killed goes on from the state it kept, and gives what it gives in one go. The state is gone
+/// when the record is there.
+#[test]
+fn a_killed_run_goes_on_from_its_state() {
+    let scene = TinyScene::new();
+    let words = ["--out", "out", "--keep-every", "0"];
+    let mut child = Command::new(env!("CARGO_BIN_EXE_seedloop"))
+        .args(["simulate", "tiny.toml"])
+        .args(words)
+        .current_dir(scene.path(""))
+        .stdout(Stdio::null())
+        .stderr(Stdio::null())
+        .spawn()
+        .unwrap();
+    let states = || {
+        let entries = fs::read_dir(scene.path("out")).into_iter().flatten();
+        let names = entries.map(|e| e.unwrap().file_name().into_string().unwrap());
+        names.filter(|name| name.ends_with(".state.json")).count()
+    };
+    while states() == 0 && child.try_wait().unwrap().is_none() {
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    child.kill().unwrap();
+    child.wait().unwrap();
+    assert_eq!(states(), 1, "the run ended before it kept a state");
+    let resumed = scene.simulate(&[&words[..], &["--resume", "--json=-"]].concat());
+    assert!(resumed.status.success(), "{resumed:?}");
+    let log = text(&resumed.stderr);
+    assert!(log.contains("goes on from"), "{log}");
+    let whole = scene.simulate(&["--json=-"]);
+    let observables = |output: &Output| json(output)["observables"].clone();
+    assert_eq!(observables(&resumed), observables(&whole));
+    assert_eq!(states(), 0, "the state is left behind");
 }
