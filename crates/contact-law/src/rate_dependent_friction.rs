@@ -3,11 +3,11 @@
 //! # Formula
 //!
 //! ```text
-//! mu(v) = mu (1 + b v / (v + v_0))
+//! mu(v) = mu_s (1 + change v / (v + v_0))
 //! ```
 //!
-//! with v the speed of sliding in the plane of contact, b the relative change at high speed (negative:
-//! weakening) and `v_0` the speed of half of it. At rest the friction is the one that a slow bench test
+//! with v the speed of sliding in the plane of contact, `change` the relative change at high speed
+//! (negative: weakening) and `v_0` the speed of half of it. At rest the friction is the one that a slow bench test
 //! gives.
 //!
 //! # Source
@@ -25,7 +25,7 @@ use crate::{Error, in_range};
 /// The change of friction with the speed of sliding.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RateDependentFriction {
-    /// Relative change b at high speed.
+    /// Relative change at high speed.
     change: f64,
     /// Speed of half of the change, m/s.
     half_speed: f64,

@@ -3,17 +3,17 @@
 //! # Formula
 //!
 //! ```text
-//! c_n' = c_n (1 + a ((d/d_0)^(1/4) - 1))
+//! c_n' = c_n (1 + share ((d/d_0)^(1/4) - 1))
 //! ```
 //!
 //! with `c_n` the damping of [`crate::hertz_mindlin`], proportional to d^(1/4), whose restitution is the
 //! same at every speed; d the overlap and `d_0` that of an elastic collision at the speed at which the
-//! restitution was measured. The share a runs from 0 (no change) to 1: then `c_n'` is proportional to
+//! restitution was measured. The share runs from 0 (no change) to 1: then `c_n'` is proportional to
 //! sqrt(d), the dissipation of viscoelastic spheres, and 1 - e grows as v^(1/5).
 //!
 //! # Source
 //!
-//! `[Brilliantov1996]` for a = 1; the path from 0 to 1 is a choice made here.
+//! `[Brilliantov1996]` for share 1; the path from 0 to 1 is a choice made here.
 
 #![expect(
     clippy::inline_always,
@@ -25,7 +25,7 @@ use crate::{Error, in_range};
 /// The change of the damping with the overlap.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ViscoelasticDamping {
-    /// Share a.
+    /// Share of the dissipation of a viscoelastic sphere.
     share: f64,
     /// 1 over the overlap at which nothing changes, 1/m.
     inverse_overlap: f64,

@@ -209,7 +209,7 @@ impl Interaction {
         };
         let approach = relative.dot(&normal);
         let sliding = relative - normal * approach;
-        let kept = pair.memory.slip - normal * pair.memory.slip.dot(&normal);
+        let kept = kept_slip(&pair.memory, &normal, overlap);
         let force = self
             .law
             .force(&geometry, approach, sliding, kept, time_step);
@@ -253,8 +253,8 @@ impl Interaction {
         let relative = body.velocity + body.spin.cross(&contact.arm) - contact.wall_velocity;
         let approach = relative.dot(&normal);
         let sliding = relative - normal * approach;
-        let kept = memory.slip - normal * memory.slip.dot(&normal);
         let overlap = contact.geometry.overlap;
+        let kept = kept_slip(&memory, &normal, overlap);
         let geometry = ContactGeometry {
             overlap: overlap.max(0.0),
             ..contact.geometry
@@ -315,6 +315,13 @@ impl Interaction {
         );
         [torque, Vector3::zeros()]
     }
+}
+
+/// The slip of the step before in the plane of contact, m; none where only a bridge holds.
+#[inline(always)]
+fn kept_slip(memory: &Memory, normal: &Vector3<f64>, overlap: f64) -> Vector3<f64> {
+    let touches = if overlap > 0.0 { 1.0 } else { 0.0 };
+    (memory.slip - normal * memory.slip.dot(normal)) * touches
 }
 
 /// Moment of inertia of a sphere about its contact over m r²: 2/5 + 1.

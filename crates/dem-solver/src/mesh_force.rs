@@ -218,7 +218,9 @@ impl Near {
                 }
             }
         }
-        let reach = nearest.max(skin) - f64::from(context.slack.safety);
+        // A bridge may pass from a triangle to one that is not listed: that must stay beyond its reach.
+        let beyond = f64::from(context.slack.safety + context.slack.reach);
+        let reach = nearest.max(skin) - beyond;
         self.limit = f64::from(bodies.travel[self.body]) + moving.travel + reach;
     }
 

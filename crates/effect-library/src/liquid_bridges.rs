@@ -18,8 +18,9 @@ impl Effect for LiquidBridges {
             physics: "Water on the seeds gathers where they touch. The bridge pulls with its surface \
                       tension and lives on until the gap is too long for its volume; a flat wall holds \
                       twice as hard as another seed. Little water stays in the valleys of the \
-                      roughness: half of the force of a smooth surface is reached at 0.1 %. That water \
-                      also lubricates and drags is left out.",
+                      roughness: half of the force of a smooth surface is reached at 0.1 %. Each \
+                      touching pair of spheres has a bridge of its own. That water also lubricates \
+                      and drags is left out.",
             formula: "F = 2 pi R g w/(w + 0.1 %) / (1 + 1.05 s + 2.5 s^2), s = gap sqrt(R/V), V = w \
                       V_seed/3 between seeds, g = 72.7 mN/m; the amplitude is the volume of water w \
                       over that of the seeds",
@@ -46,5 +47,22 @@ impl Effect for LiquidBridges {
             },
         });
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::{apply, tests::small_drum};
+    use scene::FillingLibrary;
+
+    /// 1 % and 0.5 % of water are 0.015 of the volume of the seeds. Rounding only.
+    #[test]
+    fn water_adds_up() {
+        let (mut scene, fillings) = (small_drum(), FillingLibrary::default());
+        apply(&mut scene, "liquid-bridges", 1.0, &fillings).unwrap();
+        apply(&mut scene, "liquid-bridges", 0.5, &fillings).unwrap();
+        let liquid = scene.model.liquid.unwrap();
+        assert!((liquid.content - 0.015).abs() < 1e-15, "{}", liquid.content);
+        assert!((liquid.surface_tension_n_m - 0.0727).abs() < 1e-15, "water");
     }
 }

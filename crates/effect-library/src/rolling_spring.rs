@@ -35,3 +35,23 @@ impl Effect for RollingSpring {
         Ok(())
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::{apply, tests::small_drum};
+    use scene::FillingLibrary;
+
+    /// Every contact of the study, which has no rolling friction, gets the coefficient, and the law is type C.
+    #[test]
+    fn every_contact_rolls_on_a_spring() {
+        let (mut scene, fillings) = (small_drum(), FillingLibrary::default());
+        apply(&mut scene, "rolling-spring", 0.2, &fillings).unwrap();
+        assert_eq!(scene.model.rolling_law, scene::RollingLaw::SpringDashpot);
+        assert!(
+            scene
+                .contact
+                .values()
+                .all(|c| c.rolling_friction.get() == 0.2)
+        );
+    }
+}

@@ -14,8 +14,8 @@ impl Effect for SpeedDependentRestitution {
             physics: "A drop test measures the restitution at 1 m/s and more; in a drum seeds meet at \
                       a tenth of it. The dashpot of the model gives the same restitution at both, a \
                       viscoelastic seed rebounds better from the slower contact.",
-            formula: "c_n (1 + a ((d/d_0)^(1/4) - 1)), d_0 the overlap of a contact at 1 m/s; the \
-                      amplitude is the share a, 1 for a wholly viscoelastic seed",
+            formula: "c_n (1 + share ((d/d_0)^(1/4) - 1)), d_0 the overlap of a contact at 1 m/s; the \
+                      amplitude is the share, 1 for a wholly viscoelastic seed",
             unit: "1",
             source: "Brilliantov1996",
             range: [0.0, 1.0],
@@ -30,5 +30,27 @@ impl Effect for SpeedDependentRestitution {
             contact.viscoelastic_damping = Some(share.min(1.0));
         }
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::{apply, tests::small_drum};
+    use scene::FillingLibrary;
+
+    /// Half of the damping is viscoelastic in every contact; more adds up to the whole and not beyond.
+    #[test]
+    fn every_contact_becomes_viscoelastic() {
+        let (mut scene, fillings) = (small_drum(), FillingLibrary::default());
+        apply(&mut scene, "speed-dependent-restitution", 0.5, &fillings).unwrap();
+        let contact = &scene.contact["seed-seed"];
+        assert_eq!(contact.viscoelastic_damping, Some(0.5), "first");
+        apply(&mut scene, "speed-dependent-restitution", 0.8, &fillings).unwrap();
+        assert!(
+            scene
+                .contact
+                .values()
+                .all(|c| c.viscoelastic_damping == Some(1.0))
+        );
     }
 }

@@ -65,6 +65,8 @@ fn row(file: &std::path::Path, rpm: u32, frames: usize) -> Outcome<String> {
     let changes = [
         set("rpm", rpm.to_string()),
         set("frames", frames.to_string()),
+        // The longer step of the study's drum is for 10 rpm.
+        set("protocol.flow_step_share", "0.36".into()),
         set(
             "protocol.rotation_limit",
             format!("{} s", 6.0 + 0.2 * frames as f64),

@@ -124,8 +124,8 @@ pub enum Error {
         /// Why.
         source: contact_law::Error,
     },
-    /// The state of a run cannot be kept.
-    #[error("{file}: the state of the run cannot be kept: {reason}")]
+    /// The state of a run cannot be kept, or cannot be one that was.
+    #[error("{file}: the state of the run cannot be kept or taken up: {reason}")]
     NotKept {
         /// The scene.
         file: String,

@@ -38,6 +38,14 @@ pub struct FrameReading {
 }
 
 impl Frame {
+    /// Whether the frame is whole and of seeds of these kinds.
+    pub(crate) fn is_of(&self, kinds: &[usize]) -> bool {
+        let n = kinds.len();
+        self.kind == kinds
+            && [self.position.len(), self.velocity.len(), self.spin.len()] == [n; 3]
+            && self.orientation.len() == n
+    }
+
     /// All spheres that can be seen, with the number of their seed.
     pub(crate) fn spheres<'a>(
         &'a self,

@@ -115,6 +115,13 @@ impl<'a> Running<'a> {
                 frames: Vec::new(),
             });
         };
+        let kinds = &built.world.bodies().template;
+        if left.frames.iter().any(|(_, frame)| !frame.is_of(kinds)) {
+            return Err(Error::NotKept {
+                file: scene.file.clone(),
+                reason: "its frames are of other seeds".into(),
+            });
+        }
         built.world.resume(left.world)?;
         if let (Some(since), Some(surroundings)) = (left.drive_since, &mut built.surroundings) {
             surroundings.start(since);

@@ -13,11 +13,14 @@ pub struct Override {
     pub value: String,
 }
 
+/// The one setting without a default that can be set where the file leaves it out.
+const TIME_STEP: &str = "protocol.time_step";
+
 /// Short names that stand for a setting with its unit: (name, path, unit).
 const SHORT_NAMES: [(&str, &str, &str); 3] = [
     ("rpm", "apparatus.speed", "rpm"),
     ("time_s", "protocol.rotation_limit", "s"),
-    ("time_step_s", "protocol.time_step", "s"),
+    ("time_step_s", TIME_STEP, "s"),
 ];
 
 /// Largest slope at which a bed may be laid, rad.
@@ -56,7 +59,7 @@ impl Scene {
         // The plain text is read first, so that a message can name the line.
         let mut scene: Self = toml::from_str(text).map_err(wrong)?;
         if !overrides.is_empty() {
-            // Settings that the text leaves out have their default and can be changed too.
+            // Settings that the text leaves out and that have a default can be changed too.
             let mut table = Table::try_from(&scene).map_err(|e| Error::Text {
                 file: file.into(),
                 message: e.to_string(),
@@ -97,14 +100,20 @@ impl Scene {
         if !(0.0..=100.0).contains(&bond) {
             return bad("model.bond_number", bond.to_string(), "0 to 100");
         }
-        if let Some(liquid) = &self.model.liquid
-            && !(0.0..=0.2).contains(&liquid.content)
-        {
-            return bad(
-                "model.liquid.content",
-                liquid.content.to_string(),
-                "0 to 0.2",
-            );
+        if let Some(liquid) = &self.model.liquid {
+            let tension = liquid.surface_tension_n_m;
+            if !(0.0..=0.2).contains(&liquid.content) {
+                let content = liquid.content.to_string();
+                return bad("model.liquid.content", content, "0 to 0.2");
+            }
+            if !(0.0..=1.0).contains(&tension) {
+                let name = "model.liquid.surface_tension_n_m";
+                return bad(name, tension.to_string(), "0 to 1");
+            }
+            if !(0.0..=std::f64::consts::FRAC_PI_2).contains(&liquid.contact_angle.si()) {
+                let angle = liquid.contact_angle.to_string();
+                return bad("model.liquid.contact_angle", angle, "0 to 90 deg");
+            }
         }
         let gravity = self.model.gravity_m_s2;
         if !(gravity > 0.0 && gravity <= 1000.0) {
@@ -271,7 +280,7 @@ fn apply(table: &mut Table, change: &Override, file: &str) -> Result<(), Error> 
         Some((_, path, unit)) => ((*path).to_owned(), format!("{} {unit}", change.value)),
         None => (whole_path(table, &change.name, file)?, change.value.clone()),
     };
-    if short.is_some()
+    if path == TIME_STEP
         && let Some((section, key)) = path.split_once('.')
         && let Some(Value::Table(section)) = table.get_mut(section)
     {

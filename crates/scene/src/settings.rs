@@ -101,7 +101,7 @@ pub struct ContactSettings {
     pub restitution: Restitution,
     /// Coefficient of static friction.
     pub static_friction: FrictionCoefficient,
-    /// Coefficient of rolling friction (type A).
+    /// Coefficient of rolling friction.
     pub rolling_friction: FrictionCoefficient,
     /// Attraction of a touching pair of spheres beside that of the Bond number, N; 0 where absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -147,7 +147,7 @@ pub enum RollingLaw {
     SpringDashpot,
 }
 
-/// Liquid on the seeds.
+/// Liquid on the seeds. Each touching pair of spheres has a bridge of a sixth of the liquid of each seed.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct LiquidSettings {

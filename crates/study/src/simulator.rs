@@ -16,7 +16,7 @@ use surface_profile::{SeriesSummary, summarise};
 const REVISION: u32 = 4;
 
 /// Runs whose frames are kept in memory: some megabytes each for a thousand seeds.
-const REMEMBERED: usize = 64;
+const REMEMBERED: usize = 256;
 
 /// Scenes by name, with effects that can be switched on.
 ///
@@ -86,9 +86,13 @@ impl SceneSimulator {
             settings.remove("camera");
         }
         let key = format!("{seed} {} {blind}", scene.folder.display());
-        let known = self.moved.lock().ok().and_then(|moved| {
-            let found = moved.iter().find(|(other, _)| *other == key);
-            found.map(|(_, result)| Arc::clone(result))
+        let known = self.moved.lock().ok().and_then(|mut moved| {
+            let at = moved.iter().position(|(other, _)| *other == key)?;
+            // What was asked for again stays longest.
+            let entry = moved.remove(at)?;
+            let result = Arc::clone(&entry.1);
+            moved.push_back(entry);
+            Some(result)
         });
         if let Some(result) = known {
             let seen = result.seen_in(scene).map_err(SimulatorError::other)?;

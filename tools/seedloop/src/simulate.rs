@@ -45,7 +45,7 @@ pub(crate) struct Arguments {
     resume: bool,
 
     /// Keeps the state of the running run in DIR once in so many seconds
-    #[arg(long, value_name = "SECONDS", default_value_t = 60.0, requires = "out")]
+    #[arg(long, value_name = "SECONDS", default_value_t = 60.0, requires = "out", value_parser = seconds)]
     keep_every: f64,
 
     /// Writes what the camera saw last
@@ -67,6 +67,15 @@ pub(crate) fn setting(text: &str) -> Result<Override, String> {
         }
         _ => Err("a setting is NAME=VALUE, such as rpm=20".to_owned()),
     }
+}
+
+/// Reads a time of 0 s or more.
+fn seconds(text: &str) -> Result<f64, String> {
+    let seconds = text
+        .parse()
+        .ok()
+        .filter(|s: &f64| s.is_finite() && *s >= 0.0);
+    seconds.ok_or_else(|| "it must be a number of seconds, 0 or more".to_owned())
 }
 
 /// A finished run.
@@ -183,12 +192,29 @@ fn find_or_run(arguments: &Arguments, single: &SingleRun) -> anyhow::Result<Outc
     let left = if arguments.resume {
         state.left()?
     } else {
+        ensure!(
+            common.force || !state.exists(),
+            "{} has the state of this run, which was stopped: say --resume to go on from it, or --force \
+             to run anew",
+            state.name()
+        );
         None
     };
     if let Some(left) = &left {
         common.log(|| format!("goes on from {:.2} s of the run", left.time()));
     }
-    let record = single.run(blank, left, &mut state)?;
+    let continued = left.is_some();
+    let mut record = single.run(blank, left, &mut state);
+    if continued {
+        let way_out = || {
+            format!(
+                "the run went on from {}; remove it to start anew",
+                state.name()
+            )
+        };
+        record = record.with_context(way_out);
+    }
+    let record = record?;
     if let Some(store) = &store {
         store.put(&record)?;
         state.remove()?;

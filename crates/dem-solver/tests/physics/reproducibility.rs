@@ -94,7 +94,15 @@ fn a_world_goes_on_from_a_snapshot_with_the_same_bits() {
         let corner = |x, z| Vector3::new(x, -0.008, z);
         let plate = MeshWall {
             name: "plate".into(),
-            triangles: vec![[corner(-0.01, -0.01), corner(0.01, -0.01), corner(0.0, 0.01)]],
+            // Bridges pass from one to the other.
+            triangles: vec![
+                [
+                    corner(-0.01, -0.01),
+                    corner(0.01, -0.01),
+                    corner(-0.01, 0.01),
+                ],
+                [corner(0.01, 0.01), corner(-0.01, 0.01), corner(0.01, -0.01)],
+            ],
             material: 0,
             motion: Motion {
                 spin: Vector3::y() * 3.0,

@@ -71,6 +71,7 @@ impl SingleRun {
         }
         let filling_s = begin.elapsed().as_secs_f64();
         let (begin, cpu_before) = (Instant::now(), cpu_seconds());
+        let continued = left.is_some();
         let result = scene::run_on(scene, library, self.seed, left, keeper)?;
         let wall_s = begin.elapsed().as_secs_f64();
         let cpu_s = cpu_seconds()
@@ -82,6 +83,13 @@ impl SingleRun {
             .get_mut("timing")
             .and_then(Value::as_object_mut)
         {
+            if continued {
+                // The times are those of the last part alone: they tell no cost of a step.
+                for rate in ["us_per_step", "sphere_steps_per_s"] {
+                    timing.insert(rate.to_owned(), Value::Null);
+                }
+                timing.insert("continued".to_owned(), json!(true));
+            }
             timing.insert("cpu_s".to_owned(), json!(cpu_s));
             timing.insert("filling_s".to_owned(), json!(filling_s));
         }

@@ -27,6 +27,18 @@ impl StateFile {
         }
     }
 
+    /// The name of the file, for messages.
+    pub(super) fn name(&self) -> String {
+        self.path
+            .as_ref()
+            .map_or_else(String::new, |p| p.display().to_string())
+    }
+
+    /// Whether a run has left a state behind.
+    pub(super) fn exists(&self) -> bool {
+        self.path.as_ref().is_some_and(|path| path.exists())
+    }
+
     /// The state that a run has left behind, if it has.
     ///
     /// # Errors
