@@ -140,8 +140,10 @@ impl Decision {
             {
                 break;
             }
-            let z = taken.gates.scores[j].as_ref().map_or(0.0, |s| s.z);
-            let step = ln_factor_of_effect(z, problem.candidates[j].sign);
+            let candidate = &problem.candidates[j];
+            let score = taken.gates.scores[j].as_ref();
+            let z = score.map_or(0.0, |s| s.within(candidate.largest_amplitude));
+            let step = ln_factor_of_effect(z, candidate.sign);
             if !first {
                 let rival = ln_factor_of_unknown(&taken.fit);
                 taken.each_beats_unknown &= step - rival > LN_FACTOR_TO_NAME;

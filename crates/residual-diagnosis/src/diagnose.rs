@@ -151,24 +151,20 @@ fn withdraw(decision: &mut Decision, errors: Option<&BeforeAfter>, warnings: &mu
     }
 }
 
-/// Warns of amplitudes beyond what is physically possible.
+/// Warns of amplitudes that the data want larger than is physically possible.
 fn odd_amplitudes(problem: &Problem, decision: &Decision) -> Vec<String> {
     let fit = &decision.chosen;
-    let mut warnings = Vec::new();
-    for (i, &j) in fit.effects.iter().enumerate() {
-        let candidate = &problem.candidates[j];
-        let (a, se) = (fit.amplitudes[i], fit.standard_errors[i]);
-        if let Some(largest) = candidate
-            .largest_amplitude
-            .filter(|l| a.abs() > l + 2.0 * se)
-        {
-            warnings.push(format!(
-                "{} would need the amplitude {a:.4} +- {se:.4}, beyond the physically largest {largest}",
+    let amplitudes = fit.effects.iter().zip(&fit.amplitudes);
+    amplitudes
+        .filter_map(|(&j, a)| {
+            let candidate = &problem.candidates[j];
+            let largest = candidate.largest_amplitude.filter(|l| a.abs() >= *l)?;
+            Some(format!(
+                "{} is held at its physically largest amplitude {largest}: the data ask for more",
                 candidate.name
-            ));
-        }
-    }
-    warnings
+            ))
+        })
+        .collect()
 }
 
 /// Warns of declared parameters that move no observable: they cannot be calibrated from this.
@@ -254,7 +250,8 @@ fn candidate_results(problem: &Problem, decision: &Decision) -> BTreeMap<String,
             p_adequacy_smooth: single.smooth_test(problem).p,
             p_max_test: testable.then(|| gates.max_test.p(gates.statistic(problem, j))),
             ln_bf_unknown: score
-                .map(|s| ln_factor_of_effect(s.z, sign) - decision.ln_factor_of_unknown),
+                .map(|s| s.within(problem.candidates[j].largest_amplitude))
+                .map(|z| ln_factor_of_effect(z, sign) - decision.ln_factor_of_unknown),
             smallest_detectable: score.and_then(|s| z_detect.map(|z| z / s.length)),
             testable,
         }

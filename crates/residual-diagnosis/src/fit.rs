@@ -43,7 +43,8 @@ struct Whitened {
 pub(crate) struct Fit {
     /// The effects that are on (numbers in the library).
     pub(crate) effects: Vec<usize>,
-    /// Their amplitudes; 0 where the sign constraint holds one back.
+    /// Their amplitudes; 0 where the sign constraint holds one back, the largest possible one where the
+    /// data ask for more.
     pub(crate) amplitudes: Vec<f64>,
     /// Standard errors of the amplitudes.
     pub(crate) standard_errors: Vec<f64>,
@@ -101,7 +102,8 @@ impl Fit {
     }
 
     /// Fits with the covariance of the given shift and amplitudes; effects that come out with the
-    /// wrong sign are held at 0, the worst first.
+    /// wrong sign are held at 0, those beyond what is physically possible at their largest
+    /// amplitude, the worst first.
     fn constrained(
         problem: &Problem,
         effects: &[usize],
@@ -110,17 +112,34 @@ impl Fit {
     ) -> Result<Self, Error> {
         let whitened = Whitened::new(problem, effects, shift, amplitudes)?;
         let mut active = effects.to_vec();
+        let mut at_limit: Vec<(usize, f64)> = Vec::new();
         loop {
-            let fit = Self::unconstrained(&whitened, &active);
+            let fit = Self::unconstrained(&whitened.less(&at_limit), &active);
             let worst = active
                 .iter()
                 .zip(fit.amplitudes.iter().zip(&fit.standard_errors))
                 .map(|(&j, (a, se))| (j, a / se, problem.candidates[j].sign))
                 .filter(|(_, z, sign)| !sign.allows(*z))
                 .max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()));
-            match worst {
-                Some((j, _, _)) => active.retain(|&k| k != j),
-                None => return Ok(fit.with_held(effects)),
+            if let Some((j, _, _)) = worst {
+                active.retain(|&k| k != j);
+                continue;
+            }
+            let beyond = active
+                .iter()
+                .zip(fit.amplitudes.iter().zip(&fit.standard_errors))
+                .filter_map(|(&j, (a, se))| {
+                    let largest = problem.candidates[j].largest_amplitude?;
+                    let over = (a.abs() - largest) / se;
+                    (over > 0.0).then_some((j, largest * a.signum(), over))
+                })
+                .max_by(|a, b| a.2.total_cmp(&b.2));
+            match beyond {
+                Some((j, limit, _)) => {
+                    active.retain(|&k| k != j);
+                    at_limit.push((j, limit));
+                }
+                None => return Ok(fit.with_held(effects, &at_limit)),
             }
         }
     }
@@ -163,15 +182,22 @@ impl Fit {
         }
     }
 
-    /// Puts back the effects that are held at 0: each takes its degree of freedom, as if free.
-    fn with_held(mut self, effects: &[usize]) -> Self {
+    /// Puts back the effects that are held, at their limits or at 0: each takes its degree of freedom, as
+    /// if free.
+    fn with_held(mut self, effects: &[usize], at_limit: &[(usize, f64)]) -> Self {
         let find = |values: &[f64], j: &usize| {
             let at = self.effects.iter().position(|k| k == j);
             at.and_then(|i| values.get(i).copied())
         };
         let amplitudes = effects
             .iter()
-            .map(|j| find(&self.amplitudes, j).unwrap_or(0.0))
+            .map(|j| {
+                let limit = at_limit
+                    .iter()
+                    .find(|(k, _)| k == j)
+                    .map(|(_, limit)| *limit);
+                find(&self.amplitudes, j).or(limit).unwrap_or(0.0)
+            })
             .collect();
         let standard_errors = effects
             .iter()
@@ -312,6 +338,29 @@ impl Whitened {
             smooth,
             ln_determinant: whitener.ln_determinant,
         })
+    }
+}
+
+impl Whitened {
+    /// The rows without what effects of given amplitudes explain.
+    fn less(&self, effects: &[(usize, f64)]) -> Self {
+        let mut rest = self.clone();
+        for &(j, amplitude) in effects {
+            rest.residual -= self.library.column(j) * amplitude;
+        }
+        rest
+    }
+}
+
+impl Score {
+    /// The score that an effect reaches with an amplitude up to the largest possible one.
+    ///
+    /// # Formula
+    ///
+    /// `z' = sign(z) sqrt(z² - max(0, |z| - a_max |u|)²)`: what it takes off the structured residual is z'².
+    pub(crate) fn within(&self, largest: Option<f64>) -> f64 {
+        let over = largest.map_or(0.0, |a| (self.z.abs() - a * self.length).max(0.0));
+        self.z.signum() * (self.z * self.z - over * over).max(0.0).sqrt()
     }
 }
 

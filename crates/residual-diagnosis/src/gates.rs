@@ -36,7 +36,7 @@ pub(crate) struct Gates {
     pub(crate) family: Vec<usize>,
     /// Null distribution of their largest statistic.
     pub(crate) max_test: MaxTest,
-    /// The candidate with the largest statistic.
+    /// The candidate that takes most off the residual with a physically possible amplitude.
     pub(crate) best: Option<usize>,
     /// Its chance under the null hypothesis; 1 without candidates.
     pub(crate) p_best: f64,
@@ -71,12 +71,20 @@ impl Gates {
             best: None,
             p_best: 1.0,
         };
-        let statistic = |j: &usize| gates.statistic(problem, *j);
+        let possible = |j: &usize| {
+            let candidate = &problem.candidates[*j];
+            let score = gates.scores[*j].as_ref();
+            score.map_or(0.0, |s| {
+                candidate
+                    .sign
+                    .statistic(s.within(candidate.largest_amplitude))
+            })
+        };
         gates.best = gates
             .family
             .iter()
             .copied()
-            .max_by(|a, b| statistic(a).total_cmp(&statistic(b)));
+            .max_by(|a, b| possible(a).total_cmp(&possible(b)));
         if let Some(j) = gates.best {
             gates.p_best = gates.max_test.p(gates.statistic(problem, j));
         }

@@ -184,6 +184,23 @@ fn effect_smaller_than_the_noise_is_not_testable() {
     assert!(diagnosed(file).not_testable.is_empty(), "s is above 3");
 }
 
+/// The truth is named while its amplitude is possible. Where only a third of it is, nine tenths of the
+/// residual's distance stay: the effect alone is not named, and its amplitude is that third.
+#[test]
+fn an_effect_beyond_what_is_possible_explains_nothing() {
+    let mut file = with_effect(0, 0.0, 4);
+    let se = diagnosed(file.clone()).candidates["slip"].se.unwrap();
+    file = with_effect(0, 12.0 * se, 4);
+    file.largest_amplitudes.insert("slip".into(), 20.0 * se);
+    let possible = diagnosed(file.clone());
+    assert_eq!(possible.effects, ["slip"], "{}", possible.summary);
+    file.largest_amplitudes.insert("slip".into(), 4.0 * se);
+    let held = diagnosed(file);
+    assert_ne!(held.verdict, Verdict::Named, "{}", held.summary);
+    let amplitude = held.candidates["slip"].amplitude.unwrap();
+    assert!((amplitude / (4.0 * se) - 1.0).abs() < 1e-9, "{amplitude}");
+}
+
 /// One reading is 12 standard deviations off: no effect is named, the condition is.
 #[test]
 fn one_condition_that_carries_the_residual_is_to_be_measured_again() {

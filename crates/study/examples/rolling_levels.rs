@@ -22,8 +22,11 @@ const LEVELS: &str = include_str!("../../../fixtures/cotton/rolling_levels.csv")
 /// What the study reports.
 const OBSERVABLE: &str = "angle_deg";
 
-/// Pair of surfaces and its levels.
-fn levels() -> Result<Vec<(&'static str, Vec<f64>)>, Box<dyn Error>> {
+/// A pair of surfaces and its levels.
+type Levels = (&'static str, Vec<f64>);
+
+/// The rows of the file.
+fn levels() -> Result<Vec<Levels>, Box<dyn Error>> {
     let rows = LEVELS.lines().skip(1);
     rows.map(|row| {
         let mut cells = row.split(',');
