@@ -437,4 +437,36 @@ mod tests {
         let error = (plain.force - tilted.force).norm() / plain.force.norm();
         assert!(error < 1e-12, "force of a wall changes by {error}");
     }
+
+    /// While only a bridge holds, nothing rubs: a slip from before is forgotten, and the drift of many steps
+    /// does not wait for the next touch. What is left is the way of the last step.
+    #[test]
+    fn slip_does_not_grow_across_a_bridge() {
+        let water = contact_law::CapillaryBridge::new(0.07, 0.0, 1e-11).unwrap();
+        let wet = interaction().with(&super::FurtherLaws {
+            bridge: Some(water.between(1e-3)),
+            ..super::FurtherLaws::default()
+        });
+        let step = 1e-6;
+        let mut memory = Memory {
+            slip: SLIP,
+            ..Memory::default()
+        };
+        let sideways = Vector3::new(0.01, 0.02, -0.0075);
+        for _ in 0..100 {
+            let pair = SpherePair {
+                between: NORMAL * 2.01e-3,
+                offset_i: Vector3::zeros(),
+                offset_j: Vector3::zeros(),
+                velocity: sideways,
+                spins: [Vector3::zeros(); 2],
+                memory,
+                radii: [1e-3, 1e-3],
+                dashpot_masses: [4e-6, 4e-6],
+            };
+            memory = wet.between_spheres(&pair, step).memory;
+        }
+        let way = sideways.norm() * step;
+        assert!(memory.slip.norm() <= way * (1.0 + 1e-12), "{}", memory.slip);
+    }
 }

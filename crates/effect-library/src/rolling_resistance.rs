@@ -24,11 +24,20 @@ impl Effect for RollingResistance {
     }
 
     fn apply(&self, scene: &mut Scene, amplitude: f64, _: &FillingLibrary) -> Result<(), Error> {
-        for contact in scene.contact.values_mut() {
-            let raised = contact.rolling_friction.get() + amplitude;
-            contact.rolling_friction = FrictionCoefficient::new(raised)
-                .map_err(|e| refused(self.description().name, &e))?;
-        }
-        Ok(())
+        raise_rolling_friction(scene, amplitude, self.description().name)
     }
+}
+
+/// Adds an amplitude to the rolling friction of every contact, for the effect of a name.
+pub(crate) fn raise_rolling_friction(
+    scene: &mut Scene,
+    amplitude: f64,
+    name: &'static str,
+) -> Result<(), Error> {
+    for contact in scene.contact.values_mut() {
+        let raised = contact.rolling_friction.get() + amplitude;
+        contact.rolling_friction =
+            FrictionCoefficient::new(raised).map_err(|e| refused(name, &e))?;
+    }
+    Ok(())
 }

@@ -1,7 +1,7 @@
 //! Rolling resistance of type C: a spring that yields, so that a seed at rest feels no torque.
 
-use crate::{Description, Effect, Entry, Error, refused};
-use quantity::FrictionCoefficient;
+use crate::rolling_resistance::raise_rolling_friction;
+use crate::{Description, Effect, Entry, Error};
 use scene::{FillingLibrary, RollingLaw, Scene};
 
 /// Rolling resistance of type C in every contact.
@@ -27,12 +27,7 @@ impl Effect for RollingSpring {
 
     fn apply(&self, scene: &mut Scene, amplitude: f64, _: &FillingLibrary) -> Result<(), Error> {
         scene.model.rolling_law = RollingLaw::SpringDashpot;
-        for contact in scene.contact.values_mut() {
-            let raised = contact.rolling_friction.get() + amplitude;
-            contact.rolling_friction = FrictionCoefficient::new(raised)
-                .map_err(|e| refused(self.description().name, &e))?;
-        }
-        Ok(())
+        raise_rolling_friction(scene, amplitude, self.description().name)
     }
 }
 

@@ -8,6 +8,19 @@ use nalgebra::{UnitQuaternion, Vector3};
 /// Radius of the balls, m.
 const RADIUS: f64 = 1e-3;
 
+/// A plane through the origin that bodies stay before.
+fn plane(normal: Vector3<f64>) -> Wall {
+    Wall {
+        name: "plane".into(),
+        shape: Shape::Plane {
+            point: Vector3::zeros(),
+            normal,
+        },
+        material: 0,
+        spin: 0.0,
+    }
+}
+
 /// Two balls that touch by a ten-thousandth of their radius and part with a speed (m/s) of each.
 fn parting(bridge: &CapillaryBridge, speed: f64) -> World {
     let start = |sign: f64| {
@@ -72,15 +85,7 @@ fn a_ball_hangs_from_a_wet_wall() {
             ..FurtherLaws::default()
         };
         let surface = interaction(&rough(0.3, 0.3)).with(&further);
-        let ceiling = Wall {
-            name: "ceiling".into(),
-            shape: Shape::Plane {
-                point: Vector3::zeros(),
-                normal: -Vector3::y(),
-            },
-            material: 0,
-            spin: 0.0,
-        };
+        let ceiling = plane(-Vector3::y());
         let start = Placement::at_rest(
             0,
             -Vector3::y() * (RADIUS * 0.9999),
@@ -115,15 +120,7 @@ fn a_rolling_spring_holds_a_ball_on_a_gentle_slope() {
             ..FurtherLaws::default()
         };
         let surface = interaction(&rough(0.3, 0.8)).with(&further);
-        let floor = Wall {
-            name: "floor".into(),
-            shape: Shape::Plane {
-                point: Vector3::zeros(),
-                normal: Vector3::y(),
-            },
-            material: 0,
-            spin: 0.0,
-        };
+        let floor = plane(Vector3::y());
         let start = Placement::at_rest(
             0,
             Vector3::y() * (RADIUS * 0.9999),
