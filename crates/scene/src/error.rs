@@ -158,3 +158,21 @@ pub enum Error {
         reason: String,
     },
 }
+
+impl Error {
+    /// The same with the file whose value cannot be meant.
+    pub(crate) fn in_file(self, file: &str) -> Self {
+        match self {
+            Self::BadValue {
+                name,
+                value,
+                requirement,
+            } => Self::BadValue {
+                name: format!("{file}: {name}"),
+                value,
+                requirement,
+            },
+            other => other,
+        }
+    }
+}

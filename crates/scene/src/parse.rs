@@ -71,7 +71,7 @@ impl Scene {
         }
         folder.clone_into(&mut scene.folder);
         file.clone_into(&mut scene.file);
-        scene.check()?;
+        scene.check().map_err(|error| error.in_file(file))?;
         Ok(scene)
     }
 

@@ -27,6 +27,11 @@ impl TimeSteps {
     /// A fixed step that does not resolve a hard contact, a vibration that the steps do not
     /// resolve, materials that cannot be meant.
     pub(crate) fn of(scene: &Scene, bodies: &[Arc<SeedBody>]) -> Result<Self, Error> {
+        Self::chosen(scene, bodies).map_err(|error| error.in_file(&scene.file))
+    }
+
+    /// [`Self::of`], with errors that do not name the file.
+    fn chosen(scene: &Scene, bodies: &[Arc<SeedBody>]) -> Result<Self, Error> {
         let protocol = &scene.protocol;
         let stiffer = match scene.model.rolling_law {
             RollingLaw::ConstantTorque => 1.0,

@@ -147,7 +147,10 @@ fn a_vibration_too_fast_for_the_time_step_is_refused() {
 #[test]
 fn a_step_share_above_1_is_refused() {
     let scene = TinyScene::changed("[protocol]", "[protocol]\nstep_share = 1.5");
-    assert_error(&scene.simulate(&[]), &["step_share", "1.5", "at most 1"]);
+    assert_error(
+        &scene.simulate(&[]),
+        &["tiny.toml", "step_share", "1.5", "at most 1"],
+    );
 }
 
 /// Two walls of one name would take each other's motion.
@@ -165,7 +168,13 @@ fn a_time_step_too_long_for_a_hard_contact_is_refused() {
     let scene = TinyScene::changed("[protocol]", "[protocol]\ntime_step = \"0.2 ms\"");
     assert_error(
         &scene.simulate(&[]),
-        &["protocol.time_step", "0.0002", "at most", "step_share"],
+        &[
+            "tiny.toml",
+            "protocol.time_step",
+            "0.0002",
+            "at most",
+            "step_share",
+        ],
     );
     let scene = TinyScene::changed("[protocol]", "[protocol]\nflow_step_share = -0.1");
     assert_error(
