@@ -168,6 +168,7 @@ impl HertzMindlin {
 
     /// The law with a damping that depends on the overlap.
     #[must_use]
+    #[inline]
     pub fn with_viscoelastic_damping(self, damping: Option<ViscoelasticDamping>) -> Self {
         Self {
             viscoelastic: damping,
@@ -177,6 +178,7 @@ impl HertzMindlin {
 
     /// The law with a friction that depends on the speed of sliding.
     #[must_use]
+    #[inline]
     pub fn with_rate_dependent_friction(self, friction: Option<RateDependentFriction>) -> Self {
         Self {
             rate: friction,

@@ -97,6 +97,20 @@ impl Interaction {
         self.bridge.map_or(0.0, |bridge| bridge.rupture_gap())
     }
 
+    /// The interaction without further laws, in a form in which the compiler sees that they are
+    /// absent.
+    #[inline(always)]
+    pub(crate) fn plain(&self) -> Self {
+        let law = self.law.with_viscoelastic_damping(None);
+        Self {
+            law: law.with_rate_dependent_friction(None),
+            rolling_friction: self.rolling_friction,
+            rolling_spring: None,
+            attraction: self.attraction,
+            bridge: None,
+        }
+    }
+
     /// Elastic, damping and sliding part.
     pub(crate) fn law(&self) -> &HertzMindlin {
         &self.law

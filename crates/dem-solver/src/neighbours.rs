@@ -80,11 +80,14 @@ pub(crate) struct Lists {
     pub(crate) touch: u32,
     /// Number of touching pairs of spheres.
     pub(crate) n_touches: u32,
-    /// Where the pose of the pair is kept.
+    /// Where the pose of the pair is kept; [`NOWHERE`] before the first list.
     pose: u32,
     /// Sum of the travels of both bodies above which the list must be looked at, m.
     pub(crate) limit: f32,
 }
+
+/// The place of a pose that is not there.
+const NOWHERE: u32 = u32::MAX;
 
 /// Relative pose of a pair when its list was made.
 #[derive(Debug, Clone, Copy)]
@@ -279,7 +282,7 @@ impl Neighbours {
         };
         for &j in partners {
             while k < end && self.old.heads[k].j < j {
-                self.free.push(self.old.lists[k].pose);
+                self.give_pose_back(k);
                 k += 1;
             }
             if k < end && self.old.heads[k].j == j {
@@ -298,18 +301,24 @@ impl Neighbours {
                 });
                 k += 1;
             } else {
-                let pose = self.take_pose();
                 self.heads.push(Head::new(j, 0, f32::NEG_INFINITY));
                 self.lists.push(Lists {
-                    pose,
+                    pose: NOWHERE,
                     limit: f32::NEG_INFINITY,
                     ..Lists::default()
                 });
             }
         }
-        self.free
-            .extend(self.old.lists[k..end].iter().map(|l| l.pose));
+        (k..end).for_each(|k| self.give_pose_back(k));
         self.start.push(stored(self.heads.len()));
+    }
+
+    /// Frees the place of the pose of an old pair.
+    fn give_pose_back(&mut self, k: usize) {
+        let pose = self.old.lists[k].pose;
+        if pose != NOWHERE {
+            self.free.push(pose);
+        }
     }
 
     /// A place for a pose, without a list.
@@ -348,6 +357,9 @@ impl Neighbours {
         );
         let position = bodies.rotation[i].tr_mul(&(bodies.position[j] - bodies.position[i]));
         let rotation = bodies.orientation[i].inverse() * bodies.orientation[j];
+        if self.lists[k].pose == NOWHERE {
+            self.lists[k].pose = self.take_pose();
+        }
         let pose = &mut self.poses[self.lists[k].pose as usize];
         if pose.reach > 0.0 {
             let turn = (pose.rotation.inverse() * rotation).imag().norm();
@@ -398,6 +410,14 @@ impl Neighbours {
     #[inline(always)]
     pub(crate) fn sleep(&mut self, k: usize, travel: f32) {
         self.heads[k].wake = travel.min(self.lists[k].limit);
+    }
+
+    /// Lets pair `k` of two round bodies, which needs no list, sleep up to a sum of travels, m;
+    /// minus infinity keeps it awake.
+    #[inline(always)]
+    pub(crate) fn sleep_without_list(&mut self, k: usize, travel: f32) {
+        self.lists[k].limit = travel;
+        self.heads[k].wake = travel;
     }
 
     /// Puts the pairs of body `i` that need attention in this step into [`Self::awake`] and

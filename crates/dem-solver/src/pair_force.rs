@@ -131,6 +131,11 @@ fn add_pair_forces_on<S: Simd>(
         for entry in 0..neighbours.find_awake(i, &bodies.travel) {
             let k = neighbours.awake[entry] as usize;
             let j = neighbours.heads[k].j as usize;
+            let templates = [i, j].map(|body| &context.templates[bodies.template[body]]);
+            if templates[0].is_round && templates[1].is_round {
+                collect_round_pair(simd, neighbours, k, [i, j], bodies, batch, context, sink);
+                continue;
+            }
             if bodies.travel[i] + bodies.travel[j] > neighbours.lists[k].limit {
                 neighbours.refresh(simd, k, i, bodies, context.templates, context.slack);
             }
@@ -214,6 +219,71 @@ fn collect_pair<S: Simd>(
         let gap = square.sqrt() - limit.sqrt();
         neighbours.sleep(k, bodies.travel[i] + bodies.travel[j] + gap);
     }
+}
+
+/// Puts pair `k` of two round bodies into the batch if they touch: they are their own only
+/// candidates, and how they are turned does not matter.
+#[inline(always)]
+#[expect(
+    clippy::cast_possible_truncation,
+    reason = "the way up to the touch is shortened by a safety distance"
+)]
+#[expect(
+    clippy::too_many_arguments,
+    reason = "a piece of the hot loop, cut out to be read"
+)]
+fn collect_round_pair<S: Simd>(
+    simd: S,
+    neighbours: &mut Neighbours,
+    k: usize,
+    [i, j]: [usize; 2],
+    bodies: &Bodies,
+    batch: &mut Batch,
+    context: &Context<'_>,
+    sink: &mut impl Sink,
+) {
+    let [a, b] = [i, j].map(|body| &context.templates[bodies.template[body]]);
+    let interaction = context.interaction_index(a.material, b.material);
+    let [u, v] = [&a.spheres[0], &b.spheres[0]];
+    let lists = &mut neighbours.lists[k];
+    let known = lists.n_touches > 0;
+    let reach = if known {
+        context.interactions[interaction].reach()
+    } else {
+        0.0
+    };
+    let between = bodies.position[j] - bodies.position[i];
+    let sum = u.radius + v.radius + reach;
+    let square = between.norm_squared();
+    if square >= sum * sum || square == 0.0 {
+        (lists.touch, lists.n_touches) = (0, 0);
+        let gap = (square.sqrt() - sum) as f32 - context.slack.safety;
+        neighbours.sleep_without_list(k, bodies.travel[i] + bodies.travel[j] + gap);
+        return;
+    }
+    let memory = if known {
+        neighbours.touches[lists.touch as usize].memory
+    } else {
+        Memory::default()
+    };
+    (lists.touch, lists.n_touches) = (neighbours.next_touches.len() as u32, 1);
+    neighbours.sleep_without_list(k, f32::NEG_INFINITY);
+    let touches = &mut neighbours.next_touches;
+    if batch.must_be_applied(interaction) {
+        batch.apply(simd, context.interactions, context.time_step, sink, touches);
+    }
+    let pair = SpherePair {
+        between,
+        offset_i: Vector3::zeros(),
+        offset_j: Vector3::zeros(),
+        velocity: bodies.velocity[i] - bodies.velocity[j],
+        spins: [bodies.spin[i], bodies.spin[j]],
+        memory,
+        radii: [u.radius, v.radius],
+        dashpot_masses: [u.dashpot_mass, v.dashpot_mass],
+    };
+    batch.push(interaction, [i, j], touches.len(), &pair);
+    touches.push(Touch { key: 0, memory });
 }
 
 /// What all pairs of spheres of two bodies have in common.

@@ -32,6 +32,9 @@ pub struct Template {
     pub(crate) cell: f64,
     /// The same spheres in single precision.
     pub(crate) packed: Packed,
+    /// Whether the body is one sphere about its centre of mass: where it touches does not depend
+    /// on how it is turned.
+    pub(crate) is_round: bool,
     /// Mass, kg.
     pub(crate) mass: f64,
     /// Principal moments of inertia, kg m².
@@ -103,11 +106,14 @@ impl Template {
                 dashpot_mass: dashpot(sphere.radius),
             })
             .collect();
+        // A sphere in the centre of its body needs no cells; their size is that of its radius, as
+        // arithmetic with numbers near the least of single precision is slow.
         let extents = spheres.iter().map(|sphere| sphere.centre.amax());
-        let cell = extents.fold(f64::MIN_POSITIVE * CELLS, f64::max) / CELLS;
+        let cell = extents.fold(smallest, f64::max) / CELLS;
         Self {
             packed: Packed::new(&spheres),
             cells: spheres.iter().map(|s| in_cells(&s.centre, cell)).collect(),
+            is_round: matches!(&spheres[..], [only] if only.centre == Vector3::zeros()),
             spheres,
             cell,
             mass: clump.mass(),
