@@ -202,6 +202,44 @@ fn loads_are_those_of_the_plain_loop_with_every_law() {
     );
 }
 
+/// Plain spheres of two sizes among seeds, dry and with every law: two spheres have no list of
+/// their own, and a bridge outlives the touch for them too.
+#[test]
+fn loads_are_those_of_the_plain_loop_for_plain_spheres() {
+    let water = CapillaryBridge::new(0.07, 0.1, 1e-11).expect("water");
+    let wet = FurtherLaws {
+        rolling_spring: RollingSpringDashpot::new(0.2, 0.3, 2.25).ok(),
+        bridge: Some(water.between(1e-3)),
+        ..FurtherLaws::default()
+    };
+    // Every fourth of the fallen bodies stays a seed; the others become balls that fit in its place.
+    let mut starts = fallen(1.0, drum(1.0));
+    for (k, start) in starts.iter_mut().enumerate().filter(|(k, _)| k % 4 > 0) {
+        start.template = 1 + k % 2;
+    }
+    let templates = || {
+        let seed = seed_and_block(1.0).swap_remove(0);
+        vec![seed, ball(1.3e-3), ball(1e-3)]
+    };
+    let settings = Settings {
+        time_step: 2e-5,
+        ..settings_of(1.0)
+    };
+    let contacts = [FurtherLaws::default(), wet].map(|further| {
+        let surface = interaction(&sticky()).with(&further);
+        let laws = vec![surface; 4];
+        let mut world =
+            World::new(settings, templates(), laws, drum(1.0), &starts).expect("possible");
+        assert!(world.set_wall_spin("shell", 4.0), "the shell may turn");
+        let most = hold_to_the_plain_loop(&mut world, &mut plain::History::default(), 8000);
+        most[0]
+    });
+    assert!(
+        contacts[0] > 20 && contacts[1] > contacts[0],
+        "too few contacts to mean anything, or no bridge: {contacts:?}"
+    );
+}
+
 /// Walls of which one is no surface of revolution: a plate in the bed.
 #[test]
 fn loads_are_those_of_the_plain_loop_at_a_plate() {
