@@ -1,11 +1,38 @@
 //! A tree of boxes over triangles, for nearest-triangle queries.
+//!
+//! A long thin triangle that lies askew fills little of its box, and a fan of such triangles has
+//! boxes that all overlap: a query would look at each of them. Such triangles are listed in
+//! pieces, each with a box of its own, before the tree is built `[ErnstGreiner2007]`. What is
+//! measured is always the whole triangle, so that the pieces decide the speed only.
 
 use crate::closest_point::{ClosestPoint, closest_point};
+use crate::mesh::area_vector;
 use crate::{BoundingBox, TriMesh};
 use nalgebra::Vector3;
 
 /// Triangles in a leaf.
 const LEAF: usize = 4;
+
+/// Area of half a box over that of the triangle in it beyond which the triangle is cut. It is 3.5 for
+/// the cut through three corners of a cube, and grows as length over width of a thin triangle.
+const WASTE: f64 = 16.0;
+
+/// Halvings of one triangle at most.
+const MOST_HALVINGS: u32 = 5;
+
+/// Pieces of a mesh at most, over the number of its triangles where that is more.
+const MOST_PIECES: usize = 400_000;
+
+/// A triangle or a piece of one, as the tree sees it.
+#[derive(Debug, Clone)]
+struct Piece {
+    /// Triangle of the mesh.
+    triangle: usize,
+    /// Box round the piece, m.
+    bounds: BoundingBox,
+    /// Mean of its corners, m.
+    middle: Vector3<f64>,
+}
 
 /// A box with either two children or a run of triangles.
 #[derive(Debug, Clone)]
@@ -23,11 +50,11 @@ struct Node {
 pub(crate) struct BoundingTree {
     /// Nodes, the root first.
     nodes: Vec<Node>,
-    /// Corners of the triangles in tree order, m.
+    /// Corners of the triangle of each piece in tree order, m.
     corners: Vec<[Vector3<f64>; 3]>,
-    /// Triangle index in the mesh, in tree order.
+    /// Triangle of the mesh of each piece, in tree order.
     triangles: Vec<usize>,
-    /// Place in tree order of each triangle of the mesh.
+    /// Place in tree order of a piece of each triangle of the mesh.
     place_of: Vec<usize>,
 }
 
@@ -46,54 +73,52 @@ impl BoundingTree {
     /// Builds the tree by halving at the median of the longest extent.
     pub(crate) fn new(mesh: &TriMesh) -> Self {
         let n = mesh.triangles().len();
-        let middles: Vec<_> = (0..n)
-            .map(|t| mesh.corners(t).iter().sum::<Vector3<f64>>() / 3.0)
-            .collect();
+        let mut pieces = Vec::with_capacity(n);
+        // Each halving doubles the pieces of the triangles that are cut.
+        let halvings = (MOST_PIECES / n.max(1)).checked_ilog2().unwrap_or(0);
+        for triangle in 0..n {
+            let corners = mesh.corners(triangle);
+            cut(triangle, corners, halvings.min(MOST_HALVINGS), &mut pieces);
+        }
         let mut tree = Self {
-            nodes: Vec::with_capacity(n),
+            nodes: Vec::with_capacity(pieces.len()),
             corners: Vec::new(),
-            triangles: (0..n).collect(),
+            triangles: Vec::new(),
             place_of: vec![0; n],
         };
-        tree.split(mesh, &middles, 0, n);
-        tree.corners = tree.triangles.iter().map(|&t| mesh.corners(t)).collect();
+        tree.split(&mut pieces, 0);
+        tree.triangles = pieces.iter().map(|piece| piece.triangle).collect();
+        let corners = tree.triangles.iter().map(|&t| mesh.corners(t));
+        tree.corners = corners.collect();
         for (place, &triangle) in tree.triangles.iter().enumerate() {
             tree.place_of[triangle] = place;
         }
         tree
     }
 
-    /// Makes the node over `triangles[start..end]` and all below it.
-    fn split(&mut self, mesh: &TriMesh, middles: &[Vector3<f64>], start: usize, end: usize) {
-        let run = &mut self.triangles[start..end];
-        let vertices = run.iter().flat_map(|&t| mesh.triangles()[t]);
-        let bounds = BoundingBox::of(vertices.map(|vertex| &mesh.vertices()[vertex]));
+    /// Makes the node over a run of pieces, the first of which has place `start`, and all below
+    /// it.
+    fn split(&mut self, run: &mut [Piece], start: usize) {
+        let ends = run.iter().flat_map(|p| [&p.bounds.low, &p.bounds.high]);
+        let bounds = BoundingBox::of(ends);
         let node = self.nodes.len();
         let count = if run.len() <= LEAF { run.len() } else { 0 };
+        self.nodes.push(Node {
+            bounds,
+            start,
+            count,
+        });
         if count == 0 {
-            let axis = BoundingBox::of(run.iter().map(|&t| &middles[t]))
-                .size()
-                .imax();
+            let axis = BoundingBox::of(run.iter().map(|p| &p.middle)).size().imax();
             let half = run.len() / 2;
-            run.select_nth_unstable_by(half, |&s, &t| {
-                middles[s][axis]
-                    .total_cmp(&middles[t][axis])
-                    .then(s.cmp(&t))
+            run.select_nth_unstable_by(half, |a, b| {
+                let along = a.middle[axis].total_cmp(&b.middle[axis]);
+                along.then(a.triangle.cmp(&b.triangle))
             });
-            self.nodes.push(Node {
-                bounds,
-                start,
-                count,
-            });
-            self.split(mesh, middles, start, start + half);
+            let (left, right) = run.split_at_mut(half);
+            self.split(left, start);
             self.nodes[node].start = self.nodes.len();
-            self.split(mesh, middles, start + half, end);
-        } else {
-            self.nodes.push(Node {
-                bounds,
-                start,
-                count,
-            });
+            self.split(right, start + half);
         }
     }
 
@@ -112,6 +137,9 @@ impl BoundingTree {
             let node = &self.nodes[index];
             if node.count > 0 {
                 for place in node.start..node.start + node.count {
+                    if self.triangles[place] == best.triangle {
+                        continue;
+                    }
                     let found = self.measure(point, place);
                     if found.distance_squared < best.distance_squared {
                         best = found;
@@ -144,6 +172,31 @@ impl BoundingTree {
             distance_squared: (point - closest.point).norm_squared(),
         }
     }
+}
+
+/// Lists a triangle, cut at the middle of its longest side as often as its box wastes much room, but
+/// at most `halvings` times.
+fn cut(triangle: usize, corners: [Vector3<f64>; 3], halvings: u32, pieces: &mut Vec<Piece>) {
+    let bounds = BoundingBox::of(corners.iter());
+    let [x, y, z]: [f64; 3] = bounds.size().into();
+    let half_box = x * y + y * z + z * x;
+    if halvings == 0 || half_box <= WASTE * area_vector(&corners).norm() {
+        let middle = corners.iter().sum::<Vector3<f64>>() / 3.0;
+        pieces.push(Piece {
+            triangle,
+            bounds,
+            middle,
+        });
+        return;
+    }
+    let length = |k: usize| (corners[(k + 1) % 3] - corners[k]).norm_squared();
+    let longest = (0..3).max_by(|&a, &b| length(a).total_cmp(&length(b)));
+    let k = longest.unwrap_or(0);
+    let [a, b, c] = [corners[k], corners[(k + 1) % 3], corners[(k + 2) % 3]];
+    // The rounding of the middle, 1e-16 of the coordinates, is far below that of a distance.
+    let middle = (a + b) * 0.5;
+    cut(triangle, [a, middle, c], halvings - 1, pieces);
+    cut(triangle, [middle, b, c], halvings - 1, pieces);
 }
 
 /// Squared distance from a point to a box, 0 inside, m².

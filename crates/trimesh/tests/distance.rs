@@ -1,6 +1,6 @@
 //! Signed distance, inside test and surface samples.
 
-use nalgebra::{Rotation3, Vector3};
+use nalgebra::{Rotation3, Vector2, Vector3};
 use proptest::prelude::*;
 use trimesh::{LengthUnit, SignedDistance, TriMesh, shapes, winding_number};
 
@@ -81,6 +81,58 @@ fn surface_samples_average_as_the_area_does() {
     for sample in samples.iter().step_by(97) {
         assert!(distance.distance(&sample.point).abs() < 1e-15);
         assert!(sample.normal.dot(&sample.point) > 0.9, "normal points in");
+    }
+}
+
+/// Radius and height of the cone, m.
+const CONE: [f64; 2] = [2.0, 8.0];
+
+/// Exact signed distance to a cone that stands on the origin along z.
+fn cone_distance(point: &Vector3<f64>) -> f64 {
+    let [radius, height] = CONE;
+    let at = Vector2::new(point.x.hypot(point.y), point.z);
+    let to_segment = |a: Vector2<f64>, b: Vector2<f64>| {
+        let way = b - a;
+        let part = ((at - a).dot(&way) / way.norm_squared()).clamp(0.0, 1.0);
+        (at - a - way * part).norm()
+    };
+    let rim = Vector2::new(radius, 0.0);
+    let base = to_segment(Vector2::zeros(), rim);
+    let side = to_segment(rim, Vector2::new(0.0, height));
+    let inside = at.y > 0.0 && at.x < radius * (1.0 - at.y / height);
+    base.min(side) * if inside { -1.0 } else { 1.0 }
+}
+
+/// A cone of slivers that lies askew: each is cut for the tree, and the nearest point may lie on
+/// any piece. The slivers keep within the sagitta of the circle, 2 (1 - cos(pi / 400)) = 6.2e-5 m.
+#[test]
+fn distance_to_a_cone_of_slivers_is_that_of_the_cone() {
+    let [radius, height] = CONE;
+    let n = 400;
+    let turn = Rotation3::from_euler_angles(0.8, 0.3, 0.6);
+    let rim = |k: usize| {
+        let angle = std::f64::consts::TAU * (k % n) as f64 / n as f64;
+        turn * Vector3::new(radius * angle.cos(), radius * angle.sin(), 0.0)
+    };
+    let tip = turn * Vector3::new(0.0, 0.0, height);
+    let soup: Vec<_> = (0..n)
+        .flat_map(|k| {
+            let (a, b) = (rim(k), rim(k + 1));
+            [[a, b, tip], [b, a, Vector3::zeros()]]
+        })
+        .collect();
+    let mesh = TriMesh::from_triangles(&soup, LengthUnit::Metre, "cone")
+        .unwrap()
+        .mesh;
+    let distance = SignedDistance::new(&mesh).unwrap();
+    for x in [-2.5, -1.3, 0.0, 0.02, 0.7, 1.9] {
+        for y in [-2.0, 0.0, 0.3, 1.1] {
+            for z in [-1.0, 0.0, 0.01, 0.5, 3.0, 6.5, 8.5] {
+                let point = Vector3::new(x, y, z);
+                let (found, exact) = (distance.distance(&(turn * point)), cone_distance(&point));
+                assert!((found - exact).abs() < 6.3e-5, "{point:?}: {found} for {exact}");
+            }
+        }
     }
 }
 
