@@ -130,7 +130,10 @@ fn distance_to_a_cone_of_slivers_is_that_of_the_cone() {
             for z in [-1.0, 0.0, 0.01, 0.5, 3.0, 6.5, 8.5] {
                 let point = Vector3::new(x, y, z);
                 let (found, exact) = (distance.distance(&(turn * point)), cone_distance(&point));
-                assert!((found - exact).abs() < 6.3e-5, "{point:?}: {found} for {exact}");
+                assert!(
+                    (found - exact).abs() < 6.3e-5,
+                    "{point:?}: {found} for {exact}"
+                );
             }
         }
     }
