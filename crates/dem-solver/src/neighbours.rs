@@ -4,6 +4,9 @@
 //! distance that its list covers. Ways are counted in a frame that turns with the drum, in which
 //! a bed that turns as a whole stands still. When the count runs out, the true relative motion
 //! since the list was made decides whether the list must be made anew.
+//!
+//! Two round bodies have no list: they are their own only candidates, and the distance of their
+//! centres says how long they can sleep.
 
 #![expect(
     clippy::inline_always,
@@ -155,7 +158,8 @@ struct Previous {
 pub struct Census {
     /// Pairs of bodies whose bounding spheres are near.
     pub body_pairs: usize,
-    /// Those of them with at least one pair of spheres within the skin.
+    /// Those of them with at least one pair of spheres within the skin in their list; two round
+    /// bodies have none.
     pub pairs_with_candidates: usize,
     /// Groups of up to sixteen candidates.
     pub chunks: usize,

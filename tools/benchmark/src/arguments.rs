@@ -14,7 +14,7 @@ use std::path::PathBuf;
 pub(crate) struct Arguments {
     /// Scenes: seeds-N (the drum of the study, its length in proportion to N) or spheres-N (plain
     /// spheres) [default: seeds 300, 1200, 4800 and spheres 2000, 10000, 100000; with --peers the
-    /// spheres alone]
+    /// spheres alone, with --scaling seeds 1200 and 4800]
     #[arg(value_name = "SCENE")]
     scene: Vec<BenchmarkScene>,
 
@@ -37,6 +37,12 @@ pub(crate) struct Arguments {
     /// Run LIGGGHTS and LAMMPS on the same plain spheres in turn with this solver
     #[arg(long)]
     pub(crate) peers: bool,
+
+    /// Compare a step on one thread with the same step on --threads, by the clock
+    ///
+    /// Two worlds from one start take their blocks in turn; the bodies must end at the same bits.
+    #[arg(long, conflicts_with = "peers")]
+    pub(crate) scaling: bool,
 
     /// Rounds of all codes with --peers
     #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..100))]
@@ -69,6 +75,9 @@ impl Arguments {
             return self.scene.clone();
         }
         let mut all = vec![];
+        if self.scaling {
+            return vec![BenchmarkScene::Seeds(1200), BenchmarkScene::Seeds(4800)];
+        }
         if !self.peers {
             all.extend([300, 1200, 4800].map(BenchmarkScene::Seeds));
             all.extend(self.large.then_some(BenchmarkScene::Seeds(19200)));

@@ -5,6 +5,7 @@ mod contacts;
 mod deck;
 mod measure;
 mod peers;
+mod scaling;
 mod scenes;
 mod seed_drum;
 mod sphere_drum;
@@ -21,11 +22,11 @@ use std::process::{Command, ExitCode, Stdio};
 
 /// Everything that `--json` tells.
 #[derive(Debug, Serialize, Deserialize)]
-struct Summary {
+struct Summary<R> {
     #[serde(flatten)]
     header: Header,
     /// One row for each scene, or for each scene and code.
-    rows: Vec<Row>,
+    rows: Vec<R>,
 }
 
 fn main() -> ExitCode {
@@ -37,6 +38,12 @@ fn main() -> ExitCode {
 fn run(arguments: &Arguments) -> anyhow::Result<u8> {
     let header = Header::new(arguments.seed, [&arguments.drum])?;
     let scenes = arguments.scenes();
+    if arguments.scaling {
+        let rows = scaling::compare(arguments, &scenes)?;
+        arguments.common.print(scaling::table(&rows))?;
+        arguments.common.emit_json(&Summary { header, rows })?;
+        return Ok(DONE);
+    }
     let rows = match scenes.as_slice() {
         _ if arguments.peers => peers::compare(arguments, &scenes)?,
         [scene] => vec![measured(arguments, *scene)?],
@@ -85,7 +92,7 @@ fn in_own_process(arguments: &Arguments, scene: BenchmarkScene) -> anyhow::Resul
         "the measurement of {scene} ended with {}",
         output.status
     );
-    let summary: Summary = serde_json::from_slice(&output.stdout)
+    let summary: Summary<Row> = serde_json::from_slice(&output.stdout)
         .with_context(|| format!("the measurement of {scene} gave no result"))?;
     let mut rows = summary.rows;
     rows.pop()

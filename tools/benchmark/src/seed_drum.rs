@@ -13,6 +13,24 @@ const START_UP_S: f64 = 1.3;
 
 /// Measures the drum with this many seeds.
 pub(crate) fn measure(arguments: &Arguments, count: usize) -> anyhow::Result<Row> {
+    let (mut world, spheres) = flowing(arguments, count, false)?;
+    let name = BenchmarkScene::Seeds(count);
+    measure_world(
+        &name.to_string(),
+        &mut world,
+        spheres,
+        name.block_steps(),
+        arguments.blocks,
+    )
+}
+
+/// A drum in which the seeds flow, and its number of spheres. A `fresh` world starts from the
+/// positions and velocities of the flow and has not moved yet; one of more than a drum always does.
+pub(crate) fn flowing(
+    arguments: &Arguments,
+    count: usize,
+    fresh: bool,
+) -> anyhow::Result<(World, usize)> {
     let library = FillingLibrary::default();
     let mut scene = Scene::read(&arguments.drum, &[])?;
     let study = scene.apparatus.width();
@@ -25,7 +43,7 @@ pub(crate) fn measure(arguments: &Arguments, count: usize) -> anyhow::Result<Row
         world.step()?;
     }
     let tiles = count.div_ceil(SEEDS_OF_STUDY);
-    if tiles > 1 {
+    if fresh || tiles > 1 {
         set_width(&mut scene, tile * tiles as f64)?;
         let placements = side_by_side(world.bodies(), tiles, tile);
         world = running_world(&scene, &library, &placements)?;
@@ -36,14 +54,7 @@ pub(crate) fn measure(arguments: &Arguments, count: usize) -> anyhow::Result<Row
         .map(|seed| Ok(library.body(&scene, seed)?.clump.spheres().len()))
         .collect::<anyhow::Result<Vec<_>>>()?;
     let spheres = spheres_of(&world, &kinds);
-    let name = BenchmarkScene::Seeds(count);
-    measure_world(
-        &name.to_string(),
-        &mut world,
-        spheres,
-        name.block_steps(),
-        arguments.blocks,
-    )
+    Ok((world, spheres))
 }
 
 /// Number of spheres of all bodies; `kinds` holds the number of each kind.
