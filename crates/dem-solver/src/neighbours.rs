@@ -71,7 +71,7 @@ impl Head {
 }
 
 /// The list of a pair; read only for pairs that are awake.
-#[derive(Debug, Clone, Copy, Default)]
+#[derive(Debug, Clone, Copy)]
 pub(crate) struct Lists {
     /// First chunk of the pair.
     pub(crate) chunk: u32,
@@ -91,6 +91,19 @@ pub(crate) struct Lists {
 
 /// The place of a pose that is not there.
 const NOWHERE: u32 = u32::MAX;
+
+impl Lists {
+    /// Of a pair of which nothing is known yet.
+    const NEW: Self = Self {
+        chunk: 0,
+        n_chunks: 0,
+        room: 0,
+        touch: 0,
+        n_touches: 0,
+        pose: NOWHERE,
+        limit: f32::NEG_INFINITY,
+    };
+}
 
 /// Relative pose of a pair when its list was made.
 #[derive(Debug, Clone, Copy)]
@@ -306,11 +319,7 @@ impl Neighbours {
                 k += 1;
             } else {
                 self.heads.push(Head::new(j, 0, f32::NEG_INFINITY));
-                self.lists.push(Lists {
-                    pose: NOWHERE,
-                    limit: f32::NEG_INFINITY,
-                    ..Lists::default()
-                });
+                self.lists.push(Lists::NEW);
             }
         }
         (k..end).for_each(|k| self.give_pose_back(k));

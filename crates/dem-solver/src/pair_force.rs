@@ -246,7 +246,7 @@ fn collect_round_pair<S: Simd>(
     let interaction = context.interaction_index(a.material, b.material);
     let [u, v] = [&a.spheres[0], &b.spheres[0]];
     let lists = &mut neighbours.lists[k];
-    let known = lists.n_touches > 0;
+    let known = lists.n_touches > 0 && neighbours.touches[lists.touch as usize].key == 0;
     let reach = if known {
         context.interactions[interaction].reach()
     } else {

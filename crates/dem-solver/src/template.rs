@@ -106,8 +106,9 @@ impl Template {
                 dashpot_mass: dashpot(sphere.radius),
             })
             .collect();
-        // A sphere in the centre of its body needs no cells; their size is that of its radius, as
-        // arithmetic with numbers near the least of single precision is slow.
+        // Cells need not be finer than those of a body as large as one sphere. A sphere in the centre of
+        // its body would otherwise have cells near the least number of single precision, with which
+        // arithmetic is slow.
         let extents = spheres.iter().map(|sphere| sphere.centre.amax());
         let cell = extents.fold(smallest, f64::max) / CELLS;
         Self {

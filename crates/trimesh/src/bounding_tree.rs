@@ -10,7 +10,7 @@ use crate::mesh::area_vector;
 use crate::{BoundingBox, TriMesh};
 use nalgebra::Vector3;
 
-/// Triangles in a leaf.
+/// Pieces in a leaf.
 const LEAF: usize = 4;
 
 /// Area of half a box over that of the triangle in it beyond which the triangle is cut. It is 3.5 for
@@ -20,7 +20,7 @@ const WASTE: f64 = 16.0;
 /// Halvings of one triangle at most.
 const MOST_HALVINGS: u32 = 5;
 
-/// Pieces of a mesh at most, over the number of its triangles where that is more.
+/// Pieces of a mesh at most, or one a triangle if it has more triangles.
 const MOST_PIECES: usize = 400_000;
 
 /// A triangle or a piece of one, as the tree sees it.
@@ -34,14 +34,14 @@ struct Piece {
     middle: Vector3<f64>,
 }
 
-/// A box with either two children or a run of triangles.
+/// A box with either two children or a run of pieces.
 #[derive(Debug, Clone)]
 struct Node {
-    /// Box round all triangles below, m.
+    /// Box round all pieces below, m.
     bounds: BoundingBox,
-    /// First triangle of a leaf, or the right child (the left one is the next node).
+    /// First piece of a leaf, or the right child (the left one is the next node).
     start: usize,
-    /// Triangles of a leaf; 0 for a branch.
+    /// Pieces of a leaf; 0 for a branch.
     count: usize,
 }
 
@@ -209,4 +209,41 @@ fn distance_squared(point: &Vector3<f64>, bounds: &BoundingBox) -> f64 {
         sum += outside * outside;
     }
     sum
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{MOST_HALVINGS, Piece, cut};
+    use nalgebra::Vector3;
+
+    fn pieces(corners: [[f64; 3]; 3]) -> Vec<Piece> {
+        let mut pieces = Vec::new();
+        cut(0, corners.map(Vector3::from), MOST_HALVINGS, &mut pieces);
+        pieces
+    }
+
+    /// A sliver askew is cut as often as allowed, and its pieces still reach from end to end; one
+    /// along an axis fills its box and stays whole, as does a triangle that is not thin.
+    #[test]
+    fn only_slivers_askew_are_cut() {
+        let sliver = pieces([[0.0, 0.0, 0.0], [1.0, 1.0, 1.0], [0.0, 1e-4, 0.0]]);
+        assert_eq!(sliver.len(), 1 << MOST_HALVINGS);
+        let longest = sliver.iter().map(|p| p.bounds.size().norm());
+        // Halving the longest side: pieces of a 32nd of the length, and a width of 1e-4.
+        assert!(longest.fold(0.0, f64::max) < 3.0_f64.sqrt() / 32.0 + 2e-4);
+        let ends = [
+            sliver
+                .iter()
+                .map(|p| p.bounds.low.min())
+                .fold(1.0, f64::min),
+            sliver
+                .iter()
+                .map(|p| p.bounds.high.max())
+                .fold(0.0, f64::max),
+        ];
+        assert_eq!(ends, [0.0, 1.0]);
+        let along = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1e-4, 0.0]];
+        let corner = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+        assert_eq!([along, corner].map(|c| pieces(c).len()), [1, 1]);
+    }
 }

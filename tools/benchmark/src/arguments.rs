@@ -8,7 +8,7 @@ use std::path::PathBuf;
 ///
 /// Cost is time on the processor, as the kernel counts it: other work on the machine does not
 /// count. Each scene is measured in the flowing state, in blocks of steps; the figure is the median
-/// of the blocks. Exit code: 0 measured; 2 error.
+/// of the blocks. With --scaling it is time on the clock instead. Exit code: 0 measured; 2 error.
 #[derive(Debug, Parser)]
 #[command(name = "benchmark", version, about)]
 pub(crate) struct Arguments {
@@ -41,7 +41,7 @@ pub(crate) struct Arguments {
     /// Compare a step on one thread with the same step on --threads, by the clock
     ///
     /// Two worlds from one start take their blocks in turn; the bodies must end at the same bits.
-    #[arg(long, conflicts_with = "peers")]
+    #[arg(long, conflicts_with_all = ["peers", "large"])]
     pub(crate) scaling: bool,
 
     /// Rounds of all codes with --peers

@@ -28,8 +28,12 @@ pub(crate) fn compare(
     arguments: &Arguments,
     scenes: &[BenchmarkScene],
 ) -> anyhow::Result<Vec<ScalingRow>> {
+    let threads = arguments.common.threads();
+    anyhow::ensure!(
+        threads > 1,
+        "--scaling compares with one thread: say --threads 2 or more"
+    );
     let rows = scenes.iter().map(|scene| {
-        let threads = arguments.common.threads();
         arguments
             .common
             .log(|| format!("measuring {scene} on 1 and {threads} threads"));
@@ -56,7 +60,7 @@ fn row(arguments: &Arguments, scene: BenchmarkScene, threads: usize) -> anyhow::
     }
     anyhow::ensure!(
         one.bodies() == all.bodies(),
-        "{scene}: the bodies differ between 1 and {threads} threads"
+        "{scene}: the bodies are not the same on 1 and {threads} threads"
     );
     let of = |pick: fn(&[f64; 2]) -> f64| median(&times.iter().map(pick).collect::<Vec<_>>());
     Ok(ScalingRow {

@@ -1,22 +1,33 @@
 //! The same input gives the same bits.
 
 use crate::scene::{
-    box_of_planes, interaction, run, scattered, seed_and_block, settings, sticky, world,
+    ball, box_of_planes, interaction, run, scattered, seed_and_block, settings, sticky, world,
 };
 use contact_law::{
     CapillaryBridge, RateDependentFriction, RollingSpringDashpot, ViscoelasticDamping,
 };
-use dem_solver::{FurtherLaws, MeshWall, Motion, World};
+use dem_solver::{FurtherLaws, MeshWall, Motion, Placement, Template, World};
 use nalgebra::Vector3;
 use random_stream::Stream;
 
+/// Seeds, blocks and plain spheres, and where they start: every third body is a sphere.
+fn mixture() -> (Vec<Template>, Vec<Placement>) {
+    let mut templates = seed_and_block(1.0);
+    templates.push(ball(2e-3));
+    let mut starts = scattered([0.011; 3], 1.0, 0.5, &mut Stream::new(5, "bits"));
+    for start in starts.iter_mut().step_by(3) {
+        start.template = 2;
+    }
+    (templates, starts)
+}
+
 fn shaken() -> World {
-    let starts = scattered([0.011; 3], 1.0, 0.5, &mut Stream::new(5, "bits"));
+    let (templates, starts) = mixture();
     let settings = settings(2e-5, Vector3::new(0.0, -9.81, 0.0));
     world(
         settings,
         &sticky(),
-        seed_and_block(1.0),
+        templates,
         box_of_planes(0.0125),
         &starts,
     )
@@ -85,11 +96,11 @@ fn a_world_goes_on_from_a_snapshot_with_the_same_bits() {
         bridge: Some(water.between(1e-3)),
     };
     let fresh = || {
-        let starts = scattered([0.011; 3], 1.0, 0.5, &mut Stream::new(5, "bits"));
+        let (templates, starts) = mixture();
         let settings = settings(2e-5, Vector3::new(0.0, -9.81, 0.0));
         let surface = interaction(&sticky()).with(&further);
         let walls = box_of_planes(0.0125);
-        let (templates, surfaces) = (seed_and_block(1.0), vec![surface; 4]);
+        let surfaces = vec![surface; 4];
         let mut world = World::new(settings, templates, surfaces, walls, &starts).unwrap();
         let corner = |x, z| Vector3::new(x, -0.008, z);
         let plate = MeshWall {

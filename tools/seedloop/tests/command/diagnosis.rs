@@ -54,8 +54,8 @@ fn diagnose(scene: &TinyScene, words: &[&str]) -> Output {
     seedloop(scene.path("").as_path(), &words)
 }
 
-/// The example of the guide: four conditions for the fit, two for the check. By hand: 2 runs at each of
-/// (1 start + 2 parameters + 4 effects + 8 rounds) x 4 and 2 x 2 conditions are 128.
+/// The example of the guide: three conditions for the fit, two for the check. By hand: 2 runs at each of
+/// (1 start + 2 parameters + 4 effects + 8 rounds) x 3 and 2 x 2 conditions are 98.
 #[test]
 fn the_example_says_what_would_be_run_and_runs_nothing() {
     let example = fixture("cotton/diagnosis.toml");
@@ -63,8 +63,8 @@ fn the_example_says_what_would_be_run_and_runs_nothing() {
     let output = seedloop(Path::new("."), &words);
     assert_code(&output, 0);
     let said = text(&output.stdout);
-    assert!(said.contains("at most 128 runs of 160"), "{said}");
-    assert_eq!(said.matches("\n  fit ").count(), 4, "{said}");
+    assert!(said.contains("at most 98 runs of 160"), "{said}");
+    assert_eq!(said.matches("\n  fit ").count(), 3, "{said}");
     assert_eq!(said.matches("\n  check ").count(), 2, "{said}");
 }
 
