@@ -229,8 +229,8 @@ mod tests {
         let sliver = pieces([[0.0, 0.0, 0.0], [1.0, 1.0, 1.0], [0.0, 1e-4, 0.0]]);
         assert_eq!(sliver.len(), 1 << MOST_HALVINGS);
         let longest = sliver.iter().map(|p| p.bounds.size().norm());
-        // Halving the longest side: pieces of a 32nd of the length, and a width of 1e-4.
-        assert!(longest.fold(0.0, f64::max) < 3.0_f64.sqrt() / 32.0 + 2e-4);
+        // Two halvings shorten both long sides: five leave pieces of at most a quarter of the length.
+        assert!(longest.fold(0.0, f64::max) < 3.0_f64.sqrt() / 4.0 + 2e-4);
         let ends = [
             sliver
                 .iter()
