@@ -5,7 +5,7 @@
 //! a bed that turns as a whole stands still. When the count runs out, the true relative motion
 //! since the list was made decides whether the list must be made anew.
 //!
-//! Two round bodies have no list: they are their own only candidates, and the distance of their
+//! Two bodies of one sphere each have no list: they are their own only candidates, and the distance of their
 //! centres says how long they can sleep.
 
 #![expect(
@@ -171,8 +171,8 @@ struct Previous {
 pub struct Census {
     /// Pairs of bodies whose bounding spheres are near.
     pub body_pairs: usize,
-    /// Those of them with at least one pair of spheres within the skin in their list; two round
-    /// bodies have none.
+    /// Those of them with at least one pair of spheres within the skin in their list; two
+    /// bodies of one sphere each have none.
     pub pairs_with_candidates: usize,
     /// Groups of up to sixteen candidates.
     pub chunks: usize,
@@ -425,7 +425,7 @@ impl Neighbours {
         self.heads[k].wake = travel.min(self.lists[k].limit);
     }
 
-    /// Lets pair `k` of two round bodies, which needs no list, sleep up to a sum of travels, m;
+    /// Lets pair `k` of two bodies of one sphere each, which needs no list, sleep up to a sum of travels, m;
     /// minus infinity keeps it awake.
     #[inline(always)]
     pub(crate) fn sleep_without_list(&mut self, k: usize, travel: f32) {

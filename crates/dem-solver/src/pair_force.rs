@@ -126,164 +126,187 @@ fn add_pair_forces_on<S: Simd>(
     context: &Context<'_>,
     sink: &mut impl Sink,
 ) {
+    let mut collector = Collector {
+        simd,
+        bodies,
+        batch,
+        context,
+        sink,
+    };
     neighbours.next_touches.clear();
     for i in neighbours.range() {
         for entry in 0..neighbours.find_awake(i, &bodies.travel) {
             let k = neighbours.awake[entry] as usize;
             let j = neighbours.heads[k].j as usize;
             let templates = [i, j].map(|body| &context.templates[bodies.template[body]]);
-            if templates[0].is_round && templates[1].is_round {
-                collect_round_pair(simd, neighbours, k, [i, j], bodies, batch, context, sink);
+            if templates.iter().all(|template| template.is_sphere) {
+                collector.collect_spheres(neighbours, k, [i, j], templates);
                 continue;
             }
             if bodies.travel[i] + bodies.travel[j] > neighbours.lists[k].limit {
                 neighbours.refresh(simd, k, i, bodies, context.templates, context.slack);
             }
             if neighbours.lists[k].n_chunks > 0 {
-                collect_pair(simd, neighbours, k, [i, j], bodies, batch, context, sink);
+                collector.collect_listed(neighbours, k, [i, j], templates);
             }
         }
     }
-    let touches = &mut neighbours.next_touches;
-    batch.apply(simd, context.interactions, context.time_step, sink, touches);
+    collector.apply(&mut neighbours.next_touches);
     std::mem::swap(&mut neighbours.touches, &mut neighbours.next_touches);
 }
 
-/// Puts the touching spheres of pair `k` into the batch.
-#[inline(always)]
-#[expect(
-    clippy::cast_possible_truncation,
-    reason = "the overlap test has a safety distance"
-)]
-#[expect(
-    clippy::too_many_arguments,
-    reason = "a piece of the hot loop, cut out to be read"
-)]
-fn collect_pair<S: Simd>(
+/// Puts touching spheres into the batch; what it works with beside the lists.
+struct Collector<'a, S, K> {
     simd: S,
-    neighbours: &mut Neighbours,
-    k: usize,
-    [i, j]: [usize; 2],
-    bodies: &Bodies,
-    batch: &mut Batch,
-    context: &Context<'_>,
-    sink: &mut impl Sink,
-) {
-    let lists = &mut neighbours.lists[k];
-    let old = lists.touch as usize..(lists.touch + lists.n_touches) as usize;
-    let first = neighbours.next_touches.len();
-    let templates = [i, j].map(|body| &context.templates[bodies.template[body]]);
-    let interaction = context.interaction_index(templates[0].material, templates[1].material);
-    let reach = context.interactions[interaction].reach();
-    let frame = PairFrame::new(bodies, [i, j]);
-    let single = [0, 1, 2].map(|axis| frame.difference[axis] as f32);
-    let (ri, rj) = (bodies.cells_to_metres[i], bodies.cells_to_metres[j]);
-    let chunks = lists.chunk as usize..(lists.chunk + lists.n_chunks) as usize;
-    let mut nearest = f32x16::splat(simd, f32::INFINITY);
-    let mut limit: f32 = 0.0;
-    for chunk in &neighbours.chunks[chunks] {
-        let squares = distances(simd, chunk, &ri, &rj, &single);
-        let touching = squares.simd_lt(chunk.limit).to_bitmask() & chunk.used;
-        nearest = nearest.min(squares);
-        limit = limit.max(chunk.limit);
-        for lane in set_bits(touching) {
-            let key = chunk.key[lane];
-            let known = neighbours.touches[old.clone()]
-                .iter()
-                .find(|t| t.key == key);
-            let gap = if known.is_some() { reach } else { 0.0 };
-            if let Some(mut pair) = frame.sphere_pair(key, templates, gap) {
-                pair.memory = known.map_or_else(Memory::default, |touch| touch.memory);
-                let touches = &mut neighbours.next_touches;
-                if batch.must_be_applied(interaction) {
-                    batch.apply(simd, context.interactions, context.time_step, sink, touches);
+    bodies: &'a Bodies,
+    batch: &'a mut Batch,
+    context: &'a Context<'a>,
+    sink: &'a mut K,
+}
+
+impl<S: Simd, K: Sink> Collector<'_, S, K> {
+    /// Works off the batch.
+    #[inline(always)]
+    fn apply(&mut self, touches: &mut [Touch]) {
+        let context = self.context;
+        self.batch.apply(
+            self.simd,
+            context.interactions,
+            context.time_step,
+            self.sink,
+            touches,
+        );
+    }
+
+    /// Puts a contact of two bodies into the batch, and what it remembers into the touches.
+    #[inline(always)]
+    fn put(
+        &mut self,
+        touches: &mut Vec<Touch>,
+        (interaction, bodies): (usize, [usize; 2]),
+        key: u32,
+        pair: &SpherePair,
+    ) {
+        if self.batch.must_be_applied(interaction) {
+            self.apply(touches);
+        }
+        self.batch.push(interaction, bodies, touches.len(), pair);
+        touches.push(Touch {
+            key,
+            memory: pair.memory,
+        });
+    }
+
+    /// Puts the touching spheres in the list of pair `k` into the batch.
+    #[inline(always)]
+    #[expect(
+        clippy::cast_possible_truncation,
+        reason = "the overlap test has a safety distance"
+    )]
+    fn collect_listed(
+        &mut self,
+        neighbours: &mut Neighbours,
+        k: usize,
+        [i, j]: [usize; 2],
+        templates: [&Template; 2],
+    ) {
+        let (bodies, context) = (self.bodies, self.context);
+        let lists = &mut neighbours.lists[k];
+        let old = lists.touch as usize..(lists.touch + lists.n_touches) as usize;
+        let first = neighbours.next_touches.len();
+        let interaction = context.interaction_index(templates[0].material, templates[1].material);
+        let reach = context.interactions[interaction].reach();
+        let frame = PairFrame::new(bodies, [i, j]);
+        let single = [0, 1, 2].map(|axis| frame.difference[axis] as f32);
+        let (ri, rj) = (bodies.cells_to_metres[i], bodies.cells_to_metres[j]);
+        let chunks = lists.chunk as usize..(lists.chunk + lists.n_chunks) as usize;
+        let mut nearest = f32x16::splat(self.simd, f32::INFINITY);
+        let mut limit: f32 = 0.0;
+        for chunk in &neighbours.chunks[chunks] {
+            let squares = distances(self.simd, chunk, &ri, &rj, &single);
+            let touching = squares.simd_lt(chunk.limit).to_bitmask() & chunk.used;
+            nearest = nearest.min(squares);
+            limit = limit.max(chunk.limit);
+            for lane in set_bits(touching) {
+                let key = chunk.key[lane];
+                let known = neighbours.touches[old.clone()]
+                    .iter()
+                    .find(|t| t.key == key);
+                let gap = if known.is_some() { reach } else { 0.0 };
+                if let Some(mut pair) = frame.sphere_pair(key, templates, gap) {
+                    pair.memory = known.map_or_else(Memory::default, |touch| touch.memory);
+                    let touches = &mut neighbours.next_touches;
+                    self.put(touches, (interaction, [i, j]), key, &pair);
                 }
-                batch.push(interaction, [i, j], touches.len(), &pair);
-                touches.push(Touch {
-                    key,
-                    memory: pair.memory,
-                });
             }
         }
+        lists.touch = first as u32;
+        lists.n_touches = (neighbours.next_touches.len() - first) as u32;
+        if lists.n_touches == 0 {
+            // The touches move on without a pair that sleeps.
+            lists.touch = 0;
+            let square = nearest
+                .as_slice()
+                .iter()
+                .copied()
+                .fold(f32::INFINITY, f32::min);
+            let gap = square.sqrt() - limit.sqrt();
+            neighbours.sleep(k, bodies.travel[i] + bodies.travel[j] + gap);
+        }
     }
-    lists.touch = first as u32;
-    lists.n_touches = (neighbours.next_touches.len() - first) as u32;
-    if lists.n_touches == 0 {
-        // The touches move on without a pair that sleeps.
-        lists.touch = 0;
-        let square = nearest
-            .as_slice()
-            .iter()
-            .copied()
-            .fold(f32::INFINITY, f32::min);
-        let gap = square.sqrt() - limit.sqrt();
-        neighbours.sleep(k, bodies.travel[i] + bodies.travel[j] + gap);
+
+    /// Puts pair `k` of two bodies of one sphere each into the batch if they touch: they are their
+    /// own only candidates, and how they are turned does not matter.
+    #[inline(always)]
+    #[expect(
+        clippy::cast_possible_truncation,
+        reason = "the way up to the touch is shortened by a safety distance"
+    )]
+    fn collect_spheres(
+        &mut self,
+        neighbours: &mut Neighbours,
+        k: usize,
+        [i, j]: [usize; 2],
+        [a, b]: [&Template; 2],
+    ) {
+        let (bodies, context) = (self.bodies, self.context);
+        let interaction = context.interaction_index(a.material, b.material);
+        let spheres = [&a.spheres[0], &b.spheres[0]];
+        let lists = &mut neighbours.lists[k];
+        let old = lists.touch as usize..(lists.touch + lists.n_touches) as usize;
+        let known = neighbours.touches[old].first().filter(|t| t.key == 0);
+        let reach = known.map_or(0.0, |_| context.interactions[interaction].reach());
+        let between = bodies.position[j] - bodies.position[i];
+        let sum = spheres[0].radius + spheres[1].radius + reach;
+        if are_apart(&between, sum) {
+            (lists.touch, lists.n_touches) = (0, 0);
+            let gap = (between.norm() - sum) as f32 - context.slack.safety;
+            neighbours.sleep_without_list(k, bodies.travel[i] + bodies.travel[j] + gap);
+            return;
+        }
+        let pair = SpherePair {
+            between,
+            offset_i: Vector3::zeros(),
+            offset_j: Vector3::zeros(),
+            velocity: bodies.velocity[i] - bodies.velocity[j],
+            spins: [bodies.spin[i], bodies.spin[j]],
+            memory: known.map_or_else(Memory::default, |touch| touch.memory),
+            radii: spheres.map(|sphere| sphere.radius),
+            dashpot_masses: spheres.map(|sphere| sphere.dashpot_mass),
+        };
+        (lists.touch, lists.n_touches) = (neighbours.next_touches.len() as u32, 1);
+        neighbours.sleep_without_list(k, f32::NEG_INFINITY);
+        let touches = &mut neighbours.next_touches;
+        self.put(touches, (interaction, [i, j]), 0, &pair);
     }
 }
 
-/// Puts pair `k` of two round bodies into the batch if they touch: they are their own only
-/// candidates, and how they are turned does not matter.
+/// Whether spheres whose centres are `between` (m) have a gap above that of a sum of lengths (m);
+/// two in one place have no direction in which to part and count as apart.
 #[inline(always)]
-#[expect(
-    clippy::cast_possible_truncation,
-    reason = "the way up to the touch is shortened by a safety distance"
-)]
-#[expect(
-    clippy::too_many_arguments,
-    reason = "a piece of the hot loop, cut out to be read"
-)]
-fn collect_round_pair<S: Simd>(
-    simd: S,
-    neighbours: &mut Neighbours,
-    k: usize,
-    [i, j]: [usize; 2],
-    bodies: &Bodies,
-    batch: &mut Batch,
-    context: &Context<'_>,
-    sink: &mut impl Sink,
-) {
-    let [a, b] = [i, j].map(|body| &context.templates[bodies.template[body]]);
-    let interaction = context.interaction_index(a.material, b.material);
-    let [u, v] = [&a.spheres[0], &b.spheres[0]];
-    let lists = &mut neighbours.lists[k];
-    let known = lists.n_touches > 0 && neighbours.touches[lists.touch as usize].key == 0;
-    let reach = if known {
-        context.interactions[interaction].reach()
-    } else {
-        0.0
-    };
-    let between = bodies.position[j] - bodies.position[i];
-    let sum = u.radius + v.radius + reach;
+fn are_apart(between: &Vector3<f64>, sum: f64) -> bool {
     let square = between.norm_squared();
-    if square >= sum * sum || square == 0.0 {
-        (lists.touch, lists.n_touches) = (0, 0);
-        let gap = (square.sqrt() - sum) as f32 - context.slack.safety;
-        neighbours.sleep_without_list(k, bodies.travel[i] + bodies.travel[j] + gap);
-        return;
-    }
-    let memory = if known {
-        neighbours.touches[lists.touch as usize].memory
-    } else {
-        Memory::default()
-    };
-    (lists.touch, lists.n_touches) = (neighbours.next_touches.len() as u32, 1);
-    neighbours.sleep_without_list(k, f32::NEG_INFINITY);
-    let touches = &mut neighbours.next_touches;
-    if batch.must_be_applied(interaction) {
-        batch.apply(simd, context.interactions, context.time_step, sink, touches);
-    }
-    let pair = SpherePair {
-        between,
-        offset_i: Vector3::zeros(),
-        offset_j: Vector3::zeros(),
-        velocity: bodies.velocity[i] - bodies.velocity[j],
-        spins: [bodies.spin[i], bodies.spin[j]],
-        memory,
-        radii: [u.radius, v.radius],
-        dashpot_masses: [u.dashpot_mass, v.dashpot_mass],
-    };
-    batch.push(interaction, [i, j], touches.len(), &pair);
-    touches.push(Touch { key: 0, memory });
+    square >= sum * sum || square == 0.0
 }
 
 /// What all pairs of spheres of two bodies have in common.
@@ -326,8 +349,7 @@ impl PairFrame {
         let offset_j = self.rotations[1] * v.centre;
         let between = self.difference + (offset_j - offset_i);
         let sum = u.radius + v.radius + reach;
-        let square = between.norm_squared();
-        if square >= sum * sum || square == 0.0 {
+        if are_apart(&between, sum) {
             return None;
         }
         Some(SpherePair {

@@ -34,7 +34,7 @@ pub struct Template {
     pub(crate) packed: Packed,
     /// Whether the body is one sphere about its centre of mass: where it touches does not depend
     /// on how it is turned.
-    pub(crate) is_round: bool,
+    pub(crate) is_sphere: bool,
     /// Mass, kg.
     pub(crate) mass: f64,
     /// Principal moments of inertia, kg m².
@@ -114,7 +114,7 @@ impl Template {
         Self {
             packed: Packed::new(&spheres),
             cells: spheres.iter().map(|s| in_cells(&s.centre, cell)).collect(),
-            is_round: matches!(&spheres[..], [only] if only.centre == Vector3::zeros()),
+            is_sphere: matches!(&spheres[..], [only] if only.centre == Vector3::zeros()),
             spheres,
             cell,
             mass: clump.mass(),

@@ -40,7 +40,7 @@ pub(crate) struct Arguments {
 
     /// Compare a step on one thread with the same step on --threads, by the clock
     ///
-    /// Two worlds from one start take their blocks in turn; the bodies must end at the same bits.
+    /// Two worlds from one start take their blocks in turn; the bodies must be the same at the end.
     #[arg(long, conflicts_with_all = ["peers", "large"])]
     pub(crate) scaling: bool,
 
