@@ -93,8 +93,11 @@ fn read_disc(
         y: 0.0,
         radius: drum.r,
     };
-    let field = smoothed(&view, &bed.share, drum.r).map_err(Refusal::Surface)?;
-    let plain = smoothed(&view, &bed.plain, drum.r).map_err(Refusal::Surface)?;
+    let [field, plain] = smoothed(&view, [&bed.share, &bed.plain], drum.r);
+    let (field, plain) = (
+        field.map_err(Refusal::Surface)?,
+        plain.map_err(Refusal::Surface)?,
+    );
     let level = bulk_level(&field, &circle);
     let points = free_surface(&field, level, &circle, REACH).map_err(Refusal::Surface)?;
     let mut surface = read_surface(&points, &circle).map_err(Refusal::Surface)?;
@@ -140,31 +143,30 @@ struct Trust {
     foreground: Foreground,
 }
 
-/// Bed share smoothed inside the disc, as a field about the drum axis.
-fn smoothed(view: &DiscView, share: &[f32], radius: f64) -> Result<Field, surface_profile::Error> {
+/// Bed shares smoothed inside the disc, as fields about the drum axis.
+fn smoothed(
+    view: &DiscView,
+    shares: [&[f32]; 2],
+    radius: f64,
+) -> [Result<Field, surface_profile::Error>; 2] {
     let inside: Vec<f32> = view
         .inside
         .iter()
         .map(|i| f32::from(u8::from(*i)))
         .collect();
-    let masked = share.iter().zip(&inside).map(|(s, i)| s * i).collect();
     let sd = SMOOTHING * radius / view.cell;
-    let share = PhotoPixels::from_values(view.n, masked).blurred(sd);
-    let weight = PhotoPixels::from_values(view.n, inside).blurred(sd);
-    let values = share
-        .values()
-        .iter()
-        .zip(weight.values())
-        .map(|(s, w)| if *w > 1e-3 { s / w } else { 0.0 })
-        .collect();
     let half = (view.n / 2) as f64 * view.cell;
-    Field::new(
-        SurfacePoint { x: -half, y: -half },
-        view.cell,
-        view.n,
-        values,
-    )?
-    .smoothed_by(SMOOTHING * radius)
+    let first = SurfacePoint { x: -half, y: -half };
+    let masked = |share: &[f32]| share.iter().zip(&inside).map(|(s, i)| s * i).collect();
+    let blurred = |values| PhotoPixels::from_values(view.n, values).blurred(sd);
+    let sums = shares.map(|share| blurred(masked(share)));
+    let weight = blurred(inside);
+    sums.map(|sum| {
+        let pairs = sum.values().iter().zip(weight.values());
+        let mean = |(s, w): (&f32, &f32)| if *w > 1e-3 { s / w } else { 0.0 };
+        let values = pairs.map(mean).collect();
+        Field::new(first, view.cell, view.n, values)?.smoothed_by(SMOOTHING * radius)
+    })
 }
 
 /// Puts the reading together in the pixels of the picture.

@@ -54,21 +54,23 @@ impl PhotoPixels {
     }
 
     /// Grey level by bilinear interpolation, the border carried on outside.
+    #[inline]
     pub(crate) fn at(&self, x: f64, y: f64) -> f64 {
-        let x = x.clamp(0.0, self.width as f64 - 1.0);
-        let y = y.clamp(0.0, self.height as f64 - 1.0);
+        let (last_column, last_row) = (self.width - 1, self.height - 1);
+        let x = x.max(0.0).min(last_column as f64);
+        let y = y.max(0.0).min(last_row as f64);
         #[expect(
             clippy::cast_possible_truncation,
             clippy::cast_sign_loss,
             reason = "clamped to the picture"
         )]
         let (i, j) = (x as usize, y as usize);
-        let (i1, j1) = ((i + 1).min(self.width - 1), (j + 1).min(self.height - 1));
         let (a, b) = (x - i as f64, y - j as f64);
-        let value = |i: usize, j: usize| f64::from(self.values[j * self.width + i]);
-        let above = value(i, j) * (1.0 - a) + value(i1, j) * a;
-        let below = value(i, j1) * (1.0 - a) + value(i1, j1) * a;
-        above * (1.0 - b) + below * b
+        let along = |j: usize| {
+            let row = &self.values[j * self.width..][..self.width];
+            f64::from(row[i]) * (1.0 - a) + f64::from(row[(i + 1).min(last_column)]) * a
+        };
+        along(j) * (1.0 - b) + along((j + 1).min(last_row)) * b
     }
 
     /// The picture with blocks of `factor` by `factor` pixels averaged; a rest is cut off.
@@ -116,38 +118,52 @@ impl PhotoPixels {
             reason = "a smoothing length is positive and far below the picture size"
         )]
         let reach = k as usize;
-        let mut picture = self.clone();
-        for _ in 0..2 {
+        let mut picture = self.transposed();
+        for last_way in [false, true] {
             for _ in 0..3 {
-                picture.average_rows(reach, edge);
+                picture.average_columns(reach, edge);
             }
-            picture = picture.transposed();
+            if !last_way {
+                picture = picture.transposed();
+            }
         }
         picture
     }
 
-    /// Replaces each pixel by the mean of its row within `reach` pixels either way, and of one more
+    /// Replaces each pixel by the mean of its column within `reach` pixels either way, and of one more
     /// on either side with the weight `edge`.
-    fn average_rows(&mut self, reach: usize, edge: f64) {
-        if self.width == 0 {
+    ///
+    /// The running sums of all columns move down together, so that they lie in vector registers.
+    fn average_columns(&mut self, reach: usize, edge: f64) {
+        let (width, height) = (self.width, self.height);
+        if width == 0 || height == 0 {
             return;
         }
-        let last = self.width - 1;
         let scale = 1.0 / ((2 * reach + 1) as f64 + 2.0 * edge);
-        let mut row = vec![0.0_f32; self.width];
-        for line in self.values.chunks_exact_mut(self.width) {
-            row.copy_from_slice(line);
-            let mut sum = f64::from(row[0]) * reach as f64;
-            sum += (0..=reach)
-                .map(|k| f64::from(row[k.min(last)]))
-                .sum::<f64>();
-            for (i, value) in line.iter_mut().enumerate() {
-                let next = f64::from(row[(i + reach + 1).min(last)]);
-                let before = f64::from(row[i.saturating_sub(reach + 1)]);
-                *value = to_f32((sum + edge * (before + next)) * scale);
-                sum += next - f64::from(row[i.saturating_sub(reach)]);
+        let row = |j: usize| &self.values[j.min(height - 1) * width..][..width];
+        let mut sums: Vec<f64> = row(0)
+            .iter()
+            .map(|v| f64::from(*v) * reach as f64)
+            .collect();
+        let mut first = vec![0.0; width];
+        for j in 0..=reach {
+            add(&mut first, row(j));
+        }
+        for (sum, first) in sums.iter_mut().zip(&first) {
+            *sum += first;
+        }
+        let mut values = vec![0.0_f32; width * height];
+        for (j, to) in values.chunks_exact_mut(width).enumerate() {
+            let next = row(j + reach + 1);
+            let before = row(j.saturating_sub(reach + 1));
+            let last = row(j.saturating_sub(reach));
+            for i in 0..width {
+                let (next, before) = (f64::from(next[i]), f64::from(before[i]));
+                to[i] = to_f32((sums[i] + edge * (before + next)) * scale);
+                sums[i] += next - f64::from(last[i]);
             }
         }
+        self.values = values;
     }
 
     /// The picture with rows and columns exchanged.
@@ -163,6 +179,13 @@ impl PhotoPixels {
             height: self.width,
             values,
         }
+    }
+}
+
+/// Adds a row to sums.
+fn add(sums: &mut [f64], row: &[f32]) {
+    for (sum, value) in sums.iter_mut().zip(row) {
+        *sum += f64::from(*value);
     }
 }
 

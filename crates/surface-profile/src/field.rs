@@ -100,28 +100,29 @@ impl Field {
     }
 
     /// Value at a place by bilinear interpolation between cell centres; zero outside.
+    #[inline]
     pub fn at(&self, x: f64, y: f64) -> f64 {
         let column = (x - self.x) / self.cell;
         let row = (y - self.y) / self.cell;
-        let (i, j) = (column.floor(), row.floor());
-        if !(i >= 0.0 && j >= 0.0) {
+        let inside = column >= 0.0
+            && row >= 0.0
+            && column < (self.columns - 1) as f64
+            && row < (self.rows - 1) as f64;
+        if !inside {
             return 0.0;
         }
         #[expect(
             clippy::cast_possible_truncation,
             clippy::cast_sign_loss,
-            reason = "both are whole and not negative; a huge one saturates and is outside"
+            reason = "inside the grid"
         )]
-        let (i_column, i_row) = (i as usize, j as usize);
-        if i_column.saturating_add(1) >= self.columns || i_row.saturating_add(1) >= self.rows {
-            return 0.0;
-        }
-        let (a, b) = (column - i, row - j);
-        let first = i_row * self.columns + i_column;
-        let value = |k: usize| f64::from(self.values[k]);
-        let low = value(first) * (1.0 - a) + value(first + 1) * a;
-        let high = value(first + self.columns) * (1.0 - a) + value(first + self.columns + 1) * a;
-        low * (1.0 - b) + high * b
+        let (i, j) = (column as usize, row as usize);
+        let (a, b) = (column - i as f64, row - j as f64);
+        let along = |j: usize| {
+            let pair = &self.values[j * self.columns + i..][..2];
+            f64::from(pair[0]) * (1.0 - a) + f64::from(pair[1]) * a
+        };
+        along(j) * (1.0 - b) + along(j + 1) * b
     }
 
     /// Cells with their centre: (x, y, value).
