@@ -75,7 +75,8 @@ pub(crate) fn place(
         .fold(0.0_f64, |m, c| m.max(c.half_length + c.radius));
     let thickest = capsules.iter().fold(0.0_f64, |m, c| m.max(c.radius));
     let count: usize = kinds.iter().map(|k| k.1).sum();
-    let mut spacing = 2.0 * largest;
+    // At 2.5 radii the offsets of two round bodies cannot bring them together.
+    let mut spacing = f64::max(2.0 * largest, 2.5 * thickest);
     let mut places = 0;
     while spacing > 2.0 * thickest {
         let mut stream = Stream::new(seed, "placement");
