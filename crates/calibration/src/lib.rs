@@ -7,6 +7,7 @@
 mod budget;
 mod cells;
 mod error;
+mod laboratory;
 mod least_squares;
 mod residual_study;
 mod stages;
@@ -14,12 +15,13 @@ mod stages;
 pub use budget::{runs_needed, within_budget};
 pub use cells::{CalibrationFactor, CellRuns, Question, run_cells};
 pub use error::Error;
+pub use laboratory::Laboratory;
 pub use least_squares::{BoundedProblem, bounded_least_squares};
 pub use residual_study::{
     AddedEffect, DeclaredParameter, EffectProbe, ErrorPair, Observed, RealErrors, ResidualPlan,
     ResidualStudy, StudyCondition, study_residual,
 };
 pub use stages::{
-    PointResult, ScreeningResult, SurfaceResult, Validation, fit_surface, run_points,
-    screen_factors, significant_factors, validate,
+    Point, PointResult, ScreeningResult, SurfaceResult, Validation, fit_surface, run_points,
+    screen_factors, significant_factors,
 };

@@ -8,7 +8,9 @@ mod runs;
 
 use crate::Error;
 use campaign::{Campaign, RunRequest, Simulator};
-use residual_diagnosis::{Diagnosis, Options, Problem, ProblemFile, Sign, Verdict, diagnose};
+use residual_diagnosis::{
+    CandidateResult, Diagnosis, Options, Problem, ProblemFile, Sign, Verdict, diagnose,
+};
 use runs::{At, Linearisation, Means};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -182,19 +184,13 @@ pub fn study_residual(
     let mut diagnosis = diagnose(&Problem::try_from(file.clone())?, &Options::new(plan.seed))?;
     let suspects = suspects(plan, &diagnosis);
     if !suspects.is_empty() {
-        let on = |&(effect, amplitude): &(usize, f64)| {
-            let mut on = runs::Setting::declared(plan, &fitted);
-            let name = plan.effects[effect].name.clone();
-            on.effects.insert(name, amplitude);
-            on
-        };
-        let settings: Vec<_> = suspects.iter().map(on).zip(6..).collect();
-        let means = runs::means_of_all(campaign, simulator, plan, &settings, At::Used)?;
-        for ((effect, amplitude), means) in suspects.into_iter().zip(means) {
-            linear = linear.with_secant(effect, amplitude, &at_fit, &means);
-        }
+        let fit = (fitted.as_slice(), &at_fit);
+        let warnings;
+        (linear, warnings) =
+            measured_anew(campaign, simulator, plan, observed, linear, fit, &suspects)?;
         file = assemble::problem(plan, observed, &linear, &fitted, &at_fit);
         diagnosis = diagnose(&Problem::try_from(file.clone())?, &Options::new(plan.seed))?;
+        diagnosis.warnings.extend(warnings);
     }
     let errors_before = assemble::errors(plan, observed, &linear, &at_fit)?;
     let after =
@@ -240,12 +236,11 @@ pub fn study_residual(
 /// Largest number of effects whose sensitivity is measured anew.
 const MOST_SUSPECTS: usize = 3;
 
-/// Effects whose sensitivity decides, with the amplitudes that the first diagnosis gives them: where
-/// more than noise remains, the best explanations of it.
+/// Effects whose sensitivity decides: where more than noise remains, the best explanations of it.
 ///
 /// A sensitivity is a difference quotient at the start, with a step of its own choice. Parameters and
-/// amplitudes end elsewhere, so that it is measured anew there, from the fit to the amplitude.
-fn suspects(plan: &ResidualPlan, diagnosis: &Diagnosis) -> Vec<(usize, f64)> {
+/// amplitude end elsewhere, so that it is measured anew, to where a fit of both would take them.
+fn suspects(plan: &ResidualPlan, diagnosis: &Diagnosis) -> Vec<usize> {
     if matches!(
         diagnosis.verdict,
         Verdict::None | Verdict::Refused | Verdict::NotTestable
@@ -255,17 +250,56 @@ fn suspects(plan: &ResidualPlan, diagnosis: &Diagnosis) -> Vec<(usize, f64)> {
     let mut suspects = Vec::new();
     for (j, effect) in plan.effects.iter().enumerate() {
         let candidate = diagnosis.candidates.get(&effect.name);
-        let helps = candidate.filter(|c| c.testable && c.z.is_some_and(|z| z.abs() > 2.0));
-        if let Some((c, amplitude)) = helps.and_then(|c| Some((c, c.amplitude?))) {
-            let size = amplitude.abs().min(effect.largest);
-            if size > 0.0 {
-                suspects.push((c.t_after, j, size.copysign(amplitude)));
-            }
-        }
+        let helps = |c: &&CandidateResult| c.testable && c.z.is_some_and(|z| z.abs() > 2.0);
+        suspects.extend(candidate.filter(helps).map(|c| (c.t_after, j)));
     }
     suspects.sort_by(|a, b| a.0.total_cmp(&b.0));
     suspects.truncate(MOST_SUSPECTS);
-    suspects.into_iter().map(|(_, j, a)| (j, a)).collect()
+    suspects.into_iter().map(|(_, j)| j).collect()
+}
+
+/// Runs each suspect where a fit of the parameters and its amplitude ends, and takes its sensitivity from
+/// there; a warning for each that cannot be run.
+fn measured_anew(
+    campaign: &Campaign<'_>,
+    simulator: &dyn Simulator,
+    plan: &ResidualPlan,
+    observed: &Observed,
+    mut linear: Linearisation,
+    (fitted, at_fit): (&[f64], &Means),
+    suspects: &[usize],
+) -> Result<(Linearisation, Vec<String>), Error> {
+    let mut points = Vec::new();
+    for (&effect, block) in suspects.iter().zip(6..) {
+        let name = &plan.effects[effect].name;
+        let mut without = runs::Setting::declared(plan, fitted);
+        without.effects.insert(name.clone(), 0.0);
+        let names = std::slice::from_ref(name);
+        let point = refit::with_effects(plan, observed, &linear, names, (&without, at_fit))?;
+        if point.effects[name] != 0.0 {
+            points.push((effect, (point, block)));
+        }
+    }
+    let (effects, settings): (Vec<usize>, Vec<_>) = points.into_iter().unzip();
+    let means = runs::means_of_each(campaign, simulator, plan, &settings)?;
+    let mut warnings = Vec::new();
+    for ((effect, (point, _)), means) in effects.into_iter().zip(&settings).zip(means) {
+        match means {
+            Ok(means) => {
+                let on = (point, &means);
+                linear = linear.with_secant(plan, effect, (fitted, at_fit), on);
+            }
+            Err(reason) => {
+                let name = &plan.effects[effect].name;
+                warnings.push(format!(
+                    "{name} could not be run at the amplitude {:.3} that the data ask for, so that it is \
+                     judged by its sensitivity at the start: {reason}",
+                    point.effects[name]
+                ));
+            }
+        }
+    }
+    Ok((linear, warnings))
 }
 
 /// Fits the declared parameters and runs there; corrects up to twice where that misses.

@@ -5,6 +5,7 @@ use crate::cells::{CalibrationFactor, CellRuns, Question, observations, run_cell
 use campaign::{Campaign, RunRequest, Simulator};
 use experiment_design::{Factor, box_behnken, plackett_burman};
 use response_surface::{Fit, Model, Screening, fit, screen};
+use run_store::Record;
 use serde::{Deserialize, Serialize};
 
 /// A screening design with its runs.
@@ -27,6 +28,19 @@ pub struct SurfaceResult {
     pub cells: Vec<CellRuns>,
     /// Analysis.
     pub fit: Fit,
+}
+
+/// A point to be run.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Point {
+    /// What it is called.
+    pub label: String,
+    /// The run with its first seed.
+    pub request: RunRequest,
+    /// The observable that counts.
+    pub observable: String,
+    /// Number of runs, each with the next seed.
+    pub runs: usize,
 }
 
 /// Runs at one point.
@@ -114,7 +128,7 @@ pub fn fit_surface(
     })
 }
 
-/// Runs `replicates` seeds of each request and gives the means of an observable.
+/// Runs all points in one list, so that no core waits, and gives the means of their observables.
 ///
 /// # Errors
 ///
@@ -122,76 +136,57 @@ pub fn fit_surface(
 pub fn run_points(
     campaign: &Campaign<'_>,
     simulator: &dyn Simulator,
-    points: &[(String, RunRequest)],
-    observable: &str,
-    replicates: usize,
+    points: &[Point],
 ) -> Result<Vec<PointResult>, Error> {
-    let seeds = |request: &RunRequest| {
-        let request = request.clone();
-        (0..replicates).map(move |r| request.clone().with_seed(request.seed + r as u64))
+    let seeds = |point: &Point| {
+        let request = point.request.clone();
+        (0..point.runs).map(move |r| request.clone().with_seed(request.seed + r as u64))
     };
-    let requests: Vec<_> = points
-        .iter()
-        .flat_map(|(_, request)| seeds(request))
-        .collect();
+    let requests: Vec<_> = points.iter().flat_map(seeds).collect();
     let records = campaign.run_all(simulator, &requests)?;
+    let mut left = &records[..];
     points
         .iter()
-        .zip(records.chunks(replicates.max(1)))
-        .map(|((label, _), records)| {
-            let values = records
-                .iter()
-                .map(|r| value(r, observable))
-                .collect::<Result<Vec<_>, _>>()?;
-            let frame_sds: Vec<f64> = records
-                .iter()
-                .filter_map(|r| r.observable(observable).and_then(|o| o.sd))
-                .collect();
-            let n = values.len() as f64;
-            let mean = values.iter().sum::<f64>() / n;
-            let square: f64 = values.iter().map(|v| (v - mean).powi(2)).sum();
-            Ok(PointResult {
-                label: label.clone(),
-                mean,
-                sd: (values.len() > 1).then(|| (square / (n - 1.0)).sqrt()),
-                n: values.len(),
-                frame_sd: (!frame_sds.is_empty())
-                    .then(|| frame_sds.iter().sum::<f64>() / frame_sds.len() as f64),
-                keys: records.iter().map(|r| r.key().to_owned()).collect(),
-            })
+        .map(|point| {
+            let (records, others) = left.split_at(point.runs);
+            left = others;
+            point_result(point, records)
         })
         .collect()
 }
 
-/// Runs the chosen solution with fresh seeds and compares with the target.
-///
-/// # Errors
-///
-/// Runs that failed, an observable that is missing.
-pub fn validate(
-    campaign: &Campaign<'_>,
-    simulator: &dyn Simulator,
-    request: RunRequest,
-    question: &Question<'_>,
-    target: f64,
-) -> Result<Validation, Error> {
-    let points = [("validation".to_owned(), request)];
-    let mut results = run_points(
-        campaign,
-        simulator,
-        &points,
-        question.observable,
-        question.replicates,
-    )?;
-    let point = results.pop().ok_or(Error::Count {
-        what: "validation points",
-        got: 0,
-        expected: "one",
-    })?;
-    let relative_error_percent = 100.0 * (point.mean - target).abs() / target.abs();
-    Ok(Validation {
-        point,
-        target,
-        relative_error_percent,
+/// The mean over the runs of a point.
+fn point_result(point: &Point, records: &[Record]) -> Result<PointResult, Error> {
+    let observable = &point.observable;
+    let values = records
+        .iter()
+        .map(|r| value(r, observable))
+        .collect::<Result<Vec<_>, _>>()?;
+    let frame_sds: Vec<f64> = records
+        .iter()
+        .filter_map(|r| r.observable(observable).and_then(|o| o.sd))
+        .collect();
+    let n = values.len() as f64;
+    let mean = values.iter().sum::<f64>() / n;
+    let square: f64 = values.iter().map(|v| (v - mean).powi(2)).sum();
+    Ok(PointResult {
+        label: point.label.clone(),
+        mean,
+        sd: (values.len() > 1).then(|| (square / (n - 1.0)).sqrt()),
+        n: values.len(),
+        frame_sd: (!frame_sds.is_empty())
+            .then(|| frame_sds.iter().sum::<f64>() / frame_sds.len() as f64),
+        keys: records.iter().map(|r| r.key().to_owned()).collect(),
     })
+}
+
+impl Validation {
+    /// Compares runs at the chosen solution, with seeds of their own, with the target.
+    pub fn new(point: PointResult, target: f64) -> Self {
+        Self {
+            relative_error_percent: 100.0 * (point.mean - target).abs() / target.abs(),
+            point,
+            target,
+        }
+    }
 }

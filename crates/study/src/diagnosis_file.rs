@@ -324,7 +324,7 @@ impl DiagnosisFile {
 
 impl DeclaredEntry {
     /// As the calibration wants it.
-    fn as_declared(&self) -> DeclaredParameter {
+    pub fn as_declared(&self) -> DeclaredParameter {
         DeclaredParameter {
             name: self.parameter.clone(),
             start: self.start,

@@ -1,10 +1,9 @@
 //! The campaign on measured-like data, with and without a hidden effect.
 
-use crate::file::HiddenSettings;
 use crate::loop_stages::Loop;
 use crate::{Error, HiddenCampaign};
 use calibration::{
-    DeclaredParameter, EffectProbe, Observed, ResidualPlan, StudyCondition, study_residual,
+    DeclaredParameter, EffectProbe, Laboratory, ResidualPlan, StudyCondition, study_residual,
 };
 use campaign::RunRequest;
 use effect_library::find;
@@ -16,7 +15,11 @@ use std::collections::BTreeMap;
 const DATA_SEEDS: u64 = 5_000_000;
 
 /// Probes of the effects that a study names.
-pub(crate) fn probes(names: &[String]) -> Result<Vec<EffectProbe>, Error> {
+///
+/// # Errors
+///
+/// A name that is not in the library.
+pub fn probes(names: &[String]) -> Result<Vec<EffectProbe>, Error> {
     names
         .iter()
         .map(|name| {
@@ -84,7 +87,25 @@ impl Loop<'_> {
             .into_iter()
             .zip(settings.true_values.iter().copied())
             .collect();
-        let observed = self.measured_like(&plan, &truth, with_effect, settings)?;
+        let (effects, first_seed, purpose) = if with_effect {
+            let hidden = (settings.effect.clone(), settings.amplitude);
+            (
+                BTreeMap::from([hidden]),
+                DATA_SEEDS,
+                "reading noise, effect",
+            )
+        } else {
+            (BTreeMap::new(), DATA_SEEDS + 100_000, "reading noise, none")
+        };
+        let laboratory = Laboratory {
+            parameters: truth.clone(),
+            effects,
+            runs: settings.measured_runs,
+            reading_sd: &settings.reading_sd,
+            first_seed: self.settings.seed + first_seed,
+            reading: Stream::new(self.settings.seed, purpose),
+        };
+        let observed = laboratory.measure(&self.campaign, self.simulator, &plan)?;
         let study = study_residual(&self.campaign, self.simulator, &plan, &observed)?;
         let d = &study.diagnosis;
         let verdict_is_right = if with_effect {
@@ -98,81 +119,6 @@ impl Loop<'_> {
             true_parameters: truth,
             study,
             verdict_is_right,
-        })
-    }
-
-    /// Data as a laboratory would give them: the mean of a few runs, plus noise of reading.
-    fn measured_like(
-        &self,
-        plan: &ResidualPlan,
-        truth: &BTreeMap<String, f64>,
-        with_effect: bool,
-        settings: &HiddenSettings,
-    ) -> Result<Observed, Error> {
-        let n = settings.measured_runs;
-        let mut requests = Vec::new();
-        for (c, condition) in plan.conditions.iter().enumerate() {
-            for r in 0..n {
-                let mut request = plan.base.clone();
-                request.condition.clone_from(&condition.condition);
-                request.parameters.clone_from(truth);
-                if with_effect {
-                    request = request.with_effect(&settings.effect, settings.amplitude);
-                }
-                let number =
-                    DATA_SEEDS + (c * n + r) as u64 + if with_effect { 0 } else { 100_000 };
-                requests.push(request.with_seed(self.settings.seed + number));
-            }
-        }
-        let records = self.campaign.run_all(self.simulator, &requests)?;
-        let width = settings.observables.len();
-        let mut rows = Vec::new();
-        for record in &records {
-            rows.push(self.values(record, &settings.observables)?);
-        }
-        let purpose = if with_effect {
-            "reading noise, effect"
-        } else {
-            "reading noise, none"
-        };
-        let mut noise = Stream::new(self.settings.seed, purpose);
-        let mut pooled = vec![vec![0.0; width]; width];
-        let mut values = Vec::new();
-        for group in rows.chunks(n) {
-            let mean: Vec<f64> = (0..width)
-                .map(|k| group.iter().map(|r| r[k]).sum::<f64>() / n as f64)
-                .collect();
-            for row in group {
-                for a in 0..width {
-                    for b in 0..width {
-                        pooled[a][b] += (row[a] - mean[a]) * (row[b] - mean[b]);
-                    }
-                }
-            }
-            values.push(
-                (0..width)
-                    .map(|k| Some(mean[k] + settings.reading_sd[k] * noise.normal()))
-                    .collect(),
-            );
-        }
-        let dof = (plan.conditions.len() * (n - 1)) as f64;
-        let covariance: Vec<Vec<f64>> = (0..width)
-            .map(|a| {
-                let reading = |b: usize| {
-                    if a == b {
-                        settings.reading_sd[a].powi(2)
-                    } else {
-                        0.0
-                    }
-                };
-                (0..width)
-                    .map(|b| pooled[a][b] / dof / n as f64 + reading(b))
-                    .collect()
-            })
-            .collect();
-        Ok(Observed {
-            values,
-            covariance: vec![covariance; plan.conditions.len()],
         })
     }
 }

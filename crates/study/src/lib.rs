@@ -24,6 +24,7 @@ pub use diagnosis_file::{
 pub use diagnosis_run::{DiagnosisResult, run_diagnosis};
 pub use error::Error;
 pub use file::{Profile, StudyFile};
+pub use hidden::probes;
 pub use loop_stages::{RunSettings, run_study};
 pub use output::{write_diagnosis, write_results};
 pub use result::{

@@ -7,9 +7,9 @@ use crate::{
     StudyFile, StudyResult, SweepPoint,
 };
 use calibration::{
-    CalibrationFactor, DeclaredParameter, Observed, PointResult, Question, ResidualPlan,
-    StudyCondition, fit_surface, run_points, screen_factors, significant_factors, study_residual,
-    validate,
+    CalibrationFactor, DeclaredParameter, Observed, Point, PointResult, Question, ResidualPlan,
+    StudyCondition, Validation, fit_surface, run_points, screen_factors, significant_factors,
+    study_residual,
 };
 use campaign::{Campaign, Progress, RunRequest, Simulator};
 use response_surface::{Fit, Measured, SolutionRequest, Solutions, solutions};
@@ -131,18 +131,10 @@ impl Loop<'_> {
         let surface = fit_surface(&self.campaign, self.simulator, &kept, n_centre, &question)?;
         let solutions = self.solutions(&surface.fit, &kept)?;
         let (chosen, target_reached) = self.choose(&surface.fit, &solutions, &kept);
-        (self.announce)("validation");
-        let question = self.question(20_000, self.profile.validation_runs, &[])?;
-        let request = self.at("drum", &chosen, 20_000);
-        let target = self.study.target.value;
-        let validation = validate(&self.campaign, self.simulator, request, &question, target)?;
-        (self.announce)("sweep");
-        let (published_optimum, sweep) = self.sweep(store)?;
-        (self.announce)("metering device");
-        let metering = self.metering(&chosen)?;
+        (self.announce)("validation, sweeps and metering device");
+        let singles = self.singles(store, &chosen)?;
         (self.announce)("residual at the bench measurements");
         let residual = self.residual()?;
-        let smoothness = self.smoothness(store)?;
         (self.announce)("campaign with a hidden effect");
         let hidden = self.hidden_campaign(true)?;
         (self.announce)("campaign with nothing hidden");
@@ -165,12 +157,12 @@ impl Loop<'_> {
             solutions,
             chosen,
             target_reached,
-            validation,
-            published_optimum,
-            sweep,
-            metering,
+            validation: singles.validation,
+            published_optimum: singles.published_optimum,
+            sweep: singles.sweep,
+            metering: singles.metering,
+            smoothness: singles.smoothness,
             residual,
-            smoothness,
             hidden,
             nothing_hidden,
         })
@@ -287,83 +279,77 @@ impl Loop<'_> {
         (chosen, reached)
     }
 
-    /// Runs at the published optimum, and along one parameter from there.
-    fn sweep(&self, store: &Store) -> Result<(PointResult, Vec<SweepPoint>), Error> {
+    /// Runs at single points: the validation, the published optimum and one parameter varied from there,
+    /// the metering device with the chosen parameters, smoother and smoother fillings at the bench
+    /// measurements.
+    fn singles(&self, store: &Store, chosen: &BTreeMap<String, f64>) -> Result<Singles, Error> {
+        let runs = self.profile.point_runs;
+        let angle = &self.study.target.observable;
+        let point = |label: String, request, observable: &str, runs| Point {
+            label,
+            request,
+            observable: observable.to_owned(),
+            runs,
+        };
         let optimum = &self.study.published_optimum;
-        let symbol = &self.study.sweep.symbol;
-        let mut points = vec![(
-            "published optimum".to_owned(),
-            self.at("drum", optimum, 30_000),
-        )];
-        for value in &self.study.sweep.values {
+        let mut points = vec![
+            point(
+                "validation".into(),
+                self.at("drum", chosen, 20_000),
+                angle,
+                self.profile.validation_runs,
+            ),
+            point(
+                "published optimum".into(),
+                self.at("drum", optimum, 30_000),
+                angle,
+                runs,
+            ),
+            point(
+                "metering device".into(),
+                self.at("metering", chosen, 40_000),
+                "filling_angle_deg",
+                runs,
+            ),
+        ];
+        let (symbol, levels) = (&self.study.sweep.symbol, &self.study.sweep.values);
+        for value in levels {
             let mut values = optimum.clone();
             values.insert(symbol.clone(), *value);
             // The seeds do not depend on the value: the point at the optimum is run once.
-            points.push((
-                format!("{symbol} = {value}"),
-                self.at("drum", &values, 30_000),
-            ));
+            let request = self.at("drum", &values, 30_000);
+            points.push(point(format!("{symbol} = {value}"), request, angle, runs));
         }
-        let mut results = self.points(&points)?;
-        let first = results.remove(0);
-        let sweep = Self::with_regime(store, &self.study.sweep.values, results)?;
-        Ok((first, sweep))
-    }
-
-    /// Runs of points of the drum.
-    fn points(&self, points: &[(String, RunRequest)]) -> Result<Vec<PointResult>, Error> {
-        let observable = &self.study.target.observable;
-        let runs = self.profile.point_runs;
-        Ok(run_points(
-            &self.campaign,
-            self.simulator,
-            points,
-            observable,
-            runs,
-        )?)
-    }
-
-    /// Points of a sweep with regime and slip of their first runs.
-    fn with_regime(
-        store: &Store,
-        values: &[f64],
-        results: Vec<PointResult>,
-    ) -> Result<Vec<SweepPoint>, Error> {
-        let mut points = Vec::new();
-        for (value, result) in values.iter().zip(results) {
-            let record = match result.keys.first() {
-                Some(key) => record_of(store, key)?,
-                None => None,
-            };
-            let regime = record.as_ref().and_then(|r| r.details()["regime"].as_str());
-            let slip = record.as_ref().and_then(|r| r.observable("shell_slip"));
-            points.push(SweepPoint {
-                value: *value,
-                regime: regime.unwrap_or("unknown").to_owned(),
-                shell_slip: slip.map_or(f64::NAN, |o| o.mean),
-                result,
-            });
+        let mut smoothnesses = vec![0.0];
+        smoothnesses.extend(&self.study.residual.smoothness);
+        for value in &smoothnesses {
+            // The residual at the bench measurements finds these runs again.
+            let request = self.at("drum", &BTreeMap::new(), 50_000);
+            let request = request.with_effect("filling-smoothness", *value);
+            points.push(point(format!("smoothness {value}"), request, angle, runs));
         }
-        Ok(points)
+        let results = run_points(&self.campaign, self.simulator, &points)?;
+        let (single, series) = results.split_at(3);
+        let (sweep, smoothness) = series.split_at(levels.len());
+        let [validation, optimum, metering] = [0, 1, 2].map(|k| single[k].clone());
+        Ok(Singles {
+            validation: Validation::new(validation, self.study.target.value),
+            published_optimum: optimum,
+            sweep: with_regime(store, levels, sweep)?,
+            metering: self.metering(metering),
+            smoothness: with_regime(store, &smoothnesses, smoothness)?,
+        })
     }
 
-    /// Filling angle of the metering device with the chosen parameters.
-    fn metering(&self, chosen: &BTreeMap<String, f64>) -> Result<MeteringResult, Error> {
-        let points = [(
-            "metering device".to_owned(),
-            self.at("metering", chosen, 40_000),
-        )];
-        let runs = self.profile.point_runs;
-        let observable = "filling_angle_deg";
-        let mut results = run_points(&self.campaign, self.simulator, &points, observable, runs)?;
-        let result = results.remove(0);
+    /// Filling angle of the metering device beside the study's.
+    fn metering(&self, result: PointResult) -> MeteringResult {
         let measured = self.study.published.filling_angle_measured_deg;
-        Ok(MeteringResult {
+        MeteringResult {
             difference_percent: 100.0 * (result.mean - measured[0]).abs() / measured[0],
             result,
             published_measured_deg: measured,
             published_simulated_deg: self.study.published.filling_angle_simulated_deg,
-        })
+        }
     }
 
     /// The residual of the one measured angle, with the bench measurements as priors.
@@ -405,37 +391,44 @@ impl Loop<'_> {
             &observed,
         )?)
     }
+}
 
-    /// Angle at the bench measurements with smoother and smoother fillings.
-    fn smoothness(&self, store: &Store) -> Result<Vec<SweepPoint>, Error> {
-        let mut values = vec![0.0];
-        values.extend(&self.study.residual.smoothness);
-        let mut points = Vec::new();
-        for value in &values {
-            let request = self.at("drum", &BTreeMap::new(), 50_000);
-            let request = request.with_effect("filling-smoothness", *value);
-            points.push((format!("smoothness {value}"), request));
-        }
-        let results = self.points(&points)?;
-        Self::with_regime(store, &values, results)
-    }
+/// Runs at single points.
+struct Singles {
+    /// At the chosen solution, against the target.
+    validation: Validation,
+    /// At the study's optimum.
+    published_optimum: PointResult,
+    /// Along one parameter from there.
+    sweep: Vec<SweepPoint>,
+    /// The metering device at the chosen solution.
+    metering: MeteringResult,
+    /// At the bench measurements, along the smoothness of the filling.
+    smoothness: Vec<SweepPoint>,
+}
 
-    /// Means of some observables of a record.
-    pub(crate) fn values(&self, record: &Record, names: &[String]) -> Result<Vec<f64>, Error> {
-        names
-            .iter()
-            .map(|name| {
-                let found = record.observable(name).map(|o| o.mean);
-                found.ok_or_else(|| {
-                    let known: Vec<_> = record.observables().keys().map(String::as_str).collect();
-                    self.study.wrong(
-                        format!("observable '{name}'"),
-                        format!("is not given by the runs; they give {}", known.join(", ")),
-                    )
-                })
-            })
-            .collect()
+/// Points of a sweep with regime and slip of their first runs.
+fn with_regime(
+    store: &Store,
+    values: &[f64],
+    results: &[PointResult],
+) -> Result<Vec<SweepPoint>, Error> {
+    let mut points = Vec::new();
+    for (value, result) in values.iter().zip(results) {
+        let record = match result.keys.first() {
+            Some(key) => record_of(store, key)?,
+            None => None,
+        };
+        let regime = record.as_ref().and_then(|r| r.details()["regime"].as_str());
+        let slip = record.as_ref().and_then(|r| r.observable("shell_slip"));
+        points.push(SweepPoint {
+            value: *value,
+            regime: regime.unwrap_or("unknown").to_owned(),
+            shell_slip: slip.map_or(f64::NAN, |o| o.mean),
+            result: result.clone(),
+        });
     }
+    Ok(points)
 }
 
 /// A record by its key.

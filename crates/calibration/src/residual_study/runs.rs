@@ -4,6 +4,7 @@ use super::{ResidualPlan, StudyCondition};
 use crate::Error;
 use crate::cells::value;
 use campaign::{Campaign, RunRequest, Simulator};
+use run_store::Record;
 use std::collections::BTreeMap;
 
 /// A point in parameters and amplitudes.
@@ -99,39 +100,60 @@ pub(super) fn means(
     block: u64,
     at: At,
 ) -> Result<Means, Error> {
-    let all = means_of_all(campaign, simulator, plan, &[(setting.clone(), block)], at)?;
-    Ok(all.into_iter().next().unwrap_or_else(|| Means::of(&[], 1)))
+    let requests = requests(plan, setting, block, at);
+    let records = campaign.run_all(simulator, &requests)?;
+    means_of(plan, &records.iter().collect::<Vec<_>>(), at)
 }
 
-/// Means at several settings, each with the seeds of its own block, in one list so that no core waits.
-pub(super) fn means_of_all(
+/// Means at the used conditions for several settings, each with the seeds of its own block, in one list so
+/// that no core waits; the reason for a setting that cannot be run.
+pub(super) fn means_of_each(
     campaign: &Campaign<'_>,
     simulator: &dyn Simulator,
     plan: &ResidualPlan,
     settings: &[(Setting, u64)],
-    at: At,
-) -> Result<Vec<Means>, Error> {
-    let (used, r) = (at == At::Used, plan.replicates);
-    let conditions: Vec<_> = plan.conditions.iter().filter(|c| c.used == used).collect();
-    let mut requests = Vec::new();
-    for (setting, block) in settings {
-        for condition in &conditions {
-            requests.extend((0..r).map(|k| setting.request(plan, condition, *block, k)));
-        }
-    }
-    let records = campaign.run_all(simulator, &requests)?;
-    let rows = records
+) -> Result<Vec<Result<Means, String>>, Error> {
+    let lists = settings
         .iter()
-        .map(|record| row(plan, record))
-        .collect::<Result<Vec<_>, _>>()?;
-    // Without conditions there is nothing to divide into groups.
-    let mut groups = rows.chunks((conditions.len() * r).max(1));
-    let mut next = || Means::of(groups.next().unwrap_or(&[]), r).spread_over(plan, used);
-    Ok(settings.iter().map(|_| next()).collect())
+        .map(|(setting, block)| requests(plan, setting, *block, At::Used));
+    let lists: Vec<_> = lists.collect();
+    let results = campaign.run_each(simulator, &lists.concat())?;
+    let mut left = &results[..];
+    lists
+        .iter()
+        .map(|list| {
+            let (own, others) = left.split_at(list.len());
+            left = others;
+            match own
+                .iter()
+                .map(Result::as_ref)
+                .collect::<Result<Vec<_>, _>>()
+            {
+                Ok(records) => means_of(plan, &records, At::Used).map(Ok),
+                Err(reason) => Ok(Err(reason.clone())),
+            }
+        })
+        .collect()
+}
+
+/// Runs of a setting at the used or the kept conditions, with replicates.
+fn requests(plan: &ResidualPlan, setting: &Setting, block: u64, at: At) -> Vec<RunRequest> {
+    let used = at == At::Used;
+    let conditions = plan.conditions.iter().filter(|c| c.used == used);
+    conditions
+        .flat_map(|c| (0..plan.replicates).map(move |k| setting.request(plan, c, block, k)))
+        .collect()
+}
+
+/// Means of the runs of a setting.
+fn means_of(plan: &ResidualPlan, records: &[&Record], at: At) -> Result<Means, Error> {
+    let rows = records.iter().map(|record| row(plan, record));
+    let rows = rows.collect::<Result<Vec<_>, _>>()?;
+    Ok(Means::of(&rows, plan.replicates).spread_over(plan, at == At::Used))
 }
 
 /// Observables of a record, in the order of the plan.
-fn row(plan: &ResidualPlan, record: &run_store::Record) -> Result<Vec<f64>, Error> {
+fn row(plan: &ResidualPlan, record: &Record) -> Result<Vec<f64>, Error> {
     plan.observables
         .iter()
         .map(|name| value(record, name))
@@ -239,19 +261,30 @@ impl Linearisation {
         Ok((linear, left_out))
     }
 
-    /// Replaces the column of an effect by the secant from the fitted point to the same point with the
-    /// effect on at an amplitude. The noise of the fitted point is in the residual already.
+    /// Replaces the column of an effect by the secant from the fit without it to a point with it.
+    ///
+    /// # Formula
+    ///
+    /// `(f(theta + d, a) - f(theta, 0) - S d) / a`: the linear model then gives what was simulated at both
+    /// points. `S` are the sensitivities of the declared parameters, `d` what they moved. The noise of
+    /// the fit without the effect is in the residual already.
     pub(super) fn with_secant(
         mut self,
+        plan: &ResidualPlan,
         effect: usize,
-        amplitude: f64,
-        at_fit: &Means,
-        on: &Means,
+        (fitted, at_fit): (&[f64], &Means),
+        (point, on): (&Setting, &Means),
     ) -> Self {
-        let rows = on.values.iter().zip(&at_fit.values);
-        for (slopes, (on, off)) in self.library.iter_mut().zip(rows) {
-            for (slopes, (on, off)) in slopes.iter_mut().zip(on.iter().zip(off)) {
-                slopes[effect] = (on - off) / amplitude;
+        let amplitude = point.effects[&plan.effects[effect].name];
+        let declared = plan.declared.iter().zip(fitted);
+        let moved: Vec<f64> = declared
+            .map(|(d, x)| point.parameters[&d.name] - x)
+            .collect();
+        for (c, (on, off)) in on.values.iter().zip(&at_fit.values).enumerate() {
+            for (k, (on, off)) in on.iter().zip(off).enumerate() {
+                let slopes = self.declared[c][k].iter().zip(&moved);
+                let tuned: f64 = slopes.map(|(s, d)| s * d).sum();
+                self.library[c][k][effect] = (on - off - tuned) / amplitude;
             }
         }
         self.library_variance[effect] = 1.0 / (on.n as f64 * amplitude * amplitude);

@@ -1,0 +1,295 @@
+//! Campaigns with known truth by the solver itself: each effect of the library is hidden in measured-like
+//! data, and the diagnosis, which runs its own simulations, is asked what is missing.
+//!
+//! `cargo run --release -p study --example effect_trials -- PLAN.toml FOLDER [SIZE...]`
+//!
+//! A SIZE is a multiple of the smallest amplitude that the plan's conditions show with a chance of 90 %
+//! (default 2), never above the largest that is physically possible. Finished runs are kept in FOLDER and
+//! found again. Prints a page in Markdown; each diagnosis is written whole to FOLDER, and the linear problem
+//! of the whole library, as it is when nothing is hidden, to FOLDER/problem.json, for `just trials`.
+
+#![expect(clippy::print_stdout, reason = "the page is the purpose")]
+
+use calibration::{Laboratory, ResidualPlan, ResidualStudy, StudyCondition, study_residual};
+use campaign::{Campaign, LineProgress, RunRequest};
+use random_stream::Stream;
+use residual_diagnosis::Sign;
+use run_store::Store;
+use scene::{Override, Scene};
+use serde::Deserialize;
+use std::collections::BTreeMap;
+use std::error::Error;
+use std::path::{Path, PathBuf};
+use study::{DeclaredEntry, SceneSimulator, probes};
+
+/// First seed of the fits; each of them begins with the same runs.
+const SEED: u64 = 1;
+/// Seeds of the data, far from those of the fits.
+const DATA_SEEDS: u64 = 10_000_000;
+/// Campaigns with nothing hidden.
+const NOTHING: u64 = 4;
+
+/// The file.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Plan {
+    /// Scene, relative to the file.
+    scene: PathBuf,
+    /// Changes of it, `name = value`.
+    changes: Vec<String>,
+    /// What is measured.
+    observables: Vec<String>,
+    /// Standard deviation of reading it, in its unit.
+    reading_sd: Vec<f64>,
+    /// Runs behind a measured mean.
+    measured_runs: usize,
+    /// Runs behind a simulated mean.
+    replicates: usize,
+    /// Declared parameters.
+    declared: Vec<DeclaredEntry>,
+    /// Conditions.
+    conditions: Vec<StudyCondition>,
+}
+
+/// What a campaign hides.
+struct Hidden {
+    /// Effect and amplitude; none for nothing.
+    effect: Option<(String, f64)>,
+    /// Number of the campaign, for its seeds.
+    number: u64,
+}
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let mut arguments = std::env::args().skip(1);
+    let usage = "usage: effect_trials PLAN.toml FOLDER [SIZE...]";
+    let path = PathBuf::from(arguments.next().ok_or(usage)?);
+    let folder = PathBuf::from(arguments.next().ok_or(usage)?);
+    let mut sizes = arguments
+        .map(|a| a.parse())
+        .collect::<Result<Vec<f64>, _>>()?;
+    if sizes.is_empty() {
+        sizes.push(2.0);
+    }
+    let plan: Plan = toml::from_str(&std::fs::read_to_string(&path)?)?;
+    let simulator = plan.simulator(path.parent().unwrap_or(Path::new("")))?;
+    let store = Store::open(folder.join("runs"))?;
+    let threads = std::thread::available_parallelism().map_or(1, usize::from);
+    let progress = LineProgress::new(std::io::stderr());
+    let trials = Trials {
+        folder,
+        residual: plan.residual(&simulator)?,
+        campaign: Campaign::new(&store, threads, &progress),
+        plan,
+        simulator,
+    };
+    trials.print_all(&sizes)
+}
+
+impl Plan {
+    /// The scene as a simulator.
+    fn simulator(&self, folder: &Path) -> Result<SceneSimulator, Box<dyn Error>> {
+        let change = |text: &String| {
+            let (name, value) = text.split_once('=').ok_or(format!("'{text}' has no '='"))?;
+            Ok(Override {
+                name: name.trim().into(),
+                value: value.trim().into(),
+            })
+        };
+        let changes = self.changes.iter().map(change);
+        let changes = changes.collect::<Result<Vec<_>, String>>()?;
+        let scene = Scene::read(&folder.join(&self.scene), &changes)?;
+        Ok(SceneSimulator::new(BTreeMap::from([(
+            "trials".to_owned(),
+            scene,
+        )]))?)
+    }
+
+    /// What every fit is given: all effects that the scene can carry.
+    fn residual(&self, simulator: &SceneSimulator) -> Result<ResidualPlan, Box<dyn Error>> {
+        let base = RunRequest::new("trials", SEED);
+        let names: Vec<String> = effect_library::library()
+            .iter()
+            .map(|e| e.description().name.to_owned())
+            .collect();
+        let mut effects = probes(&names)?;
+        effects.retain(|e| {
+            let request = base.clone().with_effect(&e.name, e.probe);
+            simulator.scene_of(&request).is_ok()
+        });
+        Ok(ResidualPlan {
+            id: "effect trials".into(),
+            base,
+            conditions: self.conditions.clone(),
+            observables: self.observables.clone(),
+            declared: self
+                .declared
+                .iter()
+                .map(DeclaredEntry::as_declared)
+                .collect(),
+            effects,
+            replicates: self.replicates,
+            seed: SEED,
+        })
+    }
+}
+
+/// What all campaigns share.
+struct Trials<'a> {
+    /// The file.
+    plan: Plan,
+    /// The scene.
+    simulator: SceneSimulator,
+    /// Runs.
+    campaign: Campaign<'a>,
+    /// The fit's plan.
+    residual: ResidualPlan,
+    /// Where the diagnoses are written.
+    folder: PathBuf,
+}
+
+impl Trials<'_> {
+    /// All campaigns, one line each.
+    fn print_all(&self, sizes: &[f64]) -> Result<(), Box<dyn Error>> {
+        println!(
+            "| hidden | amplitude | size | verdict | named or tied | amplitude found | T before, after | \
+             angle on kept condition, deg |"
+        );
+        println!("|---|--:|--:|---|---|--:|--:|--:|");
+        let mut first = None;
+        for number in 0..NOTHING {
+            let hidden = Hidden {
+                effect: None,
+                number,
+            };
+            let study = self.study(&hidden)?;
+            print_row(&hidden, None, &study);
+            first.get_or_insert(study);
+        }
+        let Some(first) = first else { return Ok(()) };
+        let problem = serde_json::to_string_pretty(&first.problem)?;
+        std::fs::write(self.folder.join("problem.json"), problem)?;
+        let mut rest = Vec::new();
+        for (k, effect) in first.plan.effects.iter().enumerate() {
+            let candidate = first.diagnosis.candidates.get(&effect.name);
+            let Some(candidate) = candidate.filter(|c| c.testable) else {
+                rest.push(effect.name.clone());
+                continue;
+            };
+            let Some(smallest) = candidate.smallest_detectable else {
+                continue;
+            };
+            for &size in sizes {
+                let amplitude = (size * smallest).min(effect.largest);
+                let number = 100 * (k as u64 + 1) + tenths(size);
+                // Either sign in turn where both are possible.
+                let sign = if effect.sign == Sign::Any && k % 2 == 1 {
+                    -1.0
+                } else {
+                    1.0
+                };
+                let hidden = Hidden {
+                    effect: Some((effect.name.clone(), sign * amplitude)),
+                    number,
+                };
+                match self.study(&hidden) {
+                    Ok(study) => print_row(&hidden, Some(amplitude / smallest), &study),
+                    Err(reason) => println!(
+                        "| {} | {amplitude:.3} | | cannot be run: {reason} |",
+                        effect.name
+                    ),
+                }
+            }
+        }
+        println!(
+            "\nNot seen at these conditions even at their largest amplitude: {}.",
+            list(&rest)
+        );
+        let left_out = first
+            .left_out
+            .iter()
+            .map(|(name, why)| format!("{name} ({why})"));
+        println!(
+            "Left out of the library, for they could not be run: {}.",
+            list(&left_out.collect::<Vec<_>>())
+        );
+        Ok(())
+    }
+
+    /// One campaign: draws a truth, makes the data, asks what is missing.
+    fn study(&self, hidden: &Hidden) -> Result<ResidualStudy, Box<dyn Error>> {
+        let mut stream = Stream::new(SEED, &format!("truth {}", hidden.number));
+        let truth = self.plan.declared.iter().map(|d| {
+            let drawn = d.prior.map_or(d.start, |p| p.mean + p.sd * stream.normal());
+            (d.parameter.clone(), drawn.clamp(d.low, d.high))
+        });
+        let laboratory = Laboratory {
+            parameters: truth.collect(),
+            effects: hidden.effect.iter().cloned().collect(),
+            runs: self.plan.measured_runs,
+            reading_sd: &self.plan.reading_sd,
+            first_seed: DATA_SEEDS + 100 * hidden.number,
+            reading: Stream::new(SEED, &format!("reading {}", hidden.number)),
+        };
+        let observed = laboratory.measure(&self.campaign, &self.simulator, &self.residual)?;
+        let study = study_residual(&self.campaign, &self.simulator, &self.residual, &observed)?;
+        let name = format!("campaign-{}.json", hidden.number);
+        let text = serde_json::to_string_pretty(&study)?;
+        std::fs::write(self.folder.join(name), text)?;
+        Ok(study)
+    }
+}
+
+/// A size in tenths, as part of the number of a campaign.
+fn tenths(size: f64) -> u64 {
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "a negative size gives 0, a huge one saturates"
+    )]
+    let tenths = (10.0 * size).round() as u64;
+    tenths
+}
+
+/// One line of the table.
+fn print_row(hidden: &Hidden, size: Option<f64>, study: &ResidualStudy) {
+    let (name, amplitude) = match &hidden.effect {
+        Some((name, amplitude)) => (name.as_str(), format!("{amplitude:.3}")),
+        None => ("nothing", String::new()),
+    };
+    let size = size.map_or_else(String::new, |s| format!("{s:.1}"));
+    let diagnosis = &study.diagnosis;
+    let after = study.after.as_ref();
+    let found = after.map_or_else(String::new, |a| {
+        let values = a.effects.values().map(|v| format!("{v:.3}"));
+        values.collect::<Vec<_>>().join(", ")
+    });
+    let rest = diagnosis
+        .effects
+        .first()
+        .and_then(|name| diagnosis.candidates.get(name))
+        .map_or_else(String::new, |c| format!(", {:.0}", c.t_after));
+    let kept = |errors: &calibration::ErrorPair| {
+        let kept = errors
+            .kept
+            .as_ref()
+            .and_then(|e| e.rmse.get("angle_deg").copied());
+        kept.map_or_else(String::new, |e| format!("{e:.2}"))
+    };
+    let after = after.map_or_else(String::new, |a| format!(" -> {}", kept(&a.errors)));
+    println!(
+        "| {name} | {amplitude} | {size} | {} | {} | {found} | {:.0}{rest} | {}{after} |",
+        diagnosis.verdict,
+        diagnosis.effects.join(", "),
+        diagnosis.structured_residual.t0.unwrap_or(f64::NAN),
+        kept(&study.errors_before),
+    );
+}
+
+/// Names with commas, or "none".
+fn list(names: &[String]) -> String {
+    if names.is_empty() {
+        "none".into()
+    } else {
+        names.join(", ")
+    }
+}
