@@ -151,7 +151,6 @@ mod tests {
     use super::{runs_needed, within_budget};
     use crate::{DeclaredParameter, EffectProbe, ResidualPlan, StudyCondition};
     use campaign::RunRequest;
-    use residual_diagnosis::Sign;
     use std::collections::BTreeMap;
 
     /// Seven speeds, one parameter, two effects, two replicates.
@@ -164,8 +163,7 @@ mod tests {
         let effect = |name: &str| EffectProbe {
             name: name.into(),
             probe: 1.0,
-            largest: 2.0,
-            sign: Sign::Any,
+            range: [-2.0, 2.0],
         };
         ResidualPlan {
             id: "speeds".into(),

@@ -46,10 +46,24 @@ pub struct EffectProbe {
     pub name: String,
     /// Amplitude at which its sensitivity is measured.
     pub probe: f64,
-    /// Largest physical size of its amplitude.
-    pub largest: f64,
-    /// Physical sign of its amplitude.
-    pub sign: Sign,
+    /// Least and largest amplitude that is physically possible.
+    pub range: [f64; 2],
+}
+
+impl EffectProbe {
+    /// Largest size of its amplitude.
+    pub fn largest(&self) -> f64 {
+        self.range[1].max(-self.range[0])
+    }
+
+    /// Signs that its amplitude can have.
+    pub fn sign(&self) -> Sign {
+        match self.range {
+            [low, high] if low < 0.0 && high > 0.0 => Sign::Any,
+            [low, _] if low < 0.0 => Sign::Negative,
+            _ => Sign::Positive,
+        }
+    }
 }
 
 /// What was measured.

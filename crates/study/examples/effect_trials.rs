@@ -13,7 +13,6 @@
 use calibration::{Laboratory, ResidualPlan, ResidualStudy, StudyCondition, study_residual};
 use campaign::{Campaign, LineProgress, RunRequest};
 use random_stream::Stream;
-use residual_diagnosis::Sign;
 use run_store::Store;
 use scene::{Override, Scene};
 use serde::Deserialize;
@@ -179,20 +178,17 @@ impl Trials<'_> {
                 continue;
             };
             for &size in sizes {
-                let amplitude = (size * smallest).min(effect.largest);
-                let number = 100 * (k as u64 + 1) + tenths(size);
                 // Either sign in turn where both are possible.
-                let sign = if effect.sign == Sign::Any && k % 2 == 1 {
-                    -1.0
-                } else {
-                    1.0
-                };
+                let negative = effect.range[0] < 0.0 && (k % 2 == 1 || effect.range[1] <= 0.0);
+                let wanted = size * smallest * if negative { -1.0 } else { 1.0 };
+                let amplitude = wanted.clamp(effect.range[0], effect.range[1]);
+                let number = 100 * (k as u64 + 1) + tenths(size);
                 let hidden = Hidden {
-                    effect: Some((effect.name.clone(), sign * amplitude)),
+                    effect: Some((effect.name.clone(), amplitude)),
                     number,
                 };
                 match self.study(&hidden) {
-                    Ok(study) => print_row(&hidden, Some(amplitude / smallest), &study),
+                    Ok(study) => print_row(&hidden, Some(amplitude.abs() / smallest), &study),
                     Err(reason) => println!(
                         "| {} | {amplitude:.3} | | cannot be run: {reason} |",
                         effect.name

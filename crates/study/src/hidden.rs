@@ -8,7 +8,7 @@ use calibration::{
 use campaign::RunRequest;
 use effect_library::find;
 use random_stream::Stream;
-use residual_diagnosis::{Sign, Verdict};
+use residual_diagnosis::Verdict;
 use std::collections::BTreeMap;
 
 /// Offset of the seeds that make the data from those of the fit.
@@ -24,17 +24,10 @@ pub fn probes(names: &[String]) -> Result<Vec<EffectProbe>, Error> {
         .iter()
         .map(|name| {
             let d = find(name)?.description();
-            let sign = if d.range[0] < 0.0 {
-                Sign::Any
-            } else {
-                Sign::Positive
-            };
-            let largest = d.range[1].max(-d.range[0]);
             Ok(EffectProbe {
                 name: name.clone(),
                 probe: d.probe,
-                largest,
-                sign,
+                range: d.range,
             })
         })
         .collect()

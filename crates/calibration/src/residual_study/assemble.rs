@@ -82,12 +82,12 @@ pub(super) fn problem(
         largest_amplitudes: plan
             .effects
             .iter()
-            .map(|e| (e.name.clone(), e.largest))
+            .map(|e| (e.name.clone(), e.largest()))
             .collect(),
         signs: plan
             .effects
             .iter()
-            .map(|e| (e.name.clone(), e.sign))
+            .map(|e| (e.name.clone(), e.sign()))
             .collect(),
         ..ProblemFile::default()
     }

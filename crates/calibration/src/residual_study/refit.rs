@@ -5,7 +5,6 @@ use super::{Observed, ResidualPlan, assemble};
 use crate::Error;
 use crate::least_squares::{BoundedProblem, bounded_least_squares};
 use nalgebra::{DMatrix, DVector};
-use residual_diagnosis::Sign;
 
 /// Fits the declared parameters to the used conditions and the priors, about means at a point.
 pub(super) fn declared(
@@ -102,30 +101,12 @@ fn linear_problem(
             target.push(mean / sd);
         }
     }
-    let effect = |&j: &usize| &plan.effects[j];
-    let least = |e: &super::EffectProbe| {
-        if e.sign == Sign::Positive {
-            0.0
-        } else {
-            -e.largest
-        }
-    };
-    let most = |e: &super::EffectProbe| {
-        if e.sign == Sign::Negative {
-            0.0
-        } else {
-            e.largest
-        }
-    };
+    let amplitudes = |end: usize| taken.iter().map(move |&j| plan.effects[j].range[end]);
     let bounds = |end: usize| plan.declared.iter().map(move |d| d.bounds[end]);
     Ok(BoundedProblem {
         matrix,
         target,
-        low: bounds(0)
-            .chain(taken.iter().map(effect).map(least))
-            .collect(),
-        high: bounds(1)
-            .chain(taken.iter().map(effect).map(most))
-            .collect(),
+        low: bounds(0).chain(amplitudes(0)).collect(),
+        high: bounds(1).chain(amplitudes(1)).collect(),
     })
 }

@@ -3,7 +3,7 @@ use super::{
 };
 use campaign::{Campaign, RunOutcome, RunRequest, Silent, Simulator, SimulatorError};
 use random_stream::Stream;
-use residual_diagnosis::{Sign, Verdict};
+use residual_diagnosis::Verdict;
 use run_store::{Observation, Store};
 use std::collections::BTreeMap;
 
@@ -80,8 +80,7 @@ fn plan(seed: u64) -> ResidualPlan {
     let effect = |name: &str| EffectProbe {
         name: name.into(),
         probe: 2.0,
-        largest: 5.0,
-        sign: Sign::Positive,
+        range: [0.0, 5.0],
     };
     ResidualPlan {
         id: "toy".into(),
@@ -199,8 +198,7 @@ fn an_effect_that_cannot_be_run_is_left_out_with_its_reason() {
         EffectProbe {
             name: "no surface".into(),
             probe: 1.0,
-            largest: 1.0,
-            sign: Sign::Positive,
+            range: [0.0, 1.0],
         },
     );
     let data = observed(&plan, [2.0, 0.0], 1);
