@@ -39,6 +39,13 @@ trials NUMBER="200":
     "${CARGO_TARGET_DIR:-target}/release/examples/trials" {{NUMBER}} fixtures/diagnosis/drum/problem.json fixtures/diagnosis/single/problem.json fixtures/diagnosis/tie/problem.json > docs/trials.md
     printf '\n`just trials {{NUMBER}}`, %s.\n' "$(date -I)" >> docs/trials.md
 
+# Hide each effect of the library in data that the solver makes, diagnose them, and write the page (an hour).
+# A SIZE is a multiple of the smallest amplitude that can be seen. Finished runs in FOLDER are found again.
+effect-trials FOLDER="out/effect-trials" *SIZES="2":
+    cargo build --release --locked -p study --example effect_trials
+    "${CARGO_TARGET_DIR:-target}/release/examples/effect_trials" fixtures/cotton/trials.toml {{FOLDER}} {{SIZES}} > docs/effect-trials.md
+    printf '\n`just effect-trials {{FOLDER}} {{SIZES}}`, %s.\n' "$(date -I)" >> docs/effect-trials.md
+
 # Check the solver against mechanics and write the table.
 verify *ARGS:
     cargo run --release --locked -p seedloop -- verify --out docs/verification.md --force "$@"

@@ -8,9 +8,7 @@ mod runs;
 
 use crate::Error;
 use campaign::{Campaign, RunRequest, Simulator};
-use residual_diagnosis::{
-    CandidateResult, Diagnosis, Options, Problem, ProblemFile, Sign, Verdict, diagnose,
-};
+use residual_diagnosis::{Diagnosis, Options, Problem, ProblemFile, Sign, Verdict, diagnose};
 use runs::{At, Linearisation, Means};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -192,16 +190,15 @@ pub fn study_residual(
     let mut plan = plan.clone();
     plan.effects.retain(|e| !left_out.contains_key(&e.name));
     let plan = &plan;
-    let (fitted, at_fit) = fit_declared(campaign, simulator, plan, observed, &linear)?;
+    let (fitted, at_fit, block) = fit_declared(campaign, simulator, plan, observed, &linear)?;
     let mut linear = linear.with_scatter(&at_fit);
     let mut file = assemble::problem(plan, observed, &linear, &fitted, &at_fit);
     let mut diagnosis = diagnose(&Problem::try_from(file.clone())?, &Options::new(plan.seed))?;
     let suspects = suspects(plan, &diagnosis);
     if !suspects.is_empty() {
-        let fit = (fitted.as_slice(), &at_fit);
+        let fit = (fitted.as_slice(), &at_fit, block);
         let warnings;
-        (linear, warnings) =
-            measured_anew(campaign, simulator, plan, observed, linear, fit, &suspects)?;
+        (linear, warnings) = measured_anew(campaign, simulator, plan, linear, fit, &suspects)?;
         file = assemble::problem(plan, observed, &linear, &fitted, &at_fit);
         diagnosis = diagnose(&Problem::try_from(file.clone())?, &Options::new(plan.seed))?;
         diagnosis.warnings.extend(warnings);
@@ -224,7 +221,9 @@ pub fn study_residual(
     let kept = |errors: &ErrorPair| errors.kept.as_ref().map(|e| e.whitened_mse);
     let on_kept = |a: &AddedEffect| kept(&errors_before).zip(kept(&a.errors));
     if let Some((before, after)) = after.as_ref().and_then(on_kept) {
-        diagnosis = diagnosis.checked_by_runs(before, after);
+        let unused = (0..plan.conditions.len()).filter(|&c| !plan.conditions[c].used);
+        let values = unused.map(|c| observed.measured(c).len()).sum();
+        diagnosis = diagnosis.checked_by_runs(before, after, values);
     }
     let names = || plan.declared.iter().map(|d| d.name.clone());
     Ok(ResidualStudy {
@@ -250,11 +249,12 @@ pub fn study_residual(
 /// Largest number of effects whose sensitivity is measured anew.
 const MOST_SUSPECTS: usize = 3;
 
-/// Effects whose sensitivity decides: where more than noise remains, the best explanations of it.
+/// Effects whose sensitivity decides, with the amplitudes that the first diagnosis gives them: where
+/// more than noise remains, the best explanations of it.
 ///
 /// A sensitivity is a difference quotient at the start, with a step of its own choice. Parameters and
-/// amplitude end elsewhere, so that it is measured anew, to where a fit of both would take them.
-fn suspects(plan: &ResidualPlan, diagnosis: &Diagnosis) -> Vec<usize> {
+/// amplitudes end elsewhere, so that it is measured anew there, from the fit to the amplitude.
+fn suspects(plan: &ResidualPlan, diagnosis: &Diagnosis) -> Vec<(usize, f64)> {
     if matches!(
         diagnosis.verdict,
         Verdict::None | Verdict::Refused | Verdict::NotTestable
@@ -264,53 +264,49 @@ fn suspects(plan: &ResidualPlan, diagnosis: &Diagnosis) -> Vec<usize> {
     let mut suspects = Vec::new();
     for (j, effect) in plan.effects.iter().enumerate() {
         let candidate = diagnosis.candidates.get(&effect.name);
-        let helps = |c: &&CandidateResult| c.testable && c.z.is_some_and(|z| z.abs() > 2.0);
-        suspects.extend(candidate.filter(helps).map(|c| (c.t_after, j)));
+        let helps = candidate.filter(|c| c.testable && c.z.is_some_and(|z| z.abs() > 2.0));
+        if let Some((c, amplitude)) = helps.and_then(|c| Some((c, c.amplitude?))) {
+            let amplitude = amplitude.clamp(effect.range[0], effect.range[1]);
+            if amplitude != 0.0 {
+                suspects.push((c.t_after, j, amplitude));
+            }
+        }
     }
     suspects.sort_by(|a, b| a.0.total_cmp(&b.0));
     suspects.truncate(MOST_SUSPECTS);
-    suspects.into_iter().map(|(_, j)| j).collect()
+    suspects.into_iter().map(|(_, j, a)| (j, a)).collect()
 }
 
-/// Runs each suspect where a fit of the parameters and its amplitude ends, and takes its sensitivity from
-/// there; a warning for each that cannot be run.
+/// Runs each suspect at the fitted parameters with its amplitude and takes its sensitivity from there; a
+/// warning for each that cannot be run.
+///
+/// An effect that shares the noise of the runs without it gets their seeds, the others their own.
 fn measured_anew(
     campaign: &Campaign<'_>,
     simulator: &dyn Simulator,
     plan: &ResidualPlan,
-    observed: &Observed,
     mut linear: Linearisation,
-    (fitted, at_fit): (&[f64], &Means),
-    suspects: &[usize],
+    (fitted, at_fit, block): (&[f64], &Means, u64),
+    suspects: &[(usize, f64)],
 ) -> Result<(Linearisation, Vec<String>), Error> {
-    let mut points = Vec::new();
-    for (&effect, block) in suspects.iter().zip(6..) {
-        let name = &plan.effects[effect].name;
-        let mut without = runs::Setting::declared(plan, fitted);
-        without.effects.insert(name.clone(), 0.0);
-        let names = std::slice::from_ref(name);
-        let point = refit::with_effects(plan, observed, &linear, names, (&without, at_fit))?;
-        if point.effects[name] != 0.0 {
-            points.push((effect, (point, block)));
-        }
-    }
-    let (effects, settings): (Vec<usize>, Vec<_>) = points.into_iter().unzip();
+    let on = |(&(effect, amplitude), own): (&(usize, f64), u64)| {
+        let mut on = runs::Setting::declared(plan, fitted);
+        let name = plan.effects[effect].name.clone();
+        on.effects.insert(name, amplitude);
+        let shares = linear.shares_noise(effect);
+        (on, if shares { block } else { own })
+    };
+    let settings: Vec<_> = suspects.iter().zip(6..).map(on).collect();
     let means = runs::means_of_each(campaign, simulator, plan, &settings)?;
     let mut warnings = Vec::new();
-    for ((effect, (point, _)), means) in effects.into_iter().zip(&settings).zip(means) {
+    for (&(effect, amplitude), means) in suspects.iter().zip(means) {
         match means {
-            Ok(means) => {
-                let on = (point, &means);
-                linear = linear.with_secant(plan, effect, (fitted, at_fit), on);
-            }
-            Err(reason) => {
-                let name = &plan.effects[effect].name;
-                warnings.push(format!(
-                    "{name} could not be run at the amplitude {:.3} that the data ask for, so that it is \
-                     judged by its sensitivity at the start: {reason}",
-                    point.effects[name]
-                ));
-            }
+            Ok(means) => linear = linear.with_secant(effect, amplitude, at_fit, &means),
+            Err(reason) => warnings.push(format!(
+                "{} could not be run at the amplitude {amplitude:.3} that the data ask for, so that it is \
+                 judged by its sensitivity at the start: {reason}",
+                plan.effects[effect].name
+            )),
         }
     }
     Ok((linear, warnings))
@@ -319,14 +315,14 @@ fn measured_anew(
 /// Fits the declared parameters and runs there; corrects up to twice where that misses.
 ///
 /// The slopes stay those of the start. A correction is kept only where real runs on the used
-/// conditions say that it helps.
+/// conditions say that it helps. Also returns the block of seeds of the runs at the end.
 fn fit_declared(
     campaign: &Campaign<'_>,
     simulator: &dyn Simulator,
     plan: &ResidualPlan,
     observed: &Observed,
     linear: &Linearisation,
-) -> Result<(Vec<f64>, Means), Error> {
+) -> Result<(Vec<f64>, Means, u64), Error> {
     let start: Vec<f64> = plan.declared.iter().map(|d| d.start).collect();
     let run = |point: &[f64], block: u64, at: At| {
         let setting = runs::Setting::declared(plan, point);
@@ -349,7 +345,7 @@ fn fit_declared(
     }
     // The kept conditions are run once, where the fit has ended.
     let kept = run(&fitted, taken, At::Kept)?;
-    Ok((fitted, means.with_kept(kept)))
+    Ok((fitted, means.with_kept(kept), taken))
 }
 
 /// Whitened mean square that a right model exceeds in 1 of 40 cases: 1 + 2 sqrt(2/n) for n rows.

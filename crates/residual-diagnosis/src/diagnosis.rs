@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use std::fmt;
 
 use crate::summary::summary;
+use crate::tails::upper_tail;
 use crate::{BeforeAfter, NextMeasurement};
 
 /// What can be said of a residual.
@@ -163,6 +164,9 @@ pub struct ConditionShare {
     pub share: f64,
 }
 
+/// Least chance with which noise alone leaves so much on unused conditions as a named effect may leave.
+const LEAST_P_ON_UNUSED: f64 = 0.01;
+
 impl Diagnosis {
     /// The diagnosis in plain language, with what cannot be told.
     pub fn summary(&self) -> &str {
@@ -170,18 +174,28 @@ impl Diagnosis {
     }
 
     /// Holds a naming against runs of the simulator itself, with the effects switched on, at
-    /// conditions that neither choice nor fit has used: whitened mean squares `before` and `after`.
+    /// conditions that neither choice nor fit has used: whitened mean squares `before` and `after` of
+    /// so many values.
     ///
-    /// A naming that does not lower the error there is taken back, and the effects become suspects.
+    /// A naming that does not lower the error there, or leaves more than noise (by chance in less than 1
+    /// of 100 cases), is taken back, and the effects become suspects.
     #[must_use]
-    pub fn checked_by_runs(mut self, before: f64, after: f64) -> Self {
+    pub fn checked_by_runs(mut self, before: f64, after: f64, values: usize) -> Self {
         self.runs_on_unused = Some([before, after]);
-        // An error that is no number counts as one that did not fall.
+        let dof = self.structured_residual.covariance_dof;
+        let p = upper_tail(after * values as f64, values, dof);
         let falls = after < before;
-        if !falls {
+        // An error that is no number counts as one that did not fall.
+        let withdrawn = if falls {
+            let too_small = p.filter(|p| *p < LEAST_P_ON_UNUSED);
+            too_small.map(|p| format!("and what is left is more than noise, p {p:.1e}"))
+        } else {
+            Some("not down".to_owned())
+        };
+        if let Some(reason) = withdrawn {
             self.warnings.push(format!(
                 "the naming is withdrawn: by real runs the whitened mean square on the unused \
-                 conditions goes from {before:.3} to {after:.3}, not down"
+                 conditions goes from {before:.3} to {after:.3}, {reason}"
             ));
             self.verdict = Verdict::Unknown;
             self.suspects = std::mem::take(&mut self.effects);
@@ -215,15 +229,16 @@ mod tests {
     #[test]
     fn a_naming_that_real_runs_do_not_bear_out_is_withdrawn() {
         assert_eq!(named().verdict, Verdict::Named, "{}", named().summary());
-        let stays = named().checked_by_runs(9.0, 1.1);
+        let stays = named().checked_by_runs(9.0, 1.1, 4);
         assert_eq!(stays.verdict, Verdict::Named);
         assert!(
             stays.summary().contains("from 9.00 to 1.10"),
             "{}",
             stays.summary()
         );
-        for after in [9.0, 9.1, f64::NAN] {
-            let fallen = named().checked_by_runs(9.0, after);
+        // 3.4 times four is the upper 1 % point of chi-square on 4 degrees of freedom, 13.3, and more.
+        for after in [9.0, 9.1, 3.4, f64::NAN] {
+            let fallen = named().checked_by_runs(9.0, after, 4);
             assert_eq!(fallen.verdict, Verdict::Unknown);
             assert!(fallen.effects.is_empty());
             assert_eq!(fallen.suspects, ["slope"]);

@@ -28,6 +28,20 @@ const DATA_SEEDS: u64 = 10_000_000;
 /// Campaigns with nothing hidden.
 const NOTHING: u64 = 4;
 
+/// What the page shows.
+const HEAD: &str = "# Every effect hidden once, by the solver
+
+Measured-like data are made by the solver with one effect of the library switched on, the friction drawn from its
+bench values, runs of other seeds, and noise of reading. The diagnosis knows the bench values and searches the whole
+library by simulations of its own: [the plan](../fixtures/cotton/trials.toml). All diagnoses begin with the same
+runs for the sensitivities, so that the noise of these is common to all rows.
+
+`size`: the hidden amplitude over the smallest one that these conditions show with a chance of 90 %, by the linear
+model about the start; never more than is physically possible. `T before, after`: the whitened residual that
+re-tuning cannot absorb, without an effect and with the first one named. Last column: root mean square error of the
+angle at the condition kept for the check, before and after, by real runs.
+";
+
 /// The file.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -149,6 +163,7 @@ struct Trials<'a> {
 impl Trials<'_> {
     /// All campaigns, one line each.
     fn print_all(&self, sizes: &[f64]) -> Result<(), Box<dyn Error>> {
+        println!("{HEAD}");
         println!(
             "| hidden | amplitude | size | verdict | named or tied | amplitude found | T before, after | \
              angle on kept condition, deg |"

@@ -48,6 +48,9 @@ pub(super) struct Linearisation {
     pub(super) library: Vec<Vec<Vec<f64>>>,
     /// Variance of each column of `library` over that of one run, 1 / (unit of the amplitude)^2.
     pub(super) library_variance: Vec<f64>,
+    /// Share of the noise of a run that a run with the effect does not share with the one without it: 1, or
+    /// next to nothing where the effect leaves the motion alone.
+    own_noise: Vec<f64>,
     /// Covariance of one run, pooled over conditions and settings, (observables, observables).
     pub(super) run_covariance: Vec<Vec<f64>>,
     /// Its degrees of freedom.
@@ -160,6 +163,34 @@ fn row(plan: &ResidualPlan, record: &Record) -> Result<Vec<f64>, Error> {
         .collect()
 }
 
+/// Below this share of own noise, runs with an effect count as having the noise of those without it. Of
+/// independent runs, three pairs come below with a chance of 1 %, and all observables must.
+const SHARED: f64 = 0.05;
+
+/// Share of the noise of a run that runs with an effect do not share with the runs of the same seeds
+/// without it; 1 where they share nothing to speak of.
+///
+/// # Formula
+///
+/// For each observable the sum of squares of `(on - off) - mean` over that of `on - mean` and `off - mean`,
+/// means over the `r` runs of a condition; the largest of all observables.
+fn own_noise_of(off: &[Vec<f64>], on: &[Vec<f64>], r: usize) -> f64 {
+    let difference: Vec<Vec<f64>> = on
+        .iter()
+        .zip(off)
+        .map(|(on, off)| on.iter().zip(off).map(|(a, b)| a - b).collect())
+        .collect();
+    let squares = |rows: &[Vec<f64>], k: usize| Means::of(rows, r).scatter.products[k][k];
+    let share = |k: usize| {
+        let own = squares(&difference, k);
+        let both = squares(on, k) + squares(off, k);
+        if own > 0.0 { own / both } else { 0.0 }
+    };
+    let width = on.first().map_or(0, Vec::len);
+    let largest = (0..width).map(share).fold(0.0, f64::max);
+    if largest < SHARED { largest } else { 1.0 }
+}
+
 /// Mean of rows.
 fn mean_row(rows: &[Vec<f64>]) -> Vec<f64> {
     let n = rows.len().max(1) as f64;
@@ -169,12 +200,33 @@ fn mean_row(rows: &[Vec<f64>]) -> Vec<f64> {
         .collect()
 }
 
+/// The start, a step in each declared parameter, and each effect at its probe; with the size of the step.
+fn start_and_steps(plan: &ResidualPlan) -> Vec<(Setting, f64)> {
+    let start: Vec<f64> = plan.declared.iter().map(|d| d.start).collect();
+    let at_start = Setting::declared(plan, &start);
+    let mut settings = vec![(at_start.clone(), 1.0)];
+    for declared in &plan.declared {
+        let mut moved = at_start.clone();
+        moved
+            .parameters
+            .insert(declared.name.clone(), declared.start + declared.step);
+        settings.push((moved, declared.step));
+    }
+    for effect in &plan.effects {
+        let mut on = at_start.clone();
+        on.effects.insert(effect.name.clone(), effect.probe);
+        settings.push((on, effect.probe));
+    }
+    settings
+}
+
 impl Linearisation {
     /// Runs the start and, for each parameter and each effect, a point beside it, with replicates at
     /// every condition that the fit uses, all in one list so that no core waits.
     ///
-    /// Differences are taken against the mean of the replicates: with contacts that come and go,
-    /// two runs of one seed part ways within a second, so that a common seed saves no noise.
+    /// All settings have the same seeds. With contacts that come and go, two runs of one seed part ways
+    /// within a second, so that this saves no noise; but an effect that leaves the motion alone, such as that
+    /// of a camera, has the noise of the start, and its sensitivity is next to exact.
     ///
     /// An effect that cannot be run, such as one whose bed shows no surface to the camera, is left out;
     /// the second part of the result has the reasons by effect. The tables have no column for it.
@@ -183,21 +235,7 @@ impl Linearisation {
         simulator: &dyn Simulator,
         plan: &ResidualPlan,
     ) -> Result<(Self, BTreeMap<String, String>), Error> {
-        let start: Vec<f64> = plan.declared.iter().map(|d| d.start).collect();
-        let at_start = Setting::declared(plan, &start);
-        let mut settings = vec![(at_start.clone(), 1.0)];
-        for declared in &plan.declared {
-            let mut moved = at_start.clone();
-            moved
-                .parameters
-                .insert(declared.name.clone(), declared.start + declared.step);
-            settings.push((moved, declared.step));
-        }
-        for effect in &plan.effects {
-            let mut on = at_start.clone();
-            on.effects.insert(effect.name.clone(), effect.probe);
-            settings.push((on, effect.probe));
-        }
+        let settings = start_and_steps(plan);
         let r = plan.replicates;
         let used = || plan.conditions.iter().filter(|c| c.used);
         let requests: Vec<RunRequest> = settings
@@ -213,6 +251,7 @@ impl Linearisation {
             campaign.run_all(simulator, &requests[..needed])?;
         }
         let (mut probes, mut left_out) = (Vec::new(), BTreeMap::new());
+        let (mut start_rows, mut own_noise) = (Vec::new(), Vec::new());
         for (i, group) in results.chunks(per_point).enumerate() {
             let effect = i.checked_sub(1 + plan.declared.len());
             let reason = group.iter().find_map(|result| result.as_ref().err());
@@ -223,7 +262,13 @@ impl Linearisation {
             let rows = group.iter().flatten().map(|record| row(plan, record));
             let rows = rows.collect::<Result<Vec<_>, _>>()?;
             let means = Means::of(&rows, r).spread_over(plan, true);
+            if effect.is_some() {
+                own_noise.push(own_noise_of(&start_rows, &rows, r));
+            }
             probes.push((means, settings[i].1));
+            if i == 0 {
+                start_rows = rows;
+            }
         }
         let mut probes = probes.into_iter();
         let nominal = match probes.next() {
@@ -231,8 +276,13 @@ impl Linearisation {
             None => Means::of(&[], r),
         };
         let probes: Vec<(Means, f64)> = probes.collect();
+        let (declared, library) = probes.split_at(plan.declared.len().min(probes.len()));
         let mut scatter = nominal.scatter.clone();
-        for (probe, _) in &probes {
+        let own = library
+            .iter()
+            .zip(&own_noise)
+            .filter(|(_, own)| **own >= SHARED);
+        for (probe, _) in declared.iter().chain(own.map(|(probe, _)| probe)) {
             scatter.add(&probe.scatter);
         }
         let columns = |probes: &[(Means, f64)]| -> Vec<Vec<Vec<f64>>> {
@@ -244,15 +294,16 @@ impl Linearisation {
                 .map(|c| (0..nominal.values[c].len()).map(|k| of(c, k)).collect())
                 .collect()
         };
-        let (declared, library) = probes.split_at(plan.declared.len().min(probes.len()));
         let linear = Self {
             declared: columns(declared),
             library: columns(library),
             // A difference of two means of r runs.
             library_variance: library
                 .iter()
-                .map(|(_, step)| 2.0 / (r as f64 * step * step))
+                .zip(&own_noise)
+                .map(|((_, step), own)| 2.0 * own / (r as f64 * step * step))
                 .collect(),
+            own_noise,
             run_covariance: scatter.covariance(),
             noise_dof: scatter.dof,
             nominal,
@@ -261,34 +312,33 @@ impl Linearisation {
         Ok((linear, left_out))
     }
 
-    /// Replaces the column of an effect by the secant from the fit without it to a point with it.
-    ///
-    /// # Formula
-    ///
-    /// `(f(theta + d, a) - f(theta, 0) - S d) / a`: the linear model then gives what was simulated at both
-    /// points. `S` are the sensitivities of the declared parameters, `d` what they moved. The noise of
-    /// the fit without the effect is in the residual already.
+    /// Whether the runs with an effect have the noise of those without it, as those of a camera have.
+    pub(super) fn shares_noise(&self, effect: usize) -> bool {
+        self.own_noise[effect] < SHARED
+    }
+
+    /// Replaces the column of an effect by the secant from the fitted point to the same point with the
+    /// effect on at an amplitude. The noise of the fitted point is in the residual already.
     pub(super) fn with_secant(
         mut self,
-        plan: &ResidualPlan,
         effect: usize,
-        (fitted, at_fit): (&[f64], &Means),
-        (point, on): (&Setting, &Means),
+        amplitude: f64,
+        at_fit: &Means,
+        on: &Means,
     ) -> Self {
-        let amplitude = point.effects[&plan.effects[effect].name];
-        let declared = plan.declared.iter().zip(fitted);
-        let moved: Vec<f64> = declared
-            .map(|(d, x)| point.parameters[&d.name] - x)
-            .collect();
-        for (c, (on, off)) in on.values.iter().zip(&at_fit.values).enumerate() {
-            for (k, (on, off)) in on.iter().zip(off).enumerate() {
-                let slopes = self.declared[c][k].iter().zip(&moved);
-                let tuned: f64 = slopes.map(|(s, d)| s * d).sum();
-                self.library[c][k][effect] = (on - off - tuned) / amplitude;
+        let rows = on.values.iter().zip(&at_fit.values);
+        for (slopes, (on, off)) in self.library.iter_mut().zip(rows) {
+            for (slopes, (on, off)) in slopes.iter_mut().zip(on.iter().zip(off)) {
+                slopes[effect] = (on - off) / amplitude;
             }
         }
-        self.library_variance[effect] = 1.0 / (on.n as f64 * amplitude * amplitude);
-        self.with_scatter(on)
+        let own = self.own_noise[effect];
+        self.library_variance[effect] = own / (on.n as f64 * amplitude * amplitude);
+        if self.shares_noise(effect) {
+            self
+        } else {
+            self.with_scatter(on)
+        }
     }
 
     /// The same with the scatter of further means in the covariance: the noise of a run is taken

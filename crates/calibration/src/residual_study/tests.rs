@@ -3,7 +3,7 @@ use super::{
 };
 use campaign::{Campaign, RunOutcome, RunRequest, Silent, Simulator, SimulatorError};
 use random_stream::Stream;
-use residual_diagnosis::Verdict;
+use residual_diagnosis::{CovarianceInput, Verdict};
 use run_store::{Observation, Store};
 use std::collections::BTreeMap;
 
@@ -44,20 +44,29 @@ impl Simulator for Toy {
             request.parameter("b")?,
             effects,
         );
-        let mut stream = Stream::new(request.seed, &format!("{request}"));
-        let mut outcome = RunOutcome::default();
-        for (name, value) in ["angle", "shape"].iter().zip(values) {
-            let mean = value + RUN_SD * stream.normal();
-            let result = Observation {
-                mean,
-                sd: None,
-                n: 1,
-                unit: "1".into(),
-            };
-            outcome = outcome.with_observable(name, result);
-        }
-        Ok(outcome)
+        Ok(outcome(request, values))
     }
+}
+
+/// A run that gives these values with noise. The effect "turn" is that of a camera: it adds to the angle and
+/// leaves the noise alone.
+fn outcome(request: &RunRequest, [angle, shape]: [f64; 2]) -> RunOutcome {
+    let values = [angle + request.effect("turn"), shape];
+    let mut motion = request.clone();
+    motion.effects.remove("turn");
+    let mut stream = Stream::new(motion.seed, &format!("{motion}"));
+    let mut outcome = RunOutcome::default();
+    for (name, value) in ["angle", "shape"].iter().zip(values) {
+        let mean = value + RUN_SD * stream.normal();
+        let result = Observation {
+            mean,
+            sd: None,
+            n: 1,
+            unit: "1".into(),
+        };
+        outcome = outcome.with_observable(name, result);
+    }
+    outcome
 }
 
 fn plan(seed: u64) -> ResidualPlan {
@@ -95,9 +104,13 @@ fn plan(seed: u64) -> ResidualPlan {
 }
 
 fn observed(plan: &ResidualPlan, effects: [f64; 2], seed: u64) -> Observed {
+    measured(plan, seed, |rpm, fill| truth(rpm, fill, 0.7, 0.4, effects))
+}
+
+fn measured(plan: &ResidualPlan, seed: u64, truth: impl Fn(f64, f64) -> [f64; 2]) -> Observed {
     let mut stream = Stream::new(seed, "measured");
     let values = plan.conditions.iter().map(|c| {
-        let values = truth(c.condition["rpm"], c.condition["fill"], 0.7, 0.4, effects);
+        let values = truth(c.condition["rpm"], c.condition["fill"]);
         values
             .iter()
             .map(|v| Some(v + MEASURED_SD * stream.normal()))
@@ -207,6 +220,42 @@ fn an_effect_that_cannot_be_run_is_left_out_with_its_reason() {
     assert!(with.left_out["no surface"].contains("no frame shows a surface"));
     assert!(without.left_out.is_empty());
     assert_eq!(with.diagnosis, without.diagnosis);
+}
+
+/// An effect that leaves the motion alone has an exact sensitivity, and its runs say nothing new of the noise;
+/// another has a noise of its own.
+#[test]
+fn an_effect_of_the_camera_shares_the_noise_of_the_start() {
+    let folder = tempfile::tempdir().unwrap();
+    let store = Store::open(folder.path()).unwrap();
+    let campaign = Campaign::new(&store, 2, &Silent);
+    let plan = plan(5);
+    let mut more = plan.clone();
+    more.effects.push(EffectProbe {
+        name: "turn".into(),
+        probe: 2.0,
+        range: [-5.0, 5.0],
+    });
+    let data = observed(&plan, [2.0, 0.0], 5);
+    let without = study_residual(&campaign, &Toy, &plan, &data).unwrap();
+    let with = study_residual(&campaign, &Toy, &more, &data).unwrap();
+    assert_eq!(
+        with.diagnosis.effects,
+        ["bend"],
+        "{}",
+        with.diagnosis.summary()
+    );
+    assert_eq!(with.noise_dof, without.noise_dof);
+    let CovarianceInput::Matrix(turn) = &with.problem.cov_sensitivities_library[2] else {
+        panic!("{:?}", with.problem.cov_sensitivities_library);
+    };
+    let CovarianceInput::Matrix(bend) = &with.problem.cov_sensitivities_library[0] else {
+        panic!("{:?}", with.problem.cov_sensitivities_library);
+    };
+    assert!(turn[0][0] < 1e-12 && bend[0][0] > 1e-6, "{turn:?} {bend:?}");
+    // Rounding of the mean of four values about 30.
+    let slopes = with.problem.sensitivities_library.iter().step_by(2);
+    assert!(slopes.clone().all(|row| (row[2] - 1.0).abs() < 1e-12));
 }
 
 /// Values that were not measured carry nothing: with the second observable missing everywhere the

@@ -37,19 +37,20 @@ pub struct ResidualPanel {
     /// Measured minus predicted before the change, one a condition, in the unit of the
     /// observable; none where it was not measured.
     pub before: Vec<Option<f64>>,
-    /// The same after the change.
+    /// The same after the change; empty where there was none.
     pub after: Vec<Option<f64>>,
     /// Half width of the noise band, one a condition, in the unit of the observable.
     pub noise: Vec<f64>,
 }
 
-/// Panels of residuals: a row an observable, before on the left and after on the right.
+/// Panels of residuals: a row an observable, before on the left and, where something was changed, after
+/// on the right.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Residuals {
     /// Heading of the left column, such as "declared model".
     pub before_title: String,
-    /// Heading of the right column, such as "with wall adhesion".
-    pub after_title: String,
+    /// Heading of the right column, such as "with wall adhesion"; none where nothing was changed.
+    pub after_title: Option<String>,
     /// What the band is, such as "± 2 standard errors".
     pub noise_name: String,
     /// The conditions in order.
@@ -69,7 +70,7 @@ impl Residuals {
         let entries = self.legend();
         let top = 8.0 + legend_height(&entries, WIDTH - 60.0) + 28.0;
         let last = self.panels.len() - 1;
-        let rows: Vec<[Plot; 2]> = self
+        let rows: Vec<Vec<Plot>> = self
             .panels
             .iter()
             .enumerate()
@@ -98,17 +99,25 @@ impl Residuals {
             WIDTH - 60.0,
             &entries,
         );
-        draw_panel_title(&mut canvas, &rows[0][0].area, &self.before_title);
-        draw_panel_title(&mut canvas, &rows[0][1].area, &self.after_title);
-        for (panel, [before, after]) in self.panels.iter().zip(&rows) {
-            self.draw_panel(&mut canvas, before, &panel.before, &panel.noise);
-            self.draw_panel(&mut canvas, after, &panel.after, &panel.noise);
+        for (title, plot) in self.titles().zip(&rows[0]) {
+            draw_panel_title(&mut canvas, &plot.area, title);
         }
-        let titles = [&self.before_title, &self.after_title];
+        for (panel, plots) in self.panels.iter().zip(&rows) {
+            for (residuals, plot) in [&panel.before, &panel.after].into_iter().zip(plots) {
+                self.draw_panel(&mut canvas, plot, residuals, &panel.noise);
+            }
+        }
+        let titles: Vec<&str> = self.titles().collect();
         canvas.finish(
             CHART,
-            &format!("Residuals by condition: {}; {}", titles[0], titles[1]),
+            &format!("Residuals by condition: {}", titles.join("; ")),
         )
+    }
+
+    /// Headings of the columns.
+    fn titles(&self) -> impl Iterator<Item = &str> {
+        let before = std::iter::once(self.before_title.as_str());
+        before.chain(self.after_title.as_deref())
     }
 
     /// Refuses what cannot be drawn.
@@ -118,7 +127,8 @@ impl Residuals {
         Field::new(CHART, "panels").at_least(1, self.panels.len())?;
         for panel in &self.panels {
             Field::new(CHART, "before").length(count, "condition", panel.before.len())?;
-            Field::new(CHART, "after").length(count, "condition", panel.after.len())?;
+            let count_after = if self.after_title.is_some() { count } else { 0 };
+            Field::new(CHART, "after").length(count_after, "condition", panel.after.len())?;
             Field::new(CHART, "noise").length(count, "condition", panel.noise.len())?;
             Field::new(CHART, "before").finite(panel.before.iter().map(|r| r.unwrap_or(0.0)))?;
             Field::new(CHART, "after").finite(panel.after.iter().map(|r| r.unwrap_or(0.0)))?;
@@ -153,8 +163,8 @@ impl Residuals {
         entries
     }
 
-    /// The two plots of a row with the same values on their vertical axes.
-    fn plots(&self, panel: &ResidualPanel, top: f64, names: Names) -> [Plot; 2] {
+    /// The plots of a row with the same values on their vertical axes.
+    fn plots(&self, panel: &ResidualPanel, top: f64, names: Names) -> Vec<Plot> {
         let residuals = panel.before.iter().chain(&panel.after).flatten().copied();
         let band = panel.noise.iter().flat_map(|&noise| [-noise, noise]);
         let domain = Domain::around(residuals.chain(band).chain([0.0]));
@@ -167,24 +177,27 @@ impl Residuals {
         };
         let widest = self.widest_label();
         let shift = widest - numbers.ticks.width(SMALL_TEXT);
+        let bottom = top + PANEL;
         let half = 0.5 * (WIDTH + 8.0 + 26.0);
+        let two = self.after_title.is_some();
         let left = Outside {
             left: 8.0 + shift,
             top,
-            right: half - 4.0,
-            bottom: top + PANEL,
+            right: if two { half - 4.0 } else { WIDTH - 12.0 },
+            bottom,
         };
         let right = Outside {
             left: half + 4.0 + shift,
             top,
             right: WIDTH - 12.0,
-            bottom: top + PANEL,
+            bottom,
         };
-        [
-            Plot::new(left, self.condition_axis(names), numbers),
-            Plot::new(right, self.condition_axis(names), bare),
-        ]
-        .map(|plot| plot.with_bottom(top + PANEL))
+        let columns = [(left, numbers), (right, bare)].into_iter();
+        columns
+            .take(if two { 2 } else { 1 })
+            .map(|(place, values)| Plot::new(place, self.condition_axis(names), values))
+            .map(|plot| plot.with_bottom(bottom))
+            .collect()
     }
 
     /// Axis of the conditions; only the lowest row carries their names.

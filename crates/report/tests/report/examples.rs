@@ -96,7 +96,7 @@ pub(crate) fn residuals(values: &[f64]) -> Residuals {
     };
     Residuals {
         before_title: HOSTILE.into(),
-        after_title: HOSTILE.into(),
+        after_title: Some(HOSTILE.into()),
         noise_name: HOSTILE.into(),
         conditions: values
             .iter()

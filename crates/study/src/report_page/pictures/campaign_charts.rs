@@ -72,22 +72,17 @@ fn residuals(study: &ResidualStudy) -> Residuals {
             ResidualPanel {
                 observable: AxisTitle::new(words, unit),
                 before: left(&study.simulated_before, k),
-                after: match &study.after {
-                    Some(after) => left(&after.simulated, k),
-                    None => vec![None; n],
-                },
+                after: study
+                    .after
+                    .as_ref()
+                    .map_or_else(Vec::new, |after| left(&after.simulated, k)),
                 noise: (0..n).map(|c| 2.0 * residual_se(study, c, k)).collect(),
             }
         });
-    let after_title = match &study.after {
-        Some(after) => {
-            format!(
-                "with {}",
-                after.effects.keys().cloned().collect::<Vec<_>>().join(", ")
-            )
-        }
-        None => "no effect added".into(),
-    };
+    let after_title = study.after.as_ref().map(|after| {
+        let names: Vec<_> = after.effects.keys().cloned().collect();
+        format!("with {}", names.join(", "))
+    });
     Residuals {
         before_title: "declared model, fitted".into(),
         after_title,
