@@ -5,7 +5,7 @@ use crate::Error;
 use crate::cells::value;
 use campaign::{Campaign, RunRequest, Simulator};
 use run_store::Record;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// A point in parameters and amplitudes.
 #[derive(Debug, Clone, PartialEq)]
@@ -163,32 +163,64 @@ fn row(plan: &ResidualPlan, record: &Record) -> Result<Vec<f64>, Error> {
         .collect()
 }
 
-/// Below this share of own noise, runs with an effect count as having the noise of those without it. Of
-/// independent runs, three pairs come below with a chance of 1 %, and all observables must.
-const SHARED: f64 = 0.05;
-
 /// Share of the noise of a run that runs with an effect do not share with the runs of the same seeds
-/// without it; 1 where they share nothing to speak of.
+/// without it; 1 where something else moved.
 ///
 /// # Formula
 ///
 /// For each observable the sum of squares of `(on - off) - mean` over that of `on - mean` and `off - mean`,
-/// means over the `r` runs of a condition; the largest of all observables.
-fn own_noise_of(off: &[Vec<f64>], on: &[Vec<f64>], r: usize) -> f64 {
-    let difference: Vec<Vec<f64>> = on
-        .iter()
-        .zip(off)
-        .map(|(on, off)| on.iter().zip(off).map(|(a, b)| a - b).collect())
-        .collect();
+/// means over the `r` runs of a condition; the largest of all observables, at most 1.
+fn own_noise_of(off: &Runs<'_>, on: &Runs<'_>, r: usize) -> f64 {
+    if !same_motion(&off.records, &on.records, r) {
+        return 1.0;
+    }
+    let difference = |(on, off): (&Vec<f64>, &Vec<f64>)| -> Vec<f64> {
+        on.iter().zip(off).map(|(a, b)| a - b).collect()
+    };
+    let differences: Vec<_> = on.rows.iter().zip(&off.rows).map(difference).collect();
     let squares = |rows: &[Vec<f64>], k: usize| Means::of(rows, r).scatter.products[k][k];
     let share = |k: usize| {
-        let own = squares(&difference, k);
-        let both = squares(on, k) + squares(off, k);
+        let own = squares(&differences, k);
+        let both = squares(&on.rows, k) + squares(&off.rows, k);
         if own > 0.0 { own / both } else { 0.0 }
     };
-    let width = on.first().map_or(0, Vec::len);
-    let largest = (0..width).map(share).fold(0.0, f64::max);
-    if largest < SHARED { largest } else { 1.0 }
+    let width = on.rows.first().map_or(0, Vec::len);
+    (0..width).map(share).fold(0.0, f64::max).min(1.0)
+}
+
+/// Whether the same moved in all pairs of runs of one seed: an observable that varies from run to run agrees
+/// in all of them to the last bit.
+fn same_motion(off: &[&Record], on: &[&Record], r: usize) -> bool {
+    let value = |record: &Record, name: &str| record.observable(name).map(|o| o.mean.to_bits());
+    let names = off.iter().flat_map(|record| record.observables().keys());
+    names.collect::<BTreeSet<_>>().into_iter().any(|name| {
+        let of = |records: &[&Record]| -> Vec<_> {
+            records.iter().map(|record| value(record, name)).collect()
+        };
+        let (off, on) = (of(off), of(on));
+        let varies = off
+            .chunks(r)
+            .any(|group| group.iter().any(|v| *v != group[0]));
+        varies && off == on
+    })
+}
+
+/// Runs with their observables in the order of the plan.
+#[derive(Debug, Clone)]
+struct Runs<'a> {
+    /// The runs.
+    records: Vec<&'a Record>,
+    /// Their observables.
+    rows: Vec<Vec<f64>>,
+}
+
+impl<'a> Runs<'a> {
+    /// Takes the observables of a plan.
+    fn new(plan: &ResidualPlan, records: Vec<&'a Record>) -> Result<Self, Error> {
+        let rows = records.iter().map(|record| row(plan, record));
+        let rows = rows.collect::<Result<_, _>>()?;
+        Ok(Self { records, rows })
+    }
 }
 
 /// Mean of rows.
@@ -251,7 +283,7 @@ impl Linearisation {
             campaign.run_all(simulator, &requests[..needed])?;
         }
         let (mut probes, mut left_out) = (Vec::new(), BTreeMap::new());
-        let (mut start_rows, mut own_noise) = (Vec::new(), Vec::new());
+        let (mut start, mut own_noise) = (None, Vec::new());
         for (i, group) in results.chunks(per_point).enumerate() {
             let effect = i.checked_sub(1 + plan.declared.len());
             let reason = group.iter().find_map(|result| result.as_ref().err());
@@ -259,15 +291,12 @@ impl Linearisation {
                 left_out.insert(plan.effects[j].name.clone(), reason.clone());
                 continue;
             }
-            let rows = group.iter().flatten().map(|record| row(plan, record));
-            let rows = rows.collect::<Result<Vec<_>, _>>()?;
-            let means = Means::of(&rows, r).spread_over(plan, true);
-            if effect.is_some() {
-                own_noise.push(own_noise_of(&start_rows, &rows, r));
-            }
+            let runs = Runs::new(plan, group.iter().flatten().collect())?;
+            let means = Means::of(&runs.rows, r).spread_over(plan, true);
             probes.push((means, settings[i].1));
-            if i == 0 {
-                start_rows = rows;
+            let start = start.get_or_insert(runs.clone());
+            if effect.is_some() {
+                own_noise.push(own_noise_of(start, &runs, r));
             }
         }
         let mut probes = probes.into_iter();
@@ -281,7 +310,7 @@ impl Linearisation {
         let own = library
             .iter()
             .zip(&own_noise)
-            .filter(|(_, own)| **own >= SHARED);
+            .filter(|(_, own)| **own >= 1.0);
         for (probe, _) in declared.iter().chain(own.map(|(probe, _)| probe)) {
             scatter.add(&probe.scatter);
         }
@@ -314,7 +343,7 @@ impl Linearisation {
 
     /// Whether the runs with an effect have the noise of those without it, as those of a camera have.
     pub(super) fn shares_noise(&self, effect: usize) -> bool {
-        self.own_noise[effect] < SHARED
+        self.own_noise[effect] < 1.0
     }
 
     /// Replaces the column of an effect by the secant from the fitted point to the same point with the
