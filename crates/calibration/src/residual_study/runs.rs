@@ -188,21 +188,24 @@ fn own_noise_of(off: &Runs<'_>, on: &Runs<'_>, r: usize) -> f64 {
     (0..width).map(share).fold(0.0, f64::max).min(1.0)
 }
 
-/// Whether the same moved in all pairs of runs of one seed: an observable that varies from run to run agrees
-/// in all of them to the last bit.
+/// Whether the same moved in all pairs of runs of one seed: of the observables that vary from run to run
+/// half or more agree in all pairs to the last bit. One alone may do so by chance, where it is a count.
 fn same_motion(off: &[&Record], on: &[&Record], r: usize) -> bool {
     let value = |record: &Record, name: &str| record.observable(name).map(|o| o.mean.to_bits());
     let names = off.iter().flat_map(|record| record.observables().keys());
-    names.collect::<BTreeSet<_>>().into_iter().any(|name| {
+    let (mut varying, mut agreeing) = (0, 0);
+    for name in names.collect::<BTreeSet<_>>() {
         let of = |records: &[&Record]| -> Vec<_> {
             records.iter().map(|record| value(record, name)).collect()
         };
         let (off, on) = (of(off), of(on));
-        let varies = off
-            .chunks(r)
-            .any(|group| group.iter().any(|v| *v != group[0]));
-        varies && off == on
-    })
+        let mut groups = off.chunks(r);
+        if groups.any(|group| group.iter().any(|v| *v != group[0])) {
+            varying += 1;
+            agreeing += usize::from(off == on);
+        }
+    }
+    agreeing > 0 && 2 * agreeing >= varying
 }
 
 /// Runs with their observables in the order of the plan.
@@ -347,7 +350,10 @@ impl Linearisation {
     }
 
     /// Replaces the column of an effect by the secant from the fitted point to the same point with the
-    /// effect on at an amplitude. The noise of the fitted point is in the residual already.
+    /// effect on at an amplitude.
+    ///
+    /// The noise of the fitted point is in the residual already. Of runs that share it, what they do not
+    /// share is left of both points.
     pub(super) fn with_secant(
         mut self,
         effect: usize,
@@ -361,13 +367,14 @@ impl Linearisation {
                 slopes[effect] = (on - off) / amplitude;
             }
         }
-        let own = self.own_noise[effect];
-        self.library_variance[effect] = own / (on.n as f64 * amplitude * amplitude);
-        if self.shares_noise(effect) {
-            self
+        let shares = self.shares_noise(effect);
+        let runs = if shares {
+            2.0 * self.own_noise[effect]
         } else {
-            self.with_scatter(on)
-        }
+            1.0
+        };
+        self.library_variance[effect] = runs / (on.n as f64 * amplitude * amplitude);
+        if shares { self } else { self.with_scatter(on) }
     }
 
     /// The same with the scatter of further means in the covariance: the noise of a run is taken
