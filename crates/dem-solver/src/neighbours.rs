@@ -5,8 +5,8 @@
 //! a bed that turns as a whole stands still. When the count runs out, the true relative motion
 //! since the list was made decides whether the list must be made anew.
 //!
-//! Two bodies of one sphere each have no list: they are their own only candidates, and the distance of their
-//! centres says how long they can sleep.
+//! Two bodies of one sphere each have no list: they are their own only candidates, and the distance
+//! of their centres says how long they can sleep.
 
 #![expect(
     clippy::inline_always,
@@ -425,7 +425,8 @@ impl Neighbours {
         self.heads[k].wake = travel.min(self.lists[k].limit);
     }
 
-    /// Lets pair `k` of two bodies of one sphere each, which needs no list, sleep up to a sum of travels, m;
+    /// Lets pair `k` of two bodies of one sphere each, which needs no list, sleep up to a sum of
+    /// travels, m;
     /// minus infinity keeps it awake.
     #[inline(always)]
     pub(crate) fn sleep_without_list(&mut self, k: usize, travel: f32) {

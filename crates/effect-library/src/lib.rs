@@ -169,6 +169,17 @@ pub fn library() -> [&'static dyn Effect; 25] {
     ]
 }
 
+/// Names of all effects.
+pub fn names() -> Vec<String> {
+    let effects = library();
+    let name = |e: &&dyn Effect| e.description().name.to_owned();
+    // Hidden from the optimiser as in `find`.
+    std::hint::black_box(&effects[..])
+        .iter()
+        .map(name)
+        .collect()
+}
+
 /// The effect of a name.
 ///
 /// # Errors
@@ -179,17 +190,13 @@ pub fn find(name: &str) -> Result<&'static dyn Effect, Error> {
     // The length is hidden from the optimiser: it would unroll the loops over the known list into code
     // that takes many minutes to compile.
     let effects: &[&'static dyn Effect] = std::hint::black_box(&effects);
-    let known = || {
-        let names: Vec<_> = effects.iter().map(|e| e.description().name).collect();
-        names.join(", ")
-    };
     effects
         .iter()
         .copied()
         .find(|e| e.description().name == name)
         .ok_or_else(|| Error::Unknown {
             name: name.to_owned(),
-            known: known(),
+            known: names().join(", "),
         })
 }
 

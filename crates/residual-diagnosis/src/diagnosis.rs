@@ -236,7 +236,7 @@ mod tests {
             "{}",
             stays.summary()
         );
-        // 3.4 times four is the upper 1 % point of chi-square on 4 degrees of freedom, 13.3, and more.
+        // Four values of mean square 3.4 sum to 13.6, above 13.3: the upper 1 % point of chi-square on four.
         for after in [9.0, 9.1, 3.4, f64::NAN] {
             let fallen = named().checked_by_runs(9.0, after, 4);
             assert_eq!(fallen.verdict, Verdict::Unknown);

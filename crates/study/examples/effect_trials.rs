@@ -14,12 +14,12 @@ use calibration::{Laboratory, ResidualPlan, ResidualStudy, StudyCondition, study
 use campaign::{Campaign, LineProgress, RunRequest};
 use random_stream::Stream;
 use run_store::Store;
-use scene::{Override, Scene};
+use scene::Scene;
 use serde::Deserialize;
 use std::collections::BTreeMap;
 use std::error::Error;
 use std::path::{Path, PathBuf};
-use study::{DeclaredEntry, SceneSimulator, probes};
+use study::{DeclaredEntry, SceneSimulator, overrides, probes};
 
 /// First seed of the fits; each of them begins with the same runs.
 const SEED: u64 = 1;
@@ -101,15 +101,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 impl Plan {
     /// The scene as a simulator.
     fn simulator(&self, folder: &Path) -> Result<SceneSimulator, Box<dyn Error>> {
-        let change = |text: &String| {
-            let (name, value) = text.split_once('=').ok_or(format!("'{text}' has no '='"))?;
-            Ok(Override {
-                name: name.trim().into(),
-                value: value.trim().into(),
-            })
-        };
-        let changes = self.changes.iter().map(change);
-        let changes = changes.collect::<Result<Vec<_>, String>>()?;
+        let changes = overrides(&self.changes).map_err(|text| format!("'{text}' has no '='"))?;
         let scene = Scene::read(&folder.join(&self.scene), &changes)?;
         Ok(SceneSimulator::new(BTreeMap::from([(
             "trials".to_owned(),
@@ -120,11 +112,7 @@ impl Plan {
     /// What every fit is given: all effects that the scene can carry.
     fn residual(&self, simulator: &SceneSimulator) -> Result<ResidualPlan, Box<dyn Error>> {
         let base = RunRequest::new("trials", SEED);
-        let names: Vec<String> = effect_library::library()
-            .iter()
-            .map(|e| e.description().name.to_owned())
-            .collect();
-        let mut effects = probes(&names)?;
+        let mut effects = probes(&effect_library::names())?;
         effects.retain(|e| {
             let request = base.clone().with_effect(&e.name, e.probe);
             simulator.scene_of(&request).is_ok()

@@ -158,13 +158,7 @@ impl DiagnosisFile {
         })?;
         let scene = Scene::read(&self.scene_path(), &changes)?;
         let simulator = SceneSimulator::new(BTreeMap::from([(MODEL.to_owned(), scene)]))?;
-        let names = self.effects.clone().unwrap_or_else(|| {
-            let library = effect_library::library();
-            library
-                .iter()
-                .map(|e| e.description().name.to_owned())
-                .collect()
-        });
+        let names = self.effects.clone().unwrap_or_else(effect_library::names);
         let base = RunRequest::new(MODEL, seed);
         let (mut effects, mut not_applicable) = (Vec::new(), BTreeMap::new());
         for probe in probes(&names)? {
@@ -335,8 +329,12 @@ impl DeclaredEntry {
     }
 }
 
-/// Changes `name = value` as overrides; a text without an equals sign comes back.
-pub(crate) fn overrides(changes: &[String]) -> Result<Vec<Override>, String> {
+/// Changes `name = value` as overrides.
+///
+/// # Errors
+///
+/// A text without an equals sign comes back.
+pub fn overrides(changes: &[String]) -> Result<Vec<Override>, String> {
     let one = |text: &String| {
         let (name, value) = text.split_once('=').ok_or_else(|| text.clone())?;
         Ok(Override {

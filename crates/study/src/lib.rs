@@ -20,6 +20,7 @@ mod tables;
 
 pub use diagnosis_file::{
     DeclaredEntry, DiagnosisFile, MeasuredEntry, Measurement, PlannedDiagnosis, Prior, Role,
+    overrides,
 };
 pub use diagnosis_run::{DiagnosisResult, run_diagnosis};
 pub use error::Error;

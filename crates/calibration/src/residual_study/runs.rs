@@ -49,7 +49,7 @@ pub(super) struct Linearisation {
     /// Variance of each column of `library` over that of one run, 1 / (unit of the amplitude)^2.
     pub(super) library_variance: Vec<f64>,
     /// Share of the noise of a run that a run with the effect does not share with the one without it: 1, or
-    /// next to nothing where the effect leaves the motion alone.
+    /// less where the effect leaves the motion alone.
     own_noise: Vec<f64>,
     /// Covariance of one run, pooled over conditions and settings, (observables, observables).
     pub(super) run_covariance: Vec<Vec<f64>>,
@@ -261,7 +261,7 @@ impl Linearisation {
     ///
     /// All settings have the same seeds. With contacts that come and go, two runs of one seed part ways
     /// within a second, so that this saves no noise; but an effect that leaves the motion alone, such as that
-    /// of a camera, has the noise of the start, and its sensitivity is next to exact.
+    /// of a camera, has most of the noise of the start, which then leaves its sensitivity.
     ///
     /// An effect that cannot be run, such as one whose bed shows no surface to the camera, is left out;
     /// the second part of the result has the reasons by effect. The tables have no column for it.
