@@ -1,6 +1,7 @@
 use super::{
     DeclaredParameter, EffectProbe, Observed, ResidualPlan, StudyCondition, study_residual,
 };
+use crate::Laboratory;
 use campaign::{Campaign, RunOutcome, RunRequest, Silent, Simulator, SimulatorError};
 use random_stream::Stream;
 use residual_diagnosis::{CovarianceInput, Verdict};
@@ -256,6 +257,45 @@ fn an_effect_of_the_camera_shares_the_noise_of_the_start() {
     // Rounding of the mean of four values about 30.
     let slopes = with.problem.sensitivities_library.iter().step_by(2);
     assert!(slopes.clone().all(|row| (row[2] - 1.0).abs() < 1e-12));
+}
+
+/// A laboratory gives the truth with the noise that it states: variance of a mean of four runs plus that of
+/// reading. Pooled over 12 conditions that is 36 degrees of freedom, so a variance of runs is right within
+/// four times its standard error, sqrt(2/36); a mean within five standard errors.
+#[test]
+fn a_laboratory_states_its_own_noise() {
+    let folder = tempfile::tempdir().unwrap();
+    let store = Store::open(folder.path()).unwrap();
+    let campaign = Campaign::new(&store, 2, &Silent);
+    let plan = plan(6);
+    let laboratory = Laboratory {
+        parameters: BTreeMap::from([("a".to_owned(), 0.7), ("b".to_owned(), 0.4)]),
+        effects: BTreeMap::from([("tilt".to_owned(), 1.5)]),
+        runs: 4,
+        reading_sd: &[0.2, 0.0],
+        first_seed: 5000,
+        reading: Stream::new(6, "reading"),
+    };
+    let data = laboratory.measure(&campaign, &Toy, &plan).unwrap();
+    let of_runs = RUN_SD * RUN_SD / 4.0;
+    for (k, reading) in [0.04, 0.0].into_iter().enumerate() {
+        let stated = data.covariance[0][k][k] - reading;
+        assert!(
+            (stated / of_runs - 1.0).abs() < 4.0 * (2.0_f64 / 36.0).sqrt(),
+            "{stated}"
+        );
+        for (row, c) in data.values.iter().zip(&plan.conditions) {
+            let true_values = truth(
+                c.condition["rpm"],
+                c.condition["fill"],
+                0.7,
+                0.4,
+                [0.0, 1.5],
+            );
+            let off = row[k].unwrap() - true_values[k];
+            assert!(off.abs() < 5.0 * (of_runs + reading).sqrt(), "{off}");
+        }
+    }
 }
 
 /// Values that were not measured carry nothing: with the second observable missing everywhere the
