@@ -135,6 +135,8 @@ pub(crate) struct Neighbours {
     pub(crate) awake: Vec<u32>,
     /// Candidates.
     pub(crate) chunks: Vec<Chunk>,
+    /// Keys of the candidates of one pair that may touch; filled by the force loop.
+    pub(crate) near: Vec<u32>,
     /// Touching pairs of spheres of the step before.
     pub(crate) touches: Vec<Touch>,
     /// Touching pairs of spheres of this step.

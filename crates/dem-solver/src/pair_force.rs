@@ -104,6 +104,36 @@ fn distances<S: Simd>(
     squares(&between)
 }
 
+/// Lists in `near` the keys of all candidates that may touch, and returns the smallest gap of any, m.
+///
+/// Arguments as of [`distances`].
+#[inline(always)]
+fn find_near<S: Simd>(
+    simd: S,
+    chunks: &[Chunk],
+    ri: &[f32; 9],
+    rj: &[f32; 9],
+    d: &[f32; 3],
+    near: &mut Vec<u32>,
+) -> f32 {
+    near.clear();
+    let mut nearest = f32x16::splat(simd, f32::INFINITY);
+    let mut limit: f32 = 0.0;
+    for chunk in chunks {
+        let squares = distances(simd, chunk, ri, rj, d);
+        nearest = nearest.min(squares);
+        limit = limit.max(chunk.limit);
+        let touching = squares.simd_lt(chunk.limit).to_bitmask() & chunk.used;
+        near.extend(set_bits(touching).map(|lane| chunk.key[lane]));
+    }
+    let square = nearest
+        .as_slice()
+        .iter()
+        .copied()
+        .fold(f32::INFINITY, f32::min);
+    square.sqrt() - limit.sqrt()
+}
+
 /// Finds the forces between the bodies of a range and those behind them.
 pub(crate) fn add_pair_forces(
     level: Level,
@@ -220,24 +250,21 @@ impl<S: Simd, K: Sink> Collector<'_, S, K> {
         let single = [0, 1, 2].map(|axis| frame.difference[axis] as f32);
         let (ri, rj) = (bodies.cells_to_metres[i], bodies.cells_to_metres[j]);
         let chunks = lists.chunk as usize..(lists.chunk + lists.n_chunks) as usize;
-        let mut nearest = f32x16::splat(self.simd, f32::INFINITY);
-        let mut limit: f32 = 0.0;
-        for chunk in &neighbours.chunks[chunks] {
-            let squares = distances(self.simd, chunk, &ri, &rj, &single);
-            let touching = squares.simd_lt(chunk.limit).to_bitmask() & chunk.used;
-            nearest = nearest.min(squares);
-            limit = limit.max(chunk.limit);
-            for lane in set_bits(touching) {
-                let key = chunk.key[lane];
-                let known = neighbours.touches[old.clone()]
-                    .iter()
-                    .find(|t| t.key == key);
-                let gap = if known.is_some() { reach } else { 0.0 };
-                if let Some(mut pair) = frame.sphere_pair(key, templates, gap) {
-                    pair.memory = known.map_or_else(Memory::default, |touch| touch.memory);
-                    let touches = &mut neighbours.next_touches;
-                    self.put(touches, (interaction, [i, j]), key, &pair);
-                }
+        let (chunks, found) = (&neighbours.chunks[chunks], &mut neighbours.near);
+        let simd = self.simd;
+        let gap = simd.vectorize(
+            #[inline(always)]
+            || find_near(simd, chunks, &ri, &rj, &single, found),
+        );
+        for &key in &neighbours.near {
+            let known = neighbours.touches[old.clone()]
+                .iter()
+                .find(|t| t.key == key);
+            let gap = if known.is_some() { reach } else { 0.0 };
+            if let Some(mut pair) = frame.sphere_pair(key, templates, gap) {
+                pair.memory = known.map_or_else(Memory::default, |touch| touch.memory);
+                let touches = &mut neighbours.next_touches;
+                self.put(touches, (interaction, [i, j]), key, &pair);
             }
         }
         lists.touch = first as u32;
@@ -245,12 +272,6 @@ impl<S: Simd, K: Sink> Collector<'_, S, K> {
         if lists.n_touches == 0 {
             // The touches move on without a pair that sleeps.
             lists.touch = 0;
-            let square = nearest
-                .as_slice()
-                .iter()
-                .copied()
-                .fold(f32::INFINITY, f32::min);
-            let gap = square.sqrt() - limit.sqrt();
             neighbours.sleep(k, bodies.travel[i] + bodies.travel[j] + gap);
         }
     }

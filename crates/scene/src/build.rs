@@ -167,7 +167,7 @@ fn empty_drive(
     let settings = Settings {
         time_step,
         gravity: scene.apparatus.gravity(scene.model.gravity_m_s2),
-        skin: 0.45 * radius,
+        skin: 0.7 * radius,
         margin: 4.5 * radius,
     };
     let interactions = interactions(scene, bodies, names)?;
