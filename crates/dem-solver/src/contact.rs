@@ -5,6 +5,7 @@
     reason = "the hot loops are vectorised only when inlined"
 )]
 
+use crate::shared_mass::Shares;
 use contact_law::rolling_spring_dashpot::RollingContact;
 use contact_law::{
     BridgeForce, ContactGeometry, HertzMindlin, Material, NormalForceEnd, PairParameters,
@@ -170,6 +171,26 @@ pub(crate) struct SpherePair {
     pub(crate) dashpot_masses: [f64; 2],
 }
 
+impl SpherePair {
+    /// Radius of the contact, 0 where the spheres do not touch, m.
+    #[inline(always)]
+    pub(crate) fn contact_radius(&self) -> f64 {
+        let [a, b] = self.radii;
+        let overlap = (a + b - self.between.norm()).max(0.0);
+        (a * b / (a + b) * overlap).sqrt()
+    }
+
+    /// Lets the contact have its share of the masses of both bodies in its dashpots.
+    #[inline(always)]
+    pub(crate) fn share_masses(&mut self, shares: Option<&Shares>) {
+        if let Some(shares) = shares {
+            let [i, j] = shares.of(self.contact_radius());
+            self.dashpot_masses[0] *= i;
+            self.dashpot_masses[1] *= j;
+        }
+    }
+}
+
 /// A sphere that touches a wall.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct SphereWall {
@@ -183,6 +204,22 @@ pub(crate) struct SphereWall {
     pub(crate) wall_spin: Vector3<f64>,
     /// Overlap, radius and dashpot mass.
     pub(crate) geometry: ContactGeometry,
+}
+
+impl SphereWall {
+    /// Radius of the contact, 0 where the sphere does not touch, m.
+    #[inline(always)]
+    pub(crate) fn contact_radius(&self) -> f64 {
+        (self.geometry.reduced_radius * self.geometry.overlap.max(0.0)).sqrt()
+    }
+
+    /// Lets the contact have its share of the mass of the body in its dashpot.
+    #[inline(always)]
+    pub(crate) fn share_mass(&mut self, shares: Option<&Shares>) {
+        if let Some(shares) = shares {
+            self.geometry.reduced_mass *= shares.of(self.contact_radius())[0];
+        }
+    }
 }
 
 /// Force and torques of a contact.

@@ -19,6 +19,8 @@
 use crate::contact::{Effect, Interaction, Memory};
 use crate::error::Error;
 use crate::pair_force::{PairFrame, mover};
+use crate::shared_mass::Shares;
+use crate::template::OuterSphere;
 use crate::wall_force::sphere_at_wall;
 use crate::world::World;
 use nalgebra::Vector3;
@@ -197,13 +199,19 @@ impl EnergyLedger {
                 let templates = [i, j].map(template);
                 let [n, m] = templates.map(|t| t.spheres.len());
                 let frame = PairFrame::new(bodies, [i, j]);
+                let key = |pair: usize| word(pair / m) << 16 | word(pair % m);
+                let touching =
+                    (0..n * m).filter_map(|pair| frame.sphere_pair(key(pair), templates, 0.0));
+                let radii = touching.map(|pair| pair.contact_radius());
+                let shares = Shares::new(templates.map(|t| t.shares_mass), radii);
                 for pair in 0..n * m {
-                    let spheres = word(pair / m) << 16 | word(pair % m);
+                    let spheres = key(pair);
                     let Some(mut pair) = frame.sphere_pair(spheres, templates, 0.0) else {
                         continue;
                     };
                     let key = (i, j, false, spheres);
                     pair.memory = self.memory(&key);
+                    pair.share_masses(shares.as_ref());
                     let law = context.interaction(template(i).material, template(j).material);
                     let effect = law.between_spheres(&pair, context.time_step);
                     let distance = pair.between.norm();
@@ -230,13 +238,18 @@ impl EnergyLedger {
         let template = &context.templates[bodies.template[i]];
         let body = mover(bodies, i);
         for (w, wall) in world.walls().iter().enumerate() {
-            for (k, sphere) in template.spheres.iter().enumerate() {
+            let at_wall = |sphere: &OuterSphere| {
                 let centre = body.position + bodies.rotation[i] * sphere.centre;
-                let nearest = wall.nearest(&centre);
-                if nearest.distance >= sphere.radius {
+                sphere_at_wall(&body, sphere, &centre, wall, &wall.nearest(&centre))
+            };
+            let radii = template.spheres.iter().map(|s| at_wall(s).contact_radius());
+            let shares = Shares::new([template.shares_mass, false], radii);
+            for (k, sphere) in template.spheres.iter().enumerate() {
+                let mut at = at_wall(sphere);
+                if at.geometry.overlap <= 0.0 {
                     continue;
                 }
-                let at = sphere_at_wall(&body, sphere, &centre, wall, &nearest);
+                at.share_mass(shares.as_ref());
                 let key = (i, w, true, word(k));
                 let law = context.interaction(template.material, wall.material);
                 let effect = law.at_wall(&at, &body, self.memory(&key), context.time_step);

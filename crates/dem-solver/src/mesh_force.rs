@@ -11,6 +11,7 @@ use crate::contact::{Effect, Memory, Mover, SphereWall};
 use crate::error::Error;
 use crate::mesh_wall::{MeshWall, Motion, Moving};
 use crate::pair_force::{Context, mover};
+use crate::shared_mass::Shares;
 use crate::template::{OuterSphere, Template};
 use contact_law::ContactGeometry;
 use nalgebra::Vector3;
@@ -238,22 +239,25 @@ impl Near {
         let mut total = Effect::default();
         let reach = interaction.reach();
         let mut before = std::mem::take(&mut self.touches);
-        for group in self.candidates.chunk_by(|a, b| a.0 == b.0) {
-            let number = group[0].0;
-            let sphere = &template.spheres[usize::from(number)];
+        let at_wall = |group: &[(u16, u32)]| {
+            let sphere = &template.spheres[usize::from(group[0].0)];
             let centre = body.position + rotation * sphere.centre;
-            for hit in felt(
-                group,
-                &moving.own_point(&centre),
-                sphere.radius + reach,
-                moving,
-            ) {
-                let contact = geometry(body, sphere, &centre, moving, &hit);
+            let own = moving.own_point(&centre);
+            let hits = felt(group, &own, sphere.radius + reach, moving).into_iter();
+            hits.map(move |hit| geometry(body, sphere, &centre, moving, &hit))
+        };
+        let groups = || self.candidates.chunk_by(|a, b| a.0 == b.0);
+        let radii = groups().flat_map(at_wall).map(|c| c.contact_radius());
+        let shares = Shares::new([template.shares_mass, false], radii);
+        for group in groups() {
+            let number = group[0].0;
+            for mut contact in at_wall(group) {
                 let known = take_memory(&mut before, number, &contact.normal);
                 if known.is_none() && contact.geometry.overlap <= 0.0 {
                     continue;
                 }
                 let memory = known.unwrap_or_default();
+                contact.share_mass(shares.as_ref());
                 let effect = interaction.at_wall(&contact, body, memory, context.time_step);
                 self.touches.push(Touch {
                     sphere: number,

@@ -10,6 +10,7 @@ use crate::bodies::Bodies;
 use crate::contact::{Interaction, Memory, Mover, SpherePair};
 use crate::lanes::{LANES, along, load_vectors, set_bits, squares};
 use crate::neighbours::{Chunk, Neighbours, Touch};
+use crate::shared_mass::Shares;
 use crate::template::{CELLS, Template};
 use crate::world::Settings;
 use fearless_simd::prelude::*;
@@ -256,6 +257,10 @@ impl<S: Simd, K: Sink> Collector<'_, S, K> {
             #[inline(always)]
             || find_near(simd, chunks, &ri, &rj, &single, found),
         );
+        let near = neighbours.near.iter();
+        let touching = near.filter_map(|&key| frame.sphere_pair(key, templates, 0.0));
+        let radii = touching.map(|pair| pair.contact_radius());
+        let shares = Shares::new(templates.map(|t| t.shares_mass), radii);
         for &key in &neighbours.near {
             let known = neighbours.touches[old.clone()]
                 .iter()
@@ -263,6 +268,7 @@ impl<S: Simd, K: Sink> Collector<'_, S, K> {
             let gap = if known.is_some() { reach } else { 0.0 };
             if let Some(mut pair) = frame.sphere_pair(key, templates, gap) {
                 pair.memory = known.map_or_else(Memory::default, |touch| touch.memory);
+                pair.share_masses(shares.as_ref());
                 let touches = &mut neighbours.next_touches;
                 self.put(touches, (interaction, [i, j]), key, &pair);
             }

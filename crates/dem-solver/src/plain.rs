@@ -4,6 +4,8 @@
 
 use crate::contact::Memory;
 use crate::pair_force::{PairFrame, mover};
+use crate::shared_mass::Shares;
+use crate::template::OuterSphere;
 use crate::wall_force::sphere_at_wall;
 use crate::world::World;
 use nalgebra::Vector3;
@@ -54,9 +56,15 @@ pub fn loads(world: &World, history: &mut History) -> Vec<Load> {
             let [n, m] = templates.map(|t| t.spheres.len());
             let [a, b] = templates.map(|t| t.material);
             let frame = PairFrame::new(bodies, [i, j]);
+            let key = |pair: usize| {
+                u32::try_from(pair / m).unwrap_or(0) << 16 | u32::try_from(pair % m).unwrap_or(0)
+            };
+            let touching =
+                (0..n * m).filter_map(|pair| frame.sphere_pair(key(pair), templates, 0.0));
+            let radii = touching.map(|pair| pair.contact_radius());
+            let shares = Shares::new(templates.map(|t| t.shares_mass), radii);
             for pair in 0..n * m {
-                let key = u32::try_from(pair / m).unwrap_or(0) << 16
-                    | u32::try_from(pair % m).unwrap_or(0);
+                let key = key(pair);
                 let law = context.interaction(a, b);
                 let known = history.pairs.get(&(i, j, key));
                 let reach = if known.is_some() { law.reach() } else { 0.0 };
@@ -64,6 +72,7 @@ pub fn loads(world: &World, history: &mut History) -> Vec<Load> {
                     continue;
                 };
                 pair.memory = known.copied().unwrap_or_default();
+                pair.share_masses(shares.as_ref());
                 let effect = law.between_spheres(&pair, context.time_step);
                 next.pairs.insert((i, j, key), effect.memory);
                 loads[i].force += effect.force;
@@ -85,19 +94,23 @@ fn wall_loads(world: &World, i: usize, before: &History, next: &mut History, loa
     let template = &context.templates[bodies.template[i]];
     let body = mover(bodies, i);
     for (w, wall) in world.walls().iter().enumerate() {
-        for (k, sphere) in template.spheres.iter().enumerate() {
+        let at_wall = |sphere: &OuterSphere| {
             let centre = body.position + bodies.rotation[i] * sphere.centre;
-            let nearest = wall.nearest(&centre);
-            let overlap = sphere.radius - nearest.distance;
+            sphere_at_wall(&body, sphere, &centre, wall, &wall.nearest(&centre))
+        };
+        let radii = template.spheres.iter().map(|s| at_wall(s).contact_radius());
+        let shares = Shares::new([template.shares_mass, false], radii);
+        for (k, sphere) in template.spheres.iter().enumerate() {
+            let mut contact = at_wall(sphere);
             let key = (i, w, u32::try_from(k).unwrap_or(0));
             let law = context.interaction(template.material, wall.material);
             let known = before.walls.get(&key);
             let reach = if known.is_some() { law.reach() } else { 0.0 };
-            if overlap <= -reach {
+            if contact.geometry.overlap <= -reach {
                 continue;
             }
             let memory = known.copied().unwrap_or_default();
-            let contact = sphere_at_wall(&body, sphere, &centre, wall, &nearest);
+            contact.share_mass(shares.as_ref());
             let effect = law.at_wall(&contact, &body, memory, context.time_step);
             load.force += effect.force;
             load.torque += effect.torque_i;

@@ -5,7 +5,7 @@
 //! summed in the order of bodies and spheres whatever the age of the lists, a world that continues from
 //! a snapshot goes on with the same bits.
 
-use crate::bodies::Bodies;
+use crate::bodies::{Bodies, Placement};
 use crate::contact::Memory;
 use crate::error::Error;
 use crate::mesh_force::MeshContact;
@@ -58,6 +58,18 @@ impl Snapshot {
     /// Time since the start, s.
     pub fn time(&self) -> f64 {
         self.time
+    }
+
+    /// Where the bodies are and how they move.
+    pub fn placements(&self) -> impl Iterator<Item = Placement> + '_ {
+        let b = &self.bodies;
+        (0..b.len()).map(|i| Placement {
+            template: b.template[i],
+            position: b.position[i],
+            orientation: b.orientation[i],
+            velocity: b.velocity[i],
+            spin: b.spin[i],
+        })
     }
 
     /// Refuses a snapshot of another world.

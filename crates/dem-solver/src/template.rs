@@ -17,8 +17,12 @@ pub enum DashpotMass {
     /// The mass of the touching sphere, as in a bonded agglomerate, where each sphere is a
     /// particle of its own (the study's model).
     Sphere,
-    /// The mass of the whole body, so that the rebound of a body follows the coefficient.
+    /// The mass of the whole body, so that the rebound of a body that touches with one sphere follows
+    /// the coefficient.
     Body,
+    /// The mass of the whole body, shared by all spheres with which it touches the same body or wall, so
+    /// that the rebound does not depend on their number.
+    Shared,
 }
 
 /// A body type.
@@ -32,6 +36,8 @@ pub struct Template {
     pub(crate) cell: f64,
     /// The same spheres in single precision.
     pub(crate) packed: Packed,
+    /// Whether the spheres that touch the same body or wall share the mass in their dashpots.
+    pub(crate) shares_mass: bool,
     /// Whether the body is one sphere about its centre of mass: where it touches does not depend
     /// on how it is turned.
     pub(crate) is_sphere: bool,
@@ -95,7 +101,7 @@ impl Template {
         let total: f64 = clump.spheres().iter().map(|s| s.radius.powi(3)).sum();
         let dashpot = |radius: f64| match dashpot_mass {
             DashpotMass::Sphere => clump.mass() * radius.powi(3) / total,
-            DashpotMass::Body => clump.mass(),
+            DashpotMass::Body | DashpotMass::Shared => clump.mass(),
         };
         let spheres: Vec<_> = outer
             .spheres()
@@ -114,6 +120,7 @@ impl Template {
         Self {
             packed: Packed::new(&spheres),
             cells: spheres.iter().map(|s| in_cells(&s.centre, cell)).collect(),
+            shares_mass: dashpot_mass == DashpotMass::Shared,
             is_sphere: matches!(&spheres[..], [only] if only.centre == Vector3::zeros()),
             spheres,
             cell,

@@ -10,6 +10,7 @@ use crate::bodies::Bodies;
 use crate::contact::{Effect, Memory, Mover, SphereWall};
 use crate::neighbours::{Touch, lowered};
 use crate::pair_force::{Context, Slack, mover};
+use crate::shared_mass::Shares;
 use crate::snapshot::KeptContact;
 use crate::template::{OuterSphere, Template};
 use crate::wall::{Nearest, Wall};
@@ -213,12 +214,17 @@ impl Near {
         let rotation = &bodies.rotation[self.body];
         let mut total = Effect::default();
         let mut nearest_gap = f64::INFINITY;
-        for &k in &self.candidates {
-            let (key, k) = (u32::from(k) << 16, usize::from(k));
-            let sphere = &template.spheres[k];
+        let at_wall = |k: u16| {
+            let sphere = &template.spheres[usize::from(k)];
             let centre = body.position + rotation * sphere.centre;
-            let nearest = wall.nearest(&centre);
-            let overlap = sphere.radius - nearest.distance;
+            sphere_at_wall(body, sphere, &centre, wall, &wall.nearest(&centre))
+        };
+        let radii = self.candidates.iter().map(|&k| at_wall(k).contact_radius());
+        let shares = Shares::new([template.shares_mass, false], radii);
+        for &k in &self.candidates {
+            let key = u32::from(k) << 16;
+            let mut contact = at_wall(k);
+            let overlap = contact.geometry.overlap;
             nearest_gap = nearest_gap.min(-overlap);
             let known = self.touches.iter().position(|t| t.key == key);
             let ends = if known.is_some() { -reach } else { 0.0 };
@@ -228,7 +234,7 @@ impl Near {
                 }
                 continue;
             }
-            let contact = sphere_at_wall(body, sphere, &centre, wall, &nearest);
+            contact.share_mass(shares.as_ref());
             let at = known.unwrap_or_else(|| {
                 self.touches.push(Touch {
                     key,

@@ -104,33 +104,19 @@ impl World {
         let n_materials = check::interactions(&interactions, &templates, &walls)?;
         check::templates(&templates)?;
         walls.iter().try_for_each(check::wall)?;
-        let mut bodies = Bodies::default();
-        for (body, placement) in placements.iter().enumerate() {
-            check::placement(body, placement, &walls)?;
-            let template = templates.get(placement.template).ok_or(Error::NoSuch {
-                what: "body type",
-                index: placement.template,
-                count: templates.len(),
-            })?;
-            bodies.push(placement, template);
-        }
-        let radii: Vec<_> = bodies
-            .template
-            .iter()
-            .map(|&t| templates[t].bounding_radius)
-            .collect();
         let reach = interactions
             .iter()
             .map(Interaction::reach)
             .fold(0.0, f64::max);
-        let slack = Slack::new(radii.iter().copied().fold(0.0, f64::max), reach, &settings);
+        let radii = templates.iter().map(|t| t.bounding_radius);
+        let slack = Slack::new(radii.fold(0.0, f64::max), reach, &settings);
         let wall_load = vec![Vector3::zeros(); walls.len()];
         let wall_torque = vec![0.0; walls.len()];
         let mut world = Self {
             templates,
             interactions,
             n_materials,
-            bodies,
+            bodies: Bodies::default(),
             walls,
             // A pair whose bridge may still hold must not be dropped.
             settings: Settings {
@@ -140,10 +126,10 @@ impl World {
             slack,
             time: 0.0,
             n_steps: 0,
-            parts: Part::cut(placements.len(), 1),
+            parts: Part::cut(0, 1),
             pool: None,
             grid: Grid::default(),
-            radii,
+            radii: Vec::new(),
             level: Level::new(),
             wall_load,
             wall_torque,
@@ -152,7 +138,46 @@ impl World {
             longest: f32::INFINITY,
         };
         world.choose_reference_spin();
+        world.push(placements)?;
         Ok(world)
+    }
+
+    /// Adds bodies between two steps, behind those that are there; these keep their contacts.
+    ///
+    /// # Errors
+    ///
+    /// A placement that is not finite, of an unknown type or behind a wall; nothing is added then.
+    pub fn insert(&mut self, placements: &[Placement]) -> Result<(), Error> {
+        if placements.is_empty() {
+            return Ok(());
+        }
+        let pairs: Vec<_> = self.kept_pairs().collect();
+        let walls: Vec<_> = self.kept_walls().collect();
+        self.push(placements)?;
+        self.search_pairs()?;
+        self.longest = 0.0;
+        self.recall(&pairs, &walls)
+    }
+
+    /// Adds bodies, without lists.
+    fn push(&mut self, placements: &[Placement]) -> Result<(), Error> {
+        for (k, placement) in placements.iter().enumerate() {
+            check::placement(self.bodies.len() + k, placement, &self.walls)?;
+            if placement.template >= self.templates.len() {
+                return Err(Error::NoSuch {
+                    what: "body type",
+                    index: placement.template,
+                    count: self.templates.len(),
+                });
+            }
+        }
+        for placement in placements {
+            let template = &self.templates[placement.template];
+            self.bodies.push(placement, template);
+            self.radii.push(template.bounding_radius);
+        }
+        self.parts = Part::cut(self.bodies.len(), self.parts.len());
+        Ok(())
     }
 
     /// The world with its steps spread over so many threads; 1 keeps them on the caller's.
@@ -424,6 +449,11 @@ impl World {
         self.parts.iter().flat_map(|part| part.neighbours.kept())
     }
 
+    /// Contacts of bodies and walls, as of the last step.
+    fn kept_walls(&self) -> impl Iterator<Item = KeptContact> + '_ {
+        self.parts.iter().flat_map(|part| part.walls.kept())
+    }
+
     /// The state between two steps.
     pub fn snapshot(&self) -> Snapshot {
         let loads = self.wall_load.iter().zip(&self.wall_torque);
@@ -433,7 +463,7 @@ impl World {
         Snapshot {
             bodies,
             pairs: self.kept_pairs().collect(),
-            walls: self.parts.iter().flat_map(|p| p.walls.kept()).collect(),
+            walls: self.kept_walls().collect(),
             meshes: self.mesh_walls.kept(),
             paths: self.mesh_walls.moving.iter().map(Moving::path).collect(),
             spins: self.walls.iter().map(|wall| wall.spin).collect(),
@@ -475,19 +505,26 @@ impl World {
         self.choose_reference_spin();
         self.search_pairs()?;
         self.longest = 0.0;
-        let (mut pairs, mut walls) = (0, 0);
+        self.recall(&snapshot.pairs, &snapshot.walls)?;
+        if self.mesh_walls.recall(&snapshot.meshes) {
+            Ok(())
+        } else {
+            Err(contacts_of_another_world())
+        }
+    }
+
+    /// Takes up the contacts of bodies and of bodies and walls, whose lists are there and empty.
+    fn recall(&mut self, pairs: &[KeptContact], walls: &[KeptContact]) -> Result<(), Error> {
+        let mut taken = [0, 0];
         for part in &mut self.parts {
-            pairs += part.neighbours.recall(&snapshot.pairs);
-            walls += part.walls.recall(&snapshot.walls);
+            taken[0] += part.neighbours.recall(pairs);
+            taken[1] += part.walls.recall(walls);
         }
-        let all = [(pairs, snapshot.pairs.len()), (walls, snapshot.walls.len())];
-        if all.iter().any(|(taken, kept)| taken != kept)
-            || !self.mesh_walls.recall(&snapshot.meshes)
-        {
-            let (found, expected) = ("between bodies far apart", "between bodies that touch");
-            return Err(other("contacts", found.into(), expected.into()));
+        if taken == [pairs.len(), walls.len()] {
+            Ok(())
+        } else {
+            Err(contacts_of_another_world())
         }
-        Ok(())
     }
 
     /// What the force loops need; for the plain reference.
@@ -543,6 +580,15 @@ impl World {
             .rebuild(&self.bodies, &self.templates, margin);
         self.bodies.travel.fill(0.0);
         Ok(())
+    }
+}
+
+/// The refusal of contacts of bodies that are not near each other.
+fn contacts_of_another_world() -> Error {
+    Error::OtherWorld {
+        what: "contacts",
+        found: "between bodies far apart".into(),
+        expected: "between bodies that touch".into(),
     }
 }
 

@@ -13,20 +13,14 @@
 //! | gravity on bodies | `fix gravity ... disable`, and `gravity` of `fix rigid/small` |
 
 use crate::Error;
+use crate::drum_deck::{FINER, Shares, restitution_of_body, supported};
 use crate::vtk::{File, add};
-use contact_law::hertz_mindlin::damping_ratio;
 use contact_law::{Material, NormalForceEnd, material::effective_moduli};
-use dem_solver::DashpotMass;
-use scene::{Apparatus, ContactSettings, Drum, Frame, Scene, SeedBody};
-use std::f64::consts::PI;
+use scene::{Drum, Frame, Scene, SeedBody};
 use std::sync::Arc;
 
 /// The tool, for messages.
 const TOOL: &str = "LAMMPS";
-
-/// How much finer than here the deck is stepped: velocity Verlet with the hard contacts of the tips
-/// needs more steps a contact than three.
-const FINER: f64 = 4.0;
 
 /// Stiffness of the rolling spring: it reaches its limit under ten times the weight of a seed on a way
 /// of this share of the sphere's radius.
@@ -69,16 +63,10 @@ pub fn convert(from: &Conversion) -> GranularContact {
     let q = 2.0 * moduli.shear / moduli.young;
     let poisson = (1.0 - 2.0 * q) / (1.0 - q);
     let [restitution, static_friction, rolling_friction] = from.coefficients;
-    let ratio = damping_ratio(restitution) * from.mass_share.sqrt();
-    let restitution = if ratio < 1.0 {
-        (-PI * ratio / (1.0 - ratio * ratio).sqrt()).exp()
-    } else {
-        0.0
-    };
     GranularContact {
         young: 2.0 * (1.0 - poisson * poisson) * moduli.young,
         poisson,
-        restitution,
+        restitution: restitution_of_body(restitution, from.mass_share),
         tangential_damping: 2.0 * (moduli.shear / moduli.young).sqrt(),
         static_friction,
         rolling_friction: rolling_friction * from.lever_share,
@@ -96,7 +84,7 @@ pub fn deck(
     start: &Frame,
     time_step: f64,
 ) -> Result<Vec<File>, Error> {
-    let drum = supported(scene)?;
+    let drum = supported(scene, TOOL)?;
     Ok(vec![
         File {
             name: "in.drum".into(),
@@ -113,60 +101,6 @@ pub fn deck(
     ])
 }
 
-/// The drum, if LAMMPS can run the scene.
-fn supported(scene: &Scene) -> Result<&Drum, Error> {
-    let missing = |what: &str, way_out| {
-        Err(Error::NotThere {
-            what: what.to_owned(),
-            tool: TOOL,
-            way_out,
-        })
-    };
-    let Apparatus::Drum(drum) = &scene.apparatus else {
-        return missing("this apparatus", "export a scene with a drum");
-    };
-    if drum.lifters.is_some() || !scene.wall.is_empty() {
-        return missing(
-            "a wall of triangles",
-            "remove lifters and [[wall]] from the scene",
-        );
-    }
-    if drum.ramp.is_some() || drum.reverse_every.is_some() || drum.ripple.is_some() {
-        return missing(
-            "a speed that changes",
-            "remove ramp, reverse_every and ripple",
-        );
-    }
-    if !scene.surroundings.is_empty() {
-        return missing("air, charge or vibration", "remove [surroundings]");
-    }
-    let pulls = |c: &ContactSettings| c.attraction_n.is_some_and(|force| force != 0.0);
-    if scene.contact.values().any(pulls) {
-        return missing("a constant attraction", "remove attraction_n");
-    }
-    if scene.model.bond_number != 0.0 {
-        return missing("a constant attraction", "set model.bond_number to 0");
-    }
-    if scene.model.liquid.is_some() {
-        return missing("a bridge of liquid", "remove model.liquid");
-    }
-    let depends_on_rate =
-        |c: &ContactSettings| c.viscoelastic_damping.is_some() || c.friction_rate.is_some();
-    if scene.contact.values().any(depends_on_rate) {
-        return missing(
-            "a law that depends on the speed",
-            "remove viscoelastic_damping and friction_rate",
-        );
-    }
-    let materials = scene.seed.iter().map(|s| s.material.as_str());
-    let mut materials: Vec<_> = materials.collect();
-    materials.dedup();
-    if materials.len() > 1 {
-        return missing("a second material of seeds", "give all seeds one material");
-    }
-    Ok(drum)
-}
-
 /// The contact of the seeds with a material, as LAMMPS takes it; shares are means over all seeds.
 fn contact(scene: &Scene, bodies: &[Arc<SeedBody>], other: &str) -> Result<GranularContact, Error> {
     let seed = &scene.seed[0].material;
@@ -179,11 +113,7 @@ fn contact(scene: &Scene, bodies: &[Arc<SeedBody>], other: &str) -> Result<Granu
         let m = &scene.material[name];
         Material::new(m.poisson_ratio.get(), m.shear_modulus.si())
     };
-    let over_seeds = |share: fn(&SeedBody) -> f64| {
-        let kinds = scene.seed.iter().zip(bodies);
-        let sum: f64 = kinds.map(|(s, body)| s.count as f64 * share(body)).sum();
-        sum / scene.seed_count() as f64
-    };
+    let shares = Shares::of(scene, bodies);
     Ok(convert(&Conversion {
         materials: [material(seed)?, material(other)?],
         coefficients: [
@@ -191,22 +121,9 @@ fn contact(scene: &Scene, bodies: &[Arc<SeedBody>], other: &str) -> Result<Granu
             c.static_friction.get(),
             c.rolling_friction.get(),
         ],
-        mass_share: match scene.model.dashpot_mass {
-            DashpotMass::Sphere => over_seeds(|b| b.clump.fraction_mass(0) / b.clump.mass()),
-            DashpotMass::Body => 1.0,
-        },
-        lever_share: over_seeds(lever_share),
+        mass_share: shares.mass,
+        lever_share: shares.lever,
     }))
-}
-
-/// Lever arm of a contact about the centre of a seed over the radius of its sphere: the mean over the
-/// spheres at the surface.
-fn lever_share(body: &SeedBody) -> f64 {
-    let outer = body.outer.spheres();
-    let levers = outer
-        .iter()
-        .map(|s| (s.centre.norm() + s.radius) / s.radius);
-    levers.sum::<f64>() / outer.len() as f64
 }
 
 /// A contact as the words of `pair_coeff` and `fix wall/gran/region`.

@@ -1,11 +1,13 @@
 //! Scenes and frames in the formats of other tools.
 //!
-//! [`lammps`] writes a drum as a deck that LAMMPS runs, with every convention converted and the
-//! conversion written into the deck; [`dump`] reads what LAMMPS gives back, so that its bed is
+//! [`lammps`] and [`liggghts`] write a drum as a deck that these run, with every convention converted and the
+//! conversion written into the deck; [`dump`] reads what they give back, so that their bed is
 //! measured with the ruler of this workspace. [`vtk`] writes frames for `ParaView`.
 
+mod drum_deck;
 pub mod dump;
 pub mod lammps;
+pub mod liggghts;
 pub mod vtk;
 
 /// Why something cannot be written or read.

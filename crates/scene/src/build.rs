@@ -1,10 +1,11 @@
 //! From a scene to the solver's world: bodies, walls, interactions, time step.
 
 use crate::apparatus::NamedMesh;
+use crate::factory::Factory;
 use crate::health::limits;
 use crate::interactions::interactions;
 use crate::obstacles::mesh_walls;
-use crate::placement::place;
+use crate::placement::{Room, place};
 use crate::surroundings::Surroundings;
 use crate::time_step::TimeSteps;
 use crate::{Error, FillingLibrary, Scene, SeedBody};
@@ -27,10 +28,30 @@ pub(crate) struct Built {
     pub(crate) limits: HealthLimits,
     /// Time steps of its phases.
     pub(crate) time_steps: TimeSteps,
+    /// What makes the seeds; none where all are there from the start.
+    pub(crate) factory: Option<Factory>,
 }
 
-/// Builds the world with the seeds in their starting places and the drive at rest.
+/// Builds the world with the seeds in their starting places, or without seeds where a factory makes them,
+/// and the drive at rest.
 pub(crate) fn build(scene: &Scene, library: &FillingLibrary, seed: u64) -> Result<Built, Error> {
+    let Some(factory) = Factory::of(scene, seed) else {
+        return build_filled(scene, library, seed);
+    };
+    let bodies = seed_bodies(scene, library)?;
+    let built = assemble(scene, bodies, mesh_walls(scene)?, &[])?;
+    Ok(Built {
+        factory: Some(factory),
+        ..built
+    })
+}
+
+/// Builds the world with all seeds in their starting places and the drive at rest.
+pub(crate) fn build_filled(
+    scene: &Scene,
+    library: &FillingLibrary,
+    seed: u64,
+) -> Result<Built, Error> {
     let bodies = seed_bodies(scene, library)?;
     let meshes = mesh_walls(scene)?;
     let kinds: Vec<_> = bodies
@@ -39,7 +60,11 @@ pub(crate) fn build(scene: &Scene, library: &FillingLibrary, seed: u64) -> Resul
         .map(|(b, s)| (&b.clump, s.count))
         .collect();
     let obstacles: Vec<_> = meshes.iter().flat_map(|m| m.triangles.clone()).collect();
-    let placements = place(&scene.apparatus, &obstacles, &kinds, seed)?;
+    let room = Room {
+        apparatus: &scene.apparatus,
+        obstacles: &obstacles,
+    };
+    let placements = place(room, &kinds, seed)?;
     assemble(scene, bodies, meshes, &placements)
 }
 
@@ -87,6 +112,7 @@ pub(crate) fn assemble(
         surroundings,
         limits,
         time_steps,
+        factory: None,
     })
 }
 

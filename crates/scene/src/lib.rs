@@ -10,6 +10,7 @@ mod apparatus;
 mod bench;
 mod build;
 mod error;
+mod factory;
 mod filling;
 mod flow;
 mod frame;

@@ -1,6 +1,7 @@
 //! The time of a run: settling, the drive, the series that tells when the bed is steady, frames.
 
 use crate::build::Built;
+use crate::factory::Factory;
 use crate::steady::{Truncation, marginal_standard_error_rule};
 use crate::{Error, Frame, Scene};
 use dem_solver::{Motion, Snapshot, Template, World};
@@ -115,6 +116,18 @@ impl<'a> Running<'a> {
                 frames: Vec::new(),
             });
         };
+        let Progress { world, .. } = &left;
+        if let Some(factory) = &built.factory {
+            let inside: Vec<_> = world.placements().collect();
+            let kinds: Vec<_> = inside.iter().map(|p| p.template).collect();
+            if !factory.began_with(&kinds) {
+                return Err(Error::NotKept {
+                    file: scene.file.clone(),
+                    reason: "its seeds are others".into(),
+                });
+            }
+            built.world.insert(&inside)?;
+        }
         let kinds = &built.world.bodies().template;
         if left.frames.iter().any(|(_, frame)| !frame.is_of(kinds)) {
             return Err(Error::NotKept {
@@ -188,16 +201,23 @@ pub(crate) fn settle(running: &mut Running<'_>, keeper: &mut dyn Keeper) -> Resu
 fn wait_for_rest(running: &mut Running<'_>, keeper: &mut dyn Keeper) -> Result<(), Error> {
     let scene = running.scene;
     let rest = rest_energy(scene, &running.built.world);
-    let limit = scene.protocol.settle_limit.si();
+    let made = running.built.factory.as_ref();
+    let made = made.map_or(0.0, Factory::duration);
+    let limit = made + scene.protocol.settle_limit.si();
     // Free fall across the apparatus comes first: at the very start nothing moves.
     let [low, high] = scene.apparatus.room();
     let fall = (2.0 * (high.y - low.y) / scene.model.gravity_m_s2).sqrt();
     loop {
+        if let Some(factory) = &running.built.factory {
+            let new = factory.next(&scene.apparatus, &running.built, SERIES_INTERVAL);
+            running.built.world.insert(&new)?;
+        }
         advance(scene, &mut running.built, SERIES_INTERVAL)?;
         let world = &running.built.world;
-        let rested = world.time() > fall && world.kinetic_energy() < rest;
+        let rested = world.time() > made + fall && world.kinetic_energy() < rest;
         if rested || world.time() >= limit {
-            return Ok(());
+            let factory = running.built.factory.as_ref();
+            return factory.map_or(Ok(()), |f| f.check_all_in(world.bodies().len()));
         }
         running.offer(keeper)?;
     }

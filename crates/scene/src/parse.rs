@@ -174,6 +174,11 @@ impl Scene {
                 return bad(name, time.to_string(), "above 0");
             }
         }
+        if let Some(rate) = p.insertion_rate
+            && rate.si() < 1.0
+        {
+            return bad("protocol.insertion_rate", rate.to_string(), "1 1/s or more");
+        }
         let shares = [
             ("protocol.step_share", Some(p.step_share)),
             ("protocol.flow_step_share", p.flow_step_share),

@@ -11,7 +11,7 @@ const TRIES: usize = 60;
 
 /// A body's outline: all points within `radius` of a segment along its x axis.
 #[derive(Debug, Clone, Copy)]
-struct Capsule {
+pub(crate) struct Capsule {
     /// Half of the segment's length, m.
     half_length: f64,
     /// Radius, m.
@@ -20,7 +20,7 @@ struct Capsule {
 
 /// A capsule in the apparatus.
 #[derive(Debug, Clone, Copy)]
-struct Placed {
+pub(crate) struct Placed {
     /// Middle of the segment, m.
     centre: Vector3<f64>,
     /// Half of the segment, m.
@@ -31,7 +31,7 @@ struct Placed {
 
 impl Capsule {
     /// The capsule about the x axis that holds all spheres of a body.
-    fn around(clump: &Clump) -> Self {
+    pub(crate) fn around(clump: &Clump) -> Self {
         let spheres = clump.spheres().iter();
         let radius = spheres
             .clone()
@@ -49,6 +49,36 @@ impl Capsule {
             radius,
         }
     }
+
+    /// Farthest reach from its middle, m.
+    pub(crate) fn reach(&self) -> f64 {
+        self.half_length + self.radius
+    }
+
+    /// The capsule of a body at a place (m), turned.
+    pub(crate) fn at(&self, centre: Vector3<f64>, turn: &UnitQuaternion<f64>) -> Placed {
+        Placed {
+            centre,
+            half: turn * Vector3::new(self.half_length, 0.0, 0.0),
+            radius: self.radius,
+        }
+    }
+}
+
+impl Placed {
+    /// Middle, m.
+    pub(crate) fn centre(&self) -> Vector3<f64> {
+        self.centre
+    }
+}
+
+/// What leaves room for bodies.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Room<'a> {
+    /// The apparatus.
+    pub(crate) apparatus: &'a Apparatus,
+    /// Triangles of further walls, m.
+    pub(crate) obstacles: &'a [[Vector3<f64>; 3]],
 }
 
 /// Places `kinds[k].1` bodies of each kind `kinds[k].0`, in an order shuffled by the seed.
@@ -61,8 +91,7 @@ impl Capsule {
 ///
 /// More bodies than fit.
 pub(crate) fn place(
-    apparatus: &Apparatus,
-    obstacles: &[[Vector3<f64>; 3]],
+    room: Room<'_>,
     kinds: &[(&Clump, usize)],
     seed: u64,
 ) -> Result<Vec<Placement>, Error> {
@@ -70,9 +99,7 @@ pub(crate) fn place(
         .iter()
         .map(|(clump, _)| Capsule::around(clump))
         .collect();
-    let largest = capsules
-        .iter()
-        .fold(0.0_f64, |m, c| m.max(c.half_length + c.radius));
+    let largest = capsules.iter().fold(0.0_f64, |m, c| m.max(c.reach()));
     let thickest = capsules.iter().fold(0.0_f64, |m, c| m.max(c.radius));
     let count: usize = kinds.iter().map(|k| k.1).sum();
     // At 2.5 radii the offsets of two round bodies cannot bring them together.
@@ -86,13 +113,7 @@ pub(crate) fn place(
             .flat_map(|(k, kind)| std::iter::repeat_n(k, kind.1))
             .collect();
         stream.shuffle(&mut order);
-        let placed = fill_grid(
-            (apparatus, obstacles),
-            &capsules,
-            &order,
-            spacing,
-            &mut stream,
-        );
+        let placed = fill_grid(room, &capsules, &order, spacing, &mut stream);
         if placed.len() == count {
             return Ok(placed);
         }
@@ -104,13 +125,13 @@ pub(crate) fn place(
 
 /// Fills a grid of a given spacing (m) as far as it goes.
 fn fill_grid(
-    (apparatus, obstacles): (&Apparatus, &[[Vector3<f64>; 3]]),
+    room: Room<'_>,
     capsules: &[Capsule],
     order: &[usize],
     spacing: f64,
     stream: &mut Stream,
 ) -> Vec<Placement> {
-    let [low, high] = apparatus.room();
+    let [low, high] = room.apparatus.room();
     let thin = capsules
         .iter()
         .map(|c| c.radius)
@@ -135,13 +156,21 @@ fn fill_grid(
                     return result;
                 };
                 let capsule = capsules[kind];
-                if apparatus.is_out_of_reach(x, y, capsule.radius) {
+                if room.apparatus.is_out_of_reach(x, y, capsule.radius) {
                     continue;
                 }
-                let around = (apparatus, obstacles);
-                if let Some((body, turn)) =
-                    try_place(around, capsule, [x, y, z], spacing, &placed, stream)
-                {
+                let at = Vector3::new(x, y, z);
+                // Rows are filled from the bottom: only the last layers can be near.
+                let reach = 3.0 * spacing;
+                let layers = placed.iter().rev();
+                let near: Vec<&Placed> = layers
+                    .take_while(|p| p.centre.y > y - reach)
+                    .filter(|p| (p.centre.x - x).abs() < reach && (p.centre.z - z).abs() < reach)
+                    .collect();
+                let beside = |stream: &mut Stream| {
+                    at + Vector3::from_fn(|_, _| stream.between(-0.1, 0.1) * spacing)
+                };
+                if let Some((body, turn)) = try_place(room, capsule, beside, &near, stream) {
                     placed.push(body);
                     result.push(Placement::at_rest(kind, body.centre, turn));
                 }
@@ -151,39 +180,25 @@ fn fill_grid(
     result
 }
 
-/// Draws offsets and orientations until the body is clear of everything.
-fn try_place(
-    (apparatus, obstacles): (&Apparatus, &[[Vector3<f64>; 3]]),
+/// Draws places (m) and orientations until the body is clear of walls and of the bodies near it.
+pub(crate) fn try_place(
+    room: Room<'_>,
     capsule: Capsule,
-    at: [f64; 3],
-    spacing: f64,
-    placed: &[Placed],
+    draw: impl Fn(&mut Stream) -> Vector3<f64>,
+    near: &[&Placed],
     stream: &mut Stream,
 ) -> Option<(Placed, UnitQuaternion<f64>)> {
-    // Rows are filled from the bottom: only the last layers can be near.
-    let reach = 3.0 * spacing;
-    let near: Vec<&Placed> = placed
-        .iter()
-        .rev()
-        .take_while(|p| p.centre.y > at[1] - reach)
-        .filter(|p| (p.centre.x - at[0]).abs() < reach && (p.centre.z - at[2]).abs() < reach)
-        .collect();
     for _ in 0..TRIES {
-        let offset = Vector3::from_fn(|_, _| stream.between(-0.1, 0.1) * spacing);
-        let centre = Vector3::from(at) + offset;
+        let centre = draw(stream);
         let [w, i, j, k] = stream.rotation();
         let turn = UnitQuaternion::new_normalize(Quaternion::new(w, i, j, k));
-        let half = turn * Vector3::new(capsule.half_length, 0.0, 0.0);
-        let body = Placed {
-            centre,
-            half,
-            radius: capsule.radius,
-        };
-        let room = [-1.0, 0.0, 1.0]
-            .iter()
-            .all(|s| apparatus.has_room(&(centre + half * *s), capsule.radius));
-        let room = room && is_clear_of(obstacles, &body);
-        if room && near.iter().all(|other| clear(&body, other)) {
+        let body = capsule.at(centre, &turn);
+        let inside = [-1.0, 0.0, 1.0].iter().all(|s| {
+            let point = centre + body.half * *s;
+            room.apparatus.has_room(&point, capsule.radius)
+        });
+        let inside = inside && is_clear_of(room.obstacles, &body);
+        if inside && near.iter().all(|other| clear(&body, other)) {
             return Some((body, turn));
         }
     }

@@ -1,7 +1,7 @@
 //! One run: fill, settle, rotate until steady, take frames, measure.
 
 use crate::apparatus::Apparatus;
-use crate::build::{Built, assemble, assemble_spheres, build, seed_bodies};
+use crate::build::{Built, assemble, assemble_spheres, build, build_filled, seed_bodies};
 use crate::flow::{avalanche_period, fill_level, flowing_layer};
 use crate::motion::{
     Keeper, NoKeeper, Progress, Rotation, Running, SERIES_INTERVAL, SeriesPoint, rotate, settle,
@@ -264,7 +264,7 @@ pub fn starting_frame(
     library: &FillingLibrary,
     seed: u64,
 ) -> Result<(Frame, Vec<Arc<SeedBody>>, f64), Error> {
-    let built = build(scene, library, seed)?;
+    let built = build_filled(scene, library, seed)?;
     let frame = snapshot(&built.world, 0.0);
     Ok((frame, built.bodies, built.world.settings().time_step))
 }

@@ -3,7 +3,7 @@
 use crate::{Apparatus, SurroundingsSettings};
 use contact_law::hard_contact;
 use quantity::{
-    Angle, FrictionCoefficient, Length, Mass, PoissonRatio, Pressure, Restitution, Time,
+    Angle, Frequency, FrictionCoefficient, Length, Mass, PoissonRatio, Pressure, Restitution, Time,
 };
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -174,7 +174,11 @@ pub struct Protocol {
     /// Time step while the drive runs, likewise; `step_share` where absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub flow_step_share: Option<f64>,
-    /// Longest time for the seeds to come to rest before the drive starts.
+    /// Seeds a second that appear in the upper part of the apparatus until all are there; all are there from
+    /// the start where absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub insertion_rate: Option<Frequency>,
+    /// Longest time for the seeds to come to rest before the drive starts, behind the last that appears.
     pub settle_limit: Time,
     /// Slope of the surface of the settled bed in a drum, towards the side that rises: the bed settles
     /// under gravity turned by so much, and the drive starts nearer to the steady state. It changes

@@ -25,6 +25,13 @@ fn drum() -> Scene {
     Scene::read(&file, &changes).expect("the scene is possible")
 }
 
+/// The same seeds out of a factory: after 5 intervals some 30 of them are there.
+fn drum_with_factory() -> Scene {
+    let mut scene = drum();
+    scene.protocol.insertion_rate = Some("300 1/s".parse().expect("a rate"));
+    scene
+}
+
 /// Keeps the state after so many intervals and stops the run there, as a broken disk would.
 struct StopAfter {
     /// Intervals left.
@@ -54,25 +61,30 @@ fn all_of(result: &RunResult) -> String {
     )
 }
 
-/// Stopped while the seeds fall (interval 5) or while the drum turns (interval 40), written as text, read
-/// and continued: every digit is that of the run that was never stopped.
+/// Stopped while the seeds appear or fall (interval 5) or while the drum turns (interval 40), written as
+/// text, read and continued: every digit is that of the run that was never stopped.
 #[test]
 fn a_run_that_was_stopped_goes_on_with_the_same_bits() {
-    let (scene, library) = (drum(), FillingLibrary::default());
-    let whole = all_of(&run(&scene, &library, 3).expect("runs"));
+    goes_on_with_the_same_bits(&drum());
+    goes_on_with_the_same_bits(&drum_with_factory());
+}
+
+fn goes_on_with_the_same_bits(scene: &Scene) {
+    let library = FillingLibrary::default();
+    let whole = all_of(&run(scene, &library, 3).expect("runs"));
     for intervals in [5, 40] {
         let mut stop = StopAfter {
             left: intervals,
             text: None,
         };
-        let stopped = run_on(&scene, &library, 3, None, &mut stop).unwrap_err();
+        let stopped = run_on(scene, &library, 3, None, &mut stop).unwrap_err();
         assert!(stopped.to_string().contains("stopped here"), "{stopped}");
         let left = serde_json::from_str(&stop.text.expect("a state was kept")).expect("reads back");
         let mut never = StopAfter {
             left: usize::MAX,
             text: None,
         };
-        let continued = run_on(&scene, &library, 3, Some(left), &mut never).expect("goes on");
+        let continued = run_on(scene, &library, 3, Some(left), &mut never).expect("goes on");
         assert!(
             all_of(&continued) == whole,
             "stopped after {intervals} intervals"
@@ -83,16 +95,21 @@ fn a_run_that_was_stopped_goes_on_with_the_same_bits() {
 /// A state of another scene is refused, not continued.
 #[test]
 fn a_state_of_another_scene_is_refused() {
-    let (scene, library) = (drum(), FillingLibrary::default());
-    let mut stop = StopAfter {
-        left: 3,
-        text: None,
-    };
-    let _ = run_on(&scene, &library, 3, None, &mut stop);
-    let text = stop.text.take().expect("a state was kept");
-    let left: Progress = serde_json::from_str(&text).expect("reads back");
-    let mut fewer = scene;
-    fewer.seed[0].count -= 1;
-    let error = run_on(&fewer, &library, 3, Some(left), &mut stop).unwrap_err();
-    assert!(error.to_string().contains("another world"), "{error}");
+    for (scene, reason) in [
+        (drum(), "another world"),
+        (drum_with_factory(), "its seeds are others"),
+    ] {
+        let library = FillingLibrary::default();
+        let mut stop = StopAfter {
+            left: 5,
+            text: None,
+        };
+        let _ = run_on(&scene, &library, 3, None, &mut stop);
+        let text = stop.text.take().expect("a state was kept");
+        let left: Progress = serde_json::from_str(&text).expect("reads back");
+        let mut fewer = scene;
+        fewer.seed[0].count -= 1;
+        let error = run_on(&fewer, &library, 3, Some(left), &mut stop).unwrap_err();
+        assert!(error.to_string().contains(reason), "{error}");
+    }
 }

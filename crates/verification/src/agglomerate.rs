@@ -156,5 +156,18 @@ pub(crate) fn rebound() -> Result<Vec<Row>, Trouble> {
     let got = flat_fall(2, 3, DashpotMass::Sphere)?;
     let name = "dashpot_mass sphere, 4 of 12 spheres touch: too high";
     rows.push(trend(Tolerance::Above).row(name, "1", alone(2)?, got));
+    let together = Basis {
+        source: "n springs with shares of one mass are one spring with all of it; [Berry2023] list the errors",
+        ..same
+    };
+    for (n, layers) in [(1, 1), (2, 1), (4, 1), (2, 3), (4, 2)] {
+        let got = flat_fall(n, layers, DashpotMass::Shared)?;
+        let name = format!(
+            "dashpot_mass shared, {} of {} spheres touch",
+            n * n,
+            layers * n * n
+        );
+        rows.push(together.row(&name, "1", alone(n)?, got));
+    }
     Ok(rows)
 }

@@ -4,7 +4,7 @@ use anyhow::{Context as _, ensure};
 use clap::ValueEnum;
 use command_line::{Common, DONE, Header, write_new};
 use exchange::vtk::File;
-use exchange::{lammps, vtk};
+use exchange::{lammps, liggghts, vtk};
 use scene::{FillingLibrary, Scene, starting_frame};
 use serde::Serialize;
 use std::path::PathBuf;
@@ -14,11 +14,13 @@ use std::path::PathBuf;
 enum Format {
     /// Deck of a drum for LAMMPS: in.drum, drum.data, drum.bodies
     Lammps,
+    /// Deck of a drum for LIGGGHTS: in.drum, cover.stl, seed1.spheres ...
+    Liggghts,
     /// Frames of a run for `ParaView`: frames.pvd and one file a frame
     Vtk,
 }
 
-/// Writes a scene as a deck for LAMMPS, or its frames for `ParaView`
+/// Writes a scene as a deck for LAMMPS or LIGGGHTS, or its frames for `ParaView`
 #[derive(clap::Args, Debug)]
 pub(crate) struct Arguments {
     /// Format
@@ -67,6 +69,10 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
         Format::Lammps => {
             let (frame, bodies, time_step) = starting_frame(&scene, &library, arguments.seed)?;
             lammps::deck(&scene, &bodies, &frame, time_step)?
+        }
+        Format::Liggghts => {
+            let (_, bodies, time_step) = starting_frame(&scene, &library, arguments.seed)?;
+            liggghts::deck(&scene, &bodies, time_step, arguments.seed)?
         }
         Format::Vtk => {
             let result = scene::run(&scene, &library, arguments.seed)?;

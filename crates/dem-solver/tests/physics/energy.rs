@@ -1,7 +1,7 @@
 //! Energy of bodies that collide.
 
 use crate::scene::{
-    asymmetric_clump, box_of_planes, plane, rough, run, scattered, seed_and_block, settings,
+    asymmetric_clump, box_of_planes, plane, rough, run, scattered, seed_and_block_with, settings,
     smooth, sticky, world,
 };
 use dem_solver::{DashpotMass, InteractionSettings, Placement, Template, World};
@@ -59,7 +59,8 @@ fn gas(surface: &InteractionSettings, time_step: f64) -> World {
     let starts = scattered([0.011; 3], 1.0, 0.5, &mut Stream::new(5, "gas"));
     let walls = box_of_planes(0.0125);
     let settings = settings(time_step, Vector3::zeros());
-    world(settings, surface, seed_and_block(1.0), walls, &starts)
+    let templates = seed_and_block_with(1.0, DashpotMass::Shared);
+    world(settings, surface, templates, walls, &starts)
 }
 
 /// Highest and last kinetic energy of moments without contact, relative to the start, and the

@@ -6,8 +6,8 @@
 //! list is made anew, separates them by the size of a contact force.
 
 use crate::scene::{
-    ball, box_of_planes, cluster, interaction, rough, run, scattered, seed_and_block, smooth,
-    sticky, world,
+    ball, box_of_planes, cluster, interaction, rough, run, scattered, seed_and_block,
+    seed_and_block_with, smooth, sticky, world,
 };
 use contact_law::{
     CapillaryBridge, RateDependentFriction, RollingSpringDashpot, ViscoelasticDamping,
@@ -183,7 +183,8 @@ fn loads_are_those_of_the_plain_loop_with_every_law() {
     let starts = fallen(1.0, drum(1.0));
     let dry = world_of(1.0, settings_of(1.0), drum(1.0), &starts);
     let wet = |interactions: Vec<_>| {
-        let (settings, templates) = (settings_of(1.0), seed_and_block(1.0));
+        let settings = settings_of(1.0);
+        let templates = seed_and_block_with(1.0, DashpotMass::Shared);
         World::new(settings, templates, interactions, drum(1.0), &starts).expect("possible")
     };
     let mut world = wet(vec![surface; 4]);

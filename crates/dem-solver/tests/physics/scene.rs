@@ -108,6 +108,11 @@ pub(crate) fn cluster(
 /// A seed of five spheres in a bent row, `size` times 2 mm thick, of material 0, and a block of
 /// eight of material 1.
 pub(crate) fn seed_and_block(size: f64) -> Vec<Template> {
+    seed_and_block_with(size, DashpotMass::Body)
+}
+
+/// [`seed_and_block`] with the choice of the mass in the dashpots of the block.
+pub(crate) fn seed_and_block_with(size: f64, block: DashpotMass) -> Vec<Template> {
     let row = [
         ([0.0, 0.0, 0.0], 1.0),
         ([1.5, 0.1, 0.0], 0.9),
@@ -130,7 +135,7 @@ pub(crate) fn seed_and_block(size: f64) -> Vec<Template> {
     };
     vec![
         scaled(&row, 0, DashpotMass::Sphere),
-        scaled(&corners, 1, DashpotMass::Body),
+        scaled(&corners, 1, block),
     ]
 }
 

@@ -1,0 +1,285 @@
+//! A drum as a deck for LIGGGHTS-PUBLIC 3.8 (`fix multisphere`).
+//!
+//! # What is converted
+//!
+//! | here | LIGGGHTS |
+//! |---|---|
+//! | moduli of each material | the same: one type of atoms for the seeds, one for the shell, one for the covers |
+//! | dashpot with the mass of the sphere | LIGGGHTS takes that of the rigid body: the ratio b is scaled by sqrt(`m_sphere` / `m_body`) and turned back into a restitution |
+//! | clipped end of the normal force | `limitForce on` |
+//! | rolling friction of type A with the lever arm of the body | `rolling_friction cdt torsionTorque on`, whose arm is the reduced radius of the spheres: the coefficient is scaled by arm over radius |
+//! | mass and inertia of the seed | `mass` and `inertia_tensor` of the template |
+//! | places of the seeds | not taken over: the deck lets seeds rain into the turning drum |
+
+use crate::Error;
+use crate::drum_deck::{FINER, Shares, restitution_of_body, supported};
+use crate::vtk::{File, add};
+use contact_law::NormalForceEnd;
+use scene::{ContactSettings, Drum, RollingLaw, Scene, SeedBody};
+use std::sync::Arc;
+
+/// The tool, for messages.
+const TOOL: &str = "LIGGGHTS";
+
+/// Time between two insertions, s: seeds fall by some millimetres.
+const INSERTION: f64 = 0.02;
+
+/// Seeds a second where the scene does not say.
+const RATE: f64 = 5000.0;
+
+/// The deck: `in.drum`, `cover.stl`, and one file of spheres for each kind of seeds. `time_step` is the one that
+/// the solver here takes, s; `seed` that of the places of the seeds.
+///
+/// # Errors
+///
+/// An apparatus other than a drum of constant speed, a tilted axis, cohesion, rolling resistance of type C, several
+/// materials of seeds.
+pub fn deck(
+    scene: &Scene,
+    bodies: &[Arc<SeedBody>],
+    time_step: f64,
+    seed: u64,
+) -> Result<Vec<File>, Error> {
+    let drum = supported(scene, TOOL)?;
+    if scene.model.rolling_law == RollingLaw::SpringDashpot {
+        return Err(Error::NotThere {
+            what: "rolling resistance of type C".into(),
+            tool: TOOL,
+            way_out: "calibrate with model.rolling_law = \"constant-torque\"",
+        });
+    }
+    let mut files = vec![
+        File {
+            name: "in.drum".into(),
+            text: script(scene, drum, bodies, time_step / FINER, seed)?,
+        },
+        File {
+            name: "cover.stl".into(),
+            text: cover(drum),
+        },
+    ];
+    let kinds = bodies.iter().enumerate();
+    files.extend(kinds.map(|(k, body)| File {
+        name: spheres_file(k),
+        text: spheres(body),
+    }));
+    Ok(files)
+}
+
+/// Name of the file with the spheres of a kind of seeds.
+fn spheres_file(kind: usize) -> String {
+    format!("seed{}.spheres", kind + 1)
+}
+
+/// Spheres at the surface, about the centre of mass, in principal axes.
+fn spheres(body: &SeedBody) -> String {
+    let mut text = String::new();
+    for sphere in body.outer.spheres() {
+        let c = sphere.centre;
+        let row = format_args!("{:e} {:e} {:e} {:e}\n", c.x, c.y, c.z, sphere.radius);
+        add(&mut text, row);
+    }
+    text
+}
+
+/// A square that covers the drum.
+fn cover(drum: &Drum) -> String {
+    let r = 0.525 * drum.inner_diameter.si();
+    let corner = |x: f64, y: f64| format!("vertex {:e} {:e} 0\n", x * r, y * r);
+    let facet = |corners: [String; 3]| {
+        let corners = corners.concat();
+        format!("facet normal 0 0 1\nouter loop\n{corners}endloop\nendfacet\n")
+    };
+    let [a, b, c, d] =
+        [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)].map(|(x, y)| corner(x, y));
+    let (one, other) = (facet([a.clone(), b, c.clone()]), facet([a, c, d]));
+    format!("solid cover\n{one}{other}endsolid cover\n")
+}
+
+/// The templates of the seeds and their distribution.
+fn templates(
+    scene: &Scene,
+    bodies: &[Arc<SeedBody>],
+    primes: &mut impl Iterator<Item = u64>,
+) -> String {
+    let (mut text, mut shares) = (String::new(), String::new());
+    for (k, (kind, body)) in scene.seed.iter().zip(bodies).enumerate() {
+        let (n, file) = (body.outer.spheres().len(), spheres_file(k));
+        let (prime, i) = (primes.next().unwrap_or(0), body.clump.inertia());
+        add(
+            &mut text,
+            format_args!(
+                "fix seed{} all particletemplate/multisphere {prime} atom_type 1 density constant {} \
+                 nspheres {n} ntry 100000 spheres file {file} scale 1.0 type {} mass {:e} \
+                 inertia_tensor {:e} 0.0 0.0 {:e} 0.0 {:e} use_volume\n",
+                k + 1,
+                body.fraction_density,
+                k + 1,
+                body.clump.mass(),
+                i.x,
+                i.y,
+                i.z,
+            ),
+        );
+        let share = kind.count as f64 / scene.seed_count() as f64;
+        add(&mut shares, format_args!(" seed{} {share}", k + 1));
+    }
+    let prime = primes.next().unwrap_or(0);
+    let kinds = bodies.len();
+    add(
+        &mut text,
+        format_args!(
+            "fix mixture all particledistribution/discrete/numberbased {prime} {kinds}{shares}\n"
+        ),
+    );
+    text
+}
+
+/// The input script.
+fn script(
+    scene: &Scene,
+    drum: &Drum,
+    bodies: &[Arc<SeedBody>],
+    time_step: f64,
+    seed: u64,
+) -> Result<String, Error> {
+    let names = [&scene.seed[0].material, &drum.shell, &drum.cover];
+    let materials = names.map(|name| &scene.material[name]);
+    let young = materials.map(|m| 2.0 * m.shear_modulus.si() * (1.0 + m.poisson_ratio.get()));
+    let poisson = materials.map(|m| m.poisson_ratio.get());
+    let contact = |name: &String| -> Result<&ContactSettings, Error> {
+        let missing = || scene::Error::MissingContact {
+            file: scene.file.clone(),
+            pair: format!("{}-{name}", names[0]),
+        };
+        Ok(scene.contact_of(names[0], name).ok_or_else(missing)?)
+    };
+    let contacts = [contact(names[0])?, contact(names[1])?, contact(names[2])?];
+    // Row by row; shell and cover never meet.
+    let pairs = |of: &dyn Fn(&ContactSettings) -> f64| {
+        let table = (0..3).flat_map(|i| (0..3).map(move |j| usize::max(i, j)));
+        list(table.map(|k| of(contacts[k])))
+    };
+    let shares = Shares::of(scene, bodies);
+    let rolls = contacts.iter().any(|c| c.rolling_friction.get() > 0.0);
+    let (model, mut end) = (
+        if rolls {
+            "model hertz tangential history rolling_friction cdt"
+        } else {
+            "model hertz tangential history"
+        },
+        String::new(),
+    );
+    if rolls {
+        end.push_str(" torsionTorque on");
+    }
+    if scene.model.normal_force_end == NormalForceEnd::Clipped {
+        end.push_str(" limitForce on");
+    }
+    let (radius, half) = (0.5 * drum.inner_diameter.si(), 0.5 * drum.width.si());
+    let outer = bodies.iter().flat_map(|b| b.outer.spheres());
+    let smallest = outer.map(|s| s.radius).fold(f64::INFINITY, f64::min);
+    let steps = |time: f64| (time / time_step).ceil();
+    let rate = scene.protocol.insertion_rate.map_or(RATE, |rate| rate.si());
+    let count = scene.seed_count();
+    let protocol = &scene.protocol;
+    let whole = count as f64 / rate + protocol.settle_limit.si() + protocol.rotation_limit.si();
+    let down = drum.tilt.map_or(0.0, quantity::Angle::si);
+    let mut primes = primes_from(10_007 + 1000 * seed);
+    let templates = templates(scene, bodies, &mut primes);
+    Ok(format!(
+        "# {count} seeds in a drum of {} mm, written from {}.\n\
+         # Contacts are converted, not copied: the restitution is that of a dashpot with the mass of the rigid body,\n\
+         # rolling friction that of the spheres' arm. The seeds rain into the turning drum.\n\
+         units si\n\
+         atom_style granular\n\
+         atom_modify map array\n\
+         boundary f f f\n\
+         newton off\n\
+         communicate single vel yes\n\
+         hard_particles yes\n\
+         region box block {low} {high} {low} {high} {} {} units box\n\
+         create_box 3 box\n\
+         neighbor {:e} bin\n\
+         neigh_modify delay 0\n\
+         fix young all property/global youngsModulus peratomtype {}\n\
+         fix poisson all property/global poissonsRatio peratomtype {}\n\
+         fix restitution all property/global coefficientRestitution peratomtypepair 3 {}\n\
+         fix friction all property/global coefficientFriction peratomtypepair 3 {}\n\
+         fix rolling all property/global coefficientRollingFriction peratomtypepair 3 {}\n\
+         pair_style gran {model}{end}\n\
+         pair_coeff * *\n\
+         timestep {time_step:e}\n\
+         fix weight all gravity {} vector 0.0 {} {}\n\
+         fix front all mesh/surface file cover.stl type 3 move 0.0 0.0 {half} surface_ang_vel origin 0.0 0.0 0.0 axis 0.0 0.0 1.0 omega {spin}\n\
+         fix back all mesh/surface file cover.stl type 3 move 0.0 0.0 {} surface_ang_vel origin 0.0 0.0 0.0 axis 0.0 0.0 1.0 omega {spin}\n\
+         fix covers all wall/gran {model} mesh n_meshes 2 meshes front back{end}\n\
+         fix shell all wall/gran {model} primitive type 2 zcylinder {radius} 0.0 0.0 shear x {spin}{end}\n\
+         {templates}\
+         region upper block {} {} 0.0 {} {} {} units box\n\
+         region inside cylinder z 0.0 0.0 {} {} {} units box\n\
+         region sky intersect 2 upper inside\n\
+         fix rain all insert/rate/region seed {} distributiontemplate mixture nparticles {count} particlerate {rate} insert_every {} overlapcheck yes all_in yes orientation random region sky ntry_mc 10000\n\
+         fix seeds all multisphere\n\
+         thermo_style custom step time\n\
+         thermo {every}\n\
+         dump bed all custom {every} bed.dump id type x y z radius vx vy vz\n\
+         run {}\n",
+        2e3 * radius,
+        scene.file,
+        -1.2 * half,
+        1.2 * half,
+        smallest,
+        list(young),
+        list(poisson),
+        pairs(&|c| restitution_of_body(c.restitution.get(), shares.mass)),
+        pairs(&|c| c.static_friction.get()),
+        pairs(&|c| c.rolling_friction.get() * shares.lever),
+        scene.model.gravity_m_s2,
+        -down.cos(),
+        down.sin(),
+        -half,
+        -radius,
+        radius,
+        radius,
+        -half,
+        half,
+        0.98 * radius,
+        -half,
+        half,
+        primes.next().unwrap_or(0),
+        steps(INSERTION),
+        steps(whole),
+        low = -1.6 * radius,
+        high = 1.6 * radius,
+        spin = drum.speed.si(),
+        every = steps(protocol.frame_interval.si()),
+    ))
+}
+
+/// Prime numbers from a number on, as LIGGGHTS wants them for its random numbers.
+fn primes_from(first: u64) -> impl Iterator<Item = u64> {
+    let is_prime = |n: &u64| {
+        (2..)
+            .take_while(|d| d * d <= *n)
+            .all(|d| !n.is_multiple_of(d))
+    };
+    (first..).filter(is_prime)
+}
+
+/// Numbers with blanks between.
+fn list(numbers: impl IntoIterator<Item = f64>) -> String {
+    let words: Vec<_> = numbers.into_iter().map(|n| format!("{n:e}")).collect();
+    words.join(" ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::primes_from;
+
+    #[test]
+    fn primes_are_primes() {
+        let found: Vec<u64> = primes_from(10_007).take(3).collect();
+        assert_eq!(found, [10_007, 10_009, 10_037]);
+    }
+}

@@ -1,0 +1,123 @@
+//! A particle factory: seeds that appear over time in the upper part of the apparatus and fall from there.
+//!
+//! # What it does
+//!
+//! The kinds come in an order shuffled by the seed, so that shapes are mixed. After each interval of
+//! the series, the seeds that are due by then appear at rest, at random places and orientations, clear of
+//! walls and of all seeds that are there. A seed that finds no place waits for the next interval.
+//!
+//! # Source
+//!
+//! `[CottonStudy, section 2.4.3]`: 4400 and 600 seeds a second.
+
+use crate::build::Built;
+use crate::placement::{Capsule, Placed, Room, try_place};
+use crate::{Apparatus, Error, Scene};
+use dem_solver::Placement;
+use nalgebra::Vector3;
+use random_stream::Stream;
+
+/// Where seeds appear: above this share of the height of the apparatus.
+const FLOOR: f64 = 0.6;
+
+/// What makes the seeds of a run.
+#[derive(Debug, Clone)]
+pub(crate) struct Factory {
+    /// Kind of each seed, in the order in which they appear.
+    order: Vec<usize>,
+    /// Seeds a second.
+    rate: f64,
+    /// The seed of the randomness.
+    seed: u64,
+}
+
+impl Factory {
+    /// Of a scene that states a rate.
+    pub(crate) fn of(scene: &Scene, seed: u64) -> Option<Self> {
+        let rate = scene.protocol.insertion_rate?.si();
+        let kinds = scene.seed.iter().enumerate();
+        let mut order: Vec<usize> = kinds
+            .flat_map(|(k, kind)| std::iter::repeat_n(k, kind.count))
+            .collect();
+        Stream::new(seed, "factory").shuffle(&mut order);
+        Some(Self { order, rate, seed })
+    }
+
+    /// Time that the rate needs for all seeds, s.
+    pub(crate) fn duration(&self) -> f64 {
+        self.order.len() as f64 / self.rate
+    }
+
+    /// Whether so many seeds of these kinds are what it makes first.
+    pub(crate) fn began_with(&self, kinds: &[usize]) -> bool {
+        self.order.starts_with(kinds)
+    }
+
+    /// Refuses an apparatus that is not full of all seeds at the end of the time.
+    pub(crate) fn check_all_in(&self, inside: usize) -> Result<(), Error> {
+        if inside == self.order.len() {
+            return Ok(());
+        }
+        Err(Error::TooManySeeds {
+            count: self.order.len(),
+            places: inside,
+        })
+    }
+
+    /// The seeds that appear now, `interval` (s) after the last ones.
+    pub(crate) fn next(
+        &self,
+        apparatus: &Apparatus,
+        built: &Built,
+        interval: f64,
+    ) -> Vec<Placement> {
+        let (bodies, inside) = (built.world.bodies(), built.world.bodies().len());
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "times and rates are not negative, and the number of seeds bounds it"
+        )]
+        let due = ((built.world.time() + interval) * self.rate).round() as usize;
+        let due = due.min(self.order.len());
+        if inside >= due {
+            return Vec::new();
+        }
+        let capsules: Vec<Capsule> = built
+            .bodies
+            .iter()
+            .map(|body| Capsule::around(&body.clump))
+            .collect();
+        let [low, high] = apparatus.room();
+        let low = Vector3::new(low.x, low.y + FLOOR * (high.y - low.y), low.z);
+        let reach = capsules.iter().map(Capsule::reach).fold(0.0, f64::max);
+        let mut placed: Vec<Placed> = (0..inside)
+            .filter(|&i| bodies.position[i].y > low.y - 2.0 * reach)
+            .map(|i| capsules[bodies.template[i]].at(bodies.position[i], &bodies.orientation[i]))
+            .collect();
+        let obstacles: Vec<_> = built
+            .meshes
+            .iter()
+            .flat_map(|m| m.triangles.clone())
+            .collect();
+        let room = Room {
+            apparatus,
+            obstacles: &obstacles,
+        };
+        // What was drawn before is not known after a restart: the number of seeds inside is.
+        let mut stream = Stream::new(self.seed, &format!("factory at {inside}"));
+        let mut made = Vec::new();
+        for &kind in &self.order[inside..due] {
+            let near: Vec<&Placed> = placed.iter().collect();
+            let anywhere = |stream: &mut Stream| {
+                Vector3::from_fn(|axis, _| stream.between(low[axis], high[axis]))
+            };
+            let found = try_place(room, capsules[kind], anywhere, &near, &mut stream);
+            let Some((body, turn)) = found else {
+                break;
+            };
+            placed.push(body);
+            made.push(Placement::at_rest(kind, body.centre(), turn));
+        }
+        made
+    }
+}
