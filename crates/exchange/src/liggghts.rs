@@ -15,6 +15,7 @@ use crate::Error;
 use crate::drum_deck::{FINER, Shares, restitution_of_body, supported};
 use crate::vtk::{File, add};
 use contact_law::NormalForceEnd;
+use quantity::Frequency;
 use scene::{ContactSettings, Drum, RollingLaw, Scene, SeedBody};
 use std::sync::Arc;
 
@@ -96,42 +97,39 @@ fn cover(drum: &Drum) -> String {
     format!("solid cover\n{one}{other}endsolid cover\n")
 }
 
-/// The templates of the seeds and their distribution.
-fn templates(
-    scene: &Scene,
-    bodies: &[Arc<SeedBody>],
-    primes: &mut impl Iterator<Item = u64>,
-) -> String {
-    let (mut text, mut shares) = (String::new(), String::new());
+/// The seeds of each kind and how they rain in: each by a distribution of its own, since one of all kinds
+/// does not keep their numbers.
+fn rain(scene: &Scene, bodies: &[Arc<SeedBody>], every: f64, seed: u64) -> String {
+    let mut primes = primes_from(10_007 + 1000 * seed);
+    let mut prime = || primes.next().unwrap_or(0);
+    let rate = scene.protocol.insertion_rate.map_or(RATE, Frequency::si);
+    let mut text = String::new();
     for (k, (kind, body)) in scene.seed.iter().zip(bodies).enumerate() {
         let (n, file) = (body.outer.spheres().len(), spheres_file(k));
-        let (prime, i) = (primes.next().unwrap_or(0), body.clump.inertia());
+        let (number, i) = (k + 1, body.clump.inertia());
+        let rate = rate * kind.count as f64 / scene.seed_count() as f64;
         add(
             &mut text,
             format_args!(
-                "fix seed{} all particletemplate/multisphere {prime} atom_type 1 density constant {} \
-                 nspheres {n} ntry 100000 spheres file {file} scale 1.0 type {} mass {:e} \
-                 inertia_tensor {:e} 0.0 0.0 {:e} 0.0 {:e} use_volume\n",
-                k + 1,
+                "fix seed{number} all particletemplate/multisphere {} atom_type 1 density constant {} \
+                 nspheres {n} ntry 100000 spheres file {file} scale 1.0 type {number} mass {:e} \
+                 inertia_tensor {:e} 0.0 0.0 {:e} 0.0 {:e} use_volume\n\
+                 fix kind{number} all particledistribution/discrete {} 1 seed{number} 1.0\n\
+                 fix rain{number} all insert/rate/region seed {} distributiontemplate kind{number} \
+                 nparticles {} particlerate {rate} insert_every {every} overlapcheck yes all_in yes \
+                 orientation random region sky ntry_mc 10000\n",
+                prime(),
                 body.fraction_density,
-                k + 1,
                 body.clump.mass(),
                 i.x,
                 i.y,
                 i.z,
+                prime(),
+                prime(),
+                kind.count,
             ),
         );
-        let share = kind.count as f64 / scene.seed_count() as f64;
-        add(&mut shares, format_args!(" seed{} {share}", k + 1));
     }
-    let prime = primes.next().unwrap_or(0);
-    let kinds = bodies.len();
-    add(
-        &mut text,
-        format_args!(
-            "fix mixture all particledistribution/discrete/numberbased {prime} {kinds}{shares}\n"
-        ),
-    );
     text
 }
 
@@ -180,13 +178,11 @@ fn script(
     let outer = bodies.iter().flat_map(|b| b.outer.spheres());
     let smallest = outer.map(|s| s.radius).fold(f64::INFINITY, f64::min);
     let steps = |time: f64| (time / time_step).ceil();
-    let rate = scene.protocol.insertion_rate.map_or(RATE, |rate| rate.si());
     let count = scene.seed_count();
     let protocol = &scene.protocol;
+    let rate = protocol.insertion_rate.map_or(RATE, Frequency::si);
     let whole = count as f64 / rate + protocol.settle_limit.si() + protocol.rotation_limit.si();
     let down = drum.tilt.map_or(0.0, quantity::Angle::si);
-    let mut primes = primes_from(10_007 + 1000 * seed);
-    let templates = templates(scene, bodies, &mut primes);
     Ok(format!(
         "# {count} seeds in a drum of {} mm, written from {}.\n\
          # Contacts are converted, not copied: the restitution is that of a dashpot with the mass of the rigid body,\n\
@@ -215,11 +211,10 @@ fn script(
          fix back all mesh/surface file cover.stl type 3 move 0.0 0.0 {} surface_ang_vel origin 0.0 0.0 0.0 axis 0.0 0.0 1.0 omega {spin}\n\
          fix covers all wall/gran {model} mesh n_meshes 2 meshes front back{end}\n\
          fix shell all wall/gran {model} primitive type 2 zcylinder {radius} 0.0 0.0 shear x {spin}{end}\n\
-         {templates}\
          region upper block {} {} 0.0 {} {} {} units box\n\
          region inside cylinder z 0.0 0.0 {} {} {} units box\n\
          region sky intersect 2 upper inside\n\
-         fix rain all insert/rate/region seed {} distributiontemplate mixture nparticles {count} particlerate {rate} insert_every {} overlapcheck yes all_in yes orientation random region sky ntry_mc 10000\n\
+         {}\
          fix seeds all multisphere\n\
          thermo_style custom step time\n\
          thermo {every}\n\
@@ -247,8 +242,7 @@ fn script(
         0.98 * radius,
         -half,
         half,
-        primes.next().unwrap_or(0),
-        steps(INSERTION),
+        rain(scene, bodies, steps(INSERTION), seed),
         steps(whole),
         low = -1.6 * radius,
         high = 1.6 * radius,

@@ -9,6 +9,9 @@ use std::process::Command;
 /// A small drum of coarse seeds; FIXTURES stands for the folder of the meshes.
 const SCENE: &str = include_str!("decks.toml");
 
+/// Spheres at the surface of its 90 and 10 seeds, of 16 and 13 each.
+const SPHERES: usize = 90 * 16 + 10 * 13;
+
 /// Inner radius of its drum, m.
 const RADIUS: f64 = 0.03;
 
@@ -80,11 +83,11 @@ fn angle_there(folder: &Path, seed: &str, format: &str, command: &str) -> f64 {
     let text = std::fs::read_to_string(deck.join("bed.dump")).expect("a dump");
     let moments = dump::read(&text, "bed.dump").expect("the dump can be read");
     assert!(moments.len() >= 30, "{} moments", moments.len());
-    let spheres = moments[moments.len() - 1].discs.len();
     let steady = &moments[moments.len() - STEADY..];
     assert!(
-        steady.iter().all(|m| m.discs.len() == spheres),
-        "seeds are lost"
+        steady.iter().all(|m| m.discs.len() == SPHERES),
+        "{} spheres of {SPHERES}",
+        steady[0].discs.len()
     );
     let angles: Vec<f64> = steady
         .iter()
