@@ -107,6 +107,9 @@ pub(crate) fn supported<'a>(scene: &'a Scene, tool: &'static str) -> Result<&'a 
             "remove viscoelastic_damping and friction_rate",
         );
     }
+    if scene.model.bonds.is_some() {
+        return missing("seeds of bonded spheres", "remove model.bonds");
+    }
     if scene.model.dashpot_mass == DashpotMass::Shared {
         return missing(
             "a dashpot that shares the mass of a body",

@@ -133,14 +133,18 @@ fn rain(scene: &Scene, bodies: &[Arc<SeedBody>], every: f64, seed: u64) -> Strin
     text
 }
 
-/// The input script.
-fn script(
-    scene: &Scene,
-    drum: &Drum,
-    bodies: &[Arc<SeedBody>],
-    time_step: f64,
-    seed: u64,
-) -> Result<String, Error> {
+/// The contact laws in the words of LIGGGHTS.
+struct Law {
+    /// Commands that state the properties of the materials and their pairs.
+    properties: String,
+    /// The model, before the shape of a wall.
+    model: &'static str,
+    /// Its settings, behind the shape.
+    settings: String,
+}
+
+/// The laws of the contacts of a scene.
+fn law(scene: &Scene, drum: &Drum, bodies: &[Arc<SeedBody>]) -> Result<Law, Error> {
     let names = [&scene.seed[0].material, &drum.shell, &drum.cover];
     let materials = names.map(|name| &scene.material[name]);
     let young = materials.map(|m| 2.0 * m.shear_modulus.si() * (1.0 + m.poisson_ratio.get()));
@@ -159,27 +163,78 @@ fn script(
         list(table.map(|k| of(contacts[k])))
     };
     let shares = Shares::of(scene, bodies);
-    let rolls = contacts.iter().any(|c| c.rolling_friction.get() > 0.0);
-    let (model, mut end) = (
-        if rolls {
-            "model hertz tangential history rolling_friction cdt"
-        } else {
-            "model hertz tangential history"
-        },
-        String::new(),
+    let properties = format!(
+        "fix young all property/global youngsModulus peratomtype {}\n\
+         fix poisson all property/global poissonsRatio peratomtype {}\n\
+         fix restitution all property/global coefficientRestitution peratomtypepair 3 {}\n\
+         fix friction all property/global coefficientFriction peratomtypepair 3 {}\n\
+         fix rolling all property/global coefficientRollingFriction peratomtypepair 3 {}\n",
+        list(young),
+        list(poisson),
+        pairs(&|c| restitution_of_body(c.restitution.get(), shares.mass)),
+        pairs(&|c| c.static_friction.get()),
+        pairs(&|c| c.rolling_friction.get() * shares.lever),
     );
-    if rolls {
-        end.push_str(" torsionTorque on");
-    }
+    let rolls = contacts.iter().any(|c| c.rolling_friction.get() > 0.0);
+    let (model, mut settings) = if rolls {
+        let model = "model hertz tangential history rolling_friction cdt";
+        (model, " torsionTorque on".to_owned())
+    } else {
+        ("model hertz tangential history", String::new())
+    };
     if scene.model.normal_force_end == NormalForceEnd::Clipped {
-        end.push_str(" limitForce on");
+        settings.push_str(" limitForce on");
     }
+    Ok(Law {
+        properties,
+        model,
+        settings,
+    })
+}
+
+/// The turning shell and covers, and the region in the upper half in which seeds appear.
+fn walls(drum: &Drum, law: &Law) -> String {
+    let (radius, half) = (0.5 * drum.inner_diameter.si(), 0.5 * drum.width.si());
+    let (
+        Law {
+            model, settings, ..
+        },
+        spin,
+    ) = (law, drum.speed.si());
+    let cover = |name: &str, z: f64| {
+        format!(
+            "fix {name} all mesh/surface file cover.stl type 3 move 0.0 0.0 {z} \
+             surface_ang_vel origin 0.0 0.0 0.0 axis 0.0 0.0 1.0 omega {spin}\n"
+        )
+    };
+    let (front, back) = (cover("front", half), cover("back", -half));
+    format!(
+        "{front}{back}\
+         fix covers all wall/gran {model} mesh n_meshes 2 meshes front back{settings}\n\
+         fix shell all wall/gran {model} primitive type 2 zcylinder {radius} 0.0 0.0 shear x {spin}{settings}\n\
+         region upper block {low} {radius} 0.0 {radius} {behind} {half} units box\n\
+         region inside cylinder z 0.0 0.0 {} {behind} {half} units box\n\
+         region sky intersect 2 upper inside\n",
+        0.98 * radius,
+        low = -radius,
+        behind = -half,
+    )
+}
+
+/// The input script.
+fn script(
+    scene: &Scene,
+    drum: &Drum,
+    bodies: &[Arc<SeedBody>],
+    time_step: f64,
+    seed: u64,
+) -> Result<String, Error> {
+    let law = law(scene, drum, bodies)?;
     let (radius, half) = (0.5 * drum.inner_diameter.si(), 0.5 * drum.width.si());
     let outer = bodies.iter().flat_map(|b| b.outer.spheres());
     let smallest = outer.map(|s| s.radius).fold(f64::INFINITY, f64::min);
     let steps = |time: f64| (time / time_step).ceil();
-    let count = scene.seed_count();
-    let protocol = &scene.protocol;
+    let (count, protocol) = (scene.seed_count(), &scene.protocol);
     let rate = protocol.insertion_rate.map_or(RATE, Frequency::si);
     let whole = count as f64 / rate + protocol.settle_limit.si() + protocol.rotation_limit.si();
     let down = drum.tilt.map_or(0.0, quantity::Angle::si);
@@ -196,25 +251,14 @@ fn script(
          hard_particles yes\n\
          region box block {low} {high} {low} {high} {} {} units box\n\
          create_box 3 box\n\
-         neighbor {:e} bin\n\
+         neighbor {smallest:e} bin\n\
          neigh_modify delay 0\n\
-         fix young all property/global youngsModulus peratomtype {}\n\
-         fix poisson all property/global poissonsRatio peratomtype {}\n\
-         fix restitution all property/global coefficientRestitution peratomtypepair 3 {}\n\
-         fix friction all property/global coefficientFriction peratomtypepair 3 {}\n\
-         fix rolling all property/global coefficientRollingFriction peratomtypepair 3 {}\n\
-         pair_style gran {model}{end}\n\
+         {properties}\
+         pair_style gran {model}{settings}\n\
          pair_coeff * *\n\
          timestep {time_step:e}\n\
          fix weight all gravity {} vector 0.0 {} {}\n\
-         fix front all mesh/surface file cover.stl type 3 move 0.0 0.0 {half} surface_ang_vel origin 0.0 0.0 0.0 axis 0.0 0.0 1.0 omega {spin}\n\
-         fix back all mesh/surface file cover.stl type 3 move 0.0 0.0 {} surface_ang_vel origin 0.0 0.0 0.0 axis 0.0 0.0 1.0 omega {spin}\n\
-         fix covers all wall/gran {model} mesh n_meshes 2 meshes front back{end}\n\
-         fix shell all wall/gran {model} primitive type 2 zcylinder {radius} 0.0 0.0 shear x {spin}{end}\n\
-         region upper block {} {} 0.0 {} {} {} units box\n\
-         region inside cylinder z 0.0 0.0 {} {} {} units box\n\
-         region sky intersect 2 upper inside\n\
-         {}\
+         {walls}{rain}\
          fix seeds all multisphere\n\
          thermo_style custom step time\n\
          thermo {every}\n\
@@ -224,40 +268,24 @@ fn script(
         scene.file,
         -1.2 * half,
         1.2 * half,
-        smallest,
-        list(young),
-        list(poisson),
-        pairs(&|c| restitution_of_body(c.restitution.get(), shares.mass)),
-        pairs(&|c| c.static_friction.get()),
-        pairs(&|c| c.rolling_friction.get() * shares.lever),
         scene.model.gravity_m_s2,
         -down.cos(),
         down.sin(),
-        -half,
-        -radius,
-        radius,
-        radius,
-        -half,
-        half,
-        0.98 * radius,
-        -half,
-        half,
-        rain(scene, bodies, steps(INSERTION), seed),
         steps(whole),
         low = -1.6 * radius,
         high = 1.6 * radius,
-        spin = drum.speed.si(),
+        properties = law.properties,
+        model = law.model,
+        settings = law.settings,
+        walls = walls(drum, &law),
+        rain = rain(scene, bodies, steps(INSERTION), seed),
         every = steps(protocol.frame_interval.si()),
     ))
 }
 
 /// Prime numbers from a number on, as LIGGGHTS wants them for its random numbers.
 fn primes_from(first: u64) -> impl Iterator<Item = u64> {
-    let is_prime = |n: &u64| {
-        (2..)
-            .take_while(|d| d * d <= *n)
-            .all(|d| !n.is_multiple_of(d))
-    };
+    let is_prime = |n: &u64| !(2..=n.isqrt()).any(|d| n.is_multiple_of(d));
     (first..).filter(is_prime)
 }
 

@@ -1,6 +1,7 @@
 //! From a scene to the solver's world: bodies, walls, interactions, time step.
 
 use crate::apparatus::NamedMesh;
+use crate::bonded::{BondedSeeds, Parts};
 use crate::factory::Factory;
 use crate::health::limits;
 use crate::interactions::interactions;
@@ -30,6 +31,8 @@ pub(crate) struct Built {
     pub(crate) time_steps: TimeSteps,
     /// What makes the seeds; none where all are there from the start.
     pub(crate) factory: Option<Factory>,
+    /// What holds the spheres of the seeds together; none where the seeds are rigid.
+    pub(crate) bonds: Option<BondedSeeds>,
 }
 
 /// Builds the world with the seeds in their starting places, or without seeds where a factory makes them,
@@ -75,22 +78,18 @@ pub(crate) fn assemble(
     meshes: Vec<NamedMesh>,
     placements: &[Placement],
 ) -> Result<Built, Error> {
-    let time_steps = TimeSteps::of(scene, &bodies)?;
+    let mut time_steps = TimeSteps::of(scene, &bodies)?;
     let names = material_names(scene, &meshes);
-    let kinds = scene.seed.iter().zip(&bodies);
-    let templates = kinds.map(|(s, b)| {
-        let material = index_of(&names, &s.material);
-        Template::new(&b.clump, material, scene.model.dashpot_mass)
-    });
-    let templates = templates.collect();
-    let mut world = empty_drive(
-        scene,
-        &bodies,
-        &names,
-        templates,
-        placements,
-        time_steps.settling,
-    )?;
+    let settings = scene.model.bonds.as_ref();
+    let parts = settings.map(|bonds| Parts::of(scene, bonds, &bodies, placements));
+    let parts = parts.transpose()?;
+    let templates = match &parts {
+        None => whole_seeds(scene, &bodies, &names),
+        Some(_) => single_spheres(scene, &bodies, &names)?,
+    };
+    let starts = parts.as_ref().map_or(placements, |p| &p.placements);
+    let step = time_steps.settling;
+    let mut world = empty_drive(scene, &bodies, &names, templates, starts, step)?;
     for mesh in &meshes {
         let about = mesh.motion.about;
         world.add_mesh_wall(MeshWall {
@@ -103,6 +102,15 @@ pub(crate) fn assemble(
             },
         })?;
     }
+    let bonds = match (parts, settings) {
+        (Some(parts), Some(settings)) => {
+            let (bonds, longest) = parts.bond(settings, &world)?;
+            time_steps = time_steps.at_most(longest);
+            world.set_time_step(time_steps.settling);
+            Some(bonds)
+        }
+        _ => None,
+    };
     let limits = limits(scene, &bodies);
     let surroundings = Surroundings::of(scene, &bodies);
     Ok(Built {
@@ -113,7 +121,18 @@ pub(crate) fn assemble(
         limits,
         time_steps,
         factory: None,
+        bonds,
     })
+}
+
+/// The seeds as body types, one a kind.
+fn whole_seeds(scene: &Scene, bodies: &[Arc<SeedBody>], names: &[&str]) -> Vec<Template> {
+    let kinds = scene.seed.iter().zip(bodies);
+    let templates = kinds.map(|(s, b)| {
+        let material = index_of(names, &s.material);
+        Template::new(&b.clump, material, scene.model.dashpot_mass)
+    });
+    templates.collect()
 }
 
 /// Bodies of the seeds, by kind.
@@ -141,20 +160,16 @@ fn index_of(names: &[&str], name: &str) -> usize {
     names.iter().position(|n| *n == name).unwrap_or(0)
 }
 
-/// Every seed taken apart into its spheres, in the apparatus at rest, with a time step (s): the bodies
-/// of bonded agglomerates. Template k of a kind is its sphere k, behind the templates of the kinds
-/// before it.
+/// The spheres of the seeds as body types: those of each kind in order, behind those of the kinds before.
 ///
 /// # Errors
 ///
-/// A scene that cannot be built, walls of triangles.
-pub(crate) fn assemble_spheres(
+/// A sphere that is no body.
+fn single_spheres(
     scene: &Scene,
     bodies: &[Arc<SeedBody>],
-    placements: &[Placement],
-    time_step: f64,
-) -> Result<World, Error> {
-    let names = material_names(scene, &[]);
+    names: &[&str],
+) -> Result<Vec<Template>, Error> {
     let mut templates = Vec::new();
     for (seed, body) in scene.seed.iter().zip(bodies) {
         for (k, sphere) in body.clump.spheres().iter().enumerate() {
@@ -163,11 +178,11 @@ pub(crate) fn assemble_spheres(
                 seed: seed.name.clone(),
                 source,
             })?;
-            let material = index_of(&names, &seed.material);
+            let material = index_of(names, &seed.material);
             templates.push(Template::new(&single, material, scene.model.dashpot_mass));
         }
     }
-    empty_drive(scene, bodies, &names, templates, placements, time_step)
+    Ok(templates)
 }
 
 /// The world without its walls of triangles.

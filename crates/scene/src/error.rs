@@ -124,6 +124,14 @@ pub enum Error {
         /// Why.
         source: contact_law::Error,
     },
+    /// Bonds do not hold the spheres of a seed together.
+    #[error("bonds of seed '{seed}': {source}")]
+    Bonds {
+        /// Name of the seed.
+        seed: String,
+        /// Why.
+        source: bonded_body::Error,
+    },
     /// The state of a run cannot be kept, or cannot be one that was.
     #[error("{file}: the state of the run cannot be kept or taken up: {reason}")]
     NotKept {

@@ -8,6 +8,7 @@
 
 mod apparatus;
 mod bench;
+mod bonded;
 mod build;
 mod error;
 mod factory;
@@ -30,6 +31,7 @@ mod time_step;
 
 pub use apparatus::{Apparatus, BoxCollapse, Drum, Heap, Lifters, Metering, Ripple};
 pub use bench::BenchParts;
+pub use bonded::BondedSettings;
 pub use error::Error;
 pub use filling::{FillingLibrary, SeedBody};
 pub use flow::{FlowingLayer, avalanche_period, fill_level, flowing_layer};
@@ -39,7 +41,6 @@ pub use obstacles::{VibrationSettings, WallSettings};
 pub use parse::Override;
 pub use run::{
     Further, Regime, RunResult, run, run_on, running_world, settled_world, starting_frame,
-    world_of_spheres,
 };
 pub use settings::{
     CameraSettings, ContactSettings, FillingSettings, LiquidSettings, MaterialSettings,

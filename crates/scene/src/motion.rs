@@ -155,7 +155,8 @@ impl<'a> Running<'a> {
 
     /// Lets a keeper have the state, if it wants it.
     fn offer(&self, keeper: &mut dyn Keeper) -> Result<(), Error> {
-        if !keeper.is_due() {
+        // What bonds have gone through is not part of a state.
+        if self.built.bonds.is_some() || !keeper.is_due() {
             return Ok(());
         }
         let progress = Progress {
@@ -239,9 +240,10 @@ pub(crate) fn advance(scene: &Scene, built: &mut Built, time: f64) -> Result<(),
     let world = &mut built.world;
     let end = world.time() + time - 0.5 * world.settings().time_step;
     while world.time() < end {
-        match &built.surroundings {
-            None => world.step()?,
-            Some(surroundings) => {
+        match (&mut built.bonds, &built.surroundings) {
+            (Some(bonds), _) => bonds.step(world)?,
+            (None, None) => world.step()?,
+            (None, Some(surroundings)) => {
                 let now = world.time();
                 world.step_with(|bodies| surroundings.add_forces(now, bodies))?;
             }
@@ -299,12 +301,12 @@ pub(crate) fn rotate(
             set_share_of_speed(scene, built, share);
         }
         advance(scene, built, SERIES_INTERVAL)?;
-        let world = &built.world;
-        let time = world.time() - start;
-        series.push(series_point(scene, world, time, share.unwrap_or(1.0)));
+        let time = built.world.time() - start;
+        let now = snapshot(built, time);
+        series.push(series_point(scene, built, &now, share.unwrap_or(1.0)));
         let over = time >= protocol.rotation_limit.si();
         if series.len().is_multiple_of(every) {
-            frames.push((series.len(), snapshot(world, time)));
+            frames.push((series.len(), now));
         }
         if !over && !series.len().is_multiple_of(every) {
             continue;
@@ -342,9 +344,12 @@ fn set_share_of_speed(scene: &Scene, built: &mut Built, share: f64) {
     }
 }
 
-/// Poses of all bodies.
-pub(crate) fn snapshot(world: &World, time: f64) -> Frame {
-    let bodies = world.bodies();
+/// Poses of all seeds.
+pub(crate) fn snapshot(built: &Built, time: f64) -> Frame {
+    if let Some(bonds) = &built.bonds {
+        return bonds.frame(built, time);
+    }
+    let bodies = built.world.bodies();
     Frame {
         time,
         kind: bodies.template.clone(),
@@ -356,21 +361,21 @@ pub(crate) fn snapshot(world: &World, time: f64) -> Frame {
 }
 
 /// Direction of the centre of mass and slip at the shell.
-fn series_point(scene: &Scene, world: &World, time: f64, share: f64) -> SeriesPoint {
-    let (bodies, templates) = (world.bodies(), world.templates());
+fn series_point(scene: &Scene, built: &Built, seeds: &Frame, share: f64) -> SeriesPoint {
     let (radius, spin) = (scene.apparatus.radius(), scene.apparatus.speed());
     let mut centre = Vector3::zeros();
-    for p in &bodies.position {
+    for p in &seeds.position {
         centre += p;
     }
     let lowest = centre.x.atan2(-centre.y);
     let (mut speed, mut n) = (0.0, 0_usize);
-    for (i, p) in bodies.position.iter().enumerate() {
+    for (i, p) in seeds.position.iter().enumerate() {
         let from_axis = p.xy().norm();
         let aside = (p.x.atan2(-p.y) - lowest + PI).rem_euclid(TAU) - PI;
-        let at_shell = from_axis > radius - templates[bodies.template[i]].bounding_radius();
+        let body = &built.bodies[seeds.kind[i]].clump;
+        let at_shell = from_axis > radius - body.bounding_radius();
         if at_shell && aside.abs() < MIDDLE_OF_BED {
-            let v = bodies.velocity[i];
+            let v = seeds.velocity[i];
             speed += (p.x * v.y - p.y * v.x) / from_axis;
             n += 1;
         }
@@ -382,11 +387,11 @@ fn series_point(scene: &Scene, world: &World, time: f64, share: f64) -> SeriesPo
         0.0
     };
     SeriesPoint {
-        time_s: time,
+        time_s: seeds.time,
         centre_of_mass_deg: lowest.to_degrees(),
         shell_slip: slip,
-        drive_power_w: drive_power(world),
-        kinetic_energy_j: world.kinetic_energy(),
+        drive_power_w: drive_power(&built.world),
+        kinetic_energy_j: built.world.kinetic_energy(),
     }
 }
 

@@ -157,6 +157,16 @@ impl Scene {
                 "above the inner radius of the drum",
             );
         }
+        if let Some(bonds) = &self.model.bonds {
+            bonds.law().map_err(|source| Error::Contact {
+                pair: "model.bonds".into(),
+                source,
+            })?;
+            if self.protocol.insertion_rate.is_some() || !self.surroundings.is_empty() {
+                let other = "protocol.insertion_rate or [surroundings] beside it";
+                return bad("model.bonds", other.into(), "alone: remove one of them");
+            }
+        }
         self.surroundings.check(&self.apparatus)?;
         self.apparatus.check()?;
         self.check_names()

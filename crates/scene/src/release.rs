@@ -50,7 +50,7 @@ pub(crate) fn release(
         let time = built.world.time() - start;
         rested = time > lifted && built.world.kinetic_energy() < rest;
     }
-    let frame = snapshot(&built.world, built.world.time() - start);
+    let frame = snapshot(&built, built.world.time() - start);
     let further = observables(scene, &frame, &built.bodies);
     Ok(Released {
         built,

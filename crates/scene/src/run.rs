@@ -1,7 +1,7 @@
 //! One run: fill, settle, rotate until steady, take frames, measure.
 
 use crate::apparatus::Apparatus;
-use crate::build::{Built, assemble, assemble_spheres, build, build_filled, seed_bodies};
+use crate::build::{Built, assemble, build, build_filled, seed_bodies};
 use crate::flow::{avalanche_period, fill_level, flowing_layer};
 use crate::motion::{
     Keeper, NoKeeper, Progress, Rotation, Running, SERIES_INTERVAL, SeriesPoint, rotate, settle,
@@ -120,7 +120,12 @@ pub fn run_on(
     } = rotate(&mut running, keeper)?;
     let built = running.built;
     let settling_time_step = built.time_steps.settling;
-    let Built { world, bodies, .. } = built;
+    let Built {
+        world,
+        bodies,
+        bonds,
+        ..
+    } = built;
     let readings = readings_of(scene, &bodies, &frames)?;
     let mut filling_angles = Vec::new();
     if let Apparatus::Metering(device) = &scene.apparatus {
@@ -137,7 +142,11 @@ pub fn run_on(
     let start = truncation.map_or(0, |t| t.cut);
     let slips: Vec<f64> = series[start..].iter().map(|p| p.shell_slip).collect();
     let slip = slips.iter().sum::<f64>() / slips.len().max(1) as f64;
-    let further = further(scene, &bodies, &frames, &series[start..]);
+    let mut further = further(scene, &bodies, &frames, &series[start..]);
+    if let Some(bonds) = &bonds {
+        let broken = bonds.n_broken() as f64;
+        further.push(Further::new("broken_bonds", "1", vec![broken]));
+    }
     Ok(RunResult {
         further,
         series,
@@ -154,12 +163,7 @@ pub fn run_on(
         time_step: world.settings().time_step,
         n_steps: world.n_steps(),
         n_bodies: world.bodies().len(),
-        n_spheres: world
-            .bodies()
-            .template
-            .iter()
-            .map(|&t| bodies[t].clump.spheres().len())
-            .sum(),
+        n_spheres: n_spheres(scene, &bodies),
         census: world.census(),
         bodies,
     })
@@ -197,7 +201,6 @@ impl RunResult {
 fn released(scene: &Scene, library: &FillingLibrary, seed: u64) -> Result<RunResult, Error> {
     let result = crate::release::release(scene, library, seed)?;
     let Built { world, bodies, .. } = result.built;
-    let kinds = &world.bodies().template;
     Ok(RunResult {
         series: Vec::new(),
         truncation: result.rested.then_some(Truncation {
@@ -213,11 +216,17 @@ fn released(scene: &Scene, library: &FillingLibrary, seed: u64) -> Result<RunRes
         settling_time_step: world.settings().time_step,
         time_step: world.settings().time_step,
         n_steps: world.n_steps(),
-        n_bodies: kinds.len(),
-        n_spheres: kinds.iter().map(|&t| bodies[t].clump.spheres().len()).sum(),
+        n_bodies: world.bodies().len(),
+        n_spheres: n_spheres(scene, &bodies),
         census: world.census(),
         bodies,
     })
+}
+
+/// Number of spheres of all seeds, hidden ones included.
+fn n_spheres(scene: &Scene, bodies: &[Arc<SeedBody>]) -> usize {
+    let kinds = scene.seed.iter().zip(bodies);
+    kinds.map(|(s, b)| s.count * b.clump.spheres().len()).sum()
 }
 
 /// Observables of a drum beside the angles.
@@ -265,7 +274,7 @@ pub fn starting_frame(
     seed: u64,
 ) -> Result<(Frame, Vec<Arc<SeedBody>>, f64), Error> {
     let built = build_filled(scene, library, seed)?;
-    let frame = snapshot(&built.world, 0.0);
+    let frame = snapshot(&built, 0.0);
     Ok((frame, built.bodies, built.world.settings().time_step))
 }
 
@@ -274,51 +283,43 @@ pub fn starting_frame(
 ///
 /// # Errors
 ///
-/// A scene that cannot be built, a seed outside the apparatus.
+/// A scene that cannot be built or has bonded seeds, a seed outside the apparatus.
 pub fn running_world(
     scene: &Scene,
     library: &FillingLibrary,
     placements: &[Placement],
 ) -> Result<World, Error> {
+    refuse_bonds(scene)?;
     let bodies = seed_bodies(scene, library)?;
     let mut built = assemble(scene, bodies, mesh_walls(scene)?, placements)?;
     start_drive(scene, &mut built);
     Ok(built.world)
 }
 
-/// The solver's world of a drum whose seeds are taken apart into single spheres, with the drive running
-/// and a time step (s): for bonds to hold them together.
-///
-/// A template of a placement is the sphere of a kind of seed, counted through all kinds in order.
-///
-/// # Errors
-///
-/// A scene that cannot be built, a sphere outside the apparatus.
-pub fn world_of_spheres(
-    scene: &Scene,
-    library: &FillingLibrary,
-    placements: &[Placement],
-    time_step: f64,
-) -> Result<World, Error> {
-    let bodies = seed_bodies(scene, library)?;
-    let mut world = assemble_spheres(scene, &bodies, placements, time_step)?;
-    for wall in scene.apparatus.walls() {
-        world.set_wall_spin(wall.name, wall.spin);
-    }
-    Ok(world)
-}
-
 /// The solver's world of a scene after the seeds have settled, with the drive running.
 ///
 /// # Errors
 ///
-/// A scene that cannot be built, a solver that stops.
+/// A scene that cannot be built or has bonded seeds, a solver that stops.
 pub fn settled_world(scene: &Scene, library: &FillingLibrary, seed: u64) -> Result<World, Error> {
+    refuse_bonds(scene)?;
     let mut running = Running::new(scene, build(scene, library, seed)?, None)?;
     settle(&mut running, &mut NoKeeper)?;
     let mut built = running.built;
     start_drive(scene, &mut built);
     Ok(built.world)
+}
+
+/// Refuses bonded seeds, which a world alone does not hold together.
+fn refuse_bonds(scene: &Scene) -> Result<(), Error> {
+    match scene.model.bonds {
+        None => Ok(()),
+        Some(_) => Err(Error::BadValue {
+            name: "model.bonds".into(),
+            value: "stated".into(),
+            requirement: "absent where the caller steps the solver itself".into(),
+        }),
+    }
 }
 
 /// Angles from straight down (counter-clockwise positive, rad) of the seeds at the rim.

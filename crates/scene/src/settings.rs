@@ -131,6 +131,9 @@ pub struct ModelSettings {
     /// The law of rolling resistance.
     #[serde(default)]
     pub rolling_law: RollingLaw,
+    /// Bonds that hold the spheres of a seed together; seeds are rigid where absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub bonds: Option<crate::BondedSettings>,
     /// Liquid in bridges between seeds and at walls; dry where absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub liquid: Option<LiquidSettings>,

@@ -66,6 +66,14 @@ impl TimeSteps {
         Ok(steps)
     }
 
+    /// The steps, each at most a length (s).
+    pub(crate) fn at_most(self, longest: f64) -> Self {
+        Self {
+            settling: self.settling.min(longest),
+            flow: self.flow.min(longest),
+        }
+    }
+
     /// Refuses a vibration with fewer than 20 steps in a swing.
     fn resolve_vibrations(self, scene: &Scene) -> Result<(), Error> {
         let shaken = scene.wall.iter().filter_map(|wall| wall.vibration.as_ref());
@@ -92,7 +100,7 @@ impl TimeSteps {
 /// # Formula
 ///
 /// The least [duration](hard_contact::duration) of a collision of the largest sphere at the surface with
-/// the [mass felt at the tip](clump::Clump::mass_felt_at_tip).
+/// the [mass felt at the tip](clump::Clump::mass_felt_at_tip), or of the lightest sphere where seeds are bonded.
 pub(crate) fn hardest_contact(scene: &Scene, bodies: &[Arc<SeedBody>]) -> Result<f64, Error> {
     let mut least = f64::INFINITY;
     for (seed, body) in scene.seed.iter().zip(bodies) {
@@ -108,7 +116,13 @@ pub(crate) fn hardest_contact(scene: &Scene, bodies: &[Arc<SeedBody>]) -> Result
             );
             stiffest = stiffest.max(moduli.young);
         }
-        let mass = body.clump.mass_felt_at_tip();
+        let mass = if scene.model.bonds.is_some() {
+            let spheres = 0..body.clump.spheres().len();
+            let masses = spheres.map(|k| body.clump.fraction_mass(k));
+            masses.fold(f64::INFINITY, f64::min)
+        } else {
+            body.clump.mass_felt_at_tip()
+        };
         least = least.min(hard_contact::duration(mass, largest, stiffest));
     }
     Ok(least)

@@ -103,6 +103,7 @@ fn angle_there(folder: &Path, seed: &str, format: &str, command: &str) -> f64 {
 /// Both beds are read by the positions of the spheres with the same code. The difference must be within
 /// 3 of its standard errors: frames 0.2 s apart count as independent, and three runs here and three
 /// there carry the scatter between runs.
+#[expect(clippy::print_stdout, reason = "the figures are the purpose")]
 fn compare(variable: &str, format: &str) {
     let command = std::env::var(variable).expect("the variable names the command");
     let folder = tempfile::tempdir().expect("a folder");
