@@ -158,9 +158,9 @@ impl Scene {
             );
         }
         if let Some(bonds) = &self.model.bonds {
-            bonds.law().map_err(|source| Error::Contact {
-                pair: "model.bonds".into(),
-                source,
+            bonds.law().map_err(|source| Error::Text {
+                file: self.file.clone(),
+                message: format!("[model.bonds]: {source}"),
             })?;
             if self.protocol.insertion_rate.is_some() || !self.surroundings.is_empty() {
                 let other = "protocol.insertion_rate or [surroundings] beside it";

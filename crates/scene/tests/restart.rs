@@ -77,7 +77,7 @@ fn goes_on_with_the_same_bits(scene: &Scene) {
             left: intervals,
             text: None,
         };
-        let stopped = run_on(scene, &library, 3, None, &mut stop).unwrap_err();
+        let stopped = run_on(scene, &library, 3, None, &mut stop).expect_err("stopped");
         assert!(stopped.to_string().contains("stopped here"), "{stopped}");
         let left = serde_json::from_str(&stop.text.expect("a state was kept")).expect("reads back");
         let mut never = StopAfter {
