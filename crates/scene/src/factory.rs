@@ -1,24 +1,25 @@
-//! A particle factory: seeds that appear over time in the upper part of the apparatus and fall from there.
+//! A particle factory: seeds that appear over time above the bottom of the apparatus and fall from there.
 //!
 //! # What it does
 //!
 //! The kinds come in an order shuffled by the seed, so that shapes are mixed. After each interval of
 //! the series, the seeds that are due by then appear at rest, at random places and orientations, clear of
-//! walls and of all seeds that are there. A seed that finds no place waits for the next interval.
+//! walls and of all seeds that are there. They appear as low as there is room, because a soft seed that
+//! falls far is pressed in deeply. A seed that finds no place waits for the next interval.
 //!
 //! # Source
 //!
 //! `[CottonStudy, section 2.4.3]`: 4400 and 600 seeds a second.
 
 use crate::build::Built;
-use crate::placement::{Capsule, Placed, Room, try_place};
+use crate::placement::{Capsule, Placed, Room, TRIES, try_place};
 use crate::{Apparatus, Error, Scene};
 use dem_solver::Placement;
 use nalgebra::Vector3;
 use random_stream::Stream;
 
 /// Where seeds appear: above this share of the height of the apparatus.
-const FLOOR: f64 = 0.6;
+const FLOOR: f64 = 0.3;
 
 /// What makes the seeds of a run.
 #[derive(Debug, Clone)]
@@ -108,10 +109,14 @@ impl Factory {
         let mut made = Vec::new();
         for &kind in &self.order[inside..due] {
             let near: Vec<&Placed> = placed.iter().collect();
-            let anywhere = |stream: &mut Stream| {
+            let mut tries = 0.0;
+            let low_first = |stream: &mut Stream| {
+                tries += 1.0;
+                let top = low.y + (high.y - low.y) * tries / TRIES as f64;
+                let high = Vector3::new(high.x, top, high.z);
                 Vector3::from_fn(|axis, _| stream.between(low[axis], high[axis]))
             };
-            let found = try_place(room, capsules[kind], anywhere, &near, &mut stream);
+            let found = try_place(room, capsules[kind], low_first, &near, &mut stream);
             let Some((body, turn)) = found else {
                 break;
             };

@@ -7,7 +7,7 @@ use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 use random_stream::Stream;
 
 /// Orientations tried at a place before it is left empty.
-const TRIES: usize = 60;
+pub(crate) const TRIES: usize = 60;
 
 /// A body's outline: all points within `radius` of a segment along its x axis.
 #[derive(Debug, Clone, Copy)]
@@ -184,7 +184,7 @@ fn fill_grid(
 pub(crate) fn try_place(
     room: Room<'_>,
     capsule: Capsule,
-    draw: impl Fn(&mut Stream) -> Vector3<f64>,
+    mut draw: impl FnMut(&mut Stream) -> Vector3<f64>,
     near: &[&Placed],
     stream: &mut Stream,
 ) -> Option<(Placed, UnitQuaternion<f64>)> {

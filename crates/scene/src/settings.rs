@@ -177,8 +177,8 @@ pub struct Protocol {
     /// Time step while the drive runs, likewise; `step_share` where absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub flow_step_share: Option<f64>,
-    /// Seeds a second that appear in the upper part of the apparatus until all are there; all are there from
-    /// the start where absent.
+    /// Seeds a second that appear above the bottom of the apparatus until all are there; all are there from the
+    /// start where absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub insertion_rate: Option<Frequency>,
     /// Longest time for the seeds to come to rest before the drive starts, behind the last that appears.
