@@ -1,29 +1,19 @@
 //! Seeds whose spheres are bodies of their own, held together by bonds.
 
-use scene::{BondedSettings, FillingLibrary, Override, Scene, run, starting_frame};
-use std::path::Path;
+mod coarse;
+
+use scene::{BondedSettings, FillingLibrary, Scene, run, starting_frame};
 
 /// Five coarse seeds in a small drum that turns for a moment.
 fn drum() -> Scene {
-    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fixtures/cotton/drum.toml");
-    let changes = [
+    coarse::drum(&[
         ("apparatus.inner_diameter", "40 mm"),
-        ("apparatus.width", "14 mm"),
         ("seed.0.count", "4"),
         ("seed.1.count", "1"),
-        ("seed.0.filling.sphere_radius", "0.8 mm"),
-        ("seed.0.filling.sphere_count", "20"),
-        ("seed.1.filling.sphere_radius", "0.8 mm"),
-        ("seed.1.filling.sphere_count", "16"),
         ("protocol.frames", "2"),
         ("protocol.settle_limit", "0.12 s"),
         ("time_s", "0.04"),
-    ];
-    let changes = changes.map(|(name, value)| Override {
-        name: name.into(),
-        value: value.into(),
-    });
-    Scene::read(&file, &changes).expect("the scene is possible")
+    ])
 }
 
 /// The same with bonds.

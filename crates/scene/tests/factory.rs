@@ -1,29 +1,19 @@
 //! Seeds that a factory makes over time.
 
-use scene::{FillingLibrary, Keeper, Override, Progress, Scene, run_on};
+mod coarse;
+
+use scene::{FillingLibrary, Keeper, Progress, Scene, run_on};
 use serde_json::Value;
-use std::path::Path;
 
 /// 56 coarse seeds in a slice of the study's drum, 300 of them a second.
 fn drum() -> Scene {
-    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fixtures/cotton/drum.toml");
-    let changes = [
+    let mut scene = coarse::drum(&[
         ("apparatus.inner_diameter", "70 mm"),
-        ("apparatus.width", "14 mm"),
         ("seed.0.count", "50"),
         ("seed.1.count", "6"),
-        ("seed.0.filling.sphere_radius", "0.8 mm"),
-        ("seed.0.filling.sphere_count", "20"),
-        ("seed.1.filling.sphere_radius", "0.8 mm"),
-        ("seed.1.filling.sphere_count", "16"),
         ("protocol.frames", "2"),
         ("time_s", "0.1"),
-    ];
-    let changes = changes.map(|(name, value)| Override {
-        name: name.into(),
-        value: value.into(),
-    });
-    let mut scene = Scene::read(&file, &changes).expect("the scene is possible");
+    ]);
     scene.protocol.insertion_rate = Some("300 1/s".parse().expect("a rate"));
     scene
 }

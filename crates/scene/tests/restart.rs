@@ -1,28 +1,18 @@
 //! A run that is left on its way and continued gives what it would have given.
 
-use scene::{FillingLibrary, Keeper, Override, Progress, RunResult, Scene, run, run_on};
-use std::path::Path;
+mod coarse;
+
+use scene::{FillingLibrary, Keeper, Progress, RunResult, Scene, run, run_on};
 
 /// Few coarse seeds in a slice of the study's drum, for a second.
 fn drum() -> Scene {
-    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fixtures/cotton/drum.toml");
-    let changes = [
+    coarse::drum(&[
         ("apparatus.inner_diameter", "70 mm"),
-        ("apparatus.width", "14 mm"),
         ("seed.0.count", "50"),
         ("seed.1.count", "6"),
-        ("seed.0.filling.sphere_radius", "0.8 mm"),
-        ("seed.0.filling.sphere_count", "20"),
-        ("seed.1.filling.sphere_radius", "0.8 mm"),
-        ("seed.1.filling.sphere_count", "16"),
         ("protocol.frames", "3"),
         ("time_s", "1.2"),
-    ];
-    let changes = changes.map(|(name, value)| Override {
-        name: name.into(),
-        value: value.into(),
-    });
-    Scene::read(&file, &changes).expect("the scene is possible")
+    ])
 }
 
 /// The same seeds out of a factory: after 5 intervals some 30 of them are there.

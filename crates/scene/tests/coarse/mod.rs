@@ -1,0 +1,24 @@
+//! A slice of the study's drum with coarse seeds, for tests that run it.
+
+use scene::{Override, Scene};
+use std::path::Path;
+
+/// The study's drum, 14 mm wide, with seeds of 20 and 16 spheres of 0.8 mm, and further changes.
+pub(crate) fn drum(changes: &[(&str, &str)]) -> Scene {
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fixtures/cotton/drum.toml");
+    let coarse = [
+        ("apparatus.width", "14 mm"),
+        ("seed.0.filling.sphere_radius", "0.8 mm"),
+        ("seed.0.filling.sphere_count", "20"),
+        ("seed.1.filling.sphere_radius", "0.8 mm"),
+        ("seed.1.filling.sphere_count", "16"),
+    ];
+    let all = coarse.iter().chain(changes);
+    let all: Vec<_> = all
+        .map(|&(name, value)| Override {
+            name: name.into(),
+            value: value.into(),
+        })
+        .collect();
+    Scene::read(&file, &all).expect("the scene is possible")
+}
