@@ -82,7 +82,9 @@ pub(crate) fn assemble(
     let names = material_names(scene, &meshes);
     let settings = scene.model.bonds.as_ref();
     let parts = settings.map(|bonds| Parts::of(scene, bonds, &bodies, placements));
-    let parts = parts.transpose()?;
+    let parts = parts
+        .transpose()
+        .map_err(|error| error.in_file(&scene.file))?;
     let templates = match &parts {
         None => whole_seeds(scene, &bodies, &names),
         Some(_) => single_spheres(scene, &bodies, &names)?,

@@ -81,7 +81,9 @@ fn overlapping_spheres_cannot_be_bonded() {
         .unwrap_err()
         .to_string();
     assert!(
-        error.contains("ellipsoidal") && error.contains("pack"),
+        ["drum.toml", "ellipsoidal", "pack"]
+            .iter()
+            .all(|word| error.contains(word)),
         "{error}"
     );
 }
