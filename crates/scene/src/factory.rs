@@ -104,8 +104,9 @@ impl Factory {
             apparatus,
             obstacles: &obstacles,
         };
-        // What was drawn before is not known after a restart: the number of seeds inside is.
-        let mut stream = Stream::new(self.seed, &format!("factory at {inside}"));
+        // What was drawn before is not known after a restart: the step is.
+        let purpose = format!("factory at step {}", built.world.n_steps());
+        let mut stream = Stream::new(self.seed, &purpose);
         let mut made = Vec::new();
         for &kind in &self.order[inside..due] {
             let near: Vec<&Placed> = placed.iter().collect();
