@@ -306,7 +306,7 @@ mod tests {
         Scene::read(&file, &[]).unwrap()
     }
 
-    /// Values by hand for the study's drum: `E = 2 G (1 + nu)` = 9.1428 MPa; 10 rpm. Restitution 0.06 has b = 0.66713;
+    /// Values by hand for the study's drum: `E = 2 G (1 + nu)` = 9.1428e6 Pa; 10 rpm. Restitution 0.06 has b = 0.66713;
     /// with the mass of one of 146 or 127 spheres, a mean of 0.0069723 of a seed, b is 0.05571, which is a
     /// restitution of 0.8392. The numbers of the seeds stay.
     #[test]
