@@ -12,11 +12,11 @@
     reason = "the hot loops are vectorised only when inlined"
 )]
 
-use crate::lanes::{LANES, Lanes, along, load, load_vectors, set_bits, squares};
+use crate::lanes::{LANES, Vectors, along, load, load_vectors, set_bits, squares};
 use crate::pair_force::Slack;
-use crate::template::{Group, Packed};
-use fearless_simd::f32x16;
+use crate::template::Packed;
 use fearless_simd::prelude::*;
+use fearless_simd::{f32x16, mask32x16, u32x16};
 
 /// Pose of body j in the principal frame of body i.
 #[derive(Debug, Clone, Copy)]
@@ -30,10 +30,12 @@ pub(crate) struct RelativeSingle {
 /// Spheres of one body that survived the culling, in the frame of body i.
 #[derive(Debug, Clone, Default)]
 struct Kept {
-    /// Centres and radii, padded to whole groups by spheres at an infinite distance.
-    groups: Vec<Group>,
+    /// x, y, z of the centres, padded to whole groups by spheres at an infinite distance, m.
+    centre: [Vec<f32>; 3],
+    /// Radii, m.
+    radius: Vec<f32>,
     /// Indices in the template.
-    index: Vec<u16>,
+    index: Vec<u32>,
     /// Number of survivors.
     n: usize,
 }
@@ -50,33 +52,44 @@ pub(crate) struct Scratch {
 }
 
 impl Kept {
-    /// Makes room for all spheres of a template.
-    fn reset(&mut self, room: usize) {
-        if self.groups.len() < room {
-            self.groups.resize(room, Group::default());
-            self.index.resize(room * LANES, 0);
+    /// Makes room for all spheres of a template of so many groups.
+    fn reset(&mut self, n_groups: usize) {
+        // What is added goes to whole groups from the first free place on.
+        let room = (n_groups + 1) * LANES;
+        if self.index.len() < room {
+            self.centre
+                .iter_mut()
+                .for_each(|axis| axis.resize(room, 0.0));
+            self.radius.resize(room, 0.0);
+            self.index.resize(room, 0);
         }
         self.n = 0;
     }
 
-    /// Adds sphere number `index`, which is in lane `l` of the centres and radii.
+    /// Adds those spheres of a group that a mask keeps; `index` is that of the first of the group.
     #[inline(always)]
-    fn push(&mut self, centre: &[Lanes; 3], radius: f32, l: usize, index: usize) {
-        let place = &mut self.groups[self.n / LANES];
-        let lane = self.n % LANES;
+    fn add<S: Simd>(
+        &mut self,
+        keep: mask32x16<S>,
+        centre: &Vectors<S>,
+        radius: f32x16<S>,
+        index: u32x16<S>,
+    ) {
+        let place = self.n..self.n + LANES;
         for axis in 0..3 {
-            place.centre[axis][lane] = centre[axis][l];
+            let kept = centre[axis].compress(keep);
+            kept.store_slice(&mut self.centre[axis][place.clone()]);
         }
-        place.radius[lane] = radius;
-        self.index[self.n] = u16::try_from(index).unwrap_or(u16::MAX);
-        self.n += 1;
+        radius
+            .compress(keep)
+            .store_slice(&mut self.radius[place.clone()]);
+        index.compress(keep).store_slice(&mut self.index[place]);
+        self.n += keep.to_bitmask().count_ones() as usize;
     }
 
     /// Fills the last group with spheres that touch nothing.
     fn pad(&mut self) {
-        for k in self.n..self.n.div_ceil(LANES) * LANES {
-            self.groups[k / LANES].centre[0][k % LANES] = f32::INFINITY;
-        }
+        self.centre[0][self.n..self.n + LANES].fill(f32::INFINITY);
     }
 }
 
@@ -88,10 +101,7 @@ fn support<S: Simd>(simd: S, packed: &Packed, direction: &[f32; 3]) -> f32 {
         let centre = load_vectors(simd, &group.centre);
         best = best.max(along(&centre, direction) + load(simd, &group.radius));
     }
-    best.as_slice()
-        .iter()
-        .copied()
-        .fold(f32::NEG_INFINITY, f32::max)
+    best.reduce_max()
 }
 
 /// Lists in `scratch.found` all pairs of spheres whose gap is below the skin.
@@ -125,54 +135,53 @@ pub(crate) fn search<S: Simd>(
     }
 
     // Spheres of j that come near the box of i and the plane before it, and the box of these.
+    let infinite = f32x16::splat(simd, f32::INFINITY);
+    let lanes = u32x16::from_fn(simd, |lane| lane as u32);
     let kept_j = &mut scratch.j;
     kept_j.reset(j.groups.len());
-    let (mut low, mut high) = ([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]);
-    for (k, group) in j.groups.iter().enumerate() {
+    let (mut low, mut high) = ([infinite; 3], [-infinite; 3]);
+    for (k, group) in (0_u32..).zip(&j.groups) {
         let own = load_vectors(simd, &group.centre);
         let centre = [
             along(&own, &[r[0], r[1], r[2]]) + p[0],
             along(&own, &[r[3], r[4], r[5]]) + p[1],
             along(&own, &[r[6], r[7], r[8]]) + p[2],
         ];
-        let reach = load(simd, &group.radius) + skin;
+        let radius = load(simd, &group.radius);
+        let reach = radius + skin;
         let mut keep = (along(&centre, &normal) - reach).simd_lt(far_of_i);
         for axis in 0..3 {
             keep &= (centre[axis] + reach).simd_gt(i.low[axis]);
             keep &= (centre[axis] - reach).simd_lt(i.high[axis]);
         }
-        let keep = keep.to_bitmask();
-        if keep == 0 {
+        if keep.to_bitmask() == 0 {
             continue;
         }
-        let [x, y, z] = centre;
-        let centre = [Lanes::from(x), Lanes::from(y), Lanes::from(z)];
-        for l in set_bits(keep) {
-            kept_j.push(&centre, group.radius[l], l, k * LANES + l);
-            let reach = group.radius[l] + skin;
-            for axis in 0..3 {
-                low[axis] = low[axis].min(centre[axis][l] - reach);
-                high[axis] = high[axis].max(centre[axis][l] + reach);
-            }
+        kept_j.add(keep, &centre, radius, lanes + k * LANES as u32);
+        for axis in 0..3 {
+            low[axis] = low[axis].min(keep.select(centre[axis] - reach, infinite));
+            high[axis] = high[axis].max(keep.select(centre[axis] + reach, -infinite));
         }
     }
     if kept_j.n == 0 {
         return skin - safety;
     }
     kept_j.pad();
+    let low = low.map(|axis| axis.reduce_min());
+    let high = high.map(|axis| axis.reduce_max());
 
     // Spheres of i that come near that box and the plane before j.
     let kept_i = &mut scratch.i;
     kept_i.reset(i.groups.len());
-    for (k, group) in i.groups.iter().enumerate() {
+    for (k, group) in (0_u32..).zip(&i.groups) {
         let (centre, radius) = (load_vectors(simd, &group.centre), load(simd, &group.radius));
         let mut keep = (along(&centre, &normal) + radius + skin).simd_gt(near_of_j);
         for axis in 0..3 {
             keep &= (centre[axis] + radius).simd_gt(low[axis]);
             keep &= (centre[axis] - radius).simd_lt(high[axis]);
         }
-        for l in set_bits(keep.to_bitmask()) {
-            kept_i.push(&group.centre, group.radius[l], l, k * LANES + l);
+        if keep.to_bitmask() != 0 {
+            kept_i.add(keep, &centre, radius, lanes + k * LANES as u32);
         }
     }
     pair_up(simd, kept_i, kept_j, skin, &mut scratch.found);
@@ -182,22 +191,21 @@ pub(crate) fn search<S: Simd>(
 /// Tests each survivor of i against each of j.
 #[inline(always)]
 fn pair_up<S: Simd>(simd: S, i: &Kept, j: &Kept, skin: f32, found: &mut Vec<(u16, u16)>) {
-    let groups = &j.groups[..j.n.div_ceil(LANES)];
+    let number = |index: u32| u16::try_from(index).unwrap_or(u16::MAX);
     for a in 0..i.n {
-        let (own, l) = (&i.groups[a / LANES], a % LANES);
-        let centre = [own.centre[0][l], own.centre[1][l], own.centre[2][l]];
-        let reach = own.radius[l] + skin;
-        for (b, group) in groups.iter().enumerate() {
-            let other = load_vectors(simd, &group.centre);
+        let reach = i.radius[a] + skin;
+        for first in (0..j.n).step_by(LANES) {
+            let block = first..first + LANES;
+            let other = |axis: usize| f32x16::from_slice(simd, &j.centre[axis][block.clone()]);
             let between = [
-                other[0] - centre[0],
-                other[1] - centre[1],
-                other[2] - centre[2],
+                other(0) - i.centre[0][a],
+                other(1) - i.centre[1][a],
+                other(2) - i.centre[2][a],
             ];
-            let limit = load(simd, &group.radius) + reach;
+            let limit = f32x16::from_slice(simd, &j.radius[block.clone()]) + reach;
             let near = squares(&between).simd_lt(limit * limit);
             for l in set_bits(near.to_bitmask()) {
-                found.push((i.index[a], j.index[b * LANES + l]));
+                found.push((number(i.index[a]), number(j.index[first + l])));
             }
         }
     }

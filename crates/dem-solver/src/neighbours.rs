@@ -21,7 +21,7 @@ use crate::pair_force::Slack;
 use crate::snapshot::KeptContact;
 use crate::template::Template;
 use fearless_simd::prelude::*;
-use nalgebra::{UnitQuaternion, Vector3};
+use nalgebra::{UnitQuaternion, Vector3, Vector4};
 use std::ops::{AddAssign, Range};
 
 /// A touching pair of spheres and what its contact remembers.
@@ -70,8 +70,9 @@ impl Head {
     }
 }
 
-/// The list of a pair; read only for pairs that are awake.
+/// The list of a pair; read only for pairs that are awake. One line of the cache.
 #[derive(Debug, Clone, Copy)]
+#[repr(align(64))]
 pub(crate) struct Lists {
     /// First chunk of the pair.
     pub(crate) chunk: u32,
@@ -83,14 +84,11 @@ pub(crate) struct Lists {
     pub(crate) touch: u32,
     /// Number of touching pairs of spheres.
     pub(crate) n_touches: u32,
-    /// Where the pose of the pair is kept; [`NOWHERE`] before the first list.
-    pose: u32,
     /// Sum of the travels of both bodies above which the list must be looked at, m.
     pub(crate) limit: f32,
+    /// The pair when its list was made.
+    pose: Pose,
 }
-
-/// The place of a pose that is not there.
-const NOWHERE: u32 = u32::MAX;
 
 impl Lists {
     /// Of a pair of which nothing is known yet.
@@ -100,20 +98,61 @@ impl Lists {
         room: 0,
         touch: 0,
         n_touches: 0,
-        pose: NOWHERE,
         limit: f32::NEG_INFINITY,
+        pose: Pose {
+            position: [0.0; 3],
+            rotation: [0.0; 4],
+            reach: -1.0,
+        },
     };
 }
 
-/// Relative pose of a pair when its list was made.
+/// Relative pose of a pair when its list was made, rounded by less than the safety distance.
 #[derive(Debug, Clone, Copy)]
 struct Pose {
     /// Position of j in the frame of i, m.
-    position: Vector3<f64>,
-    /// Orientation of j in the frame of i.
-    rotation: UnitQuaternion<f64>,
+    position: [f32; 3],
+    /// Orientation of j in the frame of i as a unit quaternion: i, j, k, w.
+    rotation: [f32; 4],
     /// Relative motion that the list covers, m; negative when there is no list.
     reach: f32,
+}
+
+impl Pose {
+    /// Rounds a pose whose list covers a motion of `reach` (m).
+    #[inline(always)]
+    fn new(position: &Vector3<f64>, rotation: &UnitQuaternion<f64>, reach: f32) -> Self {
+        Self {
+            position: single(&position.data.0[0]),
+            rotation: single(&rotation.coords.data.0[0]),
+            reach,
+        }
+    }
+
+    /// Bound of the way (m) that a point of j, at most `radius` (m) from its centre, has moved in the
+    /// frame of i since then.
+    #[inline(always)]
+    fn motion_to(
+        &self,
+        position: &Vector3<f64>,
+        rotation: &UnitQuaternion<f64>,
+        radius: f64,
+    ) -> f64 {
+        let before = Vector3::from(self.position.map(f64::from));
+        let turned = UnitQuaternion::new_unchecked(Vector4::from(self.rotation.map(f64::from)).into());
+        let turn = (turned.inverse() * rotation).imag().norm();
+        (position - before).norm() + 2.0 * turn * radius
+    }
+}
+
+/// Numbers in single precision.
+#[inline(always)]
+#[expect(
+    clippy::cast_possible_truncation,
+    reason = "covered by the safety distance"
+)]
+fn single<const N: usize>(numbers: &[f64; N]) -> [f32; N] {
+    numbers.map(|x| x as f32)
 }
 
 /// The pairs of a range of bodies with all bodies behind them.
@@ -141,10 +180,6 @@ pub(crate) struct Neighbours {
     pub(crate) touches: Vec<Touch>,
     /// Touching pairs of spheres of this step.
     pub(crate) next_touches: Vec<Touch>,
-    /// Poses.
-    poses: Vec<Pose>,
-    /// Poses not in use.
-    free: Vec<u32>,
     /// The state before the broad phase, kept to save its allocation.
     old: Previous,
     /// Buffers of the search.
@@ -301,7 +336,6 @@ impl Neighbours {
         };
         for &j in partners {
             while k < end && self.old.heads[k].j < j {
-                self.give_pose_back(k);
                 k += 1;
             }
             if k < end && self.old.heads[k].j == j {
@@ -324,31 +358,7 @@ impl Neighbours {
                 self.lists.push(Lists::NEW);
             }
         }
-        (k..end).for_each(|k| self.give_pose_back(k));
         self.start.push(stored(self.heads.len()));
-    }
-
-    /// Frees the place of the pose of an old pair.
-    fn give_pose_back(&mut self, k: usize) {
-        let pose = self.old.lists[k].pose;
-        if pose != NOWHERE {
-            self.free.push(pose);
-        }
-    }
-
-    /// A place for a pose, without a list.
-    fn take_pose(&mut self) -> u32 {
-        let empty = Pose {
-            position: Vector3::zeros(),
-            rotation: UnitQuaternion::identity(),
-            reach: -1.0,
-        };
-        if let Some(index) = self.free.pop() {
-            self.poses[index as usize] = empty;
-            return index;
-        }
-        self.poses.push(empty);
-        stored(self.poses.len() - 1)
     }
 
     /// Looks at pair `k` of body `i`, whose covered motion is used up; makes its list anew where
@@ -372,42 +382,29 @@ impl Neighbours {
         );
         let position = bodies.rotation[i].tr_mul(&(bodies.position[j] - bodies.position[i]));
         let rotation = bodies.orientation[i].inverse() * bodies.orientation[j];
-        if self.lists[k].pose == NOWHERE {
-            self.lists[k].pose = self.take_pose();
-        }
-        let pose = &mut self.poses[self.lists[k].pose as usize];
+        let pose = self.lists[k].pose;
         if pose.reach > 0.0 {
-            let turn = (pose.rotation.inverse() * rotation).imag().norm();
-            let moved = (position - pose.position).norm() + 2.0 * turn * b.bounding_radius;
+            let moved = pose.motion_to(&position, &rotation, b.bounding_radius);
             #[expect(
                 clippy::cast_possible_truncation,
                 reason = "covered by the safety distance"
             )]
             let moved = moved as f32 + slack.safety;
             if moved < 0.7 * pose.reach {
-                let limit = travel + (pose.reach - moved);
-                self.set_limit(k, limit);
+                self.set_limit(k, travel + (pose.reach - moved));
                 return;
             }
         }
         let relative = RelativeSingle {
             rotation: scaled_single(&rotation.to_rotation_matrix().into_inner(), 1.0),
-            #[expect(
-                clippy::cast_possible_truncation,
-                reason = "covered by the safety distance"
-            )]
-            position: [position.x as f32, position.y as f32, position.z as f32],
+            position: single(&position.data.0[0]),
         };
         let scratch = &mut self.scratch;
         let reach = simd.vectorize(
             #[inline(always)]
             || search(simd, &a.packed, &b.packed, &relative, slack, scratch),
         );
-        *pose = Pose {
-            position,
-            rotation,
-            reach,
-        };
+        self.lists[k].pose = Pose::new(&position, &rotation, reach);
         self.n_rebuilds += 1;
         self.place_chunks(k, a, b, slack.safety + slack.reach);
         self.set_limit(k, travel + reach);

@@ -105,7 +105,8 @@ fn distances<S: Simd>(
     squares(&between)
 }
 
-/// Lists in `near` the keys of all candidates that may touch, and returns the smallest gap of any, m.
+/// Lists in `near` the keys of all candidates that may touch; returns the smallest gap of any (m), as
+/// it matters where none does.
 ///
 /// Arguments as of [`distances`].
 #[inline(always)]
@@ -127,12 +128,7 @@ fn find_near<S: Simd>(
         let touching = squares.simd_lt(chunk.limit).to_bitmask() & chunk.used;
         near.extend(set_bits(touching).map(|lane| chunk.key[lane]));
     }
-    let square = nearest
-        .as_slice()
-        .iter()
-        .copied()
-        .fold(f32::INFINITY, f32::min);
-    square.sqrt() - limit.sqrt()
+    nearest.reduce_min().sqrt() - limit.sqrt()
 }
 
 /// Finds the forces between the bodies of a range and those behind them.
