@@ -2,7 +2,7 @@
 
 use crate::cells::value;
 use crate::{Error, Observed, ResidualPlan};
-use campaign::{Campaign, Simulator};
+use campaign::{Campaign, RunRequest, Simulator};
 use random_stream::Stream;
 use std::collections::BTreeMap;
 
@@ -24,6 +24,21 @@ pub struct Laboratory<'a> {
 }
 
 impl Laboratory<'_> {
+    /// The runs of [`Self::measure`].
+    pub fn requests(&self, plan: &ResidualPlan) -> Vec<RunRequest> {
+        let mut requests = Vec::new();
+        for condition in &plan.conditions {
+            for _ in 0..self.runs {
+                let mut request = plan.base.clone();
+                request.condition.clone_from(&condition.condition);
+                request.parameters.clone_from(&self.parameters);
+                request.effects.clone_from(&self.effects);
+                requests.push(request.with_seed(self.first_seed + requests.len() as u64));
+            }
+        }
+        requests
+    }
+
     /// Measures at all conditions of a plan: the mean of the runs plus noise of reading.
     ///
     /// The covariance is that of the runs, pooled over the conditions, over their number, with the
@@ -39,17 +54,7 @@ impl Laboratory<'_> {
         plan: &ResidualPlan,
     ) -> Result<Observed, Error> {
         let n = self.runs;
-        let mut requests = Vec::new();
-        for condition in &plan.conditions {
-            for _ in 0..n {
-                let mut request = plan.base.clone();
-                request.condition.clone_from(&condition.condition);
-                request.parameters.clone_from(&self.parameters);
-                request.effects.clone_from(&self.effects);
-                requests.push(request.with_seed(self.first_seed + requests.len() as u64));
-            }
-        }
-        let records = campaign.run_all(simulator, &requests)?;
+        let records = campaign.run_all(simulator, &self.requests(plan))?;
         let row = |record| {
             plan.observables
                 .iter()

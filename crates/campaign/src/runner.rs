@@ -1,7 +1,7 @@
 //! Doing a list of runs, once each, on several threads.
 
 use run_store::{Lookup, Record, Store};
-use std::collections::{BTreeMap, VecDeque};
+use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::fmt;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -22,6 +22,8 @@ pub struct Campaign<'a> {
     progress: &'a dyn Progress,
     /// Raised by someone who wants no further run to start.
     stop: Option<&'a AtomicBool>,
+    /// Runs of later lists, for workers that have nothing left to do.
+    meanwhile: &'a [RunRequest],
 }
 
 impl fmt::Debug for Campaign<'_> {
@@ -47,6 +49,8 @@ struct Job {
 struct Board {
     /// Jobs not yet begun, in the order in which they begin.
     waiting: VecDeque<usize>,
+    /// Jobs of later lists not yet begun.
+    later: VecDeque<Job>,
     /// Jobs in progress with the time of their begin.
     running: BTreeMap<usize, Instant>,
     /// What came of each job; none before its end.
@@ -78,6 +82,7 @@ impl<'a> Campaign<'a> {
             threads: if threads == 0 { cores() } else { threads },
             progress,
             stop: None,
+            meanwhile: &[],
         }
     }
 
@@ -85,6 +90,15 @@ impl<'a> Campaign<'a> {
     #[must_use]
     pub fn with_stop(mut self, stop: &'a AtomicBool) -> Self {
         self.stop = Some(stop);
+        self
+    }
+
+    /// Names runs that later lists will ask for: while the last runs of a list keep it from its end, a
+    /// worker that has nothing left to do begins one of these, if it can be about done by then. Their
+    /// records wait in the store; one that fails is left to the list that asks for it.
+    #[must_use]
+    pub fn with_meanwhile(mut self, requests: &'a [RunRequest]) -> Self {
+        self.meanwhile = requests;
         self
     }
 
@@ -152,9 +166,13 @@ impl<'a> Campaign<'a> {
         jobs: &[Job],
     ) -> Result<Vec<Option<Result<Record, Failure>>>, Error> {
         let begin = Instant::now();
-        let board = Mutex::new(self.look_up(jobs)?);
+        let mut board = self.look_up(jobs)?;
+        if !board.waiting.is_empty() {
+            board.later = self.later(simulator, jobs)?;
+        }
+        let workers = self.threads.min(board.waiting.len() + board.later.len());
+        let board = Mutex::new(board);
         self.tell(jobs, &lock(&board), begin);
-        let workers = self.threads.min(lock(&board).waiting.len());
         std::thread::scope(|scope| {
             for _ in 0..workers {
                 scope.spawn(|| self.work(simulator, jobs, &board, begin));
@@ -162,6 +180,17 @@ impl<'a> Campaign<'a> {
         });
         let board = board.into_inner().unwrap_or_else(PoisonError::into_inner);
         Ok(board.results)
+    }
+
+    /// The jobs of later lists that are neither in this one nor in the store.
+    fn later(&self, simulator: &dyn Simulator, jobs: &[Job]) -> Result<VecDeque<Job>, Error> {
+        let (mut later, _) = distinct_jobs(simulator, self.meanwhile)?;
+        let listed: BTreeSet<_> = jobs.iter().map(|job| job.blank.key()).collect();
+        later.retain(|job| {
+            let key = job.blank.key();
+            !listed.contains(key) && matches!(self.store.get(key), Ok(Lookup::Absent))
+        });
+        Ok(later.into())
     }
 
     /// Finds what the store has, and orders the rest, longest first.
@@ -192,6 +221,7 @@ impl<'a> Campaign<'a> {
         Ok(Board {
             reused: jobs.len() - waiting.len(),
             waiting: waiting.into(),
+            later: VecDeque::new(),
             running: BTreeMap::new(),
             results,
             cost_finished: 0.0,
@@ -216,13 +246,36 @@ impl<'a> Campaign<'a> {
             // Under the lock, so that the listener hears one thread at a time and in order.
             self.tell(jobs, &board, begin);
         }
+        while let Some(job) = self.take_later(jobs, board) {
+            // The list that asks for the run reports what is wrong with it.
+            let _ = self.run_and_store(simulator, &job);
+        }
+    }
+
+    /// Takes a job of a later list while jobs of this one run for at least half of its time, unless the
+    /// campaign is to stop.
+    fn take_later(&self, jobs: &[Job], board: &Mutex<Board>) -> Option<Job> {
+        let mut board = lock(board);
+        if self.must_stop(&board) {
+            return None;
+        }
+        let workload = self.workload(jobs, &board);
+        let needed = 0.5 * board.later.front()?.cost * workload.pace()?;
+        if board.running.is_empty() || workload.time_left_s()? < needed {
+            return None;
+        }
+        board.later.pop_front()
+    }
+
+    /// Whether no further run may begin.
+    fn must_stop(&self, board: &Board) -> bool {
+        board.broken || self.stop.is_some_and(|flag| flag.load(Ordering::SeqCst))
     }
 
     /// Takes the next job, or none when the campaign is over or to stop.
     fn take<'j>(&self, jobs: &'j [Job], board: &Mutex<Board>) -> Option<(usize, &'j Job)> {
         let mut board = lock(board);
-        let stop = self.stop.is_some_and(|flag| flag.load(Ordering::SeqCst));
-        if stop || board.broken {
+        if self.must_stop(&board) {
             return None;
         }
         let i = board.waiting.pop_front()?;
@@ -246,10 +299,10 @@ impl<'a> Campaign<'a> {
         Ok(record)
     }
 
-    /// Tells the listener how far it is.
-    fn tell(&self, jobs: &[Job], board: &Board, begin: Instant) {
+    /// What is done of the list and what is left.
+    fn workload(&self, jobs: &[Job], board: &Board) -> Workload {
         let cost = |i: &usize| jobs.get(*i).map_or(0.0, |job| job.cost);
-        let workload = Workload {
+        Workload {
             cost_finished: board.cost_finished,
             time_finished_s: board.time_finished_s,
             cost_running: board.running.keys().map(cost).collect(),
@@ -260,14 +313,18 @@ impl<'a> Campaign<'a> {
                 .collect(),
             cost_waiting: board.waiting.iter().map(cost).collect(),
             workers: self.threads,
-        };
+        }
+    }
+
+    /// Tells the listener how far it is.
+    fn tell(&self, jobs: &[Job], board: &Board, begin: Instant) {
         self.progress.update(&ProgressState {
             done: board.results.iter().flatten().count(),
             reused: board.reused,
             total: jobs.len(),
             running: board.running.len(),
             elapsed_s: begin.elapsed().as_secs_f64(),
-            left_s: workload.time_left_s(),
+            left_s: self.workload(jobs, board).time_left_s(),
         });
     }
 }

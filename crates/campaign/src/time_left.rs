@@ -18,6 +18,11 @@ pub(crate) struct Workload {
 }
 
 impl Workload {
+    /// Measured time of a run over its cost, s; none before a run is finished.
+    pub(crate) fn pace(&self) -> Option<f64> {
+        (self.cost_finished > 0.0).then(|| self.time_finished_s / self.cost_finished)
+    }
+
     /// Estimates the time to the end of the last run, s.
     ///
     /// # Formula
@@ -30,10 +35,7 @@ impl Workload {
         if self.cost_running.is_empty() && self.cost_waiting.is_empty() {
             return Some(0.0);
         }
-        if self.cost_finished <= 0.0 {
-            return None;
-        }
-        let pace = self.time_finished_s / self.cost_finished;
+        let pace = self.pace()?;
         let mut free_at: Vec<f64> = self
             .cost_running
             .iter()

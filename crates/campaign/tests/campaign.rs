@@ -138,6 +138,64 @@ fn longest_runs_begin_first() {
     assert_eq!(*toy.begun.lock().unwrap(), vec![3.0, 2.0, 1.0]);
 }
 
+/// A simulator whose run at x = 5 ends when the one at x = 0.5 has begun, or after two seconds.
+struct Waiting(Toy);
+
+impl Simulator for Waiting {
+    fn version(&self) -> String {
+        self.0.version()
+    }
+
+    fn run(&self, request: &RunRequest) -> Result<RunOutcome, SimulatorError> {
+        let x = request.parameter("x")?;
+        let outcome = self.0.run(request);
+        // The pace of this run lets the other one expect 200 ms more: time enough to be seen idle.
+        if x == 1.0 {
+            std::thread::sleep(Duration::from_millis(50));
+        }
+        let begun = || self.0.begun.lock().expect("no holder panics").contains(&0.5);
+        for _ in 0..200 {
+            if x == 5.0 && !begun() {
+                std::thread::sleep(Duration::from_millis(10));
+            }
+        }
+        outcome
+    }
+
+    fn expected_cost(&self, request: &RunRequest) -> f64 {
+        self.0.expected_cost(request)
+    }
+}
+
+/// While the last run of a list goes on, the other worker does runs of later lists: their list finds them in
+/// the store, and hears of the one that failed (x = 13). A single worker is never idle.
+#[test]
+fn idle_worker_begins_runs_of_later_lists() {
+    let folder = tempfile::tempdir().unwrap();
+    let store = Store::open(folder.path()).unwrap();
+    let later = requests(&[0.5, 13.0]);
+    let toy = Waiting(Toy::default());
+    let list = requests(&[5.0, 1.0]);
+    let begun = || toy.0.begun.lock().unwrap().clone();
+
+    let alone = tempfile::tempdir().unwrap();
+    let one = Store::open(alone.path()).unwrap();
+    Campaign::new(&one, 1, &Silent)
+        .with_meanwhile(&later)
+        .run_all(&toy, &requests(&[2.0, 1.0]))
+        .unwrap();
+    assert_eq!(begun(), [2.0, 1.0], "one worker");
+
+    let campaign = Campaign::new(&store, 2, &Silent).with_meanwhile(&later);
+    let records = campaign.run_all(&toy, &list).unwrap();
+    assert_eq!(records.len(), 2);
+    assert!(begun().contains(&0.5), "two workers: {:?}", begun());
+    let runs = |x: f64| begun().iter().filter(|&&y| y == x).count();
+    let failed = campaign.run_all(&toy, &later).unwrap_err();
+    assert!(matches!(failed, Error::Run { n_failed: 1, .. }), "{failed}");
+    assert_eq!(runs(0.5), 1, "found in the store");
+}
+
 /// One failure of each kind: an error value, a panic, and a result that is not a number.
 #[test]
 fn failure_of_a_run_is_reported_with_its_request_and_the_others_are_stored() {

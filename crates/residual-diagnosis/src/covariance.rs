@@ -103,7 +103,7 @@ impl Covariance {
     }
 
     /// The whole matrix.
-    fn whole(&self) -> DMatrix<f64> {
+    pub(crate) fn whole(&self) -> DMatrix<f64> {
         let n = self.rows();
         let mut whole = DMatrix::zeros(n, n);
         let mut start = 0;

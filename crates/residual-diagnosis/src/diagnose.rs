@@ -252,7 +252,10 @@ fn candidate_results(problem: &Problem, decision: &Decision) -> BTreeMap<String,
             ln_bf_unknown: score
                 .map(|s| s.within(problem.candidates[j].largest_amplitude))
                 .map(|z| ln_factor_of_effect(z, sign) - decision.ln_factor_of_unknown),
-            smallest_detectable: score.and_then(|s| z_detect.map(|z| z / s.length)),
+            smallest_detectable: decision
+                .nominal
+                .expected_score(problem, j)
+                .and_then(|z| z_detect.map(|needed| needed / z)),
             testable,
         }
     };

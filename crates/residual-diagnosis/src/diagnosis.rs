@@ -135,7 +135,8 @@ pub struct CandidateResult {
     pub p_max_test: Option<f64>,
     /// ln of the Bayes factor of this effect over an unknown smooth effect.
     pub ln_bf_unknown: Option<f64>,
-    /// Smallest amplitude that is seen with a chance of 90 %.
+    /// Smallest amplitude that is seen with a chance of 90 %; none where the sensitivity does not stand out
+    /// of its own noise.
     pub smallest_detectable: Option<f64>,
     /// Whether its largest physical amplitude could be seen.
     pub testable: bool,

@@ -3,6 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use crate::Error;
+use crate::covariance::{Covariance, Whitener};
 use crate::problem::Problem;
 use crate::problem_file::Sign;
 use crate::smooth_basis::smooth_basis;
@@ -27,8 +28,8 @@ struct Whitened {
     library: DMatrix<f64>,
     /// L^-1 G (rows, smooth columns).
     smooth: DMatrix<f64>,
-    /// ln det V.
-    ln_determinant: f64,
+    /// Turns rows of the problem into these.
+    whitener: Whitener,
 }
 
 /// Least squares with the declared parameters and some effects free.
@@ -175,7 +176,7 @@ impl Fit {
             shift: coefficients.rows(0, n_declared).into_owned(),
             t,
             df: whitened.residual.len() - space.rank(),
-            deviance: t + whitened.ln_determinant,
+            deviance: t + whitened.whitener.ln_determinant,
             space,
             remaining,
             whitened: whitened.clone(),
@@ -240,6 +241,22 @@ impl Fit {
             length,
             direction,
         })
+    }
+
+    /// Expected score of an effect of amplitude 1 that is off, known by a sensitivity that is itself noisy; none
+    /// where the sensitivity does not stand out of its noise.
+    ///
+    /// # Formula
+    ///
+    /// The sensitivity u is the true one, w, plus noise of covariance N: E|u|² = |w|² + tr N, and the score of the data
+    /// w along u is `w'u / |u|`, in the mean about `(|u|² - tr N) / |u|`. Both are taken in whitened rows, off what the
+    /// declared parameters absorb. [own]
+    pub(crate) fn expected_score(&self, problem: &Problem, effect: usize) -> Option<f64> {
+        let length = self.score(effect)?.length;
+        let noise = problem.used.library_noise.get(effect);
+        let noise = noise.map_or(0.0, |noise| self.whitened.noise_outside(noise, &self.space));
+        let signal = length * length - noise;
+        (signal > 0.0).then(|| signal / length)
     }
 
     /// Share of an effect that the parameters (and the effects that are on) can imitate; none when
@@ -336,8 +353,17 @@ impl Whitened {
             declared,
             library,
             smooth,
-            ln_determinant: whitener.ln_determinant,
+            whitener,
         })
+    }
+
+    /// Trace of the covariance of a noisy column, whitened and outside a space of such rows.
+    fn noise_outside(&self, noise: &Covariance, space: &Space) -> f64 {
+        let half = self.whitener.whiten(&noise.whole());
+        let n = self.residual.len();
+        // The rows of the prior have no noise.
+        let whole = self.whitener.whiten(&half.transpose()).resize(n, n, 0.0);
+        space.outside_columns(&whole).trace()
     }
 }
 

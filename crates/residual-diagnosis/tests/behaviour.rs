@@ -407,3 +407,31 @@ fn problem_file_can_be_written_and_read() {
     let d = diagnosed(read);
     assert!(d.warnings[0].contains("colour"), "{:?}", d.warnings);
 }
+
+/// A slope over four speeds, (-1.5, -0.5, 0.5, 1.5) with a free level: |u|² = 5 outside the level, and noise of
+/// variance v in each entry adds 3 v to it. The smallest amplitude that would be seen grows by 5 / (5 - 3 v); with v = 2
+/// the slope does not stand out of its noise, and there is none. Rounding only: the critical score is the same.
+#[test]
+fn noise_of_a_sensitivity_is_no_power() {
+    let smallest = |variance: Option<f64>| {
+        let mut file: ProblemFile = serde_json::from_str(
+            r#"{
+            "id": "slope", "observables": ["angle_deg"],
+            "conditions": [{"rpm": 5}, {"rpm": 10}, {"rpm": 15}, {"rpm": 20}],
+            "residual_obs_minus_sim": [0.3, -0.6, 0.2, 0.1],
+            "cov_measurement": [[1.0]], "cov_simulator": [[0.0]],
+            "sensitivities_declared": [[1], [1], [1], [1]],
+            "library": ["slope"], "sensitivities_library": [[-1.5], [-0.5], [0.5], [1.5]]
+        }"#,
+        )
+        .unwrap();
+        file.cov_sensitivities_library
+            .extend(variance.map(|v| CovarianceInput::Matrix(vec![vec![v]])));
+        let d = diagnose(&Problem::try_from(file).unwrap(), &OPTIONS).unwrap();
+        d.candidates["slope"].smallest_detectable
+    };
+    let known = smallest(None).unwrap();
+    let noisy = smallest(Some(0.5)).unwrap();
+    assert!((noisy / known - 5.0 / 3.5).abs() < 1e-12, "{noisy} and {known}");
+    assert_eq!(smallest(Some(2.0)), None);
+}

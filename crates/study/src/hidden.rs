@@ -37,6 +37,38 @@ impl Loop<'_> {
     /// Runs the campaign; the fit never sees how the data were made.
     pub(crate) fn hidden_campaign(&self, with_effect: bool) -> Result<HiddenCampaign, Error> {
         let settings = &self.study.hidden;
+        let (plan, laboratory) = self.hidden_plan(with_effect)?;
+        let true_parameters = laboratory.parameters.clone();
+        let observed = laboratory.measure(&self.campaign, self.simulator, &plan)?;
+        let study = study_residual(&self.campaign, self.simulator, &plan, &observed)?;
+        let d = &study.diagnosis;
+        let verdict_is_right = if with_effect {
+            d.verdict == Verdict::Named && d.effects == [settings.effect.clone()]
+        } else {
+            d.verdict == Verdict::None
+        };
+        Ok(HiddenCampaign {
+            hidden_effect: with_effect.then(|| settings.effect.clone()),
+            hidden_amplitude: if with_effect { settings.amplitude } else { 0.0 },
+            true_parameters,
+            study,
+            verdict_is_right,
+        })
+    }
+
+    /// The runs that stand for the measurements of both campaigns; they depend on no other result.
+    pub(crate) fn hidden_measurements(&self) -> Result<Vec<RunRequest>, Error> {
+        let mut requests = Vec::new();
+        for with_effect in [true, false] {
+            let (plan, laboratory) = self.hidden_plan(with_effect)?;
+            requests.extend(laboratory.requests(&plan));
+        }
+        Ok(requests)
+    }
+
+    /// What the fit is asked, and the truth that it is not told of.
+    fn hidden_plan(&self, with_effect: bool) -> Result<(ResidualPlan, Laboratory<'_>), Error> {
+        let settings = &self.study.hidden;
         let full = self
             .profile
             .hidden_full_seed_count
@@ -91,27 +123,13 @@ impl Loop<'_> {
             (BTreeMap::new(), DATA_SEEDS + 100_000, "reading noise, none")
         };
         let laboratory = Laboratory {
-            parameters: truth.clone(),
+            parameters: truth,
             effects,
             runs: settings.measured_runs,
             reading_sd: &settings.reading_sd,
             first_seed: self.settings.seed + first_seed,
             reading: Stream::new(self.settings.seed, purpose),
         };
-        let observed = laboratory.measure(&self.campaign, self.simulator, &plan)?;
-        let study = study_residual(&self.campaign, self.simulator, &plan, &observed)?;
-        let d = &study.diagnosis;
-        let verdict_is_right = if with_effect {
-            d.verdict == Verdict::Named && d.effects == [settings.effect.clone()]
-        } else {
-            d.verdict == Verdict::None
-        };
-        Ok(HiddenCampaign {
-            hidden_effect: with_effect.then(|| settings.effect.clone()),
-            hidden_amplitude: if with_effect { settings.amplitude } else { 0.0 },
-            true_parameters: truth,
-            study,
-            verdict_is_right,
-        })
+        Ok((plan, laboratory))
     }
 }

@@ -78,7 +78,9 @@ pub fn run_study(
         factors: study.calibration_factors()?,
         announce,
     };
-    stages.run(&store)
+    let later = stages.hidden_measurements()?;
+    let campaign = stages.campaign.with_meanwhile(&later);
+    Loop { campaign, ..stages }.run(&store)
 }
 
 /// The scenes of a study with the changes of a profile.
