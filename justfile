@@ -112,6 +112,11 @@ step-study FOLDER="out/time-step" RUNS="10":
 rolling-levels FOLDER="out/rolling-levels" RUNS="5":
     cargo run --release --locked -p study --example rolling_levels -- {{FOLDER}} {{RUNS}}
 
+# Show what larger spheres in place of the real ones do to the drum of microcrystalline cellulose: RUNS runs
+# at each of three sizes and two speeds (ten minutes for 2). Finished runs in FOLDER are found again.
+sphere-size FOLDER="out/sphere-size" RUNS="2":
+    cargo run --release --locked -p study --example sphere_size -- {{FOLDER}} {{RUNS}}
+
 # Compare rigid agglomerates with bonded ones in a slice of the drum (minutes).
 rigid-or-bonded *ARGS:
     cargo run --release --locked -p scene --example rigid_or_bonded -- "$@"

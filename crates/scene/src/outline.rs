@@ -3,8 +3,14 @@
 use clump::Sphere;
 use nalgebra::Vector3;
 
-/// Share of the height between which a flank is read: the foot is ragged and the top is round.
-const FLANK: [f64; 2] = [0.2, 0.8];
+/// Shares of the height between which a whole flank is read: the foot is ragged and the top is round.
+pub(crate) const FLANK: [f64; 2] = [0.2, 0.8];
+
+/// The lower part of a flank.
+pub(crate) const TOE: [f64; 2] = [0.1, 0.5];
+
+/// The upper part of a flank.
+pub(crate) const TOP: [f64; 2] = [0.5, 0.9];
 
 /// A direction of looking: which coordinate runs to the right.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -80,14 +86,14 @@ impl Outline {
     }
 
     /// Angle of the flank that falls to the right, rad: least squares through the columns right of the
-    /// top between a fifth and four fifths of the height. None with fewer than five columns.
-    pub(crate) fn right_flank(&self) -> Option<f64> {
+    /// top between two shares of the height. None with fewer than five columns.
+    pub(crate) fn right_flank(&self, [low, high]: [f64; 2]) -> Option<f64> {
         let height = self.height();
         let top = self.heights.iter().position(|h| *h >= height)?;
         let points: Vec<(f64, f64)> = (top..self.heights.len())
             .map(|k| (self.start + self.width * (k as f64 + 0.5), self.heights[k]))
-            .skip_while(|p| p.1 > FLANK[1] * height)
-            .take_while(|p| p.1 >= FLANK[0] * height)
+            .skip_while(|p| p.1 > high * height)
+            .take_while(|p| p.1 >= low * height)
             .collect();
         if points.len() < 5 {
             return None;
@@ -118,7 +124,7 @@ impl Outline {
 
 #[cfg(test)]
 mod tests {
-    use super::{Outline, View};
+    use super::{FLANK, Outline, TOE, TOP, View};
     use clump::Sphere;
     use nalgebra::Vector3;
 
@@ -143,9 +149,35 @@ mod tests {
         for view in [View::AlongX, View::AlongZ] {
             let outline = Outline::of(&spheres, view, 1e-3).unwrap();
             for outline in [outline.mirrored(), outline] {
-                let angle = outline.right_flank().unwrap().to_degrees();
+                let angle = outline.right_flank(FLANK).unwrap().to_degrees();
                 assert!((angle - 30.0).abs() < 0.5, "{view:?}: {angle} deg");
             }
+        }
+    }
+
+    /// A row of spheres on two lines, of 25 degrees above the middle of the height and of 12 below it: each part
+    /// reads its own. Half a degree is the roughness of the spheres; read over the whole flank it would be 18.
+    #[test]
+    fn foot_and_top_of_a_hollow_flank_have_their_own_angles() {
+        let (steep, flat) = (25_f64.to_radians().tan(), 12_f64.to_radians().tan());
+        let middle = 0.05 / steep;
+        let on_line = |i: i32| {
+            let x = f64::from(i) * 1e-3;
+            let y = if x < middle {
+                0.1 - steep * x
+            } else {
+                0.05 - flat * (x - middle)
+            };
+            (y > 0.0).then(|| Sphere {
+                centre: Vector3::new(x, y, 0.0),
+                radius: 0.6e-3,
+            })
+        };
+        let spheres: Vec<_> = (0..400).filter_map(on_line).collect();
+        let outline = Outline::of(&spheres, View::AlongZ, 1e-3).unwrap();
+        for (part, expected) in [(TOP, 25.0), (TOE, 12.0)] {
+            let angle = outline.right_flank(part).unwrap().to_degrees();
+            assert!((angle - expected).abs() < 0.5, "{part:?}: {angle} deg");
         }
     }
 
@@ -156,7 +188,7 @@ mod tests {
             radius: 1e-3,
         };
         let outline = Outline::of(&[sphere], View::AlongZ, 1e-3).unwrap();
-        assert!(outline.right_flank().is_none());
+        assert!(outline.right_flank(FLANK).is_none());
         assert!(Outline::of(&[], View::AlongZ, 1e-3).is_none());
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::build::{Built, build};
 use crate::motion::{NoKeeper, Running, SERIES_INTERVAL, advance, rest_energy, settle, snapshot};
-use crate::outline::{Outline, View};
+use crate::outline::{FLANK, Outline, TOE, TOP, View};
 use crate::{Apparatus, Error, FillingLibrary, Frame, Further, Scene, SeedBody};
 use clump::Sphere;
 use std::sync::Arc;
@@ -79,18 +79,18 @@ fn observables(scene: &Scene, frame: &Frame, bodies: &[Arc<SeedBody>]) -> Vec<Fu
     let mut angles: Vec<f64> = Vec::new();
     let mut ends = Vec::new();
     for outline in &outlines {
-        angles.extend(outline.right_flank());
+        angles.extend(outline.right_flank(FLANK));
         ends.push(outline.right_end());
         if is_heap {
             let mirrored = outline.mirrored();
-            angles.extend(mirrored.right_flank());
+            angles.extend(mirrored.right_flank(FLANK));
             ends.push(mirrored.right_end());
         }
     }
     let angles = angles.iter().map(|a| a.to_degrees()).collect();
     let heights = outlines.first().map(|o| 1e3 * o.height());
     let extent = ends.iter().map(|e| 1e3 * e).collect();
-    vec![
+    let mut all = vec![
         Further::new("angle_of_repose_deg", "deg", angles),
         Further::new("height_mm", "mm", heights.into_iter().collect()),
         Further::new(
@@ -102,5 +102,12 @@ fn observables(scene: &Scene, frame: &Frame, bodies: &[Arc<SeedBody>]) -> Vec<Fu
             "mm",
             extent,
         ),
-    ]
+    ];
+    if let (false, Some(outline)) = (is_heap, outlines.first()) {
+        for (name, part) in [("toe_angle_deg", TOE), ("top_angle_deg", TOP)] {
+            let angle = outline.right_flank(part).map(f64::to_degrees);
+            all.push(Further::new(name, "deg", angle.into_iter().collect()));
+        }
+    }
+    all
 }

@@ -8,8 +8,11 @@
 
 #![expect(clippy::print_stdout, reason = "the table is the purpose")]
 
+mod records;
+
 use campaign::{Campaign, LineProgress, RunRequest};
-use run_store::{Record, Store};
+use records::mean_and_error;
+use run_store::Store;
 use scene::Scene;
 use std::collections::BTreeMap;
 use std::error::Error;
@@ -69,17 +72,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     println!("|---|--:|--:|--:|");
     let runs = usize::try_from(runs)?;
     for ((name, value, _), of_point) in points.iter().zip(records.chunks(runs)) {
-        println!("| {name} | {value} | {runs} | {} |", cell(of_point));
+        let angle = mean_and_error(of_point, OBSERVABLE, 2);
+        println!("| {name} | {value} | {runs} | {angle} |");
     }
     Ok(())
-}
-
-/// Mean and standard error over the runs.
-fn cell(records: &[Record]) -> String {
-    let means = records.iter().filter_map(|r| r.observable(OBSERVABLE));
-    let values: Vec<f64> = means.map(|o| o.mean).collect();
-    let n = values.len() as f64;
-    let mean = values.iter().sum::<f64>() / n;
-    let square: f64 = values.iter().map(|v| (v - mean).powi(2)).sum();
-    format!("{mean:.2} +- {:.2}", (square / (n - 1.0) / n).sqrt())
 }

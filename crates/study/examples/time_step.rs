@@ -8,8 +8,11 @@
 
 #![expect(clippy::print_stdout, reason = "the table is the purpose")]
 
+mod records;
+
 use campaign::{Campaign, RunRequest, Silent};
-use run_store::{Record, Store};
+use records::mean_and_error;
+use run_store::Store;
 use scene::Scene;
 use std::collections::BTreeMap;
 use std::error::Error;
@@ -52,18 +55,8 @@ fn main() -> Result<(), Box<dyn Error>> {
         };
         let requests: Vec<_> = (1..=runs).map(request).collect();
         let records = campaign.run_all(&simulator, &requests)?;
-        let cells: Vec<_> = OBSERVABLES.iter().map(|o| cell(&records, o)).collect();
+        let cells = OBSERVABLES.map(|o| mean_and_error(&records, o, 4));
         println!("| {:.4} | {runs} | {} |", step * 1e3, cells.join(" | "));
     }
     Ok(())
-}
-
-/// Mean and standard error over the runs.
-fn cell(records: &[Record], observable: &str) -> String {
-    let means = records.iter().filter_map(|r| r.observable(observable));
-    let values: Vec<f64> = means.map(|o| o.mean).collect();
-    let n = values.len() as f64;
-    let mean = values.iter().sum::<f64>() / n;
-    let square: f64 = values.iter().map(|v| (v - mean).powi(2)).sum();
-    format!("{mean:.4} +- {:.4}", (square / (n - 1.0) / n).sqrt())
 }

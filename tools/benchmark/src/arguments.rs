@@ -14,7 +14,7 @@ use std::path::PathBuf;
 pub(crate) struct Arguments {
     /// Scenes: seeds-N (the drum of the study, its length in proportion to N) or spheres-N (plain
     /// spheres) [default: seeds 300, 1200, 4800 and spheres 2000, 10000, 100000; with --peers the
-    /// spheres alone, with --scaling seeds 1200 and 4800]
+    /// spheres alone, with --scaling seeds 1200 and 4800, with --against seeds 1200]
     #[arg(value_name = "SCENE")]
     scene: Vec<BenchmarkScene>,
 
@@ -43,6 +43,17 @@ pub(crate) struct Arguments {
     /// Two worlds from one start take their blocks in turn; the bodies must be the same at the end.
     #[arg(long, conflicts_with_all = ["peers", "large"])]
     pub(crate) scaling: bool,
+
+    /// Compare this build with another build of this program
+    ///
+    /// Both take blocks of 40 steps in turn, --blocks of them, so that a change of the machine meets both;
+    /// the median ratio is what counts. Says whether both worlds are the same at the end.
+    #[arg(long, value_name = "PROGRAM", conflicts_with_all = ["peers", "large", "scaling"])]
+    pub(crate) against: Option<PathBuf>,
+
+    /// Wait for a line before each block: what --against starts
+    #[arg(long, hide = true, requires = "scene")]
+    pub(crate) on_demand: bool,
 
     /// Rounds of all codes with --peers
     #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..100))]
@@ -75,6 +86,9 @@ impl Arguments {
             return self.scene.clone();
         }
         let mut all = vec![];
+        if self.against.is_some() {
+            return vec![BenchmarkScene::Seeds(1200)];
+        }
         if self.scaling {
             return vec![BenchmarkScene::Seeds(1200), BenchmarkScene::Seeds(4800)];
         }

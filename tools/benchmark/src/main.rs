@@ -1,5 +1,6 @@
 //! Measures what a step of the solver costs, and of other solvers on the same scenes.
 
+mod against;
 mod arguments;
 mod contacts;
 mod deck;
@@ -42,6 +43,16 @@ fn run(arguments: &Arguments) -> anyhow::Result<u8> {
         let rows = scaling::compare(arguments, &scenes)?;
         arguments.common.print(scaling::table(&rows))?;
         arguments.common.emit_json(&Summary { header, rows })?;
+        return Ok(DONE);
+    }
+    if let Some(other) = &arguments.against {
+        let rows = against::compare(arguments, other, &scenes)?;
+        arguments.common.print(against::table(&rows))?;
+        arguments.common.emit_json(&Summary { header, rows })?;
+        return Ok(DONE);
+    }
+    if let (true, [scene]) = (arguments.on_demand, scenes.as_slice()) {
+        against::serve(arguments, *scene)?;
         return Ok(DONE);
     }
     let rows = match scenes.as_slice() {

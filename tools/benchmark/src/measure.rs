@@ -90,7 +90,7 @@ pub(crate) fn measure_world(
 }
 
 /// Time that this process has had a processor, s.
-fn processor_seconds() -> anyhow::Result<f64> {
+pub(crate) fn processor_seconds() -> anyhow::Result<f64> {
     let file = "/proc/self/schedstat";
     let text = std::fs::read_to_string(file)
         .with_context(|| format!("cannot read {file}: the benchmark needs Linux"))?;

@@ -1,0 +1,89 @@
+//! What larger spheres in place of the real ones do to the drum of microcrystalline cellulose.
+//!
+//! `cargo run --release -p study --example sphere_size -- FOLDER [RUNS]`
+//!
+//! The bed of `fixtures/mcc/drum.toml` made of spheres of three diameters, the volume of all the same, at the two
+//! speeds of the photographs: RUNS runs (default 2) of each; prints means with standard errors. Finished runs are
+//! kept in FOLDER and found again.
+
+#![expect(clippy::print_stdout, reason = "the table is the purpose")]
+
+mod records;
+
+use campaign::{Campaign, LineProgress, RunRequest};
+use records::mean_and_error;
+use run_store::Store;
+use scene::{Override, Scene};
+use std::collections::BTreeMap;
+use std::error::Error;
+use std::path::Path;
+use study::SceneSimulator;
+
+/// Diameters, mm: that of the scene file first.
+const DIAMETERS: [f64; 3] = [3.0, 2.4, 2.0];
+
+/// Speeds of the photographs, rpm.
+const SPEEDS: [f64; 2] = [15.0, 45.0];
+
+/// What is compared.
+const OBSERVABLES: [&str; 3] = ["angle_deg", "curvature", "s_shape"];
+
+/// The drum with spheres of a diameter (mm) and the volume of bed of the file.
+fn drum(diameter: f64) -> Result<Scene, Box<dyn Error>> {
+    let path = Path::new("fixtures/mcc/drum.toml");
+    let file = Scene::read(path, &[])?;
+    let sphere = file.seed.first().ok_or("no seed in the scene")?;
+    let ratio = diameter / DIAMETERS[0];
+    let count = (sphere.count as f64 / ratio.powi(3)).round();
+    let setting = |name: &str, value: String| Override {
+        name: format!("seed.0.{name}"),
+        value,
+    };
+    let changes = [
+        setting("scale", format!("{}", sphere.scale.unwrap_or(1.0) * ratio)),
+        setting("count", format!("{count}")),
+        setting("mass", format!("{} kg", sphere.mass.si() * ratio.powi(3))),
+    ];
+    Ok(Scene::read(path, &changes)?)
+}
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let mut arguments = std::env::args().skip(1);
+    let folder = arguments.next().ok_or("usage: sphere_size FOLDER [RUNS]")?;
+    let runs: u64 = arguments.next().map_or(Ok(2), |text| text.parse())?;
+    if runs < 2 {
+        return Err("RUNS must be 2 or more: one run has no standard error".into());
+    }
+    let mut scenes = BTreeMap::new();
+    for diameter in DIAMETERS {
+        scenes.insert(diameter.to_string(), drum(diameter)?);
+    }
+    let counts: Vec<_> = DIAMETERS
+        .map(|d| scenes[&d.to_string()].seed_count())
+        .into();
+    let simulator = SceneSimulator::new(scenes)?;
+    let store = Store::open(folder)?;
+    let threads = std::thread::available_parallelism().map_or(1, usize::from);
+    let progress = LineProgress::new(std::io::stderr());
+    let campaign = Campaign::new(&store, threads, &progress);
+    let mut requests = Vec::new();
+    for diameter in DIAMETERS {
+        for speed in SPEEDS {
+            let request = |seed| {
+                RunRequest::new(&diameter.to_string(), seed).with_condition("rpm", speed)
+            };
+            requests.extend((1..=runs).map(request));
+        }
+    }
+    let records = campaign.run_all(&simulator, &requests)?;
+    println!("| diameter, mm | spheres | rpm | runs | {} |", OBSERVABLES.join(" | "));
+    println!("|--:|--:|--:|--:|{}", "--:|".repeat(OBSERVABLES.len()));
+    let mut of_points = records.chunks(usize::try_from(runs)?);
+    for (diameter, count) in DIAMETERS.iter().zip(counts) {
+        for (speed, of_point) in SPEEDS.iter().zip(&mut of_points) {
+            let cells = OBSERVABLES.map(|o| mean_and_error(of_point, o, 3));
+            println!("| {diameter} | {count} | {speed} | {runs} | {} |", cells.join(" | "));
+        }
+    }
+    Ok(())
+}
