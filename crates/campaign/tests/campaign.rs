@@ -153,7 +153,13 @@ impl Simulator for Waiting {
         if x == 1.0 {
             std::thread::sleep(Duration::from_millis(50));
         }
-        let begun = || self.0.begun.lock().expect("no holder panics").contains(&0.5);
+        let begun = || {
+            self.0
+                .begun
+                .lock()
+                .expect("no holder panics")
+                .contains(&0.5)
+        };
         for _ in 0..200 {
             if x == 5.0 && !begun() {
                 std::thread::sleep(Duration::from_millis(10));

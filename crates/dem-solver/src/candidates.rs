@@ -18,6 +18,9 @@ use crate::template::Packed;
 use fearless_simd::prelude::*;
 use fearless_simd::{f32x16, mask32x16, u32x16};
 
+/// The lanes, numbered.
+const NUMBERS: [u32; LANES] = [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15];
+
 /// Pose of body j in the principal frame of body i.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct RelativeSingle {
@@ -136,11 +139,11 @@ pub(crate) fn search<S: Simd>(
 
     // Spheres of j that come near the box of i and the plane before it, and the box of these.
     let infinite = f32x16::splat(simd, f32::INFINITY);
-    let lanes = u32x16::from_fn(simd, |lane| lane as u32);
+    let lanes = u32x16::from_slice(simd, &NUMBERS);
     let kept_j = &mut scratch.j;
     kept_j.reset(j.groups.len());
     let (mut low, mut high) = ([infinite; 3], [-infinite; 3]);
-    for (k, group) in (0_u32..).zip(&j.groups) {
+    for (first, group) in (0_u32..).step_by(LANES).zip(&j.groups) {
         let own = load_vectors(simd, &group.centre);
         let centre = [
             along(&own, &[r[0], r[1], r[2]]) + p[0],
@@ -157,7 +160,7 @@ pub(crate) fn search<S: Simd>(
         if keep.to_bitmask() == 0 {
             continue;
         }
-        kept_j.add(keep, &centre, radius, lanes + k * LANES as u32);
+        kept_j.add(keep, &centre, radius, lanes + first);
         for axis in 0..3 {
             low[axis] = low[axis].min(keep.select(centre[axis] - reach, infinite));
             high[axis] = high[axis].max(keep.select(centre[axis] + reach, -infinite));
@@ -167,13 +170,22 @@ pub(crate) fn search<S: Simd>(
         return skin - safety;
     }
     kept_j.pad();
-    let low = low.map(|axis| axis.reduce_min());
-    let high = high.map(|axis| axis.reduce_max());
+    // Plain code: what is given to map would not be inlined.
+    let low = [
+        low[0].reduce_min(),
+        low[1].reduce_min(),
+        low[2].reduce_min(),
+    ];
+    let high = [
+        high[0].reduce_max(),
+        high[1].reduce_max(),
+        high[2].reduce_max(),
+    ];
 
     // Spheres of i that come near that box and the plane before j.
     let kept_i = &mut scratch.i;
     kept_i.reset(i.groups.len());
-    for (k, group) in (0_u32..).zip(&i.groups) {
+    for (first, group) in (0_u32..).step_by(LANES).zip(&i.groups) {
         let (centre, radius) = (load_vectors(simd, &group.centre), load(simd, &group.radius));
         let mut keep = (along(&centre, &normal) + radius + skin).simd_gt(near_of_j);
         for axis in 0..3 {
@@ -181,7 +193,7 @@ pub(crate) fn search<S: Simd>(
             keep &= (centre[axis] - radius).simd_lt(high[axis]);
         }
         if keep.to_bitmask() != 0 {
-            kept_i.add(keep, &centre, radius, lanes + k * LANES as u32);
+            kept_i.add(keep, &centre, radius, lanes + first);
         }
     }
     pair_up(simd, kept_i, kept_j, skin, &mut scratch.found);

@@ -139,7 +139,8 @@ impl Pose {
         radius: f64,
     ) -> f64 {
         let before = Vector3::from(self.position.map(f64::from));
-        let turned = UnitQuaternion::new_unchecked(Vector4::from(self.rotation.map(f64::from)).into());
+        let turned =
+            UnitQuaternion::new_unchecked(Vector4::from(self.rotation.map(f64::from)).into());
         let turn = (turned.inverse() * rotation).imag().norm();
         (position - before).norm() + 2.0 * turn * radius
     }

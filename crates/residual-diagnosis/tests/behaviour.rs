@@ -432,6 +432,9 @@ fn noise_of_a_sensitivity_is_no_power() {
     };
     let known = smallest(None).unwrap();
     let noisy = smallest(Some(0.5)).unwrap();
-    assert!((noisy / known - 5.0 / 3.5).abs() < 1e-12, "{noisy} and {known}");
+    assert!(
+        (noisy / known - 5.0 / 3.5).abs() < 1e-12,
+        "{noisy} and {known}"
+    );
     assert_eq!(smallest(Some(2.0)), None);
 }

@@ -69,20 +69,25 @@ fn main() -> Result<(), Box<dyn Error>> {
     let mut requests = Vec::new();
     for diameter in DIAMETERS {
         for speed in SPEEDS {
-            let request = |seed| {
-                RunRequest::new(&diameter.to_string(), seed).with_condition("rpm", speed)
-            };
+            let request =
+                |seed| RunRequest::new(&diameter.to_string(), seed).with_condition("rpm", speed);
             requests.extend((1..=runs).map(request));
         }
     }
     let records = campaign.run_all(&simulator, &requests)?;
-    println!("| diameter, mm | spheres | rpm | runs | {} |", OBSERVABLES.join(" | "));
+    println!(
+        "| diameter, mm | spheres | rpm | runs | {} |",
+        OBSERVABLES.join(" | ")
+    );
     println!("|--:|--:|--:|--:|{}", "--:|".repeat(OBSERVABLES.len()));
     let mut of_points = records.chunks(usize::try_from(runs)?);
     for (diameter, count) in DIAMETERS.iter().zip(counts) {
         for (speed, of_point) in SPEEDS.iter().zip(&mut of_points) {
             let cells = OBSERVABLES.map(|o| mean_and_error(of_point, o, 3));
-            println!("| {diameter} | {count} | {speed} | {runs} | {} |", cells.join(" | "));
+            println!(
+                "| {diameter} | {count} | {speed} | {runs} | {} |",
+                cells.join(" | ")
+            );
         }
     }
     Ok(())

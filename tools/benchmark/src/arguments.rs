@@ -11,6 +11,10 @@ use std::path::PathBuf;
 /// of the blocks. With --scaling it is time on the clock instead. Exit code: 0 measured; 2 error.
 #[derive(Debug, Parser)]
 #[command(name = "benchmark", version, about)]
+#[expect(
+    clippy::struct_excessive_bools,
+    reason = "each is a flag of the command line"
+)]
 pub(crate) struct Arguments {
     /// Scenes: seeds-N (the drum of the study, its length in proportion to N) or spheres-N (plain
     /// spheres) [default: seeds 300, 1200, 4800 and spheres 2000, 10000, 100000; with --peers the
