@@ -49,22 +49,24 @@ pub(crate) fn compare(
 }
 
 /// Measures a scene: after one block each to warm up, the builds take their blocks in turn, and take
-/// turns in who is first.
+/// turns in who is first. Each runs in a process of its own: beside the one that keeps the books, a child was four
+/// percent faster.
 fn row(arguments: &Arguments, other: &Path, scene: BenchmarkScene) -> anyhow::Result<AgainstRow> {
-    let mut there = Other::start(arguments, other, scene)?;
-    let mut here = world(arguments, scene)?;
+    let program = std::env::current_exe().context("cannot find this program")?;
+    let mut here = Build::start(arguments, &program, scene)?;
+    let mut there = Build::start(arguments, other, scene)?;
     let mut pairs = Vec::new();
     for block in 0..=arguments.blocks {
         let pair = if block % 2 == 0 {
-            let first = timed(&mut here)?;
+            let first = here.timed()?;
             [first, there.timed()?]
         } else {
             let first = there.timed()?;
-            [timed(&mut here)?, first]
+            [here.timed()?, first]
         };
         pairs.extend((block > 0).then_some(pair));
     }
-    let same_bits = there.end()? == fingerprint(&here);
+    let same_bits = there.end()? == here.end()?;
     let of = |pick: fn(&[f64; 2]) -> f64| median(&pairs.iter().map(pick).collect::<Vec<_>>());
     let mut ratios: Vec<f64> = pairs.iter().map(|pair| pair[0] / pair[1]).collect();
     ratios.sort_by(f64::total_cmp);
@@ -113,7 +115,7 @@ fn fingerprint(world: &World) -> String {
     format!("{mixed:016x}")
 }
 
-/// Serves another build: a block for each line on standard input, at its end the fingerprint.
+/// Serves --against: a block for each line on standard input, at its end the fingerprint.
 pub(crate) fn serve(arguments: &Arguments, scene: BenchmarkScene) -> anyhow::Result<()> {
     let mut world = world(arguments, scene)?;
     let mut out = std::io::stdout();
@@ -126,14 +128,14 @@ pub(crate) fn serve(arguments: &Arguments, scene: BenchmarkScene) -> anyhow::Res
     Ok(())
 }
 
-/// The other build at work.
-struct Other {
+/// A build at work.
+struct Build {
     process: Child,
     orders: ChildStdin,
     answers: Lines<BufReader<ChildStdout>>,
 }
 
-impl Other {
+impl Build {
     /// Starts it on a scene.
     fn start(arguments: &Arguments, program: &Path, scene: BenchmarkScene) -> anyhow::Result<Self> {
         let mut command = Command::new(program);
@@ -160,17 +162,17 @@ impl Other {
     /// Lets it run a block; the time of a step, us.
     fn timed(&mut self) -> anyhow::Result<f64> {
         let order = writeln!(self.orders).and_then(|()| self.orders.flush());
-        order.context("the other build has ended: it must know --on-demand")?;
+        order.context("a build has ended: it must know --on-demand")?;
         let answer = self.answer()?;
         answer
             .parse()
-            .with_context(|| format!("the other build says '{answer}' instead of a time"))
+            .with_context(|| format!("a build says '{answer}' instead of a time"))
     }
 
     /// What it says next.
     fn answer(&mut self) -> anyhow::Result<String> {
         let line = self.answers.next();
-        Ok(line.context("the other build has ended: it must know --on-demand")??)
+        Ok(line.context("a build has ended: it must know --on-demand")??)
     }
 
     /// Ends it; its fingerprint.
@@ -178,7 +180,7 @@ impl Other {
         drop(self.orders);
         let line = self.answers.next();
         self.process.wait()?;
-        Ok(line.context("the other build gave no end")??)
+        Ok(line.context("a build gave no end")??)
     }
 }
 
