@@ -240,7 +240,7 @@ impl EnergyLedger {
         for (w, wall) in world.walls().iter().enumerate() {
             let at_wall = |sphere: &OuterSphere| {
                 let centre = body.position + bodies.rotation[i] * sphere.centre;
-                sphere_at_wall(&body, sphere, &centre, wall)
+                sphere_at_wall(&body, sphere, &centre, wall, &wall.nearest(&centre))
             };
             let radii = template.spheres.iter().map(|s| at_wall(s).contact_radius());
             let shares = Shares::new([template.shares_mass, false], radii);

@@ -75,7 +75,7 @@ impl Part {
     ) {
         let (neighbours, batch) = (&mut self.neighbours, &mut self.batch);
         add_pair_forces(level, neighbours, bodies, batch, context, sink);
-        self.walls.find_forces(level, bodies, walls, context);
+        self.walls.find_forces(bodies, walls, context);
     }
 
     /// [`Self::find_loads`], with the loads kept for [`Self::give_loads`].

@@ -1,10 +1,5 @@
 //! Analytic walls.
 
-#![expect(
-    clippy::inline_always,
-    reason = "the hot loops are vectorised only when inlined"
-)]
-
 use nalgebra::Vector3;
 
 /// Shape of a wall.
@@ -65,28 +60,17 @@ impl Wall {
     }
 
     /// Velocity of the wall's surface at a point, m/s.
-    #[inline(always)]
+    #[inline]
     pub(crate) fn velocity_at(&self, point: &Vector3<f64>) -> Vector3<f64> {
         Vector3::new(-self.spin * point.y, self.spin * point.x, 0.0)
     }
 
-    /// Distance of a sphere's centre from the wall, negative behind a one-sided wall, m: that of
-    /// [`Self::nearest`], to the last bit, without the direction.
-    #[inline(always)]
-    pub(crate) fn distance(&self, centre: &Vector3<f64>) -> f64 {
-        match &self.shape {
-            Shape::Cylinder { radius } => radius - distance_from_axis(centre),
-            Shape::Plane { point, normal } => (centre - point).dot(normal),
-            Shape::Rectangle { .. } => self.nearest(centre).distance,
-        }
-    }
-
     /// Nearest point of the wall.
-    #[inline(always)]
+    #[inline]
     pub(crate) fn nearest(&self, centre: &Vector3<f64>) -> Nearest {
         match &self.shape {
             Shape::Cylinder { radius } => {
-                let r = distance_from_axis(centre);
+                let r = (centre.x * centre.x + centre.y * centre.y).sqrt();
                 let towards = if r > 0.0 {
                     Vector3::new(centre.x / r, centre.y / r, 0.0)
                 } else {
@@ -122,12 +106,6 @@ impl Wall {
             }
         }
     }
-}
-
-/// Distance of a point from the z axis, m.
-#[inline(always)]
-fn distance_from_axis(point: &Vector3<f64>) -> f64 {
-    (point.x * point.x + point.y * point.y).sqrt()
 }
 
 #[cfg(test)]

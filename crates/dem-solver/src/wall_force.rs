@@ -13,10 +13,8 @@ use crate::pair_force::{Context, Slack, mover};
 use crate::shared_mass::Shares;
 use crate::snapshot::KeptContact;
 use crate::template::{OuterSphere, Template};
-use crate::wall::Wall;
+use crate::wall::{Nearest, Wall};
 use contact_law::ContactGeometry;
-use fearless_simd::prelude::*;
-use fearless_simd::{Level, dispatch};
 use nalgebra::Vector3;
 use std::ops::Range;
 
@@ -66,7 +64,7 @@ impl WallNeighbours {
         for body in range {
             let reach = templates[bodies.template[body]].bounding_radius + margin;
             for (wall, shape) in walls.iter().enumerate() {
-                if shape.distance(&bodies.position[body]) >= reach {
+                if shape.nearest(&bodies.position[body]).distance >= reach {
                     continue;
                 }
                 while let Some(entry) = old.next_if(|n| (n.body, n.wall) < (body, wall)) {
@@ -83,22 +81,7 @@ impl WallNeighbours {
     }
 
     /// Finds the forces of all walls.
-    pub(crate) fn find_forces(
-        &mut self,
-        level: Level,
-        bodies: &Bodies,
-        walls: &[Wall],
-        context: &Context<'_>,
-    ) {
-        dispatch!(level, simd => simd.vectorize(
-            #[inline(always)]
-            || self.find_forces_inlined(bodies, walls, context),
-        ));
-    }
-
-    /// [`Self::find_forces`] for the instruction set of the caller.
-    #[inline(always)]
-    fn find_forces_inlined(&mut self, bodies: &Bodies, walls: &[Wall], context: &Context<'_>) {
+    pub(crate) fn find_forces(&mut self, bodies: &Bodies, walls: &[Wall], context: &Context<'_>) {
         for near in &mut self.near {
             let template = &context.templates[bodies.template[near.body]];
             let wall = &walls[near.wall];
@@ -184,7 +167,6 @@ impl Near {
     }
 
     /// Lists the spheres that may touch before the body has moved by the skin.
-    #[inline(always)]
     #[expect(
         clippy::cast_possible_truncation,
         reason = "rounding is covered by the safety"
@@ -195,7 +177,7 @@ impl Near {
         let mut nearest = f64::INFINITY;
         for (k, sphere) in template.spheres.iter().enumerate() {
             let centre = position + rotation * sphere.centre;
-            let gap = wall.distance(&centre) - sphere.radius;
+            let gap = wall.nearest(&centre).distance - sphere.radius;
             nearest = nearest.min(gap);
             if gap < f64::from(slack.skin) {
                 self.candidates.push(u16::try_from(k).unwrap_or(u16::MAX));
@@ -215,7 +197,6 @@ impl Near {
     }
 
     /// Forces of the spheres that touch; puts the entry to sleep if none does.
-    #[inline(always)]
     #[expect(
         clippy::cast_possible_truncation,
         reason = "rounding is covered by the safety"
@@ -233,19 +214,17 @@ impl Near {
         let rotation = &bodies.rotation[self.body];
         let mut total = Effect::default();
         let mut nearest_gap = f64::INFINITY;
-        let place = |k: u16| {
+        let at_wall = |k: u16| {
             let sphere = &template.spheres[usize::from(k)];
-            (sphere, body.position + rotation * sphere.centre)
+            let centre = body.position + rotation * sphere.centre;
+            sphere_at_wall(body, sphere, &centre, wall, &wall.nearest(&centre))
         };
-        let radii = self.candidates.iter().map(|&k| {
-            let (sphere, centre) = place(k);
-            sphere_at_wall(body, sphere, &centre, wall).contact_radius()
-        });
+        let radii = self.candidates.iter().map(|&k| at_wall(k).contact_radius());
         let shares = Shares::new([template.shares_mass, false], radii);
         for &k in &self.candidates {
             let key = u32::from(k) << 16;
-            let (sphere, centre) = place(k);
-            let overlap = sphere.radius - wall.distance(&centre);
+            let mut contact = at_wall(k);
+            let overlap = contact.geometry.overlap;
             nearest_gap = nearest_gap.min(-overlap);
             let known = self.touches.iter().position(|t| t.key == key);
             let ends = if known.is_some() { -reach } else { 0.0 };
@@ -255,7 +234,6 @@ impl Near {
                 }
                 continue;
             }
-            let mut contact = sphere_at_wall(body, sphere, &centre, wall);
             contact.share_mass(shares.as_ref());
             let at = known.unwrap_or_else(|| {
                 self.touches.push(Touch {
@@ -287,8 +265,8 @@ pub(crate) fn sphere_at_wall(
     sphere: &OuterSphere,
     centre: &Vector3<f64>,
     wall: &Wall,
+    nearest: &Nearest,
 ) -> SphereWall {
-    let nearest = wall.nearest(centre);
     let overlap = sphere.radius - nearest.distance;
     let point = centre + nearest.towards * (sphere.radius - 0.5 * overlap);
     SphereWall {
