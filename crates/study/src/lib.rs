@@ -17,6 +17,7 @@ mod report_page;
 mod result;
 mod simulator;
 mod tables;
+mod unit_of_name;
 
 pub use diagnosis_file::{
     DeclaredEntry, DiagnosisFile, MeasuredEntry, Measurement, PlannedDiagnosis, Prior, Role,

@@ -1,5 +1,7 @@
 //! Numbers as people read them: with unit, uncertainty and count, a dash where there is none.
 
+use crate::unit_of_name::split_unit;
+
 /// What stands for a number that is not defined.
 pub(crate) const DASH: &str = "–";
 
@@ -81,10 +83,8 @@ pub(crate) fn degrees(mean: f64, sd: Option<f64>, n: usize) -> String {
 
 /// The unit of an observable by the ending of its name, and its name in words.
 pub(crate) fn observable(name: &str) -> (String, &'static str) {
-    match name.strip_suffix("_deg") {
-        Some(stem) => (stem.replace('_', " "), "°"),
-        None => (name.replace('_', " "), ""),
-    }
+    let (stem, unit) = split_unit(name).unwrap_or((name, ""));
+    (stem.replace('_', " "), unit)
 }
 
 /// Names in a sentence; a dash for none.

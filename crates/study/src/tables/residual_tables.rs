@@ -2,11 +2,12 @@
 
 use super::csv::{CsvTable, Field};
 use crate::report_page::campaign::{residual_se, stages};
+use crate::unit_of_name::split_unit;
 use calibration::ResidualStudy;
 
 /// An observable with its unit: `_1` where the name holds none.
 fn with_unit(name: &str) -> String {
-    if name.ends_with("_deg") {
+    if split_unit(name).is_some() {
         name.to_owned()
     } else {
         format!("{name}_1")
