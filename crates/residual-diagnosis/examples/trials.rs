@@ -26,9 +26,10 @@ simulator itself, as in `just calibrate`.
 Strength is the amplitude of the hidden effect over its standard error after re-tuning; for a bad value, its
 error over its standard deviation. Columns are shares of the campaigns in percent. `in the tie set`: one of
 several that cannot be told apart, or one that helps while something remains. `false name`: effects named
-or tied, none of them hidden. `taken out`: the effect made the data and the library did not hold it. Where a
-near twin of it stays in the library, the twin is named: these data cannot tell them apart, and only
-another observable or condition could.";
+or tied, none of them hidden. `taken out`: the effect made the data and the library did not hold it. `left by the
+nearest`: what the effect of the library that imitates it best leaves of it without noise, in standard deviations; a
+twin leaves less than 4, too little to tell the two apart. Only another observable or condition could, and the twin
+may be named in place of the effect.";
 
 fn main() -> Result<(), Box<dyn Error>> {
     let mut arguments = std::env::args().skip(1);
@@ -59,9 +60,9 @@ fn main() -> Result<(), Box<dyn Error>> {
 fn print_rows(rows: &[TrialRow]) {
     println!(
         "| hidden | strength | nothing | named rightly | in the tie set | false name | unknown | \
-         measure again |"
+         measure again | left by the nearest |"
     );
-    println!("|---|--:|--:|--:|--:|--:|--:|--:|");
+    println!("|---|--:|--:|--:|--:|--:|--:|--:|---|");
     for row in rows {
         let (hidden, strength) = words(&row.truth);
         let strength = strength.map_or_else(String::new, |s| s.to_string());
@@ -74,8 +75,12 @@ fn print_rows(rows: &[TrialRow]) {
             row.unknown,
             row.recheck,
         ];
+        let nearest = row.nearest.as_ref().map_or_else(String::new, |n| {
+            let twin = if n.twin { ", a twin" } else { "" };
+            format!("{:.1}, {}{twin}", n.left, n.name)
+        });
         println!(
-            "| {hidden} | {strength} | {} |",
+            "| {hidden} | {strength} | {} | {nearest} |",
             counts.map(percent).join(" | ")
         );
     }
@@ -104,13 +109,29 @@ fn print_summary(rows: &[TrialRow]) {
         let right = sum(&members, |r| r.named + r.tied);
         let namings = right + sum(&members, |r| r.false_name);
         let outside = of(|t| matches!(t, Truth::TakenOut { .. } | Truth::Outsider { .. }));
+        let false_names = |rows: &[&TrialRow]| {
+            let share = sum(rows, |r| r.false_name) / sum(rows, |r| r.trials);
+            format!("{:.1} %", 100.0 * share)
+        };
+        let (twins, others): (Vec<_>, Vec<_>) = outside
+            .iter()
+            .partition(|r| r.nearest.as_ref().is_some_and(|n| n.twin));
+        let twins = match twins.len() {
+            0 => "none of them has a twin in the library".to_owned(),
+            n => format!(
+                "{} for the {n} with a twin in the library, {} for the {} without",
+                false_names(&twins),
+                false_names(&others),
+                others.len()
+            ),
+        };
         println!(
             "- Strength {strength}: a hidden effect of the library is in the named set in {:.1} % of \
              the campaigns and in {:.1} % of the namings; an effect outside the library gets a false \
-             name in {:.1} %.",
+             name in {} ({twins}).",
             100.0 * right / sum(&members, |r| r.trials),
             100.0 * right / namings,
-            100.0 * sum(&outside, |r| r.false_name) / sum(&outside, |r| r.trials),
+            false_names(&outside),
         );
     }
 }

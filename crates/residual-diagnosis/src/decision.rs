@@ -5,6 +5,7 @@ use crate::diagnosis::Verdict;
 use crate::fit::Fit;
 use crate::gates::{ALPHA, GATE, Gates, testable};
 use crate::problem::Problem;
+use crate::problem_file::Sign;
 use crate::tails::{normal_upper_quantile, upper_tail};
 use crate::{Error, Options};
 
@@ -47,8 +48,8 @@ struct Taken {
     fit: Fit,
     /// What the gates say of what remains.
     gates: Gates,
-    /// ln of the Bayes factor of all of them against none.
-    ln_factor: f64,
+    /// The score of each when it was taken, and the sign that it may have.
+    scores: Vec<(f64, Sign)>,
     /// Whether each after the first beats an unknown effect beside those before it.
     each_beats_unknown: bool,
 }
@@ -91,6 +92,28 @@ pub(crate) fn decide(problem: &Problem, options: &Options) -> Result<Decision, E
     Ok(decision)
 }
 
+impl Taken {
+    /// ln of the Bayes factor of the effects against none, where the variance is this many times that of
+    /// the noise.
+    fn ln_factor(&self, variance: f64) -> f64 {
+        let factor = |&(z, sign): &(f64, Sign)| ln_factor_of_effect(z / variance.sqrt(), sign);
+        self.scores.iter().map(factor).sum()
+    }
+
+    /// Whether they help beside an unknown smooth effect, not only in its place.
+    fn help_beside_smooth(&self, ln_factor_of_unknown_alone: f64) -> bool {
+        let together = self.ln_factor(1.0) + ln_factor_of_unknown(&self.fit);
+        together - ln_factor_of_unknown_alone > LN_FACTOR_TO_NAME
+    }
+
+    /// Whether they help where something unknown of any shape scatters the values about them, by as much as
+    /// remains: an outside effect that a member resembles in part is no reason to name the member.
+    fn help_beside_scatter(&self) -> bool {
+        let scatter = self.fit.t / self.fit.df.max(1) as f64;
+        self.ln_factor(scatter.max(1.0)) > LN_FACTOR_TO_NAME
+    }
+}
+
 impl Decision {
     /// Looks for effects to name once a candidate stands out.
     fn name(&mut self, problem: &Problem, options: &Options) -> Result<(), Error> {
@@ -101,7 +124,7 @@ impl Decision {
         members.dedup();
         let adequate = taken.gates.adequate();
         let beats = taken.each_beats_unknown
-            && taken.ln_factor - self.ln_factor_of_unknown > LN_FACTOR_TO_NAME;
+            && taken.ln_factor(1.0) - self.ln_factor_of_unknown > LN_FACTOR_TO_NAME;
         if !adequate && self.lone_condition_explains(problem, options)? {
             self.verdict = Verdict::Recheck;
             self.suspects = members;
@@ -110,7 +133,10 @@ impl Decision {
         self.verdict = match (adequate, beats) {
             (true, true) if members.len() == taken.fit.effects.len() => Verdict::Named,
             (true, true) => Verdict::Tie,
-            (false, _) if helps_beside_unknown(&taken, self.ln_factor_of_unknown) => {
+            (false, _)
+                if taken.help_beside_smooth(self.ln_factor_of_unknown)
+                    && taken.help_beside_scatter() =>
+            {
                 Verdict::Partial
             }
             _ => Verdict::Unknown,
@@ -131,7 +157,7 @@ impl Decision {
         let mut taken = Taken {
             fit: self.nominal.clone(),
             gates: self.gates.clone(),
-            ln_factor: 0.0,
+            scores: Vec::new(),
             each_beats_unknown: true,
         };
         while let Some(j) = taken.gates.best.filter(|_| taken.gates.directed()) {
@@ -143,12 +169,12 @@ impl Decision {
             let candidate = &problem.candidates[j];
             let score = taken.gates.scores[j].as_ref();
             let z = score.map_or(0.0, |s| s.within(candidate.largest_amplitude));
-            let step = ln_factor_of_effect(z, candidate.sign);
             if !first {
+                let step = ln_factor_of_effect(z, candidate.sign);
                 let rival = ln_factor_of_unknown(&taken.fit);
                 taken.each_beats_unknown &= step - rival > LN_FACTOR_TO_NAME;
             }
-            taken.ln_factor += step;
+            taken.scores.push((z, candidate.sign));
             let mut effects = taken.fit.effects.clone();
             effects.push(j);
             taken.fit = Fit::new(problem, &effects)?;
@@ -210,12 +236,6 @@ fn tie_limit(n_candidates: usize) -> f64 {
         return 0.0;
     }
     normal_upper_quantile(ALPHA / (n_candidates - 1) as f64).powi(2)
-}
-
-/// Whether the effects that were taken help beside an unknown effect, not only in its place.
-fn helps_beside_unknown(taken: &Taken, ln_factor_of_unknown_alone: f64) -> bool {
-    let together = taken.ln_factor + ln_factor_of_unknown(&taken.fit);
-    together - ln_factor_of_unknown_alone > LN_FACTOR_TO_NAME
 }
 
 /// The condition without which the structured residual is no more than noise, if its departure is

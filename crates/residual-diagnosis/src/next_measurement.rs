@@ -11,7 +11,7 @@ use crate::problem::{Experiment, Problem};
 use crate::space::Space;
 
 /// Separation at which two effects are told apart nearly always: P(wrong) = Phi(-2).
-const SEPARATION_TO_REACH: f64 = 4.0;
+pub(crate) const SEPARATION_TO_REACH: f64 = 4.0;
 /// Longest plan; more of the same seldom helps.
 const LONGEST_PLAN: usize = 6;
 /// Share of the scale of the parameters that keeps ln det finite before they are all seen.

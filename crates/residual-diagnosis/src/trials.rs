@@ -9,6 +9,7 @@ use crate::decision::decide;
 use crate::diagnosis::Verdict;
 use crate::fit::Fit;
 use crate::gates::testable;
+use crate::next_measurement::SEPARATION_TO_REACH;
 use crate::problem::{Prior, Problem};
 use crate::smooth_basis::smooth_basis;
 use crate::{Error, Options};
@@ -76,6 +77,23 @@ pub struct TrialRow {
     pub unknown: usize,
     /// One condition to be measured again.
     pub recheck: usize,
+    /// For an effect that was taken out, what the library still holds that looks most like it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub nearest: Option<NearestEffect>,
+}
+
+/// The effect of a library that imitates another one best.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct NearestEffect {
+    /// Its name.
+    pub name: String,
+    /// What it leaves of the other effect, in standard deviations: the square root of the structured residual
+    /// T of data without noise, fitted with it and the declared parameters; for an effect of either sign,
+    /// the smaller of the two.
+    pub left: f64,
+    /// Whether that is too little to tell the two apart: less than 4, the separation that a next measurement
+    /// is planned for.
+    pub twin: bool,
 }
 
 impl TrialRow {
@@ -185,6 +203,7 @@ impl<'a> Design<'a> {
             false_name: 0,
             unknown: 0,
             recheck: 0,
+            nearest: self.nearest(truth)?,
         };
         for trial in 0..number as u64 {
             let (problem, hidden) = self.campaign(truth, &mut stream)?;
@@ -280,9 +299,47 @@ impl<'a> Design<'a> {
         } else {
             sign.allows(1.0)
         };
+        self.signed_effect(j, strength, positive)
+    }
+
+    /// What an effect of the library does at a strength.
+    fn signed_effect(&self, j: usize, strength: f64, positive: bool) -> DVector<f64> {
         let length = self.nominal.score(j).map_or(f64::INFINITY, |s| s.length);
         let amplitude = strength / length * if positive { 1.0 } else { -1.0 };
         self.problem.used.library.column(j) * amplitude
+    }
+
+    /// What imitates an effect that was taken out; none for other truths, and where nothing is left to.
+    fn nearest(&self, truth: &Truth) -> Result<Option<NearestEffect>, Error> {
+        let Truth::TakenOut { name, strength } = truth else {
+            return Ok(None);
+        };
+        let j = self.number(name)?;
+        let mut nearest: Option<NearestEffect> = None;
+        for positive in [true, false] {
+            if !self.problem.candidates[j]
+                .sign
+                .allows(if positive { 1.0 } else { -1.0 })
+            {
+                continue;
+            }
+            let mut problem = self.problem.clone();
+            problem.used.residual = self.signed_effect(j, *strength, positive);
+            if let Some(prior) = &mut problem.prior {
+                prior.offset.fill(0.0);
+            }
+            for &k in self.testable.iter().filter(|&&k| k != j) {
+                let left = Fit::new(&problem, &[k])?.t.sqrt();
+                if nearest.as_ref().is_none_or(|n| left < n.left) {
+                    nearest = Some(NearestEffect {
+                        name: self.problem.candidates[k].name.clone(),
+                        left,
+                        twin: left < SEPARATION_TO_REACH,
+                    });
+                }
+            }
+        }
+        Ok(nearest)
     }
 
     /// A random smooth effect: a direction of the smooth basis that re-tuning cannot absorb.

@@ -6,7 +6,7 @@ use super::residual_parts::{ANSWER_CHART, answer_colour};
 use super::{campaign, chart, residual_section};
 use crate::{DiagnosisResult, Error};
 use report::{Column, Fact, Report, Table};
-use residual_diagnosis::{TrialRow, Truth, Verdict};
+use residual_diagnosis::{NearestEffect, TrialRow, Truth, Verdict};
 
 /// Makes the page as HTML.
 pub(crate) fn page(result: &DiagnosisResult, pictures: &[NamedPicture]) -> Result<String, Error> {
@@ -110,6 +110,7 @@ fn known_truth(report: &mut Report, rows: &[TrialRow]) -> Result<(), Error> {
             Column::number("false name"),
             Column::number("unknown"),
             Column::number("measure again"),
+            Column::text("left by the nearest other effect, standard deviations"),
         ],
     )?;
     for row in rows {
@@ -122,10 +123,21 @@ fn known_truth(report: &mut Report, rows: &[TrialRow]) -> Result<(), Error> {
             percent(row.false_name),
             percent(row.unknown),
             percent(row.recheck),
+            row.nearest.as_ref().map_or_else(String::new, nearest),
         ])?;
     }
     report.table(&table);
+    report.paragraph(
+        "An effect that the library does not hold may be named by one that it holds, where that one leaves \
+         less of it than 4: these data cannot tell such twins apart.",
+    );
     Ok(())
+}
+
+/// What imitates an effect that was taken out, in words.
+fn nearest(nearest: &NearestEffect) -> String {
+    let twin = if nearest.twin { ", a twin" } else { "" };
+    format!("{} by {}{twin}", fixed(nearest.left, 1), nearest.name)
 }
 
 /// A truth in words.
