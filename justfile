@@ -36,7 +36,7 @@ diagnose *ARGS:
 # Draw campaigns with known truth, count how often the diagnosis is right, and write the page (minutes).
 trials NUMBER="200":
     cargo build --release --locked -p residual-diagnosis --example trials
-    "${CARGO_TARGET_DIR:-target}/release/examples/trials" {{NUMBER}} fixtures/diagnosis/drum/problem.json fixtures/diagnosis/single/problem.json fixtures/diagnosis/tie/problem.json > docs/trials.md
+    "${CARGO_TARGET_DIR:-target}/release/examples/trials" {{NUMBER}} fixtures/diagnosis/drum/problem.json fixtures/diagnosis/library/problem.json fixtures/diagnosis/single/problem.json fixtures/diagnosis/tie/problem.json > docs/trials.md
     printf '\n`just trials {{NUMBER}}`, %s.\n' "$(date -I)" >> docs/trials.md
 
 # Hide each effect of the library in data that the solver makes, diagnose them, and write the page (an hour).
@@ -116,6 +116,11 @@ rolling-levels FOLDER="out/rolling-levels" RUNS="5":
 # at each of three sizes and two speeds (ten minutes for 2). Finished runs in FOLDER are found again.
 sphere-size FOLDER="out/sphere-size" RUNS="2":
     cargo run --release --locked -p study --example sphere_size -- {{FOLDER}} {{RUNS}}
+
+# Show the angle at the bench measurements against the roughness of the filling, RUNS runs at each of five, and
+# carry it on to smooth seeds (a quarter of an hour for 4). Finished runs in FOLDER are found again.
+smoothness FOLDER="out/smoothness" RUNS="4":
+    cargo run --release --locked -p study --example smoothness -- {{FOLDER}} {{RUNS}}
 
 # Compare rigid agglomerates with bonded ones in a slice of the drum (minutes).
 rigid-or-bonded *ARGS:

@@ -194,15 +194,22 @@ pub fn study_residual(
     let mut linear = linear.with_scatter(&at_fit);
     let mut file = assemble::problem(plan, observed, &linear, &fitted, &at_fit);
     let mut diagnosis = diagnose(&Problem::try_from(file.clone())?, &Options::new(plan.seed))?;
-    let suspects = suspects(plan, &diagnosis);
-    if !suspects.is_empty() {
+    let mut warnings = Vec::new();
+    for look in [Look::AtTheFit, Look::AtItsOwnFit] {
+        let settings = look.settings(plan, observed, &linear, (&fitted, &at_fit), &diagnosis)?;
+        if settings.is_empty() {
+            break;
+        }
         let fit = (fitted.as_slice(), &at_fit, block);
-        let warnings;
-        (linear, warnings) = measured_anew(campaign, simulator, plan, linear, fit, &suspects)?;
+        let blocks = look.first_block()..;
+        let runs = settings.into_iter().zip(blocks);
+        let failed;
+        (linear, failed) = measured_anew(campaign, simulator, plan, linear, fit, runs)?;
+        warnings.extend(failed);
         file = assemble::problem(plan, observed, &linear, &fitted, &at_fit);
         diagnosis = diagnose(&Problem::try_from(file.clone())?, &Options::new(plan.seed))?;
-        diagnosis.warnings.extend(warnings);
     }
+    diagnosis.warnings.extend(warnings);
     let errors_before = assemble::errors(plan, observed, &linear, &at_fit)?;
     let after =
         if diagnosis.effects.is_empty() || !diagnosis.tie_groups.iter().all(|g| g.len() == 1) {
@@ -249,18 +256,79 @@ pub fn study_residual(
 /// Largest number of effects whose sensitivity is measured anew.
 const MOST_SUSPECTS: usize = 3;
 
-/// Effects whose sensitivity decides, with the amplitudes that the first diagnosis gives them: where
-/// more than noise remains, the best explanations of it.
+/// Where the sensitivities of suspects are measured anew.
 ///
-/// A sensitivity is a difference quotient at the start, with a step of its own choice. Parameters and
-/// amplitudes end elsewhere, so that it is measured anew there, from the fit to the amplitude.
-fn suspects(plan: &ResidualPlan, diagnosis: &Diagnosis) -> Vec<(usize, f64)> {
-    if matches!(
-        diagnosis.verdict,
-        Verdict::None | Verdict::Refused | Verdict::NotTestable
-    ) {
-        return Vec::new();
+/// A sensitivity is a difference quotient at the start, with a step of its own choice. Parameters and amplitudes
+/// end elsewhere.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Look {
+    /// At the fitted parameters, with the amplitude that the diagnosis gives: wherever something stands out.
+    AtTheFit,
+    /// At the parameters and the amplitude that fit best together: where no effect is adequate by the first look,
+    /// or none beats an unknown one. A real effect that the parameters have partly taken up, or that does
+    /// not grow in proportion to its amplitude, is then no longer judged by a straight line.
+    AtItsOwnFit,
+}
+
+impl Look {
+    /// First block of seeds of its runs; there are [`MOST_SUSPECTS`] of them.
+    fn first_block(self) -> u64 {
+        match self {
+            Self::AtTheFit => 6,
+            Self::AtItsOwnFit => 6 + MOST_SUSPECTS as u64,
+        }
     }
+
+    /// The effects to look at, and the settings to run; none where the diagnosis needs no such look.
+    fn settings(
+        self,
+        plan: &ResidualPlan,
+        observed: &Observed,
+        linear: &Linearisation,
+        (fitted, at_fit): (&[f64], &Means),
+        diagnosis: &Diagnosis,
+    ) -> Result<Vec<(usize, runs::Setting)>, Error> {
+        let needed = match self {
+            Self::AtTheFit => !matches!(
+                diagnosis.verdict,
+                Verdict::None | Verdict::Refused | Verdict::NotTestable
+            ),
+            Self::AtItsOwnFit => {
+                matches!(diagnosis.verdict, Verdict::Unknown | Verdict::Partial)
+            }
+        };
+        if !needed {
+            return Ok(Vec::new());
+        }
+        let mut settings = Vec::new();
+        for (effect, amplitude) in suspects(plan, diagnosis) {
+            let name = plan.effects[effect].name.clone();
+            let mut setting = runs::Setting::declared(plan, fitted);
+            // What leaves the motion alone has the noise of the fit only where the parameters are those of the fit.
+            if self == Self::AtItsOwnFit && !linear.shares_noise(effect) {
+                setting.effects.insert(name.clone(), 0.0);
+                let about = (&setting, at_fit);
+                setting = refit::with_effects(
+                    plan,
+                    observed,
+                    linear,
+                    std::slice::from_ref(&name),
+                    about,
+                )?;
+            } else {
+                setting.effects.insert(name.clone(), amplitude);
+            }
+            if setting.effects[&name] != 0.0 {
+                settings.push((effect, setting));
+            }
+        }
+        Ok(settings)
+    }
+}
+
+/// Effects whose sensitivity decides, with the amplitudes that the diagnosis gives them: the best explanations of
+/// what remains.
+fn suspects(plan: &ResidualPlan, diagnosis: &Diagnosis) -> Vec<(usize, f64)> {
     let mut suspects = Vec::new();
     for (j, effect) in plan.effects.iter().enumerate() {
         let candidate = diagnosis.candidates.get(&effect.name);
@@ -277,35 +345,36 @@ fn suspects(plan: &ResidualPlan, diagnosis: &Diagnosis) -> Vec<(usize, f64)> {
     suspects.into_iter().map(|(_, j, a)| (j, a)).collect()
 }
 
-/// Runs each suspect at the fitted parameters with its amplitude and takes its sensitivity from there; a
-/// warning for each that cannot be run.
+/// Runs each suspect at its setting and takes its sensitivity from there; a warning for each that cannot be run.
 ///
-/// An effect that shares the noise of the runs without it gets their seeds, the others their own.
+/// An effect that shares the noise of the runs without it gets their seeds, the others those of their own block.
 fn measured_anew(
     campaign: &Campaign<'_>,
     simulator: &dyn Simulator,
     plan: &ResidualPlan,
     mut linear: Linearisation,
     (fitted, at_fit, block): (&[f64], &Means, u64),
-    suspects: &[(usize, f64)],
+    suspects: impl Iterator<Item = ((usize, runs::Setting), u64)>,
 ) -> Result<(Linearisation, Vec<String>), Error> {
-    let on = |(&(effect, amplitude), own): (&(usize, f64), u64)| {
-        let mut on = runs::Setting::declared(plan, fitted);
-        let name = plan.effects[effect].name.clone();
-        on.effects.insert(name, amplitude);
+    let (mut effects, mut settings) = (Vec::new(), Vec::new());
+    for ((effect, setting), own) in suspects {
         let shares = linear.shares_noise(effect);
-        (on, if shares { block } else { own })
-    };
-    let settings: Vec<_> = suspects.iter().zip(6..).map(on).collect();
+        effects.push(effect);
+        settings.push((setting, if shares { block } else { own }));
+    }
     let means = runs::means_of_each(campaign, simulator, plan, &settings)?;
     let mut warnings = Vec::new();
-    for (&(effect, amplitude), means) in suspects.iter().zip(means) {
+    for ((effect, (setting, _)), means) in effects.into_iter().zip(&settings).zip(means) {
+        let name = &plan.effects[effect].name;
         match means {
-            Ok(means) => linear = linear.with_secant(effect, amplitude, at_fit, &means),
+            Ok(means) => {
+                let from = (runs::Setting::declared(plan, fitted), at_fit);
+                linear = linear.with_secant(plan, effect, (&from.0, from.1), (setting, &means));
+            }
             Err(reason) => warnings.push(format!(
-                "{} could not be run at the amplitude {amplitude:.3} that the data ask for, so that it is \
-                 judged by its sensitivity at the start: {reason}",
-                plan.effects[effect].name
+                "{name} could not be run at the amplitude {:.3} that the data ask for, so that it is \
+                 judged by its sensitivity further away: {reason}",
+                setting.effects[name]
             )),
         }
     }

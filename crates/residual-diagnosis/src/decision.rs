@@ -70,7 +70,7 @@ pub(crate) fn decide(problem: &Problem, options: &Options) -> Result<Decision, E
         recheck: None,
         chosen: nominal.clone(),
         singles,
-        tie_limit: tie_limit(testable.len()),
+        tie_limit: tie_limit(testable.len(), problem.used.has_noisy_sensitivities()),
         ln_factor_of_unknown: ln_factor_of_unknown(&nominal),
         testable,
         nominal,
@@ -228,14 +228,25 @@ impl Decision {
     }
 }
 
-/// Largest distance of deviance inside a tie set: the square of the normal quantile at
-/// alpha / (M - 1), so that the set keeps the true effect with chance 1 - alpha at least, however
-/// collinear the M candidates are.
-fn tie_limit(n_candidates: usize) -> f64 {
+/// Largest distance of deviance inside a tie set, so that the set keeps the true effect with chance 1 - alpha at
+/// least, however collinear the M candidates are.
+///
+/// # Formula
+///
+/// Exact sensitivities: the square of the normal quantile at alpha / (M - 1). Noisy ones: 2 ln((M - 1) / alpha),
+/// because a rival may then win by the noise of its own sensitivity, which no normal quantile bounds; under the
+/// true effect the likelihood ratio of any rival has the mean 1, so it exceeds (M - 1) / alpha with a chance of
+/// alpha / (M - 1) at most. [statistics of this project, section 4.2, step 7; the second is own]
+fn tie_limit(n_candidates: usize, noisy: bool) -> f64 {
     if n_candidates < 2 {
         return 0.0;
     }
-    normal_upper_quantile(ALPHA / (n_candidates - 1) as f64).powi(2)
+    let share = ALPHA / (n_candidates - 1) as f64;
+    if noisy {
+        -2.0 * share.ln()
+    } else {
+        normal_upper_quantile(share).powi(2)
+    }
 }
 
 /// The condition without which the structured residual is no more than noise, if its departure is

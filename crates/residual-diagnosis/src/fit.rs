@@ -90,8 +90,7 @@ pub(crate) struct SmoothTest {
 impl Fit {
     /// Fits a problem with these effects on.
     pub(crate) fn new(problem: &Problem, effects: &[usize]) -> Result<Self, Error> {
-        let noisy =
-            !problem.used.declared_noise.is_empty() || !problem.used.library_noise.is_empty();
+        let noisy = problem.used.has_noisy_sensitivities();
         let mut fit = Self::constrained(problem, effects, &DVector::zeros(0), &[])?;
         if noisy {
             for _ in 0..NOISE_ROUNDS {

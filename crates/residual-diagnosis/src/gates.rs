@@ -118,15 +118,19 @@ impl Gates {
     }
 }
 
-/// Candidates whose largest physical amplitude would be seen; one without a limit always would,
-/// unless it is absorbed wholly.
+/// Candidates whose largest physical amplitude would be seen; one without a limit would, where its sensitivity
+/// stands out of its own noise and is not absorbed wholly.
+///
+/// The noise of a sensitivity lengthens it: what is asked of the largest amplitude is the expected score, without
+/// that noise. A candidate whose sensitivity is no more than noise would otherwise look like one of random shape,
+/// and take names from others.
 pub(crate) fn testable(problem: &Problem, nominal: &Fit) -> Vec<usize> {
     (0..problem.candidates.len())
         .filter(|&j| {
-            nominal.score(j).is_some_and(|score| {
+            nominal.expected_score(problem, j).is_some_and(|score| {
                 problem.candidates[j]
                     .largest_amplitude
-                    .is_none_or(|a| a * score.length >= SMALLEST_DETECTABILITY)
+                    .is_none_or(|a| a * score >= SMALLEST_DETECTABILITY)
             })
         })
         .collect()

@@ -142,6 +142,11 @@ impl Problem {
 }
 
 impl Part {
+    /// Whether a sensitivity has noise of its own.
+    pub(crate) fn has_noisy_sensitivities(&self) -> bool {
+        !self.declared_noise.is_empty() || !self.library_noise.is_empty()
+    }
+
     /// Keeps the rows that `wanted` accepts.
     pub(crate) fn keep(&self, wanted: impl Fn(&Row) -> bool) -> Self {
         let kept: Vec<usize> = (0..self.rows.len())

@@ -1,6 +1,6 @@
 //! The runs of a residual study and their means.
 
-use super::{ResidualPlan, StudyCondition};
+use super::{DeclaredParameter, ResidualPlan, StudyCondition};
 use crate::Error;
 use crate::cells::value;
 use campaign::{Campaign, RunRequest, Simulator};
@@ -349,22 +349,33 @@ impl Linearisation {
         self.own_noise[effect] < 1.0
     }
 
-    /// Replaces the column of an effect by the secant from the fitted point to the same point with the
-    /// effect on at an amplitude.
+    /// Replaces the column of an effect by the secant from the fitted point to another one, at which the effect is on
+    /// and the declared parameters may be others.
     ///
     /// The noise of the fitted point is in the residual already. Of runs that share it, what they do not
     /// share is left of both points.
+    ///
+    /// # Formula
+    ///
+    /// `(f(on) - f(fit) - S (theta_on - theta_fit)) / a_on`: the linear model then goes through both points.
     pub(super) fn with_secant(
         mut self,
+        plan: &ResidualPlan,
         effect: usize,
-        amplitude: f64,
-        at_fit: &Means,
-        on: &Means,
+        (fit, at_fit): (&Setting, &Means),
+        (setting, on): (&Setting, &Means),
     ) -> Self {
+        let amplitude = setting.effects[&plan.effects[effect].name];
+        let moved = |d: &DeclaredParameter| setting.parameters[&d.name] - fit.parameters[&d.name];
+        let moved: Vec<f64> = plan.declared.iter().map(moved).collect();
         let rows = on.values.iter().zip(&at_fit.values);
-        for (slopes, (on, off)) in self.library.iter_mut().zip(rows) {
-            for (slopes, (on, off)) in slopes.iter_mut().zip(on.iter().zip(off)) {
-                slopes[effect] = (on - off) / amplitude;
+        for ((columns, declared), (on, off)) in
+            self.library.iter_mut().zip(&self.declared).zip(rows)
+        {
+            let values = on.iter().zip(off).zip(declared);
+            for (slopes, ((on, off), declared)) in columns.iter_mut().zip(values) {
+                let by_parameters: f64 = declared.iter().zip(&moved).map(|(s, d)| s * d).sum();
+                slopes[effect] = (on - off - by_parameters) / amplitude;
             }
         }
         let shares = self.shares_noise(effect);
