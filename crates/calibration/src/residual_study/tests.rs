@@ -1,3 +1,4 @@
+use super::runs::{At, Linearisation, Setting, means};
 use super::{
     DeclaredParameter, EffectProbe, Observed, ResidualPlan, StudyCondition, study_residual,
 };
@@ -384,5 +385,31 @@ fn an_effect_that_saturates_is_judged_at_its_own_fit() {
         let se = diagnosis.candidates["bend"].se.unwrap();
         let found = study.after.unwrap().effects["bend"];
         assert!((found - 3.0).abs() < 4.0 * se, "{found} se {se}");
+    }
+}
+
+/// The toy is linear, so the secant of "bend" is its slope wherever it ends, once what the parameters do on the way
+/// is taken off: 0.6 in a moves the angle by 6. Standard deviation by hand: means of four runs 0.05 each, over the
+/// amplitude 2; slopes of the parameters 0.24, times 0.6 / 2 and 0.3 / 2: 0.09 together. The bound is five times
+/// that, a fifteenth of the error with the wrong sign.
+#[test]
+fn a_secant_to_another_point_leaves_out_what_the_parameters_do() {
+    let folder = tempfile::tempdir().unwrap();
+    let store = Store::open(folder.path()).unwrap();
+    let campaign = Campaign::new(&store, 2, &Silent);
+    let plan = plan(7);
+    let (linear, _) = Linearisation::run(&campaign, &Toy, &plan).unwrap();
+    let fit = Setting::declared(&plan, &[0.5, 0.5]);
+    let mut on = Setting::declared(&plan, &[1.1, 0.2]);
+    on.effects.insert("bend".into(), 2.0);
+    let run =
+        |setting: &Setting, block| means(&campaign, &Toy, &plan, setting, block, At::Used).unwrap();
+    let (at_fit, at_on) = (run(&fit, 1), run(&on, 6));
+    let linear = linear.with_secant(&plan, 0, (&fit, &at_fit), (&on, &at_on));
+    for (c, slopes) in plan.conditions.iter().zip(&linear.library) {
+        let (rpm, fill) = (c.condition["rpm"], c.condition["fill"]);
+        for (slopes, expected) in slopes.iter().zip([0.004 * rpm * rpm, fill * fill]) {
+            assert!((slopes[0] - expected).abs() < 0.45, "{c:?}: {slopes:?}");
+        }
     }
 }
