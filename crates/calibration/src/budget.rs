@@ -5,7 +5,7 @@ use nalgebra::DMatrix;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Rounds of runs at the used conditions beside the sensitivities: the first fit and two corrections,
-/// three sensitivities anew at the fit and three at their own fits, the model with the effect and one correction.
+/// three sensitivities anew twice, the model with the effect and one correction.
 const ROUNDS: usize = 11;
 /// Rounds at the kept conditions: before and after.
 const CHECKS: usize = 2;

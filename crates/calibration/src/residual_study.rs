@@ -8,7 +8,9 @@ mod runs;
 
 use crate::Error;
 use campaign::{Campaign, RunRequest, Simulator};
-use residual_diagnosis::{Diagnosis, Options, Problem, ProblemFile, Sign, Verdict, diagnose};
+use residual_diagnosis::{
+    CandidateResult, Diagnosis, Options, Problem, ProblemFile, Sign, Verdict, diagnose,
+};
 use runs::{At, Linearisation, Means};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -195,14 +197,19 @@ pub fn study_residual(
     let mut file = assemble::problem(plan, observed, &linear, &fitted, &at_fit);
     let mut diagnosis = diagnose(&Problem::try_from(file.clone())?, &Options::new(plan.seed))?;
     let mut warnings = Vec::new();
-    for look in [Look::AtTheFit, Look::AtItsOwnFit] {
-        let settings = look.settings(plan, observed, &linear, (&fitted, &at_fit), &diagnosis)?;
+    for look in 0..LOOKS {
+        let settings = match diagnosis.verdict {
+            Verdict::None | Verdict::Refused | Verdict::NotTestable => break,
+            Verdict::Named | Verdict::Tie if look > 0 => break,
+            _ => suspects(plan, observed, &linear, (&fitted, &at_fit), &diagnosis)?,
+        };
         if settings.is_empty() {
             break;
         }
         let fit = (fitted.as_slice(), &at_fit, block);
-        let blocks = look.first_block()..;
-        let runs = settings.into_iter().zip(blocks);
+        let runs = settings
+            .into_iter()
+            .zip(FIRST_BLOCK + (look * MOST_SUSPECTS) as u64..);
         let failed;
         (linear, failed) = measured_anew(campaign, simulator, plan, linear, fit, runs)?;
         warnings.extend(failed);
@@ -253,96 +260,61 @@ pub fn study_residual(
     })
 }
 
-/// Largest number of effects whose sensitivity is measured anew.
+/// Largest number of effects whose sensitivity is measured anew at a time.
 const MOST_SUSPECTS: usize = 3;
+/// How often that is done: wherever something stands out, and again where no effect is adequate then, or none
+/// beats an unknown one.
+const LOOKS: usize = 2;
+/// First block of seeds of these runs.
+const FIRST_BLOCK: u64 = 6;
 
-/// Where the sensitivities of suspects are measured anew.
+/// Effects whose sensitivity decides, the best explanations of what remains, each with the setting that fits best
+/// with it.
 ///
-/// A sensitivity is a difference quotient at the start, with a step of its own choice. Parameters and amplitudes
-/// end elsewhere.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Look {
-    /// At the fitted parameters, with the amplitude that the diagnosis gives: wherever something stands out.
-    AtTheFit,
-    /// At the parameters and the amplitude that fit best together: where no effect is adequate by the first look,
-    /// or none beats an unknown one. A real effect that the parameters have partly taken up, or that does
-    /// not grow in proportion to its amplitude, is then no longer judged by a straight line.
-    AtItsOwnFit,
-}
-
-impl Look {
-    /// First block of seeds of its runs; there are [`MOST_SUSPECTS`] of them.
-    fn first_block(self) -> u64 {
-        match self {
-            Self::AtTheFit => 6,
-            Self::AtItsOwnFit => 6 + MOST_SUSPECTS as u64,
-        }
-    }
-
-    /// The effects to look at, and the settings to run; none where the diagnosis needs no such look.
-    fn settings(
-        self,
-        plan: &ResidualPlan,
-        observed: &Observed,
-        linear: &Linearisation,
-        (fitted, at_fit): (&[f64], &Means),
-        diagnosis: &Diagnosis,
-    ) -> Result<Vec<(usize, runs::Setting)>, Error> {
-        let needed = match self {
-            Self::AtTheFit => !matches!(
-                diagnosis.verdict,
-                Verdict::None | Verdict::Refused | Verdict::NotTestable
-            ),
-            Self::AtItsOwnFit => {
-                matches!(diagnosis.verdict, Verdict::Unknown | Verdict::Partial)
-            }
-        };
-        if !needed {
-            return Ok(Vec::new());
-        }
-        let mut settings = Vec::new();
-        for (effect, amplitude) in suspects(plan, diagnosis) {
-            let name = plan.effects[effect].name.clone();
-            let mut setting = runs::Setting::declared(plan, fitted);
-            // What leaves the motion alone has the noise of the fit only where the parameters are those of the fit.
-            if self == Self::AtItsOwnFit && !linear.shares_noise(effect) {
-                setting.effects.insert(name.clone(), 0.0);
-                let about = (&setting, at_fit);
-                setting = refit::with_effects(
-                    plan,
-                    observed,
-                    linear,
-                    std::slice::from_ref(&name),
-                    about,
-                )?;
-            } else {
-                setting.effects.insert(name.clone(), amplitude);
-            }
-            if setting.effects[&name] != 0.0 {
-                settings.push((effect, setting));
-            }
-        }
-        Ok(settings)
-    }
-}
-
-/// Effects whose sensitivity decides, with the amplitudes that the diagnosis gives them: the best explanations of
-/// what remains.
-fn suspects(plan: &ResidualPlan, diagnosis: &Diagnosis) -> Vec<(usize, f64)> {
+/// A sensitivity is a difference quotient at the start, with a step of its own choice. Parameters and amplitudes end
+/// elsewhere: a real effect that the parameters have partly taken up, or that does not grow in proportion to
+/// its amplitude, is not to be judged by that straight line. What leaves the motion alone, as a camera does, keeps
+/// the fitted parameters, at which it shares their noise. No amplitude is below the smallest that can be seen, for a
+/// quotient over less is noise.
+fn suspects(
+    plan: &ResidualPlan,
+    observed: &Observed,
+    linear: &Linearisation,
+    (fitted, at_fit): (&[f64], &Means),
+    diagnosis: &Diagnosis,
+) -> Result<Vec<(usize, runs::Setting)>, Error> {
     let mut suspects = Vec::new();
     for (j, effect) in plan.effects.iter().enumerate() {
         let candidate = diagnosis.candidates.get(&effect.name);
         let helps = candidate.filter(|c| c.testable && c.z.is_some_and(|z| z.abs() > 2.0));
         if let Some((c, amplitude)) = helps.and_then(|c| Some((c, c.amplitude?))) {
-            let amplitude = amplitude.clamp(effect.range[0], effect.range[1]);
             if amplitude != 0.0 {
-                suspects.push((c.t_after, j, amplitude));
+                suspects.push((c, j, amplitude));
             }
         }
     }
-    suspects.sort_by(|a, b| a.0.total_cmp(&b.0));
+    suspects.sort_by(|a, b| a.0.t_after.total_cmp(&b.0.t_after));
     suspects.truncate(MOST_SUSPECTS);
-    suspects.into_iter().map(|(_, j, a)| (j, a)).collect()
+    let setting = |(candidate, j, amplitude): (&CandidateResult, usize, f64)| {
+        let EffectProbe { name, range, .. } = &plan.effects[j];
+        let mut setting = runs::Setting::declared(plan, fitted);
+        setting.effects.insert(name.clone(), 0.0);
+        let mut amplitude = amplitude;
+        if !linear.shares_noise(j) {
+            let about = (&setting, at_fit);
+            setting =
+                refit::with_effects(plan, observed, linear, std::slice::from_ref(name), about)?;
+            if setting.effects[name] != 0.0 {
+                amplitude = setting.effects[name];
+            }
+        }
+        let least = candidate.smallest_detectable.unwrap_or(0.0);
+        let size = amplitude.abs().max(least);
+        let amplitude = (size * amplitude.signum()).clamp(range[0], range[1]);
+        setting.effects.insert(name.clone(), amplitude);
+        Ok((j, setting))
+    };
+    suspects.into_iter().map(setting).collect()
 }
 
 /// Runs each suspect at its setting and takes its sensitivity from there; a warning for each that cannot be run.
