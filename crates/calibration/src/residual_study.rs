@@ -194,8 +194,12 @@ pub fn study_residual(
     let plan = &plan;
     let (fitted, at_fit, block) = fit_declared(campaign, simulator, plan, observed, &linear)?;
     let mut linear = linear.with_scatter(&at_fit);
-    let mut file = assemble::problem(plan, observed, &linear, &fitted, &at_fit);
-    let mut diagnosis = diagnose(&Problem::try_from(file.clone())?, &Options::new(plan.seed))?;
+    let diagnosed = |linear: &Linearisation| -> Result<(ProblemFile, Diagnosis), Error> {
+        let file = assemble::problem(plan, observed, linear, &fitted, &at_fit);
+        let diagnosis = diagnose(&Problem::try_from(file.clone())?, &Options::new(plan.seed))?;
+        Ok((file, diagnosis))
+    };
+    let (mut file, mut diagnosis) = diagnosed(&linear)?;
     let mut warnings = Vec::new();
     for look in 0..LOOKS {
         let settings = match diagnosis.verdict {
@@ -207,14 +211,12 @@ pub fn study_residual(
             break;
         }
         let fit = (fitted.as_slice(), &at_fit, block);
-        let runs = settings
-            .into_iter()
-            .zip(FIRST_BLOCK + (look * MOST_SUSPECTS) as u64..);
+        let blocks = FIRST_BLOCK + (look * MOST_SUSPECTS) as u64..;
+        let runs = settings.into_iter().zip(blocks);
         let failed;
         (linear, failed) = measured_anew(campaign, simulator, plan, linear, fit, runs)?;
         warnings.extend(failed);
-        file = assemble::problem(plan, observed, &linear, &fitted, &at_fit);
-        diagnosis = diagnose(&Problem::try_from(file.clone())?, &Options::new(plan.seed))?;
+        (file, diagnosis) = diagnosed(&linear)?;
     }
     diagnosis.warnings.extend(warnings);
     let errors_before = assemble::errors(plan, observed, &linear, &at_fit)?;
@@ -287,11 +289,8 @@ fn suspects(
     for (j, effect) in plan.effects.iter().enumerate() {
         let candidate = diagnosis.candidates.get(&effect.name);
         let helps = candidate.filter(|c| c.testable && c.z.is_some_and(|z| z.abs() > 2.0));
-        if let Some((c, amplitude)) = helps.and_then(|c| Some((c, c.amplitude?))) {
-            if amplitude != 0.0 {
-                suspects.push((c, j, amplitude));
-            }
-        }
+        let amplitude = helps.and_then(|c| Some((c, c.amplitude.filter(|a| *a != 0.0)?)));
+        suspects.extend(amplitude.map(|(c, amplitude)| (c, j, amplitude)));
     }
     suspects.sort_by(|a, b| a.0.t_after.total_cmp(&b.0.t_after));
     suspects.truncate(MOST_SUSPECTS);

@@ -192,9 +192,10 @@ impl Trials<'_> {
                 };
                 match self.study(&hidden) {
                     Ok(study) => print_row(&hidden, Some(amplitude.abs() / smallest), &study),
-                    Err(reason) => println!(
-                        "| {} | {amplitude:.3} | | cannot be run: {reason} |",
-                        effect.name
+                    Err(error) => println!(
+                        "| {} | {amplitude:.3} | | cannot be run: {} | | | | |",
+                        effect.name,
+                        cause(&*error)
                     ),
                 }
             }
@@ -282,6 +283,15 @@ fn print_row(hidden: &Hidden, size: Option<f64>, study: &ResidualStudy) {
         diagnosis.structured_residual.t0.unwrap_or(f64::NAN),
         kept(&study.errors_before),
     );
+}
+
+/// The innermost reason of an error: the run that failed has a long name.
+fn cause(error: &dyn Error) -> String {
+    let mut innermost = error;
+    while let Some(source) = innermost.source() {
+        innermost = source;
+    }
+    innermost.to_string()
 }
 
 /// Names with commas, or "none".
