@@ -39,7 +39,8 @@ runs for the sensitivities, so that the noise of these is common to all rows.
 `size`: the hidden amplitude over the smallest one that these conditions show with a chance of 90 %, by the linear
 model about the start; never more than is physically possible. `T before, after`: the whitened residual that
 re-tuning cannot absorb, without an effect and with the first one named. Last column: root mean square error of the
-angle at the condition kept for the check, before and after, by real runs.
+angle at the condition kept for the check, before and after, by real runs; an amplitude without a name was
+withdrawn because that condition spoke against it.
 ";
 
 /// The file.
