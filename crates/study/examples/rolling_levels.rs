@@ -11,7 +11,7 @@
 mod records;
 
 use campaign::{Campaign, LineProgress, RunRequest};
-use records::mean_and_error;
+use records::{folder_and_runs, mean_and_error};
 use run_store::Store;
 use scene::Scene;
 use std::collections::BTreeMap;
@@ -41,14 +41,7 @@ fn levels() -> Result<Vec<Levels>, Box<dyn Error>> {
 }
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let mut arguments = std::env::args().skip(1);
-    let folder = arguments
-        .next()
-        .ok_or("usage: rolling_levels FOLDER [RUNS]")?;
-    let runs: u64 = arguments.next().map_or(Ok(5), |text| text.parse())?;
-    if runs < 2 {
-        return Err("RUNS must be 2 or more: one run has no standard error".into());
-    }
+    let (folder, runs) = folder_and_runs("rolling_levels", 5)?;
     // The drum of the fixtures stands at the published optimum, without rolling friction.
     let drum = Scene::read(Path::new("fixtures/cotton/drum.toml"), &[])?;
     let simulator = SceneSimulator::new(BTreeMap::from([("drum".to_owned(), drum)]))?;

@@ -14,7 +14,7 @@ mod records;
 
 use campaign::{Campaign, LineProgress, RunRequest};
 use experiment_design::Factor;
-use records::mean_and_error;
+use records::{folder_and_runs, mean_and_error};
 use response_surface::distribution::t_two_sided_quantile;
 use response_surface::{Model, Observations, fit};
 use run_store::Store;
@@ -35,12 +35,7 @@ const EFFECT: &str = "filling-smoothness";
 const OBSERVABLE: &str = "angle_deg";
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let mut arguments = std::env::args().skip(1);
-    let folder = arguments.next().ok_or("usage: smoothness FOLDER [RUNS]")?;
-    let runs: u64 = arguments.next().map_or(Ok(4), |text| text.parse())?;
-    if runs < 2 {
-        return Err("RUNS must be 2 or more: one run has no standard error".into());
-    }
+    let (folder, runs) = folder_and_runs("smoothness", 4)?;
     let study = StudyFile::read(Path::new("fixtures/cotton/study.toml"))?;
     let drum = Scene::read(Path::new("fixtures/cotton/drum.toml"), &[])?;
     let simulator = SceneSimulator::new(BTreeMap::from([("drum".to_owned(), drum)]))?;

@@ -11,7 +11,7 @@
 mod records;
 
 use campaign::{Campaign, LineProgress, RunRequest};
-use records::mean_and_error;
+use records::{folder_and_runs, mean_and_error};
 use run_store::Store;
 use scene::{Override, Scene};
 use std::collections::BTreeMap;
@@ -48,12 +48,7 @@ fn drum(diameter: f64) -> Result<Scene, Box<dyn Error>> {
 }
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let mut arguments = std::env::args().skip(1);
-    let folder = arguments.next().ok_or("usage: sphere_size FOLDER [RUNS]")?;
-    let runs: u64 = arguments.next().map_or(Ok(2), |text| text.parse())?;
-    if runs < 2 {
-        return Err("RUNS must be 2 or more: one run has no standard error".into());
-    }
+    let (folder, runs) = folder_and_runs("sphere_size", 2)?;
     let mut scenes = BTreeMap::new();
     for diameter in DIAMETERS {
         scenes.insert(diameter.to_string(), drum(diameter)?);

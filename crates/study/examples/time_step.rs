@@ -11,7 +11,7 @@
 mod records;
 
 use campaign::{Campaign, RunRequest, Silent};
-use records::mean_and_error;
+use records::{folder_and_runs, mean_and_error};
 use run_store::Store;
 use scene::Scene;
 use std::collections::BTreeMap;
@@ -32,12 +32,7 @@ const OBSERVABLES: [&str; 5] = [
 ];
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let mut arguments = std::env::args().skip(1);
-    let folder = arguments.next().ok_or("usage: time_step FOLDER [RUNS]")?;
-    let runs: u64 = arguments.next().map_or(Ok(10), |text| text.parse())?;
-    if runs < 2 {
-        return Err("RUNS must be 2 or more: one run has no standard error".into());
-    }
+    let (folder, runs) = folder_and_runs("time_step", 10)?;
     let drum = Path::new("fixtures/cotton/drum.toml");
     let scenes = BTreeMap::from([("drum".to_owned(), Scene::read(drum, &[])?)]);
     let simulator = SceneSimulator::new(scenes)?;
