@@ -3,15 +3,15 @@
 //! The linear prediction only proposes: every error in the result comes from real runs.
 
 mod assemble;
+mod fits;
 mod refit;
 mod runs;
 
 use crate::Error;
 use campaign::{Campaign, RunRequest, Simulator};
-use residual_diagnosis::{
-    CandidateResult, Diagnosis, Options, Problem, ProblemFile, Sign, Verdict, diagnose,
-};
-use runs::{At, Linearisation, Means};
+use fits::{FIRST_BLOCK_ANEW, Fits, LOOKS, Looks, MOST_SUSPECTS, sets_to_add};
+use residual_diagnosis::{Diagnosis, Options, Problem, ProblemFile, Sign, Verdict, diagnose};
+use runs::{At, Linearisation};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -161,6 +161,9 @@ pub struct ResidualStudy {
     /// The model with the effect added; none where no effect was named. It stays here when the kept
     /// conditions speak against it and the naming is withdrawn.
     pub after: Option<AddedEffect>,
+    /// The model with each of up to three tied effects in turn, the best explanations first; empty without a
+    /// tie. They stay here when the kept conditions speak against all of them.
+    pub rivals: Vec<AddedEffect>,
 }
 
 /// The model with an effect added, by real runs.
@@ -192,55 +195,56 @@ pub fn study_residual(
     let mut plan = plan.clone();
     plan.effects.retain(|e| !left_out.contains_key(&e.name));
     let plan = &plan;
-    let (fitted, at_fit, block) = fit_declared(campaign, simulator, plan, observed, &linear)?;
-    let mut linear = linear.with_scatter(&at_fit);
+    let fits = Fits {
+        campaign,
+        simulator,
+        plan,
+        observed,
+    };
+    let mut fit = fits.declared(&linear)?;
+    // The kept conditions are run once, where the fit has ended.
+    let kept = fits.run(&fit.setting, fit.block, At::Kept)?;
+    fit.means = fit.means.with_kept(kept);
+    let fitted = fit.setting.declared_values(plan);
+    let at_fit = &fit.means;
+    let mut linear = linear.with_scatter(at_fit);
     let diagnosed = |linear: &Linearisation| -> Result<(ProblemFile, Diagnosis), Error> {
-        let file = assemble::problem(plan, observed, linear, &fitted, &at_fit);
+        let file = assemble::problem(plan, observed, linear, &fitted, at_fit);
         let diagnosis = diagnose(&Problem::try_from(file.clone())?, &Options::new(plan.seed))?;
         Ok((file, diagnosis))
     };
     let (mut file, mut diagnosis) = diagnosed(&linear)?;
-    let mut warnings = Vec::new();
+    let mut looks = Looks::default();
     for look in 0..LOOKS {
         let settings = match diagnosis.verdict {
             Verdict::None | Verdict::Refused | Verdict::NotTestable => break,
             Verdict::Named | Verdict::Tie if look > 0 => break,
-            _ => suspects(plan, observed, &linear, (&fitted, &at_fit), &diagnosis)?,
+            _ => fits.suspects(&linear, &fit, &diagnosis)?,
         };
         if settings.is_empty() {
             break;
         }
-        let fit = (fitted.as_slice(), &at_fit, block);
-        let blocks = FIRST_BLOCK + (look * MOST_SUSPECTS) as u64..;
+        let blocks = FIRST_BLOCK_ANEW + (look * MOST_SUSPECTS) as u64..;
         let runs = settings.into_iter().zip(blocks);
-        let failed;
-        (linear, failed) = measured_anew(campaign, simulator, plan, linear, fit, runs)?;
-        warnings.extend(failed);
+        linear = fits.measured_anew(linear, &fit, runs, &mut looks)?;
         (file, diagnosis) = diagnosed(&linear)?;
     }
-    diagnosis.warnings.extend(warnings);
-    let errors_before = assemble::errors(plan, observed, &linear, &at_fit)?;
-    let after =
-        if diagnosis.effects.is_empty() || !diagnosis.tie_groups.iter().all(|g| g.len() == 1) {
-            None
-        } else {
-            Some(add_effects(
-                campaign,
-                simulator,
-                plan,
-                observed,
-                &linear,
-                (&fitted, &at_fit),
-                &diagnosis.effects,
-            )?)
-        };
+    diagnosis.warnings.append(&mut looks.warnings);
+    let errors_before = assemble::errors(plan, observed, &linear, at_fit)?;
+    let sets = sets_to_add(&diagnosis);
+    let added = sets.iter().map(|set| fits.with(&linear, set, &fit, &looks));
+    let mut added = added.collect::<Result<Vec<_>, _>>()?;
     let kept = |errors: &ErrorPair| errors.kept.as_ref().map(|e| e.whitened_mse);
-    let on_kept = |a: &AddedEffect| kept(&errors_before).zip(kept(&a.errors));
-    if let Some((before, after)) = after.as_ref().and_then(on_kept) {
+    let on_kept: Vec<f64> = added.iter().filter_map(|a| kept(&a.errors)).collect();
+    if let (Some(before), false) = (kept(&errors_before), on_kept.is_empty()) {
         let unused = (0..plan.conditions.len()).filter(|&c| !plan.conditions[c].used);
         let values = unused.map(|c| observed.measured(c).len()).sum();
-        diagnosis = diagnosis.checked_by_runs(before, after, values);
+        diagnosis = diagnosis.checked_by_runs(before, &on_kept, values);
     }
+    let (after, rivals) = match added.len() {
+        0 | 1 => (added.pop(), Vec::new()),
+        _ => (None, added),
+    };
     let names = || plan.declared.iter().map(|d| d.name.clone());
     Ok(ResidualStudy {
         plan: plan.clone(),
@@ -254,181 +258,12 @@ pub fn study_residual(
             .map(|(k, name)| (name.clone(), linear.run_covariance[k][k].sqrt()))
             .collect(),
         fitted: names().zip(fitted).collect(),
-        simulated_before: at_fit.values,
+        simulated_before: fit.means.values,
         errors_before,
         problem: file,
         diagnosis,
         after,
-    })
-}
-
-/// Largest number of effects whose sensitivity is measured anew at a time.
-const MOST_SUSPECTS: usize = 3;
-/// How often that is done: wherever something stands out, and again where no effect is adequate then, or none
-/// beats an unknown one.
-const LOOKS: usize = 2;
-/// First block of seeds of these runs.
-const FIRST_BLOCK: u64 = 6;
-
-/// Effects whose sensitivity decides, the best explanations of what remains, each with the setting that fits best
-/// with it.
-///
-/// A sensitivity is a difference quotient at the start, with a step of its own choice. Parameters and amplitudes end
-/// elsewhere: a real effect that the parameters have partly taken up, or that does not grow in proportion to
-/// its amplitude, is not to be judged by that straight line. What leaves the motion alone, as a camera does, keeps
-/// the fitted parameters, at which it shares their noise. No amplitude is below the smallest that can be seen, for a
-/// quotient over less is noise.
-fn suspects(
-    plan: &ResidualPlan,
-    observed: &Observed,
-    linear: &Linearisation,
-    (fitted, at_fit): (&[f64], &Means),
-    diagnosis: &Diagnosis,
-) -> Result<Vec<(usize, runs::Setting)>, Error> {
-    let mut suspects = Vec::new();
-    for (j, effect) in plan.effects.iter().enumerate() {
-        let candidate = diagnosis.candidates.get(&effect.name);
-        let helps = candidate.filter(|c| c.testable && c.z.is_some_and(|z| z.abs() > 2.0));
-        let amplitude = helps.and_then(|c| Some((c, c.amplitude.filter(|a| *a != 0.0)?)));
-        suspects.extend(amplitude.map(|(c, amplitude)| (c, j, amplitude)));
-    }
-    suspects.sort_by(|a, b| a.0.t_after.total_cmp(&b.0.t_after));
-    suspects.truncate(MOST_SUSPECTS);
-    let setting = |(candidate, j, amplitude): (&CandidateResult, usize, f64)| {
-        let EffectProbe { name, range, .. } = &plan.effects[j];
-        let mut setting = runs::Setting::declared(plan, fitted);
-        setting.effects.insert(name.clone(), 0.0);
-        let mut amplitude = amplitude;
-        if !linear.shares_noise(j) {
-            let about = (&setting, at_fit);
-            setting =
-                refit::with_effects(plan, observed, linear, std::slice::from_ref(name), about)?;
-            if setting.effects[name] != 0.0 {
-                amplitude = setting.effects[name];
-            }
-        }
-        let least = candidate.smallest_detectable.unwrap_or(0.0);
-        let size = amplitude.abs().max(least);
-        let amplitude = (size * amplitude.signum()).clamp(range[0], range[1]);
-        setting.effects.insert(name.clone(), amplitude);
-        Ok((j, setting))
-    };
-    suspects.into_iter().map(setting).collect()
-}
-
-/// Runs each suspect at its setting and takes its sensitivity from there; a warning for each that cannot be run.
-///
-/// An effect that shares the noise of the runs without it gets their seeds, the others those of their own block.
-fn measured_anew(
-    campaign: &Campaign<'_>,
-    simulator: &dyn Simulator,
-    plan: &ResidualPlan,
-    mut linear: Linearisation,
-    (fitted, at_fit, block): (&[f64], &Means, u64),
-    suspects: impl Iterator<Item = ((usize, runs::Setting), u64)>,
-) -> Result<(Linearisation, Vec<String>), Error> {
-    let (mut effects, mut settings) = (Vec::new(), Vec::new());
-    for ((effect, setting), own) in suspects {
-        let shares = linear.shares_noise(effect);
-        effects.push(effect);
-        settings.push((setting, if shares { block } else { own }));
-    }
-    let means = runs::means_of_each(campaign, simulator, plan, &settings)?;
-    let mut warnings = Vec::new();
-    for ((effect, (setting, _)), means) in effects.into_iter().zip(&settings).zip(means) {
-        let name = &plan.effects[effect].name;
-        match means {
-            Ok(means) => {
-                let from = (runs::Setting::declared(plan, fitted), at_fit);
-                linear = linear.with_secant(plan, effect, (&from.0, from.1), (setting, &means));
-            }
-            Err(reason) => warnings.push(format!(
-                "{name} could not be run at the amplitude {:.3} that the data ask for, so that it is \
-                 judged by its sensitivity further away: {reason}",
-                setting.effects[name]
-            )),
-        }
-    }
-    Ok((linear, warnings))
-}
-
-/// Fits the declared parameters and runs there; corrects up to twice where that misses.
-///
-/// The slopes stay those of the start. A correction is kept only where real runs on the used
-/// conditions say that it helps. Also returns the block of seeds of the runs at the end.
-fn fit_declared(
-    campaign: &Campaign<'_>,
-    simulator: &dyn Simulator,
-    plan: &ResidualPlan,
-    observed: &Observed,
-    linear: &Linearisation,
-) -> Result<(Vec<f64>, Means, u64), Error> {
-    let start: Vec<f64> = plan.declared.iter().map(|d| d.start).collect();
-    let run = |point: &[f64], block: u64, at: At| {
-        let setting = runs::Setting::declared(plan, point);
-        runs::means(campaign, simulator, plan, &setting, block, at)
-    };
-    let misfit = |m: &Means| assemble::misfit(plan, observed, linear, m);
-    let mut fitted = refit::declared(plan, observed, linear, &start, &linear.nominal)?;
-    let mut means = run(&fitted, 1, At::Used)?;
-    let mut taken = 1;
-    for block in [4, 5] {
-        if misfit(&means)? <= likely_mean_square(plan, observed) {
-            break;
-        }
-        let corrected = refit::declared(plan, observed, linear, &fitted, &means)?;
-        let again = run(&corrected, block, At::Used)?;
-        if misfit(&again)? >= misfit(&means)? {
-            break;
-        }
-        (fitted, means, taken) = (corrected, again, block);
-    }
-    // The kept conditions are run once, where the fit has ended.
-    let kept = run(&fitted, taken, At::Kept)?;
-    Ok((fitted, means.with_kept(kept), taken))
-}
-
-/// Whitened mean square that a right model exceeds in 1 of 40 cases: 1 + 2 sqrt(2/n) for n rows.
-fn likely_mean_square(plan: &ResidualPlan, observed: &Observed) -> f64 {
-    let used = (0..plan.conditions.len()).filter(|&c| plan.conditions[c].used);
-    let rows: usize = used.map(|c| observed.measured(c).len()).sum();
-    1.0 + 2.0 * (2.0 / rows as f64).sqrt()
-}
-
-/// Fits parameters and amplitudes together and runs there; corrects once where that misses.
-fn add_effects(
-    campaign: &Campaign<'_>,
-    simulator: &dyn Simulator,
-    plan: &ResidualPlan,
-    observed: &Observed,
-    linear: &Linearisation,
-    (fitted, at_fit): (&[f64], &Means),
-    effects: &[String],
-) -> Result<AddedEffect, Error> {
-    let mut start = runs::Setting::declared(plan, fitted);
-    start
-        .effects
-        .extend(effects.iter().map(|name| (name.clone(), 0.0)));
-    let mut point = refit::with_effects(plan, observed, linear, effects, (&start, at_fit))?;
-    let run = |point: &runs::Setting, block: u64, at: At| {
-        runs::means(campaign, simulator, plan, point, block, at)
-    };
-    let (mut means, mut taken) = (run(&point, 2, At::Used)?, 2);
-    let first = assemble::misfit(plan, observed, linear, &means)?;
-    if first > likely_mean_square(plan, observed) {
-        let about = (&point, &means);
-        let corrected = refit::with_effects(plan, observed, linear, effects, about)?;
-        let again = run(&corrected, 3, At::Used)?;
-        if assemble::misfit(plan, observed, linear, &again)? < first {
-            (point, means, taken) = (corrected, again, 3);
-        }
-    }
-    let means = means.with_kept(run(&point, taken, At::Kept)?);
-    Ok(AddedEffect {
-        errors: assemble::errors(plan, observed, linear, &means)?,
-        effects: point.effects.clone(),
-        fitted: point.parameters.clone(),
-        simulated: means.values,
+        rivals,
     })
 }
 

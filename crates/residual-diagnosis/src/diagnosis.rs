@@ -174,29 +174,40 @@ impl Diagnosis {
         &self.summary
     }
 
-    /// Holds a naming against runs of the simulator itself, with the effects switched on, at
-    /// conditions that neither choice nor fit has used: whitened mean squares `before` and `after` of
-    /// so many values.
+    /// Holds a naming or a tie against runs of the simulator itself, with the effects switched on, at
+    /// conditions that neither choice nor fit has used: whitened mean square `before` of so many values, and `after`
+    /// for each model in question, the best explanation first.
     ///
-    /// A naming that does not lower the error there, or leaves more than noise (by chance in less than 1
-    /// of 100 cases), is taken back, and the effects become suspects.
+    /// What does not lower the error there, or leaves more than noise (by chance in less than 1
+    /// of 100 cases), does not stand. If none stands, the answer is taken back, and the effects become suspects.
     #[must_use]
-    pub fn checked_by_runs(mut self, before: f64, after: f64, values: usize) -> Self {
-        self.runs_on_unused = Some([before, after]);
+    pub fn checked_by_runs(mut self, before: f64, after: &[f64], values: usize) -> Self {
         let dof = self.structured_residual.covariance_dof;
-        let p = upper_tail(after * values as f64, values, dof);
-        let falls = after < before;
-        // An error that is no number counts as one that did not fall.
-        let withdrawn = if falls {
+        let fault = |after: f64| {
+            // An error that is no number counts as one that did not fall.
+            if after.is_nan() || after >= before {
+                return Some("not down".to_owned());
+            }
+            let p = upper_tail(after * values as f64, values, dof);
             let too_small = p.filter(|p| *p < LEAST_P_ON_UNUSED);
             too_small.map(|p| format!("and what is left is more than noise, p {p:.1e}"))
-        } else {
-            Some("not down".to_owned())
         };
-        if let Some(reason) = withdrawn {
+        let faults: Vec<Option<String>> = after.iter().map(|a| fault(*a)).collect();
+        let stands = faults.iter().position(Option::is_none);
+        let Some(&shown) = after.get(stands.unwrap_or(0)) else {
+            return self;
+        };
+        self.runs_on_unused = Some([before, shown]);
+        if let (None, Some(Some(reason))) = (stands, faults.first()) {
+            let what = match after.len() {
+                1 => "the naming is withdrawn: by",
+                _ => {
+                    "the tie is withdrawn, for none of the effects that were added in turn stands; for the best by"
+                }
+            };
             self.warnings.push(format!(
-                "the naming is withdrawn: by real runs the whitened mean square on the unused \
-                 conditions goes from {before:.3} to {after:.3}, {reason}"
+                "{what} real runs the whitened mean square on the unused \
+                 conditions goes from {before:.3} to {shown:.3}, {reason}"
             ));
             self.verdict = Verdict::Unknown;
             self.suspects = std::mem::take(&mut self.effects);
@@ -230,7 +241,7 @@ mod tests {
     #[test]
     fn a_naming_that_real_runs_do_not_bear_out_is_withdrawn() {
         assert_eq!(named().verdict, Verdict::Named, "{}", named().summary());
-        let stays = named().checked_by_runs(9.0, 1.1, 4);
+        let stays = named().checked_by_runs(9.0, &[1.1], 4);
         assert_eq!(stays.verdict, Verdict::Named);
         assert!(
             stays.summary().contains("from 9.00 to 1.10"),
@@ -239,11 +250,24 @@ mod tests {
         );
         // Four values of mean square 3.4 sum to 13.6, above 13.3: the upper 1 % point of chi-square on four.
         for after in [9.0, 9.1, 3.4, f64::NAN] {
-            let fallen = named().checked_by_runs(9.0, after, 4);
+            let fallen = named().checked_by_runs(9.0, &[after], 4);
             assert_eq!(fallen.verdict, Verdict::Unknown);
             assert!(fallen.effects.is_empty());
             assert_eq!(fallen.suspects, ["slope"]);
         }
+    }
+
+    /// Of two effects in question the second stands, or none.
+    #[test]
+    fn a_tie_is_withdrawn_only_where_no_effect_of_it_stands() {
+        let stays = named().checked_by_runs(9.0, &[9.1, 1.1], 4);
+        assert_eq!(stays.verdict, Verdict::Named);
+        assert_eq!(stays.runs_on_unused, Some([9.0, 1.1]));
+        let fallen = named().checked_by_runs(9.0, &[3.4, 9.1], 4);
+        assert_eq!(fallen.verdict, Verdict::Unknown);
+        assert_eq!(fallen.runs_on_unused, Some([9.0, 3.4]));
+        let said = fallen.warnings.join(" ");
+        assert!(said.contains("the tie is withdrawn"), "{said}");
     }
 
     /// With one observable the support is the score itself.

@@ -39,7 +39,8 @@ runs for the sensitivities, so that the noise of these is common to all rows.
 `size`: the hidden amplitude over the smallest one that these conditions show with a chance of 90 %, by the linear
 model about the start; never more than is physically possible. `T before, after`: the whitened residual that
 re-tuning cannot absorb, without an effect and with the first one named. Last column: root mean square error of the
-angle at the condition kept for the check, before and after, by real runs; an amplitude without a name was
+angle at the condition kept for the check, before and after, by real runs; where effects tie, up to three of them
+are added in turn, and both last numbers are given for each. An amplitude without a name was
 withdrawn because that condition spoke against it.
 ";
 
@@ -183,9 +184,13 @@ impl Trials<'_> {
             };
             for &size in sizes {
                 // Either sign in turn where both are possible.
-                let negative = effect.range[0] < 0.0 && (k % 2 == 1 || effect.range[1] <= 0.0);
-                let wanted = size * smallest * if negative { -1.0 } else { 1.0 };
-                let amplitude = wanted.clamp(effect.range[0], effect.range[1]);
+                let first = if k % 2 == 1 { -1.0 } else { 1.0 };
+                let of_sign =
+                    |sign: f64| (sign * size * smallest).clamp(effect.range[0], effect.range[1]);
+                let amplitude = match of_sign(first) {
+                    amplitude if self.is_possible(&effect.name, amplitude) => amplitude,
+                    _ => of_sign(-first),
+                };
                 let number = 100 * (k as u64 + 1) + tenths(size);
                 let hidden = Hidden {
                     effect: Some((effect.name.clone(), amplitude)),
@@ -214,6 +219,12 @@ impl Trials<'_> {
             list(&left_out.collect::<Vec<_>>())
         );
         Ok(())
+    }
+
+    /// Whether the scene can carry an effect of this amplitude; without one it is another campaign.
+    fn is_possible(&self, effect: &str, amplitude: f64) -> bool {
+        let request = self.residual.base.clone().with_effect(effect, amplitude);
+        amplitude != 0.0 && self.simulator.scene_of(&request).is_ok()
     }
 
     /// One campaign: draws a truth, makes the data, asks what is missing.
@@ -259,11 +270,15 @@ fn print_row(hidden: &Hidden, size: Option<f64>, study: &ResidualStudy) {
     };
     let size = size.map_or_else(String::new, |s| format!("{s:.1}"));
     let diagnosis = &study.diagnosis;
-    let after = study.after.as_ref();
-    let found = after.map_or_else(String::new, |a| {
-        let values = a.effects.values().map(|v| format!("{v:.3}"));
-        values.collect::<Vec<_>>().join(", ")
-    });
+    let models: Vec<_> = study.after.iter().chain(&study.rivals).collect();
+    let amplitudes = |model: &&calibration::AddedEffect| -> Vec<String> {
+        let one = |(name, value): (&String, &f64)| match study.rivals.len() {
+            0 => format!("{value:.3}"),
+            _ => format!("{name} {value:.3}"),
+        };
+        model.effects.iter().map(one).collect()
+    };
+    let found: Vec<_> = models.iter().flat_map(amplitudes).collect();
     let rest = diagnosis
         .effects
         .first()
@@ -276,13 +291,16 @@ fn print_row(hidden: &Hidden, size: Option<f64>, study: &ResidualStudy) {
             .and_then(|e| e.rmse.get("angle_deg").copied());
         kept.map_or_else(String::new, |e| format!("{e:.2}"))
     };
-    let after = after.map_or_else(String::new, |a| format!(" -> {}", kept(&a.errors)));
+    let after: Vec<_> = models.iter().map(|model| kept(&model.errors)).collect();
+    let arrow = if after.is_empty() { "" } else { " -> " };
     println!(
-        "| {name} | {amplitude} | {size} | {} | {} | {found} | {:.0}{rest} | {}{after} |",
+        "| {name} | {amplitude} | {size} | {} | {} | {} | {:.0}{rest} | {}{arrow}{} |",
         diagnosis.verdict,
         diagnosis.effects.join(", "),
+        found.join(", "),
         diagnosis.structured_residual.t0.unwrap_or(f64::NAN),
         kept(&study.errors_before),
+        after.join(", "),
     );
 }
 

@@ -1,6 +1,6 @@
 //! From runs to the residual problem, and to errors.
 
-use super::runs::{Linearisation, Means};
+use super::runs::{Linearisation, Means, Setting};
 use super::{DeclaredParameter, ErrorPair, Observed, RealErrors, ResidualPlan};
 use crate::Error;
 use nalgebra::{Cholesky, DMatrix, DVector};
@@ -16,7 +16,7 @@ pub(super) fn added(a: &[Vec<f64>], b: &[Vec<f64>], factor: f64) -> Vec<Vec<f64>
 }
 
 /// Covariance scaled.
-fn scaled(a: &[Vec<f64>], factor: f64) -> Vec<Vec<f64>> {
+pub(super) fn scaled(a: &[Vec<f64>], factor: f64) -> Vec<Vec<f64>> {
     a.iter()
         .map(|row| row.iter().map(|x| x * factor).collect())
         .collect()
@@ -113,12 +113,26 @@ pub(super) fn root(
     );
     let measured = observed.measured(condition);
     let n = measured.len();
-    let matrix = DMatrix::from_fn(n, n, |a, b| total[measured[a]][measured[b]]);
-    let root = Cholesky::new(matrix).ok_or(Error::Search {
+    root_of(DMatrix::from_fn(n, n, |a, b| {
+        total[measured[a]][measured[b]]
+    }))
+}
+
+/// Lower root of a covariance.
+fn root_of(covariance: DMatrix<f64>) -> Result<DMatrix<f64>, Error> {
+    let root = Cholesky::new(covariance).ok_or(Error::Search {
         what: "the root of the covariance",
         reason: "it is not positive definite: are two observables the same?".into(),
     })?;
     Ok(root.l())
+}
+
+/// Square of a vector whitened by a covariance.
+pub(super) fn square(covariance: &[Vec<f64>], vector: &[f64]) -> Result<f64, Error> {
+    let n = vector.len();
+    let root = root_of(DMatrix::from_fn(n, n, |a, b| covariance[a][b]))?;
+    let white = root.solve_lower_triangular(&DVector::from_column_slice(vector));
+    Ok(white.map_or(f64::NAN, |w| w.norm_squared()))
 }
 
 /// Whitened mean square of observed minus simulated on the used conditions.
@@ -130,6 +144,31 @@ pub(super) fn misfit(
 ) -> Result<f64, Error> {
     let used = part(plan, observed, linear, simulated, true)?;
     used.map(|e| e.whitened_mse).ok_or(NOTHING_USED)
+}
+
+/// Number of values at the used conditions.
+pub(super) fn used_values(plan: &ResidualPlan, observed: &Observed) -> usize {
+    let used = (0..plan.conditions.len()).filter(|&c| plan.conditions[c].used);
+    used.map(|c| observed.measured(c).len()).sum()
+}
+
+/// What a fit makes small: sum of squares of the whitened residual on the used conditions, and of the distances of the
+/// parameters from their bench means in standard errors.
+pub(super) fn cost(
+    plan: &ResidualPlan,
+    observed: &Observed,
+    linear: &Linearisation,
+    setting: &Setting,
+    simulated: &Means,
+) -> Result<f64, Error> {
+    let rows = used_values(plan, observed);
+    let distance = |d: &DeclaredParameter| {
+        let [mean, sd] = d.prior?;
+        Some((setting.parameters[&d.name] - mean) / sd)
+    };
+    let priors = plan.declared.iter().filter_map(distance);
+    let misfit = misfit(plan, observed, linear, simulated)?;
+    Ok(misfit * rows as f64 + priors.map(|z| z * z).sum::<f64>())
 }
 
 /// What a fit without a value is told.

@@ -6,19 +6,8 @@ use crate::Error;
 use crate::least_squares::{BoundedProblem, bounded_least_squares};
 use nalgebra::{DMatrix, DVector};
 
-/// Fits the declared parameters to the used conditions and the priors, about means at a point.
-pub(super) fn declared(
-    plan: &ResidualPlan,
-    observed: &Observed,
-    linear: &Linearisation,
-    point: &[f64],
-    means: &Means,
-) -> Result<Vec<f64>, Error> {
-    let problem = linear_problem(plan, observed, linear, &[], (point, &[]), means)?;
-    bounded_least_squares(&problem, point)
-}
-
-/// Fits parameters and amplitudes of some effects together, about the means of runs at a point.
+/// Fits parameters and the amplitudes of some effects together to the used conditions and the priors, about the means
+/// of runs at a point.
 pub(super) fn with_effects(
     plan: &ResidualPlan,
     observed: &Observed,

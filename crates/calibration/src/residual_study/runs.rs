@@ -1,5 +1,7 @@
 //! The runs of a residual study and their means.
 
+use super::assemble::{self, scaled};
+use super::fits::likely_mean_square;
 use super::{DeclaredParameter, ResidualPlan, StudyCondition};
 use crate::Error;
 use crate::cells::value;
@@ -67,6 +69,12 @@ impl Setting {
             parameters: names.zip(values.iter().copied()).collect(),
             effects: BTreeMap::new(),
         }
+    }
+
+    /// Its declared parameters in the order of the plan.
+    pub(super) fn declared_values(&self, plan: &ResidualPlan) -> Vec<f64> {
+        let value = |d: &DeclaredParameter| self.parameters[&d.name];
+        plan.declared.iter().map(value).collect()
     }
 
     /// The run of one condition; `block` and `replicate` choose a seed that no other block uses.
@@ -386,6 +394,80 @@ impl Linearisation {
         };
         self.library_variance[effect] = runs / (on.n as f64 * amplitude * amplitude);
         if shares { self } else { self.with_scatter(on) }
+    }
+
+    /// The same with slopes that go through two points that were run; none where these do not contradict the slopes by
+    /// more than noise (by chance in 1 of 40 cases).
+    ///
+    /// # Formula
+    ///
+    /// For a step `d` in parameters and amplitudes, each over the step of its difference quotient, the slopes `J`
+    /// become `J + (f(to) - f(from) - J d) d' / d'd`: the least change that does it `[Broyden1965]`, method 1.
+    pub(super) fn contradicted(
+        &self,
+        plan: &ResidualPlan,
+        effects: &[String],
+        (from, at_from): (&Setting, &Means),
+        (to, at_to): (&Setting, &Means),
+    ) -> Result<Option<Self>, Error> {
+        let step = |before: f64, after: f64, unit: f64| (after - before) / unit;
+        let declared: Vec<f64> = plan
+            .declared
+            .iter()
+            .map(|d| step(from.parameters[&d.name], to.parameters[&d.name], d.step))
+            .collect();
+        let taken = plan.effects.iter().enumerate();
+        let taken: Vec<(usize, f64)> = taken
+            .filter(|(_, e)| effects.contains(&e.name))
+            .map(|(j, e)| (j, step(from.effects[&e.name], to.effects[&e.name], e.probe)))
+            .collect();
+        let size: f64 = declared
+            .iter()
+            .chain(taken.iter().map(|(_, d)| d))
+            .map(|d| d * d)
+            .sum();
+        if size == 0.0 {
+            return Ok(None);
+        }
+        let mut corrected = self.clone();
+        let (mut contradiction, mut rows) = (0.0, 0);
+        let noise = scaled(
+            &self.run_covariance,
+            1.0 / at_from.n as f64 + 1.0 / at_to.n as f64,
+        );
+        for (c, (a, b)) in at_from.values.iter().zip(&at_to.values).enumerate() {
+            if b.is_empty() {
+                continue;
+            }
+            let off: Vec<f64> = (0..b.len())
+                .map(|k| {
+                    let slopes = &self.declared[c][k];
+                    let by_parameters = slopes.iter().zip(&declared).zip(&plan.declared);
+                    let by_parameters: f64 = by_parameters.map(|((s, d), p)| s * d * p.step).sum();
+                    let slopes = &self.library[c][k];
+                    let by_effects = taken
+                        .iter()
+                        .map(|&(j, d)| slopes[j] * d * plan.effects[j].probe);
+                    b[k] - a[k] - by_parameters - by_effects.sum::<f64>()
+                })
+                .collect();
+            contradiction += assemble::square(&noise, &off)?;
+            rows += off.len();
+            for (k, off) in off.iter().enumerate() {
+                for ((slope, d), p) in corrected.declared[c][k]
+                    .iter_mut()
+                    .zip(&declared)
+                    .zip(&plan.declared)
+                {
+                    *slope += off * d / size / p.step;
+                }
+                for &(j, d) in &taken {
+                    corrected.library[c][k][j] += off * d / size / plan.effects[j].probe;
+                }
+            }
+        }
+        let likely = likely_mean_square(rows);
+        Ok((contradiction > likely * rows as f64).then_some(corrected))
     }
 
     /// The same with the scatter of further means in the covariance: the noise of a run is taken

@@ -22,9 +22,7 @@ pub(super) fn add(page: &mut Page<'_>) -> Result<(), Error> {
              observation and priors, any effect that moves the angle can take the residual: a \
              smaller error here is no evidence for it."
         ),
-        None => "No effect is added, because the diagnosis names none: there is no error after to \
-                 report."
-            .to_owned(),
+        None => residual_parts::not_added(study).to_owned(),
     });
     residual_parts::errors(&mut page.report, study)?;
     let n_kept = study.plan.conditions.iter().filter(|c| !c.used).count();

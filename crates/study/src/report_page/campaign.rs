@@ -1,6 +1,7 @@
 //! What charts, tables and text of a residual study share.
 
-use calibration::{RealErrors, ResidualStudy, StudyCondition};
+use super::numbers::digits;
+use calibration::{AddedEffect, ErrorPair, RealErrors, ResidualStudy, StudyCondition};
 use report::Role;
 
 /// A condition in words, short.
@@ -45,31 +46,37 @@ pub(crate) fn residual_se(study: &ResidualStudy, c: usize, k: usize) -> f64 {
 /// Errors of real runs with one model.
 #[derive(Debug)]
 pub(crate) struct StageErrors<'a> {
-    /// Before or after an effect was added.
-    pub(crate) name: &'static str,
+    /// Before or after an effect was added, or with which of the tied ones.
+    pub(crate) name: String,
     /// On the conditions that the fit used.
     pub(crate) used: &'a RealErrors,
     /// On those kept for the check; none if there are none.
     pub(crate) kept: Option<&'a RealErrors>,
 }
 
-/// Errors before, and after where an effect was added.
+/// Errors before, and after where an effect was added; with each tied effect where they tie.
 pub(crate) fn stages(study: &ResidualStudy) -> Vec<StageErrors<'_>> {
-    let before = &study.errors_before;
-    let mut stages = vec![StageErrors {
-        name: "before",
-        used: &before.used,
-        kept: before.kept.as_ref(),
-    }];
-    if let Some(after) = &study.after {
-        let errors = &after.errors;
-        stages.push(StageErrors {
-            name: "after",
+    fn stage(name: String, errors: &ErrorPair) -> StageErrors<'_> {
+        StageErrors {
+            name,
             used: &errors.used,
             kept: errors.kept.as_ref(),
-        });
+        }
     }
-    stages
+    let before = stage("before".into(), &study.errors_before);
+    let after = study.after.iter().map(|a| stage("after".into(), &a.errors));
+    let rivals = study
+        .rivals
+        .iter()
+        .map(|a| stage(format!("with {}", amplitudes(a)), &a.errors));
+    std::iter::once(before).chain(after).chain(rivals).collect()
+}
+
+/// The effects of a model with their amplitudes.
+pub(crate) fn amplitudes(added: &AddedEffect) -> String {
+    let one = |(name, amplitude): (&String, &f64)| format!("{name} {}", digits(*amplitude));
+    let all: Vec<String> = added.effects.iter().map(one).collect();
+    all.join(" and ")
 }
 
 #[cfg(test)]

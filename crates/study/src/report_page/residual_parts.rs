@@ -145,7 +145,7 @@ pub(super) fn errors(report: &mut Report, study: &ResidualStudy) -> Result<(), r
             ("kept", false, stage.kept),
         ] {
             let n = study.plan.count(used);
-            let mut row = vec![stage.name.to_owned(), part.to_owned(), n.to_string()];
+            let mut row = vec![stage.name.clone(), part.to_owned(), n.to_string()];
             for name in &study.plan.observables {
                 row.push(digits_or_dash(
                     errors.and_then(|e| e.rmse.get(name).copied()),
@@ -171,6 +171,16 @@ pub(super) fn added(study: &ResidualStudy) -> Option<String> {
         )
     };
     Some(after.effects.iter().map(one).collect::<Vec<_>>().join("; "))
+}
+
+/// Why no single effect is added.
+pub(super) fn not_added(study: &ResidualStudy) -> &'static str {
+    if study.rivals.is_empty() {
+        "No effect is added, because the diagnosis names none."
+    } else {
+        "The effects that explain it best were added to the model in turn, each with a fit of its own; real runs may \
+         not tell them apart either."
+    }
 }
 
 /// What each observable alone says of the effect that stands out.

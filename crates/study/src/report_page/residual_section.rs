@@ -1,5 +1,6 @@
 //! The study of a residual over several conditions: verdict, candidates, errors, charts.
 
+use super::campaign::StageErrors;
 use super::chart;
 use super::numbers::{DASH, counted, digits, digits_or_dash, fixed, listed, observable};
 use super::pictures::{NamedPicture, plain_name};
@@ -42,7 +43,7 @@ pub(super) fn add(
              against it: {effect}."
         ),
         Some(effect) => format!("Added to the model and fitted again: {effect}."),
-        None => "No effect is added, because the diagnosis names none.".to_owned(),
+        None => residual_parts::not_added(study).to_owned(),
     });
     residual_parts::errors(report, study)?;
     report.paragraph(&kept_errors(study));
@@ -81,24 +82,28 @@ pub(super) fn add(
 /// The error on the kept conditions, before and after, in words.
 fn kept_errors(study: &ResidualStudy) -> String {
     let stages = campaign::stages(study);
-    let whitened: Vec<Option<f64>> = stages
-        .iter()
-        .map(|s| s.kept.map(|e| e.whitened_mse))
-        .collect();
-    match whitened.as_slice() {
-        [Some(before), Some(after), ..] => format!(
-            "On the kept conditions the whitened mean square of real runs goes from {} to {} ({} %).",
-            fixed(*before, 2),
-            fixed(*after, 2),
-            super::numbers::signed(100.0 * (after / before - 1.0), 0),
-        ),
-        [Some(before), ..] => {
-            format!(
-                "On the kept conditions the whitened mean square of real runs is {}.",
-                fixed(*before, 2)
-            )
-        }
-        _ => "No condition is kept for the check.".into(),
+    let whitened = |stage: &StageErrors<'_>| stage.kept.map(|e| e.whitened_mse);
+    let Some((Some(before), others)) = stages.split_first().map(|(s, o)| (whitened(s), o)) else {
+        return "No condition is kept for the check.".into();
+    };
+    let one = |stage: &StageErrors<'_>| {
+        let after = whitened(stage)?;
+        let change = super::numbers::signed(100.0 * (after / before - 1.0), 0);
+        Some(format!(
+            "{} it is {} ({change} %)",
+            stage.name,
+            fixed(after, 2)
+        ))
+    };
+    let after: Vec<String> = others.iter().filter_map(one).collect();
+    let said = format!(
+        "On the kept conditions the whitened mean square of real runs is {} before",
+        fixed(before, 2)
+    );
+    if after.is_empty() {
+        format!("{said}.")
+    } else {
+        format!("{said}; {}.", after.join("; "))
     }
 }
 

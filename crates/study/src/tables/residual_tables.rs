@@ -138,10 +138,8 @@ fn candidates(name: &str, study: &ResidualStudy) -> CsvTable {
     );
     for (effect, c) in &study.diagnosis.candidates {
         let yes = |is: bool| Field::from(if is { "yes" } else { "no" });
-        let after = study
-            .after
-            .as_ref()
-            .and_then(|a| a.effects.get(effect).copied());
+        let mut models = study.after.iter().chain(&study.rivals);
+        let after = models.find_map(|a| a.effects.get(effect)).copied();
         table.row([
             effect.into(),
             yes(study.diagnosis.effects.contains(effect)),
@@ -184,7 +182,7 @@ fn errors(name: &str, study: &ResidualStudy) -> CsvTable {
         for (part, used, errors) in parts {
             let Some(errors) = errors else { continue };
             let n = study.plan.count(used);
-            let mut row = vec![Field::from(stage.name), part.into(), n.into()];
+            let mut row = vec![Field::from(&stage.name), part.into(), n.into()];
             let rmse = |q: &String| Field::from(errors.rmse.get(q).copied());
             row.extend(study.plan.observables.iter().map(rmse));
             row.push(errors.whitened_mse.into());

@@ -13,7 +13,7 @@ scene = "tiny.toml"
 changes = ["seed.0.count = 64", "protocol.frames = 8", "protocol.rotation_limit = 3 s"]
 effects = ["camera-roll", "cohesion"]
 replicates = 2
-budget_runs = 70
+budget_runs = 100
 
 [[declared]]
 parameter = "contact.seed-seed.static_friction"
@@ -55,7 +55,7 @@ fn diagnose(scene: &TinyScene, words: &[&str]) -> Output {
 }
 
 /// The example of the guide: three conditions for the fit, two for the check. By hand: 2 runs at each of
-/// (1 start + 2 parameters + 4 effects + 11 rounds) x 3 and 2 x 2 conditions are 116.
+/// (1 start + 2 parameters + 4 effects + 18 rounds) x 3 and 4 x 2 conditions are 166.
 #[test]
 fn the_example_says_what_would_be_run_and_runs_nothing() {
     let example = fixture("cotton/diagnosis.toml");
@@ -63,7 +63,7 @@ fn the_example_says_what_would_be_run_and_runs_nothing() {
     let output = seedloop(Path::new("."), &words);
     assert_code(&output, 0);
     let said = text(&output.stdout);
-    assert!(said.contains("at most 116 runs of 160"), "{said}");
+    assert!(said.contains("at most 166 runs of 170"), "{said}");
     assert_eq!(said.matches("\n  fit ").count(), 3, "{said}");
     assert_eq!(said.matches("\n  check ").count(), 2, "{said}");
 }
@@ -105,7 +105,7 @@ fn what_cannot_be_meant_is_refused_with_its_place() {
         ("n = 2 }\nvalues", "n = 0 }\nvalues", "n of 1 or more"),
         ("step = 0.05", "step = 0.9", "within low and high"),
         (
-            "budget_runs = 70",
+            "budget_runs = 100",
             "budget_runs = 5",
             "budget of runs: 5 given",
         ),

@@ -1,0 +1,267 @@
+//! Fits by real runs: the declared parameters, the suspects at their own best, the model with effects added.
+
+use super::runs::{self, At, Linearisation, Means, Setting};
+use super::{AddedEffect, EffectProbe, Observed, ResidualPlan, assemble, refit};
+use crate::Error;
+use campaign::{Campaign, Simulator};
+use residual_diagnosis::{CandidateResult, Diagnosis};
+
+/// Largest number of effects whose sensitivity is measured anew at a time.
+pub(super) const MOST_SUSPECTS: usize = 3;
+/// How often that is done: wherever something stands out, and again where no effect is adequate then, or none
+/// beats an unknown one.
+pub(super) const LOOKS: usize = 2;
+/// Blocks of seeds: of the fit without an effect and its corrections, of the model with effects and its corrections,
+/// and the first of the sensitivities measured anew. Block 0 is that of the start.
+const BLOCKS_OF_FIT: [u64; 3] = [1, 4, 5];
+const BLOCKS_WITH_EFFECTS: [u64; 3] = [2, 3, 12];
+pub(super) const FIRST_BLOCK_ANEW: u64 = 6;
+
+/// Whitened mean square of so many values that noise alone exceeds in 1 of 40 cases: 1 + 2 sqrt(2/n).
+pub(super) fn likely_mean_square(values: usize) -> f64 {
+    1.0 + 2.0 * (2.0 / values as f64).sqrt()
+}
+
+/// Effects to be added together, one set a model: those that are named, or of a tie each of the best explanations
+/// in turn.
+pub(super) fn sets_to_add(diagnosis: &Diagnosis) -> Vec<Vec<String>> {
+    if diagnosis.effects.is_empty() {
+        return Vec::new();
+    }
+    let groups = &diagnosis.tie_groups;
+    let t_after = |name: &String| {
+        diagnosis
+            .candidates
+            .get(name)
+            .map_or(f64::NAN, |c| c.t_after)
+    };
+    let best: Vec<String> = groups.iter().filter_map(|g| g.first().cloned()).collect();
+    let mut sets = vec![best.clone()];
+    for (place, group) in groups.iter().enumerate() {
+        let mut others: Vec<&String> = group.iter().filter(|name| !best.contains(name)).collect();
+        others.sort_by(|a, b| t_after(a).total_cmp(&t_after(b)));
+        for name in others {
+            let mut set = best.clone();
+            set[place].clone_from(name);
+            sets.push(set);
+        }
+    }
+    sets.truncate(MOST_SUSPECTS);
+    sets
+}
+
+/// What the fits of a study share.
+#[derive(Clone, Copy)]
+pub(super) struct Fits<'a> {
+    pub(super) campaign: &'a Campaign<'a>,
+    pub(super) simulator: &'a dyn Simulator,
+    pub(super) plan: &'a ResidualPlan,
+    pub(super) observed: &'a Observed,
+}
+
+/// Effects that were looked at anew.
+#[derive(Debug, Default)]
+pub(super) struct Looks {
+    /// Number of each effect and where it was run, the last look behind the others.
+    at: Vec<(usize, Visited)>,
+    /// Those that could not be run.
+    pub(super) warnings: Vec<String>,
+}
+
+/// A point that was run.
+#[derive(Debug, Clone)]
+pub(super) struct Visited {
+    /// Parameters and amplitudes.
+    pub(super) setting: Setting,
+    /// What came out at the used conditions.
+    pub(super) means: Means,
+    /// Block of seeds.
+    pub(super) block: u64,
+}
+
+impl Fits<'_> {
+    /// Fits the declared parameters without an effect.
+    pub(super) fn declared(&self, linear: &Linearisation) -> Result<Visited, Error> {
+        let start: Vec<f64> = self.plan.declared.iter().map(|d| d.start).collect();
+        let start = Setting::declared(self.plan, &start);
+        self.descend(linear, &[], (&start, &linear.nominal), None, BLOCKS_OF_FIT)
+    }
+
+    /// Effects whose sensitivity decides, the best explanations of what remains, each with the setting that fits best
+    /// with it.
+    ///
+    /// A sensitivity is a difference quotient at the start, with a step of its own choice. Parameters and amplitudes end
+    /// elsewhere: a real effect that the parameters have partly taken up, or that does not grow in proportion to
+    /// its amplitude, is not to be judged by that straight line. What leaves the motion alone, as a camera does, keeps
+    /// the fitted parameters, at which it shares their noise. No amplitude is below the smallest that can be seen, for a
+    /// quotient over less is noise.
+    pub(super) fn suspects(
+        &self,
+        linear: &Linearisation,
+        fit: &Visited,
+        diagnosis: &Diagnosis,
+    ) -> Result<Vec<(usize, Setting)>, Error> {
+        let (plan, observed) = (self.plan, self.observed);
+        let mut suspects = Vec::new();
+        for (j, effect) in plan.effects.iter().enumerate() {
+            let candidate = diagnosis.candidates.get(&effect.name);
+            let helps = candidate.filter(|c| c.testable && c.z.is_some_and(|z| z.abs() > 2.0));
+            let amplitude = helps.and_then(|c| Some((c, c.amplitude.filter(|a| *a != 0.0)?)));
+            suspects.extend(amplitude.map(|(c, amplitude)| (c, j, amplitude)));
+        }
+        suspects.sort_by(|a, b| a.0.t_after.total_cmp(&b.0.t_after));
+        suspects.truncate(MOST_SUSPECTS);
+        let setting = |(candidate, j, amplitude): (&CandidateResult, usize, f64)| {
+            let EffectProbe { name, range, .. } = &plan.effects[j];
+            let mut setting = fit.setting.clone();
+            setting.effects.insert(name.clone(), 0.0);
+            let mut amplitude = amplitude;
+            if !linear.shares_noise(j) {
+                let about = (&setting, &fit.means);
+                setting =
+                    refit::with_effects(plan, observed, linear, std::slice::from_ref(name), about)?;
+                if setting.effects[name] != 0.0 {
+                    amplitude = setting.effects[name];
+                }
+            }
+            let least = candidate.smallest_detectable.unwrap_or(0.0);
+            let size = amplitude.abs().max(least);
+            let amplitude = (size * amplitude.signum()).clamp(range[0], range[1]);
+            setting.effects.insert(name.clone(), amplitude);
+            Ok((j, setting))
+        };
+        suspects.into_iter().map(setting).collect()
+    }
+
+    /// Runs each suspect at its setting and takes its sensitivity from there; notes these runs, or that one cannot be
+    /// run.
+    ///
+    /// An effect that shares the noise of the runs without it gets their seeds, the others those of their own block.
+    pub(super) fn measured_anew(
+        &self,
+        mut linear: Linearisation,
+        fit: &Visited,
+        suspects: impl Iterator<Item = ((usize, Setting), u64)>,
+        known: &mut Looks,
+    ) -> Result<Linearisation, Error> {
+        let plan = self.plan;
+        let (mut effects, mut settings) = (Vec::new(), Vec::new());
+        for ((effect, setting), own) in suspects {
+            let shares = linear.shares_noise(effect);
+            effects.push(effect);
+            settings.push((setting, if shares { fit.block } else { own }));
+        }
+        let means = runs::means_of_each(self.campaign, self.simulator, plan, &settings)?;
+        for ((effect, (setting, block)), means) in effects.into_iter().zip(settings).zip(means) {
+            let name = &plan.effects[effect].name;
+            match means {
+                Ok(means) => {
+                    let from = (&fit.setting, &fit.means);
+                    linear = linear.with_secant(plan, effect, from, (&setting, &means));
+                    let look = Visited {
+                        setting,
+                        means,
+                        block,
+                    };
+                    known.at.push((effect, look));
+                }
+                Err(reason) => known.warnings.push(format!(
+                    "{name} could not be run at the amplitude {:.3} that the data ask for, so that it is \
+                     judged by its sensitivity further away: {reason}",
+                    setting.effects[name]
+                )),
+            }
+        }
+        Ok(linear)
+    }
+
+    /// Adds effects to the model that was fitted without, and fits parameters and amplitudes together.
+    ///
+    /// A lone effect that was looked at anew starts there.
+    pub(super) fn with(
+        &self,
+        linear: &Linearisation,
+        effects: &[String],
+        fit: &Visited,
+        looks: &Looks,
+    ) -> Result<AddedEffect, Error> {
+        let alone = |look: &&(usize, Visited)| {
+            effects == std::slice::from_ref(&self.plan.effects[look.0].name)
+        };
+        let look = looks.at.iter().rev().find(alone).map(|look| &look.1);
+        let mut start = look.map_or(&fit.setting, |look| &look.setting).clone();
+        for name in effects {
+            start.effects.entry(name.clone()).or_insert(0.0);
+        }
+        let about = (&start, &look.unwrap_or(fit).means);
+        let end = self.descend(linear, effects, about, look.cloned(), BLOCKS_WITH_EFFECTS)?;
+        let means = end
+            .means
+            .with_kept(self.run(&end.setting, end.block, At::Kept)?);
+        Ok(AddedEffect {
+            errors: assemble::errors(self.plan, self.observed, linear, &means)?,
+            effects: end.setting.effects,
+            fitted: end.setting.parameters,
+            simulated: means.values,
+        })
+    }
+
+    /// Runs where the fit by the linear model about a point ends, and corrects that where it misses, with the
+    /// seeds of a block each time. The point that fits best is kept; `best` is one already.
+    ///
+    /// Where runs contradict the slopes by more than noise, the slopes are corrected.
+    fn descend<const ROUNDS: usize>(
+        &self,
+        noise: &Linearisation,
+        effects: &[String],
+        (start, means): (&Setting, &Means),
+        best: Option<Visited>,
+        blocks: [u64; ROUNDS],
+    ) -> Result<Visited, Error> {
+        let (plan, observed) = (self.plan, self.observed);
+        let cost = |v: &Visited| assemble::cost(plan, observed, noise, &v.setting, &v.means);
+        let mut linear = noise.clone();
+        let mut about = (start.clone(), means.clone());
+        // What was run elsewhere is not the best amplitude, whatever its misfit.
+        let (mut best, mut at_end) = (best, false);
+        for block in blocks {
+            if let (Some(best), true) = (&best, at_end) {
+                let misfit = assemble::misfit(plan, observed, noise, &best.means)?;
+                if misfit <= likely_mean_square(assemble::used_values(plan, observed)) {
+                    break;
+                }
+            }
+            let setting =
+                refit::with_effects(plan, observed, &linear, effects, (&about.0, &about.1))?;
+            let means = self.run(&setting, block, At::Used)?;
+            let corrected =
+                linear.contradicted(plan, effects, (&about.0, &about.1), (&setting, &means))?;
+            let visited = Visited {
+                setting,
+                means,
+                block,
+            };
+            let better = match &best {
+                Some(best) => cost(&visited)? < cost(best)?,
+                None => true,
+            };
+            at_end = true;
+            if better {
+                about = (visited.setting.clone(), visited.means.clone());
+                best = Some(visited);
+            } else if corrected.is_none() {
+                break;
+            }
+            linear = corrected.unwrap_or(linear);
+        }
+        best.ok_or(Error::Search {
+            what: "the fit",
+            reason: "no point was run".into(),
+        })
+    }
+
+    /// Means at a setting with the seeds of a block.
+    pub(super) fn run(&self, setting: &Setting, block: u64, at: At) -> Result<Means, Error> {
+        runs::means(self.campaign, self.simulator, self.plan, setting, block, at)
+    }
+}
