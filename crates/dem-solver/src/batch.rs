@@ -109,7 +109,7 @@ fn read(column: &Column, k: usize) -> Vector3<f64> {
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct ContactLoad {
     /// The two bodies.
-    bodies: [usize; 2],
+    pub(crate) bodies: [usize; 2],
     /// Force on the first, the opposite of that on the second, N.
     force: Vector3<f64>,
     /// Torques on both, N m.
@@ -122,30 +122,61 @@ pub(crate) trait Sink {
     fn take(&mut self, load: &ContactLoad);
 }
 
-/// Forces (N) and torques (N m) of all bodies.
+/// Forces (N) and torques (N m) of a range of bodies.
 #[derive(Debug)]
 pub(crate) struct Loads<'a> {
+    /// The first body.
+    pub(crate) first: usize,
     /// Forces, N.
     pub(crate) force: &'a mut [Vector3<f64>],
     /// Torques, N m.
     pub(crate) torque: &'a mut [Vector3<f64>],
 }
 
-impl Sink for Loads<'_> {
+impl<'a> Loads<'a> {
+    /// Adds a force (N) and a torque (N m) to a body of the range.
     #[inline(always)]
-    fn take(&mut self, load: &ContactLoad) {
-        let [i, j] = load.bodies;
-        self.force[i] += load.force;
-        self.force[j] -= load.force;
-        self.torque[i] += load.torques[0];
-        self.torque[j] += load.torques[1];
+    pub(crate) fn add(&mut self, body: usize, force: &Vector3<f64>, torque: &Vector3<f64>) {
+        self.force[body - self.first] += force;
+        self.torque[body - self.first] += torque;
+    }
+
+    /// Adds what a contact does to its first body.
+    #[inline(always)]
+    pub(crate) fn take_first(&mut self, load: &ContactLoad) {
+        self.add(load.bodies[0], &load.force, &load.torques[0]);
+    }
+
+    /// Adds what a contact does to its second body.
+    #[inline(always)]
+    pub(crate) fn take_second(&mut self, load: &ContactLoad) {
+        self.force[load.bodies[1] - self.first] -= load.force;
+        self.torque[load.bodies[1] - self.first] += load.torques[1];
+    }
+
+    /// The loads of the bodies before `middle` and of those from there on.
+    pub(crate) fn split_at(self, middle: usize) -> (Self, Loads<'a>) {
+        let (force, later_force) = self.force.split_at_mut(middle - self.first);
+        let (torque, later_torque) = self.torque.split_at_mut(middle - self.first);
+        let earlier = Self {
+            first: self.first,
+            force,
+            torque,
+        };
+        let later = Self {
+            first: middle,
+            force: later_force,
+            torque: later_torque,
+        };
+        (earlier, later)
     }
 }
 
-impl Sink for Vec<ContactLoad> {
+impl Sink for Loads<'_> {
     #[inline(always)]
     fn take(&mut self, load: &ContactLoad) {
-        self.push(*load);
+        self.take_first(load);
+        self.take_second(load);
     }
 }
 

@@ -36,6 +36,7 @@ mod snapshot;
 mod template;
 mod wall;
 mod wall_force;
+mod workspace;
 mod world;
 
 pub use bodies::{Bodies, Placement};

@@ -17,7 +17,7 @@ use crate::bodies::{Bodies, scaled_single};
 use crate::candidates::{RelativeSingle, Scratch, search};
 use crate::contact::Memory;
 use crate::lanes::LANES;
-use crate::pair_force::Slack;
+use crate::pair_force::Context;
 use crate::snapshot::KeptContact;
 use crate::template::Template;
 use fearless_simd::prelude::*;
@@ -70,9 +70,8 @@ impl Head {
     }
 }
 
-/// The list of a pair; read only for pairs that are awake. One line of the cache.
+/// The list of a pair; read only for pairs that are awake.
 #[derive(Debug, Clone, Copy)]
-#[repr(align(64))]
 pub(crate) struct Lists {
     /// First chunk of the pair.
     pub(crate) chunk: u32,
@@ -86,8 +85,6 @@ pub(crate) struct Lists {
     pub(crate) n_touches: u32,
     /// Sum of the travels of both bodies above which the list must be looked at, m.
     pub(crate) limit: f32,
-    /// The pair when its list was made.
-    pose: Pose,
 }
 
 impl Lists {
@@ -99,11 +96,6 @@ impl Lists {
         touch: 0,
         n_touches: 0,
         limit: f32::NEG_INFINITY,
-        pose: Pose {
-            position: [0.0; 3],
-            rotation: [0.0; 4],
-            reach: -1.0,
-        },
     };
 }
 
@@ -119,6 +111,13 @@ struct Pose {
 }
 
 impl Pose {
+    /// Of a pair without a list.
+    const NONE: Self = Self {
+        position: [0.0; 3],
+        rotation: [0.0; 4],
+        reach: -1.0,
+    };
+
     /// Rounds a pose whose list covers a motion of `reach` (m).
     #[inline(always)]
     fn new(position: &Vector3<f64>, rotation: &UnitQuaternion<f64>, reach: f32) -> Self {
@@ -169,22 +168,14 @@ pub(crate) struct Neighbours {
     pub(crate) heads: Vec<Head>,
     /// Lists of the same entries.
     pub(crate) lists: Vec<Lists>,
+    /// The pairs when their lists were made; empty where all bodies are spheres, whose pairs have no lists.
+    poses: Vec<Pose>,
     /// First entry of each body of the range in `heads`; one more than there are bodies.
     start: Vec<u32>,
-    /// Entries of one body that are awake; filled by [`Self::find_awake`].
-    pub(crate) awake: Vec<u32>,
     /// Candidates.
     pub(crate) chunks: Vec<Chunk>,
-    /// Keys of the candidates of one pair that may touch; filled by the force loop.
-    pub(crate) near: Vec<u32>,
     /// Touching pairs of spheres of the step before.
     pub(crate) touches: Vec<Touch>,
-    /// Touching pairs of spheres of this step.
-    pub(crate) next_touches: Vec<Touch>,
-    /// The state before the broad phase, kept to save its allocation.
-    old: Previous,
-    /// Buffers of the search.
-    scratch: Scratch,
     /// Lists made anew since the start.
     n_rebuilds: u64,
     /// Pairs looked at since the start.
@@ -193,11 +184,13 @@ pub(crate) struct Neighbours {
 
 /// Lists before a broad phase.
 #[derive(Debug, Clone, Default)]
-struct Previous {
+pub(crate) struct Previous {
     /// Entries.
     heads: Vec<Head>,
     /// Lists.
     lists: Vec<Lists>,
+    /// Poses.
+    poses: Vec<Pose>,
     /// Starts.
     start: Vec<u32>,
     /// Candidates.
@@ -309,17 +302,18 @@ impl Neighbours {
         }
     }
 
-    /// Begins a new list; partners of each body follow in order, from the first one on, through
+    /// Begins a new list and moves the old one out of the way; partners of each body follow in order, from the first one on, through
     /// [`Self::add`].
-    pub(crate) fn begin(&mut self, first: usize) {
+    pub(crate) fn begin(&mut self, first: usize, old: &mut Previous) {
         self.first = first;
-        let old = &mut self.old;
         std::mem::swap(&mut self.heads, &mut old.heads);
         std::mem::swap(&mut self.lists, &mut old.lists);
+        std::mem::swap(&mut self.poses, &mut old.poses);
         std::mem::swap(&mut self.start, &mut old.start);
         std::mem::swap(&mut self.chunks, &mut old.chunks);
         self.heads.clear();
         self.lists.clear();
+        self.poses.clear();
         self.chunks.clear();
         self.start.clear();
         self.start.push(0);
@@ -328,23 +322,37 @@ impl Neighbours {
     /// Adds the partners of body `i`, in rising order, keeping what is known of old pairs.
     ///
     /// `travel` is the travel of the bodies up to now; the caller sets it to 0 afterwards, so
-    /// the limits of the pairs that stay are lowered by it.
-    pub(crate) fn add(&mut self, i: usize, partners: &[u32], travel: &[f32]) {
+    /// the limits of the pairs that stay are lowered by it. `all_spheres` says whether every body is a sphere.
+    pub(crate) fn add(
+        &mut self,
+        i: usize,
+        partners: &[u32],
+        travel: &[f32],
+        all_spheres: bool,
+        old: &Previous,
+    ) {
         let place = i - self.first;
-        let (mut k, end) = match self.old.start.get(place..place + 2) {
+        let (mut k, end) = match old.start.get(place..place + 2) {
             Some(range) => (range[0] as usize, range[1] as usize),
             None => (0, 0),
         };
+        if !all_spheres {
+            self.poses
+                .resize(self.lists.len() + partners.len(), Pose::NONE);
+        }
         for &j in partners {
-            while k < end && self.old.heads[k].j < j {
+            while k < end && old.heads[k].j < j {
                 k += 1;
             }
-            if k < end && self.old.heads[k].j == j {
-                let lists = self.old.lists[k];
+            if k < end && old.heads[k].j == j {
+                let lists = old.lists[k];
                 let limit = lowered(lists.limit, travel[i] + travel[j as usize]);
                 self.heads.push(Head::new(j, lists.n_chunks, limit));
                 let first = lists.chunk as usize;
-                let moved = &self.old.chunks[first..first + lists.n_chunks as usize];
+                if !all_spheres {
+                    self.poses[self.lists.len()] = old.poses[k];
+                }
+                let moved = &old.chunks[first..first + lists.n_chunks as usize];
                 let chunk = stored(self.chunks.len());
                 self.chunks.extend_from_slice(moved);
                 self.lists.push(Lists {
@@ -371,9 +379,10 @@ impl Neighbours {
         k: usize,
         i: usize,
         bodies: &Bodies,
-        templates: &[Template],
-        slack: Slack,
+        context: &Context<'_>,
+        scratch: &mut Scratch,
     ) {
+        let (templates, slack) = (context.templates, context.slack);
         self.n_checks += 1;
         let j = self.heads[k].j as usize;
         let travel = bodies.travel[i] + bodies.travel[j];
@@ -383,7 +392,7 @@ impl Neighbours {
         );
         let position = bodies.rotation[i].tr_mul(&(bodies.position[j] - bodies.position[i]));
         let rotation = bodies.orientation[i].inverse() * bodies.orientation[j];
-        let pose = self.lists[k].pose;
+        let pose = self.poses[k];
         if pose.reach > 0.0 {
             let moved = pose.motion_to(&position, &rotation, b.bounding_radius);
             #[expect(
@@ -400,14 +409,13 @@ impl Neighbours {
             rotation: scaled_single(&rotation.to_rotation_matrix().into_inner(), 1.0),
             position: single(&position.data.0[0]),
         };
-        let scratch = &mut self.scratch;
         let reach = simd.vectorize(
             #[inline(always)]
             || search(simd, &a.packed, &b.packed, &relative, slack, scratch),
         );
-        self.lists[k].pose = Pose::new(&position, &rotation, reach);
+        self.poses[k] = Pose::new(&position, &rotation, reach);
         self.n_rebuilds += 1;
-        self.place_chunks(k, a, b, slack.safety + slack.reach);
+        self.place_chunks(k, a, b, slack.safety + slack.reach, &scratch.found);
         self.set_limit(k, travel + reach);
     }
 
@@ -434,29 +442,36 @@ impl Neighbours {
         self.heads[k].wake = travel;
     }
 
-    /// Puts the pairs of body `i` that need attention in this step into [`Self::awake`] and
-    /// returns their number. Nine of ten pairs sleep, so that the loop over all of them must
+    /// Puts the pairs of body `i` that need attention in this step into `awake` and returns
+    /// their number. Nine of ten pairs sleep, so that the loop over all of them must
     /// not branch.
     #[inline(always)]
-    pub(crate) fn find_awake(&mut self, i: usize, travel: &[f32]) -> usize {
+    pub(crate) fn find_awake(&self, i: usize, travel: &[f32], awake: &mut Vec<u32>) -> usize {
         let place = i - self.first;
         let first = self.start[place];
         let range = first as usize..self.start[place + 1] as usize;
-        if self.awake.len() < range.len() + 1 {
-            self.awake.resize(range.len() + 1, 0);
+        if awake.len() < range.len() + 1 {
+            awake.resize(range.len() + 1, 0);
         }
         let mut n = 0;
         for (k, head) in (first..).zip(&self.heads[range]) {
-            self.awake[n] = k;
+            awake[n] = k;
             n += usize::from(travel[i] + travel[head.j as usize] > head.wake);
         }
         n
     }
 
     /// Writes the candidates found into the place of pair `k`, or to the end if it is too small.
-    fn place_chunks(&mut self, k: usize, a: &Template, b: &Template, beyond: f32) {
+    fn place_chunks(
+        &mut self,
+        k: usize,
+        a: &Template,
+        b: &Template,
+        beyond: f32,
+        found: &[(u16, u16)],
+    ) {
         let lists = &mut self.lists[k];
-        let groups = self.scratch.found.chunks(LANES);
+        let groups = found.chunks(LANES);
         lists.n_chunks = stored(groups.len());
         if lists.n_chunks > lists.room {
             lists.chunk = stored(self.chunks.len());

@@ -12,6 +12,7 @@ use crate::lanes::{LANES, along, load_vectors, set_bits, squares};
 use crate::neighbours::{Chunk, Neighbours, Touch};
 use crate::shared_mass::Shares;
 use crate::template::{CELLS, Template};
+use crate::workspace::Workspace;
 use crate::world::Settings;
 use fearless_simd::prelude::*;
 use fearless_simd::{Level, dispatch, f32x16};
@@ -136,11 +137,11 @@ pub(crate) fn add_pair_forces(
     level: Level,
     neighbours: &mut Neighbours,
     bodies: &Bodies,
-    batch: &mut Batch,
+    workspace: &mut Workspace,
     context: &Context<'_>,
     sink: &mut impl Sink,
 ) {
-    dispatch!(level, simd => add_pair_forces_on(simd, neighbours, bodies, batch, context, sink));
+    dispatch!(level, simd => add_pair_forces_on(simd, neighbours, bodies, workspace, context, sink));
 }
 
 /// [`add_pair_forces`] on one instruction set.
@@ -149,21 +150,32 @@ fn add_pair_forces_on<S: Simd>(
     simd: S,
     neighbours: &mut Neighbours,
     bodies: &Bodies,
-    batch: &mut Batch,
+    workspace: &mut Workspace,
     context: &Context<'_>,
     sink: &mut impl Sink,
 ) {
+    let Workspace {
+        batch,
+        awake,
+        near,
+        touches,
+        scratch,
+        ..
+    } = workspace;
+    touches.clear();
     let mut collector = Collector {
         simd,
         bodies,
         batch,
+        near,
+        touches,
         context,
         sink,
     };
-    neighbours.next_touches.clear();
     for i in neighbours.range() {
-        for entry in 0..neighbours.find_awake(i, &bodies.travel) {
-            let k = neighbours.awake[entry] as usize;
+        let n_awake = neighbours.find_awake(i, &bodies.travel, awake);
+        for &k in &awake[..n_awake] {
+            let k = k as usize;
             let j = neighbours.heads[k].j as usize;
             let templates = [i, j].map(|body| &context.templates[bodies.template[body]]);
             if templates.iter().all(|template| template.is_sphere) {
@@ -171,15 +183,15 @@ fn add_pair_forces_on<S: Simd>(
                 continue;
             }
             if bodies.travel[i] + bodies.travel[j] > neighbours.lists[k].limit {
-                neighbours.refresh(simd, k, i, bodies, context.templates, context.slack);
+                neighbours.refresh(simd, k, i, bodies, context, scratch);
             }
             if neighbours.lists[k].n_chunks > 0 {
                 collector.collect_listed(neighbours, k, [i, j], templates);
             }
         }
     }
-    collector.apply(&mut neighbours.next_touches);
-    std::mem::swap(&mut neighbours.touches, &mut neighbours.next_touches);
+    collector.apply();
+    std::mem::swap(&mut neighbours.touches, touches);
 }
 
 /// Puts touching spheres into the batch; what it works with beside the lists.
@@ -187,6 +199,10 @@ struct Collector<'a, S, K> {
     simd: S,
     bodies: &'a Bodies,
     batch: &'a mut Batch,
+    /// Keys of the candidates of one pair that may touch.
+    near: &'a mut Vec<u32>,
+    /// Touching pairs of spheres of this step.
+    touches: &'a mut Vec<Touch>,
     context: &'a Context<'a>,
     sink: &'a mut K,
 }
@@ -194,31 +210,26 @@ struct Collector<'a, S, K> {
 impl<S: Simd, K: Sink> Collector<'_, S, K> {
     /// Works off the batch.
     #[inline(always)]
-    fn apply(&mut self, touches: &mut [Touch]) {
+    fn apply(&mut self) {
         let context = self.context;
         self.batch.apply(
             self.simd,
             context.interactions,
             context.time_step,
             self.sink,
-            touches,
+            self.touches,
         );
     }
 
     /// Puts a contact of two bodies into the batch, and what it remembers into the touches.
     #[inline(always)]
-    fn put(
-        &mut self,
-        touches: &mut Vec<Touch>,
-        (interaction, bodies): (usize, [usize; 2]),
-        key: u32,
-        pair: &SpherePair,
-    ) {
+    fn put(&mut self, (interaction, bodies): (usize, [usize; 2]), key: u32, pair: &SpherePair) {
         if self.batch.must_be_applied(interaction) {
-            self.apply(touches);
+            self.apply();
         }
-        self.batch.push(interaction, bodies, touches.len(), pair);
-        touches.push(Touch {
+        self.batch
+            .push(interaction, bodies, self.touches.len(), pair);
+        self.touches.push(Touch {
             key,
             memory: pair.memory,
         });
@@ -240,24 +251,25 @@ impl<S: Simd, K: Sink> Collector<'_, S, K> {
         let (bodies, context) = (self.bodies, self.context);
         let lists = &mut neighbours.lists[k];
         let old = lists.touch as usize..(lists.touch + lists.n_touches) as usize;
-        let first = neighbours.next_touches.len();
+        let first = self.touches.len();
         let interaction = context.interaction_index(templates[0].material, templates[1].material);
         let reach = context.interactions[interaction].reach();
         let frame = PairFrame::new(bodies, [i, j]);
         let single = [0, 1, 2].map(|axis| frame.difference[axis] as f32);
         let (ri, rj) = (bodies.cells_to_metres[i], bodies.cells_to_metres[j]);
         let chunks = lists.chunk as usize..(lists.chunk + lists.n_chunks) as usize;
-        let (chunks, found) = (&neighbours.chunks[chunks], &mut neighbours.near);
+        let (chunks, found) = (&neighbours.chunks[chunks], &mut *self.near);
         let simd = self.simd;
         let gap = simd.vectorize(
             #[inline(always)]
             || find_near(simd, chunks, &ri, &rj, &single, found),
         );
-        let near = neighbours.near.iter();
+        let near = self.near.iter();
         let touching = near.filter_map(|&key| frame.sphere_pair(key, templates, 0.0));
         let radii = touching.map(|pair| pair.contact_radius());
         let shares = Shares::new(templates.map(|t| t.shares_mass), radii);
-        for &key in &neighbours.near {
+        for candidate in 0..self.near.len() {
+            let key = self.near[candidate];
             let known = neighbours.touches[old.clone()]
                 .iter()
                 .find(|t| t.key == key);
@@ -265,12 +277,11 @@ impl<S: Simd, K: Sink> Collector<'_, S, K> {
             if let Some(mut pair) = frame.sphere_pair(key, templates, gap) {
                 pair.memory = known.map_or_else(Memory::default, |touch| touch.memory);
                 pair.share_masses(shares.as_ref());
-                let touches = &mut neighbours.next_touches;
-                self.put(touches, (interaction, [i, j]), key, &pair);
+                self.put((interaction, [i, j]), key, &pair);
             }
         }
         lists.touch = first as u32;
-        lists.n_touches = (neighbours.next_touches.len() - first) as u32;
+        lists.n_touches = (self.touches.len() - first) as u32;
         if lists.n_touches == 0 {
             // The touches move on without a pair that sleeps.
             lists.touch = 0;
@@ -317,10 +328,9 @@ impl<S: Simd, K: Sink> Collector<'_, S, K> {
             radii: spheres.map(|sphere| sphere.radius),
             dashpot_masses: spheres.map(|sphere| sphere.dashpot_mass),
         };
-        (lists.touch, lists.n_touches) = (neighbours.next_touches.len() as u32, 1);
+        (lists.touch, lists.n_touches) = (self.touches.len() as u32, 1);
         neighbours.sleep_without_list(k, f32::NEG_INFINITY);
-        let touches = &mut neighbours.next_touches;
-        self.put(touches, (interaction, [i, j]), 0, &pair);
+        self.put((interaction, [i, j]), 0, &pair);
     }
 }
 

@@ -1,9 +1,9 @@
 //! A range of bodies with its lists: the part of a step that one thread does.
 //!
-//! The loads of a part are given to the bodies in the order of the bodies, whatever thread found
+//! A body gets its loads in the order of the bodies of the contacts, whatever thread found
 //! them, so that the sums do not depend on the number of parts or threads.
 
-use crate::batch::{Batch, ContactLoad, Loads, Sink};
+use crate::batch::{ContactLoad, Loads, Sink};
 use crate::bodies::Bodies;
 use crate::broad_phase::Grid;
 use crate::neighbours::Neighbours;
@@ -11,6 +11,7 @@ use crate::pair_force::{Context, add_pair_forces};
 use crate::template::Template;
 use crate::wall::Wall;
 use crate::wall_force::WallNeighbours;
+use crate::workspace::Workspace;
 use fearless_simd::Level;
 use std::ops::Range;
 
@@ -23,12 +24,34 @@ pub(crate) struct Part {
     pub(crate) neighbours: Neighbours,
     /// Those of them that are near walls.
     pub(crate) walls: WallNeighbours,
-    /// Contacts that wait for their forces.
-    batch: Batch,
     /// Loads found and not yet given to the bodies.
+    outbox: Outbox,
+}
+
+/// Loads of the contacts of a part in the order in which they were found.
+#[derive(Debug, Clone, Default)]
+struct Outbox {
+    /// The loads.
     loads: Vec<ContactLoad>,
-    /// Buffer of the broad phase.
-    partners: Vec<u32>,
+    /// For each part the loads whose second body is there; empty for the own one.
+    abroad: Vec<Vec<u32>>,
+    /// The bodies of the part.
+    range: Range<usize>,
+    /// Ends of all parts.
+    ends: Vec<usize>,
+}
+
+impl Sink for Outbox {
+    #[inline]
+    fn take(&mut self, load: &ContactLoad) {
+        let other = load.bodies[1];
+        if other >= self.range.end {
+            let place = self.ends.partition_point(|end| *end <= other);
+            let number = u32::try_from(self.loads.len()).unwrap_or(u32::MAX);
+            self.abroad[place].push(number);
+        }
+        self.loads.push(*load);
+    }
 }
 
 impl Part {
@@ -37,6 +60,12 @@ impl Part {
         let edge = |k: usize| n_bodies * k / n_parts;
         let part = |k: usize| Self {
             range: edge(k)..edge(k + 1),
+            outbox: Outbox {
+                abroad: vec![Vec::new(); n_parts],
+                range: edge(k)..edge(k + 1),
+                ends: (1..=n_parts).map(edge).collect(),
+                ..Outbox::default()
+            },
             ..Self::default()
         };
         (0..n_parts).map(part).collect()
@@ -50,16 +79,19 @@ impl Part {
         bodies: &Bodies,
         radii: &[f64],
         (templates, walls, margin): (&[Template], &[Wall], f64),
+        workspace: &mut Workspace,
     ) {
         let (neighbours, range) = (&mut self.neighbours, self.range.clone());
-        neighbours.begin(range.start);
+        let (partners, previous) = (&mut workspace.partners, &mut workspace.previous);
+        let all_spheres = templates.iter().all(|template| template.is_sphere);
+        neighbours.begin(range.start, previous);
         grid.for_each_body(
             level,
             range.clone(),
             &bodies.position,
             radii,
-            &mut self.partners,
-            |i, partners| neighbours.add(i, partners, &bodies.travel),
+            partners,
+            |i, partners| neighbours.add(i, partners, &bodies.travel, all_spheres, previous),
         );
         self.walls.rebuild(range, bodies, templates, walls, margin);
     }
@@ -71,30 +103,63 @@ impl Part {
         bodies: &Bodies,
         walls: &[Wall],
         context: &Context<'_>,
+        workspace: &mut Workspace,
         sink: &mut impl Sink,
     ) {
-        let (neighbours, batch) = (&mut self.neighbours, &mut self.batch);
-        add_pair_forces(level, neighbours, bodies, batch, context, sink);
+        add_pair_forces(
+            level,
+            &mut self.neighbours,
+            bodies,
+            workspace,
+            context,
+            sink,
+        );
         self.walls.find_forces(bodies, walls, context);
     }
 
-    /// [`Self::find_loads`], with the loads kept for [`Self::give_loads`].
+    /// [`Self::find_loads`], with the loads kept for [`give_loads`].
     pub(crate) fn keep_loads(
         &mut self,
         level: Level,
         bodies: &Bodies,
         walls: &[Wall],
         context: &Context<'_>,
+        workspace: &mut Workspace,
     ) {
-        let mut loads = std::mem::take(&mut self.loads);
-        self.find_loads(level, bodies, walls, context, &mut loads);
-        self.loads = loads;
+        let mut outbox = std::mem::take(&mut self.outbox);
+        outbox.loads.clear();
+        outbox.abroad.iter_mut().for_each(Vec::clear);
+        self.find_loads(level, bodies, walls, context, workspace, &mut outbox);
+        self.outbox = outbox;
     }
+}
 
-    /// Gives the loads kept to the bodies.
-    pub(crate) fn give_loads(&mut self, loads: &mut Loads<'_>) {
-        for load in self.loads.drain(..) {
-            loads.take(&load);
+/// Gives the loads that were kept, of pairs and of walls, to the bodies of some parts; `loads` are those of these
+/// bodies. Halves are done at the same time.
+pub(crate) fn give_loads(parts: &[Part], receivers: Range<usize>, mut loads: Loads<'_>) {
+    if receivers.len() > 1 {
+        let middle = receivers.start + receivers.len() / 2;
+        let (low, high) = loads.split_at(parts[middle].range.start);
+        rayon::join(
+            || give_loads(parts, receivers.start..middle, low),
+            || give_loads(parts, middle..receivers.end, high),
+        );
+        return;
+    }
+    for receiver in receivers {
+        for part in &parts[..receiver] {
+            let outbox = &part.outbox;
+            for &number in &outbox.abroad[receiver] {
+                loads.take_second(&outbox.loads[number as usize]);
+            }
         }
+        let own = &parts[receiver];
+        for load in &own.outbox.loads {
+            loads.take_first(load);
+            if load.bodies[1] < own.range.end {
+                loads.take_second(load);
+            }
+        }
+        own.walls.give_forces(&mut loads);
     }
 }

@@ -94,18 +94,23 @@ impl WallNeighbours {
         }
     }
 
-    /// Gives the forces found to the bodies; `load` and `torque` collect the force on each wall
-    /// (N) and its torque about the z axis (N m).
-    pub(crate) fn give_forces(
+    /// Gives the forces found to the bodies.
+    pub(crate) fn give_forces(&self, loads: &mut Loads<'_>) {
+        for near in &self.near {
+            if let Some(total) = &near.total {
+                loads.add(near.body, &total.force, &total.torque_i);
+            }
+        }
+    }
+
+    /// Adds the forces found to those on each wall (N) and to its torque about the z axis (N m).
+    pub(crate) fn add_to_walls(
         &self,
         positions: &[Vector3<f64>],
-        loads: &mut Loads<'_>,
         (load, torque): (&mut [Vector3<f64>], &mut [f64]),
     ) {
         for near in &self.near {
             if let Some(total) = &near.total {
-                loads.force[near.body] += total.force;
-                loads.torque[near.body] += total.torque_i;
                 load[near.wall] -= total.force;
                 let about_axis = positions[near.body].cross(&total.force) + total.torque_i;
                 torque[near.wall] -= about_axis.z;

@@ -11,10 +11,11 @@ use crate::mesh_force::MeshWalls;
 use crate::mesh_wall::{MeshWall, Motion, Moving};
 use crate::neighbours::Census;
 use crate::pair_force::{Context, Slack};
-use crate::part::Part;
+use crate::part::{Part, give_loads};
 use crate::snapshot::{KeptContact, Snapshot};
 use crate::template::Template;
 use crate::wall::Wall;
+use crate::workspace::Workspace;
 use fearless_simd::Level;
 use nalgebra::Vector3;
 use rayon::prelude::*;
@@ -22,8 +23,10 @@ use rayon::{ThreadPool, ThreadPoolBuilder};
 use std::mem::take;
 use std::sync::Arc;
 
-/// Parts of the bodies for each thread: enough that no thread waits long for another.
-const PARTS_PER_THREAD: usize = 4;
+/// Pieces of work for each thread: enough that no thread waits long for another.
+const PIECES_PER_THREAD: usize = 4;
+/// Most bodies of a part: the lists of one part are in the memory twice while they are made anew.
+const MOST_BODIES_OF_PART: usize = 1 << 14;
 
 /// What a world needs beside bodies and walls.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -62,6 +65,8 @@ pub struct World {
     n_steps: u64,
     /// Lists of ranges of bodies.
     parts: Vec<Part>,
+    /// What the threads work with, one for each piece of work; a piece is as many parts in a row.
+    workspaces: Vec<Workspace>,
     /// Threads of one step; none if it runs on the caller's.
     pool: Option<Arc<ThreadPool>>,
     /// Grid of the broad phase.
@@ -126,7 +131,8 @@ impl World {
             slack,
             time: 0.0,
             n_steps: 0,
-            parts: Part::cut(0, 1),
+            parts: Vec::new(),
+            workspaces: vec![Workspace::default()],
             pool: None,
             grid: Grid::default(),
             radii: Vec::new(),
@@ -176,8 +182,15 @@ impl World {
             self.bodies.push(placement, template);
             self.radii.push(template.bounding_radius);
         }
-        self.parts = Part::cut(self.bodies.len(), self.parts.len());
+        self.cut_parts();
         Ok(())
+    }
+
+    /// Cuts the bodies into parts without lists, as many for each piece of work.
+    fn cut_parts(&mut self) {
+        let (n_bodies, pieces) = (self.bodies.len(), self.workspaces.len());
+        let parts_of_piece = n_bodies.div_ceil(pieces * MOST_BODIES_OF_PART).max(1);
+        self.parts = Part::cut(n_bodies, pieces * parts_of_piece);
     }
 
     /// The world with its steps spread over so many threads; 1 keeps them on the caller's.
@@ -203,12 +216,12 @@ impl World {
             1 => None,
             _ => Some(Arc::new(pool.map_err(|e| refused(e.to_string()))?)),
         };
-        let n_parts = if threads == 1 {
-            1
-        } else {
-            PARTS_PER_THREAD * threads
+        let pieces = match threads {
+            1 => 1,
+            _ => PIECES_PER_THREAD * threads,
         };
-        self.parts = Part::cut(self.bodies.len(), n_parts);
+        self.workspaces = vec![Workspace::default(); pieces];
+        self.cut_parts();
         Ok(self)
     }
 
@@ -292,7 +305,16 @@ impl World {
     /// # Errors
     ///
     /// A body that has run away or whose state is no longer a number.
-    pub fn step_with(&mut self, further: impl FnOnce(&mut Bodies)) -> Result<(), Error> {
+    pub fn step_with(&mut self, further: impl FnOnce(&mut Bodies) + Send) -> Result<(), Error> {
+        // One change of threads for the whole step: each costs as much as some hundred contacts.
+        match self.pool.clone() {
+            Some(pool) => pool.install(|| self.step_here(further)),
+            None => self.step_here(further),
+        }
+    }
+
+    /// [`Self::step_with`] on a thread of the pool, if there is one.
+    fn step_here(&mut self, further: impl FnOnce(&mut Bodies)) -> Result<(), Error> {
         let half = 0.5 * self.settings.margin;
         if f64::from(self.longest) > half || self.mesh_walls.longest() > half {
             self.search_pairs()?;
@@ -310,23 +332,28 @@ impl World {
         };
         let (mut force, mut torque) = (take(&mut self.bodies.force), take(&mut self.bodies.torque));
         let mut loads = Loads {
+            first: 0,
             force: &mut force,
             torque: &mut torque,
         };
         let (level, bodies, walls) = (self.level, &self.bodies, &self.walls);
-        match &self.pool {
-            None => {
-                for part in &mut self.parts {
-                    part.find_loads(level, bodies, walls, &context, &mut loads);
+        let (parts, workspaces) = (&mut self.parts, &mut self.workspaces);
+        if self.pool.is_some() {
+            let piece = parts.len() / workspaces.len();
+            let pieces = parts.par_chunks_mut(piece).zip(workspaces.par_iter_mut());
+            pieces.for_each(|(piece, workspace)| {
+                for part in piece {
+                    part.keep_loads(level, bodies, walls, &context, workspace);
                 }
+            });
+            give_loads(parts, 0..parts.len(), loads);
+        } else {
+            let workspace = &mut workspaces[0];
+            for part in parts.iter_mut() {
+                part.find_loads(level, bodies, walls, &context, workspace, &mut loads);
             }
-            Some(pool) => {
-                let parts = &mut self.parts;
-                let find = |part: &mut Part| part.keep_loads(level, bodies, walls, &context);
-                pool.install(|| parts.par_iter_mut().for_each(find));
-                for part in parts {
-                    part.give_loads(&mut loads);
-                }
+            for part in parts.iter() {
+                part.walls.give_forces(&mut loads);
             }
         }
         for part in &self.parts {
@@ -334,8 +361,7 @@ impl World {
                 self.wall_load.as_mut_slice(),
                 self.wall_torque.as_mut_slice(),
             );
-            part.walls
-                .give_forces(&bodies.position, &mut loads, on_walls);
+            part.walls.add_to_walls(&self.bodies.position, on_walls);
         }
         (self.bodies.force, self.bodies.torque) = (force, torque);
         self.mesh_walls.add_forces(&mut self.bodies, &context);
@@ -571,10 +597,19 @@ impl World {
         self.grid.sort(&bodies.position, radii, margin);
         let (level, grid) = (self.level, &self.grid);
         let around = (self.templates.as_slice(), self.walls.as_slice(), margin);
-        let search = |part: &mut Part| part.search(level, grid, bodies, radii, around);
+        let search = |(piece, workspace): (&mut [Part], &mut Workspace)| {
+            for part in piece {
+                part.search(level, grid, bodies, radii, around, workspace);
+            }
+        };
+        let (parts, workspaces) = (&mut self.parts, &mut self.workspaces);
+        let piece = parts.len() / workspaces.len();
         match &self.pool {
-            None => self.parts.iter_mut().for_each(search),
-            Some(pool) => pool.install(|| self.parts.par_iter_mut().for_each(search)),
+            None => search((parts, &mut workspaces[0])),
+            Some(pool) => pool.install(|| {
+                let pieces = parts.par_chunks_mut(piece).zip(workspaces.par_iter_mut());
+                pieces.for_each(search);
+            }),
         }
         self.mesh_walls
             .rebuild(&self.bodies, &self.templates, margin);

@@ -35,6 +35,23 @@ pub(crate) struct Built {
     pub(crate) bonds: Option<BondedSeeds>,
 }
 
+/// Fewest bodies for each thread of a run: with fewer the threads wait for each other.
+const BODIES_OF_THREAD: usize = 500;
+
+impl Built {
+    /// The same with its steps spread over at most so many threads.
+    pub(crate) fn on_threads(self, scene: &Scene, most: usize) -> Result<Self, Error> {
+        // A factory makes the seeds later; a bonded seed is many bodies.
+        let seeds = scene.seed.iter().map(|s| s.count).sum::<usize>();
+        let bodies = seeds.max(self.world.bodies().len());
+        let threads = most.min(bodies / BODIES_OF_THREAD).max(1);
+        Ok(Self {
+            world: self.world.on_threads(threads)?,
+            ..self
+        })
+    }
+}
+
 /// Builds the world with the seeds in their starting places, or without seeds where a factory makes them,
 /// and the drive at rest.
 pub(crate) fn build(scene: &Scene, library: &FillingLibrary, seed: u64) -> Result<Built, Error> {

@@ -1,9 +1,9 @@
 //! Heap and box collapse: fill, settle, lift a wall, wait for rest, read the slope.
 
-use crate::build::{Built, build};
+use crate::build::Built;
 use crate::motion::{NoKeeper, Running, SERIES_INTERVAL, advance, rest_energy, settle, snapshot};
 use crate::outline::{FLANK, Outline, TOE, TOP, View};
-use crate::{Apparatus, Error, FillingLibrary, Frame, Further, Scene, SeedBody};
+use crate::{Apparatus, Error, Frame, Further, Scene, SeedBody};
 use clump::Sphere;
 use std::sync::Arc;
 
@@ -20,13 +20,9 @@ pub(crate) struct Released {
     pub(crate) rested: bool,
 }
 
-/// Runs a release.
-pub(crate) fn release(
-    scene: &Scene,
-    library: &FillingLibrary,
-    seed: u64,
-) -> Result<Released, Error> {
-    let mut running = Running::new(scene, build(scene, library, seed)?, None)?;
+/// Runs a release from its start.
+pub(crate) fn release(scene: &Scene, built: Built) -> Result<Released, Error> {
+    let mut running = Running::new(scene, built, None)?;
     settle(&mut running, &mut NoKeeper)?;
     let mut built = running.built;
     for mesh in &built.meshes {

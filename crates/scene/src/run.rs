@@ -88,28 +88,31 @@ pub struct RunResult {
 ///
 /// A scene that cannot be built, a solver that stops, frames that cannot be drawn.
 pub fn run(scene: &Scene, library: &FillingLibrary, seed: u64) -> Result<RunResult, Error> {
-    run_on(scene, library, seed, None, &mut NoKeeper)
+    run_on(scene, library, seed, 1, None, &mut NoKeeper)
 }
 
-/// [`run`], from where a run of the same scene and seed was left, with its state kept on the way.
+/// [`run`] with the steps spread over at most so many threads (one for each 500 bodies), from where a run of the same scene and seed was left, with
+/// its state kept on the way.
 ///
-/// The result is the same to the last bit as that of a run that was never left. The runs of a heap and of
-/// a box start anew and are not kept.
+/// The result is the same to the last bit for any number of threads, and as that of a run that was never left. The
+/// runs of a heap and of a box start anew and are not kept.
 ///
 /// # Errors
 ///
-/// As [`run`]; a state that is of another scene, or that cannot be kept.
+/// As [`run`]; threads that cannot be had; a state that is of another scene, or that cannot be kept.
 pub fn run_on(
     scene: &Scene,
     library: &FillingLibrary,
     seed: u64,
+    threads: usize,
     left: Option<Progress>,
     keeper: &mut dyn Keeper,
 ) -> Result<RunResult, Error> {
+    let built = build(scene, library, seed)?.on_threads(scene, threads)?;
     if scene.apparatus.is_release() {
-        return released(scene, library, seed);
+        return released(scene, built);
     }
-    let mut running = Running::new(scene, build(scene, library, seed)?, left)?;
+    let mut running = Running::new(scene, built, left)?;
     if !running.is_driven() {
         settle(&mut running, keeper)?;
     }
@@ -198,8 +201,8 @@ impl RunResult {
 }
 
 /// The result of a release in the form of a run.
-fn released(scene: &Scene, library: &FillingLibrary, seed: u64) -> Result<RunResult, Error> {
-    let result = crate::release::release(scene, library, seed)?;
+fn released(scene: &Scene, built: Built) -> Result<RunResult, Error> {
+    let result = crate::release::release(scene, built)?;
     let Built { world, bodies, .. } = result.built;
     Ok(RunResult {
         series: Vec::new(),

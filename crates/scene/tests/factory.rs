@@ -47,7 +47,7 @@ impl Keeper for Diary {
 #[test]
 fn seeds_appear_at_the_rate_mixed_and_clear_of_each_other() {
     let mut diary = Diary::default();
-    run_on(&drum(), &FillingLibrary::default(), 1, None, &mut diary).expect("runs");
+    run_on(&drum(), &FillingLibrary::default(), 1, 1, None, &mut diary).expect("runs");
     let (mut seen, mut last) = (0, 0);
     for (time, kinds, _) in &diary.pages {
         let due = (300.0 * time).min(56.0);
@@ -78,6 +78,7 @@ fn seeds_that_find_no_place_are_an_error() {
     let error = run_on(
         &scene,
         &FillingLibrary::default(),
+        1,
         1,
         None,
         &mut Diary::default(),

@@ -67,14 +67,14 @@ fn goes_on_with_the_same_bits(scene: &Scene) {
             left: intervals,
             text: None,
         };
-        let stopped = run_on(scene, &library, 3, None, &mut stop).expect_err("stopped");
+        let stopped = run_on(scene, &library, 3, 1, None, &mut stop).expect_err("stopped");
         assert!(stopped.to_string().contains("stopped here"), "{stopped}");
         let left = serde_json::from_str(&stop.text.expect("a state was kept")).expect("reads back");
         let mut never = StopAfter {
             left: usize::MAX,
             text: None,
         };
-        let continued = run_on(scene, &library, 3, Some(left), &mut never).expect("goes on");
+        let continued = run_on(scene, &library, 3, 1, Some(left), &mut never).expect("goes on");
         assert!(
             all_of(&continued) == whole,
             "stopped after {intervals} intervals"
@@ -94,12 +94,12 @@ fn a_state_of_another_scene_is_refused() {
             left: 5,
             text: None,
         };
-        let _ = run_on(&scene, &library, 3, None, &mut stop);
+        let _ = run_on(&scene, &library, 3, 1, None, &mut stop);
         let text = stop.text.take().expect("a state was kept");
         let left: Progress = serde_json::from_str(&text).expect("reads back");
         let mut fewer = scene;
         fewer.seed[0].count -= 1;
-        let error = run_on(&fewer, &library, 3, Some(left), &mut stop).unwrap_err();
+        let error = run_on(&fewer, &library, 3, 1, Some(left), &mut stop).unwrap_err();
         assert!(error.to_string().contains(reason), "{error}");
     }
 }

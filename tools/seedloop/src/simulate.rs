@@ -204,7 +204,7 @@ fn find_or_run(arguments: &Arguments, single: &SingleRun) -> anyhow::Result<Outc
         common.log(|| format!("goes on from {:.2} s of the run", left.time()));
     }
     let continued = left.is_some();
-    let mut record = single.run(blank, left, &mut state);
+    let mut record = single.run(blank, arguments.common.threads(), left, &mut state);
     if continued {
         let way_out = || {
             format!(

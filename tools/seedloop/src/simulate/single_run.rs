@@ -53,7 +53,7 @@ impl SingleRun {
         Ok(Record::new(&version, inputs, self.seed)?)
     }
 
-    /// Runs the scene, on from where it was left; the time of filling the meshes is kept apart from that
+    /// Runs the scene on at most so many threads, on from where it was left; the time of filling the meshes is kept apart from that
     /// of the steps.
     ///
     /// # Errors
@@ -61,6 +61,7 @@ impl SingleRun {
     pub(super) fn run(
         &self,
         blank: Record,
+        threads: usize,
         left: Option<Progress>,
         keeper: &mut dyn Keeper,
     ) -> anyhow::Result<Record> {
@@ -72,7 +73,7 @@ impl SingleRun {
         let filling_s = begin.elapsed().as_secs_f64();
         let (begin, cpu_before) = (Instant::now(), cpu_seconds());
         let continued = left.is_some();
-        let result = scene::run_on(scene, library, self.seed, left, keeper)?;
+        let result = scene::run_on(scene, library, self.seed, threads, left, keeper)?;
         let wall_s = begin.elapsed().as_secs_f64();
         let cpu_s = cpu_seconds()
             .zip(cpu_before)
@@ -99,11 +100,16 @@ impl SingleRun {
     }
 }
 
-/// Time that this thread has worked, s; none where the system does not tell.
+/// Time that all threads of this process have worked, those that have ended included, s; none where the system does
+/// not tell.
 ///
-/// A run is the work of one thread. Linux gives the time in ns as the first number of this file.
+/// Linux gives the times outside and inside the kernel in hundredths of a second, behind eleven words after
+/// the name of the program, which stands in brackets.
 fn cpu_seconds() -> Option<f64> {
-    let text = std::fs::read_to_string("/proc/thread-self/schedstat").ok()?;
-    let time_ns: f64 = text.split_whitespace().next()?.parse().ok()?;
-    (time_ns > 0.0).then_some(time_ns * 1e-9)
+    let text = std::fs::read_to_string("/proc/self/stat").ok()?;
+    let (_, words) = text.rsplit_once(')')?;
+    let mut words = words.split_whitespace().skip(11);
+    let mut next = || words.next()?.parse::<f64>().ok();
+    let hundredths = next()? + next()?;
+    Some(hundredths * 1e-2)
 }

@@ -1,0 +1,24 @@
+//! What a thread works with while it looks at a part of the bodies.
+
+use crate::batch::Batch;
+use crate::candidates::Scratch;
+use crate::neighbours::{Previous, Touch};
+
+/// Buffers that no part needs between two visits, so that there is one set for a thread and not for a part.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Workspace {
+    /// Contacts that wait for their forces.
+    pub(crate) batch: Batch,
+    /// Pairs of one body that are awake.
+    pub(crate) awake: Vec<u32>,
+    /// Keys of the candidates of one pair that may touch.
+    pub(crate) near: Vec<u32>,
+    /// Touching pairs of spheres of this step.
+    pub(crate) touches: Vec<Touch>,
+    /// Buffers of the search for candidates.
+    pub(crate) scratch: Scratch,
+    /// Partners of one body in the broad phase.
+    pub(crate) partners: Vec<u32>,
+    /// Lists before the broad phase.
+    pub(crate) previous: Previous,
+}
