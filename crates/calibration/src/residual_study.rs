@@ -232,8 +232,8 @@ pub fn study_residual(
     diagnosis.warnings.append(&mut looks.warnings);
     let errors_before = assemble::errors(plan, observed, &linear, at_fit)?;
     let sets = sets_to_add(&diagnosis);
-    let added = sets.iter().map(|set| fits.with(&linear, set, &fit, &looks));
-    let mut added = added.collect::<Result<Vec<_>, _>>()?;
+    let (mut added, failed) = fits.with_each(&linear, &sets, &fit, &looks)?;
+    diagnosis.warnings.extend(failed);
     let kept = |errors: &ErrorPair| errors.kept.as_ref().map(|e| e.whitened_mse);
     let on_kept: Vec<f64> = added.iter().filter_map(|a| kept(&a.errors)).collect();
     if let (Some(before), false) = (kept(&errors_before), on_kept.is_empty()) {
@@ -241,7 +241,7 @@ pub fn study_residual(
         let values = unused.map(|c| observed.measured(c).len()).sum();
         diagnosis = diagnosis.checked_by_runs(before, &on_kept, values);
     }
-    let (after, rivals) = match added.len() {
+    let (after, rivals) = match sets.len() {
         0 | 1 => (added.pop(), Vec::new()),
         _ => (None, added),
     };

@@ -143,7 +143,7 @@ impl<'a> Campaign<'a> {
         for (job, result) in jobs.iter().zip(results) {
             each.push(match result {
                 Some(Ok(record)) => Ok(record),
-                Some(Err(Failure::Simulator(error))) => Err(in_full(&error)),
+                Some(Err(Failure::Simulator(error))) => Err(error.in_full()),
                 Some(Err(Failure::Store(source))) => return Err(job.store_error(source)),
                 None => {
                     return Err(Error::Stopped {
@@ -408,21 +408,6 @@ fn collect(
         });
     }
     Ok(records)
-}
-
-/// An error with its causes, as one line.
-fn in_full(error: &SimulatorError) -> String {
-    let mut text = error.to_string();
-    let mut cause = std::error::Error::source(error);
-    while let Some(next) = cause {
-        let words = next.to_string();
-        if !text.contains(&words) {
-            text.push_str(": ");
-            text.push_str(&words);
-        }
-        cause = next.source();
-    }
-    text
 }
 
 /// Puts a panic of the simulator into an error.

@@ -263,7 +263,9 @@ mod tests {
         let stays = named().checked_by_runs(9.0, &[9.1, 1.1], 4);
         assert_eq!(stays.verdict, Verdict::Named);
         assert_eq!(stays.runs_on_unused, Some([9.0, 1.1]));
-        let fallen = named().checked_by_runs(9.0, &[3.4, 9.1], 4);
+        let mut tie = named();
+        tie.verdict = Verdict::Tie;
+        let fallen = tie.checked_by_runs(9.0, &[3.4, 9.1], 4);
         assert_eq!(fallen.verdict, Verdict::Unknown);
         assert_eq!(fallen.runs_on_unused, Some([9.0, 3.4]));
         let said = fallen.warnings.join(" ");

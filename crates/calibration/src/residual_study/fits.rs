@@ -50,6 +50,14 @@ pub(super) fn sets_to_add(diagnosis: &Diagnosis) -> Vec<Vec<String>> {
     sets
 }
 
+/// Why a run failed, where that is the error.
+fn failed_run(error: &Error) -> Option<String> {
+    match error {
+        Error::Campaign(campaign::Error::Run { source, .. }) => Some(source.in_full()),
+        _ => None,
+    }
+}
+
 /// What the fits of a study share.
 #[derive(Clone, Copy)]
 pub(super) struct Fits<'a> {
@@ -175,10 +183,32 @@ impl Fits<'_> {
         Ok(linear)
     }
 
+    /// The model with each set of effects added; a warning for each that cannot be run.
+    pub(super) fn with_each(
+        &self,
+        linear: &Linearisation,
+        sets: &[Vec<String>],
+        fit: &Visited,
+        looks: &Looks,
+    ) -> Result<(Vec<AddedEffect>, Vec<String>), Error> {
+        let (mut added, mut warnings) = (Vec::new(), Vec::new());
+        for set in sets {
+            match self.with(linear, set, fit, looks) {
+                Ok(model) => added.push(model),
+                Err(error) => {
+                    let reason = failed_run(&error).ok_or(error)?;
+                    let names = set.join(" and ");
+                    warnings.push(format!("the model with {names} could not be run: {reason}"));
+                }
+            }
+        }
+        Ok((added, warnings))
+    }
+
     /// Adds effects to the model that was fitted without, and fits parameters and amplitudes together.
     ///
     /// A lone effect that was looked at anew starts there.
-    pub(super) fn with(
+    fn with(
         &self,
         linear: &Linearisation,
         effects: &[String],
@@ -233,7 +263,11 @@ impl Fits<'_> {
             }
             let setting =
                 refit::with_effects(plan, observed, &linear, effects, (&about.0, &about.1))?;
-            let means = self.run(&setting, block, At::Used)?;
+            let means = match self.run(&setting, block, At::Used) {
+                // A correction that cannot be run ends the search where it is.
+                Err(error) if best.is_some() && failed_run(&error).is_some() => break,
+                means => means?,
+            };
             let corrected =
                 linear.contradicted(plan, effects, (&about.0, &about.1), (&setting, &means))?;
             let visited = Visited {

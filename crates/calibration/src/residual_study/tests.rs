@@ -413,7 +413,7 @@ fn a_secant_to_another_point_leaves_out_what_the_parameters_do() {
     }
 }
 
-/// Two effects that do the same, "bend" and "bow".
+/// Two effects that do the same, "bend" and "bow"; the second cannot be run at 25 rpm.
 struct Twins;
 
 impl Simulator for Twins {
@@ -422,6 +422,10 @@ impl Simulator for Twins {
     }
 
     fn run(&self, request: &RunRequest) -> Result<RunOutcome, SimulatorError> {
+        if request.condition("rpm")? == 25.0 && request.effect("bow") != 0.0 {
+            let reason = "the bow breaks at 25 rpm".to_owned();
+            return Err(SimulatorError::Refused { reason });
+        }
         let mut one = request.clone();
         let both = request.effect("bend") + request.effect("bow");
         one.effects.insert("bend".into(), both);
@@ -463,6 +467,33 @@ fn tied_effects_are_added_in_turn() {
         diagnosis.summary().contains("falls by real runs"),
         "{}",
         diagnosis.summary()
+    );
+}
+
+/// A tied effect whose model cannot be run at a kept condition costs itself, not the study.
+#[test]
+fn a_tied_effect_that_cannot_be_run_is_told_and_left_out() {
+    let folder = tempfile::tempdir().unwrap();
+    let store = Store::open(folder.path()).unwrap();
+    let campaign = Campaign::new(&store, 2, &Silent);
+    let mut plan = plan(1);
+    let bow = EffectProbe {
+        name: "bow".into(),
+        ..plan.effects[0].clone()
+    };
+    plan.effects.push(bow);
+    for condition in plan.conditions.iter_mut().filter(|c| !c.used) {
+        condition.condition.insert("rpm".into(), 25.0);
+    }
+    let data = observed(&plan, [2.0, 0.0], 1);
+    let study = study_residual(&campaign, &Twins, &plan, &data).unwrap();
+    assert_eq!(study.diagnosis.verdict, Verdict::Tie);
+    assert_eq!(study.rivals.len(), 1);
+    assert!(study.rivals[0].effects.contains_key("bend"));
+    let said = study.diagnosis.warnings.join(" ");
+    assert!(
+        said.contains("the model with bow could not be run") && said.contains("breaks at 25 rpm"),
+        "{said}"
     );
 }
 
