@@ -64,16 +64,23 @@ pub(crate) fn stages(study: &ResidualStudy) -> Vec<StageErrors<'_>> {
         }
     }
     let before = stage("before".into(), &study.errors_before);
-    let after = study.after.iter().map(|a| stage("after".into(), &a.errors));
+    let models = models(study).into_iter();
+    let others = models.map(|(name, model)| stage(name, &model.errors));
+    std::iter::once(before).chain(others).collect()
+}
+
+/// The models with effects added, and what to call them.
+pub(crate) fn models(study: &ResidualStudy) -> Vec<(String, &AddedEffect)> {
+    let after = study.after.iter().map(|a| ("after".to_owned(), a));
     let rivals = study
         .rivals
         .iter()
-        .map(|a| stage(format!("with {}", amplitudes(a)), &a.errors));
-    std::iter::once(before).chain(after).chain(rivals).collect()
+        .map(|a| (format!("with {}", amplitudes(a)), a));
+    after.chain(rivals).collect()
 }
 
 /// The effects of a model with their amplitudes.
-pub(crate) fn amplitudes(added: &AddedEffect) -> String {
+fn amplitudes(added: &AddedEffect) -> String {
     let one = |(name, amplitude): (&String, &f64)| format!("{name} {}", digits(*amplitude));
     let all: Vec<String> = added.effects.iter().map(one).collect();
     all.join(" and ")

@@ -1,6 +1,6 @@
 //! The report of a diagnosis: the answer first, then what it rests on.
 
-use super::numbers::{counted, digits, digits_or_dash, fixed, listed};
+use super::numbers::{counted, digits, digits_or_dash, fixed, fixed_or_dash, listed};
 use super::pictures::NamedPicture;
 use super::residual_parts::{ANSWER_CHART, answer_colour};
 use super::{campaign, chart, residual_section};
@@ -37,13 +37,13 @@ fn answer(report: &mut Report, result: &DiagnosisResult, pictures: &[NamedPictur
         })
         .map(|(name, _)| name.clone())
         .collect();
+    let n_kept = study.plan.count(false);
     let whitened: Vec<String> = campaign::stages(study)
         .iter()
         .map(|s| {
-            let kept = s
-                .kept
-                .map_or_else(|| "none".to_owned(), |e| fixed(e.whitened_mse, 2));
-            format!("{} {kept}", s.name)
+            let errors = if n_kept > 0 { s.kept } else { Some(s.used) };
+            let square = errors.map(|e| e.whitened_mse);
+            format!("{} {}", s.name, fixed_or_dash(square, 2))
         })
         .collect();
     let mut facts = vec![
@@ -52,12 +52,19 @@ fn answer(report: &mut Report, result: &DiagnosisResult, pictures: &[NamedPictur
             format!(
                 "{} for the fit, {} for the check",
                 counted(study.plan.count(true), "condition", "conditions"),
-                study.plan.count(false)
+                n_kept
             ),
         ),
         Fact::new("Not needed to explain it", listed(&excluded)),
         Fact::new("Could not be seen here", listed(&d.not_testable)),
-        Fact::new("Whitened mean square on the check", whitened.join(", ")),
+        Fact::new(
+            if n_kept > 0 {
+                "Whitened mean square on the check"
+            } else {
+                "Whitened mean square on the fit, nothing is kept"
+            },
+            whitened.join(", "),
+        ),
     ];
     if matches!(d.verdict, Verdict::Tie | Verdict::Partial | Verdict::Named) {
         let amplitude = |name: &String| {

@@ -1,6 +1,6 @@
 //! Parts that all sections on residuals share: verdict, errors, parameters, candidates.
 
-use super::campaign::stages;
+use super::campaign::{models, stages};
 use super::numbers::{
     DASH, counted, digits, digits_or_dash, fixed, fixed_or_dash, listed, observable, p_in_words,
     p_value,
@@ -49,17 +49,20 @@ pub(super) fn verdict(report: &mut Report, study: &ResidualStudy) {
 
 /// Declared parameters before and after.
 pub(super) fn parameters(report: &mut Report, study: &ResidualStudy) -> Result<(), report::Error> {
+    let models = models(study);
+    let mut columns = vec![
+        Column::text("parameter"),
+        Column::number("start"),
+        Column::number("bench sd"),
+        Column::number("fitted before"),
+        Column::number("shift (bench sd)"),
+    ];
+    let names = models.iter().map(|(name, _)| format!("fitted {name}"));
+    columns.extend(names.map(Column::number));
     let mut table = Table::new(
         "Declared parameters (dimensionless): start or bench mean ± sd, fitted without and with the \
          added effect.",
-        vec![
-            Column::text("parameter"),
-            Column::number("start"),
-            Column::number("bench sd"),
-            Column::number("fitted before"),
-            Column::number("shift (bench sd)"),
-            Column::number("fitted after"),
-        ],
+        columns,
     )?;
     for d in &study.plan.declared {
         let fitted = study.fitted.get(&d.name).copied();
@@ -67,18 +70,16 @@ pub(super) fn parameters(report: &mut Report, study: &ResidualStudy) -> Result<(
             .prior
             .zip(fitted)
             .map(|([mean, sd], value)| (value - mean) / sd);
-        let after = study
-            .after
-            .as_ref()
-            .and_then(|a| a.fitted.get(&d.name).copied());
-        table.row([
+        let mut row = vec![
             d.name.clone(),
             digits(d.start),
             digits_or_dash(d.prior.map(|p| p[1])),
             digits_or_dash(fitted),
             fixed_or_dash(shift, 1),
-            digits_or_dash(after),
-        ])?;
+        ];
+        let after = models.iter().map(|(_, m)| m.fitted.get(&d.name).copied());
+        row.extend(after.map(digits_or_dash));
+        table.row(row)?;
     }
     report.table(&table);
     Ok(())

@@ -2,7 +2,7 @@
 
 use super::campaign::StageErrors;
 use super::chart;
-use super::numbers::{DASH, counted, digits, digits_or_dash, fixed, listed, observable};
+use super::numbers::{DASH, counted, digits, fixed, listed, observable};
 use super::pictures::{NamedPicture, plain_name};
 use super::{campaign, residual_parts};
 use crate::Error;
@@ -109,13 +109,15 @@ fn kept_errors(study: &ResidualStudy) -> String {
 
 /// Observed and simulated values.
 fn conditions(report: &mut Report, study: &ResidualStudy) -> Result<(), Error> {
+    let models = campaign::models(study);
     let mut columns = vec![Column::text("condition"), Column::text("role")];
     for quantity in &study.plan.observables {
         let (words, unit) = observable(quantity);
         let unit = if unit.is_empty() { "1" } else { unit };
         columns.push(Column::number(format!("{words}: observed ± se ({unit})")));
         columns.push(Column::number(format!("before ({unit})")));
-        columns.push(Column::number(format!("after ({unit})")));
+        let names = models.iter().map(|(name, _)| format!("{name} ({unit})"));
+        columns.extend(names.map(Column::number));
     }
     let mut table = Table::new("Observed and simulated means by condition.", columns)?;
     for (c, condition) in study.plan.conditions.iter().enumerate() {
@@ -128,9 +130,7 @@ fn conditions(report: &mut Report, study: &ResidualStudy) -> Result<(), Error> {
                 None => DASH.to_owned(),
             });
             row.push(digits(study.simulated_before[c][k]));
-            row.push(digits_or_dash(
-                study.after.as_ref().map(|a| a.simulated[c][k]),
-            ));
+            row.extend(models.iter().map(|(_, m)| digits(m.simulated[c][k])));
         }
         table.row(row)?;
     }
