@@ -1,22 +1,23 @@
 //! A residual study that keeps to a number of runs.
 
+use crate::residual_study::fits::{BLOCKS_OF_FIT, BLOCKS_WITH_EFFECTS, LOOKS, MOST_SUSPECTS};
 use crate::{Error, ResidualPlan};
 use nalgebra::DMatrix;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Rounds of runs at the used conditions beside the sensitivities: the first fit and two corrections,
-/// three sensitivities anew twice, the model with the effect and two corrections, for three effects where they tie.
-const ROUNDS: usize = 18;
-/// Rounds at the kept conditions: before, and after for up to three effects.
-const CHECKS: usize = 4;
 /// Keeps ln det finite while fewer conditions are chosen than the model has terms.
 const RIDGE: f64 = 1e-6;
 /// Passes of the exchange; it stops by itself long before.
 const PASSES: usize = 20;
 
-/// The largest number of runs that a study may need: `r ((19 + K + M) U + 4 C)` for r replicates, K
-/// declared parameters, M effects, U used conditions and C kept for the check. A study that needs no
-/// correction of its fits, or adds no effect, needs fewer.
+/// The largest number of runs that a study may need, for r replicates, K declared parameters, M effects, U used
+/// conditions and C kept for the check.
+///
+/// # Formula
+///
+/// `r ((1 + K + M + F + m (L + A)) U + (1 + m) C)`: the start and the sensitivities, F = 3 fits without an effect;
+/// for each of m = min(M, 3) effects that may explain it L = 2 sensitivities anew and A = 3 fits of the model with it.
+/// A study that needs no correction of its fits, or adds no effect, needs fewer.
 pub fn runs_needed(plan: &ResidualPlan) -> usize {
     let used = plan.conditions.iter().filter(|c| c.used).count();
     runs(plan, used)
@@ -25,8 +26,10 @@ pub fn runs_needed(plan: &ResidualPlan) -> usize {
 /// The same for another number of used conditions.
 fn runs(plan: &ResidualPlan, used: usize) -> usize {
     let settings = 1 + plan.declared.len() + plan.effects.len();
+    let suspects = MOST_SUSPECTS.min(plan.effects.len());
+    let rounds = BLOCKS_OF_FIT.len() + suspects * (LOOKS + BLOCKS_WITH_EFFECTS.len());
     let kept = plan.conditions.len() - used;
-    plan.replicates * ((settings + ROUNDS) * used + CHECKS * kept)
+    plan.replicates * ((settings + rounds) * used + (1 + suspects) * kept)
 }
 
 /// Takes used conditions out of the fit until the study needs no more than `budget` runs; they join
@@ -183,16 +186,16 @@ mod tests {
         }
     }
 
-    /// By hand: 2 (22 x 6 + 4 x 1) = 272 runs; with three used conditions 2 (22 x 3 + 4 x 4) = 164. The
+    /// By hand: 2 (17 x 6 + 3 x 1) = 210 runs; with three used conditions 2 (17 x 3 + 3 x 4) = 126. The
     /// D-optimal three points of a parabola on 5 ... 30 are the ends and the point nearest to the
     /// middle, 17.5: 15 and 20 do equally well.
     #[test]
     fn a_smaller_budget_keeps_the_ends_and_the_middle() {
         let plan = plan();
-        assert_eq!(runs_needed(&plan), 272);
-        assert_eq!(within_budget(&plan, 272).unwrap(), plan, "it is enough");
-        let smaller = within_budget(&plan, 165).unwrap();
-        assert_eq!(runs_needed(&smaller), 164);
+        assert_eq!(runs_needed(&plan), 210);
+        assert_eq!(within_budget(&plan, 210).unwrap(), plan, "it is enough");
+        let smaller = within_budget(&plan, 130).unwrap();
+        assert_eq!(runs_needed(&smaller), 126);
         let used = smaller.conditions.iter().filter(|c| c.used);
         let speeds: Vec<f64> = used.map(|c| c.condition["rpm"]).collect();
         assert!(
@@ -201,11 +204,11 @@ mod tests {
         );
     }
 
-    /// One parameter needs two values of the one observable: 2 (22 x 2 + 4 x 5) = 128 runs.
+    /// One parameter needs two values of the one observable: 2 (17 x 2 + 3 x 5) = 98 runs.
     #[test]
     fn a_budget_that_can_test_nothing_is_refused() {
-        let error = within_budget(&plan(), 127).unwrap_err().to_string();
-        assert!(error.contains("budget of runs: 127 given"), "{error}");
-        within_budget(&plan(), 128).unwrap();
+        let error = within_budget(&plan(), 97).unwrap_err().to_string();
+        assert!(error.contains("budget of runs: 97 given"), "{error}");
+        within_budget(&plan(), 98).unwrap();
     }
 }

@@ -3,7 +3,7 @@
 //! The linear prediction only proposes: every error in the result comes from real runs.
 
 mod assemble;
-mod fits;
+pub(crate) mod fits;
 mod refit;
 mod runs;
 
@@ -161,8 +161,8 @@ pub struct ResidualStudy {
     /// The model with the effect added; none where no effect was named. It stays here when the kept
     /// conditions speak against it and the naming is withdrawn.
     pub after: Option<AddedEffect>,
-    /// The model with each of up to three tied effects in turn, the best explanations first; empty without a
-    /// tie. They stay here when the kept conditions speak against all of them.
+    /// The models in question where they are several, as with each of the tied effects in turn: up to three, the best
+    /// explanation first. They stay here when the kept conditions speak against all of them.
     pub rivals: Vec<AddedEffect>,
 }
 
@@ -235,8 +235,13 @@ pub fn study_residual(
     let (mut added, failed) = fits.with_each(&linear, &sets, &fit, &looks)?;
     diagnosis.warnings.extend(failed);
     let kept = |errors: &ErrorPair| errors.kept.as_ref().map(|e| e.whitened_mse);
-    let on_kept: Vec<f64> = added.iter().filter_map(|a| kept(&a.errors)).collect();
-    if let (Some(before), false) = (kept(&errors_before), on_kept.is_empty()) {
+    let on_kept = |a: &AddedEffect| {
+        let names: Vec<&str> = a.effects.keys().map(String::as_str).collect();
+        Some((names.join(" and "), kept(&a.errors)?))
+    };
+    let on_kept: Vec<_> = added.iter().filter_map(on_kept).collect();
+    // What could not be run was not refuted.
+    if let (Some(before), true) = (kept(&errors_before), on_kept.len() == sets.len()) {
         let unused = (0..plan.conditions.len()).filter(|&c| !plan.conditions[c].used);
         let values = unused.map(|c| observed.measured(c).len()).sum();
         diagnosis = diagnosis.checked_by_runs(before, &on_kept, values);

@@ -18,7 +18,6 @@ use crate::template::Template;
 use fearless_simd::prelude::*;
 use fearless_simd::{Level, dispatch};
 use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3};
-use rayon::ThreadPool;
 
 /// What a step needs beside the bodies.
 #[derive(Debug, Clone, Copy)]
@@ -75,20 +74,21 @@ fn vector(columns: &Columns<3>, k: usize) -> Vector3<f64> {
 }
 
 /// Moves all bodies by one step and returns the longest travel since the last broad phase, m;
-/// infinite if a travel is no finite number. The halves of the bodies are moved at the same time
-/// where threads are to be had.
+/// infinite if a travel is no finite number. On a thread of a pool the halves of the bodies are
+/// moved at the same time.
 pub(crate) fn advance(
     level: Level,
-    pool: Option<&ThreadPool>,
+    in_pool: bool,
     bodies: &mut Bodies,
     templates: &[Template],
     around: &Surroundings,
 ) -> f32 {
     let slices = bodies.slices();
     // The largest of some numbers leaves out what is no number; their sum does not.
-    let (longest, sum) = match pool {
-        Some(pool) => pool.install(|| advance_halves(level, slices, templates, around)),
-        None => advance_slices(level, slices, templates, around),
+    let (longest, sum) = if in_pool {
+        advance_halves(level, slices, templates, around)
+    } else {
+        advance_slices(level, slices, templates, around)
     };
     if sum.is_finite() {
         longest

@@ -14,6 +14,7 @@ use crate::wall_force::WallNeighbours;
 use crate::workspace::Workspace;
 use fearless_simd::Level;
 use std::ops::Range;
+use std::sync::Arc;
 
 /// The lists of a range of bodies.
 #[derive(Debug, Clone, Default)]
@@ -35,17 +36,17 @@ struct Outbox {
     loads: Vec<ContactLoad>,
     /// For each part the loads whose second body is there; empty for the own one.
     abroad: Vec<Vec<u32>>,
-    /// The bodies of the part.
-    range: Range<usize>,
-    /// Ends of all parts.
-    ends: Vec<usize>,
+    /// End of the own bodies.
+    end: usize,
+    /// Ends of the bodies of all parts.
+    ends: Arc<[usize]>,
 }
 
 impl Sink for Outbox {
     #[inline]
     fn take(&mut self, load: &ContactLoad) {
         let other = load.bodies[1];
-        if other >= self.range.end {
+        if other >= self.end {
             let place = self.ends.partition_point(|end| *end <= other);
             let number = u32::try_from(self.loads.len()).unwrap_or(u32::MAX);
             self.abroad[place].push(number);
@@ -58,12 +59,13 @@ impl Part {
     /// Cuts so many bodies into parts of nearly the same size.
     pub(crate) fn cut(n_bodies: usize, n_parts: usize) -> Vec<Self> {
         let edge = |k: usize| n_bodies * k / n_parts;
+        let ends: Arc<[usize]> = (1..=n_parts).map(edge).collect();
         let part = |k: usize| Self {
             range: edge(k)..edge(k + 1),
             outbox: Outbox {
                 abroad: vec![Vec::new(); n_parts],
-                range: edge(k)..edge(k + 1),
-                ends: (1..=n_parts).map(edge).collect(),
+                end: edge(k + 1),
+                ends: Arc::clone(&ends),
                 ..Outbox::default()
             },
             ..Self::default()

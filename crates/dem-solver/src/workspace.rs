@@ -1,10 +1,10 @@
-//! What a thread works with while it looks at a part of the bodies.
+//! What a thread works with while it looks at some parts of the bodies.
 
 use crate::batch::Batch;
 use crate::candidates::Scratch;
 use crate::neighbours::{Previous, Touch};
 
-/// Buffers that no part needs between two visits, so that there is one set for a thread and not for a part.
+/// Buffers that no part needs between two visits, so that the parts of a piece of work share one set.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Workspace {
     /// Contacts that wait for their forces.

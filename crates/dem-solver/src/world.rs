@@ -25,7 +25,7 @@ use std::sync::Arc;
 
 /// Pieces of work for each thread: enough that no thread waits long for another.
 const PIECES_PER_THREAD: usize = 4;
-/// Most bodies of a part: the lists of one part are in the memory twice while they are made anew.
+/// Most bodies of a part: a workspace holds the lists of one part of before.
 const MOST_BODIES_OF_PART: usize = 1 << 14;
 
 /// What a world needs beside bodies and walls.
@@ -186,8 +186,9 @@ impl World {
         Ok(())
     }
 
-    /// Cuts the bodies into parts without lists, as many for each piece of work.
+    /// Cuts the bodies into parts without lists, as many for each piece of work. The next step makes the lists.
     fn cut_parts(&mut self) {
+        self.longest = f32::INFINITY;
         let (n_bodies, pieces) = (self.bodies.len(), self.workspaces.len());
         let parts_of_piece = n_bodies.div_ceil(pieces * MOST_BODIES_OF_PART).max(1);
         self.parts = Part::cut(n_bodies, pieces * parts_of_piece);
@@ -211,14 +212,13 @@ impl World {
                 "the world has moved already: choose before the first step".into(),
             ));
         }
-        let pool = ThreadPoolBuilder::new().num_threads(threads).build();
-        self.pool = match threads {
-            1 => None,
-            _ => Some(Arc::new(pool.map_err(|e| refused(e.to_string()))?)),
-        };
-        let pieces = match threads {
-            1 => 1,
-            _ => PIECES_PER_THREAD * threads,
+        let pieces = if threads == 1 {
+            self.pool = None;
+            1
+        } else {
+            let pool = ThreadPoolBuilder::new().num_threads(threads).build();
+            self.pool = Some(Arc::new(pool.map_err(|e| refused(e.to_string()))?));
+            PIECES_PER_THREAD * threads
         };
         self.workspaces = vec![Workspace::default(); pieces];
         self.cut_parts();
@@ -373,7 +373,7 @@ impl World {
         };
         self.longest = advance(
             self.level,
-            self.pool.as_deref(),
+            self.pool.is_some(),
             &mut self.bodies,
             &self.templates,
             &around,

@@ -183,8 +183,8 @@ impl Decision {
         Ok(taken)
     }
 
-    /// For each effect that was taken, the testable candidates that would do nearly as well in its
-    /// place: deviance not more than the limit above.
+    /// Each effect that was taken, and behind it the testable candidates that would do nearly as well in its
+    /// place, the best first: deviance not more than the limit above.
     fn tie_groups(&self, problem: &Problem, taken: &Fit) -> Result<Vec<Vec<usize>>, Error> {
         let mut groups = Vec::new();
         for &held in &taken.effects {
@@ -194,17 +194,19 @@ impl Decision {
                 .copied()
                 .filter(|&j| j != held)
                 .collect();
-            let mut group = vec![held];
+            let mut rivals = Vec::new();
             for &rival in self.testable.iter().filter(|k| !taken.effects.contains(k)) {
                 let mut effects = others.clone();
                 effects.push(rival);
                 let fit = Fit::new(problem, &effects)?;
                 let works = fit.amplitude(rival) != 0.0;
                 if works && fit.deviance - taken.deviance <= self.tie_limit {
-                    group.push(rival);
+                    rivals.push((fit.deviance, rival));
                 }
             }
-            group.sort_unstable();
+            rivals.sort_by(|a, b| a.0.total_cmp(&b.0));
+            let mut group = vec![held];
+            group.extend(rivals.into_iter().map(|(_, rival)| rival));
             groups.push(group);
         }
         Ok(groups)

@@ -1,6 +1,7 @@
 //! The outcome of a diagnosis, as it is written and read.
 
 use serde::Serialize;
+use std::cmp::Ordering;
 use std::collections::BTreeMap;
 use std::fmt;
 
@@ -59,7 +60,7 @@ pub struct Diagnosis {
     /// Effects that would help but are not named, because an unknown effect is not excluded, the
     /// unused conditions speak against them, or one condition carries them.
     pub suspects: Vec<String>,
-    /// For each effect that was taken, it and the candidates that would do nearly as well.
+    /// For each effect that was taken, it and behind it the candidates that would do nearly as well, the best first.
     pub tie_groups: Vec<Vec<String>>,
     /// Largest distance in deviance inside a tie set.
     pub tie_set_c: f64,
@@ -174,41 +175,41 @@ impl Diagnosis {
         &self.summary
     }
 
-    /// Holds a naming or a tie against runs of the simulator itself, with the effects switched on, at
-    /// conditions that neither choice nor fit has used: whitened mean square `before` of so many values, and `after`
-    /// for each model in question, the best explanation first.
+    /// Holds an answer against runs of the simulator itself, with the effects switched on, at conditions
+    /// that neither choice nor fit has used: whitened mean square `before` of so many values, and that `after` by
+    /// model in question, the best explanation first.
     ///
-    /// What does not lower the error there, or leaves more than noise (by chance in less than 1
+    /// A model that does not lower the error there, or leaves more than noise (by chance in less than 1
     /// of 100 cases), does not stand. If none stands, the answer is taken back, and the effects become suspects.
     #[must_use]
-    pub fn checked_by_runs(mut self, before: f64, after: &[f64], values: usize) -> Self {
+    pub fn checked_by_runs(mut self, before: f64, after: &[(String, f64)], values: usize) -> Self {
         let dof = self.structured_residual.covariance_dof;
         let fault = |after: f64| {
             // An error that is no number counts as one that did not fall.
-            if after.is_nan() || after >= before {
+            if after.partial_cmp(&before) != Some(Ordering::Less) {
                 return Some("not down".to_owned());
             }
             let p = upper_tail(after * values as f64, values, dof);
             let too_small = p.filter(|p| *p < LEAST_P_ON_UNUSED);
             too_small.map(|p| format!("and what is left is more than noise, p {p:.1e}"))
         };
-        let faults: Vec<Option<String>> = after.iter().map(|a| fault(*a)).collect();
-        let stands = faults.iter().position(Option::is_none);
-        let Some(&shown) = after.get(stands.unwrap_or(0)) else {
-            return self;
-        };
-        self.runs_on_unused = Some([before, shown]);
-        if let (None, Some(Some(reason))) = (stands, faults.first()) {
-            let what = match after.len() {
-                1 => "the naming is withdrawn: by",
-                _ => {
-                    "the tie is withdrawn, for none of the effects that were added in turn stands; for the best by"
+        let mut stands = None;
+        for (model, after) in after {
+            match fault(*after) {
+                None => {
+                    stands.get_or_insert(*after);
                 }
-            };
-            self.warnings.push(format!(
-                "{what} real runs the whitened mean square on the unused \
-                 conditions goes from {before:.3} to {shown:.3}, {reason}"
-            ));
+                Some(reason) => self.warnings.push(format!(
+                    "{model} does not stand: by real runs the whitened mean square on the unused \
+                     conditions goes from {before:.3} to {after:.3}, {reason}"
+                )),
+            }
+        }
+        let best = after.first().map(|(_, after)| *after);
+        self.runs_on_unused = stands.or(best).map(|after| [before, after]);
+        if stands.is_none() && best.is_some() {
+            self.warnings
+                .push("the answer is withdrawn for this".to_owned());
             self.verdict = Verdict::Unknown;
             self.suspects = std::mem::take(&mut self.effects);
             self.tie_groups.clear();
@@ -238,10 +239,16 @@ mod tests {
         diagnose(&Problem::try_from(file).unwrap(), &Options::new(1)).unwrap()
     }
 
+    /// Errors on unused conditions, by model.
+    fn models(after: &[f64]) -> Vec<(String, f64)> {
+        let names = ["slope", "curve"].map(String::from);
+        names.into_iter().zip(after.iter().copied()).collect()
+    }
+
     #[test]
     fn a_naming_that_real_runs_do_not_bear_out_is_withdrawn() {
         assert_eq!(named().verdict, Verdict::Named, "{}", named().summary());
-        let stays = named().checked_by_runs(9.0, &[1.1], 4);
+        let stays = named().checked_by_runs(9.0, &models(&[1.1]), 4);
         assert_eq!(stays.verdict, Verdict::Named);
         assert!(
             stays.summary().contains("from 9.00 to 1.10"),
@@ -250,7 +257,7 @@ mod tests {
         );
         // Four values of mean square 3.4 sum to 13.6, above 13.3: the upper 1 % point of chi-square on four.
         for after in [9.0, 9.1, 3.4, f64::NAN] {
-            let fallen = named().checked_by_runs(9.0, &[after], 4);
+            let fallen = named().checked_by_runs(9.0, &models(&[after]), 4);
             assert_eq!(fallen.verdict, Verdict::Unknown);
             assert!(fallen.effects.is_empty());
             assert_eq!(fallen.suspects, ["slope"]);
@@ -260,16 +267,19 @@ mod tests {
     /// Of two effects in question the second stands, or none.
     #[test]
     fn a_tie_is_withdrawn_only_where_no_effect_of_it_stands() {
-        let stays = named().checked_by_runs(9.0, &[9.1, 1.1], 4);
+        let stays = named().checked_by_runs(9.0, &models(&[9.1, 1.1]), 4);
         assert_eq!(stays.verdict, Verdict::Named);
         assert_eq!(stays.runs_on_unused, Some([9.0, 1.1]));
-        let mut tie = named();
-        tie.verdict = Verdict::Tie;
-        let fallen = tie.checked_by_runs(9.0, &[3.4, 9.1], 4);
+        let said = stays.warnings.join(" ");
+        assert!(said.contains("slope does not stand"), "{said}");
+        let fallen = named().checked_by_runs(9.0, &models(&[3.4, 9.1]), 4);
         assert_eq!(fallen.verdict, Verdict::Unknown);
         assert_eq!(fallen.runs_on_unused, Some([9.0, 3.4]));
         let said = fallen.warnings.join(" ");
-        assert!(said.contains("the tie is withdrawn"), "{said}");
+        assert!(said.contains("curve does not stand"), "{said}");
+        // An error before that is no number bears nothing out.
+        let fallen = named().checked_by_runs(f64::NAN, &models(&[1.1]), 4);
+        assert_eq!(fallen.verdict, Verdict::Unknown);
     }
 
     /// With one observable the support is the score itself.

@@ -493,7 +493,8 @@ impl Loop<'_> {
         let campaign = &self.study.hidden;
         let conditions = campaign.conditions.len();
         let used = campaign.conditions.iter().filter(|c| c.used).count();
-        // Probes once; data, two fits and two corrections in each campaign, and one with the effect.
+        // Probes once; data; and some nine rounds in both campaigns together: fits, sensitivities anew, the
+        // model with the effect, corrections.
         let probes = (1 + campaign.factors.len() + campaign.effects.len()) * used;
         let hidden = 2 * conditions * campaign.measured_runs
             + (probes + 9 * conditions) * study.residual_replicates;

@@ -16,7 +16,7 @@ pub(super) fn added(a: &[Vec<f64>], b: &[Vec<f64>], factor: f64) -> Vec<Vec<f64>
 }
 
 /// Covariance scaled.
-pub(super) fn scaled(a: &[Vec<f64>], factor: f64) -> Vec<Vec<f64>> {
+fn scaled(a: &[Vec<f64>], factor: f64) -> Vec<Vec<f64>> {
     a.iter()
         .map(|row| row.iter().map(|x| x * factor).collect())
         .collect()
@@ -99,40 +99,55 @@ fn offsets(plan: &ResidualPlan, fitted: &[f64]) -> Vec<f64> {
     plan.declared.iter().zip(fitted).map(offset).collect()
 }
 
-/// Root of the covariance of observed minus simulated over the measured observables of a condition.
+/// Root of the covariance of the measured observables of a condition and of so many times that of a run.
 pub(super) fn root(
     observed: &Observed,
     linear: &Linearisation,
-    n_runs: usize,
+    runs: f64,
     condition: usize,
 ) -> Result<DMatrix<f64>, Error> {
     let total = added(
         &observed.covariance[condition],
         &linear.run_covariance,
-        1.0 / n_runs as f64,
+        runs,
     );
-    let measured = observed.measured(condition);
-    let n = measured.len();
-    root_of(DMatrix::from_fn(n, n, |a, b| {
-        total[measured[a]][measured[b]]
-    }))
-}
-
-/// Lower root of a covariance.
-fn root_of(covariance: DMatrix<f64>) -> Result<DMatrix<f64>, Error> {
-    let root = Cholesky::new(covariance).ok_or(Error::Search {
+    let root = Cholesky::new(of_measured(observed, &total, condition)).ok_or(Error::Search {
         what: "the root of the covariance",
         reason: "it is not positive definite: are two observables the same?".into(),
     })?;
     Ok(root.l())
 }
 
-/// Square of a vector whitened by a covariance.
-pub(super) fn square(covariance: &[Vec<f64>], vector: &[f64]) -> Result<f64, Error> {
-    let n = vector.len();
-    let root = root_of(DMatrix::from_fn(n, n, |a, b| covariance[a][b]))?;
-    let white = root.solve_lower_triangular(&DVector::from_column_slice(vector));
-    Ok(white.map_or(f64::NAN, |w| w.norm_squared()))
+/// Root of so many times the covariance of a run, over the observables that were measured at a condition; with that of
+/// the measurements where the runs are too few to tell it.
+pub(super) fn root_of_runs(
+    observed: &Observed,
+    linear: &Linearisation,
+    runs: f64,
+    condition: usize,
+) -> Result<DMatrix<f64>, Error> {
+    let covariance = scaled(&linear.run_covariance, runs);
+    let known = linear.noise_dof >= RUNS_TO_KNOW * covariance.len();
+    match Cholesky::new(of_measured(observed, &covariance, condition)).filter(|_| known) {
+        Some(of_runs) => Ok(of_runs.l()),
+        None => root(observed, linear, runs, condition),
+    }
+}
+
+/// Degrees of freedom for each observable from which on the scatter of the runs tells their covariance.
+const RUNS_TO_KNOW: usize = 3;
+
+/// The rows and columns of a covariance whose observables were measured at a condition.
+fn of_measured(observed: &Observed, covariance: &[Vec<f64>], condition: usize) -> DMatrix<f64> {
+    let measured = observed.measured(condition);
+    let n = measured.len();
+    DMatrix::from_fn(n, n, |a, b| covariance[measured[a]][measured[b]])
+}
+
+/// Whitened mean square of so many values that noise alone exceeds in 1 of 40 cases where they are many:
+/// 1 + 2 sqrt(2/n).
+pub(super) fn likely_mean_square(values: usize) -> f64 {
+    1.0 + 2.0 * (2.0 / values as f64).sqrt()
 }
 
 /// Whitened mean square of observed minus simulated on the used conditions.
@@ -219,7 +234,8 @@ fn part(
     for &c in &conditions {
         let values = (0..plan.observables.len()).filter_map(|k| residual(c, k));
         let vector = DVector::from_iterator(observed.measured(c).len(), values);
-        let white = root(observed, linear, simulated.n, c)?.solve_lower_triangular(&vector);
+        let white =
+            root(observed, linear, 1.0 / simulated.n as f64, c)?.solve_lower_triangular(&vector);
         whitened += white.map_or(f64::NAN, |w| w.norm_squared());
         rows += vector.len();
     }

@@ -7,43 +7,34 @@ use campaign::{Campaign, Simulator};
 use residual_diagnosis::{CandidateResult, Diagnosis};
 
 /// Largest number of effects whose sensitivity is measured anew at a time.
-pub(super) const MOST_SUSPECTS: usize = 3;
+pub(crate) const MOST_SUSPECTS: usize = 3;
 /// How often that is done: wherever something stands out, and again where no effect is adequate then, or none
 /// beats an unknown one.
-pub(super) const LOOKS: usize = 2;
+pub(crate) const LOOKS: usize = 2;
 /// Blocks of seeds: of the fit without an effect and its corrections, of the model with effects and its corrections,
 /// and the first of the sensitivities measured anew. Block 0 is that of the start.
-const BLOCKS_OF_FIT: [u64; 3] = [1, 4, 5];
-const BLOCKS_WITH_EFFECTS: [u64; 3] = [2, 3, 12];
+pub(crate) const BLOCKS_OF_FIT: [u64; 3] = [1, 4, 5];
+pub(crate) const BLOCKS_WITH_EFFECTS: [u64; 3] = [2, 3, 12];
 pub(super) const FIRST_BLOCK_ANEW: u64 = 6;
-
-/// Whitened mean square of so many values that noise alone exceeds in 1 of 40 cases: 1 + 2 sqrt(2/n).
-pub(super) fn likely_mean_square(values: usize) -> f64 {
-    1.0 + 2.0 * (2.0 / values as f64).sqrt()
-}
 
 /// Effects to be added together, one set a model: those that are named, or of a tie each of the best explanations
 /// in turn.
 pub(super) fn sets_to_add(diagnosis: &Diagnosis) -> Vec<Vec<String>> {
-    if diagnosis.effects.is_empty() {
+    let groups = &diagnosis.tie_groups;
+    let best: Vec<String> = groups.iter().filter_map(|g| g.first().cloned()).collect();
+    if best.is_empty() {
         return Vec::new();
     }
-    let groups = &diagnosis.tie_groups;
-    let t_after = |name: &String| {
-        diagnosis
-            .candidates
-            .get(name)
-            .map_or(f64::NAN, |c| c.t_after)
-    };
-    let best: Vec<String> = groups.iter().filter_map(|g| g.first().cloned()).collect();
     let mut sets = vec![best.clone()];
-    for (place, group) in groups.iter().enumerate() {
-        let mut others: Vec<&String> = group.iter().filter(|name| !best.contains(name)).collect();
-        others.sort_by(|a, b| t_after(a).total_cmp(&t_after(b)));
-        for name in others {
-            let mut set = best.clone();
-            set[place].clone_from(name);
-            sets.push(set);
+    let longest = groups.iter().map(Vec::len).max().unwrap_or(0);
+    // The second of each group, then the third of each, and so on.
+    for rank in 1..longest {
+        for (place, group) in groups.iter().enumerate() {
+            if let Some(name) = group.get(rank).filter(|name| !best.contains(name)) {
+                let mut set = best.clone();
+                set[place].clone_from(name);
+                sets.push(set);
+            }
         }
     }
     sets.truncate(MOST_SUSPECTS);
@@ -81,7 +72,7 @@ pub(super) struct Looks {
 pub(super) struct Visited {
     /// Parameters and amplitudes.
     pub(super) setting: Setting,
-    /// What came out at the used conditions.
+    /// What came out: at the used conditions, and at the kept ones where they were run.
     pub(super) means: Means,
     /// Block of seeds.
     pub(super) block: u64,
@@ -252,12 +243,12 @@ impl Fits<'_> {
         let cost = |v: &Visited| assemble::cost(plan, observed, noise, &v.setting, &v.means);
         let mut linear = noise.clone();
         let mut about = (start.clone(), means.clone());
-        // What was run elsewhere is not the best amplitude, whatever its misfit.
+        // A point that was run for another purpose does not end the search before a fit about it was run.
         let (mut best, mut at_end) = (best, false);
         for block in blocks {
             if let (Some(best), true) = (&best, at_end) {
                 let misfit = assemble::misfit(plan, observed, noise, &best.means)?;
-                if misfit <= likely_mean_square(assemble::used_values(plan, observed)) {
+                if misfit <= assemble::likely_mean_square(assemble::used_values(plan, observed)) {
                     break;
                 }
             }
@@ -268,8 +259,9 @@ impl Fits<'_> {
                 Err(error) if best.is_some() && failed_run(&error).is_some() => break,
                 means => means?,
             };
+            let from = (&about.0, &about.1);
             let corrected =
-                linear.contradicted(plan, effects, (&about.0, &about.1), (&setting, &means))?;
+                linear.contradicted(plan, observed, effects, from, (&setting, &means))?;
             let visited = Visited {
                 setting,
                 means,

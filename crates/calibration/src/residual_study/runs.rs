@@ -1,11 +1,10 @@
 //! The runs of a residual study and their means.
 
-use super::assemble::{self, scaled};
-use super::fits::likely_mean_square;
-use super::{DeclaredParameter, ResidualPlan, StudyCondition};
+use super::{DeclaredParameter, Observed, ResidualPlan, StudyCondition, assemble};
 use crate::Error;
 use crate::cells::value;
 use campaign::{Campaign, RunRequest, Simulator};
+use nalgebra::DVector;
 use run_store::Record;
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -396,16 +395,18 @@ impl Linearisation {
         if shares { self } else { self.with_scatter(on) }
     }
 
-    /// The same with slopes that go through two points that were run; none where these do not contradict the slopes by
-    /// more than noise (by chance in 1 of 40 cases).
+    /// The same with slopes that go through two points that were run; none where these do not contradict the slopes,
+    /// by more than is likely with the noise of the runs.
     ///
     /// # Formula
     ///
     /// For a step `d` in parameters and amplitudes, each over the step of its difference quotient, the slopes `J`
-    /// become `J + (f(to) - f(from) - J d) d' / d'd`: the least change that does it `[Broyden1965]`, method 1.
+    /// become `J + (f(to) - f(from) - J d) d' / d'd`: the least change that does it `[Broyden1965]`, method 1. The
+    /// variance of the bracket is that of two means and of `d'd` slopes, each a difference of two means.
     pub(super) fn contradicted(
         &self,
         plan: &ResidualPlan,
+        observed: &Observed,
         effects: &[String],
         (from, at_from): (&Setting, &Means),
         (to, at_to): (&Setting, &Means),
@@ -421,53 +422,42 @@ impl Linearisation {
             .filter(|(_, e)| effects.contains(&e.name))
             .map(|(j, e)| (j, step(from.effects[&e.name], to.effects[&e.name], e.probe)))
             .collect();
-        let size: f64 = declared
-            .iter()
-            .chain(taken.iter().map(|(_, d)| d))
-            .map(|d| d * d)
-            .sum();
+        let steps = declared.iter().chain(taken.iter().map(|(_, d)| d));
+        let size: f64 = steps.map(|d| d * d).sum();
         if size == 0.0 {
             return Ok(None);
         }
+        let of_means = 1.0 / at_from.n as f64 + 1.0 / at_to.n as f64;
+        let runs = of_means + size * 2.0 / self.nominal.n as f64;
         let mut corrected = self.clone();
         let (mut contradiction, mut rows) = (0.0, 0);
-        let noise = scaled(
-            &self.run_covariance,
-            1.0 / at_from.n as f64 + 1.0 / at_to.n as f64,
-        );
-        for (c, (a, b)) in at_from.values.iter().zip(&at_to.values).enumerate() {
-            if b.is_empty() {
-                continue;
-            }
-            let off: Vec<f64> = (0..b.len())
-                .map(|k| {
-                    let slopes = &self.declared[c][k];
-                    let by_parameters = slopes.iter().zip(&declared).zip(&plan.declared);
-                    let by_parameters: f64 = by_parameters.map(|((s, d), p)| s * d * p.step).sum();
-                    let slopes = &self.library[c][k];
-                    let by_effects = taken
-                        .iter()
-                        .map(|&(j, d)| slopes[j] * d * plan.effects[j].probe);
-                    b[k] - a[k] - by_parameters - by_effects.sum::<f64>()
-                })
-                .collect();
-            contradiction += assemble::square(&noise, &off)?;
-            rows += off.len();
-            for (k, off) in off.iter().enumerate() {
-                for ((slope, d), p) in corrected.declared[c][k]
-                    .iter_mut()
-                    .zip(&declared)
-                    .zip(&plan.declared)
-                {
-                    *slope += off * d / size / p.step;
+        for c in (0..plan.conditions.len()).filter(|&c| plan.conditions[c].used) {
+            let off = |k: usize| {
+                let slopes = self.declared[c][k].iter().zip(&declared);
+                let by_parameters = slopes.zip(&plan.declared).map(|((s, d), p)| s * d * p.step);
+                let slopes = &self.library[c][k];
+                let effect = |&(j, d): &(usize, f64)| slopes[j] * d * plan.effects[j].probe;
+                let linear = by_parameters.sum::<f64>() + taken.iter().map(effect).sum::<f64>();
+                at_to.values[c][k] - at_from.values[c][k] - linear
+            };
+            let measured = observed.measured(c);
+            let values = DVector::from_iterator(measured.len(), measured.iter().map(|&k| off(k)));
+            let root = assemble::root_of_runs(observed, self, runs, c)?;
+            let white = root.solve_lower_triangular(&values);
+            contradiction += white.map_or(0.0, |white| white.norm_squared());
+            rows += measured.len();
+            for &k in &measured {
+                let slopes = corrected.declared[c][k].iter_mut().zip(&declared);
+                for ((slope, d), p) in slopes.zip(&plan.declared) {
+                    *slope += off(k) * d / size / p.step;
                 }
                 for &(j, d) in &taken {
-                    corrected.library[c][k][j] += off * d / size / plan.effects[j].probe;
+                    corrected.library[c][k][j] += off(k) * d / size / plan.effects[j].probe;
                 }
             }
         }
-        let likely = likely_mean_square(rows);
-        Ok((contradiction > likely * rows as f64).then_some(corrected))
+        let likely = assemble::likely_mean_square(rows) * rows as f64;
+        Ok((contradiction > likely).then_some(corrected))
     }
 
     /// The same with the scatter of further means in the covariance: the noise of a run is taken

@@ -140,3 +140,53 @@ fn a_world_goes_on_from_a_snapshot_with_the_same_bits() {
     let error = continued.resume(kept).unwrap_err();
     assert!(error.to_string().contains("another world"), "{error}");
 }
+
+/// More bodies than one part holds (16 384): one thread with two parts and two threads with eight give the same bits.
+/// The bodies meet across the parts, as each step of the lattice along its last axis changes the number of a body by
+/// hundreds.
+#[test]
+fn parts_of_one_thread_change_no_bit() {
+    let start = || {
+        let balls = scattered([0.1, 0.1, 0.09], 1.0, 1.5, &mut Stream::new(7, "many"));
+        let balls: Vec<_> = balls
+            .into_iter()
+            .map(|start| Placement {
+                template: 0,
+                ..start
+            })
+            .collect();
+        assert!(balls.len() > 1 << 14, "only {} bodies", balls.len());
+        let settings = settings(2e-5, Vector3::new(0.0, -9.81, 0.0));
+        world(
+            settings,
+            &sticky(),
+            vec![ball(3e-3)],
+            box_of_planes(0.2),
+            &balls,
+        )
+    };
+    let (mut one, mut two) = (start(), start().on_threads(2).unwrap());
+    run(&mut one, 150);
+    run(&mut two, 150);
+    let touching = one.census().touching_pairs;
+    assert!(touching > 1000, "only {touching} pairs touch");
+    assert_eq!(bits(&one), bits(&two));
+}
+
+/// Threads chosen after bodies were added lose no contact: two balls pressed into each other part.
+#[test]
+fn threads_chosen_after_an_insertion_keep_the_contacts() {
+    let settings = settings(2e-5, Vector3::zeros());
+    let at = |x: f64| Placement::at_rest(0, Vector3::x() * x, nalgebra::UnitQuaternion::identity());
+    let mut world = world(
+        settings,
+        &sticky(),
+        vec![ball(2e-3)],
+        Vec::new(),
+        &[at(0.0)],
+    );
+    world.insert(&[at(3.9e-3)]).unwrap();
+    let mut world = world.on_threads(2).unwrap();
+    world.step().unwrap();
+    assert!(world.bodies().velocity[1].x > 0.0, "no force");
+}

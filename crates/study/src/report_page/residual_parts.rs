@@ -176,11 +176,17 @@ pub(super) fn added(study: &ResidualStudy) -> Option<String> {
 
 /// Why no single effect is added.
 pub(super) fn not_added(study: &ResidualStudy) -> &'static str {
-    if study.rivals.is_empty() {
-        "No effect is added, because the diagnosis names none."
-    } else {
-        "The effects that explain it best were added to the model in turn, each with a fit of its own; real runs may \
-         not tell them apart either."
+    match (study.rivals.is_empty(), study.diagnosis.effects.is_empty()) {
+        (true, true) => "No effect is added, because the diagnosis names none.",
+        (true, false) => "No effect is added: the model with it could not be run.",
+        (false, true) => {
+            "The effects that explain it best were added to the model in turn, each with a fit of its own, and taken \
+             out because the kept conditions speak against all of them."
+        }
+        (false, false) => {
+            "The effects that explain it best were added to the model in turn, each with a fit of its own; real runs \
+             may not tell them apart either."
+        }
     }
 }
 
