@@ -225,6 +225,13 @@ impl World {
         Ok(self)
     }
 
+    /// Number of threads that the steps are spread over.
+    pub fn n_threads(&self) -> usize {
+        self.pool
+            .as_ref()
+            .map_or(1, |pool| pool.current_num_threads())
+    }
+
     /// Sets the gravity that acts from the next step on, m/s².
     ///
     /// Changes nothing and returns false if it is not finite.

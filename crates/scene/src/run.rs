@@ -72,6 +72,8 @@ pub struct RunResult {
     pub time_step: f64,
     /// Steps done.
     pub n_steps: u64,
+    /// Threads that the steps were spread over.
+    pub n_threads: usize,
     /// Number of bodies.
     pub n_bodies: usize,
     /// Number of spheres, hidden ones included.
@@ -165,6 +167,7 @@ pub fn run_on(
         settling_time_step,
         time_step: world.settings().time_step,
         n_steps: world.n_steps(),
+        n_threads: world.n_threads(),
         n_bodies: world.bodies().len(),
         n_spheres: n_spheres(scene, &bodies),
         census: world.census(),
@@ -219,6 +222,7 @@ fn released(scene: &Scene, built: Built) -> Result<RunResult, Error> {
         settling_time_step: world.settings().time_step,
         time_step: world.settings().time_step,
         n_steps: world.n_steps(),
+        n_threads: world.n_threads(),
         n_bodies: world.bodies().len(),
         n_spheres: n_spheres(scene, &bodies),
         census: world.census(),

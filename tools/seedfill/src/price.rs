@@ -195,6 +195,12 @@ impl Timing {
                 format!("{name} has no positive number timing.{key}: expected the JSON of a run")
             })
         };
+        let threads = run["timing"]["threads"].as_u64().unwrap_or(1);
+        anyhow::ensure!(
+            threads == 1,
+            "{name}: the run was spread over {threads} threads, whose waiting counts as work; make it again with \
+             --threads 1"
+        );
         let seeds = number("bodies")?;
         // Where the system told no time on the processor, the time on the clock stands for it.
         let cost_s = number("cpu_s").or_else(|_| number("wall_s"))?;

@@ -245,17 +245,20 @@ fn the_page_and_the_price_of_a_filling() {
         assert!(page.contains(part), "{part}");
     }
     assert_eq!(page.matches("data:image/png").count(), 3);
-    std::fs::write(&run, "{}").unwrap();
-    let words = [
-        path_text(&mesh),
-        "--radius",
-        "1",
-        "--timing",
-        path_text(&run),
-    ];
-    let refused = seedfill(&words);
-    assert_eq!(refused.status.code(), Some(2));
-    assert!(text(&refused.stderr).contains("timing.bodies"));
+    let on_two = r#"{"timing": {"bodies": 1200, "steps": 2000, "cpu_s": 1.2, "threads": 2}}"#;
+    for (timing, said) in [("{}", "timing.bodies"), (on_two, "--threads 1")] {
+        std::fs::write(&run, timing).unwrap();
+        let words = [
+            path_text(&mesh),
+            "--radius",
+            "1",
+            "--timing",
+            path_text(&run),
+        ];
+        let refused = seedfill(&words);
+        assert_eq!(refused.status.code(), Some(2));
+        assert!(text(&refused.stderr).contains(said));
+    }
 }
 
 /// The study's seeds, coarsely filled, in the study's drum: `seedloop simulate` told this step for

@@ -91,6 +91,7 @@ impl SingleRun {
                 }
                 timing.insert("continued".to_owned(), json!(true));
             }
+            timing.insert("threads".to_owned(), json!(result.n_threads));
             timing.insert("cpu_s".to_owned(), json!(cpu_s));
             timing.insert("filling_s".to_owned(), json!(filling_s));
         }
