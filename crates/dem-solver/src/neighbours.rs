@@ -302,8 +302,8 @@ impl Neighbours {
         }
     }
 
-    /// Begins a new list and moves the old one out of the way; partners of each body follow in order, from the first one on, through
-    /// [`Self::add`].
+    /// Begins a new list and moves the old one out of the way; partners of each body follow in order,
+    /// from the first one on, through [`Self::add`].
     pub(crate) fn begin(&mut self, first: usize, old: &mut Previous) {
         self.first = first;
         std::mem::swap(&mut self.heads, &mut old.heads);

@@ -93,8 +93,8 @@ pub fn run(scene: &Scene, library: &FillingLibrary, seed: u64) -> Result<RunResu
     run_on(scene, library, seed, 1, None, &mut NoKeeper)
 }
 
-/// [`run`] with the steps spread over at most so many threads (one for each 500 bodies), from where a run of the same scene and seed was left, with
-/// its state kept on the way.
+/// [`run`] with the steps spread over at most so many threads (one for each 500 bodies), from where a run
+/// of the same scene and seed was left, with its state kept on the way.
 ///
 /// The result is the same to the last bit for any number of threads, and as that of a run that was never left. The
 /// runs of a heap and of a box start anew and are not kept.

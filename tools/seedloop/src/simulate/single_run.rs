@@ -53,8 +53,8 @@ impl SingleRun {
         Ok(Record::new(&version, inputs, self.seed)?)
     }
 
-    /// Runs the scene on at most so many threads, on from where it was left; the time of filling the meshes is kept apart from that
-    /// of the steps.
+    /// Runs the scene on at most so many threads, on from where it was left; the time of filling the
+    /// meshes is kept apart from that of the steps.
     ///
     /// # Errors
     /// A scene that cannot be built, a solver that stops, frames without a surface.
