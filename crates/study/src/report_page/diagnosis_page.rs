@@ -88,12 +88,18 @@ fn answer(report: &mut Report, result: &DiagnosisResult, pictures: &[NamedPictur
         ));
     }
     report.facts(&facts);
+    let stages = match study.after {
+        Some(_) => ", before and after",
+        None => "",
+    };
     chart(
         report,
         pictures,
         ANSWER_CHART,
-        "What the model misses: observed minus simulated by condition, by real runs, before and \
-         after; the band is twice the standard error of observation and simulation.",
+        &format!(
+            "What the model misses: observed minus simulated by condition, by real runs{stages}; the \
+             band is twice the standard error of observation and simulation."
+        ),
     );
 }
 
