@@ -1,3 +1,4 @@
+use super::fits::sets_to_add;
 use super::runs::{At, Linearisation, Setting, means};
 use super::{
     DeclaredParameter, EffectProbe, Observed, ResidualPlan, StudyCondition, study_residual,
@@ -604,4 +605,28 @@ fn an_observable_that_does_not_scatter_can_be_fitted() {
         [truth(rpm, fill, 0.7, 0.4, [2.0, 0.0])[0], 3.0]
     });
     study_residual(&campaign, &Counting, &plan, &data).unwrap();
+}
+
+/// The first of each group is the effect that was taken: all of them together come first, then the next best of each
+/// group in its place, three models at most, and never an effect twice in one.
+#[test]
+fn models_to_be_run_begin_with_what_was_taken() {
+    let folder = tempfile::tempdir().unwrap();
+    let store = Store::open(folder.path()).unwrap();
+    let campaign = Campaign::new(&store, 2, &Silent);
+    let plan = plan(2);
+    let data = observed(&plan, [0.0; 2], 2);
+    let mut diagnosis = study_residual(&campaign, &Toy, &plan, &data)
+        .unwrap()
+        .diagnosis;
+    assert!(sets_to_add(&diagnosis).is_empty(), "nothing is named");
+    let groups = |groups: &[&[&str]]| -> Vec<Vec<String>> {
+        let owned = |group: &&[&str]| group.iter().map(|&name| name.to_owned()).collect();
+        groups.iter().map(owned).collect()
+    };
+    diagnosis.tie_groups = groups(&[&["a", "b", "c", "d"]]);
+    assert_eq!(sets_to_add(&diagnosis), groups(&[&["a"], &["b"], &["c"]]));
+    diagnosis.tie_groups = groups(&[&["a", "b"], &["d", "a"]]);
+    let expected = groups(&[&["a", "d"], &["b", "d"]]);
+    assert_eq!(sets_to_add(&diagnosis), expected);
 }
