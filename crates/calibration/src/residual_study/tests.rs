@@ -332,34 +332,41 @@ fn a_value_that_was_not_measured_has_no_weight() {
     assert_eq!(missing.errors_before.used.rmse.len(), 1);
 }
 
-/// A simulator in which the angle grows with the amplitude of "bend", but the shape hardly any more beyond 0.5: its
-/// pattern over the observables is quite another at 0.5 than at the probe of 2.
-struct Saturating;
-
-impl Saturating {
-    fn values(rpm: f64, fill: f64, a: f64, b: f64, effects: [f64; 2]) -> [f64; 2] {
-        let [bend, tilt] = effects;
-        let [angle, shape] = truth(rpm, fill, a, b, [0.0, tilt]);
-        let saturated = 20.0 * (1.0 - (-bend / 0.3).exp());
-        [
-            angle + 0.004 * rpm * rpm * bend,
-            shape + saturated * fill * fill,
-        ]
-    }
+/// A simulator by a formula of speed, fill, both parameters and both effects.
+struct Formula {
+    name: &'static str,
+    values: fn(f64, f64, f64, f64, [f64; 2]) -> [f64; 2],
 }
 
-impl Simulator for Saturating {
+impl Simulator for Formula {
     fn version(&self) -> String {
-        "saturating".into()
+        self.name.into()
     }
 
     fn run(&self, request: &RunRequest) -> Result<RunOutcome, SimulatorError> {
         let (rpm, fill) = (request.condition("rpm")?, request.condition("fill")?);
         let (a, b) = (request.parameter("a")?, request.parameter("b")?);
         let effects = [request.effect("bend"), request.effect("tilt")];
-        Ok(outcome(request, Self::values(rpm, fill, a, b, effects)))
+        Ok(outcome(request, (self.values)(rpm, fill, a, b, effects)))
     }
 }
+
+/// A simulator in which the angle grows with the amplitude of "bend", but the shape hardly any more beyond 0.5: its
+/// pattern over the observables is quite another at 0.5 than at the probe of 2.
+fn saturating(rpm: f64, fill: f64, a: f64, b: f64, effects: [f64; 2]) -> [f64; 2] {
+    let [bend, tilt] = effects;
+    let [angle, shape] = truth(rpm, fill, a, b, [0.0, tilt]);
+    let saturated = 20.0 * (1.0 - (-bend / 0.3).exp());
+    [
+        angle + 0.004 * rpm * rpm * bend,
+        shape + saturated * fill * fill,
+    ]
+}
+
+const SATURATING: Formula = Formula {
+    name: "saturating",
+    values: saturating,
+};
 
 /// "bend" at its own amplitude is all that is missing. By its slope at the probe more than noise remains, and all three
 /// answers are "unknown"; with one look at its own fit one of them still is. The amplitude comes back within four
@@ -371,9 +378,9 @@ fn an_effect_that_saturates_is_judged_at_its_own_fit() {
         let store = Store::open(folder.path()).unwrap();
         let campaign = Campaign::new(&store, 2, &Silent);
         let plan = plan(seed);
-        let truth = |rpm, fill| Saturating::values(rpm, fill, 0.7, 0.4, [0.5, 0.0]);
+        let truth = |rpm, fill| saturating(rpm, fill, 0.7, 0.4, [0.5, 0.0]);
         let data = measured(&plan, seed, truth);
-        let study = study_residual(&campaign, &Saturating, &plan, &data).unwrap();
+        let study = study_residual(&campaign, &SATURATING, &plan, &data).unwrap();
         let diagnosis = &study.diagnosis;
         assert_eq!(
             diagnosis.verdict,
@@ -434,6 +441,17 @@ impl Simulator for Twins {
     }
 }
 
+/// The plan with both twins in the library.
+fn plan_of_twins() -> ResidualPlan {
+    let mut plan = plan(1);
+    let bow = EffectProbe {
+        name: "bow".into(),
+        ..plan.effects[0].clone()
+    };
+    plan.effects.push(bow);
+    plan
+}
+
 /// Twins tie, and each is added in turn: with either the amplitude comes back within four standard errors, and the
 /// error on the kept conditions falls to the noise, as for a lone effect above.
 #[test]
@@ -441,12 +459,7 @@ fn tied_effects_are_added_in_turn() {
     let folder = tempfile::tempdir().unwrap();
     let store = Store::open(folder.path()).unwrap();
     let campaign = Campaign::new(&store, 2, &Silent);
-    let mut plan = plan(1);
-    let bow = EffectProbe {
-        name: "bow".into(),
-        ..plan.effects[0].clone()
-    };
-    plan.effects.push(bow);
+    let plan = plan_of_twins();
     let data = observed(&plan, [2.0, 0.0], 1);
     let study = study_residual(&campaign, &Twins, &plan, &data).unwrap();
     let diagnosis = &study.diagnosis;
@@ -477,12 +490,7 @@ fn a_tied_effect_that_cannot_be_run_is_told_and_left_out() {
     let folder = tempfile::tempdir().unwrap();
     let store = Store::open(folder.path()).unwrap();
     let campaign = Campaign::new(&store, 2, &Silent);
-    let mut plan = plan(1);
-    let bow = EffectProbe {
-        name: "bow".into(),
-        ..plan.effects[0].clone()
-    };
-    plan.effects.push(bow);
+    let mut plan = plan_of_twins();
     for condition in plan.conditions.iter_mut().filter(|c| !c.used) {
         condition.condition.insert("rpm".into(), 25.0);
     }
@@ -500,31 +508,19 @@ fn a_tied_effect_that_cannot_be_run_is_told_and_left_out() {
 
 /// A simulator in which "bend" does more where the parameter "a" is larger, so that no straight line from the fit
 /// without it ends at the right point.
-struct Interacting;
-
-impl Interacting {
-    fn values(rpm: f64, fill: f64, a: f64, b: f64, effects: [f64; 2]) -> [f64; 2] {
-        let [bend, tilt] = effects;
-        truth(rpm, fill, a, b, [bend * (2.0 * (a - 0.5)).exp(), tilt])
-    }
+fn interacting(rpm: f64, fill: f64, a: f64, b: f64, effects: [f64; 2]) -> [f64; 2] {
+    let [bend, tilt] = effects;
+    truth(rpm, fill, a, b, [bend * (2.0 * (a - 0.5)).exp(), tilt])
 }
 
-impl Simulator for Interacting {
-    fn version(&self) -> String {
-        "interacting".into()
-    }
-
-    fn run(&self, request: &RunRequest) -> Result<RunOutcome, SimulatorError> {
-        let (rpm, fill) = (request.condition("rpm")?, request.condition("fill")?);
-        let (a, b) = (request.parameter("a")?, request.parameter("b")?);
-        let effects = [request.effect("bend"), request.effect("tilt")];
-        Ok(outcome(request, Self::values(rpm, fill, a, b, effects)))
-    }
-}
+const INTERACTING: Formula = Formula {
+    name: "interacting",
+    values: interacting,
+};
 
 /// Runs that contradict the slopes correct them: six campaigns of six end at the noise on the used conditions, where a
 /// right model stays below 1.67 (18 values) in 39 of 40 cases, and on the kept ones, below 3 (6 values) in 199 of 200.
-/// With the slopes of the start three of them stay above 2, and one naming is withdrawn.
+/// With the slopes of the start four of them stay above the first bound, at 1.8 to 3.8.
 #[test]
 fn slopes_that_runs_contradict_are_corrected() {
     for seed in 1..=6 {
@@ -532,9 +528,9 @@ fn slopes_that_runs_contradict_are_corrected() {
         let store = Store::open(folder.path()).unwrap();
         let campaign = Campaign::new(&store, 2, &Silent);
         let plan = plan(seed);
-        let truth = |rpm, fill| Interacting::values(rpm, fill, 0.7, 0.4, [3.0, 0.0]);
+        let truth = |rpm, fill| interacting(rpm, fill, 0.7, 0.4, [3.0, 0.0]);
         let data = measured(&plan, seed, truth);
-        let study = study_residual(&campaign, &Interacting, &plan, &data).unwrap();
+        let study = study_residual(&campaign, &INTERACTING, &plan, &data).unwrap();
         let summary = study.diagnosis.summary();
         assert_eq!(study.diagnosis.effects, ["bend"], "seed {seed}: {summary}");
         let errors = study.after.unwrap().errors;
@@ -568,7 +564,7 @@ fn slopes_are_corrected_only_where_runs_contradict_them() {
         (corrected.unwrap(), at_from, at_to)
     };
     assert!(corrected(&Toy).0.is_none(), "noise alone");
-    let (linear, at_from, at_to) = corrected(&Interacting);
+    let (linear, at_from, at_to) = corrected(&INTERACTING);
     let linear = linear.expect("a contradiction");
     for (c, condition) in plan.conditions.iter().enumerate().filter(|(_, c)| c.used) {
         for k in 0..2 {
