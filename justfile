@@ -39,12 +39,14 @@ trials NUMBER="200":
     "${CARGO_TARGET_DIR:-target}/release/examples/trials" {{NUMBER}} fixtures/diagnosis/drum/problem.json fixtures/diagnosis/library/problem.json fixtures/diagnosis/single/problem.json fixtures/diagnosis/tie/problem.json > docs/trials.md
     printf '\n`just trials {{NUMBER}}`, %s.\n' "$(date -I)" >> docs/trials.md
 
-# A SIZE is a multiple of the smallest amplitude that can be seen. Finished runs in FOLDER are found again.
+# SIZE is a multiple of the smallest amplitude that can be seen. Finished runs in FOLDER are found again.
 # Hide each effect of the library in data that the solver makes, diagnose them, and write the page (an hour).
-effect-trials FOLDER="out/effect-trials" *SIZES="2":
+effect-trials SIZE="2" FOLDER="out/effect-trials":
     cargo build --release --locked -p study --example effect_trials
-    "${CARGO_TARGET_DIR:-target}/release/examples/effect_trials" fixtures/cotton/trials.toml {{FOLDER}} {{SIZES}} > docs/effect-trials.md
-    printf '\n`just effect-trials {{FOLDER}} {{SIZES}}`, %s.\n' "$(date -I)" >> docs/effect-trials.md
+    mkdir -p {{FOLDER}}
+    "${CARGO_TARGET_DIR:-target}/release/examples/effect_trials" fixtures/cotton/trials.toml {{FOLDER}} {{SIZE}} > {{FOLDER}}/size-{{SIZE}}.md
+    printf '\n`just effect-trials {{SIZE}}`, %s, at commit %s.\n' "$(date -I)" "$(git rev-parse --short HEAD)" >> {{FOLDER}}/size-{{SIZE}}.md
+    mkdir -p docs/effect-trials && mv {{FOLDER}}/size-{{SIZE}}.md docs/effect-trials/
 
 # Check the solver against mechanics and write the table.
 verify *ARGS:

@@ -32,6 +32,17 @@ fn runs(plan: &ResidualPlan, used: usize) -> usize {
     plan.replicates * ((settings + rounds) * used + (1 + suspects) * kept)
 }
 
+/// The smallest budget of runs with which [`within_budget`] leaves a study that can test anything; that of all used
+/// conditions where even these have too few values.
+pub fn least_budget(plan: &ResidualPlan) -> usize {
+    runs(plan, least_used(plan).min(plan.count(true)))
+}
+
+/// Fewest used conditions with more values than declared parameters.
+fn least_used(plan: &ResidualPlan) -> usize {
+    plan.declared.len() / plan.observables.len().max(1) + 1
+}
+
 /// Takes used conditions out of the fit until the study needs no more than `budget` runs; they join
 /// those kept for the check.
 ///
@@ -50,7 +61,7 @@ pub fn within_budget(plan: &ResidualPlan, budget: usize) -> Result<ResidualPlan,
         .filter(|&c| plan.conditions[c].used)
         .collect();
     let affordable = (1..=used.len()).rev().find(|&n| runs(plan, n) <= budget);
-    let least = plan.declared.len() / plan.observables.len().max(1) + 1;
+    let least = least_used(plan);
     let count = affordable.filter(|&n| n >= least).ok_or(Error::Count {
         what: "budget of runs",
         got: budget,
@@ -151,7 +162,7 @@ fn ln_determinant(rows: &[Vec<f64>], chosen: &[usize]) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::{runs_needed, within_budget};
+    use super::{least_budget, runs_needed, within_budget};
     use crate::{DeclaredParameter, EffectProbe, ResidualPlan, StudyCondition};
     use campaign::RunRequest;
     use std::collections::BTreeMap;
@@ -210,5 +221,18 @@ mod tests {
         let error = within_budget(&plan(), 97).unwrap_err().to_string();
         assert!(error.contains("budget of runs: 97 given"), "{error}");
         within_budget(&plan(), 98).unwrap();
+        assert_eq!(least_budget(&plan()), 98);
+    }
+
+    /// More parameters than all conditions have values: no budget helps, and none is computed from conditions that
+    /// are not there.
+    #[test]
+    fn too_few_values_are_refused_with_any_budget() {
+        let mut plan = plan();
+        let one = plan.declared[0].clone();
+        plan.declared = vec![one; 9];
+        let all = runs_needed(&plan);
+        assert_eq!(least_budget(&plan), all);
+        within_budget(&plan, all).unwrap_err();
     }
 }

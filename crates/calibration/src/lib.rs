@@ -12,7 +12,7 @@ mod least_squares;
 mod residual_study;
 mod stages;
 
-pub use budget::{runs_needed, within_budget};
+pub use budget::{least_budget, runs_needed, within_budget};
 pub use cells::{CalibrationFactor, CellRuns, Question, run_cells};
 pub use error::Error;
 pub use laboratory::Laboratory;

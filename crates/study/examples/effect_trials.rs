@@ -1,12 +1,13 @@
 //! Campaigns with known truth by the solver itself: each effect of the library is hidden in measured-like
 //! data, and the diagnosis, which runs its own simulations, is asked what is missing.
 //!
-//! `cargo run --release -p study --example effect_trials -- PLAN.toml FOLDER [SIZE...]`
+//! `cargo run --release -p study --example effect_trials -- PLAN.toml FOLDER SIZE`
 //!
-//! A SIZE is a multiple of the smallest amplitude that the plan's conditions show with a chance of 90 %
-//! (default 2), never above the largest that is physically possible. Finished runs are kept in FOLDER and
-//! found again. Prints a page in Markdown; each diagnosis is written whole to FOLDER, and the linear problem
-//! of the whole library, as it is when nothing is hidden, to FOLDER/problem.json, for `just trials`.
+//! SIZE is a multiple of the smallest amplitude that the plan's conditions show with a chance of 90 %, never
+//! above the largest that is physically possible; an effect that cannot reach half of SIZE is left to a smaller
+//! one. Finished runs are kept in FOLDER and found again. Prints a page in Markdown; each diagnosis is written
+//! whole to FOLDER, and the linear problem of the whole library, as it is when nothing is hidden, to
+//! FOLDER/problem.json, for `just trials`.
 
 #![expect(clippy::print_stdout, reason = "the page is the purpose")]
 
@@ -33,11 +34,12 @@ const HEAD: &str = "# Every effect hidden once, by the solver
 
 Measured-like data are made by the solver with one effect of the library switched on, the friction drawn from its
 bench values, runs of other seeds, and noise of reading. The diagnosis knows the bench values and searches the whole
-library by simulations of its own: [the plan](../fixtures/cotton/trials.toml). All diagnoses begin with the same
+library by simulations of its own: [the plan](../../fixtures/cotton/trials.toml). All diagnoses begin with the same
 runs for the sensitivities, so that the noise of these is common to all rows.
 
 `size`: the hidden amplitude over the smallest one that these conditions show with a chance of 90 %, by the linear
-model about the start; never more than is physically possible. `T before, after`: the whitened residual that
+model about the start; never more than is physically possible, and none that cannot reach half of the size asked
+for. `T before, after`: the whitened residual that
 re-tuning cannot absorb, without an effect and with the first one named. Last column: root mean square error of the
 angle at the condition kept for the check, before and after, by real runs; where effects tie, up to three of them
 are added in turn, and both last numbers are given for each. An amplitude without a name was
@@ -76,14 +78,12 @@ struct Hidden {
 
 fn main() -> Result<(), Box<dyn Error>> {
     let mut arguments = std::env::args().skip(1);
-    let usage = "usage: effect_trials PLAN.toml FOLDER [SIZE...]";
+    let usage = "usage: effect_trials PLAN.toml FOLDER SIZE";
     let path = PathBuf::from(arguments.next().ok_or(usage)?);
     let folder = PathBuf::from(arguments.next().ok_or(usage)?);
-    let mut sizes = arguments
-        .map(|a| a.parse())
-        .collect::<Result<Vec<f64>, _>>()?;
-    if sizes.is_empty() {
-        sizes.push(2.0);
+    let size: f64 = arguments.next().ok_or(usage)?.parse()?;
+    if !(size > 0.0 && size.is_finite()) || arguments.next().is_some() {
+        return Err(usage.into());
     }
     let plan: Plan = toml::from_str(&std::fs::read_to_string(&path)?)?;
     let simulator = plan.simulator(path.parent().unwrap_or(Path::new("")))?;
@@ -97,7 +97,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         plan,
         simulator,
     };
-    trials.print_all(&sizes)
+    trials.print_all(size)
 }
 
 impl Plan {
@@ -152,7 +152,7 @@ struct Trials<'a> {
 
 impl Trials<'_> {
     /// All campaigns, one line each.
-    fn print_all(&self, sizes: &[f64]) -> Result<(), Box<dyn Error>> {
+    fn print_all(&self, size: f64) -> Result<(), Box<dyn Error>> {
         println!("{HEAD}");
         println!(
             "| hidden | amplitude | size | verdict | named or tied | amplitude found | T before, after | \
@@ -173,6 +173,7 @@ impl Trials<'_> {
         let problem = serde_json::to_string_pretty(&first.problem)?;
         std::fs::write(self.folder.join("problem.json"), problem)?;
         let mut rest = Vec::new();
+        let mut too_weak = Vec::new();
         for (k, effect) in first.plan.effects.iter().enumerate() {
             let candidate = first.diagnosis.candidates.get(&effect.name);
             let Some(candidate) = candidate.filter(|c| c.testable) else {
@@ -182,33 +183,39 @@ impl Trials<'_> {
             let Some(smallest) = candidate.smallest_detectable else {
                 continue;
             };
-            for &size in sizes {
-                // Either sign in turn where both are possible.
-                let first = if k % 2 == 1 { -1.0 } else { 1.0 };
-                let of_sign =
-                    |sign: f64| (sign * size * smallest).clamp(effect.range[0], effect.range[1]);
-                let amplitude = match of_sign(first) {
-                    amplitude if self.is_possible(&effect.name, amplitude) => amplitude,
-                    _ => of_sign(-first),
-                };
-                let number = 100 * (k as u64 + 1) + tenths(size);
-                let hidden = Hidden {
-                    effect: Some((effect.name.clone(), amplitude)),
-                    number,
-                };
-                match self.study(&hidden) {
-                    Ok(study) => print_row(&hidden, Some(amplitude.abs() / smallest), &study),
-                    Err(error) => println!(
-                        "| {} | {amplitude:.3} | | cannot be run: {} | | | | |",
-                        effect.name,
-                        cause(&*error)
-                    ),
-                }
+            // Either sign in turn where both are possible.
+            let sign = if k % 2 == 1 { -1.0 } else { 1.0 };
+            let of_sign =
+                |sign: f64| (sign * size * smallest).clamp(effect.range[0], effect.range[1]);
+            let amplitude = match of_sign(sign) {
+                amplitude if self.is_possible(&effect.name, amplitude) => amplitude,
+                _ => of_sign(-sign),
+            };
+            let reached = amplitude.abs() / smallest;
+            if reached < size / 2.0 {
+                too_weak.push(format!("{} ({reached:.1})", effect.name));
+                continue;
+            }
+            let hidden = Hidden {
+                effect: Some((effect.name.clone(), amplitude)),
+                number: 100 * (k as u64 + 1) + tenths(size),
+            };
+            match self.study(&hidden) {
+                Ok(study) => print_row(&hidden, Some(reached), &study),
+                Err(error) => println!(
+                    "| {} | {amplitude:.3} | {reached:.1} | cannot be run: {} | | | | |",
+                    effect.name,
+                    cause(&*error)
+                ),
             }
         }
         println!(
             "\nNot seen at these conditions even at their largest amplitude: {}.",
             list(&rest)
+        );
+        println!(
+            "Largest possible amplitude below half of this size: {}.",
+            list(&too_weak)
         );
         let left_out = first
             .left_out

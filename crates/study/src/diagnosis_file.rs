@@ -4,8 +4,8 @@ use crate::file::read_toml;
 use crate::hidden::probes;
 use crate::{Error, SceneSimulator};
 use calibration::{
-    DeclaredParameter, EffectProbe, Observed, ResidualPlan, StudyCondition, runs_needed,
-    within_budget,
+    DeclaredParameter, EffectProbe, Observed, ResidualPlan, StudyCondition, least_budget,
+    runs_needed, within_budget,
 };
 use campaign::RunRequest;
 use scene::{Override, Scene};
@@ -191,6 +191,14 @@ impl DiagnosisFile {
             replicates: self.replicates,
             seed,
         };
+        let least = least_budget(&plan);
+        if self.budget_runs < least {
+            let problem = format!(
+                "tests nothing: write {least} or more, so many runs may be needed for more values than \
+                 declared parameters, or name fewer effects"
+            );
+            return Err(self.wrong(format!("budget_runs = {}", self.budget_runs), problem));
+        }
         let within = within_budget(&plan, self.budget_runs)?;
         let used = |p: &ResidualPlan| p.conditions.iter().filter(|c| c.used).count();
         Ok(PlannedDiagnosis {
