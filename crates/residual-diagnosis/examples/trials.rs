@@ -29,7 +29,9 @@ several that cannot be told apart, or one that helps while something remains. `f
 or tied, none of them hidden. `taken out`: the effect made the data and the library did not hold it. `left by the
 nearest`: what the effect of the library that imitates it best leaves of it without noise, in standard deviations; a
 twin leaves less than 4, too little to tell the two apart. Only another observable or condition could, and the twin
-may be named in place of the effect.";
+may be named in place of the effect. `unused before, after`: whitened mean square on the conditions that the problem
+keeps for the check (1 is noise alone), without and with the effects that the others name, mean over the namings; a
+naming that does not lower it is withdrawn and counts as unknown.";
 
 fn main() -> Result<(), Box<dyn Error>> {
     let mut arguments = std::env::args().skip(1);
@@ -60,9 +62,9 @@ fn main() -> Result<(), Box<dyn Error>> {
 fn print_rows(rows: &[TrialRow]) {
     println!(
         "| hidden | strength | nothing | named rightly | in the tie set | false name | unknown | \
-         measure again | left by the nearest |"
+         measure again | unused before, after | withdrawn | left by the nearest |"
     );
-    println!("|---|--:|--:|--:|--:|--:|--:|--:|---|");
+    println!("|---|--:|--:|--:|--:|--:|--:|--:|--:|--:|---|");
     for row in rows {
         let (hidden, strength) = words(&row.truth);
         let strength = strength.map_or_else(String::new, |s| s.to_string());
@@ -79,8 +81,15 @@ fn print_rows(rows: &[TrialRow]) {
             let twin = if n.twin { ", a twin" } else { "" };
             format!("{:.1}, {}{twin}", n.left, n.name)
         });
+        let unused = row.unused.as_ref().map_or_else(
+            || " | ".to_owned(),
+            |u| {
+                let withdrawn = percent(u.withdrawn);
+                format!("{:.2}, {:.2} | {withdrawn}", u.before, u.after)
+            },
+        );
         println!(
-            "| {hidden} | {strength} | {} | {nearest} |",
+            "| {hidden} | {strength} | {} | {unused} | {nearest} |",
             counts.map(percent).join(" | ")
         );
     }

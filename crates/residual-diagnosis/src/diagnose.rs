@@ -49,17 +49,16 @@ impl Options {
 /// [`Error::NotPositiveDefinite`] when a covariance cannot be factorised, those added for noisy
 /// sensitivities included.
 pub fn diagnose(problem: &Problem, options: &Options) -> Result<Diagnosis, Error> {
-    let mut decision = decide(problem, options)?;
+    let Checked {
+        decision,
+        before_after,
+        withdrawn,
+    } = decide_and_check(problem, options)?;
     let refused = decision.verdict == Verdict::Refused;
-    let before_after = if refused {
-        None
-    } else {
-        compare(problem, &decision, options)?
-    };
     let mut warnings = problem.warnings.clone();
     warnings.extend(odd_amplitudes(problem, &decision));
     warnings.extend(unseen_parameters(problem));
-    withdraw(&mut decision, before_after.as_ref(), &mut warnings);
+    warnings.extend(withdrawn);
     warnings.extend(lone_support(problem, &decision, options)?);
     let name = |j: &usize| problem.candidates[*j].name.clone();
     let names = |list: &[usize]| list.iter().map(name).collect::<Vec<_>>();
@@ -103,6 +102,31 @@ pub fn diagnose(problem: &Problem, options: &Options) -> Result<Diagnosis, Error
     Ok(diagnosis)
 }
 
+/// A decision that has met the unused conditions.
+pub(crate) struct Checked {
+    /// The decision.
+    pub(crate) decision: Decision,
+    /// The errors before and after; none where nothing could be tried.
+    pub(crate) before_after: Option<BeforeAfter>,
+    /// Why a naming was taken back, where it was.
+    pub(crate) withdrawn: Option<String>,
+}
+
+/// Decides, and takes back a naming that does not lower the error on the unused conditions.
+pub(crate) fn decide_and_check(problem: &Problem, options: &Options) -> Result<Checked, Error> {
+    let mut decision = decide(problem, options)?;
+    let before_after = match decision.verdict {
+        Verdict::Refused => None,
+        _ => compare(problem, &decision, options)?,
+    };
+    let withdrawn = withdraw(&mut decision, before_after.as_ref());
+    Ok(Checked {
+        decision,
+        before_after,
+        withdrawn,
+    })
+}
+
 /// Errors before and after the chosen effects, or the best candidate where none was chosen.
 fn compare(
     problem: &Problem,
@@ -129,26 +153,24 @@ fn compare(
     before_after(problem, &decision.nominal, chosen, rival, options.seed).map(Some)
 }
 
-/// Takes back a naming that does not lower the error on the unused conditions.
-fn withdraw(decision: &mut Decision, errors: Option<&BeforeAfter>, warnings: &mut Vec<String>) {
+/// Takes back a naming that does not lower the error on the unused conditions, and says why.
+fn withdraw(decision: &mut Decision, errors: Option<&BeforeAfter>) -> Option<String> {
     let naming = matches!(
         decision.verdict,
         Verdict::Named | Verdict::Tie | Verdict::Partial
     );
-    let Some(unused) = errors.and_then(|e| e.unused.as_ref()).filter(|_| naming) else {
-        return;
-    };
-    let mse = unused.whitened_mse;
-    if mse.after >= mse.before {
-        warnings.push(format!(
-            "the naming is withdrawn: on the unused conditions the whitened mean square goes \
-             from {:.3} to {:.3}, not down",
-            mse.before, mse.after
-        ));
-        decision.verdict = Verdict::Unknown;
-        decision.suspects = std::mem::take(&mut decision.effects);
-        decision.tie_groups.clear();
+    let mse = errors.filter(|_| naming)?.unused.as_ref()?.whitened_mse;
+    if mse.after < mse.before {
+        return None;
     }
+    decision.verdict = Verdict::Unknown;
+    decision.suspects = std::mem::take(&mut decision.effects);
+    decision.tie_groups.clear();
+    Some(format!(
+        "the naming is withdrawn: on the unused conditions the whitened mean square goes \
+         from {:.3} to {:.3}, not down",
+        mse.before, mse.after
+    ))
 }
 
 /// Warns of amplitudes that the data want larger than is physically possible.

@@ -67,4 +67,4 @@ pub use problem::Problem;
 pub use problem_file::{
     Condition, CovarianceInput, ExperimentFile, Level, PriorPrecision, ProblemFile, Sign,
 };
-pub use trials::{NearestEffect, TrialRow, Truth, trials, usual_truths};
+pub use trials::{NearestEffect, TrialRow, Truth, UnusedErrors, trials, usual_truths};

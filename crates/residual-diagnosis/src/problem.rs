@@ -111,17 +111,17 @@ impl Problem {
         &self.observables
     }
 
-    /// The same problem with an effect taken out of the library and without the unused part.
-    pub(crate) fn without_candidate(&self, effect: usize) -> Self {
-        let mut problem = self.clone();
-        problem.candidates.remove(effect);
-        problem.used.library = self.used.library.clone().remove_column(effect);
-        if !problem.used.library_noise.is_empty() {
-            problem.used.library_noise.remove(effect);
+    /// The same problem with an effect taken out of the library and without experiments to be done.
+    pub(crate) fn without_candidate(mut self, effect: usize) -> Self {
+        self.candidates.remove(effect);
+        for part in std::iter::once(&mut self.used).chain(&mut self.unused) {
+            part.library = std::mem::take(&mut part.library).remove_column(effect);
+            if !part.library_noise.is_empty() {
+                part.library_noise.remove(effect);
+            }
         }
-        problem.experiments.clear();
-        problem.unused = None;
-        problem
+        self.experiments.clear();
+        self
     }
 
     /// The same problem with the rows of one observable and without the unused part.

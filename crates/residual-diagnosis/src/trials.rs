@@ -4,13 +4,14 @@ use nalgebra::{DMatrix, DVector};
 use random_stream::Stream;
 use serde::Serialize;
 
+use crate::before_after::Stages;
 use crate::covariance::Covariance;
-use crate::decision::decide;
+use crate::diagnose::decide_and_check;
 use crate::diagnosis::Verdict;
 use crate::fit::Fit;
 use crate::gates::testable;
 use crate::next_measurement::SEPARATION_TO_REACH;
-use crate::problem::{Prior, Problem};
+use crate::problem::{Part, Prior, Problem};
 use crate::smooth_basis::smooth_basis;
 use crate::{Error, Options};
 
@@ -80,6 +81,23 @@ pub struct TrialRow {
     /// For an effect that was taken out, what the library still holds that looks most like it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub nearest: Option<NearestEffect>,
+    /// What a naming does to the error on the unused conditions; none without namings, for a design without such
+    /// conditions, and for an outsider, which is drawn over the used ones only.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub unused: Option<UnusedErrors>,
+}
+
+/// The error on the unused conditions before and after the effects that the used ones name.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct UnusedErrors {
+    /// Number of campaigns in which effects were named or tied, those with a withdrawn naming included.
+    pub namings: usize,
+    /// Namings that these conditions took back, because the error did not fall; they count as unknown.
+    pub withdrawn: usize,
+    /// Whitened mean square without an effect, mean over the namings; 1 is noise alone.
+    pub before: f64,
+    /// Whitened mean square with the effects, or the first of those that tie, mean over the namings.
+    pub after: f64,
 }
 
 /// The effect of a library that imitates another one best.
@@ -115,7 +133,9 @@ impl TrialRow {
 /// Drawn are: the noise of the values from the covariance V; its estimate, V times chi2/dof, where V
 /// is estimated; the noise of the sensitivities, so that the rules work with others than made the
 /// data; the mis-tuning of the declared parameters, normal with twice their standard errors; the
-/// bench means of the priors about the true values. The residual of the problem is not used. Effects
+/// bench means of the priors about the true values. The residual of the problem is not used. Conditions that
+/// the problem keeps unused get data of the same truth, and a naming stands only if it lowers the error
+/// there, as in [`crate::diagnose`]. Effects
 /// act linearly with the sensitivities of the problem: what a real simulator adds to this by its
 /// curvature is not seen here.
 ///
@@ -193,7 +213,10 @@ impl<'a> Design<'a> {
 
     /// All campaigns of one truth.
     fn row(&self, truth: &Truth, number: usize, seed: u64) -> Result<TrialRow, Error> {
-        let mut stream = Stream::new(seed, &format!("trials: {truth:?}"));
+        let mut streams = Streams {
+            used: Stream::new(seed, &format!("trials: {truth:?}")),
+            unused: Stream::new(seed, &format!("trials, unused conditions: {truth:?}")),
+        };
         let mut row = TrialRow {
             truth: truth.clone(),
             trials: number,
@@ -204,16 +227,23 @@ impl<'a> Design<'a> {
             unknown: 0,
             recheck: 0,
             nearest: self.nearest(truth)?,
+            unused: None,
         };
+        let mut unused = Vec::new();
         for trial in 0..number as u64 {
-            let (problem, hidden) = self.campaign(truth, &mut stream)?;
+            let (problem, hidden) = self.campaign(truth, &mut streams)?;
             let options = Options {
                 draws: DRAWS,
                 ..Options::new(seed.wrapping_add(trial))
             };
-            let decision = decide(&problem, &options)?;
+            let checked = decide_and_check(&problem, &options)?;
+            let decision = &checked.decision;
             let name = |&j: &usize| problem.candidates[j].name.clone();
             let found: Vec<String> = decision.effects.iter().map(name).collect();
+            if !found.is_empty() || checked.withdrawn.is_some() {
+                let errors = checked.before_after.and_then(|e| e.unused);
+                unused.extend(errors.map(|e| (e.whitened_mse, checked.withdrawn.is_some())));
+            }
             *match decision.verdict {
                 Verdict::None | Verdict::NotTestable | Verdict::Refused => &mut row.none,
                 Verdict::Unknown => &mut row.unknown,
@@ -223,6 +253,15 @@ impl<'a> Design<'a> {
                 _ => &mut row.false_name,
             } += 1;
         }
+        let mean = |of: fn(&Stages) -> f64| {
+            unused.iter().map(|(e, _)| of(e)).sum::<f64>() / unused.len() as f64
+        };
+        row.unused = (!unused.is_empty()).then(|| UnusedErrors {
+            namings: unused.len(),
+            withdrawn: unused.iter().filter(|(_, withdrawn)| *withdrawn).count(),
+            before: mean(|e| e.before),
+            after: mean(|e| e.after),
+        });
         Ok(row)
     }
 
@@ -231,67 +270,68 @@ impl<'a> Design<'a> {
     fn campaign(
         &self,
         truth: &Truth,
-        stream: &mut Stream,
+        streams: &mut Streams,
     ) -> Result<(Problem, Vec<String>), Error> {
         let part = &self.problem.used;
-        let mut signal = DVector::zeros(part.residual.len());
-        let mut hidden = Vec::new();
+        let stream = &mut streams.used;
+        let mut amplitudes = DVector::zeros(self.problem.candidates.len());
+        let mut other = DVector::zeros(part.residual.len());
         match truth {
             Truth::Nothing => {}
-            Truth::Effect { name, strength } => {
-                signal += self.effect(self.number(name)?, *strength, stream);
-                hidden.push(name.clone());
-            }
-            Truth::TakenOut { name, strength } => {
-                signal += self.effect(self.number(name)?, *strength, stream);
+            Truth::Effect { name, strength } | Truth::TakenOut { name, strength } => {
+                let j = self.number(name)?;
+                amplitudes[j] = self.amplitude(j, *strength, stream);
             }
             Truth::TwoEffects { strength } => {
                 let mut order = self.testable.clone();
                 stream.shuffle(&mut order);
                 for &j in order.iter().take(2) {
-                    signal += self.effect(j, *strength, stream);
-                    hidden.push(self.problem.candidates[j].name.clone());
+                    amplitudes[j] = self.amplitude(j, *strength, stream);
                 }
             }
-            Truth::Outsider { strength } => signal += self.outsider(*strength, stream),
+            Truth::Outsider { strength } => other = self.outsider(*strength, stream),
             Truth::BadValue { strength } => {
-                let row = stream.below(signal.len());
+                let row = stream.below(other.len());
                 let sign = if stream.below(2) == 0 { 1.0 } else { -1.0 };
-                signal[row] = sign * strength * part.covariance.diagonal()[row].sqrt();
+                other[row] = sign * strength * part.covariance.diagonal()[row].sqrt();
             }
         }
-        let mut problem = self.problem.clone();
-        problem.unused = None;
         let mistuned = self.parameter_errors.iter();
         let shift: Vec<f64> = mistuned
             .map(|se| MISTUNING * se * stream.normal())
             .collect();
         let shift = DVector::from_vec(shift);
-        signal += &part.declared * &shift + noise(&part.covariance, stream)?;
-        problem.used.residual = signal;
+        let mut problem = self.problem.clone();
+        problem.used.residual =
+            other + &part.library * &amplitudes + drawn_residual(part, &shift, stream)?;
         if let Some(prior) = &self.problem.prior {
             problem.prior = Some(drawn_prior(prior, &shift, stream));
         }
+        let mut scale = 1.0;
         if let Some(dof) = self.problem.covariance_dof {
-            let factor = chi_square(dof, stream) / dof;
-            problem.used.covariance = part.covariance.plus_scaled(factor - 1.0, &part.covariance);
+            scale = chi_square(dof, stream) / dof;
         }
-        for (k, own) in part.declared_noise.iter().enumerate() {
-            let noisy = part.declared.column(k) + noise(own, stream)?;
-            problem.used.declared.set_column(k, &noisy);
+        blur(&mut problem.used, scale, stream)?;
+        if matches!(truth, Truth::Outsider { .. }) {
+            problem.unused = None;
         }
-        for (j, own) in part.library_noise.iter().enumerate() {
-            let noisy = part.library.column(j) + noise(own, stream)?;
-            problem.used.library.set_column(j, &noisy);
+        if let Some(unused) = &mut problem.unused {
+            let stream = &mut streams.unused;
+            unused.residual =
+                &unused.library * &amplitudes + drawn_residual(unused, &shift, stream)?;
+            blur(unused, scale, stream)?;
         }
         if let Truth::TakenOut { name, .. } = truth {
-            problem = problem.without_candidate(self.number(name)?);
+            return Ok((problem.without_candidate(self.number(name)?), Vec::new()));
         }
-        Ok((problem, hidden))
+        let hidden = self.problem.candidates.iter().zip(&amplitudes);
+        let hidden = hidden.filter(|(_, a)| **a != 0.0);
+        let names = hidden.map(|(candidate, _)| candidate.name.clone());
+        Ok((problem, names.collect()))
     }
 
-    /// What an effect of the library does at a strength, with a sign that it can have.
-    fn effect(&self, j: usize, strength: f64, stream: &mut Stream) -> DVector<f64> {
+    /// Amplitude of an effect of the library at a strength, with a sign that it can have.
+    fn amplitude(&self, j: usize, strength: f64, stream: &mut Stream) -> f64 {
         let sign = self.problem.candidates[j].sign;
         let either = sign.allows(1.0) && sign.allows(-1.0);
         let positive = if either {
@@ -299,14 +339,13 @@ impl<'a> Design<'a> {
         } else {
             sign.allows(1.0)
         };
-        self.signed_effect(j, strength, positive)
+        self.signed_amplitude(j, strength, positive)
     }
 
-    /// What an effect of the library does at a strength.
-    fn signed_effect(&self, j: usize, strength: f64, positive: bool) -> DVector<f64> {
+    /// Amplitude of an effect of the library at a strength.
+    fn signed_amplitude(&self, j: usize, strength: f64, positive: bool) -> f64 {
         let length = self.nominal.score(j).map_or(f64::INFINITY, |s| s.length);
-        let amplitude = strength / length * if positive { 1.0 } else { -1.0 };
-        self.problem.used.library.column(j) * amplitude
+        strength / length * if positive { 1.0 } else { -1.0 }
     }
 
     /// What imitates an effect that was taken out; none for other truths, and where nothing is left to.
@@ -324,7 +363,8 @@ impl<'a> Design<'a> {
                 continue;
             }
             let mut problem = self.problem.clone();
-            problem.used.residual = self.signed_effect(j, *strength, positive);
+            let amplitude = self.signed_amplitude(j, *strength, positive);
+            problem.used.residual = problem.used.library.column(j) * amplitude;
             if let Some(prior) = &mut problem.prior {
                 prior.offset.fill(0.0);
             }
@@ -358,6 +398,37 @@ impl<'a> Design<'a> {
             way_out: "name an effect of the library".into(),
         })
     }
+}
+
+/// Random numbers of a campaign.
+struct Streams {
+    /// For all that the rules are given.
+    used: Stream,
+    /// For the conditions kept for the check, so that these change nothing else.
+    unused: Stream,
+}
+
+/// What mis-tuned parameters and noise make of the residual.
+fn drawn_residual(
+    part: &Part,
+    shift: &DVector<f64>,
+    stream: &mut Stream,
+) -> Result<DVector<f64>, Error> {
+    Ok(&part.declared * shift + noise(&part.covariance, stream)?)
+}
+
+/// What the rules know of a part: its covariance times an error of its estimate, and noisy sensitivities.
+fn blur(part: &mut Part, scale: f64, stream: &mut Stream) -> Result<(), Error> {
+    part.covariance = part.covariance.plus_scaled(scale - 1.0, &part.covariance);
+    for (k, own) in part.declared_noise.iter().enumerate() {
+        let noisy = part.declared.column(k) + noise(own, stream)?;
+        part.declared.set_column(k, &noisy);
+    }
+    for (j, own) in part.library_noise.iter().enumerate() {
+        let noisy = part.library.column(j) + noise(own, stream)?;
+        part.library.set_column(j, &noisy);
+    }
+    Ok(())
 }
 
 /// Whether two lists hold the same names.

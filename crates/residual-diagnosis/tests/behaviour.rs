@@ -76,6 +76,17 @@ fn with_effect(effect: usize, amplitude: f64, seed: u64) -> ProblemFile {
     file
 }
 
+/// Keeps conditions for the check that repeat the used ones.
+fn repeat_as_unused(file: &mut ProblemFile) {
+    file.unused_conditions.clone_from(&file.conditions);
+    file.unused_residual_obs_minus_sim
+        .clone_from(&file.residual_obs_minus_sim);
+    file.unused_sensitivities_declared
+        .clone_from(&file.sensitivities_declared);
+    file.unused_sensitivities_library
+        .clone_from(&file.sensitivities_library);
+}
+
 /// Diagnoses a raw problem that is sound.
 fn diagnosed(file: ProblemFile) -> residual_diagnosis::Diagnosis {
     let problem = Problem::try_from(file).expect("the problem is sound");
@@ -114,6 +125,33 @@ fn rules_err_as_seldom_as_promised_when_the_truth_is_known() {
             }
         }
     }
+}
+
+/// The unused conditions repeat the used ones. An effect of strength s is s standard deviations of what p = 2
+/// re-tuned parameters cannot absorb, spread over n = 24 rows, and a fit adds the scatter of what it fits: the
+/// whitened mean square is 1 + (s^2 + p) / n without the effect and 1 + (p + 1) / n with it. By chi square its
+/// standard error over 200 campaigns is sqrt(2 / n / 200) = 0.02 with the effect, and 0.06 without, where
+/// 2 s sqrt(n) / n of the noise comes in; four of them are allowed.
+#[test]
+fn a_rightly_named_effect_leaves_noise_on_unused_conditions() {
+    let mut file = design();
+    repeat_as_unused(&mut file);
+    let problem = Problem::try_from(file).expect("the design is sound");
+    let truth = Truth::Effect {
+        name: "slip".into(),
+        strength: 9.0,
+    };
+    let rows = trials(&problem, &[truth], 200, 3).expect("it can be simulated");
+    let errors = rows[0].unused.expect("there are unused conditions");
+    assert!(errors.namings > 180, "{errors:?}");
+    assert!(
+        (errors.before - (1.0 + 83.0 / 24.0)).abs() < 0.24,
+        "{errors:?}"
+    );
+    assert!(
+        (errors.after - (1.0 + 3.0 / 24.0)).abs() < 0.08,
+        "{errors:?}"
+    );
 }
 
 /// The residual has variance 0.08 per row; told only 0.02 of it, nearly every set of noise looks
@@ -288,11 +326,7 @@ fn two_missing_effects_are_found_together() {
 #[test]
 fn naming_that_fails_on_unused_conditions_is_withdrawn() {
     let mut file = with_effect(0, 1.0, 8);
-    file.unused_conditions.clone_from(&file.conditions);
-    file.unused_sensitivities_declared
-        .clone_from(&file.sensitivities_declared);
-    file.unused_sensitivities_library
-        .clone_from(&file.sensitivities_library);
+    repeat_as_unused(&mut file);
     let sign = |file: &mut ProblemFile, a: f64| {
         file.unused_residual_obs_minus_sim = file
             .residual_obs_minus_sim
