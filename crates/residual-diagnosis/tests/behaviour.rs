@@ -342,6 +342,27 @@ fn naming_that_fails_on_unused_conditions_is_withdrawn() {
     assert_eq!(d.suspects, ["slip"]);
 }
 
+/// Two twins of the hidden effect, one with a fortieth of another effect mixed in, one with a tenth, and no noise:
+/// a tie begins with the effect that made the data and goes on with the nearer twin, whatever the order of the
+/// library.
+#[test]
+fn a_tie_begins_with_the_best_effect_and_goes_on_by_likeness() {
+    let mut file = design();
+    file.library = vec!["far twin".into(), "truth".into(), "near twin".into()];
+    for (r, row) in file
+        .residual_obs_minus_sim
+        .iter_mut()
+        .zip(&mut file.sensitivities_library)
+    {
+        let (truth, other) = (row[0], row[2]);
+        *row = vec![truth + other / 10.0, truth, truth + other / 40.0];
+        *r = Some(truth);
+    }
+    let d = diagnosed(file);
+    assert_eq!(d.verdict, Verdict::Tie, "{}", d.summary);
+    assert_eq!(d.tie_groups, [["truth", "near twin", "far twin"]]);
+}
+
 /// An effect that is itself smooth, without noise: at s = 4 an unknown smooth effect is nearly as
 /// likely (a handful of free columns costs less than ln 100), at s = 9 it is not.
 #[test]
