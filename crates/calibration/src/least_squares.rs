@@ -53,7 +53,7 @@ impl CostFunction for Free<'_> {
 }
 
 /// Solves the problem by Nelder and Mead's simplex in free variables, restarted from its own
-/// result until a restart no longer gains.
+/// result until a restart no longer gains; without parameters there is nothing to search.
 ///
 /// # Errors
 ///
@@ -63,6 +63,9 @@ pub fn bounded_least_squares(problem: &BoundedProblem, start: &[f64]) -> Result<
         what: "the declared parameters",
         reason,
     };
+    if start.is_empty() {
+        return Ok(Vec::new());
+    }
     let cost = Free(problem);
     let mut best: Vec<f64> = start
         .iter()
@@ -115,6 +118,19 @@ mod tests {
             low: vec![0.0, 0.0],
             high: vec![1.0, high],
         }
+    }
+
+    /// A model without parameters fits as it is.
+    #[test]
+    fn no_parameters_are_no_search() {
+        let problem = BoundedProblem {
+            matrix: vec![Vec::new()],
+            target: vec![1.0],
+            low: Vec::new(),
+            high: Vec::new(),
+        };
+        let none = bounded_least_squares(&problem, &[]).unwrap();
+        assert!(none.is_empty());
     }
 
     /// Consistent equations with the solution (0.3, 0.5) inside the bounds.

@@ -1,4 +1,4 @@
-//! Residuals by condition, before and after a change, against the noise.
+//! Residuals by condition, by one model or several, against the noise.
 
 use serde::{Deserialize, Serialize};
 
@@ -19,6 +19,8 @@ const CHART: &str = "residual chart";
 const PANEL: f64 = 132.0;
 /// Space between two rows of panels, px.
 const GAP: f64 = 20.0;
+/// Left edge and title of the vertical axis, px.
+const TITLE: f64 = 34.0;
 
 /// A condition under which something was measured.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
@@ -34,23 +36,27 @@ pub struct ResidualCondition {
 pub struct ResidualPanel {
     /// The observable, written at the vertical axis.
     pub observable: AxisTitle,
-    /// Measured minus predicted before the change, one a condition, in the unit of the
+    /// Measured minus predicted, a list for each model, in it one a condition, in the unit of the
     /// observable; none where it was not measured.
-    pub before: Vec<Option<f64>>,
-    /// The same after the change; empty where there was none.
-    pub after: Vec<Option<f64>>,
+    pub residuals: Vec<Vec<Option<f64>>>,
     /// Half width of the noise band, one a condition, in the unit of the observable.
     pub noise: Vec<f64>,
 }
 
-/// Panels of residuals: a row an observable, before on the left and, where something was changed, after
-/// on the right.
+impl ResidualPanel {
+    /// Values on the vertical axis: all residuals, the band and zero.
+    fn domain(&self) -> Domain {
+        let residuals = self.residuals.iter().flatten().flatten().copied();
+        let band = self.noise.iter().flat_map(|&noise| [-noise, noise]);
+        Domain::around(residuals.chain(band).chain([0.0]))
+    }
+}
+
+/// Panels of residuals: a row an observable, a column a model.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Residuals {
-    /// Heading of the left column, such as "declared model".
-    pub before_title: String,
-    /// Heading of the right column, such as "with wall adhesion"; none where nothing was changed.
-    pub after_title: Option<String>,
+    /// Headings of the columns, such as "declared model" and "with wall adhesion".
+    pub models: Vec<String>,
     /// What the band is, such as "± 2 standard errors".
     pub noise_name: String,
     /// The conditions in order.
@@ -63,7 +69,7 @@ impl Residuals {
     /// Draws the chart.
     ///
     /// # Errors
-    /// [`Error`] without a condition or a panel, for lists that do not match the conditions, a
+    /// [`Error`] without a condition, a model or a panel, for lists that do not match the conditions, a
     /// number that is not finite, or a negative noise.
     pub fn draw(&self) -> Result<Svg, Error> {
         self.check()?;
@@ -99,39 +105,34 @@ impl Residuals {
             WIDTH - 60.0,
             &entries,
         );
-        for (title, plot) in self.titles().zip(&rows[0]) {
+        for (title, plot) in self.models.iter().zip(&rows[0]) {
             draw_panel_title(&mut canvas, &plot.area, title);
         }
         for (panel, plots) in self.panels.iter().zip(&rows) {
-            for (residuals, plot) in [&panel.before, &panel.after].into_iter().zip(plots) {
+            for (residuals, plot) in panel.residuals.iter().zip(plots) {
                 self.draw_panel(&mut canvas, plot, residuals, &panel.noise);
             }
         }
-        let titles: Vec<&str> = self.titles().collect();
         canvas.finish(
             CHART,
-            &format!("Residuals by condition: {}", titles.join("; ")),
+            &format!("Residuals by condition: {}", self.models.join("; ")),
         )
-    }
-
-    /// Headings of the columns.
-    fn titles(&self) -> impl Iterator<Item = &str> {
-        let before = std::iter::once(self.before_title.as_str());
-        before.chain(self.after_title.as_deref())
     }
 
     /// Refuses what cannot be drawn.
     fn check(&self) -> Result<(), Error> {
         let count = self.conditions.len();
         Field::new(CHART, "conditions").at_least(1, count)?;
+        Field::new(CHART, "models").at_least(1, self.models.len())?;
         Field::new(CHART, "panels").at_least(1, self.panels.len())?;
         for panel in &self.panels {
-            Field::new(CHART, "before").length(count, "condition", panel.before.len())?;
-            let count_after = if self.after_title.is_some() { count } else { 0 };
-            Field::new(CHART, "after").length(count_after, "condition", panel.after.len())?;
+            let models = self.models.len();
+            Field::new(CHART, "residuals").length(models, "model", panel.residuals.len())?;
+            for residuals in &panel.residuals {
+                Field::new(CHART, "residuals").length(count, "condition", residuals.len())?;
+                Field::new(CHART, "residuals").finite(residuals.iter().flatten().copied())?;
+            }
             Field::new(CHART, "noise").length(count, "condition", panel.noise.len())?;
-            Field::new(CHART, "before").finite(panel.before.iter().map(|r| r.unwrap_or(0.0)))?;
-            Field::new(CHART, "after").finite(panel.after.iter().map(|r| r.unwrap_or(0.0)))?;
             Field::new(CHART, "noise").not_negative(panel.noise.iter().copied())?;
         }
         Ok(())
@@ -165,11 +166,8 @@ impl Residuals {
 
     /// The plots of a row with the same values on their vertical axes.
     fn plots(&self, panel: &ResidualPanel, top: f64, names: Names) -> Vec<Plot> {
-        let residuals = panel.before.iter().chain(&panel.after).flatten().copied();
-        let band = panel.noise.iter().flat_map(|&noise| [-noise, noise]);
-        let domain = Domain::around(residuals.chain(band).chain([0.0]));
-        let numbers = AxisPlan::numbers(&panel.observable, domain, 5.0);
-        // Labels on the right would repeat those on the left; the left edge of both columns must
+        let numbers = AxisPlan::numbers(&panel.observable, panel.domain(), 5.0);
+        // Labels on the right would repeat those on the left; the left edges of the columns must
         // not depend on the width of the labels, so that rows stand one below the other.
         let bare = AxisPlan {
             title: AxisTitle::default(),
@@ -178,26 +176,28 @@ impl Residuals {
         let widest = self.widest_label();
         let shift = widest - numbers.ticks.width(SMALL_TEXT);
         let bottom = top + PANEL;
-        let half = 0.5 * (WIDTH + 8.0 + 26.0);
-        let two = self.after_title.is_some();
-        let left = Outside {
-            left: 8.0 + shift,
-            top,
-            right: if two { half - 4.0 } else { WIDTH - 12.0 },
-            bottom,
+        let n = self.models.len();
+        let column = (WIDTH - TITLE) / n as f64;
+        let plot = |k: usize| {
+            let start = TITLE + k as f64 * column;
+            let (left, values) = match k {
+                0 => (8.0, numbers.clone()),
+                _ => (start + 4.0, bare.clone()),
+            };
+            let right = if k + 1 == n {
+                WIDTH - 12.0
+            } else {
+                start + column - 4.0
+            };
+            let place = Outside {
+                left: left + shift,
+                top,
+                right,
+                bottom,
+            };
+            Plot::new(place, self.condition_axis(names), values).with_bottom(bottom)
         };
-        let right = Outside {
-            left: half + 4.0 + shift,
-            top,
-            right: WIDTH - 12.0,
-            bottom,
-        };
-        let columns = [(left, numbers), (right, bare)].into_iter();
-        columns
-            .take(if two { 2 } else { 1 })
-            .map(|(place, values)| Plot::new(place, self.condition_axis(names), values))
-            .map(|plot| plot.with_bottom(bottom))
-            .collect()
+        (0..n).map(plot).collect()
     }
 
     /// Axis of the conditions; only the lowest row carries their names.
@@ -214,16 +214,13 @@ impl Residuals {
         self.panels
             .iter()
             .map(|panel| {
-                let residuals = panel.before.iter().chain(&panel.after).flatten().copied();
-                let band = panel.noise.iter().flat_map(|&noise| [-noise, noise]);
-                let domain = Domain::around(residuals.chain(band).chain([0.0]));
-                let numbers = AxisPlan::numbers(&panel.observable, domain, 5.0);
+                let numbers = AxisPlan::numbers(&panel.observable, panel.domain(), 5.0);
                 numbers.ticks.width(SMALL_TEXT)
             })
             .fold(0.0, f64::max)
     }
 
-    /// Draws the residuals of one observable at one time.
+    /// Draws the residuals of one observable by one model.
     fn draw_panel(
         &self,
         canvas: &mut Canvas,

@@ -90,13 +90,11 @@ pub(crate) fn residuals(values: &[f64]) -> Residuals {
     let before: Vec<Option<f64>> = values.iter().copied().map(Some).collect();
     let panel = ResidualPanel {
         observable: title(),
-        after: vec![None; before.len()],
         noise: vec![0.5; before.len()],
-        before,
+        residuals: vec![before.clone(), vec![None; before.len()], before],
     };
     Residuals {
-        before_title: HOSTILE.into(),
-        after_title: Some(HOSTILE.into()),
+        models: vec![HOSTILE.into(); 3],
         noise_name: HOSTILE.into(),
         conditions: values
             .iter()

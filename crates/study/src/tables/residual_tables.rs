@@ -1,7 +1,7 @@
 //! Tables of a residual study.
 
 use super::csv::{CsvTable, Field};
-use crate::report_page::campaign::{residual_se, stages};
+use crate::report_page::campaign::{models, residual_se, stages};
 use crate::unit_of_name::split_unit;
 use calibration::ResidualStudy;
 
@@ -24,9 +24,10 @@ fn coordinate(name: &str) -> String {
 }
 
 /// All tables of a study.
-pub(crate) fn all(name: &str, study: &ResidualStudy) -> [CsvTable; 4] {
+pub(crate) fn all(name: &str, study: &ResidualStudy) -> [CsvTable; 5] {
     [
         conditions(name, study),
+        models_of(name, study),
         parameters(name, study),
         candidates(name, study),
         errors(name, study),
@@ -75,6 +76,25 @@ fn conditions(name: &str, study: &ResidualStudy) -> CsvTable {
             row.push(measured.then(|| residual_se(study, c, k)).into());
         }
         table.row(row);
+    }
+    table
+}
+
+/// Means of real runs by condition with each model: before, and with each effect or tied effect that was added.
+fn models_of(name: &str, study: &ResidualStudy) -> CsvTable {
+    let mut columns = vec!["model".to_owned(), "condition".to_owned()];
+    let quantities = study.plan.observables.iter();
+    columns.extend(quantities.map(|q| format!("simulated_{}", with_unit(q))));
+    let mut table = CsvTable::new(format!("{name}_models"), columns);
+    let before = ("before".to_owned(), &study.simulated_before);
+    let added = models(study).into_iter();
+    let added = added.map(|(model, added)| (model, &added.simulated));
+    for (model, simulated) in std::iter::once(before).chain(added) {
+        for (c, means) in simulated.iter().enumerate() {
+            let mut row = vec![Field::from(&model), (c + 1).into()];
+            row.extend(means.iter().map(|&mean| Field::from(mean)));
+            table.row(row);
+        }
     }
     table
 }

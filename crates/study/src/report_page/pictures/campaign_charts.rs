@@ -4,7 +4,7 @@ use super::NamedPicture;
 use crate::Error;
 use crate::report_page::campaign::{condition_name, residual_se, role};
 use crate::report_page::numbers::observable;
-use calibration::{ResidualStudy, StudyCondition};
+use calibration::{AddedEffect, ResidualStudy, StudyCondition};
 use report::{
     AxisTitle, Comparison, PredictedAgainstMeasured, ResidualCondition, ResidualPanel, Residuals,
 };
@@ -54,13 +54,17 @@ fn comparisons(study: &ResidualStudy, simulated: &[Vec<f64>], k: usize) -> Vec<C
     conditions.filter_map(comparison).collect()
 }
 
-/// Residuals by condition before and after, against twice their standard error.
+/// Residuals by condition before and with what was added, against twice their standard error.
 fn residuals(study: &ResidualStudy) -> Residuals {
     let conditions = study.plan.conditions.iter();
     let left = |simulated: &[Vec<f64>], k: usize| -> Vec<Option<f64>> {
         let rows = study.observed.values.iter().zip(simulated);
         rows.map(|(o, s)| o[k].map(|y| y - s[k])).collect()
     };
+    let added = || study.after.iter().chain(&study.rivals);
+    let simulated: Vec<_> = std::iter::once(&study.simulated_before)
+        .chain(added().map(|model| &model.simulated))
+        .collect();
     let n = study.plan.conditions.len();
     let panels = study
         .plan
@@ -69,23 +73,20 @@ fn residuals(study: &ResidualStudy) -> Residuals {
         .enumerate()
         .map(|(k, quantity)| {
             let (words, unit) = observable(quantity);
+            let residuals = simulated.iter().map(|simulated| left(simulated, k));
             ResidualPanel {
                 observable: AxisTitle::new(words, unit),
-                before: left(&study.simulated_before, k),
-                after: study
-                    .after
-                    .as_ref()
-                    .map_or_else(Vec::new, |after| left(&after.simulated, k)),
+                residuals: residuals.collect(),
                 noise: (0..n).map(|c| 2.0 * residual_se(study, c, k)).collect(),
             }
         });
-    let after_title = study.after.as_ref().map(|after| {
-        let names: Vec<_> = after.effects.keys().cloned().collect();
+    let names = |model: &AddedEffect| {
+        let names: Vec<&str> = model.effects.keys().map(String::as_str).collect();
         format!("with {}", names.join(", "))
-    });
+    };
+    let titles = std::iter::once("declared model, fitted".into()).chain(added().map(names));
     Residuals {
-        before_title: "declared model, fitted".into(),
-        after_title,
+        models: titles.collect(),
         noise_name: "± 2 standard errors".into(),
         panels: panels.collect(),
         conditions: conditions
