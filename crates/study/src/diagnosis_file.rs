@@ -194,8 +194,8 @@ impl DiagnosisFile {
         let least = least_budget(&plan);
         if self.budget_runs < least {
             let problem = format!(
-                "tests nothing: write {least} or more, so many runs may be needed for more values than \
-                 declared parameters, or name fewer effects"
+                "is too few to test anything: write {least} or more (a test needs more values than declared \
+                 parameters), or name fewer effects"
             );
             return Err(self.wrong(format!("budget_runs = {}", self.budget_runs), problem));
         }

@@ -41,16 +41,27 @@ impl SceneSimulator {
     ///
     /// A mesh that cannot be read: its bytes are part of the version.
     pub fn new(scenes: BTreeMap<String, Scene>) -> Result<Self, crate::Error> {
-        let mut meshes = BTreeMap::new();
-        for scene in scenes.values() {
+        let mut meshes: BTreeMap<String, Vec<u8>> = BTreeMap::new();
+        for (name, scene) in &scenes {
             for mesh in scene.mesh_files() {
-                let path = scene.folder.join(mesh);
-                let bytes = std::fs::read(&path).map_err(|source| crate::Error::File {
-                    what: "read",
-                    path: path.clone(),
-                    source,
+                let written = mesh.display().to_string();
+                let bytes = std::fs::read(scene.folder.join(mesh)).map_err(|source| {
+                    crate::Error::Meaning {
+                        file: scene.file.clone(),
+                        what: format!("mesh '{written}'"),
+                        problem: format!(
+                            "cannot be read ({source}): give its path from the folder of this file"
+                        ),
+                    }
                 })?;
-                meshes.insert(mesh.display().to_string(), bytes);
+                // Scenes of different folders may write the same path and mean different meshes.
+                let other = meshes.get(&written).is_some_and(|known| *known != bytes);
+                let key = if other {
+                    format!("{written} of {name}")
+                } else {
+                    written
+                };
+                meshes.insert(key, bytes);
             }
         }
         let content = serde_json::json!({ "scenes": scenes, "meshes": meshes });
@@ -360,6 +371,39 @@ mod tests {
     use scene::{Override, Scene};
     use std::collections::BTreeMap;
     use std::path::Path;
+
+    /// Two scenes write the same path and mean meshes of their own folders: the version, and with it every key of
+    /// a run, follows the bytes of both. A mesh that is not there is told with the file that names it.
+    #[test]
+    fn the_version_follows_every_mesh() {
+        let fixtures = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fixtures/cotton");
+        let folder = tempfile::tempdir().unwrap();
+        let mut scene = Scene::read(&fixtures.join("drum.toml"), &[]).unwrap();
+        let meshes: Vec<_> = scene.mesh_files().into_iter().map(Into::into).collect();
+        let write = |of: &str, text: &str| {
+            for mesh in &meshes {
+                let path = folder.path().join(of).join::<&std::path::PathBuf>(mesh);
+                std::fs::create_dir_all(path.parent().unwrap()).unwrap();
+                std::fs::write(path, text).unwrap();
+            }
+        };
+        let mut of = |name: &str| {
+            scene.folder = folder.path().join(name).join("scenes");
+            scene.clone()
+        };
+        let scenes = BTreeMap::from([("a".to_owned(), of("a")), ("b".to_owned(), of("b"))]);
+        let refused = SceneSimulator::new(scenes.clone()).unwrap_err().to_string();
+        let told = "drum.toml: mesh '../stl/cotton_ellipsoidal.stl' cannot be read";
+        assert!(refused.contains(told), "{refused}");
+        let mut versions = std::collections::BTreeSet::new();
+        for (a, b) in [("one", "one"), ("two", "one"), ("one", "two")] {
+            write("a/scenes", a);
+            write("b/scenes", b);
+            let simulator = SceneSimulator::new(scenes.clone()).unwrap();
+            versions.insert(simulator.version());
+        }
+        assert_eq!(versions.len(), 3, "{versions:?}");
+    }
 
     /// Another camera sees the seeds of the run before: the same observables as a simulator that moves them
     /// anew, to the last bit, and another angle than the camera before.

@@ -108,7 +108,7 @@ fn what_cannot_be_meant_is_refused_with_its_place() {
             "budget_runs = 100",
             "budget_runs = 5",
             // By hand: 2 runs at each of (1 start + 1 parameter + 2 effects + 13 rounds) x 1 and 3 x 2 conditions.
-            "tiny-study.toml: budget_runs = 5 tests nothing: write 46 or more",
+            "tiny-study.toml: budget_runs = 5 is too few to test anything: write 46 or more",
         ),
     ];
     for (from, to, said) in wrong {
