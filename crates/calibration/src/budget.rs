@@ -32,10 +32,11 @@ fn runs(plan: &ResidualPlan, used: usize) -> usize {
     plan.replicates * ((settings + rounds) * used + (1 + suspects) * kept)
 }
 
-/// The smallest budget of runs with which [`within_budget`] leaves a study that can test anything; that of all used
-/// conditions where even these have too few values.
-pub fn least_budget(plan: &ResidualPlan) -> usize {
-    runs(plan, least_used(plan).min(plan.count(true)))
+/// The smallest budget of runs with which [`within_budget`] leaves a study that can test anything; none where even
+/// all used conditions have too few values for that.
+pub fn least_budget(plan: &ResidualPlan) -> Option<usize> {
+    let least = least_used(plan);
+    (least <= plan.count(true)).then(|| runs(plan, least))
 }
 
 /// Fewest used conditions with more values than declared parameters.
@@ -221,18 +222,16 @@ mod tests {
         let error = within_budget(&plan(), 97).unwrap_err().to_string();
         assert!(error.contains("budget of runs: 97 given"), "{error}");
         within_budget(&plan(), 98).unwrap();
-        assert_eq!(least_budget(&plan()), 98);
+        assert_eq!(least_budget(&plan()), Some(98));
     }
 
-    /// More parameters than all conditions have values: no budget helps, and none is computed from conditions that
-    /// are not there.
+    /// More parameters than all conditions have values: no budget helps.
     #[test]
     fn too_few_values_are_refused_with_any_budget() {
         let mut plan = plan();
         let one = plan.declared[0].clone();
         plan.declared = vec![one; 9];
-        let all = runs_needed(&plan);
-        assert_eq!(least_budget(&plan), all);
-        within_budget(&plan, all).unwrap_err();
+        assert_eq!(least_budget(&plan), None);
+        within_budget(&plan, runs_needed(&plan)).unwrap_err();
     }
 }

@@ -166,6 +166,13 @@ pub struct ResidualStudy {
     pub rivals: Vec<AddedEffect>,
 }
 
+impl ResidualStudy {
+    /// All models with effects added: the one after, or those in question.
+    pub fn models(&self) -> impl Iterator<Item = &AddedEffect> {
+        self.after.iter().chain(&self.rivals)
+    }
+}
+
 /// The model with an effect added, by real runs.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct AddedEffect {

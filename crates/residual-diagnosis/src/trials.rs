@@ -135,9 +135,8 @@ impl TrialRow {
 /// data; the mis-tuning of the declared parameters, normal with twice their standard errors; the
 /// bench means of the priors about the true values. The residual of the problem is not used. Conditions that
 /// the problem keeps unused get data of the same truth, and a naming stands only if it lowers the error
-/// there, as in [`crate::diagnose`]. Effects
-/// act linearly with the sensitivities of the problem: what a real simulator adds to this by its
-/// curvature is not seen here.
+/// there, as in [`crate::diagnose`]. Effects act linearly with the sensitivities of the problem: what a real
+/// simulator adds to this by its curvature is not seen here.
 ///
 /// # Errors
 ///

@@ -277,7 +277,7 @@ fn print_row(hidden: &Hidden, size: Option<f64>, study: &ResidualStudy) {
     };
     let size = size.map_or_else(String::new, |s| format!("{s:.1}"));
     let diagnosis = &study.diagnosis;
-    let models: Vec<_> = study.after.iter().chain(&study.rivals).collect();
+    let models: Vec<_> = study.models().collect();
     let amplitudes = |model: &&calibration::AddedEffect| -> Vec<String> {
         let one = |(name, value): (&String, &f64)| match study.rivals.len() {
             0 => format!("{value:.3}"),

@@ -191,7 +191,13 @@ impl DiagnosisFile {
             replicates: self.replicates,
             seed,
         };
-        let least = least_budget(&plan);
+        let Some(least) = least_budget(&plan) else {
+            return Err(self.wrong(
+                format!("[[declared]] x {}", plan.declared.len()),
+                "takes up all values of the conditions that the fit uses, so that nothing can be tested: \
+                 declare fewer parameters, or measure more conditions or observables",
+            ));
+        };
         if self.budget_runs < least {
             let problem = format!(
                 "is too few to test anything: write {least} or more (a test needs more values than declared \

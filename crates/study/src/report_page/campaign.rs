@@ -89,83 +89,8 @@ fn amplitudes(added: &AddedEffect) -> String {
 #[cfg(test)]
 mod tests {
     use super::condition_name;
-    use crate::report_page::pictures::campaign_charts::charts;
-    use crate::report_page::pictures::chart;
-    use crate::tables::residual_tables;
-    use calibration::{EffectProbe, Observed, ResidualPlan, StudyCondition, study_residual};
-    use campaign::{Campaign, RunOutcome, RunRequest, Silent, Simulator, SimulatorError};
-    use random_stream::Stream;
-    use run_store::{Observation, Store};
+    use calibration::StudyCondition;
     use std::collections::BTreeMap;
-
-    /// An angle that two effects bend over the speed in the same way.
-    struct Twins;
-
-    impl Simulator for Twins {
-        fn version(&self) -> String {
-            "twins".into()
-        }
-
-        fn run(&self, request: &RunRequest) -> Result<RunOutcome, SimulatorError> {
-            let bent = request.effect("bend") + request.effect("bow");
-            let mut stream = Stream::new(request.seed, &format!("{request}"));
-            let angle = Observation {
-                mean: 30.0 + bent * request.condition("rpm")? + 0.1 * stream.normal(),
-                sd: None,
-                n: 1,
-                unit: "deg".into(),
-            };
-            Ok(RunOutcome::default().with_observable("angle_deg", angle))
-        }
-    }
-
-    /// Two effects that nothing tells apart are two models: the table of means has the rows of both beside
-    /// those of the declared model, and the chart a column for each.
-    #[test]
-    fn tied_models_are_in_the_table_of_means_and_in_the_chart() {
-        let speeds = [5.0, 10.0, 15.0, 20.0, 25.0, 30.0];
-        let probe = |name: &str| EffectProbe {
-            name: name.into(),
-            probe: 1.0,
-            range: [-5.0, 5.0],
-        };
-        let condition = |rpm: &f64| StudyCondition {
-            condition: BTreeMap::from([("rpm".to_owned(), *rpm)]),
-            used: *rpm < 30.0,
-        };
-        let plan = ResidualPlan {
-            id: "twins".into(),
-            base: RunRequest::new("twins", 1),
-            conditions: speeds.iter().map(condition).collect(),
-            observables: vec!["angle_deg".into()],
-            declared: Vec::new(),
-            effects: vec![probe("bend"), probe("bow")],
-            replicates: 4,
-            seed: 1,
-        };
-        // Bent by 1 degree per rpm.
-        let observed = Observed {
-            values: speeds.iter().map(|rpm| vec![Some(30.0 + rpm)]).collect(),
-            covariance: vec![vec![vec![0.01]]; speeds.len()],
-        };
-        let folder = tempfile::tempdir().unwrap();
-        let store = Store::open(folder.path()).unwrap();
-        let campaign = Campaign::new(&store, 1, &Silent);
-        let study = study_residual(&campaign, &Twins, &plan, &observed).unwrap();
-        let diagnosis = &study.diagnosis;
-        assert_eq!(study.rivals.len(), 2, "{}", diagnosis.summary());
-        let table = residual_tables::all("twins", &study)
-            .into_iter()
-            .find(|table| table.file_name() == "twins_models.csv")
-            .unwrap()
-            .text();
-        assert_eq!(table.lines().count(), 1 + 3 * speeds.len(), "{table}");
-        let pictures = charts("twins", &study).unwrap();
-        let svg = chart(&pictures, "twins-residuals").unwrap().to_string();
-        for title in ["declared model, fitted", "with bend", "with bow"] {
-            assert!(svg.contains(title), "{title}");
-        }
-    }
 
     #[test]
     fn conditions_are_named_with_their_units() {

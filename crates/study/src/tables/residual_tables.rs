@@ -158,8 +158,7 @@ fn candidates(name: &str, study: &ResidualStudy) -> CsvTable {
     );
     for (effect, c) in &study.diagnosis.candidates {
         let yes = |is: bool| Field::from(if is { "yes" } else { "no" });
-        let mut models = study.after.iter().chain(&study.rivals);
-        let after = models.find_map(|a| a.effects.get(effect)).copied();
+        let after = study.models().find_map(|a| a.effects.get(effect)).copied();
         table.row([
             effect.into(),
             yes(study.diagnosis.effects.contains(effect)),

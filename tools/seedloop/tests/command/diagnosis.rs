@@ -110,6 +110,11 @@ fn what_cannot_be_meant_is_refused_with_its_place() {
             // By hand: 2 runs at each of (1 start + 1 parameter + 2 effects + 13 rounds) x 1 and 3 x 2 conditions.
             "tiny-study.toml: budget_runs = 5 is too few to test anything: write 46 or more",
         ),
+        (
+            "values.curvature = { mean = -0.1, sd = 0.1, n = 2 }\n\n[[measured]]\ncondition = { rpm = 30 }\nrole = \"fit\"",
+            "\n[[measured]]\ncondition = { rpm = 30 }\nrole = \"check\"",
+            "tiny-study.toml: [[declared]] x 1 takes up all values",
+        ),
     ];
     for (from, to, said) in wrong {
         let scene = study(from, to);
