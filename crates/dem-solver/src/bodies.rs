@@ -62,6 +62,9 @@ pub struct Bodies {
     /// Upper bound of the way of any surface point since the last broad phase, in the frame
     /// that turns with the reference spin, m.
     pub(crate) travel: Vec<f32>,
+    /// The same of the centre of mass alone: less where bodies roll, and all that matters for bounding
+    /// spheres, m.
+    pub(crate) shift: Vec<f32>,
 }
 
 impl Bodies {
@@ -84,6 +87,7 @@ impl Bodies {
             self.force.len(),
             self.torque.len(),
             self.travel.len(),
+            self.shift.len(),
         ];
         let finite = |vectors: &[Vector3<f64>]| vectors.iter().flatten().all(|x| x.is_finite());
         lengths.iter().all(|&length| length == n)
@@ -111,6 +115,7 @@ impl Bodies {
             force: &self.force,
             torque: &self.torque,
             travel: &mut self.travel,
+            shift: &mut self.shift,
         }
     }
 
@@ -131,6 +136,7 @@ impl Bodies {
         self.force.push(Vector3::zeros());
         self.torque.push(Vector3::zeros());
         self.travel.push(0.0);
+        self.shift.push(0.0);
     }
 }
 
@@ -148,6 +154,7 @@ pub(crate) struct BodySlices<'a> {
     pub(crate) force: &'a [Vector3<f64>],
     pub(crate) torque: &'a [Vector3<f64>],
     pub(crate) travel: &'a mut [f32],
+    pub(crate) shift: &'a mut [f32],
 }
 
 impl BodySlices<'_> {
@@ -169,6 +176,7 @@ impl BodySlices<'_> {
         let force = self.force.split_at(middle);
         let torque = self.torque.split_at(middle);
         let travel = self.travel.split_at_mut(middle);
+        let shift = self.shift.split_at_mut(middle);
         (
             Self {
                 template: template.0,
@@ -182,6 +190,7 @@ impl BodySlices<'_> {
                 force: force.0,
                 torque: torque.0,
                 travel: travel.0,
+                shift: shift.0,
             },
             Self {
                 template: template.1,
@@ -195,6 +204,7 @@ impl BodySlices<'_> {
                 force: force.1,
                 torque: torque.1,
                 travel: travel.1,
+                shift: shift.1,
             },
         )
     }

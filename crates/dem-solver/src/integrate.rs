@@ -47,6 +47,7 @@ struct Motion {
     rotation: Columns<9>,
     spin: Columns<3>,
     travel: [f64; ROOM],
+    shift: [f64; ROOM],
 }
 
 /// What drives the step.
@@ -73,8 +74,8 @@ fn vector(columns: &Columns<3>, k: usize) -> Vector3<f64> {
     Vector3::new(columns[0][k], columns[1][k], columns[2][k])
 }
 
-/// Moves all bodies by one step and returns the longest travel since the last broad phase, m;
-/// infinite if a travel is no finite number. On a thread of a pool the halves of the bodies are
+/// Moves all bodies by one step and returns the longest way of a centre of mass since the last broad
+/// phase, m; infinite if a travel is no finite number. On a thread of a pool the halves of the bodies are
 /// moved at the same time.
 pub(crate) fn advance(
     level: Level,
@@ -97,7 +98,7 @@ pub(crate) fn advance(
     }
 }
 
-/// Longest travel and sum of all travels, m; each half on a thread of its own.
+/// Longest way of a centre of mass and sum of all travels, m; each half on a thread of its own.
 fn advance_halves(
     level: Level,
     bodies: BodySlices<'_>,
@@ -116,7 +117,7 @@ fn advance_halves(
     (a.0.max(b.0), a.1 + b.1)
 }
 
-/// Longest travel and sum of all travels, m.
+/// Longest way of a centre of mass and sum of all travels, m.
 fn advance_slices(
     level: Level,
     mut bodies: BodySlices<'_>,
@@ -131,6 +132,7 @@ fn advance_slices(
         rotation: [[0.0; ROOM]; 9],
         spin: [[0.0; ROOM]; 3],
         travel: [0.0; ROOM],
+        shift: [0.0; ROOM],
     };
     let mut drive = Drive {
         force: [[0.0; ROOM]; 3],
@@ -150,9 +152,9 @@ fn advance_slices(
             || move_block(&mut motion, &drive, around, block.len()),
         ));
         for (k, i) in block.enumerate() {
-            let travel = scatter(&motion, k, &mut bodies, i, templates);
-            longest = longest.max(travel);
-            sum += travel;
+            scatter(&motion, k, &mut bodies, i, templates);
+            longest = longest.max(bodies.shift[i]);
+            sum += bodies.travel[i];
         }
     }
     (longest, sum)
@@ -180,6 +182,7 @@ fn gather(
     );
     write(&mut motion.rotation, k, rows(&bodies.rotation[i]));
     motion.travel[k] = f64::from(bodies.travel[i]);
+    motion.shift[k] = f64::from(bodies.shift[i]);
     write(&mut drive.force, k, bodies.force[i].into());
     write(&mut drive.torque, k, bodies.torque[i].into());
     drive.inverse_mass[k] = template.inverse_mass;
@@ -227,11 +230,13 @@ fn move_block(motion: &mut Motion, drive: &Drive, around: &Surroundings, n: usiz
         let middle = position - velocity * (0.5 * dt);
         let frame = Vector3::new(-middle.y, middle.x, 0.0) * around.reference_spin;
         let turning = length(&(spin - Vector3::z() * around.reference_spin));
-        motion.travel[k] += (length(&(velocity - frame)) + turning * drive.bounding_radius[k]) * dt;
+        let shift = length(&(velocity - frame)) * dt;
+        motion.shift[k] += shift;
+        motion.travel[k] += shift + turning * drive.bounding_radius[k] * dt;
     }
 }
 
-/// Copies column `k` back to body `i` and returns its travel, m.
+/// Copies column `k` back to body `i`.
 #[inline(always)]
 fn scatter(
     motion: &Motion,
@@ -239,12 +244,11 @@ fn scatter(
     bodies: &mut BodySlices<'_>,
     i: usize,
     templates: &[Template],
-) -> f32 {
+) {
     let (q, r) = (&motion.orientation, &motion.rotation);
     let rotation = Matrix3::new(
         r[0][k], r[1][k], r[2][k], r[3][k], r[4][k], r[5][k], r[6][k], r[7][k], r[8][k],
     );
-    let travel = rounded_up(motion.travel[k]);
     bodies.position[i] = vector(&motion.position, k);
     bodies.velocity[i] = vector(&motion.velocity, k);
     bodies.angular_momentum[i] = vector(&motion.momentum, k);
@@ -255,8 +259,8 @@ fn scatter(
     let cell = templates[bodies.template[i]].cell;
     bodies.cells_to_metres[i] = scaled_single(&rotation, cell);
     bodies.spin[i] = vector(&motion.spin, k);
-    bodies.travel[i] = travel;
-    travel
+    bodies.travel[i] = rounded_up(motion.travel[k]);
+    bodies.shift[i] = rounded_up(motion.shift[k]);
 }
 
 /// A matrix row by row.

@@ -83,7 +83,7 @@ pub struct World {
     mesh_walls: MeshWalls,
     /// Spin of the frame in which ways are counted, rad/s.
     reference_spin: f64,
-    /// Longest way of a body since the last broad phase, m; infinite when there is none yet.
+    /// Longest way of a centre of mass since the last broad phase, m; infinite when there is none yet.
     longest: f32,
 }
 
@@ -493,6 +493,7 @@ impl World {
         let mut bodies = self.bodies.clone();
         // Ways count from the search that the lists come from.
         bodies.travel.fill(0.0);
+        bodies.shift.fill(0.0);
         Snapshot {
             bodies,
             pairs: self.kept_pairs().collect(),
@@ -621,6 +622,7 @@ impl World {
         self.mesh_walls
             .rebuild(&self.bodies, &self.templates, margin);
         self.bodies.travel.fill(0.0);
+        self.bodies.shift.fill(0.0);
         Ok(())
     }
 }
