@@ -12,14 +12,11 @@
     reason = "the hot loops are vectorised only when inlined"
 )]
 
-use crate::lanes::{LANES, Vectors, along, load, load_vectors, set_bits, squares};
+use crate::lanes::{LANES, Lanes, Vectors, along, load, load_vectors, set_bits, squares};
 use crate::pair_force::Slack;
 use crate::template::Packed;
 use fearless_simd::prelude::*;
 use fearless_simd::{f32x16, mask32x16, u32x16};
-
-/// The lanes, numbered.
-const NUMBERS: [u32; LANES] = [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15];
 
 /// Pose of body j in the principal frame of body i.
 #[derive(Debug, Clone, Copy)]
@@ -30,7 +27,7 @@ pub(crate) struct RelativeSingle {
     pub(crate) position: [f32; 3],
 }
 
-/// Spheres of one body that survived the culling, in the frame of body i.
+/// Spheres of body j that survived the culling, in the frame of body i.
 #[derive(Debug, Clone, Default)]
 struct Kept {
     /// x, y, z of the centres, padded to whole groups by spheres at an infinite distance, m.
@@ -46,12 +43,28 @@ struct Kept {
 /// Buffers of the search, kept between calls.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Scratch {
-    /// Survivors of body i.
-    i: Kept,
+    /// How far the spheres of each body reach towards the other, group by group, m.
+    towards: [Vec<Lanes>; 2],
+    /// Survivors of body i, as indices in the template.
+    i: Vec<u32>,
     /// Survivors of body j.
     j: Kept,
-    /// Candidates found: (sphere of i, sphere of j).
+    /// Candidates found: (sphere of i, sphere of j), in rising order.
     pub(crate) found: Vec<(u16, u16)>,
+}
+
+/// Makes a buffer at least so long.
+fn make_room<T: Clone + Default>(buffer: &mut Vec<T>, room: usize) {
+    if buffer.len() < room {
+        buffer.resize(room, T::default());
+    }
+}
+
+/// Writes the numbers that a mask keeps behind the `n` that are there; returns how many there are then.
+#[inline(always)]
+fn keep<S: Simd>(kept: &mut [u32], n: usize, index: u32x16<S>, mask: mask32x16<S>) -> usize {
+    index.compress(mask).store_slice(&mut kept[n..n + LANES]);
+    n + mask.to_bitmask().count_ones() as usize
 }
 
 impl Kept {
@@ -59,35 +72,32 @@ impl Kept {
     fn reset(&mut self, n_groups: usize) {
         // What is added goes to whole groups from the first free place on.
         let room = (n_groups + 1) * LANES;
-        if self.index.len() < room {
-            self.centre
-                .iter_mut()
-                .for_each(|axis| axis.resize(room, 0.0));
-            self.radius.resize(room, 0.0);
-            self.index.resize(room, 0);
-        }
+        self.centre
+            .iter_mut()
+            .for_each(|axis| make_room(axis, room));
+        make_room(&mut self.radius, room);
+        make_room(&mut self.index, room);
         self.n = 0;
     }
 
-    /// Adds those spheres of a group that a mask keeps; `index` is that of the first of the group.
+    /// Adds those spheres of a group that a mask keeps.
     #[inline(always)]
     fn add<S: Simd>(
         &mut self,
-        keep: mask32x16<S>,
+        mask: mask32x16<S>,
         centre: &Vectors<S>,
         radius: f32x16<S>,
         index: u32x16<S>,
     ) {
         let place = self.n..self.n + LANES;
         for axis in 0..3 {
-            let kept = centre[axis].compress(keep);
+            let kept = centre[axis].compress(mask);
             kept.store_slice(&mut self.centre[axis][place.clone()]);
         }
         radius
-            .compress(keep)
-            .store_slice(&mut self.radius[place.clone()]);
-        index.compress(keep).store_slice(&mut self.index[place]);
-        self.n += keep.to_bitmask().count_ones() as usize;
+            .compress(mask)
+            .store_slice(&mut self.radius[place]);
+        self.n = keep(&mut self.index, self.n, index, mask);
     }
 
     /// Fills the last group with spheres that touch nothing.
@@ -96,13 +106,22 @@ impl Kept {
     }
 }
 
-/// Farthest reach of a template along a direction of its own frame, m.
+/// Writes how far each sphere of a template reaches along a direction of its own frame, m; returns the
+/// farthest.
 #[inline(always)]
-fn support<S: Simd>(simd: S, packed: &Packed, direction: &[f32; 3]) -> f32 {
+fn support<S: Simd>(
+    simd: S,
+    packed: &Packed,
+    direction: &[f32; 3],
+    reaches: &mut Vec<Lanes>,
+) -> f32 {
+    make_room(reaches, packed.groups.len());
     let mut best = f32x16::splat(simd, f32::NEG_INFINITY);
-    for group in &packed.groups {
+    for (group, reach) in packed.groups.iter().zip(reaches) {
         let centre = load_vectors(simd, &group.centre);
-        best = best.max(along(&centre, direction) + load(simd, &group.radius));
+        let own = along(&centre, direction) + load(simd, &group.radius);
+        own.store_slice(reach);
+        best = best.max(own);
     }
     best.reduce_max()
 }
@@ -121,7 +140,13 @@ pub(crate) fn search<S: Simd>(
     scratch: &mut Scratch,
 ) -> f32 {
     let Slack { skin, safety, .. } = slack;
-    scratch.found.clear();
+    let Scratch {
+        towards: [towards_j, towards_i],
+        i: kept_i,
+        j: kept_j,
+        found,
+    } = scratch;
+    found.clear();
     let (r, p) = (&pose.rotation, &pose.position);
     let distance = (p[0] * p[0] + p[1] * p[1] + p[2] * p[2]).sqrt().max(1e-12);
     let normal = [p[0] / distance, p[1] / distance, p[2] / distance];
@@ -130,20 +155,24 @@ pub(crate) fn search<S: Simd>(
         -(r[1] * normal[0] + r[4] * normal[1] + r[7] * normal[2]),
         -(r[2] * normal[0] + r[5] * normal[1] + r[8] * normal[2]),
     ];
-    let far_of_i = support(simd, i, &normal);
-    let near_of_j = distance - support(simd, j, &back);
-    let gap = near_of_j - far_of_i - safety;
+    let far_of_i = support(simd, i, &normal, towards_j);
+    let far_of_j = support(simd, j, &back, towards_i);
+    let gap = distance - far_of_i - far_of_j - safety;
     if gap > skin {
         return gap;
     }
 
-    // Spheres of j that come near the box of i and the plane before it, and the box of these.
+    // Spheres of j that come near the plane before i and the box of i, and the box of these. Most groups
+    // are on the far side as a whole.
     let infinite = f32x16::splat(simd, f32::INFINITY);
-    let lanes = u32x16::from_slice(simd, &NUMBERS);
-    let kept_j = &mut scratch.j;
+    let least_of_j = distance - far_of_i - skin;
     kept_j.reset(j.groups.len());
     let (mut low, mut high) = ([infinite; 3], [-infinite; 3]);
-    for (first, group) in (0_u32..).step_by(LANES).zip(&j.groups) {
+    for (group, reaches) in j.groups.iter().zip(&*towards_i) {
+        let mut keep = load(simd, reaches).simd_gt(least_of_j);
+        if keep.to_bitmask() == 0 {
+            continue;
+        }
         let own = load_vectors(simd, &group.centre);
         let centre = [
             along(&own, &[r[0], r[1], r[2]]) + p[0],
@@ -152,7 +181,6 @@ pub(crate) fn search<S: Simd>(
         ];
         let radius = load(simd, &group.radius);
         let reach = radius + skin;
-        let mut keep = (along(&centre, &normal) - reach).simd_lt(far_of_i);
         for axis in 0..3 {
             keep &= (centre[axis] + reach).simd_gt(i.low[axis]);
             keep &= (centre[axis] - reach).simd_lt(i.high[axis]);
@@ -160,7 +188,7 @@ pub(crate) fn search<S: Simd>(
         if keep.to_bitmask() == 0 {
             continue;
         }
-        kept_j.add(keep, &centre, radius, lanes + first);
+        kept_j.add(keep, &centre, radius, u32x16::from_slice(simd, &group.index));
         for axis in 0..3 {
             low[axis] = low[axis].min(keep.select(centre[axis] - reach, infinite));
             high[axis] = high[axis].max(keep.select(centre[axis] + reach, -infinite));
@@ -182,42 +210,49 @@ pub(crate) fn search<S: Simd>(
         high[2].reduce_max(),
     ];
 
-    // Spheres of i that come near that box and the plane before j.
-    let kept_i = &mut scratch.i;
-    kept_i.reset(i.groups.len());
-    for (first, group) in (0_u32..).step_by(LANES).zip(&i.groups) {
+    // Spheres of i that come near the plane before j and that box.
+    let least_of_i = distance - far_of_j - skin;
+    make_room(kept_i, (i.groups.len() + 1) * LANES);
+    let mut n_i = 0;
+    for (group, reaches) in i.groups.iter().zip(&*towards_j) {
+        let mut near = load(simd, reaches).simd_gt(least_of_i);
+        if near.to_bitmask() == 0 {
+            continue;
+        }
         let (centre, radius) = (load_vectors(simd, &group.centre), load(simd, &group.radius));
-        let mut keep = (along(&centre, &normal) + radius + skin).simd_gt(near_of_j);
         for axis in 0..3 {
-            keep &= (centre[axis] + radius).simd_gt(low[axis]);
-            keep &= (centre[axis] - radius).simd_lt(high[axis]);
+            near &= (centre[axis] + radius).simd_gt(low[axis]);
+            near &= (centre[axis] - radius).simd_lt(high[axis]);
         }
-        if keep.to_bitmask() != 0 {
-            kept_i.add(keep, &centre, radius, lanes + first);
-        }
+        n_i = keep(kept_i, n_i, u32x16::from_slice(simd, &group.index), near);
     }
-    pair_up(simd, kept_i, kept_j, skin, &mut scratch.found);
+    pair_up(simd, &kept_i[..n_i], &i.spheres, kept_j, skin, found);
+    found.sort_unstable();
     skin - safety
 }
 
-/// Tests each survivor of i against each of j.
+/// Tests each survivor of i, of which `spheres` holds x, y, z and radius (m), against each of j.
 #[inline(always)]
-fn pair_up<S: Simd>(simd: S, i: &Kept, j: &Kept, skin: f32, found: &mut Vec<(u16, u16)>) {
+fn pair_up<S: Simd>(
+    simd: S,
+    i: &[u32],
+    spheres: &[[f32; 4]],
+    j: &Kept,
+    skin: f32,
+    found: &mut Vec<(u16, u16)>,
+) {
     let number = |index: u32| u16::try_from(index).unwrap_or(u16::MAX);
-    for a in 0..i.n {
-        let reach = i.radius[a] + skin;
+    for &own in i {
+        let [x, y, z, radius] = spheres[own as usize];
+        let reach = radius + skin;
         for first in (0..j.n).step_by(LANES) {
             let block = first..first + LANES;
             let other = |axis: usize| f32x16::from_slice(simd, &j.centre[axis][block.clone()]);
-            let between = [
-                other(0) - i.centre[0][a],
-                other(1) - i.centre[1][a],
-                other(2) - i.centre[2][a],
-            ];
+            let between = [other(0) - x, other(1) - y, other(2) - z];
             let limit = f32x16::from_slice(simd, &j.radius[block.clone()]) + reach;
             let near = squares(&between).simd_lt(limit * limit);
             for l in set_bits(near.to_bitmask()) {
-                found.push((number(i.index[a]), number(j.index[first + l])));
+                found.push((number(own), number(j.index[first + l])));
             }
         }
     }

@@ -16,11 +16,11 @@
 use crate::bodies::{Bodies, scaled_single};
 use crate::candidates::{RelativeSingle, Scratch, search};
 use crate::contact::Memory;
-use crate::lanes::LANES;
 use crate::pair_force::Context;
 use crate::snapshot::KeptContact;
 use crate::template::Template;
 use fearless_simd::prelude::*;
+use fearless_simd::{f32x8, u32x8};
 use nalgebra::{UnitQuaternion, Vector3, Vector4};
 use std::ops::{AddAssign, Range};
 
@@ -33,40 +33,63 @@ pub(crate) struct Touch {
     pub(crate) memory: Memory,
 }
 
-/// Up to sixteen pairs of spheres in the principal frames of their bodies.
+/// Candidates handled together: two bodies that touch have five on average, and a chunk fills two lines of
+/// the cache.
+pub(crate) const CHUNK: usize = 8;
+
+/// The places of a chunk, numbered.
+pub(crate) const NUMBERS: [u32; CHUNK] = [0, 1, 2, 3, 4, 5, 6, 7];
+
+/// Up to eight pairs of spheres in the principal frames of their bodies; what is left over repeats the first.
 #[derive(Debug, Clone, Copy)]
+#[repr(align(64))]
 pub(crate) struct Chunk {
     /// x, y, z of the spheres of i, in cells of its template.
-    pub(crate) i: [[i16; LANES]; 3],
+    pub(crate) i: [[i16; CHUNK]; 3],
     /// x, y, z of the spheres of j, in cells of its template.
-    pub(crate) j: [[i16; LANES]; 3],
+    pub(crate) j: [[i16; CHUNK]; 3],
     /// Keys of the lanes, as in [`Touch`].
-    pub(crate) key: [u32; LANES],
-    /// Lanes in use, as bits.
-    pub(crate) used: u64,
-    /// Square of the distance at which a contact of the largest two spheres ends, m².
-    pub(crate) limit: f32,
+    pub(crate) key: [u32; CHUNK],
 }
 
-/// What decides whether a pair needs attention in a step; read every step for every pair.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Head {
+/// What decides whether pairs need attention in a step, one entry a pair; read every step for every pair. Both
+/// arrays go on for one group of eight behind the last pair.
+#[derive(Debug, Clone, Default)]
+struct Heads {
     /// The other body.
-    pub(crate) j: u32,
+    other: Vec<u32>,
     /// Sum of the travels of both bodies above which the pair is awake, m: minus infinity for a
     /// pair that touches, else where its nearest spheres could.
-    wake: f32,
+    wake: Vec<f32>,
 }
 
-impl Head {
-    /// The head of a pair whose list holds so many chunks up to a limit (m).
-    fn new(j: u32, n_chunks: u32, limit: f32) -> Self {
-        let wake = if n_chunks > 0 {
-            f32::NEG_INFINITY
-        } else {
-            limit
-        };
-        Self { j, wake }
+impl Heads {
+    /// Forgets all pairs.
+    fn clear(&mut self) {
+        self.other.clear();
+        self.wake.clear();
+    }
+
+    /// Adds a pair whose list holds so many candidates up to a limit (m).
+    fn push(&mut self, other: u32, n_candidates: u32, limit: f32) {
+        self.other.push(other);
+        self.wake.push(wake(n_candidates, limit));
+    }
+
+    /// Adds the group behind the last pair, which never wakes.
+    fn pad(&mut self) {
+        self.other.extend([0; CHUNK]);
+        self.wake.extend([f32::INFINITY; CHUNK]);
+    }
+}
+
+/// Sum of travels (m) at which a pair wakes whose list holds so many candidates up to a limit (m).
+#[inline(always)]
+fn wake(n_candidates: u32, limit: f32) -> f32 {
+    if n_candidates > 0 {
+        f32::NEG_INFINITY
+    } else {
+        limit
     }
 }
 
@@ -75,8 +98,8 @@ impl Head {
 pub(crate) struct Lists {
     /// First chunk of the pair.
     pub(crate) chunk: u32,
-    /// Number of chunks in use.
-    pub(crate) n_chunks: u32,
+    /// Number of candidates.
+    pub(crate) n_candidates: u32,
     /// Number of chunks that the place can hold.
     room: u32,
     /// First touching pair of spheres.
@@ -85,18 +108,38 @@ pub(crate) struct Lists {
     pub(crate) n_touches: u32,
     /// Sum of the travels of both bodies above which the list must be looked at, m.
     pub(crate) limit: f32,
+    /// Square of the distance at which a contact of the largest two candidates ends, m².
+    pub(crate) square: f32,
 }
 
 impl Lists {
     /// Of a pair of which nothing is known yet.
     const NEW: Self = Self {
         chunk: 0,
-        n_chunks: 0,
+        n_candidates: 0,
         room: 0,
         touch: 0,
         n_touches: 0,
         limit: f32::NEG_INFINITY,
+        square: 0.0,
     };
+
+    /// Number of chunks in use.
+    fn n_chunks(&self) -> u32 {
+        self.n_candidates.div_ceil(CHUNK as u32)
+    }
+
+    /// The chunks in use.
+    #[inline(always)]
+    pub(crate) fn chunks(&self) -> Range<usize> {
+        self.chunk as usize..(self.chunk + self.n_chunks()) as usize
+    }
+
+    /// The touching pairs of spheres.
+    #[inline(always)]
+    pub(crate) fn touches(&self) -> Range<usize> {
+        self.touch as usize..(self.touch + self.n_touches) as usize
+    }
 }
 
 /// Relative pose of a pair when its list was made, rounded by less than the safety distance.
@@ -165,7 +208,7 @@ pub(crate) struct Neighbours {
     /// The first body of the range.
     first: usize,
     /// Entries, grouped by the first body.
-    pub(crate) heads: Vec<Head>,
+    heads: Heads,
     /// Lists of the same entries.
     pub(crate) lists: Vec<Lists>,
     /// The pairs when their lists were made; empty where all bodies are spheres, whose pairs have no lists.
@@ -186,7 +229,7 @@ pub(crate) struct Neighbours {
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Previous {
     /// Entries.
-    heads: Vec<Head>,
+    heads: Heads,
     /// Lists.
     lists: Vec<Lists>,
     /// Poses.
@@ -205,7 +248,7 @@ pub struct Census {
     /// Those of them with at least one pair of spheres within the skin in their list; two
     /// bodies of one sphere each have none.
     pub pairs_with_candidates: usize,
-    /// Groups of up to sixteen candidates.
+    /// Groups of up to eight candidates.
     pub chunks: usize,
     /// Pairs of bodies that touch.
     pub touching_pairs: usize,
@@ -251,9 +294,8 @@ impl Neighbours {
         let pairs = bodies.flat_map(|(w, i)| (w[0] as usize..w[1] as usize).map(move |k| (i, k)));
         pairs.flat_map(|(i, k)| {
             let lists = &self.lists[k];
-            let touches = lists.touch as usize..(lists.touch + lists.n_touches) as usize;
-            let other = self.heads[k].j as usize;
-            self.touches[touches].iter().map(move |t| KeptContact {
+            let other = self.other(k);
+            self.touches[lists.touches()].iter().map(move |t| KeptContact {
                 body: i,
                 other,
                 key: t.key,
@@ -273,7 +315,7 @@ impl Neighbours {
             }
             let place = pair[0].body - self.first;
             let (from, to) = (self.start[place] as usize, self.start[place + 1] as usize);
-            let found = self.heads[from..to].binary_search_by_key(&pair[0].other, |h| h.j as usize);
+            let found = self.heads.other[from..to].binary_search_by_key(&pair[0].other, |&j| j as usize);
             if let Ok(at) = found {
                 let lists = &mut self.lists[from + at];
                 lists.touch = stored(self.touches.len());
@@ -292,9 +334,9 @@ impl Neighbours {
     pub(crate) fn census(&self) -> Census {
         let count = |test: &dyn Fn(&Lists) -> bool| self.lists.iter().filter(|l| test(l)).count();
         Census {
-            body_pairs: self.heads.len(),
-            pairs_with_candidates: count(&|l| l.n_chunks > 0),
-            chunks: self.lists.iter().map(|l| l.n_chunks as usize).sum(),
+            body_pairs: self.lists.len(),
+            pairs_with_candidates: count(&|l| l.n_candidates > 0),
+            chunks: self.lists.iter().map(|l| l.n_chunks() as usize).sum(),
             touching_pairs: count(&|l| l.n_touches > 0),
             sphere_contacts: self.touches.len(),
             rebuilds: self.n_rebuilds,
@@ -341,33 +383,43 @@ impl Neighbours {
                 .resize(self.lists.len() + partners.len(), Pose::NONE);
         }
         for &j in partners {
-            while k < end && old.heads[k].j < j {
+            while k < end && old.heads.other[k] < j {
                 k += 1;
             }
-            if k < end && old.heads[k].j == j {
+            if k < end && old.heads.other[k] == j {
                 let lists = old.lists[k];
                 let limit = lowered(lists.limit, travel[i] + travel[j as usize]);
-                self.heads.push(Head::new(j, lists.n_chunks, limit));
-                let first = lists.chunk as usize;
+                self.heads.push(j, lists.n_candidates, limit);
                 if !all_spheres {
                     self.poses[self.lists.len()] = old.poses[k];
                 }
-                let moved = &old.chunks[first..first + lists.n_chunks as usize];
+                let moved = &old.chunks[lists.chunks()];
                 let chunk = stored(self.chunks.len());
                 self.chunks.extend_from_slice(moved);
                 self.lists.push(Lists {
                     chunk,
-                    room: lists.n_chunks,
+                    room: lists.n_chunks(),
                     limit,
                     ..lists
                 });
                 k += 1;
             } else {
-                self.heads.push(Head::new(j, 0, f32::NEG_INFINITY));
+                self.heads.push(j, 0, f32::NEG_INFINITY);
                 self.lists.push(Lists::NEW);
             }
         }
-        self.start.push(stored(self.heads.len()));
+        self.start.push(stored(self.lists.len()));
+    }
+
+    /// Ends a list that was begun.
+    pub(crate) fn end(&mut self) {
+        self.heads.pad();
+    }
+
+    /// The other body of pair `k`.
+    #[inline(always)]
+    pub(crate) fn other(&self, k: usize) -> usize {
+        self.heads.other[k] as usize
     }
 
     /// Looks at pair `k` of body `i`, whose covered motion is used up; makes its list anew where
@@ -384,7 +436,7 @@ impl Neighbours {
     ) {
         let (templates, slack) = (context.templates, context.slack);
         self.n_checks += 1;
-        let j = self.heads[k].j as usize;
+        let j = self.other(k);
         let travel = bodies.travel[i] + bodies.travel[j];
         let (a, b) = (
             &templates[bodies.template[i]],
@@ -423,14 +475,14 @@ impl Neighbours {
     fn set_limit(&mut self, k: usize, limit: f32) {
         let lists = &mut self.lists[k];
         lists.limit = limit;
-        self.heads[k] = Head::new(self.heads[k].j, lists.n_chunks, limit);
+        self.heads.wake[k] = wake(lists.n_candidates, limit);
     }
 
     /// Lets pair `k`, none of whose candidates touches, sleep up to a sum of travels (m), but not
     /// beyond the limit of its list.
     #[inline(always)]
     pub(crate) fn sleep(&mut self, k: usize, travel: f32) {
-        self.heads[k].wake = travel.min(self.lists[k].limit);
+        self.heads.wake[k] = travel.min(self.lists[k].limit);
     }
 
     /// Lets pair `k` of two bodies of one sphere each, which needs no list, sleep up to a sum of
@@ -439,26 +491,59 @@ impl Neighbours {
     #[inline(always)]
     pub(crate) fn sleep_without_list(&mut self, k: usize, travel: f32) {
         self.lists[k].limit = travel;
-        self.heads[k].wake = travel;
+        self.heads.wake[k] = travel;
     }
 
-    /// Puts the pairs of body `i` that need attention in this step into `awake` and returns
-    /// their number. Nine of ten pairs sleep, so that the loop over all of them must
+    /// Writes the pairs of body `i` that need attention in this step into `awake` from place `n` on and
+    /// returns the place behind them. Nine of ten pairs sleep, so that the loop over all of them must
     /// not branch.
     #[inline(always)]
-    pub(crate) fn find_awake(&self, i: usize, travel: &[f32], awake: &mut Vec<u32>) -> usize {
+    pub(crate) fn find_awake<S: Simd>(
+        &self,
+        simd: S,
+        i: usize,
+        travel: &[f32],
+        awake: &mut Vec<u32>,
+        mut n: usize,
+    ) -> usize {
         let place = i - self.first;
-        let first = self.start[place];
-        let range = first as usize..self.start[place + 1] as usize;
-        if awake.len() < range.len() + 1 {
-            awake.resize(range.len() + 1, 0);
+        let (from, to) = (self.start[place], self.start[place + 1]);
+        let room = n + (to - from) as usize + CHUNK;
+        if awake.len() < room {
+            awake.resize(room, 0);
         }
-        let mut n = 0;
-        for (k, head) in (first..).zip(&self.heads[range]) {
-            awake[n] = k;
-            n += usize::from(travel[i] + travel[head.j as usize] > head.wake);
+        let numbers = u32x8::from_slice(simd, &NUMBERS);
+        for first in (from..to).step_by(CHUNK) {
+            let group = first as usize..first as usize + CHUNK;
+            let mut ways = [0.0; CHUNK];
+            for (way, &j) in ways.iter_mut().zip(&self.heads.other[group.clone()]) {
+                *way = travel[i] + travel[j as usize];
+            }
+            let wake = f32x8::from_slice(simd, &self.heads.wake[group]);
+            let pairs = numbers + first;
+            let is_awake = f32x8::from_slice(simd, &ways).simd_gt(wake) & pairs.simd_lt(to);
+            pairs.compress(is_awake).store_slice(&mut awake[n..n + CHUNK]);
+            n += is_awake.to_bitmask().count_ones() as usize;
         }
         n
+    }
+
+    /// Reads a little of all that the force loop is about to read of some pairs, so that the waits for memory
+    /// overlap. What it returns has no meaning.
+    #[inline(always)]
+    pub(crate) fn read_ahead(&self, awake: &[u32]) -> u32 {
+        let mut sum = 0_u32;
+        for &k in awake {
+            let lists = &self.lists[k as usize];
+            if let Some(chunk) = self.chunks.get(lists.chunk as usize) {
+                sum = sum.wrapping_add(chunk.key[0]);
+                sum = sum.wrapping_add(u32::from(chunk.i[0][0].unsigned_abs()));
+            }
+            if let Some(touch) = self.touches.get(lists.touch as usize) {
+                sum = sum.wrapping_add(touch.key);
+            }
+        }
+        sum
     }
 
     /// Writes the candidates found into the place of pair `k`, or to the end if it is too small.
@@ -471,47 +556,49 @@ impl Neighbours {
         found: &[(u16, u16)],
     ) {
         let lists = &mut self.lists[k];
-        let groups = found.chunks(LANES);
-        lists.n_chunks = stored(groups.len());
-        if lists.n_chunks > lists.room {
+        let groups = found.chunks(CHUNK);
+        lists.n_candidates = stored(found.len());
+        lists.square = 0.0;
+        for &(u, v) in found {
+            let sum = a.spheres[usize::from(u)].radius + b.spheres[usize::from(v)].radius;
+            #[expect(
+                clippy::cast_possible_truncation,
+                reason = "covered by the safety distance"
+            )]
+            let sum = sum as f32 + beyond;
+            lists.square = lists.square.max(sum * sum);
+        }
+        if lists.n_chunks() > lists.room {
             lists.chunk = stored(self.chunks.len());
-            lists.room = lists.n_chunks;
-            self.chunks
-                .extend(groups.map(|group| chunk_of(group, a, b, beyond)));
+            lists.room = lists.n_chunks();
+            self.chunks.extend(groups.map(|group| chunk_of(group, a, b)));
         } else {
             let place = &mut self.chunks[lists.chunk as usize..];
             for (chunk, group) in place.iter_mut().zip(groups) {
-                *chunk = chunk_of(group, a, b, beyond);
+                *chunk = chunk_of(group, a, b);
             }
         }
-        if lists.n_chunks == 0 {
+        if lists.n_candidates == 0 {
             // The force loop leaves this pair out, and the touches move on without it.
             (lists.touch, lists.n_touches) = (0, 0);
         }
     }
 }
 
-/// Lays candidates out in lanes; contacts are looked for up to a gap `beyond` (m).
-fn chunk_of(group: &[(u16, u16)], a: &Template, b: &Template, beyond: f32) -> Chunk {
+/// Lays one to eight candidates out in lanes.
+fn chunk_of(group: &[(u16, u16)], a: &Template, b: &Template) -> Chunk {
     let mut chunk = Chunk {
-        i: [[0; LANES]; 3],
-        j: [[0; LANES]; 3],
-        key: [0; LANES],
-        used: (1 << group.len()) - 1,
-        limit: 0.0,
+        i: [[0; CHUNK]; 3],
+        j: [[0; CHUNK]; 3],
+        key: [0; CHUNK],
     };
-    for (l, &(si, sj)) in group.iter().enumerate() {
+    for l in 0..CHUNK {
+        let (si, sj) = *group.get(l).unwrap_or(&group[0]);
         let (u, v) = (usize::from(si), usize::from(sj));
         for axis in 0..3 {
             chunk.i[axis][l] = a.cells[u][axis];
             chunk.j[axis][l] = b.cells[v][axis];
         }
-        #[expect(
-            clippy::cast_possible_truncation,
-            reason = "covered by the safety distance"
-        )]
-        let sum = (a.spheres[u].radius + b.spheres[v].radius) as f32 + beyond;
-        chunk.limit = chunk.limit.max(sum * sum);
         chunk.key[l] = u32::from(si) << 16 | u32::from(sj);
     }
     chunk

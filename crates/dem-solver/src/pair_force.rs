@@ -8,15 +8,17 @@
 use crate::batch::{Batch, Sink};
 use crate::bodies::Bodies;
 use crate::contact::{Interaction, Memory, Mover, SpherePair};
-use crate::lanes::{LANES, along, load_vectors, set_bits, squares};
-use crate::neighbours::{Chunk, Neighbours, Touch};
+use crate::neighbours::{CHUNK, Chunk, Lists, NUMBERS, Neighbours, Touch};
 use crate::shared_mass::Shares;
 use crate::template::{CELLS, Template};
 use crate::workspace::Workspace;
 use crate::world::Settings;
 use fearless_simd::prelude::*;
-use fearless_simd::{Level, dispatch, f32x16};
+use fearless_simd::{Level, dispatch, f32x8, u32x8};
 use nalgebra::{Matrix3, Vector3};
+
+/// Bodies whose pairs are found and read ahead together: few enough for the first-level cache.
+const BLOCK: usize = 8;
 
 /// Distances of the sphere lists.
 #[derive(Debug, Clone, Copy)]
@@ -88,48 +90,69 @@ fn distances<S: Simd>(
     ri: &[f32; 9],
     rj: &[f32; 9],
     d: &[f32; 3],
-) -> f32x16<S> {
+) -> f32x8<S> {
     // Plain code: vector arithmetic inside a closure given to `map` would not be inlined.
-    let (mut own, mut other) = ([[0.0; LANES]; 3], [[0.0; LANES]; 3]);
+    let mut cells = [[0.0; CHUNK]; 6];
     for axis in 0..3 {
-        for l in 0..LANES {
-            own[axis][l] = f32::from(chunk.i[axis][l]);
-            other[axis][l] = f32::from(chunk.j[axis][l]);
+        for l in 0..CHUNK {
+            cells[axis][l] = f32::from(chunk.i[axis][l]);
+            cells[axis + 3][l] = f32::from(chunk.j[axis][l]);
         }
     }
-    let (i, j) = (load_vectors(simd, &own), load_vectors(simd, &other));
-    let between = [
-        along(&j, &[rj[0], rj[1], rj[2]]) - along(&i, &[ri[0], ri[1], ri[2]]) + d[0],
-        along(&j, &[rj[3], rj[4], rj[5]]) - along(&i, &[ri[3], ri[4], ri[5]]) + d[1],
-        along(&j, &[rj[6], rj[7], rj[8]]) - along(&i, &[ri[6], ri[7], ri[8]]) + d[2],
-    ];
-    squares(&between)
+    let cell = |column: usize| f32x8::from_slice(simd, &cells[column]);
+    let (i, j) = ([cell(0), cell(1), cell(2)], [cell(3), cell(4), cell(5)]);
+    let mut square = f32x8::splat(simd, 0.0);
+    for axis in 0..3 {
+        let row = 3 * axis..3 * axis + 3;
+        let (ri, rj) = (&ri[row.clone()], &rj[row]);
+        let mut own = i[0].mul_sub(ri[0], d[axis]);
+        own = i[1].mul_add(ri[1], own);
+        own = i[2].mul_add(ri[2], own);
+        let mut between = j[0].mul_sub(rj[0], own);
+        between = j[1].mul_add(rj[1], between);
+        between = j[2].mul_add(rj[2], between);
+        square = between.mul_add(between, square);
+    }
+    square
 }
 
-/// Lists in `near` the keys of all candidates that may touch; returns the smallest gap of any (m), as
-/// it matters where none does.
+/// Writes the keys of all candidates that may touch into `near`; returns their number and, where there are
+/// none, the smallest gap of any candidate (m).
 ///
-/// Arguments as of [`distances`].
+/// `lists` are those of the pair, the other arguments as of [`distances`].
 #[inline(always)]
 fn find_near<S: Simd>(
     simd: S,
+    lists: &Lists,
     chunks: &[Chunk],
     ri: &[f32; 9],
     rj: &[f32; 9],
     d: &[f32; 3],
     near: &mut Vec<u32>,
-) -> f32 {
-    near.clear();
-    let mut nearest = f32x16::splat(simd, f32::INFINITY);
-    let mut limit: f32 = 0.0;
+) -> (usize, f32) {
+    let room = chunks.len() * CHUNK;
+    if near.len() < room {
+        near.resize(room, 0);
+    }
+    let numbers = u32x8::from_slice(simd, &NUMBERS);
+    let mut n_near = 0;
+    let mut nearest = f32x8::splat(simd, f32::INFINITY);
+    let mut left = lists.n_candidates;
     for chunk in chunks {
         let squares = distances(simd, chunk, ri, rj, d);
         nearest = nearest.min(squares);
-        limit = limit.max(chunk.limit);
-        let touching = squares.simd_lt(chunk.limit).to_bitmask() & chunk.used;
-        near.extend(set_bits(touching).map(|lane| chunk.key[lane]));
+        let touching = squares.simd_lt(lists.square) & numbers.simd_lt(left);
+        let keys = u32x8::from_slice(simd, &chunk.key).compress(touching);
+        keys.store_slice(&mut near[n_near..n_near + CHUNK]);
+        n_near += touching.to_bitmask().count_ones() as usize;
+        left = left.saturating_sub(CHUNK as u32);
     }
-    nearest.reduce_min().sqrt() - limit.sqrt()
+    let gap = if n_near > 0 {
+        f32::NEG_INFINITY
+    } else {
+        nearest.reduce_min().sqrt() - lists.square.sqrt()
+    };
+    (n_near, gap)
 }
 
 /// Finds the forces between the bodies of a range and those behind them.
@@ -172,22 +195,35 @@ fn add_pair_forces_on<S: Simd>(
         context,
         sink,
     };
-    for i in neighbours.range() {
-        let n_awake = neighbours.find_awake(i, &bodies.travel, awake);
-        for &k in &awake[..n_awake] {
-            let k = k as usize;
-            let j = neighbours.heads[k].j as usize;
-            let templates = [i, j].map(|body| &context.templates[bodies.template[body]]);
-            if templates.iter().all(|template| template.is_sphere) {
-                collector.collect_spheres(neighbours, k, [i, j], templates);
-                continue;
+    let range = neighbours.range();
+    for first in range.clone().step_by(BLOCK) {
+        let block = first..range.end.min(first + BLOCK);
+        let mut ends = [0; BLOCK];
+        let mut n_awake = 0;
+        for (end, i) in ends.iter_mut().zip(block.clone()) {
+            n_awake = neighbours.find_awake(simd, i, &bodies.travel, awake, n_awake);
+            *end = n_awake;
+        }
+        std::hint::black_box(neighbours.read_ahead(&awake[..n_awake]));
+        let mut from = 0;
+        for (&end, i) in ends.iter().zip(block) {
+            let own = &context.templates[bodies.template[i]];
+            for &k in &awake[from..end] {
+                let k = k as usize;
+                let j = neighbours.other(k);
+                let templates = [own, &context.templates[bodies.template[j]]];
+                if templates.iter().all(|template| template.is_sphere) {
+                    collector.collect_spheres(neighbours, k, [i, j], templates);
+                    continue;
+                }
+                if bodies.travel[i] + bodies.travel[j] > neighbours.lists[k].limit {
+                    neighbours.refresh(simd, k, i, bodies, context, scratch);
+                }
+                if neighbours.lists[k].n_candidates > 0 {
+                    collector.collect_listed(neighbours, k, [i, j], templates);
+                }
             }
-            if bodies.travel[i] + bodies.travel[j] > neighbours.lists[k].limit {
-                neighbours.refresh(simd, k, i, bodies, context, scratch);
-            }
-            if neighbours.lists[k].n_chunks > 0 {
-                collector.collect_listed(neighbours, k, [i, j], templates);
-            }
+            from = end;
         }
     }
     collector.apply();
@@ -250,25 +286,31 @@ impl<S: Simd, K: Sink> Collector<'_, S, K> {
     ) {
         let (bodies, context) = (self.bodies, self.context);
         let lists = &mut neighbours.lists[k];
-        let old = lists.touch as usize..(lists.touch + lists.n_touches) as usize;
+        let old = lists.touches();
         let first = self.touches.len();
         let interaction = context.interaction_index(templates[0].material, templates[1].material);
         let reach = context.interactions[interaction].reach();
-        let frame = PairFrame::new(bodies, [i, j]);
-        let single = [0, 1, 2].map(|axis| frame.difference[axis] as f32);
-        let (ri, rj) = (bodies.cells_to_metres[i], bodies.cells_to_metres[j]);
-        let chunks = lists.chunk as usize..(lists.chunk + lists.n_chunks) as usize;
-        let (chunks, found) = (&neighbours.chunks[chunks], &mut *self.near);
+        let between = bodies.position[j] - bodies.position[i];
+        let single = [0, 1, 2].map(|axis| between[axis] as f32);
+        let (ri, rj) = (&bodies.cells_to_metres[i], &bodies.cells_to_metres[j]);
+        let (chunks, found) = (&neighbours.chunks[lists.chunks()], &mut *self.near);
         let simd = self.simd;
-        let gap = simd.vectorize(
+        let (n_near, gap) = simd.vectorize(
             #[inline(always)]
-            || find_near(simd, chunks, &ri, &rj, &single, found),
+            || find_near(simd, lists, chunks, ri, rj, &single, found),
         );
-        let near = self.near.iter();
+        if n_near == 0 {
+            // The touches move on without a pair that sleeps.
+            (lists.touch, lists.n_touches) = (0, 0);
+            neighbours.sleep(k, bodies.travel[i] + bodies.travel[j] + gap);
+            return;
+        }
+        let frame = PairFrame::new(bodies, [i, j]);
+        let near = self.near[..n_near].iter();
         let touching = near.filter_map(|&key| frame.sphere_pair(key, templates, 0.0));
         let radii = touching.map(|pair| pair.contact_radius());
         let shares = Shares::new(templates.map(|t| t.shares_mass), radii);
-        for candidate in 0..self.near.len() {
+        for candidate in 0..n_near {
             let key = self.near[candidate];
             let known = neighbours.touches[old.clone()]
                 .iter()
@@ -282,11 +324,6 @@ impl<S: Simd, K: Sink> Collector<'_, S, K> {
         }
         lists.touch = first as u32;
         lists.n_touches = (self.touches.len() - first) as u32;
-        if lists.n_touches == 0 {
-            // The touches move on without a pair that sleeps.
-            lists.touch = 0;
-            neighbours.sleep(k, bodies.travel[i] + bodies.travel[j] + gap);
-        }
     }
 
     /// Puts pair `k` of two bodies of one sphere each into the batch if they touch: they are their
@@ -307,8 +344,8 @@ impl<S: Simd, K: Sink> Collector<'_, S, K> {
         let interaction = context.interaction_index(a.material, b.material);
         let spheres = [&a.spheres[0], &b.spheres[0]];
         let lists = &mut neighbours.lists[k];
-        let old = lists.touch as usize..(lists.touch + lists.n_touches) as usize;
-        let known = neighbours.touches[old].first().filter(|t| t.key == 0);
+        let known = neighbours.touches[lists.touches()]
+            .first().filter(|t| t.key == 0);
         let reach = known.map_or(0.0, |_| context.interactions[interaction].reach());
         let between = bodies.position[j] - bodies.position[i];
         let sum = spheres[0].radius + spheres[1].radius + reach;
@@ -344,9 +381,9 @@ fn are_apart(between: &Vector3<f64>, sum: f64) -> bool {
 
 /// What all pairs of spheres of two bodies have in common.
 #[derive(Debug)]
-pub(crate) struct PairFrame {
+pub(crate) struct PairFrame<'a> {
     /// From the principal frames to the world.
-    rotations: [Matrix3<f64>; 2],
+    rotations: [&'a Matrix3<f64>; 2],
     /// From the centre of i to the centre of j, m.
     difference: Vector3<f64>,
     /// Velocity of i minus that of j, m/s.
@@ -355,12 +392,12 @@ pub(crate) struct PairFrame {
     spins: [Vector3<f64>; 2],
 }
 
-impl PairFrame {
+impl<'a> PairFrame<'a> {
     /// Of two bodies.
     #[inline(always)]
-    pub(crate) fn new(bodies: &Bodies, [i, j]: [usize; 2]) -> Self {
+    pub(crate) fn new(bodies: &'a Bodies, [i, j]: [usize; 2]) -> Self {
         Self {
-            rotations: [bodies.rotation[i], bodies.rotation[j]],
+            rotations: [&bodies.rotation[i], &bodies.rotation[j]],
             difference: bodies.position[j] - bodies.position[i],
             velocity: bodies.velocity[i] - bodies.velocity[j],
             spins: [bodies.spin[i], bodies.spin[j]],

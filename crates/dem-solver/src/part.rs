@@ -95,6 +95,7 @@ impl Part {
             partners,
             |i, partners| neighbours.add(i, partners, &bodies.travel, all_spheres, previous),
         );
+        neighbours.end();
         self.walls.rebuild(range, bodies, templates, walls, margin);
     }
 

@@ -69,8 +69,10 @@ pub(crate) struct OuterSphere {
 /// Copy of the spheres in single precision for the vectorised search.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Packed {
-    /// Spheres in their order, padded to whole groups by spheres of radius minus infinity.
+    /// Spheres in groups that lie together, padded to whole groups by spheres of radius minus infinity.
     pub(crate) groups: Vec<Group>,
+    /// x, y, z of the centre and radius of each sphere in their order, m.
+    pub(crate) spheres: Vec<[f32; 4]>,
     /// Lower corner of the box that holds all spheres, m.
     pub(crate) low: [f32; 3],
     /// Upper corner, m.
@@ -84,6 +86,8 @@ pub(crate) struct Group {
     pub(crate) centre: [Lanes; 3],
     /// Radii, m.
     pub(crate) radius: Lanes,
+    /// Places of the spheres in their order.
+    pub(crate) index: [u32; LANES],
 }
 
 impl Template {
@@ -177,23 +181,59 @@ impl Packed {
             let reaches = spheres.iter().map(|s| sign * s.centre[axis] + s.radius);
             (sign * reaches.fold(f64::NEG_INFINITY, f64::max)) as f32
         };
-        let group = |spheres: &[OuterSphere]| {
+        let mut order: Vec<usize> = (0..spheres.len()).collect();
+        put_together(&mut order, spheres);
+        let group = |members: &[usize]| {
             let mut group = Group {
                 radius: [f32::NEG_INFINITY; LANES],
                 ..Group::default()
             };
-            for (l, sphere) in spheres.iter().enumerate() {
+            for (l, &member) in members.iter().enumerate() {
                 for axis in 0..3 {
-                    group.centre[axis][l] = sphere.centre[axis] as f32;
+                    group.centre[axis][l] = spheres[member].centre[axis] as f32;
                 }
-                group.radius[l] = sphere.radius as f32;
+                group.radius[l] = spheres[member].radius as f32;
+                group.index[l] = u32::try_from(member).unwrap_or(u32::MAX);
             }
             group
         };
+        let single = |s: &OuterSphere| [s.centre.x, s.centre.y, s.centre.z, s.radius];
         Self {
-            groups: spheres.chunks(LANES).map(group).collect(),
+            groups: order.chunks(LANES).map(group).collect(),
+            spheres: spheres
+                .iter()
+                .map(|s| single(s).map(|x| x as f32))
+                .collect(),
             low: [bound(0, -1.0), bound(1, -1.0), bound(2, -1.0)],
             high: [bound(0, 1.0), bound(1, 1.0), bound(2, 1.0)],
         }
     }
+}
+
+/// Orders spheres so that each group of sixteen lies together: cuts across the longest side of what is left, with
+/// whole groups on the one side.
+fn put_together(order: &mut [usize], spheres: &[OuterSphere]) {
+    if order.len() <= LANES {
+        return;
+    }
+    let along = |axis: usize, k: usize| spheres[k].centre[axis];
+    let extent = |axis: usize| {
+        let of = |pick: fn(f64, f64) -> f64, start| {
+            let all = order.iter().map(|&k| along(axis, k));
+            all.fold(start, pick)
+        };
+        of(f64::max, f64::NEG_INFINITY) - of(f64::min, f64::INFINITY)
+    };
+    let longest = (1..3).fold(0, |best, axis| {
+        if extent(axis) > extent(best) { axis } else { best }
+    });
+    let by_place = |a: &usize, b: &usize| {
+        let places = [*a, *b].map(|k| along(longest, k));
+        places[0].total_cmp(&places[1]).then(a.cmp(b))
+    };
+    order.sort_unstable_by(by_place);
+    let middle = (order.len().div_ceil(LANES) / 2) * LANES;
+    let (low, high) = order.split_at_mut(middle);
+    put_together(low, spheres);
+    put_together(high, spheres);
 }
