@@ -12,11 +12,14 @@
     reason = "the hot loops are vectorised only when inlined"
 )]
 
-use crate::lanes::{LANES, Lanes, Vectors, along, load, load_vectors, set_bits, squares};
+use crate::lanes::{LANES, Lanes, Vectors, along, load, load_vectors, set_bits};
 use crate::pair_force::Slack;
 use crate::template::Packed;
 use fearless_simd::prelude::*;
-use fearless_simd::{f32x16, mask32x16, u32x16};
+use fearless_simd::{f32x8, f32x16, mask32x16, u32x16};
+
+/// Spheres of j tested together: few groups of sixteen would be full.
+const HALF: usize = LANES / 2;
 
 /// Pose of body j in the principal frame of body i.
 #[derive(Debug, Clone, Copy)]
@@ -242,18 +245,29 @@ fn pair_up<S: Simd>(
     found: &mut Vec<(u16, u16)>,
 ) {
     let number = |index: u32| u16::try_from(index).unwrap_or(u16::MAX);
+    let padded = j.n.next_multiple_of(HALF);
+        let centre = [&j.centre[0], &j.centre[1], &j.centre[2]].map(|axis| column(axis, padded));
+    let others = centre[0].iter().zip(centre[1]).zip(centre[2]).zip(column(&j.radius, padded));
+    let others = others.zip(column(&j.index, padded));
     for &own in i {
         let [x, y, z, radius] = spheres[own as usize];
         let reach = radius + skin;
-        for first in (0..j.n).step_by(LANES) {
-            let block = first..first + LANES;
-            let other = |axis: usize| f32x16::from_slice(simd, &j.centre[axis][block.clone()]);
-            let between = [other(0) - x, other(1) - y, other(2) - z];
-            let limit = f32x16::from_slice(simd, &j.radius[block.clone()]) + reach;
-            let near = squares(&between).simd_lt(limit * limit);
+        for ((((other_x, other_y), other_z), other_radius), index) in others.clone() {
+            let x = f32x8::from_slice(simd, other_x) - x;
+            let y = f32x8::from_slice(simd, other_y) - y;
+            let z = f32x8::from_slice(simd, other_z) - z;
+            let square = x.mul_add(x, y.mul_add(y, z * z));
+            let limit = f32x8::from_slice(simd, other_radius) + reach;
+            let near = square.simd_lt(limit * limit);
             for l in set_bits(near.to_bitmask()) {
-                found.push((number(own), number(j.index[first + l])));
+                found.push((number(own), number(index[l])));
             }
         }
     }
+}
+
+/// The first `n` of some numbers in groups of eight; `n` is a multiple of eight.
+#[inline(always)]
+fn column<T>(numbers: &[T], n: usize) -> &[[T; HALF]] {
+    numbers[..n].as_chunks().0
 }

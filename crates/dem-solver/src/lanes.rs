@@ -39,7 +39,8 @@ pub(crate) fn load_vectors<S: Simd>(simd: S, lanes: &[Lanes; 3]) -> Vectors<S> {
 /// Component of each vector along a direction.
 #[inline(always)]
 pub(crate) fn along<S: Simd>(vectors: &Vectors<S>, direction: &[f32; 3]) -> f32x16<S> {
-    vectors[0] * direction[0] + vectors[1] * direction[1] + vectors[2] * direction[2]
+    let last = vectors[2] * direction[2];
+    vectors[0].mul_add(direction[0], vectors[1].mul_add(direction[1], last))
 }
 
 /// Square of the length of each vector.
