@@ -132,7 +132,7 @@ pub(crate) fn placement(body: usize, placement: &Placement, walls: &[Wall]) -> R
         });
     }
     for wall in walls {
-        let depth = -wall.nearest(&placement.position).distance;
+        let depth = -wall.distance(&placement.position);
         if depth > 0.0 {
             return Err(Error::BehindWall {
                 body,

@@ -494,9 +494,8 @@ impl Neighbours {
         self.heads.wake[k] = travel;
     }
 
-    /// Writes the pairs of body `i` that need attention in this step into `awake` from place `n` on and
-    /// returns the place behind them. Nine of ten pairs sleep, so that the loop over all of them must
-    /// not branch.
+    /// Writes the pairs of body `i` that need attention in this step into `awake` and returns their
+    /// number. Nine of ten pairs sleep, so that the loop over all of them must not branch.
     #[inline(always)]
     pub(crate) fn find_awake<S: Simd>(
         &self,
@@ -504,46 +503,29 @@ impl Neighbours {
         i: usize,
         travel: &[f32],
         awake: &mut Vec<u32>,
-        mut n: usize,
     ) -> usize {
         let place = i - self.first;
         let (from, to) = (self.start[place], self.start[place + 1]);
-        let room = n + (to - from) as usize + CHUNK;
+        let room = (to - from) as usize + CHUNK;
         if awake.len() < room {
             awake.resize(room, 0);
         }
         let numbers = u32x8::from_slice(simd, &NUMBERS);
+        let mut n = 0;
         for first in (from..to).step_by(CHUNK) {
             let group = first as usize..first as usize + CHUNK;
             let mut ways = [0.0; CHUNK];
             for (way, &j) in ways.iter_mut().zip(&self.heads.other[group.clone()]) {
-                *way = travel[i] + travel[j as usize];
+                *way = travel[j as usize];
             }
             let wake = f32x8::from_slice(simd, &self.heads.wake[group]);
             let pairs = numbers + first;
-            let is_awake = f32x8::from_slice(simd, &ways).simd_gt(wake) & pairs.simd_lt(to);
+            let ways = f32x8::from_slice(simd, &ways) + travel[i];
+            let is_awake = ways.simd_gt(wake) & pairs.simd_lt(to);
             pairs.compress(is_awake).store_slice(&mut awake[n..n + CHUNK]);
             n += is_awake.to_bitmask().count_ones() as usize;
         }
         n
-    }
-
-    /// Reads a little of all that the force loop is about to read of some pairs, so that the waits for memory
-    /// overlap. What it returns has no meaning.
-    #[inline(always)]
-    pub(crate) fn read_ahead(&self, awake: &[u32]) -> u32 {
-        let mut sum = 0_u32;
-        for &k in awake {
-            let lists = &self.lists[k as usize];
-            if let Some(chunk) = self.chunks.get(lists.chunk as usize) {
-                sum = sum.wrapping_add(chunk.key[0]);
-                sum = sum.wrapping_add(u32::from(chunk.i[0][0].unsigned_abs()));
-            }
-            if let Some(touch) = self.touches.get(lists.touch as usize) {
-                sum = sum.wrapping_add(touch.key);
-            }
-        }
-        sum
     }
 
     /// Writes the candidates found into the place of pair `k`, or to the end if it is too small.

@@ -17,9 +17,6 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Level, dispatch, f32x8, u32x8};
 use nalgebra::{Matrix3, Vector3};
 
-/// Bodies whose pairs are found and read ahead together: few enough for the first-level cache.
-const BLOCK: usize = 8;
-
 /// Distances of the sphere lists.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Slack {
@@ -195,35 +192,23 @@ fn add_pair_forces_on<S: Simd>(
         context,
         sink,
     };
-    let range = neighbours.range();
-    for first in range.clone().step_by(BLOCK) {
-        let block = first..range.end.min(first + BLOCK);
-        let mut ends = [0; BLOCK];
-        let mut n_awake = 0;
-        for (end, i) in ends.iter_mut().zip(block.clone()) {
-            n_awake = neighbours.find_awake(simd, i, &bodies.travel, awake, n_awake);
-            *end = n_awake;
-        }
-        std::hint::black_box(neighbours.read_ahead(&awake[..n_awake]));
-        let mut from = 0;
-        for (&end, i) in ends.iter().zip(block) {
-            let own = &context.templates[bodies.template[i]];
-            for &k in &awake[from..end] {
-                let k = k as usize;
-                let j = neighbours.other(k);
-                let templates = [own, &context.templates[bodies.template[j]]];
-                if templates.iter().all(|template| template.is_sphere) {
-                    collector.collect_spheres(neighbours, k, [i, j], templates);
-                    continue;
-                }
-                if bodies.travel[i] + bodies.travel[j] > neighbours.lists[k].limit {
-                    neighbours.refresh(simd, k, i, bodies, context, scratch);
-                }
-                if neighbours.lists[k].n_candidates > 0 {
-                    collector.collect_listed(neighbours, k, [i, j], templates);
-                }
+    for i in neighbours.range() {
+        let n_awake = neighbours.find_awake(simd, i, &bodies.travel, awake);
+        let own = &context.templates[bodies.template[i]];
+        for &k in &awake[..n_awake] {
+            let k = k as usize;
+            let j = neighbours.other(k);
+            let templates = [own, &context.templates[bodies.template[j]]];
+            if templates.iter().all(|template| template.is_sphere) {
+                collector.collect_spheres(neighbours, k, [i, j], templates);
+                continue;
             }
-            from = end;
+            if bodies.travel[i] + bodies.travel[j] > neighbours.lists[k].limit {
+                neighbours.refresh(simd, k, i, bodies, context, scratch);
+            }
+            if neighbours.lists[k].n_candidates > 0 {
+                collector.collect_listed(neighbours, k, [i, j], templates);
+            }
         }
     }
     collector.apply();

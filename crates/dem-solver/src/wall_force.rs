@@ -64,7 +64,7 @@ impl WallNeighbours {
         for body in range {
             let reach = templates[bodies.template[body]].bounding_radius + margin;
             for (wall, shape) in walls.iter().enumerate() {
-                if shape.nearest(&bodies.position[body]).distance >= reach {
+                if shape.distance(&bodies.position[body]) >= reach {
                     continue;
                 }
                 while let Some(entry) = old.next_if(|n| (n.body, n.wall) < (body, wall)) {
@@ -182,7 +182,7 @@ impl Near {
         let mut nearest = f64::INFINITY;
         for (k, sphere) in template.spheres.iter().enumerate() {
             let centre = position + rotation * sphere.centre;
-            let gap = wall.nearest(&centre).distance - sphere.radius;
+            let gap = wall.distance(&centre) - sphere.radius;
             nearest = nearest.min(gap);
             if gap < f64::from(slack.skin) {
                 self.candidates.push(u16::try_from(k).unwrap_or(u16::MAX));
@@ -219,17 +219,23 @@ impl Near {
         let rotation = &bodies.rotation[self.body];
         let mut total = Effect::default();
         let mut nearest_gap = f64::INFINITY;
-        let at_wall = |k: u16| {
+        let placed = |k: u16| {
             let sphere = &template.spheres[usize::from(k)];
-            let centre = body.position + rotation * sphere.centre;
-            sphere_at_wall(body, sphere, &centre, wall, &wall.nearest(&centre))
+            (sphere, body.position + rotation * sphere.centre)
         };
-        let radii = self.candidates.iter().map(|&k| at_wall(k).contact_radius());
+        let at_wall = |sphere: &OuterSphere, centre: &Vector3<f64>| {
+            sphere_at_wall(body, sphere, centre, wall, &wall.nearest(centre))
+        };
+        let radii = self.candidates.iter().map(|&k| {
+            let (sphere, centre) = placed(k);
+            at_wall(sphere, &centre).contact_radius()
+        });
         let shares = Shares::new([template.shares_mass, false], radii);
         for &k in &self.candidates {
             let key = u32::from(k) << 16;
-            let mut contact = at_wall(k);
-            let overlap = contact.geometry.overlap;
+            // Most candidates do not touch: how far they are away is enough.
+            let (sphere, centre) = placed(k);
+            let overlap = sphere.radius - wall.distance(&centre);
             nearest_gap = nearest_gap.min(-overlap);
             let known = self.touches.iter().position(|t| t.key == key);
             let ends = if known.is_some() { -reach } else { 0.0 };
@@ -239,6 +245,7 @@ impl Near {
                 }
                 continue;
             }
+            let mut contact = at_wall(sphere, &centre);
             contact.share_mass(shares.as_ref());
             let at = known.unwrap_or_else(|| {
                 self.touches.push(Touch {
