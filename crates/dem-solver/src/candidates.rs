@@ -30,6 +30,15 @@ pub(crate) struct RelativeSingle {
     pub(crate) position: [f32; 3],
 }
 
+/// A box in the frame of body i.
+#[derive(Debug, Clone, Copy)]
+struct Region {
+    /// Lower corner, m.
+    low: [f32; 3],
+    /// Upper corner, m.
+    high: [f32; 3],
+}
+
 /// Spheres of body j that survived the culling, in the frame of body i.
 #[derive(Debug, Clone, Default)]
 struct Kept {
@@ -46,8 +55,8 @@ struct Kept {
 /// Buffers of the search, kept between calls.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Scratch {
-    /// How far the spheres of each body reach towards the other, group by group, m.
-    towards: [Vec<Lanes>; 2],
+    /// How far the spheres of i and of j reach towards the other body, group by group, m.
+    reaches: [Vec<Lanes>; 2],
     /// Survivors of body i, as indices in the template.
     i: Vec<u32>,
     /// Survivors of body j.
@@ -97,10 +106,67 @@ impl Kept {
             let kept = centre[axis].compress(mask);
             kept.store_slice(&mut self.centre[axis][place.clone()]);
         }
-        radius
-            .compress(mask)
-            .store_slice(&mut self.radius[place]);
+        radius.compress(mask).store_slice(&mut self.radius[place]);
         self.n = keep(&mut self.index, self.n, index, mask);
+    }
+
+    /// Keeps the spheres of body j that reach beyond a plane, `least` away from its centre (m), and come
+    /// nearer to the box of body i than a skin (m); returns the box of these. `reaches` are those of [`support`].
+    #[inline(always)]
+    fn cull<S: Simd>(
+        &mut self,
+        simd: S,
+        (packed, reaches): (&Packed, &[Lanes]),
+        least: f32,
+        pose: &RelativeSingle,
+        (other, skin): (&Packed, f32),
+    ) -> Region {
+        let (r, p) = (&pose.rotation, &pose.position);
+        let infinite = f32x16::splat(simd, f32::INFINITY);
+        let (mut low, mut high) = ([infinite; 3], [-infinite; 3]);
+        self.reset(packed.groups.len());
+        for (group, reaches) in packed.groups.iter().zip(reaches) {
+            let mut mask = load(simd, reaches).simd_gt(least);
+            // Most groups are on the far side as a whole.
+            if mask.to_bitmask() == 0 {
+                continue;
+            }
+            let own = load_vectors(simd, &group.centre);
+            let centre = [
+                along(&own, &[r[0], r[1], r[2]]) + p[0],
+                along(&own, &[r[3], r[4], r[5]]) + p[1],
+                along(&own, &[r[6], r[7], r[8]]) + p[2],
+            ];
+            let radius = load(simd, &group.radius);
+            let reach = radius + skin;
+            for axis in 0..3 {
+                mask &= (centre[axis] + reach).simd_gt(other.low[axis]);
+                mask &= (centre[axis] - reach).simd_lt(other.high[axis]);
+            }
+            if mask.to_bitmask() == 0 {
+                continue;
+            }
+            let index = u32x16::from_slice(simd, &group.index);
+            self.add(mask, &centre, radius, index);
+            for axis in 0..3 {
+                low[axis] = low[axis].min(mask.select(centre[axis] - reach, infinite));
+                high[axis] = high[axis].max(mask.select(centre[axis] + reach, -infinite));
+            }
+        }
+        self.pad();
+        // Plain code: what is given to map would not be inlined.
+        Region {
+            low: [
+                low[0].reduce_min(),
+                low[1].reduce_min(),
+                low[2].reduce_min(),
+            ],
+            high: [
+                high[0].reduce_max(),
+                high[1].reduce_max(),
+                high[2].reduce_max(),
+            ],
+        }
     }
 
     /// Fills the last group with spheres that touch nothing.
@@ -144,7 +210,7 @@ pub(crate) fn search<S: Simd>(
 ) -> f32 {
     let Slack { skin, safety, .. } = slack;
     let Scratch {
-        towards: [towards_j, towards_i],
+        reaches: [reaches_i, reaches_j],
         i: kept_i,
         j: kept_j,
         found,
@@ -158,80 +224,48 @@ pub(crate) fn search<S: Simd>(
         -(r[1] * normal[0] + r[4] * normal[1] + r[7] * normal[2]),
         -(r[2] * normal[0] + r[5] * normal[1] + r[8] * normal[2]),
     ];
-    let far_of_i = support(simd, i, &normal, towards_j);
-    let far_of_j = support(simd, j, &back, towards_i);
+    let far_of_i = support(simd, i, &normal, reaches_i);
+    let far_of_j = support(simd, j, &back, reaches_j);
     let gap = distance - far_of_i - far_of_j - safety;
     if gap > skin {
         return gap;
     }
-
-    // Spheres of j that come near the plane before i and the box of i, and the box of these. Most groups
-    // are on the far side as a whole.
-    let infinite = f32x16::splat(simd, f32::INFINITY);
     let least_of_j = distance - far_of_i - skin;
-    kept_j.reset(j.groups.len());
-    let (mut low, mut high) = ([infinite; 3], [-infinite; 3]);
-    for (group, reaches) in j.groups.iter().zip(&*towards_i) {
-        let mut keep = load(simd, reaches).simd_gt(least_of_j);
-        if keep.to_bitmask() == 0 {
-            continue;
-        }
-        let own = load_vectors(simd, &group.centre);
-        let centre = [
-            along(&own, &[r[0], r[1], r[2]]) + p[0],
-            along(&own, &[r[3], r[4], r[5]]) + p[1],
-            along(&own, &[r[6], r[7], r[8]]) + p[2],
-        ];
-        let radius = load(simd, &group.radius);
-        let reach = radius + skin;
-        for axis in 0..3 {
-            keep &= (centre[axis] + reach).simd_gt(i.low[axis]);
-            keep &= (centre[axis] - reach).simd_lt(i.high[axis]);
-        }
-        if keep.to_bitmask() == 0 {
-            continue;
-        }
-        kept_j.add(keep, &centre, radius, u32x16::from_slice(simd, &group.index));
-        for axis in 0..3 {
-            low[axis] = low[axis].min(keep.select(centre[axis] - reach, infinite));
-            high[axis] = high[axis].max(keep.select(centre[axis] + reach, -infinite));
-        }
+    let near = kept_j.cull(simd, (j, reaches_j), least_of_j, pose, (i, skin));
+    if kept_j.n > 0 {
+        let least_of_i = distance - far_of_j - skin;
+        let n_i = cull(simd, (i, reaches_i), least_of_i, &near, kept_i);
+        pair_up(simd, &kept_i[..n_i], &i.spheres, kept_j, skin, found);
+        found.sort_unstable();
     }
-    if kept_j.n == 0 {
-        return skin - safety;
-    }
-    kept_j.pad();
-    // Plain code: what is given to map would not be inlined.
-    let low = [
-        low[0].reduce_min(),
-        low[1].reduce_min(),
-        low[2].reduce_min(),
-    ];
-    let high = [
-        high[0].reduce_max(),
-        high[1].reduce_max(),
-        high[2].reduce_max(),
-    ];
+    skin - safety
+}
 
-    // Spheres of i that come near the plane before j and that box.
-    let least_of_i = distance - far_of_j - skin;
-    make_room(kept_i, (i.groups.len() + 1) * LANES);
-    let mut n_i = 0;
-    for (group, reaches) in i.groups.iter().zip(&*towards_j) {
-        let mut near = load(simd, reaches).simd_gt(least_of_i);
-        if near.to_bitmask() == 0 {
+/// Writes the spheres of body i into `kept` that reach beyond a plane, `least` away from the centre (m), and come
+/// near a box. `reaches` are those of [`support`]. Returns their number.
+#[inline(always)]
+fn cull<S: Simd>(
+    simd: S,
+    (packed, reaches): (&Packed, &[Lanes]),
+    least: f32,
+    near: &Region,
+    kept: &mut Vec<u32>,
+) -> usize {
+    make_room(kept, (packed.groups.len() + 1) * LANES);
+    let mut n = 0;
+    for (group, reaches) in packed.groups.iter().zip(reaches) {
+        let mut mask = load(simd, reaches).simd_gt(least);
+        if mask.to_bitmask() == 0 {
             continue;
         }
         let (centre, radius) = (load_vectors(simd, &group.centre), load(simd, &group.radius));
         for axis in 0..3 {
-            near &= (centre[axis] + radius).simd_gt(low[axis]);
-            near &= (centre[axis] - radius).simd_lt(high[axis]);
+            mask &= (centre[axis] + radius).simd_gt(near.low[axis]);
+            mask &= (centre[axis] - radius).simd_lt(near.high[axis]);
         }
-        n_i = keep(kept_i, n_i, u32x16::from_slice(simd, &group.index), near);
+        n = keep(kept, n, u32x16::from_slice(simd, &group.index), mask);
     }
-    pair_up(simd, &kept_i[..n_i], &i.spheres, kept_j, skin, found);
-    found.sort_unstable();
-    skin - safety
+    n
 }
 
 /// Tests each survivor of i, of which `spheres` holds x, y, z and radius (m), against each of j.
@@ -246,8 +280,12 @@ fn pair_up<S: Simd>(
 ) {
     let number = |index: u32| u16::try_from(index).unwrap_or(u16::MAX);
     let padded = j.n.next_multiple_of(HALF);
-        let centre = [&j.centre[0], &j.centre[1], &j.centre[2]].map(|axis| column(axis, padded));
-    let others = centre[0].iter().zip(centre[1]).zip(centre[2]).zip(column(&j.radius, padded));
+    let centre = [&j.centre[0], &j.centre[1], &j.centre[2]].map(|axis| column(axis, padded));
+    let others = centre[0]
+        .iter()
+        .zip(centre[1])
+        .zip(centre[2])
+        .zip(column(&j.radius, padded));
     let others = others.zip(column(&j.index, padded));
     for &own in i {
         let [x, y, z, radius] = spheres[own as usize];

@@ -126,7 +126,7 @@ impl Lists {
 
     /// Number of chunks in use.
     fn n_chunks(&self) -> u32 {
-        self.n_candidates.div_ceil(CHUNK as u32)
+        stored((self.n_candidates as usize).div_ceil(CHUNK))
     }
 
     /// The chunks in use.
@@ -295,12 +295,14 @@ impl Neighbours {
         pairs.flat_map(|(i, k)| {
             let lists = &self.lists[k];
             let other = self.other(k);
-            self.touches[lists.touches()].iter().map(move |t| KeptContact {
-                body: i,
-                other,
-                key: t.key,
-                memory: t.memory,
-            })
+            self.touches[lists.touches()]
+                .iter()
+                .map(move |t| KeptContact {
+                    body: i,
+                    other,
+                    key: t.key,
+                    memory: t.memory,
+                })
         })
     }
 
@@ -315,7 +317,8 @@ impl Neighbours {
             }
             let place = pair[0].body - self.first;
             let (from, to) = (self.start[place] as usize, self.start[place + 1] as usize);
-            let found = self.heads.other[from..to].binary_search_by_key(&pair[0].other, |&j| j as usize);
+            let found =
+                self.heads.other[from..to].binary_search_by_key(&pair[0].other, |&j| j as usize);
             if let Ok(at) = found {
                 let lists = &mut self.lists[from + at];
                 lists.touch = stored(self.touches.len());
@@ -522,7 +525,9 @@ impl Neighbours {
             let pairs = numbers + first;
             let ways = f32x8::from_slice(simd, &ways) + travel[i];
             let is_awake = ways.simd_gt(wake) & pairs.simd_lt(to);
-            pairs.compress(is_awake).store_slice(&mut awake[n..n + CHUNK]);
+            pairs
+                .compress(is_awake)
+                .store_slice(&mut awake[n..n + CHUNK]);
             n += is_awake.to_bitmask().count_ones() as usize;
         }
         n
@@ -553,7 +558,8 @@ impl Neighbours {
         if lists.n_chunks() > lists.room {
             lists.chunk = stored(self.chunks.len());
             lists.room = lists.n_chunks();
-            self.chunks.extend(groups.map(|group| chunk_of(group, a, b)));
+            self.chunks
+                .extend(groups.map(|group| chunk_of(group, a, b)));
         } else {
             let place = &mut self.chunks[lists.chunk as usize..];
             for (chunk, group) in place.iter_mut().zip(groups) {

@@ -88,21 +88,19 @@ fn distances<S: Simd>(
     rj: &[f32; 9],
     d: &[f32; 3],
 ) -> f32x8<S> {
-    // Plain code: vector arithmetic inside a closure given to `map` would not be inlined.
     let mut cells = [[0.0; CHUNK]; 6];
-    for axis in 0..3 {
-        for l in 0..CHUNK {
-            cells[axis][l] = f32::from(chunk.i[axis][l]);
-            cells[axis + 3][l] = f32::from(chunk.j[axis][l]);
+    let stored = chunk.i.iter().chain(&chunk.j);
+    for (column, stored) in cells.iter_mut().zip(stored) {
+        for (number, &cell) in column.iter_mut().zip(stored) {
+            *number = f32::from(cell);
         }
     }
     let cell = |column: usize| f32x8::from_slice(simd, &cells[column]);
     let (i, j) = ([cell(0), cell(1), cell(2)], [cell(3), cell(4), cell(5)]);
     let mut square = f32x8::splat(simd, 0.0);
-    for axis in 0..3 {
-        let row = 3 * axis..3 * axis + 3;
-        let (ri, rj) = (&ri[row.clone()], &rj[row]);
-        let mut own = i[0].mul_sub(ri[0], d[axis]);
+    let rows = ri.as_chunks::<3>().0.iter().zip(rj.as_chunks::<3>().0);
+    for ((ri, rj), &d) in rows.zip(d) {
+        let mut own = i[0].mul_sub(ri[0], d);
         own = i[1].mul_add(ri[1], own);
         own = i[2].mul_add(ri[2], own);
         let mut between = j[0].mul_sub(rj[0], own);
@@ -134,15 +132,14 @@ fn find_near<S: Simd>(
     let numbers = u32x8::from_slice(simd, &NUMBERS);
     let mut n_near = 0;
     let mut nearest = f32x8::splat(simd, f32::INFINITY);
-    let mut left = lists.n_candidates;
-    for chunk in chunks {
+    for (first, chunk) in (0_u32..).step_by(CHUNK).zip(chunks) {
         let squares = distances(simd, chunk, ri, rj, d);
         nearest = nearest.min(squares);
-        let touching = squares.simd_lt(lists.square) & numbers.simd_lt(left);
+        let used = (numbers + first).simd_lt(lists.n_candidates);
+        let touching = squares.simd_lt(lists.square) & used;
         let keys = u32x8::from_slice(simd, &chunk.key).compress(touching);
         keys.store_slice(&mut near[n_near..n_near + CHUNK]);
         n_near += touching.to_bitmask().count_ones() as usize;
-        left = left.saturating_sub(CHUNK as u32);
     }
     let gap = if n_near > 0 {
         f32::NEG_INFINITY
@@ -330,7 +327,8 @@ impl<S: Simd, K: Sink> Collector<'_, S, K> {
         let spheres = [&a.spheres[0], &b.spheres[0]];
         let lists = &mut neighbours.lists[k];
         let known = neighbours.touches[lists.touches()]
-            .first().filter(|t| t.key == 0);
+            .first()
+            .filter(|t| t.key == 0);
         let reach = known.map_or(0.0, |_| context.interactions[interaction].reach());
         let between = bodies.position[j] - bodies.position[i];
         let sum = spheres[0].radius + spheres[1].radius + reach;

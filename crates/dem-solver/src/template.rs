@@ -225,7 +225,11 @@ fn put_together(order: &mut [usize], spheres: &[OuterSphere]) {
         of(f64::max, f64::NEG_INFINITY) - of(f64::min, f64::INFINITY)
     };
     let longest = (1..3).fold(0, |best, axis| {
-        if extent(axis) > extent(best) { axis } else { best }
+        if extent(axis) > extent(best) {
+            axis
+        } else {
+            best
+        }
     });
     let by_place = |a: &usize, b: &usize| {
         let places = [*a, *b].map(|k| along(longest, k));
