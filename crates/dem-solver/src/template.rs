@@ -241,3 +241,43 @@ fn put_together(order: &mut [usize], spheres: &[OuterSphere]) {
     put_together(low, spheres);
     put_together(high, spheres);
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{OuterSphere, Packed};
+    use crate::lanes::LANES;
+    use nalgebra::Vector3;
+
+    /// Two rods of 32 and 47 spheres, far apart and in a mixed order, are cut into pieces of sixteen
+    /// neighbours: spheres at a distance of 1 on one rod, within 15.
+    #[test]
+    fn groups_hold_neighbours_and_every_sphere_once() {
+        let rod = |x: f64, n: u32| {
+            (0..n).map(move |k| OuterSphere {
+                centre: Vector3::new(x, f64::from(k * 23 % n), 0.0),
+                radius: 1.0,
+                dashpot_mass: 1.0,
+            })
+        };
+        let spheres: Vec<_> = rod(0.0, 32).chain(rod(100.0, 47)).collect();
+        let packed = Packed::new(&spheres);
+        let mut seen = Vec::new();
+        for group in &packed.groups {
+            let used = (0..LANES).filter(|&l| group.radius[l] > 0.0);
+            let (mut low, mut high) = (f32::INFINITY, f32::NEG_INFINITY);
+            for l in used {
+                let place = group.centre[0][l] + group.centre[1][l];
+                let sphere = packed.spheres[group.index[l] as usize];
+                assert!(
+                    place.to_bits() == (sphere[0] + sphere[1]).to_bits(),
+                    "index of sphere at {place}"
+                );
+                (low, high) = (low.min(place), high.max(place));
+                seen.push(group.index[l]);
+            }
+            assert!(high - low <= 15.0, "a group from {low} to {high}");
+        }
+        seen.sort_unstable();
+        assert!(seen.iter().copied().eq(0..79), "{seen:?}");
+    }
+}
