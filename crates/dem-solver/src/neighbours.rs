@@ -108,8 +108,6 @@ pub(crate) struct Lists {
     pub(crate) n_touches: u32,
     /// Sum of the travels of both bodies above which the list must be looked at, m.
     pub(crate) limit: f32,
-    /// Square of the distance at which a contact of the largest two candidates ends, m².
-    pub(crate) square: f32,
 }
 
 impl Lists {
@@ -121,7 +119,6 @@ impl Lists {
         touch: 0,
         n_touches: 0,
         limit: f32::NEG_INFINITY,
-        square: 0.0,
     };
 
     /// Number of chunks in use.
@@ -470,7 +467,7 @@ impl Neighbours {
         );
         self.poses[k] = Pose::new(&position, &rotation, reach);
         self.n_rebuilds += 1;
-        self.place_chunks(k, a, b, slack.safety + slack.reach, &scratch.found);
+        self.place_chunks(k, a, b, &scratch.found);
         self.set_limit(k, travel + reach);
     }
 
@@ -497,8 +494,9 @@ impl Neighbours {
         self.heads.wake[k] = travel;
     }
 
-    /// Writes the pairs of body `i` that need attention in this step into `awake` and returns their
-    /// number. Nine of ten pairs sleep, so that the loop over all of them must not branch.
+    /// Writes the pairs of body `i` that need attention in this step into `awake` behind the `n` that are
+    /// there, and returns how many there are then. Nine of ten pairs sleep, so that the loop over all
+    /// of them must not branch.
     #[inline(always)]
     pub(crate) fn find_awake<S: Simd>(
         &self,
@@ -506,24 +504,21 @@ impl Neighbours {
         i: usize,
         travel: &[f32],
         awake: &mut Vec<u32>,
+        mut n: usize,
     ) -> usize {
         let place = i - self.first;
         let (from, to) = (self.start[place], self.start[place + 1]);
-        let room = (to - from) as usize + CHUNK;
+        let room = n + (to - from) as usize + CHUNK;
         if awake.len() < room {
             awake.resize(room, 0);
         }
         let numbers = u32x8::from_slice(simd, &NUMBERS);
-        let mut n = 0;
         for first in (from..to).step_by(CHUNK) {
             let group = first as usize..first as usize + CHUNK;
-            let mut ways = [0.0; CHUNK];
-            for (way, &j) in ways.iter_mut().zip(&self.heads.other[group.clone()]) {
-                *way = travel[j as usize];
-            }
+            let others = &self.heads.other[group.clone()];
+            let ways = f32x8::from_fn(simd, |l| travel[others[l] as usize]) + travel[i];
             let wake = f32x8::from_slice(simd, &self.heads.wake[group]);
             let pairs = numbers + first;
-            let ways = f32x8::from_slice(simd, &ways) + travel[i];
             let is_awake = ways.simd_gt(wake) & pairs.simd_lt(to);
             pairs
                 .compress(is_awake)
@@ -534,27 +529,10 @@ impl Neighbours {
     }
 
     /// Writes the candidates found into the place of pair `k`, or to the end if it is too small.
-    fn place_chunks(
-        &mut self,
-        k: usize,
-        a: &Template,
-        b: &Template,
-        beyond: f32,
-        found: &[(u16, u16)],
-    ) {
+    fn place_chunks(&mut self, k: usize, a: &Template, b: &Template, found: &[(u16, u16)]) {
         let lists = &mut self.lists[k];
         let groups = found.chunks(CHUNK);
         lists.n_candidates = stored(found.len());
-        lists.square = 0.0;
-        for &(u, v) in found {
-            let sum = a.spheres[usize::from(u)].radius + b.spheres[usize::from(v)].radius;
-            #[expect(
-                clippy::cast_possible_truncation,
-                reason = "covered by the safety distance"
-            )]
-            let sum = sum as f32 + beyond;
-            lists.square = lists.square.max(sum * sum);
-        }
         if lists.n_chunks() > lists.room {
             lists.chunk = stored(self.chunks.len());
             lists.room = lists.n_chunks();

@@ -8,7 +8,7 @@
 use crate::batch::{Batch, Sink};
 use crate::bodies::Bodies;
 use crate::contact::{Interaction, Memory, Mover, SpherePair};
-use crate::neighbours::{CHUNK, Chunk, Lists, NUMBERS, Neighbours, Touch};
+use crate::neighbours::{CHUNK, Chunk, NUMBERS, Neighbours, Touch};
 use crate::shared_mass::Shares;
 use crate::template::{CELLS, Template};
 use crate::workspace::Workspace;
@@ -16,6 +16,10 @@ use crate::world::Settings;
 use fearless_simd::prelude::*;
 use fearless_simd::{Level, dispatch, f32x8, u32x8};
 use nalgebra::{Matrix3, Vector3};
+
+/// Bodies whose pairs are looked through before any of them is worked on: in between, the processor would wait
+/// for the number of pairs of each body.
+const BLOCK: usize = 16;
 
 /// Distances of the sphere lists.
 #[derive(Debug, Clone, Copy)]
@@ -114,12 +118,13 @@ fn distances<S: Simd>(
 /// Writes the keys of all candidates that may touch into `near`; returns their number and, where there are
 /// none, the smallest gap of any candidate (m).
 ///
-/// `lists` are those of the pair, the other arguments as of [`distances`].
+/// `square` is that of the largest distance at which two spheres can have a contact (m²), `n` the number of
+/// candidates, the other arguments as of [`distances`].
 #[inline(always)]
 fn find_near<S: Simd>(
     simd: S,
-    lists: &Lists,
-    chunks: &[Chunk],
+    (chunks, n): (&[Chunk], u32),
+    square: f32,
     ri: &[f32; 9],
     rj: &[f32; 9],
     d: &[f32; 3],
@@ -135,8 +140,8 @@ fn find_near<S: Simd>(
     for (first, chunk) in (0_u32..).step_by(CHUNK).zip(chunks) {
         let squares = distances(simd, chunk, ri, rj, d);
         nearest = nearest.min(squares);
-        let used = (numbers + first).simd_lt(lists.n_candidates);
-        let touching = squares.simd_lt(lists.square) & used;
+        let used = (numbers + first).simd_lt(n);
+        let touching = squares.simd_lt(square) & used;
         let keys = u32x8::from_slice(simd, &chunk.key).compress(touching);
         keys.store_slice(&mut near[n_near..n_near + CHUNK]);
         n_near += touching.to_bitmask().count_ones() as usize;
@@ -144,7 +149,7 @@ fn find_near<S: Simd>(
     let gap = if n_near > 0 {
         f32::NEG_INFINITY
     } else {
-        nearest.reduce_min().sqrt() - lists.square.sqrt()
+        nearest.reduce_min().sqrt() - square.sqrt()
     };
     (n_near, gap)
 }
@@ -189,23 +194,34 @@ fn add_pair_forces_on<S: Simd>(
         context,
         sink,
     };
-    for i in neighbours.range() {
-        let n_awake = neighbours.find_awake(simd, i, &bodies.travel, awake);
-        let own = &context.templates[bodies.template[i]];
-        for &k in &awake[..n_awake] {
-            let k = k as usize;
-            let j = neighbours.other(k);
-            let templates = [own, &context.templates[bodies.template[j]]];
-            if templates.iter().all(|template| template.is_sphere) {
-                collector.collect_spheres(neighbours, k, [i, j], templates);
-                continue;
+    let range = neighbours.range();
+    for first in range.clone().step_by(BLOCK) {
+        let block = first..range.end.min(first + BLOCK);
+        let mut ends = [0; BLOCK];
+        let mut n_awake = 0;
+        for (end, i) in ends.iter_mut().zip(block.clone()) {
+            n_awake = neighbours.find_awake(simd, i, &bodies.travel, awake, n_awake);
+            *end = n_awake;
+        }
+        let mut from = 0;
+        for (&end, i) in ends.iter().zip(block) {
+            let own = &context.templates[bodies.template[i]];
+            for &k in &awake[from..end] {
+                let k = k as usize;
+                let j = neighbours.other(k);
+                let templates = [own, &context.templates[bodies.template[j]]];
+                if templates.iter().all(|template| template.is_sphere) {
+                    collector.collect_spheres(neighbours, k, [i, j], templates);
+                    continue;
+                }
+                if bodies.travel[i] + bodies.travel[j] > neighbours.lists[k].limit {
+                    neighbours.refresh(simd, k, i, bodies, context, scratch);
+                }
+                if neighbours.lists[k].n_candidates > 0 {
+                    collector.collect_listed(neighbours, k, [i, j], templates);
+                }
             }
-            if bodies.travel[i] + bodies.travel[j] > neighbours.lists[k].limit {
-                neighbours.refresh(simd, k, i, bodies, context, scratch);
-            }
-            if neighbours.lists[k].n_candidates > 0 {
-                collector.collect_listed(neighbours, k, [i, j], templates);
-            }
+            from = end;
         }
     }
     collector.apply();
@@ -275,11 +291,18 @@ impl<S: Simd, K: Sink> Collector<'_, S, K> {
         let between = bodies.position[j] - bodies.position[i];
         let single = [0, 1, 2].map(|axis| between[axis] as f32);
         let (ri, rj) = (&bodies.cells_to_metres[i], &bodies.cells_to_metres[j]);
-        let (chunks, found) = (&neighbours.chunks[lists.chunks()], &mut *self.near);
+        let Slack {
+            reach: holds,
+            safety,
+            ..
+        } = context.slack;
+        let largest = templates[0].packed.largest + templates[1].packed.largest + holds + safety;
+        let chunks = (&neighbours.chunks[lists.chunks()], lists.n_candidates);
+        let found = &mut *self.near;
         let simd = self.simd;
         let (n_near, gap) = simd.vectorize(
             #[inline(always)]
-            || find_near(simd, lists, chunks, ri, rj, &single, found),
+            || find_near(simd, chunks, largest * largest, ri, rj, &single, found),
         );
         if n_near == 0 {
             // The touches move on without a pair that sleeps.

@@ -73,6 +73,8 @@ pub(crate) struct Packed {
     pub(crate) groups: Vec<Group>,
     /// x, y, z of the centre and radius of each sphere in their order, m.
     pub(crate) spheres: Vec<[f32; 4]>,
+    /// Largest radius, m.
+    pub(crate) largest: f32,
     /// Lower corner of the box that holds all spheres, m.
     pub(crate) low: [f32; 3],
     /// Upper corner, m.
@@ -204,6 +206,7 @@ impl Packed {
                 .iter()
                 .map(|s| single(s).map(|x| x as f32))
                 .collect(),
+            largest: spheres.iter().map(|s| s.radius).fold(0.0, f64::max) as f32,
             low: [bound(0, -1.0), bound(1, -1.0), bound(2, -1.0)],
             high: [bound(0, 1.0), bound(1, 1.0), bound(2, 1.0)],
         }

@@ -9,7 +9,7 @@ use crate::neighbours::{Previous, Touch};
 pub(crate) struct Workspace {
     /// Contacts that wait for their forces.
     pub(crate) batch: Batch,
-    /// Pairs of one body that are awake.
+    /// Pairs of some bodies that are awake.
     pub(crate) awake: Vec<u32>,
     /// Keys of the candidates of one pair that may touch.
     pub(crate) near: Vec<u32>,
