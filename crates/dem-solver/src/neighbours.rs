@@ -33,8 +33,8 @@ pub(crate) struct Touch {
     pub(crate) memory: Memory,
 }
 
-/// Candidates handled together: two bodies that touch have five on average, and a chunk fills two lines of
-/// the cache.
+/// Candidates handled together. A chunk fills two lines of the cache; the lists of the study's drum hold one and
+/// a half a pair.
 pub(crate) const CHUNK: usize = 8;
 
 /// The places of a chunk, numbered.

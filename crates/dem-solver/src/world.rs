@@ -225,6 +225,14 @@ impl World {
         Ok(self)
     }
 
+    /// The world on the instructions that every processor of its kind has, instead of the widest that this
+    /// one has: slower, and the same bits.
+    #[must_use]
+    pub fn on_basic_instructions(mut self) -> Self {
+        self.level = Level::baseline();
+        self
+    }
+
     /// Number of threads that the steps are spread over.
     pub fn n_threads(&self) -> usize {
         self.pool
