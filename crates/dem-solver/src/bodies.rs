@@ -63,7 +63,8 @@ pub struct Bodies {
     /// that turns with the reference spin, m.
     pub(crate) travel: Vec<f32>,
     /// The same of the centre of mass alone: less where bodies roll, and all that matters for bounding
-    /// spheres, m.
+    /// spheres, m. Not part of a snapshot, which has no lists.
+    #[serde(skip)]
     pub(crate) shift: Vec<f32>,
 }
 
@@ -87,7 +88,6 @@ impl Bodies {
             self.force.len(),
             self.torque.len(),
             self.travel.len(),
-            self.shift.len(),
         ];
         let finite = |vectors: &[Vector3<f64>]| vectors.iter().flatten().all(|x| x.is_finite());
         lengths.iter().all(|&length| length == n)

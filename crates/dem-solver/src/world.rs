@@ -501,7 +501,7 @@ impl World {
         let mut bodies = self.bodies.clone();
         // Ways count from the search that the lists come from.
         bodies.travel.fill(0.0);
-        bodies.shift.fill(0.0);
+        bodies.shift.clear();
         Snapshot {
             bodies,
             pairs: self.kept_pairs().collect(),
@@ -535,6 +535,7 @@ impl World {
         }
         snapshot.check(self)?;
         self.bodies = snapshot.bodies;
+        self.bodies.shift.resize(self.bodies.position.len(), 0.0);
         for (wall, spin) in self.walls.iter_mut().zip(snapshot.spins) {
             wall.spin = spin;
         }
