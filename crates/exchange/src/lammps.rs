@@ -77,8 +77,28 @@ pub fn convert(from: &Conversion) -> GranularContact {
 ///
 /// # Errors
 ///
-/// An apparatus other than a drum of constant speed, cohesion, several materials of seeds.
+/// As of [`setup`].
 pub fn deck(
+    scene: &Scene,
+    bodies: &[Arc<SeedBody>],
+    start: &Frame,
+    time_step: f64,
+) -> Result<Vec<File>, Error> {
+    let time_step = time_step / FINER;
+    let mut files = setup(scene, bodies, start, time_step)?;
+    add(
+        &mut files[0].text,
+        format_args!("{}", runs(scene, time_step)),
+    );
+    Ok(files)
+}
+
+/// The same files, but `in.drum`, the first, ends before the first run; `time_step` is that of the deck, s.
+///
+/// # Errors
+///
+/// An apparatus other than a drum of constant speed, cohesion, several materials of seeds.
+pub fn setup(
     scene: &Scene,
     bodies: &[Arc<SeedBody>],
     start: &Frame,
@@ -88,7 +108,7 @@ pub fn deck(
     Ok(vec![
         File {
             name: "in.drum".into(),
-            text: script(scene, drum, bodies, start, time_step / FINER)?,
+            text: script(scene, drum, bodies, start, time_step)?,
         },
         File {
             name: "drum.data".into(),
@@ -145,7 +165,27 @@ fn words(scene: &Scene, bodies: &[Arc<SeedBody>], c: &GranularContact) -> String
     text
 }
 
-/// The input script.
+/// Steps in a time (s), at least as long.
+fn steps(time: f64, time_step: f64) -> f64 {
+    (time / time_step).ceil()
+}
+
+/// The end of the script: the seeds settle, then the drum turns.
+fn runs(scene: &Scene, time_step: f64) -> String {
+    let protocol = &scene.protocol;
+    let every = steps(protocol.frame_interval.si(), time_step);
+    format!(
+        "thermo_style custom step time\n\
+         thermo {every}\n\
+         run {}\n\
+         dump bed all custom {every} bed.dump id type mol x y z radius vx vy vz\n\
+         run {}\n",
+        steps(protocol.settle_limit.si(), time_step),
+        steps(protocol.rotation_limit.si(), time_step),
+    )
+}
+
+/// The input script up to the first run.
 fn script(
     scene: &Scene,
     drum: &Drum,
@@ -168,10 +208,7 @@ fn script(
         .iter()
         .map(|s| s.radius)
         .fold(f64::INFINITY, f64::min);
-    let steps = |time: f64| (time / time_step).ceil();
-    let protocol = &scene.protocol;
-    let settle = steps(protocol.settle_limit.si());
-    let every = steps(protocol.frame_interval.si());
+    let settle = steps(scene.protocol.settle_limit.si(), time_step);
     let down = drum.tilt.map_or(0.0, quantity::Angle::si);
     Ok(format!(
         "# {} seeds in a drum of {} mm, written from {}.\n\
@@ -197,12 +234,7 @@ fn script(
          region back plane 0 0 {} 0 0 1 side in rotate v_angle 0 0 0 0 0 1\n\
          fix shell all wall/gran/region granular {shell} region shell\n\
          fix front all wall/gran/region granular {cover} region front\n\
-         fix back all wall/gran/region granular {cover} region back\n\
-         thermo_style custom step time\n\
-         thermo {every}\n\
-         run {settle}\n\
-         dump bed all custom {every} bed.dump id type mol x y z radius vx vy vz\n\
-         run {}\n",
+         fix back all wall/gran/region granular {cover} region back\n",
         start.position.len(),
         2e3 * radius,
         scene.file,
@@ -215,7 +247,6 @@ fn script(
         -2.0 * half,
         2.0 * half,
         -half,
-        steps(protocol.rotation_limit.si()),
     ))
 }
 
@@ -249,7 +280,7 @@ fn data(drum: &Drum, bodies: &[Arc<SeedBody>], start: &Frame) -> String {
     )
 }
 
-/// Mass, place and inertia of each seed.
+/// Mass, place, inertia and motion of each seed.
 fn rigid_bodies(bodies: &[Arc<SeedBody>], start: &Frame) -> String {
     let mut text = format!("{}\n", start.position.len());
     for i in 0..start.position.len() {
@@ -257,9 +288,10 @@ fn rigid_bodies(bodies: &[Arc<SeedBody>], start: &Frame) -> String {
         let turn = start.orientation[i].to_rotation_matrix();
         let moments = nalgebra::Matrix3::from_diagonal(&clump.inertia());
         let inertia = turn.matrix() * moments * turn.matrix().transpose();
-        let p = start.position[i];
+        let (p, v) = (start.position[i], start.velocity[i]);
+        let l = inertia * start.spin[i];
         let row = format_args!(
-            "{} {:e} {:e} {:e} {:e} {:e} {:e} {:e} {:e} {:e} {:e} 0 0 0 0 0 0 0 0 0\n",
+            "{} {:e} {:e} {:e} {:e} {:e} {:e} {:e} {:e} {:e} {:e} {:e} {:e} {:e} {:e} {:e} {:e} 0 0 0\n",
             i + 1,
             clump.mass(),
             p.x,
@@ -270,7 +302,13 @@ fn rigid_bodies(bodies: &[Arc<SeedBody>], start: &Frame) -> String {
             inertia.m33,
             inertia.m12,
             inertia.m13,
-            inertia.m23
+            inertia.m23,
+            v.x,
+            v.y,
+            v.z,
+            l.x,
+            l.y,
+            l.z
         );
         add(&mut text, row);
     }

@@ -9,14 +9,15 @@
 //! | clipped end of the normal force | `limitForce on` |
 //! | rolling friction of type A with the lever arm of the body | `rolling_friction cdt torsionTorque on`, whose arm is the reduced radius of the spheres: the coefficient is scaled by arm over radius |
 //! | mass and inertia of the seed | `mass` and `inertia_tensor` of the template |
-//! | places of the seeds | not taken over: the deck lets seeds rain into the turning drum |
+//! | places of the seeds | [`deck`] lets seeds rain into the turning drum; [`setup`] can also put each where a frame has it, by an insertion of its own |
 
 use crate::Error;
 use crate::drum_deck::{FINER, Shares, restitution_of_body, supported};
 use crate::vtk::{File, add};
 use contact_law::NormalForceEnd;
+use nalgebra::Vector3;
 use quantity::Frequency;
-use scene::{ContactSettings, Drum, RollingLaw, Scene, SeedBody};
+use scene::{ContactSettings, Drum, Frame, RollingLaw, Scene, SeedBody};
 use std::sync::Arc;
 
 /// The tool, for messages.
@@ -28,18 +29,51 @@ const INSERTION: f64 = 0.02;
 /// Seeds a second where the scene does not say.
 const RATE: f64 = 5000.0;
 
+/// Half the edge of the box in which the centre of a seed is put, m: far below the overlaps of contacts.
+const PLACE: f64 = 1e-8;
+
+/// How the seeds get into the drum.
+#[derive(Debug, Clone, Copy)]
+pub enum Start<'a> {
+    /// They rain into it, at places drawn from this seed.
+    Rain(u64),
+    /// They are where a frame has them, with its motion.
+    Frame(&'a Frame),
+}
+
 /// The deck: `in.drum`, `cover.stl`, and one file of spheres for each kind of seeds. `time_step` is the one that
 /// the solver here takes, s; `seed` that of the places of the seeds.
 ///
 /// # Errors
 ///
-/// An apparatus other than a drum of constant speed, a tilted axis, cohesion, rolling resistance of type C, several
-/// materials of seeds.
+/// As of [`setup`].
 pub fn deck(
     scene: &Scene,
     bodies: &[Arc<SeedBody>],
     time_step: f64,
     seed: u64,
+) -> Result<Vec<File>, Error> {
+    let time_step = time_step / FINER;
+    let mut files = setup(scene, bodies, Start::Rain(seed), time_step)?;
+    add(
+        &mut files[0].text,
+        format_args!("{}", runs(scene, time_step)),
+    );
+    Ok(files)
+}
+
+/// The same files, but `in.drum`, the first, ends before the run; `time_step` is that of the deck, s. A start from a
+/// frame takes the first step.
+///
+/// # Errors
+///
+/// An apparatus other than a drum of constant speed, a tilted axis, cohesion, rolling resistance of type C, several
+/// materials of seeds.
+pub fn setup(
+    scene: &Scene,
+    bodies: &[Arc<SeedBody>],
+    start: Start<'_>,
+    time_step: f64,
 ) -> Result<Vec<File>, Error> {
     let drum = supported(scene, TOOL)?;
     if scene.model.rolling_law == RollingLaw::SpringDashpot {
@@ -52,7 +86,7 @@ pub fn deck(
     let mut files = vec![
         File {
             name: "in.drum".into(),
-            text: script(scene, drum, bodies, time_step / FINER, seed)?,
+            text: script(scene, drum, bodies, start, time_step)?,
         },
         File {
             name: "cover.stl".into(),
@@ -97,37 +131,112 @@ fn cover(drum: &Drum) -> String {
     format!("solid cover\n{one}{other}endsolid cover\n")
 }
 
-/// The seeds of each kind and how they rain in: each by a distribution of its own, since one of all kinds
-/// does not keep their numbers.
+/// The shape of a kind of seeds, and a distribution of it alone: one of all kinds does not keep their
+/// numbers. Mass and inertia are given, but the centre of mass is found from so many random points.
+fn shape(
+    kind: usize,
+    body: &SeedBody,
+    points: u32,
+    seeds: &mut impl Iterator<Item = u64>,
+) -> String {
+    let (number, file) = (kind + 1, spheres_file(kind));
+    let (n, i) = (body.outer.spheres().len(), body.clump.inertia());
+    let [first, second] = [(); 2].map(|()| seeds.next().unwrap_or(0));
+    format!(
+        "fix seed{number} all particletemplate/multisphere {first} atom_type 1 density constant {} \
+         nspheres {n} ntry {points} spheres file {file} scale 1.0 type {number} mass {:e} \
+         inertia_tensor {:e} 0.0 0.0 {:e} 0.0 {:e} use_volume\n\
+         fix kind{number} all particledistribution/discrete {second} 1 seed{number} 1.0\n",
+        body.fraction_density,
+        body.clump.mass(),
+        i.x,
+        i.y,
+        i.z,
+    )
+}
+
+/// The seeds of each kind and how they rain in.
 fn rain(scene: &Scene, bodies: &[Arc<SeedBody>], every: f64, seed: u64) -> String {
-    let mut primes = primes_from(10_007 + 1000 * seed);
-    let mut prime = || primes.next().unwrap_or(0);
+    let mut seeds = primes_from(10_007 + 1000 * seed);
     let rate = scene.protocol.insertion_rate.map_or(RATE, Frequency::si);
     let mut text = String::new();
     for (k, (kind, body)) in scene.seed.iter().zip(bodies).enumerate() {
-        let (n, file) = (body.outer.spheres().len(), spheres_file(k));
-        let (number, i) = (k + 1, body.clump.inertia());
+        text.push_str(&shape(k, body, 100_000, &mut seeds));
+        let number = k + 1;
         let rate = rate * kind.count as f64 / scene.seed_count() as f64;
         add(
             &mut text,
             format_args!(
-                "fix seed{number} all particletemplate/multisphere {} atom_type 1 density constant {} \
-                 nspheres {n} ntry 100000 spheres file {file} scale 1.0 type {number} mass {:e} \
-                 inertia_tensor {:e} 0.0 0.0 {:e} 0.0 {:e} use_volume\n\
-                 fix kind{number} all particledistribution/discrete {} 1 seed{number} 1.0\n\
-                 fix rain{number} all insert/rate/region seed {} distributiontemplate kind{number} \
+                "fix rain{number} all insert/rate/region seed {} distributiontemplate kind{number} \
                  nparticles {} particlerate {rate} insert_every {every} overlapcheck yes all_in yes \
                  orientation random region sky ntry_mc 10000\n",
-                prime(),
-                body.fraction_density,
-                body.clump.mass(),
-                i.x,
-                i.y,
-                i.z,
-                prime(),
-                prime(),
+                seeds.next().unwrap_or(0),
                 kind.count,
             ),
+        );
+    }
+    text
+}
+
+/// The seeds of a frame, one insertion each.
+fn placed(bodies: &[Arc<SeedBody>], frame: &Frame) -> String {
+    let mut seeds = primes_from(10_007);
+    let mut text = String::new();
+    for (k, body) in bodies.iter().enumerate() {
+        // The points scatter by about a millimetre, so the centre is right to about a micrometre.
+        text.push_str(&shape(k, body, 10_000_000, &mut seeds));
+    }
+    let centroids: Vec<_> = bodies.iter().map(|body| centroid(body)).collect();
+    for i in 0..frame.position.len() {
+        let (kind, turn) = (frame.kind[i], frame.orientation[i]);
+        // What is put into the place is the centre of the spheres' volume.
+        let c = frame.position[i] + turn * centroids[kind];
+        let (v, w, q) = (frame.velocity[i], frame.spin[i], turn.coords);
+        let edges = [c.x, c.y, c.z].map(|x| format!("{:.10} {:.10}", x - PLACE, x + PLACE));
+        add(
+            &mut text,
+            format_args!(
+                "region place{i} block {} units box volume_limit 1e-30\n\
+                 fix put{i} all insert/pack seed {} distributiontemplate kind{} insert_every once \
+                 overlapcheck no all_in no vel constant {:e} {:e} {:e} omega constant {:e} {:e} {:e} \
+                 orientation constant {} {} {} {} particles_in_region 1 region place{i} ntry_mc 1000\n",
+                edges.join(" "),
+                seeds.next().unwrap_or(0),
+                kind + 1,
+                v.x,
+                v.y,
+                v.z,
+                w.x,
+                w.y,
+                w.z,
+                q.w,
+                q.x,
+                q.y,
+                q.z,
+            ),
+        );
+    }
+    text
+}
+
+/// Centre of the volume of the spheres at the surface, as if they did not overlap, m.
+fn centroid(body: &SeedBody) -> Vector3<f64> {
+    let (mut moment, mut volume) = (Vector3::zeros(), 0.0);
+    for sphere in body.outer.spheres() {
+        let own = sphere.radius.powi(3);
+        moment += sphere.centre * own;
+        volume += own;
+    }
+    moment / volume
+}
+
+/// The step in which the seeds of a frame are put in, and the end of the insertions.
+fn put(frame: &Frame) -> String {
+    let mut text = "run 1\n".to_owned();
+    for i in 0..frame.position.len() {
+        add(
+            &mut text,
+            format_args!("unfix put{i}\nregion place{i} delete\n"),
         );
     }
     text
@@ -221,27 +330,56 @@ fn walls(drum: &Drum, law: &Law) -> String {
     )
 }
 
-/// The input script.
+/// Steps in a time (s), at least as long.
+fn steps(time: f64, time_step: f64) -> f64 {
+    (time / time_step).ceil()
+}
+
+/// The end of the script: seeds rain in, settle and flow.
+fn runs(scene: &Scene, time_step: f64) -> String {
+    let protocol = &scene.protocol;
+    let rate = protocol.insertion_rate.map_or(RATE, Frequency::si);
+    let rain = scene.seed_count() as f64 / rate;
+    let whole = rain + protocol.settle_limit.si() + protocol.rotation_limit.si();
+    let every = steps(protocol.frame_interval.si(), time_step);
+    format!(
+        "thermo_style custom step time\n\
+         thermo {every}\n\
+         dump bed all custom {every} bed.dump id type x y z radius vx vy vz\n\
+         run {}\n",
+        steps(whole, time_step),
+    )
+}
+
+/// The input script up to the run.
 fn script(
     scene: &Scene,
     drum: &Drum,
     bodies: &[Arc<SeedBody>],
+    start: Start<'_>,
     time_step: f64,
-    seed: u64,
 ) -> Result<String, Error> {
     let law = law(scene, drum, bodies)?;
     let (radius, half) = (0.5 * drum.inner_diameter.si(), 0.5 * drum.width.si());
     let outer = bodies.iter().flat_map(|b| b.outer.spheres());
     let smallest = outer.map(|s| s.radius).fold(f64::INFINITY, f64::min);
-    let steps = |time: f64| (time / time_step).ceil();
-    let (count, protocol) = (scene.seed_count(), &scene.protocol);
-    let rate = protocol.insertion_rate.map_or(RATE, Frequency::si);
-    let whole = count as f64 / rate + protocol.settle_limit.si() + protocol.rotation_limit.si();
     let down = drum.tilt.map_or(0.0, quantity::Angle::si);
+    let [shapes, first, how] = match start {
+        Start::Rain(seed) => [
+            rain(scene, bodies, steps(INSERTION, time_step), seed),
+            String::new(),
+            "The seeds rain into the turning drum.".into(),
+        ],
+        Start::Frame(frame) => [
+            placed(bodies, frame),
+            put(frame),
+            format!("The seeds are where they were after {} s.", frame.time),
+        ],
+    };
     Ok(format!(
-        "# {count} seeds in a drum of {} mm, written from {}.\n\
+        "# {} seeds in a drum of {} mm, written from {}.\n\
          # Contacts are converted, not copied: the restitution is that of a dashpot with the mass of the rigid body,\n\
-         # rolling friction that of the spheres' arm. The seeds rain into the turning drum.\n\
+         # rolling friction that of the spheres' arm. {how}\n\
          units si\n\
          atom_style granular\n\
          atom_modify map array\n\
@@ -258,12 +396,9 @@ fn script(
          pair_coeff * *\n\
          timestep {time_step:e}\n\
          fix weight all gravity {} vector 0.0 {} {}\n\
-         {walls}{rain}\
-         fix seeds all multisphere\n\
-         thermo_style custom step time\n\
-         thermo {every}\n\
-         dump bed all custom {every} bed.dump id type x y z radius vx vy vz\n\
-         run {}\n",
+         {walls}{shapes}\
+         fix seeds all multisphere allow_group_and_set yes\n{first}",
+        scene.seed_count(),
         2e3 * radius,
         scene.file,
         -1.2 * half,
@@ -271,15 +406,12 @@ fn script(
         scene.model.gravity_m_s2,
         -down.cos(),
         down.sin(),
-        steps(whole),
         low = -1.6 * radius,
         high = 1.6 * radius,
         properties = law.properties,
         model = law.model,
         settings = law.settings,
         walls = walls(drum, &law),
-        rain = rain(scene, bodies, steps(INSERTION), seed),
-        every = steps(protocol.frame_interval.si()),
     ))
 }
 

@@ -85,7 +85,7 @@ fn row(arguments: &Arguments, other: &Path, scene: BenchmarkScene) -> anyhow::Re
 /// The flowing scene.
 fn world(arguments: &Arguments, scene: BenchmarkScene) -> anyhow::Result<World> {
     match scene {
-        BenchmarkScene::Seeds(count) => Ok(seed_drum::flowing(arguments, count, false)?.0),
+        BenchmarkScene::Seeds(count) => seed_drum::flowing(arguments, count),
         BenchmarkScene::Spheres(count) => {
             sphere_drum::flowing(arguments, count)?.world(sphere_drum::TIME_STEP)
         }

@@ -38,7 +38,9 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..1000))]
     pub(crate) blocks: u32,
 
-    /// Run LIGGGHTS and LAMMPS on the same plain spheres in turn with this solver
+    /// Run LIGGGHTS and LAMMPS on the same scenes in turn with this solver
+    ///
+    /// Plain spheres at the same time step; seeds at the step of each code, which costs minutes a round.
     #[arg(long)]
     pub(crate) peers: bool,
 
@@ -71,7 +73,11 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "FILE", default_value = ".tools/lammps/bin/lmp")]
     pub(crate) lammps: PathBuf,
 
-    /// Neighbour skin of the peers in mm
+    /// Time step of the peers in a drum of seeds in us
+    #[arg(long, value_name = "US", default_value_t = 10.0, value_parser = peer_step)]
+    pub(crate) peer_step_us: f64,
+
+    /// Neighbour skin of the peers on plain spheres in mm
     #[arg(long, value_name = "MM", default_value_t = 0.5, value_parser = skin)]
     pub(crate) peer_skin_mm: f64,
 
@@ -104,6 +110,14 @@ impl Arguments {
         all.extend(self.large.then_some(BenchmarkScene::Spheres(1_000_000)));
         all
     }
+}
+
+/// Reads a time step.
+fn peer_step(text: &str) -> Result<f64, String> {
+    text.parse()
+        .ok()
+        .filter(|step: &f64| (0.1..=100.0).contains(step))
+        .ok_or_else(|| "a time step must be from 0.1 to 100 us".into())
 }
 
 /// Reads a skin.

@@ -1,8 +1,31 @@
-//! Input of LIGGGHTS and LAMMPS for a drum of plain spheres: the same positions and motion, the
-//! same law, the same step.
+//! Input of LIGGGHTS and LAMMPS: the same positions and motion, the same law; for plain spheres also the same
+//! step.
 
-use crate::sphere_drum::{DENSITY, GRAVITY, RADIUS, SphereDrum, TIME_STEP};
+use crate::seed_drum::SeedDrum;
+use crate::sphere_drum::{DENSITY, GRAVITY, RADIUS, SphereDrum};
+use exchange::vtk::File;
+use exchange::{lammps, liggghts};
 use std::fmt::Write as _;
+
+/// Name of the script in each folder.
+pub(crate) const SCRIPT: &str = "in.drum";
+
+/// A code to compare with.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Code {
+    Liggghts,
+    Lammps,
+}
+
+impl Code {
+    /// Name of the code.
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Self::Liggghts => "LIGGGHTS",
+            Self::Lammps => "LAMMPS",
+        }
+    }
+}
 
 /// Script that the peers start between blocks: it adds the time on the processor (ns) and the peak
 /// memory (KiB) of the process that started it to a file.
@@ -16,12 +39,53 @@ pub(crate) struct Plan {
     pub(crate) block_steps: usize,
     /// Blocks behind the first, which warms up.
     pub(crate) blocks: u32,
-    /// Neighbour skin, m.
+    /// Time step, s.
+    pub(crate) time_step: f64,
+    /// Neighbour skin of plain spheres, m.
     pub(crate) skin: f64,
 }
 
+/// The files of a drum of plain spheres.
+pub(crate) fn of_spheres(drum: &SphereDrum, code: Code, plan: &Plan) -> Vec<File> {
+    let script = match code {
+        Code::Liggghts => spheres_in_liggghts(drum, plan),
+        Code::Lammps => spheres_in_lammps(drum, plan),
+    };
+    let file = |name: &str, text| File {
+        name: name.into(),
+        text,
+    };
+    vec![file(SCRIPT, script), file("spheres.data", data(drum))]
+}
+
+/// The files of a drum of seeds: those of `seedloop export`, from the flow on.
+///
+/// # Errors
+///
+/// A drum that the code cannot run.
+pub(crate) fn of_seeds(drum: &SeedDrum, code: Code, plan: &Plan) -> anyhow::Result<Vec<File>> {
+    let mut scene = drum.scene.clone();
+    // The seeds flow already: the shell turns from the first step on.
+    scene.protocol.settle_limit = quantity::Time::from_si(0.0)?;
+    let (start, step) = (drum.frame(), plan.time_step);
+    let (mut files, energy) = match code {
+        Code::Liggghts => {
+            let from = liggghts::Start::Frame(&start);
+            let files = liggghts::setup(&scene, &drum.bodies, from, step)?;
+            (files, "compute energy all ke/multisphere\n")
+        }
+        Code::Lammps => {
+            let files = lammps::setup(&scene, &drum.bodies, &start, step)?;
+            (files, "compute energy all ke/rigid seeds\n")
+        }
+    };
+    files[0].text.push_str(energy);
+    files[0].text.push_str(&run_blocks(plan, "c_energy"));
+    Ok(files)
+}
+
 /// Spheres as both codes read them.
-pub(crate) fn data(drum: &SphereDrum) -> String {
+fn data(drum: &SphereDrum) -> String {
     let reach = drum.radius + RADIUS;
     let half = 0.5 * drum.width + RADIUS;
     let n = drum.placements.len();
@@ -54,7 +118,7 @@ pub(crate) fn data(drum: &SphereDrum) -> String {
 }
 
 /// Deck of LIGGGHTS.
-pub(crate) fn liggghts(drum: &SphereDrum, plan: &Plan) -> String {
+fn spheres_in_liggghts(drum: &SphereDrum, plan: &Plan) -> String {
     let contacts = &drum.contacts;
     let young = contacts.materials.map(|m| m.youngs_modulus());
     let poisson = contacts.materials.map(|m| m.poisson_ratio);
@@ -75,24 +139,25 @@ pub(crate) fn liggghts(drum: &SphereDrum, plan: &Plan) -> String {
          fix poisson all property/global poissonsRatio peratomtype {poisson}\n\
          fix restitution all property/global coefficientRestitution peratomtypepair 3 {restitution}\n\
          fix friction all property/global coefficientFriction peratomtypepair 3 {friction}\n\
-         pair_style gran {law} {end}\npair_coeff * *\ntimestep {TIME_STEP:e}\n\
+         pair_style gran {law} {end}\npair_coeff * *\ntimestep {step:e}\n\
          fix weight all gravity {GRAVITY} vector 0.0 -1.0 0.0\n\
          fix shell all wall/gran {law} primitive type 2 zcylinder {radius:e} 0. 0. shear x {spin:e} {end}\n\
          fix back all wall/gran {law} primitive type 3 zplane {low:e} {end}\n\
          fix front all wall/gran {law} primitive type 3 zplane {half:e} {end}\n\
          fix motion all nve/sphere\n{run}",
         skin = plan.skin,
+        step = plan.time_step,
         young = list(young),
         poisson = list(poisson),
         restitution = pairs(|p| p.restitution),
         friction = pairs(|p| p.static_friction),
         low = -half,
-        run = run_blocks(plan),
+        run = run_blocks(plan, "ke"),
     )
 }
 
 /// Deck of LAMMPS.
-pub(crate) fn lammps(drum: &SphereDrum, plan: &Plan) -> String {
+fn spheres_in_lammps(drum: &SphereDrum, plan: &Plan) -> String {
     let moduli = drum.contacts.moduli();
     let law = |k: usize| {
         let (m, p) = (&moduli[k], &drum.contacts.parameters[k]);
@@ -111,7 +176,7 @@ pub(crate) fn lammps(drum: &SphereDrum, plan: &Plan) -> String {
     format!(
         "atom_style sphere\natom_modify map array\nboundary f f f\nnewton off\ncomm_modify vel yes\n\
          units si\nread_data spheres.data\nneighbor {skin:e} bin\nneigh_modify delay 0\n\
-         pair_style granular\npair_coeff * * {own}\ntimestep {TIME_STEP:e}\n\
+         pair_style granular\npair_coeff * * {own}\ntimestep {step:e}\n\
          fix weight all gravity {GRAVITY} vector 0 -1 0\n\
          variable angle equal {spin:e}*dt*step\n\
          region shell cylinder z 0 0 {radius:e} {beyond_low:e} {beyond:e} side in open 1 open 2 &\n\
@@ -120,6 +185,7 @@ pub(crate) fn lammps(drum: &SphereDrum, plan: &Plan) -> String {
          fix covers all wall/gran granular {cover} zplane {low:e} {half:e}\n\
          fix motion all nve/sphere\n{run}",
         skin = plan.skin,
+        step = plan.time_step,
         own = law(0),
         shell = law(1),
         cover = law(2),
@@ -127,15 +193,16 @@ pub(crate) fn lammps(drum: &SphereDrum, plan: &Plan) -> String {
         beyond = half + RADIUS,
         beyond_low = -half - RADIUS,
         low = -half,
-        run = run_blocks(plan),
+        run = run_blocks(plan, "ke"),
     )
 }
 
-/// The steps with a sample behind each block, and the bed at the end.
-fn run_blocks(plan: &Plan) -> String {
-    let mut text = String::from(
-        "variable x equal xcm(all,x)\nvariable y equal xcm(all,y)\nvariable e equal ke\n\
-         thermo_style custom step ke\nthermo_modify norm no\nthermo 1000000\n",
+/// The steps with a sample behind each block, and the bed at the end; `energy` is what the code calls the kinetic
+/// energy of translation.
+fn run_blocks(plan: &Plan, energy: &str) -> String {
+    let mut text = format!(
+        "variable x equal xcm(all,x)\nvariable y equal xcm(all,y)\nvariable e equal {energy}\n\
+         thermo_style custom step {energy}\nthermo_modify norm no\nthermo 1000000\n",
     );
     for _ in 0..=plan.blocks {
         let _ = writeln!(text, "run {}\nshell exec sh sample.sh", plan.block_steps);
@@ -152,9 +219,9 @@ fn list(numbers: impl IntoIterator<Item = f64>) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::{Plan, lammps, liggghts};
+    use super::{Code, Plan, of_spheres};
     use crate::contacts::Contacts;
-    use crate::sphere_drum::SphereDrum;
+    use crate::sphere_drum::{SphereDrum, TIME_STEP};
     use scene::Scene;
 
     // Values by hand for the study's materials: E = 2 G (1 + nu) = 9.1428 MPa; of two seeds
@@ -174,9 +241,11 @@ mod tests {
         let plan = Plan {
             block_steps: 10,
             blocks: 2,
+            time_step: TIME_STEP,
             skin: 1e-3,
         };
-        let (one, other) = (liggghts(&drum, &plan), lammps(&drum, &plan));
+        let script = |code| of_spheres(&drum, code, &plan).swap_remove(0).text;
+        let (one, other) = (script(Code::Liggghts), script(Code::Lammps));
         let number = |deck: &str, line: &str, word: usize| -> f64 {
             let line = deck.lines().find(|l| l.starts_with(line)).unwrap();
             line.split_whitespace().nth(word).unwrap().parse().unwrap()

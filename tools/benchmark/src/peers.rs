@@ -1,24 +1,84 @@
-//! LIGGGHTS and LAMMPS on the same plain spheres, in turn with this solver.
+//! LIGGGHTS and LAMMPS on the same drum, in turn with this solver.
 
 use crate::arguments::Arguments;
-use crate::deck::{self, Plan};
+use crate::deck::{self, Code, Plan};
 use crate::measure::{Row, measure_world};
 use crate::scenes::BenchmarkScene;
-use crate::sphere_drum::{SphereDrum, TIME_STEP, flowing};
+use crate::seed_drum::{self, SeedDrum};
+use crate::sphere_drum::{self, SphereDrum};
 use anyhow::Context as _;
+use dem_solver::World;
+use exchange::vtk::File;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
-/// A code to compare with.
+/// Steps of a block of the peers in a drum of seeds, where a step takes a tenth of a second.
+const SEED_BLOCK_STEPS: usize = 500;
+
+/// A code to compare with and its program.
 #[derive(Debug, Clone)]
 struct Peer {
-    /// Name.
-    name: &'static str,
-    /// Program.
+    code: Code,
     program: PathBuf,
-    /// Its deck.
-    deck: fn(&SphereDrum, &Plan) -> String,
+}
+
+/// The drum that all codes run, from one start.
+enum Drum {
+    /// Plain spheres; all codes take one step.
+    Spheres(SphereDrum),
+    /// Seeds; each code takes its own step.
+    Seeds(SeedDrum),
+}
+
+impl Drum {
+    /// The flow of a scene.
+    fn flowing(arguments: &Arguments, scene: BenchmarkScene) -> anyhow::Result<Self> {
+        Ok(match scene {
+            BenchmarkScene::Spheres(count) => {
+                Self::Spheres(sphere_drum::flowing(arguments, count)?)
+            }
+            BenchmarkScene::Seeds(count) => Self::Seeds(seed_drum::start(arguments, count)?),
+        })
+    }
+
+    /// The solver's world.
+    fn world(&self) -> anyhow::Result<World> {
+        match self {
+            Self::Spheres(drum) => drum.world(sphere_drum::TIME_STEP),
+            Self::Seeds(drum) => drum.world(),
+        }
+    }
+
+    /// Number of spheres, those inside seeds included.
+    fn spheres(&self) -> usize {
+        match self {
+            Self::Spheres(drum) => drum.placements.len(),
+            Self::Seeds(drum) => drum.spheres,
+        }
+    }
+
+    /// What the peers run.
+    fn plan(&self, arguments: &Arguments, scene: BenchmarkScene) -> Plan {
+        let (block_steps, time_step) = match self {
+            Self::Spheres(_) => (scene.block_steps(), sphere_drum::TIME_STEP),
+            Self::Seeds(_) => (SEED_BLOCK_STEPS, arguments.peer_step_us * 1e-6),
+        };
+        Plan {
+            block_steps,
+            blocks: arguments.blocks,
+            time_step,
+            skin: arguments.peer_skin_mm * 1e-3,
+        }
+    }
+
+    /// The input of a peer.
+    fn files(&self, code: Code, plan: &Plan) -> anyhow::Result<Vec<File>> {
+        Ok(match self {
+            Self::Spheres(drum) => deck::of_spheres(drum, code, plan),
+            Self::Seeds(drum) => deck::of_seeds(drum, code, plan)?,
+        })
+    }
 }
 
 /// Measures this solver and the peers on each scene; rows of one scene follow each other, this
@@ -29,22 +89,17 @@ pub(crate) fn compare(
 ) -> anyhow::Result<Vec<Row>> {
     let peers = [
         Peer {
-            name: "LIGGGHTS",
+            code: Code::Liggghts,
             program: program(&arguments.liggghts)?,
-            deck: deck::liggghts,
         },
         Peer {
-            name: "LAMMPS",
+            code: Code::Lammps,
             program: program(&arguments.lammps)?,
-            deck: deck::lammps,
         },
     ];
     let mut rows = Vec::new();
     for scene in scenes {
-        let BenchmarkScene::Spheres(count) = *scene else {
-            anyhow::bail!("{scene}: with --peers only spheres-N can be measured");
-        };
-        rows.extend(compare_scene(arguments, *scene, count, &peers)?);
+        rows.extend(compare_scene(arguments, *scene, &peers)?);
     }
     Ok(rows)
 }
@@ -53,28 +108,26 @@ pub(crate) fn compare(
 fn compare_scene(
     arguments: &Arguments,
     scene: BenchmarkScene,
-    count: usize,
     peers: &[Peer],
 ) -> anyhow::Result<Vec<Row>> {
-    let drum = flowing(arguments, count)?;
-    let plan = Plan {
-        block_steps: scene.block_steps(),
-        blocks: arguments.blocks,
-        skin: arguments.peer_skin_mm * 1e-3,
-    };
+    let drum = Drum::flowing(arguments, scene)?;
+    let plan = drum.plan(arguments, scene);
     let mut rows: Vec<Row> = Vec::new();
     for round in 1..=arguments.rounds {
         arguments
             .common
             .log(|| format!("{scene}: round {round} of {}", arguments.rounds));
-        let mut world = drum.world(TIME_STEP)?;
+        let mut world = drum.world()?;
         let name = scene.to_string();
-        let mut own = measure_world(&name, &mut world, count, plan.block_steps, plan.blocks)?;
+        // A block is the same time for all codes.
+        let per_step = plan.time_step / world.settings().time_step;
+        let own_steps = (plan.block_steps as f64 * per_step).round() as usize;
+        let mut own = measure_world(&name, &mut world, drum.spheres(), own_steps, plan.blocks)?;
         // This process has also prepared the scene and written it for the peers.
         own.peak_memory_mib = None;
         let mut of_round = vec![own];
         for peer in peers {
-            let folder = arguments.work.join(&name).join(peer.name);
+            let folder = arguments.work.join(&name).join(peer.code.name());
             of_round.push(run_peer(peer, &drum, &plan, &folder, &of_round[0])?);
         }
         if rows.is_empty() {
@@ -89,9 +142,9 @@ fn compare_scene(
         let blocks = std::mem::take(&mut row.us_per_step_blocks);
         row.set_blocks(blocks);
     }
-    let own = rows.first().map_or(f64::NAN, |row| row.us_per_step);
+    let own = rows.first().map_or(f64::NAN, |r| r.cpu_s_per_simulated_s);
     for row in &mut rows {
-        row.cost_over_seedloop = Some(row.us_per_step / own);
+        row.cost_over_seedloop = Some(row.cpu_s_per_simulated_s / own);
     }
     Ok(rows)
 }
@@ -99,22 +152,24 @@ fn compare_scene(
 /// Runs a peer once in a folder of its own.
 fn run_peer(
     peer: &Peer,
-    drum: &SphereDrum,
+    drum: &Drum,
     plan: &Plan,
     folder: &Path,
     own: &Row,
 ) -> anyhow::Result<Row> {
+    let name = peer.code.name();
     let write = |name: &str, text: &str| {
         let file = folder.join(name);
         fs::write(&file, text).with_context(|| format!("cannot write {}", file.display()))
     };
     fs::create_dir_all(folder).with_context(|| format!("cannot make {}", folder.display()))?;
-    write("spheres.data", &deck::data(drum))?;
-    write("in.deck", &(peer.deck)(drum, plan))?;
+    for file in drum.files(peer.code, plan)? {
+        write(&file.name, &file.text)?;
+    }
     write("sample.sh", deck::SAMPLE)?;
     write("samples.txt", "")?;
     let status = Command::new(&peer.program)
-        .args(["-in", "in.deck", "-log", "log.txt", "-screen", "none"])
+        .args(["-in", deck::SCRIPT, "-log", "log.txt"])
         .current_dir(folder)
         .env("OMP_NUM_THREADS", "1")
         .stdin(Stdio::null())
@@ -122,16 +177,12 @@ fn run_peer(
         .status()
         .with_context(|| {
             let program = peer.program.display();
-            format!(
-                "cannot start {program}: install {} or name its program",
-                peer.name
-            )
+            format!("cannot start {program}: install {name} or name its program")
         })?;
     let log = folder.join("log.txt");
     anyhow::ensure!(
         status.success(),
-        "{} ended with {status}: see {}",
-        peer.name,
+        "{name} ended with {status}: see {}",
         log.display()
     );
     let samples = read_samples(&folder.join("samples.txt"), plan)?;
@@ -141,12 +192,13 @@ fn run_peer(
     });
     let [x, y, energy] = read_result(&log)?;
     let mut row = Row {
-        code: peer.name.into(),
+        code: name.into(),
         contacts: None,
         peak_memory_mib: samples.last().map(|s| s.1 / 1024.0),
         centre_of_mass_deg: x.atan2(-y).to_degrees(),
         kinetic_energy_uj: energy * 1e6,
-        time_step_s: TIME_STEP,
+        time_step_s: plan.time_step,
+        block_steps: plan.block_steps,
         ..own.clone()
     };
     row.set_blocks(blocks.collect());
@@ -214,6 +266,7 @@ mod tests {
         let plan = Plan {
             block_steps: 10,
             blocks: 1,
+            time_step: 1e-5,
             skin: 1e-3,
         };
         let whole = file("whole", "5000 100\n9000 120\n");

@@ -45,7 +45,7 @@ pub(crate) fn compare(
 /// Measures a scene.
 fn row(arguments: &Arguments, scene: BenchmarkScene, threads: usize) -> anyhow::Result<ScalingRow> {
     let mut one = match scene {
-        BenchmarkScene::Seeds(count) => seed_drum::flowing(arguments, count, true)?.0,
+        BenchmarkScene::Seeds(count) => seed_drum::start(arguments, count)?.world()?,
         BenchmarkScene::Spheres(count) => {
             sphere_drum::flowing(arguments, count)?.world(sphere_drum::TIME_STEP)?
         }

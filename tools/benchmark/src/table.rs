@@ -27,17 +27,18 @@ pub(crate) fn of_scenes(rows: &[Row]) -> String {
 
 /// Table of all codes.
 pub(crate) fn of_peers(rows: &[Row]) -> String {
-    let head = "| scene | code | us per step | million sphere-steps/s | CPU-s per simulated \
+    let head = "| scene | code | time step (us) | us per step | million sphere-steps/s | CPU-s per simulated \
         second | peak memory (MiB) | cost over seedloop | centre of mass (deg) | kinetic energy \
-        (uJ) |\n|---|---|---|---|---|---|---|---|---|";
+        (uJ) |\n|---|---|---|---|---|---|---|---|---|---|";
     lines(head, rows, |row| {
         let ratio = row
             .cost_over_seedloop
             .map_or("-".into(), |r| format!("{r:.2}"));
         format!(
-            "| {} | {} | {} | {ratio} | {:.3} | {:.4} |",
+            "| {} | {} | {:.1} | {} | {ratio} | {:.3} | {:.4} |",
             row.scene,
             row.code,
+            row.time_step_s * 1e6,
             costs(row),
             row.centre_of_mass_deg,
             row.kinetic_energy_uj
