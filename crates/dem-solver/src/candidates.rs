@@ -12,14 +12,13 @@
     reason = "the hot loops are vectorised only when inlined"
 )]
 
-use crate::lanes::{LANES, Lanes, Vectors, along, load, load_vectors, set_bits};
+use crate::lanes::{
+    HALF, LANES, Lanes, Vectors, along, keep, load, load_vectors, make_room, set_bits,
+};
 use crate::pair_force::Slack;
 use crate::template::Packed;
 use fearless_simd::prelude::*;
 use fearless_simd::{f32x8, f32x16, mask32x16, u32x16};
-
-/// Spheres of j tested together: few groups of sixteen would be full.
-const HALF: usize = LANES / 2;
 
 /// Pose of body j in the principal frame of body i.
 #[derive(Debug, Clone, Copy)]
@@ -63,20 +62,6 @@ pub(crate) struct Scratch {
     j: Kept,
     /// Candidates found: (sphere of i, sphere of j), in rising order.
     pub(crate) found: Vec<(u16, u16)>,
-}
-
-/// Makes a buffer at least so long.
-fn make_room<T: Clone + Default>(buffer: &mut Vec<T>, room: usize) {
-    if buffer.len() < room {
-        buffer.resize(room, T::default());
-    }
-}
-
-/// Writes the numbers that a mask keeps behind the `n` that are there; returns how many there are then.
-#[inline(always)]
-fn keep<S: Simd>(kept: &mut [u32], n: usize, index: u32x16<S>, mask: mask32x16<S>) -> usize {
-    index.compress(mask).store_slice(&mut kept[n..n + LANES]);
-    n + mask.to_bitmask().count_ones() as usize
 }
 
 impl Kept {

@@ -1,4 +1,4 @@
-//! Sixteen numbers side by side, on the widest instructions that the processor has.
+//! Sixteen or eight numbers side by side, on the widest instructions that the processor has.
 //!
 //! [`Simd`] stands for an instruction set that is known to be there. A function that takes one
 //! is compiled for each set, if it is inlined down to the dispatch.
@@ -13,6 +13,12 @@ use fearless_simd::prelude::*;
 
 /// Numbers handled together.
 pub(crate) const LANES: usize = 16;
+
+/// Numbers handled together where few groups of sixteen would be full.
+pub(crate) const HALF: usize = LANES / 2;
+
+/// The lanes of a half, numbered.
+pub(crate) const NUMBERS: [u32; HALF] = [0, 1, 2, 3, 4, 5, 6, 7];
 
 /// One number in each lane.
 pub(crate) type Lanes = [f32; LANES];
@@ -47,6 +53,30 @@ pub(crate) fn along<S: Simd>(vectors: &Vectors<S>, direction: &[f32; 3]) -> f32x
 #[inline(always)]
 pub(crate) fn squares<S: Simd>(vectors: &Vectors<S>) -> f32x16<S> {
     vectors[0] * vectors[0] + vectors[1] * vectors[1] + vectors[2] * vectors[2]
+}
+
+/// Makes a buffer at least so long.
+#[inline(always)]
+pub(crate) fn make_room<T: Clone + Default>(buffer: &mut Vec<T>, room: usize) {
+    if buffer.len() < room {
+        buffer.resize(room, T::default());
+    }
+}
+
+/// Writes the numbers that a mask keeps behind the `n` that are there; returns how many there are then. The buffer
+/// must have room for a whole register behind the `n`.
+#[inline(always)]
+pub(crate) fn keep<S: Simd, V: SimdBase<S>>(
+    kept: &mut [V::Element],
+    n: usize,
+    numbers: V,
+    mask: V::Mask,
+) -> usize
+where
+    V::Mask: SimdMask<S>,
+{
+    numbers.compress(mask).store_slice(&mut kept[n..n + V::LEN]);
+    n + mask.to_bitmask().count_ones() as usize
 }
 
 /// The positions of the set bits, in rising order.

@@ -16,6 +16,7 @@
 use crate::bodies::{Bodies, scaled_single};
 use crate::candidates::{RelativeSingle, Scratch, search};
 use crate::contact::Memory;
+use crate::lanes::{HALF, NUMBERS, keep, make_room};
 use crate::pair_force::Context;
 use crate::snapshot::KeptContact;
 use crate::template::Template;
@@ -35,10 +36,7 @@ pub(crate) struct Touch {
 
 /// Candidates handled together. A chunk fills two lines of the cache; the lists of the study's drum hold one and
 /// a half a pair.
-pub(crate) const CHUNK: usize = 8;
-
-/// The places of a chunk, numbered.
-pub(crate) const NUMBERS: [u32; CHUNK] = [0, 1, 2, 3, 4, 5, 6, 7];
+pub(crate) const CHUNK: usize = HALF;
 
 /// Up to eight pairs of spheres in the principal frames of their bodies; what is left over repeats the first.
 #[derive(Debug, Clone, Copy)]
@@ -494,9 +492,8 @@ impl Neighbours {
         self.heads.wake[k] = travel;
     }
 
-    /// Writes the pairs of body `i` that need attention in this step into `awake` behind the `n` that are
-    /// there, and returns how many there are then. Nine of ten pairs sleep, so that the loop over all
-    /// of them must not branch.
+    /// Writes the pairs of body `i` that need attention in this step to the front of `awake` and returns how
+    /// many there are. Nine of ten pairs sleep, so that the loop over all of them must not branch.
     #[inline(always)]
     pub(crate) fn find_awake<S: Simd>(
         &self,
@@ -504,14 +501,11 @@ impl Neighbours {
         i: usize,
         travel: &[f32],
         awake: &mut Vec<u32>,
-        mut n: usize,
     ) -> usize {
         let place = i - self.first;
         let (from, to) = (self.start[place], self.start[place + 1]);
-        let room = n + (to - from) as usize + CHUNK;
-        if awake.len() < room {
-            awake.resize(room, 0);
-        }
+        make_room(awake, (to - from) as usize + CHUNK);
+        let mut n = 0;
         let numbers = u32x8::from_slice(simd, &NUMBERS);
         for first in (from..to).step_by(CHUNK) {
             let group = first as usize..first as usize + CHUNK;
@@ -520,10 +514,7 @@ impl Neighbours {
             let wake = f32x8::from_slice(simd, &self.heads.wake[group]);
             let pairs = numbers + first;
             let is_awake = ways.simd_gt(wake) & pairs.simd_lt(to);
-            pairs
-                .compress(is_awake)
-                .store_slice(&mut awake[n..n + CHUNK]);
-            n += is_awake.to_bitmask().count_ones() as usize;
+            n = keep(awake, n, pairs, is_awake);
         }
         n
     }

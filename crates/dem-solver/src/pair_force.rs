@@ -8,7 +8,8 @@
 use crate::batch::{Batch, Sink};
 use crate::bodies::Bodies;
 use crate::contact::{Interaction, Memory, Mover, SpherePair};
-use crate::neighbours::{CHUNK, Chunk, NUMBERS, Neighbours, Touch};
+use crate::lanes::{NUMBERS, keep, make_room};
+use crate::neighbours::{CHUNK, Chunk, Neighbours, Touch};
 use crate::shared_mass::Shares;
 use crate::template::{CELLS, Template};
 use crate::workspace::Workspace;
@@ -16,10 +17,6 @@ use crate::world::Settings;
 use fearless_simd::prelude::*;
 use fearless_simd::{Level, dispatch, f32x8, u32x8};
 use nalgebra::{Matrix3, Vector3};
-
-/// Bodies whose pairs are looked through before any of them is worked on: in between, the processor would wait
-/// for the number of pairs of each body.
-const BLOCK: usize = 16;
 
 /// Distances of the sphere lists.
 #[derive(Debug, Clone, Copy)]
@@ -80,6 +77,16 @@ impl<'a> Context<'a> {
     }
 }
 
+/// Whole numbers as numbers in a register.
+#[inline(always)]
+fn numbers_of<S: Simd>(simd: S, stored: &[i16; CHUNK]) -> f32x8<S> {
+    let mut numbers = [0.0; CHUNK];
+    for (number, &cell) in numbers.iter_mut().zip(stored) {
+        *number = f32::from(cell);
+    }
+    f32x8::from_slice(simd, &numbers)
+}
+
 /// Squares of the distances of the sphere centres of a chunk, m².
 ///
 /// `ri` and `rj` turn the stored cells of both bodies into metres, row by row; `d` is the way
@@ -92,15 +99,19 @@ fn distances<S: Simd>(
     rj: &[f32; 9],
     d: &[f32; 3],
 ) -> f32x8<S> {
-    let mut cells = [[0.0; CHUNK]; 6];
-    let stored = chunk.i.iter().chain(&chunk.j);
-    for (column, stored) in cells.iter_mut().zip(stored) {
-        for (number, &cell) in column.iter_mut().zip(stored) {
-            *number = f32::from(cell);
-        }
-    }
-    let cell = |column: usize| f32x8::from_slice(simd, &cells[column]);
-    let (i, j) = ([cell(0), cell(1), cell(2)], [cell(3), cell(4), cell(5)]);
+    // Plain code: what is given to map would not be inlined.
+    let [x, y, z] = &chunk.i;
+    let i = [
+        numbers_of(simd, x),
+        numbers_of(simd, y),
+        numbers_of(simd, z),
+    ];
+    let [x, y, z] = &chunk.j;
+    let j = [
+        numbers_of(simd, x),
+        numbers_of(simd, y),
+        numbers_of(simd, z),
+    ];
     let mut square = f32x8::splat(simd, 0.0);
     let rows = ri.as_chunks::<3>().0.iter().zip(rj.as_chunks::<3>().0);
     for ((ri, rj), &d) in rows.zip(d) {
@@ -130,21 +141,17 @@ fn find_near<S: Simd>(
     d: &[f32; 3],
     near: &mut Vec<u32>,
 ) -> (usize, f32) {
-    let room = chunks.len() * CHUNK;
-    if near.len() < room {
-        near.resize(room, 0);
-    }
-    let numbers = u32x8::from_slice(simd, &NUMBERS);
+    make_room(near, chunks.len() * CHUNK);
+    let mut numbers = u32x8::from_slice(simd, &NUMBERS);
     let mut n_near = 0;
     let mut nearest = f32x8::splat(simd, f32::INFINITY);
-    for (first, chunk) in (0_u32..).step_by(CHUNK).zip(chunks) {
+    for chunk in chunks {
         let squares = distances(simd, chunk, ri, rj, d);
         nearest = nearest.min(squares);
-        let used = (numbers + first).simd_lt(n);
-        let touching = squares.simd_lt(square) & used;
-        let keys = u32x8::from_slice(simd, &chunk.key).compress(touching);
-        keys.store_slice(&mut near[n_near..n_near + CHUNK]);
-        n_near += touching.to_bitmask().count_ones() as usize;
+        let touching = squares.simd_lt(square) & numbers.simd_lt(n);
+        let keys = u32x8::from_slice(simd, &chunk.key);
+        n_near = keep(near, n_near, keys, touching);
+        numbers += CHUNK as u32;
     }
     let gap = if n_near > 0 {
         f32::NEG_INFINITY
@@ -194,34 +201,23 @@ fn add_pair_forces_on<S: Simd>(
         context,
         sink,
     };
-    let range = neighbours.range();
-    for first in range.clone().step_by(BLOCK) {
-        let block = first..range.end.min(first + BLOCK);
-        let mut ends = [0; BLOCK];
-        let mut n_awake = 0;
-        for (end, i) in ends.iter_mut().zip(block.clone()) {
-            n_awake = neighbours.find_awake(simd, i, &bodies.travel, awake, n_awake);
-            *end = n_awake;
-        }
-        let mut from = 0;
-        for (&end, i) in ends.iter().zip(block) {
-            let own = &context.templates[bodies.template[i]];
-            for &k in &awake[from..end] {
-                let k = k as usize;
-                let j = neighbours.other(k);
-                let templates = [own, &context.templates[bodies.template[j]]];
-                if templates.iter().all(|template| template.is_sphere) {
-                    collector.collect_spheres(neighbours, k, [i, j], templates);
-                    continue;
-                }
-                if bodies.travel[i] + bodies.travel[j] > neighbours.lists[k].limit {
-                    neighbours.refresh(simd, k, i, bodies, context, scratch);
-                }
-                if neighbours.lists[k].n_candidates > 0 {
-                    collector.collect_listed(neighbours, k, [i, j], templates);
-                }
+    for i in neighbours.range() {
+        let own = &context.templates[bodies.template[i]];
+        let n_awake = neighbours.find_awake(simd, i, &bodies.travel, awake);
+        for &k in &awake[..n_awake] {
+            let k = k as usize;
+            let j = neighbours.other(k);
+            let templates = [own, &context.templates[bodies.template[j]]];
+            if templates.iter().all(|template| template.is_sphere) {
+                collector.collect_spheres(neighbours, k, [i, j], templates);
+                continue;
             }
-            from = end;
+            if bodies.travel[i] + bodies.travel[j] > neighbours.lists[k].limit {
+                neighbours.refresh(simd, k, i, bodies, context, scratch);
+            }
+            if neighbours.lists[k].n_candidates > 0 {
+                collector.collect_listed(neighbours, k, [i, j], templates);
+            }
         }
     }
     collector.apply();
@@ -299,11 +295,8 @@ impl<S: Simd, K: Sink> Collector<'_, S, K> {
         let largest = templates[0].packed.largest + templates[1].packed.largest + holds + safety;
         let chunks = (&neighbours.chunks[lists.chunks()], lists.n_candidates);
         let found = &mut *self.near;
-        let simd = self.simd;
-        let (n_near, gap) = simd.vectorize(
-            #[inline(always)]
-            || find_near(simd, chunks, largest * largest, ri, rj, &single, found),
-        );
+        let square = largest * largest;
+        let (n_near, gap) = find_near(self.simd, chunks, square, ri, rj, &single, found);
         if n_near == 0 {
             // The touches move on without a pair that sleeps.
             (lists.touch, lists.n_touches) = (0, 0);
