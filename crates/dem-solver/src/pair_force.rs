@@ -151,7 +151,7 @@ fn find_near<S: Simd>(
         let touching = squares.simd_lt(square) & numbers.simd_lt(n);
         let keys = u32x8::from_slice(simd, &chunk.key);
         n_near = keep(near, n_near, keys, touching);
-        numbers += CHUNK as u32;
+        numbers += NUMBERS[CHUNK - 1] + 1;
     }
     let gap = if n_near > 0 {
         f32::NEG_INFINITY
@@ -251,12 +251,19 @@ impl<S: Simd, K: Sink> Collector<'_, S, K> {
         );
     }
 
-    /// Puts a contact of two bodies into the batch, and what it remembers into the touches.
+    /// Works off the batch if it has no place for a contact of an interaction. To be called before anything of the
+    /// contact is read: what is known of it would have to wait in memory.
     #[inline(always)]
-    fn put(&mut self, (interaction, bodies): (usize, [usize; 2]), key: u32, pair: &SpherePair) {
+    fn make_place(&mut self, interaction: usize) {
         if self.batch.must_be_applied(interaction) {
             self.apply();
         }
+    }
+
+    /// Puts a contact of two bodies into the place that was made in the batch, and what it remembers into the
+    /// touches.
+    #[inline(always)]
+    fn put(&mut self, (interaction, bodies): (usize, [usize; 2]), key: u32, pair: &SpherePair) {
         self.batch
             .push(interaction, bodies, self.touches.len(), pair);
         self.touches.push(Touch {
@@ -309,6 +316,7 @@ impl<S: Simd, K: Sink> Collector<'_, S, K> {
         let radii = touching.map(|pair| pair.contact_radius());
         let shares = Shares::new(templates.map(|t| t.shares_mass), radii);
         for candidate in 0..n_near {
+            self.make_place(interaction);
             let key = self.near[candidate];
             let known = neighbours.touches[old.clone()]
                 .iter()
@@ -354,6 +362,7 @@ impl<S: Simd, K: Sink> Collector<'_, S, K> {
             neighbours.sleep_without_list(k, bodies.travel[i] + bodies.travel[j] + gap);
             return;
         }
+        self.make_place(interaction);
         let pair = SpherePair {
             between,
             offset_i: Vector3::zeros(),

@@ -429,7 +429,8 @@ fn list(numbers: impl IntoIterator<Item = f64>) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::{deck, primes_from};
+    use super::{Start, deck, primes_from, setup};
+    use nalgebra::Vector3;
     use scene::{FillingLibrary, RollingLaw, Scene, starting_frame};
     use std::path::Path;
 
@@ -465,6 +466,60 @@ mod tests {
         near(number("fix shell", 17), 10.0 * std::f64::consts::TAU / 60.0);
         for count in ["nparticles 1056 ", "nparticles 144 "] {
             assert!(text.contains(count), "{count} is missing");
+        }
+    }
+
+    /// A start from a frame puts in each seed once, where it is and as fast. LIGGGHTS takes the place for that of the
+    /// centre of the spheres at the surface, so the centre of mass is found back from all of them: the spheres of a
+    /// kind have one size, and those of the packings here overlap by nothing. Places are written to 1e-10 m.
+    #[test]
+    fn seeds_of_a_frame_keep_their_places_and_motion() {
+        let scene = drum();
+        let (mut frame, bodies, step) =
+            starting_frame(&scene, &FillingLibrary::default(), 1).unwrap();
+        for i in 0..frame.position.len() {
+            frame.velocity[i] = Vector3::new(0.1 * i as f64, -0.2, 0.3);
+            frame.spin[i] = Vector3::new(1.0, 2.0 * i as f64, -3.0);
+        }
+        let text = setup(&scene, &bodies, Start::Frame(&frame), step)
+            .unwrap()
+            .swap_remove(0)
+            .text;
+        let numbers = |line: &str, behind: &str, n: usize| -> Vec<f64> {
+            let (_, rest) = line.split_once(behind).unwrap();
+            let words = rest.split_whitespace().take(n);
+            words.map(|word| word.parse().unwrap()).collect()
+        };
+        let starting = |with: &str| {
+            let lines: Vec<&str> = text.lines().filter(|l| l.starts_with(with)).collect();
+            lines
+        };
+        let places = starting("region place");
+        let puts = starting("fix put");
+        assert_eq!([places.len(), puts.len()], [2 * 1200, 1200]);
+        for i in [0, 1, 700, 1199] {
+            let box_of = numbers(places[i], " block ", 6);
+            let at = Vector3::from_fn(|axis, _| 0.5 * (box_of[2 * axis] + box_of[2 * axis + 1]));
+            let spheres = bodies[frame.kind[i]].outer.spheres();
+            let centres = spheres.iter().map(|s| frame.orientation[i] * s.centre);
+            let centroid = centres.sum::<Vector3<f64>>() / spheres.len() as f64;
+            let error = (at - centroid - frame.position[i]).norm();
+            assert!(error < 1e-9, "seed {i} is {error} m away");
+            assert_eq!(
+                numbers(puts[i], "vel constant ", 3),
+                frame.velocity[i].as_slice()
+            );
+            assert_eq!(
+                numbers(puts[i], "omega constant ", 3),
+                frame.spin[i].as_slice()
+            );
+            let q = frame.orientation[i];
+            assert_eq!(
+                numbers(puts[i], "orientation constant ", 4),
+                [q.w, q.i, q.j, q.k]
+            );
+            let kind = format!("distributiontemplate kind{} ", frame.kind[i] + 1);
+            assert!(puts[i].contains(&kind), "{kind}: {}", puts[i]);
         }
     }
 

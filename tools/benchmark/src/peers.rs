@@ -28,7 +28,7 @@ enum Drum {
     /// Plain spheres; all codes take one step.
     Spheres(SphereDrum),
     /// Seeds; each code takes its own step.
-    Seeds(SeedDrum),
+    Seeds(Box<SeedDrum>),
 }
 
 impl Drum {
@@ -38,7 +38,9 @@ impl Drum {
             BenchmarkScene::Spheres(count) => {
                 Self::Spheres(sphere_drum::flowing(arguments, count)?)
             }
-            BenchmarkScene::Seeds(count) => Self::Seeds(seed_drum::start(arguments, count)?),
+            BenchmarkScene::Seeds(count) => {
+                Self::Seeds(Box::new(seed_drum::start(arguments, count)?))
+            }
         })
     }
 
@@ -119,9 +121,7 @@ fn compare_scene(
             .log(|| format!("{scene}: round {round} of {}", arguments.rounds));
         let mut world = drum.world()?;
         let name = scene.to_string();
-        // A block is the same time for all codes.
-        let per_step = plan.time_step / world.settings().time_step;
-        let own_steps = (plan.block_steps as f64 * per_step).round() as usize;
+        let own_steps = steps_of_block(&plan, world.settings().time_step);
         let mut own = measure_world(&name, &mut world, drum.spheres(), own_steps, plan.blocks)?;
         // This process has also prepared the scene and written it for the peers.
         own.peak_memory_mib = None;
@@ -147,6 +147,16 @@ fn compare_scene(
         row.cost_over_seedloop = Some(row.cpu_s_per_simulated_s / own);
     }
     Ok(rows)
+}
+
+/// Steps of a time step (s) here in a block, which is the same time for all codes.
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "some hundred steps, and both time steps are positive"
+)]
+fn steps_of_block(plan: &Plan, time_step: f64) -> usize {
+    (plan.block_steps as f64 * plan.time_step / time_step).round() as usize
 }
 
 /// Runs a peer once in a folder of its own.
