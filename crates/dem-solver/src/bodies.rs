@@ -59,7 +59,7 @@ pub struct Bodies {
     pub force: Vec<Vector3<f64>>,
     /// Contact torques of the last step about the centre of mass, N m.
     pub torque: Vec<Vector3<f64>>,
-    /// Upper bound of the way of any surface point since the last broad phase, in the frame
+    /// Upper bound of the way of the centre of any sphere since the last broad phase, in the frame
     /// that turns with the reference spin, m.
     pub(crate) travel: Vec<f32>,
     /// The same of the centre of mass alone: less where bodies roll, and all that matters for bounding

@@ -13,7 +13,7 @@
 )]
 
 use crate::lanes::{
-    HALF, LANES, Lanes, Vectors, along, keep, load, load_vectors, make_room, set_bits,
+    HALF, LANES, Lanes, Vectors, along, keep, load, load_vectors, make_room, set_bits, squares,
 };
 use crate::pair_force::Slack;
 use crate::template::Packed;
@@ -28,6 +28,21 @@ pub(crate) struct RelativeSingle {
     /// Position of the centre of j, m.
     pub(crate) position: [f32; 3],
 }
+
+/// The part of body j that decides how long a list holds.
+///
+/// The farther a sphere is from the patch, the farther it is from body i: by [`SLOPE`] of the way beyond the patch's radius
+/// at least. So a turn of up to the slope brings no sphere beyond the patch nearer than one in it.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Patch {
+    /// Its middle in the principal frame of j, m.
+    pub(crate) centre: [f32; 3],
+    /// Its radius, m.
+    pub(crate) radius: f32,
+}
+
+/// Slope at which a body must fall away from its neighbour beyond the patch; a list is made anew after a larger turn.
+pub(crate) const SLOPE: f32 = 0.25;
 
 /// A box in the frame of body i.
 #[derive(Debug, Clone, Copy)]
@@ -180,10 +195,41 @@ fn support<S: Simd>(
     best.reduce_max()
 }
 
+/// The patch of body j about a point `middle` (m, in the frame of i): the smallest one such that each sphere beyond it reaches
+/// less far than `level` (m) towards body i by the slope. `reaches` are those of [`support`].
+#[inline(always)]
+fn patch_about<S: Simd>(
+    simd: S,
+    (packed, reaches): (&Packed, &[Lanes]),
+    level: f32,
+    middle: [f32; 3],
+    pose: &RelativeSingle,
+) -> Patch {
+    let (r, p) = (&pose.rotation, &pose.position);
+    let [x, y, z] = [middle[0] - p[0], middle[1] - p[1], middle[2] - p[2]];
+    let centre = [
+        r[0] * x + r[3] * y + r[6] * z,
+        r[1] * x + r[4] * y + r[7] * z,
+        r[2] * x + r[5] * y + r[8] * z,
+    ];
+    let mut farthest = f32x16::splat(simd, 0.0);
+    for (group, reaches) in packed.groups.iter().zip(reaches) {
+        let own = load_vectors(simd, &group.centre);
+        let way = [own[0] - centre[0], own[1] - centre[1], own[2] - centre[2]];
+        let below = (-load(simd, reaches) + level).max(0.0);
+        let beyond = squares(&way).sqrt() - below * (1.0 / SLOPE);
+        farthest = farthest.max(beyond);
+    }
+    Patch {
+        centre,
+        radius: farthest.reduce_max(),
+    }
+}
+
 /// Lists in `scratch.found` all pairs of spheres whose gap is below the skin.
 ///
 /// Returns a lower bound of the gap of all pairs that are not listed, m: the skin less the
-/// safety, or more where a plane between the bodies proves more.
+/// safety, or more where a plane between the bodies proves more; and the patch of body j that keeps to it.
 #[inline(always)]
 pub(crate) fn search<S: Simd>(
     simd: S,
@@ -192,7 +238,7 @@ pub(crate) fn search<S: Simd>(
     pose: &RelativeSingle,
     slack: Slack,
     scratch: &mut Scratch,
-) -> f32 {
+) -> (f32, Patch) {
     let Slack { skin, safety, .. } = slack;
     let Scratch {
         reaches: [reaches_i, reaches_j],
@@ -212,8 +258,11 @@ pub(crate) fn search<S: Simd>(
     let far_of_i = support(simd, i, &normal, reaches_i);
     let far_of_j = support(simd, j, &back, reaches_j);
     let gap = distance - far_of_i - far_of_j - safety;
+    let ahead = |axis: usize| p[axis] - normal[axis] * far_of_j;
+    let mut middle = [ahead(0), ahead(1), ahead(2)];
     if gap > skin {
-        return gap;
+        let patch = patch_about(simd, (j, reaches_j), far_of_j, middle, pose);
+        return (gap, patch);
     }
     let least_of_j = distance - far_of_i - skin;
     let near = kept_j.cull(simd, (j, reaches_j), least_of_j, pose, (i, skin));
@@ -222,8 +271,12 @@ pub(crate) fn search<S: Simd>(
         let n_i = cull(simd, (i, reaches_i), least_of_i, &near, kept_i);
         pair_up(simd, &kept_i[..n_i], &i.spheres, kept_j, skin, found);
         found.sort_unstable();
+        for axis in 0..3 {
+            middle[axis] = 0.5 * (near.low[axis] + near.high[axis]);
+        }
     }
-    skin - safety
+    let patch = patch_about(simd, (j, reaches_j), least_of_j, middle, pose);
+    (skin - safety, patch)
 }
 
 /// Writes the spheres of body i into `kept` that reach beyond a plane, `least` away from the centre (m), and come

@@ -57,7 +57,7 @@ struct Drive {
     torque: Columns<3>,
     inverse_mass: [f64; ROOM],
     inverse_inertia: Columns<3>,
-    bounding_radius: [f64; ROOM],
+    arm: [f64; ROOM],
 }
 
 /// Writes numbers into column `k`.
@@ -139,7 +139,7 @@ fn advance_slices(
         torque: [[0.0; ROOM]; 3],
         inverse_mass: [0.0; ROOM],
         inverse_inertia: [[0.0; ROOM]; 3],
-        bounding_radius: [0.0; ROOM],
+        arm: [0.0; ROOM],
     };
     let (mut longest, mut sum) = (0.0_f32, 0.0_f32);
     for first in (0..bodies.len()).step_by(ROOM) {
@@ -191,7 +191,7 @@ fn gather(
         k,
         template.inverse_inertia.into(),
     );
-    drive.bounding_radius[k] = template.bounding_radius;
+    drive.arm[k] = template.arm;
 }
 
 /// Moves the first `n` bodies of a block.
@@ -232,7 +232,7 @@ fn move_block(motion: &mut Motion, drive: &Drive, around: &Surroundings, n: usiz
         let turning = length(&(spin - Vector3::z() * around.reference_spin));
         let shift = length(&(velocity - frame)) * dt;
         motion.shift[k] += shift;
-        motion.travel[k] += shift + turning * drive.bounding_radius[k] * dt;
+        motion.travel[k] += shift + turning * drive.arm[k] * dt;
     }
 }
 

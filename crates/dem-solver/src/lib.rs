@@ -31,6 +31,7 @@ mod neighbours;
 mod pair_force;
 mod part;
 pub mod plain;
+mod pose;
 mod shared_mass;
 mod snapshot;
 mod template;

@@ -18,11 +18,11 @@ use crate::candidates::{RelativeSingle, Scratch, search};
 use crate::contact::Memory;
 use crate::lanes::{HALF, NUMBERS, keep, make_room};
 use crate::pair_force::Context;
+use crate::pose::{Pose, single};
 use crate::snapshot::KeptContact;
 use crate::template::Template;
 use fearless_simd::prelude::*;
 use fearless_simd::{f32x8, u32x8};
-use nalgebra::{UnitQuaternion, Vector3, Vector4};
 use std::ops::{AddAssign, Range};
 
 /// A touching pair of spheres and what its contact remembers.
@@ -135,62 +135,6 @@ impl Lists {
     pub(crate) fn touches(&self) -> Range<usize> {
         self.touch as usize..(self.touch + self.n_touches) as usize
     }
-}
-
-/// Relative pose of a pair when its list was made, rounded by less than the safety distance.
-#[derive(Debug, Clone, Copy)]
-struct Pose {
-    /// Position of j in the frame of i, m.
-    position: [f32; 3],
-    /// Orientation of j in the frame of i as a unit quaternion: i, j, k, w.
-    rotation: [f32; 4],
-    /// Relative motion that the list covers, m; negative when there is no list.
-    reach: f32,
-}
-
-impl Pose {
-    /// Of a pair without a list.
-    const NONE: Self = Self {
-        position: [0.0; 3],
-        rotation: [0.0; 4],
-        reach: -1.0,
-    };
-
-    /// Rounds a pose whose list covers a motion of `reach` (m).
-    #[inline(always)]
-    fn new(position: &Vector3<f64>, rotation: &UnitQuaternion<f64>, reach: f32) -> Self {
-        Self {
-            position: single(&position.data.0[0]),
-            rotation: single(&rotation.coords.data.0[0]),
-            reach,
-        }
-    }
-
-    /// Bound of the way (m) that a point of j, at most `radius` (m) from its centre, has moved in the
-    /// frame of i since then.
-    #[inline(always)]
-    fn motion_to(
-        &self,
-        position: &Vector3<f64>,
-        rotation: &UnitQuaternion<f64>,
-        radius: f64,
-    ) -> f64 {
-        let before = Vector3::from(self.position.map(f64::from));
-        let turned =
-            UnitQuaternion::new_unchecked(Vector4::from(self.rotation.map(f64::from)).into());
-        let turn = (turned.inverse() * rotation).imag().norm();
-        (position - before).norm() + 2.0 * turn * radius
-    }
-}
-
-/// Numbers in single precision.
-#[inline(always)]
-#[expect(
-    clippy::cast_possible_truncation,
-    reason = "covered by the safety distance"
-)]
-fn single<const N: usize>(numbers: &[f64; N]) -> [f32; N] {
-    numbers.map(|x| x as f32)
 }
 
 /// The pairs of a range of bodies with all bodies behind them.
@@ -443,27 +387,20 @@ impl Neighbours {
         let position = bodies.rotation[i].tr_mul(&(bodies.position[j] - bodies.position[i]));
         let rotation = bodies.orientation[i].inverse() * bodies.orientation[j];
         let pose = self.poses[k];
-        if pose.reach > 0.0 {
-            let moved = pose.motion_to(&position, &rotation, b.bounding_radius);
-            #[expect(
-                clippy::cast_possible_truncation,
-                reason = "covered by the safety distance"
-            )]
-            let moved = moved as f32 + slack.safety;
-            if moved < 0.7 * pose.reach {
-                self.set_limit(k, travel + (pose.reach - moved));
-                return;
-            }
+        let left = pose.left(&position, &rotation, slack.safety);
+        if left > 0.2 * pose.reach() {
+            self.set_limit(k, travel + left);
+            return;
         }
         let relative = RelativeSingle {
             rotation: scaled_single(&rotation.to_rotation_matrix().into_inner(), 1.0),
             position: single(&position.data.0[0]),
         };
-        let reach = simd.vectorize(
+        let (reach, patch) = simd.vectorize(
             #[inline(always)]
             || search(simd, &a.packed, &b.packed, &relative, slack, scratch),
         );
-        self.poses[k] = Pose::new(&position, &rotation, reach);
+        self.poses[k] = Pose::new(&position, &rotation, &patch, reach);
         self.n_rebuilds += 1;
         self.place_chunks(k, a, b, &scratch.found);
         self.set_limit(k, travel + reach);

@@ -51,6 +51,9 @@ pub struct Template {
     pub(crate) inverse_inertia: Vector3<f64>,
     /// Radius of the bounding sphere about the centre of mass, m.
     pub(crate) bounding_radius: f64,
+    /// Largest distance of a sphere's centre from the centre of mass, m: what a turn can move, for spheres touch by
+    /// their centres and radii.
+    pub(crate) arm: f64,
     /// Index of the material in the world's table.
     pub(crate) material: usize,
 }
@@ -122,10 +125,12 @@ impl Template {
         // its body would otherwise have cells near the least number of single precision, with which
         // arithmetic is slow.
         let extents = spheres.iter().map(|sphere| sphere.centre.amax());
+        let arms = spheres.iter().map(|sphere| sphere.centre.norm());
         let cell = extents.fold(smallest, f64::max) / CELLS;
         Self {
             packed: Packed::new(&spheres),
             cells: spheres.iter().map(|s| in_cells(&s.centre, cell)).collect(),
+            arm: arms.fold(0.0, f64::max),
             shares_mass: dashpot_mass == DashpotMass::Shared,
             is_sphere: matches!(&spheres[..], [only] if only.centre == Vector3::zeros()),
             spheres,
@@ -178,7 +183,7 @@ impl Packed {
         clippy::cast_possible_truncation,
         reason = "rounding to single precision is meant"
     )]
-    fn new(spheres: &[OuterSphere]) -> Self {
+    pub(crate) fn new(spheres: &[OuterSphere]) -> Self {
         let bound = |axis: usize, sign: f64| {
             let reaches = spheres.iter().map(|s| sign * s.centre[axis] + s.radius);
             (sign * reaches.fold(f64::NEG_INFINITY, f64::max)) as f32
