@@ -151,6 +151,7 @@ fn find_near<S: Simd>(
         let touching = squares.simd_lt(square) & numbers.simd_lt(n);
         let keys = u32x8::from_slice(simd, &chunk.key);
         n_near = keep(near, n_near, keys, touching);
+        // The places of the next chunk.
         numbers += NUMBERS[CHUNK - 1] + 1;
     }
     let gap = if n_near > 0 {

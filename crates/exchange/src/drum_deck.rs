@@ -11,6 +11,11 @@ use std::sync::Arc;
 /// needs more steps a contact than three.
 pub(crate) const FINER: f64 = 4.0;
 
+/// Steps in a time (s), at least as long.
+pub(crate) fn steps(time: f64, time_step: f64) -> f64 {
+    (time / time_step).ceil()
+}
+
 /// Means over all seeds.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Shares {

@@ -13,7 +13,7 @@
 //! | gravity on bodies | `fix gravity ... disable`, and `gravity` of `fix rigid/small` |
 
 use crate::Error;
-use crate::drum_deck::{FINER, Shares, restitution_of_body, supported};
+use crate::drum_deck::{FINER, Shares, restitution_of_body, steps, supported};
 use crate::vtk::{File, add};
 use contact_law::{Material, NormalForceEnd, material::effective_moduli};
 use scene::{Drum, Frame, Scene, SeedBody};
@@ -86,10 +86,7 @@ pub fn deck(
 ) -> Result<Vec<File>, Error> {
     let time_step = time_step / FINER;
     let mut files = setup(scene, bodies, start, time_step)?;
-    add(
-        &mut files[0].text,
-        format_args!("{}", runs(scene, time_step)),
-    );
+    files[0].text.push_str(&runs(scene, time_step));
     Ok(files)
 }
 
@@ -163,11 +160,6 @@ fn words(scene: &Scene, bodies: &[Arc<SeedBody>], c: &GranularContact) -> String
         text.push_str(" limit_damping");
     }
     text
-}
-
-/// Steps in a time (s), at least as long.
-fn steps(time: f64, time_step: f64) -> f64 {
-    (time / time_step).ceil()
 }
 
 /// The end of the script: the seeds settle, then the drum turns.

@@ -12,7 +12,7 @@
 //! | places of the seeds | [`deck`] lets seeds rain into the turning drum; [`setup`] can also put each where a frame has it, by an insertion of its own |
 
 use crate::Error;
-use crate::drum_deck::{FINER, Shares, restitution_of_body, supported};
+use crate::drum_deck::{FINER, Shares, restitution_of_body, steps, supported};
 use crate::vtk::{File, add};
 use contact_law::NormalForceEnd;
 use nalgebra::Vector3;
@@ -55,10 +55,7 @@ pub fn deck(
 ) -> Result<Vec<File>, Error> {
     let time_step = time_step / FINER;
     let mut files = setup(scene, bodies, Start::Rain(seed), time_step)?;
-    add(
-        &mut files[0].text,
-        format_args!("{}", runs(scene, time_step)),
-    );
+    files[0].text.push_str(&runs(scene, time_step));
     Ok(files)
 }
 
@@ -137,11 +134,11 @@ fn shape(
     kind: usize,
     body: &SeedBody,
     points: u32,
-    seeds: &mut impl Iterator<Item = u64>,
+    primes: &mut impl Iterator<Item = u64>,
 ) -> String {
     let (number, file) = (kind + 1, spheres_file(kind));
     let (n, i) = (body.outer.spheres().len(), body.clump.inertia());
-    let [first, second] = [(); 2].map(|()| seeds.next().unwrap_or(0));
+    let [first, second] = [(); 2].map(|()| primes.next().unwrap_or(0));
     format!(
         "fix seed{number} all particletemplate/multisphere {first} atom_type 1 density constant {} \
          nspheres {n} ntry {points} spheres file {file} scale 1.0 type {number} mass {:e} \
@@ -157,11 +154,11 @@ fn shape(
 
 /// The seeds of each kind and how they rain in.
 fn rain(scene: &Scene, bodies: &[Arc<SeedBody>], every: f64, seed: u64) -> String {
-    let mut seeds = primes_from(10_007 + 1000 * seed);
+    let mut primes = primes_from(10_007 + 1000 * seed);
     let rate = scene.protocol.insertion_rate.map_or(RATE, Frequency::si);
     let mut text = String::new();
     for (k, (kind, body)) in scene.seed.iter().zip(bodies).enumerate() {
-        text.push_str(&shape(k, body, 100_000, &mut seeds));
+        text.push_str(&shape(k, body, 100_000, &mut primes));
         let number = k + 1;
         let rate = rate * kind.count as f64 / scene.seed_count() as f64;
         add(
@@ -170,7 +167,7 @@ fn rain(scene: &Scene, bodies: &[Arc<SeedBody>], every: f64, seed: u64) -> Strin
                 "fix rain{number} all insert/rate/region seed {} distributiontemplate kind{number} \
                  nparticles {} particlerate {rate} insert_every {every} overlapcheck yes all_in yes \
                  orientation random region sky ntry_mc 10000\n",
-                seeds.next().unwrap_or(0),
+                primes.next().unwrap_or(0),
                 kind.count,
             ),
         );
@@ -180,11 +177,11 @@ fn rain(scene: &Scene, bodies: &[Arc<SeedBody>], every: f64, seed: u64) -> Strin
 
 /// The seeds of a frame, one insertion each.
 fn placed(bodies: &[Arc<SeedBody>], frame: &Frame) -> String {
-    let mut seeds = primes_from(10_007);
+    let mut primes = primes_from(10_007);
     let mut text = String::new();
     for (k, body) in bodies.iter().enumerate() {
         // The points scatter by about a millimetre, so the centre is right to about a micrometre.
-        text.push_str(&shape(k, body, 10_000_000, &mut seeds));
+        text.push_str(&shape(k, body, 10_000_000, &mut primes));
     }
     let centroids: Vec<_> = bodies.iter().map(|body| centroid(body)).collect();
     for i in 0..frame.position.len() {
@@ -201,7 +198,7 @@ fn placed(bodies: &[Arc<SeedBody>], frame: &Frame) -> String {
                  overlapcheck no all_in no vel constant {:e} {:e} {:e} omega constant {:e} {:e} {:e} \
                  orientation constant {} {} {} {} particles_in_region 1 region place{i} ntry_mc 1000\n",
                 edges.join(" "),
-                seeds.next().unwrap_or(0),
+                primes.next().unwrap_or(0),
                 kind + 1,
                 v.x,
                 v.y,
@@ -328,11 +325,6 @@ fn walls(drum: &Drum, law: &Law) -> String {
         low = -radius,
         behind = -half,
     )
-}
-
-/// Steps in a time (s), at least as long.
-fn steps(time: f64, time_step: f64) -> f64 {
-    (time / time_step).ceil()
 }
 
 /// The end of the script: seeds rain in, settle and flow.

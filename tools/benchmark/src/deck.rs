@@ -219,10 +219,11 @@ fn list(numbers: impl IntoIterator<Item = f64>) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::{Code, Plan, of_spheres};
+    use super::{Code, Plan, of_seeds, of_spheres};
     use crate::contacts::Contacts;
+    use crate::seed_drum::SeedDrum;
     use crate::sphere_drum::{SphereDrum, TIME_STEP};
-    use scene::Scene;
+    use scene::{FillingLibrary, Scene};
 
     // Values by hand for the study's materials: E = 2 G (1 + nu) = 9.1428 MPa; of two seeds
     // E* = G / (1 - nu) = 4.6628 MPa, so 4/3 E* = 6.2171 MPa; G* = G / (2 (2 - nu)) = 1.0780 MPa,
@@ -259,6 +260,46 @@ mod tests {
         near(number(&other, "pair_coeff", 9), 0.96163);
         for deck in [one, other] {
             assert_eq!(deck.matches("run 10\n").count(), 3, "{deck}");
+        }
+    }
+
+    /// The peers go on with a flow: no step passes before the shell turns, at its 10 rpm = 1.0472 rad/s, and no seed rains
+    /// in. Each takes the step of the plan, and tells the energy of the bodies, not that of their spheres.
+    #[test]
+    fn decks_of_seeds_go_on_from_the_flow() {
+        let file = std::path::Path::new(env!("CARGO_MANIFEST_DIR"))
+            .join("../../fixtures/cotton/drum.toml");
+        let scene = Scene::read(&file, &[]).unwrap();
+        let library = FillingLibrary::default();
+        let bodies = scene.seed.iter().map(|s| library.body(&scene, s).unwrap());
+        let drum = SeedDrum {
+            bodies: bodies.collect(),
+            scene,
+            library,
+            placements: Vec::new(),
+            spheres: 0,
+        };
+        let plan = Plan {
+            block_steps: 10,
+            blocks: 2,
+            time_step: 1e-5,
+            skin: 1e-3,
+        };
+        let script = |code| of_seeds(&drum, code, &plan).unwrap().swap_remove(0).text;
+        let (one, other) = (script(Code::Liggghts), script(Code::Lammps));
+        assert!(
+            other.contains("1.0471975511965976*dt*(step-0)*(step>0)"),
+            "{other}"
+        );
+        assert!(!one.contains("insert/rate"), "{one}");
+        for (deck, energy) in [(one, "ke/multisphere"), (other, "ke/rigid seeds")] {
+            assert_eq!(deck.matches("run 10\n").count(), 3, "{deck}");
+            assert!(deck.contains("timestep 1e-5\n"), "{deck}");
+            assert!(
+                deck.contains(&format!("compute energy all {energy}\n")),
+                "{deck}"
+            );
+            assert!(deck.contains("variable e equal c_energy\n"), "{deck}");
         }
     }
 }

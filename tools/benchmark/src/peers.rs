@@ -13,7 +13,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
-/// Steps of a block of the peers in a drum of seeds, where a step takes a tenth of a second.
+/// Steps of a block of the peers in a drum of seeds: ten to fifty seconds.
 const SEED_BLOCK_STEPS: usize = 500;
 
 /// A code to compare with and its program.
@@ -157,7 +157,7 @@ fn compare_scene(
     Ok(rows)
 }
 
-/// Steps of a time step (s) here in a block, which is the same time for all codes.
+/// Steps of this solver, each of `time_step` (s), in the time of a block of the peers.
 #[expect(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,

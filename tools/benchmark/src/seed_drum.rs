@@ -110,11 +110,11 @@ pub(crate) struct SeedDrum {
     /// Bodies of the kinds of seeds.
     pub(crate) bodies: Vec<Arc<SeedBody>>,
     /// The seeds.
-    placements: Vec<Placement>,
+    pub(crate) placements: Vec<Placement>,
     /// Spheres of all seeds, those inside included.
     pub(crate) spheres: usize,
     /// Fillings that were made.
-    library: FillingLibrary,
+    pub(crate) library: FillingLibrary,
 }
 
 impl SeedDrum {
