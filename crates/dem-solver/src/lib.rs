@@ -7,7 +7,8 @@
 //!
 //! - the same input gives the same bits, whatever the instruction set of the processor and the
 //!   number of threads;
-//! - a step allocates nothing once the lists have grown to their working size;
+//! - a step allocates nothing once the lists have grown to their working size, but for bodies at walls
+//!   of triangles;
 //! - [`plain`] computes the same forces without any list and is the oracle of the fast path.
 //!
 //! The search works on three levels: bounding spheres on a grid (`broad_phase`), sphere pairs

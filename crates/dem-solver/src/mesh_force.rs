@@ -14,7 +14,7 @@ use crate::pair_force::{Context, mover};
 use crate::shared_mass::Shares;
 use crate::template::{OuterSphere, Template};
 use contact_law::ContactGeometry;
-use nalgebra::Vector3;
+use nalgebra::{Matrix3, Vector3};
 use serde::{Deserialize, Serialize};
 use trimesh::nearest_on_triangle;
 
@@ -37,7 +37,7 @@ pub(crate) struct MeshContact {
 
 /// A sphere that touches a wall.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-struct Touch {
+pub(crate) struct Touch {
     /// The sphere.
     sphere: u16,
     /// Unit vector from the sphere towards the wall.
@@ -84,22 +84,21 @@ pub(crate) struct MeshWalls {
 }
 
 impl MeshWalls {
-    /// Adds a wall.
-    pub(crate) fn add(&mut self, wall: MeshWall) -> Result<(), Error> {
-        self.moving.push(Moving::new(wall)?);
+    /// Adds a wall at a time (s).
+    pub(crate) fn add(&mut self, wall: MeshWall, time: f64) -> Result<(), Error> {
+        self.moving.push(Moving::new(wall, time)?);
         Ok(())
     }
 
-    /// Changes velocity, spin and vibration of all walls of a name; the centre of rotation stays.
+    /// Changes velocity, spin and vibration of all walls of a name at a time (s); the centre of rotation stays.
     /// False if there is no such wall or a number is not finite.
-    pub(crate) fn set_motion(&mut self, name: &str, motion: &Motion) -> bool {
+    pub(crate) fn set_motion(&mut self, name: &str, motion: &Motion, time: f64) -> bool {
         if !motion.is_finite() {
             return false;
         }
         let mut known = false;
         for moving in self.moving.iter_mut().filter(|m| m.wall.name == name) {
-            let about = moving.wall.motion.about;
-            moving.wall.motion = Motion { about, ..*motion };
+            moving.set_motion(motion, time);
             known = true;
         }
         known
@@ -110,7 +109,7 @@ impl MeshWalls {
         self.moving.iter().map(|m| m.travel).fold(0.0, f64::max)
     }
 
-    /// Lists the bodies whose bounding sphere is within the margin (m) of a triangle.
+    /// Lists the bodies whose bounding sphere is within the margin (m) of a triangle, and its triangles there.
     pub(crate) fn rebuild(&mut self, bodies: &Bodies, templates: &[Template], margin: f64) {
         let mut old = std::mem::take(&mut self.near).into_iter().peekable();
         for body in 0..bodies.len() {
@@ -150,7 +149,14 @@ impl MeshWalls {
             if f64::from(bodies.travel[near.body]) + moving.travel > near.limit {
                 near.list_candidates(bodies, template, moving, context);
             }
-            let total = near.add_contacts(&body, bodies, moving, context);
+            let total = find_contacts(
+                &near.candidates,
+                &mut near.touches,
+                (&body, template),
+                &bodies.rotation[near.body],
+                moving,
+                context,
+            );
             bodies.force[near.body] += total.force;
             bodies.torque[near.body] += total.torque_i;
             moving.force -= total.force;
@@ -224,52 +230,52 @@ impl Near {
         let reach = nearest.max(skin) - beyond;
         self.limit = f64::from(bodies.travel[self.body]) + moving.travel + reach;
     }
+}
 
-    /// Forces of the spheres that touch.
-    fn add_contacts(
-        &mut self,
-        body: &Mover,
-        bodies: &Bodies,
-        moving: &Moving,
-        context: &Context<'_>,
-    ) -> Effect {
-        let template = &context.templates[bodies.template[self.body]];
-        let interaction = context.interaction(template.material, moving.wall.material);
-        let rotation = &bodies.rotation[self.body];
-        let mut total = Effect::default();
-        let reach = interaction.reach();
-        let mut before = std::mem::take(&mut self.touches);
-        let at_wall = |group: &[(u16, u32)]| {
-            let sphere = &template.spheres[usize::from(group[0].0)];
-            let centre = body.position + rotation * sphere.centre;
-            let own = moving.own_point(&centre);
-            let hits = felt(group, &own, sphere.radius + reach, moving).into_iter();
-            hits.map(move |hit| geometry(body, sphere, &centre, moving, &hit))
-        };
-        let groups = || self.candidates.chunk_by(|a, b| a.0 == b.0);
-        let radii = groups().flat_map(at_wall).map(|c| c.contact_radius());
-        let shares = Shares::new([template.shares_mass, false], radii);
-        for group in groups() {
-            let number = group[0].0;
-            for mut contact in at_wall(group) {
-                let known = take_memory(&mut before, number, &contact.normal);
-                if known.is_none() && contact.geometry.overlap <= 0.0 {
-                    continue;
-                }
-                let memory = known.unwrap_or_default();
-                contact.share_mass(shares.as_ref());
-                let effect = interaction.at_wall(&contact, body, memory, context.time_step);
-                self.touches.push(Touch {
-                    sphere: number,
-                    normal: contact.normal,
-                    memory: effect.memory,
-                });
-                total.force += effect.force;
-                total.torque_i += effect.torque_i;
+/// Forces on a body of those of the candidates (sphere and triangle, by sphere) that touch; `touches` holds what
+/// touched in the step before, and what does now afterwards.
+pub(crate) fn find_contacts(
+    candidates: &[(u16, u32)],
+    touches: &mut Vec<Touch>,
+    (body, template): (&Mover, &Template),
+    rotation: &Matrix3<f64>,
+    moving: &Moving,
+    context: &Context<'_>,
+) -> Effect {
+    let interaction = context.interaction(template.material, moving.wall.material);
+    let mut total = Effect::default();
+    let reach = interaction.reach();
+    let mut before = std::mem::take(touches);
+    let at_wall = |group: &[(u16, u32)]| {
+        let sphere = &template.spheres[usize::from(group[0].0)];
+        let centre = body.position + rotation * sphere.centre;
+        let own = moving.own_point(&centre);
+        let hits = felt(group, &own, sphere.radius + reach, moving).into_iter();
+        hits.map(move |hit| geometry(body, sphere, &centre, moving, &hit))
+    };
+    let groups = || candidates.chunk_by(|a, b| a.0 == b.0);
+    let radii = groups().flat_map(at_wall).map(|c| c.contact_radius());
+    let shares = Shares::new([template.shares_mass, false], radii);
+    for group in groups() {
+        let number = group[0].0;
+        for mut contact in at_wall(group) {
+            let known = take_memory(&mut before, number, &contact.normal);
+            if known.is_none() && contact.geometry.overlap <= 0.0 {
+                continue;
             }
+            let memory = known.unwrap_or_default();
+            contact.share_mass(shares.as_ref());
+            let effect = interaction.at_wall(&contact, body, memory, context.time_step);
+            touches.push(Touch {
+                sphere: number,
+                normal: contact.normal,
+                memory: effect.memory,
+            });
+            total.force += effect.force;
+            total.torque_i += effect.torque_i;
         }
-        total
     }
+    total
 }
 
 /// Triangles within reach (m) of the centre of a sphere, a point of their frame, nearest first.

@@ -34,7 +34,8 @@ pub struct Motion {
     pub vibration: Option<Vibration>,
 }
 
-/// A harmonic displacement `amplitude sin(angular_frequency t)`, t from the start of the world.
+/// A harmonic displacement `amplitude sin(angular_frequency t)` from where the wall stands, t from the moment
+/// at which the vibration is given to it.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Vibration {
     /// Amplitude, m.
@@ -44,13 +45,13 @@ pub struct Vibration {
 }
 
 impl Vibration {
-    /// Velocity at a time (s), m/s.
+    /// Velocity at a time from its start (s), m/s.
     fn velocity(&self, time: f64) -> Vector3<f64> {
         let phase = self.angular_frequency * time;
         self.amplitude * (self.angular_frequency * phase.cos())
     }
 
-    /// Displacement at a time (s), m.
+    /// Displacement at a time from its start (s), m.
     fn displacement(&self, time: f64) -> Vector3<f64> {
         self.amplitude * (self.angular_frequency * time).sin()
     }
@@ -70,8 +71,11 @@ struct Ball {
 pub(crate) struct Path {
     /// The motion of now.
     motion: Motion,
-    /// Way of the centre of rotation without the vibration, m.
+    /// Way of the centre of rotation without the vibration of now, m.
     shift: Vector3<f64>,
+    /// Time at which the vibration began, s.
+    #[serde(default)]
+    since: f64,
     /// Displacement of the vibration, m.
     swing: Vector3<f64>,
     /// Velocity of the vibration, m/s.
@@ -93,8 +97,10 @@ pub(crate) struct Moving {
     balls: Vec<Ball>,
     /// Largest distance of a corner from the centre of rotation, m.
     extent: f64,
-    /// Way of the centre of rotation without the vibration, m.
+    /// Way of the centre of rotation without the vibration of now, m.
     shift: Vector3<f64>,
+    /// Time at which the vibration began, s.
+    since: f64,
     /// Displacement of the vibration, m.
     swing: Vector3<f64>,
     /// Velocity of the vibration, m/s.
@@ -110,8 +116,8 @@ pub(crate) struct Moving {
 }
 
 impl Moving {
-    /// Checks a wall and puts it at its start.
-    pub(crate) fn new(wall: MeshWall) -> Result<Self, Error> {
+    /// Checks a wall and puts it at its start, at a time (s).
+    pub(crate) fn new(wall: MeshWall, time: f64) -> Result<Self, Error> {
         let broken = |rule| {
             Err(Error::Shape {
                 wall: wall.name.clone(),
@@ -149,10 +155,9 @@ impl Moving {
             balls: balls.collect(),
             extent: extent.fold(0.0, f64::max),
             shift: Vector3::zeros(),
+            since: time,
             swing: Vector3::zeros(),
-            swing_velocity: motion
-                .vibration
-                .map_or_else(Vector3::zeros, |v| v.velocity(0.0)),
+            swing_velocity: motion.swing_velocity(0.0),
             turn: UnitQuaternion::identity(),
             travel: 0.0,
             force: Vector3::zeros(),
@@ -166,6 +171,7 @@ impl Moving {
         Path {
             motion: self.wall.motion,
             shift: self.shift,
+            since: self.since,
             swing: self.swing,
             swing_velocity: self.swing_velocity,
             turn: self.turn,
@@ -177,11 +183,26 @@ impl Moving {
     /// Puts the wall where it was.
     pub(crate) fn put(&mut self, path: &Path) {
         self.wall.motion = path.motion;
-        self.shift = path.shift;
+        (self.shift, self.since) = (path.shift, path.since);
         self.swing = path.swing;
         self.swing_velocity = path.swing_velocity;
         self.turn = path.turn;
         (self.force, self.torque) = (path.force, path.torque);
+    }
+
+    /// Changes velocity, spin and vibration at a time (s); the centre of rotation stays. Another vibration begins
+    /// where the wall stands, and a wall whose vibration ends stays there.
+    pub(crate) fn set_motion(&mut self, motion: &Motion, time: f64) {
+        let now = &mut self.wall.motion;
+        if now.vibration != motion.vibration {
+            self.shift += std::mem::take(&mut self.swing);
+            self.since = time;
+            self.swing_velocity = motion.swing_velocity(0.0);
+        }
+        *now = Motion {
+            about: now.about,
+            ..*motion
+        };
     }
 
     /// Centre of rotation now, m.
@@ -233,9 +254,9 @@ impl Moving {
         let motion = &self.wall.motion;
         let before = self.swing;
         if let Some(vibration) = &motion.vibration {
-            self.swing = vibration.displacement(time);
-            self.swing_velocity = vibration.velocity(time);
+            self.swing = vibration.displacement(time - self.since);
         }
+        self.swing_velocity = motion.swing_velocity(time - self.since);
         self.shift += motion.velocity * time_step;
         if motion.spin != Vector3::zeros() {
             let turn = UnitQuaternion::from_scaled_axis(motion.spin * time_step);
@@ -248,11 +269,79 @@ impl Moving {
 }
 
 impl Motion {
+    /// Velocity of the vibration at a time from its start (s), m/s; zero without one.
+    fn swing_velocity(&self, time: f64) -> Vector3<f64> {
+        let velocity = |vibration: Vibration| vibration.velocity(time);
+        self.vibration.map_or_else(Vector3::zeros, velocity)
+    }
+
     /// Whether all numbers are finite.
     pub(crate) fn is_finite(&self) -> bool {
         let vibration = self
             .vibration
             .map_or(0.0, |v| v.amplitude.sum() + v.angular_frequency);
         (self.velocity.sum() + self.spin.sum() + self.about.sum() + vibration).is_finite()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{MeshWall, Motion, Moving, Vibration};
+    use nalgebra::Vector3;
+
+    /// Step, s.
+    const STEP: f64 = 1e-4;
+
+    /// A wall that stands, and its motion with a vibration of 1 mm.
+    fn standing() -> (Moving, Motion) {
+        let wall = MeshWall {
+            name: "wall".into(),
+            triangles: vec![[Vector3::zeros(), Vector3::x(), Vector3::y()]],
+            material: 0,
+            motion: Motion::default(),
+        };
+        let vibrating = Motion {
+            vibration: Some(Vibration {
+                amplitude: Vector3::z() * 1e-3,
+                angular_frequency: 188.0,
+            }),
+            ..Motion::default()
+        };
+        (Moving::new(wall, 0.0).expect("possible"), vibrating)
+    }
+
+    /// A vibration that is switched on late starts where the wall stands: no step is longer than the highest
+    /// speed A w times the step. At 0.3131 s the sine of the time of the world would be 0.73.
+    #[test]
+    fn vibration_begins_and_ends_where_the_wall_stands() {
+        let (mut wall, vibrating) = standing();
+        let mut time = 0.3131;
+        wall.set_motion(&vibrating, time);
+        for k in 1..=100 {
+            let before = wall.pivot();
+            time += STEP;
+            wall.advance(STEP, time);
+            let way = (wall.pivot() - before).norm();
+            assert!(way <= 1e-3 * 188.0 * STEP, "{way} m in step {k}");
+        }
+        let expected = 1e-3 * (188.0_f64 * 100.0 * STEP).sin();
+        let place = wall.pivot().z;
+        // Times of 0.3 s are known to 6e-17 s, so the place to 1e-17 m.
+        assert!((place - expected).abs() < 1e-15, "{place}");
+
+        // The same vibration given again goes on.
+        wall.set_motion(&vibrating, time);
+        assert!(wall.pivot().z.to_bits() == place.to_bits());
+        time += STEP;
+        wall.advance(STEP, time);
+        let expected = 1e-3 * (188.0_f64 * 101.0 * STEP).sin();
+        assert!((wall.pivot().z - expected).abs() < 1e-15, "{expected}");
+
+        wall.set_motion(&Motion::default(), time);
+        let end = wall.pivot();
+        assert_eq!(wall.velocity_at(&Vector3::x()), Vector3::zeros());
+        wall.advance(STEP, time + STEP);
+        assert_eq!(wall.pivot(), end);
+        assert_eq!(wall.velocity_at(&Vector3::x()), Vector3::zeros());
     }
 }

@@ -127,7 +127,7 @@ fn distances<S: Simd>(
 }
 
 /// Writes the keys of all candidates that may touch into `near`; returns their number and, where there are
-/// none, the smallest gap of any candidate (m).
+/// none, how much farther the nearest centres are than the largest distance of a contact (m).
 ///
 /// `square` is that of the largest distance at which two spheres can have a contact (m²), `n` the number of
 /// candidates, the other arguments as of [`distances`].

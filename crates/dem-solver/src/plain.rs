@@ -3,6 +3,7 @@
 //! It is slow and obvious. The tests hold the fast loop to it.
 
 use crate::contact::Memory;
+use crate::mesh_force::{Touch, find_contacts};
 use crate::pair_force::{PairFrame, mover};
 use crate::shared_mass::Shares;
 use crate::template::OuterSphere;
@@ -18,6 +19,8 @@ pub struct History {
     pairs: BTreeMap<(usize, usize, u32), Memory>,
     /// Between bodies and walls.
     walls: BTreeMap<(usize, usize, u32), Memory>,
+    /// Between bodies and walls of triangles, by (body, wall).
+    meshes: BTreeMap<(usize, usize), Vec<Touch>>,
 }
 
 impl History {
@@ -28,7 +31,7 @@ impl History {
 
     /// Number of touching spheres at all walls.
     pub fn n_wall_contacts(&self) -> usize {
-        self.walls.len()
+        self.walls.len() + self.meshes.values().map(Vec::len).sum::<usize>()
     }
 }
 
@@ -82,6 +85,7 @@ pub fn loads(world: &World, history: &mut History) -> Vec<Load> {
             }
         }
         wall_loads(world, i, history, &mut next, &mut loads[i]);
+        mesh_loads(world, i, history, &mut next, &mut loads[i]);
     }
     *history = next;
     loads
@@ -116,5 +120,33 @@ fn wall_loads(world: &World, i: usize, before: &History, next: &mut History, loa
             load.torque += effect.torque_i;
             next.walls.insert(key, effect.memory);
         }
+    }
+}
+
+/// Adds the loads of all walls of triangles on body `i`: each of its spheres against each triangle.
+fn mesh_loads(world: &World, i: usize, before: &History, next: &mut History, load: &mut Load) {
+    let context = world.context();
+    let bodies = world.bodies();
+    let template = &context.templates[bodies.template[i]];
+    for (w, moving) in world.moving_walls().iter().enumerate() {
+        let spheres = (0_u16..).zip(&template.spheres);
+        let all = spheres.flat_map(|(sphere, _)| {
+            let triangles = (0_u32..).zip(&moving.wall.triangles);
+            triangles.map(move |(triangle, _)| (sphere, triangle))
+        });
+        let mut touches = before.meshes.get(&(i, w)).cloned().unwrap_or_default();
+        let body = (&mover(bodies, i), template);
+        let all: Vec<_> = all.collect();
+        let effect = find_contacts(
+            &all,
+            &mut touches,
+            body,
+            &bodies.rotation[i],
+            moving,
+            &context,
+        );
+        load.force += effect.force;
+        load.torque += effect.torque_i;
+        next.meshes.insert((i, w), touches);
     }
 }

@@ -98,8 +98,9 @@ pub(crate) struct Group {
 impl Template {
     /// Prepares a body type of material number `material`.
     ///
-    /// Spheres that nothing outside can touch are left out of the contact search; mass and
-    /// inertia keep them.
+    /// Spheres that a ball of half the smallest radius of this body cannot reach from outside are left out of
+    /// the contact search; mass and inertia keep them. Smaller spheres of another type, or the edge of a wall,
+    /// could slip through a hole of this body to a sphere that is left out.
     pub fn new(clump: &Clump, material: usize, dashpot_mass: DashpotMass) -> Self {
         let smallest = clump
             .spheres()

@@ -292,16 +292,17 @@ impl World {
                 count: self.n_materials,
             });
         }
-        self.mesh_walls.add(wall)?;
+        self.mesh_walls.add(wall, self.time)?;
         self.longest = f32::INFINITY;
         self.choose_reference_spin();
         Ok(())
     }
 
     /// Changes velocity, spin and vibration of all walls of triangles of a name; their centre of
-    /// rotation stays what it is. False if there is no such wall or a number is not finite.
+    /// rotation stays what it is, and another vibration begins where the wall stands. False if there is no
+    /// such wall or a number is not finite.
     pub fn set_mesh_motion(&mut self, name: &str, motion: &Motion) -> bool {
-        self.mesh_walls.set_motion(name, motion)
+        self.mesh_walls.set_motion(name, motion, self.time)
     }
 
     /// Moves the world by one step.
@@ -426,7 +427,12 @@ impl World {
 
     /// Walls of triangles, as they were given, with their motion of now.
     pub fn mesh_walls(&self) -> impl Iterator<Item = &MeshWall> {
-        self.mesh_walls.moving.iter().map(|m| &m.wall)
+        self.moving_walls().iter().map(|m| &m.wall)
+    }
+
+    /// Walls of triangles, where they are now.
+    pub(crate) fn moving_walls(&self) -> &[Moving] {
+        &self.mesh_walls.moving
     }
 
     /// Force (N) on each wall of triangles in the last step, and its torque (N m) about the
@@ -628,8 +634,10 @@ impl World {
                 pieces.for_each(search);
             }),
         }
+        // A bridge may pass from a triangle to one that is not listed: that must stay beyond its reach.
+        let at_triangles = margin + f64::from(self.slack.reach);
         self.mesh_walls
-            .rebuild(&self.bodies, &self.templates, margin);
+            .rebuild(&self.bodies, &self.templates, at_triangles);
         self.bodies.travel.fill(0.0);
         self.bodies.shift.fill(0.0);
         Ok(())

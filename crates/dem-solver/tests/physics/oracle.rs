@@ -13,7 +13,8 @@ use contact_law::{
     CapillaryBridge, RateDependentFriction, RollingSpringDashpot, ViscoelasticDamping,
 };
 use dem_solver::{
-    DashpotMass, FurtherLaws, Placement, Settings, Shape, Template, Wall, World, plain,
+    DashpotMass, FurtherLaws, MeshWall, Motion, Placement, Settings, Shape, Template, Vibration,
+    Wall, World, plain,
 };
 use nalgebra::Vector3;
 use random_stream::Stream;
@@ -59,6 +60,38 @@ fn plate() -> Wall {
         shape,
         material: 0,
         spin: 0.0,
+    }
+}
+
+/// The plate as a mesh of many triangles that turns and trembles.
+fn plate_of_triangles() -> MeshWall {
+    let Shape::Rectangle { centre, half_edges } = plate().shape else {
+        unreachable!("the plate is a rectangle");
+    };
+    let n = 5_u8;
+    let corner = |i: u8, k: u8| {
+        let [along, across] = [i, k].map(|place| f64::from(2 * place) / f64::from(n) - 1.0);
+        centre + half_edges[0] * along + half_edges[1] * across
+    };
+    let cells = (0..n).flat_map(|i| (0..n).map(move |k| (i, k)));
+    let triangles = cells.flat_map(|(i, k)| {
+        let [a, b, c, d] =
+            [(i, k), (i + 1, k), (i + 1, k + 1), (i, k + 1)].map(|(i, k)| corner(i, k));
+        [[a, b, c], [a, c, d]]
+    });
+    MeshWall {
+        name: "plate".into(),
+        triangles: triangles.collect(),
+        material: 0,
+        motion: Motion {
+            spin: Vector3::new(0.0, 2.0, -8.0),
+            about: centre,
+            vibration: Some(Vibration {
+                amplitude: Vector3::new(1e-4, 2e-4, 0.0),
+                angular_frequency: 200.0,
+            }),
+            ..Motion::default()
+        },
     }
 }
 
@@ -245,6 +278,39 @@ fn loads_are_those_of_the_plain_loop_for_plain_spheres() {
     assert!(
         balls[0] > 10 && balls[1] > balls[0],
         "too few contacts of balls to mean anything, or no bridge: {balls:?}"
+    );
+}
+
+/// A plate of triangles that turns and trembles in the bed, dry and with bridges, which pass from one triangle to
+/// the next: the lists count the ways of body and wall.
+#[test]
+fn loads_are_those_of_the_plain_loop_at_a_moving_mesh() {
+    let mut walls = drum(1.0);
+    walls.push(plate());
+    let starts = fallen(1.0, walls);
+    let water = CapillaryBridge::new(0.07, 0.1, 1e-11).expect("water");
+    let wet = FurtherLaws {
+        bridge: Some(water.between(1e-3)),
+        ..FurtherLaws::default()
+    };
+    let at_plate = [FurtherLaws::default(), wet].map(|further| {
+        let laws = vec![interaction(&sticky()).with(&further); 4];
+        let settings = settings_of(1.0);
+        let mut world =
+            World::new(settings, seed_and_block(1.0), laws, drum(1.0), &starts).expect("possible");
+        world.add_mesh_wall(plate_of_triangles()).expect("a plate");
+        let mut history = plain::History::default();
+        let mut pushed = 0_usize;
+        for _ in 0..40 {
+            hold_to_the_plain_loop(&mut world, &mut history, 40);
+            let (force, _) = world.mesh_loads().next().expect("one mesh");
+            pushed += usize::from(force.norm() > 0.0);
+        }
+        pushed
+    });
+    assert!(
+        at_plate.iter().all(|&n| n > 20),
+        "the plate hardly touches: {at_plate:?}"
     );
 }
 
