@@ -56,7 +56,7 @@ pub fn confirm(
     let predicted = fit.value(&coded);
     let reach = error.and_then(|error| {
         let limit = t_two_sided_quantile(0.05, error.df as f64)?;
-        let share = fit.leverage(&coded) + fit.mean_count / n as f64;
+        let share = fit.leverage(&coded) + fit.runs_of_unit_weight() / n as f64;
         Some(limit * (error.variance * share).sqrt())
     });
     let interval = reach.map(|reach| [predicted - reach, predicted + reach]);

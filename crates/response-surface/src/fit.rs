@@ -220,7 +220,7 @@ fn assemble(
     let coefficients = matrix.model_part(&refined.coefficients);
     let covariance = matrix.model_block(&solved.xtx_inverse);
     let terms_natural = natural_terms(factors, model, &coefficients, &covariance, mse, df_resid);
-    let replicates = replicates::replicates(data, &terms, sums.sse, df_resid);
+    let replicates = replicates::replicates(data, &matrix.weights, &terms, sums.sse, df_resid);
     let mut fit = Fit {
         factors: factors.to_vec(),
         formula: model.clone(),
@@ -285,7 +285,16 @@ fn assemble(
 }
 
 impl Fit {
-    /// The chosen error variance of a cell mean of mean size; none where it is undefined.
+    /// Number of runs whose mean has weight 1: the variance of a run over that of such a mean, or the mean number
+    /// of runs in a cell where no replicates tell.
+    pub fn runs_of_unit_weight(&self) -> f64 {
+        let of = |r: &Replicates| r.pooled_within_var / r.var_of_run_mean;
+        let seen = self.replicates.as_ref().map(of);
+        seen.filter(|runs| runs.is_finite())
+            .unwrap_or(self.mean_count)
+    }
+
+    /// The chosen error variance of a cell mean of weight 1; none where it is undefined.
     pub fn error_variance(&self, source: ErrorSource) -> Option<ErrorVariance> {
         let within = self.replicates.as_ref().map(|r| (r.var_of_run_mean, r.df));
         let between = self.pure_error.as_ref().map(|pure| (pure.ms, pure.df));

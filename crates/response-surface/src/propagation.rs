@@ -52,7 +52,7 @@ impl Fit {
             .enumerate()
             .map(|(j, v)| 0.5 * quadratic.hessian[(j, j)] * v)
             .sum();
-        let run = error.map(|e| e.variance * self.mean_count);
+        let run = error.map(|e| e.variance * self.runs_of_unit_weight());
         Ok(Propagation {
             transmitted_sd: transmitted.sqrt(),
             shift,

@@ -60,8 +60,9 @@ impl Fit {
             return Ok(None);
         };
         let coded = self.coded(natural);
-        let share = self.leverage(&coded) / self.mean_count;
-        let run_sd = (error.variance * self.mean_count).sqrt();
+        let runs = self.runs_of_unit_weight();
+        let share = self.leverage(&coded) / runs;
+        let run_sd = (error.variance * runs).sqrt();
         let mean = self.value(&coded);
         let factor = tolerance_factor(share, error.df as f64, content, confidence);
         Ok(factor.map(|factor| Tolerance {

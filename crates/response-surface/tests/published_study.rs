@@ -178,6 +178,35 @@ fn reduced_model_is_reproduced_in_full() {
     );
 }
 
+/// Replicates give the variance that the weighted residuals have: five runs a cell with sd 1 or 3, weights by
+/// inverse variance. A mean has the variance 1/5 or 9/5, the weights of mean 1 are 9/5 and 1/5, so a mean of weight 1 has
+/// the variance 9/25, and a run of the pooled variance 5 is 125/9 times as variable.
+#[test]
+fn replicates_have_the_scale_of_the_weights() {
+    let factors = factors(&["B", "E", "F"]);
+    let cells = (0..8).map(|k| {
+        let sign = |bit: usize| if k >> bit & 1 == 1 { 1.0 } else { -1.0 };
+        Cell {
+            coded: vec![sign(0), sign(1), sign(2)],
+            mean: 10.0 + sign(0) + 0.3 * sign(1) * sign(2),
+            sd: Some(if k % 2 == 0 { 1.0 } else { 3.0 }),
+            n: 5,
+            block: 1,
+        }
+    });
+    let data = Observations::from_cells(cells.collect()).unwrap();
+    let model = Model::parse("1 + B + E + F", &factors).unwrap();
+    let got = fit_weighted(&factors, &model, &data, Weighting::InverseVariance).unwrap();
+    let replicates = got.replicates.as_ref().unwrap();
+    assert!((replicates.var_of_run_mean - 0.36).abs() < 1e-12);
+    assert!((got.runs_of_unit_weight() - 125.0 / 9.0).abs() < 1e-9);
+    let f = replicates
+        .lack_of_fit_vs_replicates
+        .as_ref()
+        .and_then(|test| test.f);
+    assert!((f.unwrap() - got.mse.unwrap() / 0.36).abs() < 1e-9);
+}
+
 /// The weights here are scaled to mean 1, so the unscaled standard errors and the weighted sum
 /// of squares are compared after undoing that scale.
 #[test]

@@ -13,7 +13,8 @@ pub struct Replicates {
     pub pooled_within_var: f64,
     /// Its root, unit of the response.
     pub pooled_within_sd: f64,
-    /// Variance of a cell mean of mean size, squared unit of the response.
+    /// Variance of a cell mean of weight 1, squared unit of the response: with weights by counts, of a mean
+    /// over cells of mean size.
     pub var_of_run_mean: f64,
     /// Degrees of freedom.
     pub df: usize,
@@ -61,8 +62,13 @@ pub(crate) fn f_test(upper: f64, df1: usize, lower: f64, df2: usize) -> FTest {
 }
 
 /// Tests of the terms and the residuals against replicates; none without replicates.
+///
+/// # Formula
+/// The variance of a cell mean of weight 1 is `sum (n - 1) w sd^2 / n` over `sum (n - 1)`, w the weights of mean 1: it is
+/// what the weighted mean square of the residuals estimates too.
 pub(crate) fn replicates(
     data: &Observations,
+    weights: &[f64],
     terms: &NamedValues<TermRow>,
     sse: f64,
     df_resid: usize,
@@ -74,7 +80,16 @@ pub(crate) fn replicates(
     }
     let ss: f64 = spreads.iter().map(|s| s.df as f64 * s.variance).sum();
     let pooled = ss / df as f64;
-    let of_mean = pooled / data.mean_count();
+    let weighted = data
+        .cells()
+        .iter()
+        .zip(weights)
+        .filter(|(cell, _)| cell.n > 1);
+    let weighted = weighted.filter_map(|(cell, weight)| {
+        let runs = cell.n as f64;
+        Some((runs - 1.0) * weight * cell.sd?.powi(2) / runs)
+    });
+    let of_mean = weighted.sum::<f64>() / df as f64;
     let test = |(name, row): (&str, &TermRow)| {
         let ss = row.ss_partial?;
         Some((name.to_owned(), f_test(ss, 1, of_mean, df)))

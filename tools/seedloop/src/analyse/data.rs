@@ -11,6 +11,9 @@ use serde::Serialize;
 
 use super::Arguments;
 
+/// Farthest coded value of a natural column: axial points of the largest designs lie at 4.
+const FARTHEST: f64 = 5.0;
+
 /// What the columns of the factors hold.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
@@ -64,7 +67,12 @@ pub(super) fn read(arguments: &Arguments) -> anyhow::Result<Data> {
     let mut factors = Vec::with_capacity(given.len());
     for ((symbol, known), &column) in given.into_iter().zip(&columns) {
         factors.push(match known {
-            Some(factor) => factor,
+            Some(factor) => {
+                if coding == Coding::Natural {
+                    check_range(arguments, &table, column, &factor).with_context(place)?;
+                }
+                factor
+            }
             None => seen_factor(&table, &symbol, column, coding).with_context(place)?,
         });
     }
@@ -268,14 +276,18 @@ fn given_factors(argument: &str) -> anyhow::Result<Vec<(String, Option<Factor>)>
     Ok(given)
 }
 
-/// What the columns hold: as told, or coded if all values lie in -1..+1 and every column reaches
-/// both ends, as the columns of a design do.
+/// What the columns hold: as told; coded if each has its natural values beside it, as in a file of `design`; coded
+/// if all values lie in -1..+1 and every column reaches both ends, as the columns of a design do.
 fn coding(arguments: &Arguments, table: &Table, columns: &[usize]) -> anyhow::Result<Coding> {
     if arguments.coded {
         return Ok(Coding::Coded);
     }
     if arguments.natural {
         return Ok(Coding::Natural);
+    }
+    let beside = |&column: &usize| table.column(&natural_name(&table.header()[column])).is_ok();
+    if columns.iter().all(beside) {
+        return Ok(Coding::Coded);
     }
     for &column in columns {
         let (low, high) = extremes(table, column)?;
@@ -284,6 +296,31 @@ fn coding(arguments: &Arguments, table: &Table, columns: &[usize]) -> anyhow::Re
         }
     }
     Ok(Coding::Coded)
+}
+
+/// Name of the column of natural values beside that of a factor.
+fn natural_name(symbol: &str) -> String {
+    format!("{symbol}_natural")
+}
+
+/// Refuses values so far outside the given range that the column can hardly be natural, unless told so.
+fn check_range(
+    arguments: &Arguments,
+    table: &Table,
+    column: usize,
+    factor: &Factor,
+) -> anyhow::Result<()> {
+    let (least, greatest) = extremes(table, column)?;
+    let far = factor.coded(least).abs().max(factor.coded(greatest).abs());
+    ensure!(
+        arguments.natural || far <= FARTHEST,
+        "column '{}' holds {least} to {greatest}, far outside the range {} to {} of the factor: give --coded if \
+         the column is coded, --natural if it is meant",
+        table.header()[column],
+        factor.low(),
+        factor.high()
+    );
+    Ok(())
 }
 
 /// Least and greatest value of a column.
@@ -308,7 +345,7 @@ fn seen_factor(
         let (low, high) = extremes(table, column)?;
         return Ok(Factor::new(symbol, "", "1", low, high)?);
     }
-    let Ok(natural) = table.column(&format!("{symbol}_natural")) else {
+    let Ok(natural) = table.column(&natural_name(symbol)) else {
         return Ok(Factor::coded_only(symbol)?);
     };
     let level = |wanted: f64| -> anyhow::Result<Option<f64>> {

@@ -193,8 +193,9 @@ fn at_point(common: &Common, fit: &Fit, report: &Report) -> anyhow::Result<()> {
         ))?;
     }
     if let Some([low, high]) = at.pi95 {
-        let of = if fit.mean_count > 1.0 {
-            format!("mean of {:.3} runs", fit.mean_count)
+        let runs = fit.runs_of_unit_weight();
+        let of = if runs > 1.0 {
+            format!("mean of {runs:.3} runs")
         } else {
             "run".to_owned()
         };
