@@ -10,7 +10,9 @@ mod runs;
 use crate::Error;
 use campaign::{Campaign, RunRequest, Simulator};
 use fits::{FIRST_BLOCK_ANEW, Fits, LOOKS, Looks, MOST_SUSPECTS, sets_to_add};
-use residual_diagnosis::{Diagnosis, Options, Problem, ProblemFile, Sign, Verdict, diagnose};
+use residual_diagnosis::{
+    Diagnosis, Largest, Options, Problem, ProblemFile, Sign, Verdict, diagnose,
+};
 use runs::{At, Linearisation};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -51,9 +53,14 @@ pub struct EffectProbe {
 }
 
 impl EffectProbe {
-    /// Largest size of its amplitude.
-    pub fn largest(&self) -> f64 {
-        self.range[1].max(-self.range[0])
+    /// How far its amplitude can go.
+    pub fn largest(&self) -> Largest {
+        let [low, high] = self.range;
+        if self.sign() == Sign::Any && low != -high {
+            Largest::Ends(self.range)
+        } else {
+            Largest::Size(high.max(-low))
+        }
     }
 
     /// Signs that its amplitude can have.

@@ -96,11 +96,13 @@ pub(crate) fn before_after(
         };
         part_errors(problem, part, &residuals, seed)
     };
+    // Unused conditions that nothing was measured at say nothing.
+    let measured = problem.unused.as_ref().filter(|part| !part.rows.is_empty());
     Ok(BeforeAfter {
         effects: chosen.effects.iter().map(name).collect(),
         rival: rival.and_then(|fit| fit.effects.first().map(name)),
         used: errors(&problem.used)?,
-        unused: problem.unused.as_ref().map(errors).transpose()?,
+        unused: measured.map(errors).transpose()?,
     })
 }
 

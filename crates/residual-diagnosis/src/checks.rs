@@ -14,7 +14,7 @@ use crate::Error;
 use crate::covariance::Covariance;
 use crate::problem::{Candidate, Experiment, Part, Prior, Problem, Row, condition_label};
 use crate::problem_file::{
-    Condition, CovarianceInput, ExperimentFile, Level, PriorPrecision, ProblemFile,
+    Condition, CovarianceInput, ExperimentFile, Largest, Level, PriorPrecision, ProblemFile,
 };
 
 /// The raw lists that make one part.
@@ -301,7 +301,20 @@ fn candidates(file: &ProblemFile) -> Result<Vec<Candidate>, Error> {
     };
     for (name, &amplitude) in &file.largest_amplitudes {
         known(name, "largest_amplitudes")?;
-        check_positive(amplitude, &format!("largest_amplitudes.{name}"))?;
+        let place = format!("largest_amplitudes.{name}");
+        match amplitude {
+            Largest::Size(size) => check_positive(size, &place)?,
+            Largest::Ends([least, greatest]) => {
+                check_positive(greatest - least, &format!("the width of {place}"))?;
+                if let Some(value) = [least, -greatest].into_iter().find(|end| *end > 0.0) {
+                    return Err(Error::OutOfRange {
+                        what: place,
+                        value: value.abs(),
+                        range: "[least, greatest] with 0 between them",
+                    });
+                }
+            }
+        }
     }
     for name in file.signs.keys() {
         known(name, "signs")?;
@@ -311,7 +324,7 @@ fn candidates(file: &ProblemFile) -> Result<Vec<Candidate>, Error> {
         .iter()
         .map(|name| Candidate {
             name: name.clone(),
-            largest_amplitude: file.largest_amplitudes.get(name).copied(),
+            ends: file.largest_amplitudes.get(name).map(|l| l.ends()),
             sign: file.signs.get(name).copied().unwrap_or_default(),
         })
         .collect())

@@ -168,7 +168,7 @@ impl Decision {
             }
             let candidate = &problem.candidates[j];
             let score = taken.gates.scores[j].as_ref();
-            let z = score.map_or(0.0, |s| s.within(candidate.largest_amplitude));
+            let z = score.map_or(0.0, |s| s.within(candidate));
             if !first {
                 let step = ln_factor_of_effect(z, candidate.sign);
                 let rival = ln_factor_of_unknown(&taken.fit);

@@ -180,7 +180,7 @@ fn odd_amplitudes(problem: &Problem, decision: &Decision) -> Vec<String> {
     amplitudes
         .filter_map(|(&j, a)| {
             let candidate = &problem.candidates[j];
-            let largest = candidate.largest_amplitude.filter(|l| a.abs() >= *l)?;
+            let largest = candidate.largest_towards(*a).filter(|l| a.abs() >= *l)?;
             Some(format!(
                 "{} is held at its physically largest amplitude {largest}: the data ask for more",
                 candidate.name
@@ -272,7 +272,7 @@ fn candidate_results(problem: &Problem, decision: &Decision) -> BTreeMap<String,
             p_adequacy_smooth: single.smooth_test(problem).p,
             p_max_test: testable.then(|| gates.max_test.p(gates.statistic(problem, j))),
             ln_bf_unknown: score
-                .map(|s| s.within(problem.candidates[j].largest_amplitude))
+                .map(|s| s.within(&problem.candidates[j]))
                 .map(|z| ln_factor_of_effect(z, sign) - decision.ln_factor_of_unknown),
             smallest_detectable: decision
                 .nominal

@@ -4,7 +4,7 @@ use nalgebra::{DMatrix, DVector};
 
 use crate::Error;
 use crate::covariance::{Covariance, Whitener};
-use crate::problem::Problem;
+use crate::problem::{Candidate, Problem};
 use crate::problem_file::Sign;
 use crate::smooth_basis::smooth_basis;
 use crate::space::Space;
@@ -129,7 +129,7 @@ impl Fit {
                 .iter()
                 .zip(fit.amplitudes.iter().zip(&fit.standard_errors))
                 .filter_map(|(&j, (a, se))| {
-                    let largest = problem.candidates[j].largest_amplitude?;
+                    let largest = problem.candidates[j].largest_towards(*a)?;
                     let over = (a.abs() - largest) / se;
                     (over > 0.0).then_some((j, largest * a.signum(), over))
                 })
@@ -378,12 +378,13 @@ impl Whitened {
 }
 
 impl Score {
-    /// The score that an effect reaches with an amplitude up to the largest possible one.
+    /// The score that an effect reaches with an amplitude up to the largest possible one of its sign.
     ///
     /// # Formula
     ///
     /// `z' = sign(z) sqrt(z² - max(0, |z| - a_max |u|)²)`: what it takes off the structured residual is z'².
-    pub(crate) fn within(&self, largest: Option<f64>) -> f64 {
+    pub(crate) fn within(&self, candidate: &Candidate) -> f64 {
+        let largest = candidate.largest_towards(self.z);
         let over = largest.map_or(0.0, |a| (self.z.abs() - a * self.length).max(0.0));
         self.z.signum() * (self.z * self.z - over * over).max(0.0).sqrt()
     }

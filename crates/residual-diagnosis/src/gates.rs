@@ -74,11 +74,7 @@ impl Gates {
         let possible = |j: &usize| {
             let candidate = &problem.candidates[*j];
             let score = gates.scores[*j].as_ref();
-            score.map_or(0.0, |s| {
-                candidate
-                    .sign
-                    .statistic(s.within(candidate.largest_amplitude))
-            })
+            score.map_or(0.0, |s| candidate.sign.statistic(s.within(candidate)))
         };
         gates.best = gates
             .family
@@ -129,7 +125,7 @@ pub(crate) fn testable(problem: &Problem, nominal: &Fit) -> Vec<usize> {
         .filter(|&j| {
             nominal.expected_score(problem, j).is_some_and(|score| {
                 problem.candidates[j]
-                    .largest_amplitude
+                    .largest()
                     .is_none_or(|a| a * score >= SMALLEST_DETECTABILITY)
             })
         })

@@ -65,6 +65,6 @@ pub use error::Error;
 pub use next_measurement::{NextMeasurement, PlannedExperiment, Purpose};
 pub use problem::Problem;
 pub use problem_file::{
-    Condition, CovarianceInput, ExperimentFile, Level, PriorPrecision, ProblemFile, Sign,
+    Condition, CovarianceInput, ExperimentFile, Largest, Level, PriorPrecision, ProblemFile, Sign,
 };
 pub use trials::{NearestEffect, TrialRow, Truth, UnusedErrors, trials, usual_truths};

@@ -285,7 +285,7 @@ fn best_detectability(problem: &Problem, rows: &Rows, effects: &[usize]) -> f64 
         .iter()
         .map(|&j| {
             let left = space.outside(&rows.library.column(j).into_owned()).norm();
-            left * problem.candidates[j].largest_amplitude.unwrap_or(1.0)
+            left * problem.candidates[j].largest().unwrap_or(1.0)
         })
         .fold(0.0, f64::max)
 }

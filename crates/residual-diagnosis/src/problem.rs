@@ -35,10 +35,23 @@ pub struct Problem {
 pub(crate) struct Candidate {
     /// Its name.
     pub(crate) name: String,
-    /// Physically largest size of its amplitude; none when there is no limit.
-    pub(crate) largest_amplitude: Option<f64>,
+    /// Physically least and greatest amplitude; none when there is no limit.
+    pub(crate) ends: Option<[f64; 2]>,
     /// Physically possible sign of its amplitude.
     pub(crate) sign: Sign,
+}
+
+impl Candidate {
+    /// Largest size of an amplitude that has the sign of a number; none when there is no limit.
+    pub(crate) fn largest_towards(&self, sign: f64) -> Option<f64> {
+        self.ends
+            .map(|[least, greatest]| if sign < 0.0 { -least } else { greatest })
+    }
+
+    /// Largest size of its amplitude, whatever its sign; none when there is no limit.
+    pub(crate) fn largest(&self) -> Option<f64> {
+        self.ends.map(|[least, greatest]| greatest.max(-least))
+    }
 }
 
 /// Where a row of the residual belongs.

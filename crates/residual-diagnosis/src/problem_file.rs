@@ -38,6 +38,26 @@ pub enum PriorPrecision {
     Matrix(Vec<Vec<f64>>),
 }
 
+/// How far the amplitude of an effect can go physically.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(untagged)]
+pub enum Largest {
+    /// The same size on both sides of zero.
+    Size(f64),
+    /// Least and greatest amplitude, at most and at least 0.
+    Ends([f64; 2]),
+}
+
+impl Largest {
+    /// Least and greatest amplitude.
+    pub(crate) fn ends(self) -> [f64; 2] {
+        match self {
+            Self::Size(size) => [-size, size],
+            Self::Ends(ends) => ends,
+        }
+    }
+}
+
 /// The sign that the amplitude of an effect can have physically.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
@@ -123,8 +143,8 @@ pub struct ProblemFile {
     pub sensitivities_library: Vec<Vec<f64>>,
     /// Covariance of each column of `sensitivities_library`, where it came from noisy runs.
     pub cov_sensitivities_library: Vec<CovarianceInput>,
-    /// Physically largest size of an amplitude, by effect; absent when there is no limit.
-    pub largest_amplitudes: BTreeMap<String, f64>,
+    /// Physically largest amplitude, by effect: a size, or `[least, greatest]`; absent when there is no limit.
+    pub largest_amplitudes: BTreeMap<String, Largest>,
     /// Physically possible sign of an amplitude, by effect; any where absent.
     pub signs: BTreeMap<String, Sign>,
     /// Conditions kept for the check, never used in the fit.

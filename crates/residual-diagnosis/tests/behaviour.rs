@@ -2,8 +2,8 @@
 
 use random_stream::Stream;
 use residual_diagnosis::{
-    Condition, CovarianceInput, Error, ExperimentFile, Level, Options, PriorPrecision, Problem,
-    ProblemFile, Sign, Truth, Verdict, diagnose, trials, usual_truths,
+    Condition, CovarianceInput, Error, ExperimentFile, Largest, Level, Options, PriorPrecision,
+    Problem, ProblemFile, Sign, Truth, Verdict, diagnose, trials, usual_truths,
 };
 
 /// Conditions: 4 speeds x 3 fillings.
@@ -214,11 +214,13 @@ fn effect_that_retuning_imitates_is_not_testable_rather_than_absent() {
 fn effect_smaller_than_the_noise_is_not_testable() {
     let mut file = with_effect(0, 0.0, 2);
     let se = diagnosed(file.clone()).candidates["drag"].se.unwrap();
-    file.largest_amplitudes.insert("drag".into(), 2.9 * se);
+    file.largest_amplitudes
+        .insert("drag".into(), Largest::Size(2.9 * se));
     let d = diagnosed(file.clone());
     assert_eq!(d.not_testable, ["drag"]);
     assert_eq!(d.candidates["drag"].p_max_test, None);
-    file.largest_amplitudes.insert("drag".into(), 3.1 * se);
+    file.largest_amplitudes
+        .insert("drag".into(), Largest::Size(3.1 * se));
     assert!(diagnosed(file).not_testable.is_empty(), "s is above 3");
 }
 
@@ -229,14 +231,39 @@ fn an_effect_beyond_what_is_possible_explains_nothing() {
     let mut file = with_effect(0, 0.0, 4);
     let se = diagnosed(file.clone()).candidates["slip"].se.unwrap();
     file = with_effect(0, 12.0 * se, 4);
-    file.largest_amplitudes.insert("slip".into(), 20.0 * se);
+    file.largest_amplitudes
+        .insert("slip".into(), Largest::Size(20.0 * se));
     let possible = diagnosed(file.clone());
     assert_eq!(possible.effects, ["slip"], "{}", possible.summary);
-    file.largest_amplitudes.insert("slip".into(), 4.0 * se);
+    file.largest_amplitudes
+        .insert("slip".into(), Largest::Size(4.0 * se));
     let held = diagnosed(file);
     assert_ne!(held.verdict, Verdict::Named, "{}", held.summary);
     let amplitude = held.candidates["slip"].amplitude.unwrap();
     assert!((amplitude / (4.0 * se) - 1.0).abs() < 1e-9, "{amplitude}");
+}
+
+/// A friction may be three times as large and never below zero: the end on the side that the data ask for counts, not
+/// the farther one.
+#[test]
+fn each_side_of_an_amplitude_has_its_own_limit() {
+    let mut file = with_effect(0, 0.0, 4);
+    let se = diagnosed(file.clone()).candidates["slip"].se.unwrap();
+    let ends = Largest::Ends([-4.0 * se, 20.0 * se]);
+    let with = |times: f64| {
+        let mut file = with_effect(0, times * se, 4);
+        file.largest_amplitudes.insert("slip".into(), ends);
+        diagnosed(file)
+    };
+    let possible = with(12.0);
+    assert_eq!(possible.effects, ["slip"], "{}", possible.summary);
+    let held = with(-12.0);
+    assert_ne!(held.verdict, Verdict::Named, "{}", held.summary);
+    let amplitude = held.candidates["slip"].amplitude.unwrap();
+    assert!((amplitude / (-4.0 * se) - 1.0).abs() < 1e-9, "{amplitude}");
+    file.largest_amplitudes
+        .insert("slip".into(), Largest::Ends([1.0, 2.0]));
+    assert!(Problem::try_from(file).is_err(), "0 must be possible");
 }
 
 /// One reading is 12 standard deviations off: no effect is named, the condition is.
@@ -337,6 +364,15 @@ fn naming_that_fails_on_unused_conditions_is_withdrawn() {
     sign(&mut file, 1.0);
     assert_eq!(diagnosed(file.clone()).effects, ["slip"]);
     sign(&mut file, -1.0);
+    let mut planned = file.clone();
+    planned.unused_residual_obs_minus_sim.fill(None);
+    let open = diagnosed(planned);
+    assert_eq!(
+        open.effects,
+        ["slip"],
+        "nothing was measured: {}",
+        open.summary
+    );
     let d = diagnosed(file);
     assert_eq!(d.verdict, Verdict::Unknown, "{}", d.summary);
     assert_eq!(d.suspects, ["slip"]);
