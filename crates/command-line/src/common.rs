@@ -84,6 +84,23 @@ impl Common {
         write_new(file, text.as_bytes(), self.overwrite())
     }
 
+    /// Refuses a file for the results that [`Self::emit_json`] would refuse: to be asked before long work.
+    ///
+    /// # Errors
+    /// A file that exists and may not be overwritten.
+    pub fn refuse_existing_json(&self) -> anyhow::Result<()> {
+        let Some(file) = self.json.as_ref().filter(|_| !self.json_on_stdout()) else {
+            return Ok(());
+        };
+        self.protect_input(file)?;
+        anyhow::ensure!(
+            self.force || !file.exists(),
+            "{} exists: say --force to overwrite it, or give another name",
+            file.display()
+        );
+        Ok(())
+    }
+
     /// Refuses to replace a file by JSON that does not call itself JSON: with `--json photo.jpg
     /// --force` the photo was probably meant as input.
     fn protect_input(&self, file: &Path) -> anyhow::Result<()> {

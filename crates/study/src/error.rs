@@ -34,21 +34,6 @@ pub enum Error {
         /// What is wrong with it, and the way out.
         problem: String,
     },
-    /// No point of the design's box gives the target.
-    #[error(
-        "the surface reaches {low:.2} to {high:.2} within the bounds, the target is {target:.2}: \
-         widen the bounds of the factors in {file}, or add a factor"
-    )]
-    Unreachable {
-        /// The study file.
-        file: String,
-        /// Least value of the surface.
-        low: f64,
-        /// Largest value.
-        high: f64,
-        /// Target.
-        target: f64,
-    },
     /// A scene is refused.
     #[error(transparent)]
     Scene(#[from] scene::Error),

@@ -321,7 +321,37 @@ impl StudyFile {
                 "needs a finite value, an sd of 0 or more and n of 1 or more",
             ));
         }
-        for f in &self.factor {
+        self.check_factors()?;
+        self.check_hidden()?;
+        for (name, profile) in &self.profile {
+            self.check_profile(name, profile)?;
+        }
+        self.check_steps("residual", &self.residual.factors, &self.residual.steps)?;
+        for symbol in self
+            .residual
+            .factors
+            .iter()
+            .chain(&self.hidden.factors)
+            .chain(std::iter::once(&self.sweep.symbol))
+            .chain(self.published_optimum.keys())
+        {
+            self.factor(symbol)?;
+        }
+        Ok(())
+    }
+
+    /// Refuses factors that cannot be meant.
+    fn check_factors(&self) -> Result<(), Error> {
+        for (k, f) in self.factor.iter().enumerate() {
+            let other = |o: &&FactorEntry| o.parameter == f.parameter || o.symbol == f.symbol;
+            if let Some(other) = self.factor[..k].iter().find(other) {
+                let what = format!("factor '{}'", f.symbol);
+                let problem = format!(
+                    "has the symbol or the parameter '{}' of factor '{}': give each factor its own",
+                    f.parameter, other.symbol
+                );
+                return Err(self.wrong(what, problem));
+            }
             let m = &f.measured;
             if !(m.mean.is_finite() && m.sd > 0.0 && m.n >= 1) {
                 let what = format!("measured of factor '{}'", f.symbol);
@@ -337,12 +367,48 @@ impl StudyFile {
                 );
             }
         }
+        Ok(())
+    }
+
+    /// Refuses steps of finite differences that cannot be meant.
+    fn check_steps(&self, what: &str, factors: &[String], steps: &[f64]) -> Result<(), Error> {
+        if steps.len() != factors.len() {
+            return Err(self.wrong(what, "needs as many steps as factors"));
+        }
+        if steps.iter().any(|s| !s.is_finite() || *s == 0.0) {
+            return Err(self.wrong(what, "needs finite steps other than 0"));
+        }
+        Ok(())
+    }
+
+    /// Refuses a profile whose runs give no mean, or no scatter where a scatter is needed.
+    fn check_profile(&self, name: &str, profile: &Profile) -> Result<(), Error> {
+        let counts = [
+            ("screening_replicates", profile.screening_replicates, 1),
+            ("surface_replicates", profile.surface_replicates, 1),
+            ("centre_points", profile.centre_points, 1),
+            ("validation_runs", profile.validation_runs, 1),
+            ("point_runs", profile.point_runs, 1),
+            ("residual_replicates", profile.residual_replicates, 2),
+        ];
+        match counts.iter().find(|(_, given, least)| given < least) {
+            Some((key, given, least)) => Err(self.wrong(
+                format!("{key} = {given} of profile '{name}'"),
+                format!("must be {least} or more"),
+            )),
+            None => Ok(()),
+        }
+    }
+
+    /// Refuses a hidden campaign that cannot be meant.
+    fn check_hidden(&self) -> Result<(), Error> {
         let h = &self.hidden;
         let same = [
             h.true_values.len(),
             h.starts.len(),
             h.steps.len(),
             h.bounds.len(),
+            h.bench_prior.len(),
         ];
         if same.iter().any(|n| *n != h.factors.len()) {
             return Err(self.wrong(
@@ -350,25 +416,85 @@ impl StudyFile {
                 "needs as many true_values, starts, steps, bounds and bench_prior as factors",
             ));
         }
-        if h.reading_sd.len() != h.observables.len() || h.measured_runs < 2 {
+        let readings = h.reading_sd.iter().all(|sd| sd.is_finite() && *sd >= 0.0);
+        if h.reading_sd.len() != h.observables.len() || !readings || h.measured_runs < 2 {
             return Err(self.wrong(
                 "hidden",
-                "needs one reading_sd for each observable and two measured_runs or more",
+                "needs one reading_sd of 0 or more for each observable and two measured_runs or more",
             ));
         }
-        if self.residual.steps.len() != self.residual.factors.len() {
-            return Err(self.wrong("residual", "needs as many steps as factors"));
-        }
-        for symbol in self
-            .residual
-            .factors
-            .iter()
-            .chain(&h.factors)
-            .chain(std::iter::once(&self.sweep.symbol))
-            .chain(self.published_optimum.keys())
-        {
-            self.factor(symbol)?;
+        self.check_steps("hidden", &h.factors, &h.steps)?;
+        let places = h.bounds.iter().zip(&h.starts).zip(&h.steps);
+        for (symbol, ((&[low, high], &start), &step)) in h.factors.iter().zip(places) {
+            let within = |x: f64| low <= x && x <= high;
+            if !(low.is_finite() && high.is_finite() && within(start) && within(start + step)) {
+                return Err(self.wrong(
+                    format!("hidden, factor '{symbol}'"),
+                    format!(
+                        "starts at {start} with a step of {step}: both the start and the start plus \
+                         the step must lie within its bounds {low} to {high}"
+                    ),
+                ));
+            }
         }
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::StudyFile;
+
+    /// The study of the fixtures with a piece of its text replaced.
+    fn changed(from: &str, to: &str) -> Result<StudyFile, String> {
+        let path = concat!(
+            env!("CARGO_MANIFEST_DIR"),
+            "/../../fixtures/cotton/study.toml"
+        );
+        let text = std::fs::read_to_string(path).expect("the fixture");
+        assert!(text.contains(from), "{from}");
+        let study: StudyFile = toml::from_str(&text.replacen(from, to, 1)).expect("a study");
+        study.check().map(|()| study).map_err(|e| e.to_string())
+    }
+
+    /// What would be found out after hours of runs, or never, is refused when the file is read.
+    #[test]
+    fn what_cannot_be_meant_is_refused_at_once() {
+        assert!(
+            changed("name", "name").is_ok(),
+            "the fixture itself is fine"
+        );
+        for (from, to, place) in [
+            (
+                "\"contact.seed-tough_resin.static_friction\"",
+                "\"contact.seed-tough_resin.restitution\"",
+                "factor 'B'",
+            ),
+            (
+                "bench_prior = [true, true]",
+                "bench_prior = [true]",
+                "bench_prior",
+            ),
+            (
+                "residual_replicates = 5",
+                "residual_replicates = 1",
+                "profile 'study'",
+            ),
+            (
+                "validation_runs = 2",
+                "validation_runs = 0",
+                "validation_runs = 0",
+            ),
+            ("steps = [0.10, -0.30]", "steps = [0.0, -0.30]", "residual"),
+            (
+                "starts = [0.56, 0.32]",
+                "starts = [0.9, 0.32]",
+                "factor 'F'",
+            ),
+            ("reading_sd = [0.1,", "reading_sd = [-0.1,", "reading_sd"),
+        ] {
+            let refused = changed(from, to).expect_err(to);
+            assert!(refused.contains(place), "{to}: {refused}");
+        }
     }
 }

@@ -42,6 +42,7 @@ pub(crate) fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<u8> 
     let folder = arguments.out.clone().unwrap_or_else(|| {
         PathBuf::from("out").join(format!("{}-{}", study.name, arguments.profile))
     });
+    common.refuse_existing_json()?;
     refuse_used_folder(&folder, arguments.resume, common)?;
     let base = arguments.study.parent().unwrap_or(Path::new(""));
     let files = [

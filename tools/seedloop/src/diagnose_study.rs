@@ -53,6 +53,7 @@ pub(crate) fn run(path: &Path, options: &Options, common: &Common) -> anyhow::Re
         .out
         .clone()
         .unwrap_or_else(|| PathBuf::from("out").join(format!("{}-diagnosis", file.name)));
+    common.refuse_existing_json()?;
     refuse_used_folder(&folder, options.resume, common)?;
     let settings = RunSettings {
         profile: String::new(),
