@@ -14,6 +14,9 @@ use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
 /// Steps of a block: so few that the machine is the same for both builds.
 const BLOCK_STEPS: usize = 40;
 
+/// Odd factor that spreads the bits of a number.
+const SPREAD: u64 = 0x9E37_79B9_7F4A_7C15;
+
 /// Two builds on one scene; each unit is in the name.
 #[derive(Debug, Serialize)]
 pub(crate) struct AgainstRow {
@@ -101,17 +104,16 @@ fn timed(world: &mut World) -> anyhow::Result<f64> {
     Ok((processor_seconds()? - start) / BLOCK_STEPS as f64 * 1e6)
 }
 
-/// A text that two worlds share only if their bodies move alike.
+/// A text that two worlds share only if their bodies stand and move alike.
 fn fingerprint(world: &World) -> String {
     let bodies = world.bodies();
-    let bits = |x: f64| x.to_bits();
-    let mixed = bodies.position.iter().zip(&bodies.velocity).fold(
-        0_u64,
-        |sum: u64, (position, velocity)| {
-            let all = position.iter().chain(velocity.iter()).copied().map(bits);
-            all.fold(sum, |sum, x| sum.rotate_left(7) ^ x)
-        },
-    );
+    let vectors = [&bodies.position, &bodies.velocity, &bodies.spin];
+    let vectors = vectors.into_iter().flatten().flat_map(|v| v.iter());
+    let turns = bodies.orientation.iter().flat_map(|q| q.coords.iter());
+    let mixed = vectors.chain(turns).fold(0_u64, |sum, x| {
+        // An odd factor loses nothing; it spreads each bit over those above, the rotation brings them down.
+        (sum ^ x.to_bits()).wrapping_mul(SPREAD).rotate_left(29)
+    });
     format!("{mixed:016x}")
 }
 

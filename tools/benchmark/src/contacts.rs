@@ -1,6 +1,8 @@
 //! Contact laws of the plain spheres, from the materials of the scene file.
 
-use contact_law::{EffectiveModuli, Material, PairParameters, material::effective_moduli};
+use contact_law::{
+    EffectiveModuli, Material, NormalForceEnd, PairParameters, material::effective_moduli,
+};
 use dem_solver::{Interaction, InteractionSettings};
 use scene::{Apparatus, Scene};
 
@@ -12,7 +14,7 @@ pub(crate) struct Contacts {
     /// Restitution and friction of the seed material against each.
     pub(crate) parameters: [PairParameters; 3],
     /// What happens when the dashpot would pull.
-    end: contact_law::NormalForceEnd,
+    end: NormalForceEnd,
 }
 
 impl Contacts {
@@ -44,6 +46,16 @@ impl Contacts {
             parameters: [parameters(a)?, parameters(b)?, parameters(c)?],
             end: scene.model.normal_force_end,
         })
+    }
+
+    /// Refuses a law that the decks of the peers do not state.
+    pub(crate) fn check_for_peers(&self, scene: &str) -> anyhow::Result<()> {
+        anyhow::ensure!(
+            self.end == NormalForceEnd::Clipped,
+            "{scene}: model.normal_force_end is not \"clipped\", but LIGGGHTS and LAMMPS are told to clip: \
+             set it so beside the peers"
+        );
+        Ok(())
     }
 
     /// Effective moduli of the seed material against each.

@@ -64,8 +64,12 @@ pub(crate) fn measure(arguments: &Arguments, count: usize) -> anyhow::Result<Row
 /// A drum in which the spheres flow: copies of a short one side by side.
 pub(crate) fn flowing(arguments: &Arguments, count: usize) -> anyhow::Result<SphereDrum> {
     let scene = Scene::read(&arguments.drum, &[])?;
+    let contacts = Contacts::of(&scene)?;
+    if arguments.peers {
+        contacts.check_for_peers(&scene.file)?;
+    }
     let mut drum = SphereDrum {
-        contacts: Contacts::of(&scene)?,
+        contacts,
         radius: scene.apparatus.radius(),
         width: scene.apparatus.width(),
         spin: 0.0,
