@@ -165,6 +165,51 @@ fn named_levels_go_from_the_design_to_the_solution() {
     assert_code(&run("optimise a.json --target 32.5 --level wall=glass"), 1);
 }
 
+/// The coded columns of a Latin hypercube do not reach -1 and +1: the natural ones beside them tell what they are. The
+/// response is 30 + 100 B, so that the slopes are 5 per coded and 100 per natural unit.
+#[test]
+fn the_columns_of_a_design_are_coded_though_they_miss_the_ends() {
+    let folder = tempdir().unwrap();
+    let factors = "symbol,name,unit,low,high\nB,friction,1,0.3,0.4\nF,rolling,1,0,0.1\n";
+    fs::write(folder.path().join("f.csv"), factors).unwrap();
+    let run = |words: &str| seedloop(folder.path(), &words.split(' ').collect::<Vec<_>>());
+    assert_code(
+        &run("design lhs --factors f.csv --runs 12 --seed 4 --out d.csv"),
+        0,
+    );
+    let table = fs::read_to_string(folder.path().join("d.csv")).unwrap();
+    let mut lines = table.lines().filter(|line| !line.starts_with('#'));
+    let header: Vec<&str> = lines.next().unwrap().split(',').collect();
+    let at = |name: &str| header.iter().position(|h| *h == name).unwrap();
+    let (coded, natural) = (at("B"), at("B_natural"));
+    let mut filled = vec![format!("{},y", header.join(","))];
+    // Without the natural columns, nothing tells that these are coded: they lie far outside 0.3 to 0.4.
+    let mut alone = vec!["B,y".to_owned()];
+    for line in lines {
+        let fields: Vec<&str> = line.split(',').collect();
+        let b: f64 = fields[natural].parse().unwrap();
+        filled.push(format!("{line},{}", 30.0 + 100.0 * b));
+        alone.push(format!("{},{}", fields[coded], 30.0 + 100.0 * b));
+    }
+    fs::write(folder.path().join("filled.csv"), filled.join("\n")).unwrap();
+    fs::write(folder.path().join("alone.csv"), alone.join("\n")).unwrap();
+    let output = run("analyse filled.csv --factors f.csv --response y --model linear --json=-");
+    assert_code(&output, 0);
+    let fit = json(&output);
+    let slopes = [
+        (&fit["terms"]["B"]["coef"], 5.0),
+        (&fit["coef_natural_units"]["B"], 100.0),
+    ];
+    // The files hold all digits of a value.
+    for (found, slope) in slopes {
+        let found = found.as_f64().unwrap();
+        assert!((found - slope).abs() < 1e-9 * slope, "{found}, not {slope}");
+    }
+    let analyse = "analyse alone.csv --factors B=0.3:0.4 --response y --model linear";
+    assert_error(&run(analyse), &["alone.csv", "'B'", "--coded", "--natural"]);
+    assert_code(&run(&format!("{analyse} --coded")), 0);
+}
+
 /// A path or a second stage from an analysis of coded values, asked for in natural units, would run in a
 /// wrong direction: the slopes belong to other ranges.
 #[test]
