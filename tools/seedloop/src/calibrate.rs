@@ -18,7 +18,7 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "NAME", default_value = "quick")]
     profile: String,
 
-    /// First seed of all random numbers
+    /// First seed of all random numbers; the runs take those that follow: start a second loop 10000000 further
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
 

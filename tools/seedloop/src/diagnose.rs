@@ -17,7 +17,7 @@ pub(crate) struct Arguments {
     #[arg(value_name = "STUDY.toml|PROBLEM.json")]
     file: PathBuf,
 
-    /// First seed of the runs and of the simulated distributions
+    /// First seed of the runs and of the simulated distributions; start a second diagnosis 10000000 further
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
 
