@@ -187,13 +187,27 @@ impl Clump {
         self.mass * self.spheres[index].radius.powi(3) / total
     }
 
-    /// Keeps only the spheres that something outside can touch.
+    /// Radius of the smallest sphere, m.
+    pub fn smallest_radius(&self) -> f64 {
+        let radii = self.spheres.iter().map(|s| s.radius);
+        radii.fold(f64::INFINITY, f64::min)
+    }
+
+    /// Keeps only the spheres that something outside can touch: those that a probe of half the smallest radius of this
+    /// body reaches. Mass and inertia stay.
     ///
-    /// A sphere counts as reachable when at least one of `directions` points on its surface,
-    /// pushed out by `clearance` (m), lies inside no other sphere grown by `clearance`: a probe
-    /// sphere of radius `clearance` then touches it. Mass and inertia stay.
+    /// What is smaller than the probe, such as spheres of another body or the edge of a wall, could slip through a hole
+    /// to a sphere that is left out.
     #[must_use]
-    pub fn without_hidden_spheres(&self, clearance: f64) -> Self {
+    pub fn without_hidden_spheres(&self) -> Self {
+        self.reached_by(0.5 * self.smallest_radius())
+    }
+
+    /// Keeps the spheres that a probe of the radius `clearance` (m) touches.
+    ///
+    /// It touches a sphere when at least one of 200 points on the surface, pushed out by `clearance`, lies inside no
+    /// other sphere grown by `clearance`.
+    fn reached_by(&self, clearance: f64) -> Self {
         let directions = fibonacci_directions(200);
         let reachable = |i: usize| {
             let own = self.spheres[i];
@@ -347,7 +361,7 @@ mod tests {
             });
         }
         let body = Clump::new(&spheres, &properties_of_spheres(&spheres, 1.0)).unwrap();
-        assert_eq!(body.without_hidden_spheres(1.0).spheres().len(), 26);
+        assert_eq!(body.reached_by(1.0).spheres().len(), 26);
     }
 
     /// A blow at the tip of a rod of length 2 l (I = m l²/3 without its thickness) moves m/4.

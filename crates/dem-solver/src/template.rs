@@ -98,16 +98,9 @@ pub(crate) struct Group {
 impl Template {
     /// Prepares a body type of material number `material`.
     ///
-    /// Spheres that a ball of half the smallest radius of this body cannot reach from outside are left out of
-    /// the contact search; mass and inertia keep them. Smaller spheres of another type, or the edge of a wall,
-    /// could slip through a hole of this body to a sphere that is left out.
+    /// The contact search leaves out what [`Clump::without_hidden_spheres`] does; mass and inertia keep it.
     pub fn new(clump: &Clump, material: usize, dashpot_mass: DashpotMass) -> Self {
-        let smallest = clump
-            .spheres()
-            .iter()
-            .map(|s| s.radius)
-            .fold(f64::INFINITY, f64::min);
-        let outer = clump.without_hidden_spheres(0.5 * smallest);
+        let outer = clump.without_hidden_spheres();
         let total: f64 = clump.spheres().iter().map(|s| s.radius.powi(3)).sum();
         let dashpot = |radius: f64| match dashpot_mass {
             DashpotMass::Sphere => clump.mass() * radius.powi(3) / total,
@@ -127,7 +120,7 @@ impl Template {
         // arithmetic is slow.
         let extents = spheres.iter().map(|sphere| sphere.centre.amax());
         let arms = spheres.iter().map(|sphere| sphere.centre.norm());
-        let cell = extents.fold(smallest, f64::max) / CELLS;
+        let cell = extents.fold(clump.smallest_radius(), f64::max) / CELLS;
         Self {
             packed: Packed::new(&spheres),
             cells: spheres.iter().map(|s| in_cells(&s.centre, cell)).collect(),

@@ -87,13 +87,8 @@ fn make(scene: &Scene, seed: &SeedSettings) -> Result<SeedBody, Error> {
     let filling = sphere_fill::fill(&mesh.mesh, &settings).map_err(unfilled)?;
     let mass = seed.mass.si();
     let clump = filling.clump(mass, InertiaSource::Mesh).map_err(unfilled)?;
-    let smallest = clump
-        .spheres()
-        .iter()
-        .map(|s| s.radius)
-        .fold(f64::INFINITY, f64::min);
     let body = SeedBody {
-        outer: clump.without_hidden_spheres(0.5 * smallest),
+        outer: clump.without_hidden_spheres(),
         clump,
         fraction_density: filling.fraction_density(mass),
         spheres: filling.spheres,

@@ -163,13 +163,8 @@ impl Filling {
     ///
     /// Spheres that make no rigid body.
     pub fn outer_count(&self) -> Result<usize, Error> {
-        let smallest = self
-            .spheres
-            .iter()
-            .map(|s| s.radius)
-            .fold(f64::INFINITY, f64::min);
         let body = self.clump(1.0, InertiaSource::Mesh)?;
-        Ok(body.without_hidden_spheres(0.5 * smallest).spheres().len())
+        Ok(body.without_hidden_spheres().spheres().len())
     }
 
     /// Rigid body of the mass given, kg.

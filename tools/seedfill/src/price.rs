@@ -79,7 +79,7 @@ impl Price {
         let radii = filling.spheres.iter().map(|s| s.radius);
         let smallest = radii.fold(f64::INFINITY, f64::min);
         let time_step_s = mass
-            .map(|mass| time_step(filling, mass, smallest, &[material, wall]))
+            .map(|mass| time_step(filling, mass, &[material, wall]))
             .transpose()?;
         let timed = arguments.timing.as_deref().map(Timing::read).transpose()?;
         let packed_us = timed.as_ref().map_or(PACKED_US, |run| run.us_per_seed_step);
@@ -144,14 +144,9 @@ impl Price {
 }
 
 /// Longest step of a seed of a mass (kg) with the stiffer of some materials, s.
-fn time_step(
-    filling: &Filling,
-    mass: f64,
-    smallest: f64,
-    others: &[Material; 2],
-) -> anyhow::Result<f64> {
+fn time_step(filling: &Filling, mass: f64, others: &[Material; 2]) -> anyhow::Result<f64> {
     let body = filling.clump(mass, InertiaSource::Mesh)?;
-    let outer = body.without_hidden_spheres(0.5 * smallest);
+    let outer = body.without_hidden_spheres();
     let radii = outer.spheres().iter().map(|s| s.radius);
     let largest = radii.fold(0.0, f64::max);
     let moduli = others.map(|other| effective_moduli(&others[0], &other).young);
