@@ -18,10 +18,7 @@
 
 use crate::contact::{Effect, Interaction, Memory};
 use crate::error::Error;
-use crate::pair_force::{PairFrame, mover};
-use crate::shared_mass::Shares;
-use crate::template::OuterSphere;
-use crate::wall_force::sphere_at_wall;
+use crate::plain::{find_at_wall, find_pairs};
 use crate::world::World;
 use nalgebra::Vector3;
 use std::collections::BTreeMap;
@@ -186,34 +183,17 @@ impl EnergyLedger {
 
     /// All contacts of the state before a step.
     fn contacts(&self, world: &World) -> Vec<Contact> {
-        let context = world.context();
         let bodies = world.bodies();
-        let template = |k: usize| &context.templates[bodies.template[k]];
+        let bounding_radius = |k: usize| world.templates()[bodies.template[k]].bounding_radius;
         let mut contacts = Vec::new();
         for i in 0..bodies.len() {
             for j in i + 1..bodies.len() {
-                let reach = template(i).bounding_radius + template(j).bounding_radius;
+                let reach = bounding_radius(i) + bounding_radius(j);
                 if (bodies.position[j] - bodies.position[i]).norm() > reach {
                     continue;
                 }
-                let templates = [i, j].map(template);
-                let [n, m] = templates.map(|t| t.spheres.len());
-                let frame = PairFrame::new(bodies, [i, j]);
-                let key = |pair: usize| word(pair / m) << 16 | word(pair % m);
-                let touching =
-                    (0..n * m).filter_map(|pair| frame.sphere_pair(key(pair), templates, 0.0));
-                let radii = touching.map(|pair| pair.contact_radius());
-                let shares = Shares::new(templates.map(|t| t.shares_mass), radii);
-                for pair in 0..n * m {
-                    let spheres = key(pair);
-                    let Some(mut pair) = frame.sphere_pair(spheres, templates, 0.0) else {
-                        continue;
-                    };
-                    let key = (i, j, false, spheres);
-                    pair.memory = self.memory(&key);
-                    pair.share_masses(shares.as_ref());
-                    let law = context.interaction(template(i).material, template(j).material);
-                    let effect = law.between_spheres(&pair, context.time_step);
+                let known = |spheres| self.memory(&(i, j, false, spheres));
+                find_pairs(world, [i, j], known, |spheres, pair, law, effect| {
                     let distance = pair.between.norm();
                     let [a, b] = pair.radii;
                     let (overlap, normal) = (a + b - distance, pair.between / distance);
@@ -221,50 +201,28 @@ impl EnergyLedger {
                         pair.offset_i + normal * (a - 0.5 * overlap),
                         pair.offset_j - normal * (b - 0.5 * overlap),
                     ];
-                    let geometry = [overlap, a * b / (a + b)];
+                    let (key, geometry) = ((i, j, false, spheres), [overlap, a * b / (a + b)]);
                     let wall = [Vector3::zeros(); 2];
-                    contacts.push(contact(key, arms, wall, normal, geometry, law, &effect));
-                }
+                    contacts.push(contact(key, arms, wall, normal, geometry, law, effect));
+                });
             }
-            self.wall_contacts(world, i, &mut contacts);
+            for w in 0..world.walls().len() {
+                let known = |sphere| self.memory(&(i, w, true, sphere));
+                find_at_wall(world, i, w, known, |sphere, at, law, effect| {
+                    let key = (i, w, true, sphere);
+                    let geometry = [at.geometry.overlap, at.geometry.reduced_radius];
+                    let (arms, motion) = ([at.arm; 2], [at.wall_velocity, at.wall_spin]);
+                    let own = contact(key, arms, motion, at.normal, geometry, law, effect);
+                    contacts.push(own);
+                });
+            }
         }
         contacts
     }
 
-    /// Adds the contacts of body `i` with the walls.
-    fn wall_contacts(&self, world: &World, i: usize, contacts: &mut Vec<Contact>) {
-        let context = world.context();
-        let bodies = world.bodies();
-        let template = &context.templates[bodies.template[i]];
-        let body = mover(bodies, i);
-        for (w, wall) in world.walls().iter().enumerate() {
-            let at_wall = |sphere: &OuterSphere| {
-                let centre = body.position + bodies.rotation[i] * sphere.centre;
-                sphere_at_wall(&body, sphere, &centre, wall, &wall.nearest(&centre))
-            };
-            let radii = template.spheres.iter().map(|s| at_wall(s).contact_radius());
-            let shares = Shares::new([template.shares_mass, false], radii);
-            for (k, sphere) in template.spheres.iter().enumerate() {
-                let mut at = at_wall(sphere);
-                if at.geometry.overlap <= 0.0 {
-                    continue;
-                }
-                at.share_mass(shares.as_ref());
-                let key = (i, w, true, word(k));
-                let law = context.interaction(template.material, wall.material);
-                let effect = law.at_wall(&at, &body, self.memory(&key), context.time_step);
-                let geometry = [at.geometry.overlap, at.geometry.reduced_radius];
-                let (arms, motion) = ([at.arm; 2], [at.wall_velocity, at.wall_spin]);
-                contacts.push(contact(
-                    key, arms, motion, at.normal, geometry, law, &effect,
-                ));
-            }
-        }
-    }
-
-    /// What a contact remembers of the step before.
-    fn memory(&self, key: &Key) -> Memory {
-        self.history.get(key).map_or_else(Memory::default, |h| h.0)
+    /// What a contact remembers of the step before, none if it is new.
+    fn memory(&self, key: &Key) -> Option<Memory> {
+        self.history.get(key).map(|held| held.0)
     }
 }
 
@@ -295,11 +253,6 @@ fn contact(
         memory: effect.memory,
         stored: 0.5 * stiffness * effect.memory.slip.norm_squared(),
     }
-}
-
-/// An index as it stands in a key.
-fn word(index: usize) -> u32 {
-    u32::try_from(index).unwrap_or(u32::MAX)
 }
 
 /// Energy of all bodies in gravity, about the origin, J.

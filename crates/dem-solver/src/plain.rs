@@ -2,7 +2,7 @@
 //!
 //! It is slow and obvious. The tests hold the fast loop to it.
 
-use crate::contact::Memory;
+use crate::contact::{Effect, Interaction, Memory, SpherePair, SphereWall};
 use crate::mesh_force::{Touch, find_contacts};
 use crate::pair_force::{PairFrame, mover};
 use crate::shared_mass::Shares;
@@ -49,78 +49,103 @@ pub struct Load {
 /// `history` holds what the contacts remember of the step before, and of this step afterwards: starting
 /// from an empty one, call this once before each step.
 pub fn loads(world: &World, history: &mut History) -> Vec<Load> {
-    let context = world.context();
-    let bodies = world.bodies();
-    let mut loads = vec![Load::default(); bodies.len()];
+    let count = world.bodies().len();
+    let mut loads = vec![Load::default(); count];
     let mut next = History::default();
-    for i in 0..bodies.len() {
-        for j in i + 1..bodies.len() {
-            let templates = [i, j].map(|k| &context.templates[bodies.template[k]]);
-            let [n, m] = templates.map(|t| t.spheres.len());
-            let [a, b] = templates.map(|t| t.material);
-            let frame = PairFrame::new(bodies, [i, j]);
-            let key = |pair: usize| {
-                u32::try_from(pair / m).unwrap_or(0) << 16 | u32::try_from(pair % m).unwrap_or(0)
-            };
-            let touching =
-                (0..n * m).filter_map(|pair| frame.sphere_pair(key(pair), templates, 0.0));
-            let radii = touching.map(|pair| pair.contact_radius());
-            let shares = Shares::new(templates.map(|t| t.shares_mass), radii);
-            for pair in 0..n * m {
-                let key = key(pair);
-                let law = context.interaction(a, b);
-                let known = history.pairs.get(&(i, j, key));
-                let reach = if known.is_some() { law.reach() } else { 0.0 };
-                let Some(mut pair) = frame.sphere_pair(key, templates, reach) else {
-                    continue;
-                };
-                pair.memory = known.copied().unwrap_or_default();
-                pair.share_masses(shares.as_ref());
-                let effect = law.between_spheres(&pair, context.time_step);
+    for i in 0..count {
+        for j in i + 1..count {
+            let known = |key| history.pairs.get(&(i, j, key)).copied();
+            find_pairs(world, [i, j], known, |key, _, _, effect| {
                 next.pairs.insert((i, j, key), effect.memory);
                 loads[i].force += effect.force;
                 loads[j].force -= effect.force;
                 loads[i].torque += effect.torque_i;
                 loads[j].torque += effect.torque_j;
-            }
+            });
         }
-        wall_loads(world, i, history, &mut next, &mut loads[i]);
+        for w in 0..world.walls().len() {
+            let known = |key| history.walls.get(&(i, w, key)).copied();
+            find_at_wall(world, i, w, known, |key, _, _, effect| {
+                next.walls.insert((i, w, key), effect.memory);
+                loads[i].force += effect.force;
+                loads[i].torque += effect.torque_i;
+            });
+        }
         mesh_loads(world, i, history, &mut next, &mut loads[i]);
     }
     *history = next;
     loads
 }
 
-/// Adds the loads of all walls on body `i`.
-fn wall_loads(world: &World, i: usize, before: &History, next: &mut History, load: &mut Load) {
+/// Tries every sphere of body `i` with every sphere of body `j`.
+///
+/// `known` tells what a contact remembers, none if it is new; `found` gets the key of each contact, its geometry, its
+/// law and what the law says.
+pub(crate) fn find_pairs(
+    world: &World,
+    [i, j]: [usize; 2],
+    known: impl Fn(u32) -> Option<Memory>,
+    mut found: impl FnMut(u32, &SpherePair, &Interaction, &Effect),
+) {
     let context = world.context();
     let bodies = world.bodies();
-    let template = &context.templates[bodies.template[i]];
-    let body = mover(bodies, i);
-    for (w, wall) in world.walls().iter().enumerate() {
-        let at_wall = |sphere: &OuterSphere| {
-            let centre = body.position + bodies.rotation[i] * sphere.centre;
-            sphere_at_wall(&body, sphere, &centre, wall, &wall.nearest(&centre))
+    let templates = [i, j].map(|k| &context.templates[bodies.template[k]]);
+    let [n, m] = templates.map(|t| t.spheres.len());
+    let law = context.interaction(templates[0].material, templates[1].material);
+    let frame = PairFrame::new(bodies, [i, j]);
+    let key = |pair: usize| word(pair / m) << 16 | word(pair % m);
+    let touching = (0..n * m).filter_map(|pair| frame.sphere_pair(key(pair), templates, 0.0));
+    let radii = touching.map(|pair| pair.contact_radius());
+    let shares = Shares::new(templates.map(|t| t.shares_mass), radii);
+    for key in (0..n * m).map(key) {
+        let known = known(key);
+        let reach = known.map_or(0.0, |_| law.reach());
+        let Some(mut pair) = frame.sphere_pair(key, templates, reach) else {
+            continue;
         };
-        let radii = template.spheres.iter().map(|s| at_wall(s).contact_radius());
-        let shares = Shares::new([template.shares_mass, false], radii);
-        for (k, sphere) in template.spheres.iter().enumerate() {
-            let mut contact = at_wall(sphere);
-            let key = (i, w, u32::try_from(k).unwrap_or(0));
-            let law = context.interaction(template.material, wall.material);
-            let known = before.walls.get(&key);
-            let reach = if known.is_some() { law.reach() } else { 0.0 };
-            if contact.geometry.overlap <= -reach {
-                continue;
-            }
-            let memory = known.copied().unwrap_or_default();
-            contact.share_mass(shares.as_ref());
-            let effect = law.at_wall(&contact, &body, memory, context.time_step);
-            load.force += effect.force;
-            load.torque += effect.torque_i;
-            next.walls.insert(key, effect.memory);
-        }
+        pair.memory = known.unwrap_or_default();
+        pair.share_masses(shares.as_ref());
+        let effect = law.between_spheres(&pair, context.time_step);
+        found(key, &pair, law, &effect);
     }
+}
+
+/// Tries every sphere of body `i` at wall `w`; the key is the number of the sphere, the rest as in [`find_pairs`].
+pub(crate) fn find_at_wall(
+    world: &World,
+    i: usize,
+    w: usize,
+    known: impl Fn(u32) -> Option<Memory>,
+    mut found: impl FnMut(u32, &SphereWall, &Interaction, &Effect),
+) {
+    let context = world.context();
+    let (bodies, wall) = (world.bodies(), &world.walls()[w]);
+    let template = &context.templates[bodies.template[i]];
+    let law = context.interaction(template.material, wall.material);
+    let body = mover(bodies, i);
+    let at_wall = |sphere: &OuterSphere| {
+        let centre = body.position + bodies.rotation[i] * sphere.centre;
+        sphere_at_wall(&body, sphere, &centre, wall, &wall.nearest(&centre))
+    };
+    let radii = template.spheres.iter().map(|s| at_wall(s).contact_radius());
+    let shares = Shares::new([template.shares_mass, false], radii);
+    for (k, sphere) in template.spheres.iter().enumerate() {
+        let mut contact = at_wall(sphere);
+        let known = known(word(k));
+        let reach = known.map_or(0.0, |_| law.reach());
+        if contact.geometry.overlap <= -reach {
+            continue;
+        }
+        contact.share_mass(shares.as_ref());
+        let memory = known.unwrap_or_default();
+        let effect = law.at_wall(&contact, &body, memory, context.time_step);
+        found(word(k), &contact, law, &effect);
+    }
+}
+
+/// The number of a sphere as it stands in a key.
+fn word(index: usize) -> u32 {
+    u32::try_from(index).unwrap_or(u32::MAX)
 }
 
 /// Adds the loads of all walls of triangles on body `i`: each of its spheres against each triangle.
