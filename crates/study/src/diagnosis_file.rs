@@ -161,7 +161,8 @@ impl DiagnosisFile {
         let names = self.effects.clone().unwrap_or_else(effect_library::names);
         let base = RunRequest::new(MODEL, seed);
         let (mut effects, mut not_applicable) = (Vec::new(), BTreeMap::new());
-        for probe in probes(&names)? {
+        let probes = probes(&names).map_err(|e| self.wrong("effects:", e.to_string()))?;
+        for probe in probes {
             match simulator.scene_of(&self.first_request(&base, Some(&probe))) {
                 Ok(_) => effects.push(probe),
                 Err(reason) => {
@@ -294,13 +295,14 @@ impl DiagnosisFile {
             ));
         }
         for d in &self.declared {
-            let inside = d.low <= d.start && d.start <= d.high;
+            let bounded = d.low.is_finite() && d.high.is_finite();
+            let inside = bounded && d.low <= d.start && d.start <= d.high;
             let prior = d.prior.is_none_or(|p| p.mean.is_finite() && p.sd > 0.0);
             let moved = (d.low..=d.high).contains(&(d.start + d.step));
             if !(inside && prior && moved && d.step != 0.0) {
                 return Err(self.wrong(
                     format!("declared '{}'", d.parameter),
-                    "needs start and start + step within low and high, a step other than 0, and an \
+                    "needs start and start + step within finite low and high, a step other than 0, and an \
                      sd above 0 in its prior",
                 ));
             }

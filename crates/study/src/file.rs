@@ -337,6 +337,16 @@ impl StudyFile {
         {
             self.factor(symbol)?;
         }
+        for (part, names) in [
+            ("residual", self.residual.effects.as_slice()),
+            ("hidden", &self.hidden.effects),
+            ("hidden", std::slice::from_ref(&self.hidden.effect)),
+        ] {
+            for name in names {
+                effect_library::find(name)
+                    .map_err(|e| self.wrong(format!("[{part}]:"), e.to_string()))?;
+            }
+        }
         Ok(())
     }
 
@@ -492,6 +502,16 @@ mod tests {
                 "factor 'F'",
             ),
             ("reading_sd = [0.1,", "reading_sd = [-0.1,", "reading_sd"),
+            (
+                "effects = [\"rolling",
+                "effects = [\"roling",
+                "[residual]: no effect 'roling-resistance'",
+            ),
+            (
+                "effect = \"rolling",
+                "effect = \"roling",
+                "[hidden]: no effect 'roling-resistance'",
+            ),
         ] {
             let refused = changed(from, to).expect_err(to);
             assert!(refused.contains(place), "{to}: {refused}");

@@ -100,10 +100,15 @@ fn what_cannot_be_meant_is_refused_with_its_place() {
         ("replicates = 2", "replicates = 1", "replicates = 1"),
         ("rpm = 25", "rpm = 30", "stands there twice"),
         ("rpm = 25", "rpn = 25", "rpn"),
-        ("\"cohesion\"", "\"cohesiveness\"", "cohesiveness"),
+        (
+            "\"cohesion\"",
+            "\"cohesiveness\"",
+            "tiny-study.toml: effects: no effect 'cohesiveness'",
+        ),
         ("seed-seed", "seed-sede", "seed-sede"),
         ("n = 2 }\nvalues", "n = 0 }\nvalues", "n of 1 or more"),
-        ("step = 0.05", "step = 0.9", "within low and high"),
+        ("step = 0.05", "step = 0.9", "within finite low and high"),
+        ("high = ", "high = inf # ", "within finite low and high"),
         (
             "budget_runs = 100",
             "budget_runs = 5",
