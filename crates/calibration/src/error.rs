@@ -16,6 +16,12 @@ pub enum Error {
     /// The residual cannot be diagnosed.
     #[error(transparent)]
     Diagnosis(#[from] residual_diagnosis::Error),
+    /// A problem whose numbers do not fit together.
+    #[error("the calibration cannot be meant:\n  {}", lines.join("\n  "))]
+    Problem {
+        /// What is wrong, one line each.
+        lines: Vec<String>,
+    },
     /// A run lacks an observable.
     #[error("run '{run}' gave no observable '{name}'; it gave {given}")]
     NoObservable {

@@ -1,0 +1,309 @@
+//! What a calibration gives.
+
+use crate::{LoopSettings, ResidualStudy, Role};
+use response_surface::{Fit, Screening};
+use serde::Serialize;
+use std::collections::BTreeMap;
+
+/// A calibrated parameter.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Estimate {
+    /// Symbol.
+    pub symbol: String,
+    /// What it is.
+    pub name: String,
+    /// Unit of all values.
+    pub unit: String,
+    /// What it stands for in the simulator.
+    pub sets: Vec<String>,
+    /// The value in use before.
+    pub start: f64,
+    /// Estimate.
+    pub value: f64,
+    /// Standard error; none where neither data nor prior fix it.
+    pub se: Option<f64>,
+    /// 95 % interval, within the limits.
+    pub interval95: [f64; 2],
+    /// Whether the measurements alone, without any prior, exclude some of what is physically possible.
+    pub fixed_by_data: bool,
+    /// Whether the estimate lies on a limit.
+    pub at_limit: bool,
+    /// Lowest and highest value that is physically possible.
+    pub limits: [f64; 2],
+}
+
+/// A combination of parameters that the measurements leave open.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct OpenCombination {
+    /// Weights by symbol, in units of the widths of the limits; their squares sum to 1.
+    pub weights: BTreeMap<String, f64>,
+    /// Standard error along it, in widths of the limits; none where it is without end.
+    pub se_in_widths: Option<f64>,
+}
+
+/// A measurement beside what the simulator shows.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Comparison {
+    /// Scene.
+    pub scene: String,
+    /// Condition.
+    pub condition: BTreeMap<String, String>,
+    /// Observable; its ending is its unit.
+    pub observable: String,
+    /// What the measurement serves for.
+    pub role: Role,
+    /// What was measured.
+    pub measured: MeasuredMean,
+    /// What the simulator shows.
+    pub simulated: SimulatedMean,
+    /// Standard error of the prediction from the uncertainty of the parameters alone; none where it is not known.
+    pub parameter_se: Option<f64>,
+    /// Measured minus simulated, in standard errors of both.
+    pub z: f64,
+    /// Largest |z| with which it counts as met.
+    pub z_limit: f64,
+    /// Whether it is met.
+    pub holds: bool,
+    /// How the runs ended up, by number of runs.
+    pub regimes: BTreeMap<String, usize>,
+    /// Keys of the runs behind it.
+    pub keys: Vec<String>,
+}
+
+/// A measured mean.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct MeasuredMean {
+    /// Mean.
+    pub mean: f64,
+    /// Standard deviation of single values.
+    pub sd: f64,
+    /// Number of independent values.
+    pub n: f64,
+}
+
+/// A simulated mean.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct SimulatedMean {
+    /// Mean over the runs.
+    pub mean: f64,
+    /// Its standard error.
+    pub se: f64,
+    /// Number of runs.
+    pub n_runs: usize,
+}
+
+/// A box in which a search was made.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct SearchBox {
+    /// Lower ends, in the order of the parameters.
+    pub low: Vec<f64>,
+    /// Upper ends.
+    pub high: Vec<f64>,
+    /// Why it was searched.
+    pub why: String,
+    /// The best point found in it.
+    pub best: Vec<f64>,
+    /// Sum of squares of the whitened residual there.
+    pub misfit: f64,
+    /// Number of new runs in it.
+    pub n_runs: usize,
+}
+
+/// The surfaces of one model in the last box.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ModelSurfaces {
+    /// Name of the model.
+    pub model: String,
+    /// Symbols of its parameters.
+    pub symbols: Vec<String>,
+    /// Design behind it.
+    pub design: String,
+    /// Runs that entered.
+    pub n_runs: usize,
+    /// Runs that did not, with the reason.
+    pub left_out: Vec<LeftOut>,
+    /// The points, natural values, (runs, parameters of the model).
+    pub points: Vec<Vec<f64>>,
+    /// Values by observable, in the order of the points.
+    pub values: BTreeMap<String, Vec<f64>>,
+    /// Analysis of each observable; none where the runs are too few for it.
+    pub fits: BTreeMap<String, Option<Fit>>,
+}
+
+/// A run that entered no surface.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct LeftOut {
+    /// Natural values of the parameters of the model.
+    pub point: Vec<f64>,
+    /// Why: it failed, or it ended up in another regime.
+    pub reason: String,
+}
+
+/// The screening of one model.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ModelScreening {
+    /// Name of the model.
+    pub model: String,
+    /// Number of runs.
+    pub n_runs: usize,
+    /// Analysis by observable.
+    pub screenings: BTreeMap<String, Screening>,
+    /// Symbols that went on.
+    pub kept: Vec<String>,
+    /// Symbols that stay at their start in this model.
+    pub dropped: Vec<String>,
+}
+
+/// A round of fresh runs at the estimate.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ConfirmationRound {
+    /// Where, in the order of the parameters.
+    pub at: Vec<f64>,
+    /// What the runs show beside what the surfaces predicted.
+    pub rows: Vec<ConfirmationRow>,
+    /// Whether they agree.
+    pub confirmed: bool,
+}
+
+/// One observable of a round.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ConfirmationRow {
+    /// Name of the model.
+    pub model: String,
+    /// Observable.
+    pub observable: String,
+    /// What the surface says.
+    pub predicted: f64,
+    /// Its standard error.
+    pub predicted_se: f64,
+    /// What the runs show.
+    pub simulated: SimulatedMean,
+    /// Difference in standard errors of both.
+    pub z: f64,
+}
+
+/// All points that agree with the measurements.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct SolutionSet {
+    /// Share of the last box in which every combination agrees with the measurements (95 %).
+    pub share_of_box: f64,
+    /// Lowest and highest value of each parameter in the set, in the order of the parameters.
+    pub extent: Vec<[f64; 2]>,
+    /// Separate best points, the best first, in the order of the parameters.
+    pub separate: Vec<Vec<f64>>,
+    /// Points of the set, drawn evenly from the box, in the order of the parameters; at most 500.
+    pub points: Vec<Vec<f64>>,
+}
+
+/// Whether the fitted model leaves more than noise.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct FitTest {
+    /// Sum of squares of the whitened residual, priors included.
+    pub misfit: f64,
+    /// Measurements and priors minus parameters; 0 tests nothing.
+    pub degrees_of_freedom: usize,
+    /// Chance of so large a misfit from noise alone; none without degrees of freedom.
+    pub p: Option<f64>,
+}
+
+/// The estimate from all measurements, checks included.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct JointEstimate {
+    /// Parameters.
+    pub parameters: Vec<Estimate>,
+    /// Correlations, (parameters, parameters).
+    pub correlation: Vec<Vec<f64>>,
+    /// Test of the joint fit.
+    pub test: FitTest,
+    /// Measurements beside what the linear model predicts at the joint estimate.
+    pub predicted: Vec<JointPrediction>,
+}
+
+/// A measurement at the joint estimate.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct JointPrediction {
+    /// Scene.
+    pub scene: String,
+    /// Condition.
+    pub condition: BTreeMap<String, String>,
+    /// Observable.
+    pub observable: String,
+    /// Measured mean.
+    pub measured: f64,
+    /// Predicted mean.
+    pub predicted: f64,
+    /// Standard error of the prediction.
+    pub se: f64,
+}
+
+/// What became of the diagnosis of the residual.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[serde(rename_all = "kebab-case", tag = "state")]
+pub enum DiagnosisStage {
+    /// It was made.
+    Done(Box<ResidualStudy>),
+    /// It was left out.
+    LeftOut {
+        /// Why.
+        reason: String,
+    },
+}
+
+/// What a stage cost.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct StageCost {
+    /// Name of the stage.
+    pub stage: String,
+    /// Different runs that it asked for.
+    pub runs: usize,
+    /// Wall time, s; small where records were found again.
+    pub wall_s: f64,
+}
+
+/// Everything that a calibration found.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Calibration {
+    /// Name of the problem.
+    pub id: String,
+    /// Settings of the loop.
+    pub settings: LoopSettings,
+    /// The parameters.
+    pub parameters: Vec<Estimate>,
+    /// Correlations, (parameters, parameters).
+    pub correlation: Vec<Vec<f64>>,
+    /// Combinations that the data do not fix.
+    pub open_combinations: Vec<OpenCombination>,
+    /// Test of the fit.
+    pub test: FitTest,
+    /// The whole set of solutions.
+    pub solutions: SolutionSet,
+    /// All measurements with the parameters in use before, in the order of the measurements; empty where it was left
+    /// out.
+    pub before: Vec<Comparison>,
+    /// Measurements of role fit at the estimate, by fresh runs.
+    pub fit: Vec<Comparison>,
+    /// Measurements of role check.
+    pub check: Vec<Comparison>,
+    /// Measurements of role show.
+    pub show: Vec<Comparison>,
+    /// Screenings.
+    pub screening: Vec<ModelScreening>,
+    /// Boxes in the order of the search.
+    pub boxes: Vec<SearchBox>,
+    /// Surfaces of the last box.
+    pub surfaces: Vec<ModelSurfaces>,
+    /// Rounds of confirmation.
+    pub confirmations: Vec<ConfirmationRound>,
+    /// The estimate from all measurements; none where it was not asked for, or there is no check.
+    pub joint: Option<JointEstimate>,
+    /// What the residual says.
+    pub diagnosis: DiagnosisStage,
+    /// What a reader should know.
+    pub remarks: Vec<String>,
+    /// Whether the fit is met and the checks hold.
+    pub met: bool,
+    /// The same in one sentence.
+    pub verdict: String,
+    /// Cost by stage.
+    pub cost: Vec<StageCost>,
+}
