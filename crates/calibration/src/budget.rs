@@ -39,7 +39,7 @@ pub fn least_budget(plan: &ResidualPlan) -> Option<usize> {
     (least <= plan.count(true)).then(|| runs(plan, least))
 }
 
-/// Fewest used conditions with more values than declared parameters.
+/// Fewest used conditions with more values than declared parameters, where each gives all observables.
 fn least_used(plan: &ResidualPlan) -> usize {
     plan.declared.len() / plan.observables.len().max(1) + 1
 }
@@ -172,6 +172,8 @@ mod tests {
     fn plan() -> ResidualPlan {
         let speeds = [5.0, 10.0, 15.0, 20.0, 25.0, 30.0, 45.0];
         let condition = |rpm: &f64| StudyCondition {
+            model: None,
+            observables: None,
             condition: BTreeMap::from([("rpm".to_owned(), *rpm)]),
             used: *rpm != 45.0,
         };

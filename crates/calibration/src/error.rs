@@ -22,6 +22,43 @@ pub enum Error {
         /// What is wrong, one line each.
         lines: Vec<String>,
     },
+    /// Runs too few for a surface.
+    #[error(
+        "{n} runs of {model} are too few for a surface{}",
+        if reasons.is_empty() { String::new() } else { format!(": {}", reasons.join("; ")) }
+    )]
+    TooFewRuns {
+        /// Name of the model.
+        model: String,
+        /// Number of runs that could be used.
+        n: usize,
+        /// Why others could not.
+        reasons: Vec<String>,
+    },
+    /// A screening with a run that failed: its columns are then no longer orthogonal.
+    #[error("the screening of {model} has a run that failed: {reason}")]
+    Screening {
+        /// Name of the model.
+        model: String,
+        /// Why the run failed.
+        reason: String,
+    },
+    /// No run of a model gives a result at the estimate.
+    #[error("no run of {model} gives a result at the estimate: {reason}")]
+    NoRun {
+        /// Name of the model.
+        model: String,
+        /// Why the first failed.
+        reason: String,
+    },
+    /// More runs than the budget allows.
+    #[error("{needed} runs are needed, and the budget is {most}: raise it, or take a smaller design")]
+    Budget {
+        /// Number needed.
+        needed: usize,
+        /// Number allowed.
+        most: usize,
+    },
     /// A run lacks an observable.
     #[error("run '{run}' gave no observable '{name}'; it gave {given}")]
     NoObservable {

@@ -1,6 +1,6 @@
 //! Data as a laboratory would give them, made by the simulator with a truth that the fit is not told of.
 
-use crate::cells::value;
+use crate::residual_study::value;
 use crate::{Error, Observed, ResidualPlan};
 use campaign::{Campaign, RunRequest, Simulator};
 use random_stream::Stream;

@@ -5,21 +5,37 @@
 //! the whole loop in milliseconds.
 
 mod budget;
-mod cells;
+mod calibrate;
+mod comparison;
+mod confirmation;
+mod designs;
+mod diagnosis_stage;
 mod error;
+mod intervals;
+mod joint;
+mod joint_fit;
 mod laboratory;
 mod least_squares;
+mod planned;
 mod problem;
+mod region;
 mod residual_study;
 mod result;
+mod samples;
+mod screening;
+mod search;
 mod settings;
-mod stages;
+mod solution_set;
+mod surface;
+mod verdict;
 
 pub use budget::{least_budget, runs_needed, within_budget};
-pub use cells::{CalibrationFactor, CellRuns, Question, run_cells};
+pub use calibrate::calibrate;
+pub use diagnosis_stage::diagnose_at;
 pub use error::Error;
 pub use laboratory::Laboratory;
 pub use least_squares::{BoundedProblem, bounded_least_squares};
+pub use planned::{PlannedStage, planned};
 pub use problem::{
     CalibrationProblem, MOST_PARAMETERS, Measurement, Model, Parameter, Prior, Role,
 };
@@ -33,7 +49,3 @@ pub use result::{
     OpenCombination, SearchBox, SimulatedMean, SolutionSet, StageCost,
 };
 pub use settings::{LoopSettings, ScreeningChoice, SurfaceDesign};
-pub use stages::{
-    Point, PointResult, ScreeningResult, SurfaceResult, Validation, fit_surface, run_points,
-    screen_factors, significant_factors,
-};

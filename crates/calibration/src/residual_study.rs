@@ -14,16 +14,33 @@ use residual_diagnosis::{
     Diagnosis, Largest, Options, Problem, ProblemFile, Sign, Verdict, diagnose,
 };
 use runs::{At, Linearisation};
+pub(crate) use runs::value;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
 /// A condition of the measurements.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct StudyCondition {
+    /// Name of the model that stands for this condition, coordinates and all; that of [`ResidualPlan::base`] under the
+    /// coordinates below where absent.
+    pub model: Option<String>,
     /// Coordinates, as in [`RunRequest::condition`].
     pub condition: BTreeMap<String, f64>,
+    /// What is read of its runs: pairs of a name in [`ResidualPlan::observables`] and the name that the run gives it;
+    /// all of them under their own names where absent.
+    pub observables: Option<BTreeMap<String, String>>,
     /// Whether the fit may use it; otherwise it is kept for the check.
     pub used: bool,
+}
+
+impl StudyCondition {
+    /// What the runs give under the name of an observable of the plan; none where it is not read here.
+    fn name_of<'a>(&'a self, observable: &'a str) -> Option<&'a str> {
+        match &self.observables {
+            None => Some(observable),
+            Some(names) => names.get(observable).map(String::as_str),
+        }
+    }
 }
 
 /// A declared parameter.

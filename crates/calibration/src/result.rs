@@ -178,8 +178,11 @@ pub struct ConfirmationRow {
     pub predicted_se: f64,
     /// What the runs show.
     pub simulated: SimulatedMean,
-    /// Difference in standard errors of both.
+    /// Difference in standard errors of both, as a normal score.
     pub z: f64,
+    /// Whether it is more than a tenth of the standard error of the measurement: less moves the estimate by next to
+    /// nothing.
+    pub matters: bool,
 }
 
 /// All points that agree with the measurements.
@@ -254,7 +257,7 @@ pub enum DiagnosisStage {
 pub struct StageCost {
     /// Name of the stage.
     pub stage: String,
-    /// Different runs that it asked for.
+    /// Runs that were computed; those found among the records cost nothing.
     pub runs: usize,
     /// Wall time, s; small where records were found again.
     pub wall_s: f64,

@@ -7,15 +7,18 @@ use serde::{Deserialize, Serialize};
 #[serde(rename_all = "kebab-case")]
 pub enum SurfaceDesign {
     /// What fits the number of parameters: five levels of one, central composite of two, Box-Behnken of three to
-    /// seven, D-optimal beyond.
+    /// seven, a Latin hypercube beyond.
     #[default]
     Auto,
     /// Central composite on the faces of the box, 2 to 8 parameters.
     CentralComposite,
     /// Box-Behnken, 3 to 7 parameters.
     BoxBehnken,
-    /// D-optimal for a quadratic, with half as many runs again as terms.
+    /// D-optimal for a quadratic, with half as many runs again as terms; its search takes minutes beyond eight
+    /// parameters.
     DOptimal,
+    /// Latin hypercube with half as many runs again as a quadratic has terms.
+    LatinHypercube,
     /// Two levels and centre points, for a plane.
     Linear,
 }

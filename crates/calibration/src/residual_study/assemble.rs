@@ -127,7 +127,7 @@ pub(super) fn root_of_runs(
     condition: usize,
 ) -> Result<DMatrix<f64>, Error> {
     let covariance = scaled(&linear.run_covariance, runs);
-    let known = linear.noise_dof >= RUNS_TO_KNOW * covariance.len();
+    let known = linear.noise_dof >= RUNS_TO_KNOW * observed.measured(condition).len();
     match Cholesky::new(of_measured(observed, &covariance, condition)).filter(|_| known) {
         Some(of_runs) => Ok(of_runs.l()),
         None => root(observed, linear, runs, condition),

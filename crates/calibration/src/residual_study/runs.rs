@@ -2,7 +2,6 @@
 
 use super::{DeclaredParameter, Observed, ResidualPlan, StudyCondition, assemble};
 use crate::Error;
-use crate::cells::value;
 use campaign::{Campaign, RunRequest, Simulator};
 use nalgebra::DVector;
 use run_store::Record;
@@ -33,8 +32,8 @@ pub(super) struct Means {
 pub(super) struct Scatter {
     /// Sums of products of the deviations, (observables, observables).
     products: Vec<Vec<f64>>,
-    /// Degrees of freedom.
-    pub(super) dof: usize,
+    /// Degrees of freedom of each product, (observables, observables): 0 for two that were never read together.
+    dof: Vec<Vec<usize>>,
 }
 
 /// The simulator near the starting point.
@@ -85,7 +84,10 @@ impl Setting {
         replicate: usize,
     ) -> RunRequest {
         let mut request = plan.base.clone();
-        request.condition.extend(condition.condition.clone());
+        match &condition.model {
+            Some(model) => request.model.clone_from(model),
+            None => request.condition.extend(condition.condition.clone()),
+        }
         request.parameters.extend(self.parameters.clone());
         request.effects.extend(self.effects.clone());
         request.with_seed(plan.base.seed + 1000 * block + replicate as u64)
@@ -157,17 +159,46 @@ fn requests(plan: &ResidualPlan, setting: &Setting, block: u64, at: At) -> Vec<R
 
 /// Means of the runs of a setting.
 fn means_of(plan: &ResidualPlan, records: &[&Record], at: At) -> Result<Means, Error> {
-    let rows = records.iter().map(|record| row(plan, record));
-    let rows = rows.collect::<Result<Vec<_>, _>>()?;
+    let rows = rows_of(plan, records, at)?;
     Ok(Means::of(&rows, plan.replicates).spread_over(plan, at == At::Used))
 }
 
-/// Observables of a record, in the order of the plan.
-fn row(plan: &ResidualPlan, record: &Record) -> Result<Vec<f64>, Error> {
-    plan.observables
-        .iter()
-        .map(|name| value(record, name))
+/// Observables of the runs of a setting at the used or the kept conditions, in the order of the plan.
+fn rows_of(plan: &ResidualPlan, records: &[&Record], at: At) -> Result<Vec<Vec<f64>>, Error> {
+    let used = at == At::Used;
+    let conditions = plan.conditions.iter().filter(|c| c.used == used);
+    let each = conditions.flat_map(|c| std::iter::repeat_n(c, plan.replicates));
+    each.zip(records)
+        .map(|(condition, record)| row(plan, condition, record))
         .collect()
+}
+
+/// Observables of a record, in the order of the plan; not a number where one is not read at the condition.
+fn row(
+    plan: &ResidualPlan,
+    condition: &StudyCondition,
+    record: &Record,
+) -> Result<Vec<f64>, Error> {
+    let each = plan.observables.iter().map(|name| condition.name_of(name));
+    each.map(|name| name.map_or(Ok(f64::NAN), |name| value(record, name)))
+        .collect()
+}
+
+/// Mean of an observable in a record.
+pub(crate) fn value(record: &Record, observable: &str) -> Result<f64, Error> {
+    record
+        .observable(observable)
+        .map(|o| o.mean)
+        .ok_or_else(|| Error::NoObservable {
+            run: record.key().to_owned(),
+            name: observable.to_owned(),
+            given: record
+                .observables()
+                .keys()
+                .cloned()
+                .collect::<Vec<_>>()
+                .join(", "),
+        })
 }
 
 /// Share of the noise of a run that runs with an effect do not share with the runs of the same seeds
@@ -225,20 +256,20 @@ struct Runs<'a> {
 }
 
 impl<'a> Runs<'a> {
-    /// Takes the observables of a plan.
+    /// Takes the observables of a plan from the runs of a setting at the used conditions.
     fn new(plan: &ResidualPlan, records: Vec<&'a Record>) -> Result<Self, Error> {
-        let rows = records.iter().map(|record| row(plan, record));
-        let rows = rows.collect::<Result<_, _>>()?;
+        let rows = rows_of(plan, &records, At::Used)?;
         Ok(Self { records, rows })
     }
 }
 
-/// Mean of rows.
+/// Mean of rows; 0 for what was not read, which nobody asks for.
 fn mean_row(rows: &[Vec<f64>]) -> Vec<f64> {
     let n = rows.len().max(1) as f64;
     let width = rows.first().map_or(0, Vec::len);
-    (0..width)
-        .map(|k| rows.iter().map(|r| r[k]).sum::<f64>() / n)
+    let mean = |k: usize| rows.iter().map(|r| r[k]).sum::<f64>() / n;
+    let each = (0..width).map(mean);
+    each.map(|mean| if mean.is_nan() { 0.0 } else { mean })
         .collect()
 }
 
@@ -344,7 +375,7 @@ impl Linearisation {
                 .collect(),
             own_noise,
             run_covariance: scatter.covariance(),
-            noise_dof: scatter.dof,
+            noise_dof: scatter.least_dof(),
             nominal,
             scatter,
         };
@@ -465,7 +496,7 @@ impl Linearisation {
     pub(super) fn with_scatter(mut self, means: &Means) -> Self {
         self.scatter.add(&means.scatter);
         self.run_covariance = self.scatter.covariance();
-        self.noise_dof = self.scatter.dof;
+        self.noise_dof = self.scatter.least_dof();
         self
     }
 }
@@ -478,16 +509,28 @@ impl Scatter {
                 *sum += product;
             }
         }
-        self.dof += other.dof;
+        for (line, more) in self.dof.iter_mut().zip(&other.dof) {
+            for (sum, dof) in line.iter_mut().zip(more) {
+                *sum += dof;
+            }
+        }
     }
 
-    /// Covariance of one run.
+    /// Covariance of one run; observables of different scenes have none.
     fn covariance(&self) -> Vec<Vec<f64>> {
-        let dof = self.dof.max(1) as f64;
-        self.products
-            .iter()
-            .map(|line| line.iter().map(|x| x / dof).collect())
+        let lines = self.products.iter().zip(&self.dof);
+        lines
+            .map(|(products, dof)| {
+                let each = products.iter().zip(dof);
+                each.map(|(x, dof)| x / (*dof).max(1) as f64).collect()
+            })
             .collect()
+    }
+
+    /// Degrees of freedom of the variance that is known worst.
+    pub(super) fn least_dof(&self) -> usize {
+        let diagonal = self.dof.iter().enumerate().map(|(k, line)| line[k]);
+        diagonal.min().unwrap_or(0)
     }
 }
 
@@ -497,16 +540,18 @@ impl Means {
         let values: Vec<Vec<f64>> = rows.chunks(r).map(mean_row).collect();
         let width = values.first().map_or(0, Vec::len);
         let mut products = vec![vec![0.0; width]; width];
+        let mut dof = vec![vec![0; width]; width];
         for (group, mean) in rows.chunks(r).zip(&values) {
-            for row in group {
-                for a in 0..width {
-                    for b in 0..width {
+            let read = |k: usize| group.iter().all(|row| !row[k].is_nan());
+            for a in (0..width).filter(|&a| read(a)) {
+                for b in (0..width).filter(|&b| read(b)) {
+                    for row in group {
                         products[a][b] += (row[a] - mean[a]) * (row[b] - mean[b]);
                     }
+                    dof[a][b] += r - 1;
                 }
             }
         }
-        let dof = values.len() * (r - 1);
         Self {
             values,
             n: r,

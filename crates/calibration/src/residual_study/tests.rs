@@ -77,6 +77,8 @@ fn plan(seed: u64) -> ResidualPlan {
     for rpm in [5.0, 10.0, 20.0, 30.0] {
         for fill in [0.2, 0.3, 0.4] {
             conditions.push(StudyCondition {
+                model: None,
+                observables: None,
                 condition: BTreeMap::from([("rpm".to_owned(), rpm), ("fill".to_owned(), fill)]),
                 used: rpm != 20.0,
             });

@@ -1,0 +1,305 @@
+//! The loop: screening, surfaces, joint estimate, box after box, fresh runs, check, residual.
+
+use crate::comparison::{SurfacesByModel, compare};
+use crate::confirmation::{Confirmed, confirm};
+use crate::diagnosis_stage::diagnose_at;
+use crate::intervals::{Uncertainty, best_of, estimates, test};
+use crate::joint::{joint_estimate, planes, region_about, slope_runs};
+use crate::samples::{Asked, Laboratory, Samples, Wanted, first_seed, wanted};
+use crate::screening::screen_models;
+use crate::search::Search;
+use crate::solution_set::solution_set;
+use crate::verdict::verdict;
+use crate::{
+    Calibration, CalibrationProblem, Comparison, Error, Estimate, JointEstimate,
+    LoopSettings, Role, StageCost,
+};
+use campaign::{Campaign, RunOutcome, RunRequest, Simulator, SimulatorError};
+use std::collections::BTreeMap;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::time::Instant;
+
+/// Stage number of the runs with the parameters in use before.
+const STAGE_BEFORE: u64 = 0;
+/// Stage number of the runs of models that the fit does not use, at the estimate.
+const STAGE_CHECK: u64 = 60;
+
+/// Calibrates the parameters of a problem and says whether the result holds.
+///
+/// `announce` is told each stage as it begins.
+///
+/// # Errors
+///
+/// A problem that cannot be meant, runs too few for any surface, a model that cannot be run at the estimate, a campaign
+/// that was stopped. That the measurements are out of reach or contradict each other is a result and no error.
+pub fn calibrate(
+    campaign: &Campaign<'_>,
+    simulator: &dyn Simulator,
+    problem: &CalibrationProblem,
+    settings: &LoopSettings,
+    announce: &dyn Fn(&str),
+) -> Result<Calibration, Error> {
+    problem.check()?;
+    let counted = Counted::new(simulator);
+    let asked = Asked { problem, settings };
+    let laboratory = Laboratory {
+        campaign,
+        simulator: &counted,
+        asked,
+    };
+    let mut clock = Clock::new(announce, &counted);
+    clock.begin("the parameters in use before");
+    let before = before(&laboratory)?;
+    clock.begin("screening");
+    let screened = screen_models(&laboratory)?;
+    clock.begin("surfaces and estimate");
+    let mut search = Search::new(laboratory, screened.active);
+    let found = search.run(announce)?;
+    clock.begin("confirmation by fresh runs");
+    let confirmed = confirm(&laboratory, &search, found)?;
+    let estimate = Estimated::new(&laboratory, &confirmed)?;
+    clock.begin("check");
+    let checked = check(&laboratory, &confirmed, &estimate)?;
+    clock.begin("diagnosis of the residual");
+    let at = &confirmed.found.best;
+    let diagnosis = diagnose_at(campaign, &counted, problem, settings, at)?;
+    let surfaces = all_surfaces(&confirmed, &checked.planes);
+    let row = |role, runs: &BTreeMap<usize, Samples>, covariance, at: &[f64]| {
+        compare(asked, role, runs, &surfaces, covariance, at)
+    };
+    let start: Vec<f64> = problem.parameters.iter().map(|p| p.start).collect();
+    let roles = [Role::Fit, Role::Check, Role::Show];
+    let covariance = Some(&estimate.uncertainty.covariance);
+    let fit = row(Role::Fit, &confirmed.runs, None, at);
+    let checks = row(Role::Check, &checked.at_estimate, covariance, at);
+    let mut remarks = search.remarks.clone();
+    remarks.extend(confirmed.remarks.iter().cloned());
+    let (met, verdict) = verdict(problem, &estimate, &fit, &checks, &confirmed);
+    Ok(Calibration {
+        id: problem.id.clone(),
+        settings: settings.clone(),
+        before: roles
+            .iter()
+            .flat_map(|role| row(*role, &before, None, &start))
+            .collect::<Vec<Comparison>>(),
+        show: row(Role::Show, &checked.at_estimate, covariance, at),
+        surfaces: search.told(&confirmed.found)?,
+        boxes: search.boxes,
+        cost: clock.end(),
+        joint: checked.joint,
+        confirmations: confirmed.rounds,
+        correlation: estimate.uncertainty.correlation(&problem.parameters),
+        open_combinations: estimate
+            .uncertainty
+            .open_combinations(&problem.parameters, &confirmed.found.free),
+        test: estimate.test,
+        solutions: estimate.solutions,
+        parameters: estimate.parameters,
+        fit,
+        check: checks,
+        screening: screened.told,
+        diagnosis,
+        remarks,
+        met,
+        verdict,
+    })
+}
+
+/// The estimate with all that is said of it.
+#[derive(Debug)]
+pub(crate) struct Estimated {
+    /// Parameters with intervals.
+    pub(crate) parameters: Vec<Estimate>,
+    /// Covariance and what is open.
+    pub(crate) uncertainty: Uncertainty,
+    /// Test of the fit.
+    pub(crate) test: crate::FitTest,
+    /// The set of solutions.
+    pub(crate) solutions: crate::SolutionSet,
+}
+
+impl Estimated {
+    /// Of the last surfaces.
+    fn new(laboratory: &Laboratory<'_>, confirmed: &Confirmed) -> Result<Self, Error> {
+        let problem = laboratory.problem;
+        let found = &confirmed.found;
+        let used = problem.measurements.iter().filter(|m| m.role == Role::Fit);
+        let fit = found.fit(&problem.parameters, &used);
+        let best = best_of(&found.minima)?;
+        let uncertainty = Uncertainty::new(&fit, best, &found.whitening);
+        let parameters = estimates(&fit, best, &found.whitening, &uncertainty);
+        let seed = laboratory.settings.seed;
+        Ok(Self {
+            solutions: solution_set(&fit, &found.minima, &found.whitening, &parameters, seed)?,
+            test: test(&fit, best),
+            uncertainty,
+            parameters,
+        })
+    }
+}
+
+/// Runs of all models with the parameters in use before.
+fn before(laboratory: &Laboratory<'_>) -> Result<BTreeMap<usize, Samples>, Error> {
+    let start: Vec<f64> = laboratory.problem.parameters.iter().map(|p| p.start).collect();
+    let n = laboratory.settings.before_runs;
+    let models = 0..laboratory.problem.models.len();
+    let list = models.flat_map(|model| {
+        let seed = first_seed(laboratory.settings, STAGE_BEFORE, model);
+        wanted(seed, model, &vec![start.clone(); n])
+    });
+    laboratory.run(&list.collect::<Vec<_>>())
+}
+
+/// What the models say that the fit did not use.
+struct Checked {
+    /// Runs of the models of role check or show at the estimate, those of the fit included that have a measurement of
+    /// such a role.
+    at_estimate: BTreeMap<usize, Samples>,
+    /// Planes of the models of the checks about the estimate.
+    planes: SurfacesByModel,
+    /// The estimate from all measurements.
+    joint: Option<JointEstimate>,
+}
+
+/// Runs the models of the checks at the estimate and about it, and those that are only shown.
+fn check(
+    laboratory: &Laboratory<'_>,
+    confirmed: &Confirmed,
+    estimate: &Estimated,
+) -> Result<Checked, Error> {
+    let (problem, settings) = (laboratory.problem, laboratory.settings);
+    let found = &confirmed.found;
+    let of_fit = problem.models_of(Role::Fit);
+    let others = |role| -> Vec<usize> {
+        let models = problem.models_of(role).into_iter();
+        models.filter(|k| !of_fit.contains(k)).collect()
+    };
+    let (checks, mut shown) = (others(Role::Check), others(Role::Show));
+    shown.retain(|k| !checks.contains(k));
+    let mut list: Vec<Wanted> = Vec::new();
+    for &model in checks.iter().chain(&shown) {
+        let seed = first_seed(settings, STAGE_CHECK, model);
+        let n = settings.check_runs.max(2);
+        list.extend(wanted(seed, model, &vec![found.best.clone(); n]));
+    }
+    let region = region_about(laboratory.asked, &found.best, &estimate.parameters);
+    let about = if settings.joint {
+        slope_runs(laboratory.asked, &checks, &region)?
+    } else {
+        Vec::new()
+    };
+    let n_at = list.len();
+    list.extend(about);
+    // One list, so that no core waits; the two parts are told apart by their place.
+    let all = laboratory.run_parts(&list, n_at)?;
+    let [mut at_estimate, about] = all;
+    let planes = planes(laboratory.asked, &checks, &region, &about, &at_estimate);
+    for (model, samples) in &confirmed.runs {
+        at_estimate.insert(*model, samples.clone());
+    }
+    let joint = if settings.joint && !checks.is_empty() {
+        let mut surfaces = found.surfaces.clone();
+        surfaces.extend(planes.values().cloned());
+        Some(joint_estimate(laboratory.asked, &found.region, &surfaces)?)
+    } else {
+        None
+    };
+    Ok(Checked {
+        at_estimate,
+        planes,
+        joint,
+    })
+}
+
+/// Surfaces of the fit and planes of the checks by model.
+fn all_surfaces(confirmed: &Confirmed, planes: &SurfacesByModel) -> SurfacesByModel {
+    let mut all = planes.clone();
+    for surface in &confirmed.found.surfaces {
+        all.insert(surface.model, surface.clone());
+    }
+    all
+}
+
+/// Measures what each stage costs.
+struct Clock<'a> {
+    /// Who hears of a stage.
+    announce: &'a dyn Fn(&str),
+    /// Who counts the runs.
+    counted: &'a Counted<'a>,
+    /// Begin of each stage so far: its name, the time, the runs before it.
+    stages: Vec<(String, Instant, usize)>,
+}
+
+impl<'a> Clock<'a> {
+    /// Starts without a stage.
+    fn new(announce: &'a dyn Fn(&str), counted: &'a Counted<'a>) -> Self {
+        Self {
+            announce,
+            counted,
+            stages: Vec::new(),
+        }
+    }
+
+    /// Begins a stage; the one before is over.
+    fn begin(&mut self, stage: &str) {
+        (self.announce)(stage);
+        let begin = (stage.to_owned(), Instant::now(), self.counted.runs());
+        self.stages.push(begin);
+    }
+
+    /// Ends the last stage and gives the cost of each.
+    fn end(mut self) -> Vec<StageCost> {
+        let end = (String::new(), Instant::now(), self.counted.runs());
+        self.stages.push(end);
+        let pairs = self.stages.windows(2);
+        pairs
+            .map(|pair| StageCost {
+                stage: pair[0].0.clone(),
+                runs: pair[1].2 - pair[0].2,
+                wall_s: (pair[1].1 - pair[0].1).as_secs_f64(),
+            })
+            .collect()
+    }
+}
+
+/// A simulator that counts its runs.
+struct Counted<'a> {
+    /// Who runs.
+    simulator: &'a dyn Simulator,
+    /// Runs so far.
+    count: AtomicUsize,
+}
+
+impl<'a> Counted<'a> {
+    /// Counts from 0.
+    fn new(simulator: &'a dyn Simulator) -> Self {
+        Self {
+            simulator,
+            count: AtomicUsize::new(0),
+        }
+    }
+
+    /// Runs so far.
+    fn runs(&self) -> usize {
+        self.count.load(Ordering::Relaxed)
+    }
+}
+
+impl Simulator for Counted<'_> {
+    fn version(&self) -> String {
+        self.simulator.version()
+    }
+
+    fn inputs(&self, request: &RunRequest) -> Result<serde_json::Value, SimulatorError> {
+        self.simulator.inputs(request)
+    }
+
+    fn run(&self, request: &RunRequest) -> Result<RunOutcome, SimulatorError> {
+        self.count.fetch_add(1, Ordering::Relaxed);
+        self.simulator.run(request)
+    }
+
+    fn expected_cost(&self, request: &RunRequest) -> f64 {
+        self.simulator.expected_cost(request)
+    }
+}

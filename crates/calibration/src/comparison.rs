@@ -1,0 +1,132 @@
+//! Measurements beside what the simulator shows, and whether they hold.
+
+use crate::confirmation::mean;
+use crate::intervals::quantile_of;
+use crate::samples::{Asked, Sample, Samples};
+use crate::surface::Surface;
+use crate::{Comparison, MeasuredMean, Measurement, Role, SimulatedMean};
+use nalgebra::{DMatrix, DVector};
+use std::collections::BTreeMap;
+
+/// Chance that one of the measurements of a role fails although all agree.
+const ALPHA: f64 = 0.05;
+
+/// What is known of the models: surfaces about the estimate, pooled scatter.
+pub(crate) type SurfacesByModel = BTreeMap<usize, Surface>;
+
+/// Compares the measurements of a role with runs at a point.
+///
+/// # Formula
+///
+/// `z = (measured - simulated) / sqrt(sd²/n + s²/runs + g' C g)`: the measured mean, the simulated mean (s² the variance of
+/// a run, pooled over all runs of the model), and for measurements that the estimate did not use the uncertainty of the
+/// parameters (g the slopes, C their covariance). It holds within Student's quantile for Satterthwaite's degrees of
+/// freedom at 5 % over the measurements of the role (Bonferroni).
+pub(crate) fn compare(
+    asked: Asked<'_>,
+    role: Role,
+    runs: &BTreeMap<usize, Samples>,
+    surfaces: &SurfacesByModel,
+    covariance: Option<&DMatrix<f64>>,
+    at: &[f64],
+) -> Vec<Comparison> {
+    let problem = asked.problem;
+    let of_role: Vec<&Measurement> = problem.measurements.iter().filter(|m| m.role == role).collect();
+    let tails = ALPHA / of_role.len().max(1) as f64;
+    let rows = of_role.iter().filter_map(|m| {
+        let samples = runs.get(&m.model)?;
+        if samples.done.is_empty() {
+            return None;
+        }
+        let surface = surfaces.get(&m.model);
+        let parameter_variance = covariance
+            .zip(surface)
+            .and_then(|(c, s)| parameter_variance(s, &m.observable, at, c));
+        Some(comparison(asked, m, samples, surface, parameter_variance, tails))
+    });
+    rows.collect()
+}
+
+/// g' C g of one observable.
+fn parameter_variance(
+    surface: &Surface,
+    observable: &str,
+    at: &[f64],
+    covariance: &DMatrix<f64>,
+) -> Option<f64> {
+    let k = surface.place(observable)?;
+    let mut slopes = DVector::zeros(at.len());
+    for (&j, slope) in surface.parameters.iter().zip(surface.slopes(k, at)) {
+        slopes[j] = slope;
+    }
+    let variance = (covariance * &slopes).dot(&slopes);
+    variance.is_finite().then_some(variance)
+}
+
+/// One measurement.
+fn comparison(
+    asked: Asked<'_>,
+    m: &Measurement,
+    samples: &Samples,
+    surface: Option<&Surface>,
+    parameter_variance: Option<f64>,
+    tails: f64,
+) -> Comparison {
+    let model = &asked.problem.models[m.model];
+    let group: Vec<&Sample> = samples.done.iter().collect();
+    let n = group.len();
+    let simulated = mean(&group, &m.observable);
+    let (variance, dof) = scatter(&group, &m.observable, surface);
+    let of_mean = variance / n as f64;
+    let parts = [
+        (m.variance(), m.degrees_of_freedom()),
+        (of_mean, dof),
+        (parameter_variance.unwrap_or(0.0), f64::INFINITY),
+    ];
+    let total: f64 = parts.iter().map(|p| p.0).sum();
+    let squares: f64 = parts.iter().map(|(v, dof)| v * v / dof).sum();
+    let z = (m.mean - simulated) / total.sqrt();
+    let z_limit = quantile_of(tails, total * total / squares.max(f64::MIN_POSITIVE));
+    let mut regimes = BTreeMap::new();
+    for sample in &group {
+        *regimes.entry(sample.regime.clone()).or_insert(0) += 1;
+    }
+    Comparison {
+        scene: model.scene.clone(),
+        condition: model.condition.clone(),
+        observable: m.observable.clone(),
+        role: m.role,
+        measured: MeasuredMean {
+            mean: m.mean,
+            sd: m.sd,
+            n: m.n,
+        },
+        simulated: SimulatedMean {
+            mean: simulated,
+            se: of_mean.sqrt(),
+            n_runs: n,
+        },
+        parameter_se: parameter_variance.map(f64::sqrt),
+        z,
+        z_limit,
+        holds: z.abs() <= z_limit,
+        regimes,
+        keys: group.iter().map(|s| s.key.clone()).collect(),
+    }
+}
+
+/// Variance of a run and its degrees of freedom: pooled with that about the surfaces of the model where there are any.
+fn scatter(group: &[&Sample], observable: &str, surface: Option<&Surface>) -> (f64, f64) {
+    let own = group.len().saturating_sub(1) as f64;
+    let m = mean(group, observable);
+    let squares: f64 = group.iter().map(|s| (s.values[observable] - m).powi(2)).sum();
+    let pooled = surface.and_then(|s| {
+        let k = s.place(observable)?;
+        Some((s.covariance[(k, k)], s.degrees_of_freedom))
+    });
+    match pooled {
+        Some((variance, dof)) => ((squares + variance * dof) / (own + dof), own + dof),
+        None if own > 0.0 => (squares / own, own),
+        None => (0.0, f64::INFINITY),
+    }
+}

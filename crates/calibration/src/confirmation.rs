@@ -1,0 +1,197 @@
+//! Fresh runs at the estimate: do they confirm the surfaces, or correct them?
+
+use crate::intervals::quantile_of;
+use crate::samples::{Laboratory, Sample, Samples, first_seed, wanted};
+use crate::search::{Found, Search};
+use crate::surface::Surface;
+use crate::{ConfirmationRound, ConfirmationRow, Error, SimulatedMean};
+use std::collections::BTreeMap;
+
+/// Chance that surfaces which are right are contradicted in a round.
+const ALPHA: f64 = 0.01;
+/// Share of the standard error of a measurement up to which a difference does not matter: it moves the estimate by so
+/// little of its own error.
+const IMMATERIAL: f64 = 0.1;
+/// First stage number of the rounds.
+const STAGE: u64 = 50;
+
+/// The estimate with the fresh runs behind it.
+#[derive(Debug)]
+pub(crate) struct Confirmed {
+    /// Surfaces, corrected where runs contradicted them, and the estimate.
+    pub(crate) found: Found,
+    /// Fresh runs at the estimate, by model.
+    pub(crate) runs: BTreeMap<usize, Samples>,
+    /// The rounds.
+    pub(crate) rounds: Vec<ConfirmationRound>,
+    /// Whether the last round agrees with its surfaces.
+    pub(crate) agrees: bool,
+    /// What a reader should know.
+    pub(crate) remarks: Vec<String>,
+}
+
+/// Runs the models of the fit at the estimate; where they contradict a surface by more than its error, it is shifted to
+/// meet them and the estimate is made again, a few rounds at most.
+///
+/// # Errors
+///
+/// A model of which no run gives a result, a campaign that was stopped.
+pub(crate) fn confirm(
+    laboratory: &Laboratory<'_>,
+    search: &Search<'_>,
+    mut found: Found,
+) -> Result<Confirmed, Error> {
+    let mut rounds = Vec::new();
+    let mut remarks = Vec::new();
+    let settings = laboratory.settings;
+    let most = settings.most_confirmations.max(1);
+    for round in 0.. {
+        let runs = fresh_runs(laboratory, &found, round)?;
+        let (rows, corrected) = compare(laboratory, search, &found, &runs, &mut remarks)?;
+        let limit = quantile_of(ALPHA / rows.len().max(1) as f64, f64::INFINITY);
+        let confirmed = rows.iter().all(|row| !row.matters || row.z.abs() <= limit);
+        rounds.push(ConfirmationRound {
+            at: found.best.clone(),
+            rows,
+            confirmed,
+        });
+        if confirmed || round + 1 >= most {
+            if !confirmed {
+                remarks.push(format!(
+                    "after {most} rounds the fresh runs still differ from what the surfaces predict by more than their error"
+                ));
+            }
+            return Ok(Confirmed {
+                found,
+                runs,
+                rounds,
+                agrees: confirmed,
+                remarks,
+            });
+        }
+        found = search.solve(found.region.clone(), corrected)?;
+    }
+    unreachable!("the loop ends by its rounds")
+}
+
+/// The models of the fit at the estimate.
+fn fresh_runs(
+    laboratory: &Laboratory<'_>,
+    found: &Found,
+    round: usize,
+) -> Result<BTreeMap<usize, Samples>, Error> {
+    let n = laboratory.settings.confirmation_runs.max(2);
+    let list = found.surfaces.iter().flat_map(|surface| {
+        let seed = first_seed(laboratory.settings, STAGE + round as u64, surface.model);
+        wanted(seed, surface.model, &vec![found.best.clone(); n])
+    });
+    let list: Vec<_> = list.collect();
+    laboratory.run(&list)
+}
+
+/// Rows of a round, and the surfaces corrected by its runs where they are contradicted.
+fn compare(
+    laboratory: &Laboratory<'_>,
+    search: &Search<'_>,
+    found: &Found,
+    runs: &BTreeMap<usize, Samples>,
+    remarks: &mut Vec<String>,
+) -> Result<(Vec<ConfirmationRow>, Vec<Surface>), Error> {
+    let problem = laboratory.problem;
+    let (mut rows, mut corrected) = (Vec::new(), Vec::new());
+    for surface in &found.surfaces {
+        let name = &problem.models[surface.model].name;
+        let samples = runs.get(&surface.model).cloned().unwrap_or_default();
+        let n = samples.done.len();
+        if n == 0 {
+            let reason = samples.failed.first().map(|f| f.1.clone());
+            return Err(Error::NoRun {
+                model: name.clone(),
+                reason: reason.unwrap_or_default(),
+            });
+        }
+        let regime = search.regime(surface.model);
+        let others = samples.done.iter().filter(|s| s.regime != regime).count();
+        if 2 * others > n {
+            remarks.push(format!(
+                "at the estimate {others} of {n} runs of {name} ended up otherwise than {regime}, which its surface \
+                 describes: what was measured lies at or beyond a change of regime"
+            ));
+        }
+        let group: Vec<&Sample> = samples.done.iter().collect();
+        let pooled = surface.with_scatter(std::slice::from_ref(&group));
+        let means: Vec<f64> = (0..surface.observables.len())
+            .map(|k| mean(&group, &surface.observables[k]))
+            .collect();
+        let mut contradicted = false;
+        for (k, observable) in surface.observables.iter().enumerate() {
+            let measured = |m: &&crate::Measurement| {
+                m.model == surface.model && m.observable == *observable && m.role == crate::Role::Fit
+            };
+            let Some(measured) = problem.measurements.iter().find(measured) else {
+                continue;
+            };
+            let mut row = row(name, &pooled, (k, observable), &found.best, (means[k], n));
+            let difference = (row.simulated.mean - row.predicted).abs();
+            row.matters = difference > IMMATERIAL * measured.variance().sqrt();
+            contradicted |= row.matters && row.z.abs() > normal_limit();
+            rows.push(row);
+        }
+        corrected.push(if contradicted {
+            pooled.anchored(&found.best, &means, n)
+        } else {
+            surface.clone()
+        });
+    }
+    Ok((rows, corrected))
+}
+
+/// One observable at the estimate: what the surface says, what the runs show.
+///
+/// z is turned into a normal one with the same tail, so that one limit serves rows of different degrees of freedom.
+fn row(
+    model: &str,
+    surface: &Surface,
+    (k, observable): (usize, &str),
+    at: &[f64],
+    (mean, n): (f64, usize),
+) -> ConfirmationRow {
+    let variance = surface.covariance[(k, k)];
+    let predicted = surface.value(k, at);
+    let (of_surface, of_runs) = (surface.leverage(at) * variance, variance / n as f64);
+    let se = (of_surface + of_runs).sqrt();
+    let t = if se > 0.0 { (mean - predicted) / se } else { 0.0 };
+    ConfirmationRow {
+        model: model.to_owned(),
+        observable: observable.to_owned(),
+        predicted,
+        predicted_se: of_surface.sqrt(),
+        simulated: SimulatedMean {
+            mean,
+            se: of_runs.sqrt(),
+            n_runs: n,
+        },
+        z: normal_score(t, surface.degrees_of_freedom),
+        matters: true,
+    }
+}
+
+/// |z| beyond which one row contradicts its surface.
+fn normal_limit() -> f64 {
+    quantile_of(ALPHA, f64::INFINITY)
+}
+
+/// The normal score with the two-sided tail of Student's t.
+fn normal_score(t: f64, degrees_of_freedom: f64) -> f64 {
+    use response_surface::distribution::{normal_quantile, t_two_sided_tail};
+    let tail = t_two_sided_tail(t, degrees_of_freedom);
+    let score = tail.and_then(|p| normal_quantile(1.0 - 0.5 * p));
+    // Beyond the digits of 1 - p the score is that of t itself or less.
+    score.filter(|z| z.is_finite()).map_or(t, |z| z * t.signum())
+}
+
+/// Mean of an observable over runs.
+pub(crate) fn mean(group: &[&Sample], observable: &str) -> f64 {
+    let sum: f64 = group.iter().map(|s| s.values[observable]).sum();
+    sum / group.len() as f64
+}

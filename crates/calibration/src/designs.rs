@@ -1,0 +1,189 @@
+//! Which design fits the number of parameters, and its points.
+
+use crate::{Error, LoopSettings, SurfaceDesign};
+use experiment_design::{
+    AxialDistance, Criterion, Factor, box_behnken, central_composite, full_factorial,
+    latin_hypercube, optimal_design, plackett_burman,
+};
+use response_surface::Model;
+
+/// Levels of a single parameter: one more than a parabola needs on each side of the middle, so that its lack of fit can
+/// be seen.
+const LEVELS_OF_ONE: [f64; 5] = [-1.0, -0.5, 0.0, 0.5, 1.0];
+/// Runs of a Latin hypercube or a D-optimal design over the number of terms of the quadratic.
+const RUNS_OVER_TERMS: f64 = 1.5;
+/// Most parameters of a full two-level factorial; beyond, a Plackett-Burman design has fewer runs.
+const MOST_FACTORIAL: usize = 3;
+
+/// A design in coordinates of the box, -1 to 1.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct CodedDesign {
+    /// Its name, for the reader.
+    pub(crate) name: String,
+    /// Coded rows, (runs, parameters).
+    pub(crate) rows: Vec<Vec<f64>>,
+}
+
+/// Factors with the coded range, by symbol.
+pub(crate) fn coded_factors(symbols: &[String]) -> Result<Vec<Factor>, Error> {
+    let factors = symbols.iter().map(|s| Factor::coded_only(s));
+    Ok(factors.collect::<Result<_, _>>()?)
+}
+
+/// The design behind the surfaces of a model with these parameters.
+///
+/// # Errors
+///
+/// A design that does not exist for so many parameters.
+pub(crate) fn surface_design(
+    symbols: &[String],
+    settings: &LoopSettings,
+) -> Result<CodedDesign, Error> {
+    let factors = coded_factors(symbols)?;
+    let centre = settings.centre_points;
+    let kind = match (settings.surface, factors.len()) {
+        (_, 0) => {
+            return Ok(CodedDesign {
+                name: "repeats".into(),
+                rows: repeated(vec![Vec::new(); centre.max(2)], settings.replicates),
+            });
+        }
+        // One parameter has one good design whatever is asked for of more.
+        (SurfaceDesign::Linear, _) => SurfaceDesign::Linear,
+        (_, 1) => return Ok(levels_of_one(settings)),
+        (SurfaceDesign::Auto, 2) => SurfaceDesign::CentralComposite,
+        (SurfaceDesign::Auto, 3..=7) => SurfaceDesign::BoxBehnken,
+        (SurfaceDesign::Auto, _) => SurfaceDesign::LatinHypercube,
+        (kind, _) => kind,
+    };
+    let (name, rows) = match kind {
+        SurfaceDesign::Linear => return two_level(symbols, centre, settings.replicates),
+        SurfaceDesign::CentralComposite => {
+            let design = central_composite(&factors, AxialDistance::Face, centre)?;
+            ("central composite", design.coded_rows())
+        }
+        SurfaceDesign::BoxBehnken => {
+            ("Box-Behnken", box_behnken(&factors, centre)?.coded_rows())
+        }
+        SurfaceDesign::LatinHypercube | SurfaceDesign::Auto => {
+            let n = runs_for(&Model::quadratic(&factors)?);
+            let design = latin_hypercube(&factors, n, settings.seed)?;
+            ("Latin hypercube", design.coded_rows())
+        }
+        SurfaceDesign::DOptimal => {
+            let model = Model::quadratic(&factors)?;
+            let n = runs_for(&model);
+            let row = |x: &[f64]| model.row(x);
+            let d = optimal_design(&factors, Criterion::Determinant, n, settings.seed, &row)?;
+            ("D-optimal", d.coded_rows())
+        }
+    };
+    Ok(CodedDesign {
+        name: name.into(),
+        rows: repeated(rows, settings.replicates),
+    })
+}
+
+/// Runs of a design that is made for the number of terms of a model.
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "a number of terms of at most 91"
+)]
+fn runs_for(model: &Model) -> usize {
+    (model.terms().len() as f64 * RUNS_OVER_TERMS).ceil() as usize
+}
+
+/// Five levels of one parameter, with further runs at the middle.
+fn levels_of_one(settings: &LoopSettings) -> CodedDesign {
+    let levels = LEVELS_OF_ONE.iter().map(|x| vec![*x]);
+    let further = std::iter::repeat_n(vec![0.0], settings.centre_points.saturating_sub(1));
+    CodedDesign {
+        name: "five levels".into(),
+        rows: repeated(levels.chain(further).collect(), settings.replicates),
+    }
+}
+
+/// Two levels of each parameter with centre runs, for a plane: a full factorial up to three parameters, Plackett-Burman
+/// beyond.
+///
+/// # Errors
+///
+/// More parameters than such a design takes.
+pub(crate) fn two_level(
+    symbols: &[String],
+    centre_points: usize,
+    replicates: usize,
+) -> Result<CodedDesign, Error> {
+    let factors = coded_factors(symbols)?;
+    let n = factors.len();
+    let mut rows = if n <= MOST_FACTORIAL {
+        full_factorial(&factors, 0)?.coded_rows()
+    } else {
+        plackett_burman(&factors)?.coded_rows()
+    };
+    // Columns behind the parameters are dummies: they set nothing.
+    for row in &mut rows {
+        row.truncate(n);
+    }
+    rows.extend(std::iter::repeat_n(vec![0.0; n], centre_points));
+    Ok(CodedDesign {
+        name: "two levels".into(),
+        rows: repeated(rows, replicates),
+    })
+}
+
+/// Every row so many times.
+fn repeated(rows: Vec<Vec<f64>>, times: usize) -> Vec<Vec<f64>> {
+    let each = rows.into_iter();
+    each.flat_map(|row| std::iter::repeat_n(row, times.max(1)))
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::surface_design;
+    use crate::{LoopSettings, SurfaceDesign};
+    use response_surface::Model;
+
+    fn symbols(n: usize) -> Vec<String> {
+        (0..n).map(|i| format!("x{i}")).collect()
+    }
+
+    /// Each number of parameters that can be calibrated has a design with more runs than its quadratic has terms, so
+    /// that the noise can be told.
+    #[test]
+    fn each_number_of_parameters_has_a_design_that_tells_the_noise() {
+        let settings = LoopSettings::default();
+        for n in 1..=12 {
+            let design = surface_design(&symbols(n), &settings).unwrap();
+            let factors = super::coded_factors(&symbols(n)).unwrap();
+            let terms = Model::quadratic(&factors).unwrap().terms().len();
+            let runs = design.rows.len();
+            assert!(runs > terms, "{n} parameters: {runs} runs, {terms} terms");
+            let names = [
+                "five levels",
+                "central composite",
+                "Box-Behnken",
+                "Latin hypercube",
+            ];
+            let expected = names[match n {
+                1 => 0,
+                2 => 1,
+                3..=7 => 2,
+                _ => 3,
+            }];
+            assert_eq!(design.name, expected, "{n} parameters");
+        }
+    }
+
+    #[test]
+    fn a_design_that_does_not_take_so_many_parameters_is_an_error() {
+        let settings = LoopSettings {
+            surface: SurfaceDesign::BoxBehnken,
+            ..LoopSettings::default()
+        };
+        let error = surface_design(&symbols(2), &settings).unwrap_err();
+        assert!(error.to_string().contains("Box-Behnken"), "{error}");
+    }
+}

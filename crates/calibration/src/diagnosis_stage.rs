@@ -1,0 +1,168 @@
+//! What the residual at the estimate says: which effect, if any, the model lacks.
+
+use crate::{
+    CalibrationProblem, DeclaredParameter, DiagnosisStage, Error, LoopSettings, Measurement,
+    Observed, ResidualPlan, Role, StudyCondition, runs_needed, study_residual,
+};
+use campaign::{Campaign, RunRequest, Simulator};
+use std::collections::BTreeMap;
+
+/// Stage number: sets the seeds.
+const STAGE: u64 = 80;
+/// Step of a difference quotient, as a share of the box of the file.
+const STEP: f64 = 0.3;
+
+/// Looks for what the model lacks at given values of the parameters; the last stage of a calibration alone.
+///
+/// It is left out, with the reason, where no effect is to be searched or the measurements are as many as the parameters.
+///
+/// # Errors
+///
+/// A problem that cannot be meant, runs that failed, a covariance that cannot be used.
+pub fn diagnose_at(
+    campaign: &Campaign<'_>,
+    simulator: &dyn Simulator,
+    problem: &CalibrationProblem,
+    settings: &LoopSettings,
+    at: &[f64],
+) -> Result<DiagnosisStage, Error> {
+    if problem.effects.is_empty() {
+        return Ok(left_out("no effect is to be searched"));
+    }
+    let (plan, observed) = plan(problem, settings, at);
+    let values: usize = (0..plan.conditions.len())
+        .filter(|&c| plan.conditions[c].used)
+        .map(|c| observed.measured(c).len())
+        .sum();
+    if values <= plan.declared.len() {
+        return Ok(left_out(&format!(
+            "{values} measurements of role fit and {} parameters: what {} parameters can always meet tests nothing; measure \
+             more observables or conditions",
+            plan.declared.len(),
+            plan.declared.len(),
+        )));
+    }
+    let study = study_residual(campaign, simulator, &plan, &observed)?;
+    Ok(DiagnosisStage::Done(Box::new(study)))
+}
+
+/// A stage that was not made.
+fn left_out(reason: &str) -> DiagnosisStage {
+    DiagnosisStage::LeftOut {
+        reason: reason.to_owned(),
+    }
+}
+
+/// Most runs that the diagnosis of a problem may need.
+pub(crate) fn most_runs(problem: &CalibrationProblem, settings: &LoopSettings) -> usize {
+    let start: Vec<f64> = problem.parameters.iter().map(|p| p.start).collect();
+    runs_needed(&plan(problem, settings, &start).0)
+}
+
+/// The residual study of a problem about a point.
+///
+/// An observable of the plan belongs to one scene, so that runs of one scene under several conditions share the scatter
+/// of their noise, and those of different scenes do not.
+pub(crate) fn plan(
+    problem: &CalibrationProblem,
+    settings: &LoopSettings,
+    at: &[f64],
+) -> (ResidualPlan, Observed) {
+    let judged = |m: &&Measurement| m.role != Role::Show;
+    let mut observables: Vec<String> = problem
+        .measurements
+        .iter()
+        .filter(judged)
+        .map(|m| name_in_plan(problem, m))
+        .collect();
+    observables.sort();
+    observables.dedup();
+    let (mut conditions, mut values, mut covariance) = (Vec::new(), Vec::new(), Vec::new());
+    for role in [Role::Fit, Role::Check] {
+        for k in problem.models_of(role) {
+            let here: Vec<&Measurement> = problem
+                .measurements
+                .iter()
+                .filter(|m| m.model == k && m.role == role)
+                .collect();
+            let of = |name: &String| here.iter().find(|m| name_in_plan(problem, m) == *name);
+            conditions.push(condition(problem, k, role, &here));
+            values.push(observables.iter().map(|n| of(n).map(|m| m.mean)).collect());
+            let mut block = vec![vec![0.0; observables.len()]; observables.len()];
+            for (i, name) in observables.iter().enumerate() {
+                block[i][i] = of(name).map_or(0.0, |m| m.variance());
+            }
+            covariance.push(block);
+        }
+    }
+    let plan = ResidualPlan {
+        id: problem.id.clone(),
+        base: RunRequest::new("", settings.seed + 100_000 * STAGE),
+        conditions,
+        observables,
+        declared: declared(problem, at),
+        effects: problem.effects.clone(),
+        replicates: settings.diagnosis_replicates.max(2),
+        seed: settings.seed,
+    };
+    (plan, Observed { values, covariance })
+}
+
+/// The name of a measured observable in the plan: with its scene where the problem has several.
+fn name_in_plan(problem: &CalibrationProblem, m: &Measurement) -> String {
+    let scene = &problem.models[m.model].scene;
+    if problem.models.iter().all(|other| other.scene == *scene) {
+        m.observable.clone()
+    } else {
+        format!("{scene}: {}", m.observable)
+    }
+}
+
+/// One model with the measurements of a role as a condition; numbers of its condition are its coordinates.
+fn condition(
+    problem: &CalibrationProblem,
+    model: usize,
+    role: Role,
+    measurements: &[&Measurement],
+) -> StudyCondition {
+    let model = &problem.models[model];
+    let number = |text: &String| {
+        let first = text.split_whitespace().next()?;
+        first.parse::<f64>().ok().filter(|x| x.is_finite())
+    };
+    let coordinates = model.condition.iter();
+    StudyCondition {
+        model: Some(model.name.clone()),
+        condition: coordinates
+            .filter_map(|(name, value)| Some((name.clone(), number(value)?)))
+            .collect(),
+        observables: Some(
+            measurements
+                .iter()
+                .map(|m| (name_in_plan(problem, m), m.observable.clone()))
+                .collect::<BTreeMap<_, _>>(),
+        ),
+        used: role == Role::Fit,
+    }
+}
+
+/// The parameters about a point, each with a step that stays inside its limits.
+fn declared(problem: &CalibrationProblem, at: &[f64]) -> Vec<DeclaredParameter> {
+    let each = problem.parameters.iter().zip(at);
+    each.map(|(p, &start)| {
+        let size = STEP * (p.range[1] - p.range[0]);
+        let step = if start + size <= p.limits[1] {
+            size
+        } else {
+            -size.min(start - p.limits[0])
+        };
+        DeclaredParameter {
+            name: p.symbol.clone(),
+            start,
+            step,
+            bounds: p.limits,
+            prior: p.prior.map(|prior| [prior.mean, prior.sd]),
+        }
+    })
+    .collect()
+}

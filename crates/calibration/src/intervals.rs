@@ -1,0 +1,346 @@
+//! From the least misfit to standard errors, intervals, correlations, and what the data leave open.
+
+use crate::joint_fit::{JointFit, Minimum, Whitening};
+use crate::{Error, Estimate, FitTest, OpenCombination, Parameter};
+use nalgebra::{DMatrix, DVector, SymmetricEigen};
+use response_surface::distribution::{f_upper_tail, normal_quantile, t_two_sided_quantile};
+use std::collections::BTreeMap;
+
+/// Chance of the two tails outside an interval.
+const TAILS: f64 = 0.05;
+/// Beyond so many degrees of freedom Student's quantile is the normal one to five digits.
+const MANY: f64 = 1e6;
+/// Standard error along a combination, in widths of the limits, from which its 95 % interval is as wide as the limits.
+const OPEN: f64 = 0.255;
+/// Information of an even spread over the limits, in 1 / widths²: the variance of that is 1/12.
+const EVEN_SPREAD: f64 = 12.0;
+/// Share of a parameter (its squared weights) in open combinations from which it counts as open itself.
+const SHARE: f64 = 0.1;
+/// Halvings of the bracket of an end of an interval.
+const HALVINGS: usize = 40;
+/// Distance from a limit, in widths of the limits, at which an estimate lies on it.
+const ON_A_LIMIT: f64 = 1e-6;
+
+/// What the estimate knows of its own error.
+#[derive(Debug, Clone)]
+pub(crate) struct Uncertainty {
+    /// Covariance of the parameters, units of the parameters; along what nothing fixes it is that of an even spread over
+    /// the limits.
+    pub(crate) covariance: DMatrix<f64>,
+    /// Directions in the space of the parameters, in widths of the limits, with the standard error along each.
+    directions: Vec<Direction>,
+    /// The same from the measurements alone.
+    by_data: Vec<Direction>,
+    /// Effective degrees of freedom of each variance.
+    degrees_of_freedom: Vec<f64>,
+}
+
+/// A combination of parameters, in widths of the limits.
+#[derive(Debug, Clone)]
+struct Direction {
+    /// Weights, of unit length.
+    weights: DVector<f64>,
+    /// Standard error along it, in widths of the limits.
+    se: f64,
+}
+
+/// Principal directions of an information matrix.
+fn directions(information: &DMatrix<f64>) -> Vec<Direction> {
+    let eigen = SymmetricEigen::new(information.clone());
+    let each = eigen.eigenvalues.iter().enumerate();
+    each.map(|(i, value)| Direction {
+        weights: eigen.eigenvectors.column(i).into_owned(),
+        se: 1.0 / value.max(0.0).sqrt(),
+    })
+    .collect()
+}
+
+/// Whether a parameter takes part in a combination whose interval is as wide as the limits.
+fn is_open(directions: &[Direction], j: usize) -> bool {
+    let open = directions.iter().filter(|d| d.se >= OPEN);
+    open.map(|d| d.weights[j].powi(2)).sum::<f64>() > SHARE
+}
+
+impl Uncertainty {
+    /// Of the estimate of a fit.
+    ///
+    /// # Formula
+    ///
+    /// Covariance `C = (J'V^-1 J + P)^-1`, J the slopes of the surfaces, P the precisions of the priors. The parameters
+    /// are `C J'V^-1 y + ...`, so that the variance of parameter j is a sum of parts, one for each measured variance
+    /// (n - 1 degrees of freedom) and one for each surface (n - p); what priors and limits add is known. Its effective degrees of freedom are those of
+    /// Satterthwaite: `(sum of parts)² / sum of (part² / degrees of freedom)` `[Satterthwaite1946]`.
+    pub(crate) fn new(fit: &JointFit<'_>, best: &Minimum, whitening: &Whitening) -> Self {
+        let k = fit.parameters.len();
+        let (_, jacobian) = fit.residuals(&best.coded, whitening, &[]);
+        let n = fit.targets.len();
+        // Slopes per width of the limits: then what is large and small is the same for all parameters.
+        let width: Vec<f64> = fit
+            .parameters
+            .iter()
+            .map(|p| p.limits[1] - p.limits[0])
+            .collect();
+        let scaled = DMatrix::from_fn(jacobian.nrows(), k, |i, j| {
+            -jacobian[(i, j)] / fit.region.half(j) * width[j]
+        });
+        let data = scaled.rows(0, n).tr_mul(&scaled.rows(0, n));
+        let all = scaled.tr_mul(&scaled);
+        let unscale = |m: DMatrix<f64>| DMatrix::from_fn(k, k, |i, j| m[(i, j)] * width[i] * width[j]);
+        let covariance = bounded_inverse(&all);
+        let degrees_of_freedom = effective(fit, best, whitening, &scaled, &covariance);
+        Self {
+            directions: directions(&all),
+            by_data: directions(&data),
+            covariance: unscale(covariance),
+            degrees_of_freedom,
+        }
+    }
+
+    /// Student's quantile for the 95 % interval of a parameter.
+    fn quantile(&self, j: usize) -> f64 {
+        student(self.degrees_of_freedom[j])
+    }
+
+    /// Correlations, (parameters, parameters); 0 beside a parameter that nothing fixes.
+    pub(crate) fn correlation(&self, parameters: &[Parameter]) -> Vec<Vec<f64>> {
+        let k = parameters.len();
+        let fixed = |j: usize| self.standard_error(j, &parameters[j]).is_some();
+        let entry = |i: usize, j: usize| {
+            if i == j {
+                return 1.0;
+            }
+            let scale = (self.covariance[(i, i)] * self.covariance[(j, j)]).sqrt();
+            if fixed(i) && fixed(j) && scale > 0.0 {
+                self.covariance[(i, j)] / scale
+            } else {
+                0.0
+            }
+        };
+        (0..k)
+            .map(|i| (0..k).map(|j| entry(i, j)).collect())
+            .collect()
+    }
+
+    /// Standard error of a parameter; none where its interval would be as wide as the limits.
+    fn standard_error(&self, j: usize, parameter: &Parameter) -> Option<f64> {
+        let se = self.covariance[(j, j)].sqrt();
+        let width = parameter.limits[1] - parameter.limits[0];
+        (se < OPEN * width && !is_open(&self.directions, j)).then_some(se)
+    }
+
+    /// Combinations of parameters whose interval is as wide as the limits, by the data alone.
+    pub(crate) fn open_combinations(
+        &self,
+        parameters: &[Parameter],
+        free: &[bool],
+    ) -> Vec<OpenCombination> {
+        let open = self.by_data.iter().filter(|d| d.se >= OPEN);
+        open.filter_map(|direction| {
+            let weights: BTreeMap<String, f64> = direction
+                .weights
+                .iter()
+                .enumerate()
+                .filter(|(j, w)| free[*j] && w.abs() > 0.05)
+                .map(|(j, w)| (parameters[j].symbol.clone(), *w))
+                .collect();
+            (!weights.is_empty()).then(|| OpenCombination {
+                weights,
+                se_in_widths: Some(direction.se).filter(|se| se.is_finite()),
+            })
+        })
+        .collect()
+    }
+}
+
+/// Estimates with their intervals.
+///
+/// # Formula
+///
+/// An end of an interval is where the least Q over all other parameters has risen by t², t Student's quantile for the
+/// effective degrees of freedom (profile); for a plane that is `value +- t se`. Outside the box the surfaces say nothing:
+/// there the end is that of the plane, at least the edge of the box. Ends are cut at the limits.
+pub(crate) fn estimates(
+    fit: &JointFit<'_>,
+    best: &Minimum,
+    whitening: &Whitening,
+    uncertainty: &Uncertainty,
+) -> Vec<Estimate> {
+    let at = fit.natural(&best.coded);
+    let each = fit.parameters.iter().enumerate();
+    each.map(|(j, parameter)| {
+        let [least, most] = parameter.limits;
+        let width = most - least;
+        let value = at[j];
+        let se = uncertainty.standard_error(j, parameter);
+        let interval95 = match se {
+            Some(_) if fit.free[j] => {
+                let ends = [-1.0, 1.0].map(|side| end(fit, best, whitening, uncertainty, (j, side)));
+                [ends[0].max(least), ends[1].min(most)]
+            }
+            _ => [least, most],
+        };
+        Estimate {
+            symbol: parameter.symbol.clone(),
+            name: parameter.name.clone(),
+            unit: parameter.unit.clone(),
+            sets: parameter.sets.clone(),
+            start: parameter.start,
+            value,
+            se: se.filter(|_| fit.free[j]),
+            interval95,
+            fixed_by_data: fit.free[j] && !is_open(&uncertainty.by_data, j),
+            at_limit: fit.free[j]
+                && ((value - least).abs() < ON_A_LIMIT * width
+                    || (most - value).abs() < ON_A_LIMIT * width),
+            limits: parameter.limits,
+        }
+    })
+    .collect()
+}
+
+/// One end of the interval of parameter j, unit of the parameter.
+fn end(
+    fit: &JointFit<'_>,
+    best: &Minimum,
+    whitening: &Whitening,
+    uncertainty: &Uncertainty,
+    (j, side): (usize, f64),
+) -> f64 {
+    let t = uncertainty.quantile(j);
+    let half = t * uncertainty.covariance[(j, j)].sqrt() / fit.region.half(j);
+    let line = fit.region.natural(j, best.coded[j] + side * half);
+    let limit = best.misfit + t * t;
+    let mut free = fit.free.clone();
+    free[j] = false;
+    let profile = |from: &[f64], x: f64| {
+        let mut start = from.to_vec();
+        start[j] = x;
+        fit.minimise(&start, whitening, &free, &[])
+    };
+    // The far end of the bracket: the edge of the box, or nearer where Q is above the limit already.
+    let (mut inside, mut from) = (best.coded[j], best.coded.clone());
+    let mut outside = None;
+    let mut step = half.max(1e-9);
+    while outside.is_none() {
+        let x = (best.coded[j] + side * step).clamp(-1.0, 1.0);
+        let there = profile(&from, x);
+        if there.misfit > limit {
+            outside = Some(x);
+        } else if x.abs() >= 1.0 {
+            let edge = fit.region.natural(j, side);
+            let beyond = if side > 0.0 { line.max(edge) } else { line.min(edge) };
+            return beyond;
+        } else {
+            (inside, from) = (x, there.coded);
+            step *= 1.5;
+        }
+    }
+    let mut outside = outside.unwrap_or(side);
+    for _ in 0..HALVINGS {
+        let middle = 0.5 * (inside + outside);
+        let there = profile(&from, middle);
+        if there.misfit > limit {
+            outside = middle;
+        } else {
+            (inside, from) = (middle, there.coded);
+        }
+        if (outside - inside).abs() < 1e-9 {
+            break;
+        }
+    }
+    fit.region.natural(j, 0.5 * (inside + outside))
+}
+
+/// Effective degrees of freedom of the variance of each parameter.
+fn effective(
+    fit: &JointFit<'_>,
+    best: &Minimum,
+    whitening: &Whitening,
+    scaled: &DMatrix<f64>,
+    covariance: &DMatrix<f64>,
+) -> Vec<f64> {
+    let at = fit.natural(&best.coded);
+    let n = fit.targets.len();
+    // Gains of the parameters from the measured values: C J' V^-1, block by block.
+    let whitened_gain = covariance * scaled.rows(0, n).transpose();
+    let gain = whitening.plain(&whitened_gain);
+    let mut squares = vec![0.0; fit.parameters.len()];
+    let mut add = |j: usize, part: f64, dof: f64| squares[j] += part * part / dof;
+    for (first, block) in fit.blocks() {
+        let surface = fit.surface_covariance(block, &at);
+        let dof = fit.surfaces[block[0].surface].degrees_of_freedom;
+        for j in 0..fit.parameters.len() {
+            let g = gain.row(j).columns(first, block.len()).transpose();
+            add(j, (&surface * &g).dot(&g), dof);
+            for (target, g) in block.iter().zip(g.iter()) {
+                add(j, g * g * target.variance, target.degrees_of_freedom);
+            }
+        }
+    }
+    // What priors and limits add is known: it has all degrees of freedom.
+    let each = squares.iter().enumerate();
+    each.map(|(j, squares)| {
+        if *squares > 0.0 {
+            covariance[(j, j)].powi(2) / squares
+        } else {
+            f64::INFINITY
+        }
+    })
+    .collect()
+}
+
+/// The inverse of an information matrix in widths of the limits; along directions of which less is known than the limits
+/// say, the variance is that of an even spread over them.
+fn bounded_inverse(information: &DMatrix<f64>) -> DMatrix<f64> {
+    let eigen = SymmetricEigen::new(information.clone());
+    let values = eigen.eigenvalues.map(|v| 1.0 / v.max(EVEN_SPREAD));
+    &eigen.eigenvectors * DMatrix::from_diagonal(&values) * eigen.eigenvectors.transpose()
+}
+
+/// Two-sided 95 % quantile of Student's distribution, of the normal one for very many degrees of freedom.
+pub(crate) fn student(degrees_of_freedom: f64) -> f64 {
+    quantile_of(TAILS, degrees_of_freedom)
+}
+
+/// The t that |T| exceeds with a chance of `tails`.
+pub(crate) fn quantile_of(tails: f64, degrees_of_freedom: f64) -> f64 {
+    let student = t_two_sided_quantile(tails, degrees_of_freedom.min(MANY));
+    let normal = || normal_quantile(1.0 - 0.5 * tails);
+    student.or_else(normal).unwrap_or(f64::INFINITY)
+}
+
+/// Whether the fit leaves more than noise.
+///
+/// # Formula
+///
+/// Q over its degrees of freedom f = measurements + priors - parameters is compared with F(f, d), d the harmonic mean
+/// of the effective degrees of freedom of the variances in V.
+pub(crate) fn test(fit: &JointFit<'_>, best: &Minimum) -> FitTest {
+    let rows = fit.targets.len() + fit.n_priors();
+    let degrees_of_freedom = rows.saturating_sub(fit.n_free());
+    let at = fit.natural(&best.coded);
+    let mut inverse = 0.0;
+    for (_, block) in fit.blocks() {
+        let surface = fit.surface_covariance(block, &at);
+        let dof = fit.surfaces[block[0].surface].degrees_of_freedom;
+        for (k, target) in block.iter().enumerate() {
+            let (a, b) = (target.variance, surface[(k, k)]);
+            inverse += (a * a / target.degrees_of_freedom + b * b / dof) / (a + b).powi(2);
+        }
+    }
+    let denominator = (fit.targets.len() as f64 / inverse).min(MANY);
+    let f = degrees_of_freedom as f64;
+    FitTest {
+        misfit: best.misfit,
+        degrees_of_freedom,
+        p: f_upper_tail(best.misfit / f, f, denominator),
+    }
+}
+
+/// The error of a fit without a point; it cannot happen with one start or more.
+pub(crate) fn best_of(minima: &[Minimum]) -> Result<&Minimum, Error> {
+    minima.first().ok_or(Error::Search {
+        what: "the estimate",
+        reason: "no point was searched".into(),
+    })
+}

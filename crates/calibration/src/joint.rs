@@ -1,0 +1,136 @@
+//! The models that the fit did not use, about the estimate; and the estimate from all measurements.
+
+use crate::comparison::SurfacesByModel;
+use crate::designs::two_level;
+use crate::intervals::{Uncertainty, best_of, estimates, test};
+use crate::joint_fit::JointFit;
+use crate::region::Region;
+use crate::samples::{Asked, Samples, Wanted, first_seed, observables, wanted};
+use crate::search::placed;
+use crate::surface::{Degree, Surface};
+use crate::{Error, Estimate, JointEstimate, JointPrediction, Role};
+use std::collections::BTreeMap;
+
+/// Stage number of the points about the estimate.
+const STAGE: u64 = 70;
+/// Half width of the box about the estimate, in standard errors of the parameter.
+const STANDARD_ERRORS: f64 = 2.0;
+/// Its least half width, as a share of half the box of the file: a slope over less is noise.
+const LEAST_SHARE: f64 = 0.3;
+
+/// A box about the estimate in which a plane stands for the models of the checks.
+pub(crate) fn region_about(
+    asked: Asked<'_>,
+    at: &[f64],
+    estimates: &[Estimate],
+) -> Region {
+    let parameters = &asked.problem.parameters;
+    let each = parameters.iter().zip(estimates);
+    let half: Vec<f64> = each
+        .map(|(p, e)| {
+            let whole = 0.5 * (p.range[1] - p.range[0]);
+            let by_error = STANDARD_ERRORS * e.se.unwrap_or(0.0);
+            by_error.clamp(LEAST_SHARE * whole, whole)
+        })
+        .collect();
+    Region::about(at, &half, parameters)
+}
+
+/// Runs on two levels about the estimate, for the slopes of models that the fit did not use; `at` stays the value of
+/// each parameter on which a model does not depend.
+///
+/// # Errors
+///
+/// A design for more parameters than there are.
+pub(crate) fn slope_runs(
+    asked: Asked<'_>,
+    models: &[usize],
+    region: &Region,
+) -> Result<Vec<Wanted>, Error> {
+    let problem = asked.problem;
+    let mut list = Vec::new();
+    for &model in models {
+        let active = &problem.models[model].parameters;
+        if active.is_empty() {
+            continue;
+        }
+        let symbols: Vec<String> = active
+            .iter()
+            .map(|&j| problem.parameters[j].symbol.clone())
+            .collect();
+        let rows = two_level(&symbols, 0, 1)?.rows;
+        // A full factorial of one or two parameters is too small to tell slopes and noise.
+        let times = 4_usize.div_ceil(rows.len());
+        let rows: Vec<_> = (0..times).flat_map(|_| rows.clone()).collect();
+        let points = placed(&rows, active, region, &problem.parameters);
+        let seed = first_seed(asked.settings, STAGE, model);
+        list.extend(wanted(seed, model, &points));
+    }
+    Ok(list)
+}
+
+/// Planes through runs about the estimate, runs at the estimate included.
+pub(crate) fn planes(
+    asked: Asked<'_>,
+    models: &[usize],
+    region: &Region,
+    about: &BTreeMap<usize, Samples>,
+    at_estimate: &BTreeMap<usize, Samples>,
+) -> SurfacesByModel {
+    let problem = asked.problem;
+    let mut planes = BTreeMap::new();
+    for &model in models {
+        let of = |runs: &BTreeMap<usize, Samples>| {
+            runs.get(&model).map_or_else(Vec::new, |s| s.done.clone())
+        };
+        let mut samples = of(about);
+        samples.extend(of(at_estimate));
+        let regime = crate::surface::usual_regime(&of(at_estimate));
+        let (inside, _) = crate::surface::of_regime(&samples, &regime);
+        let names = observables(problem, model);
+        let active = &problem.models[model].parameters;
+        let plane = Surface::fit((model, active), &names, region, &inside, Degree::Linear);
+        if let Some(plane) = plane.filter(|p| active.is_empty() || p.degree == Degree::Linear) {
+            planes.insert(model, plane);
+        }
+    }
+    planes
+}
+
+/// The estimate from all measurements of the roles fit and check.
+///
+/// # Errors
+///
+/// A covariance that is not positive definite.
+pub(crate) fn joint_estimate(
+    asked: Asked<'_>,
+    region: &Region,
+    surfaces: &[Surface],
+) -> Result<JointEstimate, Error> {
+    let problem = asked.problem;
+    let used = problem.measurements.iter().filter(|m| m.role != Role::Show);
+    let fit = JointFit::new(&problem.parameters, region, surfaces, &used);
+    let (minima, whitening) = fit.solve(asked.settings.seed)?;
+    let best = best_of(&minima)?;
+    let uncertainty = Uncertainty::new(&fit, best, &whitening);
+    let at = fit.natural(&best.coded);
+    let predicted = used.filter_map(|m| {
+        let surface = surfaces.iter().find(|s| s.model == m.model)?;
+        let k = surface.place(&m.observable)?;
+        let model = &problem.models[m.model];
+        Some(JointPrediction {
+            scene: model.scene.clone(),
+            condition: model.condition.clone(),
+            observable: m.observable.clone(),
+            measured: m.mean,
+            predicted: surface.value(k, &at),
+            se: (surface.leverage(&at) * surface.covariance[(k, k)]).sqrt(),
+        })
+    });
+    Ok(JointEstimate {
+        parameters: estimates(&fit, best, &whitening, &uncertainty),
+        correlation: uncertainty.correlation(&problem.parameters),
+        test: test(&fit, best),
+        predicted: predicted.collect(),
+    })
+}

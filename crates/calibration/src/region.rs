@@ -1,0 +1,89 @@
+//! A box in the space of the parameters, and coordinates in it.
+
+use crate::Parameter;
+
+/// A box: one range for each parameter of the problem.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Region {
+    /// Lower ends, units of the parameters.
+    pub(crate) low: Vec<f64>,
+    /// Upper ends.
+    pub(crate) high: Vec<f64>,
+}
+
+impl Region {
+    /// The box in which a search begins.
+    pub(crate) fn first(parameters: &[Parameter]) -> Self {
+        Self {
+            low: parameters.iter().map(|p| p.range[0]).collect(),
+            high: parameters.iter().map(|p| p.range[1]).collect(),
+        }
+    }
+
+    /// A box of given half widths about a point, moved into the limits and cut where it is wider than they are.
+    pub(crate) fn about(centre: &[f64], half: &[f64], parameters: &[Parameter]) -> Self {
+        let (mut low, mut high) = (Vec::new(), Vec::new());
+        for ((c, h), parameter) in centre.iter().zip(half).zip(parameters) {
+            let [least, most] = parameter.limits;
+            let width = (2.0 * h).min(most - least);
+            let from = (c - 0.5 * width).clamp(least, most - width);
+            low.push(from);
+            high.push(from + width);
+        }
+        Self { low, high }
+    }
+
+    /// Middle of the range of a parameter.
+    pub(crate) fn centre(&self, j: usize) -> f64 {
+        0.5 * (self.low[j] + self.high[j])
+    }
+
+    /// Half width of the range of a parameter.
+    pub(crate) fn half(&self, j: usize) -> f64 {
+        0.5 * (self.high[j] - self.low[j])
+    }
+
+    /// The point in the middle.
+    pub(crate) fn middle(&self) -> Vec<f64> {
+        (0..self.low.len()).map(|j| self.centre(j)).collect()
+    }
+
+    /// A value of a parameter as a coordinate, -1 to 1 inside.
+    pub(crate) fn coded(&self, j: usize, value: f64) -> f64 {
+        (value - self.centre(j)) / self.half(j)
+    }
+
+    /// A coordinate as a value of a parameter.
+    pub(crate) fn natural(&self, j: usize, coded: f64) -> f64 {
+        self.centre(j) + coded * self.half(j)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Region;
+    use crate::Parameter;
+
+    fn parameter(limits: [f64; 2]) -> Parameter {
+        Parameter {
+            symbol: "a".into(),
+            name: String::new(),
+            unit: "1".into(),
+            sets: Vec::new(),
+            range: limits,
+            limits,
+            start: limits[0],
+            prior: None,
+        }
+    }
+
+    /// A box that would leave the limits is moved, one that is wider is cut: it never leaves them.
+    #[test]
+    fn a_box_stays_inside_the_limits() {
+        let parameters = [parameter([0.0, 1.0]), parameter([0.0, 1.0])];
+        let region = Region::about(&[0.95, 0.5], &[0.2, 3.0], &parameters);
+        assert!((region.low[0] - 0.6).abs() < 1e-15, "{region:?}");
+        assert!((region.high[0] - 1.0).abs() < 1e-15, "{region:?}");
+        assert_eq!((region.low[1], region.high[1]), (0.0, 1.0));
+    }
+}

@@ -1,0 +1,136 @@
+//! Which parameters of a model matter for what was measured of it.
+
+use crate::designs::coded_factors;
+use crate::region::Region;
+use crate::samples::{Asked, Laboratory, Wanted, first_seed, observables, wanted};
+use crate::search::placed;
+use crate::{Error, ModelScreening, Role, ScreeningChoice};
+use experiment_design::{Design, plackett_burman};
+use response_surface::{Observations, Screening, screen};
+use std::collections::BTreeMap;
+
+/// Most parameters that go to a surface without a screening.
+const FEW: usize = 5;
+/// Stage number: sets the seeds.
+const STAGE: u64 = 1;
+
+/// What the screenings say.
+#[derive(Debug)]
+pub(crate) struct Screened {
+    /// Numbers of the parameters that go on, by model of role fit.
+    pub(crate) active: BTreeMap<usize, Vec<usize>>,
+    /// The screenings.
+    pub(crate) told: Vec<ModelScreening>,
+}
+
+/// Which models are screened: those of role fit with more than five parameters, or as the settings say.
+pub(crate) fn screened(asked: Asked<'_>) -> Vec<usize> {
+    let models = asked.problem.models_of(Role::Fit).into_iter();
+    let wanted = |k: &usize| {
+        let n = asked.problem.models[*k].parameters.len();
+        match asked.settings.screening {
+            ScreeningChoice::Auto => n > FEW,
+            ScreeningChoice::Always => n >= 2,
+            ScreeningChoice::Never => false,
+        }
+    };
+    models.filter(wanted).collect()
+}
+
+/// The design and the runs of a screening.
+pub(crate) fn screening_runs(
+    asked: Asked<'_>,
+    model: usize,
+) -> Result<(Design, Vec<Wanted>), Error> {
+    let parameters = &asked.problem.parameters;
+    let active = &asked.problem.models[model].parameters;
+    let symbols: Vec<String> = active.iter().map(|&j| parameters[j].symbol.clone()).collect();
+    let design = plackett_burman(&coded_factors(&symbols)?)?;
+    let design = design.replicated(asked.settings.replicates.max(1))?;
+    let points = placed(
+        &design.coded_rows(),
+        active,
+        &Region::first(parameters),
+        parameters,
+    );
+    let seed = first_seed(asked.settings, STAGE, model);
+    Ok((design, wanted(seed, model, &points)))
+}
+
+/// Screens all models that need it.
+///
+/// A parameter goes on where its effect on an observable has p below the level of the settings, against replicates where
+/// there are any, else against the dummy columns; and the first ones by rank do, as many as the settings ask for.
+///
+/// # Errors
+///
+/// No such design, a run of a design that failed, a campaign that was stopped.
+pub(crate) fn screen_models(
+    laboratory: &Laboratory<'_>,
+) -> Result<Screened, Error> {
+    let problem = laboratory.problem;
+    let mut active: BTreeMap<usize, Vec<usize>> = problem
+        .models_of(Role::Fit)
+        .into_iter()
+        .map(|k| (k, problem.models[k].parameters.clone()))
+        .collect();
+    let models = screened(laboratory.asked);
+    let mut designs = BTreeMap::new();
+    let mut list = Vec::new();
+    for &model in &models {
+        let (design, runs) = screening_runs(laboratory.asked, model)?;
+        designs.insert(model, design);
+        list.extend(runs);
+    }
+    let done = laboratory.run(&list)?;
+    let mut told = Vec::new();
+    for (model, design) in designs {
+        let samples = done.get(&model).cloned().unwrap_or_default();
+        if let Some((_, reason)) = samples.failed.first() {
+            return Err(Error::Screening {
+                model: problem.models[model].name.clone(),
+                reason: reason.clone(),
+            });
+        }
+        let mut screenings = BTreeMap::new();
+        for name in observables(problem, model) {
+            let values: Vec<Option<f64>> =
+                samples.done.iter().map(|s| Some(s.values[&name])).collect();
+            let data = Observations::from_design(&design, &values)?;
+            screenings.insert(name, screen(&design, &data)?);
+        }
+        let kept = kept(laboratory.asked, model, &screenings);
+        let symbol = |j: &usize| problem.parameters[*j].symbol.clone();
+        let all = &problem.models[model].parameters;
+        told.push(ModelScreening {
+            model: problem.models[model].name.clone(),
+            n_runs: samples.done.len(),
+            kept: kept.iter().map(symbol).collect(),
+            dropped: all.iter().filter(|j| !kept.contains(j)).map(symbol).collect(),
+            screenings,
+        });
+        active.insert(model, kept);
+    }
+    Ok(Screened { active, told })
+}
+
+/// Numbers of the parameters that go on.
+fn kept(
+    asked: Asked<'_>,
+    model: usize,
+    screenings: &BTreeMap<String, Screening>,
+) -> Vec<usize> {
+    let Asked { problem, settings } = asked;
+    let passes = |symbol: &str| {
+        screenings.values().any(|screening| {
+            let row = screening.factors.iter().find(|f| f.factor == symbol);
+            row.is_some_and(|f| {
+                let p = f.p_replicates.or(f.p_dummies);
+                f.rank <= settings.screening_least || p.is_some_and(|p| p < settings.screening_alpha)
+            })
+        })
+    };
+    let all = problem.models[model].parameters.iter().copied();
+    all.filter(|&j| passes(&problem.parameters[j].symbol))
+        .collect()
+}

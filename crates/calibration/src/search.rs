@@ -1,0 +1,417 @@
+//! The search for the estimate: surfaces in a box, and the next box where the measurements are out of reach.
+
+use crate::designs::surface_design;
+use crate::intervals::best_of;
+use crate::joint_fit::{JointFit, Minimum, Whitening};
+use crate::region::Region;
+use crate::samples::{Asked, Laboratory, Sample, Samples, Wanted, first_seed, observables, wanted};
+use crate::surface::{Degree, Surface, of_regime, too_few, usual_regime};
+use crate::{Error, LeftOut, Measurement, ModelSurfaces, Role, SearchBox, SurfaceDesign};
+use response_surface::{Model, Observations};
+use std::collections::{BTreeMap, BTreeSet};
+
+/// A coordinate so near to 1 lies on the face of the box.
+const ON_THE_FACE: f64 = 0.999;
+/// Slope over its standard error from which a parameter counts as acting on an observable.
+const ACTS: f64 = 3.0;
+/// Fall of Q behind the face that is worth a new box: 0.05 is a fifth of a standard error.
+const WORTH: f64 = 0.05;
+/// Runs of boxes before are used again up to so many half widths from the middle of the new one.
+const NEAR: f64 = 1.25;
+/// Least and largest way from a face to the middle of the next box, in half widths.
+const WAY: [f64; 2] = [0.25, 2.0];
+/// First stage number of the boxes; the stage sets the seeds.
+const STAGE_OF_BOXES: u64 = 10;
+
+/// Surfaces over a box and what they say.
+#[derive(Debug)]
+pub(crate) struct Found {
+    /// The box.
+    pub(crate) region: Region,
+    /// Surfaces of the models that the fit uses.
+    pub(crate) surfaces: Vec<Surface>,
+    /// Local minima, the best first.
+    pub(crate) minima: Vec<Minimum>,
+    /// Weights at the best.
+    pub(crate) whitening: Whitening,
+    /// Parameters that are searched.
+    pub(crate) free: Vec<bool>,
+    /// The best point, natural.
+    pub(crate) best: Vec<f64>,
+}
+
+/// A search on its way.
+pub(crate) struct Search<'a> {
+    /// Who runs what.
+    laboratory: Laboratory<'a>,
+    /// Parameters of each model that its surfaces see, by model.
+    active: BTreeMap<usize, Vec<usize>>,
+    /// All runs so far, by model.
+    samples: BTreeMap<usize, Samples>,
+    /// The regime that the surfaces of each model describe.
+    regime: BTreeMap<usize, String>,
+    /// Boxes searched.
+    pub(crate) boxes: Vec<SearchBox>,
+    /// What a reader should know.
+    pub(crate) remarks: Vec<String>,
+}
+
+/// Where the search goes from a box.
+enum Next {
+    /// Nowhere: what is best lies inside, or where nothing is to be gained beyond.
+    Stay,
+    /// To another box, with the reason.
+    Move(Region, String),
+}
+
+impl<'a> Search<'a> {
+    /// Prepares a search; `active` has the parameters of each model of role fit that passed the screening.
+    pub(crate) fn new(laboratory: Laboratory<'a>, active: BTreeMap<usize, Vec<usize>>) -> Self {
+        Self {
+            laboratory,
+            active,
+            samples: BTreeMap::new(),
+            regime: BTreeMap::new(),
+            boxes: Vec::new(),
+            remarks: Vec::new(),
+        }
+    }
+
+    /// Measurements of role fit.
+    fn measurements(&self) -> impl Iterator<Item = &'a Measurement> + Clone + use<'a> {
+        let all = self.laboratory.problem.measurements.iter();
+        all.filter(|m| m.role == Role::Fit)
+    }
+
+    /// Searches box after box until the best point lies inside, or nothing more can be done.
+    ///
+    /// # Errors
+    ///
+    /// Runs too few for any surface in the first box; a campaign that was stopped.
+    pub(crate) fn run(&mut self, announce: &dyn Fn(&str)) -> Result<Found, Error> {
+        let parameters = &self.laboratory.problem.parameters;
+        let mut region = Region::first(parameters);
+        let mut why = "the box of the file".to_owned();
+        let mut found: Option<Found> = None;
+        for number in 0..self.laboratory.settings.most_boxes.max(1) {
+            if number > 0 {
+                announce(&format!("box {}: {why}", number + 1));
+            }
+            let n_runs = self.sample(&region, number)?;
+            let surfaces = match (self.surfaces(&region), &found) {
+                (Ok(surfaces), _) => surfaces,
+                (Err(error), None) => return Err(error),
+                (Err(error), Some(_)) => {
+                    self.remarks.push(format!(
+                        "the search ended at the edge of its last box, because beyond it no surface could be made: {error}"
+                    ));
+                    break;
+                }
+            };
+            let now = self.solve(region.clone(), surfaces)?;
+            self.boxes.push(SearchBox {
+                low: region.low.clone(),
+                high: region.high.clone(),
+                why: why.clone(),
+                best: now.best.clone(),
+                misfit: best_of(&now.minima)?.misfit,
+                n_runs,
+            });
+            let next = self.next(&now)?;
+            found = Some(now);
+            match next {
+                Next::Stay => break,
+                Next::Move(..) if number + 1 == self.laboratory.settings.most_boxes.max(1) => {
+                    self.remarks.push(format!(
+                        "the search ended after {} boxes with the estimate on the edge of the last: raise most_boxes, or \
+                         begin nearer",
+                        number + 1
+                    ));
+                }
+                Next::Move(to, reason) => (region, why) = (to, reason),
+            }
+        }
+        found.ok_or(Error::Search {
+            what: "the estimate",
+            reason: "no box was searched".into(),
+        })
+    }
+
+    /// Runs the designs of the models for which a box is new; the number of new runs.
+    fn sample(&mut self, region: &Region, number: usize) -> Result<usize, Error> {
+        let problem = self.laboratory.problem;
+        let mut list: Vec<Wanted> = Vec::new();
+        for (&model, active) in &self.active {
+            if self.knows(model, active, region) {
+                continue;
+            }
+            let points = design_points(self.laboratory.asked, active, region)?;
+            let seed = first_seed(
+                self.laboratory.settings,
+                STAGE_OF_BOXES + number as u64,
+                model,
+            );
+            list.extend(wanted(seed, model, &points));
+        }
+        if let Some(most) = self.laboratory.settings.most_runs {
+            let so_far: usize = self.boxes.iter().map(|b| b.n_runs).sum();
+            if number > 0 && so_far + list.len() > most {
+                return Err(Error::Budget {
+                    needed: so_far + list.len(),
+                    most,
+                });
+            }
+        }
+        for (model, new) in self.laboratory.run(&list)? {
+            let regime = self.regime.entry(model);
+            regime.or_insert_with(|| usual_regime(&new.done));
+            let known = self.samples.entry(model).or_default();
+            known.done.extend(new.done);
+            known.failed.extend(new.failed);
+        }
+        debug_assert!(problem.models.len() >= self.samples.len(), "a sample belongs to a model");
+        Ok(list.len())
+    }
+
+    /// Whether a model was sampled in a box with the same ranges of its parameters.
+    fn knows(&self, model: usize, active: &[usize], region: &Region) -> bool {
+        let same = |b: &SearchBox| {
+            active
+                .iter()
+                .all(|&j| b.low[j] == region.low[j] && b.high[j] == region.high[j])
+        };
+        self.samples.contains_key(&model) && self.boxes.iter().any(same)
+    }
+
+    /// Surfaces of all models over the runs that lie in a box or near it, in their usual regime.
+    fn surfaces(&self, region: &Region) -> Result<Vec<Surface>, Error> {
+        let each = self.active.iter();
+        each.map(|(&model, active)| {
+            let samples = self.samples.get(&model).cloned().unwrap_or_default();
+            let regime = self.regime.get(&model).cloned().unwrap_or_default();
+            let (inside, outside) = of_regime(&samples.done, &regime);
+            let near: Vec<&Sample> = near(inside, active, region);
+            let names = observables(self.laboratory.problem, model);
+            let most = match self.laboratory.settings.surface {
+                SurfaceDesign::Linear => Degree::Linear,
+                _ => Degree::Quadratic,
+            };
+            let surface = Surface::fit((model, active), &names, region, &near, most);
+            let enough = surface
+                .filter(|s| active.is_empty() || s.degree != Degree::Constant);
+            enough.ok_or_else(|| {
+                let other = outside.iter().map(|(_, reason)| reason.clone());
+                let failed = samples.failed.iter().map(|(_, reason)| reason.clone());
+                let reasons: BTreeSet<_> = other.chain(failed).collect();
+                let reasons: Vec<_> = reasons.into_iter().collect();
+                too_few(&self.laboratory.problem.models[model].name, near.len(), &reasons)
+            })
+        })
+        .collect()
+    }
+
+    /// The best point over surfaces in a box.
+    pub(crate) fn solve(&self, region: Region, surfaces: Vec<Surface>) -> Result<Found, Error> {
+        let parameters = &self.laboratory.problem.parameters;
+        let fit = JointFit::new(parameters, &region, &surfaces, &self.measurements());
+        let (minima, whitening) = fit.solve(self.laboratory.settings.seed)?;
+        let best = fit.natural(&best_of(&minima)?.coded);
+        let free = fit.free.clone();
+        Ok(Found {
+            region,
+            surfaces,
+            minima,
+            whitening,
+            free,
+            best,
+        })
+    }
+
+    /// Where the search goes from a box.
+    ///
+    /// The box moves along every parameter whose face holds the best point back from a lower misfit, if the parameter
+    /// acts on a measured observable beyond doubt: the slope of a dead one is noise. It moves as far as the plane
+    /// through the best point says, and grows with the way.
+    fn next(&self, found: &Found) -> Result<Next, Error> {
+        let parameters = &self.laboratory.problem.parameters;
+        let fit = found.fit(parameters, &self.measurements());
+        let best = best_of(&found.minima)?;
+        let (r, jacobian) = fit.residuals(&best.coded, &found.whitening, &[]);
+        let (mut centre, mut half) = (found.region.middle(), Vec::new());
+        let mut moved = Vec::new();
+        for (j, parameter) in parameters.iter().enumerate() {
+            half.push(found.region.half(j));
+            let x = best.coded[j];
+            let face = found.region.natural(j, x.signum());
+            let at_limit = face <= parameter.limits[0] || face >= parameter.limits[1];
+            let column = jacobian.column(j);
+            let pull = -column.dot(&r) * x.signum();
+            let information = column.norm_squared();
+            let gain = pull * pull / information;
+            let outward = fit.free[j] && x.abs() > ON_THE_FACE && pull > 0.0;
+            if !outward || at_limit || gain < WORTH || !acts(&fit, j, &found.best) {
+                continue;
+            }
+            let way = (pull / information).clamp(WAY[0], WAY[1]);
+            centre[j] = face + x.signum() * way * half[j];
+            half[j] *= way.max(1.0);
+            moved.push(format!(
+                "{} {} {face:.4}",
+                parameter.symbol,
+                if x > 0.0 { "above" } else { "below" }
+            ));
+        }
+        if moved.is_empty() {
+            return Ok(Next::Stay);
+        }
+        let region = Region::about(&centre, &half, parameters);
+        Ok(Next::Move(
+            region,
+            format!("the misfit falls towards {}", moved.join(", ")),
+        ))
+    }
+
+    /// The surfaces as the result tells them.
+    pub(crate) fn told(&self, found: &Found) -> Result<Vec<ModelSurfaces>, Error> {
+        let problem = self.laboratory.problem;
+        let mut told = Vec::new();
+        for surface in &found.surfaces {
+            let model = surface.model;
+            let samples = self.samples.get(&model).cloned().unwrap_or_default();
+            let regime = self.regime.get(&model).cloned().unwrap_or_default();
+            let (inside, outside) = of_regime(&samples.done, &regime);
+            let used = near(inside, &surface.parameters, &found.region);
+            let own = |at: &[f64]| -> Vec<f64> {
+                surface.parameters.iter().map(|&j| at[j]).collect()
+            };
+            let mut left_out: Vec<LeftOut> = outside
+                .iter()
+                .map(|(s, reason)| LeftOut {
+                    point: own(&s.at),
+                    reason: reason.clone(),
+                })
+                .collect();
+            left_out.extend(samples.failed.iter().map(|(at, reason)| LeftOut {
+                point: own(at),
+                reason: reason.clone(),
+            }));
+            let symbols: Vec<String> = surface
+                .parameters
+                .iter()
+                .map(|&j| problem.parameters[j].symbol.clone())
+                .collect();
+            let values = |name: &String| used.iter().map(|s| s.values[name]).collect::<Vec<_>>();
+            told.push(ModelSurfaces {
+                model: problem.models[model].name.clone(),
+                design: surface_design(&symbols, self.laboratory.settings)?.name,
+                n_runs: used.len(),
+                left_out,
+                points: used.iter().map(|s| own(&s.at)).collect(),
+                values: surface
+                    .observables
+                    .iter()
+                    .map(|name| (name.clone(), values(name)))
+                    .collect(),
+                fits: surface
+                    .observables
+                    .iter()
+                    .map(|name| {
+                        let fit = analysis(surface, &symbols, &used, &found.region, name);
+                        (name.clone(), fit)
+                    })
+                    .collect(),
+                symbols,
+            });
+        }
+        Ok(told)
+    }
+
+    /// The regime that the surfaces of a model describe; empty where the simulator tells none.
+    pub(crate) fn regime(&self, model: usize) -> &str {
+        self.regime.get(&model).map_or("", String::as_str)
+    }
+}
+
+impl Found {
+    /// The joint fit over the surfaces.
+    pub(crate) fn fit<'f, 'm>(
+        &'f self,
+        parameters: &'f [crate::Parameter],
+        measurements: &(impl Iterator<Item = &'m Measurement> + Clone),
+    ) -> JointFit<'f> {
+        JointFit::new(parameters, &self.region, &self.surfaces, measurements)
+    }
+}
+
+/// The points of the design of a model in a box; parameters that are not active at their start.
+pub(crate) fn design_points(
+    asked: Asked<'_>,
+    active: &[usize],
+    region: &Region,
+) -> Result<Vec<Vec<f64>>, Error> {
+    let parameters = &asked.problem.parameters;
+    let symbols: Vec<String> = active.iter().map(|&j| parameters[j].symbol.clone()).collect();
+    let design = surface_design(&symbols, asked.settings)?;
+    Ok(placed(&design.rows, active, region, parameters))
+}
+
+/// Coded rows as points of all parameters.
+pub(crate) fn placed(
+    rows: &[Vec<f64>],
+    active: &[usize],
+    region: &Region,
+    parameters: &[crate::Parameter],
+) -> Vec<Vec<f64>> {
+    let start: Vec<f64> = parameters.iter().map(|p| p.start).collect();
+    let point = |row: &Vec<f64>| {
+        let mut at = start.clone();
+        for (&j, x) in active.iter().zip(row) {
+            at[j] = region.natural(j, *x);
+        }
+        at
+    };
+    rows.iter().map(point).collect()
+}
+
+/// Runs that lie in a box or near it.
+fn near<'s>(samples: Vec<&'s Sample>, active: &[usize], region: &Region) -> Vec<&'s Sample> {
+    let is_near =
+        |s: &&Sample| active.iter().all(|&j| region.coded(j, s.at[j]).abs() <= NEAR);
+    samples.into_iter().filter(is_near).collect()
+}
+
+/// Whether a parameter acts on a measured observable beyond doubt.
+fn acts(fit: &JointFit<'_>, j: usize, at: &[f64]) -> bool {
+    let slope = |t: &crate::joint_fit::Target| {
+        fit.surfaces[t.surface].slope_in_errors(t.observable, j, at)
+    };
+    fit.targets.iter().any(|t| slope(t).abs() > ACTS)
+}
+
+/// The full analysis of one observable; none where the runs do not allow it.
+fn analysis(
+    surface: &Surface,
+    symbols: &[String],
+    samples: &[&Sample],
+    region: &Region,
+    name: &str,
+) -> Option<response_surface::Fit> {
+    let ranges = surface.parameters.iter().zip(symbols);
+    let factors = ranges
+        .map(|(&j, symbol)| {
+            experiment_design::Factor::new(symbol, "", "1", region.low[j], region.high[j])
+        })
+        .collect::<Result<Vec<_>, _>>()
+        .ok()?;
+    let model = match surface.degree {
+        Degree::Quadratic => Model::quadratic(&factors),
+        _ => Model::linear(&factors),
+    };
+    let coded: Vec<Vec<f64>> = samples
+        .iter()
+        .map(|s| surface.parameters.iter().map(|&j| region.coded(j, s.at[j])).collect())
+        .collect();
+    let values: Vec<f64> = samples.iter().map(|s| s.values[name]).collect();
+    let data = Observations::from_runs(&coded, &values).ok()?;
+    response_surface::fit(&factors, &model.ok()?, &data).ok()
+}

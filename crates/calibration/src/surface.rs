@@ -1,0 +1,389 @@
+//! Polynomial surfaces of all observables of one model, with what they know of their own error.
+
+use crate::Error;
+use crate::region::Region;
+use crate::samples::Sample;
+use nalgebra::{Cholesky, DMatrix, DVector};
+use std::collections::BTreeMap;
+
+/// Ratio of the smallest to the largest eigenvalue of X'X below which the runs do not fix all terms.
+const SINGULAR: f64 = 1e-10;
+
+/// Degree of a surface.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Degree {
+    /// A mean.
+    Constant,
+    /// A plane.
+    Linear,
+    /// All squares and products.
+    Quadratic,
+}
+
+/// Fresh runs at a point that a surface missed: it is shifted there, and keeps its slopes.
+#[derive(Debug, Clone, PartialEq)]
+struct Anchor {
+    /// Coded parameters of the model.
+    coded: Vec<f64>,
+    /// What is added, by observable.
+    shift: Vec<f64>,
+    /// Number of runs.
+    n: f64,
+}
+
+/// Surfaces of all observables of a model over the same runs.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Surface {
+    /// Number of the model.
+    pub(crate) model: usize,
+    /// Numbers of the parameters that it depends on.
+    pub(crate) parameters: Vec<usize>,
+    /// Names of the observables.
+    pub(crate) observables: Vec<String>,
+    /// Where its coordinates are -1 to 1.
+    region: Region,
+    /// Its degree.
+    pub(crate) degree: Degree,
+    /// Coefficients, (terms, observables).
+    coefficients: DMatrix<f64>,
+    /// (X'X)^-1.
+    inverse: DMatrix<f64>,
+    /// Covariance of the observables of one run about the surface.
+    pub(crate) covariance: DMatrix<f64>,
+    /// Its degrees of freedom.
+    pub(crate) degrees_of_freedom: f64,
+    /// Correction by fresh runs.
+    anchor: Option<Anchor>,
+}
+
+impl Surface {
+    /// Fits the highest degree, up to `most`, for which the runs leave a degree of freedom; none where they do not
+    /// even do that for a mean.
+    ///
+    /// # Formula
+    ///
+    /// Ordinary least squares over single runs: `b = (X'X)^-1 X'y`, the covariance of a run about the surface is
+    /// `R'R / (n - p)`, R the residuals of all observables.
+    pub(crate) fn fit(
+        (model, parameters): (usize, &[usize]),
+        observables: &[String],
+        region: &Region,
+        samples: &[&Sample],
+        most: Degree,
+    ) -> Option<Self> {
+        let coded = |s: &&Sample| -> Vec<f64> {
+            let each = parameters.iter();
+            each.map(|&j| region.coded(j, s.at[j])).collect()
+        };
+        let points: Vec<Vec<f64>> = samples.iter().map(coded).collect();
+        let y = DMatrix::from_fn(samples.len(), observables.len(), |i, k| {
+            samples[i].values[&observables[k]]
+        });
+        let degrees = [Degree::Quadratic, Degree::Linear, Degree::Constant];
+        let allowed = degrees.into_iter().filter(|d| *d as u8 <= most as u8);
+        for degree in allowed {
+            let rows: Vec<Vec<f64>> = points.iter().map(|x| terms(degree, x)).collect();
+            let p = rows.first().map_or(1, Vec::len);
+            if rows.len() <= p {
+                continue;
+            }
+            let x = DMatrix::from_fn(rows.len(), p, |i, t| rows[i][t]);
+            let Some(inverse) = inverse_of(&x.tr_mul(&x)) else {
+                continue;
+            };
+            let coefficients = &inverse * x.tr_mul(&y);
+            let residual = &y - &x * &coefficients;
+            let dof = (rows.len() - p) as f64;
+            return Some(Self {
+                model,
+                parameters: parameters.to_vec(),
+                observables: observables.to_vec(),
+                region: region.clone(),
+                degree,
+                coefficients,
+                inverse,
+                covariance: residual.tr_mul(&residual) / dof,
+                degrees_of_freedom: dof,
+                anchor: None,
+            });
+        }
+        None
+    }
+
+    /// Place of an observable.
+    pub(crate) fn place(&self, observable: &str) -> Option<usize> {
+        self.observables.iter().position(|o| o == observable)
+    }
+
+    /// Coordinates of the parameters of the model at a point of all parameters.
+    fn coded(&self, at: &[f64]) -> Vec<f64> {
+        let each = self.parameters.iter();
+        each.map(|&j| self.region.coded(j, at[j])).collect()
+    }
+
+    /// Value of an observable at a point (all parameters, natural).
+    pub(crate) fn value(&self, k: usize, at: &[f64]) -> f64 {
+        let row = terms(self.degree, &self.coded(at));
+        let polynomial: f64 = row
+            .iter()
+            .zip(self.coefficients.column(k).iter())
+            .map(|(x, b)| x * b)
+            .sum();
+        polynomial + self.anchor.as_ref().map_or(0.0, |a| a.shift[k])
+    }
+
+    /// d observable / d parameter, for the parameters of the model in their order, per unit of each.
+    pub(crate) fn slopes(&self, k: usize, at: &[f64]) -> Vec<f64> {
+        let coded = self.coded(at);
+        let column = self.coefficients.column(k);
+        let each = self.parameters.iter().enumerate();
+        each.map(|(place, &j)| {
+            let row = slope_of_terms(self.degree, &coded, place);
+            let per_half: f64 = row.iter().zip(column.iter()).map(|(x, b)| x * b).sum();
+            per_half / self.region.half(j)
+        })
+        .collect()
+    }
+
+    /// The slope along parameter `j` over its standard error; 0 where the model does not depend on it.
+    pub(crate) fn slope_in_errors(&self, k: usize, j: usize, at: &[f64]) -> f64 {
+        let Some(place) = self.parameters.iter().position(|p| *p == j) else {
+            return 0.0;
+        };
+        let row = slope_of_terms(self.degree, &self.coded(at), place);
+        let row = DVector::from_vec(row);
+        let slope = row.dot(&self.coefficients.column(k));
+        let variance = quadratic_form(&self.inverse, &row) * self.covariance[(k, k)];
+        if variance > 0.0 {
+            slope / variance.sqrt()
+        } else if slope == 0.0 {
+            0.0
+        } else {
+            f64::INFINITY
+        }
+    }
+
+    /// Variance of the surface at a point over that of one run.
+    ///
+    /// # Formula
+    ///
+    /// `x'(X'X)^-1 x`; where n fresh runs at x0 corrected it, `1/n + (x - x0)'(X'X)^-1 (x - x0)`.
+    pub(crate) fn leverage(&self, at: &[f64]) -> f64 {
+        let row = DVector::from_vec(terms(self.degree, &self.coded(at)));
+        match &self.anchor {
+            None => quadratic_form(&self.inverse, &row),
+            Some(anchor) => {
+                let from = DVector::from_vec(terms(self.degree, &anchor.coded));
+                quadratic_form(&self.inverse, &(row - from)) + 1.0 / anchor.n
+            }
+        }
+    }
+
+    /// The surface shifted so that it meets the means of `n` fresh runs at a point.
+    pub(crate) fn anchored(&self, at: &[f64], means: &[f64], n: usize) -> Self {
+        let mut shifted = self.clone();
+        shifted.anchor = None;
+        let shift = means.iter().enumerate();
+        let shift = shift.map(|(k, mean)| mean - shifted.value(k, at)).collect();
+        shifted.anchor = Some(Anchor {
+            coded: self.coded(at),
+            shift,
+            n: n as f64,
+        });
+        shifted
+    }
+
+    /// The same with the scatter of further runs of the model pooled into that of a run.
+    pub(crate) fn with_scatter(&self, groups: &[Vec<&Sample>]) -> Self {
+        let mut products = &self.covariance * self.degrees_of_freedom;
+        let mut dof = self.degrees_of_freedom;
+        for group in groups.iter().filter(|g| g.len() > 1) {
+            let n = group.len();
+            let y = DMatrix::from_fn(n, self.observables.len(), |i, k| {
+                group[i].values[&self.observables[k]]
+            });
+            let mean = y.row_mean();
+            let centred = DMatrix::from_fn(n, y.ncols(), |i, k| y[(i, k)] - mean[k]);
+            products += centred.tr_mul(&centred);
+            dof += (n - 1) as f64;
+        }
+        Self {
+            covariance: products / dof,
+            degrees_of_freedom: dof,
+            ..self.clone()
+        }
+    }
+}
+
+/// Terms of a polynomial at a coded point: 1, each x, then each product of two, squares included.
+fn terms(degree: Degree, x: &[f64]) -> Vec<f64> {
+    let mut row = vec![1.0];
+    if degree != Degree::Constant {
+        row.extend(x);
+    }
+    if degree == Degree::Quadratic {
+        for (i, a) in x.iter().enumerate() {
+            row.extend(x[i..].iter().map(|b| a * b));
+        }
+    }
+    row
+}
+
+/// Derivatives of the terms along coordinate `place`.
+fn slope_of_terms(degree: Degree, x: &[f64], place: usize) -> Vec<f64> {
+    let is = |i: usize| if i == place { 1.0 } else { 0.0 };
+    let mut row = vec![0.0];
+    if degree != Degree::Constant {
+        row.extend((0..x.len()).map(is));
+    }
+    if degree == Degree::Quadratic {
+        for i in 0..x.len() {
+            row.extend((i..x.len()).map(|j| is(i) * x[j] + is(j) * x[i]));
+        }
+    }
+    row
+}
+
+/// The inverse of a symmetric matrix; none where it is singular to rounding.
+fn inverse_of(matrix: &DMatrix<f64>) -> Option<DMatrix<f64>> {
+    let eigenvalues = matrix.symmetric_eigenvalues();
+    if eigenvalues.min() <= SINGULAR * eigenvalues.max() {
+        return None;
+    }
+    Cholesky::new(matrix.clone()).map(|root| root.inverse())
+}
+
+/// x' A x.
+fn quadratic_form(matrix: &DMatrix<f64>, x: &DVector<f64>) -> f64 {
+    (matrix * x).dot(x)
+}
+
+/// Runs of one regime, and those of others with the reason why they stay out.
+pub(crate) fn of_regime<'a>(
+    samples: &'a [Sample],
+    regime: &str,
+) -> (Vec<&'a Sample>, Vec<(&'a Sample, String)>) {
+    let (mut inside, mut outside) = (Vec::new(), Vec::new());
+    for sample in samples {
+        if sample.regime == regime {
+            inside.push(sample);
+        } else {
+            let reason = format!(
+                "it ended up {}, while the surface describes {regime}",
+                sample.regime
+            );
+            outside.push((sample, reason));
+        }
+    }
+    (inside, outside)
+}
+
+/// The regime of most runs; of equally many the one that comes first.
+pub(crate) fn usual_regime(samples: &[Sample]) -> String {
+    let mut counts: BTreeMap<&str, usize> = BTreeMap::new();
+    for sample in samples {
+        *counts.entry(&sample.regime).or_default() += 1;
+    }
+    let most = counts.values().copied().max().unwrap_or(0);
+    let first = samples.iter().find(|s| counts[s.regime.as_str()] == most);
+    first.map_or_else(String::new, |s| s.regime.clone())
+}
+
+/// The error of a surface that cannot be made.
+pub(crate) fn too_few(model: &str, n: usize, left_out: &[String]) -> Error {
+    Error::TooFewRuns {
+        model: model.to_owned(),
+        n,
+        reasons: left_out.to_vec(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Degree, Surface};
+    use crate::region::Region;
+    use crate::samples::Sample;
+    use std::collections::BTreeMap;
+
+    fn region() -> Region {
+        Region {
+            low: vec![0.0, 10.0],
+            high: vec![2.0, 30.0],
+        }
+    }
+
+    fn sample(a: f64, b: f64, noise: f64) -> Sample {
+        Sample {
+            at: vec![a, b],
+            values: BTreeMap::from([("y".to_owned(), 1.0 + a * a - 0.1 * a * b + noise)]),
+            regime: String::new(),
+            key: String::new(),
+        }
+    }
+
+    fn grid() -> Vec<Sample> {
+        let levels = [0.0, 1.0, 2.0];
+        let cells = levels.into_iter().flat_map(|a| {
+            let b = [10.0, 20.0, 30.0];
+            b.into_iter().map(move |b| sample(a, b, 0.0))
+        });
+        cells.collect()
+    }
+
+    fn fitted(samples: &[Sample]) -> Surface {
+        let all: Vec<_> = samples.iter().collect();
+        let names = ["y".to_owned()];
+        Surface::fit((0, &[0, 1]), &names, &region(), &all, Degree::Quadratic).unwrap()
+    }
+
+    /// The polynomial itself comes back, and its derivatives 2 a - 0.1 b and -0.1 a in natural units, to rounding.
+    #[test]
+    fn a_quadratic_is_reproduced_with_its_slopes_in_natural_units() {
+        let surface = fitted(&grid());
+        let at = [0.7, 14.0];
+        let exact = 1.0 + 0.49 - 0.1 * 0.7 * 14.0;
+        assert!((surface.value(0, &at) - exact).abs() < 1e-12);
+        let slopes = surface.slopes(0, &at);
+        assert!((slopes[0] - (1.4 - 1.4)).abs() < 1e-12, "{slopes:?}");
+        assert!((slopes[1] + 0.07).abs() < 1e-12, "{slopes:?}");
+    }
+
+    /// With n fresh runs at a point the surface goes through their mean, with the variance of that mean.
+    #[test]
+    fn an_anchored_surface_goes_through_the_fresh_runs() {
+        let surface = fitted(&grid()).anchored(&[0.5, 20.0], &[3.0], 4);
+        assert!((surface.value(0, &[0.5, 20.0]) - 3.0).abs() < 1e-12);
+        assert!((surface.leverage(&[0.5, 20.0]) - 0.25).abs() < 1e-12);
+        assert!(
+            surface.leverage(&[1.5, 20.0]) > 0.25,
+            "it knows less elsewhere"
+        );
+    }
+
+    /// Three runs do not fix the six terms of a quadratic in two parameters, nor leave a degree of freedom for a plane:
+    /// what is left is a mean; one run leaves nothing.
+    #[test]
+    fn too_few_runs_give_a_lower_degree_and_one_run_gives_nothing() {
+        let samples = grid();
+        let names = ["y".to_owned()];
+        let some: Vec<_> = samples[..3].iter().collect();
+        let make = |some: &[&Sample]| {
+            Surface::fit((0, &[0, 1]), &names, &region(), some, Degree::Quadratic)
+        };
+        assert_eq!(make(&some).unwrap().degree, Degree::Constant);
+        assert!(make(&some[..1]).is_none());
+        let more: Vec<_> = samples[..6].iter().collect();
+        assert_eq!(make(&more).unwrap().degree, Degree::Linear);
+    }
+
+    /// Nine runs of noise +-1 in a pattern that no quadratic can follow: the residual variance is known by hand.
+    #[test]
+    fn the_scatter_of_repeats_is_pooled() {
+        let surface = fitted(&grid());
+        let repeats = [sample(1.0, 20.0, 0.5), sample(1.0, 20.0, -0.5)];
+        let pooled = surface.with_scatter(&[repeats.iter().collect()]);
+        // Exact surface with 3 degrees of freedom; two repeats with a sum of squares of 0.5.
+        assert!((pooled.degrees_of_freedom - 4.0).abs() < 1e-12);
+        assert!((pooled.covariance[(0, 0)] - 0.125).abs() < 1e-12);
+    }
+}

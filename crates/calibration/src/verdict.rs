@@ -1,0 +1,105 @@
+//! Whether a calibration holds, in one sentence.
+
+use crate::calibrate::Estimated;
+use crate::confirmation::Confirmed;
+use crate::{CalibrationProblem, Comparison};
+
+/// Chance of a misfit below which measurements that hold one by one contradict each other together.
+const CONTRADICTION: f64 = 0.01;
+
+/// Whether the fit is met and the checks hold, and why.
+pub(crate) fn verdict(
+    problem: &CalibrationProblem,
+    estimate: &Estimated,
+    fit: &[Comparison],
+    check: &[Comparison],
+    confirmed: &Confirmed,
+) -> (bool, String) {
+    let expected = |role| problem.measurements_of(role).len();
+    let missed = |rows: &[Comparison]| -> Vec<String> {
+        let rows = rows.iter().filter(|row| !row.holds);
+        rows.map(name).collect()
+    };
+    if fit.len() < expected(crate::Role::Fit) || check.len() < expected(crate::Role::Check) {
+        return (
+            false,
+            "some measurements could not be simulated at the estimate: the remarks say why".into(),
+        );
+    }
+    let on_limits: Vec<String> = estimate
+        .parameters
+        .iter()
+        .filter(|p| p.at_limit)
+        .map(|p| format!("{} at its limit {}", p.symbol, p.value))
+        .collect();
+    let not_met = missed(fit);
+    if !not_met.is_empty() {
+        let with = if on_limits.is_empty() {
+            String::new()
+        } else {
+            format!(", with {}", on_limits.join(" and "))
+        };
+        return (
+            false,
+            format!(
+                "the fit does not meet {}{with}: within the limits no parameters do",
+                not_met.join(", ")
+            ),
+        );
+    }
+    if let Some(p) = estimate.test.p.filter(|p| *p < CONTRADICTION) {
+        return (
+            false,
+            format!(
+                "each measurement holds, but together they contradict the model (misfit {:.1} on {} degrees of freedom, \
+                 p = {p:.2e})",
+                estimate.test.misfit, estimate.test.degrees_of_freedom
+            ),
+        );
+    }
+    let not_held = missed(check);
+    if !not_held.is_empty() {
+        return (
+            false,
+            format!(
+                "the fit is met, but the check on {} fails: the parameters do not hold there",
+                not_held.join(", ")
+            ),
+        );
+    }
+    if !confirmed.agrees {
+        return (
+            false,
+            "the fresh runs at the estimate do not agree with the surfaces it rests on".into(),
+        );
+    }
+    let fit_words = if estimate.test.degrees_of_freedom == 0 {
+        "all measurements of the fit are met, which as many parameters as measurements always allow"
+    } else {
+        "all measurements of the fit are met"
+    };
+    let check_words = match check.len() {
+        0 => "nothing was kept to check them".to_owned(),
+        1 => "the one kept for the check holds".to_owned(),
+        n => format!("the {n} kept for the check hold"),
+    };
+    (true, format!("{fit_words}, and {check_words}"))
+}
+
+/// A measurement in words.
+fn name(row: &Comparison) -> String {
+    let condition: Vec<String> = row
+        .condition
+        .iter()
+        .map(|(name, value)| format!("{name} = {value}"))
+        .collect();
+    let at = if condition.is_empty() {
+        String::new()
+    } else {
+        format!(" at {}", condition.join(", "))
+    };
+    format!(
+        "{} of {}{at} (measured {:.4}, simulated {:.4}, {:.1} standard errors apart)",
+        row.observable, row.scene, row.measured.mean, row.simulated.mean, row.z.abs()
+    )
+}

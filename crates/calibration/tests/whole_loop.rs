@@ -1,0 +1,9 @@
+//! The whole loop on simulators in closed form, where every answer is known by hand.
+
+mod whole_loop {
+    mod coverage;
+    mod estimates;
+    mod reach;
+    mod toy;
+    mod troubles;
+}

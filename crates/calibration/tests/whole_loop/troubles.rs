@@ -1,0 +1,166 @@
+//! What cannot be meant, and what goes wrong on the way.
+
+use super::toy::{Toy, measured, model, parameter, problem, run, shown, value};
+use calibration::{LoopSettings, Role, planned};
+
+/// A run fails beyond a = 0.85: its point is left out with the reason, and the loop goes on.
+#[test]
+fn a_run_that_fails_costs_its_own_point() {
+    let toy = Toy {
+        law: |_, p| {
+            if p("a") > 0.85 {
+                return Err("no frame shows a surface".into());
+            }
+            shown("y", 2.0 * p("a"))
+        },
+        noise: 0.01,
+    };
+    let problem = problem(
+        vec![parameter("a", [0.0, 1.0])],
+        vec![model("m", &[0])],
+        vec![measured(0, "y", Role::Fit, (1.0, 0.05))],
+    );
+    let result = run(&toy, &problem).unwrap();
+    assert!(result.met, "{}", result.verdict);
+    assert!((value(&result, "a") - 0.5).abs() < 0.03);
+    let left_out = &result.surfaces[0].left_out;
+    assert_eq!(left_out.len(), 1, "{left_out:?}");
+    assert!(left_out[0].reason.contains("no frame shows a surface"), "{left_out:?}");
+}
+
+/// Where every run fails there is no surface: an error with the model and the reason, not a result.
+#[test]
+fn a_model_that_never_runs_is_an_error_with_its_reason() {
+    let toy = Toy {
+        law: |_, _| Err("the drum is empty".into()),
+        noise: 0.0,
+    };
+    let problem = problem(
+        vec![parameter("a", [0.0, 1.0])],
+        vec![model("m", &[0])],
+        vec![measured(0, "y", Role::Fit, (1.0, 0.05))],
+    );
+    let error = run(&toy, &problem).unwrap_err().to_string();
+    assert!(error.contains("0 runs of m") && error.contains("the drum is empty"), "{error}");
+}
+
+/// A run that lacks a measured observable names it and what it gave.
+#[test]
+fn a_missing_observable_is_named_with_those_that_are_there() {
+    let toy = Toy {
+        law: |_, p| shown("y", p("a")),
+        noise: 0.0,
+    };
+    let problem = problem(
+        vec![parameter("a", [0.0, 1.0])],
+        vec![model("m", &[0])],
+        vec![measured(0, "x", Role::Fit, (1.0, 0.05))],
+    );
+    let error = run(&toy, &problem).unwrap_err().to_string();
+    assert!(error.contains("'x'") && error.contains("it gave y"), "{error}");
+}
+
+/// y = a is measured as 0.3 and, in another experiment that shows the same, as 0.7, twenty standard errors apart: no value
+/// meets both, and the verdict says which are not met.
+#[test]
+fn measurements_that_contradict_each_other_are_not_met() {
+    let toy = Toy {
+        law: |_, p| shown("y", p("a")),
+        noise: 0.001,
+    };
+    let problem = problem(
+        vec![parameter("a", [0.0, 1.0])],
+        vec![model("one", &[0]), model("other", &[0])],
+        vec![
+            measured(0, "y", Role::Fit, (0.3, 0.03)),
+            measured(1, "y", Role::Fit, (0.7, 0.03)),
+        ],
+    );
+    let result = run(&toy, &problem).unwrap();
+    assert!(!result.met);
+    assert!((value(&result, "a") - 0.5).abs() < 0.02, "{:?}", result.parameters);
+    assert!(result.test.p.unwrap() < 1e-3, "{:?}", result.test);
+    assert!(
+        result.verdict.contains("y of one") && result.verdict.contains("y of other"),
+        "{}",
+        result.verdict
+    );
+}
+
+/// All that is wrong with a problem is told at once, before any run.
+#[test]
+fn all_that_cannot_be_meant_is_told_at_once() {
+    let mut outside = parameter("a", [0.0, 1.0]);
+    outside.start = 2.0;
+    let problem = problem(
+        vec![outside, parameter("a", [1.0, 0.5]), parameter("c", [0.0, 1.0])],
+        vec![model("m", &[0, 1])],
+        vec![
+            measured(0, "y", Role::Fit, (1.0, 0.0)),
+            measured(0, "y", Role::Check, (1.0, 0.1)),
+        ],
+    );
+    let toy = Toy {
+        law: |_, _| Err("it must not run".into()),
+        noise: 0.0,
+    };
+    let error = run(&toy, &problem).unwrap_err().to_string();
+    for part in [
+        "start 2 lies outside its limits 0 to 1",
+        "the symbol stands twice",
+        "low 1 and high 0.5",
+        "parameter c: no measurement of role fit depends on it",
+        "sd 0",
+        "in two roles",
+    ] {
+        assert!(error.contains(part), "'{part}' is not in:\n{error}");
+    }
+}
+
+/// Six parameters of one model are screened: those that act go on, the dead ones are dropped and told.
+#[test]
+fn more_than_five_parameters_are_screened_first() {
+    let toy = Toy {
+        law: |_, p| shown("y", 4.0 * p("a") - 3.0 * p("b")),
+        noise: 0.05,
+    };
+    let names = ["a", "b", "c", "d", "e", "f"];
+    let problem = problem(
+        names.iter().map(|s| parameter(s, [0.0, 1.0])).collect(),
+        vec![model("m", &[0, 1, 2, 3, 4, 5])],
+        vec![measured(0, "y", Role::Fit, (1.0, 0.1))],
+    );
+    let result = run(&toy, &problem).unwrap();
+    let screening = &result.screening[0];
+    assert_eq!(screening.n_runs, 12);
+    assert!(screening.kept.contains(&"a".to_owned()), "{screening:?}");
+    assert!(screening.kept.contains(&"b".to_owned()), "{screening:?}");
+    assert!(screening.dropped.len() >= 3, "{:?}", screening.dropped);
+    for dropped in &screening.dropped {
+        let p = result.parameters.iter().find(|p| p.symbol == *dropped).unwrap();
+        assert!(!p.fixed_by_data && p.value == p.start, "{p:?}");
+    }
+}
+
+/// The plan has the runs that the loop then makes: with a target inside the first box and surfaces that are confirmed, no
+/// stage needs more.
+#[test]
+fn the_plan_has_the_runs_of_the_loop() {
+    let toy = Toy {
+        law: |_, p| shown("y", 2.0 * p("a")),
+        noise: 0.02,
+    };
+    let problem = problem(
+        vec![parameter("a", [0.0, 1.0])],
+        vec![model("fit", &[0]), model("kept", &[0])],
+        vec![
+            measured(0, "y", Role::Fit, (1.2, 0.05)),
+            measured(1, "y", Role::Check, (1.2, 0.05)),
+        ],
+    );
+    let plan = planned(&problem, &LoopSettings::default()).unwrap();
+    let result = run(&toy, &problem).unwrap();
+    let planned: Vec<_> = plan.iter().map(|s| (s.stage.as_str(), s.requests.len())).collect();
+    let made: Vec<_> = result.cost.iter().map(|s| (s.stage.as_str(), s.runs)).collect();
+    assert_eq!(planned, made);
+}
