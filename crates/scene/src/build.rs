@@ -42,7 +42,7 @@ impl Built {
     /// The same with its steps spread over at most so many threads.
     pub(crate) fn on_threads(self, scene: &Scene, most: usize) -> Result<Self, Error> {
         // A factory makes the seeds later; a bonded seed is many bodies.
-        let seeds = scene.seed.iter().map(|s| s.count).sum::<usize>();
+        let seeds = scene.seed_count();
         let bodies = seeds.max(self.world.bodies().len());
         let threads = most.min(bodies / BODIES_OF_THREAD).max(1);
         Ok(Self {
@@ -55,6 +55,7 @@ impl Built {
 /// Builds the world with the seeds in their starting places, or without seeds where a factory makes them,
 /// and the drive at rest.
 pub(crate) fn build(scene: &Scene, library: &FillingLibrary, seed: u64) -> Result<Built, Error> {
+    scene.require_bed()?;
     let Some(factory) = Factory::of(scene, seed) else {
         return build_filled(scene, library, seed);
     };
@@ -72,12 +73,13 @@ pub(crate) fn build_filled(
     library: &FillingLibrary,
     seed: u64,
 ) -> Result<Built, Error> {
+    scene.require_bed()?;
     let bodies = seed_bodies(scene, library)?;
     let meshes = mesh_walls(scene)?;
     let kinds: Vec<_> = bodies
         .iter()
         .zip(&scene.seed)
-        .map(|(b, s)| (&b.clump, s.count))
+        .map(|(b, s)| (&b.clump, scene.count_of(s)))
         .collect();
     let obstacles: Vec<_> = meshes.iter().flat_map(|m| m.triangles.clone()).collect();
     let room = Room {

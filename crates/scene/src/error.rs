@@ -63,6 +63,16 @@ pub enum Error {
         /// The names that exist.
         known: String,
     },
+    /// Keys of a seed contradict each other or leave something open.
+    #[error("{file}: seed '{seed}': {problem}")]
+    SeedKeys {
+        /// The file.
+        file: String,
+        /// Name of the seed.
+        seed: String,
+        /// What is wrong, and the way out.
+        problem: String,
+    },
     /// A value cannot be meant.
     #[error("{name} is {value}; it must be {requirement}")]
     BadValue {
@@ -108,6 +118,14 @@ pub enum Error {
         /// Why.
         source: sphere_fill::Error,
     },
+    /// A quantity of a seed cannot be.
+    #[error("seed '{seed}': {source}")]
+    SeedQuantity {
+        /// Name of the seed.
+        seed: String,
+        /// Why.
+        source: quantity::Error,
+    },
     /// A body of spheres cannot be made.
     #[error("body of seed '{seed}': {source}")]
     Body {
@@ -131,6 +149,16 @@ pub enum Error {
         seed: String,
         /// Why.
         source: bonded_body::Error,
+    },
+    /// A bench test did not come to its end.
+    #[error("repeat {repeat}: {what} within {limit:.1} s of simulated time")]
+    NoEvent {
+        /// Number of the repeat, from 1.
+        repeat: usize,
+        /// What did not happen.
+        what: &'static str,
+        /// The limit, s.
+        limit: f64,
     },
     /// The state of a run cannot be kept, or cannot be one that was.
     #[error("{file}: the state of the run cannot be kept or taken up: {reason}")]

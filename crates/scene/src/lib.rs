@@ -4,12 +4,13 @@
 //! protocol and the camera. [`run`] fills the apparatus, lets the seeds settle, turns the drum
 //! until the surface is steady, takes frames as the camera would see them and measures each with
 //! the same code that measures photos. In a heap or a box a wall is lifted instead, and the slope is read
-//! from the outline at rest. A run is decided by the scene and a seed alone.
+//! from the outline at rest. A bench test (slider, drop, tilt) handles single seeds on a plate. A run is decided by the scene and a seed alone.
 
 mod apparatus;
 mod bench;
 mod bonded;
 mod build;
+mod check;
 mod error;
 mod factory;
 mod filling;
@@ -22,15 +23,18 @@ mod obstacles;
 mod outline;
 mod parse;
 mod placement;
+mod reduce;
 mod release;
 mod run;
+mod seed;
 mod settings;
 mod steady;
 mod surroundings;
 mod time_step;
 
-pub use apparatus::{Apparatus, BoxCollapse, Drum, Heap, Lifters, Metering, Ripple};
-pub use bench::BenchParts;
+pub use apparatus::{
+    Apparatus, BoxCollapse, Drop, Drum, Heap, Lifters, Metering, Ripple, Slider, Tilt,
+};
 pub use bonded::BondedSettings;
 pub use error::Error;
 pub use filling::{FillingLibrary, SeedBody};
@@ -38,13 +42,14 @@ pub use flow::{FlowingLayer, avalanche_period, fill_level, flowing_layer};
 pub use frame::{Frame, FrameReading, drum_picture, read_frame};
 pub use motion::{Keeper, NoKeeper, Progress, SeriesPoint};
 pub use obstacles::{VibrationSettings, WallSettings};
-pub use parse::Override;
+pub use parse::{NumberChange, Override};
 pub use run::{
     Further, Regime, RunResult, run, run_on, running_world, settled_world, starting_frame,
 };
+pub use seed::{FillingSettings, SOLID_FRACTION, SeedSettings};
 pub use settings::{
-    CameraSettings, ContactSettings, FillingSettings, LiquidSettings, MaterialSettings,
-    ModelSettings, Protocol, RollingLaw, Scene, SeedSettings,
+    CameraSettings, ContactSettings, LiquidSettings, MaterialSettings, ModelSettings, Protocol,
+    RollingLaw, Scene,
 };
 pub use steady::{Truncation, marginal_standard_error_rule};
 pub use surroundings::SurroundingsSettings;

@@ -1,7 +1,7 @@
 //! Reading a scene file, and changing single settings of it.
 
-use crate::{Error, Scene};
-use std::path::Path;
+use crate::{Error, Scene, SeedSettings};
+use std::path::{Path, PathBuf};
 use toml::{Table, Value};
 
 /// A setting to change: dotted path or unambiguous short name, and the value as text.
@@ -13,8 +13,11 @@ pub struct Override {
     pub value: String,
 }
 
-/// The one setting without a default that can be set where the file leaves it out.
+/// Time step of the solver.
 const TIME_STEP: &str = "protocol.time_step";
+
+/// Settings without a default that can be set where the file leaves them out: quantities of the protocol.
+const LEFT_OUT: [&str; 3] = [TIME_STEP, "protocol.start_up", "protocol.start_slope"];
 
 /// Short names that stand for a setting with its unit: (name, path, unit).
 const SHORT_NAMES: [(&str, &str, &str); 3] = [
@@ -23,22 +26,34 @@ const SHORT_NAMES: [(&str, &str, &str); 3] = [
     ("time_step_s", TIME_STEP, "s"),
 ];
 
-/// Largest slope at which a bed may be laid, rad.
-const MOST_START_SLOPE: f64 = std::f64::consts::FRAC_PI_4;
-
 impl Scene {
     /// Reads a scene file.
     ///
     /// # Errors
     ///
-    /// A file that cannot be read, text that is no scene, settings that cannot be meant.
+    /// A file that cannot be read, text that is no scene, settings that cannot be meant: the first of
+    /// [`Self::read_all`].
     pub fn read(path: &Path, overrides: &[Override]) -> Result<Self, Error> {
-        let text = std::fs::read_to_string(path).map_err(|source| Error::Read {
-            path: path.to_owned(),
-            source,
-        })?;
-        let folder = path.parent().unwrap_or(Path::new("")).to_owned();
-        Self::from_text(&text, &path.display().to_string(), &folder, overrides)
+        Self::from_text(&text_of(path)?, &name_of(path), &folder_of(path), overrides)
+    }
+
+    /// Reads a scene file, and tells all that is wrong with it.
+    ///
+    /// # Errors
+    ///
+    /// A file that cannot be read, text that is no scene, a mesh that cannot be read, each alone; or all
+    /// [`Self::problems`].
+    pub fn read_all(path: &Path, overrides: &[Override]) -> Result<Self, Vec<Error>> {
+        let alone = |error| vec![error];
+        let text = text_of(path).map_err(alone)?;
+        let (file, folder) = (name_of(path), folder_of(path));
+        let scene = Self::parsed(&text, &file, overrides).map_err(alone)?;
+        let scene = scene.completed(&file, &folder, &[]).map_err(alone)?;
+        let problems = scene.problems();
+        if problems.is_empty() {
+            return Ok(scene);
+        }
+        Err(problems)
     }
 
     /// Reads the text of a scene; `file` is named in messages, paths refer to `folder`.
@@ -52,6 +67,13 @@ impl Scene {
         folder: &Path,
         overrides: &[Override],
     ) -> Result<Self, Error> {
+        let scene = Self::parsed(text, file, overrides)?.completed(file, folder, &[])?;
+        scene.check()?;
+        Ok(scene)
+    }
+
+    /// The scene of a text, with settings changed; neither completed nor checked.
+    fn parsed(text: &str, file: &str, overrides: &[Override]) -> Result<Self, Error> {
         let wrong = |e: toml::de::Error| Error::Text {
             file: file.into(),
             message: e.to_string(),
@@ -60,19 +82,26 @@ impl Scene {
         let mut scene: Self = toml::from_str(text).map_err(wrong)?;
         if !overrides.is_empty() {
             // Settings that the text leaves out and that have a default can be changed too.
-            let mut table = Table::try_from(&scene).map_err(|e| Error::Text {
-                file: file.into(),
-                message: e.to_string(),
-            })?;
+            let mut table = scene.table()?;
             for change in overrides {
                 apply(&mut table, change, file)?;
             }
             scene = table.try_into().map_err(wrong)?;
         }
-        folder.clone_into(&mut scene.folder);
-        file.clone_into(&mut scene.file);
-        scene.check().map_err(|error| error.in_file(file))?;
         Ok(scene)
+    }
+
+    /// The scene with what does not stand in its text; volumes of `known` seeds are not measured anew.
+    fn completed(
+        mut self,
+        file: &str,
+        folder: &Path,
+        known: &[SeedSettings],
+    ) -> Result<Self, Error> {
+        folder.clone_into(&mut self.folder);
+        file.clone_into(&mut self.file);
+        self.complete_seeds(known)?;
+        Ok(self)
     }
 
     /// The scene with settings changed.
@@ -81,211 +110,132 @@ impl Scene {
     ///
     /// A name that fits no setting or several, a value that cannot be meant.
     pub fn with(&self, overrides: &[Override]) -> Result<Self, Error> {
-        let wrong = |message: String| Error::Text {
-            file: self.file.clone(),
-            message,
-        };
-        let text = toml::to_string(self).map_err(|e| wrong(e.to_string()))?;
-        Self::from_text(&text, &self.file, &self.folder, overrides)
+        let mut table = self.table()?;
+        for change in overrides {
+            apply(&mut table, change, &self.file)?;
+        }
+        self.changed_to(table)
     }
 
-    /// Refuses what cannot be meant; for scenes that were changed after reading.
+    /// The number of a setting by its dotted path; none where nothing stands there, or no plain number.
+    pub fn number(&self, path: &str) -> Option<f64> {
+        match leaf(&self.table().ok()?, path)? {
+            Value::Integer(number) => Some(*number as f64),
+            Value::Float(number) => Some(*number),
+            _ => None,
+        }
+    }
+
+    /// The scene with numbers changed.
     ///
     /// # Errors
     ///
-    /// A setting out of range, a name that refers to nothing, a contact that nobody states.
-    pub fn check(&self) -> Result<(), Error> {
-        self.check_protocol()?;
-        let bond = self.model.bond_number;
-        if !(0.0..=100.0).contains(&bond) {
-            return bad("model.bond_number", bond.to_string(), "0 to 100");
-        }
-        if let Some(liquid) = &self.model.liquid {
-            let tension = liquid.surface_tension_n_m;
-            if !(0.0..=0.2).contains(&liquid.content) {
-                let content = liquid.content.to_string();
-                return bad("model.liquid.content", content, "0 to 0.2");
-            }
-            if !(0.0..=1.0).contains(&tension) {
-                let name = "model.liquid.surface_tension_n_m";
-                return bad(name, tension.to_string(), "0 to 1");
-            }
-            if !(0.0..=std::f64::consts::FRAC_PI_2).contains(&liquid.contact_angle.si()) {
-                let angle = liquid.contact_angle.to_string();
-                return bad("model.liquid.contact_angle", angle, "0 to 90 deg");
-            }
-        }
-        let gravity = self.model.gravity_m_s2;
-        if !(gravity > 0.0 && gravity <= 1000.0) {
-            return bad(
-                "model.gravity_m_s2",
-                gravity.to_string(),
-                "above 0, at most 1000",
-            );
-        }
-        if !(64..=4096).contains(&self.camera.pixels) {
-            return bad(
-                "camera.pixels",
-                self.camera.pixels.to_string(),
-                "64 to 4096",
-            );
-        }
-        if self.seed_count() == 0 {
-            return bad("number of seeds", "0".into(), "at least 1");
-        }
-        for seed in &self.seed {
-            if seed.mass.si() <= 0.0 || seed.filling.sphere_radius.si() <= 0.0 {
-                return bad(
-                    &format!("mass or sphere_radius of seed '{}'", seed.name),
-                    "0".into(),
-                    "above 0",
-                );
-            }
-            if let Some(scale) = seed.scale
-                && !(0.01..=100.0).contains(&scale)
-            {
-                let name = format!("scale of seed '{}'", seed.name);
-                return bad(&name, scale.to_string(), "0.01 to 100");
-            }
-        }
-        if let Some(distance) = self.camera.distance
-            && distance.si() <= self.apparatus.radius()
-        {
-            return bad(
-                "camera.distance",
-                distance.to_string(),
-                "above the inner radius of the drum",
-            );
-        }
-        if let Some(bonds) = &self.model.bonds {
-            bonds.law().map_err(|source| Error::Text {
-                file: self.file.clone(),
-                message: format!("[model.bonds]: {source}"),
-            })?;
-            if self.protocol.insertion_rate.is_some() || !self.surroundings.is_empty() {
-                let other = "protocol.insertion_rate or [surroundings] beside it";
-                return bad("model.bonds", other.into(), "alone: remove one of them");
-            }
-        }
-        self.surroundings.check(&self.apparatus)?;
-        self.apparatus.check()?;
-        self.check_names()
-    }
-
-    /// Refuses times, steps and counts that cannot be meant.
-    fn check_protocol(&self) -> Result<(), Error> {
-        let p = &self.protocol;
-        for (name, time) in [
-            ("protocol.settle_limit", p.settle_limit),
-            ("protocol.rotation_limit", p.rotation_limit),
-            ("protocol.frame_interval", p.frame_interval),
-        ] {
-            if time.si() <= 0.0 {
-                return bad(name, time.to_string(), "above 0");
-            }
-        }
-        if let Some(rate) = p.insertion_rate
-            && rate.si() < 1.0
-        {
-            return bad("protocol.insertion_rate", rate.to_string(), "1 1/s or more");
-        }
-        let shares = [
-            ("protocol.step_share", Some(p.step_share)),
-            ("protocol.flow_step_share", p.flow_step_share),
-        ];
-        for (name, share) in shares.into_iter().filter_map(|(n, s)| Some((n, s?))) {
-            if !(share > 0.0 && share <= 1.0) {
-                return bad(name, share.to_string(), "above 0, at most 1");
-            }
-        }
-        if p.time_step.is_some_and(|step| step.si() <= 0.0) {
-            return bad("protocol.time_step", "0".into(), "above 0");
-        }
-        if let Some(session) = p.session
-            && !(0.0..=1.0).contains(&session)
-        {
-            return bad("protocol.session", session.to_string(), "0 to 1");
-        }
-        if let Some(slope) = p.start_slope {
-            let in_a_drum = matches!(self.apparatus, crate::Apparatus::Drum(_));
-            if !(in_a_drum && (0.0..=MOST_START_SLOPE).contains(&slope.si())) {
-                return bad(
-                    "protocol.start_slope",
-                    slope.to_string(),
-                    "0 to 45 deg, in a drum only",
-                );
-            }
-        }
-        if p.frames < 2 {
-            return bad("protocol.frames", p.frames.to_string(), "at least 2");
-        }
-        let shaken = self.wall.iter().filter_map(|wall| wall.vibration.as_ref());
-        for vibration in shaken.chain(&self.surroundings.vibration) {
-            if vibration.frequency.si() <= 0.0 {
-                let frequency = vibration.frequency.to_string();
-                return bad("vibration.frequency", frequency, "above 0");
-            }
-        }
-        Ok(())
-    }
-
-    /// Refuses names that refer to nothing, and contacts that nobody states.
-    fn check_names(&self) -> Result<(), Error> {
-        let walls = self.wall_materials();
-        let seeds: Vec<&str> = self.seed.iter().map(|s| s.material.as_str()).collect();
-        let in_contacts = self.contact.keys().flat_map(|pair| pair.split('-'));
-        for name in walls
-            .iter()
-            .copied()
-            .chain(seeds.iter().copied())
-            .chain(in_contacts)
-        {
-            if !self.material.contains_key(name) {
-                let known: Vec<_> = self.material.keys().map(String::as_str).collect();
-                return Err(Error::Undefined {
-                    file: self.file.clone(),
-                    what: "material",
-                    name: name.into(),
-                    known: known.join(", "),
-                });
-            }
-        }
-        for seed in &seeds {
-            for other in seeds.iter().chain(&walls) {
-                if self.contact_of(seed, other).is_none() {
-                    let pair = format!("{seed}-{other}");
-                    return Err(Error::MissingContact {
-                        file: self.file.clone(),
-                        pair,
+    /// A path at which no number stands, or with a unit no quantity; a value that cannot be meant.
+    pub fn with_numbers(&self, changes: &[NumberChange]) -> Result<Self, Error> {
+        let mut table = self.table()?;
+        for change in changes {
+            let path = whole_path(&table, &change.path, &self.file)?;
+            make_room(&mut table, &path);
+            let Some(place) = leaf_mut(&mut table, &path) else {
+                continue;
+            };
+            let value = change.value;
+            *place = match (&change.unit, &*place) {
+                (Some(unit), Value::String(_)) => Value::String(format!("{value} {unit}")),
+                (None, Value::Float(_)) => Value::Float(value),
+                (None, Value::Integer(_)) => {
+                    #[expect(
+                        clippy::cast_possible_truncation,
+                        reason = "whole, and far below 2^63"
+                    )]
+                    let whole = value as i64;
+                    if value.fract() != 0.0 || value.abs() > 1e15 {
+                        let requirement = "a whole number".into();
+                        return Err(Error::BadValue {
+                            name: format!("{}: {path}", self.file),
+                            value: value.to_string(),
+                            requirement,
+                        });
+                    }
+                    Value::Integer(whole)
+                }
+                (unit, there) => {
+                    let value = unit
+                        .as_ref()
+                        .map_or(value.to_string(), |u| format!("{value} {u}"));
+                    return Err(Error::BadValue {
+                        name: format!("{}: {path}", self.file),
+                        value,
+                        requirement: match unit {
+                            Some(_) => format!("a number without unit: {there} stands there"),
+                            None => format!("a number with its unit: {there} stands there"),
+                        },
                     });
                 }
-            }
+            };
         }
-        let own: Vec<String> = {
-            let walls = self.apparatus.mesh_walls().into_iter();
-            walls.map(|wall| wall.name).collect()
-        };
-        for (k, wall) in self.wall.iter().enumerate() {
-            let twice = self.wall[..k].iter().any(|other| other.name == wall.name);
-            if twice || own.contains(&wall.name) {
-                return Err(Error::BadValue {
-                    name: "wall.name".into(),
-                    value: wall.name.clone(),
-                    requirement: "another name: each wall of triangles needs its own".into(),
-                });
-            }
-        }
-        Ok(())
+        self.changed_to(table)
+    }
+
+    /// The scene as a table of values.
+    fn table(&self) -> Result<Table, Error> {
+        Table::try_from(self).map_err(|e| Error::Text {
+            file: self.file.clone(),
+            message: e.to_string(),
+        })
+    }
+
+    /// The scene of a table of values.
+    fn changed_to(&self, table: Table) -> Result<Self, Error> {
+        let scene: Self = table.try_into().map_err(|e: toml::de::Error| Error::Text {
+            file: self.file.clone(),
+            message: e.to_string(),
+        })?;
+        let scene = scene.completed(&self.file, &self.folder, &self.seed)?;
+        scene.check()?;
+        Ok(scene)
     }
 }
 
-/// The refusal of a value.
-fn bad<T>(name: &str, value: String, requirement: &str) -> Result<T, Error> {
-    Err(Error::BadValue {
-        name: name.into(),
-        value,
-        requirement: requirement.into(),
+/// Text of a file.
+fn text_of(path: &Path) -> Result<String, Error> {
+    std::fs::read_to_string(path).map_err(|source| Error::Read {
+        path: path.to_owned(),
+        source,
     })
+}
+
+/// Name of a file in messages.
+fn name_of(path: &Path) -> String {
+    path.display().to_string()
+}
+
+/// Folder to which paths in a file refer.
+fn folder_of(path: &Path) -> PathBuf {
+    path.parent().unwrap_or(Path::new("")).to_owned()
+}
+
+/// A number to put at the place of a setting.
+#[derive(Debug, Clone, PartialEq)]
+pub struct NumberChange {
+    /// Dotted path, `contact.seed-seed.static_friction`, or an unambiguous short name.
+    pub path: String,
+    /// The value.
+    pub value: f64,
+    /// Its unit, where a quantity stands there; none where a plain number does.
+    pub unit: Option<String>,
+}
+
+/// Makes room for a setting without a default that the scene leaves out.
+fn make_room(table: &mut Table, path: &str) {
+    if LEFT_OUT.contains(&path)
+        && let Some((section, key)) = path.split_once('.')
+        && let Some(Value::Table(section)) = table.get_mut(section)
+    {
+        section
+            .entry(key)
+            .or_insert_with(|| Value::String(String::new()));
+    }
 }
 
 /// Changes one setting of a table.
@@ -295,14 +245,7 @@ fn apply(table: &mut Table, change: &Override, file: &str) -> Result<(), Error> 
         Some((_, path, unit)) => ((*path).to_owned(), format!("{} {unit}", change.value)),
         None => (whole_path(table, &change.name, file)?, change.value.clone()),
     };
-    if path == TIME_STEP
-        && let Some((section, key)) = path.split_once('.')
-        && let Some(Value::Table(section)) = table.get_mut(section)
-    {
-        section
-            .entry(key)
-            .or_insert_with(|| Value::String(String::new()));
-    }
+    make_room(table, &path);
     let unknown = || Error::UnknownSetting {
         name: change.name.clone(),
         file: file.into(),
@@ -321,7 +264,7 @@ fn apply(table: &mut Table, change: &Override, file: &str) -> Result<(), Error> 
 /// The path that a whole or short name stands for.
 fn whole_path(table: &Table, name: &str, file: &str) -> Result<String, Error> {
     let all = leaves(table);
-    if all.iter().any(|path| path == name) {
+    if LEFT_OUT.contains(&name) || all.iter().any(|path| path == name) {
         return Ok(name.to_owned());
     }
     let ending = format!(".{name}");

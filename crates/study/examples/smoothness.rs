@@ -90,7 +90,7 @@ fn filling(simulator: &SceneSimulator, request: &RunRequest) -> Result<(f64, f64
     let (mut count, mut spheres, mut roughness) = (0.0, 0.0, 0.0);
     for seed in &scene.seed {
         let body = simulator.fillings().body(&scene, seed)?;
-        let weight = seed.count as f64;
+        let weight = scene.count_of(seed) as f64;
         count += weight;
         spheres += weight * body.spheres.len() as f64;
         roughness += weight * body.report.roughness_rms * 1e6;

@@ -34,15 +34,14 @@ fn drum(diameter: f64) -> Result<Scene, Box<dyn Error>> {
     let file = Scene::read(path, &[])?;
     let sphere = file.seed.first().ok_or("no seed in the scene")?;
     let ratio = diameter / DIAMETERS[0];
-    let count = (sphere.count as f64 / ratio.powi(3)).round();
+    let count = (file.count_of(sphere) as f64 / ratio.powi(3)).round();
     let setting = |name: &str, value: String| Override {
         name: format!("seed.0.{name}"),
         value,
     };
     let changes = [
-        setting("scale", format!("{}", sphere.scale.unwrap_or(1.0) * ratio)),
+        setting("sphere", format!("{diameter} mm")),
         setting("count", format!("{count}")),
-        setting("mass", format!("{} kg", sphere.mass.si() * ratio.powi(3))),
     ];
     Ok(Scene::read(path, &changes)?)
 }

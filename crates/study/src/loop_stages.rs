@@ -220,7 +220,7 @@ impl Loop<'_> {
                     name: seed.name.clone(),
                     spheres: body.clump.spheres().len(),
                     outer_spheres: body.outer.spheres().len(),
-                    mass_kg: seed.mass.si(),
+                    mass_kg: seed.mass_kg(),
                     fraction_density_kg_m3: body.fraction_density,
                     mesh_volume_mm3: body.mesh.mesh.moments().volume * 1e9,
                     fit: body.report,

@@ -1,0 +1,100 @@
+//! The tilted plate: the tangent of the angle at which a seed starts to roll.
+
+use super::plate::{Plate, moved};
+use super::{BenchParts, Repeat};
+use crate::Error;
+use dem_solver::Placement;
+use nalgebra::{UnitQuaternion, Vector3};
+use random_stream::Stream;
+
+/// Seeds along each side of a plate of seeds.
+const SIDE: usize = 5;
+
+/// Rate of the tilt, rad/s: 5 degrees a second.
+const RATE: f64 = 5.0 * std::f64::consts::PI / 180.0;
+
+/// Time for the seed to come to rest on the level plate, s.
+const REST: f64 = 0.3;
+
+/// Longest time for it on a plate of seeds, where it first rolls into a hollow, s.
+const LONGEST_REST: f64 = 2.0;
+
+/// Time without motion after which it rests there, s.
+const STILL: f64 = 0.1;
+
+/// Rolling has begun when the seed has turned by this angle about its long axis, rad.
+const TURN: f64 = 0.5;
+
+/// Sliding has begun when it has gone this way in seed radii without turning so far.
+const WAY: f64 = 2.0;
+
+/// Tangent of the starting angle for `repeats` seeds, and whether each slid instead of rolling; then the angle
+/// tells the static friction.
+///
+/// The long axis lies across the slope, as on the bench; the seed is turned about it at random and
+/// comes to rest before the plate is tilted. A plate of seeds is laid anew for each,
+/// and the seed put on it at a random place within half a seed of its middle.
+///
+/// # Errors
+///
+/// A solver that stops, a seed that holds on at 80 degrees.
+pub(super) fn tilt(parts: &BenchParts, repeats: usize, seed: u64) -> Result<Vec<Repeat>, Error> {
+    let mut stream = Stream::new(seed, "tilt test");
+    (1..=repeats)
+        .map(|repeat| {
+            let angle = stream.between(0.0, std::f64::consts::TAU);
+            let plate = Plate::of(parts, SIDE, SIDE, &mut stream);
+            let aside = plate.place(parts, &mut stream);
+            one(parts, &plate, (angle, aside), repeat)
+        })
+        .collect()
+}
+
+/// One seed, turned by an angle (rad) about its long axis, aside of the middle of the plate (m).
+fn one(
+    parts: &BenchParts,
+    plate: &Plate,
+    (angle, aside): (f64, Vector3<f64>),
+    repeat: usize,
+) -> Result<Repeat, Error> {
+    // The long axis is the body's x axis; it is laid along z, across the slope.
+    let across = UnitQuaternion::from_axis_angle(&Vector3::y_axis(), -std::f64::consts::FRAC_PI_2);
+    let turn = across * UnitQuaternion::from_axis_angle(&Vector3::x_axis(), angle);
+    let lift = plate.lift(&moved(parts.turned(&turn), aside));
+    let start = Placement::at_rest(0, aside + Vector3::y() * (lift + 1e-6), turn);
+    let mut world = plate.world(parts, parts.template(), start)?;
+    let weight = parts.weight();
+    let (mut moving, mut rested_at) = (0.0, None);
+    let tilting = 80_f64.to_radians() / RATE;
+    let mut rested = None;
+    while rested_at.is_none_or(|since| world.time() - since < tilting) {
+        let now = world.time();
+        let tilt = rested_at.map_or(0.0, |since| now - since) * RATE;
+        let pull = Vector3::new(tilt.sin(), -tilt.cos(), 0.0) * weight;
+        world.step_with(|bodies| bodies.force[0] += pull)?;
+        if rested_at.is_none() {
+            if !parts.is_at_rest(&world) {
+                moving = now;
+            }
+            let is_still = !parts.on_seeds || now - moving > STILL || now > LONGEST_REST;
+            if now >= REST && is_still {
+                rested_at = Some(world.time());
+            }
+            continue;
+        }
+        let bodies = world.bodies();
+        let (position, orientation) = (bodies.position[0], bodies.orientation[0]);
+        let (from, before) = *rested.get_or_insert((position, orientation));
+        let turned = (orientation * before.inverse()).scaled_axis().z.abs();
+        let way = (position - from).norm();
+        let slid = way > WAY * parts.body.clump.bounding_radius();
+        if turned > TURN || slid {
+            return Ok(Repeat::new(tilt.tan(), turned <= TURN, &world));
+        }
+    }
+    Err(Error::NoEvent {
+        repeat,
+        what: "the seed does not start to roll",
+        limit: tilting,
+    })
+}
