@@ -31,6 +31,8 @@ pub(crate) struct Uncertainty {
     directions: Vec<Direction>,
     /// The same from the measurements alone.
     by_data: Vec<Direction>,
+    /// Variance of each parameter over what it would be if the weights were known.
+    inflation: Vec<f64>,
     /// Effective degrees of freedom of each variance.
     degrees_of_freedom: Vec<f64>,
 }
@@ -69,7 +71,10 @@ impl Uncertainty {
     /// Covariance `C = (J'V^-1 J + P)^-1`, J the slopes of the surfaces, P the precisions of the priors. The parameters
     /// are `C J'V^-1 y + ...`, so that the variance of parameter j is a sum of parts, one for each measured variance
     /// (n - 1 degrees of freedom) and one for each surface (n - p); what priors and limits add is known. Its effective degrees of freedom are those of
-    /// Satterthwaite: `(sum of parts)² / sum of (part² / degrees of freedom)` `[Satterthwaite1946]`.
+    /// Satterthwaite: `(sum of parts)² / sum of (part² / degrees of freedom)` `[Satterthwaite1946]`. Because the weights are
+    /// estimated too, C grows to `C + C (sum over i of 4 (1 - h_i) / d_i j_i j_i') C`, j_i the whitened slopes of
+    /// measurement i, d_i the degrees of freedom of its variance, `h_i = j_i' C j_i` `[KenwardRoger1997, section 2, for
+    /// independent variances]`.
     pub(crate) fn new(fit: &JointFit<'_>, best: &Minimum, whitening: &Whitening) -> Self {
         let k = fit.parameters.len();
         let (_, jacobian) = fit.residuals(&best.coded, whitening, &[]);
@@ -88,10 +93,13 @@ impl Uncertainty {
         let unscale = |m: DMatrix<f64>| DMatrix::from_fn(k, k, |i, j| m[(i, j)] * width[i] * width[j]);
         let covariance = bounded_inverse(&all);
         let degrees_of_freedom = effective(fit, best, whitening, &scaled, &covariance);
+        let grown = with_estimated_weights(fit, best, &scaled, &covariance);
+        let inflation = (0..k).map(|j| grown[(j, j)] / covariance[(j, j)]).collect();
         Self {
             directions: directions(&all),
             by_data: directions(&data),
-            covariance: unscale(covariance),
+            covariance: unscale(grown),
+            inflation,
             degrees_of_freedom,
         }
     }
@@ -156,8 +164,9 @@ impl Uncertainty {
 ///
 /// # Formula
 ///
-/// An end of an interval is where the least Q over all other parameters has risen by t², t Student's quantile for the
-/// effective degrees of freedom (profile); for a plane that is `value +- t se`. Outside the box the surfaces say nothing:
+/// An end of an interval is where the least Q over all other parameters has risen by t² times the growth of the variance
+/// by estimated weights, t Student's quantile for the effective degrees of freedom (profile); for a plane that is
+/// `value +- t se`. Outside the box the surfaces say nothing:
 /// there the end is that of the plane, at least the edge of the box. Ends are cut at the limits.
 pub(crate) fn estimates(
     fit: &JointFit<'_>,
@@ -209,7 +218,7 @@ fn end(
     let t = uncertainty.quantile(j);
     let half = t * uncertainty.covariance[(j, j)].sqrt() / fit.region.half(j);
     let line = fit.region.natural(j, best.coded[j] + side * half);
-    let limit = best.misfit + t * t;
+    let limit = best.misfit + t * t * uncertainty.inflation[j];
     let mut free = fit.free.clone();
     free[j] = false;
     let profile = |from: &[f64], x: f64| {
@@ -289,6 +298,39 @@ fn effective(
     .collect()
 }
 
+/// The covariance of the parameters where the weights are estimates.
+fn with_estimated_weights(
+    fit: &JointFit<'_>,
+    best: &Minimum,
+    scaled: &DMatrix<f64>,
+    covariance: &DMatrix<f64>,
+) -> DMatrix<f64> {
+    let k = fit.parameters.len();
+    let mut sum = DMatrix::zeros(k, k);
+    for (i, dof) in variance_dof(fit, best).into_iter().enumerate() {
+        let slopes = scaled.row(i).transpose();
+        let leverage = (covariance * &slopes).dot(&slopes);
+        sum += &slopes * slopes.transpose() * (4.0 * (1.0 - leverage).max(0.0) / dof);
+    }
+    covariance + covariance * sum * covariance
+}
+
+/// Degrees of freedom of the variance of each target: measured mean and surface together.
+fn variance_dof(fit: &JointFit<'_>, best: &Minimum) -> Vec<f64> {
+    let at = fit.natural(&best.coded);
+    let mut all = Vec::new();
+    for (_, block) in fit.blocks() {
+        let surface = fit.surface_covariance(block, &at);
+        let dof = fit.surfaces[block[0].surface].degrees_of_freedom;
+        for (k, target) in block.iter().enumerate() {
+            let (a, b) = (target.variance, surface[(k, k)]);
+            let squares = a * a / target.degrees_of_freedom + b * b / dof;
+            all.push((a + b).powi(2) / squares.max(f64::MIN_POSITIVE));
+        }
+    }
+    all
+}
+
 /// The inverse of an information matrix in widths of the limits; along directions of which less is known than the limits
 /// say, the variance is that of an even spread over them.
 fn bounded_inverse(information: &DMatrix<f64>) -> DMatrix<f64> {
@@ -318,16 +360,7 @@ pub(crate) fn quantile_of(tails: f64, degrees_of_freedom: f64) -> f64 {
 pub(crate) fn test(fit: &JointFit<'_>, best: &Minimum) -> FitTest {
     let rows = fit.targets.len() + fit.n_priors();
     let degrees_of_freedom = rows.saturating_sub(fit.n_free());
-    let at = fit.natural(&best.coded);
-    let mut inverse = 0.0;
-    for (_, block) in fit.blocks() {
-        let surface = fit.surface_covariance(block, &at);
-        let dof = fit.surfaces[block[0].surface].degrees_of_freedom;
-        for (k, target) in block.iter().enumerate() {
-            let (a, b) = (target.variance, surface[(k, k)]);
-            inverse += (a * a / target.degrees_of_freedom + b * b / dof) / (a + b).powi(2);
-        }
-    }
+    let inverse: f64 = variance_dof(fit, best).iter().map(|dof| 1.0 / dof).sum();
     let denominator = (fit.targets.len() as f64 / inverse).min(MANY);
     let f = degrees_of_freedom as f64;
     FitTest {

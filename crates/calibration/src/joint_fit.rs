@@ -226,7 +226,19 @@ impl<'a> JointFit<'a> {
 
     /// Q at a point.
     pub(crate) fn misfit(&self, coded: &[f64], whitening: &Whitening) -> f64 {
-        self.residuals(coded, whitening, &[]).0.norm_squared()
+        let at = self.natural(coded);
+        let mut sum = 0.0;
+        for (first, root) in &whitening.blocks {
+            let block = &self.targets[*first..first + root.nrows()];
+            let residual = |t: &Target| t.mean - self.surfaces[t.surface].value(t.observable, &at);
+            let mut part = DVector::from_iterator(block.len(), block.iter().map(residual));
+            root.solve_lower_triangular_mut(&mut part);
+            sum += part.norm_squared();
+        }
+        let distance = |(p, x): (&Parameter, &f64)| {
+            p.prior.map_or(0.0, |prior| ((prior.mean - x) / prior.sd).powi(2))
+        };
+        sum + self.parameters.iter().zip(&at).map(distance).sum::<f64>()
     }
 
     /// Walks down from a start inside the box, along the free coordinates of `free`.

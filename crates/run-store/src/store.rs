@@ -1,9 +1,11 @@
 //! The folder of records: looking up, and writing whole or not at all.
 
+use std::collections::BTreeMap;
 use std::fs::{File, OpenOptions, TryLockError};
 use std::io::{ErrorKind, Write as _};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use crate::{Error, Record, SCHEMA, run_key};
 
@@ -17,11 +19,20 @@ const WRITE_ATTEMPTS: usize = 8;
 /// Numbers the aside files of this process.
 static ASIDE_NUMBER: AtomicU64 = AtomicU64::new(0);
 
-/// A folder of records, safe to share between threads and processes.
+/// A folder of records, safe to share between threads and processes; or records in memory alone.
 #[derive(Debug, Clone)]
 pub struct Store {
-    /// The folder.
-    folder: PathBuf,
+    /// Where the records are.
+    place: Place,
+}
+
+/// Where records are kept.
+#[derive(Debug, Clone)]
+enum Place {
+    /// One file each in a folder.
+    Folder(PathBuf),
+    /// In this process, by key; gone with it.
+    Memory(Arc<Mutex<BTreeMap<String, Record>>>),
 }
 
 /// What a store has under a key.
@@ -53,18 +64,29 @@ impl Store {
     pub fn open(folder: impl AsRef<Path>) -> Result<Self, Error> {
         let folder = folder.as_ref().to_owned();
         std::fs::create_dir_all(&folder).map_err(io("make folder", &folder))?;
-        let store = Self { folder };
-        for path in store.paths()? {
+        for path in paths(&folder)? {
             if is_aside(&path) {
                 sweep(&path);
             }
         }
-        Ok(store)
+        Ok(Self {
+            place: Place::Folder(folder),
+        })
     }
 
-    /// The folder of the store.
-    pub fn folder(&self) -> &Path {
-        &self.folder
+    /// A store in memory: for simulators so cheap that a file would cost more than a run, such as those in closed form.
+    pub fn in_memory() -> Self {
+        Self {
+            place: Place::Memory(Arc::default()),
+        }
+    }
+
+    /// The folder of the store; none of one in memory.
+    pub fn folder(&self) -> Option<&Path> {
+        match &self.place {
+            Place::Folder(folder) => Some(folder),
+            Place::Memory(_) => None,
+        }
     }
 
     /// Looks up the record of a key.
@@ -79,7 +101,14 @@ impl Store {
                 key: key.to_owned(),
             });
         }
-        let path = self.path_of(key);
+        let folder = match &self.place {
+            Place::Folder(folder) => folder,
+            Place::Memory(records) => {
+                let found = lock(records).get(key).cloned();
+                return Ok(found.map_or(Lookup::Absent, Lookup::Found));
+            }
+        };
+        let path = path_of(folder, key);
         let bytes = match std::fs::read(&path) {
             Ok(bytes) => bytes,
             Err(error) if error.kind() == ErrorKind::NotFound => return Ok(Lookup::Absent),
@@ -105,15 +134,22 @@ impl Store {
     ///
     /// [`Error::Io`] when the disk refuses; the store then is as before.
     pub fn put(&self, record: &Record) -> Result<(), Error> {
+        let folder = match &self.place {
+            Place::Folder(folder) => folder,
+            Place::Memory(records) => {
+                lock(records).insert(record.key.clone(), record.clone());
+                return Ok(());
+            }
+        };
         let mut bytes = serde_json::to_vec_pretty(record).map_err(|source| Error::Unwritable {
             key: record.key.clone(),
             source,
         })?;
         bytes.push(b'\n');
-        let target = self.path_of(&record.key);
+        let target = path_of(folder, &record.key);
         let mut attempt = 1;
         loop {
-            match self.write_once(&record.key, &bytes, &target) {
+            match write_once(folder, &record.key, &bytes, &target) {
                 // Another process that opened the store met the aside file before its lock.
                 Err(Error::Io { source, .. })
                     if source.kind() == ErrorKind::NotFound && attempt < WRITE_ATTEMPTS =>
@@ -132,8 +168,12 @@ impl Store {
     /// [`Error::Foreign`] when the folder holds a file that no store wrote; [`Error::Io`] when it
     /// cannot be read.
     pub fn keys(&self) -> Result<Vec<String>, Error> {
+        let folder = match &self.place {
+            Place::Folder(folder) => folder,
+            Place::Memory(records) => return Ok(lock(records).keys().cloned().collect()),
+        };
         let mut keys = Vec::new();
-        for path in self.paths()? {
+        for path in paths(folder)? {
             if is_aside(&path) {
                 continue;
             }
@@ -145,50 +185,53 @@ impl Store {
         keys.sort_unstable();
         Ok(keys)
     }
+}
 
-    /// The file of a key.
-    fn path_of(&self, key: &str) -> PathBuf {
-        self.folder.join(format!("{key}{RECORD_ENDING}"))
-    }
+/// The records of a store in memory; a thread that panicked left them whole.
+fn lock(records: &Mutex<BTreeMap<String, Record>>) -> MutexGuard<'_, BTreeMap<String, Record>> {
+    records.lock().unwrap_or_else(PoisonError::into_inner)
+}
 
-    /// All entries of the folder.
-    fn paths(&self) -> Result<Vec<PathBuf>, Error> {
-        let problem = io("list", &self.folder);
-        let entries = std::fs::read_dir(&self.folder).map_err(&problem)?;
-        entries
-            .map(|entry| entry.map(|e| e.path()).map_err(&problem))
-            .collect()
-    }
+/// The file of a key.
+fn path_of(folder: &Path, key: &str) -> PathBuf {
+    folder.join(format!("{key}{RECORD_ENDING}"))
+}
 
-    /// Writes aside and renames, once.
-    fn write_once(&self, key: &str, bytes: &[u8], target: &Path) -> Result<(), Error> {
-        let number = ASIDE_NUMBER.fetch_add(1, Ordering::Relaxed);
-        let process = std::process::id();
-        let aside = self
-            .folder
-            .join(format!(".{key}.{process}.{number}{ASIDE_ENDING}"));
-        let mut file = OpenOptions::new()
-            .write(true)
-            .create_new(true)
-            .open(&aside)
-            .map_err(io("create", &aside))?;
-        // Where locks are not supported nobody can sweep the file either.
-        let _ = file.lock();
-        let written = file
-            .write_all(bytes)
-            .and_then(|()| file.sync_all())
-            .map_err(io("write", &aside))
-            .and_then(|()| std::fs::rename(&aside, target).map_err(io("rename", &aside)));
-        if written.is_err() {
-            let _ = std::fs::remove_file(&aside);
-            return written;
-        }
-        // The name is safe once the folder is on the disk; some systems cannot force a folder.
-        if let Ok(folder) = File::open(&self.folder) {
-            let _ = folder.sync_all();
-        }
-        Ok(())
+/// All entries of a folder.
+fn paths(folder: &Path) -> Result<Vec<PathBuf>, Error> {
+    let problem = io("list", folder);
+    let entries = std::fs::read_dir(folder).map_err(&problem)?;
+    entries
+        .map(|entry| entry.map(|e| e.path()).map_err(&problem))
+        .collect()
+}
+
+/// Writes aside and renames, once.
+fn write_once(folder: &Path, key: &str, bytes: &[u8], target: &Path) -> Result<(), Error> {
+    let number = ASIDE_NUMBER.fetch_add(1, Ordering::Relaxed);
+    let process = std::process::id();
+    let aside = folder.join(format!(".{key}.{process}.{number}{ASIDE_ENDING}"));
+    let mut file = OpenOptions::new()
+        .write(true)
+        .create_new(true)
+        .open(&aside)
+        .map_err(io("create", &aside))?;
+    // Where locks are not supported nobody can sweep the file either.
+    let _ = file.lock();
+    let written = file
+        .write_all(bytes)
+        .and_then(|()| file.sync_all())
+        .map_err(io("write", &aside))
+        .and_then(|()| std::fs::rename(&aside, target).map_err(io("rename", &aside)));
+    if written.is_err() {
+        let _ = std::fs::remove_file(&aside);
+        return written;
     }
+    // The name is safe once the folder is on the disk; some systems cannot force a folder.
+    if let Ok(folder) = File::open(folder) {
+        let _ = folder.sync_all();
+    }
+    Ok(())
 }
 
 /// Reads the bytes of a record file.

@@ -128,8 +128,7 @@ pub(crate) fn run_with(
     problem: &CalibrationProblem,
     settings: &LoopSettings,
 ) -> Result<Calibration, Error> {
-    let folder = tempfile::tempdir().expect("a folder");
-    let store = Store::open(folder.path()).expect("a store");
+    let store = Store::in_memory();
     let campaign = Campaign::new(&store, 1, &Silent);
     calibrate(&campaign, toy, problem, settings, &|_| {})
 }
