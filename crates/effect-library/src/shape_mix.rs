@@ -105,6 +105,7 @@ mod tests {
     fn the_others_keep_their_proportions() {
         let mut scene = small_drum();
         scene.seed.push(scene.seed[1].clone());
+        scene.seed[2].name = "third".into();
         for (seed, count) in scene.seed.iter_mut().zip([70, 20, 10]) {
             seed.set_count(count);
         }

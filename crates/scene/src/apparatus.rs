@@ -193,7 +193,7 @@ impl Apparatus {
             ],
             Self::Slider(_) => &["shown_static_friction"],
             Self::Drop(_) => &["shown_restitution"],
-            Self::Tilt(_) => &["shown_rolling_friction", "slid_share"],
+            Self::Tilt(_) => &["shown_rolling_friction", "slid_share", "held_share"],
         }
     }
 

@@ -127,6 +127,8 @@ struct Repeat {
     shown: f64,
     /// Whether the seed slid instead of rolling; tilt only.
     slid: bool,
+    /// Seeds before it that did not start at all; tilt only.
+    n_held: usize,
     /// Steps done.
     n_steps: u64,
     /// Number of bodies.
@@ -144,6 +146,7 @@ impl Repeat {
         Self {
             shown,
             slid,
+            n_held: 0,
             n_steps: world.n_steps(),
             n_bodies: world.bodies().len(),
             n_spheres: templates
@@ -187,6 +190,11 @@ pub(crate) fn run_bench(
     if matches!(scene.apparatus, Apparatus::Tilt(_)) {
         let slid = repeats.iter().map(|r| f64::from(u8::from(r.slid)));
         further.push(Further::new("slid_share", "1", slid.collect()));
+        let held = repeats.iter().flat_map(|r| {
+            let before = std::iter::repeat_n(1.0, r.n_held);
+            before.chain([0.0])
+        });
+        further.push(Further::new("held_share", "1", held.collect()));
     }
     let last = repeats.last();
     Ok(Some(RunResult {

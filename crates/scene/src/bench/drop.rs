@@ -24,8 +24,8 @@ const REST: f64 = 0.02;
 /// the plate. H2 is how far its lowest point rises above where that was at the first touch, at its highest
 /// and whatever the seed does in between; 0 where it never comes back so high. On a smooth plate both are
 /// heights of the lowest point over the plate. The fall itself is not simulated: the seed starts just
-/// above the plate with the speed of its fall. A seed that leaves a plate of seeds sideways has made its
-/// rebound.
+/// above the plate with the speed of its fall. A seed that leaves a plate of seeds sideways comes
+/// to lie on the plane below it.
 ///
 /// # Errors
 ///
@@ -82,13 +82,12 @@ fn one(
         }
         highest = highest.max(low - first_touch);
         let rising = world.bodies().velocity[0].y > 0.0;
-        // Falling from a height at which no tip can reach the plate any more, or past the plate.
+        // Falling from a height at which no tip can reach the plate any more.
         let is_over = !rising && at > plate.top() + reach;
-        let is_past = at < -2.0 * reach;
         if !parts.is_at_rest(&world) {
             moving = world.time();
         }
-        if is_over || is_past || world.time() - moving > REST {
+        if is_over || world.time() - moving > REST {
             return Ok((highest, world));
         }
     }

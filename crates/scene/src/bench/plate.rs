@@ -15,7 +15,7 @@ const PLATE_MASS: f64 = 1e12;
 pub(super) enum Plate {
     /// The plane y = 0.
     Smooth,
-    /// Spheres of seeds that are glued down.
+    /// Spheres of seeds that are glued down on a plane at their lowest point.
     Seeds(Vec<Sphere>),
 }
 
@@ -54,9 +54,9 @@ impl Plate {
     pub(super) fn lift(&self, spheres: &[Sphere]) -> f64 {
         match self {
             Self::Smooth => -lowest(spheres),
-            // Spheres beside the plate touch nothing: they are let go at the height of its top.
             Self::Seeds(plate) => {
-                touching_shift(spheres, plate, 1).unwrap_or_else(|| self.top() - lowest(spheres))
+                let on_base = lowest(plate) - lowest(spheres);
+                touching_shift(spheres, plate, 1).map_or(on_base, |shift| shift.max(on_base))
             }
         }
     }
@@ -70,28 +70,29 @@ impl Plate {
         start: Placement,
     ) -> Result<World, Error> {
         let (mut templates, mut starts) = (vec![body], vec![start]);
-        let mut walls = Vec::new();
-        match self {
-            Self::Smooth => walls.push(Wall {
-                name: "plate".into(),
-                shape: Shape::Plane {
-                    point: Vector3::zeros(),
-                    normal: Vector3::y(),
-                },
-                material: 1,
-                spin: 0.0,
-            }),
+        let base = match self {
+            Self::Smooth => 0.0,
             Self::Seeds(spheres) => {
                 templates.push(rigid(parts, spheres, PLATE_MASS)?);
                 let still = UnitQuaternion::identity();
                 starts.push(Placement::at_rest(1, Vector3::zeros(), still));
+                lowest(spheres)
             }
-        }
+        };
+        let plane = Wall {
+            name: "plate".into(),
+            shape: Shape::Plane {
+                point: Vector3::y() * base,
+                normal: Vector3::y(),
+            },
+            material: 1,
+            spin: 0.0,
+        };
         Ok(World::new(
             parts.solver_settings(),
             templates,
             parts.interactions.clone(),
-            walls,
+            vec![plane],
             &starts,
         )?)
     }

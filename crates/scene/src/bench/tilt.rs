@@ -13,6 +13,9 @@ const SIDE: usize = 5;
 /// Rate of the tilt, rad/s: 5 degrees a second.
 const RATE: f64 = 5.0 * std::f64::consts::PI / 180.0;
 
+/// Time of the tilt, to 80 degrees, s.
+const TILTING: f64 = 80.0 / 5.0;
+
 /// Time for the seed to come to rest on the level plate, s.
 const REST: f64 = 0.3;
 
@@ -28,35 +31,48 @@ const TURN: f64 = 0.5;
 /// Sliding has begun when it has gone this way in seed radii without turning so far.
 const WAY: f64 = 2.0;
 
+/// Seeds put on plates of seeds until one starts, at most.
+const TRIES: usize = 10;
+
 /// Tangent of the starting angle for `repeats` seeds, and whether each slid instead of rolling; then the angle
 /// tells the static friction.
 ///
 /// The long axis lies across the slope, as on the bench; the seed is turned about it at random and
-/// comes to rest before the plate is tilted. A plate of seeds is laid anew for each,
-/// and the seed put on it at a random place within half a seed of its middle.
+/// comes to rest before the plate is tilted. A plate of seeds is laid anew for each, and the seed put on it
+/// at a random place within half a seed of its middle. A seed that holds on at 80 degrees, wedged between
+/// others, is put anew, as one would on the bench; the repeat counts it.
 ///
 /// # Errors
 ///
-/// A solver that stops, a seed that holds on at 80 degrees.
+/// A solver that stops, a seed that holds on on a smooth plate, or ten one after the other on seeds.
 pub(super) fn tilt(parts: &BenchParts, repeats: usize, seed: u64) -> Result<Vec<Repeat>, Error> {
     let mut stream = Stream::new(seed, "tilt test");
-    (1..=repeats)
-        .map(|repeat| {
+    let mut one_that_starts = |repeat| {
+        // On a smooth plate all places are alike.
+        for n_held in 0..if parts.on_seeds { TRIES } else { 1 } {
             let angle = stream.between(0.0, std::f64::consts::TAU);
             let plate = Plate::of(parts, SIDE, SIDE, &mut stream);
             let aside = plate.place(parts, &mut stream);
-            one(parts, &plate, (angle, aside), repeat)
+            if let Some(found) = one(parts, &plate, (angle, aside))? {
+                return Ok(Repeat { n_held, ..found });
+            }
+        }
+        Err(Error::NoEvent {
+            repeat,
+            what: "no seed starts to roll",
+            limit: TILTING,
         })
-        .collect()
+    };
+    (1..=repeats).map(&mut one_that_starts).collect()
 }
 
-/// One seed, turned by an angle (rad) about its long axis, aside of the middle of the plate (m).
+/// One seed, turned by an angle (rad) about its long axis, aside of the middle of the plate (m); none where it
+/// holds on.
 fn one(
     parts: &BenchParts,
     plate: &Plate,
     (angle, aside): (f64, Vector3<f64>),
-    repeat: usize,
-) -> Result<Repeat, Error> {
+) -> Result<Option<Repeat>, Error> {
     // The long axis is the body's x axis; it is laid along z, across the slope.
     let across = UnitQuaternion::from_axis_angle(&Vector3::y_axis(), -std::f64::consts::FRAC_PI_2);
     let turn = across * UnitQuaternion::from_axis_angle(&Vector3::x_axis(), angle);
@@ -65,9 +81,8 @@ fn one(
     let mut world = plate.world(parts, parts.template(), start)?;
     let weight = parts.weight();
     let (mut moving, mut rested_at) = (0.0, None);
-    let tilting = 80_f64.to_radians() / RATE;
     let mut rested = None;
-    while rested_at.is_none_or(|since| world.time() - since < tilting) {
+    while rested_at.is_none_or(|since| world.time() - since < TILTING) {
         let now = world.time();
         let tilt = rested_at.map_or(0.0, |since| now - since) * RATE;
         let pull = Vector3::new(tilt.sin(), -tilt.cos(), 0.0) * weight;
@@ -89,12 +104,8 @@ fn one(
         let way = (position - from).norm();
         let slid = way > WAY * parts.body.clump.bounding_radius();
         if turned > TURN || slid {
-            return Ok(Repeat::new(tilt.tan(), turned <= TURN, &world));
+            return Ok(Some(Repeat::new(tilt.tan(), turned <= TURN, &world)));
         }
     }
-    Err(Error::NoEvent {
-        repeat,
-        what: "the seed does not start to roll",
-        limit: tilting,
-    })
+    Ok(None)
 }
