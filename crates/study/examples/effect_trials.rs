@@ -16,11 +16,12 @@ use campaign::{Campaign, LineProgress, RunRequest};
 use random_stream::Stream;
 use run_store::Store;
 use scene::Scene;
+use scene_simulator::{Binding, SceneSimulator};
 use serde::Deserialize;
 use std::collections::BTreeMap;
 use std::error::Error;
 use std::path::{Path, PathBuf};
-use study::{DeclaredEntry, SceneSimulator, overrides, probes};
+use study::{DeclaredEntry, overrides, probes};
 
 /// First seed of the fits; each of them begins with the same runs.
 const SEED: u64 = 1;
@@ -105,10 +106,12 @@ impl Plan {
     fn simulator(&self, folder: &Path) -> Result<SceneSimulator, Box<dyn Error>> {
         let changes = overrides(&self.changes).map_err(|text| format!("'{text}' has no '='"))?;
         let scene = Scene::read(&folder.join(&self.scene), &changes)?;
-        Ok(SceneSimulator::new(BTreeMap::from([(
-            "trials".to_owned(),
-            scene,
-        )]))?)
+        let paths = self.declared.iter().map(|d| d.parameter.clone());
+        let bindings = paths.map(|path| (path.clone(), Binding::of_path(&path)));
+        Ok(SceneSimulator::new(
+            BTreeMap::from([("trials".to_owned(), scene)]),
+            bindings.collect(),
+        )?)
     }
 
     /// What every fit is given: all effects that the scene can carry.

@@ -14,10 +14,10 @@ use campaign::{Campaign, LineProgress, RunRequest};
 use records::{folder_and_runs, mean_and_error};
 use run_store::Store;
 use scene::Scene;
+use scene_simulator::{Binding, SceneSimulator};
 use std::collections::BTreeMap;
 use std::error::Error;
 use std::path::Path;
-use study::SceneSimulator;
 
 /// The levels: pair, low, middle, high, repetitions, speed in rpm.
 const LEVELS: &str = include_str!("../../../fixtures/cotton/rolling_levels.csv");
@@ -44,12 +44,19 @@ fn main() -> Result<(), Box<dyn Error>> {
     let (folder, runs) = folder_and_runs("rolling_levels", 5)?;
     // The drum of the fixtures stands at the published optimum, without rolling friction.
     let drum = Scene::read(Path::new("fixtures/cotton/drum.toml"), &[])?;
-    let simulator = SceneSimulator::new(BTreeMap::from([("drum".to_owned(), drum)]))?;
     let store = Store::open(folder)?;
     let threads = std::thread::available_parallelism().map_or(1, usize::from);
     let progress = LineProgress::new(std::io::stderr());
     let campaign = Campaign::new(&store, threads, &progress);
     let levels = levels()?;
+    let paths = levels
+        .iter()
+        .map(|(pair, _)| format!("contact.{pair}.rolling_friction"));
+    let bindings = paths.map(|path| (path.clone(), Binding::of_path(&path)));
+    let simulator = SceneSimulator::new(
+        BTreeMap::from([("drum".to_owned(), drum)]),
+        bindings.collect(),
+    )?;
     let mut points = vec![("none".to_owned(), 0.0, "seed-seed")];
     for (pair, values) in &levels {
         points.extend(values.iter().map(|v| ((*pair).to_owned(), *v, *pair)));

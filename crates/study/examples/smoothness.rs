@@ -19,10 +19,11 @@ use response_surface::distribution::t_two_sided_quantile;
 use response_surface::{Model, Observations, fit};
 use run_store::Store;
 use scene::Scene;
+use scene_simulator::{Binding, SceneSimulator};
 use std::collections::BTreeMap;
 use std::error::Error;
 use std::path::Path;
-use study::{SceneSimulator, StudyFile};
+use study::StudyFile;
 
 /// Shares of the roughness taken away. At 0 the seeds are packed with separate spheres that touch the mesh from
 /// inside; all others are overlapping spheres, so that the line does not see the change of method.
@@ -38,7 +39,12 @@ fn main() -> Result<(), Box<dyn Error>> {
     let (folder, runs) = folder_and_runs("smoothness", 4)?;
     let study = StudyFile::read(Path::new("fixtures/cotton/study.toml"))?;
     let drum = Scene::read(Path::new("fixtures/cotton/drum.toml"), &[])?;
-    let simulator = SceneSimulator::new(BTreeMap::from([("drum".to_owned(), drum)]))?;
+    let paths = study.factor.iter().map(|f| f.parameter.clone());
+    let bindings = paths.map(|path| (path.clone(), Binding::of_path(&path)));
+    let simulator = SceneSimulator::new(
+        BTreeMap::from([("drum".to_owned(), drum)]),
+        bindings.collect(),
+    )?;
     let request = |smoothness: f64, seed: u64| {
         let mut request = RunRequest::new("drum", seed).with_effect(EFFECT, smoothness);
         for factor in &study.factor {

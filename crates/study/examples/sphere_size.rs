@@ -14,10 +14,10 @@ use campaign::{Campaign, LineProgress, RunRequest};
 use records::{folder_and_runs, mean_and_error};
 use run_store::Store;
 use scene::{Override, Scene};
+use scene_simulator::SceneSimulator;
 use std::collections::BTreeMap;
 use std::error::Error;
 use std::path::Path;
-use study::SceneSimulator;
 
 /// Diameters, mm: that of the scene file first.
 const DIAMETERS: [f64; 3] = [3.0, 2.4, 2.0];
@@ -55,7 +55,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let counts: Vec<_> = DIAMETERS
         .map(|d| scenes[&d.to_string()].seed_count())
         .into();
-    let simulator = SceneSimulator::new(scenes)?;
+    let simulator = SceneSimulator::new(scenes, BTreeMap::new())?;
     let store = Store::open(folder)?;
     let threads = std::thread::available_parallelism().map_or(1, usize::from);
     let progress = LineProgress::new(std::io::stderr());

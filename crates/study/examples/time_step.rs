@@ -19,10 +19,10 @@ use campaign::{Campaign, RunRequest, Silent};
 use records::{folder_and_runs, mean_and_error};
 use run_store::Store;
 use scene::Scene;
+use scene_simulator::{Binding, SceneSimulator};
 use std::collections::BTreeMap;
 use std::error::Error;
 use std::path::Path;
-use study::SceneSimulator;
 
 /// Time steps, s; the first is the reference.
 const STEPS: [f64; 4] = [0.025e-3, 0.1e-3, 0.12e-3, 0.14e-3];
@@ -40,7 +40,14 @@ fn main() -> Result<(), Box<dyn Error>> {
     let (folder, runs) = folder_and_runs("time_step", 10)?;
     let drum = Path::new("fixtures/cotton/drum.toml");
     let scenes = BTreeMap::from([("drum".to_owned(), Scene::read(drum, &[])?)]);
-    let simulator = SceneSimulator::new(scenes)?;
+    let step = Binding {
+        unit: Some("s".to_owned()),
+        ..Binding::of_path("protocol.time_step")
+    };
+    let share = Binding::of_path("protocol.step_share");
+    let bindings = [("time_step_s", step), ("protocol.step_share", share)];
+    let bindings = bindings.map(|(symbol, binding)| (symbol.to_owned(), binding));
+    let simulator = SceneSimulator::new(scenes, bindings.into())?;
     let store = Store::open(folder)?;
     let threads = std::thread::available_parallelism().map_or(1, usize::from);
     let campaign = Campaign::new(&store, threads, &Silent);

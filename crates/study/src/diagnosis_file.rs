@@ -1,14 +1,15 @@
 //! What the file of a diagnosis says: measurements, declared parameters, effects, budget.
 
+use crate::Error;
 use crate::file::read_toml;
 use crate::hidden::probes;
-use crate::{Error, SceneSimulator};
 use calibration::{
     DeclaredParameter, EffectProbe, Observed, ResidualPlan, StudyCondition, least_budget,
     runs_needed, within_budget,
 };
 use campaign::RunRequest;
 use scene::{Override, Scene};
+use scene_simulator::{Binding, SceneSimulator};
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -157,7 +158,8 @@ impl DiagnosisFile {
             )
         })?;
         let scene = Scene::read(&self.scene_path(), &changes)?;
-        let simulator = SceneSimulator::new(BTreeMap::from([(MODEL.to_owned(), scene)]))?;
+        let simulator =
+            SceneSimulator::new(BTreeMap::from([(MODEL.to_owned(), scene)]), self.bindings())?;
         let names = self.effects.clone().unwrap_or_else(effect_library::names);
         let base = RunRequest::new(MODEL, seed);
         let (mut effects, mut not_applicable) = (Vec::new(), BTreeMap::new());
@@ -216,6 +218,14 @@ impl DiagnosisFile {
             plan: within,
             not_applicable,
         })
+    }
+
+    /// The settings that the declared parameters stand for.
+    fn bindings(&self) -> BTreeMap<String, Binding> {
+        let paths = self.declared.iter().map(|d| d.parameter.as_str());
+        paths
+            .map(|path| (path.to_owned(), Binding::of_path(path)))
+            .collect()
     }
 
     /// A run at the first condition and the starting values, with an effect at its probe.

@@ -37,6 +37,9 @@ pub enum Error {
     /// A scene is refused.
     #[error(transparent)]
     Scene(#[from] scene::Error),
+    /// The scenes cannot be asked, or a record is not that of a run of a scene.
+    #[error(transparent)]
+    Simulator(#[from] scene_simulator::Error),
     /// A stage of the calibration failed.
     #[error(transparent)]
     Calibration(#[from] calibration::Error),

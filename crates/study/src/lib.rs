@@ -1,7 +1,7 @@
 //! The loop of one study: reads the study file, runs every stage, writes the result folder.
 //!
-//! This is the only room that joins the calibration to the solver: [`SceneSimulator`] makes a
-//! [`campaign::Simulator`] of scenes and effects, and [`run_study`] leads it through screening,
+//! This is the only room that joins the calibration to the solver: a
+//! [`scene_simulator::SceneSimulator`] runs scenes with effects, and [`run_study`] leads it through screening,
 //! response surface, solutions, validation, the metering device, the residual at the bench
 //! measurements, and a campaign with a hidden effect. [`run_diagnosis`] does the last part alone, on a
 //! user's own measurements.
@@ -15,7 +15,6 @@ mod loop_stages;
 mod output;
 mod report_page;
 mod result;
-mod simulator;
 mod tables;
 mod unit_of_name;
 
@@ -32,4 +31,3 @@ pub use output::{write_diagnosis, write_results};
 pub use result::{
     FillingSummary, HiddenCampaign, ImageAgainstPosition, MeteringResult, StudyResult, SweepPoint,
 };
-pub use simulator::{SceneSimulator, outcome_of};

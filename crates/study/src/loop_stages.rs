@@ -3,8 +3,8 @@
 use crate::hidden::probes;
 use crate::result::Cost;
 use crate::{
-    Error, FillingSummary, ImageAgainstPosition, MeteringResult, Profile, SceneSimulator,
-    StudyFile, StudyResult, SweepPoint,
+    Error, FillingSummary, ImageAgainstPosition, MeteringResult, Profile, StudyFile, StudyResult,
+    SweepPoint,
 };
 use calibration::{
     CalibrationFactor, DeclaredParameter, Observed, Point, PointResult, Question, ResidualPlan,
@@ -15,6 +15,7 @@ use campaign::{Campaign, Progress, RunRequest, Simulator};
 use response_surface::{Fit, Measured, SolutionRequest, Solutions, solutions};
 use run_store::{Lookup, Record, Store};
 use scene::Scene;
+use scene_simulator::{Binding, RunDetails, SceneSimulator};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::atomic::AtomicBool;
@@ -67,7 +68,7 @@ pub fn run_study(
     announce: &dyn Fn(&str),
 ) -> Result<StudyResult, Error> {
     let profile = study.profile(&settings.profile)?;
-    let simulator = SceneSimulator::new(scenes(study, profile)?)?;
+    let simulator = SceneSimulator::new(scenes(study, profile)?, bindings(study))?;
     let store = Store::open(settings.folder.join("runs"))?;
     let stages = Loop {
         study,
@@ -104,6 +105,14 @@ fn scenes(study: &StudyFile, profile: &Profile) -> Result<BTreeMap<String, Scene
         ("metering".to_owned(), metering),
         ("hidden".to_owned(), hidden),
     ]))
+}
+
+/// The settings that the parameters of a study stand for.
+fn bindings(study: &StudyFile) -> BTreeMap<String, Binding> {
+    let paths = study.factor.iter().map(|f| f.parameter.clone());
+    paths
+        .map(|path| (path.clone(), Binding::of_path(&path)))
+        .collect()
 }
 
 impl Loop<'_> {
@@ -421,7 +430,7 @@ fn with_regime(
             Some(key) => record_of(store, key)?,
             None => None,
         };
-        let regime = record.as_ref().and_then(|r| r.details()["regime"].as_str());
+        let regime = record.as_ref().and_then(Record::regime);
         let slip = record.as_ref().and_then(|r| r.observable("shell_slip"));
         points.push(SweepPoint {
             value: *value,
@@ -471,13 +480,15 @@ impl Loop<'_> {
     /// What the runs cost, and what profile `study` would.
     fn cost(&self, store: &Store, drum_keys: &[String]) -> Result<Cost, Error> {
         let version = self.simulator.version();
-        let timing =
-            |record: &Record, name: &str| record.details()["timing"][name].as_f64().unwrap_or(0.0);
         let mut times: BTreeMap<String, Vec<f64>> = BTreeMap::new();
         for key in store.keys()? {
             if let Some(record) = record_of(store, &key)?.filter(|r| r.version() == version) {
-                let scene = record.inputs()["model"].as_str().unwrap_or_default();
-                let time = timing(&record, "wall_s");
+                // The drums of the campaign with a hidden effect are all those that no other stage asked for.
+                let scene = match record.inputs()["scene"]["apparatus"]["kind"].as_str() {
+                    Some("drum") if !drum_keys.contains(&key) => "hidden",
+                    other => other.unwrap_or_default(),
+                };
+                let time = RunDetails::of(&record)?.timing.wall_s;
                 times.entry(scene.to_owned()).or_default().push(time);
             }
         }
@@ -485,8 +496,9 @@ impl Loop<'_> {
         let (mut drum_time, mut drum_steps) = (0.0, 0.0);
         for key in drum_keys {
             if let Some(record) = record_of(store, key)? {
-                drum_time += timing(&record, "wall_s");
-                drum_steps += timing(&record, "steps");
+                let timing = RunDetails::of(&record)?.timing;
+                drum_time += timing.wall_s;
+                drum_steps += timing.steps as f64;
             }
         }
         let study = self.study.profile("study").unwrap_or(self.profile);
@@ -504,7 +516,7 @@ impl Loop<'_> {
             + (1 + self.study.sweep.values.len()) * study.point_runs
             + 10 * study.point_runs;
         // Time of a run there: as measured here, times the ratio of seeds and drum time.
-        let there = SceneSimulator::new(scenes(self.study, study)?)?;
+        let there = SceneSimulator::new(scenes(self.study, study)?, bindings(self.study))?;
         let run_time = |scene: &str| {
             let request = RunRequest::new(scene, 0);
             let ratio = there.expected_cost(&request) / self.simulator.expected_cost(&request);

@@ -1,10 +1,10 @@
 //! `seedloop calibrate STUDY.toml`: the whole loop.
 
+use crate::stop;
 use anyhow::Context as _;
 use campaign::LineProgress;
 use command_line::{Common, DONE, Header, NOT_MET, Overwrite};
 use std::path::{Path, PathBuf};
-use std::sync::atomic::AtomicBool;
 use study::{RunSettings, StudyFile, StudyResult, run_study, write_results};
 
 /// Run the whole loop of a study: screening, response surface, solutions, validation, diagnosis
@@ -59,8 +59,12 @@ pub(crate) fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<u8> 
     };
     let progress = progress_lines(common);
     let announce = |stage: &str| common.log(|| format!("== {stage}"));
-    let stop = AtomicBool::new(false);
-    let result = run_study(&study, &settings, &progress, &stop, &announce)?;
+    let stop = stop::flag()?;
+    let result = run_study(&study, &settings, &progress, &stop, &announce);
+    let result = match stop::result_or_stopped(result, &folder)? {
+        Ok(result) => result,
+        Err(code) => return Ok(code),
+    };
     write_results(&folder, &study, &result)
         .with_context(|| format!("cannot write the results into {}", folder.display()))?;
     common.print(summary(&result))?;

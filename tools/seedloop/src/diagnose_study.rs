@@ -2,13 +2,13 @@
 
 use crate::calibrate::{progress_lines, refuse_used_folder};
 use crate::diagnose::{exit_code, text};
+use crate::stop;
 use anyhow::Context as _;
 use command_line::{Common, DONE, Header};
 use residual_diagnosis::Diagnosis;
 use serde::Serialize;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
-use std::sync::atomic::AtomicBool;
 use study::{
     DiagnosisFile, DiagnosisResult, PlannedDiagnosis, RunSettings, run_diagnosis, write_diagnosis,
 };
@@ -63,14 +63,18 @@ pub(crate) fn run(path: &Path, options: &Options, common: &Common) -> anyhow::Re
         inputs: Header::new(options.seed, [path.to_owned(), file.scene_path()])?.inputs,
     };
     common.log(|| plan_text(&file, &planned).trim_end().to_owned());
-    let stop = AtomicBool::new(false);
+    let stop = stop::flag()?;
     let result = run_diagnosis(
         &planned,
         &file.name,
         &settings,
         &progress_lines(common),
         &stop,
-    )?;
+    );
+    let result = match stop::result_or_stopped(result, &folder)? {
+        Ok(result) => result,
+        Err(code) => return Ok(code),
+    };
     write_diagnosis(&folder, &result)
         .with_context(|| format!("cannot write the results into {}", folder.display()))?;
     let diagnosis = &result.study.diagnosis;

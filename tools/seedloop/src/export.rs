@@ -1,11 +1,12 @@
 //! `seedloop export`: a scene in the formats of other tools.
 
+use crate::simulate::read_scene;
 use anyhow::{Context as _, ensure};
 use clap::ValueEnum;
 use command_line::{Common, DONE, Header, write_new};
 use exchange::vtk::File;
 use exchange::{lammps, liggghts, vtk};
-use scene::{FillingLibrary, Scene, starting_frame};
+use scene::{FillingLibrary, starting_frame};
 use serde::Serialize;
 use std::path::PathBuf;
 
@@ -35,6 +36,10 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "NAME=VALUE", value_parser = crate::simulate::setting)]
     set: Vec<scene::Override>,
 
+    /// Sets the calibrated values of a parameter file, as in `seedloop simulate`
+    #[arg(long, value_name = "PARAMETERS.toml")]
+    set_file: Option<PathBuf>,
+
     /// Seed of the starting places and turns of the seeds
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
@@ -63,7 +68,11 @@ struct Report {
 /// A scene that cannot be read, run or written in the format, files that exist.
 pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
     let common = &arguments.common;
-    let scene = Scene::read(&arguments.scene, &arguments.set)?;
+    let (scene, _) = read_scene(
+        &arguments.scene,
+        arguments.set_file.as_deref(),
+        &arguments.set,
+    )?;
     let library = FillingLibrary::default();
     let files = match arguments.format {
         Format::Lammps => {
@@ -84,6 +93,7 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
         common.print(arguments.out.join(&file.name).display())?;
     }
     let mut inputs = vec![arguments.scene.clone()];
+    inputs.extend(arguments.set_file.clone());
     inputs.extend(
         scene
             .mesh_files()

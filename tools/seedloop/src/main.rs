@@ -11,6 +11,7 @@ mod export;
 mod levels;
 mod optimise;
 mod simulate;
+mod stop;
 mod verify;
 
 use clap::{Parser, Subcommand};

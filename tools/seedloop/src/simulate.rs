@@ -10,10 +10,11 @@ use command_line::{Common, DONE, Header, NOT_MET, write_new};
 use report::{Refusal, Report};
 use run_store::{Lookup, Record, Store};
 use scene::{Override, Scene};
+use scene_simulator::{ParameterFile, RunDetails};
 use single_run::SingleRun;
 use state_file::StateFile;
 use std::io::Write as _;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Runs one scene and prints what it shows
 #[derive(clap::Args, Debug)]
@@ -30,6 +31,11 @@ pub(crate) struct Arguments {
     /// or by its short name where only one setting has it (rpm=20, frames=6)
     #[arg(long, value_name = "NAME=VALUE", value_parser = setting)]
     set: Vec<Override>,
+
+    /// Sets the calibrated values of a parameter file, such as the parameters.toml of `seedloop calibrate`;
+    /// settings that the scene does not have are skipped, and --set comes after it
+    #[arg(long, value_name = "PARAMETERS.toml")]
+    set_file: Option<PathBuf>,
 
     /// Seed of the starting places and turns of the seeds
     #[arg(long, value_name = "N", default_value_t = 1)]
@@ -69,6 +75,25 @@ pub(crate) fn setting(text: &str) -> Result<Override, String> {
     }
 }
 
+/// Reads a scene with the values of a parameter file and further settings; also gives all settings that were
+/// changed, in the order in which they were.
+///
+/// # Errors
+/// A scene or parameter file that cannot be read, settings that the scene does not have.
+pub(crate) fn read_scene(
+    file: &Path,
+    set_file: Option<&Path>,
+    set: &[Override],
+) -> anyhow::Result<(Scene, Vec<Override>)> {
+    let scene = Scene::read(file, set)?;
+    let Some(set_file) = set_file else {
+        return Ok((scene, set.to_vec()));
+    };
+    let calibrated = ParameterFile::read(set_file)?.overrides(&scene)?;
+    let changes = [calibrated.as_slice(), set].concat();
+    Ok((Scene::read(file, &changes)?, changes))
+}
+
 /// Reads a time of 0 s or more.
 fn seconds(text: &str) -> Result<f64, String> {
     let seconds = text
@@ -93,9 +118,10 @@ struct Outcome {
 pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
     let common = &arguments.common;
     refuse_existing(arguments)?;
-    let changes = [arguments.set.as_slice(), &arguments.further].concat();
-    let scene = Scene::read(&arguments.scene, &changes)?;
+    let set = [arguments.set.as_slice(), &arguments.further].concat();
+    let (scene, changes) = read_scene(&arguments.scene, arguments.set_file.as_deref(), &set)?;
     let mut inputs = vec![arguments.scene.clone()];
+    inputs.extend(arguments.set_file.clone());
     inputs.extend(
         scene
             .mesh_files()
@@ -127,7 +153,12 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
 
 /// Whether an error is an answer (exit 1) and not a fault of the input (exit 2).
 fn is_refusal(error: &anyhow::Error) -> bool {
-    matches!(error.downcast_ref(), Some(scene::Error::NoSurface { .. }))
+    matches!(
+        error.downcast_ref(),
+        Some(scene_simulator::Error::Scene(
+            scene::Error::NoSurface { .. }
+        ))
+    )
 }
 
 /// Refuses output files that exist before the work is done.
@@ -231,10 +262,8 @@ fn write_frame(arguments: &Arguments, record: &Record) -> anyhow::Result<()> {
     let Some(file) = &arguments.frame else {
         return Ok(());
     };
-    let text = record.details()["last_frame_png_base64"].as_str();
-    let text = text
-        .filter(|text| !text.is_empty())
-        .context("the run has no frame to write")?;
+    let text = RunDetails::of(record)?.last_frame_png_base64;
+    let text = text.context("the run has no frame to write")?;
     let picture = base64::engine::general_purpose::STANDARD
         .decode(text)
         .context("the picture in the record is damaged; run again with --force")?;

@@ -101,7 +101,7 @@ impl RunDetails {
             centre_of_mass_deg: numbers("series", "centre_of_mass_deg"),
             start_up_s: details["start_up_s"].as_f64(),
             frame_times_s: numbers("frames", "times_s"),
-            regime: details["regime"].as_str().unwrap_or("unknown").to_owned(),
+            regime: record.regime().unwrap_or("unknown").to_owned(),
             steady: details["steady"].as_bool().unwrap_or(false),
             refused: details["frames"]["refused"].as_u64().unwrap_or(0),
             last_frame: frame.and_then(|text| engine.decode(text).ok()),
@@ -120,7 +120,7 @@ mod tests {
         let record = Record::new("0", json!({}), 1)
             .expect("a record")
             .with_details(json!({
-                "regime": "rolling", "steady": true, "start_up_s": 0.5,
+                "steady": true, "start_up_s": 0.5,
                 "series": { "time_s": [0.0, 0.5], "centre_of_mass_deg": [1.0, 2.0] },
                 "frames": { "times_s": [0.5], "refused": 2 },
                 "last_frame_png_base64": "aGk=",

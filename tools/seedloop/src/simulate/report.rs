@@ -5,6 +5,7 @@ use anyhow::Context as _;
 use command_line::Header;
 use run_store::Observation;
 use scene::{Override, Scene};
+use scene_simulator::{FrameDetails, RunDetails, TimingDetails};
 use serde::Serialize;
 use serde_json::Value;
 use std::collections::BTreeMap;
@@ -20,18 +21,18 @@ pub(super) struct Report {
     verdict: &'static str,
     /// Results by name.
     observables: BTreeMap<String, Observation>,
-    /// How the bed moves: `rolling` or `sliding`.
-    regime: Value,
-    /// Whether the start-up was found to be over.
-    steady: Value,
+    /// How the run ended up: `rolling`, `sliding` or `resting`; none where the apparatus has no bed.
+    regime: Option<String>,
+    /// Whether the start-up was found to be over; none where the apparatus has no such state.
+    steady: Option<bool>,
     /// Time of rotation before the steady state, s.
-    start_up_s: Value,
+    start_up_s: Option<f64>,
     /// R w^2 / g.
-    froude_number: Value,
+    froude_number: Option<f64>,
     /// Readings of the single frames.
-    frames: Value,
+    frames: FrameDetails,
     /// Steps and times.
-    timing: Value,
+    timing: TimingDetails,
     /// Every setting of the scene as it was run, by its dotted path; quantities with their unit.
     parameters: BTreeMap<String, Value>,
     /// The settings that were changed, as given.
@@ -86,24 +87,25 @@ impl Report {
     /// Describes a finished run.
     ///
     /// # Errors
-    /// A scene that has no form in JSON.
+    /// A scene that has no form in JSON, a record that is not that of a run of a scene.
     pub(super) fn new(
         header: Header,
         outcome: &Outcome,
         scene: &Scene,
         changes: &[Override],
     ) -> anyhow::Result<Self> {
-        let (record, details) = (&outcome.record, outcome.record.details());
+        let record = &outcome.record;
+        let details = RunDetails::of(record)?;
         Ok(Self {
             header,
             verdict: "ok",
             observables: record.observables().clone(),
-            regime: details["regime"].clone(),
-            steady: details["steady"].clone(),
-            start_up_s: details["start_up_s"].clone(),
-            froude_number: details["froude_number"].clone(),
-            frames: details["frames"].clone(),
-            timing: details["timing"].clone(),
+            regime: record.regime().map(str::to_owned),
+            steady: details.steady,
+            start_up_s: details.start_up_s,
+            froude_number: details.froude_number,
+            frames: details.frames,
+            timing: details.timing,
             parameters: settings_of(scene)?,
             changed: changed(changes),
             record: record.key().to_owned(),
@@ -114,13 +116,13 @@ impl Report {
     /// What the user should know of the result.
     pub(super) fn warnings(&self) -> Vec<String> {
         let mut warnings = Vec::new();
-        if self.steady == Value::Bool(false) {
+        if self.steady == Some(false) {
             warnings.push(
                 "the bed was not steady when the rotation ended; raise protocol.rotation_limit"
                     .to_owned(),
             );
         }
-        let refused = self.frames["refused"].as_u64().unwrap_or(0);
+        let refused = self.frames.refused;
         if refused > 0 {
             warnings.push(format!(
                 "the surface could not be measured in {refused} frames"
@@ -142,40 +144,45 @@ impl Report {
                 format_args!("{name:<26}{:>12.4}{sd:>12}{:>6}  {}\n", o.mean, o.n, o.unit),
             );
         }
-        let regime = self.regime.as_str().unwrap_or("not known");
-        add(&mut text, format_args!("\nregime {regime}"));
-        if let Some(froude) = self.froude_number.as_f64() {
-            add(&mut text, format_args!(", Froude number {froude:.4}"));
-        }
-        match (self.steady.as_bool(), self.start_up_s.as_f64()) {
-            (Some(true), Some(time)) => {
-                add(
-                    &mut text,
-                    format_args!(", steady from {time:.2} s of rotation"),
-                );
+        text.push('\n');
+        if let Some(regime) = &self.regime {
+            add(&mut text, format_args!("regime {regime}"));
+            if let Some(froude) = self.froude_number {
+                add(&mut text, format_args!(", Froude number {froude:.4}"));
             }
-            _ => text.push_str(", not steady"),
+            match (self.steady, self.start_up_s) {
+                (Some(true), Some(time)) => {
+                    add(
+                        &mut text,
+                        format_args!(", steady from {time:.2} s of rotation"),
+                    );
+                }
+                (Some(true), None) => {}
+                _ => text.push_str(", not steady"),
+            }
+            text.push('\n');
         }
-        let time = |name: &str| self.timing[name].as_f64().unwrap_or(f64::NAN);
+        let timing = &self.timing;
+        let per_step = timing
+            .us_per_step
+            .map_or_else(String::new, |us| format!(" ({us:.1} us a step)"));
         add(
             &mut text,
             format_args!(
-                "\n{} bodies, {} spheres, {} steps in {:.2} s ({:.1} us a step){}\n",
-                self.timing["bodies"],
-                self.timing["spheres"],
-                self.timing["steps"],
-                time("wall_s"),
-                time("us_per_step"),
+                "{} bodies, {} spheres, {} steps in {:.2} s{per_step}{}\n",
+                timing.bodies,
+                timing.spheres,
+                timing.steps,
+                timing.wall_s,
                 if self.reused { ", from its record" } else { "" },
             ),
         );
-        let (settling, flow) = (time("settling_time_step_s"), time("time_step_s"));
         add(
             &mut text,
             format_args!(
                 "time step {:.4} ms while settling, {:.4} ms after",
-                settling * 1e3,
-                flow * 1e3
+                timing.settling_time_step_s * 1e3,
+                timing.time_step_s * 1e3
             ),
         );
         text.push('\n');

@@ -1,21 +1,23 @@
 //! One run of a scene as a record that the store can keep.
 
-use command_line::file_sha256;
+use campaign::{RunRequest, Simulator as _};
 use run_store::Record;
 use scene::{Keeper, Progress, Scene};
-use serde_json::{Value, json};
+use scene_simulator::{Effort, SceneSimulator, outcome_of};
 use std::collections::BTreeMap;
 use std::time::Instant;
-use study::{SceneSimulator, outcome_of};
+
+/// Name of the scene in its simulator.
+const MODEL: &str = "scene";
 
 /// A scene with its seed, ready to be run.
 #[derive(Debug)]
 pub(super) struct SingleRun {
     /// The scene.
     scene: Scene,
-    /// Seed of its randomness.
-    seed: u64,
-    /// Bodies, and the version of code, scene and meshes.
+    /// The run of it with nothing changed.
+    request: RunRequest,
+    /// Bodies, version of the code, and what the run depends on.
     simulator: SceneSimulator,
 }
 
@@ -25,11 +27,11 @@ impl SingleRun {
     /// # Errors
     /// A mesh that cannot be read.
     pub(super) fn new(scene: Scene, seed: u64) -> anyhow::Result<Self> {
-        let scenes = BTreeMap::from([("scene".to_owned(), scene.clone())]);
+        let scenes = BTreeMap::from([(MODEL.to_owned(), scene.clone())]);
         Ok(Self {
             scene,
-            seed,
-            simulator: SceneSimulator::new(scenes)?,
+            request: RunRequest::new(MODEL, seed),
+            simulator: SceneSimulator::new(scenes, BTreeMap::new())?,
         })
     }
 
@@ -41,16 +43,11 @@ impl SingleRun {
     /// The record without results: its key is made of all that the run depends on.
     ///
     /// # Errors
-    /// A scene with a number that is not finite, a mesh that cannot be read.
+    /// A scene with a number that is not finite.
     pub(super) fn blank_record(&self) -> anyhow::Result<Record> {
-        let mut meshes = BTreeMap::new();
-        for mesh in self.scene.mesh_files() {
-            let digest = file_sha256(&self.scene.folder.join(mesh))?;
-            meshes.insert(mesh.display().to_string(), digest);
-        }
-        let inputs = json!({ "scene": self.scene, "meshes": meshes });
-        let version = campaign::Simulator::version(&self.simulator);
-        Ok(Record::new(&version, inputs, self.seed)?)
+        let inputs = self.simulator.inputs(&self.request)?;
+        let version = self.simulator.version();
+        Ok(Record::new(&version, inputs, self.request.seed)?)
     }
 
     /// Runs the scene on at most so many threads, on from where it was left; the time of filling the
@@ -65,7 +62,8 @@ impl SingleRun {
         left: Option<Progress>,
         keeper: &mut dyn Keeper,
     ) -> anyhow::Result<Record> {
-        let (scene, library) = (&self.scene, self.simulator.fillings());
+        let scene = &self.simulator.scene_as_run(&self.request)?;
+        let library = self.simulator.fillings();
         let begin = Instant::now();
         for seed in &scene.seed {
             library.body(scene, seed)?;
@@ -73,30 +71,20 @@ impl SingleRun {
         let filling_s = begin.elapsed().as_secs_f64();
         let (begin, cpu_before) = (Instant::now(), cpu_seconds());
         let continued = left.is_some();
-        let result = scene::run_on(scene, library, self.seed, threads, left, keeper)?;
-        let wall_s = begin.elapsed().as_secs_f64();
-        let cpu_s = cpu_seconds()
-            .zip(cpu_before)
-            .map(|(after, before)| after - before);
-        let mut outcome = outcome_of(scene, &result, wall_s)?;
-        if let Some(timing) = outcome
-            .details
-            .get_mut("timing")
-            .and_then(Value::as_object_mut)
-        {
-            if continued {
-                // The times are those of the last part alone: they tell no cost of a step.
-                for rate in ["us_per_step", "sphere_steps_per_s"] {
-                    timing.insert(rate.to_owned(), Value::Null);
-                }
-                timing.insert("continued".to_owned(), json!(true));
-            }
-            timing.insert("threads".to_owned(), json!(result.n_threads));
-            timing.insert("cpu_s".to_owned(), json!(cpu_s));
-            timing.insert("filling_s".to_owned(), json!(filling_s));
-        }
+        let result = scene::run_on(scene, library, self.request.seed, threads, left, keeper)?;
+        let effort = Effort {
+            wall_s: begin.elapsed().as_secs_f64(),
+            cpu_s: cpu_seconds()
+                .zip(cpu_before)
+                .map(|(after, before)| after - before),
+            filling_s: Some(filling_s),
+            continued,
+            only_seen: false,
+        };
+        let outcome = outcome_of(scene, &result, effort)?;
         Ok(blank
             .with_observables(outcome.observables)?
+            .with_regime(outcome.regime)
             .with_details(outcome.details))
     }
 }

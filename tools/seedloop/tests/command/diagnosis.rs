@@ -4,7 +4,7 @@ use crate::tiny_scene::TinyScene;
 use crate::{assert_code, assert_error, fixture, json, seedloop, text};
 use std::fs;
 use std::path::Path;
-use std::process::Output;
+use std::process::{Command, Output, Stdio};
 
 /// Two speeds for the fit and one for the check in the tiny drum, one free friction, one effect.
 const STUDY: &str = r#"
@@ -68,6 +68,47 @@ fn the_example_says_what_would_be_run_and_runs_nothing() {
     assert_eq!(said.matches("\n  check ").count(), 2, "{said}");
 }
 
+/// Ctrl-C while runs are left: the running one is finished, its record is kept, and the command says how many there
+/// are. The same command goes on with them.
+#[cfg(unix)]
+#[test]
+fn an_interrupted_diagnosis_keeps_its_runs_and_goes_on() {
+    use std::io::{BufRead as _, BufReader};
+    let scene = study("", "");
+    let mut child = Command::new(env!("CARGO_BIN_EXE_seedloop"))
+        .args(["diagnose", "tiny-study.toml", "--threads", "1"])
+        .current_dir(scene.path(""))
+        .stdout(Stdio::null())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let mut lines = BufReader::new(child.stderr.take().unwrap()).lines();
+    let mut next = || lines.next().map(|line| line.unwrap());
+    while next().is_some_and(|line| !line.contains("1/16 runs of this list")) {}
+    let interrupt = Command::new("kill")
+        .args(["-INT", &child.id().to_string()])
+        .status();
+    assert!(interrupt.unwrap().success());
+    let mut told = String::new();
+    while let Some(line) = next() {
+        told = line;
+    }
+    assert_eq!(child.wait().unwrap().code(), Some(1));
+    let kept = fs::read_dir(scene.path("out/tiny-diagnosis/runs")).unwrap();
+    let kept = kept.count();
+    assert!((1..16).contains(&kept), "{kept}");
+    let said =
+        format!("stopped: {kept} of 16 runs of this list are kept in out/tiny-diagnosis/runs");
+    assert!(told.starts_with(&said), "{told}");
+    let resumed = diagnose(&scene, &["--resume"]);
+    assert_code(&resumed, 0);
+    let log = text(&resumed.stderr);
+    assert!(
+        log.contains(&format!("16/16 runs of this list ({kept} reused")),
+        "{log}"
+    );
+}
+
 /// The whole way on real runs; a second call reuses them all and gives the same study, bit for bit.
 #[test]
 fn a_diagnosis_fills_its_folder_and_goes_on_where_it_was() {
@@ -87,7 +128,7 @@ fn a_diagnosis_fills_its_folder_and_goes_on_where_it_was() {
     let again = diagnose(&scene, &["--resume", "--json=-"]);
     assert_code(&again, 0);
     assert!(
-        text(&again.stderr).contains("16/16 runs (16 reused"),
+        text(&again.stderr).contains("16/16 runs of this list (16 reused"),
         "{}",
         text(&again.stderr)
     );

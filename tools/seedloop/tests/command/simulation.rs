@@ -223,3 +223,42 @@ fn a_killed_run_goes_on_from_its_state() {
     assert_eq!(observables(&resumed), observables(&whole));
     assert_eq!(states(), 0, "the state is left behind");
 }
+
+/// The values of a parameter file are set where the scene has their paths, --set comes after it, and deck and run have
+/// the same ones. A file for other materials is refused.
+#[test]
+fn calibrated_values_are_taken_from_a_file() {
+    let scene = TinyScene::new();
+    let parameter = |symbol: &str, path: &str, value: &str| {
+        format!(
+            "[[parameter]]\nsymbol = \"{symbol}\"\nname = \"{symbol}\"\nsets = [\"{path}\"]\nvalue = {value}\n"
+        )
+    };
+    let [friction, walls] =
+        ["seed-seed", "seed-tough_resin"].map(|pair| format!("contact.{pair}.static_friction"));
+    let file = [
+        parameter("F", &friction, "0.47"),
+        parameter("W", &walls, "0.21"),
+        parameter("P", "contact.pea-pea.static_friction", "0.3"),
+    ];
+    fs::write(scene.path("parameters.toml"), file.concat()).unwrap();
+    let set = format!("{walls}=0.22");
+    let words = ["--set-file", "parameters.toml", "--set", &set, "--json=-"];
+    let output = scene.simulate(&words);
+    assert_code(&output, 0);
+    let json = json(&output);
+    assert_eq!(json["parameters"][&friction], 0.47);
+    assert_eq!(json["parameters"][&walls], 0.22);
+    assert_eq!(json["changed"][&friction], "0.47");
+    assert_eq!(json["inputs"].as_object().unwrap().len(), 4, "{json}");
+
+    let words = ["export", "lammps", "tiny.toml", "--out", "deck"];
+    let words = [&words[..], &["--set-file", "parameters.toml"]].concat();
+    assert_code(&crate::seedloop(&scene.path(""), &words), 0);
+    let deck = fs::read_to_string(scene.path("deck/in.drum")).unwrap();
+    assert!(deck.contains("0.47") && deck.contains("0.21"), "{deck}");
+
+    fs::write(scene.path("peas.toml"), &file[2]).unwrap();
+    let output = scene.simulate(&["--set-file", "peas.toml"]);
+    crate::assert_error(&output, &["peas.toml", "tiny.toml", "pea-pea"]);
+}

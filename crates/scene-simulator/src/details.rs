@@ -1,0 +1,199 @@
+//! What a record of a run keeps beside its observables.
+
+use crate::{Effort, Error};
+use image::{DynamicImage, ImageFormat};
+use run_store::Record;
+use scene::{RunResult, Scene, drum_picture};
+use serde::{Deserialize, Serialize};
+use std::io::Cursor;
+use surface_profile::summarise;
+
+/// What is worth keeping of a run besides the observables and the regime.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RunDetails {
+    /// Whether the start-up was found to be over, or the seeds came to rest; none where the apparatus has no such
+    /// state (a bench test).
+    pub steady: Option<bool>,
+    /// Time of rotation before the steady state, s; none without a series.
+    pub start_up_s: Option<f64>,
+    /// R w^2 / g with the radius R and the angular speed w of the drum and gravity g; none where nothing turns.
+    pub froude_number: Option<f64>,
+    /// Readings of the single frames.
+    pub frames: FrameDetails,
+    /// The bed over time.
+    pub series: SeriesDetails,
+    /// Steps and times.
+    pub timing: TimingDetails,
+    /// What the camera saw last, as PNG in base 64; none where no camera looks at the seeds.
+    pub last_frame_png_base64: Option<String>,
+}
+
+/// Readings of the single frames; the lists of angles leave out frames that could not be measured.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct FrameDetails {
+    /// Times of all frames, s.
+    pub times_s: Vec<f64>,
+    /// Angles of the surface by the picture, deg.
+    pub angles_deg: Vec<f64>,
+    /// Angles of the surface by the positions of the spheres, deg.
+    pub angles_by_position_deg: Vec<f64>,
+    /// Filling angles of the metering device, deg; empty elsewhere.
+    pub filling_angles_deg: Vec<f64>,
+    /// Number of frames in which the surface could not be measured.
+    pub refused: usize,
+    /// Number of independent frames that the measured ones are worth; none where it cannot be told.
+    pub effective_number: Option<f64>,
+}
+
+/// The bed over time; all lists have the same length.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SeriesDetails {
+    /// Times, s.
+    pub time_s: Vec<f64>,
+    /// Direction of the centre of mass, deg.
+    pub centre_of_mass_deg: Vec<f64>,
+}
+
+/// What a run cost.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct TimingDetails {
+    /// Time step while the drive ran, s.
+    pub time_step_s: f64,
+    /// Time step while the seeds settled, s.
+    pub settling_time_step_s: f64,
+    /// Number of steps.
+    pub steps: u64,
+    /// Number of bodies.
+    pub bodies: usize,
+    /// Number of spheres, hidden ones included.
+    pub spheres: usize,
+    /// Threads that the steps were spread over.
+    pub threads: usize,
+    /// Time by the clock, s; without the filling of the meshes where that is stated.
+    pub wall_s: f64,
+    /// Time that the processors worked, s; none where it was not measured.
+    pub cpu_s: Option<f64>,
+    /// Time of filling the meshes, s; none where it was not measured.
+    pub filling_s: Option<f64>,
+    /// Time of a step, us; none where the run was continued, since its times are those of the last part alone.
+    pub us_per_step: Option<f64>,
+    /// Spheres times steps over the time; none where the run was continued.
+    pub sphere_steps_per_s: Option<f64>,
+    /// Whether the run went on from a state that an earlier process had left.
+    pub continued: bool,
+    /// Whether the seeds had moved before, and the time is that of the pictures alone.
+    pub only_seen: bool,
+}
+
+impl RunDetails {
+    /// Reads the details of a record.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Details`] when the record is not that of a run of a scene.
+    pub fn of(record: &Record) -> Result<Self, Error> {
+        Self::deserialize(record.details()).map_err(|source| Error::Details {
+            key: record.key().to_owned(),
+            source,
+        })
+    }
+
+    /// The details of a run; angles of the surface by picture and by position, deg.
+    ///
+    /// # Errors
+    ///
+    /// A frame that cannot be drawn.
+    pub(crate) fn new(
+        scene: &Scene,
+        result: &RunResult,
+        effort: Effort,
+        image: &[f64],
+        position: &[f64],
+    ) -> Result<Self, Error> {
+        let filling = result.filling_angles.iter().map(|a| a.to_degrees());
+        let has_state = scene.apparatus.is_release() || !result.series.is_empty();
+        let cut = result.truncation.map_or(0, |t| t.cut);
+        let start_up = result.series.get(cut.min(result.series.len()));
+        let froude = scene.apparatus.froude_number(scene.model.gravity_m_s2);
+        Ok(Self {
+            steady: has_state.then(|| result.truncation.is_some_and(|t| t.steady)),
+            start_up_s: start_up.map(|p| p.time_s),
+            froude_number: finite(froude).filter(|_| froude > 0.0),
+            frames: FrameDetails {
+                times_s: result.frames.iter().map(|f| f.time).collect(),
+                angles_deg: image.to_vec(),
+                angles_by_position_deg: position.to_vec(),
+                filling_angles_deg: filling.collect(),
+                refused: result
+                    .readings
+                    .iter()
+                    .filter(|r| r.photo.angle.is_none())
+                    .count(),
+                effective_number: summarise(image).ok().and_then(|s| finite(s.n_effective)),
+            },
+            series: SeriesDetails {
+                time_s: result.series.iter().map(|p| p.time_s).collect(),
+                centre_of_mass_deg: result.series.iter().map(|p| p.centre_of_mass_deg).collect(),
+            },
+            timing: TimingDetails::new(result, effort),
+            last_frame_png_base64: picture(scene, result)?,
+        })
+    }
+}
+
+impl TimingDetails {
+    /// What a run cost.
+    fn new(result: &RunResult, effort: Effort) -> Self {
+        let Effort { wall_s, .. } = effort;
+        let steps = result.n_steps as f64;
+        let rate = |value: f64| (!effort.continued).then_some(value);
+        Self {
+            time_step_s: result.time_step,
+            settling_time_step_s: result.settling_time_step,
+            steps: result.n_steps,
+            bodies: result.n_bodies,
+            spheres: result.n_spheres,
+            threads: result.n_threads,
+            wall_s,
+            cpu_s: effort.cpu_s,
+            filling_s: effort.filling_s,
+            us_per_step: rate(wall_s * 1e6 / steps.max(1.0)),
+            sphere_steps_per_s: rate(result.n_spheres as f64 * steps / wall_s.max(1e-9)),
+            continued: effort.continued,
+            only_seen: effort.only_seen,
+        }
+    }
+}
+
+/// A number where there is one.
+fn finite(value: f64) -> Option<f64> {
+    value.is_finite().then_some(value)
+}
+
+/// What the camera of a scene saw last, as PNG in base 64.
+///
+/// # Errors
+///
+/// A frame that cannot be drawn.
+fn picture(scene: &Scene, result: &RunResult) -> Result<Option<String>, Error> {
+    use base64::Engine as _;
+    // The camera of the scene looks into a drum; a bench test has no frame.
+    let frame = result
+        .frames
+        .last()
+        .filter(|_| !scene.apparatus.is_release());
+    let Some(frame) = frame else {
+        return Ok(None);
+    };
+    let drawn = DynamicImage::from(drum_picture(scene, &result.bodies, frame)?);
+    let mut bytes = Cursor::new(Vec::new());
+    drawn
+        .write_to(&mut bytes, ImageFormat::Png)
+        .expect("memory takes every picture that was drawn");
+    let text = base64::engine::general_purpose::STANDARD.encode(bytes.into_inner());
+    Ok(Some(text))
+}

@@ -1,0 +1,99 @@
+//! What can go wrong between scenes and the calibration.
+
+use std::path::PathBuf;
+
+/// Why there is no simulator, no outcome, or no parameter file.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// A mesh of a scene cannot be read.
+    #[error(
+        "{file}: mesh '{}' cannot be read ({source}): give its path from the folder of this file",
+        mesh.display()
+    )]
+    Mesh {
+        /// The scene file.
+        file: String,
+        /// The mesh, as the scene writes it.
+        mesh: PathBuf,
+        /// Why.
+        source: std::io::Error,
+    },
+    /// A parameter stands for a setting that no scene has.
+    #[error(
+        "parameter '{symbol}' sets '{path}', which none of the scenes has ({files}): write the dotted path of a \
+         setting, such as contact.seed-seed.static_friction"
+    )]
+    NoSetting {
+        /// Symbol of the parameter.
+        symbol: String,
+        /// The dotted path.
+        path: String,
+        /// Files of the scenes.
+        files: String,
+    },
+    /// A setting that a parameter stands for takes no such number.
+    #[error("parameter '{symbol}': {source}")]
+    Setting {
+        /// Symbol of the parameter.
+        symbol: String,
+        /// What the scene says.
+        source: scene::Error,
+    },
+    /// The details of a record are not those of a run of a scene.
+    #[error("record {key} does not hold the details of a run of a scene ({source}): run it again")]
+    Details {
+        /// Key of the record.
+        key: String,
+        /// What is missing or wrong.
+        source: serde_json::Error,
+    },
+    /// The details of a run have no form in JSON.
+    #[error("the details of the run cannot be kept")]
+    Unwritable(#[source] serde_json::Error),
+    /// A parameter file cannot be read.
+    #[error("cannot read {}: {source}", path.display())]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        source: std::io::Error,
+    },
+    /// A text is no parameter file.
+    #[error("{file}: {message}")]
+    Text {
+        /// The file.
+        file: String,
+        /// Line, what is wrong and what is expected.
+        message: String,
+    },
+    /// A parameter of a file cannot be meant.
+    #[error("{file}: parameter '{symbol}' {problem}")]
+    Parameter {
+        /// The file.
+        file: String,
+        /// Symbol of the parameter.
+        symbol: String,
+        /// What is wrong with it, and the way out.
+        problem: String,
+    },
+    /// A scene has none of the settings of a parameter file.
+    #[error(
+        "{file}: {scene} has none of its settings ({paths}): give the scene that they were calibrated for, or one \
+         with the same names of materials"
+    )]
+    NothingToSet {
+        /// The parameter file.
+        file: String,
+        /// The scene file.
+        scene: String,
+        /// The dotted paths.
+        paths: String,
+    },
+    /// A parameter file cannot be written.
+    #[error("the parameters have no form in TOML: {0}")]
+    NoToml(#[from] toml::ser::Error),
+    /// A scene is refused, or its run gives nothing.
+    #[error(transparent)]
+    Scene(#[from] scene::Error),
+}

@@ -1,0 +1,25 @@
+//! Scenes with parameters and effects as a simulator.
+//!
+//! [`SceneSimulator`] makes a [`campaign::Simulator`] of named scenes: a request names a scene, sets parameters
+//! by their symbols, conditions and amplitudes of effects, and gets observables. A [`Binding`] says which settings
+//! of a scene a symbol stands for. [`RunDetails`] is what a record keeps beside the observables, and a
+//! [`ParameterFile`] hands calibrated values from one command to the next.
+//!
+//! Invariants:
+//! - the inputs of a request are the scene as it is run and the bytes of its meshes, and nothing else: requests
+//!   that stand for the same run have one key, whatever else they set and whatever their scene is called;
+//! - a request that cannot be meant is refused before anything is run.
+
+mod binding;
+mod details;
+mod error;
+mod outcome;
+mod parameter_file;
+mod simulator;
+
+pub use binding::Binding;
+pub use details::{FrameDetails, RunDetails, SeriesDetails, TimingDetails};
+pub use error::Error;
+pub use outcome::{Effort, outcome_of};
+pub use parameter_file::{CalibratedParameter, ParameterFile};
+pub use simulator::SceneSimulator;

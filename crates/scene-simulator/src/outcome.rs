@@ -1,0 +1,145 @@
+//! From the result of a run to observables.
+
+use crate::{Error, RunDetails};
+use campaign::RunOutcome;
+use photo_profile::Verdict;
+use run_store::Observation;
+use scene::{Apparatus, RunResult, Scene};
+use serde::Serialize;
+use std::collections::BTreeMap;
+use surface_profile::{SeriesSummary, summarise};
+
+/// What a run took; it is kept in the details and changes no result.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Effort {
+    /// Time by the clock, s.
+    pub wall_s: f64,
+    /// Time that the processors worked, s; none where it was not measured.
+    pub cpu_s: Option<f64>,
+    /// Time of filling the meshes, s, where it is not part of `wall_s`; none where it was not measured.
+    pub filling_s: Option<f64>,
+    /// Whether the run went on from a state that an earlier process had left.
+    pub continued: bool,
+    /// Whether the seeds had moved before, and only new pictures were taken.
+    pub only_seen: bool,
+}
+
+/// Readings of the surface in the frames that could be measured, deg; curvature and S shape of the same frames.
+struct Surface {
+    /// Angle by the picture.
+    image: Vec<f64>,
+    /// Angle by the positions of the spheres.
+    position: Vec<f64>,
+    /// Their difference in frames that have both.
+    difference: Vec<f64>,
+    /// Curvature, 1.
+    curvature: Vec<f64>,
+    /// S shape, 1.
+    s_shape: Vec<f64>,
+}
+
+impl Surface {
+    /// Takes the readings of all frames together.
+    fn of(result: &RunResult) -> Self {
+        let photos = || result.readings.iter().filter_map(|r| r.photo.angle);
+        let (mut position, mut difference) = (Vec::new(), Vec::new());
+        for reading in &result.readings {
+            let by_position = reading.position.map(|a| a.line.to_degrees());
+            position.extend(by_position);
+            let by_image = reading.photo.angle.map(|a| a.line.to_degrees());
+            difference.extend(by_image.zip(by_position).map(|(i, p)| i - p));
+        }
+        Self {
+            image: photos().map(|a| a.line.to_degrees()).collect(),
+            position,
+            difference,
+            curvature: photos().map(|a| a.curvature).collect(),
+            s_shape: photos().map(|a| a.s_shape).collect(),
+        }
+    }
+}
+
+/// The outcome of a run: observables with their units, regime, and details for the reader.
+///
+/// An observable that the apparatus does not have is left out: a bench test gives its own values alone.
+///
+/// # Errors
+///
+/// A drum in which no frame could be measured, a frame that cannot be drawn.
+pub fn outcome_of(scene: &Scene, result: &RunResult, effort: Effort) -> Result<RunOutcome, Error> {
+    let surface = Surface::of(result);
+    if matches!(scene.apparatus, Apparatus::Drum(_)) && surface.image.is_empty() {
+        return Err(no_surface(result).into());
+    }
+    let details = RunDetails::new(scene, result, effort, &surface.image, &surface.position)?;
+    Ok(RunOutcome {
+        observables: observables(result, &surface),
+        regime: word(result.regime),
+        details: serde_json::to_value(details).map_err(Error::Unwritable)?,
+    })
+}
+
+/// All observables of a run.
+fn observables(result: &RunResult, surface: &Surface) -> BTreeMap<String, Observation> {
+    let start = result.truncation.map_or(0, |t| t.cut);
+    let steady = &result.series[start.min(result.series.len())..];
+    let mass: Vec<f64> = steady.iter().map(|p| p.centre_of_mass_deg).collect();
+    let slip: Vec<f64> = steady.iter().map(|p| p.shell_slip).collect();
+    let kinetic: Vec<f64> = steady.iter().map(|p| p.kinetic_energy_j * 1e3).collect();
+    let filling = result.filling_angles.iter().map(|a| a.to_degrees());
+    let filling: Vec<f64> = filling.collect();
+    let fluctuation = summarise(&mass).ok().map(|s| Observation {
+        mean: s.sd,
+        sd: None,
+        n: 1,
+        unit: "deg".into(),
+    });
+    let means = [
+        ("angle_deg", "deg", &surface.image),
+        ("angle_by_position_deg", "deg", &surface.position),
+        ("image_minus_position_deg", "deg", &surface.difference),
+        ("curvature", "1", &surface.curvature),
+        ("s_shape", "1", &surface.s_shape),
+        ("filling_angle_deg", "deg", &filling),
+        ("centre_of_mass_deg", "deg", &mass),
+        ("shell_slip", "1", &slip),
+        ("kinetic_energy_mj", "mJ", &kinetic),
+    ];
+    let further = result.further.iter().map(|f| (f.name, f.unit, &f.values));
+    let all = means.into_iter().chain(further);
+    let mut observables: BTreeMap<String, Observation> = all
+        .filter_map(|(name, unit, values)| Some((name.to_owned(), over_frames(values, unit)?)))
+        .collect();
+    observables.extend(fluctuation.map(|f| ("fluctuation_deg".to_owned(), f)));
+    observables
+}
+
+/// A mean over frames or repeats as an observation; none of nothing.
+fn over_frames(values: &[f64], unit: &str) -> Option<Observation> {
+    let SeriesSummary { mean, sd, n, .. } = summarise(values).ok()?;
+    let sd = (n > 1).then_some(sd);
+    Some(Observation {
+        mean,
+        sd,
+        n,
+        unit: unit.into(),
+    })
+}
+
+/// The refusal of a drum without a surface, with the reason of the first frame.
+fn no_surface(result: &RunResult) -> scene::Error {
+    let first = result.readings.first().map(|r| match &r.photo.verdict {
+        Verdict::Refused { reason } => reason.to_string(),
+        Verdict::Ok => String::new(),
+    });
+    scene::Error::NoSurface {
+        frames: result.frames.len(),
+        reason: first.unwrap_or_default(),
+    }
+}
+
+/// The word that a regime has in JSON.
+fn word(regime: impl Serialize) -> Option<String> {
+    let value = serde_json::to_value(regime).ok()?;
+    value.as_str().map(str::to_owned)
+}

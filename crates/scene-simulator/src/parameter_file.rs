@@ -1,0 +1,179 @@
+//! Calibrated values as a file that other commands take over.
+
+use crate::Error;
+use crate::binding::has_setting;
+use scene::{Override, Scene};
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+use std::path::Path;
+
+/// Unit of a pure number.
+const PURE_NUMBER: &str = "1";
+
+/// The parameters of a calibration: `parameters.toml`.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ParameterFile {
+    /// The parameters, in the order of the study.
+    pub parameter: Vec<CalibratedParameter>,
+    /// Name of the file, for messages.
+    #[serde(skip)]
+    pub file: String,
+}
+
+/// A parameter with its value.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct CalibratedParameter {
+    /// Symbol.
+    pub symbol: String,
+    /// What it is, in words.
+    pub name: String,
+    /// Dotted paths of the settings that get its value.
+    pub sets: Vec<String>,
+    /// The value, in `unit`.
+    pub value: f64,
+    /// Unit of value, standard error and interval; a pure number where absent or `1`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub unit: Option<String>,
+    /// Standard error, in `unit`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub se: Option<f64>,
+    /// Two-sided 95 % interval, in `unit`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub interval95: Option<[f64; 2]>,
+    /// Whether the measurements fix the parameter; where not, the value is one of many.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub fixed_by_data: Option<bool>,
+    /// Whether the value stands at a limit of what is physically possible.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub at_limit: Option<bool>,
+}
+
+impl CalibratedParameter {
+    /// Unit of the settings; none of a pure number.
+    fn setting_unit(&self) -> Option<&str> {
+        self.unit.as_deref().filter(|unit| *unit != PURE_NUMBER)
+    }
+
+    /// What is wrong with the parameter, and the way out.
+    fn problem(&self) -> Option<String> {
+        if !self.value.is_finite() {
+            return Some(format!(
+                "has the value {}: give a finite number",
+                self.value
+            ));
+        }
+        if self.sets.is_empty() {
+            return Some("sets nothing: give the dotted paths of its settings in 'sets'".into());
+        }
+        if let Some(se) = self.se.filter(|se| !(se.is_finite() && *se >= 0.0)) {
+            return Some(format!("has se = {se}: give a finite number, 0 or more"));
+        }
+        match self.interval95 {
+            Some([low, high]) if !(low <= self.value && self.value <= high) => Some(format!(
+                "has interval95 = [{low}, {high}] and value = {}: the value lies between the two",
+                self.value
+            )),
+            _ => None,
+        }
+    }
+}
+
+impl ParameterFile {
+    /// Reads a parameter file.
+    ///
+    /// # Errors
+    ///
+    /// A file that cannot be read, text that is no parameter file, a number that cannot be meant, two parameters
+    /// that set one path.
+    pub fn read(path: &Path) -> Result<Self, Error> {
+        let text = std::fs::read_to_string(path).map_err(|source| Error::Read {
+            path: path.to_owned(),
+            source,
+        })?;
+        let file = path.display().to_string();
+        let mut read: Self = toml::from_str(&text).map_err(|e| Error::Text {
+            file: file.clone(),
+            message: e.to_string(),
+        })?;
+        read.file = file;
+        read.check()?;
+        Ok(read)
+    }
+
+    /// Refuses what cannot be meant.
+    fn check(&self) -> Result<(), Error> {
+        let wrong = |parameter: &CalibratedParameter, problem: String| Error::Parameter {
+            file: self.file.clone(),
+            symbol: parameter.symbol.clone(),
+            problem,
+        };
+        let mut by_path: BTreeMap<&str, &str> = BTreeMap::new();
+        for parameter in &self.parameter {
+            if let Some(problem) = parameter.problem() {
+                return Err(wrong(parameter, problem));
+            }
+            for path in &parameter.sets {
+                if let Some(other) = by_path.insert(path, &parameter.symbol) {
+                    let problem = format!(
+                        "sets '{path}', which parameter '{other}' sets as well: leave one of them"
+                    );
+                    return Err(wrong(parameter, problem));
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// The text of the file; reading it back gives the same bits.
+    ///
+    /// # Errors
+    ///
+    /// Parameters that have no form in TOML.
+    pub fn to_toml(&self) -> Result<String, Error> {
+        Ok(toml::to_string(self)?)
+    }
+
+    /// The changes that the parameters make in a scene; paths that it does not have are skipped.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::NothingToSet`] when the scene has none of the paths; a setting that takes no number with that unit.
+    pub fn overrides(&self, scene: &Scene) -> Result<Vec<Override>, Error> {
+        let mut overrides = Vec::new();
+        for parameter in &self.parameter {
+            let unit = parameter.setting_unit();
+            for path in &parameter.sets {
+                let has = has_setting(scene, path, unit).map_err(|source| Error::Parameter {
+                    file: self.file.clone(),
+                    symbol: parameter.symbol.clone(),
+                    problem: format!("cannot be set: {source}"),
+                })?;
+                if has {
+                    overrides.push(Override {
+                        name: path.clone(),
+                        value: match unit {
+                            Some(unit) => format!("{} {unit}", parameter.value),
+                            None => parameter.value.to_string(),
+                        },
+                    });
+                }
+            }
+        }
+        if overrides.is_empty() {
+            let paths: Vec<&str> = self
+                .parameter
+                .iter()
+                .flat_map(|p| &p.sets)
+                .map(String::as_str)
+                .collect();
+            return Err(Error::NothingToSet {
+                file: self.file.clone(),
+                scene: scene.file.clone(),
+                paths: paths.join(", "),
+            });
+        }
+        Ok(overrides)
+    }
+}

@@ -1,0 +1,314 @@
+//! Scenes and effects as a simulator that the calibration can ask.
+
+use crate::binding::present_paths;
+use crate::{Binding, Effort, Error, outcome_of};
+use campaign::{RunOutcome, RunRequest, Simulator, SimulatorError};
+use quantity::AngularSpeed;
+use scene::{FillingLibrary, NumberChange, RunResult, Scene, run};
+use serde_json::{Value, json};
+use sha2::{Digest as _, Sha256};
+use std::collections::{BTreeMap, VecDeque};
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex};
+use std::time::Instant;
+
+/// Revision of the physics: raised when the same scene and seed give other or further numbers.
+const REVISION: u32 = 6;
+
+/// Runs whose frames are kept in memory: some megabytes each for a thousand seeds.
+const REMEMBERED: usize = 256;
+
+/// Scenes by name, with parameters, conditions and effects.
+///
+/// A request's `parameters` are symbols of the bindings; its `condition` may hold `rpm`, `seed_count` and
+/// `session`; its `effects` are those of [`effect_library`].
+#[derive(Debug)]
+pub struct SceneSimulator {
+    /// Scenes by the name that requests use.
+    models: BTreeMap<String, Model>,
+    /// What the symbols of parameters stand for.
+    bindings: BTreeMap<String, Binding>,
+    /// SHA-256 of each mesh by its file, in lower-case hexadecimal.
+    meshes: BTreeMap<PathBuf, String>,
+    /// Bodies made so far.
+    fillings: FillingLibrary,
+    /// The last runs by what moved the seeds: a scene without its camera, and the seed.
+    moved: Mutex<VecDeque<(String, Arc<RunResult>)>>,
+}
+
+/// A scene that requests can name.
+#[derive(Debug)]
+struct Model {
+    /// The scene as it was read.
+    scene: Scene,
+    /// Paths of the bindings that it has.
+    present: Vec<String>,
+}
+
+impl SceneSimulator {
+    /// Makes a simulator of named scenes; `bindings` says what the symbols of parameters stand for.
+    ///
+    /// A parameter leaves scenes alone that have none of its settings.
+    ///
+    /// # Errors
+    ///
+    /// A mesh that cannot be read; a path of a binding that no scene has, or that takes no such number.
+    pub fn new(
+        models: BTreeMap<String, Scene>,
+        bindings: BTreeMap<String, Binding>,
+    ) -> Result<Self, Error> {
+        let mut meshes = BTreeMap::new();
+        for scene in models.values() {
+            for mesh in scene.mesh_files() {
+                let file = scene.folder.join(mesh);
+                let bytes = std::fs::read(&file).map_err(|source| Error::Mesh {
+                    file: scene.file.clone(),
+                    mesh: mesh.to_owned(),
+                    source,
+                })?;
+                meshes.insert(file, sha256(&bytes));
+            }
+        }
+        let files: Vec<String> = models.values().map(|scene| scene.file.clone()).collect();
+        let with_paths = models.into_iter().map(|(name, scene)| {
+            let present = present_paths(&scene, &bindings)?;
+            Ok((name, Model { scene, present }))
+        });
+        let models: BTreeMap<String, Model> = with_paths.collect::<Result<_, Error>>()?;
+        for (symbol, binding) in &bindings {
+            for path in &binding.paths {
+                if !models.values().any(|model| model.present.contains(path)) {
+                    return Err(Error::NoSetting {
+                        symbol: symbol.clone(),
+                        path: path.clone(),
+                        files: files.join(", "),
+                    });
+                }
+            }
+        }
+        Ok(Self {
+            models,
+            bindings,
+            meshes,
+            fillings: FillingLibrary::default(),
+            moved: Mutex::default(),
+        })
+    }
+
+    /// Bodies made so far.
+    pub fn fillings(&self) -> &FillingLibrary {
+        &self.fillings
+    }
+
+    /// The scene that a request stands for, whole.
+    ///
+    /// # Errors
+    ///
+    /// A model, parameter, condition or effect that cannot be meant.
+    pub fn scene_of(&self, request: &RunRequest) -> Result<Scene, SimulatorError> {
+        let model = self.models.get(&request.model).ok_or_else(|| {
+            refused(format!(
+                "no model '{}'; there are {}",
+                request.model,
+                names(&self.models)
+            ))
+        })?;
+        let changes = self.changes(model, request)?;
+        let mut scene = if changes.is_empty() {
+            model.scene.clone()
+        } else {
+            let changed = model.scene.with_numbers(&changes);
+            changed.map_err(SimulatorError::other)?
+        };
+        for (name, value) in &request.condition {
+            set_condition(&mut scene, name, *value)?;
+        }
+        for (name, amplitude) in &request.effects {
+            effect_library::apply(&mut scene, name, *amplitude, &self.fillings)
+                .map_err(SimulatorError::other)?;
+        }
+        Ok(scene)
+    }
+
+    /// The scene of a request without what its run does not depend on: what is run, and what the key is made of.
+    ///
+    /// # Errors
+    ///
+    /// As [`SceneSimulator::scene_of`].
+    pub fn scene_as_run(&self, request: &RunRequest) -> Result<Scene, SimulatorError> {
+        Ok(self.scene_of(request)?.reduced())
+    }
+
+    /// The settings that the parameters of a request change in its model.
+    ///
+    /// # Errors
+    ///
+    /// A symbol that nobody bound; two that set one path.
+    fn changes(
+        &self,
+        model: &Model,
+        request: &RunRequest,
+    ) -> Result<Vec<NumberChange>, SimulatorError> {
+        let mut all: Vec<NumberChange> = Vec::new();
+        for (symbol, value) in &request.parameters {
+            let binding = self.bindings.get(symbol).ok_or_else(|| {
+                refused(format!(
+                    "no parameter '{symbol}'; there are {}",
+                    names(&self.bindings)
+                ))
+            })?;
+            for change in binding.changes(&model.present, *value) {
+                if all.iter().any(|other| other.path == change.path) {
+                    return Err(refused(format!(
+                        "parameter '{symbol}' sets '{}', which another parameter of the request sets as well",
+                        change.path
+                    )));
+                }
+                all.push(change);
+            }
+        }
+        Ok(all)
+    }
+
+    /// SHA-256 of the meshes of a scene by their paths as it writes them.
+    ///
+    /// # Errors
+    ///
+    /// A mesh that no scene had at the start.
+    fn mesh_digests(&self, scene: &Scene) -> Result<BTreeMap<String, &str>, SimulatorError> {
+        let digest = |mesh: &Path| {
+            let written = mesh.display().to_string();
+            match self.meshes.get(&scene.folder.join(mesh)) {
+                Some(digest) => Ok((written, digest.as_str())),
+                None => Err(refused(format!(
+                    "mesh '{written}' was not read at the start"
+                ))),
+            }
+        };
+        scene.mesh_files().into_iter().map(digest).collect()
+    }
+
+    /// Runs a scene; where the same seeds moved before under another camera, their frames are seen again.
+    ///
+    /// Returns the run, and whether it was only seen.
+    fn run_or_see(
+        &self,
+        scene: &Scene,
+        seed: u64,
+    ) -> Result<(Arc<RunResult>, bool), SimulatorError> {
+        let mut blind = serde_json::to_value(scene).map_err(SimulatorError::other)?;
+        if let Some(settings) = blind.as_object_mut() {
+            settings.remove("camera");
+        }
+        let key = format!("{seed} {} {blind}", scene.folder.display());
+        let known = self.moved.lock().ok().and_then(|mut moved| {
+            let at = moved.iter().position(|(other, _)| *other == key)?;
+            // What was asked for again stays longest.
+            let entry = moved.remove(at)?;
+            let result = Arc::clone(&entry.1);
+            moved.push_back(entry);
+            Some(result)
+        });
+        if let Some(result) = known {
+            let seen = result.seen_in(scene).map_err(SimulatorError::other)?;
+            return Ok((Arc::new(seen), true));
+        }
+        let result = run(scene, &self.fillings, seed).map_err(SimulatorError::other)?;
+        let result = Arc::new(result);
+        if let Ok(mut moved) = self.moved.lock() {
+            moved.push_back((key, Arc::clone(&result)));
+            if moved.len() > REMEMBERED {
+                moved.pop_front();
+            }
+        }
+        Ok((result, false))
+    }
+}
+
+impl Simulator for SceneSimulator {
+    fn version(&self) -> String {
+        format!("seedloop {} physics {REVISION}", env!("CARGO_PKG_VERSION"))
+    }
+
+    fn inputs(&self, request: &RunRequest) -> Result<Value, SimulatorError> {
+        let scene = self.scene_as_run(request)?;
+        let meshes = self.mesh_digests(&scene)?;
+        let settings = serde_json::to_value(&scene).map_err(SimulatorError::other)?;
+        Ok(json!({ "scene": settings, "meshes": meshes }))
+    }
+
+    fn run(&self, request: &RunRequest) -> Result<RunOutcome, SimulatorError> {
+        let scene = self.scene_as_run(request)?;
+        let begin = Instant::now();
+        let (result, only_seen) = self.run_or_see(&scene, request.seed)?;
+        let effort = Effort {
+            wall_s: begin.elapsed().as_secs_f64(),
+            only_seen,
+            ..Effort::default()
+        };
+        outcome_of(&scene, &result, effort).map_err(SimulatorError::other)
+    }
+
+    fn expected_cost(&self, request: &RunRequest) -> f64 {
+        self.scene_of(request).map_or(1.0, |scene| {
+            let start_up = 1.0 + scene.protocol.settle_limit.si();
+            let frames = scene.protocol.frames as f64 * scene.protocol.frame_interval.si();
+            scene.seed_count() as f64 * (start_up + frames) / scene.protocol.step_share
+        })
+    }
+}
+
+/// Changes a condition of the experiment.
+///
+/// # Errors
+///
+/// A condition that is not known, or a value that cannot be meant.
+fn set_condition(scene: &mut Scene, name: &str, value: f64) -> Result<(), SimulatorError> {
+    match name {
+        "rpm" => {
+            let speed = AngularSpeed::from_si(value * std::f64::consts::TAU / 60.0);
+            scene
+                .apparatus
+                .set_speed(speed.map_err(SimulatorError::other)?);
+        }
+        "seed_count" if value >= 1.0 && value.fract() == 0.0 && value < 1e7 => {
+            #[expect(
+                clippy::cast_possible_truncation,
+                clippy::cast_sign_loss,
+                reason = "checked by the guard"
+            )]
+            scene.set_seed_count(value as usize);
+        }
+        "session" if (0.0..=1.0).contains(&value) => {
+            scene.protocol.session = Some(value);
+        }
+        _ => {
+            return Err(refused(format!(
+                "condition '{name}' = {value}; known are rpm, seed_count (a whole number, 1 or more) and session \
+                 (0 at its start, 1 at its end)"
+            )));
+        }
+    }
+    Ok(())
+}
+
+/// The refusal of a request.
+fn refused(reason: String) -> SimulatorError {
+    SimulatorError::Refused { reason }
+}
+
+/// The names of a map, for a message.
+fn names<T>(map: &BTreeMap<String, T>) -> String {
+    let names: Vec<_> = map.keys().map(String::as_str).collect();
+    names.join(", ")
+}
+
+/// SHA-256 of bytes in lower-case hexadecimal.
+fn sha256(bytes: &[u8]) -> String {
+    let mut text = String::with_capacity(64);
+    for byte in Sha256::digest(bytes) {
+        write!(text, "{byte:02x}").expect("a string takes all text");
+    }
+    text
+}

@@ -1,0 +1,292 @@
+//! What a request stands for, and what its key is made of.
+
+use campaign::{Campaign, RunRequest, Silent, Simulator as _};
+use run_store::Store;
+use scene::{Override, Scene};
+use scene_simulator::{Binding, Error, RunDetails, SceneSimulator};
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+/// A file of the fixtures.
+fn fixture(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("../../fixtures")
+        .join(name)
+}
+
+/// A fixture with settings changed.
+fn scene(name: &str, changes: &[(&str, &str)]) -> Scene {
+    let changes: Vec<Override> = changes
+        .iter()
+        .map(|(name, value)| Override {
+            name: (*name).into(),
+            value: (*value).into(),
+        })
+        .collect();
+    Scene::read(&fixture(name), &changes).unwrap()
+}
+
+/// A drum of 56 coarse seeds, three frames.
+fn small_drum() -> Scene {
+    scene(
+        "cotton/drum.toml",
+        &[
+            ("apparatus.inner_diameter", "70 mm"),
+            ("apparatus.width", "14 mm"),
+            ("seed.0.count", "50"),
+            ("seed.1.count", "6"),
+            ("seed.0.filling.sphere_radius", "0.8 mm"),
+            ("seed.0.filling.sphere_count", "20"),
+            ("seed.1.filling.sphere_radius", "0.8 mm"),
+            ("seed.1.filling.sphere_count", "16"),
+            ("protocol.frames", "3"),
+            ("time_s", "0.8"),
+        ],
+    )
+}
+
+/// A sled of the same seeds on a plate of the same seeds, two pulls.
+fn sled(drum: &Scene) -> Scene {
+    let plate = scene::Slider {
+        plate: "seed".into(),
+        seed: None,
+        repeats: 2,
+    };
+    drum.on_bench(scene::Apparatus::Slider(plate)).unwrap()
+}
+
+/// Friction of seeds on seeds (F), of seeds on the two walls (W), and the speed of the drum (N).
+fn bindings() -> BTreeMap<String, Binding> {
+    let walls = ["tough_resin", "clear_resin"].map(|m| format!("contact.seed-{m}.static_friction"));
+    [
+        ("F", Binding::of_path("contact.seed-seed.static_friction")),
+        (
+            "W",
+            Binding {
+                paths: walls.into(),
+                unit: None,
+            },
+        ),
+        (
+            "N",
+            Binding {
+                paths: vec!["apparatus.speed".into()],
+                unit: Some("rpm".into()),
+            },
+        ),
+    ]
+    .map(|(symbol, binding)| (symbol.to_owned(), binding))
+    .into()
+}
+
+/// The drum and the sled under the symbols of [`bindings`].
+fn drum_and_sled() -> SceneSimulator {
+    let drum = small_drum();
+    let models = BTreeMap::from([("sled".into(), sled(&drum)), ("drum".into(), drum)]);
+    SceneSimulator::new(models, bindings()).unwrap()
+}
+
+/// A symbol sets all its paths, with its unit, in the scenes that have them; a scene that has none of them is the
+/// same run whatever the value. Two models of equal content are the same run.
+#[test]
+fn a_symbol_sets_all_its_paths_where_they_are() {
+    let simulator = drum_and_sled();
+    let drum = RunRequest::new("drum", 1);
+    let set = drum
+        .clone()
+        .with_parameter("F", 0.41)
+        .with_parameter("W", 0.27)
+        .with_parameter("N", 23.0);
+    let scene = simulator.scene_of(&set).unwrap();
+    let friction = |pair: &str| scene.contact[pair].static_friction.get();
+    assert_eq!(friction("seed-seed"), 0.41);
+    assert_eq!(friction("seed-tough_resin"), 0.27);
+    assert_eq!(friction("seed-clear_resin"), 0.27);
+    let rpm = scene.apparatus.speed() * 60.0 / std::f64::consts::TAU;
+    // The unit is turned to SI and back: rounding.
+    assert!((rpm - 23.0).abs() < 1e-12, "{rpm}");
+
+    let pull = RunRequest::new("sled", 1);
+    let inputs = |request: &RunRequest| simulator.inputs(request).unwrap();
+    assert_eq!(
+        inputs(&pull),
+        inputs(&pull.clone().with_parameter("W", 0.27))
+    );
+    assert_eq!(
+        inputs(&pull),
+        inputs(&pull.clone().with_parameter("N", 23.0))
+    );
+    assert_ne!(
+        inputs(&pull),
+        inputs(&pull.clone().with_parameter("F", 0.41))
+    );
+    assert_ne!(
+        inputs(&drum),
+        inputs(&drum.clone().with_parameter("W", 0.27))
+    );
+
+    let twice = BTreeMap::from([("a".into(), small_drum()), ("b".into(), small_drum())]);
+    let twice = SceneSimulator::new(twice, BTreeMap::new()).unwrap();
+    let of = |model: &str| twice.inputs(&RunRequest::new(model, 1)).unwrap();
+    assert_eq!(of("a"), of("b"));
+    assert_eq!(
+        of("a"),
+        inputs(&drum),
+        "other scenes are no part of the inputs"
+    );
+}
+
+/// The inputs follow the bytes of the scene's own meshes and nothing of other scenes, though both write the same
+/// path; the version stays. A mesh that is not there is told with the file that names it.
+#[test]
+fn the_inputs_follow_the_own_meshes() {
+    let folder = tempfile::tempdir().unwrap();
+    let base = small_drum();
+    let meshes: Vec<PathBuf> = base.mesh_files().into_iter().map(Into::into).collect();
+    let write = |of: &str, text: &str| {
+        for mesh in &meshes {
+            let path = folder.path().join(of).join("scenes").join(mesh);
+            std::fs::create_dir_all(folder.path().join(of).join("scenes")).unwrap();
+            std::fs::create_dir_all(path.parent().unwrap()).unwrap();
+            std::fs::write(path, text).unwrap();
+        }
+    };
+    let of = |name: &str| Scene {
+        folder: folder.path().join(name).join("scenes"),
+        ..base.clone()
+    };
+    let models = BTreeMap::from([("a".to_owned(), of("a")), ("b".to_owned(), of("b"))]);
+    let make = || SceneSimulator::new(models.clone(), BTreeMap::new());
+    let refused = make().unwrap_err().to_string();
+    let told = "drum.toml: mesh '../stl/cotton_ellipsoidal.stl' cannot be read";
+    assert!(refused.contains(told), "{refused}");
+    let mut inputs = Vec::new();
+    for (a, b) in [("one", "one"), ("two", "one"), ("one", "two")] {
+        write("a", a);
+        write("b", b);
+        let simulator = make().unwrap();
+        let of = |model: &str| simulator.inputs(&RunRequest::new(model, 1)).unwrap();
+        inputs.push([of("a"), of("b")]);
+        assert_eq!(simulator.version(), drum_and_sled().version());
+    }
+    let [[a1, b1], [a2, b2], [a3, b3]] = &inputs[..] else {
+        panic!("three pairs");
+    };
+    assert_eq!((a1, b1), (b1, a3), "same bytes, other folder");
+    assert_ne!(a1, a2);
+    assert_eq!(b1, b2);
+    assert_ne!(b1, b3);
+}
+
+/// A path that no scene has, one that holds no number, and one without its unit are told before any request; symbols,
+/// conditions and values that cannot be meant are told by the request.
+#[test]
+fn what_cannot_be_meant_is_refused_with_its_name() {
+    let make = |path: &str, unit: Option<&str>| {
+        let binding = Binding {
+            paths: vec![path.to_owned()],
+            unit: unit.map(str::to_owned),
+        };
+        let models = BTreeMap::from([("drum".to_owned(), small_drum())]);
+        SceneSimulator::new(models, BTreeMap::from([("F".to_owned(), binding)]))
+    };
+    let missing = make("contact.seed-sed.static_friction", None).unwrap_err();
+    assert!(matches!(missing, Error::NoSetting { .. }), "{missing}");
+    for (path, unit, says) in [
+        ("apparatus.speed", None, "with its unit"),
+        (
+            "contact.seed-seed.static_friction",
+            Some("mm"),
+            "without unit",
+        ),
+        ("seed.0.filling.method", None, "with its unit"),
+    ] {
+        let error = make(path, unit).unwrap_err().to_string();
+        assert!(error.contains("'F'") && error.contains(says), "{error}");
+    }
+    let simulator = drum_and_sled();
+    let drum = || RunRequest::new("drum", 1);
+    for (request, says) in [
+        (RunRequest::new("heap", 1), "no model 'heap'"),
+        (drum().with_parameter("G", 0.1), "no parameter 'G'"),
+        (drum().with_parameter("F", -0.1), "-0.1"),
+        (drum().with_condition("seed_count", 1.5), "seed_count"),
+        (drum().with_condition("height", 1.0), "condition 'height'"),
+        (drum().with_effect("no-such-effect", 1.0), "no-such-effect"),
+    ] {
+        let error = simulator.inputs(&request).unwrap_err().in_full();
+        assert!(error.contains(says), "{error}");
+    }
+    let mut twice = bindings();
+    twice.insert(
+        "contact.seed-seed.static_friction".into(),
+        Binding::of_path("contact.seed-seed.static_friction"),
+    );
+    let models = BTreeMap::from([("drum".to_owned(), small_drum())]);
+    let simulator = SceneSimulator::new(models, twice).unwrap();
+    let both = drum()
+        .with_parameter("F", 0.1)
+        .with_parameter("contact.seed-seed.static_friction", 0.2);
+    let error = simulator.inputs(&both).unwrap_err().in_full();
+    assert!(error.contains("another parameter"), "{error}");
+}
+
+/// Another camera sees the seeds of the run before: the same observables as a simulator that moves them
+/// anew, to the last bit, and another angle than the camera before.
+#[test]
+fn another_camera_sees_the_same_motion() {
+    let straight = RunRequest::new("drum", 3);
+    let turned = straight.clone().with_effect("camera-roll", 3.0);
+    let simulator = drum_and_sled();
+    let first = simulator.run(&straight).unwrap();
+    let seen = simulator.run(&turned).unwrap();
+    let moved = drum_and_sled().run(&turned).unwrap();
+    assert_eq!(seen.observables, moved.observables);
+    assert_eq!(seen.regime, moved.regime);
+    assert_ne!(
+        seen.observables["angle_deg"],
+        first.observables["angle_deg"]
+    );
+    let only_seen = |details: &serde_json::Value| details["timing"]["only_seen"].clone();
+    assert_eq!(only_seen(&seen.details), true);
+    assert_eq!(only_seen(&moved.details), false, "moved anew");
+    let other_seed = simulator.run(&turned.with_seed(4)).unwrap();
+    assert_eq!(only_seen(&other_seed.details), false, "other seeds");
+}
+
+/// The record of a drum holds its regime and, behind the store, every detail; that of a bench test has what it
+/// shows, and neither regime nor picture nor frames. The details of another simulator are refused by the record's
+/// key.
+#[test]
+fn records_hold_regime_and_typed_details() {
+    let folder = tempfile::tempdir().unwrap();
+    let store = Store::open(folder.path()).unwrap();
+    let simulator = drum_and_sled();
+    let requests = ["drum", "sled"].map(|model| RunRequest::new(model, 1));
+    let records = Campaign::new(&store, 2, &Silent)
+        .run_all(&simulator, &requests)
+        .unwrap();
+    let [drum, sled] = &records[..] else {
+        panic!("two records");
+    };
+    assert!(["rolling", "sliding"].contains(&drum.regime().unwrap()));
+    let details = RunDetails::of(drum).unwrap();
+    assert_eq!(details.frames.times_s.len(), 3);
+    let measured = drum.observable("angle_deg").unwrap().n;
+    assert_eq!(details.frames.angles_deg.len(), measured);
+    assert_eq!(details.timing.bodies, 56);
+    assert!(details.last_frame_png_base64.is_some() && details.steady.is_some());
+
+    let details = RunDetails::of(sled).unwrap();
+    let shown = sled.observable("shown_static_friction").unwrap();
+    assert!(shown.mean > 0.0 && shown.n == 2, "{shown:?}");
+    assert_eq!(sled.observables().len(), 1, "{:?}", sled.observables());
+    assert_eq!(sled.regime(), None);
+    assert_eq!((details.steady, details.start_up_s), (None, None));
+    assert_eq!(details.froude_number, None);
+    assert!(details.frames.times_s.is_empty() && details.last_frame_png_base64.is_none());
+
+    let other = drum.clone().with_details(serde_json::json!({"y": 1.0}));
+    let error = RunDetails::of(&other).unwrap_err().to_string();
+    assert!(error.contains(drum.key()), "{error}");
+}
