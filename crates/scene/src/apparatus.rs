@@ -1,14 +1,20 @@
 //! The machines: walls, drive, room for the seeds.
 
 mod box_collapse;
+mod drop;
 mod drum;
 mod heap;
 mod metering;
+mod slider;
+mod tilt;
 
 pub use box_collapse::BoxCollapse;
+pub use drop::Drop;
 pub use drum::{Drum, Lifters, Ripple};
 pub use heap::Heap;
 pub use metering::Metering;
+pub use slider::Slider;
+pub use tilt::Tilt;
 
 use crate::Error;
 use dem_solver::{Motion, Shape};
@@ -27,6 +33,23 @@ pub enum Apparatus {
     Heap(Heap),
     /// Box whose gate is lifted.
     BoxCollapse(BoxCollapse),
+    /// Bench test: a sled of seeds pulled over a plate.
+    Slider(Slider),
+    /// Bench test: a seed that falls on a plate.
+    Drop(Drop),
+    /// Bench test: a seed on a plate that is tilted.
+    Tilt(Tilt),
+}
+
+/// What all bench tests state.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct BenchTest<'a> {
+    /// Material of the plate.
+    pub(crate) plate: &'a str,
+    /// Name of the kind of seed; the first where none is named.
+    pub(crate) seed: Option<&'a str>,
+    /// Number of repeats.
+    pub(crate) repeats: usize,
 }
 
 /// A wall of triangles by the name of its material.
@@ -69,6 +92,9 @@ impl Apparatus {
             Self::Metering(device) => vec![&device.plate, &device.front, &device.board],
             Self::Heap(heap) => vec![&heap.floor, &heap.cylinder],
             Self::BoxCollapse(body) => vec![&body.floor, &body.wall],
+            Self::Slider(Slider { plate, .. })
+            | Self::Drop(Drop { plate, .. })
+            | Self::Tilt(Tilt { plate, .. }) => vec![plate],
         }
     }
 
@@ -79,6 +105,8 @@ impl Apparatus {
             Self::Metering(device) => device.check(),
             Self::Heap(heap) => return heap.check(),
             Self::BoxCollapse(body) => return body.check(),
+            Self::Drop(test) => return test.check(),
+            Self::Slider(_) | Self::Tilt(_) => return Ok(()),
         }?;
         for (name, length) in [
             ("apparatus.inner_diameter", 2.0 * self.radius()),
@@ -102,6 +130,8 @@ impl Apparatus {
             Self::Metering(device) => device.walls(),
             Self::Heap(heap) => heap.walls(),
             Self::BoxCollapse(body) => body.walls(),
+            // A test makes its own plate.
+            Self::Slider(_) | Self::Drop(_) | Self::Tilt(_) => Vec::new(),
         }
     }
 
@@ -120,7 +150,7 @@ impl Apparatus {
                 }],
                 None => Vec::new(),
             },
-            Self::Metering(_) => Vec::new(),
+            Self::Metering(_) | Self::Slider(_) | Self::Drop(_) | Self::Tilt(_) => Vec::new(),
             Self::Heap(heap) => vec![heap.cylinder_mesh()],
             Self::BoxCollapse(body) => vec![body.gate_mesh()],
         }
@@ -149,23 +179,47 @@ impl Apparatus {
         }
     }
 
-    /// Inner radius, half the length of a box, m.
+    /// What a bench test states; none where the apparatus holds a bed of seeds.
+    pub(crate) fn bench_test(&self) -> Option<BenchTest<'_>> {
+        let (plate, seed, repeats) = match self {
+            Self::Slider(test) => (&test.plate, &test.seed, test.repeats),
+            Self::Drop(test) => (&test.plate, &test.seed, test.repeats),
+            Self::Tilt(test) => (&test.plate, &test.seed, test.repeats),
+            Self::Drum(_) | Self::Metering(_) | Self::Heap(_) | Self::BoxCollapse(_) => {
+                return None;
+            }
+        };
+        Some(BenchTest {
+            plate,
+            seed: seed.as_deref(),
+            repeats,
+        })
+    }
+
+    /// Whether it is a bench test: single seeds on a plate, with repeats instead of frames.
+    pub fn is_bench_test(&self) -> bool {
+        self.bench_test().is_some()
+    }
+
+    /// Inner radius, half the length of a box, m; 0 in a bench test, which holds no bed.
     pub fn radius(&self) -> f64 {
         match self {
             Self::Drum(drum) => 0.5 * drum.inner_diameter.si(),
             Self::Metering(device) => 0.5 * device.inner_diameter.si(),
             Self::Heap(heap) => 0.5 * heap.inner_diameter.si(),
             Self::BoxCollapse(body) => 0.5 * body.length.si(),
+            Self::Slider(_) | Self::Drop(_) | Self::Tilt(_) => 0.0,
         }
     }
 
-    /// Inner width along the axis, m.
+    /// Inner width along the axis, m; 0 in a bench test.
     pub fn width(&self) -> f64 {
         match self {
             Self::Drum(drum) => drum.width.si(),
             Self::Metering(device) => device.width.si(),
             Self::Heap(heap) => heap.inner_diameter.si(),
             Self::BoxCollapse(body) => body.width.si(),
+            Self::Slider(_) | Self::Drop(_) | Self::Tilt(_) => 0.0,
         }
     }
 
@@ -174,7 +228,7 @@ impl Apparatus {
         match self {
             Self::Drum(drum) => drum.speed.si(),
             Self::Metering(device) => device.speed.si(),
-            Self::Heap(_) | Self::BoxCollapse(_) => 0.0,
+            _ => 0.0,
         }
     }
 
@@ -183,7 +237,7 @@ impl Apparatus {
         match self {
             Self::Drum(drum) => drum.speed = speed,
             Self::Metering(device) => device.speed = speed,
-            Self::Heap(_) | Self::BoxCollapse(_) => {}
+            _ => {}
         }
     }
 
@@ -203,6 +257,7 @@ impl Apparatus {
             Self::Metering(device) => inside() && device.is_clear_of_board(centre, radius),
             Self::Heap(heap) => heap.has_room(centre, radius),
             Self::BoxCollapse(body) => body.has_room(centre, radius),
+            Self::Slider(_) | Self::Drop(_) | Self::Tilt(_) => false,
         }
     }
 
@@ -210,15 +265,16 @@ impl Apparatus {
     pub(crate) fn is_out_of_reach(&self, x: f64, y: f64, radius: f64) -> bool {
         match self {
             Self::Drum(_) | Self::Metering(_) => x.hypot(y) + radius >= self.radius(),
-            Self::Heap(_) | Self::BoxCollapse(_) => false,
+            _ => false,
         }
     }
 
-    /// Region in which seeds may start: lower and upper corner, m.
+    /// Region in which seeds may start: lower and upper corner, m; without extent in a bench test.
     pub(crate) fn room(&self) -> [Vector3<f64>; 2] {
         match self {
             Self::Heap(heap) => heap.room(),
             Self::BoxCollapse(body) => body.room(),
+            Self::Slider(_) | Self::Drop(_) | Self::Tilt(_) => [Vector3::zeros(); 2],
             Self::Drum(_) | Self::Metering(_) => {
                 let (radius, half) = (self.radius(), 0.5 * self.width());
                 [

@@ -1,9 +1,24 @@
-//! What a bench test of one kind of seed takes from a scene.
+//! Bench tests of one kind of seed: what they take from a scene, and what their run gives.
+//!
+//! Three tests as the study did them `[CottonStudy, section 2.2]`: a drop on a plate (restitution from
+//! heights), a sled of glued seeds (static friction), a tilted plate (rolling friction as the tangent
+//! of the angle at which a seed starts to roll). What a whole agglomerate shows is held against what was
+//! put into its spheres.
 
+mod drop;
+mod plate;
+mod slider;
+mod tilt;
+
+use crate::apparatus::{Apparatus, BenchTest};
 use crate::interactions::interactions;
+use crate::run::RunResult;
+use crate::steady::Truncation;
 use crate::time_step::TimeSteps;
-use crate::{Error, FillingLibrary, Scene, SeedBody};
-use dem_solver::Interaction;
+use crate::{Error, FillingLibrary, Further, Scene, SeedBody, SeedSettings};
+use clump::Sphere;
+use dem_solver::{Census, Interaction, Settings, Template, World};
+use nalgebra::{UnitQuaternion, Vector3};
 use std::sync::Arc;
 
 /// How much finer than in a drum a bench test is stepped. A drum's step puts about three steps into a
@@ -12,68 +27,215 @@ use std::sync::Arc;
 const FINER: f64 = 20.0;
 
 /// A seed, and how it meets its like and a plate.
-#[derive(Debug, Clone)]
-pub struct BenchParts {
+#[derive(Debug)]
+struct BenchParts {
+    /// Name of the kind of seed.
+    name: String,
     /// The seed.
-    pub body: Arc<SeedBody>,
+    body: Arc<SeedBody>,
     /// Interactions of the materials seed (0) and plate (1), row by row.
-    pub interactions: Vec<Interaction>,
+    interactions: Vec<Interaction>,
     /// Which mass enters the dashpots.
-    pub dashpot_mass: dem_solver::DashpotMass,
+    dashpot_mass: dem_solver::DashpotMass,
     /// Time step that resolves the contacts, s.
-    pub time_step: f64,
+    time_step: f64,
     /// Gravity, m/s².
-    pub gravity: f64,
+    gravity: f64,
+    /// Whether the plate is covered with seeds.
+    on_seeds: bool,
 }
 
 impl BenchParts {
-    /// Takes a kind of seed and a plate by the name of its material; the seeds' own material stands
-    /// for a plate of seeds.
+    /// What a test takes from its scene; the seeds' own material stands for a plate of seeds.
     ///
     /// # Errors
     ///
-    /// A seed or material that the scene does not define, contacts that are missing.
-    pub fn new(
-        scene: &Scene,
-        library: &FillingLibrary,
-        seed: &str,
-        plate: &str,
-    ) -> Result<Self, Error> {
-        let undefined = |what, name: &str, known: Vec<&str>| Error::Undefined {
-            file: scene.file.clone(),
-            what,
-            name: name.to_owned(),
-            known: known.join(", "),
-        };
-        let names = || scene.seed.iter().map(|s| s.name.as_str()).collect();
-        let kind = scene
-            .seed
-            .iter()
-            .find(|s| s.name == seed)
-            .ok_or_else(|| undefined("seed", seed, names()))?;
-        if !scene.material.contains_key(plate) {
-            let known = scene.material.keys().map(String::as_str).collect();
-            return Err(undefined("material", plate, known));
-        }
-        if scene.contact_of(&kind.material, plate).is_none() {
-            return Err(Error::MissingContact {
-                file: scene.file.clone(),
-                pair: format!("{}-{plate}", kind.material),
-            });
-        }
+    /// A seed that the scene does not define or that cannot be made, contacts out of range.
+    fn new(scene: &Scene, library: &FillingLibrary, test: BenchTest<'_>) -> Result<Self, Error> {
+        let kind = scene.tested_seed(test)?;
         let body = library.body(scene, kind)?;
         let single = Scene {
             seed: vec![kind.clone()],
             ..scene.clone()
         };
-        let steps = TimeSteps::of(&single, std::slice::from_ref(&body))?;
         let bodies = std::slice::from_ref(&body);
+        let steps = TimeSteps::of(&single, bodies)?;
         Ok(Self {
-            interactions: interactions(&single, bodies, &[&kind.material, plate])?,
+            name: kind.name.clone(),
+            interactions: interactions(&single, bodies, &[&kind.material, test.plate])?,
             body,
             dashpot_mass: scene.model.dashpot_mass,
             time_step: steps.settling / FINER,
             gravity: scene.model.gravity_m_s2,
+            on_seeds: test.plate == kind.material,
+        })
+    }
+
+    /// Settings of the solver: no gravity, which each test adds as the weight of its body.
+    fn solver_settings(&self) -> Settings {
+        let spheres = self.body.clump.spheres().iter();
+        let radius = spheres.map(|s| s.radius).fold(f64::INFINITY, f64::min);
+        Settings {
+            time_step: self.time_step,
+            gravity: Vector3::zeros(),
+            skin: 0.45 * radius,
+            margin: 4.5 * radius,
+        }
+    }
+
+    /// The seed as a body type of material 0.
+    fn template(&self) -> Template {
+        Template::new(&self.body.clump, 0, self.dashpot_mass)
+    }
+
+    /// Weight of the seed, N.
+    fn weight(&self) -> f64 {
+        self.body.clump.mass() * self.gravity
+    }
+
+    /// Spheres at the surface of the seed about its centre of mass, turned.
+    fn turned(&self, turn: &UnitQuaternion<f64>) -> Vec<Sphere> {
+        let spheres = self.body.outer.spheres().iter();
+        spheres
+            .map(|s| Sphere {
+                centre: turn * s.centre,
+                radius: s.radius,
+            })
+            .collect()
+    }
+
+    /// Lowest point of body 0, the seed, m.
+    fn lowest(&self, world: &World) -> f64 {
+        let bodies = world.bodies();
+        let spheres = self.body.outer.spheres().iter();
+        spheres
+            .map(|s| (bodies.position[0] + bodies.orientation[0] * s.centre).y - s.radius)
+            .fold(f64::INFINITY, f64::min)
+    }
+}
+
+/// One repeat of a test.
+#[derive(Debug, Clone, Copy)]
+struct Repeat {
+    /// The coefficient that it shows.
+    shown: f64,
+    /// Whether the seed slid instead of rolling; tilt only.
+    slid: bool,
+    /// Steps done.
+    n_steps: u64,
+    /// Number of bodies.
+    n_bodies: usize,
+    /// Number of spheres that can touch.
+    n_spheres: usize,
+    /// Contact lists at the end.
+    census: Census,
+}
+
+impl Repeat {
+    /// What a repeat showed in its world.
+    fn new(shown: f64, slid: bool, world: &World) -> Self {
+        let templates = world.bodies().template.iter();
+        Self {
+            shown,
+            slid,
+            n_steps: world.n_steps(),
+            n_bodies: world.bodies().len(),
+            n_spheres: templates
+                .map(|&t| world.templates()[t].n_outer_spheres())
+                .sum(),
+            census: world.census(),
+        }
+    }
+}
+
+/// Runs the bench test of a scene; none where its apparatus is no bench test.
+///
+/// # Errors
+///
+/// A scene that cannot be built, a solver that stops, a repeat that does not come to its end.
+pub(crate) fn run_bench(
+    scene: &Scene,
+    library: &FillingLibrary,
+    seed: u64,
+) -> Result<Option<RunResult>, Error> {
+    let Some(test) = scene.apparatus.bench_test() else {
+        return Ok(None);
+    };
+    let parts = BenchParts::new(scene, library, test)?;
+    let (name, repeats) = match &scene.apparatus {
+        Apparatus::Drop(test) => (
+            "shown_restitution",
+            drop::drop(&parts, test.height.si(), test.repeats, seed)?,
+        ),
+        Apparatus::Tilt(test) => (
+            "shown_rolling_friction",
+            tilt::tilt(&parts, test.repeats, seed)?,
+        ),
+        _ => (
+            "shown_static_friction",
+            slider::slider(&parts, test.repeats, seed)?,
+        ),
+    };
+    let shown = repeats.iter().map(|r| r.shown).collect();
+    let mut further = vec![Further::new(name, "1", shown)];
+    if matches!(scene.apparatus, Apparatus::Tilt(_)) {
+        let slid = repeats.iter().map(|r| f64::from(u8::from(r.slid)));
+        further.push(Further::new("slid_share", "1", slid.collect()));
+    }
+    let last = repeats.last();
+    Ok(Some(RunResult {
+        series: Vec::new(),
+        // Each repeat came to its end, and nothing was left out.
+        truncation: Some(Truncation {
+            cut: 0,
+            standard_error: 0.0,
+            steady: true,
+        }),
+        frames: Vec::new(),
+        readings: Vec::new(),
+        filling_angles: Vec::new(),
+        further,
+        regime: None,
+        settling_time_step: parts.time_step,
+        time_step: parts.time_step,
+        n_steps: repeats.iter().map(|r| r.n_steps).sum(),
+        n_threads: 1,
+        n_bodies: last.map_or(0, |r| r.n_bodies),
+        n_spheres: last.map_or(0, |r| r.n_spheres),
+        census: last.map_or_else(Census::default, |r| r.census),
+        bodies: vec![parts.body],
+    }))
+}
+
+impl Scene {
+    /// The kind of seed of a bench test: the first where none is named.
+    ///
+    /// # Errors
+    ///
+    /// A name that no kind has.
+    pub(crate) fn tested_seed(&self, test: BenchTest<'_>) -> Result<&SeedSettings, Error> {
+        let names = || self.seed.iter().map(|s| s.name.as_str());
+        let mut kinds = self.seed.iter();
+        let found = kinds.find(|s| test.seed.is_none_or(|name| s.name == name));
+        found.ok_or_else(|| Error::Undefined {
+            file: self.file.clone(),
+            what: "seed",
+            name: test.seed.unwrap_or("the first of [[seed]]").into(),
+            known: names().collect::<Vec<_>>().join(", "),
+        })
+    }
+
+    /// Refuses what only a bed of seeds can be asked for.
+    pub(crate) fn require_bed(&self) -> Result<(), Error> {
+        if self.apparatus.bench_test().is_none() {
+            return Ok(());
+        }
+        Err(Error::BadValue {
+            name: format!("{}: apparatus.kind", self.file),
+            value: "a bench test".into(),
+            requirement:
+                "a drum, a metering device, a heap or a box: a bench test holds no bed of seeds"
+                    .into(),
         })
     }
 }

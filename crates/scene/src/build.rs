@@ -55,6 +55,7 @@ impl Built {
 /// Builds the world with the seeds in their starting places, or without seeds where a factory makes them,
 /// and the drive at rest.
 pub(crate) fn build(scene: &Scene, library: &FillingLibrary, seed: u64) -> Result<Built, Error> {
+    scene.require_bed()?;
     let Some(factory) = Factory::of(scene, seed) else {
         return build_filled(scene, library, seed);
     };
@@ -72,6 +73,7 @@ pub(crate) fn build_filled(
     library: &FillingLibrary,
     seed: u64,
 ) -> Result<Built, Error> {
+    scene.require_bed()?;
     let bodies = seed_bodies(scene, library)?;
     let meshes = mesh_walls(scene)?;
     let kinds: Vec<_> = bodies

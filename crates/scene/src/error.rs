@@ -132,6 +132,16 @@ pub enum Error {
         /// Why.
         source: bonded_body::Error,
     },
+    /// A bench test did not come to its end.
+    #[error("repeat {repeat}: {what} within {limit:.1} s of simulated time")]
+    NoEvent {
+        /// Number of the repeat, from 1.
+        repeat: usize,
+        /// What did not happen.
+        what: &'static str,
+        /// The limit, s.
+        limit: f64,
+    },
     /// The state of a run cannot be kept, or cannot be one that was.
     #[error("{file}: the state of the run cannot be kept or taken up: {reason}")]
     NotKept {

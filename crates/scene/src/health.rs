@@ -36,7 +36,7 @@ pub(crate) fn limits(scene: &Scene, bodies: &[Arc<SeedBody>]) -> HealthLimits {
     // On an open floor seeds may roll away; a drum or a device must hold them.
     let open = match scene.apparatus {
         Apparatus::Heap(_) | Apparatus::BoxCollapse(_) => 100.0 * size,
-        Apparatus::Drum(_) | Apparatus::Metering(_) => length,
+        _ => length,
     };
     HealthLimits {
         low: low - Vector3::repeat(open),

@@ -4,12 +4,13 @@
 //! protocol and the camera. [`run`] fills the apparatus, lets the seeds settle, turns the drum
 //! until the surface is steady, takes frames as the camera would see them and measures each with
 //! the same code that measures photos. In a heap or a box a wall is lifted instead, and the slope is read
-//! from the outline at rest. A run is decided by the scene and a seed alone.
+//! from the outline at rest. A bench test (slider, drop, tilt) handles single seeds on a plate. A run is decided by the scene and a seed alone.
 
 mod apparatus;
 mod bench;
 mod bonded;
 mod build;
+mod check;
 mod error;
 mod factory;
 mod filling;
@@ -22,6 +23,7 @@ mod obstacles;
 mod outline;
 mod parse;
 mod placement;
+mod reduce;
 mod release;
 mod run;
 mod settings;
@@ -29,8 +31,9 @@ mod steady;
 mod surroundings;
 mod time_step;
 
-pub use apparatus::{Apparatus, BoxCollapse, Drum, Heap, Lifters, Metering, Ripple};
-pub use bench::BenchParts;
+pub use apparatus::{
+    Apparatus, BoxCollapse, Drop, Drum, Heap, Lifters, Metering, Ripple, Slider, Tilt,
+};
 pub use bonded::BondedSettings;
 pub use error::Error;
 pub use filling::{FillingLibrary, SeedBody};

@@ -37,7 +37,7 @@ pub(crate) fn release(scene: &Scene, built: Built) -> Result<Released, Error> {
     let lifted = match &scene.apparatus {
         Apparatus::Heap(heap) => heap.height.si() / heap.lift_speed.si(),
         Apparatus::BoxCollapse(body) => body.height.si() / body.lift_speed.si(),
-        Apparatus::Drum(_) | Apparatus::Metering(_) => 0.0,
+        _ => 0.0,
     };
     let limit = scene.protocol.rotation_limit.si();
     let mut rested = false;

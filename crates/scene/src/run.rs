@@ -1,6 +1,7 @@
 //! One run: fill, settle, rotate until steady, take frames, measure.
 
 use crate::apparatus::Apparatus;
+use crate::bench::run_bench;
 use crate::build::{Built, assemble, build, build_filled, seed_bodies};
 use crate::flow::{avalanche_period, fill_level, flowing_layer};
 use crate::motion::{
@@ -64,8 +65,8 @@ pub struct RunResult {
     pub filling_angles: Vec<f64>,
     /// Further observables.
     pub further: Vec<Further>,
-    /// How the bed moves.
-    pub regime: Regime,
+    /// How the bed moves; none in a bench test, which has no bed.
+    pub regime: Option<Regime>,
     /// Time step while the seeds settled, s.
     pub settling_time_step: f64,
     /// Time step while the drive ran, s.
@@ -97,7 +98,7 @@ pub fn run(scene: &Scene, library: &FillingLibrary, seed: u64) -> Result<RunResu
 /// of the same scene and seed was left, with its state kept on the way.
 ///
 /// The result is the same to the last bit for any number of threads, and as that of a run that was never left. The
-/// runs of a heap and of a box start anew and are not kept.
+/// runs of a heap, of a box and of a bench test start anew and are not kept.
 ///
 /// # Errors
 ///
@@ -110,6 +111,9 @@ pub fn run_on(
     left: Option<Progress>,
     keeper: &mut dyn Keeper,
 ) -> Result<RunResult, Error> {
+    if let Some(tested) = run_bench(scene, library, seed)? {
+        return Ok(tested);
+    }
     let built = build(scene, library, seed)?.on_threads(scene, threads)?;
     if scene.apparatus.is_release() {
         return released(scene, built);
@@ -159,11 +163,11 @@ pub fn run_on(
         frames,
         readings,
         filling_angles,
-        regime: if slip > SLIDING_BELOW {
+        regime: Some(if slip > SLIDING_BELOW {
             Regime::Sliding
         } else {
             Regime::Rolling
-        },
+        }),
         settling_time_step,
         time_step: world.settings().time_step,
         n_steps: world.n_steps(),
@@ -218,7 +222,7 @@ fn released(scene: &Scene, built: Built) -> Result<RunResult, Error> {
         readings: Vec::new(),
         filling_angles: Vec::new(),
         further: result.further,
-        regime: Regime::Resting,
+        regime: Some(Regime::Resting),
         settling_time_step: world.settings().time_step,
         time_step: world.settings().time_step,
         n_steps: world.n_steps(),
@@ -297,6 +301,7 @@ pub fn running_world(
     placements: &[Placement],
 ) -> Result<World, Error> {
     refuse_bonds(scene)?;
+    scene.require_bed()?;
     let bodies = seed_bodies(scene, library)?;
     let mut built = assemble(scene, bodies, mesh_walls(scene)?, placements)?;
     start_drive(scene, &mut built);

@@ -2,12 +2,11 @@
 
 use anyhow::{Context as _, ensure};
 use bench_test::measured::{Test, coefficients};
-use bench_test::slider::Base;
-use bench_test::tilt::Start;
-use bench_test::{Summary, drop, slider, summarise, tilt};
+use bench_test::{Summary, summarise};
 use clap::ValueEnum;
 use command_line::{Common, DONE, Header};
-use scene::{BenchParts, FillingLibrary, Scene};
+use quantity::Length;
+use scene::{Apparatus, Drop, FillingLibrary, RunResult, Scene, Slider, Tilt};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
@@ -152,15 +151,12 @@ fn simulated(arguments: &Arguments, file: &Path) -> anyhow::Result<Report> {
         .plate
         .as_deref()
         .context("--plate MATERIAL is missing: the plate on which the test is done")?;
-    let parts = BenchParts::new(&scene, &FillingLibrary::default(), &seed_name, plate)?;
     let kind = scene
         .seed
         .iter()
         .find(|s| s.name == seed_name)
         .unwrap_or(first);
-    let contact = scene
-        .contact_of(&kind.material, plate)
-        .context("the contact of seed and plate is missing")?;
+    let material = kind.material.clone();
     let repeats = arguments.repeats.unwrap_or(match arguments.test {
         Kind::Drop => 40,
         Kind::Slider => 5,
@@ -170,38 +166,64 @@ fn simulated(arguments: &Arguments, file: &Path) -> anyhow::Result<Report> {
         repeats >= 2,
         "--repeats {repeats}: at least 2 are needed for an interval"
     );
-    let seed = arguments.seed;
-    let mut slid = 0;
-    let (values, put_in) = match arguments.test {
-        Kind::Drop => {
-            let height = 1e-3 * arguments.height_mm;
-            (
-                drop::drop(&parts, height, repeats, seed)?,
-                contact.restitution.get(),
-            )
-        }
-        Kind::Slider => {
-            let base = if plate == kind.material {
-                Base::Seeds
-            } else {
-                Base::Plate
-            };
-            let values = slider::slider(&parts, base, repeats, seed)?;
-            (values, contact.static_friction.get())
-        }
-        Kind::Tilt => {
-            let starts = tilt::tilt(&parts, repeats, seed)?;
-            slid = starts.iter().filter(|s| s.1 == Start::Slid).count();
-            let values = starts.iter().map(|s| s.0).collect();
-            (values, contact.rolling_friction.get())
-        }
+    let scene = scene.on_bench(apparatus(arguments, plate, seed_name, repeats)?)?;
+    let contact = scene
+        .contact_of(&material, plate)
+        .context("the contact of seed and plate is missing")?;
+    let put_in = match arguments.test {
+        Kind::Drop => contact.restitution.get(),
+        Kind::Slider => contact.static_friction.get(),
+        Kind::Tilt => contact.rolling_friction.get(),
     };
+    let seed = arguments.seed;
+    let result = scene::run(&scene, &FillingLibrary::default(), seed)?;
+    let slid = values(&result, "slid_share").iter().filter(|s| **s > 0.5);
+    let slid = slid.count();
+    let shown = format!("shown_{}", test_of(arguments.test).coefficient());
+    let meshes = scene.mesh_files().into_iter().map(|m| scene.folder.join(m));
+    let inputs = [file.to_path_buf()].into_iter().chain(meshes);
     Ok(Report {
-        header: Header::new(seed, [file.to_path_buf(), scene.folder.join(&kind.mesh)])?,
+        header: Header::new(seed, inputs)?,
         origin: "simulated",
         coefficient: test_of(arguments.test).coefficient(),
         put_in: Some(put_in),
         slid,
-        summary: summarise(&values)?,
+        summary: summarise(values(&result, &shown))?,
     })
+}
+
+/// The bench test of the arguments as an apparatus.
+fn apparatus(
+    arguments: &Arguments,
+    plate: &str,
+    seed: String,
+    repeats: usize,
+) -> anyhow::Result<Apparatus> {
+    let (plate, seed) = (plate.to_owned(), Some(seed));
+    Ok(match arguments.test {
+        Kind::Drop => Apparatus::Drop(Drop {
+            plate,
+            seed,
+            repeats,
+            height: Length::from_si(1e-3 * arguments.height_mm).context("--height-mm")?,
+        }),
+        Kind::Slider => Apparatus::Slider(Slider {
+            plate,
+            seed,
+            repeats,
+        }),
+        Kind::Tilt => Apparatus::Tilt(Tilt {
+            plate,
+            seed,
+            repeats,
+        }),
+    })
+}
+
+/// Values of an observable; none where the run does not give it.
+fn values<'a>(result: &'a RunResult, name: &str) -> &'a [f64] {
+    let mut further = result.further.iter();
+    further
+        .find(|f| f.name == name)
+        .map_or(&[], |f| f.values.as_slice())
 }

@@ -1,11 +1,14 @@
 //! The tilted plate: the tangent of the angle at which a seed starts to roll.
 
-use crate::drop::plate;
-use crate::{Error, settings, template};
-use dem_solver::{Placement, World};
+use super::plate::{Plate, moved};
+use super::{BenchParts, Repeat};
+use crate::Error;
+use dem_solver::Placement;
 use nalgebra::{UnitQuaternion, Vector3};
 use random_stream::Stream;
-use scene::BenchParts;
+
+/// Seeds along each side of a plate of seeds.
+const SIDE: usize = 5;
 
 /// Rate of the tilt, rad/s: 5 degrees a second.
 const RATE: f64 = 5.0 * std::f64::consts::PI / 180.0;
@@ -19,48 +22,42 @@ const TURN: f64 = 0.5;
 /// Sliding has begun when it has gone this way in seed radii without turning so far.
 const WAY: f64 = 2.0;
 
-/// How a seed left its place.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Start {
-    /// It rolled.
-    Rolled,
-    /// It slid without rolling: the angle tells the static friction.
-    Slid,
-}
-
-/// Tangent of the starting angle and the way of starting, for `repeats` seeds.
+/// Tangent of the starting angle for `repeats` seeds, and whether each slid instead of rolling; then the angle
+/// tells the static friction.
 ///
 /// The long axis lies across the slope, as on the bench; the seed is turned about it at random and
-/// comes to rest before the plate is tilted.
+/// comes to rest before the plate is tilted. A plate of seeds is laid anew for each,
+/// and the seed put on it at a random place within half a seed of its middle.
 ///
 /// # Errors
 ///
 /// A solver that stops, a seed that holds on at 80 degrees.
-pub fn tilt(parts: &BenchParts, repeats: usize, seed: u64) -> Result<Vec<(f64, Start)>, Error> {
+pub(super) fn tilt(parts: &BenchParts, repeats: usize, seed: u64) -> Result<Vec<Repeat>, Error> {
     let mut stream = Stream::new(seed, "tilt test");
     (1..=repeats)
-        .map(|repeat| one(parts, stream.between(0.0, std::f64::consts::TAU), repeat))
+        .map(|repeat| {
+            let angle = stream.between(0.0, std::f64::consts::TAU);
+            let plate = Plate::of(parts, SIDE, SIDE, &mut stream);
+            let aside = plate.place(parts, &mut stream);
+            one(parts, &plate, (angle, aside), repeat)
+        })
         .collect()
 }
 
-/// One seed, turned by an angle (rad) about its long axis.
-fn one(parts: &BenchParts, angle: f64, repeat: usize) -> Result<(f64, Start), Error> {
+/// One seed, turned by an angle (rad) about its long axis, aside of the middle of the plate (m).
+fn one(
+    parts: &BenchParts,
+    plate: &Plate,
+    (angle, aside): (f64, Vector3<f64>),
+    repeat: usize,
+) -> Result<Repeat, Error> {
     // The long axis is the body's x axis; it is laid along z, across the slope.
     let across = UnitQuaternion::from_axis_angle(&Vector3::y_axis(), -std::f64::consts::FRAC_PI_2);
     let turn = across * UnitQuaternion::from_axis_angle(&Vector3::x_axis(), angle);
-    let spheres = parts.body.outer.spheres().iter();
-    let reach = spheres
-        .map(|s| s.radius - (turn * s.centre).y)
-        .fold(0.0, f64::max);
-    let start = Placement::at_rest(0, Vector3::y() * (reach + 1e-6), turn);
-    let mut world = World::new(
-        settings(parts, Vector3::zeros()),
-        vec![template(parts)],
-        parts.interactions.clone(),
-        vec![plate()],
-        &[start],
-    )?;
-    let weight = parts.body.clump.mass() * parts.gravity;
+    let lift = plate.lift(&moved(parts.turned(&turn), aside));
+    let start = Placement::at_rest(0, aside + Vector3::y() * (lift + 1e-6), turn);
+    let mut world = plate.world(parts, parts.template(), start)?;
+    let weight = parts.weight();
     let limit = REST + 80_f64.to_radians() / RATE;
     let mut rested = None;
     while world.time() < limit {
@@ -75,11 +72,9 @@ fn one(parts: &BenchParts, angle: f64, repeat: usize) -> Result<(f64, Start), Er
         let (from, before) = *rested.get_or_insert((position, orientation));
         let turned = (orientation * before.inverse()).scaled_axis().z.abs();
         let way = (position - from).norm();
-        if turned > TURN {
-            return Ok((tilt.tan(), Start::Rolled));
-        }
-        if way > WAY * parts.body.clump.bounding_radius() {
-            return Ok((tilt.tan(), Start::Slid));
+        let slid = way > WAY * parts.body.clump.bounding_radius();
+        if turned > TURN || slid {
+            return Ok(Repeat::new(tilt.tan(), turned <= TURN, &world));
         }
     }
     Err(Error::NoEvent {

@@ -1,0 +1,32 @@
+//! A seed that falls on a plate and comes back: restitution.
+
+use quantity::Length;
+use serde::{Deserialize, Serialize};
+
+/// A seed that falls on a plate and comes back: restitution.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Drop {
+    /// Material of the plate; that of the seed itself stands for a plate covered with glued seeds.
+    pub plate: String,
+    /// Name of the kind of seed; the first of the scene where absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub seed: Option<String>,
+    /// Number of drops.
+    #[serde(default = "repeats")]
+    pub repeats: usize,
+    /// Height from which the seed falls until it first touches the plate.
+    pub height: Length,
+}
+
+/// Number of drops where the scene states none.
+fn repeats() -> usize {
+    40
+}
+
+impl Drop {
+    /// Refuses what cannot be meant.
+    pub(crate) fn check(&self) -> Result<(), crate::Error> {
+        super::heap::check_size("apparatus.height", self.height)
+    }
+}

@@ -1,0 +1,22 @@
+//! A sled of glued seeds that is pulled over a plate: static friction.
+
+use serde::{Deserialize, Serialize};
+
+/// A sled of glued seeds that is pulled over a plate: static friction.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Slider {
+    /// Material of the plate; that of the seed itself stands for a plate covered with glued seeds.
+    pub plate: String,
+    /// Name of the kind of seed; the first of the scene where absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub seed: Option<String>,
+    /// Number of pulls.
+    #[serde(default = "repeats")]
+    pub repeats: usize,
+}
+
+/// Number of pulls where the scene states none.
+fn repeats() -> usize {
+    5
+}

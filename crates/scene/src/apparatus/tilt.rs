@@ -1,0 +1,22 @@
+//! A plate that is tilted until a seed on it starts to roll: rolling friction.
+
+use serde::{Deserialize, Serialize};
+
+/// A plate that is tilted until a seed on it starts to roll: rolling friction.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Tilt {
+    /// Material of the plate; that of the seed itself stands for a plate covered with glued seeds.
+    pub plate: String,
+    /// Name of the kind of seed; the first of the scene where absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub seed: Option<String>,
+    /// Number of seeds.
+    #[serde(default = "repeats")]
+    pub repeats: usize,
+}
+
+/// Number of seeds where the scene states none.
+fn repeats() -> usize {
+    20
+}

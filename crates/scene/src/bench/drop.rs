@@ -1,0 +1,105 @@
+//! The drop: a seed falls on a plate, and its rebound tells the restitution.
+
+use super::plate::{Plate, lowest, moved};
+use super::{BenchParts, Repeat};
+use crate::Error;
+use dem_solver::{Placement, World};
+use nalgebra::{Quaternion, UnitQuaternion, Vector3};
+use random_stream::Stream;
+
+/// Seeds along each side of a plate of seeds.
+const SIDE: usize = 5;
+
+/// Gap to the plate at which a fall is taken up, m.
+const GAP: f64 = 1e-5;
+
+/// Time without motion after which the seed rests, s: longer than a contact, and than it stands still at
+/// the top of a rebound.
+const REST: f64 = 0.02;
+
+/// Restitution of `repeats` drops from a height (m), each in a random orientation; on seeds, on a plate laid
+/// anew, over a random place within half a seed of its middle.
+///
+/// As on the bench: e = sqrt(H2 / H1). H1 is the height from which the seed falls until it first touches
+/// the plate. H2 is how far its lowest point rises above where that was at the first touch, at its highest
+/// and whatever the seed does in between; 0 where it never comes back so high. On a smooth plate both are
+/// heights of the lowest point over the plate. The fall itself is not simulated: the seed starts just
+/// above the plate with the speed of its fall. A seed that leaves a plate of seeds sideways has made its
+/// rebound.
+///
+/// # Errors
+///
+/// A solver that stops, a seed that neither comes to the top of its rebound nor to rest.
+pub(super) fn drop(
+    parts: &BenchParts,
+    height: f64,
+    repeats: usize,
+    seed: u64,
+) -> Result<Vec<Repeat>, Error> {
+    let mut stream = Stream::new(seed, "drop test");
+    (1..=repeats)
+        .map(|repeat| {
+            let [w, x, y, z] = stream.rotation();
+            let turn = UnitQuaternion::new_normalize(Quaternion::new(w, x, y, z));
+            let plate = Plate::of(parts, SIDE, SIDE, &mut stream);
+            let aside = plate.place(parts, &mut stream);
+            let (rebound, world) = one(parts, &plate, height, (turn, aside), repeat)?;
+            Ok(Repeat::new((rebound / height).sqrt(), false, &world))
+        })
+        .collect()
+}
+
+/// Height (m) that the lowest point reaches over that of the first touch, for a seed in an orientation and at
+/// a place aside of the middle (m).
+fn one(
+    parts: &BenchParts,
+    plate: &Plate,
+    height: f64,
+    (turn, aside): (UnitQuaternion<f64>, Vector3<f64>),
+    repeat: usize,
+) -> Result<(f64, World), Error> {
+    let spheres = moved(parts.turned(&turn), aside);
+    let lift = plate.lift(&spheres);
+    let first_touch = lowest(&spheres) + lift;
+    let speed = (2.0 * parts.gravity * (height - GAP).max(0.0)).sqrt();
+    let start = Placement {
+        velocity: Vector3::y() * -speed,
+        ..Placement::at_rest(0, aside + Vector3::y() * (lift + GAP), turn)
+    };
+    let mut world = plate.world(parts, parts.template(), start)?;
+    let weight = parts.weight();
+    // A flight back to the height of the drop, and as long again for tumbling.
+    let limit = 1.0 + 4.0 * speed / parts.gravity;
+    let reach = parts.body.clump.bounding_radius();
+    let (mut highest, mut moving, mut touched) = (0.0_f64, 0.0, false);
+    while world.time() < limit {
+        world.step_with(|bodies| bodies.force[0].y -= weight)?;
+        let at = world.bodies().position[0].y;
+        let low = parts.lowest(&world);
+        touched |= low <= first_touch;
+        if !touched {
+            continue;
+        }
+        highest = highest.max(low - first_touch);
+        let rising = world.bodies().velocity[0].y > 0.0;
+        // Falling from a height at which no tip can reach the plate any more, or past the plate.
+        let is_over = !rising && at > plate.top() + reach;
+        let is_past = at < -2.0 * reach;
+        if !at_rest(&world, parts) {
+            moving = world.time();
+        }
+        if is_over || is_past || world.time() - moving > REST {
+            return Ok((highest, world));
+        }
+    }
+    Err(Error::NoEvent {
+        repeat,
+        what: "the seed neither rebounds nor rests",
+        limit,
+    })
+}
+
+/// Whether the seed has too little energy to rise by a hundredth of its size.
+fn at_rest(world: &World, parts: &BenchParts) -> bool {
+    world.kinetic_energy() < 0.01 * parts.weight() * parts.body.clump.bounding_radius()
+}

@@ -1,0 +1,85 @@
+//! The slider: seeds glued to a sled that is pulled over a plate; the pull over the weight is the
+//! coefficient of friction.
+
+use super::plate::{Plate, extent, flat, glued, highest, lowest, rigid};
+use super::{BenchParts, Repeat};
+use crate::Error;
+use dem_solver::Placement;
+use nalgebra::{UnitQuaternion, Vector3};
+use random_stream::Stream;
+
+/// Seeds along each side of the sled.
+const SIDE: usize = 3;
+
+/// Speed of the pull, m/s. The study pulls with 100 mm/min; Coulomb's friction does not depend on it,
+/// and six times the speed saves that part of the work.
+const SPEED: f64 = 0.01;
+
+/// Time of loading before, and of measuring while sliding, s.
+const TIMES: [f64; 2] = [0.15, 0.6];
+
+/// Friction of `repeats` pulls, each with other orientations of the glued seeds: mean pull over weight
+/// while sliding.
+///
+/// The seeds lie flat (their shortest axis upright) and touch each other, turned at random about the
+/// vertical. The sled cannot turn: it is held by a tractor, as on the bench. It weighs ten times its seeds.
+///
+/// # Errors
+///
+/// A body that cannot be made, a solver that stops.
+pub(super) fn slider(parts: &BenchParts, repeats: usize, seed: u64) -> Result<Vec<Repeat>, Error> {
+    let mut stream = Stream::new(seed, "slider test");
+    (0..repeats).map(|_| one(parts, &mut stream)).collect()
+}
+
+/// One pull.
+fn one(parts: &BenchParts, stream: &mut Stream) -> Result<Repeat, Error> {
+    let sled = glued(parts, SIDE, SIDE, stream);
+    let mass = 10.0 * parts.body.clump.mass() * (SIDE * SIDE) as f64;
+    let plate = Plate::of(parts, SIDE + along(parts), SIDE + 2, stream);
+    let at = Vector3::y() * (plate.lift(&sled) + 1e-5);
+    let start = Placement::at_rest(0, at, UnitQuaternion::identity());
+    let mut world = plate.world(parts, rigid(parts, &sled, mass)?, start)?;
+    let weight = mass * parts.gravity;
+    // A spring that the friction stretches by a tenth of the height of the sled, nearly critically
+    // damped.
+    let stiffness = 10.0 * weight / (highest(&sled) - lowest(&sled));
+    let damping = 2.0 * (stiffness * mass).sqrt();
+    let (mut sum, mut n) = (0.0, 0_u32);
+    while world.time() < TIMES[0] + TIMES[1] {
+        let drive = SPEED * world.time();
+        let mut pull = 0.0;
+        world.step_with(|bodies| {
+            let velocity = bodies.velocity[0];
+            pull = stiffness * (drive - bodies.position[0].x) + damping * (SPEED - velocity.x);
+            bodies.force[0] += Vector3::new(pull, -weight, 0.0);
+            // The tractor holds the sled upright and straight; up and down it is damped a little, as
+            // a sled of ten seeds' weight would be by its seeds.
+            bodies.force[0].y -= damping * velocity.y;
+            bodies.force[0].z = 0.0;
+            bodies.torque[0] = Vector3::zeros();
+        })?;
+        if world.time() > TIMES[0] {
+            sum += pull / weight;
+            n += 1;
+        }
+    }
+    Ok(Repeat::new(sum / f64::from(n.max(1)), false, &world))
+}
+
+/// Seeds along the plate that the sled needs beside those under it: one at each end, and what it goes.
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "a small number that is not negative"
+)]
+fn along(parts: &BenchParts) -> usize {
+    let seed = parts.turned(&flat());
+    let breadth = [0, 2].map(|axis| {
+        let [from, to] = extent(&seed, axis);
+        to - from
+    });
+    let way = SPEED * (TIMES[0] + TIMES[1]);
+    // The sled starts in the middle: the plate is longer at both ends.
+    2 + 2 * (way / breadth[0].min(breadth[1])).ceil().min(50.0) as usize
+}

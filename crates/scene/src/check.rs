@@ -1,0 +1,314 @@
+//! What cannot be meant in a scene.
+
+use crate::apparatus::BenchTest;
+use crate::{Apparatus, Error, Scene};
+
+/// Largest slope at which a bed may be laid, rad.
+const MOST_START_SLOPE: f64 = std::f64::consts::FRAC_PI_4;
+
+impl Scene {
+    /// Refuses what cannot be meant; for scenes that were changed after reading.
+    ///
+    /// # Errors
+    ///
+    /// The first of [`Self::problems`].
+    pub fn check(&self) -> Result<(), Error> {
+        self.problems().into_iter().next().map_or(Ok(()), Err)
+    }
+
+    /// All that cannot be meant: settings out of range, names that refer to nothing, contacts that nobody
+    /// states. Values that cannot be meant are told with the file.
+    pub fn problems(&self) -> Vec<Error> {
+        let mut found = Vec::new();
+        self.check_protocol(&mut found);
+        self.check_model(&mut found);
+        self.check_camera(&mut found);
+        self.check_seeds(&mut found);
+        found.extend(self.surroundings.check(&self.apparatus).err());
+        found.extend(self.apparatus.check().err());
+        if let Some(test) = self.apparatus.bench_test() {
+            self.check_bench(test, &mut found);
+        }
+        self.check_names(&mut found);
+        let all = found.into_iter();
+        all.map(|error| error.in_file(&self.file)).collect()
+    }
+
+    /// Finds constants of the model out of range.
+    fn check_model(&self, found: &mut Vec<Error>) {
+        let model = &self.model;
+        let mut require = |holds: bool, name: &str, value: String, requirement: &str| {
+            if !holds {
+                found.push(bad(name, value, requirement));
+            }
+        };
+        let bond = model.bond_number;
+        let holds = (0.0..=100.0).contains(&bond);
+        require(holds, "model.bond_number", bond.to_string(), "0 to 100");
+        if let Some(liquid) = &model.liquid {
+            let content = liquid.content;
+            let holds = (0.0..=0.2).contains(&content);
+            require(
+                holds,
+                "model.liquid.content",
+                content.to_string(),
+                "0 to 0.2",
+            );
+            let tension = liquid.surface_tension_n_m;
+            let (holds, name) = (
+                (0.0..=1.0).contains(&tension),
+                "model.liquid.surface_tension_n_m",
+            );
+            require(holds, name, tension.to_string(), "0 to 1");
+            let angle = liquid.contact_angle;
+            let holds = (0.0..=std::f64::consts::FRAC_PI_2).contains(&angle.si());
+            require(
+                holds,
+                "model.liquid.contact_angle",
+                angle.to_string(),
+                "0 to 90 deg",
+            );
+        }
+        let gravity = model.gravity_m_s2;
+        let holds = gravity > 0.0 && gravity <= 1000.0;
+        let requirement = "above 0, at most 1000";
+        require(
+            holds,
+            "model.gravity_m_s2",
+            gravity.to_string(),
+            requirement,
+        );
+        if let Some(bonds) = &model.bonds {
+            if let Err(source) = bonds.law() {
+                found.push(Error::Text {
+                    file: self.file.clone(),
+                    message: format!("[model.bonds]: {source}"),
+                });
+            }
+            if self.protocol.insertion_rate.is_some() || !self.surroundings.is_empty() {
+                let other = "protocol.insertion_rate or [surroundings] beside it";
+                found.push(bad(
+                    "model.bonds",
+                    other.into(),
+                    "alone: remove one of them",
+                ));
+            }
+        }
+    }
+
+    /// Finds a camera that cannot be.
+    fn check_camera(&self, found: &mut Vec<Error>) {
+        if !(64..=4096).contains(&self.camera.pixels) {
+            let pixels = self.camera.pixels.to_string();
+            found.push(bad("camera.pixels", pixels, "64 to 4096"));
+        }
+        if let Some(distance) = self.camera.distance
+            && distance.si() <= self.apparatus.radius()
+        {
+            let requirement = "above the inner radius of the drum";
+            found.push(bad("camera.distance", distance.to_string(), requirement));
+        }
+    }
+
+    /// Finds seeds that cannot be.
+    fn check_seeds(&self, found: &mut Vec<Error>) {
+        if self.seed_count() == 0 {
+            found.push(bad("number of seeds", "0".into(), "at least 1"));
+        }
+        for seed in &self.seed {
+            if seed.mass.si() <= 0.0 || seed.filling.sphere_radius.si() <= 0.0 {
+                let name = format!("mass or sphere_radius of seed '{}'", seed.name);
+                found.push(bad(&name, "0".into(), "above 0"));
+            }
+            if let Some(scale) = seed.scale
+                && !(0.01..=100.0).contains(&scale)
+            {
+                let name = format!("scale of seed '{}'", seed.name);
+                found.push(bad(&name, scale.to_string(), "0.01 to 100"));
+            }
+        }
+    }
+
+    /// Finds times, steps and counts of the protocol that cannot be meant.
+    fn check_protocol(&self, found: &mut Vec<Error>) {
+        let p = &self.protocol;
+        let mut require = |holds: bool, name: &str, value: String, requirement: &str| {
+            if !holds {
+                found.push(bad(name, value, requirement));
+            }
+        };
+        for (name, time) in [
+            ("protocol.settle_limit", p.settle_limit),
+            ("protocol.rotation_limit", p.rotation_limit),
+            ("protocol.frame_interval", p.frame_interval),
+        ] {
+            require(time.si() > 0.0, name, time.to_string(), "above 0");
+        }
+        if let Some(rate) = p.insertion_rate {
+            let holds = rate.si() >= 1.0;
+            require(
+                holds,
+                "protocol.insertion_rate",
+                rate.to_string(),
+                "1 1/s or more",
+            );
+        }
+        let shares = [
+            ("protocol.step_share", Some(p.step_share)),
+            ("protocol.flow_step_share", p.flow_step_share),
+        ];
+        for (name, share) in shares.into_iter().filter_map(|(n, s)| Some((n, s?))) {
+            let holds = share > 0.0 && share <= 1.0;
+            require(holds, name, share.to_string(), "above 0, at most 1");
+        }
+        if let Some(step) = p.time_step {
+            require(
+                step.si() > 0.0,
+                "protocol.time_step",
+                step.to_string(),
+                "above 0",
+            );
+        }
+        if let Some(session) = p.session {
+            let holds = (0.0..=1.0).contains(&session);
+            require(holds, "protocol.session", session.to_string(), "0 to 1");
+        }
+        if let Some(slope) = p.start_slope {
+            let in_a_drum = matches!(self.apparatus, Apparatus::Drum(_));
+            let holds = in_a_drum && (0.0..=MOST_START_SLOPE).contains(&slope.si());
+            let requirement = "0 to 45 deg, in a drum only";
+            require(
+                holds,
+                "protocol.start_slope",
+                slope.to_string(),
+                requirement,
+            );
+        }
+        require(
+            p.frames >= 2,
+            "protocol.frames",
+            p.frames.to_string(),
+            "at least 2",
+        );
+        let shaken = self.wall.iter().filter_map(|wall| wall.vibration.as_ref());
+        for vibration in shaken.chain(&self.surroundings.vibration) {
+            let frequency = vibration.frequency;
+            let holds = frequency.si() > 0.0;
+            require(
+                holds,
+                "vibration.frequency",
+                frequency.to_string(),
+                "above 0",
+            );
+        }
+    }
+
+    /// Finds what a bench test cannot have.
+    fn check_bench(&self, test: BenchTest<'_>, found: &mut Vec<Error>) {
+        if !(2..=100_000).contains(&test.repeats) {
+            let requirement = "2 to 100000: a mean with an interval needs two";
+            found.push(bad(
+                "apparatus.repeats",
+                test.repeats.to_string(),
+                requirement,
+            ));
+        }
+        found.extend(self.tested_seed(test).err());
+        let absent = "absent in a bench test, which has a plate and single seeds alone";
+        for (stated, name) in [
+            (!self.wall.is_empty(), "[[wall]]"),
+            (!self.surroundings.is_empty(), "[surroundings]"),
+            (self.model.bonds.is_some(), "model.bonds"),
+            (
+                self.protocol.insertion_rate.is_some(),
+                "protocol.insertion_rate",
+            ),
+            (self.camera.distance.is_some(), "camera.distance"),
+        ] {
+            if stated {
+                found.push(bad(name, "stated".into(), absent));
+            }
+        }
+    }
+
+    /// Materials of all seeds that take part.
+    fn seed_materials(&self) -> Vec<&str> {
+        let all = || self.seed.iter().map(|s| s.material.as_str());
+        match self.apparatus.bench_test() {
+            None => all().collect(),
+            Some(test) => {
+                let tested = self.tested_seed(test).ok();
+                tested.map(|s| s.material.as_str()).into_iter().collect()
+            }
+        }
+    }
+
+    /// Pairs of materials that can touch, each once.
+    pub(crate) fn touching_pairs(&self) -> Vec<[&str; 2]> {
+        let (seeds, walls) = (self.seed_materials(), self.wall_materials());
+        let is_bench = self.apparatus.is_bench_test();
+        let mut pairs: Vec<[&str; 2]> = Vec::new();
+        for &seed in &seeds {
+            // On the bench a seed meets the plate alone, or its like where that is a plate of seeds.
+            let others = if is_bench { &[][..] } else { &seeds[..] };
+            for &other in others.iter().chain(&walls) {
+                if !pairs.contains(&[seed, other]) && !pairs.contains(&[other, seed]) {
+                    pairs.push([seed, other]);
+                }
+            }
+        }
+        pairs
+    }
+
+    /// Finds names that refer to nothing, and contacts that nobody states.
+    fn check_names(&self, found: &mut Vec<Error>) {
+        let seeds = self.seed.iter().map(|s| s.material.as_str());
+        let in_contacts = self.contact.keys().flat_map(|pair| pair.split('-'));
+        let mut unknown: Vec<&str> = Vec::new();
+        for name in self
+            .wall_materials()
+            .into_iter()
+            .chain(seeds)
+            .chain(in_contacts)
+        {
+            if !self.material.contains_key(name) && !unknown.contains(&name) {
+                unknown.push(name);
+            }
+        }
+        let known: Vec<_> = self.material.keys().map(String::as_str).collect();
+        for name in unknown {
+            found.push(Error::Undefined {
+                file: self.file.clone(),
+                what: "material",
+                name: name.into(),
+                known: known.join(", "),
+            });
+        }
+        for [a, b] in self.touching_pairs() {
+            if self.contact_of(a, b).is_none() {
+                found.push(Error::MissingContact {
+                    file: self.file.clone(),
+                    pair: format!("{a}-{b}"),
+                });
+            }
+        }
+        let walls = self.apparatus.mesh_walls().into_iter();
+        let own: Vec<String> = walls.map(|wall| wall.name).collect();
+        for (k, wall) in self.wall.iter().enumerate() {
+            let twice = self.wall[..k].iter().any(|other| other.name == wall.name);
+            if twice || own.contains(&wall.name) {
+                let requirement = "another name: each wall of triangles needs its own";
+                found.push(bad("wall.name", wall.name.clone(), requirement));
+            }
+        }
+    }
+}
+
+/// The refusal of a value.
+pub(crate) fn bad(name: &str, value: String, requirement: &str) -> Error {
+    Error::BadValue {
+        name: name.into(),
+        value,
+        requirement: requirement.into(),
+    }
+}

@@ -1,0 +1,224 @@
+//! Bench tests as apparatus, held against closed forms.
+#![expect(
+    clippy::unwrap_used,
+    clippy::panic,
+    reason = "helpers of tests fail like tests"
+)]
+
+use scene::{Error, FillingLibrary, RunResult, Scene, run};
+use std::path::Path;
+
+/// A ball on a bench: the lines of its apparatus, and the material of the plate's contact.
+fn ball(apparatus: &str) -> Scene {
+    let text = format!(
+        r#"
+        [apparatus]
+        {apparatus}
+
+        [[seed]]
+        name = "ball"
+        mesh = "../stl/sphere.stl"
+        mesh_unit = "mm"
+        scale = 3.0
+        mass = "130 mg"
+        count = 1
+        material = "pea"
+        filling = {{ method = "pack", sphere_radius = "0.99 mm", sphere_count = 1, seed = 1 }}
+
+        [material.pea]
+        poisson_ratio = 0.3
+        shear_modulus = "5 MPa"
+
+        [material.steel]
+        poisson_ratio = 0.3
+        shear_modulus = "100 MPa"
+
+        [contact.pea-steel]
+        restitution = 0.6
+        static_friction = 0.35
+        rolling_friction = 0.1
+
+        [contact.pea-pea]
+        restitution = 0.4
+        static_friction = 0.2
+        rolling_friction = 0.0
+
+        [model]
+        dashpot_mass = "body"
+        normal_force_end = "attractive"
+        bond_number = 0.0
+        gravity_m_s2 = 9.81
+
+        [protocol]
+        settle_limit = "0.6 s"
+        rotation_limit = "1 s"
+        frame_interval = "0.2 s"
+        frames = 2
+
+        [camera]
+        pixels = 400
+        roll = "0 deg"
+        "#
+    );
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fixtures/cotton");
+    Scene::from_text(&text, "ball.toml", &folder, &[]).unwrap()
+}
+
+/// The cotton study's seeds with few spheres on a bench.
+fn cotton(apparatus: &str) -> Scene {
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fixtures/cotton/drum.toml");
+    let text = std::fs::read_to_string(&file).unwrap();
+    let from = text.find("[apparatus]").unwrap();
+    let to = text.find("[[seed]]").unwrap();
+    let text = format!("{}[apparatus]\n{apparatus}\n{}", &text[..from], &text[to..])
+        .replace("start_slope", "# start_slope")
+        .replace(
+            "0.45 mm\", sphere_count = 146",
+            "0.8 mm\", sphere_count = 20",
+        )
+        .replace(
+            "0.45 mm\", sphere_count = 127",
+            "0.8 mm\", sphere_count = 16",
+        );
+    Scene::from_text(&text, "cotton.toml", file.parent().unwrap(), &[]).unwrap()
+}
+
+/// Values of an observable.
+fn values(result: &RunResult, name: &str) -> Vec<f64> {
+    let found = result.further.iter().find(|f| f.name == name);
+    found.unwrap_or_else(|| panic!("no {name}")).values.clone()
+}
+
+/// Runs a scene with a seed.
+fn go(scene: &Scene, seed: u64) -> RunResult {
+    run(scene, &FillingLibrary::default(), seed).unwrap()
+}
+
+/// With the dashpot of the whole body and a force that may pull, the rebound of one ball is the law's own
+/// restitution; gravity during the contact and the finite step change it by less than 1 %.
+#[test]
+fn a_ball_comes_back_with_the_restitution_put_in() {
+    let scene = ball("kind = \"drop\"\nplate = \"steel\"\nheight = \"200 mm\"\nrepeats = 3");
+    let result = go(&scene, 1);
+    let shown = values(&result, "shown_restitution");
+    assert_eq!(shown.len(), 3);
+    for e in shown {
+        assert!((e / 0.6 - 1.0).abs() < 0.01, "{e}");
+    }
+    assert!(result.frames.is_empty() && result.series.is_empty());
+    assert_eq!(result.regime, None);
+    assert!(result.n_steps > 100);
+}
+
+/// Balls on a smooth plate slide by Coulomb's law; 0.5 % is what the sled still swings.
+#[test]
+fn a_sled_of_balls_shows_the_friction_put_in() {
+    let scene = ball("kind = \"slider\"\nplate = \"steel\"\nrepeats = 2");
+    for shown in values(&go(&scene, 1), "shown_static_friction") {
+        assert!((shown / 0.35 - 1.0).abs() < 0.005, "{shown}");
+    }
+}
+
+/// A ball starts to roll where its weight overcomes the rolling resistance: at tan = 0.1. Until it has turned by
+/// half a radian the plate tilts on. From rest the angle of the ball grows as
+/// 5/7 (g / R) w t³ / 6, so that lasts 0.25 s at 5 degrees a second, 0.022 in the tangent; a tenth is
+/// the room for the torque that builds up.
+#[test]
+fn a_ball_starts_to_roll_at_its_rolling_friction() {
+    let scene = ball("kind = \"tilt\"\nplate = \"steel\"\nrepeats = 2");
+    let result = go(&scene, 1);
+    let radius = 0.99e-3 * 3.0;
+    let rate = 5_f64.to_radians();
+    let time = (0.5 * 6.0 * 7.0 / 5.0 * radius / 9.81 / rate).cbrt();
+    let expected = (0.1_f64.atan() + rate * time).tan();
+    for shown in values(&result, "shown_rolling_friction") {
+        assert!((shown / expected - 1.0).abs() < 0.1, "{shown}, {expected}");
+        assert!(shown > 0.1, "{shown}");
+    }
+    assert_eq!(values(&result, "slid_share"), [0.0, 0.0]);
+}
+
+/// Without rolling friction a ball starts to roll at once on a smooth plate, but from a hollow of a plate of balls
+/// of its own size only where its weight points past its supports: three that touch each other end that at
+/// tan = 1 / (2 sqrt 2) = 0.35 towards the lowest pass, four in a square at 0.71, and the laid rows lie
+/// between or, where they gape, above. A half of the least is the bound.
+#[test]
+fn a_plate_of_seeds_is_not_smooth() {
+    let smooth = ball("kind = \"tilt\"\nplate = \"steel\"\nrepeats = 3");
+    let smooth = {
+        let mut scene = smooth;
+        let contact = scene.contact.get_mut("pea-steel").unwrap();
+        contact.rolling_friction = quantity::FrictionCoefficient::new(0.0).unwrap();
+        values(&go(&scene, 1), "shown_rolling_friction")
+    };
+    let seeds = ball("kind = \"tilt\"\nplate = \"pea\"\nrepeats = 3");
+    let seeds = values(&go(&seeds, 1), "shown_rolling_friction");
+    assert!(smooth.iter().all(|t| *t < 0.05), "{smooth:?}");
+    assert!(seeds.iter().all(|t| *t > 0.175 && *t < 6.0), "{seeds:?}");
+}
+
+/// Every test gives one value for each repeat, on a plate and on seeds, the same bits for the same seed and
+/// others for another. Restitution lies between 0 and 1: a drop gains no energy.
+#[test]
+fn the_same_seed_gives_the_same_bits() {
+    for plate in ["tough_resin", "seed"] {
+        for (kind, name) in [
+            ("drop\"\nheight = \"50 mm", "shown_restitution"),
+            ("slider", "shown_static_friction"),
+            ("tilt", "shown_rolling_friction"),
+        ] {
+            let scene = cotton(&format!(
+                "kind = \"{kind}\"\nplate = \"{plate}\"\nrepeats = 2"
+            ));
+            let once = values(&go(&scene, 1), name);
+            assert_eq!(once.len(), 2, "{kind} on {plate}");
+            assert_eq!(once, values(&go(&scene, 1), name), "{kind} on {plate}");
+            // A sled on a smooth plate shows the same whatever the turns of its seeds.
+            if (kind, plate) != ("slider", "tough_resin") {
+                assert_ne!(once, values(&go(&scene, 2), name), "{kind} on {plate}");
+            }
+            let most = if name == "shown_restitution" {
+                1.0
+            } else {
+                6.0
+            };
+            assert!(once.iter().all(|v| (0.0..=most).contains(v)), "{once:?}");
+        }
+    }
+}
+
+/// What a bench test cannot have or lacks is told by its key, and a bed is not asked of it.
+#[test]
+fn wrong_bench_scenes_are_refused() {
+    let scene = ball("kind = \"tilt\"\nplate = \"steel\"\nrepeats = 2");
+    let told = |scene: &Scene, words: &[&str]| {
+        let all: Vec<String> = scene.problems().iter().map(ToString::to_string).collect();
+        let all = all.join("\n");
+        for word in words {
+            assert!(all.contains(word), "'{word}' is not in '{all}'");
+        }
+    };
+    let mut wrong = scene.clone();
+    let scene::Apparatus::Tilt(tilt) = &mut wrong.apparatus else {
+        panic!("a tilt")
+    };
+    tilt.repeats = 1;
+    tilt.seed = Some("bean".into());
+    wrong.surroundings.air_drag = Some(1.0);
+    told(
+        &wrong,
+        &[
+            "ball.toml",
+            "repeats is 1",
+            "'bean'",
+            "ball",
+            "[surroundings]",
+        ],
+    );
+    let mut wrong = scene.clone();
+    wrong.contact.remove("pea-steel");
+    told(&wrong, &["'pea-steel' is missing"]);
+    let library = FillingLibrary::default();
+    let refused = scene::starting_frame(&scene, &library, 1).unwrap_err();
+    assert!(matches!(refused, Error::BadValue { .. }), "{refused}");
+}
