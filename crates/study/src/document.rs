@@ -146,8 +146,11 @@ impl<'a> Fields<'a> {
         let path = below(&self.path, key);
         let wrong = || {
             let what = format!("'{key}'");
-            self.document
-                .problem(&path, what, format!("must be a list of tables: write [[{key}]]"))
+            self.document.problem(
+                &path,
+                what,
+                format!("must be a list of tables: write [[{key}]]"),
+            )
         };
         let Value::Array(items) = value else {
             problems.add(wrong());
@@ -174,7 +177,10 @@ impl<'a> Fields<'a> {
         let path = below(&self.path, key);
         let Value::Table(table) = value else {
             let what = format!("'{key}' = {value}");
-            problems.add(self.document.problem(&path, what, "must be a table of keys"));
+            problems.add(
+                self.document
+                    .problem(&path, what, "must be a table of keys"),
+            );
             return None;
         };
         let words = if self.path.is_empty() {

@@ -168,8 +168,7 @@ impl StudyFile {
         if root.table.contains_key("name")
             && (name.trim().is_empty() || name.starts_with('.') || !name.chars().all(usable))
         {
-            let problem =
-                "names the result folder: take letters, digits, '-', '_', '.' and blanks";
+            let problem = "names the result folder: take letters, digits, '-', '_', '.' and blanks";
             problems.add(root.wrong("name", problem));
         }
         let mut list = |key: &str| {

@@ -5,7 +5,7 @@ use crate::document::{Document, below};
 use crate::file::ParameterEntry;
 use crate::limits::physical_limits;
 use crate::problem::{Problem, Problems};
-use crate::scenes::{Models, Scenes};
+use crate::scenes::Models;
 use crate::setting::{change, leaf, number, paths, table_of};
 use calibration::{MOST_PARAMETERS, Parameter};
 use experiment_design::Factor;
@@ -13,11 +13,7 @@ use scene::Scene;
 use toml::Table;
 
 /// Refuses counts, symbols and paths that stand there twice.
-pub(crate) fn check_all(
-    document: &Document,
-    entries: &[ParameterEntry],
-    problems: &mut Problems,
-) {
+pub(crate) fn check_all(document: &Document, entries: &[ParameterEntry], problems: &mut Problems) {
     if entries.len() > MOST_PARAMETERS {
         let what = format!("[[parameter]] x {}", entries.len());
         let problem = format!(
@@ -56,10 +52,12 @@ fn words(entry: &ParameterEntry) -> String {
 
 /// One parameter against the scenes.
 pub(crate) struct Resolver<'a> {
-    /// The scenes.
-    pub(crate) scenes: &'a Scenes<'a>,
+    /// The study file.
+    pub(crate) document: &'a Document,
     /// The models that the measurements ask for.
     pub(crate) models: &'a Models,
+    /// Whether all scenes and measurements could be resolved.
+    pub(crate) complete: bool,
     /// Settings of each scene, in the order of the file.
     pub(crate) tables: &'a [(&'a Scene, Table)],
 }
@@ -67,18 +65,18 @@ pub(crate) struct Resolver<'a> {
 impl Resolver<'_> {
     /// A problem of one key of a parameter.
     fn wrong(&self, entry: &ParameterEntry, key: &str, problem: impl Into<String>) -> Problem {
-        let document = self.scenes.document;
+        let document = self.document;
         let what = format!("{}: {key}", words(entry));
         document.problem(&below(&entry.path, key), what, problem)
     }
 
-    /// Checks a parameter; none where it cannot be meant. Values that the file leaves out are told.
+    /// Checks a parameter. Values that the file leaves out are told; those that cannot be found are that of low.
     pub(crate) fn resolve(
         &self,
         entry: &ParameterEntry,
         defaults: &mut Defaults,
         problems: &mut Problems,
-    ) -> Option<Parameter> {
+    ) -> Parameter {
         let before = problems.count();
         let unit = entry.unit.clone().unwrap_or_else(|| "1".into());
         if let Err(error) = Factor::new(&entry.symbol, "", &unit, 0.0, 1.0) {
@@ -109,37 +107,39 @@ impl Resolver<'_> {
             );
             problems.add(self.wrong(entry, "start", problem));
         }
-        let name = entry.name.clone();
-        Some(Parameter {
+        let first_path = || entry.sets.first().cloned().unwrap_or_default();
+        Parameter {
             symbol: entry.symbol.clone(),
-            name: name.or_else(|| entry.sets.first().cloned())?,
+            name: entry.name.clone().unwrap_or_else(first_path),
             unit,
             sets: entry.sets.clone(),
             range: [entry.low, entry.high],
             limits,
-            start: start.filter(|_| problems.count() == before)?,
+            start: start.unwrap_or(entry.low),
             prior: entry.prior,
-        })
+        }
     }
 
     /// Refuses paths that no scene has, and parameters on which no run depends.
     fn check_paths(&self, entry: &ParameterEntry, problems: &mut Problems) {
+        if !self.complete {
+            return;
+        }
         let mut exists = true;
         for (i, path) in entry.sets.iter().enumerate() {
-            if self.tables.iter().any(|(_, t)| leaf(t, path).is_some()) || self.tables.is_empty() {
+            if self.tables.iter().any(|(_, t)| leaf(t, path).is_some()) {
                 continue;
             }
             exists = false;
-            let document = self.scenes.document;
             let at = below(&below(&entry.path, "sets"), i);
             let what = format!("{}: sets '{path}',", words(entry));
             let near = self.near(path);
             let problem = format!("a setting that no scene has; there are {near}");
-            problems.add(document.problem(&at, what, problem));
+            problems.add(self.document.problem(&at, what, problem));
         }
-        let models = 0..self.models.models.len();
+        let mut models = 0..self.models.models.len();
         let acts = |model: usize| entry.sets.iter().any(|p| self.models.depends_on(model, p));
-        if exists && !self.models.models.is_empty() && !models.clone().any(acts) {
+        if exists && !models.any(acts) {
             let problem = "changes nothing in any scene that is measured: remove the parameter, or measure a scene in \
                            which these surfaces meet";
             problems.add(self.wrong(entry, "sets", problem));
@@ -259,7 +259,6 @@ impl Resolver<'_> {
 }
 
 /// Settings of each scene.
-pub(crate) fn tables<'a>(scenes: &'a Scenes<'_>) -> Vec<(&'a Scene, Table)> {
-    let all = scenes.by_name.values();
-    all.map(|scene| (scene, table_of(scene))).collect()
+pub(crate) fn tables<'a>(scenes: impl Iterator<Item = &'a Scene>) -> Vec<(&'a Scene, Table)> {
+    scenes.map(|scene| (scene, table_of(scene))).collect()
 }

@@ -4,8 +4,6 @@ use scene::{Apparatus, Error, FillingLibrary, Scene};
 
 /// What the scene crate is about to give.
 pub(crate) trait SceneSoon: Sized {
-    /// The same seeds in another apparatus.
-    fn on_bench(&self, apparatus: Apparatus) -> Result<Self, Error>;
     /// Without what cannot matter.
     fn reduced(&self) -> Self;
     /// Names of observables.
@@ -15,15 +13,6 @@ pub(crate) trait SceneSoon: Sized {
 }
 
 impl SceneSoon for Scene {
-    fn on_bench(&self, apparatus: Apparatus) -> Result<Self, Error> {
-        let mut scene = self.clone();
-        scene.apparatus = apparatus;
-        if !matches!(scene.apparatus, Apparatus::Drum(_)) {
-            scene.protocol.start_slope = None;
-        }
-        scene.check()?;
-        Ok(scene)
-    }
     fn reduced(&self) -> Self {
         let mut scene = self.clone();
         let walls: Vec<String> = match &self.apparatus {
@@ -31,6 +20,9 @@ impl SceneSoon for Scene {
             Apparatus::Metering(m) => vec![m.plate.clone(), m.front.clone(), m.board.clone()],
             Apparatus::Heap(h) => vec![h.floor.clone(), h.cylinder.clone()],
             Apparatus::BoxCollapse(b) => vec![b.floor.clone(), b.wall.clone()],
+            Apparatus::Slider(a) => vec![a.plate.clone()],
+            Apparatus::Drop(a) => vec![a.plate.clone()],
+            Apparatus::Tilt(a) => vec![a.plate.clone()],
         };
         let seeds: Vec<String> = self.seed.iter().map(|s| s.material.clone()).collect();
         scene.contact.retain(|pair, _| {
@@ -51,6 +43,9 @@ impl SceneSoon for Scene {
                 "fill_level",
             ],
             Apparatus::Metering(_) => vec!["filling_angle_deg", "angle_deg"],
+            Apparatus::Slider(_) => vec!["shown_static_friction"],
+            Apparatus::Drop(_) => vec!["shown_restitution"],
+            Apparatus::Tilt(_) => vec!["shown_rolling_friction"],
             Apparatus::Heap(_) => vec!["angle_of_repose_deg", "height_mm", "base_radius_mm"],
             Apparatus::BoxCollapse(_) => vec![
                 "angle_of_repose_deg",

@@ -1,6 +1,6 @@
 //! From the entries of a study file to scenes, and to the models that a calibration knows.
 
-use crate::document::{Document, below};
+use crate::document::Document;
 use crate::file::{Choices, SceneEntry, StudyFile};
 use crate::pending::SceneSoon as _;
 use crate::problem::{Problem, Problems};
@@ -57,14 +57,6 @@ impl<'a> Scenes<'a> {
                 Err(reasons) => reasons.into_iter().for_each(|r| problems.add(at(r))),
             }
         }
-        for name in choices.changes.keys() {
-            if !file.scenes.iter().any(|s| s.name == *name) {
-                let path = below(&below(&choices.path, "scene"), name);
-                let known: Vec<&str> = file.scenes.iter().map(|s| s.name.as_str()).collect();
-                let problem = format!("changes no [[scene]]; there are {}", known.join(", "));
-                problems.add(document.problem(&path, format!("scene.{name}"), problem));
-            }
-        }
         Self {
             document,
             by_name,
@@ -97,11 +89,7 @@ fn scene_problem(document: &Document, entry: &SceneEntry, reason: String) -> Pro
 }
 
 /// One scene, or all that is wrong with it.
-fn read_scene(
-    entry: &SceneEntry,
-    folder: &Path,
-    further: &[String],
-) -> Result<Scene, Vec<String>> {
+fn read_scene(entry: &SceneEntry, folder: &Path, further: &[String]) -> Result<Scene, Vec<String>> {
     let file = folder.join(&entry.file);
     let told = |error: scene::Error| vec![error.to_string()];
     let mut scene = Scene::read(&file, &[]).map_err(told)?;

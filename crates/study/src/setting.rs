@@ -1,8 +1,6 @@
 //! Settings of a scene as numbers, in the unit that a parameter states.
 
-use quantity::{
-    Angle, AngularSpeed, Density, Frequency, Length, Mass, Pressure, Speed, Time,
-};
+use quantity::{Angle, AngularSpeed, Density, Frequency, Length, Mass, Pressure, Speed, Time};
 use scene::{Override, Scene};
 use toml::{Table, Value};
 
@@ -91,7 +89,15 @@ fn in_unit(text: &str, unit: &str) -> Option<f64> {
         };
     }
     of_kind!(
-        Length, Angle, AngularSpeed, Time, Mass, Density, Pressure, Speed, Frequency
+        Length,
+        Angle,
+        AngularSpeed,
+        Time,
+        Mass,
+        Density,
+        Pressure,
+        Speed,
+        Frequency
     );
     None
 }

@@ -148,14 +148,17 @@ pub(super) fn measured(fields: &Fields<'_>, problems: &mut Problems) -> Option<M
         None => Vec::new(),
     };
     if fields.table.contains_key("photo") && !fields.table.contains_key("photos") {
-        problems.add(fields.wrong("photo", "says how to read photos, but there are no 'photos'"));
+        problems.add(fields.wrong(
+            "photo",
+            "says how to read photos, but there are no 'photos'",
+        ));
     }
     let photo = fields.table("photo", problems);
     let photo = photo.map(|photo| photo_options(&photo, problems));
     let only_photos_wrong = fields.table.contains_key("photos") && photos.is_empty();
     if values.is_empty() && photos.is_empty() && !only_photos_wrong {
-        let others = fields.table.keys();
-        if others.clone().all(|k| keys::MEASURED.contains(&k.as_str())) {
+        let mut others = fields.table.keys();
+        if others.all(|k| keys::MEASURED.contains(&k.as_str())) {
             let problem = "holds no measurement: add OBSERVABLE = { mean = ..., sd = ..., n = ... }, or photos";
             problems.add(
                 fields
@@ -268,7 +271,10 @@ pub(super) fn choices(fields: &Fields<'_>, problems: &mut Problems) -> Choices {
         if found.runs == Some(0) {
             problems.add(budget.wrong("runs", "must be 1 or more"));
         }
-        if found.core_hours.is_some_and(|h| !(h.is_finite() && h > 0.0)) {
+        if found
+            .core_hours
+            .is_some_and(|h| !(h.is_finite() && h > 0.0))
+        {
             problems.add(budget.wrong("core_hours", "must be above 0"));
         }
         if found.runs.is_some() && found.core_hours.is_some() {
@@ -322,7 +328,11 @@ fn compare(fields: &Fields<'_>, problems: &mut Problems) -> Option<CompareEntry>
     if sd.is_some_and(|sd| !(sd.is_finite() && sd > 0.0)) {
         problems.add(fields.wrong("sd", "must be above 0, or left out"));
     }
-    let source = fields.required("source", "a text that says where it was published", problems);
+    let source = fields.required(
+        "source",
+        "a text that says where it was published",
+        problems,
+    );
     Some(CompareEntry {
         result: result?,
         value: value?,
@@ -378,11 +388,7 @@ fn out_of_range(settings: &LoopSettings) -> Option<(&'static str, &'static str)>
             "confirmation_runs",
             "must be 1 or more",
         ),
-        (
-            settings.check_runs >= 1,
-            "check_runs",
-            "must be 1 or more",
-        ),
+        (settings.check_runs >= 1, "check_runs", "must be 1 or more"),
         (settings.most_boxes >= 1, "most_boxes", "must be 1 or more"),
         (
             settings.diagnosis_replicates >= 2,

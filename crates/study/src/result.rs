@@ -1,0 +1,132 @@
+//! What a study gives.
+
+use crate::compare::ComparedValue;
+use crate::defaults::DefaultUsed;
+use calibration::{Calibration, DiagnosisStage};
+use serde::{Serialize, Serializer};
+use std::collections::BTreeMap;
+
+/// Everything that a study found.
+///
+/// Its JSON has the keys of the calibration at the top (`parameters`, `correlation`, `fit`, `check`, `boxes`,
+/// `diagnosis` ...) beside its own; `cost` is the whole cost with the stages inside.
+#[derive(Debug, Clone)]
+pub struct StudyResult {
+    /// Name of the study.
+    pub name: String,
+    /// Name of the profile.
+    pub profile: Option<String>,
+    /// Version of the program.
+    pub version: String,
+    /// First seed.
+    pub seed: u64,
+    /// SHA-256 of every file that was read.
+    pub inputs: BTreeMap<String, String>,
+    /// What the calibration found.
+    pub calibration: Calibration,
+    /// Published values beside it.
+    pub compare: Vec<ComparedValue>,
+    /// What the file left out, and what stood in its place.
+    pub defaults: Vec<DefaultUsed>,
+    /// Effects that a measured scene cannot carry, with the reason.
+    pub not_applicable: BTreeMap<String, String>,
+    /// Time of one core that all runs took whose records are in the folder, s.
+    pub core_s: f64,
+    /// Wall time of this call, s; small where records were found again.
+    pub wall_s: f64,
+}
+
+/// What a study cost.
+#[derive(Debug, Serialize)]
+struct Cost<'a> {
+    /// Different runs of all stages; one that two stages ask for counts in both.
+    runs: usize,
+    /// Time of one core, s.
+    core_s: f64,
+    /// Wall time, s.
+    wall_s: f64,
+    /// By stage.
+    stages: &'a [calibration::StageCost],
+}
+
+/// The keys that are no part of the calibration.
+#[derive(Debug, Serialize)]
+struct Written<'a> {
+    /// Name of the study.
+    name: &'a str,
+    /// Name of the profile.
+    profile: Option<&'a str>,
+    /// Version of the program.
+    version: &'a str,
+    /// First seed.
+    seed: u64,
+    /// SHA-256 of every file that was read.
+    inputs: &'a BTreeMap<String, String>,
+    /// The calibration, without its cost.
+    #[serde(flatten)]
+    calibration: serde_json::Map<String, serde_json::Value>,
+    /// Published values.
+    compare: &'a [ComparedValue],
+    /// What was filled in.
+    defaults: &'a [DefaultUsed],
+    /// Effects left out.
+    not_applicable: &'a BTreeMap<String, String>,
+    /// Cost.
+    cost: Cost<'a>,
+}
+
+impl Serialize for StudyResult {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let value = serde_json::to_value(&self.calibration).map_err(serde::ser::Error::custom)?;
+        let serde_json::Value::Object(mut calibration) = value else {
+            return Err(serde::ser::Error::custom("a calibration is no object"));
+        };
+        calibration.remove("cost");
+        let stages = &self.calibration.cost;
+        let written = Written {
+            name: &self.name,
+            profile: self.profile.as_deref(),
+            version: &self.version,
+            seed: self.seed,
+            inputs: &self.inputs,
+            calibration,
+            compare: &self.compare,
+            defaults: &self.defaults,
+            not_applicable: &self.not_applicable,
+            cost: Cost {
+                runs: stages.iter().map(|s| s.runs).sum(),
+                core_s: self.core_s,
+                wall_s: self.wall_s,
+                stages,
+            },
+        };
+        written.serialize(serializer)
+    }
+}
+
+/// What a diagnosis alone found.
+#[derive(Debug, Clone, Serialize)]
+pub struct DiagnosisResult {
+    /// Name of the study.
+    pub name: String,
+    /// Name of the profile.
+    pub profile: Option<String>,
+    /// Version of the program.
+    pub version: String,
+    /// First seed.
+    pub seed: u64,
+    /// SHA-256 of every file that was read.
+    pub inputs: BTreeMap<String, String>,
+    /// The parameters from which it started, by symbol.
+    pub at: BTreeMap<String, f64>,
+    /// The diagnosis.
+    pub diagnosis: DiagnosisStage,
+    /// What the file left out, and what stood in its place.
+    pub defaults: Vec<DefaultUsed>,
+    /// Effects that a measured scene cannot carry, with the reason.
+    pub not_applicable: BTreeMap<String, String>,
+    /// Time of one core that all runs took whose records are in the folder, s.
+    pub core_s: f64,
+    /// Wall time of this call, s.
+    pub wall_s: f64,
+}
