@@ -55,11 +55,11 @@ impl Effect for DryAdhesion {
 /// Radius of the sphere with the volume of a seed, m, by material: the mean over its seeds.
 fn mean_radii(scene: &Scene, fillings: &FillingLibrary) -> Result<BTreeMap<String, f64>, Error> {
     let mut sums: BTreeMap<String, [f64; 2]> = BTreeMap::new();
-    for seed in scene.seed.iter().filter(|s| s.count > 0) {
+    for seed in scene.seed.iter().filter(|s| scene.count_of(s) > 0) {
         let radius = fillings.body(scene, seed)?.volume_radius();
         let sum = sums.entry(seed.material.clone()).or_default();
-        sum[0] += seed.count as f64 * radius;
-        sum[1] += seed.count as f64;
+        sum[0] += scene.count_of(seed) as f64 * radius;
+        sum[1] += scene.count_of(seed) as f64;
     }
     Ok(sums
         .into_iter()

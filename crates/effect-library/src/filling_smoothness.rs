@@ -2,7 +2,7 @@
 
 use crate::{Description, Effect, Entry, Error};
 use quantity::Length;
-use scene::{FillingLibrary, Scene};
+use scene::{FillingLibrary, FillingSettings, Scene};
 use sphere_fill::Method;
 
 /// Longest time step of a smooth filling, as a share of the duration of a hard contact: two smooth
@@ -47,9 +47,21 @@ impl Effect for FillingSmoothness {
         };
         for (seed, roughness) in scene.seed.iter_mut().zip(roughness) {
             let target = Length::from_si((1.0 - amplitude) * roughness).map_err(refused)?;
-            seed.filling.method = Method::Smooth;
-            seed.filling.sphere_count = None;
-            seed.filling.roughness = Some(target);
+            let Some(filling) = seed.filling().map_err(refused)? else {
+                return Err(Error::Setting {
+                    name: self.description().name,
+                    reason: format!(
+                        "seed '{}' is one sphere, which is smooth already",
+                        seed.name
+                    ),
+                });
+            };
+            seed.filling = Some(FillingSettings {
+                method: Method::Smooth,
+                sphere_count: None,
+                roughness: Some(target),
+                ..filling
+            });
         }
         let protocol = &mut scene.protocol;
         protocol.step_share = protocol.step_share.min(STEP_SHARE);

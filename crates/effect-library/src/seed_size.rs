@@ -24,6 +24,7 @@ impl Effect for SeedSize {
     }
 
     fn apply(&self, scene: &mut Scene, amplitude: f64, _: &FillingLibrary) -> Result<(), Error> {
+        scene.fix_seeds();
         for seed in &mut scene.seed {
             seed.scale = Some(seed.scale.unwrap_or(1.0) * (1.0 + amplitude));
         }

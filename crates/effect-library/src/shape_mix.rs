@@ -29,18 +29,20 @@ impl Effect for ShapeMix {
             name: self.description().name,
             reason,
         };
+        scene.fix_seeds();
         let total = scene.seed_count();
+        let declared = scene.seed.first().map_or(0, |first| scene.count_of(first));
         let Some((first, others)) = scene.seed.split_first_mut() else {
             return Err(refused("the scene has no seeds".into()));
         };
-        let rest = total - first.count;
+        let rest = total - declared;
         let moved = amplitude * total as f64;
-        let target = (first.count as f64 - moved).round();
+        let target = (declared as f64 - moved).round();
         if rest == 0 || !(0.0..=total as f64).contains(&target) {
             return Err(refused(format!(
                 "cannot move {moved} of {total} seeds from '{}', which has {}, to the other kinds, which \
                  have {rest}: state a mix of at least two kinds, or a smaller amplitude",
-                first.name, first.count
+                first.name, declared
             )));
         }
         #[expect(
@@ -49,7 +51,7 @@ impl Effect for ShapeMix {
             reason = "a whole number from 0 to the total, checked above"
         )]
         let target = target as usize;
-        first.count = target;
+        first.set_count(target);
         share_out(total - target, others);
         Ok(())
     }
@@ -57,18 +59,22 @@ impl Effect for ShapeMix {
 
 /// Gives a number of seeds to kinds in proportion to what they have (largest remainder).
 fn share_out(total: usize, kinds: &mut [SeedSettings]) {
-    let before: usize = kinds.iter().map(|k| k.count).sum();
+    // The numbers are fixed before they are shared out.
+    let mut counts: Vec<usize> = kinds.iter().map(|k| k.count.unwrap_or(0)).collect();
+    let before: usize = counts.iter().sum();
     let mut rests = Vec::new();
-    let mut given = 0;
-    for (k, kind) in kinds.iter_mut().enumerate() {
-        let exact = kind.count * total;
+    for (k, count) in counts.iter_mut().enumerate() {
+        let exact = *count * total;
         rests.push((exact % before, k));
-        kind.count = exact / before;
-        given += kind.count;
+        *count = exact / before;
     }
+    let given: usize = counts.iter().sum();
     rests.sort_by(|a, b| b.0.cmp(&a.0).then(a.1.cmp(&b.1)));
     for &(_, k) in rests.iter().take(total - given) {
-        kinds[k].count += 1;
+        counts[k] += 1;
+    }
+    for (kind, count) in kinds.iter_mut().zip(counts) {
+        kind.set_count(count);
     }
 }
 
@@ -89,7 +95,7 @@ mod tests {
                 &FillingLibrary::default(),
             )
             .unwrap();
-            let counts: Vec<_> = scene.seed.iter().map(|s| s.count).collect();
+            let counts: Vec<_> = scene.seed.iter().map(|s| scene.count_of(s)).collect();
             assert_eq!(counts, expected);
         }
     }
@@ -100,10 +106,10 @@ mod tests {
         let mut scene = small_drum();
         scene.seed.push(scene.seed[1].clone());
         for (seed, count) in scene.seed.iter_mut().zip([70, 20, 10]) {
-            seed.count = count;
+            seed.set_count(count);
         }
         apply(&mut scene, "shape-mix", 0.3, &FillingLibrary::default()).unwrap();
-        let counts: Vec<_> = scene.seed.iter().map(|s| s.count).collect();
+        let counts: Vec<_> = scene.seed.iter().map(|s| scene.count_of(s)).collect();
         assert_eq!(counts, [40, 40, 20]);
     }
 

@@ -2,7 +2,7 @@
 
 use crate::{Description, Effect, Entry, Error, refused};
 use quantity::Mass;
-use scene::{FillingLibrary, Scene, SeedSettings};
+use scene::{FillingLibrary, Scene};
 
 /// Each kind of seed in two sizes, half of the seeds each.
 #[derive(Debug)]
@@ -28,21 +28,22 @@ impl Effect for SizeSpread {
 
     fn apply(&self, scene: &mut Scene, amplitude: f64, _: &FillingLibrary) -> Result<(), Error> {
         let mut seeds = Vec::with_capacity(2 * scene.seed.len());
+        scene.fix_seeds();
         for kind in &scene.seed {
-            let large = kind.count / 2;
+            let all = scene.count_of(kind);
+            let large = all / 2;
             for (word, factor, count) in [
-                ("small", 1.0 - amplitude, kind.count - large),
+                ("small", 1.0 - amplitude, all - large),
                 ("large", 1.0 + amplitude, large),
             ] {
-                let mass = Mass::from_si(kind.mass.si() * factor.powi(3))
+                let mass = Mass::from_si(kind.mass_kg() * factor.powi(3))
                     .map_err(|e| refused(self.description().name, &e))?;
-                seeds.push(SeedSettings {
-                    name: format!("{} {word}", kind.name),
-                    mass,
-                    count,
-                    scale: Some(kind.scale.unwrap_or(1.0) * factor),
-                    ..kind.clone()
-                });
+                let mut part = kind.clone();
+                part.name = format!("{} {word}", kind.name);
+                part.set_mass(mass);
+                part.set_count(count);
+                part.scale = Some(kind.scale.unwrap_or(1.0) * factor);
+                seeds.push(part);
             }
         }
         scene.seed = seeds;
@@ -66,14 +67,14 @@ mod tests {
         let mean = |f: &dyn Fn(f64) -> f64| {
             let kinds = spread.seed.iter();
             kinds
-                .map(|s| s.count as f64 * f(s.scale.unwrap()))
+                .map(|s| spread.count_of(s) as f64 * f(s.scale.unwrap()))
                 .sum::<f64>()
                 / n
         };
         assert!((mean(&|x| x) - 1.0).abs() < 1e-12);
         assert!((mean(&|x| (x - 1.0).powi(2)).sqrt() - 0.2).abs() < 1e-12);
         for seed in &spread.seed {
-            let density = seed.mass.si() / seed.scale.unwrap().powi(3);
+            let density = seed.mass_kg() / seed.scale.unwrap().powi(3);
             assert!((density / 94.5e-6 - 1.0).abs() < 1e-12, "{}", seed.name);
         }
     }

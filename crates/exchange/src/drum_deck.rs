@@ -30,7 +30,9 @@ impl Shares {
     pub(crate) fn of(scene: &Scene, bodies: &[Arc<SeedBody>]) -> Self {
         let over_seeds = |share: fn(&SeedBody) -> f64| {
             let kinds = scene.seed.iter().zip(bodies);
-            let sum: f64 = kinds.map(|(s, body)| s.count as f64 * share(body)).sum();
+            let sum: f64 = kinds
+                .map(|(s, body)| scene.count_of(s) as f64 * share(body))
+                .sum();
             sum / scene.seed_count() as f64
         };
         Self {

@@ -160,7 +160,7 @@ fn rain(scene: &Scene, bodies: &[Arc<SeedBody>], every: f64, seed: u64) -> Strin
     for (k, (kind, body)) in scene.seed.iter().zip(bodies).enumerate() {
         text.push_str(&shape(k, body, 100_000, &mut primes));
         let number = k + 1;
-        let rate = rate * kind.count as f64 / scene.seed_count() as f64;
+        let rate = rate * scene.count_of(kind) as f64 / scene.seed_count() as f64;
         add(
             &mut text,
             format_args!(
@@ -168,7 +168,7 @@ fn rain(scene: &Scene, bodies: &[Arc<SeedBody>], every: f64, seed: u64) -> Strin
                  nparticles {} particlerate {rate} insert_every {every} overlapcheck yes all_in yes \
                  orientation random region sky ntry_mc 10000\n",
                 primes.next().unwrap_or(0),
-                kind.count,
+                scene.count_of(kind),
             ),
         );
     }

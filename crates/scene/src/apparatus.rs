@@ -156,6 +156,47 @@ impl Apparatus {
         }
     }
 
+    /// Names of the observables that a run can give.
+    pub(crate) fn observables(&self) -> &'static [&'static str] {
+        match self {
+            Self::Drum(_) => &[
+                "angle_deg",
+                "angle_by_position_deg",
+                "image_minus_position_deg",
+                "curvature",
+                "s_shape",
+                "centre_of_mass_deg",
+                "fluctuation_deg",
+                "shell_slip",
+                "kinetic_energy_mj",
+                "drive_power_mw",
+                "flowing_layer_depth_mm",
+                "surface_speed_mm_s",
+                "fill_level",
+                "avalanche_period_s",
+            ],
+            Self::Metering(_) => &[
+                "filling_angle_deg",
+                "centre_of_mass_deg",
+                "fluctuation_deg",
+                "shell_slip",
+                "kinetic_energy_mj",
+                "drive_power_mw",
+            ],
+            Self::Heap(_) => &["angle_of_repose_deg", "height_mm", "base_radius_mm"],
+            Self::BoxCollapse(_) => &[
+                "angle_of_repose_deg",
+                "height_mm",
+                "runout_mm",
+                "toe_angle_deg",
+                "top_angle_deg",
+            ],
+            Self::Slider(_) => &["shown_static_friction"],
+            Self::Drop(_) => &["shown_restitution"],
+            Self::Tilt(_) => &["shown_rolling_friction", "slid_share"],
+        }
+    }
+
     /// Whether the seeds are let go by a wall that is lifted.
     pub fn is_release(&self) -> bool {
         matches!(self, Self::Heap(_) | Self::BoxCollapse(_))
@@ -220,6 +261,17 @@ impl Apparatus {
             Self::Heap(heap) => heap.inner_diameter.si(),
             Self::BoxCollapse(body) => body.width.si(),
             Self::Slider(_) | Self::Drop(_) | Self::Tilt(_) => 0.0,
+        }
+    }
+
+    /// Volume inside, m³, of which a fill level is a share: of drum, cavity, cylinder or box; none in a bench test.
+    pub fn bed_volume(&self) -> Option<f64> {
+        let disc = std::f64::consts::PI * self.radius().powi(2);
+        match self {
+            Self::Drum(_) | Self::Metering(_) => Some(disc * self.width()),
+            Self::Heap(heap) => Some(disc * heap.height.si()),
+            Self::BoxCollapse(body) => Some(body.length.si() * body.height.si() * body.width.si()),
+            Self::Slider(_) | Self::Drop(_) | Self::Tilt(_) => None,
         }
     }
 

@@ -104,6 +104,12 @@ impl BenchParts {
             .collect()
     }
 
+    /// Whether body 0, the seed, has too little energy to rise by a hundredth of its size; a plate of seeds has
+    /// next to none.
+    fn is_at_rest(&self, world: &World) -> bool {
+        world.kinetic_energy() < 0.01 * self.weight() * self.body.clump.bounding_radius()
+    }
+
     /// Lowest point of body 0, the seed, m.
     fn lowest(&self, world: &World) -> f64 {
         let bodies = world.bodies();
@@ -208,6 +214,21 @@ pub(crate) fn run_bench(
 }
 
 impl Scene {
+    /// Makes everything that a run begins with, and runs nothing: the bodies of the seeds, their places in the
+    /// apparatus (with seed 1), laws and time step, or the parts of a bench test.
+    ///
+    /// # Errors
+    ///
+    /// Seeds that cannot be made or are too many for the room, walls that cannot be read, a time step that
+    /// does not resolve a contact.
+    pub fn build_check(&self, library: &FillingLibrary) -> Result<(), Error> {
+        match self.apparatus.bench_test() {
+            Some(test) => BenchParts::new(self, library, test).map(|_| ()),
+            // Where a factory makes the seeds, there is room when each comes, or the run says so.
+            None => crate::build::build(self, library, 1).map(|_| ()),
+        }
+    }
+
     /// The kind of seed of a bench test: the first where none is named.
     ///
     /// # Errors

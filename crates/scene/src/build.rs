@@ -42,7 +42,7 @@ impl Built {
     /// The same with its steps spread over at most so many threads.
     pub(crate) fn on_threads(self, scene: &Scene, most: usize) -> Result<Self, Error> {
         // A factory makes the seeds later; a bonded seed is many bodies.
-        let seeds = scene.seed.iter().map(|s| s.count).sum::<usize>();
+        let seeds = scene.seed_count();
         let bodies = seeds.max(self.world.bodies().len());
         let threads = most.min(bodies / BODIES_OF_THREAD).max(1);
         Ok(Self {
@@ -79,7 +79,7 @@ pub(crate) fn build_filled(
     let kinds: Vec<_> = bodies
         .iter()
         .zip(&scene.seed)
-        .map(|(b, s)| (&b.clump, s.count))
+        .map(|(b, s)| (&b.clump, scene.count_of(s)))
         .collect();
     let obstacles: Vec<_> = meshes.iter().flat_map(|m| m.triangles.clone()).collect();
     let room = Room {

@@ -112,20 +112,25 @@ impl Scene {
 
     /// Finds seeds that cannot be.
     fn check_seeds(&self, found: &mut Vec<Error>) {
-        if self.seed_count() == 0 {
+        let before = found.len();
+        for seed in &self.seed {
+            seed.check(self, found);
+        }
+        // Keys that are wrong leave the number open.
+        if found.len() == before && self.seed_count() == 0 {
             found.push(bad("number of seeds", "0".into(), "at least 1"));
         }
-        for seed in &self.seed {
-            if seed.mass.si() <= 0.0 || seed.filling.sphere_radius.si() <= 0.0 {
-                let name = format!("mass or sphere_radius of seed '{}'", seed.name);
-                found.push(bad(&name, "0".into(), "above 0"));
+        for (k, seed) in self.seed.iter().enumerate() {
+            if self.seed[..k].iter().any(|other| other.name == seed.name) {
+                let requirement = "another name: each kind of seed needs its own";
+                found.push(bad("seed.name", seed.name.clone(), requirement));
             }
-            if let Some(scale) = seed.scale
-                && !(0.01..=100.0).contains(&scale)
-            {
-                let name = format!("scale of seed '{}'", seed.name);
-                found.push(bad(&name, scale.to_string(), "0.01 to 100"));
-            }
+        }
+        let levels = self.seed.iter().filter_map(|s| s.fill_level);
+        let level: f64 = levels.sum();
+        if level > 1.0 {
+            let requirement = "at most 1 over all kinds";
+            found.push(bad("sum of fill_level", level.to_string(), requirement));
         }
     }
 
@@ -172,6 +177,16 @@ impl Scene {
         if let Some(session) = p.session {
             let holds = (0.0..=1.0).contains(&session);
             require(holds, "protocol.session", session.to_string(), "0 to 1");
+        }
+        if let Some(start_up) = p.start_up {
+            let holds = start_up.si() < p.rotation_limit.si();
+            let requirement = "below protocol.rotation_limit";
+            require(
+                holds,
+                "protocol.start_up",
+                start_up.to_string(),
+                requirement,
+            );
         }
         if let Some(slope) = p.start_slope {
             let in_a_drum = matches!(self.apparatus, Apparatus::Drum(_));
@@ -290,6 +305,22 @@ impl Scene {
                     file: self.file.clone(),
                     pair: format!("{a}-{b}"),
                 });
+            }
+        }
+        for pair in self.contact.keys() {
+            let turned = pair
+                .split_once('-')
+                .map(|(a, b)| (a != b, format!("{b}-{a}")));
+            if let Some((true, turned)) = turned
+                && *pair < turned
+                && self.contact.contains_key(&turned)
+            {
+                let requirement = "stated once, in either order of the names";
+                found.push(bad(
+                    &format!("contact '{pair}'"),
+                    format!("also '{turned}'"),
+                    requirement,
+                ));
             }
         }
         let walls = self.apparatus.mesh_walls().into_iter();

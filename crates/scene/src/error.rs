@@ -63,6 +63,16 @@ pub enum Error {
         /// The names that exist.
         known: String,
     },
+    /// Keys of a seed contradict each other or leave something open.
+    #[error("{file}: seed '{seed}': {problem}")]
+    SeedKeys {
+        /// The file.
+        file: String,
+        /// Name of the seed.
+        seed: String,
+        /// What is wrong, and the way out.
+        problem: String,
+    },
     /// A value cannot be meant.
     #[error("{name} is {value}; it must be {requirement}")]
     BadValue {
@@ -107,6 +117,14 @@ pub enum Error {
         seed: String,
         /// Why.
         source: sphere_fill::Error,
+    },
+    /// A quantity of a seed cannot be.
+    #[error("seed '{seed}': {source}")]
+    SeedQuantity {
+        /// Name of the seed.
+        seed: String,
+        /// Why.
+        source: quantity::Error,
     },
     /// A body of spheres cannot be made.
     #[error("body of seed '{seed}': {source}")]

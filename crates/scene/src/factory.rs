@@ -38,7 +38,7 @@ impl Factory {
         let rate = scene.protocol.insertion_rate?.si();
         let kinds = scene.seed.iter().enumerate();
         let mut order: Vec<usize> = kinds
-            .flat_map(|(k, kind)| std::iter::repeat_n(k, kind.count))
+            .flat_map(|(k, kind)| std::iter::repeat_n(k, scene.count_of(kind)))
             .collect();
         Stream::new(seed, "factory").shuffle(&mut order);
         Some(Self { order, rate, seed })

@@ -1,12 +1,15 @@
-//! From the mesh of a seed to a body, once for each distinct filling.
+//! From the shape of a seed to a body, once for each distinct filling.
 
-use crate::Error;
-use crate::settings::{Scene, SeedSettings};
-use clump::Clump;
+use crate::{Error, Scene, SeedSettings};
+use clump::{Clump, volume_of_sphere};
 use sphere_fill::{FillSettings, FitReport, InertiaSource};
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, PoisonError};
-use trimesh::{CheckedMesh, LengthUnit, TriMesh, read_stl};
+use trimesh::{CheckedMesh, LengthUnit, TriMesh, read_mesh};
+
+/// Cuts along each edge of the octahedron that becomes the mesh of an ellipsoid: 2048 triangles, which lie within
+/// 0.5 % of its radius.
+const CUTS: usize = 16;
 
 /// A seed as a body, with the report of how well the spheres stand for it.
 #[derive(Debug, Clone)]
@@ -46,13 +49,15 @@ impl FillingLibrary {
     ///
     /// A mesh that is refused or cannot be filled.
     pub fn body(&self, scene: &Scene, seed: &SeedSettings) -> Result<Arc<SeedBody>, Error> {
-        let path = scene.folder.join(&seed.mesh);
+        let shape = match &seed.mesh {
+            Some(mesh) => scene.folder.join(mesh).display().to_string(),
+            None => format!("{:?} {:?}", seed.sphere, seed.ellipsoid),
+        };
         let key = format!(
-            "{} {:?} {:?} {} {:?}",
-            path.display(),
+            "{shape} {:?} {:?} {} {:?}",
             seed.mesh_unit,
             seed.filling,
-            seed.mass.si(),
+            seed.mass_kg(),
             seed.scale
         );
         // The lock is held while a body is made: others wait for it and do not make it again.
@@ -66,34 +71,23 @@ impl FillingLibrary {
     }
 }
 
-/// Reads the mesh and fills it.
+/// Makes the body of a shape.
 fn make(scene: &Scene, seed: &SeedSettings) -> Result<SeedBody, Error> {
-    let refused = |source| Error::Mesh {
-        seed: seed.name.clone(),
-        source,
-    };
-    let unfilled = |source| Error::Filling {
-        seed: seed.name.clone(),
-        source,
-    };
-    let mesh = read_stl(&scene.folder.join(&seed.mesh), seed.mesh_unit).map_err(refused)?;
-    let settings = FillSettings {
-        method: seed.filling.method,
-        count: seed.filling.sphere_count,
-        roughness: seed.filling.roughness.map(quantity::Length::si),
-        seed: seed.filling.seed,
-        ..FillSettings::new(seed.filling.sphere_radius.si())
-    };
-    let filling = sphere_fill::fill(&mesh.mesh, &settings).map_err(unfilled)?;
-    let mass = seed.mass.si();
-    let clump = filling.clump(mass, InertiaSource::Mesh).map_err(unfilled)?;
-    let body = SeedBody {
-        outer: clump.without_hidden_spheres(),
-        clump,
-        fraction_density: filling.fraction_density(mass),
-        spheres: filling.spheres,
-        report: filling.report,
-        mesh,
+    let body = match (&seed.mesh, seed.sphere, seed.ellipsoid) {
+        (Some(mesh), _, _) => {
+            let unit = seed.mesh_unit.unwrap_or(LengthUnit::Metre);
+            let mesh = read_mesh(&scene.folder.join(mesh), unit);
+            filled(seed, mesh.map_err(|source| refused(seed, source))?)?
+        }
+        (None, Some(diameter), _) => ball(seed, 0.5 * diameter.si())?,
+        (None, None, Some(axes)) => filled(seed, ellipsoid(seed, axes.map(|a| 0.5 * a.si()))?)?,
+        (None, None, None) => {
+            return Err(Error::SeedKeys {
+                file: scene.file.clone(),
+                seed: seed.name.clone(),
+                problem: "no shape is stated; state mesh, sphere or ellipsoid".into(),
+            });
+        }
     };
     match seed.scale {
         None => Ok(body),
@@ -101,31 +95,109 @@ fn make(scene: &Scene, seed: &SeedSettings) -> Result<SeedBody, Error> {
     }
 }
 
-/// The body with all lengths multiplied by a factor. It is made from the filling of the mesh as it is,
-/// since a search for another filling could end in another packing.
-fn scaled(body: &SeedBody, factor: f64, seed: &str) -> Result<SeedBody, Error> {
-    let mesh = &body.mesh.mesh;
+/// The refusal of a mesh.
+fn refused(seed: &SeedSettings, source: trimesh::Error) -> Error {
+    Error::Mesh {
+        seed: seed.name.clone(),
+        source,
+    }
+}
+
+/// The refusal of a filling.
+fn unfilled(seed: &SeedSettings, source: sphere_fill::Error) -> Error {
+    Error::Filling {
+        seed: seed.name.clone(),
+        source,
+    }
+}
+
+/// Fills a mesh as the seed says.
+fn filled(seed: &SeedSettings, mesh: CheckedMesh) -> Result<SeedBody, Error> {
+    let stated = seed.filling().map_err(|source| Error::SeedQuantity {
+        seed: seed.name.clone(),
+        source,
+    })?;
+    let Some(stated) = stated else {
+        return Err(unfilled(seed, clump::Error::NoSpheres.into()));
+    };
+    let settings = FillSettings {
+        method: stated.method,
+        count: stated.sphere_count,
+        roughness: stated.roughness.map(quantity::Length::si),
+        seed: stated.seed,
+        ..FillSettings::new(stated.sphere_radius.si())
+    };
+    let unfilled = |source| unfilled(seed, source);
+    let filling = sphere_fill::fill(&mesh.mesh, &settings).map_err(unfilled)?;
+    let mass = seed.mass_kg();
+    let clump = filling.clump(mass, InertiaSource::Mesh).map_err(unfilled)?;
+    Ok(SeedBody {
+        outer: clump.without_hidden_spheres(),
+        clump,
+        fraction_density: filling.fraction_density(mass),
+        spheres: filling.spheres,
+        report: filling.report,
+        mesh,
+    })
+}
+
+/// A body of one sphere of a radius, m.
+fn ball(seed: &SeedSettings, radius: f64) -> Result<SeedBody, Error> {
+    let mesh = ellipsoid(seed, [radius; 3])?;
+    let sphere = clump::Sphere {
+        centre: nalgebra::Vector3::zeros(),
+        radius,
+    };
+    let unfilled = |source| unfilled(seed, source);
+    let filling = sphere_fill::measure(&mesh.mesh, vec![sphere]).map_err(unfilled)?;
+    let density = seed.mass_kg() / volume_of_sphere(radius);
+    let clump = Clump::sphere(radius, density).map_err(|e| unfilled(e.into()))?;
+    Ok(SeedBody {
+        outer: clump.clone(),
+        clump,
+        fraction_density: density,
+        spheres: filling.spheres,
+        report: filling.report,
+        mesh,
+    })
+}
+
+/// Mesh of an ellipsoid of these semi-axes, m, with its volume.
+fn ellipsoid(seed: &SeedSettings, semi_axes: [f64; 3]) -> Result<CheckedMesh, Error> {
+    let refused = |source| refused(seed, source);
+    let inscribed = trimesh::shapes::ellipsoid(semi_axes, CUTS).map_err(refused)?;
+    let volume = 8.0 * volume_of_sphere(0.5) * semi_axes.iter().product::<f64>();
+    let factor = (volume / inscribed.moments().volume).cbrt();
+    grown(&inscribed, factor).map_err(refused)
+}
+
+/// A mesh with all lengths multiplied by a factor.
+fn grown(mesh: &TriMesh, factor: f64) -> Result<CheckedMesh, trimesh::Error> {
     let triangles: Vec<_> = (0..mesh.triangles().len())
         .map(|t| mesh.corners(t).map(|c| c * factor))
         .collect();
-    let mesh = TriMesh::from_triangles(&triangles, LengthUnit::Metre, mesh.source()).map_err(
-        |source| Error::Mesh {
-            seed: seed.to_owned(),
-            source,
-        },
-    )?;
+    TriMesh::from_triangles(&triangles, LengthUnit::Metre, mesh.source())
+}
+
+/// The body with all lengths multiplied by a factor. It is made from the filling of the mesh as it is,
+/// since a search for another filling could end in another packing.
+fn scaled(body: &SeedBody, factor: f64, seed: &str) -> Result<SeedBody, Error> {
+    let mesh = grown(&body.mesh.mesh, factor).map_err(|source| Error::Mesh {
+        seed: seed.to_owned(),
+        source,
+    })?;
     let refused = |source: clump::Error| Error::Filling {
         seed: seed.to_owned(),
         source: source.into(),
     };
-    let grown = |s: &clump::Sphere| clump::Sphere {
+    let larger = |s: &clump::Sphere| clump::Sphere {
         centre: s.centre * factor,
         radius: s.radius * factor,
     };
     Ok(SeedBody {
         clump: body.clump.scaled(factor).map_err(refused)?,
         outer: body.outer.scaled(factor).map_err(refused)?,
-        spheres: body.spheres.iter().map(grown).collect(),
+        spheres: body.spheres.iter().map(larger).collect(),
         fraction_density: body.fraction_density / factor.powi(3),
         mesh,
         report: body.report,

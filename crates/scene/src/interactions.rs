@@ -1,7 +1,7 @@
 //! From the contacts of a scene to the laws of the solver.
 
 use crate::settings::RollingLaw;
-use crate::{Error, LiquidSettings, Scene, SeedBody};
+use crate::{Error, LiquidSettings, Scene, SeedBody, SeedSettings};
 use contact_law::material::effective_moduli;
 use contact_law::rolling_spring_dashpot::{DAMPING_RATIO, STIFFNESS_RATIO};
 use contact_law::{
@@ -39,7 +39,11 @@ pub(crate) fn interactions(
     bodies: &[Arc<SeedBody>],
     names: &[&str],
 ) -> Result<Vec<Interaction>, Error> {
-    let heaviest = scene.seed.iter().map(|s| s.mass.si()).fold(0.0, f64::max);
+    let heaviest = scene
+        .seed
+        .iter()
+        .map(SeedSettings::mass_kg)
+        .fold(0.0, f64::max);
     let model = &scene.model;
     let pull = constant_attraction::attraction(model.bond_number, heaviest, model.gravity_m_s2);
     let mut table = Vec::new();
@@ -122,7 +126,7 @@ fn of_material<'a>(
     let kinds = scene.seed.iter().zip(bodies);
     kinds
         .filter(move |(s, _)| s.material == name)
-        .map(|(s, body)| (s.count as f64, body))
+        .map(move |(s, body)| (scene.count_of(s) as f64, body))
 }
 
 /// [Overlap](hard_contact::overlap) of a straight blow at 1 m/s of the seeds of two materials, m: the least of

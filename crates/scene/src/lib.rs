@@ -26,6 +26,7 @@ mod placement;
 mod reduce;
 mod release;
 mod run;
+mod seed;
 mod settings;
 mod steady;
 mod surroundings;
@@ -41,13 +42,14 @@ pub use flow::{FlowingLayer, avalanche_period, fill_level, flowing_layer};
 pub use frame::{Frame, FrameReading, drum_picture, read_frame};
 pub use motion::{Keeper, NoKeeper, Progress, SeriesPoint};
 pub use obstacles::{VibrationSettings, WallSettings};
-pub use parse::Override;
+pub use parse::{NumberChange, Override};
 pub use run::{
     Further, Regime, RunResult, run, run_on, running_world, settled_world, starting_frame,
 };
+pub use seed::{FillingSettings, SOLID_FRACTION, SeedSettings};
 pub use settings::{
-    CameraSettings, ContactSettings, FillingSettings, LiquidSettings, MaterialSettings,
-    ModelSettings, Protocol, RollingLaw, Scene, SeedSettings,
+    CameraSettings, ContactSettings, LiquidSettings, MaterialSettings, ModelSettings, Protocol,
+    RollingLaw, Scene,
 };
 pub use steady::{Truncation, marginal_standard_error_rule};
 pub use surroundings::SurroundingsSettings;

@@ -6,7 +6,7 @@ use crate::steady::{Truncation, marginal_standard_error_rule};
 use crate::{Error, Frame, Scene};
 use dem_solver::{Motion, Snapshot, Template, World};
 use nalgebra::{Rotation3, Vector3};
-use quantity::Angle;
+use quantity::{Angle, Time};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::{PI, TAU};
 
@@ -231,7 +231,10 @@ pub(crate) fn rest_energy(scene: &Scene, world: &World) -> f64 {
         .iter()
         .map(Template::smallest_radius)
         .fold(f64::INFINITY, f64::min);
-    let masses = scene.seed.iter().map(|s| s.mass.si() * s.count as f64);
+    let masses = scene
+        .seed
+        .iter()
+        .map(|s| s.mass_kg() * scene.count_of(s) as f64);
     AT_REST * masses.sum::<f64>() * scene.model.gravity_m_s2 * 10.0 * size
 }
 
@@ -313,6 +316,7 @@ pub(crate) fn rotate(
         }
         let angles: Vec<f64> = series.iter().map(|p| p.centre_of_mass_deg).collect();
         let truncation = marginal_standard_error_rule(&angles, BATCH);
+        let truncation = truncation.map(|t| behind_start_up(t, protocol.start_up, series));
         let cut = truncation.map_or(usize::MAX, |t| if t.steady { t.cut } else { usize::MAX });
         let after = frames.iter().filter(|(at, _)| *at > cut).count();
         if after >= protocol.frames || over {
@@ -327,6 +331,20 @@ pub(crate) fn rotate(
                 truncation,
             });
         }
+    }
+}
+
+/// The cut, not before the least start-up that a protocol states.
+fn behind_start_up(
+    truncation: Truncation,
+    start_up: Option<Time>,
+    series: &[SeriesPoint],
+) -> Truncation {
+    let least = start_up.map_or(0.0, Time::si);
+    let before = series.iter().filter(|p| p.time_s < least).count();
+    Truncation {
+        cut: truncation.cut.max(before),
+        ..truncation
     }
 }
 

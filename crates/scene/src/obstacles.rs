@@ -15,7 +15,7 @@ use std::path::PathBuf;
 pub struct WallSettings {
     /// Name.
     pub name: String,
-    /// Mesh, relative to the scene file. It need not be closed, but a mesh without any thickness is
+    /// Mesh (STL, OBJ, PLY), relative to the scene file. It need not be closed, but a mesh without any thickness is
     /// refused: give a flat plate a thickness.
     pub mesh: PathBuf,
     /// What one unit of the mesh is.
@@ -53,7 +53,7 @@ impl WallSettings {
     /// Reads the mesh and puts it in its place.
     fn read(&self, scene: &Scene) -> Result<NamedMesh, Error> {
         let path = scene.folder.join(&self.mesh);
-        let mesh = trimesh::read_stl(&path, self.mesh_unit).map_err(|source| Error::WallMesh {
+        let mesh = trimesh::read_mesh(&path, self.mesh_unit).map_err(|source| Error::WallMesh {
             wall: self.name.clone(),
             source,
         })?;
@@ -106,7 +106,7 @@ impl Scene {
 
     /// All mesh files that a run depends on, relative to the folder of the scene.
     pub fn mesh_files(&self) -> Vec<&std::path::Path> {
-        let seeds = self.seed.iter().map(|s| s.mesh.as_path());
+        let seeds = self.seed.iter().filter_map(|s| s.mesh.as_deref());
         seeds
             .chain(self.wall.iter().map(|w| w.mesh.as_path()))
             .collect()

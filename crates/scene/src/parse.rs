@@ -1,6 +1,6 @@
 //! Reading a scene file, and changing single settings of it.
 
-use crate::{Error, Scene};
+use crate::{Error, Scene, SeedSettings};
 use std::path::Path;
 use toml::{Table, Value};
 
@@ -13,8 +13,11 @@ pub struct Override {
     pub value: String,
 }
 
-/// The one setting without a default that can be set where the file leaves it out.
+/// Time step of the solver.
 const TIME_STEP: &str = "protocol.time_step";
+
+/// Settings without a default that can be set where the file leaves them out: quantities of the protocol.
+const LEFT_OUT: [&str; 3] = [TIME_STEP, "protocol.start_up", "protocol.start_slope"];
 
 /// Short names that stand for a setting with its unit: (name, path, unit).
 const SHORT_NAMES: [(&str, &str, &str); 3] = [
@@ -66,10 +69,21 @@ impl Scene {
             }
             scene = table.try_into().map_err(wrong)?;
         }
-        folder.clone_into(&mut scene.folder);
-        file.clone_into(&mut scene.file);
-        scene.check()?;
-        Ok(scene)
+        scene.completed(file, folder, &[])
+    }
+
+    /// The scene with what does not stand in its text, checked; volumes of `known` seeds are not measured anew.
+    fn completed(
+        mut self,
+        file: &str,
+        folder: &Path,
+        known: &[SeedSettings],
+    ) -> Result<Self, Error> {
+        folder.clone_into(&mut self.folder);
+        file.clone_into(&mut self.file);
+        self.complete_seeds(known)?;
+        self.check()?;
+        Ok(self)
     }
 
     /// The scene with settings changed.
@@ -78,12 +92,111 @@ impl Scene {
     ///
     /// A name that fits no setting or several, a value that cannot be meant.
     pub fn with(&self, overrides: &[Override]) -> Result<Self, Error> {
-        let wrong = |message: String| Error::Text {
+        let mut table = self.table()?;
+        for change in overrides {
+            apply(&mut table, change, &self.file)?;
+        }
+        self.changed_to(table)
+    }
+
+    /// The number of a setting by its dotted path; none where nothing stands there, or no plain number.
+    pub fn number(&self, path: &str) -> Option<f64> {
+        match leaf(&self.table().ok()?, path)? {
+            Value::Integer(number) => Some(*number as f64),
+            Value::Float(number) => Some(*number),
+            _ => None,
+        }
+    }
+
+    /// The scene with numbers changed.
+    ///
+    /// # Errors
+    ///
+    /// A path at which no number stands, or with a unit no quantity; a value that cannot be meant.
+    pub fn with_numbers(&self, changes: &[NumberChange]) -> Result<Self, Error> {
+        let mut table = self.table()?;
+        for change in changes {
+            let path = whole_path(&table, &change.path, &self.file)?;
+            make_room(&mut table, &path);
+            let Some(place) = leaf_mut(&mut table, &path) else {
+                continue;
+            };
+            let value = change.value;
+            *place = match (&change.unit, &*place) {
+                (Some(unit), Value::String(_)) => Value::String(format!("{value} {unit}")),
+                (None, Value::Float(_)) => Value::Float(value),
+                (None, Value::Integer(_)) => {
+                    #[expect(
+                        clippy::cast_possible_truncation,
+                        reason = "whole, and far below 2^63"
+                    )]
+                    let whole = value as i64;
+                    if value.fract() != 0.0 || value.abs() > 1e15 {
+                        let requirement = "a whole number".into();
+                        return Err(Error::BadValue {
+                            name: format!("{}: {path}", self.file),
+                            value: value.to_string(),
+                            requirement,
+                        });
+                    }
+                    Value::Integer(whole)
+                }
+                (unit, there) => {
+                    let value = unit
+                        .as_ref()
+                        .map_or(value.to_string(), |u| format!("{value} {u}"));
+                    return Err(Error::BadValue {
+                        name: format!("{}: {path}", self.file),
+                        value,
+                        requirement: match unit {
+                            Some(_) => format!("a number without unit: {there} stands there"),
+                            None => format!("a number with its unit: {there} stands there"),
+                        },
+                    });
+                }
+            };
+        }
+        self.changed_to(table)
+    }
+
+    /// The scene as a table of values.
+    fn table(&self) -> Result<Table, Error> {
+        Table::try_from(self).map_err(|e| Error::Text {
             file: self.file.clone(),
-            message,
-        };
-        let text = toml::to_string(self).map_err(|e| wrong(e.to_string()))?;
-        Self::from_text(&text, &self.file, &self.folder, overrides)
+            message: e.to_string(),
+        })
+    }
+
+    /// The scene of a table of values.
+    fn changed_to(&self, table: Table) -> Result<Self, Error> {
+        let scene: Self = table.try_into().map_err(|e: toml::de::Error| Error::Text {
+            file: self.file.clone(),
+            message: e.to_string(),
+        })?;
+        scene.completed(&self.file, &self.folder, &self.seed)
+    }
+}
+
+/// A number to put at the place of a setting.
+#[derive(Debug, Clone, PartialEq)]
+pub struct NumberChange {
+    /// Dotted path, `contact.seed-seed.static_friction`, or an unambiguous short name.
+    pub path: String,
+    /// The value.
+    pub value: f64,
+    /// Its unit, where a quantity stands there; none where a plain number does.
+    pub unit: Option<String>,
+}
+
+/// Makes room for a setting without a default that the scene leaves out.
+fn make_room(table: &mut Table, path: &str) {
+    if LEFT_OUT.contains(&path)
+        && let Some((section, key)) = path.split_once('.')
+        && let Some(Value::Table(section)) = table.get_mut(section)
+    {
+        section
+            .entry(key)
+            .or_insert_with(|| Value::String(String::new()));
     }
 }
 
@@ -94,14 +207,7 @@ fn apply(table: &mut Table, change: &Override, file: &str) -> Result<(), Error> 
         Some((_, path, unit)) => ((*path).to_owned(), format!("{} {unit}", change.value)),
         None => (whole_path(table, &change.name, file)?, change.value.clone()),
     };
-    if path == TIME_STEP
-        && let Some((section, key)) = path.split_once('.')
-        && let Some(Value::Table(section)) = table.get_mut(section)
-    {
-        section
-            .entry(key)
-            .or_insert_with(|| Value::String(String::new()));
-    }
+    make_room(table, &path);
     let unknown = || Error::UnknownSetting {
         name: change.name.clone(),
         file: file.into(),
@@ -120,7 +226,7 @@ fn apply(table: &mut Table, change: &Override, file: &str) -> Result<(), Error> 
 /// The path that a whole or short name stands for.
 fn whole_path(table: &Table, name: &str, file: &str) -> Result<String, Error> {
     let all = leaves(table);
-    if all.iter().any(|path| path == name) {
+    if LEFT_OUT.contains(&name) || all.iter().any(|path| path == name) {
         return Ok(name.to_owned());
     }
     let ending = format!(".{name}");

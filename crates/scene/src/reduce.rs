@@ -1,6 +1,9 @@
-//! The part of a scene that its run depends on.
+//! The part of a scene that its run depends on, and what a run of it can give.
 
-use crate::{Apparatus, CameraSettings, Error, Protocol, Scene, SurroundingsSettings};
+use crate::{
+    Apparatus, CameraSettings, Error, ModelSettings, Protocol, Scene, SurroundingsSettings,
+};
+use quantity::FrictionCoefficient;
 
 impl Scene {
     /// The same seeds, materials and contacts in a bench test, without what only a bed of seeds has: walls,
@@ -10,28 +13,106 @@ impl Scene {
     ///
     /// As [`Self::check`]: a plate or seed that the scene does not define, a contact that nobody states.
     pub fn on_bench(&self, apparatus: Apparatus) -> Result<Self, Error> {
-        let mut scene = Self {
+        let scene = Self {
             apparatus,
             ..self.clone()
         };
-        scene.drop_bed();
+        // A wrong name must be told as it stands in the arguments.
+        if let Some(test) = scene.apparatus.bench_test() {
+            scene.tested_seed(test)?;
+        }
+        let scene = scene.reduced();
         scene.check()?;
         Ok(scene)
     }
 
-    /// Drops what only a bed of seeds has.
-    fn drop_bed(&mut self) {
+    /// The scene without seeds, materials, contacts and settings of protocol and camera that cannot change its
+    /// run, and with masses and numbers of seeds in place of what they follow from: its run is the same to
+    /// the last bit, and scenes that differ in nothing else become equal.
+    ///
+    /// Effects that drift over a session must be applied before: the session itself moves nothing.
+    #[must_use]
+    pub fn reduced(&self) -> Self {
+        let mut scene = self.clone();
+        scene.fix_seeds();
+        if scene.apparatus.is_bench_test() {
+            scene.reduce_bench();
+        }
+        if !matches!(scene.apparatus, Apparatus::Drum(_)) {
+            scene.camera = CameraSettings::default();
+        }
+        scene.protocol.session = None;
+        // A fixed step rules all phases, and a share that is that of the settling seeds says nothing.
+        let steps = scene.protocol;
+        if steps.time_step.is_some() || steps.flow_step_share == Some(steps.step_share) {
+            scene.protocol.flow_step_share = None;
+        }
+        if scene.apparatus.is_release() {
+            let usual = Protocol::default();
+            scene.protocol = Protocol {
+                flow_step_share: None,
+                start_up: None,
+                frame_interval: usual.frame_interval,
+                frames: usual.frames,
+                ..scene.protocol
+            };
+        }
+        let touching = scene.touching_pairs();
+        let pairs: Vec<String> = touching
+            .iter()
+            .flat_map(|[a, b]| [format!("{a}-{b}"), format!("{b}-{a}")])
+            .collect();
+        let names: Vec<String> = touching.concat().into_iter().map(Into::into).collect();
+        scene.contact.retain(|pair, _| pairs.contains(pair));
+        scene.material.retain(|name, _| names.contains(name));
+        scene
+    }
+
+    /// Drops what a bench test does not look at.
+    fn reduce_bench(&mut self) {
+        let test = self.apparatus.bench_test();
+        let tested = test.and_then(|test| self.tested_seed(test).ok().cloned());
+        let Some(mut tested) = tested else {
+            return;
+        };
+        tested.set_count(1);
+        let plate = test.map_or("", |test| test.plate).to_owned();
+        let is_smooth = plate != tested.material;
+        self.seed = vec![tested];
         self.wall.clear();
         self.surroundings = SurroundingsSettings::default();
         self.model.bonds = None;
-        self.camera = CameraSettings {
-            distance: None,
-            ..self.camera
-        };
+        let steps = self.protocol;
         self.protocol = Protocol {
-            insertion_rate: None,
-            start_slope: None,
-            ..self.protocol
+            time_step: steps.time_step,
+            step_share: steps.step_share,
+            ..Protocol::default()
         };
+        match &mut self.apparatus {
+            Apparatus::Slider(slider) => {
+                slider.seed = None;
+                self.model.dashpot_mass = ModelSettings::default().dashpot_mass;
+                // The sled cannot turn, and a smooth plate does not.
+                if let (true, Ok(none)) = (is_smooth, FrictionCoefficient::new(0.0)) {
+                    for contact in self.contact.values_mut() {
+                        contact.rolling_friction = none;
+                    }
+                }
+            }
+            Apparatus::Drop(drop) => drop.seed = None,
+            Apparatus::Tilt(tilt) => tilt.seed = None,
+            _ => {}
+        }
+    }
+
+    /// Names of all observables that a run can give; one that needs what does not happen (a surface, a
+    /// period) may be missing.
+    pub fn observables(&self) -> Vec<&'static str> {
+        let mut names = self.apparatus.observables().to_vec();
+        let is_turned = matches!(self.apparatus, Apparatus::Drum(_) | Apparatus::Metering(_));
+        if self.model.bonds.is_some() && is_turned {
+            names.push("broken_bonds");
+        }
+        names
     }
 }

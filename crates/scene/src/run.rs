@@ -237,7 +237,9 @@ fn released(scene: &Scene, built: Built) -> Result<RunResult, Error> {
 /// Number of spheres of all seeds, hidden ones included.
 fn n_spheres(scene: &Scene, bodies: &[Arc<SeedBody>]) -> usize {
     let kinds = scene.seed.iter().zip(bodies);
-    kinds.map(|(s, b)| s.count * b.clump.spheres().len()).sum()
+    kinds
+        .map(|(s, b)| scene.count_of(s) * b.clump.spheres().len())
+        .sum()
 }
 
 /// Observables of a drum beside the angles.

@@ -1,9 +1,9 @@
 //! What a scene file says.
 
-use crate::{Apparatus, SurroundingsSettings};
+use crate::{Apparatus, SeedSettings, SurroundingsSettings};
 use contact_law::hard_contact;
 use quantity::{
-    Angle, Frequency, FrictionCoefficient, Length, Mass, PoissonRatio, Pressure, Restitution, Time,
+    Angle, Frequency, FrictionCoefficient, Length, PoissonRatio, Pressure, Restitution, Time,
 };
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -25,10 +25,13 @@ pub struct Scene {
     /// Contacts by the names of the two materials, joined by a hyphen.
     pub contact: BTreeMap<String, ContactSettings>,
     /// How bodies and contacts are modelled.
+    #[serde(default)]
     pub model: ModelSettings,
     /// What is done and when.
+    #[serde(default)]
     pub protocol: Protocol,
     /// The camera.
+    #[serde(default)]
     pub camera: CameraSettings,
     /// What acts on the seeds beside gravity and contacts; nothing where absent.
     #[serde(default, skip_serializing_if = "SurroundingsSettings::is_empty")]
@@ -39,48 +42,6 @@ pub struct Scene {
     /// Name of the file, for messages.
     #[serde(skip)]
     pub file: String,
-}
-
-/// One kind of seed.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct SeedSettings {
-    /// Name.
-    pub name: String,
-    /// Mesh of the seed, relative to the scene file.
-    pub mesh: PathBuf,
-    /// What one unit of the mesh is.
-    pub mesh_unit: trimesh::LengthUnit,
-    /// Mass of one seed.
-    pub mass: Mass,
-    /// Number of seeds.
-    pub count: usize,
-    /// Name of the material.
-    pub material: String,
-    /// Size of the seed over that of its mesh; the filling, stated for the mesh, grows with it, the
-    /// mass does not. 1 where absent.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub scale: Option<f64>,
-    /// How the mesh is filled with spheres.
-    pub filling: FillingSettings,
-}
-
-/// How a mesh is filled with spheres.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct FillingSettings {
-    /// Method.
-    pub method: sphere_fill::Method,
-    /// Radius of the spheres (smallest radius for method smooth).
-    pub sphere_radius: Length,
-    /// Number of spheres; as many as fit where absent.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub sphere_count: Option<usize>,
-    /// Surface roughness at which method smooth stops.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub roughness: Option<Length>,
-    /// Seed of the packing.
-    pub seed: u64,
 }
 
 /// Elastic constants of a material.
@@ -101,7 +62,8 @@ pub struct ContactSettings {
     pub restitution: Restitution,
     /// Coefficient of static friction.
     pub static_friction: FrictionCoefficient,
-    /// Coefficient of rolling friction.
+    /// Coefficient of rolling friction; 0 where absent.
+    #[serde(default = "no_friction")]
     pub rolling_friction: FrictionCoefficient,
     /// Attraction of a touching pair of spheres beside that of the Bond number, N; 0 where absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -116,20 +78,25 @@ pub struct ContactSettings {
     pub friction_rate: Option<f64>,
 }
 
+/// No friction, for serde.
+fn no_friction() -> FrictionCoefficient {
+    FrictionCoefficient::new(0.0).expect("0 is a coefficient of friction")
+}
+
 /// How bodies and contacts are modelled.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(default, deny_unknown_fields)]
 pub struct ModelSettings {
-    /// Which mass enters the dashpots.
+    /// Which mass enters the dashpots; `sphere` where absent, as in the study's agglomerate.
     pub dashpot_mass: dem_solver::DashpotMass,
-    /// What happens when a dashpot would pull.
+    /// What happens when a dashpot would pull; `clipped` where absent: it never does.
     pub normal_force_end: contact_law::NormalForceEnd,
-    /// Attraction of a touching pair of spheres over the weight of a seed (granular Bond number).
+    /// Attraction of a touching pair of spheres over the weight of a seed (granular Bond number); 0 where
+    /// absent.
     pub bond_number: f64,
-    /// Gravity, m/s².
+    /// Gravity, m/s²; 9.81 where absent.
     pub gravity_m_s2: f64,
-    /// The law of rolling resistance.
-    #[serde(default)]
+    /// The law of rolling resistance; of constant torque where absent.
     pub rolling_law: RollingLaw,
     /// Bonds that hold the spheres of a seed together; seeds are rigid where absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -137,6 +104,20 @@ pub struct ModelSettings {
     /// Liquid in bridges between seeds and at walls; dry where absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub liquid: Option<LiquidSettings>,
+}
+
+impl Default for ModelSettings {
+    fn default() -> Self {
+        Self {
+            dashpot_mass: dem_solver::DashpotMass::Sphere,
+            normal_force_end: contact_law::NormalForceEnd::Clipped,
+            bond_number: 0.0,
+            gravity_m_s2: 9.81,
+            rolling_law: RollingLaw::default(),
+            bonds: None,
+            liquid: None,
+        }
+    }
 }
 
 /// How rolling resistance acts.
@@ -164,15 +145,14 @@ pub struct LiquidSettings {
 
 /// What is done and when.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(default, deny_unknown_fields)]
 pub struct Protocol {
     /// Time step of the solver, at most what `step_share` allows; chosen by the two shares where
     /// absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub time_step: Option<Time>,
     /// Time step while the seeds settle or run out, as a share of the duration of a hard contact, see
-    /// [`hard_contact::STEP_SHARE`].
-    #[serde(default = "step_share")]
+    /// [`hard_contact::STEP_SHARE`], which stands where it is absent.
     pub step_share: f64,
     /// Time step while the drive runs, likewise; `step_share` where absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -181,7 +161,8 @@ pub struct Protocol {
     /// start where absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub insertion_rate: Option<Frequency>,
-    /// Longest time for the seeds to come to rest before the drive starts, behind the last that appears.
+    /// Longest time for the seeds to come to rest before the drive starts, behind the last that appears;
+    /// 0.8 s where absent.
     pub settle_limit: Time,
     /// Slope of the surface of the settled bed in a drum, towards the side that rises: the bed settles
     /// under gravity turned by so much, and the drive starts nearer to the steady state. It changes
@@ -192,36 +173,65 @@ pub struct Protocol {
     /// that drift.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub session: Option<f64>,
-    /// Longest time of rotation, or of waiting for rest after a wall is lifted.
+    /// Longest time of rotation, or of waiting for rest after a wall is lifted; 6 s where absent.
     pub rotation_limit: Time,
-    /// Time between frames: at least the correlation time of the surface.
+    /// Time between frames: at least the correlation time of the surface; 0.2 s where absent.
     pub frame_interval: Time,
-    /// Number of frames in the steady state.
+    /// Number of frames in the steady state; 10 where absent.
     pub frames: usize,
+    /// Least time of rotation that counts as start-up: frames and means begin behind it, or later where the series
+    /// is steady later. The series alone tells where absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub start_up: Option<Time>,
 }
 
-/// [`hard_contact::STEP_SHARE`], for serde.
-fn step_share() -> f64 {
-    hard_contact::STEP_SHARE
+impl Default for Protocol {
+    fn default() -> Self {
+        let seconds = |time| Time::from_si(time).expect("a positive time");
+        Self {
+            time_step: None,
+            step_share: hard_contact::STEP_SHARE,
+            flow_step_share: None,
+            insertion_rate: None,
+            settle_limit: seconds(0.8),
+            start_slope: None,
+            session: None,
+            rotation_limit: seconds(6.0),
+            frame_interval: seconds(0.2),
+            frames: 10,
+            start_up: None,
+        }
+    }
 }
 
 /// The camera that faces the end cover.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(default, deny_unknown_fields)]
 pub struct CameraSettings {
-    /// Width and height of a frame, pixels.
+    /// Width and height of a frame, pixels; 480 where absent.
     pub pixels: u32,
-    /// Turn of the camera about its axis, counter-clockwise positive as seen in the picture.
+    /// Turn of the camera about its axis, counter-clockwise positive as seen in the picture; 0 where absent.
     pub roll: Angle,
     /// Distance of the camera from the front cover; without end where absent (parallel rays).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub distance: Option<Length>,
 }
 
+impl Default for CameraSettings {
+    fn default() -> Self {
+        Self {
+            pixels: 480,
+            roll: Angle::from_si(0.0).expect("0 is an angle"),
+            distance: None,
+        }
+    }
+}
+
 impl Scene {
     /// Total number of seeds.
     pub fn seed_count(&self) -> usize {
-        self.seed.iter().map(|s| s.count).sum()
+        let kinds = self.seed.iter().map(|s| self.count_of(s));
+        kinds.fold(0, usize::saturating_add)
     }
 
     /// Sets the total number of seeds, keeping the shares of the kinds (largest remainder).
@@ -230,17 +240,20 @@ impl Scene {
         if before == 0 {
             return;
         }
-        let mut given = 0;
+        let mut counts: Vec<usize> = self.seed.iter().map(|s| self.count_of(s)).collect();
         let mut rests = Vec::new();
-        for (k, kind) in self.seed.iter_mut().enumerate() {
-            let exact = kind.count * total;
+        for (k, count) in counts.iter_mut().enumerate() {
+            let exact = *count * total;
             rests.push((exact % before, k));
-            kind.count = exact / before;
-            given += kind.count;
+            *count = exact / before;
         }
+        let given: usize = counts.iter().sum();
         rests.sort_by(|a, b| b.0.cmp(&a.0).then(a.1.cmp(&b.1)));
         for &(_, k) in rests.iter().take(total - given) {
-            self.seed[k].count += 1;
+            counts[k] += 1;
+        }
+        for (kind, count) in self.seed.iter_mut().zip(counts) {
+            kind.set_count(count);
         }
     }
 

@@ -17,13 +17,9 @@ fn ball(apparatus: &str) -> Scene {
 
         [[seed]]
         name = "ball"
-        mesh = "../stl/sphere.stl"
-        mesh_unit = "mm"
-        scale = 3.0
-        mass = "130 mg"
-        count = 1
+        sphere = "6 mm"
+        density = "1250 kg/m3"
         material = "pea"
-        filling = {{ method = "pack", sphere_radius = "0.99 mm", sphere_count = 1, seed = 1 }}
 
         [material.pea]
         poisson_ratio = 0.3
@@ -41,23 +37,10 @@ fn ball(apparatus: &str) -> Scene {
         [contact.pea-pea]
         restitution = 0.4
         static_friction = 0.2
-        rolling_friction = 0.0
 
         [model]
         dashpot_mass = "body"
         normal_force_end = "attractive"
-        bond_number = 0.0
-        gravity_m_s2 = 9.81
-
-        [protocol]
-        settle_limit = "0.6 s"
-        rotation_limit = "1 s"
-        frame_interval = "0.2 s"
-        frames = 2
-
-        [camera]
-        pixels = 400
-        roll = "0 deg"
         "#
     );
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fixtures/cotton");
@@ -127,7 +110,7 @@ fn a_sled_of_balls_shows_the_friction_put_in() {
 fn a_ball_starts_to_roll_at_its_rolling_friction() {
     let scene = ball("kind = \"tilt\"\nplate = \"steel\"\nrepeats = 2");
     let result = go(&scene, 1);
-    let radius = 0.99e-3 * 3.0;
+    let radius = 3e-3;
     let rate = 5_f64.to_radians();
     let time = (0.5 * 6.0 * 7.0 / 5.0 * radius / 9.81 / rate).cbrt();
     let expected = (0.1_f64.atan() + rate * time).tan();

@@ -11,7 +11,10 @@ fn spheres_start_without_touching() {
     let scene = Scene::read(&file, &[]).unwrap();
     let (frame, bodies, _) = starting_frame(&scene, &FillingLibrary::default(), 1).unwrap();
     let radius = bodies[0].clump.bounding_radius();
-    assert!((radius - 1.5e-3).abs() < 1e-8, "{radius}");
+    assert!((radius - 1.5e-3).abs() < 1e-15, "{radius}");
+    // What the photographs' spheres weigh, to the digits that are known.
+    let mass = bodies[0].clump.mass();
+    assert!((mass / 22.337e-6 - 1.0).abs() < 1e-4, "{mass}");
     assert_eq!(frame.position.len(), 1999);
     let mut sorted = frame.position.clone();
     sorted.sort_by(|a, b| a.y.total_cmp(&b.y));

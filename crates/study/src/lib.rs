@@ -19,7 +19,6 @@ mod keys;
 mod limits;
 mod measured;
 mod parameters;
-mod pending;
 mod photos;
 mod price;
 mod problem;

@@ -2,7 +2,6 @@
 
 use crate::document::{Document, below};
 use crate::file::{MeasuredEntry, MeasuredValue};
-use crate::pending::SceneSoon as _;
 use crate::photos::{self, PhotoSeries};
 use crate::problem::Problems;
 use crate::scenes::{Models, Scenes, condition_text};

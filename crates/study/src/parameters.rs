@@ -138,8 +138,8 @@ impl Resolver<'_> {
             problems.add(self.document.problem(&at, what, problem));
         }
         let mut models = 0..self.models.models.len();
-        let acts = |model: usize| entry.sets.iter().any(|p| self.models.depends_on(model, p));
-        if exists && !models.any(acts) {
+        let sound = entry.low.is_finite() && entry.high.is_finite() && entry.low < entry.high;
+        if exists && sound && !models.any(|model| self.models.depends_on(model, entry)) {
             let problem = "changes nothing in any scene that is measured: remove the parameter, or measure a scene in \
                            which these surfaces meet";
             problems.add(self.wrong(entry, "sets", problem));

@@ -1,12 +1,11 @@
 //! From the entries of a study file to scenes, and to the models that a calibration knows.
 
 use crate::document::Document;
-use crate::file::{Choices, SceneEntry, StudyFile};
-use crate::pending::SceneSoon as _;
+use crate::file::{Choices, ParameterEntry, SceneEntry, StudyFile};
 use crate::problem::{Problem, Problems};
-use crate::setting::{leaf, table_of};
+use crate::setting::{change, leaf, table_of};
 use calibration::Model;
-use scene::{Apparatus, FillingLibrary, Override, Scene};
+use scene::{Apparatus, FillingLibrary, Override, Scene, SeedSettings};
 use std::collections::BTreeMap;
 use std::path::Path;
 
@@ -92,7 +91,7 @@ fn scene_problem(document: &Document, entry: &SceneEntry, reason: String) -> Pro
 fn read_scene(entry: &SceneEntry, folder: &Path, further: &[String]) -> Result<Scene, Vec<String>> {
     let file = folder.join(&entry.file);
     let told = |error: scene::Error| vec![error.to_string()];
-    let mut scene = Scene::read(&file, &[]).map_err(told)?;
+    let mut scene = Scene::read(&file, &[]).map_err(|first| all_problems(&file, &first))?;
     if let Some(apparatus) = &entry.apparatus {
         let apparatus: Apparatus = apparatus.clone().try_into().map_err(|e: toml::de::Error| {
             vec![format!("apparatus cannot be meant: {}", e.message())]
@@ -120,6 +119,23 @@ fn read_scene(entry: &SceneEntry, folder: &Path, further: &[String]) -> Result<S
     }
 }
 
+/// All that is wrong with a scene file: the first error, and the others where the text can be read at all.
+fn all_problems(file: &Path, first: &scene::Error) -> Vec<String> {
+    let text = std::fs::read_to_string(file).unwrap_or_default();
+    let Ok(mut scene) = toml::from_str::<Scene>(&text) else {
+        return vec![first.to_string()];
+    };
+    file.display().to_string().clone_into(&mut scene.file);
+    // Mass and number that follow from the volume of a mesh are not known here.
+    let complete = |s: &SeedSettings| s.mesh.is_none() || (s.mass.is_some() && s.count.is_some());
+    let all: Vec<String> = scene.problems().iter().map(ToString::to_string).collect();
+    if all.is_empty() || !scene.seed.iter().all(complete) {
+        vec![first.to_string()]
+    } else {
+        all
+    }
+}
+
 /// The models of a study.
 #[derive(Debug, Default)]
 pub(crate) struct Models {
@@ -127,8 +143,6 @@ pub(crate) struct Models {
     pub(crate) models: Vec<Model>,
     /// The scenes that they run, in the same order.
     pub(crate) scenes: Vec<Scene>,
-    /// The settings of each that can matter.
-    pub(crate) reduced: Vec<toml::Table>,
 }
 
 impl Models {
@@ -150,16 +164,29 @@ impl Models {
             condition: condition.clone(),
             parameters: Vec::new(),
         });
-        self.reduced.push(table_of(&scene.reduced()));
         self.scenes.push(scene);
         self.models.len() - 1
     }
 
-    /// Whether a run of a model depends on a setting.
-    pub(crate) fn depends_on(&self, model: usize, path: &str) -> bool {
-        self.reduced
-            .get(model)
-            .is_some_and(|table| leaf(table, path).is_some())
+    /// Whether a run of a model depends on a parameter: at its two ends of the range the scene differs in what can
+    /// matter.
+    pub(crate) fn depends_on(&self, model: usize, entry: &ParameterEntry) -> bool {
+        let Some(scene) = self.scenes.get(model) else {
+            return false;
+        };
+        let table = table_of(scene);
+        let of_scene: Vec<&String> = entry
+            .sets
+            .iter()
+            .filter(|p| leaf(&table, p).is_some())
+            .collect();
+        let at = |value: f64| {
+            let change = |path: &&String| change(path, value, entry.unit.as_deref());
+            let changes: Vec<Override> = of_scene.iter().map(change).collect();
+            scene.with(&changes).ok().map(|scene| scene.reduced())
+        };
+        // A value that the scene refuses is told elsewhere.
+        !of_scene.is_empty() && at(entry.low) != at(entry.high)
     }
 }
 

@@ -194,9 +194,9 @@ impl Checker<'_> {
             ..
         } = resolved;
         for k in 0..models.models.len() {
-            let acts = |p: &Parameter| p.sets.iter().any(|path| models.depends_on(k, path));
-            let all = parameters.iter().enumerate();
-            let of_model = all.filter_map(|(j, p)| acts(p).then_some(j)).collect();
+            let all = file.parameters.iter().enumerate();
+            let of_model = all.filter_map(|(j, p)| models.depends_on(k, p).then_some(j));
+            let of_model = of_model.collect();
             models.models[k].parameters = of_model;
         }
         let by_model = models.models.iter().map(|m| m.name.clone());

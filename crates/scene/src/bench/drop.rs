@@ -85,7 +85,7 @@ fn one(
         // Falling from a height at which no tip can reach the plate any more, or past the plate.
         let is_over = !rising && at > plate.top() + reach;
         let is_past = at < -2.0 * reach;
-        if !at_rest(&world, parts) {
+        if !parts.is_at_rest(&world) {
             moving = world.time();
         }
         if is_over || is_past || world.time() - moving > REST {
@@ -97,9 +97,4 @@ fn one(
         what: "the seed neither rebounds nor rests",
         limit,
     })
-}
-
-/// Whether the seed has too little energy to rise by a hundredth of its size.
-fn at_rest(world: &World, parts: &BenchParts) -> bool {
-    world.kinetic_energy() < 0.01 * parts.weight() * parts.body.clump.bounding_radius()
 }

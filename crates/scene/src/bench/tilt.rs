@@ -16,6 +16,12 @@ const RATE: f64 = 5.0 * std::f64::consts::PI / 180.0;
 /// Time for the seed to come to rest on the level plate, s.
 const REST: f64 = 0.3;
 
+/// Longest time for it on a plate of seeds, where it first rolls into a hollow, s.
+const LONGEST_REST: f64 = 2.0;
+
+/// Time without motion after which it rests there, s.
+const STILL: f64 = 0.1;
+
 /// Rolling has begun when the seed has turned by this angle about its long axis, rad.
 const TURN: f64 = 0.5;
 
@@ -58,13 +64,22 @@ fn one(
     let start = Placement::at_rest(0, aside + Vector3::y() * (lift + 1e-6), turn);
     let mut world = plate.world(parts, parts.template(), start)?;
     let weight = parts.weight();
-    let limit = REST + 80_f64.to_radians() / RATE;
+    let (mut moving, mut rested_at) = (0.0, None);
+    let tilting = 80_f64.to_radians() / RATE;
     let mut rested = None;
-    while world.time() < limit {
-        let tilt = (world.time() - REST).max(0.0) * RATE;
+    while rested_at.is_none_or(|since| world.time() - since < tilting) {
+        let now = world.time();
+        let tilt = rested_at.map_or(0.0, |since| now - since) * RATE;
         let pull = Vector3::new(tilt.sin(), -tilt.cos(), 0.0) * weight;
         world.step_with(|bodies| bodies.force[0] += pull)?;
-        if world.time() < REST {
+        if rested_at.is_none() {
+            if !parts.is_at_rest(&world) {
+                moving = now;
+            }
+            let is_still = !parts.on_seeds || now - moving > STILL || now > LONGEST_REST;
+            if now >= REST && is_still {
+                rested_at = Some(world.time());
+            }
             continue;
         }
         let bodies = world.bodies();
@@ -80,6 +95,6 @@ fn one(
     Err(Error::NoEvent {
         repeat,
         what: "the seed does not start to roll",
-        limit,
+        limit: tilting,
     })
 }

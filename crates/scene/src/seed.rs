@@ -1,0 +1,359 @@
+//! One kind of seed: its shape, its mass, and how many there are.
+
+use crate::{Error, Scene};
+use quantity::{Density, Length, Mass};
+use serde::{Deserialize, Serialize};
+use std::f64::consts::FRAC_PI_6;
+use std::path::PathBuf;
+
+/// Share of the volume of a poured bed that its seeds take, where a scene states none: our choice. Beds of
+/// spheres reach from 0.55 (loosest random) to 0.64 (densest random); `solid_fraction` states another.
+pub const SOLID_FRACTION: f64 = 0.6;
+
+/// Largest volume of the seeds over that of the apparatus, above which no fill level can be meant.
+const FULLEST: f64 = 1.0;
+
+/// One kind of seed: exactly one of `mesh`, `sphere` and `ellipsoid`, one of `mass` and `density`, one of
+/// `count`, `total_mass` and `fill_level`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SeedSettings {
+    /// Name.
+    pub name: String,
+    /// Mesh of the seed (STL, OBJ, PLY), relative to the scene file; with `mesh_unit` and `filling`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub mesh: Option<PathBuf>,
+    /// What one unit of the mesh is.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub mesh_unit: Option<trimesh::LengthUnit>,
+    /// Diameter of a seed that is one sphere.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sphere: Option<Length>,
+    /// Full axes of a seed that is an ellipsoid; filled as [`FillingSettings::of_ellipsoid`] says where
+    /// `filling` is absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub ellipsoid: Option<[Length; 3]>,
+    /// Mass of one seed.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub mass: Option<Mass>,
+    /// Density of the seed: with its volume it gives the mass.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub density: Option<Density>,
+    /// Number of seeds.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub count: Option<usize>,
+    /// Mass of all seeds of the kind.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub total_mass: Option<Mass>,
+    /// Share of the volume of the apparatus that the settled bed of this kind takes.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub fill_level: Option<f64>,
+    /// Share of the volume of the settled bed that the seeds take, for `fill_level`; [`SOLID_FRACTION`]
+    /// where absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub solid_fraction: Option<f64>,
+    /// Name of the material.
+    pub material: String,
+    /// Size of the seed over that of its shape; the filling, stated for the shape, grows with it. A stated mass
+    /// stays; a stated density stays, so that the mass grows. 1 where absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub scale: Option<f64>,
+    /// How mesh or ellipsoid are filled with spheres.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub filling: Option<FillingSettings>,
+    /// Volume of the mesh, m³, where mass or number follow from it.
+    #[serde(skip)]
+    pub(crate) mesh_volume: Option<f64>,
+}
+
+/// How a mesh is filled with spheres.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct FillingSettings {
+    /// Method.
+    pub method: sphere_fill::Method,
+    /// Radius of the spheres (smallest radius for method smooth).
+    pub sphere_radius: Length,
+    /// Number of spheres; as many as fit where absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sphere_count: Option<usize>,
+    /// Surface roughness at which method smooth stops.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub roughness: Option<Length>,
+    /// Seed of the packing.
+    pub seed: u64,
+}
+
+/// Smallest radius of the spheres of an ellipsoid over its shortest semi-axis.
+const ELLIPSOID_RADIUS: f64 = 0.5;
+/// Roughness of the filling of an ellipsoid over its shortest semi-axis.
+const ELLIPSOID_ROUGHNESS: f64 = 0.01;
+
+impl FillingSettings {
+    /// The filling of an ellipsoid of these full axes that states none: overlapping spheres that follow the surface
+    /// within a root mean square of 1 % of the shortest semi-axis, none smaller than half of that axis.
+    ///
+    /// # Errors
+    ///
+    /// Axes that are not finite.
+    pub fn of_ellipsoid(axes: [Length; 3]) -> Result<Self, quantity::Error> {
+        let shortest = 0.5
+            * axes
+                .map(Length::si)
+                .into_iter()
+                .fold(f64::INFINITY, f64::min);
+        Ok(Self {
+            method: sphere_fill::Method::Smooth,
+            sphere_radius: Length::from_si(ELLIPSOID_RADIUS * shortest)?,
+            sphere_count: None,
+            roughness: Some(Length::from_si(ELLIPSOID_ROUGHNESS * shortest)?),
+            seed: 1,
+        })
+    }
+}
+
+impl SeedSettings {
+    /// Volume of one seed, m³; none where the shape is a mesh whose volume nothing needs.
+    pub fn volume(&self) -> Option<f64> {
+        let axes = match (self.sphere, self.ellipsoid) {
+            (Some(diameter), _) => Some([diameter; 3]),
+            (None, axes) => axes,
+        };
+        let closed_form = axes.map(|axes| FRAC_PI_6 * axes.map(Length::si).iter().product::<f64>());
+        let volume = closed_form.or(self.mesh_volume)?;
+        Some(volume * self.scale.unwrap_or(1.0).powi(3))
+    }
+
+    /// Mass of one seed, kg; 0 where nothing states it, which [`Scene::check`] refuses.
+    pub fn mass_kg(&self) -> f64 {
+        let by_density = || Some(self.density?.si() * self.volume()?);
+        self.mass.map(Mass::si).or_else(by_density).unwrap_or(0.0)
+    }
+
+    /// States the mass of one seed.
+    pub fn set_mass(&mut self, mass: Mass) {
+        (self.mass, self.density) = (Some(mass), None);
+    }
+
+    /// States the number of seeds.
+    pub fn set_count(&mut self, count: usize) {
+        (self.count, self.total_mass) = (Some(count), None);
+        (self.fill_level, self.solid_fraction) = (None, None);
+    }
+
+    /// How the seed is filled with spheres; none where it is one sphere.
+    ///
+    /// # Errors
+    ///
+    /// An ellipsoid whose axes are not finite.
+    pub fn filling(&self) -> Result<Option<FillingSettings>, quantity::Error> {
+        match (&self.filling, self.ellipsoid) {
+            (Some(filling), _) => Ok(Some(filling.clone())),
+            (None, Some(axes)) => FillingSettings::of_ellipsoid(axes).map(Some),
+            (None, None) => Ok(None),
+        }
+    }
+
+    /// Finds what its keys contradict or leave open.
+    pub(crate) fn check(&self, scene: &Scene, found: &mut Vec<Error>) {
+        let mut tell = |problem: String| {
+            found.push(Error::SeedKeys {
+                file: scene.file.clone(),
+                seed: self.name.clone(),
+                problem,
+            });
+        };
+        let groups: [&[(&str, bool)]; 3] = [
+            &[
+                ("mesh", self.mesh.is_some()),
+                ("sphere", self.sphere.is_some()),
+                ("ellipsoid", self.ellipsoid.is_some()),
+            ],
+            &[
+                ("mass", self.mass.is_some()),
+                ("density", self.density.is_some()),
+            ],
+            &[
+                ("count", self.count.is_some()),
+                ("total_mass", self.total_mass.is_some()),
+                ("fill_level", self.fill_level.is_some()),
+            ],
+        ];
+        for group in groups {
+            let names = |all: bool| {
+                let listed = group.iter().filter(|(_, stated)| all || *stated);
+                listed.map(|(name, _)| *name).collect::<Vec<_>>()
+            };
+            let stated = names(false);
+            // A bench test takes single seeds: their number need not be stated.
+            let may_lack = group[0].0 == "count" && scene.apparatus.is_bench_test();
+            if stated.len() != 1 && !(stated.is_empty() && may_lack) {
+                let which = if stated.is_empty() {
+                    "none".to_owned()
+                } else {
+                    stated.join(" and ")
+                };
+                tell(format!(
+                    "{which} of {} is stated; state exactly one of them",
+                    names(true).join(", ")
+                ));
+            }
+        }
+        for problem in self.lone_keys(scene) {
+            tell(problem);
+        }
+        self.check_values(found);
+    }
+
+    /// Keys that need another one, or cannot stand beside it.
+    fn lone_keys(&self, scene: &Scene) -> Vec<String> {
+        let is_mesh = self.mesh.is_some();
+        let mut problems = Vec::new();
+        let mut tell = |wrong: bool, problem: &str| {
+            if wrong {
+                problems.push(problem.to_owned());
+            }
+        };
+        tell(
+            is_mesh && self.mesh_unit.is_none(),
+            "mesh is stated without mesh_unit; state what one unit of the mesh is, such as \"mm\"",
+        );
+        tell(
+            is_mesh && self.filling.is_none(),
+            "mesh is stated without filling; state how it is filled with spheres",
+        );
+        tell(
+            !is_mesh && self.mesh_unit.is_some(),
+            "mesh_unit is stated without mesh; remove it",
+        );
+        tell(
+            self.sphere.is_some() && self.filling.is_some(),
+            "filling is stated beside sphere, which is one sphere already; remove it",
+        );
+        tell(
+            self.solid_fraction.is_some() && self.fill_level.is_none(),
+            "solid_fraction is stated without fill_level; remove it",
+        );
+        tell(
+            self.fill_level.is_some() && scene.apparatus.bed_volume().is_none(),
+            "fill_level is stated, but the apparatus has no volume to fill; state count or total_mass",
+        );
+        problems
+    }
+
+    /// Finds numbers out of range.
+    fn check_values(&self, found: &mut Vec<Error>) {
+        let mut require = |holds: bool, key: &str, value: String, requirement: &str| {
+            if !holds {
+                let name = format!("{key} of seed '{}'", self.name);
+                found.push(crate::check::bad(&name, value, requirement));
+            }
+        };
+        let axes = self
+            .ellipsoid
+            .iter()
+            .flatten()
+            .map(|axis| ("ellipsoid", axis));
+        for (key, length) in self.sphere.iter().map(|d| ("sphere", d)).chain(axes) {
+            let holds = (1e-6..=1.0).contains(&length.si());
+            require(holds, key, length.to_string(), "0.001 mm to 1 m");
+        }
+        if let Some(filling) = &self.filling {
+            let radius = filling.sphere_radius;
+            let holds = radius.si() > 0.0;
+            require(holds, "sphere_radius", radius.to_string(), "above 0");
+        }
+        for (key, share) in [
+            ("fill_level", self.fill_level),
+            ("solid_fraction", self.solid_fraction),
+        ] {
+            if let Some(share) = share {
+                let holds = share > 0.0 && share <= FULLEST;
+                require(holds, key, share.to_string(), "above 0, at most 1");
+            }
+        }
+        if let Some(scale) = self.scale {
+            let holds = (0.01..=100.0).contains(&scale);
+            require(holds, "scale", scale.to_string(), "0.01 to 100");
+        }
+    }
+
+    /// Whether mass or number follow from the volume of the mesh.
+    fn needs_mesh_volume(&self) -> bool {
+        self.mesh.is_some() && (self.density.is_some() || self.fill_level.is_some())
+    }
+}
+
+impl Scene {
+    /// Number of seeds of a kind, whichever of its keys states it; rounded to the nearest. 1 in a bench test that
+    /// states none.
+    pub fn count_of(&self, kind: &SeedSettings) -> usize {
+        let by_mass = || Some(kind.total_mass?.si() / kind.mass_kg());
+        let by_level = || {
+            let bed = kind.fill_level? * self.apparatus.bed_volume()?;
+            Some(bed * kind.solid_fraction.unwrap_or(SOLID_FRACTION) / kind.volume()?)
+        };
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "positive, and a cast saturates"
+        )]
+        let whole = |number: f64| {
+            if number.is_finite() {
+                number.round() as usize
+            } else {
+                0
+            }
+        };
+        let unstated = usize::from(self.apparatus.is_bench_test());
+        let derived = || by_mass().or_else(by_level).map_or(unstated, whole);
+        kind.count.unwrap_or_else(derived)
+    }
+
+    /// States masses and numbers of the seeds as they are now, where they follow from density, total mass or fill
+    /// level: a later change of size or apparatus leaves them alone.
+    pub fn fix_seeds(&mut self) {
+        let counts: Vec<usize> = self.seed.iter().map(|kind| self.count_of(kind)).collect();
+        for (kind, count) in self.seed.iter_mut().zip(counts) {
+            kind.set_count(count);
+            if let Ok(mass) = Mass::from_si(kind.mass_kg()) {
+                kind.set_mass(mass);
+            }
+            kind.mesh_volume = None;
+        }
+    }
+
+    /// Writes down the defaults of the seeds, and the volumes of meshes that masses or numbers follow from; those of
+    /// `known` seeds are taken over.
+    ///
+    /// # Errors
+    ///
+    /// A mesh that cannot be read or is not closed.
+    pub(crate) fn complete_seeds(&mut self, known: &[SeedSettings]) -> Result<(), Error> {
+        for kind in &mut self.seed {
+            if kind.fill_level.is_some() && kind.solid_fraction.is_none() {
+                kind.solid_fraction = Some(SOLID_FRACTION);
+            }
+            let (true, Some(mesh), Some(unit)) =
+                (kind.needs_mesh_volume(), &kind.mesh, kind.mesh_unit)
+            else {
+                continue;
+            };
+            let same = |other: &&SeedSettings| {
+                other.mesh.as_ref() == Some(mesh) && other.mesh_unit == Some(unit)
+            };
+            let before = known.iter().find(same).and_then(|other| other.mesh_volume);
+            let read = || {
+                let read = trimesh::read_mesh(&self.folder.join(mesh), unit)?.mesh;
+                read.require_closed()?;
+                Ok(read.moments().volume)
+            };
+            let refused = |source| Error::Mesh {
+                seed: kind.name.clone(),
+                source,
+            };
+            kind.mesh_volume = Some(before.map_or_else(read, Ok).map_err(refused)?);
+        }
+        Ok(())
+    }
+}
