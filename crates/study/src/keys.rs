@@ -52,3 +52,24 @@ pub(crate) const EFFECTS: [&str; 1] = ["search"];
 pub(crate) const PROFILE: [&str; 5] = ["design", "budget", "effects", "compare", "scene"];
 /// Keys of a scene in a profile.
 pub(crate) const PROFILE_SCENE: [&str; 1] = ["changes"];
+
+/// Every key that a study file may have, by the kind of table; for documentation and its test.
+///
+/// The names of scenes in a profile, of profiles, of settings in a condition and of observables are free.
+pub fn keys_of_a_study() -> Vec<(&'static str, &'static [&'static str])> {
+    vec![
+        ("study", &STUDY),
+        ("scene", &SCENE),
+        ("parameter", &PARAMETER),
+        ("prior", &PRIOR),
+        ("measured", &MEASURED),
+        ("value", &VALUE),
+        ("photo", &PHOTO),
+        ("compare", &COMPARE),
+        ("design", &DESIGN),
+        ("budget", &BUDGET),
+        ("effects", &EFFECTS),
+        ("profile", &PROFILE),
+        ("profile scene", &PROFILE_SCENE),
+    ]
+}

@@ -38,6 +38,7 @@ pub use file::{
 };
 pub use hand_over::{parameter_file, scene_at, write_hand_over, write_json};
 pub use init::{Starter, StarterFile};
+pub use keys::keys_of_a_study;
 pub use photos::PhotoSeries;
 pub use price::{Price, StagePrice};
 pub use problem::Problem;
