@@ -6,6 +6,20 @@ use crate::{RunRequest, SimulatorError};
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
+    /// Requests stand for no run; this is the first of them. Nothing was run.
+    #[error(
+        "run '{request}' is refused, {n_refused} of {n_requests} requests in all; nothing was run"
+    )]
+    Refused {
+        /// The first request that is refused.
+        request: Box<RunRequest>,
+        /// Why it is refused.
+        source: SimulatorError,
+        /// Number of requests that are refused.
+        n_refused: usize,
+        /// Number of requests.
+        n_requests: usize,
+    },
     /// Runs failed; this is the first in the order of the requests. All others were done and
     /// stored, so that calling again repeats the failed ones only.
     #[error("run '{request}' failed, {n_failed} of {n_runs} runs in all")]
@@ -27,7 +41,7 @@ pub enum Error {
         /// Number of different runs in the campaign.
         n_runs: usize,
     },
-    /// A request or a result that cannot be kept, or a store that cannot be read or written.
+    /// A store that cannot be read or written.
     #[error("the record of run '{request}' cannot be kept or found")]
     Store {
         /// The request.

@@ -2,7 +2,8 @@
 //!
 //! A [`Simulator`] turns a [`RunRequest`] into observables. A [`Campaign`] takes a list of
 //! requests, finds those that a [`run_store::Store`] has already, does the rest on several
-//! threads, and stores each as soon as it is finished.
+//! threads, and stores each as soon as it is finished. Lists that belong to one loop share a [`Pace`] and
+//! tell each other what lies ahead, so that the time left is that of the whole loop.
 //!
 //! ```
 //! use campaign::{Campaign, RunOutcome, RunRequest, Silent, Simulator, SimulatorError};
@@ -34,9 +35,12 @@
 //!
 //! Invariants:
 //! - the records do not depend on the number of threads, nor on what was in the store before;
-//! - a finished run is never lost: not by the failure of another, nor by a stop or a kill.
+//! - a finished run is never lost: not by the failure of another, nor by a stop or a kill;
+//! - requests with the same inputs and seed are one run, and one that is refused is told before any run.
 
 mod error;
+mod jobs;
+mod pace;
 mod progress;
 mod request;
 mod runner;
@@ -44,6 +48,7 @@ mod simulator;
 mod time_left;
 
 pub use error::Error;
+pub use pace::Pace;
 pub use progress::{LineProgress, Progress, ProgressState, Silent};
 pub use request::{RunOutcome, RunRequest};
 pub use runner::Campaign;

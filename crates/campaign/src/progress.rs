@@ -4,20 +4,21 @@ use std::fmt;
 use std::io::Write;
 use std::sync::{Mutex, PoisonError};
 
-/// How far a campaign is.
+/// How far a list of runs is, and the loop that it belongs to.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ProgressState {
-    /// Runs that are over: reused, finished or failed.
+    /// Runs of the list that are over: reused, finished or failed.
     pub done: usize,
-    /// Runs whose record was in the store.
+    /// Runs of the list whose record was in the store.
     pub reused: usize,
-    /// Different runs of the campaign.
+    /// Different runs of the list.
     pub total: usize,
-    /// Runs in progress.
+    /// Runs of the list in progress.
     pub running: usize,
-    /// Time since the campaign began, s.
+    /// Time since the loop began, s.
     pub elapsed_s: f64,
-    /// Expected time to the end, s; none before the first run of this campaign is finished.
+    /// Expected time to the end of the loop, later lists included, s; none before the first run of the loop is
+    /// finished.
     pub left_s: Option<f64>,
 }
 
@@ -29,7 +30,7 @@ impl fmt::Display for ProgressState {
         };
         write!(
             f,
-            "{}/{} runs ({} reused, {} running), {} elapsed, {left}",
+            "{}/{} runs of this list ({} reused, {} running); whole loop: {} elapsed, {left}",
             self.done,
             self.total,
             self.reused,
@@ -122,7 +123,7 @@ mod tests {
         };
         assert_eq!(
             state.to_string(),
-            "3/9 runs (1 reused, 2 running), 75 s elapsed, time left not known yet"
+            "3/9 runs of this list (1 reused, 2 running); whole loop: 75 s elapsed, time left not known yet"
         );
         state.left_s = Some(7200.0);
         assert!(state.to_string().ends_with("about 2.0 h left"), "{state}");

@@ -96,8 +96,9 @@ impl RunRequest {
         request
     }
 
-    /// What the key of the run is made of, besides version and seed.
-    pub(crate) fn inputs(&self) -> Value {
+    /// Everything of the request but its seed, as JSON: what the key of its run is made of, besides version
+    /// and seed, where the simulator knows nothing better ([`crate::Simulator::inputs`]).
+    pub fn inputs(&self) -> Value {
         serde_json::json!({
             "model": self.model,
             "parameters": self.parameters,
@@ -127,6 +128,9 @@ impl fmt::Display for RunRequest {
 pub struct RunOutcome {
     /// Results by name.
     pub observables: BTreeMap<String, Observation>,
+    /// How the run ended up, such as `rolling`: a class that a smooth surface must not mix; none where
+    /// the simulator tells no classes apart.
+    pub regime: Option<String>,
     /// What else is worth keeping (timing, series); null when nothing is.
     pub details: Value,
 }

@@ -8,8 +8,9 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
 
+use crate::jobs::{Job, JobList};
 use crate::time_left::Workload;
-use crate::{Error, Progress, ProgressState, RunRequest, Simulator, SimulatorError};
+use crate::{Error, Pace, Progress, ProgressState, RunRequest, Simulator, SimulatorError};
 
 /// Runs lists of requests against a store.
 #[derive(Clone, Copy)]
@@ -24,6 +25,10 @@ pub struct Campaign<'a> {
     stop: Option<&'a AtomicBool>,
     /// Runs of later lists, for workers that have nothing left to do.
     meanwhile: &'a [RunRequest],
+    /// Expected cost of all runs that later lists will ask for.
+    ahead: f64,
+    /// What the lists of one loop measured so far; each list measures alone where absent.
+    pace: Option<&'a Pace>,
 }
 
 impl fmt::Debug for Campaign<'_> {
@@ -33,16 +38,6 @@ impl fmt::Debug for Campaign<'_> {
             .field("threads", &self.threads)
             .finish_non_exhaustive()
     }
-}
-
-/// A run that the campaign asks for, whoever asked and how often.
-struct Job {
-    /// The request, effects of amplitude 0 left out.
-    request: RunRequest,
-    /// The record without results.
-    blank: Record,
-    /// Relative time that it will take.
-    cost: f64,
 }
 
 /// What the workers share.
@@ -57,10 +52,8 @@ struct Board {
     results: Vec<Option<Result<Record, Failure>>>,
     /// Number of jobs found in the store.
     reused: usize,
-    /// Summed costs of the jobs finished in this campaign.
-    cost_finished: f64,
-    /// Summed times of those, s.
-    time_finished_s: f64,
+    /// Expected cost of what later lists will ask for and was not done meanwhile.
+    cost_ahead: f64,
     /// Set when the store fails: a further run would be lost.
     broken: bool,
 }
@@ -83,6 +76,8 @@ impl<'a> Campaign<'a> {
             progress,
             stop: None,
             meanwhile: &[],
+            ahead: 0.0,
+            pace: None,
         }
     }
 
@@ -102,22 +97,39 @@ impl<'a> Campaign<'a> {
         self
     }
 
+    /// Says what is planned behind this list: the expected cost, in the unit of [`Simulator::expected_cost`], of
+    /// all runs that later lists will ask for, those of [`Campaign::with_meanwhile`] included. The time left
+    /// is then that of the whole loop.
+    #[must_use]
+    pub fn with_ahead(mut self, cost: f64) -> Self {
+        self.ahead = if cost.is_finite() { cost.max(0.0) } else { 0.0 };
+        self
+    }
+
+    /// Shares the pace of all lists of one loop, so that a list knows from its first moment how long it takes.
+    #[must_use]
+    pub fn with_pace(mut self, pace: &'a Pace) -> Self {
+        self.pace = Some(pace);
+        self
+    }
+
     /// Gives the record of every request, in the order of the requests.
     ///
-    /// Requests that are the same run (same model, parameters, condition, effects that are on,
-    /// and seed) are run once. What the store has is not run again.
+    /// Requests that are the same run (same inputs, as the simulator states them, and seed) are run once. What the
+    /// store has is not run again.
     ///
     /// # Errors
     ///
-    /// [`Error::Run`] when runs failed, after all others were done; [`Error::Stopped`] when the
-    /// flag was raised before the end; [`Error::Store`] when a request holds a number that is not
-    /// finite, or the store cannot be read or written.
+    /// [`Error::Refused`] when a request stands for no run, before anything is run; [`Error::Run`] when runs failed,
+    /// after all others were done; [`Error::Stopped`] when the flag was raised before the end; [`Error::Store`] when
+    /// the store cannot be read or written.
     pub fn run_all(
         &self,
         simulator: &dyn Simulator,
         requests: &[RunRequest],
     ) -> Result<Vec<Record>, Error> {
-        let (jobs, job_of_request) = distinct_jobs(simulator, requests)?;
+        let list = JobList::new(simulator, requests);
+        let (jobs, job_of_request) = list.all_accepted(requests)?;
         let records = collect(&jobs, self.do_all(simulator, &jobs)?)?;
         Ok(job_of_request
             .into_iter()
@@ -125,18 +137,18 @@ impl<'a> Campaign<'a> {
             .collect())
     }
 
-    /// The same, but a run that fails costs its own record only: for each request, in order, the
-    /// record or the reason of the failure.
+    /// The same, but a run that fails or a request that is refused costs its own record only: for each request,
+    /// in order, the record or the reason why there is none.
     ///
     /// # Errors
     ///
-    /// As [`Campaign::run_all`], without [`Error::Run`].
+    /// As [`Campaign::run_all`], without [`Error::Run`] and [`Error::Refused`].
     pub fn run_each(
         &self,
         simulator: &dyn Simulator,
         requests: &[RunRequest],
     ) -> Result<Vec<Result<Record, String>>, Error> {
-        let (jobs, job_of_request) = distinct_jobs(simulator, requests)?;
+        let JobList { jobs, of_request } = JobList::new(simulator, requests);
         let results = self.do_all(simulator, &jobs)?;
         let n_done = results.iter().flatten().filter(|r| r.is_ok()).count();
         let mut each = Vec::with_capacity(jobs.len());
@@ -153,9 +165,12 @@ impl<'a> Campaign<'a> {
                 }
             });
         }
-        Ok(job_of_request
+        Ok(of_request
             .into_iter()
-            .filter_map(|job| each.get(job).cloned())
+            .filter_map(|job| match job {
+                Ok(job) => each.get(job).cloned(),
+                Err(refusal) => Some(Err(refusal.in_full())),
+            })
             .collect())
     }
 
@@ -165,32 +180,34 @@ impl<'a> Campaign<'a> {
         simulator: &dyn Simulator,
         jobs: &[Job],
     ) -> Result<Vec<Option<Result<Record, Failure>>>, Error> {
-        let begin = Instant::now();
+        let own = Pace::new();
+        let pace = self.pace.unwrap_or(&own);
         let mut board = self.look_up(jobs)?;
         if !board.waiting.is_empty() {
-            board.later = self.later(simulator, jobs)?;
+            board.later = self.later(simulator, jobs);
         }
         let workers = self.threads.min(board.waiting.len() + board.later.len());
         let board = Mutex::new(board);
-        self.tell(jobs, &lock(&board), begin);
+        self.tell(jobs, &lock(&board), pace);
         std::thread::scope(|scope| {
             for _ in 0..workers {
-                scope.spawn(|| self.work(simulator, jobs, &board, begin));
+                scope.spawn(|| self.work(simulator, jobs, &board, pace));
             }
         });
         let board = board.into_inner().unwrap_or_else(PoisonError::into_inner);
         Ok(board.results)
     }
 
-    /// The jobs of later lists that are neither in this one nor in the store.
-    fn later(&self, simulator: &dyn Simulator, jobs: &[Job]) -> Result<VecDeque<Job>, Error> {
-        let (mut later, _) = distinct_jobs(simulator, self.meanwhile)?;
+    /// The jobs of later lists that are neither in this one nor in the store. A request that is refused is left
+    /// to the list that asks for it.
+    fn later(&self, simulator: &dyn Simulator, jobs: &[Job]) -> VecDeque<Job> {
+        let mut later = JobList::new(simulator, self.meanwhile).jobs;
         let listed: BTreeSet<_> = jobs.iter().map(|job| job.blank.key()).collect();
         later.retain(|job| {
             let key = job.blank.key();
             !listed.contains(key) && matches!(self.store.get(key), Ok(Lookup::Absent))
         });
-        Ok(later.into())
+        later.into()
     }
 
     /// Finds what the store has, and orders the rest, longest first.
@@ -224,44 +241,45 @@ impl<'a> Campaign<'a> {
             later: VecDeque::new(),
             running: BTreeMap::new(),
             results,
-            cost_finished: 0.0,
-            time_finished_s: 0.0,
+            cost_ahead: self.ahead,
             broken: false,
         })
     }
 
     /// Takes jobs until none is left or the campaign is to stop.
-    fn work(&self, simulator: &dyn Simulator, jobs: &[Job], board: &Mutex<Board>, begin: Instant) {
+    fn work(&self, simulator: &dyn Simulator, jobs: &[Job], board: &Mutex<Board>, pace: &Pace) {
         while let Some((i, job)) = self.take(jobs, board) {
             let start = Instant::now();
             let result = self.run_and_store(simulator, job);
+            pace.add(job.cost, start.elapsed().as_secs_f64());
             let mut board = lock(board);
             board.running.remove(&i);
-            board.cost_finished += job.cost;
-            board.time_finished_s += start.elapsed().as_secs_f64();
             board.broken |= matches!(result, Err(Failure::Store(_)));
             if let Some(place) = board.results.get_mut(i) {
                 *place = Some(result);
             }
             // Under the lock, so that the listener hears one thread at a time and in order.
-            self.tell(jobs, &board, begin);
+            self.tell(jobs, &board, pace);
         }
-        while let Some(job) = self.take_later(jobs, board) {
+        while let Some(job) = self.take_later(jobs, board, pace) {
+            let start = Instant::now();
             // The list that asks for the run reports what is wrong with it.
             let _ = self.run_and_store(simulator, &job);
+            pace.add(job.cost, start.elapsed().as_secs_f64());
+            lock(board).cost_ahead -= job.cost;
         }
     }
 
     /// Takes a job of a later list while jobs of this one run for at least half of its time, unless the
     /// campaign is to stop.
-    fn take_later(&self, jobs: &[Job], board: &Mutex<Board>) -> Option<Job> {
+    fn take_later(&self, jobs: &[Job], board: &Mutex<Board>, pace: &Pace) -> Option<Job> {
         let mut board = lock(board);
         if self.must_stop(&board) {
             return None;
         }
-        let workload = self.workload(jobs, &board);
-        let needed = 0.5 * board.later.front()?.cost * workload.pace()?;
-        if board.running.is_empty() || workload.time_left_s()? < needed {
+        let workload = self.workload(jobs, &board, pace);
+        let needed = 0.5 * board.later.front()?.cost * workload.pace_s?;
+        if board.running.is_empty() || workload.list_left_s()? < needed {
             return None;
         }
         board.later.pop_front()
@@ -294,17 +312,17 @@ impl<'a> Campaign<'a> {
             .clone()
             .with_observables(outcome.observables)
             .map_err(|error| Failure::Simulator(SimulatorError::other(error)))?
+            .with_regime(outcome.regime)
             .with_details(outcome.details);
         self.store.put(&record).map_err(Failure::Store)?;
         Ok(record)
     }
 
-    /// What is done of the list and what is left.
-    fn workload(&self, jobs: &[Job], board: &Board) -> Workload {
+    /// What is left of the list and of the loop.
+    fn workload(&self, jobs: &[Job], board: &Board, pace: &Pace) -> Workload {
         let cost = |i: &usize| jobs.get(*i).map_or(0.0, |job| job.cost);
         Workload {
-            cost_finished: board.cost_finished,
-            time_finished_s: board.time_finished_s,
+            pace_s: pace.seconds_per_cost(),
             cost_running: board.running.keys().map(cost).collect(),
             time_running_s: board
                 .running
@@ -312,66 +330,22 @@ impl<'a> Campaign<'a> {
                 .map(|start| start.elapsed().as_secs_f64())
                 .collect(),
             cost_waiting: board.waiting.iter().map(cost).collect(),
+            cost_ahead: board.cost_ahead,
             workers: self.threads,
         }
     }
 
     /// Tells the listener how far it is.
-    fn tell(&self, jobs: &[Job], board: &Board, begin: Instant) {
+    fn tell(&self, jobs: &[Job], board: &Board, pace: &Pace) {
         self.progress.update(&ProgressState {
             done: board.results.iter().flatten().count(),
             reused: board.reused,
             total: jobs.len(),
             running: board.running.len(),
-            elapsed_s: begin.elapsed().as_secs_f64(),
-            left_s: self.workload(jobs, board).time_left_s(),
+            elapsed_s: pace.elapsed_s(),
+            left_s: self.workload(jobs, board, pace).time_left_s(),
         });
     }
-}
-
-impl Job {
-    /// Names the request in an error of the store.
-    fn store_error(&self, source: run_store::Error) -> Error {
-        Error::Store {
-            request: Box::new(self.request.clone()),
-            source,
-        }
-    }
-}
-
-/// Finds the different runs among the requests, and for each request its run.
-fn distinct_jobs(
-    simulator: &dyn Simulator,
-    requests: &[RunRequest],
-) -> Result<(Vec<Job>, Vec<usize>), Error> {
-    let version = simulator.version();
-    let mut jobs: Vec<Job> = Vec::new();
-    let mut by_key: BTreeMap<String, usize> = BTreeMap::new();
-    let mut job_of_request = Vec::with_capacity(requests.len());
-    for request in requests {
-        let request = request.normalised();
-        let blank = Record::new(&version, request.inputs(), request.seed).map_err(|source| {
-            Error::Store {
-                request: Box::new(request.clone()),
-                source,
-            }
-        })?;
-        let i = *by_key.entry(blank.key().to_owned()).or_insert(jobs.len());
-        job_of_request.push(i);
-        if i == jobs.len() {
-            let cost = simulator.expected_cost(&request);
-            jobs.push(Job {
-                request,
-                blank,
-                cost: if cost.is_finite() && cost > 0.0 {
-                    cost
-                } else {
-                    1.0
-                },
-            });
-        }
-    }
-    Ok((jobs, job_of_request))
 }
 
 /// Gives the records of all jobs, or the first failure with its request.

@@ -1,11 +1,24 @@
 //! The simulator seen from outside.
 
+use serde_json::Value;
+
 use crate::{RunOutcome, RunRequest};
 
 /// Anything that turns a request into observables; the same request gives the same numbers.
 pub trait Simulator: Sync {
-    /// Version of the code and of the data it holds; runs of another version are not reused.
+    /// Version of the code; runs of another version are not reused.
     fn version(&self) -> String;
+
+    /// Everything that the result of the request depends on, besides the version and the seed, and nothing
+    /// else: two requests with the same inputs and seed are one run. No number in it may be other than
+    /// finite. The request itself where the simulator does not say.
+    ///
+    /// # Errors
+    ///
+    /// [`SimulatorError`] when the request cannot be meant; it is told before anything is run.
+    fn inputs(&self, request: &RunRequest) -> Result<Value, SimulatorError> {
+        Ok(request.inputs())
+    }
 
     /// Does one run, on the calling thread.
     ///

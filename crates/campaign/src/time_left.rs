@@ -3,27 +3,36 @@
 /// What the estimate rests on; costs in the simulator's relative unit.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Workload {
-    /// Costs of the runs that were finished in this campaign, summed.
-    pub(crate) cost_finished: f64,
-    /// Time that those took, summed over the runs, s.
-    pub(crate) time_finished_s: f64,
+    /// Measured time of the finished runs of the loop over their cost, s; none before one is finished.
+    pub(crate) pace_s: Option<f64>,
     /// Running ones: cost.
     pub(crate) cost_running: Vec<f64>,
     /// Running ones: time since their start, s; same order.
     pub(crate) time_running_s: Vec<f64>,
     /// Costs of the runs still waiting, in the order in which they will start.
     pub(crate) cost_waiting: Vec<f64>,
+    /// Expected cost of all runs that later lists will ask for.
+    pub(crate) cost_ahead: f64,
     /// Number of workers.
     pub(crate) workers: usize,
 }
 
 impl Workload {
-    /// Measured time of a run over its cost, s; none before a run is finished.
-    pub(crate) fn pace(&self) -> Option<f64> {
-        (self.cost_finished > 0.0).then(|| self.time_finished_s / self.cost_finished)
+    /// Estimates the time to the end of the loop, s: of this list, and of the lists ahead of it.
+    ///
+    /// # Formula
+    ///
+    /// (end of this list) + (cost ahead) * (seconds per cost) / (number of workers). None while there is
+    /// work but no finished run to measure.
+    pub(crate) fn time_left_s(&self) -> Option<f64> {
+        if self.cost_running.is_empty() && self.cost_waiting.is_empty() && self.cost_ahead <= 0.0 {
+            return Some(0.0);
+        }
+        let ahead = self.cost_ahead.max(0.0) * self.pace_s? / self.workers.max(1) as f64;
+        Some(self.list_left_s()? + ahead)
     }
 
-    /// Estimates the time to the end of the last run, s.
+    /// Estimates the time to the end of the last run of this list, s.
     ///
     /// # Formula
     ///
@@ -31,11 +40,11 @@ impl Workload {
     /// run still needs max(0, expected - elapsed), and each waiting one starts on the worker that
     /// is free first, as it will; the answer is the end of the last one. None while there is work
     /// but no finished run to measure.
-    pub(crate) fn time_left_s(&self) -> Option<f64> {
+    pub(crate) fn list_left_s(&self) -> Option<f64> {
         if self.cost_running.is_empty() && self.cost_waiting.is_empty() {
             return Some(0.0);
         }
-        let pace = self.pace()?;
+        let pace = self.pace_s?;
         let mut free_at: Vec<f64> = self
             .cost_running
             .iter()
@@ -58,11 +67,11 @@ mod tests {
 
     fn workload() -> Workload {
         Workload {
-            cost_finished: 4.0,
-            time_finished_s: 8.0,
+            pace_s: Some(2.0),
             cost_running: vec![3.0, 1.0],
             time_running_s: vec![1.0, 5.0],
             cost_waiting: vec![2.0, 1.0, 1.0],
+            cost_ahead: 0.0,
             workers: 2,
         }
     }
@@ -77,12 +86,34 @@ mod tests {
     #[test]
     fn time_left_is_unknown_before_anything_was_measured_and_zero_when_nothing_is_left() {
         let unmeasured = Workload {
-            cost_finished: 0.0,
-            time_finished_s: 0.0,
+            pace_s: None,
             ..workload()
         };
         assert_eq!(unmeasured.time_left_s(), None);
         assert_eq!(Workload::default().time_left_s(), Some(0.0));
+    }
+
+    /// By hand: this list ends in 7 s; a cost of 6 ahead takes 12 s of one worker, 6 s of two. What lies ahead
+    /// counts when this list is done too, and it is unknown before a run was measured.
+    #[test]
+    fn time_left_holds_what_later_lists_will_ask_for() {
+        let with_later = Workload {
+            cost_ahead: 6.0,
+            ..workload()
+        };
+        assert_eq!(with_later.list_left_s(), Some(7.0));
+        assert_eq!(with_later.time_left_s(), Some(13.0));
+        let list_done = Workload {
+            cost_running: Vec::new(),
+            cost_waiting: Vec::new(),
+            ..with_later.clone()
+        };
+        assert_eq!(list_done.time_left_s(), Some(6.0));
+        let unmeasured = Workload {
+            pace_s: None,
+            ..list_done
+        };
+        assert_eq!(unmeasured.time_left_s(), None);
     }
 
     /// One long run at the end cannot be shared between workers.

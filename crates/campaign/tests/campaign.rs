@@ -1,7 +1,7 @@
 //! Campaigns over toy simulators.
 
 use campaign::{
-    Campaign, Error, LineProgress, Progress, ProgressState, RunOutcome, RunRequest, Silent,
+    Campaign, Error, LineProgress, Pace, Progress, ProgressState, RunOutcome, RunRequest, Silent,
     Simulator, SimulatorError,
 };
 use run_store::{Observation, Store};
@@ -49,7 +49,11 @@ impl Simulator for Toy {
             n: 4,
             unit: "1".into(),
         };
-        Ok(RunOutcome::default().with_observable("y", y))
+        let regime = Some(if x < 5.0 { "rolling" } else { "sliding" }.to_owned());
+        Ok(RunOutcome {
+            regime,
+            ..RunOutcome::default().with_observable("y", y)
+        })
     }
 
     fn expected_cost(&self, request: &RunRequest) -> f64 {
@@ -285,8 +289,131 @@ fn request_that_is_not_a_number_is_refused_before_any_run() {
     let error = Campaign::new(&store, 1, &Silent)
         .run_all(&toy, &requests(&[1.0, f64::NAN]))
         .unwrap_err();
-    assert!(matches!(error, Error::Store { .. }), "{error}");
+    assert!(matches!(error, Error::Refused { .. }), "{error}");
     assert_eq!(toy.runs.load(Ordering::SeqCst), 0);
+}
+
+/// Models that are one run for the simulator: only x and the seed count, and x below 0 cannot be meant.
+#[derive(Default)]
+struct OnlyX(Toy);
+
+impl Simulator for OnlyX {
+    fn version(&self) -> String {
+        self.0.version()
+    }
+    fn inputs(&self, request: &RunRequest) -> Result<serde_json::Value, SimulatorError> {
+        let x = request.parameter("x")?;
+        if x < 0.0 {
+            let reason = format!("x = {x}; it must be 0 or more");
+            return Err(SimulatorError::Refused { reason });
+        }
+        Ok(serde_json::json!({ "x": x }))
+    }
+    fn run(&self, request: &RunRequest) -> Result<RunOutcome, SimulatorError> {
+        self.0.run(request)
+    }
+}
+
+/// What the simulator calls the same inputs is run once, in one list and over lists, whatever the requests call
+/// their model and whatever else they set; another seed is another run.
+#[test]
+fn requests_of_different_models_with_the_same_inputs_are_one_run() {
+    let folder = tempfile::tempdir().unwrap();
+    let store = Store::open(folder.path()).unwrap();
+    let toy = OnlyX::default();
+    let run = |model: &str, seed| RunRequest::new(model, seed).with_parameter("x", 1.0);
+    let list = [
+        run("sled", 1).with_parameter("friction of another pair", 0.3),
+        run("drum", 1),
+        run("drum", 2),
+    ];
+    let campaign = Campaign::new(&store, 2, &Silent);
+    let records = campaign.run_all(&toy, &list).unwrap();
+    assert_eq!(records[0], records[1]);
+    assert_ne!(records[0].key(), records[2].key());
+    campaign.run_all(&toy, &[run("heap", 2)]).unwrap();
+    assert_eq!(toy.0.runs.load(Ordering::SeqCst), 2);
+}
+
+/// In `run_each` a request that stands for no run has its reason and the others their records; `run_all` names it
+/// and runs nothing.
+#[test]
+fn a_request_that_is_refused_fails_alone_and_before_any_run() {
+    let folder = tempfile::tempdir().unwrap();
+    let store = Store::open(folder.path()).unwrap();
+    let toy = OnlyX::default();
+    let list = requests(&[1.0, -2.0, f64::NAN, 3.0]);
+    let campaign = Campaign::new(&store, 2, &Silent);
+    let error = campaign.run_all(&toy, &list).unwrap_err();
+    let Error::Refused {
+        request,
+        source,
+        n_refused: 2,
+        n_requests: 4,
+    } = &error
+    else {
+        panic!("{error}");
+    };
+    assert_eq!(request.parameters["x"], -2.0);
+    assert!(source.to_string().contains("0 or more"), "{source}");
+    assert_eq!(toy.0.runs.load(Ordering::SeqCst), 0);
+    let each = campaign.run_each(&toy, &list).unwrap();
+    let ok: Vec<bool> = each.iter().map(Result::is_ok).collect();
+    assert_eq!(ok, [true, false, false, true]);
+    let reasons = [each[1].as_ref(), each[2].as_ref()].map(|r| r.unwrap_err().clone());
+    assert!(
+        reasons[0].contains("x = -2; it must be 0 or more"),
+        "{reasons:?}"
+    );
+    assert!(reasons[1].contains("inputs.x"), "{reasons:?}");
+    assert_eq!(toy.0.runs.load(Ordering::SeqCst), 2);
+}
+
+/// The class of a run comes back from the simulator and from the store alike.
+#[test]
+fn the_regime_of_a_run_is_in_its_record() {
+    let folder = tempfile::tempdir().unwrap();
+    let store = Store::open(folder.path()).unwrap();
+    let campaign = Campaign::new(&store, 2, &Silent);
+    for _ in 0..2 {
+        let records = campaign
+            .run_all(&Toy::default(), &requests(&[1.0, 6.0]))
+            .unwrap();
+        let regimes: Vec<_> = records.iter().map(run_store::Record::regime).collect();
+        assert_eq!(regimes, [Some("rolling"), Some("sliding")]);
+    }
+}
+
+/// The second list of a loop knows the pace of the first from its first moment, and counts what is ahead: at its
+/// end, with nothing of its own left, it still has (cost ahead) x (pace) / (workers) to go. The sums are those that
+/// the pace itself states, to rounding.
+#[test]
+fn the_time_left_is_that_of_the_whole_loop() {
+    let folder = tempfile::tempdir().unwrap();
+    let store = Store::open(folder.path()).unwrap();
+    let (pace, listener) = (Pace::new(), Listener::default());
+    let campaign = Campaign::new(&store, 2, &listener).with_pace(&pace);
+    assert_eq!(pace.seconds_per_cost(), None);
+    campaign
+        .with_ahead(7.0)
+        .run_all(&Toy::default(), &requests(&[1.0, 2.0]))
+        .unwrap();
+    let per_cost = pace.seconds_per_cost().unwrap();
+    campaign
+        .run_all(&Toy::default(), &requests(&[3.0, 4.0]))
+        .unwrap();
+    let heard = listener.0.into_inner().unwrap();
+    assert_eq!(heard[0].left_s, None, "nothing measured yet");
+    let close = |found: Option<f64>, expected: f64| {
+        let found = found.unwrap();
+        assert!((found / expected - 1.0).abs() < 1e-9, "{found} {expected}");
+    };
+    // End of the first list: 7 ahead on two workers.
+    close(heard[2].left_s, 3.5 * per_cost);
+    // Begin of the second list: runs of cost 3 and 4, one on each worker.
+    close(heard[3].left_s, 4.0 * per_cost);
+    assert_eq!(heard[5].left_s, Some(0.0), "the end of the loop");
+    assert!(heard[3].elapsed_s >= heard[2].elapsed_s, "one clock");
 }
 
 /// Keeps what it hears.

@@ -36,6 +36,8 @@ pub struct Record {
     pub(crate) inputs: Value,
     /// Results by name.
     pub(crate) observables: BTreeMap<String, Observation>,
+    /// How the run ended up, a class that a smooth surface must not mix; none where it has none.
+    pub(crate) regime: Option<String>,
     /// What else is worth keeping (timing, series); not part of the key, null when empty.
     pub(crate) details: Value,
 }
@@ -54,6 +56,7 @@ impl Record {
             seed,
             inputs,
             observables: BTreeMap::new(),
+            regime: None,
             details: Value::Null,
         })
     }
@@ -83,6 +86,13 @@ impl Record {
             self = self.with_observable(&name, result)?;
         }
         Ok(self)
+    }
+
+    /// Sets how the run ended up, such as `rolling`; it is not part of the key.
+    #[must_use]
+    pub fn with_regime(mut self, regime: Option<String>) -> Self {
+        self.regime = regime;
+        self
     }
 
     /// Adds what else is worth keeping; it is not part of the key.
@@ -120,6 +130,12 @@ impl Record {
     /// The result of that name.
     pub fn observable(&self, name: &str) -> Option<&Observation> {
         self.observables.get(name)
+    }
+
+    /// How the run ended up, such as `rolling`: a class, and a smooth surface must not mix runs of
+    /// different classes. None where the simulator tells no classes apart.
+    pub fn regime(&self) -> Option<&str> {
+        self.regime.as_deref()
     }
 
     /// What else was kept (timing, series); null when nothing was.

@@ -23,6 +23,23 @@ fn record(seed: u64) -> Record {
     .with_details(json!({"wall_s": 1.25, "series": [0.1, 2.2250738585072014e-308]}))
 }
 
+/// How a run ended up is kept with it, and is no part of the key: it is a result.
+#[test]
+fn the_regime_survives_the_store_and_leaves_the_key_alone() {
+    let folder = tempfile::tempdir().unwrap();
+    let store = Store::open(folder.path()).unwrap();
+    let plain = record(1);
+    assert_eq!(plain.regime(), None);
+    let rolling = plain.clone().with_regime(Some("rolling".to_owned()));
+    assert_eq!(rolling.key(), plain.key());
+    store.put(&rolling).unwrap();
+    let Lookup::Found(read) = store.get(plain.key()).unwrap() else {
+        panic!("the record is there");
+    };
+    assert_eq!(read.regime(), Some("rolling"));
+    assert_eq!(read, rolling);
+}
+
 #[test]
 fn record_reads_back_bit_for_bit() {
     let folder = tempfile::tempdir().unwrap();

@@ -21,6 +21,7 @@ impl Scene {
     pub fn problems(&self) -> Vec<Error> {
         let mut found = Vec::new();
         self.check_protocol(&mut found);
+        self.check_steps(&mut found);
         self.check_model(&mut found);
         self.check_camera(&mut found);
         self.check_seeds(&mut found);
@@ -134,7 +135,7 @@ impl Scene {
         }
     }
 
-    /// Finds times, steps and counts of the protocol that cannot be meant.
+    /// Finds times and counts of the protocol that cannot be meant.
     fn check_protocol(&self, found: &mut Vec<Error>) {
         let p = &self.protocol;
         let mut require = |holds: bool, name: &str, value: String, requirement: &str| {
@@ -149,6 +150,43 @@ impl Scene {
         ] {
             require(time.si() > 0.0, name, time.to_string(), "above 0");
         }
+        if let Some(start_up) = p.start_up {
+            let holds = start_up.si() < p.rotation_limit.si();
+            let requirement = "below protocol.rotation_limit";
+            require(
+                holds,
+                "protocol.start_up",
+                start_up.to_string(),
+                requirement,
+            );
+        }
+        require(
+            p.frames >= 2,
+            "protocol.frames",
+            p.frames.to_string(),
+            "at least 2",
+        );
+        let shaken = self.wall.iter().filter_map(|wall| wall.vibration.as_ref());
+        for vibration in shaken.chain(&self.surroundings.vibration) {
+            let frequency = vibration.frequency;
+            let holds = frequency.si() > 0.0;
+            require(
+                holds,
+                "vibration.frequency",
+                frequency.to_string(),
+                "above 0",
+            );
+        }
+    }
+
+    /// Finds steps, rates and slopes of the protocol that cannot be meant.
+    fn check_steps(&self, found: &mut Vec<Error>) {
+        let p = &self.protocol;
+        let mut require = |holds: bool, name: &str, value: String, requirement: &str| {
+            if !holds {
+                found.push(bad(name, value, requirement));
+            }
+        };
         if let Some(rate) = p.insertion_rate {
             let holds = rate.si() >= 1.0;
             require(
@@ -178,16 +216,6 @@ impl Scene {
             let holds = (0.0..=1.0).contains(&session);
             require(holds, "protocol.session", session.to_string(), "0 to 1");
         }
-        if let Some(start_up) = p.start_up {
-            let holds = start_up.si() < p.rotation_limit.si();
-            let requirement = "below protocol.rotation_limit";
-            require(
-                holds,
-                "protocol.start_up",
-                start_up.to_string(),
-                requirement,
-            );
-        }
         if let Some(slope) = p.start_slope {
             let in_a_drum = matches!(self.apparatus, Apparatus::Drum(_));
             let holds = in_a_drum && (0.0..=MOST_START_SLOPE).contains(&slope.si());
@@ -197,23 +225,6 @@ impl Scene {
                 "protocol.start_slope",
                 slope.to_string(),
                 requirement,
-            );
-        }
-        require(
-            p.frames >= 2,
-            "protocol.frames",
-            p.frames.to_string(),
-            "at least 2",
-        );
-        let shaken = self.wall.iter().filter_map(|wall| wall.vibration.as_ref());
-        for vibration in shaken.chain(&self.surroundings.vibration) {
-            let frequency = vibration.frequency;
-            let holds = frequency.si() > 0.0;
-            require(
-                holds,
-                "vibration.frequency",
-                frequency.to_string(),
-                "above 0",
             );
         }
     }

@@ -316,7 +316,9 @@ pub(crate) fn rotate(
         }
         let angles: Vec<f64> = series.iter().map(|p| p.centre_of_mass_deg).collect();
         let truncation = marginal_standard_error_rule(&angles, BATCH);
-        let truncation = truncation.map(|t| behind_start_up(t, protocol.start_up, series));
+        let least = protocol.start_up.map_or(0.0, Time::si);
+        let before = series.iter().filter(|p| p.time_s < least).count();
+        let truncation = truncation.map(|t| t.not_before(before));
         let cut = truncation.map_or(usize::MAX, |t| if t.steady { t.cut } else { usize::MAX });
         let after = frames.iter().filter(|(at, _)| *at > cut).count();
         if after >= protocol.frames || over {
@@ -331,20 +333,6 @@ pub(crate) fn rotate(
                 truncation,
             });
         }
-    }
-}
-
-/// The cut, not before the least start-up that a protocol states.
-fn behind_start_up(
-    truncation: Truncation,
-    start_up: Option<Time>,
-    series: &[SeriesPoint],
-) -> Truncation {
-    let least = start_up.map_or(0.0, Time::si);
-    let before = series.iter().filter(|p| p.time_s < least).count();
-    Truncation {
-        cut: truncation.cut.max(before),
-        ..truncation
     }
 }
 

@@ -1,7 +1,7 @@
 //! Reading a scene file, and changing single settings of it.
 
 use crate::{Error, Scene, SeedSettings};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use toml::{Table, Value};
 
 /// A setting to change: dotted path or unambiguous short name, and the value as text.
@@ -31,14 +31,29 @@ impl Scene {
     ///
     /// # Errors
     ///
-    /// A file that cannot be read, text that is no scene, settings that cannot be meant.
+    /// A file that cannot be read, text that is no scene, settings that cannot be meant: the first of
+    /// [`Self::read_all`].
     pub fn read(path: &Path, overrides: &[Override]) -> Result<Self, Error> {
-        let text = std::fs::read_to_string(path).map_err(|source| Error::Read {
-            path: path.to_owned(),
-            source,
-        })?;
-        let folder = path.parent().unwrap_or(Path::new("")).to_owned();
-        Self::from_text(&text, &path.display().to_string(), &folder, overrides)
+        Self::from_text(&text_of(path)?, &name_of(path), &folder_of(path), overrides)
+    }
+
+    /// Reads a scene file, and tells all that is wrong with it.
+    ///
+    /// # Errors
+    ///
+    /// A file that cannot be read, text that is no scene, a mesh that cannot be read, each alone; or all
+    /// [`Self::problems`].
+    pub fn read_all(path: &Path, overrides: &[Override]) -> Result<Self, Vec<Error>> {
+        let alone = |error| vec![error];
+        let text = text_of(path).map_err(alone)?;
+        let (file, folder) = (name_of(path), folder_of(path));
+        let scene = Self::parsed(&text, &file, overrides).map_err(alone)?;
+        let scene = scene.completed(&file, &folder, &[]).map_err(alone)?;
+        let problems = scene.problems();
+        if problems.is_empty() {
+            return Ok(scene);
+        }
+        Err(problems)
     }
 
     /// Reads the text of a scene; `file` is named in messages, paths refer to `folder`.
@@ -52,6 +67,13 @@ impl Scene {
         folder: &Path,
         overrides: &[Override],
     ) -> Result<Self, Error> {
+        let scene = Self::parsed(text, file, overrides)?.completed(file, folder, &[])?;
+        scene.check()?;
+        Ok(scene)
+    }
+
+    /// The scene of a text, with settings changed; neither completed nor checked.
+    fn parsed(text: &str, file: &str, overrides: &[Override]) -> Result<Self, Error> {
         let wrong = |e: toml::de::Error| Error::Text {
             file: file.into(),
             message: e.to_string(),
@@ -60,19 +82,16 @@ impl Scene {
         let mut scene: Self = toml::from_str(text).map_err(wrong)?;
         if !overrides.is_empty() {
             // Settings that the text leaves out and that have a default can be changed too.
-            let mut table = Table::try_from(&scene).map_err(|e| Error::Text {
-                file: file.into(),
-                message: e.to_string(),
-            })?;
+            let mut table = scene.table()?;
             for change in overrides {
                 apply(&mut table, change, file)?;
             }
             scene = table.try_into().map_err(wrong)?;
         }
-        scene.completed(file, folder, &[])
+        Ok(scene)
     }
 
-    /// The scene with what does not stand in its text, checked; volumes of `known` seeds are not measured anew.
+    /// The scene with what does not stand in its text; volumes of `known` seeds are not measured anew.
     fn completed(
         mut self,
         file: &str,
@@ -82,7 +101,6 @@ impl Scene {
         folder.clone_into(&mut self.folder);
         file.clone_into(&mut self.file);
         self.complete_seeds(known)?;
-        self.check()?;
         Ok(self)
     }
 
@@ -173,8 +191,28 @@ impl Scene {
             file: self.file.clone(),
             message: e.to_string(),
         })?;
-        scene.completed(&self.file, &self.folder, &self.seed)
+        let scene = scene.completed(&self.file, &self.folder, &self.seed)?;
+        scene.check()?;
+        Ok(scene)
     }
+}
+
+/// Text of a file.
+fn text_of(path: &Path) -> Result<String, Error> {
+    std::fs::read_to_string(path).map_err(|source| Error::Read {
+        path: path.to_owned(),
+        source,
+    })
+}
+
+/// Name of a file in messages.
+fn name_of(path: &Path) -> String {
+    path.display().to_string()
+}
+
+/// Folder to which paths in a file refer.
+fn folder_of(path: &Path) -> PathBuf {
+    path.parent().unwrap_or(Path::new("")).to_owned()
 }
 
 /// A number to put at the place of a setting.

@@ -13,6 +13,16 @@ pub struct Truncation {
     pub steady: bool,
 }
 
+impl Truncation {
+    /// The same with at least so many values left out.
+    pub(crate) fn not_before(self, cut: usize) -> Self {
+        Self {
+            cut: self.cut.max(cut),
+            ..self
+        }
+    }
+}
+
 /// The marginal-standard-error rule: leave out so many values that the standard error of the
 /// mean of the rest is least.
 ///

@@ -76,7 +76,9 @@ fn bonds_hold_or_break_by_their_strength() {
 #[test]
 fn overlapping_spheres_cannot_be_bonded() {
     let mut scene = bonded();
-    scene.seed[0].filling.method = sphere_fill::Method::Surface;
+    if let Some(filling) = &mut scene.seed[0].filling {
+        filling.method = sphere_fill::Method::Surface;
+    }
     let error = run(&scene, &FillingLibrary::default(), 1)
         .unwrap_err()
         .to_string();

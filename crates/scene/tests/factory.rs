@@ -74,7 +74,7 @@ fn seeds_appear_at_the_rate_mixed_and_clear_of_each_other() {
 #[test]
 fn seeds_that_find_no_place_are_an_error() {
     let mut scene = drum();
-    scene.seed[0].count = 400;
+    scene.seed[0].set_count(400);
     let error = run_on(
         &scene,
         &FillingLibrary::default(),

@@ -138,6 +138,15 @@ fn all_problems_are_told_at_once() {
     assert!(told.iter().all(|t| t.contains("drum.toml")), "{told:?}");
     assert!(scene.check().is_err());
     assert!(drum().problems().is_empty());
+    // A file is read with the same list.
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fixtures/cotton/drum.toml");
+    let changes =
+        [("camera.pixels", "1"), ("protocol.frames", "0")].map(|(name, value)| Override {
+            name: name.into(),
+            value: value.into(),
+        });
+    assert_eq!(Scene::read_all(&file, &changes).unwrap_err().len(), 2);
+    assert_eq!(Scene::read_all(&file, &[]).unwrap(), drum());
 }
 
 /// A stated start-up of 1 s puts every frame behind it, where the series alone would have taken earlier ones.

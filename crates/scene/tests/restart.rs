@@ -98,7 +98,8 @@ fn a_state_of_another_scene_is_refused() {
         let text = stop.text.take().expect("a state was kept");
         let left: Progress = serde_json::from_str(&text).expect("reads back");
         let mut fewer = scene;
-        fewer.seed[0].count -= 1;
+        let one_less = fewer.count_of(&fewer.seed[0]) - 1;
+        fewer.seed[0].set_count(one_less);
         let error = run_on(&fewer, &library, 3, 1, Some(left), &mut stop).unwrap_err();
         assert!(error.to_string().contains(reason), "{error}");
     }

@@ -62,29 +62,25 @@ fn a_sphere_is_one_sphere_of_its_diameter_and_density() {
     }
 }
 
-/// The declared filling of an ellipsoid has 10 to 30 spheres, follows the surface within 2 % of the shortest
-/// semi-axis (root mean square), and has the mass and the moments m/5 (b^2 + c^2) of the ellipsoid; the mesh
-/// of 2048 triangles gives these within 0.5 %.
+/// The declared filling of an ellipsoid has 20 spheres, follows the surface as told (root mean square over the
+/// shortest semi-axis: 2 % for stout ones, 7 % for a flat one), and has the mass and the moments
+/// m/5 (b^2 + c^2) of the ellipsoid; the mesh of 2048 triangles gives these within 0.5 %.
 #[test]
 fn an_ellipsoid_is_filled_as_the_guide_says() {
-    for [a, b, c] in [
-        [8.0, 6.0, 5.0],
-        [9.0, 4.5, 4.0],
-        [10.0, 6.0, 3.0],
-        [5.2, 5.0, 4.9],
+    for ([a, b, c], most) in [
+        ([8.0, 6.0, 5.0], 0.02),
+        ([9.0, 4.5, 4.0], 0.02),
+        ([10.0, 6.0, 3.0], 0.07),
+        ([5.2, 5.0, 4.9], 0.02),
     ] {
         let seed = format!(
             "ellipsoid = [\"{a} mm\", \"{b} mm\", \"{c} mm\"]\ndensity = \"1200 kg/m3\"\ncount = 5"
         );
         let scene = read(&seed).unwrap();
         let body = body(&scene);
-        let n = body.clump.spheres().len();
+        assert_eq!(body.clump.spheres().len(), 20);
         let rough = body.report.roughness_rms / (0.5e-3 * c);
-        assert!(
-            (10..=30).contains(&n),
-            "{a} {b} {c}: {n} spheres, roughness {rough}"
-        );
-        assert!(rough < 0.02, "{a} {b} {c}: roughness {rough}");
+        assert!(rough < most, "{a} {b} {c}: roughness {rough}");
         let mass = PI / 6.0 * a * b * c * 1e-9 * 1200.0;
         assert!((body.clump.mass() / mass - 1.0).abs() < 1e-9);
         let semi = [a, b, c].map(|x| 0.5e-3 * x);

@@ -44,7 +44,9 @@ pub(super) fn sets_to_add(diagnosis: &Diagnosis) -> Vec<Vec<String>> {
 /// Why a run failed, where that is the error.
 fn failed_run(error: &Error) -> Option<String> {
     match error {
-        Error::Campaign(campaign::Error::Run { source, .. }) => Some(source.in_full()),
+        Error::Campaign(
+            campaign::Error::Run { source, .. } | campaign::Error::Refused { source, .. },
+        ) => Some(source.in_full()),
         _ => None,
     }
 }

@@ -27,6 +27,44 @@ fn a_heap_and_a_box_show_a_slope() {
     }
 }
 
+/// What a scene says that its runs can give is what they give: nothing more, and nothing less but the period of
+/// avalanches, which a short series need not show.
+#[test]
+fn a_run_gives_the_observables_that_its_scene_names() {
+    let turned = "inner_diameter = \"70 mm\"\nwidth = \"14 mm\"\nspeed = \"20 rpm\"\n";
+    let metering = format!(
+        "kind = \"metering\"\n{turned}plate = \"tough_resin\"\nfront = \"clear_resin\"\n\
+         board = \"clear_resin\"\nboard_angle = \"-10 deg\"\nboard_length = \"20 mm\"\n"
+    );
+    let heap = "kind = \"heap\"\ninner_diameter = \"30 mm\"\nheight = \"60 mm\"\n\
+                lift_speed = \"200 mm/s\"\nfloor = \"tough_resin\"\ncylinder = \"clear_resin\"\n";
+    let body = "kind = \"box-collapse\"\nlength = \"20 mm\"\nheight = \"60 mm\"\nwidth = \"16 mm\"\n\
+                lift_speed = \"500 mm/s\"\nfloor = \"tough_resin\"\nwall = \"clear_resin\"\n";
+    let bench = |kind: &str| format!("kind = \"{kind}\"\nplate = \"tough_resin\"\nrepeats = 2\n");
+    let drop = bench("drop") + "height = \"20 mm\"\n";
+    for apparatus in [
+        DRUM,
+        &metering,
+        heap,
+        body,
+        &bench("slider"),
+        &drop,
+        &bench("tilt"),
+    ] {
+        let folder = TinyScene::changed(DRUM, apparatus);
+        let scene = scene::Scene::read(&folder.path("tiny.toml"), &[]).unwrap();
+        let mut named: Vec<_> = scene.observables();
+        let output = folder.simulate(&["--set", "time_s=1", "--json", "--quiet"]);
+        assert_code(&output, 0);
+        let json = json(&output);
+        let given: Vec<_> = json["observables"].as_object().unwrap().keys().collect();
+        named.retain(|name| *name != "avalanche_period_s" || given.iter().any(|g| g == name));
+        named.sort_unstable();
+        assert_eq!(given, named, "{apparatus}");
+        assert_eq!(json["regime"].is_null(), scene.apparatus.is_bench_test());
+    }
+}
+
 #[test]
 fn a_tilted_drum_with_lifters_and_a_ramp_runs() {
     let more = format!(

@@ -1,0 +1,61 @@
+//! How fast the runs of a loop go.
+
+use std::sync::{Mutex, PoisonError};
+use std::time::Instant;
+
+/// The pace of all lists of one loop: measured time of the finished runs over their expected cost, and when the
+/// loop began.
+///
+/// A list that shares it knows from its first moment how long its runs will take, once a run of any list before
+/// is finished.
+#[derive(Debug)]
+pub struct Pace {
+    /// When the loop began.
+    begin: Instant,
+    /// What was measured so far.
+    measured: Mutex<Measured>,
+}
+
+/// Sums over the finished runs.
+#[derive(Debug, Clone, Copy, Default)]
+struct Measured {
+    /// Expected costs, in the unit of the simulator.
+    cost: f64,
+    /// Times that the runs took, s.
+    time_s: f64,
+}
+
+impl Default for Pace {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl Pace {
+    /// Begins a loop now, with nothing measured.
+    pub fn new() -> Self {
+        Self {
+            begin: Instant::now(),
+            measured: Mutex::default(),
+        }
+    }
+
+    /// Mean time of a run of cost 1 so far, s: the sum of the times over the sum of the costs; none before a
+    /// run is finished.
+    pub fn seconds_per_cost(&self) -> Option<f64> {
+        let sums = *self.measured.lock().unwrap_or_else(PoisonError::into_inner);
+        (sums.cost > 0.0).then(|| sums.time_s / sums.cost)
+    }
+
+    /// Time since the loop began, s.
+    pub fn elapsed_s(&self) -> f64 {
+        self.begin.elapsed().as_secs_f64()
+    }
+
+    /// Adds a finished run: its expected cost, and the time that it took, s.
+    pub(crate) fn add(&self, cost: f64, time_s: f64) {
+        let mut sums = self.measured.lock().unwrap_or_else(PoisonError::into_inner);
+        sums.cost += cost;
+        sums.time_s += time_s;
+    }
+}
