@@ -53,15 +53,13 @@ pub enum Error {
 
 /// All problems, one a line.
 fn told(list: &[Problem]) -> String {
-    match list {
-        [one] => one.to_string(),
-        _ => {
-            let lines: Vec<String> = list.iter().map(|p| format!("\n  {p}")).collect();
-            format!(
-                "{} things are wrong; nothing was run:{}",
-                list.len(),
-                lines.concat()
-            )
-        }
+    if let [one] = list {
+        return one.to_string();
     }
+    let lines: Vec<String> = list.iter().map(|p| format!("\n  {p}")).collect();
+    format!(
+        "{} things are wrong; nothing was run:{}",
+        list.len(),
+        lines.concat()
+    )
 }

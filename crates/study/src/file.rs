@@ -1,6 +1,8 @@
 //! What a study file says, entry by entry.
 
+mod choices;
 mod parts;
+mod photo;
 
 use crate::document::{Document, Fields, below};
 use crate::keys;
@@ -188,7 +190,7 @@ impl StudyFile {
             for name in all.table.keys() {
                 if let Some(fields) = all.table(name, problems) {
                     fields.check_keys(&keys::PROFILE, problems);
-                    found.insert(name.clone(), parts::choices(&fields, problems));
+                    found.insert(name.clone(), choices::choices(&fields, problems));
                 }
             }
             found
@@ -198,7 +200,7 @@ impl StudyFile {
             scenes,
             parameters: parts::each(&parameters, problems, parts::parameter),
             measured: parts::each(&measured, problems, parts::measured),
-            choices: parts::choices(&root, problems),
+            choices: choices::choices(&root, problems),
             profiles,
         }
     }
@@ -254,17 +256,14 @@ pub(crate) fn settings(fields: &Fields<'_>, problems: &mut Problems) -> BTreeMap
     walk(fields.table, "", &mut found);
     let mut settings = BTreeMap::new();
     for (name, value) in found {
-        match value {
-            Some(value) => {
-                settings.insert(name, value);
-            }
-            None => {
-                let what = format!("{}: '{name}'", fields.words);
-                let problem = "must be a number or a text, such as \"15 rpm\"";
-                let path = below(&fields.path, &name);
-                problems.add(fields.document.problem(&path, what, problem));
-            }
+        if let Some(value) = value {
+            settings.insert(name, value);
+            continue;
         }
+        let what = format!("{}: '{name}'", fields.words);
+        let problem = "must be a number or a text, such as \"15 rpm\"";
+        let path = below(&fields.path, &name);
+        problems.add(fields.document.problem(&path, what, problem));
     }
     settings
 }

@@ -24,14 +24,11 @@ pub(crate) struct Resolved {
 
 /// An entry in words.
 fn words(entry: &MeasuredEntry) -> String {
-    match entry.condition.is_empty() {
-        true => format!("[[measured]] of '{}'", entry.scene),
-        false => format!(
-            "[[measured]] of '{}' at {}",
-            entry.scene,
-            condition_text(&entry.condition)
-        ),
+    if entry.condition.is_empty() {
+        return format!("[[measured]] of '{}'", entry.scene);
     }
+    let condition = condition_text(&entry.condition);
+    format!("[[measured]] of '{}' at {condition}", entry.scene)
 }
 
 impl Resolved {
@@ -57,7 +54,7 @@ impl Resolved {
                 continue;
             }
             match scenes.under(&entry.scene, &entry.condition) {
-                Some(Ok(scene)) => resolved.add(document, entry, scene, folder, problems),
+                Some(Ok(scene)) => resolved.add(scenes, entry, scene, folder, problems),
                 Some(Err(error)) => {
                     let path = below(&entry.path, "condition");
                     let what = format!("{}: the condition cannot be set:", words(entry));
@@ -73,12 +70,13 @@ impl Resolved {
     /// Resolves one entry.
     fn add(
         &mut self,
-        document: &Document,
+        scenes: &Scenes<'_>,
         entry: &MeasuredEntry,
         scene: Scene,
         folder: &Path,
         problems: &mut Problems,
     ) {
+        let document = scenes.document;
         let observables = scene.observables();
         let mut values: Vec<(String, MeasuredValue)> = Vec::new();
         for (name, value) in &entry.values {
@@ -112,7 +110,12 @@ impl Resolved {
                 }
             }
         }
-        let model = self.models.number_of(&entry.scene, &entry.condition, scene);
+        let (model, is_new) = self.models.number_of(&entry.scene, &entry.condition, scene);
+        let built = &self.models.scenes[model];
+        if let (true, Err(error)) = (is_new, built.build_check(&scenes.fillings)) {
+            let what = format!("{}: the scene cannot be built:", words(entry));
+            problems.add(document.problem(&entry.path, what, error.to_string()));
+        }
         for (observable, MeasuredValue { mean, sd, n }) in values {
             let measurement = Measurement {
                 model,

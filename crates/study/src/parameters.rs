@@ -84,7 +84,7 @@ impl Resolver<'_> {
         }
         self.check_paths(entry, problems);
         let standing = self.standing(entry, problems);
-        let limits = self.limits(entry, defaults);
+        let limits = Self::limits(entry, defaults);
         self.check_numbers(entry, limits, problems);
         if problems.count() == before {
             self.check_ends(entry, limits, problems);
@@ -180,7 +180,7 @@ impl Resolver<'_> {
     }
 
     /// The limits as stated, or what is physically possible, or the range.
-    fn limits(&self, entry: &ParameterEntry, defaults: &mut Defaults) -> [f64; 2] {
+    fn limits(entry: &ParameterEntry, defaults: &mut Defaults) -> [f64; 2] {
         if let Some(limits) = entry.limits {
             return limits;
         }

@@ -3,14 +3,14 @@
 use crate::Error;
 use crate::file::Budget;
 use calibration::PlannedStage;
-use campaign::Simulator;
-use run_store::{Lookup, Store};
+use campaign::{RunRequest, Simulator};
+use run_store::{Lookup, Record, Store};
 use scene_simulator::RunDetails;
 use serde::Serialize;
 
 /// Time of one core for one unit of [`Simulator::expected_cost`], s.
 ///
-/// A guess of ours: the drum of 1200 seeds of 140 spheres takes some 20 s for a cost of 8200. Other machines and
+/// A guess of ours for as long as no planned run is finished: the drum of 1200 seeds of 140 spheres takes some 20 s for a cost of 8200. Other machines and
 /// seeds of few spheres differ by a factor of several. Nothing but the estimate told and a budget in core hours
 /// depends on it.
 const SECONDS_PER_COST: f64 = 0.0025;
@@ -35,30 +35,74 @@ pub struct Price {
     pub runs: usize,
     /// Time of one core, s.
     pub core_s: f64,
+    /// Whether the times follow from planned runs whose records are in the folder, and not from a guess.
+    pub measured: bool,
     /// Most runs by the budget; none without one.
     pub most_runs: Option<usize>,
 }
 
-/// Prices the stages. A budget in core hours is turned into runs by the mean cost of the planned ones.
-pub(crate) fn of(simulator: &dyn Simulator, stages: &[PlannedStage], budget: Budget) -> Price {
-    let seconds = |cost: f64| if cost > 0.0 { cost } else { 1.0 } * SECONDS_PER_COST;
-    let price = |stage: &PlannedStage| {
-        let all = stage.requests.iter().map(|r| simulator.expected_cost(r));
-        StagePrice {
-            stage: stage.stage.clone(),
-            runs: stage.requests.len(),
-            core_s: all.map(seconds).sum(),
+/// Prices the stages, by the pace of the planned runs that a store has, or by a guess. A budget in core hours is turned
+/// into runs by the mean cost of the planned ones, always by the guess: a study that is taken up again keeps its budget.
+pub(crate) fn of(
+    simulator: &dyn Simulator,
+    stages: &[PlannedStage],
+    budget: Budget,
+    store: Option<&Store>,
+) -> Result<Price, Error> {
+    let cost = |request: &RunRequest| {
+        let cost = simulator.expected_cost(request);
+        // As the campaign counts it.
+        if cost.is_finite() && cost > 0.0 {
+            cost
+        } else {
+            1.0
         }
+    };
+    let (mut known_cost, mut known_s) = (0.0, 0.0);
+    for request in stages.iter().flat_map(|s| &s.requests) {
+        if let Some(store) = store
+            && let Some(seconds) = seconds_of(simulator, request, store)?
+        {
+            known_cost += cost(request);
+            known_s += seconds;
+        }
+    }
+    let pace = if known_cost > 0.0 {
+        known_s / known_cost
+    } else {
+        SECONDS_PER_COST
+    };
+    let price = |stage: &PlannedStage| StagePrice {
+        stage: stage.stage.clone(),
+        runs: stage.requests.len(),
+        core_s: pace * stage.requests.iter().map(cost).sum::<f64>(),
     };
     let stages: Vec<StagePrice> = stages.iter().map(price).collect();
     let runs = stages.iter().map(|s| s.runs).sum();
     let core_s = stages.iter().map(|s| s.core_s).sum();
-    Price {
-        most_runs: most_runs(budget, runs, core_s),
+    Ok(Price {
+        measured: known_cost > 0.0,
+        most_runs: most_runs(budget, runs, core_s / pace * SECONDS_PER_COST),
         stages,
         runs,
         core_s,
-    }
+    })
+}
+
+/// Time that a run took, s; none where the store has no record of it.
+fn seconds_of(
+    simulator: &dyn Simulator,
+    request: &RunRequest,
+    store: &Store,
+) -> Result<Option<f64>, Error> {
+    let Ok(inputs) = simulator.inputs(request) else {
+        return Ok(None);
+    };
+    let blank = Record::new(&simulator.version(), inputs, request.seed)?;
+    let Lookup::Found(record) = store.get(blank.key())? else {
+        return Ok(None);
+    };
+    Ok(RunDetails::of(&record).map(|details| details.timing.wall_s))
 }
 
 /// Most runs by a budget, at least one.
@@ -90,8 +134,57 @@ pub(crate) fn core_seconds(store: &Store) -> Result<f64, Error> {
 
 #[cfg(test)]
 mod tests {
-    use super::most_runs;
+    use super::{SECONDS_PER_COST, most_runs, of};
     use crate::Budget;
+    use calibration::PlannedStage;
+    use campaign::{RunOutcome, RunRequest, Simulator, SimulatorError};
+    use run_store::{Record, Store};
+
+    /// A run of model m costs 3.
+    struct Three;
+
+    impl Simulator for Three {
+        fn version(&self) -> String {
+            "three".into()
+        }
+
+        fn run(&self, _: &RunRequest) -> Result<RunOutcome, SimulatorError> {
+            Ok(RunOutcome::default())
+        }
+
+        fn expected_cost(&self, _: &RunRequest) -> f64 {
+            3.0
+        }
+    }
+
+    /// Ten runs of cost 3; one of them is in the folder and took 6 s, so that a cost of 1 takes 2 s.
+    #[test]
+    fn the_price_follows_the_runs_that_are_there() {
+        let requests: Vec<_> = (1..=10).map(|seed| RunRequest::new("m", seed)).collect();
+        let stage = PlannedStage {
+            stage: "surfaces".into(),
+            requests: requests.clone(),
+        };
+        let stages = [stage];
+        let folder = tempfile::tempdir().unwrap();
+        let store = Store::open(folder.path()).unwrap();
+        let budget = Budget {
+            runs: None,
+            core_hours: Some(18.0 / 3600.0),
+        };
+        let guess = of(&Three, &stages, budget, Some(&store)).unwrap();
+        assert!(!guess.measured);
+        assert!((guess.core_s - 30.0 * SECONDS_PER_COST).abs() < 1e-12);
+        let record = Record::new("three", Three.inputs(&requests[4]).unwrap(), 5).unwrap();
+        let details = serde_json::json!({ "timing": { "wall_s": 6.0 } });
+        store.put(&record.with_details(details)).unwrap();
+        let price = of(&Three, &stages, budget, Some(&store)).unwrap();
+        assert!(price.measured);
+        assert_eq!(
+            (price.runs, price.core_s, price.most_runs),
+            (10, 60.0, Some(3))
+        );
+    }
 
     /// 100 runs of 36 s each: a core hour pays for 100 of them, half an hour for 50.
     #[test]

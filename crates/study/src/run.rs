@@ -4,10 +4,10 @@ use crate::compare::compare;
 use crate::price::{self, Price};
 use crate::{DiagnosisResult, Error, Study, StudyResult};
 use calibration::LoopSettings;
-use campaign::{Campaign, Progress};
+use campaign::{Campaign, Pace, Progress};
 use run_store::Store;
 use std::collections::BTreeMap;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
@@ -36,16 +36,20 @@ impl std::fmt::Debug for RunSettings<'_> {
     }
 }
 
-/// What a study would run at most, stage by stage, and what that takes.
+/// What a study would run at most, stage by stage, and what that takes; the pace of runs whose records are in the result
+/// folder is taken over.
 ///
 /// # Errors
 ///
-/// A design that cannot be made, a mesh that cannot be read.
-pub fn plan_study(study: &Study, seed: u64) -> Result<Price, Error> {
+/// A design that cannot be made, a mesh or a record that cannot be read.
+pub fn plan_study(study: &Study, seed: u64, folder: &Path) -> Result<Price, Error> {
     let simulator = study.simulator()?;
     let settings = study.settings_with(seed);
     let stages = calibration::planned(&study.problem, &settings)?;
-    Ok(price::of(&simulator, &stages, study.budget))
+    let runs = folder.join("runs");
+    // Planning makes no folder.
+    let store = runs.is_dir().then(|| Store::open(&runs)).transpose()?;
+    price::of(&simulator, &stages, study.budget, store.as_ref())
 }
 
 /// Runs all stages of a study.
@@ -63,11 +67,13 @@ pub fn run_study(
     let begin = Instant::now();
     let simulator = study.simulator()?;
     let store = Store::open(settings.folder.join("runs"))?;
-    let campaign =
-        Campaign::new(&store, settings.threads, settings.progress).with_stop(settings.stop);
+    let pace = Pace::new();
+    let campaign = Campaign::new(&store, settings.threads, settings.progress)
+        .with_stop(settings.stop)
+        .with_pace(&pace);
     let with_seed = study.settings_with(settings.seed);
     let stages = calibration::planned(&study.problem, &with_seed)?;
-    let most_runs = price::of(&simulator, &stages, study.budget).most_runs;
+    let most_runs = price::of(&simulator, &stages, study.budget, None)?.most_runs;
     let within = LoopSettings {
         most_runs,
         ..with_seed
@@ -103,8 +109,10 @@ pub fn run_diagnosis(
     let begin = Instant::now();
     let simulator = study.simulator()?;
     let store = Store::open(settings.folder.join("runs"))?;
-    let campaign =
-        Campaign::new(&store, settings.threads, settings.progress).with_stop(settings.stop);
+    let pace = Pace::new();
+    let campaign = Campaign::new(&store, settings.threads, settings.progress)
+        .with_stop(settings.stop)
+        .with_pace(&pace);
     let within = study.settings_with(settings.seed);
     let diagnosis =
         calibration::diagnose_at(&campaign, &simulator, &study.problem, &within, at, announce)?;

@@ -5,7 +5,7 @@ use crate::file::{Choices, ParameterEntry, SceneEntry, StudyFile};
 use crate::problem::{Problem, Problems};
 use crate::setting::{change, leaf, table_of};
 use calibration::Model;
-use scene::{Apparatus, FillingLibrary, Override, Scene, SeedSettings};
+use scene::{Apparatus, FillingLibrary, Override, Scene};
 use std::collections::BTreeMap;
 use std::path::Path;
 
@@ -32,7 +32,7 @@ fn overrides(changes: &[String]) -> Vec<Override> {
 }
 
 impl<'a> Scenes<'a> {
-    /// Reads all scenes, with the changes of the file and then those of the choices; each is built once.
+    /// Reads all scenes, with the changes of the file and then those of the choices.
     pub(crate) fn read(
         document: &'a Document,
         file: &StudyFile,
@@ -48,7 +48,9 @@ impl<'a> Scenes<'a> {
             let at = |reason: String| scene_problem(document, entry, reason);
             match read_scene(entry, folder, further) {
                 Ok(scene) => {
-                    if let Err(error) = scene.build_check(&fillings) {
+                    // A scene that is measured is built under each of its conditions instead.
+                    let measured = file.measured.iter().any(|m| m.scene == entry.name);
+                    if let (false, Err(error)) = (measured, scene.build_check(&fillings)) {
                         problems.add(at(error.to_string()));
                     }
                     by_name.insert(entry.name.clone(), scene);
@@ -91,7 +93,8 @@ fn scene_problem(document: &Document, entry: &SceneEntry, reason: String) -> Pro
 fn read_scene(entry: &SceneEntry, folder: &Path, further: &[String]) -> Result<Scene, Vec<String>> {
     let file = folder.join(&entry.file);
     let told = |error: scene::Error| vec![error.to_string()];
-    let mut scene = Scene::read(&file, &[]).map_err(|first| all_problems(&file, &first))?;
+    let mut scene = Scene::read_all(&file, &[])
+        .map_err(|all| all.iter().map(ToString::to_string).collect::<Vec<_>>())?;
     if let Some(apparatus) = &entry.apparatus {
         let apparatus: Apparatus = apparatus.clone().try_into().map_err(|e: toml::de::Error| {
             vec![format!("apparatus cannot be meant: {}", e.message())]
@@ -119,23 +122,6 @@ fn read_scene(entry: &SceneEntry, folder: &Path, further: &[String]) -> Result<S
     }
 }
 
-/// All that is wrong with a scene file: the first error, and the others where the text can be read at all.
-fn all_problems(file: &Path, first: &scene::Error) -> Vec<String> {
-    let text = std::fs::read_to_string(file).unwrap_or_default();
-    let Ok(mut scene) = toml::from_str::<Scene>(&text) else {
-        return vec![first.to_string()];
-    };
-    file.display().to_string().clone_into(&mut scene.file);
-    // Mass and number that follow from the volume of a mesh are not known here.
-    let complete = |s: &SeedSettings| s.mesh.is_none() || (s.mass.is_some() && s.count.is_some());
-    let all: Vec<String> = scene.problems().iter().map(ToString::to_string).collect();
-    if all.is_empty() || !scene.seed.iter().all(complete) {
-        vec![first.to_string()]
-    } else {
-        all
-    }
-}
-
 /// The models of a study.
 #[derive(Debug, Default)]
 pub(crate) struct Models {
@@ -146,17 +132,17 @@ pub(crate) struct Models {
 }
 
 impl Models {
-    /// Number of the model of a scene under a condition; the same scene under another name of the condition is the
-    /// same model.
+    /// Number of the model of a scene under a condition, and whether it is new; the same scene under another name of
+    /// the condition is the same model.
     pub(crate) fn number_of(
         &mut self,
         name: &str,
         condition: &BTreeMap<String, String>,
         scene: Scene,
-    ) -> usize {
+    ) -> (usize, bool) {
         let mut all = self.models.iter().zip(&self.scenes);
         if let Some(known) = all.position(|(m, s)| m.scene == name && *s == scene) {
-            return known;
+            return (known, false);
         }
         self.models.push(Model {
             name: model_name(name, condition),
@@ -165,7 +151,7 @@ impl Models {
             parameters: Vec::new(),
         });
         self.scenes.push(scene);
-        self.models.len() - 1
+        (self.models.len() - 1, true)
     }
 
     /// Whether a run of a model depends on a parameter: at its two ends of the range the scene differs in what can

@@ -173,7 +173,7 @@ impl Checker<'_> {
         let measured_well = self.problems.count() == before && scenes.by_name.len() == names.len();
         let mut defaults = Defaults::default();
         let parameters = self.parameters(&scenes, &resolved, measured_well, &mut defaults);
-        let settings = self.settings(&choices, &mut defaults);
+        let settings = Self::settings(&choices, &mut defaults);
         let Searched {
             probes,
             not_applicable,
@@ -284,7 +284,7 @@ impl Checker<'_> {
     }
 
     /// Settings of the loop.
-    fn settings(&mut self, choices: &Choices, defaults: &mut Defaults) -> LoopSettings {
+    fn settings(choices: &Choices, defaults: &mut Defaults) -> LoopSettings {
         // Each key was checked alone, and keys that could not be read were told.
         let settings: LoopSettings = choices.design.clone().try_into().unwrap_or_default();
         defaults.tell_design(&choices.design, &settings);

@@ -6,5 +6,6 @@ mod study_file {
     pub(crate) mod folder;
     pub(crate) mod given;
     pub(crate) mod refused;
+    pub(crate) mod refused_measurements;
     pub(crate) mod values;
 }

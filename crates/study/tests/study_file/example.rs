@@ -41,9 +41,9 @@ fn collect(kind: &str, table: &Table, found: &mut BTreeSet<(String, String)>) {
         } else {
             below
         };
-        tables
-            .into_iter()
-            .for_each(|table| collect(below, table, found));
+        for table in tables {
+            collect(below, table, found);
+        }
     }
 }
 

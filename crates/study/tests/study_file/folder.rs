@@ -98,7 +98,7 @@ impl Folder {
     /// Writes both files.
     pub(crate) fn new(study: &str) -> Self {
         let this = Self {
-            folder: tempfile::tempdir().unwrap(),
+            folder: tempfile::tempdir().expect("a temporary folder"),
         };
         this.write("drum.toml", DRUM);
         this.write("study.toml", study);
@@ -112,7 +112,7 @@ impl Folder {
 
     /// Writes a file.
     pub(crate) fn write(&self, name: &str, text: &str) {
-        std::fs::write(self.path(name), text).unwrap();
+        std::fs::write(self.path(name), text).expect("written");
     }
 
     /// Reads the study.
@@ -134,12 +134,15 @@ pub(crate) fn with(more: &str) -> String {
 
 /// Reads a study that is right.
 pub(crate) fn right(study: &str) -> Study {
-    Folder::new(study).read(None).unwrap()
+    Folder::new(study)
+        .read(None)
+        .expect("a study that is right")
 }
 
 /// The message about a study that is wrong.
 pub(crate) fn wrong(study: &str) -> String {
-    Folder::new(study).read(None).unwrap_err().to_string()
+    let error = Folder::new(study).read(None);
+    error.expect_err("a study that is wrong").to_string()
 }
 
 /// A file of the repository.
