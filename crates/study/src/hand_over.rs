@@ -1,19 +1,18 @@
 //! What other programs take over: the parameters as a file of settings, and the drums as decks.
 
-use crate::setting::{change, leaf, table_of};
 use crate::{Error, Study, StudyResult};
 use calibration::Estimate;
 use command_line::{Overwrite, write_new};
 use exchange::vtk::File;
 use exchange::{lammps, liggghts};
-use scene::{Apparatus, FillingLibrary, Override, Scene, starting_frame};
-use scene_simulator::{ParameterFile, ParameterRow};
+use scene::{Apparatus, FillingLibrary, Scene, starting_frame};
+use scene_simulator::{CalibratedParameter, ParameterFile};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
 /// The parameters as a file that `--set-file` reads.
 pub fn parameter_file(estimates: &[Estimate]) -> ParameterFile {
-    let row = |e: &Estimate| ParameterRow {
+    let row = |e: &Estimate| CalibratedParameter {
         symbol: e.symbol.clone(),
         name: e.name.clone(),
         sets: e.sets.clone(),
@@ -21,11 +20,12 @@ pub fn parameter_file(estimates: &[Estimate]) -> ParameterFile {
         unit: (e.unit != "1").then(|| e.unit.clone()),
         se: e.se,
         interval95: Some(e.interval95),
-        fixed_by_data: e.fixed_by_data,
-        at_limit: e.at_limit,
+        fixed_by_data: Some(e.fixed_by_data),
+        at_limit: Some(e.at_limit),
     };
     ParameterFile {
         parameter: estimates.iter().map(row).collect(),
+        file: "parameters.toml".into(),
     }
 }
 
@@ -34,15 +34,9 @@ pub fn parameter_file(estimates: &[Estimate]) -> ParameterFile {
 /// # Errors
 ///
 /// A value that the scene refuses.
-pub fn scene_at(scene: &Scene, estimates: &[Estimate]) -> Result<Scene, scene::Error> {
-    let table = table_of(scene);
-    let mut changes: Vec<Override> = Vec::new();
-    for estimate in estimates {
-        let unit = Some(estimate.unit.as_str());
-        let of_scene = estimate.sets.iter().filter(|p| leaf(&table, p).is_some());
-        changes.extend(of_scene.map(|path| change(path, estimate.value, unit)));
-    }
-    scene.with(&changes)
+pub fn scene_at(scene: &Scene, estimates: &[Estimate]) -> Result<Scene, Error> {
+    let changes = parameter_file(estimates).overrides(scene)?;
+    Ok(scene.with(&changes)?)
 }
 
 /// Writes `parameters.toml`, and in `decks/SCENE/lammps` and `decks/SCENE/liggghts` every drum with the estimates.

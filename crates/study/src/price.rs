@@ -5,7 +5,7 @@ use crate::file::Budget;
 use calibration::PlannedStage;
 use campaign::{RunRequest, Simulator};
 use run_store::{Lookup, Record, Store};
-use scene_simulator::RunDetails;
+use scene_simulator::{RunDetails, TimingDetails};
 use serde::Serialize;
 
 /// Time of one core for one unit of [`Simulator::expected_cost`], s.
@@ -75,21 +75,27 @@ pub(crate) fn of(
     let price = |stage: &PlannedStage| StagePrice {
         stage: stage.stage.clone(),
         runs: stage.requests.len(),
-        core_s: pace * stage.requests.iter().map(cost).sum::<f64>(),
+        core_s: stage
+            .requests
+            .iter()
+            .fold(0.0, |sum, r| sum + pace * cost(r)),
     };
+    let all = stages.iter().flat_map(|s| &s.requests);
+    let guess_s = all.fold(0.0, |sum, r| sum + SECONDS_PER_COST * cost(r));
     let stages: Vec<StagePrice> = stages.iter().map(price).collect();
     let runs = stages.iter().map(|s| s.runs).sum();
-    let core_s = stages.iter().map(|s| s.core_s).sum();
+    let core_s = stages.iter().fold(0.0, |sum, s| sum + s.core_s);
     Ok(Price {
         measured: known_cost > 0.0,
-        most_runs: most_runs(budget, runs, core_s / pace * SECONDS_PER_COST),
+        most_runs: most_runs(budget, runs, guess_s),
         stages,
         runs,
         core_s,
     })
 }
 
-/// Time that a run took, s; none where the store has no record of it.
+/// Time of one core that a run took, s; none where the store has no record of it, or the run was only seen anew by another
+/// camera.
 fn seconds_of(
     simulator: &dyn Simulator,
     request: &RunRequest,
@@ -102,7 +108,8 @@ fn seconds_of(
     let Lookup::Found(record) = store.get(blank.key())? else {
         return Ok(None);
     };
-    Ok(RunDetails::of(&record).map(|details| details.timing.wall_s))
+    let timing = RunDetails::of(&record).ok().map(|details| details.timing);
+    Ok(timing.filter(|t| !t.only_seen).map(|t| of_core(&t)))
 }
 
 /// Most runs by a budget, at least one.
@@ -121,12 +128,18 @@ fn most_runs(budget: Budget, runs: usize, core_s: f64) -> Option<usize> {
     budget.runs.or(by_time)
 }
 
+/// Time of one core, s. Where the system told no time of the processor, the wall time stands for it: a run of a study is
+/// one thread.
+fn of_core(timing: &TimingDetails) -> f64 {
+    timing.cpu_s.unwrap_or(timing.wall_s)
+}
+
 /// Time of one core that the runs in a store took, s.
 pub(crate) fn core_seconds(store: &Store) -> Result<f64, Error> {
     let mut sum = 0.0;
     for key in store.keys()? {
         if let Lookup::Found(record) = store.get(&key)? {
-            sum += RunDetails::of(&record).map_or(0.0, |details| details.timing.wall_s);
+            sum += RunDetails::of(&record).map_or(0.0, |details| of_core(&details.timing));
         }
     }
     Ok(sum)
@@ -176,13 +189,26 @@ mod tests {
         assert!(!guess.measured);
         assert!((guess.core_s - 30.0 * SECONDS_PER_COST).abs() < 1e-12);
         let record = Record::new("three", Three.inputs(&requests[4]).unwrap(), 5).unwrap();
-        let details = serde_json::json!({ "timing": { "wall_s": 6.0 } });
+        let details = serde_json::json!({
+            "steady": true, "start_up_s": null, "froude_number": null, "last_frame_png_base64": null,
+            "frames": {
+                "times_s": [], "angles_deg": [], "angles_by_position_deg": [], "filling_angles_deg": [],
+                "refused": 0, "effective_number": null,
+            },
+            "series": { "time_s": [], "centre_of_mass_deg": [] },
+            "timing": {
+                "time_step_s": 1e-4, "settling_time_step_s": 1e-4, "steps": 1, "bodies": 1, "spheres": 1,
+                "threads": 1, "wall_s": 6.5, "cpu_s": 6.0, "filling_s": null, "us_per_step": null,
+                "sphere_steps_per_s": null, "continued": false, "only_seen": false,
+            },
+        });
         store.put(&record.with_details(details)).unwrap();
         let price = of(&Three, &stages, budget, Some(&store)).unwrap();
         assert!(price.measured);
+        assert_eq!((price.runs, price.core_s), (10, 60.0));
         assert_eq!(
-            (price.runs, price.core_s, price.most_runs),
-            (10, 60.0, Some(3))
+            price.most_runs, guess.most_runs,
+            "a budget does not follow the pace"
         );
     }
 

@@ -47,15 +47,15 @@ pub(crate) struct Arguments {
 pub(crate) fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<u8> {
     let study = Study::read(&arguments.study, arguments.profile.as_deref())?;
     common.refuse_existing_json()?;
-    let price = plan_study(&study, arguments.seed)?;
+    let out = arguments.out.clone();
+    let folder = out.unwrap_or_else(|| PathBuf::from("out").join(study.folder_name()));
+    let price = plan_study(&study, arguments.seed, &folder)?;
     let plan = plan(&study, &price, common.threads());
     if arguments.plan {
         common.print(plan.trim_end())?;
         common.emit_json(&price)?;
         return Ok(DONE);
     }
-    let out = arguments.out.clone();
-    let folder = out.unwrap_or_else(|| PathBuf::from("out").join(study.folder_name()));
     refuse_used_folder(&folder, arguments.resume, common)?;
     common.log(|| plan.trim_end().to_owned());
     let (progress, stop) = (progress_lines(common), AtomicBool::new(false));

@@ -51,7 +51,7 @@ fn a_start_that_lacks_a_parameter_or_leaves_the_limits_is_refused() {
     let folder = Folder::new(STUDY);
     let study = folder.read(None).unwrap();
     let mut estimates = estimates();
-    estimates[1].value = 1.6;
+    (estimates[1].value, estimates[1].interval95) = (1.6, [1.5, 1.7]);
     folder.write(
         "parameters.toml",
         &parameter_file(&estimates).to_toml().unwrap(),

@@ -86,6 +86,9 @@ pub(crate) fn plan(study: &Study, price: &Price, threads: usize) -> String {
             duration(price.core_s)
         ),
     );
+    if !price.measured {
+        text.push_str("  (times are a guess until the first runs are done)\n");
+    }
     if let Some(most) = price.most_runs {
         add(
             &mut text,

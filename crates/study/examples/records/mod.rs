@@ -1,0 +1,36 @@
+//! Arguments of the examples that make a table over runs, and its cells.
+
+use run_store::Record;
+use std::error::Error;
+
+/// FOLDER and the number of runs of each point, 2 or more, from the command line.
+pub(crate) fn folder_and_runs(
+    example: &str,
+    runs_by_default: u64,
+) -> Result<(String, u64), Box<dyn Error>> {
+    let mut arguments = std::env::args().skip(1);
+    let usage = || format!("usage: {example} FOLDER [RUNS]");
+    let folder = arguments.next().ok_or_else(usage)?;
+    let wrong = |text: &str| format!("RUNS is '{text}'; {}", usage());
+    let runs = match arguments.next() {
+        Some(text) => text.parse().map_err(|_| wrong(&text))?,
+        None => runs_by_default,
+    };
+    if runs < 2 {
+        return Err(
+            format!("RUNS is {runs}; it must be 2 or more: one run has no standard error").into(),
+        );
+    }
+    Ok((folder, runs))
+}
+
+/// Mean and standard error of an observable over the runs.
+pub(crate) fn mean_and_error(records: &[Record], observable: &str, digits: usize) -> String {
+    let means = records.iter().filter_map(|r| r.observable(observable));
+    let values: Vec<f64> = means.map(|o| o.mean).collect();
+    let n = values.len() as f64;
+    let mean = values.iter().sum::<f64>() / n;
+    let square: f64 = values.iter().map(|v| (v - mean).powi(2)).sum();
+    let error = (square / (n - 1.0) / n).sqrt();
+    format!("{mean:.digits$} +- {error:.digits$}")
+}
