@@ -15,6 +15,14 @@ pub enum Error {
         /// Why.
         source: std::io::Error,
     },
+    /// A folder holds no picture.
+    #[error("the folder {} holds no picture ({endings})", folder.display())]
+    NoPicture {
+        /// The folder.
+        folder: PathBuf,
+        /// Endings of the names of pictures.
+        endings: String,
+    },
     /// The file is no picture of a known format, or is damaged.
     #[error("cannot decode {} (PNG, JPEG, BMP and GIF are read)", path.display())]
     Decode {

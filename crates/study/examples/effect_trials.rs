@@ -11,17 +11,19 @@
 
 #![expect(clippy::print_stdout, reason = "the page is the purpose")]
 
-use calibration::{Laboratory, ResidualPlan, ResidualStudy, StudyCondition, study_residual};
+use calibration::{
+    DeclaredParameter, EffectProbe, Laboratory, Prior, ResidualPlan, ResidualStudy, StudyCondition,
+    study_residual,
+};
 use campaign::{Campaign, LineProgress, RunRequest};
 use random_stream::Stream;
 use run_store::Store;
-use scene::Scene;
+use scene::{Override, Scene};
 use scene_simulator::{Binding, SceneSimulator};
 use serde::Deserialize;
 use std::collections::BTreeMap;
 use std::error::Error;
 use std::path::{Path, PathBuf};
-use study::{DeclaredEntry, overrides, probes};
 
 /// First seed of the fits; each of them begins with the same runs.
 const SEED: u64 = 1;
@@ -69,6 +71,37 @@ struct Plan {
     conditions: Vec<StudyCondition>,
 }
 
+/// A declared parameter.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct DeclaredEntry {
+    /// Path of the setting.
+    parameter: String,
+    /// Value at which the simulator is linearised.
+    start: f64,
+    /// Step of the finite difference.
+    step: f64,
+    /// Lower bound.
+    low: f64,
+    /// Upper bound.
+    high: f64,
+    /// What the bench says; none where it is free.
+    prior: Option<Prior>,
+}
+
+impl DeclaredEntry {
+    /// As the calibration wants it.
+    fn as_declared(&self) -> DeclaredParameter {
+        DeclaredParameter {
+            name: self.parameter.clone(),
+            start: self.start,
+            step: self.step,
+            bounds: [self.low, self.high],
+            prior: self.prior.map(|p| [p.mean, p.sd]),
+        }
+    }
+}
+
 /// What a campaign hides.
 struct Hidden {
     /// Effect and amplitude; none for nothing.
@@ -104,7 +137,13 @@ fn main() -> Result<(), Box<dyn Error>> {
 impl Plan {
     /// The scene as a simulator.
     fn simulator(&self, folder: &Path) -> Result<SceneSimulator, Box<dyn Error>> {
-        let changes = overrides(&self.changes).map_err(|text| format!("'{text}' has no '='"))?;
+        let one = |text: &String| {
+            let (name, value) = text.split_once('=').ok_or(format!("'{text}' has no '='"))?;
+            let (name, value) = (name.trim().into(), value.trim().into());
+            Ok(Override { name, value })
+        };
+        let changes: Result<Vec<_>, String> = self.changes.iter().map(one).collect();
+        let changes = changes?;
         let scene = Scene::read(&folder.join(&self.scene), &changes)?;
         let paths = self.declared.iter().map(|d| d.parameter.clone());
         let bindings = paths.map(|path| (path.clone(), Binding::of_path(&path)));
@@ -117,7 +156,17 @@ impl Plan {
     /// What every fit is given: all effects that the scene can carry.
     fn residual(&self, simulator: &SceneSimulator) -> Result<ResidualPlan, Box<dyn Error>> {
         let base = RunRequest::new("trials", SEED);
-        let mut effects = probes(&effect_library::names())?;
+        let probe = |name: &String| {
+            let description = effect_library::find(name)?.description();
+            Ok(EffectProbe {
+                name: name.clone(),
+                probe: description.probe,
+                range: description.range,
+            })
+        };
+        let names = effect_library::names();
+        let effects: Result<Vec<_>, effect_library::Error> = names.iter().map(probe).collect();
+        let mut effects = effects?;
         effects.retain(|e| {
             let request = base.clone().with_effect(&e.name, e.probe);
             simulator.scene_of(&request).is_ok()

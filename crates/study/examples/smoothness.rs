@@ -12,6 +12,7 @@
 
 mod records;
 
+use calibration::Role;
 use campaign::{Campaign, LineProgress, RunRequest};
 use experiment_design::Factor;
 use records::{folder_and_runs, mean_and_error};
@@ -23,7 +24,7 @@ use scene_simulator::{Binding, SceneSimulator};
 use std::collections::BTreeMap;
 use std::error::Error;
 use std::path::Path;
-use study::StudyFile;
+use study::Study;
 
 /// Shares of the roughness taken away. At 0 the seeds are packed with separate spheres that touch the mesh from
 /// inside; all others are overlapping spheres, so that the line does not see the change of method.
@@ -32,23 +33,33 @@ const SMOOTHNESS: [f64; 5] = [0.0, 0.15, 0.3, 0.45, 0.6];
 /// The effect that takes it away.
 const EFFECT: &str = "filling-smoothness";
 
+/// The bench measurements: parameter, pair, least, most, mean and so on.
+const BENCH: &str = include_str!("../../../fixtures/cotton/contact_measurements.csv");
+
 /// What is compared.
 const OBSERVABLE: &str = "angle_deg";
 
 fn main() -> Result<(), Box<dyn Error>> {
     let (folder, runs) = folder_and_runs("smoothness", 4)?;
-    let study = StudyFile::read(Path::new("fixtures/cotton/study.toml"))?;
+    let study = Study::read(Path::new("fixtures/cotton/study.toml"), None)?;
+    let measured = study.problem.measurements.iter();
+    let measured = measured
+        .filter(|m| m.role == Role::Check && m.observable == OBSERVABLE)
+        .map(|m| m.mean);
+    let measured = measured.last().ok_or("the study checks no angle")?;
+    let bench = bench()?;
     let drum = Scene::read(Path::new("fixtures/cotton/drum.toml"), &[])?;
-    let paths = study.factor.iter().map(|f| f.parameter.clone());
-    let bindings = paths.map(|path| (path.clone(), Binding::of_path(&path)));
+    let bindings = bench
+        .iter()
+        .map(|(path, _)| (path.clone(), Binding::of_path(path)));
     let simulator = SceneSimulator::new(
         BTreeMap::from([("drum".to_owned(), drum)]),
         bindings.collect(),
     )?;
     let request = |smoothness: f64, seed: u64| {
         let mut request = RunRequest::new("drum", seed).with_effect(EFFECT, smoothness);
-        for factor in &study.factor {
-            request = request.with_parameter(&factor.parameter, factor.measured.mean);
+        for (path, mean) in &bench {
+            request = request.with_parameter(path, *mean);
         }
         request
     };
@@ -83,11 +94,28 @@ fn main() -> Result<(), Box<dyn Error>> {
         let (angle, half_width) = at_no_roughness(formula, &roughness_of_runs, &angles)?;
         println!(
             "- A {name} to no roughness: {angle:.2} +- {half_width:.2} deg (95 %), {:+.2} deg off the measured {}.",
-            angle - study.target.value,
-            study.target.value
+            angle - measured,
+            measured
         );
     }
     Ok(())
+}
+
+/// Path and measured mean of restitution and static friction of each pair; the measured rolling of whole seeds is that of
+/// their shape, and is not put into their spheres.
+fn bench() -> Result<Vec<(String, f64)>, Box<dyn Error>> {
+    let rows = BENCH
+        .lines()
+        .skip(1)
+        .filter(|row| !row.starts_with("rolling"));
+    rows.map(|row| {
+        let cells: Vec<&str> = row.split(',').collect();
+        let [parameter, pair, _, _, mean, ..] = cells[..] else {
+            return Err(format!("too few cells in '{row}'").into());
+        };
+        Ok((format!("contact.{pair}.{parameter}"), mean.parse()?))
+    })
+    .collect()
 }
 
 /// Spheres of a seed and root mean square roughness (um) of a filling, means over the seeds of the drum.

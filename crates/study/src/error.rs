@@ -1,72 +1,65 @@
 //! What can go wrong in a study.
 
+use crate::Problem;
 use std::path::PathBuf;
 
 /// Why a study gave no result.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
-    /// A file cannot be read or written.
-    #[error("cannot {what} {path}: {source}")]
-    File {
-        /// Read or write.
-        what: &'static str,
+    /// A file cannot be read.
+    #[error("cannot read {path}: {source}")]
+    Read {
         /// The file.
         path: PathBuf,
         /// Why.
         source: std::io::Error,
     },
-    /// The study file is not what one looks like.
-    #[error("{file}: {message}")]
-    Text {
-        /// The file.
-        file: String,
-        /// Line, what is wrong and what is expected.
-        message: String,
+    /// The file cannot be meant.
+    #[error("{}", told(list))]
+    Problems {
+        /// Everything that is wrong with it.
+        list: Vec<Problem>,
     },
-    /// A name or number of the study file cannot be meant.
-    #[error("{file}: {what} {problem}")]
-    Meaning {
-        /// The file.
+    /// The values from which a diagnosis is to start cannot be meant.
+    #[error("{file}: {problem}")]
+    Start {
+        /// The file that should hold them.
         file: String,
-        /// Which entry.
-        what: String,
         /// What is wrong with it, and the way out.
         problem: String,
+    },
+    /// A result has no form in a file, or cannot be written.
+    #[error("cannot write {path}: {reason}")]
+    Write {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        reason: String,
     },
     /// A scene is refused.
     #[error(transparent)]
     Scene(#[from] scene::Error),
-    /// The scenes cannot be asked, or a record is not that of a run of a scene.
+    /// The simulator is refused.
     #[error(transparent)]
     Simulator(#[from] scene_simulator::Error),
     /// A stage of the calibration failed.
     #[error(transparent)]
     Calibration(#[from] calibration::Error),
-    /// The runs were not all done.
-    #[error(transparent)]
-    Campaign(#[from] campaign::Error),
-    /// An effect is refused.
-    #[error(transparent)]
-    Effect(#[from] effect_library::Error),
-    /// A factor is refused.
-    #[error(transparent)]
-    Design(#[from] experiment_design::Error),
-    /// The surface cannot be analysed.
-    #[error(transparent)]
-    Surface(#[from] response_surface::Error),
     /// The run store cannot be used.
     #[error(transparent)]
     Store(#[from] run_store::Error),
-    /// A chart or the page cannot be made.
-    #[error(transparent)]
-    Report(#[from] report::Error),
-    /// A picture cannot be drawn or measured.
-    #[error("picture '{name}': {reason}")]
-    Picture {
-        /// Name of the picture.
-        name: String,
-        /// Why.
-        reason: String,
-    },
+}
+
+/// All problems, one a line.
+fn told(list: &[Problem]) -> String {
+    if let [one] = list {
+        return one.to_string();
+    }
+    let lines: Vec<String> = list.iter().map(|p| format!("\n  {p}")).collect();
+    format!(
+        "{} things are wrong; nothing was run:{}",
+        list.len(),
+        lines.concat()
+    )
 }

@@ -1,33 +1,47 @@
-//! The loop of one study: reads the study file, runs every stage, writes the result folder.
+//! One study: what was measured and what may be tuned, read and checked against its scenes, and the loop run on it.
 //!
-//! This is the only room that joins the calibration to the solver: a
-//! [`scene_simulator::SceneSimulator`] runs scenes with effects, and [`run_study`] leads it through screening,
-//! response surface, solutions, validation, the metering device, the residual at the bench
-//! measurements, and a campaign with a hidden effect. [`run_diagnosis`] does the last part alone, on a
-//! user's own measurements.
+//! [`Study::read`] reads the one file of `calibrate` and `diagnose` and refuses all that is wrong with it at once.
+//! [`run_study`] leads the calibration through it; [`run_diagnosis`] asks what is missing at given parameters.
+//! [`write_hand_over`] writes the parameters as a file of settings, and the drums as decks for other codes.
+//!
+//! A commented example of every key is `fixtures/study-example/study.toml`.
 
-mod diagnosis_file;
-mod diagnosis_run;
+mod compare;
+mod defaults;
+mod document;
+mod effects;
 mod error;
 mod file;
-mod hidden;
-mod loop_stages;
-mod output;
-mod report_page;
+mod hand_over;
+mod init;
+mod inputs;
+mod keys;
+mod limits;
+mod measured;
+mod parameters;
+mod photos;
+mod price;
+mod problem;
 mod result;
-mod tables;
-mod unit_of_name;
+mod run;
+mod scenes;
+mod setting;
+mod start;
+mod study;
 
-pub use diagnosis_file::{
-    DeclaredEntry, DiagnosisFile, MeasuredEntry, Measurement, PlannedDiagnosis, Prior, Role,
-    overrides,
-};
-pub use diagnosis_run::{DiagnosisResult, run_diagnosis};
+pub use compare::ComparedValue;
+pub use defaults::DefaultUsed;
 pub use error::Error;
-pub use file::{Profile, StudyFile};
-pub use hidden::probes;
-pub use loop_stages::{RunSettings, run_study};
-pub use output::{write_diagnosis, write_results};
-pub use result::{
-    FillingSummary, HiddenCampaign, ImageAgainstPosition, MeteringResult, StudyResult, SweepPoint,
+pub use file::{
+    Budget, Choices, CompareEntry, MeasuredEntry, MeasuredValue, ParameterEntry, PhotoOptions,
+    SceneEntry, StudyFile,
 };
+pub use hand_over::{parameter_file, scene_at, write_hand_over, write_json};
+pub use init::{Starter, StarterFile};
+pub use keys::keys_of_a_study;
+pub use photos::PhotoSeries;
+pub use price::{Price, StagePrice};
+pub use problem::Problem;
+pub use result::{DiagnosisResult, StudyResult};
+pub use run::{RunSettings, plan_study, run_diagnosis, run_study};
+pub use study::Study;

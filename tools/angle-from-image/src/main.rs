@@ -3,7 +3,6 @@
 //! Thin: arguments in, [`photo_profile`] does the work, text, JSON and overlays out.
 
 mod arguments;
-mod inputs;
 mod results;
 mod run;
 

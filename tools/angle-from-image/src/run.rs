@@ -1,13 +1,13 @@
 //! From arguments to results.
 
 use crate::arguments::Arguments;
-use crate::inputs::files;
 use crate::results::{ImageResult, Origin, Output, Summary};
 use anyhow::Context as _;
 use command_line::{DONE, ERROR, Header, NOT_MET, file_sha256, write_new};
 use image::{DynamicImage, ImageFormat};
 use photo_profile::{
-    PhotoPixels, PhotoReading, Settings, measure_photo, overlay, read_frames, rectify,
+    PhotoPixels, PhotoReading, Settings, measure_photo, overlay, picture_files, read_frames,
+    rectify,
 };
 use std::io::Cursor;
 use std::path::{Path, PathBuf};
@@ -16,7 +16,7 @@ use std::path::{Path, PathBuf};
 pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
     let settings = arguments.settings();
     settings.check()?;
-    let files = files(&arguments.photos)?;
+    let files = picture_files(&arguments.photos)?;
     refuse_existing(arguments, files.len())?;
     let mut images = Vec::new();
     for file in &files {

@@ -1,28 +1,36 @@
 //! `seedloop calibrate STUDY.toml`: the whole loop.
 
-use crate::stop;
+mod text;
+
 use anyhow::Context as _;
 use campaign::LineProgress;
-use command_line::{Common, DONE, Header, NOT_MET, Overwrite};
+use command_line::{Common, DONE, NOT_MET, Overwrite};
 use std::path::{Path, PathBuf};
-use study::{RunSettings, StudyFile, StudyResult, run_study, write_results};
+use std::sync::atomic::AtomicBool;
+use study::{RunSettings, Study, plan_study, run_study, write_hand_over, write_json};
 
-/// Run the whole loop of a study: screening, response surface, solutions, validation, diagnosis
+pub(crate) use text::plan;
+
+/// Calibrates the parameters of a study on its measurements: screening, surfaces, solutions, check, diagnosis
 #[derive(clap::Args, Debug)]
 pub(crate) struct Arguments {
     /// The study
     #[arg(value_name = "STUDY.toml")]
     study: PathBuf,
 
-    /// Size of the loop, as the study file defines it
-    #[arg(long, value_name = "NAME", default_value = "quick")]
-    profile: String,
+    /// Profile of the study file [default: the file as it stands]
+    #[arg(long, value_name = "NAME")]
+    profile: Option<String>,
+
+    /// Check everything, say what would be run and what it costs, and run nothing
+    #[arg(long)]
+    plan: bool,
 
     /// First seed of all random numbers; the runs take those that follow: start a second loop 10000000 further
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
 
-    /// Folder of the results [default: out/STUDY-PROFILE]
+    /// Folder of the results [default: out/NAME, or out/NAME-PROFILE]
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
 
@@ -37,40 +45,40 @@ pub(crate) struct Arguments {
 ///
 /// Bad input, runs that failed, files that cannot be written.
 pub(crate) fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<u8> {
-    let study = StudyFile::read(&arguments.study)?;
-    study.profile(&arguments.profile)?;
-    let folder = arguments.out.clone().unwrap_or_else(|| {
-        PathBuf::from("out").join(format!("{}-{}", study.name, arguments.profile))
-    });
+    let study = Study::read(&arguments.study, arguments.profile.as_deref())?;
     common.refuse_existing_json()?;
+    let out = arguments.out.clone();
+    let folder = out.unwrap_or_else(|| PathBuf::from("out").join(study.folder_name()));
+    let price = plan_study(&study, arguments.seed, &folder)?;
+    let plan = plan(&study, &price, common.threads());
+    if arguments.plan {
+        common.print(plan.trim_end())?;
+        common.emit_json(&price)?;
+        return Ok(DONE);
+    }
     refuse_used_folder(&folder, arguments.resume, common)?;
-    let base = arguments.study.parent().unwrap_or(Path::new(""));
-    let files = [
-        arguments.study.clone(),
-        base.join(&study.drum),
-        base.join(&study.metering),
-    ];
+    common.log(|| plan.trim_end().to_owned());
+    let (progress, stop) = (progress_lines(common), AtomicBool::new(false));
     let settings = RunSettings {
-        profile: arguments.profile.clone(),
         seed: arguments.seed,
         threads: common.threads(),
         folder: folder.clone(),
-        inputs: Header::new(arguments.seed, &files)?.inputs,
+        progress: &progress,
+        stop: &stop,
     };
-    let progress = progress_lines(common);
     let announce = |stage: &str| common.log(|| format!("== {stage}"));
-    let stop = stop::flag()?;
-    let result = run_study(&study, &settings, &progress, &stop, &announce);
-    let result = match stop::result_or_stopped(result, &folder)? {
-        Ok(result) => result,
-        Err(code) => return Ok(code),
-    };
-    write_results(&folder, &study, &result)
+    let mut result = run_study(&study, &settings, &announce)?;
+    let files = write_hand_over(&folder, &study, &mut result)
         .with_context(|| format!("cannot write the results into {}", folder.display()))?;
-    common.print(summary(&result))?;
-    common.print(format!("report: {}", folder.join("report.html").display()))?;
+    write_json(&folder.join("result.json"), &result)?;
+    // study_report::write(&folder, &study, &result) stands here: tables, pictures, report.html.
+    common.print(text::result(&result, &folder, &files).trim_end())?;
     common.emit_json(&result)?;
-    Ok(if result.target_reached { DONE } else { NOT_MET })
+    Ok(if result.calibration.met {
+        DONE
+    } else {
+        NOT_MET
+    })
 }
 
 /// Refuses a folder with results of an earlier run, unless the user said that it is to go on.
@@ -99,72 +107,4 @@ pub(crate) fn progress_lines(common: &Common) -> LineProgress {
     } else {
         LineProgress::new(std::io::stderr())
     }
-}
-
-/// The result in a few lines.
-fn summary(result: &StudyResult) -> String {
-    let with_sd = |mean: f64, sd: Option<f64>| match sd {
-        Some(sd) => format!("{mean:.2} +- {sd:.2}"),
-        None => format!("{mean:.2}"),
-    };
-    let values = |map: &std::collections::BTreeMap<String, f64>| {
-        let one = |(name, value): (&String, &f64)| format!("{name} = {value:.4}");
-        map.iter().map(one).collect::<Vec<_>>().join(", ")
-    };
-    let v = &result.validation;
-    let mut lines = vec![
-        format!(
-            "factors kept by the screening: {}",
-            result.kept_factors.join(", ")
-        ),
-        format!(
-            "chosen point{}: {}",
-            if result.target_reached {
-                ""
-            } else {
-                " (the target is out of reach)"
-            },
-            values(&result.chosen)
-        ),
-        format!(
-            "validation: {} deg over {} runs, target {:.2} deg, {:.2} % off",
-            with_sd(v.point.mean, v.point.sd),
-            v.point.n,
-            v.target,
-            v.relative_error_percent
-        ),
-        format!(
-            "published optimum: {} deg",
-            with_sd(result.published_optimum.mean, result.published_optimum.sd)
-        ),
-    ];
-    for point in &result.sweep {
-        lines.push(format!(
-            "  {}: {} deg, {}",
-            point.result.label,
-            with_sd(point.result.mean, point.result.sd),
-            point.regime
-        ));
-    }
-    let d = &result.image_against_position;
-    lines.push(format!(
-        "image minus position: {:.2} deg, sd of runs {:.2} deg, {} frames",
-        d.mean_deg, d.sd_of_runs_deg, d.n_frames
-    ));
-    lines.push(format!(
-        "metering device (assumed dimensions): {} deg",
-        with_sd(result.metering.result.mean, result.metering.result.sd)
-    ));
-    for (what, study) in [
-        ("bench residual", &result.residual),
-        ("hidden effect", &result.hidden.study),
-        ("nothing hidden", &result.nothing_hidden.study),
-    ] {
-        lines.push(format!(
-            "{what}: {} {}",
-            study.diagnosis.verdict,
-            study.diagnosis.summary()
-        ));
-    }
-    lines.join("\n")
 }

@@ -12,16 +12,25 @@ use std::path::PathBuf;
 /// Tells which effect, if any, a residual that re-tuning cannot remove speaks for
 #[derive(clap::Args, Debug)]
 pub(crate) struct Arguments {
-    /// A study (.toml): measurements, declared parameters, effects; seedloop runs its own simulations.
+    /// A study (.toml), as for calibrate: seedloop runs its own simulations.
     /// Or a problem (.json): residual, covariances and sensitivities from any simulator
     #[arg(value_name = "STUDY.toml|PROBLEM.json")]
     file: PathBuf,
+
+    /// Profile of a study [default: the file as it stands]
+    #[arg(long, value_name = "NAME")]
+    profile: Option<String>,
+
+    /// Parameters from which the diagnosis of a study starts: result.json or parameters.toml of a calibration
+    /// [default: the start values of the study]
+    #[arg(long, value_name = "FILE")]
+    from: Option<PathBuf>,
 
     /// First seed of the runs and of the simulated distributions; start a second diagnosis 10000000 further
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
 
-    /// Folder of the results of a study [default: out/NAME-diagnosis]
+    /// Folder of the results of a study [default: out/NAME-diagnosis, or out/NAME-PROFILE-diagnosis]
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
 
@@ -60,6 +69,8 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
         .is_some_and(|end| end.eq_ignore_ascii_case("toml"));
     if is_study {
         let options = diagnose_study::Options {
+            profile: arguments.profile.clone(),
+            from: arguments.from.clone(),
             seed: arguments.seed,
             out: arguments.out.clone(),
             resume: arguments.resume,
@@ -67,9 +78,14 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
         };
         return diagnose_study::run(path, &options, common);
     }
+    let of_study = arguments.out.is_some()
+        || arguments.from.is_some()
+        || arguments.profile.is_some()
+        || arguments.resume
+        || arguments.plan;
     ensure!(
-        arguments.out.is_none() && !arguments.resume && !arguments.plan,
-        "--out, --resume and --plan are for studies (.toml): {} is a problem, which needs no runs",
+        !of_study,
+        "--out, --resume, --plan, --profile and --from are for studies (.toml): {} is a problem, which needs no runs",
         path.display()
     );
     let diagnosis = diagnose_problem::run(path, arguments.seed)?;

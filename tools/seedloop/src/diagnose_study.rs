@@ -2,20 +2,22 @@
 
 use crate::calibrate::{progress_lines, refuse_used_folder};
 use crate::diagnose::{exit_code, text};
-use crate::stop;
-use anyhow::Context as _;
-use command_line::{Common, DONE, Header};
+use calibration::{DiagnosisStage, ResidualStudy};
+use command_line::{Common, DONE, NOT_MET};
 use residual_diagnosis::Diagnosis;
 use serde::Serialize;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
-use study::{
-    DiagnosisFile, DiagnosisResult, PlannedDiagnosis, RunSettings, run_diagnosis, write_diagnosis,
-};
+use std::sync::atomic::AtomicBool;
+use study::{DiagnosisResult, RunSettings, Study, run_diagnosis, write_json};
 
 /// What the command line says.
 #[derive(Debug)]
 pub(crate) struct Options {
+    /// Profile of the study file.
+    pub(crate) profile: Option<String>,
+    /// File with the parameters from which it starts; the start values of the study where absent.
+    pub(crate) from: Option<PathBuf>,
     /// First seed.
     pub(crate) seed: u64,
     /// Result folder.
@@ -26,12 +28,12 @@ pub(crate) struct Options {
     pub(crate) plan_only: bool,
 }
 
-/// The answer as it stands in JSON: the keys of a diagnosis, then the whole study.
+/// The answer as it stands in JSON: the keys of a diagnosis, then the whole result.
 #[derive(Debug, Serialize)]
 struct Report<'a> {
-    /// The diagnosis.
+    /// The diagnosis; none where it was left out.
     #[serde(flatten)]
-    diagnosis: &'a Diagnosis,
+    diagnosis: Option<&'a Diagnosis>,
     /// What it was made of, and the model with the effect.
     result: &'a DiagnosisResult,
 }
@@ -42,82 +44,112 @@ struct Report<'a> {
 ///
 /// A file that cannot be meant, runs that failed, files that cannot be written.
 pub(crate) fn run(path: &Path, options: &Options, common: &Common) -> anyhow::Result<u8> {
-    let file = DiagnosisFile::read(path)?;
-    let planned = file.plan(options.seed)?;
+    let study = Study::read(path, options.profile.as_deref())?;
+    let at = match &options.from {
+        Some(file) => study.values_from(file)?,
+        None => study.start_values(),
+    };
+    common.refuse_existing_json()?;
     if options.plan_only {
-        common.print(plan_text(&file, &planned).trim_end())?;
-        common.emit_json(&planned.plan)?;
+        common.print(plan_text(&study, &at).trim_end())?;
+        common.emit_json(&study.problem)?;
         return Ok(DONE);
     }
     let folder = options
         .out
         .clone()
-        .unwrap_or_else(|| PathBuf::from("out").join(format!("{}-diagnosis", file.name)));
-    common.refuse_existing_json()?;
+        .unwrap_or_else(|| PathBuf::from("out").join(format!("{}-diagnosis", study.folder_name())));
     refuse_used_folder(&folder, options.resume, common)?;
+    common.log(|| plan_text(&study, &at).trim_end().to_owned());
+    let (progress, stop) = (progress_lines(common), AtomicBool::new(false));
     let settings = RunSettings {
-        profile: String::new(),
         seed: options.seed,
         threads: common.threads(),
         folder: folder.clone(),
-        inputs: Header::new(options.seed, [path.to_owned(), file.scene_path()])?.inputs,
+        progress: &progress,
+        stop: &stop,
     };
-    common.log(|| plan_text(&file, &planned).trim_end().to_owned());
-    let stop = stop::flag()?;
-    let result = run_diagnosis(
-        &planned,
-        &file.name,
-        &settings,
-        &progress_lines(common),
-        &stop,
-    );
-    let result = match stop::result_or_stopped(result, &folder)? {
-        Ok(result) => result,
-        Err(code) => return Ok(code),
+    let announce = |stage: &str| common.log(|| format!("== {stage}"));
+    let result = run_diagnosis(&study, &at, &settings, &announce)?;
+    write_json(&folder.join("result.json"), &result)?;
+    let (done, code) = match &result.diagnosis {
+        DiagnosisStage::Done(done) => {
+            write_json(&folder.join("problem.json"), &done.problem)?;
+            common.print(found_text(&study, done).trim_end())?;
+            (Some(&done.diagnosis), exit_code(done.diagnosis.verdict))
+        }
+        DiagnosisStage::LeftOut { reason } => {
+            common.print(format!("no diagnosis: {reason}"))?;
+            (None, NOT_MET)
+        }
     };
-    write_diagnosis(&folder, &result)
-        .with_context(|| format!("cannot write the results into {}", folder.display()))?;
-    let diagnosis = &result.study.diagnosis;
-    for warning in &diagnosis.warnings {
+    for warning in done.iter().flat_map(|d| &d.warnings) {
         common.log(|| format!("warning: {warning}"));
     }
-    common.print(text(diagnosis).trim_end())?;
-    common.print(format!("report: {}", folder.join("report.html").display()))?;
+    common.print(format!("results: {}", folder.join("result.json").display()))?;
     common.emit_json(&Report {
-        diagnosis,
+        diagnosis: done,
         result: &result,
     })?;
-    Ok(exit_code(diagnosis.verdict))
+    Ok(code)
+}
+
+/// The verdict, the candidates, and the parameters that were found with and without the effect.
+fn found_text(study: &Study, done: &ResidualStudy) -> String {
+    let mut out = text(&done.diagnosis);
+    out.push_str("\nparameters: start, fitted without any effect");
+    for model in done.models() {
+        let names: Vec<&str> = model.effects.keys().map(String::as_str).collect();
+        add(&mut out, format_args!(", with {}", names.join(" and ")));
+    }
+    out.push('\n');
+    for parameter in &study.problem.parameters {
+        let (symbol, name) = (&parameter.symbol, &parameter.name);
+        add(
+            &mut out,
+            format_args!("  {symbol:<8} {name}: {:.4}", parameter.start),
+        );
+        let fits = std::iter::once(&done.fitted).chain(done.models().map(|m| &m.fitted));
+        for fitted in fits {
+            match fitted.get(symbol) {
+                Some(value) => add(&mut out, format_args!(", {value:.4}")),
+                None => out.push_str(", -"),
+            }
+        }
+        out.push('\n');
+    }
+    out
 }
 
 /// What will be run.
-fn plan_text(file: &DiagnosisFile, planned: &PlannedDiagnosis) -> String {
-    let plan = &planned.plan;
-    let used = plan.conditions.iter().filter(|c| c.used).count();
-    let mut text = format!(
-        "{}: at most {} runs of {} in the budget: {} runs each at {used} conditions for the fit \
-         (start, {} declared parameters, {} effects), and fits checked at all {} conditions\n",
-        file.name,
-        planned.runs,
-        file.budget_runs,
-        plan.replicates,
-        plan.declared.len(),
-        plan.effects.len(),
-        plan.conditions.len(),
+fn plan_text(study: &Study, at: &[f64]) -> String {
+    let problem = &study.problem;
+    let mut out = format!(
+        "{}: {} runs behind each simulated mean of {} models, {} effects to search\n",
+        problem.id,
+        study.settings.diagnosis_replicates,
+        problem.models.len(),
+        problem.effects.len(),
     );
-    for condition in &plan.conditions {
-        let words: Vec<String> = condition
-            .condition
-            .iter()
-            .map(|(name, value)| format!("{name} {value}"))
-            .collect();
-        let role = if condition.used { "fit  " } else { "check" };
-        text.write_fmt(format_args!("  {role} {}\n", words.join(", ")))
-            .expect("a string takes all text");
+    for (parameter, value) in problem.parameters.iter().zip(at) {
+        let (symbol, name) = (&parameter.symbol, &parameter.name);
+        add(
+            &mut out,
+            format_args!("  from {symbol} = {value}: {name}\n"),
+        );
     }
-    for (effect, reason) in &planned.not_applicable {
-        text.write_fmt(format_args!("  left out: {effect}: {reason}\n"))
-            .expect("a string takes all text");
+    for measured in &problem.measurements {
+        let (model, name) = (&problem.models[measured.model].name, &measured.observable);
+        let role = format!("{:?}", measured.role).to_lowercase();
+        add(&mut out, format_args!("  {role:<6} {name} of {model}\n"));
     }
-    text
+    for (effect, reason) in &study.not_applicable {
+        add(&mut out, format_args!("  left out: {effect}: {reason}\n"));
+    }
+    out
+}
+
+/// Appends to a text.
+fn add(text: &mut String, more: std::fmt::Arguments<'_>) {
+    text.write_fmt(more).expect("a string takes all text");
 }

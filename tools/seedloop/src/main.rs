@@ -8,6 +8,7 @@ mod diagnose;
 mod diagnose_problem;
 mod diagnose_study;
 mod export;
+mod init;
 mod levels;
 mod optimise;
 mod simulate;
@@ -38,7 +39,9 @@ enum Command {
     Analyse(analyse::Arguments),
     /// Finds where a fitted surface meets a target: the whole set, its region, the nearest solutions
     Optimise(optimise::Arguments),
-    /// Runs the whole loop of a study: screening, surface, solutions, validation, diagnosis
+    /// Writes a commented study and its scene to start from
+    Init(init::Arguments),
+    /// Calibrates the parameters of a study on its measurements: screening, surfaces, solutions, check, diagnosis
     Calibrate {
         /// The study and where its results go.
         #[command(flatten)]
@@ -64,6 +67,7 @@ fn main() -> ExitCode {
         Command::Design(arguments) => design::run(arguments),
         Command::Analyse(arguments) => analyse::run(arguments),
         Command::Optimise(arguments) => optimise::run(arguments),
+        Command::Init(arguments) => init::run(arguments),
         Command::Calibrate { arguments, common } => calibrate::run(arguments, common),
         Command::Diagnose(arguments) => diagnose::run(arguments),
         Command::BenchTest(arguments) => bench_test::run(arguments),

@@ -1,13 +1,16 @@
-//! Which files are meant.
+//! Which picture files are meant.
 
-use anyhow::Context as _;
+use crate::Error;
 use std::path::{Path, PathBuf};
 
 /// Name endings of pictures that are taken from a folder.
 const ENDINGS: [&str; 5] = ["png", "jpg", "jpeg", "bmp", "gif"];
 
-/// The files, folders replaced by the pictures in them in the order of their names.
-pub(crate) fn files(photos: &[PathBuf]) -> anyhow::Result<Vec<PathBuf>> {
+/// The files, folders replaced by the pictures in them in the order of their names, numbers in them by their value.
+///
+/// # Errors
+/// [`Error::Read`] for a folder that cannot be listed, [`Error::NoPicture`] for one without pictures.
+pub fn picture_files(photos: &[PathBuf]) -> Result<Vec<PathBuf>, Error> {
     let mut files = Vec::new();
     for photo in photos {
         if photo.is_dir() {
@@ -19,12 +22,15 @@ pub(crate) fn files(photos: &[PathBuf]) -> anyhow::Result<Vec<PathBuf>> {
     Ok(files)
 }
 
-/// The pictures in a folder, in the order of their names, numbers in them by their value.
-fn pictures_in(folder: &Path) -> anyhow::Result<Vec<PathBuf>> {
-    let cannot_read = || format!("cannot read the folder {}", folder.display());
+/// The pictures in a folder, in the order of their names.
+fn pictures_in(folder: &Path) -> Result<Vec<PathBuf>, Error> {
+    let cannot_read = |source| Error::Read {
+        path: folder.to_path_buf(),
+        source,
+    };
     let mut found = Vec::new();
-    for entry in std::fs::read_dir(folder).with_context(cannot_read)? {
-        let path = entry.with_context(cannot_read)?.path();
+    for entry in std::fs::read_dir(folder).map_err(cannot_read)? {
+        let path = entry.map_err(cannot_read)?.path();
         let ending = path
             .extension()
             .and_then(|e| e.to_str())
@@ -34,12 +40,12 @@ fn pictures_in(folder: &Path) -> anyhow::Result<Vec<PathBuf>> {
             found.push(path);
         }
     }
-    anyhow::ensure!(
-        !found.is_empty(),
-        "the folder {} holds no picture ({})",
-        folder.display(),
-        ENDINGS.join(", ")
-    );
+    if found.is_empty() {
+        return Err(Error::NoPicture {
+            folder: folder.to_path_buf(),
+            endings: ENDINGS.join(", "),
+        });
+    }
     found.sort_by_cached_key(|path| sort_key(path));
     Ok(found)
 }

@@ -1,0 +1,150 @@
+//! The optional tables, of the file and of its profiles.
+
+use super::parts::{NUMBER, changes, each};
+use super::{Budget, Choices, CompareEntry};
+use crate::document::Fields;
+use crate::keys;
+use crate::problem::Problems;
+use calibration::LoopSettings;
+use std::collections::BTreeMap;
+use toml::Table;
+
+/// The optional tables of the file or of a profile.
+pub(super) fn choices(fields: &Fields<'_>, problems: &mut Problems) -> Choices {
+    let budget = fields.table("budget", problems).map(|budget| {
+        budget.check_keys(&keys::BUDGET, problems);
+        let found = Budget {
+            runs: budget.optional("runs", "a whole number", problems),
+            core_hours: budget.optional("core_hours", NUMBER, problems),
+        };
+        if found.runs == Some(0) {
+            problems.add(budget.wrong("runs", "must be 1 or more"));
+        }
+        if found
+            .core_hours
+            .is_some_and(|h| !(h.is_finite() && h > 0.0))
+        {
+            problems.add(budget.wrong("core_hours", "must be above 0"));
+        }
+        if found.runs.is_some() && found.core_hours.is_some() {
+            problems.add(budget.wrong("core_hours", "stands beside 'runs': keep one of both"));
+        }
+        found
+    });
+    let effects = fields.table("effects", problems);
+    let effects = effects.and_then(|effects| {
+        effects.check_keys(&keys::EFFECTS, problems);
+        let found: Option<Vec<String>> =
+            effects.optional("search", "a list of names of effects", problems);
+        for name in found.iter().flatten() {
+            if let Err(error) = effect_library::find(name) {
+                problems.add(effects.wrong("search", format!(": {error}")));
+            }
+        }
+        found
+    });
+    let compare = fields.table.contains_key("compare").then(|| {
+        let list = fields.list("compare", problems);
+        each(&list, problems, compare)
+    });
+    let mut changed = BTreeMap::new();
+    if !fields.path.is_empty()
+        && let Some(scenes) = fields.table("scene", problems)
+    {
+        for name in scenes.table.keys() {
+            if let Some(scene) = scenes.table(name, problems) {
+                scene.check_keys(&keys::PROFILE_SCENE, problems);
+                changed.insert(name.clone(), changes(&scene, problems));
+            }
+        }
+    }
+    Choices {
+        design: design(fields, problems),
+        budget,
+        effects,
+        compare,
+        changes: changed,
+        path: fields.path.clone(),
+    }
+}
+
+/// A `[[compare]]`.
+fn compare(fields: &Fields<'_>, problems: &mut Problems) -> Option<CompareEntry> {
+    fields.check_keys(&keys::COMPARE, problems);
+    let result = fields.required("result", "the name of a result", problems);
+    let value = fields.required("value", NUMBER, problems);
+    let sd: Option<f64> = fields.optional("sd", NUMBER, problems);
+    if sd.is_some_and(|sd| !(sd.is_finite() && sd > 0.0)) {
+        problems.add(fields.wrong("sd", "must be above 0, or left out"));
+    }
+    let source = fields.required(
+        "source",
+        "a text that says where it was published",
+        problems,
+    );
+    Some(CompareEntry {
+        result: result?,
+        value: value?,
+        sd,
+        source: source?,
+        path: fields.path.clone(),
+    })
+}
+
+/// Settings of the loop that can be meant, each checked alone.
+fn design(fields: &Fields<'_>, problems: &mut Problems) -> Table {
+    let Some(design) = fields.table("design", problems) else {
+        return Table::new();
+    };
+    design.check_keys(&keys::DESIGN, problems);
+    let mut kept = Table::new();
+    for (key, value) in design.table {
+        if !keys::DESIGN.contains(&key.as_str()) {
+            continue;
+        }
+        let alone = Table::from_iter([(key.clone(), value.clone())]);
+        match alone.clone().try_into::<LoopSettings>() {
+            Ok(settings) => match out_of_range(&settings) {
+                Some((wrong, problem)) if wrong == key => problems.add(design.wrong(key, problem)),
+                _ => kept.extend(alone),
+            },
+            Err(error) => {
+                let reason = error.message().replace('\n', ", ");
+                problems.add(design.wrong(key, format!("cannot be meant: {reason}")));
+            }
+        }
+    }
+    kept
+}
+
+/// The first setting of the loop that is too small, with what it must be.
+fn out_of_range(settings: &LoopSettings) -> Option<(&'static str, &'static str)> {
+    let alpha = settings.screening_alpha;
+    let demands = [
+        (settings.replicates >= 1, "replicates", "must be 1 or more"),
+        (
+            alpha > 0.0 && alpha < 1.0,
+            "screening_alpha",
+            "must lie between 0 and 1",
+        ),
+        (
+            settings.screening_least >= 1,
+            "screening_least",
+            "must be 1 or more",
+        ),
+        (
+            settings.confirmation_runs >= 1,
+            "confirmation_runs",
+            "must be 1 or more",
+        ),
+        (settings.check_runs >= 1, "check_runs", "must be 1 or more"),
+        (settings.most_boxes >= 1, "most_boxes", "must be 1 or more"),
+        (
+            settings.diagnosis_replicates >= 2,
+            "diagnosis_replicates",
+            "must be 2 or more: they give the noise of the simulator",
+        ),
+    ];
+    let wrong = demands.into_iter().find(|(holds, ..)| !holds);
+    wrong.map(|(_, key, problem)| (key, problem))
+}

@@ -1,0 +1,215 @@
+//! The tables of a study file, one by one.
+
+use super::photo::photo_options;
+use super::{MeasuredEntry, MeasuredValue, ParameterEntry, SceneEntry, settings};
+use crate::document::{Document, Fields, below};
+use crate::keys;
+use crate::problem::Problems;
+use calibration::Prior;
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+use toml::Value;
+
+/// What a number must be, for messages.
+pub(super) const NUMBER: &str = "a number";
+/// What a change of a scene must be.
+const CHANGES: &str = "a list of texts \"name = value\"";
+
+/// Entries of a list; those that cannot be read are left out.
+pub(super) fn each<T>(
+    list: &[Fields<'_>],
+    problems: &mut Problems,
+    read: fn(&Fields<'_>, &mut Problems) -> Option<T>,
+) -> Vec<T> {
+    list.iter()
+        .filter_map(|fields| read(fields, problems))
+        .collect()
+}
+
+/// A `[[scene]]`.
+pub(super) fn scene(fields: &Fields<'_>, problems: &mut Problems) -> Option<SceneEntry> {
+    fields.check_keys(&keys::SCENE, problems);
+    let name: Option<String> = fields.required("name", "a text", problems);
+    let file: Option<PathBuf> = fields.required("file", "the path of a scene file", problems);
+    let changes = changes(fields, problems);
+    let apparatus = fields.table("apparatus", problems);
+    if let Some(name) = &name
+        && (name.trim().is_empty() || name.contains(['@', '/']))
+    {
+        problems.add(fields.wrong("name", "must be a word without '@' and '/'"));
+    }
+    Some(SceneEntry {
+        name: name?,
+        file: file?,
+        changes,
+        apparatus: apparatus.map(|a| a.table.clone()),
+        path: fields.path.clone(),
+    })
+}
+
+/// Changes of a scene; those without an equals sign are told.
+pub(super) fn changes(fields: &Fields<'_>, problems: &mut Problems) -> Vec<String> {
+    let changes: Option<Vec<String>> = fields.optional("changes", CHANGES, problems);
+    let changes = changes.unwrap_or_default();
+    for change in &changes {
+        if !change.contains('=') {
+            let what = format!("{}: change '{change}'", fields.words);
+            let path = below(&fields.path, "changes");
+            let problem = "has no '=': write \"name = value\"";
+            problems.add(fields.document.problem(&path, what, problem));
+        }
+    }
+    changes.into_iter().filter(|c| c.contains('=')).collect()
+}
+
+/// Leaves out scenes whose name stands there twice.
+pub(super) fn refuse_twice(
+    document: &Document,
+    scenes: &mut Vec<SceneEntry>,
+    problems: &mut Problems,
+) {
+    let mut seen: Vec<String> = Vec::new();
+    scenes.retain(|scene| {
+        let twice = seen.contains(&scene.name);
+        if twice {
+            let what = format!("[[scene]] '{}'", scene.name);
+            let problem = "stands there twice: give each scene a name of its own";
+            problems.add(document.problem(&scene.path, what, problem));
+        }
+        seen.push(scene.name.clone());
+        !twice
+    });
+}
+
+/// A `[[parameter]]`.
+pub(super) fn parameter(fields: &Fields<'_>, problems: &mut Problems) -> Option<ParameterEntry> {
+    let symbol: Option<String> = fields.required("symbol", "a text", problems);
+    let fields = &Fields {
+        words: match &symbol {
+            Some(symbol) => format!("[[parameter]] {symbol}"),
+            None => fields.words.clone(),
+        },
+        ..fields.clone()
+    };
+    fields.check_keys(&keys::PARAMETER, problems);
+    let name = fields.optional("name", "a text", problems);
+    let sets: Option<Vec<String>> = fields.required("sets", "a list of dotted paths", problems);
+    if sets.as_ref().is_some_and(Vec::is_empty) {
+        problems.add(fields.wrong("sets", "is empty: name the settings of the scenes"));
+    }
+    let unit = fields.optional("unit", "a text such as \"mm\"", problems);
+    let low = fields.required("low", NUMBER, problems);
+    let high = fields.required("high", NUMBER, problems);
+    let limits = fields.optional("limits", "two numbers [lowest, highest]", problems);
+    let start = fields.optional("start", NUMBER, problems);
+    let prior = fields.table("prior", problems).and_then(|prior| {
+        prior.check_keys(&keys::PRIOR, problems);
+        let mean = prior.required("mean", NUMBER, problems);
+        let sd = prior.required("sd", NUMBER, problems);
+        Some(Prior {
+            mean: mean?,
+            sd: sd?,
+        })
+    });
+    Some(ParameterEntry {
+        symbol: symbol?,
+        name,
+        sets: sets?,
+        unit,
+        low: low?,
+        high: high?,
+        limits,
+        start,
+        prior,
+        path: fields.path.clone(),
+    })
+}
+
+/// A `[[measured]]`; whether its other keys are observables of the scene is asked later.
+pub(super) fn measured(fields: &Fields<'_>, problems: &mut Problems) -> Option<MeasuredEntry> {
+    let scene = fields.required("scene", "the name of a [[scene]]", problems);
+    let role = fields.required("role", "\"fit\", \"check\" or \"show\"", problems);
+    let condition = fields.table("condition", problems);
+    let condition = condition.map(|c| settings(&c, problems));
+    let mut values = BTreeMap::new();
+    for key in fields.table.keys() {
+        if !keys::MEASURED.contains(&key.as_str()) {
+            values.extend(value(fields, key, problems).map(|v| (key.clone(), v)));
+        }
+    }
+    let photos = match fields.table.get("photos") {
+        Some(Value::String(one)) => vec![PathBuf::from(one)],
+        Some(_) => fields
+            .optional("photos", "a folder, or a list of files", problems)
+            .unwrap_or_default(),
+        None => Vec::new(),
+    };
+    if fields.table.contains_key("photo") && !fields.table.contains_key("photos") {
+        problems.add(fields.wrong(
+            "photo",
+            "says how to read photos, but there are no 'photos'",
+        ));
+    }
+    let photo = fields.table("photo", problems);
+    let photo = photo.map(|photo| photo_options(&photo, problems));
+    let only_photos_wrong = fields.table.contains_key("photos") && photos.is_empty();
+    if values.is_empty() && photos.is_empty() && !only_photos_wrong {
+        let mut others = fields.table.keys();
+        if others.all(|k| keys::MEASURED.contains(&k.as_str())) {
+            let problem = "holds no measurement: add OBSERVABLE = { mean = ..., sd = ..., n = ... }, or photos";
+            problems.add(
+                fields
+                    .document
+                    .problem(&fields.path, fields.words.clone(), problem),
+            );
+        }
+    }
+    Some(MeasuredEntry {
+        scene: scene?,
+        condition: condition.unwrap_or_default(),
+        role: role?,
+        values,
+        photos,
+        photo: photo.unwrap_or_default(),
+        path: fields.path.clone(),
+    })
+}
+
+/// The mean of one observable.
+fn value(fields: &Fields<'_>, key: &str, problems: &mut Problems) -> Option<MeasuredValue> {
+    if !matches!(fields.table.get(key), Some(Value::Table(_))) {
+        let problem = format!(
+            "is no key of [[measured]] ({}), nor a measurement {{ mean = ..., sd = ..., n = ... }}",
+            keys::MEASURED.join(", ")
+        );
+        problems.add(fields.wrong(key, problem));
+        return None;
+    }
+    let value = fields.table(key, problems)?;
+    value.check_keys(&keys::VALUE, problems);
+    let mean: Option<f64> = value.required("mean", NUMBER, problems);
+    let sd: Option<f64> = value.required("sd", NUMBER, problems);
+    let n: Option<f64> = value.required("n", NUMBER, problems);
+    let mut demand = |key: &str, holds: bool, problem: &str| {
+        if !holds {
+            problems.add(value.wrong(key, problem));
+        }
+    };
+    demand("mean", mean.is_none_or(f64::is_finite), "must be finite");
+    demand(
+        "sd",
+        sd.is_none_or(|sd| sd.is_finite() && sd > 0.0),
+        "must be above 0: the standard deviation of the single values; where only one was read, the error of the \
+         reading",
+    );
+    demand(
+        "n",
+        n.is_none_or(|n| n.is_finite() && n >= 1.0),
+        "must be 1 or more: the number of independent values behind the mean",
+    );
+    Some(MeasuredValue {
+        mean: mean?,
+        sd: sd?,
+        n: n?,
+    })
+}

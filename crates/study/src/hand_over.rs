@@ -1,0 +1,133 @@
+//! What other programs take over: the parameters as a file of settings, and the drums as decks.
+
+use crate::{Error, Study, StudyResult};
+use calibration::Estimate;
+use command_line::{Overwrite, write_new};
+use exchange::vtk::File;
+use exchange::{lammps, liggghts};
+use scene::{Apparatus, FillingLibrary, Scene, starting_frame};
+use scene_simulator::{CalibratedParameter, ParameterFile};
+use serde::Serialize;
+use std::path::{Path, PathBuf};
+
+/// The parameters as a file that `--set-file` reads.
+pub fn parameter_file(estimates: &[Estimate]) -> ParameterFile {
+    let row = |e: &Estimate| CalibratedParameter {
+        symbol: e.symbol.clone(),
+        name: e.name.clone(),
+        sets: e.sets.clone(),
+        value: e.value,
+        unit: (e.unit != "1").then(|| e.unit.clone()),
+        se: e.se,
+        interval95: Some(e.interval95),
+        fixed_by_data: Some(e.fixed_by_data),
+        at_limit: Some(e.at_limit),
+    };
+    ParameterFile {
+        parameter: estimates.iter().map(row).collect(),
+        file: "parameters.toml".into(),
+    }
+}
+
+/// A scene with the estimates in the settings that it has.
+///
+/// # Errors
+///
+/// A value that the scene refuses.
+pub fn scene_at(scene: &Scene, estimates: &[Estimate]) -> Result<Scene, Error> {
+    let changes = parameter_file(estimates).overrides(scene)?;
+    Ok(scene.with(&changes)?)
+}
+
+/// Writes `parameters.toml`, and in `decks/SCENE/lammps` and `decks/SCENE/liggghts` every drum with the estimates.
+///
+/// A deck that the other program cannot run is left out; the reason joins the remarks of the result. Gives the files, in
+/// the order in which they were written; each is written whole or not at all.
+///
+/// # Errors
+///
+/// A file that cannot be written, an estimate that a scene refuses.
+pub fn write_hand_over(
+    folder: &Path,
+    study: &Study,
+    result: &mut StudyResult,
+) -> Result<Vec<PathBuf>, Error> {
+    let estimates = result.calibration.parameters.clone();
+    let path = folder.join("parameters.toml");
+    let text = parameter_file(&estimates).to_toml()?;
+    write(&path, text.as_bytes())?;
+    let mut written = vec![path];
+    let fillings = FillingLibrary::default();
+    for (name, scene) in &study.scenes {
+        if !matches!(scene.apparatus, Apparatus::Drum(_)) {
+            continue;
+        }
+        let scene = scene_at(scene, &estimates)?;
+        for (tool, deck) in [
+            ("lammps", lammps_deck(&scene, &fillings, result.seed)),
+            ("liggghts", liggghts_deck(&scene, &fillings, result.seed)),
+        ] {
+            let deck_folder = folder.join("decks").join(name).join(tool);
+            match deck {
+                Ok(files) => {
+                    for file in files {
+                        let path = deck_folder.join(&file.name);
+                        write(&path, file.text.as_bytes())?;
+                        written.push(path);
+                    }
+                }
+                Err(reason) => {
+                    let remark = format!("no deck of scene '{name}' for {tool}: {reason}");
+                    result.calibration.remarks.push(remark);
+                }
+            }
+        }
+    }
+    Ok(written)
+}
+
+/// A deck for LAMMPS.
+fn lammps_deck(
+    scene: &Scene,
+    fillings: &FillingLibrary,
+    seed: u64,
+) -> Result<Vec<File>, exchange::Error> {
+    let (frame, bodies, time_step) = starting_frame(scene, fillings, seed)?;
+    lammps::deck(scene, &bodies, &frame, time_step)
+}
+
+/// A deck for LIGGGHTS.
+fn liggghts_deck(
+    scene: &Scene,
+    fillings: &FillingLibrary,
+    seed: u64,
+) -> Result<Vec<File>, exchange::Error> {
+    let (_, bodies, time_step) = starting_frame(scene, fillings, seed)?;
+    liggghts::deck(scene, &bodies, time_step, seed)
+}
+
+/// Writes a result as JSON, whole or not at all; numbers that are not finite become null.
+///
+/// # Errors
+///
+/// A result without a form in JSON, a file that cannot be written.
+pub fn write_json(path: &Path, result: &impl Serialize) -> Result<(), Error> {
+    let mut bytes = serde_json::to_vec_pretty(result).map_err(|source| Error::Write {
+        path: path.to_owned(),
+        reason: source.to_string(),
+    })?;
+    bytes.push(b'\n');
+    write(path, &bytes)
+}
+
+/// Writes a file whole or not at all, over one of an earlier run; makes its folder where it is missing.
+fn write(path: &Path, bytes: &[u8]) -> Result<(), Error> {
+    let refused = |reason: String| Error::Write {
+        path: path.to_owned(),
+        reason,
+    };
+    if let Some(folder) = path.parent() {
+        std::fs::create_dir_all(folder).map_err(|e| refused(e.to_string()))?;
+    }
+    write_new(path, bytes, Overwrite::Allow).map_err(|e| refused(format!("{e:#}")))
+}

@@ -1,0 +1,75 @@
+//! Every key of the study file.
+
+/// Keys of the file itself.
+pub(crate) const STUDY: [&str; 9] = [
+    "name",
+    "scene",
+    "parameter",
+    "measured",
+    "compare",
+    "design",
+    "budget",
+    "effects",
+    "profile",
+];
+/// Keys of `[[scene]]`.
+pub(crate) const SCENE: [&str; 4] = ["name", "file", "changes", "apparatus"];
+/// Keys of `[[parameter]]`.
+pub(crate) const PARAMETER: [&str; 9] = [
+    "symbol", "name", "sets", "unit", "low", "high", "limits", "start", "prior",
+];
+/// Keys of `prior`.
+pub(crate) const PRIOR: [&str; 2] = ["mean", "sd"];
+/// Keys of `[[measured]]` beside the names of observables.
+pub(crate) const MEASURED: [&str; 5] = ["scene", "condition", "role", "photos", "photo"];
+/// Keys of an observable.
+pub(crate) const VALUE: [&str; 3] = ["mean", "sd", "n"];
+/// Keys of `photo`.
+pub(crate) const PHOTO: [&str; 5] = ["definition", "roll", "drum", "corners", "foreground"];
+/// Keys of `[[compare]]`.
+pub(crate) const COMPARE: [&str; 4] = ["result", "value", "sd", "source"];
+/// Keys of `[design]`: all settings of the loop but the seed, which the command line gives, and the budget.
+pub(crate) const DESIGN: [&str; 13] = [
+    "surface",
+    "replicates",
+    "centre_points",
+    "screening",
+    "screening_alpha",
+    "screening_least",
+    "before_runs",
+    "confirmation_runs",
+    "check_runs",
+    "most_confirmations",
+    "most_boxes",
+    "joint",
+    "diagnosis_replicates",
+];
+/// Keys of `[budget]`.
+pub(crate) const BUDGET: [&str; 2] = ["runs", "core_hours"];
+/// Keys of `[effects]`.
+pub(crate) const EFFECTS: [&str; 1] = ["search"];
+/// Keys of `[profile.NAME]`.
+pub(crate) const PROFILE: [&str; 5] = ["design", "budget", "effects", "compare", "scene"];
+/// Keys of a scene in a profile.
+pub(crate) const PROFILE_SCENE: [&str; 1] = ["changes"];
+
+/// Every key that a study file may have, by the kind of table; for documentation and its test.
+///
+/// The names of scenes in a profile, of profiles, of settings in a condition and of observables are free.
+pub fn keys_of_a_study() -> Vec<(&'static str, &'static [&'static str])> {
+    vec![
+        ("study", &STUDY),
+        ("scene", &SCENE),
+        ("parameter", &PARAMETER),
+        ("prior", &PRIOR),
+        ("measured", &MEASURED),
+        ("value", &VALUE),
+        ("photo", &PHOTO),
+        ("compare", &COMPARE),
+        ("design", &DESIGN),
+        ("budget", &BUDGET),
+        ("effects", &EFFECTS),
+        ("profile", &PROFILE),
+        ("profile scene", &PROFILE_SCENE),
+    ]
+}

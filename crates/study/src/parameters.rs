@@ -1,0 +1,264 @@
+//! The parameters of a study, resolved against its scenes.
+
+use crate::defaults::Defaults;
+use crate::document::{Document, below};
+use crate::file::ParameterEntry;
+use crate::limits::physical_limits;
+use crate::problem::{Problem, Problems};
+use crate::scenes::Models;
+use crate::setting::{change, leaf, number, paths, table_of};
+use calibration::{MOST_PARAMETERS, Parameter};
+use experiment_design::Factor;
+use scene::Scene;
+use toml::Table;
+
+/// Refuses counts, symbols and paths that stand there twice.
+pub(crate) fn check_all(document: &Document, entries: &[ParameterEntry], problems: &mut Problems) {
+    if entries.len() > MOST_PARAMETERS {
+        let what = format!("[[parameter]] x {}", entries.len());
+        let problem = format!(
+            "are too many: {MOST_PARAMETERS} can be calibrated at once; keep those that matter"
+        );
+        problems.add(document.problem("parameter", what, problem));
+    }
+    for (k, entry) in entries.iter().enumerate() {
+        let (before, words) = (&entries[..k], words(entry));
+        if before.iter().any(|o| o.symbol == entry.symbol) {
+            let path = below(&entry.path, "symbol");
+            let problem = "has the symbol of another: give each parameter its own";
+            problems.add(document.problem(&path, words.clone(), problem));
+        }
+        for (i, path) in entry.sets.iter().enumerate() {
+            let at = below(&below(&entry.path, "sets"), i);
+            let what = format!("{words}: sets '{path}',");
+            let other = before.iter().find(|o| o.sets.contains(path));
+            if let Some(other) = other {
+                let problem = format!(
+                    "which parameter {} sets too: one setting can have one parameter only",
+                    other.symbol
+                );
+                problems.add(document.problem(&at, what, problem));
+            } else if entry.sets[..i].contains(path) {
+                problems.add(document.problem(&at, what, "twice: name each setting once"));
+            }
+        }
+    }
+}
+
+/// A parameter in words.
+fn words(entry: &ParameterEntry) -> String {
+    format!("[[parameter]] {}", entry.symbol)
+}
+
+/// One parameter against the scenes.
+pub(crate) struct Resolver<'a> {
+    /// The study file.
+    pub(crate) document: &'a Document,
+    /// The models that the measurements ask for.
+    pub(crate) models: &'a Models,
+    /// Whether all scenes and measurements could be resolved.
+    pub(crate) complete: bool,
+    /// Settings of each scene, in the order of the file.
+    pub(crate) tables: &'a [(&'a Scene, Table)],
+}
+
+impl Resolver<'_> {
+    /// A problem of one key of a parameter.
+    fn wrong(&self, entry: &ParameterEntry, key: &str, problem: impl Into<String>) -> Problem {
+        let document = self.document;
+        let what = format!("{}: {key}", words(entry));
+        document.problem(&below(&entry.path, key), what, problem)
+    }
+
+    /// Checks a parameter. Values that the file leaves out are told; those that cannot be found are that of low.
+    pub(crate) fn resolve(
+        &self,
+        entry: &ParameterEntry,
+        defaults: &mut Defaults,
+        problems: &mut Problems,
+    ) -> Parameter {
+        let before = problems.count();
+        let unit = entry.unit.clone().unwrap_or_else(|| "1".into());
+        if let Err(error) = Factor::new(&entry.symbol, "", &unit, 0.0, 1.0) {
+            problems.add(self.wrong(entry, "symbol", format!(": {error}")));
+        }
+        self.check_paths(entry, problems);
+        let standing = self.standing(entry, problems);
+        let limits = Self::limits(entry, defaults);
+        self.check_numbers(entry, limits, problems);
+        if problems.count() == before {
+            self.check_ends(entry, limits, problems);
+        }
+        let start = entry.start.or_else(|| {
+            let value = standing?;
+            defaults.tell(
+                &format!("parameter {}: start", entry.symbol),
+                &value.to_string(),
+                "what stands in the first scene that has it",
+            );
+            Some(value)
+        });
+        if let Some(start) = start
+            && !(limits[0]..=limits[1]).contains(&start)
+        {
+            let [least, most] = limits;
+            let problem = format!(
+                "= {start} lies outside the limits {least} to {most}: state another start, or wider limits"
+            );
+            problems.add(self.wrong(entry, "start", problem));
+        }
+        let first_path = || entry.sets.first().cloned().unwrap_or_default();
+        Parameter {
+            symbol: entry.symbol.clone(),
+            name: entry.name.clone().unwrap_or_else(first_path),
+            unit,
+            sets: entry.sets.clone(),
+            range: [entry.low, entry.high],
+            limits,
+            start: start.unwrap_or(entry.low),
+            prior: entry.prior,
+        }
+    }
+
+    /// Refuses paths that no scene has, and parameters on which no run depends.
+    fn check_paths(&self, entry: &ParameterEntry, problems: &mut Problems) {
+        if !self.complete {
+            return;
+        }
+        let mut exists = true;
+        for (i, path) in entry.sets.iter().enumerate() {
+            if self.tables.iter().any(|(_, t)| leaf(t, path).is_some()) {
+                continue;
+            }
+            exists = false;
+            let at = below(&below(&entry.path, "sets"), i);
+            let what = format!("{}: sets '{path}',", words(entry));
+            let near = self.near(path);
+            let problem = format!("a setting that no scene has; there are {near}");
+            problems.add(self.document.problem(&at, what, problem));
+        }
+        let mut models = 0..self.models.models.len();
+        let sound = entry.low.is_finite() && entry.high.is_finite() && entry.low < entry.high;
+        if exists && sound && !models.any(|model| self.models.depends_on(model, entry)) {
+            let problem = "changes nothing in any scene that is measured: remove the parameter, or measure a scene in \
+                           which these surfaces meet";
+            problems.add(self.wrong(entry, "sets", problem));
+        }
+    }
+
+    /// Settings with a like name.
+    fn near(&self, path: &str) -> String {
+        let last = path.rsplit('.').next().unwrap_or(path);
+        let mut all: Vec<String> = self.tables.iter().flat_map(|(_, t)| paths(t)).collect();
+        all.sort();
+        all.dedup();
+        let like: Vec<String> = all.iter().filter(|p| p.ends_with(last)).cloned().collect();
+        if like.is_empty() { all } else { like }.join(", ")
+    }
+
+    /// The number that stands in the first scene that has one of the settings; refuses settings that are no number
+    /// in the unit.
+    fn standing(&self, entry: &ParameterEntry, problems: &mut Problems) -> Option<f64> {
+        let mut first = None;
+        for path in &entry.sets {
+            for (_, table) in self.tables {
+                let Some(value) = leaf(table, path) else {
+                    continue;
+                };
+                match number(value, entry.unit.as_deref()) {
+                    Ok(value) => {
+                        first.get_or_insert(value);
+                    }
+                    Err(reason) => {
+                        let key = if entry.unit.is_some() { "unit" } else { "sets" };
+                        problems.add(self.wrong(entry, key, format!("'{path}' {reason}")));
+                    }
+                }
+            }
+        }
+        first
+    }
+
+    /// The limits as stated, or what is physically possible, or the range.
+    fn limits(entry: &ParameterEntry, defaults: &mut Defaults) -> [f64; 2] {
+        if let Some(limits) = entry.limits {
+            return limits;
+        }
+        let known = entry.sets.iter().filter_map(|path| physical_limits(path));
+        let narrowest = known.reduce(|a, b| [a[0].max(b[0]), a[1].min(b[1])]);
+        let (limits, why) = match narrowest {
+            Some(limits) => (limits, "what is physically possible for such a setting"),
+            None => (
+                [entry.low, entry.high],
+                "low and high: nothing is known of such a setting",
+            ),
+        };
+        let [least, most] = limits;
+        defaults.tell(
+            &format!("parameter {}: limits", entry.symbol),
+            &format!("{least} to {most}"),
+            why,
+        );
+        limits
+    }
+
+    /// Refuses numbers that are out of order.
+    fn check_numbers(&self, entry: &ParameterEntry, limits: [f64; 2], problems: &mut Problems) {
+        let (low, high, [least, most]) = (entry.low, entry.high, limits);
+        if !(least.is_finite() && most.is_finite() && least < most) {
+            let problem = format!("{least} to {most} must be two finite numbers that rise");
+            problems.add(self.wrong(entry, "limits", problem));
+        }
+        if !(low.is_finite() && high.is_finite() && low < high) {
+            let problem = format!("= {low} and high = {high} must be finite and rise");
+            problems.add(self.wrong(entry, "low", problem));
+            return;
+        }
+        for (key, value) in [("low", low), ("high", high)] {
+            if !(least..=most).contains(&value) {
+                let problem = format!(
+                    "= {value} lies outside the limits {least} to {most}: the search begins within them; narrow the \
+                     range, or state wider limits"
+                );
+                problems.add(self.wrong(entry, key, problem));
+            }
+        }
+        if let Some(prior) = entry.prior
+            && !(prior.mean.is_finite() && prior.sd.is_finite() && prior.sd > 0.0)
+        {
+            let problem = format!(
+                "{} +- {} needs a finite mean and an sd above 0",
+                prior.mean, prior.sd
+            );
+            problems.add(self.wrong(entry, "prior", problem));
+        }
+    }
+
+    /// Refuses limits that a scene does not take.
+    fn check_ends(&self, entry: &ParameterEntry, limits: [f64; 2], problems: &mut Problems) {
+        for (scene, table) in self.tables {
+            let of_scene = entry.sets.iter().filter(|p| leaf(table, p).is_some());
+            let of_scene: Vec<&String> = of_scene.collect();
+            for value in limits {
+                let changes: Vec<_> = of_scene
+                    .iter()
+                    .map(|path| change(path, value, entry.unit.as_deref()))
+                    .collect();
+                if let Err(error) = scene.with(&changes) {
+                    // The message of a text that cannot be read ends with a line of its own.
+                    let reason = error.to_string();
+                    let problem = format!(
+                        "reach {value}, which a scene refuses: {}; narrow them",
+                        reason.trim_end()
+                    );
+                    problems.add(self.wrong(entry, "limits", problem));
+                }
+            }
+        }
+    }
+}
+
+/// Settings of each scene.
+pub(crate) fn tables<'a>(scenes: impl Iterator<Item = &'a Scene>) -> Vec<(&'a Scene, Table)> {
+    scenes.map(|scene| (scene, table_of(scene))).collect()
+}

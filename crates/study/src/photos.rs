@@ -1,0 +1,182 @@
+//! Photos in the place of numbers, read by the ruler that reads the simulated frames.
+
+use crate::file::{MeasuredValue, PhotoOptions};
+use photo_profile::{
+    DrumPixels, Mode, PhotoPixels, PhotoReading, PixelPoint, Settings, Verdict, measure_photo,
+    picture_files, read_frames, rectify,
+};
+use serde::Serialize;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use surface_profile::{Definition, summarise};
+
+/// The photos of one measurement.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct PhotoSeries {
+    /// The files, in the order in which they were read.
+    pub files: Vec<PathBuf>,
+    /// Angle of each frame, deg.
+    pub angles_deg: Vec<f64>,
+    /// Its standard error from that one frame, deg.
+    pub angle_se_deg: Vec<f64>,
+    /// What was taken over from them.
+    pub values: BTreeMap<String, MeasuredValue>,
+    /// What a reader should know.
+    pub remarks: Vec<String>,
+}
+
+/// The quantities of one frame, and the standard error of its angle, rad.
+struct FrameValues {
+    /// Values by observable.
+    values: Vec<(&'static str, f64)>,
+    /// Standard error of the first, in its unit.
+    error: f64,
+}
+
+/// Reads all photos of a measurement; every one that cannot be measured is told.
+///
+/// From two frames on, the standard deviation is that between the frames and n the effective number of independent ones
+/// ([`surface_profile::summarise`]). One frame tells no scatter: the standard deviation is then the standard error of its
+/// reading with n = 1, which leaves out how the angle changes from frame to frame; curvature and S-shape have no such
+/// error and are left out.
+pub(crate) fn read(
+    photos: &[PathBuf],
+    options: &PhotoOptions,
+    heap: bool,
+    observables: &[&str],
+) -> Result<PhotoSeries, Vec<String>> {
+    let files = picture_files(photos).map_err(|e| vec![in_full(&e)])?;
+    let mut series = PhotoSeries {
+        files,
+        angles_deg: Vec::new(),
+        angle_se_deg: Vec::new(),
+        values: BTreeMap::new(),
+        remarks: Vec::new(),
+    };
+    let (mut wrong, mut frames) = (Vec::new(), Vec::new());
+    for file in &series.files {
+        match read_file(file, options, heap) {
+            Ok(of_file) => frames.extend(of_file),
+            Err(reason) => wrong.push(format!("photo '{}' {reason}", file.display())),
+        }
+    }
+    if !wrong.is_empty() {
+        return Err(wrong);
+    }
+    let angle = |f: &FrameValues| f.values.first().map_or(f64::NAN, |(_, v)| *v);
+    series.angles_deg = frames.iter().map(angle).collect();
+    series.angle_se_deg = frames.iter().map(|f| f.error).collect();
+    take_over(&frames, observables, &mut series);
+    if series.values.is_empty() {
+        return Err(vec![format!(
+            "show an angle, which this scene does not give; it gives {}",
+            observables.join(", ")
+        )]);
+    }
+    Ok(series)
+}
+
+/// Means over the frames, for the observables that the scene gives.
+fn take_over(frames: &[FrameValues], observables: &[&str], series: &mut PhotoSeries) {
+    let Some(first) = frames.first() else { return };
+    for (k, (name, value)) in first.values.iter().enumerate() {
+        if !observables.contains(name) {
+            continue;
+        }
+        let all = frames.iter().filter_map(|f| Some(f.values.get(k)?.1));
+        let all: Vec<f64> = all.collect();
+        let taken = match (all.len(), summarise(&all)) {
+            (1, _) if k == 0 => Some(MeasuredValue {
+                mean: *value,
+                sd: first.error,
+                n: 1.0,
+            }),
+            (2.., Ok(s)) => Some(MeasuredValue {
+                mean: s.mean,
+                sd: s.sd,
+                n: s.n_effective,
+            }),
+            _ => None,
+        };
+        match taken {
+            Some(taken) if taken.sd > 0.0 => {
+                series.values.insert((*name).to_owned(), taken);
+                if all.len() == 1 {
+                    series.remarks.push(format!(
+                        "{name}: one photo; its sd is the standard error of the reading, and what changes from frame \
+                         to frame is not in it"
+                    ));
+                }
+            }
+            Some(_) => series.remarks.push(format!(
+                "{name}: left out, all frames show the same value: are they copies of one photo?"
+            )),
+            None => series
+                .remarks
+                .push(format!("{name}: left out, one photo tells no error of it")),
+        }
+    }
+}
+
+/// The frames of one file, or why one of them cannot be measured.
+fn read_file(file: &Path, options: &PhotoOptions, heap: bool) -> Result<Vec<FrameValues>, String> {
+    let refused = |e: photo_profile::Error| format!("cannot be read: {}", in_full(&e));
+    let settings = Settings {
+        drum: options.drum.map(|[cx, cy, r]| DrumPixels { cx, cy, r }),
+        camera_roll: options.roll_rad,
+        definition: Definition::Line,
+        mode: if heap { Mode::Heap } else { Mode::Drum },
+        foreground: options.foreground,
+    };
+    let mut found = Vec::new();
+    for frame in read_frames(file).map_err(refused)? {
+        let reading = match options.corners {
+            Some(corners) => {
+                let corners = corners.map(|[x, y]| PixelPoint { x, y });
+                let flat = rectify(&frame, corners).map_err(refused)?;
+                measure_photo(&PhotoPixels::from_picture(&flat.into()), &settings)
+            }
+            None => measure_photo(&PhotoPixels::from_picture(&frame), &settings),
+        };
+        let reading = reading.map_err(refused)?;
+        if let Verdict::Refused { reason } = &reading.verdict {
+            return Err(format!(
+                "shows no surface that can be measured: {reason}; take it out, or say how to read it with photo = \
+                 {{ ... }}"
+            ));
+        }
+        found.extend(values_of(&reading));
+    }
+    Ok(found)
+}
+
+/// What one reading says.
+fn values_of(reading: &PhotoReading) -> Option<FrameValues> {
+    if let Some(angle) = &reading.angle {
+        return Some(FrameValues {
+            values: vec![
+                ("angle_deg", angle.line.to_degrees()),
+                ("curvature", angle.curvature),
+                ("s_shape", angle.s_shape),
+            ],
+            error: angle.standard_error.to_degrees(),
+        });
+    }
+    let heap = reading.heap.as_ref()?;
+    Some(FrameValues {
+        values: vec![("angle_of_repose_deg", heap.mean.to_degrees())],
+        error: heap.standard_error.to_degrees(),
+    })
+}
+
+/// An error with its causes.
+fn in_full(error: &dyn std::error::Error) -> String {
+    let mut text = error.to_string();
+    let mut cause = error.source();
+    while let Some(next) = cause {
+        text.push_str(": ");
+        text.push_str(&next.to_string());
+        cause = next.source();
+    }
+    text
+}

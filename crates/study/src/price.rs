@@ -1,0 +1,231 @@
+//! What a study would cost, told before the first run.
+
+use crate::Error;
+use crate::file::Budget;
+use calibration::PlannedStage;
+use campaign::{RunRequest, Simulator};
+use run_store::{Lookup, Record, Store};
+use scene_simulator::{RunDetails, TimingDetails};
+use serde::Serialize;
+
+/// Time of one core for one unit of [`Simulator::expected_cost`], s.
+///
+/// A guess of ours for as long as no planned run is finished: the drum of 1200 seeds of 140 spheres takes some 20 s for a cost of 8200. Other machines and
+/// seeds of few spheres differ by a factor of several. Nothing but the estimate told and a budget in core hours
+/// depends on it.
+const SECONDS_PER_COST: f64 = 0.0025;
+
+/// What a stage would cost.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct StagePrice {
+    /// Name of the stage.
+    pub stage: String,
+    /// Number of runs, at most.
+    pub runs: usize,
+    /// Time of one core, s.
+    pub core_s: f64,
+}
+
+/// What a study would cost.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Price {
+    /// By stage.
+    pub stages: Vec<StagePrice>,
+    /// Runs of all stages, at most.
+    pub runs: usize,
+    /// Time of one core, s.
+    pub core_s: f64,
+    /// Whether the times follow from planned runs whose records are in the folder, and not from a guess.
+    pub measured: bool,
+    /// Most runs by the budget; none without one.
+    pub most_runs: Option<usize>,
+}
+
+/// Prices the stages, by the pace of the planned runs that a store has, or by a guess. A budget in core hours is turned
+/// into runs by the mean cost of the planned ones, always by the guess: a study that is taken up again keeps its budget.
+pub(crate) fn of(
+    simulator: &dyn Simulator,
+    stages: &[PlannedStage],
+    budget: Budget,
+    store: Option<&Store>,
+) -> Result<Price, Error> {
+    let cost = |request: &RunRequest| {
+        let cost = simulator.expected_cost(request);
+        // As the campaign counts it.
+        if cost.is_finite() && cost > 0.0 {
+            cost
+        } else {
+            1.0
+        }
+    };
+    let (mut known_cost, mut known_s) = (0.0, 0.0);
+    for request in stages.iter().flat_map(|s| &s.requests) {
+        if let Some(store) = store
+            && let Some(seconds) = seconds_of(simulator, request, store)?
+        {
+            known_cost += cost(request);
+            known_s += seconds;
+        }
+    }
+    let pace = if known_cost > 0.0 {
+        known_s / known_cost
+    } else {
+        SECONDS_PER_COST
+    };
+    let price = |stage: &PlannedStage| StagePrice {
+        stage: stage.stage.clone(),
+        runs: stage.requests.len(),
+        core_s: stage
+            .requests
+            .iter()
+            .fold(0.0, |sum, r| sum + pace * cost(r)),
+    };
+    let all = stages.iter().flat_map(|s| &s.requests);
+    let guess_s = all.fold(0.0, |sum, r| sum + SECONDS_PER_COST * cost(r));
+    let stages: Vec<StagePrice> = stages.iter().map(price).collect();
+    let runs = stages.iter().map(|s| s.runs).sum();
+    let core_s = stages.iter().fold(0.0, |sum, s| sum + s.core_s);
+    Ok(Price {
+        measured: known_cost > 0.0,
+        most_runs: most_runs(budget, runs, guess_s),
+        stages,
+        runs,
+        core_s,
+    })
+}
+
+/// Time of one core that a run took, s; none where the store has no record of it, or the run was only seen anew by another
+/// camera.
+fn seconds_of(
+    simulator: &dyn Simulator,
+    request: &RunRequest,
+    store: &Store,
+) -> Result<Option<f64>, Error> {
+    let Ok(inputs) = simulator.inputs(request) else {
+        return Ok(None);
+    };
+    let blank = Record::new(&simulator.version(), inputs, request.seed)?;
+    let Lookup::Found(record) = store.get(blank.key())? else {
+        return Ok(None);
+    };
+    let timing = RunDetails::of(&record).ok().map(|details| details.timing);
+    Ok(timing.filter(|t| !t.only_seen).map(|t| of_core(&t)))
+}
+
+/// Most runs by a budget, at least one.
+fn most_runs(budget: Budget, runs: usize, core_s: f64) -> Option<usize> {
+    let by_time = budget.core_hours.map(|hours| {
+        let each = core_s / runs.max(1) as f64;
+        let affordable = (hours * 3600.0 / each.max(f64::MIN_POSITIVE)).clamp(1.0, 1e9);
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "between 1 and a thousand million"
+        )]
+        let whole = affordable as usize;
+        whole
+    });
+    budget.runs.or(by_time)
+}
+
+/// Time of one core, s. Where the system told no time of the processor, the wall time stands for it: a run of a study is
+/// one thread.
+fn of_core(timing: &TimingDetails) -> f64 {
+    timing.cpu_s.unwrap_or(timing.wall_s)
+}
+
+/// Time of one core that the runs in a store took, s.
+pub(crate) fn core_seconds(store: &Store) -> Result<f64, Error> {
+    let mut sum = 0.0;
+    for key in store.keys()? {
+        if let Lookup::Found(record) = store.get(&key)? {
+            sum += RunDetails::of(&record).map_or(0.0, |details| of_core(&details.timing));
+        }
+    }
+    Ok(sum)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{SECONDS_PER_COST, most_runs, of};
+    use crate::Budget;
+    use calibration::PlannedStage;
+    use campaign::{RunOutcome, RunRequest, Simulator, SimulatorError};
+    use run_store::{Record, Store};
+
+    /// A run of model m costs 3.
+    struct Three;
+
+    impl Simulator for Three {
+        fn version(&self) -> String {
+            "three".into()
+        }
+
+        fn run(&self, _: &RunRequest) -> Result<RunOutcome, SimulatorError> {
+            Ok(RunOutcome::default())
+        }
+
+        fn expected_cost(&self, _: &RunRequest) -> f64 {
+            3.0
+        }
+    }
+
+    /// Ten runs of cost 3; one of them is in the folder and took 6 s, so that a cost of 1 takes 2 s.
+    #[test]
+    fn the_price_follows_the_runs_that_are_there() {
+        let requests: Vec<_> = (1..=10).map(|seed| RunRequest::new("m", seed)).collect();
+        let stage = PlannedStage {
+            stage: "surfaces".into(),
+            requests: requests.clone(),
+        };
+        let stages = [stage];
+        let folder = tempfile::tempdir().unwrap();
+        let store = Store::open(folder.path()).unwrap();
+        let budget = Budget {
+            runs: None,
+            core_hours: Some(18.0 / 3600.0),
+        };
+        let guess = of(&Three, &stages, budget, Some(&store)).unwrap();
+        assert!(!guess.measured);
+        assert!((guess.core_s - 30.0 * SECONDS_PER_COST).abs() < 1e-12);
+        let record = Record::new("three", Three.inputs(&requests[4]).unwrap(), 5).unwrap();
+        let details = serde_json::json!({
+            "steady": true, "start_up_s": null, "froude_number": null, "last_frame_png_base64": null,
+            "frames": {
+                "times_s": [], "angles_deg": [], "angles_by_position_deg": [], "filling_angles_deg": [],
+                "refused": 0, "effective_number": null,
+            },
+            "series": { "time_s": [], "centre_of_mass_deg": [] },
+            "timing": {
+                "time_step_s": 1e-4, "settling_time_step_s": 1e-4, "steps": 1, "bodies": 1, "spheres": 1,
+                "threads": 1, "wall_s": 6.5, "cpu_s": 6.0, "filling_s": null, "us_per_step": null,
+                "sphere_steps_per_s": null, "continued": false, "only_seen": false,
+            },
+        });
+        store.put(&record.with_details(details)).unwrap();
+        let price = of(&Three, &stages, budget, Some(&store)).unwrap();
+        assert!(price.measured);
+        assert_eq!((price.runs, price.core_s), (10, 60.0));
+        assert_eq!(
+            price.most_runs, guess.most_runs,
+            "a budget does not follow the pace"
+        );
+    }
+
+    /// 100 runs of 36 s each: a core hour pays for 100 of them, half an hour for 50.
+    #[test]
+    fn a_budget_of_core_hours_becomes_runs() {
+        let hours = |h: f64| Budget {
+            core_hours: Some(h),
+            runs: None,
+        };
+        assert_eq!(most_runs(hours(1.0), 100, 3600.0), Some(100));
+        assert_eq!(most_runs(hours(0.5), 100, 3600.0), Some(50));
+        assert_eq!(most_runs(Budget::default(), 100, 3600.0), None);
+        let runs = Budget {
+            runs: Some(7),
+            core_hours: None,
+        };
+        assert_eq!(most_runs(runs, 100, 3600.0), Some(7));
+    }
+}

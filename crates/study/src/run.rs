@@ -1,0 +1,143 @@
+//! Running a study: the only place that calls the loop.
+
+use crate::compare::compare;
+use crate::price::{self, Price};
+use crate::{DiagnosisResult, Error, Study, StudyResult};
+use calibration::LoopSettings;
+use campaign::{Campaign, Pace, Progress};
+use run_store::Store;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::AtomicBool;
+use std::time::Instant;
+
+/// How a study is run.
+#[derive(Clone)]
+pub struct RunSettings<'a> {
+    /// First seed.
+    pub seed: u64,
+    /// Runs at a time.
+    pub threads: usize,
+    /// Result folder; the records are in its folder `runs`.
+    pub folder: PathBuf,
+    /// Hears of each run.
+    pub progress: &'a dyn Progress,
+    /// Once it is true no further run begins.
+    pub stop: &'a AtomicBool,
+}
+
+impl std::fmt::Debug for RunSettings<'_> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("RunSettings")
+            .field("seed", &self.seed)
+            .field("threads", &self.threads)
+            .field("folder", &self.folder)
+            .finish_non_exhaustive()
+    }
+}
+
+/// What a study would run at most, stage by stage, and what that takes; the pace of runs whose records are in the result
+/// folder is taken over.
+///
+/// # Errors
+///
+/// A design that cannot be made, a mesh or a record that cannot be read.
+pub fn plan_study(study: &Study, seed: u64, folder: &Path) -> Result<Price, Error> {
+    let simulator = study.simulator()?;
+    let settings = study.settings_with(seed);
+    let stages = calibration::planned(&study.problem, &settings)?;
+    let runs = folder.join("runs");
+    // Planning makes no folder.
+    let store = runs.is_dir().then(|| Store::open(&runs)).transpose()?;
+    price::of(&simulator, &stages, study.budget, store.as_ref())
+}
+
+/// Runs all stages of a study.
+///
+/// `announce` is told each stage as it begins.
+///
+/// # Errors
+///
+/// Runs that failed, a store that cannot be used, a stage that cannot be computed.
+pub fn run_study(
+    study: &Study,
+    settings: &RunSettings<'_>,
+    announce: &dyn Fn(&str),
+) -> Result<StudyResult, Error> {
+    let begin = Instant::now();
+    let simulator = study.simulator()?;
+    let store = Store::open(settings.folder.join("runs"))?;
+    let pace = Pace::new();
+    let campaign = Campaign::new(&store, settings.threads, settings.progress)
+        .with_stop(settings.stop)
+        .with_pace(&pace);
+    let with_seed = study.settings_with(settings.seed);
+    let stages = calibration::planned(&study.problem, &with_seed)?;
+    let most_runs = price::of(&simulator, &stages, study.budget, None)?.most_runs;
+    let within = LoopSettings {
+        most_runs,
+        ..with_seed
+    };
+    let calibration =
+        calibration::calibrate(&campaign, &simulator, &study.problem, &within, announce)?;
+    Ok(StudyResult {
+        name: study.problem.id.clone(),
+        profile: study.profile.clone(),
+        version: env!("CARGO_PKG_VERSION").into(),
+        seed: settings.seed,
+        inputs: study.inputs.clone(),
+        compare: compare(&study.compare, &study.problem, &calibration),
+        calibration,
+        defaults: study.defaults.clone(),
+        not_applicable: study.not_applicable.clone(),
+        core_s: price::core_seconds(&store)?,
+        wall_s: begin.elapsed().as_secs_f64(),
+    })
+}
+
+/// Asks what is missing, starting from given parameters: the last stage alone.
+///
+/// # Errors
+///
+/// As [`run_study`].
+pub fn run_diagnosis(
+    study: &Study,
+    at: &[f64],
+    settings: &RunSettings<'_>,
+    announce: &dyn Fn(&str),
+) -> Result<DiagnosisResult, Error> {
+    let begin = Instant::now();
+    let simulator = study.simulator()?;
+    let store = Store::open(settings.folder.join("runs"))?;
+    let pace = Pace::new();
+    let campaign = Campaign::new(&store, settings.threads, settings.progress)
+        .with_stop(settings.stop)
+        .with_pace(&pace);
+    let within = study.settings_with(settings.seed);
+    let diagnosis =
+        calibration::diagnose_at(&campaign, &simulator, &study.problem, &within, at, announce)?;
+    let symbols = study.problem.parameters.iter().map(|p| p.symbol.clone());
+    Ok(DiagnosisResult {
+        name: study.problem.id.clone(),
+        profile: study.profile.clone(),
+        version: env!("CARGO_PKG_VERSION").into(),
+        seed: settings.seed,
+        inputs: study.inputs.clone(),
+        at: symbols.zip(at.iter().copied()).collect::<BTreeMap<_, _>>(),
+        diagnosis,
+        defaults: study.defaults.clone(),
+        not_applicable: study.not_applicable.clone(),
+        core_s: price::core_seconds(&store)?,
+        wall_s: begin.elapsed().as_secs_f64(),
+    })
+}
+
+impl Study {
+    /// The settings of the loop with the seed of a run.
+    fn settings_with(&self, seed: u64) -> LoopSettings {
+        LoopSettings {
+            seed,
+            ..self.settings.clone()
+        }
+    }
+}

@@ -1,0 +1,192 @@
+//! From the entries of a study file to scenes, and to the models that a calibration knows.
+
+use crate::document::Document;
+use crate::file::{Choices, ParameterEntry, SceneEntry, StudyFile};
+use crate::problem::{Problem, Problems};
+use crate::setting::{change, leaf, table_of};
+use calibration::Model;
+use scene::{Apparatus, FillingLibrary, Override, Scene};
+use std::collections::BTreeMap;
+use std::path::Path;
+
+/// The scenes of a study, each read once with its changes.
+pub(crate) struct Scenes<'a> {
+    /// The study file.
+    pub(crate) document: &'a Document,
+    /// Scenes by name.
+    pub(crate) by_name: BTreeMap<String, Scene>,
+    /// Bodies made for the check.
+    pub(crate) fillings: FillingLibrary,
+}
+
+/// Changes `name = value`; texts without an equals sign were refused before.
+fn overrides(changes: &[String]) -> Vec<Override> {
+    let split = |text: &String| {
+        let (name, value) = text.split_once('=')?;
+        Some(Override {
+            name: name.trim().into(),
+            value: value.trim().into(),
+        })
+    };
+    changes.iter().filter_map(split).collect()
+}
+
+impl<'a> Scenes<'a> {
+    /// Reads all scenes, with the changes of the file and then those of the choices.
+    pub(crate) fn read(
+        document: &'a Document,
+        file: &StudyFile,
+        choices: &Choices,
+        folder: &Path,
+        problems: &mut Problems,
+    ) -> Self {
+        let mut by_name = BTreeMap::new();
+        let fillings = FillingLibrary::default();
+        for entry in &file.scenes {
+            let further = choices.changes.get(&entry.name);
+            let further = further.map_or(&[][..], Vec::as_slice);
+            let at = |reason: String| scene_problem(document, entry, reason);
+            match read_scene(entry, folder, further) {
+                Ok(scene) => {
+                    // A scene that is measured is built under each of its conditions instead.
+                    let measured = file.measured.iter().any(|m| m.scene == entry.name);
+                    if let (false, Err(error)) = (measured, scene.build_check(&fillings)) {
+                        problems.add(at(error.to_string()));
+                    }
+                    by_name.insert(entry.name.clone(), scene);
+                }
+                Err(reasons) => reasons.into_iter().for_each(|r| problems.add(at(r))),
+            }
+        }
+        Self {
+            document,
+            by_name,
+            fillings,
+        }
+    }
+
+    /// The scene under a condition.
+    pub(crate) fn under(
+        &self,
+        name: &str,
+        condition: &BTreeMap<String, String>,
+    ) -> Option<Result<Scene, scene::Error>> {
+        let scene = self.by_name.get(name)?;
+        let changes: Vec<Override> = condition
+            .iter()
+            .map(|(name, value)| Override {
+                name: name.clone(),
+                value: value.clone(),
+            })
+            .collect();
+        Some(scene.with(&changes))
+    }
+}
+
+/// A problem of a scene.
+fn scene_problem(document: &Document, entry: &SceneEntry, reason: String) -> Problem {
+    let what = format!("[[scene]] '{}':", entry.name);
+    document.problem(&entry.path, what, reason)
+}
+
+/// One scene, or all that is wrong with it.
+fn read_scene(entry: &SceneEntry, folder: &Path, further: &[String]) -> Result<Scene, Vec<String>> {
+    let file = folder.join(&entry.file);
+    let told = |error: scene::Error| vec![error.to_string()];
+    let mut scene = Scene::read_all(&file, &[])
+        .map_err(|all| all.iter().map(ToString::to_string).collect::<Vec<_>>())?;
+    if let Some(apparatus) = &entry.apparatus {
+        let apparatus: Apparatus = apparatus.clone().try_into().map_err(|e: toml::de::Error| {
+            vec![format!("apparatus cannot be meant: {}", e.message())]
+        })?;
+        scene = scene.on_bench(apparatus).map_err(told)?;
+    }
+    // One after the other, so that all that are wrong are told.
+    let mut wrong = Vec::new();
+    for change in overrides(&entry.changes)
+        .into_iter()
+        .chain(overrides(further))
+    {
+        match scene.with(std::slice::from_ref(&change)) {
+            Ok(changed) => scene = changed,
+            Err(error) => wrong.push(format!(
+                "change '{} = {}': {error}",
+                change.name, change.value
+            )),
+        }
+    }
+    if wrong.is_empty() {
+        Ok(scene)
+    } else {
+        Err(wrong)
+    }
+}
+
+/// The models of a study.
+#[derive(Debug, Default)]
+pub(crate) struct Models {
+    /// As the calibration knows them; their parameters are found later.
+    pub(crate) models: Vec<Model>,
+    /// The scenes that they run, in the same order.
+    pub(crate) scenes: Vec<Scene>,
+}
+
+impl Models {
+    /// Number of the model of a scene under a condition, and whether it is new; the same scene under another name of
+    /// the condition is the same model.
+    pub(crate) fn number_of(
+        &mut self,
+        name: &str,
+        condition: &BTreeMap<String, String>,
+        scene: Scene,
+    ) -> (usize, bool) {
+        let mut all = self.models.iter().zip(&self.scenes);
+        if let Some(known) = all.position(|(m, s)| m.scene == name && *s == scene) {
+            return (known, false);
+        }
+        self.models.push(Model {
+            name: model_name(name, condition),
+            scene: name.to_owned(),
+            condition: condition.clone(),
+            parameters: Vec::new(),
+        });
+        self.scenes.push(scene);
+        (self.models.len() - 1, true)
+    }
+
+    /// Whether a run of a model depends on a parameter: at its two ends of the range the scene differs in what can
+    /// matter.
+    pub(crate) fn depends_on(&self, model: usize, entry: &ParameterEntry) -> bool {
+        let Some(scene) = self.scenes.get(model) else {
+            return false;
+        };
+        let table = table_of(scene);
+        let of_scene: Vec<&String> = entry
+            .sets
+            .iter()
+            .filter(|p| leaf(&table, p).is_some())
+            .collect();
+        let at = |value: f64| {
+            let change = |path: &&String| change(path, value, entry.unit.as_deref());
+            let changes: Vec<Override> = of_scene.iter().map(change).collect();
+            scene.with(&changes).ok().map(|scene| scene.reduced())
+        };
+        // A value that the scene refuses is told elsewhere.
+        !of_scene.is_empty() && at(entry.low) != at(entry.high)
+    }
+}
+
+/// The name of a model: `drum`, or `drum @ apparatus.speed = 15 rpm`.
+pub(crate) fn model_name(scene: &str, condition: &BTreeMap<String, String>) -> String {
+    if condition.is_empty() {
+        scene.to_owned()
+    } else {
+        format!("{scene} @ {}", condition_text(condition))
+    }
+}
+
+/// A condition in words.
+pub(crate) fn condition_text(condition: &BTreeMap<String, String>) -> String {
+    let one = |(name, value): (&String, &String)| format!("{name} = {value}");
+    condition.iter().map(one).collect::<Vec<_>>().join(", ")
+}

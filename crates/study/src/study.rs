@@ -1,0 +1,329 @@
+//! A study that was checked against its scenes: ready to be run.
+
+use crate::compare::resolve;
+use crate::defaults::{DefaultUsed, Defaults};
+use crate::document::{Document, below};
+use crate::effects::{Searched, search};
+use crate::file::{Budget, Choices, CompareEntry, ParameterEntry, StudyFile};
+use crate::measured::Resolved;
+use crate::parameters::{Resolver, check_all, tables};
+use crate::photos::PhotoSeries;
+use crate::problem::{Problem, Problems};
+use crate::scenes::Scenes;
+use crate::{Error, inputs};
+use calibration::{CalibrationProblem, LoopSettings, Parameter};
+use scene::Scene;
+use scene_simulator::{Binding, SceneSimulator};
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+/// A study that was checked against its scenes.
+#[derive(Debug, Clone)]
+pub struct Study {
+    /// The file.
+    pub path: PathBuf,
+    /// Name of the profile; none for the file as it stands.
+    pub profile: Option<String>,
+    /// What the file says.
+    pub file: StudyFile,
+    /// Scenes by name, with their changes.
+    pub scenes: BTreeMap<String, Scene>,
+    /// Scenes by the name of the model, with the condition.
+    pub models: BTreeMap<String, Scene>,
+    /// What is asked.
+    pub problem: CalibrationProblem,
+    /// How the loop is run; the seed is that of the run.
+    pub settings: LoopSettings,
+    /// How much may be run.
+    pub budget: Budget,
+    /// Published values.
+    pub compare: Vec<CompareEntry>,
+    /// Photos that were read.
+    pub photos: Vec<PhotoSeries>,
+    /// Effects that a measured scene cannot carry, with the reason.
+    pub not_applicable: BTreeMap<String, String>,
+    /// What the file left out, and what stands in its place.
+    pub defaults: Vec<DefaultUsed>,
+    /// SHA-256 of every file that was read: study, scenes, meshes, photos.
+    pub inputs: BTreeMap<String, String>,
+}
+
+impl Study {
+    /// Reads a study and checks all of it: keys, scenes, conditions, observables, photos, parameters, effects.
+    ///
+    /// A profile lies on top of the optional tables of the file: keys that it does not name stay, and its changes of a
+    /// scene come after those of the file.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Read`] for a file that cannot be read, [`Error::Problems`] with everything that is wrong, each with file,
+    /// line where it is known, key, value and the way out.
+    pub fn read(path: &Path, profile: Option<&str>) -> Result<Self, Error> {
+        let text = std::fs::read_to_string(path).map_err(|source| Error::Read {
+            path: path.to_owned(),
+            source,
+        })?;
+        let mut problems = Problems::default();
+        let document = Document::parse(&text, &path.display().to_string(), &mut problems);
+        let Some(document) = document else {
+            return Err(problems
+                .into_result()
+                .err()
+                .unwrap_or(Error::Problems { list: Vec::new() }));
+        };
+        let file = StudyFile::of(&document, &mut problems);
+        let checker = Checker {
+            document: &document,
+            folder: path.parent().unwrap_or(Path::new("")),
+            file: &file,
+            problems,
+        };
+        let checked = checker.check(profile)?;
+        Ok(Self {
+            path: path.to_owned(),
+            profile: profile.map(str::to_owned),
+            inputs: inputs::of(path, &file, &checked)?,
+            file,
+            scenes: checked.scenes,
+            models: checked.models,
+            problem: checked.problem,
+            settings: checked.settings,
+            budget: checked.choices.budget.unwrap_or_default(),
+            compare: checked.choices.compare.unwrap_or_default(),
+            photos: checked.photos,
+            not_applicable: checked.not_applicable,
+            defaults: checked.defaults,
+        })
+    }
+
+    /// Name of the result folder: that of the study, with that of the profile.
+    pub fn folder_name(&self) -> String {
+        match &self.profile {
+            Some(profile) => format!("{}-{profile}", self.problem.id),
+            None => self.problem.id.clone(),
+        }
+    }
+
+    /// The scenes as a simulator.
+    ///
+    /// # Errors
+    ///
+    /// A mesh that cannot be read.
+    pub fn simulator(&self) -> Result<SceneSimulator, Error> {
+        let binding = |p: &Parameter| {
+            let binding = Binding {
+                paths: p.sets.clone(),
+                unit: (p.unit != "1").then(|| p.unit.clone()),
+            };
+            (p.symbol.clone(), binding)
+        };
+        let bindings = self.problem.parameters.iter().map(binding).collect();
+        Ok(SceneSimulator::new(self.models.clone(), bindings)?)
+    }
+}
+
+/// What the check gives.
+pub(crate) struct Checked {
+    /// Scenes by name.
+    pub(crate) scenes: BTreeMap<String, Scene>,
+    /// Scenes by model.
+    pub(crate) models: BTreeMap<String, Scene>,
+    /// Photos.
+    pub(crate) photos: Vec<PhotoSeries>,
+    /// What is asked.
+    problem: CalibrationProblem,
+    /// Settings of the loop.
+    settings: LoopSettings,
+    /// Optional tables, with those of the profile.
+    choices: Choices,
+    /// Effects left out.
+    not_applicable: BTreeMap<String, String>,
+    /// What was filled in.
+    defaults: Vec<DefaultUsed>,
+}
+
+/// A file that is being checked.
+struct Checker<'a> {
+    /// With lines.
+    document: &'a Document,
+    /// To which its paths refer.
+    folder: &'a Path,
+    /// Its entries.
+    file: &'a StudyFile,
+    /// What is wrong so far.
+    problems: Problems,
+}
+
+impl Checker<'_> {
+    /// Checks everything.
+    fn check(mut self, profile: Option<&str>) -> Result<Checked, Error> {
+        let (file, document) = (self.file, self.document);
+        let choices = self.choices(profile);
+        check_all(document, &file.parameters, &mut self.problems);
+        let scenes = Scenes::read(document, file, &choices, self.folder, &mut self.problems);
+        let names: Vec<&str> = file.scenes.iter().map(|s| s.name.as_str()).collect();
+        let before = self.problems.count();
+        let resolved = Resolved::all(
+            &scenes,
+            &file.measured,
+            self.folder,
+            &names,
+            &mut self.problems,
+        );
+        let measured_well = self.problems.count() == before && scenes.by_name.len() == names.len();
+        let mut defaults = Defaults::default();
+        let parameters = self.parameters(&scenes, &resolved, measured_well, &mut defaults);
+        let settings = Self::settings(&choices, &mut defaults);
+        let Searched {
+            probes,
+            not_applicable,
+        } = search(
+            choices.effects.as_deref(),
+            &resolved.models,
+            &resolved.measurements,
+            &scenes.fillings,
+        );
+        if choices.effects.is_none() {
+            let why = "all effects of the library that every measured scene can carry";
+            defaults.tell("effects.search", &probes.len().to_string(), why);
+        }
+        let Resolved {
+            measurements,
+            mut models,
+            photos,
+            ..
+        } = resolved;
+        for k in 0..models.models.len() {
+            let all = file.parameters.iter().enumerate();
+            let of_model = all.filter_map(|(j, p)| models.depends_on(k, p).then_some(j));
+            let of_model = of_model.collect();
+            models.models[k].parameters = of_model;
+        }
+        let by_model = models.models.iter().map(|m| m.name.clone());
+        let by_model = by_model.zip(models.scenes.iter().cloned()).collect();
+        let problem = CalibrationProblem {
+            id: file.name.clone(),
+            parameters,
+            models: models.models,
+            measurements,
+            effects: probes,
+        };
+        if measured_well {
+            self.check_compare(&choices, &problem);
+        }
+        self.check_whole(&problem);
+        self.problems.into_result()?;
+        Ok(Checked {
+            scenes: scenes.by_name,
+            models: by_model,
+            photos,
+            problem,
+            settings,
+            choices,
+            not_applicable,
+            defaults: defaults.list,
+        })
+    }
+
+    /// The optional tables with those of the profile on top; refuses profiles that are not there, and changes of
+    /// scenes that are not there in any profile.
+    fn choices(&mut self, profile: Option<&str>) -> Choices {
+        let (file, document) = (self.file, self.document);
+        let known: Vec<&str> = file.scenes.iter().map(|s| s.name.as_str()).collect();
+        for (name, choices) in &file.profiles {
+            for scene in choices.changes.keys() {
+                if !known.contains(&scene.as_str()) {
+                    let path = below(&below(&choices.path, "scene"), scene);
+                    let what = format!("[profile.{name}]: scene.{scene}");
+                    let problem = format!("changes no [[scene]]; there are {}", known.join(", "));
+                    self.problems.add(document.problem(&path, what, problem));
+                }
+            }
+        }
+        let base = file.choices.clone();
+        let Some(name) = profile else { return base };
+        if let Some(profile) = file.profiles.get(name) {
+            return base.under(profile);
+        }
+        let known: Vec<&str> = file.profiles.keys().map(String::as_str).collect();
+        let known = match known.as_slice() {
+            [] => "the file has no profile: leave it out".to_owned(),
+            _ => format!("there are {}", known.join(", ")),
+        };
+        let what = format!("profile '{name}'");
+        let problem = format!("is not defined; {known}");
+        self.problems
+            .add(document.problem("profile", what, problem));
+        base
+    }
+
+    /// The parameters against the scenes.
+    fn parameters(
+        &mut self,
+        scenes: &Scenes<'_>,
+        resolved: &Resolved,
+        measured_well: bool,
+        defaults: &mut Defaults,
+    ) -> Vec<Parameter> {
+        // In the order of the file: a start that is left out is that of the first scene.
+        let order = |name: &str| self.file.scenes.iter().position(|s| s.name == name);
+        let mut names: Vec<&String> = scenes.by_name.keys().collect();
+        names.sort_by_key(|name| order(name));
+        let tables = tables(names.iter().map(|name| &scenes.by_name[*name]));
+        let resolver = Resolver {
+            document: self.document,
+            models: &resolved.models,
+            // Whether a path is nowhere, or changes nothing, can be said only where all scenes are known.
+            complete: measured_well,
+            tables: &tables,
+        };
+        let problems = &mut self.problems;
+        let all = self.file.parameters.iter();
+        all.map(|entry: &ParameterEntry| resolver.resolve(entry, defaults, problems))
+            .collect()
+    }
+
+    /// Settings of the loop.
+    fn settings(choices: &Choices, defaults: &mut Defaults) -> LoopSettings {
+        // Each key was checked alone, and keys that could not be read were told.
+        let settings: LoopSettings = choices.design.clone().try_into().unwrap_or_default();
+        defaults.tell_design(&choices.design, &settings);
+        let budget = choices.budget.unwrap_or_default();
+        if budget == Budget::default() {
+            defaults.tell("budget", "none", "the loop ends by its own rules");
+        }
+        LoopSettings {
+            most_runs: budget.runs,
+            ..settings
+        }
+    }
+
+    /// Refuses published values of results that are not there.
+    fn check_compare(&mut self, choices: &Choices, problem: &CalibrationProblem) {
+        for entry in choices.compare.iter().flatten() {
+            if let Err(reason) = resolve(&entry.result, problem) {
+                let path = below(&entry.path, "result");
+                let what = format!("[[compare]]: result = '{}'", entry.result);
+                self.problems
+                    .add(self.document.problem(&path, what, reason));
+            }
+        }
+    }
+
+    /// Refuses what only shows in the whole, where the parts are right.
+    fn check_whole(&mut self, problem: &CalibrationProblem) {
+        if self.problems.count() > 0 {
+            return;
+        }
+        if let Err(calibration::Error::Problem { lines }) = problem.check() {
+            for line in lines {
+                self.problems.add(Problem {
+                    file: self.document.file.clone(),
+                    line: None,
+                    what: "the study:".into(),
+                    problem: line,
+                });
+            }
+        }
+    }
+}

@@ -1,0 +1,11 @@
+//! The study file: what it gives, and everything that it refuses before any run.
+
+mod study_file {
+    pub(crate) mod example;
+    pub(crate) mod fixtures;
+    pub(crate) mod folder;
+    pub(crate) mod given;
+    pub(crate) mod refused;
+    pub(crate) mod refused_measurements;
+    pub(crate) mod values;
+}

@@ -1,0 +1,33 @@
+//! The studies of the repository, and those to start from.
+
+use super::folder::fixture;
+use study::{Starter, Study};
+
+#[test]
+fn the_studies_to_start_from_read_as_they_are() {
+    for starter in [Starter::Drum, Starter::Heap, Starter::Box] {
+        let folder = tempfile::tempdir().unwrap();
+        for file in starter.files() {
+            std::fs::write(folder.path().join(file.name), file.text).unwrap();
+        }
+        let study = Study::read(&folder.path().join("study.toml"), None)
+            .unwrap_or_else(|error| panic!("{starter:?}: {error}"));
+        let fits = study.problem.measurements_of(calibration::Role::Fit).len();
+        assert!(fits >= study.problem.parameters.len(), "{starter:?}");
+    }
+}
+
+#[test]
+fn the_studies_of_the_repository_read_as_they_are() {
+    for name in [
+        "cotton/study.toml",
+        "cotton/diagnosis.toml",
+        "mcc/diagnosis.toml",
+        "water-beads/dry.toml",
+        "water-beads/wet-1.toml",
+        "water-beads/wet-3.toml",
+        "water-beads/wet-5.toml",
+    ] {
+        Study::read(&fixture(name), None).unwrap_or_else(|error| panic!("{name}: {error}"));
+    }
+}

@@ -1,0 +1,259 @@
+//! What a study file gives.
+
+use super::folder::{Folder, STUDY, changed, fixture, right, with};
+use calibration::{Role, SurfaceDesign};
+
+#[test]
+fn a_model_is_a_scene_under_a_condition_and_knows_its_parameters() {
+    let study = right(STUDY);
+    let models = &study.problem.models;
+    let names: Vec<&str> = models.iter().map(|m| m.name.as_str()).collect();
+    assert_eq!(
+        names,
+        ["drum @ apparatus.speed = 15 rpm", "drum @ rpm = 30", "sled"]
+    );
+    let parameters: Vec<&[usize]> = models.iter().map(|m| m.parameters.as_slice()).collect();
+    // Peas on peas: the wall is not there.
+    assert_eq!(parameters, [&[0, 1][..], &[0, 1], &[0]]);
+    assert_eq!(study.models.len(), 3);
+    // 30 rpm are pi rad/s; rounding only.
+    let speed = study.models["drum @ rpm = 30"].apparatus.speed();
+    assert!((speed - std::f64::consts::PI).abs() < 1e-14, "{speed}");
+}
+
+#[test]
+fn measurements_keep_their_order_role_and_number() {
+    let study = right(STUDY);
+    let measured = &study.problem.measurements;
+    let all: Vec<_> = measured
+        .iter()
+        .map(|m| (m.model, m.observable.as_str(), m.role, m.n))
+        .collect();
+    let expected = [
+        (0, "angle_deg", Role::Fit, 10.0),
+        (0, "curvature", Role::Fit, 7.5),
+        (1, "angle_deg", Role::Check, 10.0),
+        (2, "shown_static_friction", Role::Fit, 5.0),
+    ];
+    assert_eq!(all, expected);
+}
+
+#[test]
+fn what_the_file_leaves_out_is_told() {
+    let study = right(STUDY);
+    let of = |key: &str| {
+        study
+            .defaults
+            .iter()
+            .find(|d| d.key == key)
+            .map(|d| d.value.as_str())
+    };
+    assert_eq!(of("parameter F: limits"), Some("0 to 2"));
+    assert_eq!(of("parameter F: start"), Some("0.35"), "as in the drum");
+    assert_eq!(of("parameter W: limits"), None, "stated");
+    assert_eq!(of("parameter W: start"), None, "stated");
+    assert_eq!(of("design.replicates"), Some("1"));
+    assert_eq!(of("budget"), Some("none"));
+    let [f, w] = &study.problem.parameters[..] else {
+        panic!("two parameters")
+    };
+    assert_eq!(
+        (f.start, f.limits, f.unit.as_str()),
+        (0.35, [0.0, 2.0], "1")
+    );
+    assert_eq!((w.start, w.limits), (0.25, [0.0, 1.5]));
+    assert_eq!(
+        w.name, "contact.pea-wall.static_friction",
+        "a name that is left out is the path"
+    );
+}
+
+#[test]
+fn a_profile_replaces_key_by_key_and_adds_changes() {
+    let more = r#"
+[design]
+replicates = 2
+centre_points = 5
+[effects]
+search = []
+[budget]
+runs = 300
+[profile.quick]
+budget = { core_hours = 2 }
+design = { replicates = 3, surface = "linear" }
+effects = { search = ["rolling-resistance"] }
+scene.drum.changes = ["protocol.frames = 4"]
+"#;
+    let folder = Folder::new(&with(more));
+    let (plain, quick) = (
+        folder.read(None).unwrap(),
+        folder.read(Some("quick")).unwrap(),
+    );
+    assert_eq!(
+        (plain.settings.replicates, plain.settings.centre_points),
+        (2, 5)
+    );
+    assert_eq!(
+        (quick.settings.replicates, quick.settings.centre_points),
+        (3, 5)
+    );
+    assert_eq!(quick.settings.surface, SurfaceDesign::Linear);
+    assert_eq!(
+        (plain.settings.most_runs, quick.settings.most_runs),
+        (Some(300), None)
+    );
+    assert_eq!(quick.budget.core_hours, Some(2.0));
+    assert!(
+        plain.problem.effects.is_empty(),
+        "an empty search switches the diagnosis off"
+    );
+    assert_eq!(quick.problem.effects[0].name, "rolling-resistance");
+    let frames = |s: &study::Study| s.models["drum @ rpm = 30"].protocol.frames;
+    assert_eq!((frames(&plain), frames(&quick)), (10, 4));
+    assert_eq!(
+        (plain.folder_name(), quick.folder_name()),
+        ("peas".into(), "peas-quick".into())
+    );
+}
+
+#[test]
+fn without_a_search_the_whole_library_is_searched_or_its_refusal_told() {
+    let study = right(STUDY);
+    let all = study.problem.effects.len() + study.not_applicable.len();
+    assert_eq!(all, effect_library::names().len());
+    assert!(!study.problem.effects.is_empty());
+}
+
+/// Photographs of others at 15 rpm, one file: no scatter, so that the error of the reading stands for it; its
+/// reading in `fixtures/photos/readings.csv` lies between chord and middle.
+#[test]
+fn one_photo_gives_the_angle_with_the_error_of_its_reading() {
+    let photo = fixture("photos/granudrum_mccA_15rpm_avg.bmp");
+    let study = right(&changed(
+        "angle_deg = { mean = 35.1, sd = 0.8, n = 10 }",
+        &format!(
+            "photos = [{photo:?}]\nphoto = {{ definition = \"line\", roll = \"0 deg\", foreground = \"dark\" }}"
+        ),
+    ));
+    let measured = study
+        .problem
+        .measurements
+        .iter()
+        .find(|m| m.role == Role::Check)
+        .unwrap();
+    assert_eq!(
+        (measured.observable.as_str(), measured.n),
+        ("angle_deg", 1.0)
+    );
+    assert!((35.0..41.2).contains(&measured.mean), "{}", measured.mean);
+    assert_eq!(measured.sd, study.photos[0].angle_se_deg[0]);
+    let values: Vec<&String> = study.photos[0].values.keys().collect();
+    assert_eq!(
+        values,
+        ["angle_deg"],
+        "one photo tells no error of the shape"
+    );
+    assert!(
+        study.photos[0]
+            .remarks
+            .iter()
+            .any(|r| r.starts_with("curvature: left out"))
+    );
+    let hashed = study
+        .inputs
+        .keys()
+        .any(|file| file.ends_with("granudrum_mccA_15rpm_avg.bmp"));
+    assert!(hashed, "{:?}", study.inputs);
+}
+
+/// Two pictures 9 degrees apart: mean, scatter between them, and what else the ruler knows.
+#[test]
+fn a_folder_of_photos_gives_mean_scatter_and_shape() {
+    let folder = Folder::new(&changed(
+        "angle_deg = { mean = 35.1, sd = 0.8, n = 10 }",
+        "photos = \"photos\"",
+    ));
+    std::fs::create_dir(folder.path("photos")).unwrap();
+    for (k, name) in [
+        "granudrum_mccA_15rpm_avg.bmp",
+        "granudrum_mccA_45rpm_avg.bmp",
+    ]
+    .iter()
+    .enumerate()
+    {
+        let to = folder.path(&format!("photos/{k}.bmp"));
+        std::fs::copy(fixture(&format!("photos/{name}")), to).unwrap();
+    }
+    let study = folder.read(None).unwrap();
+    let names: Vec<&str> = study.photos[0].values.keys().map(String::as_str).collect();
+    assert_eq!(names, ["angle_deg", "curvature", "s_shape"]);
+    let [a, b] = study.photos[0].angles_deg[..] else {
+        panic!("two angles")
+    };
+    let angle = study.photos[0].values["angle_deg"];
+    // Mean and sample standard deviation of two values, up to rounding.
+    assert!((angle.mean - 0.5 * (a + b)).abs() < 1e-12);
+    assert!((angle.sd - (a - b).abs() / 2.0_f64.sqrt()).abs() < 1e-12);
+    assert_eq!(study.problem.measurements.len(), 6);
+}
+
+#[test]
+fn every_file_that_is_read_is_hashed() {
+    let study = right(STUDY);
+    let mut names: Vec<&str> = study
+        .inputs
+        .keys()
+        .filter_map(|file| file.rsplit('/').next())
+        .collect();
+    names.sort_unstable();
+    assert_eq!(names, ["drum.toml", "study.toml"]);
+    assert!(study.inputs.values().all(|hash| hash.len() == 64));
+}
+
+#[test]
+fn a_parameter_can_be_a_quantity_and_set_several_paths() {
+    let study = right(&with(
+        r#"
+[[parameter]]
+symbol = "D"
+sets = ["seed.0.sphere"]
+unit = "mm"
+low = 5.0
+high = 7.0
+
+[[parameter]]
+symbol = "E"
+sets = ["contact.pea-pea.restitution", "contact.pea-wall.restitution"]
+low = 0.1
+high = 0.6
+"#,
+    ));
+    let [_, _, d, e] = &study.problem.parameters[..] else {
+        panic!("four parameters")
+    };
+    assert_eq!(
+        (d.start, d.unit.as_str(), d.limits),
+        (6.0, "mm", [5.0, 7.0])
+    );
+    assert_eq!((e.start, e.limits), (0.5, [0.001, 0.999]));
+}
+
+#[test]
+fn published_values_name_parameters_observables_and_effects() {
+    let more: String = [
+        "F",
+        "angle_deg of drum at rpm = 30",
+        "curvature of drum",
+        "shown_static_friction of sled",
+        "effect of W on angle_deg of drum at apparatus.speed = 15 rpm",
+    ]
+    .map(|name| {
+        format!(
+            "[[compare]]\nresult = \"{name}\"\nvalue = 1.0\nsd = 0.1\nsource = \"[X, table 1]\"\n"
+        )
+    })
+    .concat();
+    let study = right(&with(&more));
+    assert_eq!(study.compare.len(), 5);
+    assert_eq!(study.compare[4].sd, Some(0.1));
+}

@@ -1,0 +1,311 @@
+//! Wrong input: each message names file, line, key and the way out, and nothing is run.
+
+use super::folder::{DRUM, Folder, STUDY, changed, with, wrong};
+use study::Error;
+
+/// The message holds the file, and each of the words.
+pub(crate) fn tells(message: &str, words: &[&str]) {
+    for word in ["study.toml"].iter().chain(words) {
+        assert!(message.contains(word), "'{word}' is missing in: {message}");
+    }
+}
+
+#[test]
+fn several_errors_come_together_with_their_lines() {
+    let study = changed("low = 0.1", "low = -0.1")
+        .replacen("sd = 0.8", "sd = 0", 1)
+        .replacen("role = \"check\"", "role = \"chek\"", 1)
+        .replacen("name = \"sled\"", "nam = \"sled\"", 1);
+    let error = Folder::new(&study).read(None).unwrap_err();
+    let Error::Problems { list } = &error else {
+        panic!("{error}");
+    };
+    let at = |text: &str| 1 + study[..study.find(text).unwrap()].matches('\n').count();
+    for (line, word) in [
+        (at("nam ="), "is no key here; there are name, file"),
+        (at("low = -0.1"), "outside the limits 0 to 2"),
+        (at("sd = 0,"), "must be above 0"),
+        (at("role = \"chek\""), "\"fit\", \"check\" or \"show\""),
+    ] {
+        let found = list
+            .iter()
+            .any(|p| p.line == Some(line) && p.problem.contains(word));
+        assert!(found, "line {line}, '{word}': {error}");
+    }
+    let lines: Vec<_> = list.iter().map(|p| p.line).collect();
+    assert!(lines.is_sorted(), "{error}");
+}
+
+#[test]
+fn text_that_is_no_toml_is_told_with_its_line() {
+    tells(
+        &wrong("name = \n[[scene]]\nname ="),
+        &["line 1", "line 3", "no TOML"],
+    );
+}
+
+#[test]
+fn a_study_of_nothing_lacks_its_three_lists() {
+    tells(
+        &wrong("name = \"x\""),
+        &["[[scene]]", "[[parameter]]", "[[measured]]"],
+    );
+}
+
+#[test]
+fn unknown_keys_are_told_wherever_they_stand() {
+    let more =
+        "[design]\nreplicate = 2\n[budget]\nhours = 2\n[effects]\nnone = []\n[profile.x.desing]\n";
+    let study = changed("high = 0.6", "hihg = 0.6") + more;
+    tells(
+        &wrong(&study),
+        &[
+            "hihg",
+            "replicate",
+            "hours",
+            "none",
+            "desing",
+            "there are symbol, name, sets",
+        ],
+    );
+}
+
+#[test]
+fn a_scene_that_is_not_there_or_cannot_be_meant_is_told_with_its_file() {
+    tells(
+        &wrong(&changed("file = \"drum.toml\"", "file = \"dum.toml\"")),
+        &["line 3", "dum.toml", "cannot read"],
+    );
+    let folder = Folder::new(STUDY);
+    folder.write(
+        "drum.toml",
+        &DRUM.replace(
+            "restitution = 0.5\nstatic_friction = 0.35",
+            "static_friction = 0.35",
+        ),
+    );
+    tells(
+        &folder.read(None).unwrap_err().to_string(),
+        &["drum.toml", "restitution"],
+    );
+}
+
+/// A drum of 101 000 peas: there is no room for them, and no run is needed to see it.
+#[test]
+fn a_scene_that_cannot_be_built_is_told() {
+    let study = changed(
+        "file = \"drum.toml\"",
+        "file = \"drum.toml\"\nchanges = [\"seed.0.count = 101000\"]",
+    );
+    tells(
+        &wrong(&study),
+        &["[[measured]]", "do not fit into the apparatus"],
+    );
+}
+
+#[test]
+fn wrong_changes_of_a_scene_are_told_all() {
+    let changes = "changes = [\"frames 3\", \"protocol.fames = 3\", \"gravity_m_s2 = -1\"]";
+    let study = changed(
+        "file = \"drum.toml\"",
+        &format!("file = \"drum.toml\"\n{changes}"),
+    );
+    tells(
+        &wrong(&study),
+        &["frames 3", "no '='", "protocol.fames", "gravity_m_s2"],
+    );
+}
+
+#[test]
+fn a_mesh_that_is_not_there_is_told() {
+    let folder = Folder::new(STUDY);
+    let mesh = "mesh = \"no.stl\"\nmesh_unit = \"mm\"\nfilling = { method = \"pack\", sphere_radius = \"1 mm\", seed = 1 }";
+    folder.write("drum.toml", &DRUM.replace("sphere = \"6 mm\"", mesh));
+    tells(&folder.read(None).unwrap_err().to_string(), &["no.stl"]);
+}
+
+#[test]
+fn two_parameters_cannot_set_one_path() {
+    let study = changed(
+        "contact.pea-wall.static_friction",
+        "contact.pea-pea.static_friction",
+    );
+    tells(
+        &wrong(&study),
+        &[
+            "[[parameter]] W",
+            "contact.pea-pea.static_friction",
+            "parameter F sets too",
+        ],
+    );
+}
+
+#[test]
+fn a_path_that_no_scene_has_is_told_with_those_like_it() {
+    let study = changed(
+        "contact.pea-pea.static_friction",
+        "contact.pea-pee.static_friction",
+    );
+    tells(
+        &wrong(&study),
+        &[
+            "pea-pee",
+            "no scene has",
+            "contact.pea-wall.static_friction",
+        ],
+    );
+}
+
+/// Peas never touch the spare material.
+#[test]
+fn a_parameter_that_changes_nothing_is_told() {
+    let study = changed(
+        "contact.pea-wall.static_friction",
+        "contact.pea-spare.static_friction",
+    );
+    tells(
+        &wrong(&study),
+        &[
+            "[[parameter]] W",
+            "changes nothing in any scene",
+            "remove the parameter",
+        ],
+    );
+}
+
+#[test]
+fn more_parameters_than_can_be_calibrated_are_refused() {
+    let more: Vec<String> = (0..11)
+        .map(|k| {
+            format!("[[parameter]]\nsymbol = \"P{k}\"\nsets = [\"contact.pea-pea.restitution\"]\nlow = 0.1\nhigh = 0.2\n")
+        })
+        .collect();
+    tells(
+        &wrong(&with(&more.concat())),
+        &["[[parameter]] x 13", "12 can be calibrated"],
+    );
+}
+
+#[test]
+fn a_start_outside_the_limits_and_limits_that_fall_are_refused() {
+    tells(
+        &wrong(&changed("start = 0.25", "start = 1.6")),
+        &["start", "1.6", "outside the limits 0 to 1.5"],
+    );
+    tells(
+        &wrong(&changed("limits = [0.0, 1.5]", "limits = [1.5, 0.0]")),
+        &["limits", "rise"],
+    );
+    tells(
+        &wrong(&changed("high = 0.6", "high = 0.05")),
+        &["low = 0.1 and high = 0.05", "rise"],
+    );
+    tells(
+        &wrong(&changed("sd = 0.05", "sd = 0")),
+        &["prior", "sd above 0"],
+    );
+}
+
+/// Friction is never negative: the scene says so at the end of the limits, not in the middle of a search.
+#[test]
+fn limits_that_the_scene_refuses_are_told() {
+    tells(
+        &wrong(&changed("limits = [0.0, 1.5]", "limits = [-1.0, 1.5]")),
+        &["limits", "reach -1", "friction", "narrow them"],
+    );
+}
+
+#[test]
+fn a_unit_that_does_not_fit_the_setting_is_refused() {
+    let more = |unit: &str| {
+        with(&format!(
+            "[[parameter]]\nsymbol = \"D\"\nsets = [\"seed.0.sphere\"]\nlow = 5.0\nhigh = 7.0\n{unit}"
+        ))
+    };
+    tells(
+        &wrong(&more("")),
+        &["[[parameter]] D", "is a quantity", "unit ="],
+    );
+    tells(
+        &wrong(&more("unit = \"rpm\"")),
+        &["[[parameter]] D: unit", "no value in 'rpm'"],
+    );
+    tells(
+        &wrong(&changed("high = 0.6", "high = 0.6\nunit = \"mm\"")),
+        &["plain number", "'mm'"],
+    );
+}
+
+#[test]
+fn a_symbol_that_no_formula_can_hold_is_refused() {
+    tells(
+        &wrong(&changed("symbol = \"W\"", "symbol = \"1 W\"")),
+        &["symbol", "1 W"],
+    );
+    tells(
+        &wrong(&changed("symbol = \"W\"", "symbol = \"F\"")),
+        &["symbol of another"],
+    );
+}
+
+#[test]
+fn unknown_effects_and_profiles_are_refused() {
+    tells(
+        &wrong(&with("[effects]\nsearch = [\"rolling-resistence\"]")),
+        &["rolling-resistence", "rolling-resistance"],
+    );
+    let error = Folder::new(&with("[profile.quick.design]\nreplicates = 2"))
+        .read(Some("quik"))
+        .unwrap_err();
+    tells(&error.to_string(), &["profile 'quik'", "there are quick"]);
+    let study = with("[profile.quick]\nscene.dram.changes = [\"protocol.frames = 3\"]");
+    tells(&wrong(&study), &["scene.dram", "there are drum, sled"]);
+}
+
+#[test]
+fn settings_of_the_loop_that_cannot_be_meant_are_refused() {
+    let study = with(
+        "[design]\nsurface = \"box\"\nreplicates = 0\nscreening_alpha = 2\n[budget]\nruns = 3\ncore_hours = 1",
+    );
+    tells(
+        &wrong(&study),
+        &[
+            "surface",
+            "box-behnken",
+            "replicates = 0",
+            "screening_alpha",
+            "keep one of both",
+        ],
+    );
+}
+
+#[test]
+fn a_published_value_of_no_result_is_told_with_the_names_there_are() {
+    let message = wrong(&with(
+        "[[compare]]\nresult = \"angle of drum\"\nvalue = 38.6\nsource = \"x\"",
+    ));
+    tells(
+        &message,
+        &[
+            "angle of drum",
+            "F; W; angle_deg of drum at apparatus.speed = 15 rpm",
+            "shown_static_friction of sled",
+        ],
+    );
+    // Measured at two speeds: which one is meant?
+    let message = wrong(&with(
+        "[[compare]]\nresult = \"angle_deg of drum\"\nvalue = 38.6\nsource = \"x\"",
+    ));
+    tells(&message, &["angle_deg of drum at rpm = 30"]);
+}
+
+/// A parameter on which no fit depends, without a prior: the calibration itself says so.
+#[test]
+fn a_parameter_that_no_fit_sees_is_refused() {
+    let study = changed("prior = { mean = 0.4, sd = 0.05 }", "").replacen(
+        "role = \"fit\"",
+        "role = \"show\"",
+        1,
+    );
+    tells(&wrong(&study), &["parameter W", "nothing can fix it"]);
+}

@@ -1,0 +1,86 @@
+//! Parameters that are handed over, and taken up again.
+
+use super::folder::{Folder, STUDY, right};
+use calibration::Estimate;
+use study::{parameter_file, scene_at};
+
+/// Estimates of both parameters of the study.
+fn estimates() -> Vec<Estimate> {
+    let study = right(STUDY);
+    let values = [0.33, 0.1 + 0.2];
+    let all = study.problem.parameters.iter().zip(values);
+    all.map(|(p, value)| Estimate {
+        symbol: p.symbol.clone(),
+        name: p.name.clone(),
+        unit: p.unit.clone(),
+        sets: p.sets.clone(),
+        start: p.start,
+        value,
+        se: Some(0.02),
+        interval95: [value - 0.04, value + 0.04],
+        fixed_by_data: true,
+        at_limit: false,
+        limits: p.limits,
+    })
+    .collect()
+}
+
+/// 0.1 + 0.2 is not 0.3: every bit comes back.
+#[test]
+fn a_parameter_file_and_a_result_bring_back_every_bit() {
+    let folder = Folder::new(STUDY);
+    let study = folder.read(None).unwrap();
+    let estimates = estimates();
+    folder.write(
+        "parameters.toml",
+        &parameter_file(&estimates).to_toml().unwrap(),
+    );
+    folder.write(
+        "result.json",
+        &serde_json::json!({ "parameters": estimates }).to_string(),
+    );
+    for name in ["parameters.toml", "result.json"] {
+        let values = study.values_from(&folder.path(name)).unwrap();
+        assert_eq!(values, [0.33, 0.1 + 0.2], "{name}");
+    }
+    assert_eq!(study.start_values(), [0.35, 0.25]);
+}
+
+#[test]
+fn a_start_that_lacks_a_parameter_or_leaves_the_limits_is_refused() {
+    let folder = Folder::new(STUDY);
+    let study = folder.read(None).unwrap();
+    let mut estimates = estimates();
+    (estimates[1].value, estimates[1].interval95) = (1.6, [1.5, 1.7]);
+    folder.write(
+        "parameters.toml",
+        &parameter_file(&estimates).to_toml().unwrap(),
+    );
+    folder.write(
+        "result.json",
+        &serde_json::json!({ "parameters": estimates[..1] }).to_string(),
+    );
+    for (name, words) in [
+        ("parameters.toml", ["W = 1.6", "limits 0 to 1.5"]),
+        ("result.json", ["W is missing", "there are F"]),
+    ] {
+        let message = study
+            .values_from(&folder.path(name))
+            .unwrap_err()
+            .to_string();
+        for word in words.iter().chain(&[name]) {
+            assert!(message.contains(word), "{message}");
+        }
+    }
+}
+
+#[test]
+fn the_scene_of_the_decks_has_the_estimates() {
+    let study = right(STUDY);
+    let scene = scene_at(&study.scenes["drum"], &estimates()).unwrap();
+    let friction = |a: &str, b: &str| scene.contact_of(a, b).unwrap().static_friction.get();
+    assert_eq!(
+        (friction("pea", "pea"), friction("pea", "wall")),
+        (0.33, 0.1 + 0.2)
+    );
+}

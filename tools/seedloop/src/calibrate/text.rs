@@ -1,0 +1,237 @@
+//! What a calibration says on standard output.
+
+use calibration::{Comparison, Estimate};
+use std::collections::BTreeMap;
+use std::fmt::{Arguments, Write as _};
+use std::path::{Path, PathBuf};
+use study::{ComparedValue, Price, Study, StudyResult};
+
+/// Appends to a text.
+fn add(text: &mut String, more: Arguments<'_>) {
+    text.write_fmt(more).expect("a string takes all text");
+}
+
+/// What would be run, stage by stage, and what was filled in.
+pub(crate) fn plan(study: &Study, price: &Price, threads: usize) -> String {
+    let problem = &study.problem;
+    let mut text = format!(
+        "{}: {} parameters, {} measurements on {} models, {} effects to search\n",
+        problem.id,
+        problem.parameters.len(),
+        problem.measurements.len(),
+        problem.models.len(),
+        problem.effects.len()
+    );
+    for model in &problem.models {
+        let symbols = model.parameters.iter();
+        let symbols: Vec<&str> = symbols
+            .map(|&j| problem.parameters[j].symbol.as_str())
+            .collect();
+        let on = match symbols.as_slice() {
+            [] => "no parameter".to_owned(),
+            _ => symbols.join(", "),
+        };
+        add(
+            &mut text,
+            format_args!("  {}: depends on {on}\n", model.name),
+        );
+    }
+    for series in &study.photos {
+        for (name, value) in &series.values {
+            let (mean, sd, n) = (value.mean, value.sd, value.n);
+            let files = series.files.len();
+            add(
+                &mut text,
+                format_args!("  photos ({files}): {name} {mean:.4} sd {sd:.4} n {n:.1}\n"),
+            );
+        }
+        for remark in &series.remarks {
+            add(&mut text, format_args!("  photos: {remark}\n"));
+        }
+    }
+    for (effect, reason) in &study.not_applicable {
+        add(
+            &mut text,
+            format_args!("  effect left out: {effect}: {reason}\n"),
+        );
+    }
+    for default in &study.defaults {
+        add(
+            &mut text,
+            format_args!(
+                "  not stated: {} = {} ({})\n",
+                default.key, default.value, default.why
+            ),
+        );
+    }
+    text.push_str("runs, at most:\n");
+    for stage in &price.stages {
+        add(
+            &mut text,
+            format_args!(
+                "  {:<40} {:>6}  {:>9}\n",
+                stage.stage,
+                stage.runs,
+                duration(stage.core_s)
+            ),
+        );
+    }
+    let wall = duration(price.core_s / threads.max(1) as f64);
+    add(
+        &mut text,
+        format_args!(
+            "  {:<40} {:>6}  {:>9} of one core, about {wall} on {threads}\n",
+            "all",
+            price.runs,
+            duration(price.core_s)
+        ),
+    );
+    if !price.measured {
+        text.push_str("  (times are a guess until the first runs are done)\n");
+    }
+    if let Some(most) = price.most_runs {
+        add(
+            &mut text,
+            format_args!("  the budget ends the loop after {most} runs\n"),
+        );
+    }
+    text
+}
+
+/// A time in words.
+fn duration(seconds: f64) -> String {
+    match seconds {
+        s if s < 90.0 => format!("{s:.0} s"),
+        s if s < 5400.0 => format!("{:.0} min", s / 60.0),
+        s => format!("{:.1} h", s / 3600.0),
+    }
+}
+
+/// The parameters, the measurements beside what is simulated, and the verdict.
+pub(super) fn result(result: &StudyResult, folder: &Path, files: &[PathBuf]) -> String {
+    let found = &result.calibration;
+    let mut text = parameters(&found.parameters);
+    for (role, rows) in [
+        ("fit", &found.fit),
+        ("check", &found.check),
+        ("show", &found.show),
+    ] {
+        text.push_str(&comparisons(role, rows));
+    }
+    text.push_str(&compared(&result.compare));
+    for remark in &found.remarks {
+        add(&mut text, format_args!("note: {remark}\n"));
+    }
+    add(&mut text, format_args!("\n{}\n", found.verdict));
+    add(
+        &mut text,
+        format_args!("results: {}\n", folder.join("result.json").display()),
+    );
+    for file in files.iter().take(1) {
+        add(&mut text, format_args!("parameters: {}\n", file.display()));
+    }
+    let decks = files.len().saturating_sub(1);
+    if decks > 0 {
+        let place = folder.join("decks");
+        add(
+            &mut text,
+            format_args!("decks ({decks} files): {}\n", place.display()),
+        );
+    }
+    text
+}
+
+/// The table of parameters.
+pub(crate) fn parameters(estimates: &[Estimate]) -> String {
+    let width = estimates.iter().map(|e| e.name.chars().count());
+    let width = width.max().unwrap_or(0).max(4);
+    let mut text = format!(
+        "{:<8} {:<width$} {:>10} {:>10}  {:<22} fixed by\n",
+        "symbol", "name", "value", "se", "95 % interval"
+    );
+    for e in estimates {
+        let se = e.se.map_or_else(|| "-".to_owned(), |se| format!("{se:.4}"));
+        let [low, high] = e.interval95;
+        let interval = format!("{low:.4} to {high:.4}");
+        let unit = if e.unit == "1" { "" } else { e.unit.as_str() };
+        let fixed = if e.fixed_by_data {
+            "the data"
+        } else {
+            "nothing measured"
+        };
+        let limit = if e.at_limit { ", at its limit" } else { "" };
+        add(
+            &mut text,
+            format_args!(
+                "{:<8} {:<width$} {:>10.4} {se:>10}  {interval:<22} {fixed}{limit} {unit}",
+                e.symbol, e.name, e.value
+            ),
+        );
+        text.truncate(text.trim_end().len());
+        text.push('\n');
+    }
+    text
+}
+
+/// Measured values beside simulated ones, for one role.
+fn comparisons(role: &str, rows: &[Comparison]) -> String {
+    if rows.is_empty() {
+        return String::new();
+    }
+    let mut text = format!(
+        "\n{role:<44} {:>18} {:>18} {:>7}\n",
+        "measured", "simulated", "z"
+    );
+    for row in rows {
+        let se = row.measured.sd / row.measured.n.sqrt();
+        let measured = format!("{:.4} +- {se:.4}", row.measured.mean);
+        let simulated = format!("{:.4} +- {:.4}", row.simulated.mean, row.simulated.se);
+        let holds = match (role, row.holds) {
+            ("show", _) => "",
+            (_, true) => "  holds",
+            (_, false) => "  does not hold",
+        };
+        let name = format!("{} of {}{}", row.observable, row.scene, at(&row.condition));
+        add(
+            &mut text,
+            format_args!(
+                "{name:<44} {measured:>18} {simulated:>18} {:>7.2}{holds}\n",
+                row.z
+            ),
+        );
+    }
+    text
+}
+
+/// A condition in words.
+fn at(condition: &BTreeMap<String, String>) -> String {
+    if condition.is_empty() {
+        return String::new();
+    }
+    let one = |(name, value): (&String, &String)| format!("{name} = {value}");
+    let all: Vec<String> = condition.iter().map(one).collect();
+    format!(" at {}", all.join(", "))
+}
+
+/// Published values beside results.
+fn compared(rows: &[ComparedValue]) -> String {
+    if rows.is_empty() {
+        return String::new();
+    }
+    let mut text = format!("\n{:<44} {:>18} {:>18}\n", "published", "published", "here");
+    for row in rows {
+        let with = |value: f64, error: Option<f64>| match error {
+            Some(error) => format!("{value:.4} +- {error:.4}"),
+            None => format!("{value:.4}"),
+        };
+        let published = with(row.published, row.published_sd);
+        let here = row
+            .found
+            .map_or_else(|| "-".to_owned(), |found| with(found, row.se));
+        add(
+            &mut text,
+            format_args!("{:<44} {published:>18} {here:>18}\n", row.result),
+        );
+    }
+    text
+}

@@ -1,0 +1,86 @@
+//! `seedloop init`: a commented study to start from.
+
+use anyhow::Context as _;
+use clap::ValueEnum;
+use command_line::{Common, DONE, write_new};
+use serde::Serialize;
+use std::path::PathBuf;
+use study::Starter;
+
+/// What the study measures in.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Kind {
+    /// A rotating drum, angles at two speeds
+    Drum,
+    /// A heap from a cylinder that is lifted
+    Heap,
+    /// A box whose gate is lifted
+    Box,
+}
+
+/// Writes a commented study and its scene to start from
+#[derive(clap::Args, Debug)]
+pub(crate) struct Arguments {
+    /// What the study measures in
+    #[arg(value_enum)]
+    kind: Kind,
+
+    /// Folder for the files
+    #[arg(long, value_name = "DIR", default_value = ".")]
+    out: PathBuf,
+
+    #[command(flatten)]
+    common: Common,
+}
+
+/// What was written, as it stands in JSON.
+#[derive(Debug, Serialize)]
+struct Report {
+    /// Version of the program.
+    version: &'static str,
+    /// Paths of the files.
+    files: Vec<PathBuf>,
+}
+
+/// Writes both files, or none where one of them exists.
+///
+/// # Errors
+/// Files that exist, a folder that cannot be made or written.
+pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
+    let (folder, common) = (&arguments.out, &arguments.common);
+    let files = match arguments.kind {
+        Kind::Drum => Starter::Drum,
+        Kind::Heap => Starter::Heap,
+        Kind::Box => Starter::Box,
+    }
+    .files();
+    for file in files {
+        let path = folder.join(file.name);
+        anyhow::ensure!(
+            common.force || !path.exists(),
+            "{} exists: say --force to overwrite it, or give another --out",
+            path.display()
+        );
+    }
+    std::fs::create_dir_all(folder)
+        .with_context(|| format!("cannot make the folder {}", folder.display()))?;
+    let mut written = Vec::new();
+    for file in files {
+        let path = folder.join(file.name);
+        write_new(&path, file.text.as_bytes(), common.overwrite())?;
+        common.print(path.display())?;
+        written.push(path);
+    }
+    let study = folder.join("study.toml");
+    common.log(|| {
+        format!(
+            "next: replace the values marked EXAMPLE, then seedloop calibrate {} --plan",
+            study.display()
+        )
+    });
+    common.emit_json(&Report {
+        version: env!("CARGO_PKG_VERSION"),
+        files: written,
+    })?;
+    Ok(DONE)
+}
