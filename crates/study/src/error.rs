@@ -55,15 +55,4 @@ pub enum Error {
     /// The run store cannot be used.
     #[error(transparent)]
     Store(#[from] run_store::Error),
-    /// A chart or the page cannot be made.
-    #[error(transparent)]
-    Report(#[from] report::Error),
-    /// A picture cannot be drawn or measured.
-    #[error("picture '{name}': {reason}")]
-    Picture {
-        /// Name of the picture.
-        name: String,
-        /// Why.
-        reason: String,
-    },
 }

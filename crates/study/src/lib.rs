@@ -12,12 +12,8 @@ mod error;
 mod file;
 mod hidden;
 mod loop_stages;
-mod output;
-mod report_page;
 mod result;
 mod simulator;
-mod tables;
-mod unit_of_name;
 
 pub use diagnosis_file::{
     DeclaredEntry, DiagnosisFile, MeasuredEntry, Measurement, PlannedDiagnosis, Prior, Role,
@@ -28,7 +24,6 @@ pub use error::Error;
 pub use file::{Profile, StudyFile};
 pub use hidden::probes;
 pub use loop_stages::{RunSettings, run_study};
-pub use output::{write_diagnosis, write_results};
 pub use result::{
     FillingSummary, HiddenCampaign, ImageAgainstPosition, MeteringResult, StudyResult, SweepPoint,
 };
