@@ -3,6 +3,7 @@
 use crate::compare::ComparedValue;
 use crate::defaults::DefaultUsed;
 use calibration::{Calibration, DiagnosisStage};
+use run_store::Record;
 use serde::{Serialize, Serializer};
 use std::collections::BTreeMap;
 
@@ -24,6 +25,8 @@ pub struct StudyResult {
     pub inputs: BTreeMap<String, String>,
     /// What the calibration found.
     pub calibration: Calibration,
+    /// The records of the runs behind its measurements, by key; no part of the JSON.
+    pub records: BTreeMap<String, Record>,
     /// Published values beside it.
     pub compare: Vec<ComparedValue>,
     /// What the file left out, and what stood in its place.

@@ -3,9 +3,10 @@
 use crate::compare::compare;
 use crate::price::{self, Price};
 use crate::{DiagnosisResult, Error, Study, StudyResult};
-use calibration::LoopSettings;
+use calibration::{Calibration, LoopSettings};
 use campaign::{Campaign, Pace, Progress};
-use run_store::Store;
+use run_store::{Lookup, Record, Store};
+use scene_simulator::SceneSimulator;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
@@ -61,11 +62,11 @@ pub fn plan_study(study: &Study, seed: u64, folder: &Path) -> Result<Price, Erro
 /// Runs that failed, a store that cannot be used, a stage that cannot be computed.
 pub fn run_study(
     study: &Study,
+    simulator: &SceneSimulator,
     settings: &RunSettings<'_>,
     announce: &dyn Fn(&str),
 ) -> Result<StudyResult, Error> {
     let begin = Instant::now();
-    let simulator = study.simulator()?;
     let store = Store::open(settings.folder.join("runs"))?;
     let pace = Pace::new();
     let campaign = Campaign::new(&store, settings.threads, settings.progress)
@@ -73,13 +74,13 @@ pub fn run_study(
         .with_pace(&pace);
     let with_seed = study.settings_with(settings.seed);
     let stages = calibration::planned(&study.problem, &with_seed)?;
-    let most_runs = price::of(&simulator, &stages, study.budget, None)?.most_runs;
+    let most_runs = price::of(simulator, &stages, study.budget, None)?.most_runs;
     let within = LoopSettings {
         most_runs,
         ..with_seed
     };
     let calibration =
-        calibration::calibrate(&campaign, &simulator, &study.problem, &within, announce)?;
+        calibration::calibrate(&campaign, simulator, &study.problem, &within, announce)?;
     Ok(StudyResult {
         name: study.problem.id.clone(),
         profile: study.profile.clone(),
@@ -87,12 +88,29 @@ pub fn run_study(
         seed: settings.seed,
         inputs: study.inputs.clone(),
         compare: compare(&study.compare, &study.problem, &calibration),
-        calibration,
         defaults: study.defaults.clone(),
         not_applicable: study.not_applicable.clone(),
+        records: records_of(&store, &calibration)?,
+        calibration,
         core_s: price::core_seconds(&store)?,
         wall_s: begin.elapsed().as_secs_f64(),
     })
+}
+
+/// The records behind the measurements of a calibration, by key.
+fn records_of(
+    store: &Store,
+    calibration: &Calibration,
+) -> Result<BTreeMap<String, Record>, Error> {
+    let rows = calibration.before.iter().chain(&calibration.fit);
+    let rows = rows.chain(&calibration.check).chain(&calibration.show);
+    let mut records = BTreeMap::new();
+    for key in rows.flat_map(|row| &row.keys) {
+        if let Lookup::Found(record) = store.get(key)? {
+            records.insert(key.clone(), record);
+        }
+    }
+    Ok(records)
 }
 
 /// Asks what is missing, starting from given parameters: the last stage alone.
@@ -104,7 +122,6 @@ pub fn run_diagnosis(
     study: &Study,
     at: &[f64],
     settings: &RunSettings<'_>,
-    announce: &dyn Fn(&str),
 ) -> Result<DiagnosisResult, Error> {
     let begin = Instant::now();
     let simulator = study.simulator()?;
@@ -115,7 +132,7 @@ pub fn run_diagnosis(
         .with_pace(&pace);
     let within = study.settings_with(settings.seed);
     let diagnosis =
-        calibration::diagnose_at(&campaign, &simulator, &study.problem, &within, at, announce)?;
+        calibration::diagnose_at(&campaign, &simulator, &study.problem, &within, at)?;
     let symbols = study.problem.parameters.iter().map(|p| p.symbol.clone());
     Ok(DiagnosisResult {
         name: study.problem.id.clone(),

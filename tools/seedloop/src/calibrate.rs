@@ -1,12 +1,13 @@
 //! `seedloop calibrate STUDY.toml`: the whole loop.
 
+mod report;
 mod text;
 
 use anyhow::Context as _;
+use crate::stop::{self, result_or_stopped};
 use campaign::LineProgress;
 use command_line::{Common, DONE, NOT_MET, Overwrite};
 use std::path::{Path, PathBuf};
-use std::sync::atomic::AtomicBool;
 use study::{RunSettings, Study, plan_study, run_study, write_hand_over, write_json};
 
 pub(crate) use text::plan;
@@ -58,7 +59,8 @@ pub(crate) fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<u8> 
     }
     refuse_used_folder(&folder, arguments.resume, common)?;
     common.log(|| plan.trim_end().to_owned());
-    let (progress, stop) = (progress_lines(common), AtomicBool::new(false));
+    let simulator = study.simulator()?;
+    let (progress, stop) = (progress_lines(common), stop::flag()?);
     let settings = RunSettings {
         seed: arguments.seed,
         threads: common.threads(),
@@ -67,11 +69,15 @@ pub(crate) fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<u8> 
         stop: &stop,
     };
     let announce = |stage: &str| common.log(|| format!("== {stage}"));
-    let mut result = run_study(&study, &settings, &announce)?;
+    let done = run_study(&study, &simulator, &settings, &announce);
+    let mut result = match result_or_stopped(done, &folder)? {
+        Ok(result) => result,
+        Err(code) => return Ok(code),
+    };
     let files = write_hand_over(&folder, &study, &mut result)
         .with_context(|| format!("cannot write the results into {}", folder.display()))?;
     write_json(&folder.join("result.json"), &result)?;
-    // study_report::write(&folder, &study, &result) stands here: tables, pictures, report.html.
+    report::write(&folder, &study, &simulator, &result)?;
     common.print(text::result(&result, &folder, &files).trim_end())?;
     common.emit_json(&result)?;
     Ok(if result.calibration.met {

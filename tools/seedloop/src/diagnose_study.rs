@@ -2,13 +2,13 @@
 
 use crate::calibrate::{progress_lines, refuse_used_folder};
 use crate::diagnose::{exit_code, text};
+use crate::stop::{self, result_or_stopped};
 use calibration::{DiagnosisStage, ResidualStudy};
 use command_line::{Common, DONE, NOT_MET};
 use residual_diagnosis::Diagnosis;
 use serde::Serialize;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
-use std::sync::atomic::AtomicBool;
 use study::{DiagnosisResult, RunSettings, Study, run_diagnosis, write_json};
 
 /// What the command line says.
@@ -61,7 +61,7 @@ pub(crate) fn run(path: &Path, options: &Options, common: &Common) -> anyhow::Re
         .unwrap_or_else(|| PathBuf::from("out").join(format!("{}-diagnosis", study.folder_name())));
     refuse_used_folder(&folder, options.resume, common)?;
     common.log(|| plan_text(&study, &at).trim_end().to_owned());
-    let (progress, stop) = (progress_lines(common), AtomicBool::new(false));
+    let (progress, stop) = (progress_lines(common), stop::flag()?);
     let settings = RunSettings {
         seed: options.seed,
         threads: common.threads(),
@@ -69,8 +69,11 @@ pub(crate) fn run(path: &Path, options: &Options, common: &Common) -> anyhow::Re
         progress: &progress,
         stop: &stop,
     };
-    let announce = |stage: &str| common.log(|| format!("== {stage}"));
-    let result = run_diagnosis(&study, &at, &settings, &announce)?;
+    let done = run_diagnosis(&study, &at, &settings);
+    let result = match result_or_stopped(done, &folder)? {
+        Ok(result) => result,
+        Err(code) => return Ok(code),
+    };
     write_json(&folder.join("result.json"), &result)?;
     let (done, code) = match &result.diagnosis {
         DiagnosisStage::Done(done) => {

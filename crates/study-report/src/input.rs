@@ -1,0 +1,85 @@
+//! What a report is made of.
+
+use calibration::{Calibration, CalibrationProblem, Parameter, ResidualStudy};
+use residual_diagnosis::TrialRow;
+use run_store::Record;
+use scene::{FillingLibrary, Scene};
+use std::collections::BTreeMap;
+
+/// Everything that the report of a calibration shows.
+#[derive(Debug, Clone, Copy)]
+pub struct ReportInput<'a> {
+    /// Name of the study.
+    pub name: &'a str,
+    /// Profile that was run.
+    pub profile: &'a str,
+    /// Version of the program.
+    pub version: &'a str,
+    /// First seed.
+    pub seed: u64,
+    /// SHA-256 of each input file, by file.
+    pub inputs: &'a BTreeMap<String, String>,
+    /// What was asked.
+    pub problem: &'a CalibrationProblem,
+    /// What was found.
+    pub calibration: &'a Calibration,
+    /// Values of others to be printed beside results.
+    pub compare: &'a [ComparedValue],
+    /// What the file left out and what was taken instead, one sentence each.
+    pub defaults: &'a [String],
+    /// Scenes by name of the model.
+    pub scenes: &'a BTreeMap<String, Scene>,
+    /// Bodies of the seeds of these scenes; one that is missing is filled anew.
+    pub fillings: &'a FillingLibrary,
+    /// Records of the runs behind the comparisons, by key; a picture whose record is missing is left out.
+    pub records: &'a BTreeMap<String, Record>,
+}
+
+/// A value that somebody else gave, beside what was found here.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ComparedValue {
+    /// Name of the result; its ending is its unit.
+    pub result: String,
+    /// What was found here; none where this calibration does not give it.
+    pub found: Option<f64>,
+    /// Standard error of what was found.
+    pub se: Option<f64>,
+    /// The other value.
+    pub value: f64,
+    /// Standard deviation of the other value as its source gives it.
+    pub sd: Option<f64>,
+    /// Where the other value stands.
+    pub source: String,
+}
+
+/// Everything that the report of a diagnosis alone shows.
+#[derive(Debug, Clone, Copy)]
+pub struct DiagnosisInput<'a> {
+    /// Name of the study.
+    pub name: &'a str,
+    /// Version of the program.
+    pub version: &'a str,
+    /// First seed.
+    pub seed: u64,
+    /// SHA-256 of each input file, by file.
+    pub inputs: &'a BTreeMap<String, String>,
+    /// The parameters of the study, for their units.
+    pub parameters: &'a [Parameter],
+    /// What the file left out and what was taken instead, one sentence each.
+    pub defaults: &'a [String],
+    /// Effects that the scenes cannot carry, with the reason.
+    pub not_applicable: &'a BTreeMap<String, String>,
+    /// Number of conditions that the budget took out of the fit.
+    pub taken_out: usize,
+    /// Largest number of runs of the plan.
+    pub planned_runs: usize,
+    /// Wall time of the whole diagnosis, s; small where records were found again.
+    pub wall_s: f64,
+    /// Share of it that went into simulations and their bookkeeping, 0 to 1.
+    pub simulation_share: f64,
+    /// The study of the residual.
+    pub study: &'a ResidualStudy,
+    /// What the rules say of drawn campaigns at these conditions, with this library and noise; empty where nothing
+    /// was drawn.
+    pub trials: &'a [TrialRow],
+}

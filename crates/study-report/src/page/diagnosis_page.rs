@@ -1,0 +1,214 @@
+//! The report of a diagnosis: the answer first, then what it rests on.
+
+use super::closing_section::{defaults, inputs};
+use super::residual_parts::answer_colour;
+use super::{chart, residual_section};
+use crate::numbers::{counted, digits, digits_or_dash, fixed, fixed_or_dash, listed};
+use crate::output::DIAGNOSIS;
+use crate::pictures::NamedPicture;
+use crate::residual;
+use crate::{DiagnosisInput, Error};
+use calibration::ResidualStudy;
+use report::{Column, Fact, Report, Table};
+use residual_diagnosis::{NearestEffect, TrialRow, Truth, Verdict};
+
+/// Makes the page as HTML.
+pub(crate) fn page(input: &DiagnosisInput<'_>, pictures: &[NamedPicture]) -> Result<String, Error> {
+    let mut report = Report::new(format!("Diagnosis {}", input.name));
+    answer(&mut report, input, pictures);
+    report.section("What it rests on");
+    residual_section::add(&mut report, pictures, DIAGNOSIS, input.study)?;
+    known_truth(&mut report, input.trials)?;
+    closing(&mut report, input);
+    Ok(report.html())
+}
+
+/// The answer on one screen.
+fn answer(report: &mut Report, input: &DiagnosisInput<'_>, pictures: &[NamedPicture]) {
+    let (study, d) = (input.study, &input.study.diagnosis);
+    report.section("The answer");
+    report.verdict(
+        answer_colour(d.verdict),
+        &format!("Verdict: {}", d.verdict),
+        d.summary(),
+    );
+    report.facts(&facts(study));
+    let stages = match study.after {
+        Some(_) => ", before and after",
+        None => "",
+    };
+    chart(
+        report,
+        pictures,
+        &format!("{DIAGNOSIS}-residuals"),
+        &format!(
+            "What the model misses: observed minus simulated by condition, by real runs{stages}; the \
+             band is twice the standard error of observation and simulation."
+        ),
+    );
+}
+
+/// What was measured, what is not needed to explain it, and what helps next.
+fn facts(study: &ResidualStudy) -> Vec<Fact> {
+    let d = &study.diagnosis;
+    let excluded: Vec<String> = d
+        .candidates
+        .iter()
+        .filter(|(name, c)| {
+            let helps = d.effects.contains(name) || d.suspects.contains(name);
+            c.testable && !helps
+        })
+        .map(|(name, _)| name.clone())
+        .collect();
+    let n_kept = study.plan.count(false);
+    let whitened: Vec<String> = residual::stages(study)
+        .iter()
+        .map(|s| {
+            let errors = if n_kept > 0 { s.kept } else { Some(s.used) };
+            let square = errors.map(|e| e.whitened_mse);
+            format!("{} {}", s.name, fixed_or_dash(square, 2))
+        })
+        .collect();
+    let mut facts = vec![
+        Fact::new(
+            "Measured",
+            format!(
+                "{} for the fit, {} for the check",
+                counted(study.plan.count(true), "condition", "conditions"),
+                n_kept
+            ),
+        ),
+        Fact::new("Not needed to explain it", listed(&excluded)),
+        Fact::new("Could not be seen here", listed(&d.not_testable)),
+        Fact::new(
+            if n_kept > 0 {
+                "Whitened mean square on the check"
+            } else {
+                "Whitened mean square on the fit, nothing is kept"
+            },
+            whitened.join(", "),
+        ),
+    ];
+    if matches!(d.verdict, Verdict::Tie | Verdict::Partial | Verdict::Named) {
+        let amplitude = |name: &String| {
+            let c = d.candidates.get(name);
+            format!(
+                "{name} {} ± {}",
+                digits_or_dash(c.and_then(|c| c.amplitude)),
+                digits_or_dash(c.and_then(|c| c.se))
+            )
+        };
+        let amplitudes: Vec<String> = d.effects.iter().map(amplitude).collect();
+        facts.push(Fact::new(
+            "Amplitude by the linear prediction",
+            amplitudes.join(", "),
+        ));
+    }
+    if let Some(next) = &d.next_measurement {
+        facts.push(Fact::new(
+            "The measurement that helps most",
+            next.advice.clone(),
+        ));
+    }
+    facts
+}
+
+/// What the rules say of drawn campaigns whose truth is known.
+fn known_truth(report: &mut Report, rows: &[TrialRow]) -> Result<(), Error> {
+    let Some(first) = rows.first() else {
+        return Ok(());
+    };
+    report.paragraph(&format!(
+        "How far these rules can be trusted for these very conditions, sensitivities and noise: {} \
+         drawn campaigns of each truth. Strengths in standard errors.",
+        first.trials
+    ));
+    let mut table = Table::new(
+        "What came out, % of the campaigns.",
+        vec![
+            Column::text("hidden"),
+            Column::number("nothing"),
+            Column::number("named rightly"),
+            Column::number("in the tie set"),
+            Column::number("false name"),
+            Column::number("unknown"),
+            Column::number("measure again"),
+            Column::text("left by the nearest other effect, standard deviations"),
+        ],
+    )?;
+    for row in rows {
+        let percent = |count: usize| fixed(100.0 * count as f64 / row.trials as f64, 1);
+        table.row([
+            hidden(&row.truth),
+            percent(row.none),
+            percent(row.named),
+            percent(row.tied),
+            percent(row.false_name),
+            percent(row.unknown),
+            percent(row.recheck),
+            row.nearest.as_ref().map_or_else(String::new, nearest),
+        ])?;
+    }
+    report.table(&table);
+    report.paragraph(
+        "An effect that the library does not hold may be named by one that it holds, where that one leaves \
+         less of it than 4: these data cannot tell such twins apart.",
+    );
+    Ok(())
+}
+
+/// What imitates an effect that was taken out, in words.
+fn nearest(nearest: &NearestEffect) -> String {
+    let twin = if nearest.twin { ", a twin" } else { "" };
+    format!("{} by {}{twin}", fixed(nearest.left, 1), nearest.name)
+}
+
+/// A truth in words.
+fn hidden(truth: &Truth) -> String {
+    match truth {
+        Truth::Nothing => "nothing".to_owned(),
+        Truth::Effect { name, strength } => format!("{name}, {}", digits(*strength)),
+        Truth::TwoEffects { strength } => format!("two effects, {} each", digits(*strength)),
+        Truth::TakenOut { name, strength } => {
+            format!("{name}, {}, not in the library", digits(*strength))
+        }
+        Truth::Outsider { strength } => format!("an unknown smooth effect, {}", digits(*strength)),
+        Truth::BadValue { strength } => format!("one bad value, {}", digits(*strength)),
+    }
+}
+
+/// What was left out, cost, and provenance.
+fn closing(report: &mut Report, input: &DiagnosisInput<'_>) {
+    report.section("What was left out, and what it cost");
+    let reasons = input.not_applicable.iter().chain(&input.study.left_out);
+    let lines: Vec<String> = reasons
+        .map(|(name, why)| format!("{name}: {why}"))
+        .collect();
+    if lines.is_empty() {
+        report.paragraph("Every effect that was asked for could be run.");
+    } else {
+        let lines: Vec<&str> = lines.iter().map(String::as_str).collect();
+        report
+            .paragraph("Effects that could not be run in this scene:")
+            .list(&lines);
+    }
+    if input.taken_out > 0 {
+        report.paragraph(&format!(
+            "The budget took {} out of the fit, by D-optimality in their coordinates; they serve \
+             for the check.",
+            counted(input.taken_out, "condition", "conditions")
+        ));
+    }
+    report.paragraph(&format!(
+        "At most {} runs were planned. This call took {} s, {} % of it in simulations.",
+        input.planned_runs,
+        fixed(input.wall_s, 0),
+        fixed(100.0 * input.simulation_share, 1)
+    ));
+    defaults(report, input.defaults);
+    report.provenance(&format!(
+        "seedloop {}, study {}, first seed {}.",
+        input.version, input.name, input.seed
+    ));
+    inputs(report, input.inputs);
+}

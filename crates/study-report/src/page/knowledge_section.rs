@@ -1,0 +1,372 @@
+//! What the measurements fix: correlations, open combinations, the set of solutions, the test of the fit.
+
+use super::Page;
+use crate::Error;
+use crate::numbers::{
+    DASH, counted, digits, digits_or_dash, fixed, fixed_or_dash, in_unit, p_in_words, signed,
+    with_error,
+};
+use crate::pictures::solution_charts::{MISFIT, pair_name, pairs};
+use calibration::{Estimate, FitTest, JointEstimate, OpenCombination};
+use report::{Column, Table};
+
+/// Weights below this are not named: such a parameter moves by less than a tenth of the length of the combination.
+const NAMED_WEIGHT: f64 = 0.1;
+/// Two weights count as equal where their ratio differs from 1 by less than this.
+const EQUAL: f64 = 0.05;
+
+/// Adds both sections.
+pub(super) fn add(page: &mut Page<'_>) -> Result<(), Error> {
+    let found = page.input.calibration;
+    page.report
+        .section("What the measurements fix")
+        .paragraph(&test_in_words(&found.test));
+    correlations(page, "Correlations of the estimates.", &found.correlation)?;
+    let lines: Vec<String> = found
+        .open_combinations
+        .iter()
+        .map(|c| open_in_words(c, &found.parameters))
+        .collect();
+    super::list(&mut page.report, "What they leave open:", &lines);
+    solutions(page)?;
+    compare(page)?;
+    match &found.joint {
+        Some(joint) => joint_estimate(page, joint),
+        None => Ok(()),
+    }
+}
+
+/// The test of a fit in a sentence.
+fn test_in_words(test: &FitTest) -> String {
+    let misfit = format!(
+        "Sum of squares of what the fit leaves: {}",
+        digits(test.misfit)
+    );
+    match test.degrees_of_freedom {
+        0 => format!(
+            "{misfit}. There are as many parameters as measurements and priors: the fit tests nothing, and only \
+             measurements of role check can speak against it."
+        ),
+        df => format!(
+            "{misfit} with {}, {}. A small p says that the model misses more than noise.",
+            counted(df, "degree of freedom", "degrees of freedom"),
+            p_in_words(test.p)
+        ),
+    }
+}
+
+/// The matrix of correlations; nothing for a single parameter.
+fn correlations(page: &mut Page<'_>, caption: &str, matrix: &[Vec<f64>]) -> Result<(), Error> {
+    let parameters = &page.input.calibration.parameters;
+    if parameters.len() < 2 || matrix.len() != parameters.len() {
+        return Ok(());
+    }
+    let columns = parameters.iter().map(|p| Column::number(p.symbol.clone()));
+    let columns = std::iter::once(Column::text("parameter")).chain(columns);
+    let mut table = Table::new(caption, columns.collect())?;
+    for (p, row) in parameters.iter().zip(matrix) {
+        let numbers = (0..parameters.len()).map(|k| fixed_or_dash(row.get(k).copied(), 2));
+        table.row(std::iter::once(p.symbol.clone()).chain(numbers))?;
+    }
+    page.table(&table);
+    Ok(())
+}
+
+/// A combination that the measurements leave open, and what they fix instead, in words.
+///
+/// # Formula
+/// Along the combination parameter j moves by `d_j = w_j` times the width of its limits. Of two parameters i and j the
+/// measurements fix the combination that does not change along it: `x_i - (d_i / d_j) x_j`.
+fn open_in_words(open: &OpenCombination, parameters: &[Estimate]) -> String {
+    let moved: Vec<(&Estimate, f64)> = parameters
+        .iter()
+        .filter_map(|p| Some((p, *open.weights.get(&p.symbol)?)))
+        .filter(|(_, weight)| weight.abs() >= NAMED_WEIGHT)
+        .collect();
+    let width = |p: &Estimate| p.limits[1] - p.limits[0];
+    let known = match open.se_in_widths {
+        Some(se) => format!(
+            "the standard error along it is {} of the width of the limits",
+            digits(se)
+        ),
+        None => "nothing limits it".to_owned(),
+    };
+    match moved.as_slice() {
+        [(p, _)] => format!(
+            "These measurements do not fix {} ({}): {known}.",
+            p.symbol, p.name
+        ),
+        [(a, weight_a), (b, weight_b)] => {
+            let slope = -(weight_a * width(a)) / (weight_b * width(b));
+            let how = if weight_a * weight_b < 0.0 {
+                format!("{} may rise while {} falls", a.symbol, b.symbol)
+            } else {
+                format!("{} and {} may rise together", a.symbol, b.symbol)
+            };
+            format!(
+                "These measurements fix only {}: {how}, and {known}.",
+                fixed_part(a, b, slope)
+            )
+        }
+        several => {
+            let terms: Vec<String> = several
+                .iter()
+                .map(|(p, weight)| format!("{} {}", signed(*weight, 2), p.symbol))
+                .collect();
+            format!(
+                "These measurements do not fix the combination {} (weights in widths of the limits): {known}.",
+                terms.join(" ")
+            )
+        }
+    }
+}
+
+/// What stays fixed of two parameters, a + slope b, in words.
+fn fixed_part(a: &Estimate, b: &Estimate, slope: f64) -> String {
+    if (slope.abs() - 1.0).abs() < EQUAL {
+        let word = if slope > 0.0 { "sum" } else { "difference" };
+        return format!("the {word} of {} and {}", a.symbol, b.symbol);
+    }
+    let sign = if slope < 0.0 { "−" } else { "+" };
+    format!(
+        "the combination {} {sign} {} {}",
+        a.symbol,
+        digits(slope.abs()),
+        b.symbol
+    )
+}
+
+/// The set of solutions.
+fn solutions(page: &mut Page<'_>) -> Result<(), Error> {
+    let found = page.input.calibration;
+    let set = &found.solutions;
+    page.report
+        .subsection("The set of solutions")
+        .paragraph(&format!(
+            "{} % of the last box agrees with all measurements of the fit at 95 %.",
+            digits(100.0 * set.share_of_box)
+        ));
+    let names = (1..=set.separate.len()).map(|k| Column::number(format!("solution {k}")));
+    let mut columns = vec![
+        Column::text("parameter"),
+        Column::number("lowest"),
+        Column::number("highest"),
+    ];
+    columns.extend(names);
+    let mut table = Table::new(
+        "Lowest and highest value of each parameter in the set, and the separate best points, the best first.",
+        columns,
+    )?;
+    for (j, p) in found.parameters.iter().enumerate() {
+        let [low, high] = set
+            .extent
+            .get(j)
+            .map_or([None, None], |[low, high]| [Some(*low), Some(*high)]);
+        let unit = |value: Option<f64>| in_unit(&digits_or_dash(value), &p.unit);
+        let mut row = vec![format!("{} {}", p.symbol, p.name), unit(low), unit(high)];
+        let points = set.separate.iter();
+        row.extend(points.map(|point| unit(point.get(j).copied())));
+        table.row(row)?;
+    }
+    page.table(&table);
+    page.chart(
+        MISFIT,
+        "Root of the sum of squares of z over the last box, by the surfaces of the measurements of the fit and the \
+         priors; high walls are cut. A valley is a combination that is left open.",
+    );
+    for [a, b] in pairs(page.input) {
+        let [x, y] = [&found.parameters[a], &found.parameters[b]];
+        let caption = format!(
+            "Points of the set of solutions: {} against {}, drawn evenly from the box.",
+            y.symbol, x.symbol
+        );
+        page.chart(&pair_name([a, b]), &caption);
+    }
+    Ok(())
+}
+
+/// Values of others beside what was found; nothing without any.
+fn compare(page: &mut Page<'_>) -> Result<(), Error> {
+    if page.input.compare.is_empty() {
+        return Ok(());
+    }
+    page.report.subsection("Beside values of others");
+    let mut table = Table::new(
+        "What was found (± standard error) beside what others give (± their standard deviation); nothing here enters \
+         a fit.",
+        vec![
+            Column::text("result"),
+            Column::number("found"),
+            Column::number("other"),
+            Column::number("difference"),
+            Column::text("source"),
+        ],
+    )?;
+    for c in page.input.compare {
+        let (words, unit) = crate::numbers::observable(&c.result);
+        let difference = c.found.map(|found| signed_digits(found - c.value));
+        table.row([
+            words,
+            c.found
+                .map_or_else(|| DASH.to_owned(), |found| with_error(found, c.se, unit)),
+            with_error(c.value, c.sd, unit),
+            difference.map_or_else(|| DASH.to_owned(), |d| in_unit(&d, unit)),
+            c.source.clone(),
+        ])?;
+    }
+    page.table(&table);
+    Ok(())
+}
+
+/// About three digits with a sign.
+fn signed_digits(value: f64) -> String {
+    let sign = if value >= 0.0 { "+" } else { "" };
+    format!("{sign}{}", digits(value))
+}
+
+/// The estimate from all measurements beside that of the fit alone.
+fn joint_estimate(page: &mut Page<'_>, joint: &JointEstimate) -> Result<(), Error> {
+    page.report.section("Joint estimate").paragraph(&format!(
+        "The same from all measurements together, checks included, after the check was made. {}",
+        test_in_words(&joint.test)
+    ));
+    let mut table = Table::new(
+        "Parameters from the fit alone and from all measurements. The shift is in standard errors of the fit alone.",
+        vec![
+            Column::text("parameter"),
+            Column::number("fit alone"),
+            Column::number("all measurements"),
+            Column::number("95 % interval"),
+            Column::number("shift"),
+        ],
+    )?;
+    let alone = &page.input.calibration.parameters;
+    for p in &joint.parameters {
+        let before = alone.iter().find(|a| a.symbol == p.symbol);
+        let shift = before.and_then(|a| Some((p.value - a.value) / a.se?));
+        let like = |x: f64| crate::numbers::with_decimals_of(x, p.se);
+        let [low, high] = p.interval95;
+        table.row([
+            format!("{} {}", p.symbol, p.name),
+            before.map_or_else(|| DASH.to_owned(), |a| with_error(a.value, a.se, &a.unit)),
+            with_error(p.value, p.se, &p.unit),
+            in_unit(&format!("{} to {}", like(low), like(high)), &p.unit),
+            shift.map_or_else(|| DASH.to_owned(), |s| signed(s, 1)),
+        ])?;
+    }
+    page.table(&table);
+    correlations(
+        page,
+        "Correlations of the joint estimates.",
+        &joint.correlation,
+    )?;
+    predictions(page, joint)
+}
+
+/// The measurements at the joint estimate, by the linear model.
+fn predictions(page: &mut Page<'_>, joint: &JointEstimate) -> Result<(), Error> {
+    if joint.predicted.is_empty() {
+        return Ok(());
+    }
+    let mut table = Table::new(
+        "Measurements beside what the linear model predicts at the joint estimate; no run was made there.",
+        vec![
+            Column::text("measurement"),
+            Column::number("measured"),
+            Column::number("predicted"),
+            Column::number("difference (%)"),
+        ],
+    )?;
+    for p in &joint.predicted {
+        let (words, unit) = crate::numbers::observable(&p.observable);
+        let percent = 100.0 * (p.predicted - p.measured) / p.measured.abs();
+        table.row([
+            format!(
+                "{}: {words}",
+                crate::measurement_rows::place(&p.scene, &p.condition)
+            ),
+            in_unit(
+                &crate::numbers::with_decimals_of(p.measured, Some(p.se)),
+                unit,
+            ),
+            with_error(p.predicted, Some(p.se), unit),
+            if percent.is_finite() {
+                signed(percent, 1)
+            } else {
+                fixed(percent, 1)
+            },
+        ])?;
+    }
+    page.table(&table);
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{open_in_words, test_in_words};
+    use crate::test_input::estimate;
+    use calibration::{Estimate, FitTest, OpenCombination};
+    use std::collections::BTreeMap;
+
+    /// Three parameters whose limits are 1.5, 1.5 and 0.5 wide.
+    fn parameters() -> Vec<Estimate> {
+        let mut narrow = estimate("R", 0.1, None);
+        narrow.limits = [0.0, 0.5];
+        vec![estimate("F", 0.3, None), estimate("E", 0.4, None), narrow]
+    }
+
+    /// A combination in words.
+    fn words(weights: &[(&str, f64)], se: Option<f64>) -> String {
+        let weights: BTreeMap<String, f64> =
+            weights.iter().map(|(s, w)| ((*s).to_owned(), *w)).collect();
+        let open = OpenCombination {
+            weights,
+            se_in_widths: se,
+        };
+        open_in_words(&open, &parameters())
+    }
+
+    /// What moves against each other leaves the sum as it is, what moves together the difference; weights count in
+    /// widths of the limits, so that a narrow parameter moves by less: with weights 0.8 and -0.6 in widths of 1.5 and
+    /// 0.5 the moves are 1.2 and -0.3, and F + 4 R stays.
+    #[test]
+    fn an_open_combination_says_what_stays_fixed() {
+        let sum = words(&[("F", 0.71), ("E", -0.70), ("R", 0.02)], Some(0.31));
+        assert!(sum.contains("fix only the sum of F and E"), "{sum}");
+        assert!(sum.contains("0.310 of the width"), "{sum}");
+        let difference = words(&[("F", 0.7), ("E", 0.7)], None);
+        assert!(
+            difference.contains("fix only the difference of F and E"),
+            "{difference}"
+        );
+        assert!(
+            difference.contains("may rise together, and nothing limits it"),
+            "{difference}"
+        );
+        let weighted = words(&[("F", 0.8), ("R", -0.6)], None);
+        assert!(
+            weighted.contains("the combination F + 4.00 R"),
+            "{weighted}"
+        );
+        let one = words(&[("E", -1.0)], None);
+        assert!(
+            one.contains("do not fix E (name of E): nothing limits it"),
+            "{one}"
+        );
+        let three = words(&[("F", 0.6), ("E", -0.6), ("R", 0.53)], None);
+        assert!(three.contains("+0.60 F −0.60 E +0.53 R"), "{three}");
+    }
+
+    #[test]
+    fn a_fit_without_degrees_of_freedom_is_said_to_test_nothing() {
+        let test = |degrees_of_freedom, p| {
+            test_in_words(&FitTest {
+                misfit: 3.2,
+                degrees_of_freedom,
+                p,
+            })
+        };
+        assert!(test(0, None).contains("tests nothing"));
+        assert!(test(2, Some(0.2019)).contains("3.20 with 2 degrees of freedom, p = 0.2019"));
+    }
+}

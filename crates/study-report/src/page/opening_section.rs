@@ -1,0 +1,224 @@
+//! The first screen: verdict, every measurement before and after, and the parameters.
+
+use super::Page;
+use crate::Error;
+use crate::measurement_rows::{MeasurementRow, ROLES, place, role_name, root_mean_square_z, rows};
+use crate::numbers::{
+    DASH, fixed_or_dash, in_unit, observable, signed, with_decimals_of, with_error,
+};
+use crate::pictures::measurement_charts::ERRORS;
+use calibration::{Comparison, Estimate, Parameter, Role};
+use report::{Column, Fact, Table, Verdict};
+
+/// Adds the section.
+pub(super) fn add(page: &mut Page<'_>) -> Result<(), Error> {
+    verdict(page);
+    measurements(page)?;
+    errors(page);
+    parameters(page)?;
+    page.chart(
+        ERRORS,
+        "Table 1 as a picture: z of the measurements by their numbers. The band is the limit within which a \
+         measurement counts as met.",
+    );
+    Ok(())
+}
+
+/// The verdict with the state in which the command ends.
+fn verdict(page: &mut Page<'_>) {
+    let found = page.input.calibration;
+    let (colour, headline) = if found.met {
+        (Verdict::Good, "Met (exit code 0)")
+    } else {
+        (Verdict::Bad, "Not met (exit code 1)")
+    };
+    page.report
+        .section("Result")
+        .verdict(colour, headline, &found.verdict);
+    super::list(&mut page.report, "What to keep in mind:", &found.remarks);
+}
+
+/// The headline: measured, and simulated before and after.
+fn measurements(page: &mut Page<'_>) -> Result<(), Error> {
+    let mut table = Table::new(
+        "Measured, and simulated before and after. ± is the standard error of a mean; z is measured minus simulated in \
+         standard errors of both. Before: with the parameters in use before. The fit uses the measurements of role \
+         fit; those of role check were seen by no fit and no choice; those of role show judge nothing.",
+        vec![
+            Column::number("no."),
+            Column::text("measurement"),
+            Column::text("role"),
+            Column::number("measured"),
+            Column::number("before"),
+            Column::number("z before"),
+            Column::number("after"),
+            Column::number("z after"),
+            Column::text("holds (limit of |z|)"),
+        ],
+    )?;
+    for (number, row) in rows(page.input).into_iter().enumerate() {
+        let (words, unit) = observable(&row.measurement.observable);
+        let simulated = |c: Option<&Comparison>| match c {
+            Some(c) => with_error(c.simulated.mean, Some(c.simulated.se), unit),
+            None => DASH.to_owned(),
+        };
+        let z = |c: Option<&Comparison>| c.map_or_else(|| DASH.to_owned(), |c| signed(c.z, 1));
+        table.row([
+            (number + 1).to_string(),
+            format!("{}: {words}", place(&row.model.scene, &row.model.condition)),
+            role_name(row.measurement.role).to_owned(),
+            with_error(row.measurement.mean, Some(row.measured_se()), unit),
+            simulated(row.before),
+            z(row.before),
+            simulated(row.after),
+            z(row.after),
+            holds(row.after),
+        ])?;
+    }
+    page.table(&table);
+    Ok(())
+}
+
+/// Whether a measurement is met, in words.
+fn holds(after: Option<&Comparison>) -> String {
+    match after {
+        None => DASH.into(),
+        Some(c) if c.role == Role::Show => "not judged".into(),
+        Some(c) => {
+            let word = if c.holds { "yes" } else { "no" };
+            format!("{word} ({})", fixed_or_dash(Some(c.z_limit), 2))
+        }
+    }
+}
+
+/// Root mean squares of z of each role, before and after.
+fn errors(page: &mut Page<'_>) {
+    let all = rows(page.input);
+    let fact = |role: Role| {
+        let of_role = || all.iter().filter(|r| r.measurement.role == role);
+        let after = root_mean_square_z(of_role().map(|r: &MeasurementRow<'_>| r.after))?;
+        let before = root_mean_square_z(of_role().map(|r| r.before));
+        Some(Fact::new(
+            format!("Root mean square of z, {}", role_name(role)),
+            format!(
+                "{} before, {} after",
+                fixed_or_dash(before, 2),
+                fixed_or_dash(Some(after), 2)
+            ),
+        ))
+    };
+    let facts: Vec<Fact> = ROLES.into_iter().filter_map(fact).collect();
+    if !facts.is_empty() {
+        page.report.facts(&facts);
+    }
+}
+
+/// The parameters.
+fn parameters(page: &mut Page<'_>) -> Result<(), Error> {
+    let mut table = Table::new(
+        "Parameters. The interval covers 95 % and is cut at the limits of what is physically possible; start is the \
+         value in use before.",
+        vec![
+            Column::text("parameter"),
+            Column::number("estimate"),
+            Column::number("95 % interval"),
+            Column::number("start"),
+            Column::number("limits"),
+            Column::text("what is known of it"),
+        ],
+    )?;
+    for p in &page.input.calibration.parameters {
+        let declared = &page.input.problem.parameters;
+        let declared = declared.iter().find(|d| d.symbol == p.symbol);
+        let like = |value: f64| with_decimals_of(value, p.se);
+        let [low, high] = p.interval95;
+        table.row([
+            format!("{} {}", p.symbol, p.name),
+            with_error(p.value, p.se, &p.unit),
+            in_unit(&format!("{} to {}", like(low), like(high)), &p.unit),
+            in_unit(&p.start.to_string(), &p.unit),
+            in_unit(&format!("{} to {}", p.limits[0], p.limits[1]), &p.unit),
+            known(p, declared),
+        ])?;
+    }
+    page.table(&table);
+    let sets = page.input.calibration.parameters.iter();
+    let sets = sets.filter(|p| !p.sets.is_empty());
+    let lines: Vec<String> = sets
+        .map(|p| format!("{}: {}", p.symbol, p.sets.join(", ")))
+        .collect();
+    super::list(&mut page.report, "What each parameter sets:", &lines);
+    Ok(())
+}
+
+/// Whether the measurements fix a parameter, and whether it lies on a limit, in words.
+fn known(p: &Estimate, declared: Option<&Parameter>) -> String {
+    let prior = declared.and_then(|d| d.prior);
+    let fixed = match (p.fixed_by_data, prior) {
+        (true, None) => "fixed by the measurements".to_owned(),
+        (true, Some(_)) => "fixed by the measurements and its prior".to_owned(),
+        (false, Some(prior)) => format!(
+            "held by its prior {} ± {}; the measurements alone leave it open",
+            prior.mean, prior.sd
+        ),
+        (false, None) => "left open by the measurements".to_owned(),
+    };
+    if !p.at_limit {
+        return fixed;
+    }
+    let [low, high] = p.limits;
+    let (word, limit) = if (p.value - low).abs() <= (high - p.value).abs() {
+        ("lower", low)
+    } else {
+        ("upper", high)
+    };
+    format!("{fixed}; lies on its {word} limit {limit}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::known;
+    use crate::test_input::estimate;
+    use calibration::{Parameter, Prior};
+
+    /// A parameter with or without a prior.
+    fn declared(prior: Option<Prior>) -> Parameter {
+        Parameter {
+            symbol: "F".into(),
+            name: "friction".into(),
+            unit: "1".into(),
+            sets: Vec::new(),
+            range: [0.1, 0.6],
+            limits: [0.0, 1.5],
+            start: 0.1,
+            prior,
+        }
+    }
+
+    #[test]
+    fn what_is_known_of_a_parameter_is_said_in_words() {
+        let prior = declared(Some(Prior {
+            mean: 0.4,
+            sd: 0.05,
+        }));
+        let mut p = estimate("F", 0.33, Some(0.02));
+        assert_eq!(known(&p, None), "fixed by the measurements");
+        assert_eq!(
+            known(&p, Some(&prior)),
+            "fixed by the measurements and its prior"
+        );
+        p.fixed_by_data = false;
+        assert_eq!(
+            known(&p, Some(&prior)),
+            "held by its prior 0.4 ± 0.05; the measurements alone leave it open"
+        );
+        p.at_limit = true;
+        p.value = 1.5;
+        assert_eq!(
+            known(&p, Some(&declared(None))),
+            "left open by the measurements; lies on its upper limit 1.5"
+        );
+        p.value = 0.0;
+        assert!(known(&p, None).ends_with("lies on its lower limit 0"));
+    }
+}

@@ -1,0 +1,92 @@
+//! The runs at the estimate: what the check says, and what it looks like.
+
+use super::Page;
+use crate::Error;
+use crate::measurement_rows::{place, role_name, rows};
+use crate::numbers::{DASH, observable, signed, with_error};
+use crate::pictures::photographs::{frame_name, shows_drum};
+use crate::pictures::run_charts::{check_runs, series_name};
+use report::{Column, Table};
+use std::collections::BTreeMap;
+
+/// Adds the section.
+pub(super) fn add(page: &mut Page<'_>) -> Result<(), Error> {
+    if rows(page.input).iter().all(|row| row.after.is_none()) {
+        return Ok(());
+    }
+    page.report
+        .section("Runs at the estimate")
+        .paragraph("Fresh runs with seeds of their own; no surface and no fit has seen those of role check and show.");
+    table(page)?;
+    for (number, (model, _)) in check_runs(page.input).into_iter().enumerate() {
+        let at = place(&model.scene, &model.condition);
+        let reading = if shows_drum(page.input, model) {
+            " It was read again by the code that reads photos: drum (blue), surface points that count (green) and do \
+             not (magenta), fitted line (orange)."
+        } else {
+            ""
+        };
+        page.png(
+            &frame_name(number),
+            &format!("Last frame of a check run: {at}"),
+            &format!("Last frame of a check run: {at}.{reading}"),
+        )?;
+        page.chart(
+            &series_name(number),
+            &format!(
+                "{at}: direction of the centre of mass over time, the part behind the start-up (band), and the \
+                 moments of the frames (dots)."
+            ),
+        );
+    }
+    Ok(())
+}
+
+/// Measurements beside the runs.
+fn table(page: &mut Page<'_>) -> Result<(), Error> {
+    let mut table = Table::new(
+        "Measurements beside the runs at the estimate, ± standard errors. The third number is the standard error that \
+         the uncertainty of the parameters alone gives the prediction.",
+        vec![
+            Column::text("measurement"),
+            Column::text("role"),
+            Column::number("measured"),
+            Column::number("simulated"),
+            Column::number("from parameters"),
+            Column::number("difference"),
+            Column::number("z"),
+            Column::text("runs, by how they ended"),
+        ],
+    )?;
+    for row in rows(page.input) {
+        let Some(c) = row.after else { continue };
+        let (words, unit) = observable(&c.observable);
+        let se = row.measured_se().hypot(c.simulated.se);
+        let difference = c.measured.mean - c.simulated.mean;
+        table.row([
+            format!("{}: {words}", place(&c.scene, &c.condition)),
+            role_name(c.role).to_owned(),
+            with_error(c.measured.mean, Some(row.measured_se()), unit),
+            with_error(c.simulated.mean, Some(c.simulated.se), unit),
+            c.parameter_se
+                .map_or_else(|| DASH.to_owned(), |se| with_error(se, None, unit)),
+            with_error(difference, Some(se), unit),
+            signed(c.z, 2),
+            regimes(c.simulated.n_runs, &c.regimes),
+        ])?;
+    }
+    page.table(&table);
+    Ok(())
+}
+
+/// Number of runs, and how they ended.
+fn regimes(n_runs: usize, regimes: &BTreeMap<String, usize>) -> String {
+    if regimes.is_empty() {
+        return n_runs.to_string();
+    }
+    let each: Vec<String> = regimes
+        .iter()
+        .map(|(name, n)| format!("{n} {name}"))
+        .collect();
+    format!("{n_runs}: {}", each.join(", "))
+}

@@ -1,0 +1,138 @@
+//! Charts of the study of a residual.
+
+use super::NamedPicture;
+use crate::Error;
+use crate::numbers::observable;
+use crate::residual::{condition_name, residual_se, role};
+use calibration::{AddedEffect, ResidualStudy, StudyCondition};
+use report::{
+    AxisTitle, Comparison, PredictedAgainstMeasured, ResidualCondition, ResidualPanel, Residuals,
+};
+
+/// Predicted against measured for each observable, before and after, and the residuals.
+pub(crate) fn charts(name: &str, study: &ResidualStudy) -> Result<Vec<NamedPicture>, Error> {
+    let mut charts = Vec::new();
+    let after = study.after.as_ref().map(|a| &a.simulated);
+    for (k, quantity) in study.plan.observables.iter().enumerate() {
+        let stages = [("before", Some(&study.simulated_before)), ("after", after)];
+        for (stage, simulated) in stages {
+            if let Some(simulated) = simulated {
+                let (words, unit) = observable(quantity);
+                let chart = PredictedAgainstMeasured {
+                    observable: AxisTitle::new(words, unit),
+                    comparisons: comparisons(study, simulated, k),
+                };
+                let name = format!("{name}-predicted-{}-{stage}", super::plain_name(quantity));
+                charts.push(NamedPicture::chart(name, chart.draw()?));
+            }
+        }
+    }
+    let residuals = residuals(study).draw()?;
+    charts.push(NamedPicture::chart(format!("{name}-residuals"), residuals));
+    Ok(charts)
+}
+
+/// The points of one observable with twice their standard errors.
+fn comparisons(study: &ResidualStudy, simulated: &[Vec<f64>], k: usize) -> Vec<Comparison> {
+    let runs = study.plan.replicates.max(1) as f64;
+    let run_sd = study
+        .run_sd
+        .get(&study.plan.observables[k])
+        .copied()
+        .unwrap_or(0.0);
+    let conditions = study.plan.conditions.iter().enumerate();
+    let comparison = |(c, condition): (usize, &StudyCondition)| {
+        Some(Comparison {
+            name: condition_name(condition),
+            measured: study.observed.values[c][k]?,
+            measured_error: 2.0 * study.observed.standard_error(c, k),
+            predicted: simulated[c][k],
+            predicted_error: 2.0 * run_sd / runs.sqrt(),
+            role: role(condition),
+        })
+    };
+    conditions.filter_map(comparison).collect()
+}
+
+/// Residuals by condition before and with what was added, against twice their standard error.
+fn residuals(study: &ResidualStudy) -> Residuals {
+    let conditions = study.plan.conditions.iter();
+    let left = |simulated: &[Vec<f64>], k: usize| -> Vec<Option<f64>> {
+        let rows = study.observed.values.iter().zip(simulated);
+        rows.map(|(o, s)| o[k].map(|y| y - s[k])).collect()
+    };
+    let simulated: Vec<_> = std::iter::once(&study.simulated_before)
+        .chain(study.models().map(|model| &model.simulated))
+        .collect();
+    let n = study.plan.conditions.len();
+    let panels = study
+        .plan
+        .observables
+        .iter()
+        .enumerate()
+        .map(|(k, quantity)| {
+            let (words, unit) = observable(quantity);
+            let residuals = simulated.iter().map(|simulated| left(simulated, k));
+            ResidualPanel {
+                observable: AxisTitle::new(words, unit),
+                residuals: residuals.collect(),
+                noise: (0..n).map(|c| 2.0 * residual_se(study, c, k)).collect(),
+            }
+        });
+    let names = |model: &AddedEffect| {
+        let names: Vec<&str> = model.effects.keys().map(String::as_str).collect();
+        format!("with {}", names.join(", "))
+    };
+    let titles = std::iter::once("declared model, fitted".into()).chain(study.models().map(names));
+    Residuals {
+        models: titles.collect(),
+        noise_name: "± 2 standard errors".into(),
+        panels: panels.collect(),
+        conditions: conditions
+            .map(|c| ResidualCondition {
+                name: condition_name(c),
+                role: role(c),
+            })
+            .collect(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::residuals;
+    use crate::tables::residual_tables;
+    use crate::test_residual::{SPEEDS, twins};
+
+    /// Two effects that nothing tells apart are two models: the chart of residuals has a column for each and the
+    /// table of means rows for each, beside the declared model, which misses 1 degree per rpm. A mean of four runs
+    /// has a standard error of 0.05 deg, and the fit adds as much: four times both together are below 0.3 deg.
+    #[test]
+    fn tied_models_are_in_the_table_of_means_and_in_the_chart() {
+        let study = twins();
+        let diagnosis = &study.diagnosis;
+        assert_eq!(study.rivals.len(), 2, "{}", diagnosis.summary());
+        let names = ["declared model, fitted", "with bend", "with bow"];
+        let drawn = residuals(&study);
+        assert_eq!(drawn.models[0], names[0]);
+        assert!(names.iter().all(|n| drawn.models.iter().any(|m| m == n)));
+        let panel = &drawn.panels[0].residuals;
+        for (c, rpm) in SPEEDS.iter().enumerate() {
+            assert!((panel[0][c].unwrap() - rpm).abs() < 0.3, "{panel:?}");
+            assert!(panel[1][c].unwrap().abs() < 0.3, "{panel:?}");
+            assert!(panel[2][c].unwrap().abs() < 0.3, "{panel:?}");
+        }
+        let table = residual_tables::all("twins", &study, &[])
+            .into_iter()
+            .find(|table| table.file_name() == "twins_models.csv")
+            .unwrap()
+            .text();
+        for (model, bent) in [("before", 0.0), ("with bend", 1.0), ("with bow", 1.0)] {
+            let rows: Vec<_> = table.lines().filter(|l| l.starts_with(model)).collect();
+            assert_eq!(rows.len(), SPEEDS.len(), "{table}");
+            for (row, rpm) in rows.iter().zip(SPEEDS) {
+                let mean: f64 = row.rsplit(',').next().unwrap().parse().unwrap();
+                assert!((mean - 30.0 - bent * rpm).abs() < 0.3, "{table}");
+            }
+        }
+    }
+}

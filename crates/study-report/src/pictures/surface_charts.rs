@@ -1,0 +1,255 @@
+//! Response surfaces with what was measured: a curve over one parameter, contours over the two strongest.
+
+use super::{NamedPicture, plain_name};
+use crate::numbers::{observable, shown_unit};
+use crate::{Error, ReportInput};
+use calibration::{Measurement, ModelSurfaces};
+use experiment_design::Factor;
+use report::{AxisTitle, Contour, Level, LineSeries, MarkedPoint, Series, SeriesPoint};
+use response_surface::Fit;
+use std::collections::BTreeMap;
+
+/// Nodes of the grid of contours in each direction.
+const NODES: usize = 81;
+/// Points of a curve.
+const CURVE_POINTS: usize = 11;
+/// Half width of a two-sided 95 % interval of a normal distribution, in standard deviations; used where the residuals
+/// have no degrees of freedom for Student's t.
+const NORMAL_975: f64 = 1.959_963_984_540_054;
+
+/// Name of the chart of an observable, by the number of its model in the list of surfaces.
+pub(crate) fn surface_name(number: usize, quantity: &str) -> String {
+    format!("surface-{}-{}", number + 1, plain_name(quantity))
+}
+
+/// Charts of all surfaces that could be analysed.
+pub(super) fn charts(input: &ReportInput<'_>) -> Result<Vec<NamedPicture>, Error> {
+    let mut charts = Vec::new();
+    for (number, surfaces) in input.calibration.surfaces.iter().enumerate() {
+        for (quantity, fit) in &surfaces.fits {
+            let Some(fit) = fit else { continue };
+            let shown = Shown {
+                input,
+                fit,
+                quantity,
+                measured: measured(input, &surfaces.model, quantity),
+            };
+            let svg = match strongest_two(fit) {
+                Some(places) => shown.contour(places).draw()?,
+                None => shown.curve(surfaces).draw()?,
+            };
+            charts.push(NamedPicture::chart(surface_name(number, quantity), svg));
+        }
+    }
+    Ok(charts)
+}
+
+/// What was measured of an observable of a model; none where it was not.
+pub(crate) fn measured<'a>(
+    input: &ReportInput<'a>,
+    model: &str,
+    quantity: &str,
+) -> Option<&'a Measurement> {
+    let problem = input.problem;
+    let meant = |m: &&Measurement| {
+        let name = problem.models.get(m.model).map(|at| at.name.as_str());
+        m.observable == quantity && name == Some(model)
+    };
+    problem.measurements.iter().find(meant)
+}
+
+/// The two parameters of the contours: their places in the fit, the stronger first; none for a single one.
+pub(crate) fn strongest_two(fit: &Fit) -> Option<[usize; 2]> {
+    let size = |k: usize| {
+        fit.terms
+            .get(fit.factors[k].symbol())
+            .map_or(0.0, |row| row.coef.abs())
+    };
+    let mut places: Vec<usize> = (0..fit.factors.len()).collect();
+    places.sort_by(|a, b| size(*b).total_cmp(&size(*a)));
+    match places.as_slice() {
+        [first, second, ..] => Some([*first, *second]),
+        _ => None,
+    }
+}
+
+/// The estimate in the order of the parameters of a fit; the middle of the box for a parameter without one.
+pub(crate) fn estimate_of(input: &ReportInput<'_>, fit: &Fit) -> Vec<f64> {
+    let value = |f: &Factor| {
+        let mut all = input.calibration.parameters.iter();
+        all.find(|p| p.symbol == f.symbol())
+            .map_or(f.mid(), |p| p.value)
+    };
+    fit.factors.iter().map(value).collect()
+}
+
+/// Evenly spaced values from `low` to `high`, both included.
+pub(crate) fn evenly(low: f64, high: f64, n: usize) -> Vec<f64> {
+    let share = |k: usize| k as f64 / (n - 1) as f64;
+    (0..n).map(|k| low + (high - low) * share(k)).collect()
+}
+
+/// Variance of the fitted mean at a coded point, squared unit of the response; 0 without an error variance.
+pub(crate) fn variance_of_mean(fit: &Fit, coded: &[f64]) -> f64 {
+    fit.best_error_variance()
+        .map_or(0.0, |error| error.variance * fit.leverage(coded))
+}
+
+/// A fit with what it is held against.
+struct Shown<'a> {
+    /// The report.
+    input: &'a ReportInput<'a>,
+    /// The fit.
+    fit: &'a Fit,
+    /// Name of the observable.
+    quantity: &'a str,
+    /// What was measured.
+    measured: Option<&'a Measurement>,
+}
+
+impl Shown<'_> {
+    /// Title of the axis of the response.
+    fn response(&self) -> AxisTitle {
+        let (words, unit) = observable(self.quantity);
+        AxisTitle::new(words, unit)
+    }
+
+    /// Half width of a 95 % interval in standard errors.
+    fn limit(&self) -> f64 {
+        self.fit.t_crit_975.unwrap_or(NORMAL_975)
+    }
+
+    /// The fitted curve with its 95 % interval, the means of the runs, and the measured band.
+    fn curve(&self, surfaces: &ModelSurfaces) -> LineSeries {
+        let factor = &self.fit.factors[0];
+        let point = |at: f64| {
+            let coded = self.fit.coded(&[at]);
+            let half = self.limit() * variance_of_mean(self.fit, &coded).sqrt();
+            SeriesPoint::new(at, self.fit.value(&coded), half)
+        };
+        let curve = evenly(factor.low(), factor.high(), CURVE_POINTS);
+        let values = surfaces.values.get(self.quantity);
+        let runs = values.map_or_else(Vec::new, |v| means_by_level(&surfaces.points, v));
+        let band = self.measured.map_or_else(Vec::new, |m| {
+            let half = NORMAL_975 * m.variance().sqrt();
+            vec![
+                Level::new("measured ± 95 %", m.mean + half),
+                Level::new("", m.mean),
+                Level::new("", m.mean - half),
+            ]
+        });
+        LineSeries {
+            x: title(factor),
+            y: self.response(),
+            series: vec![
+                Series {
+                    name: "fitted, ± 95 %".into(),
+                    points: curve.into_iter().map(point).collect(),
+                },
+                Series {
+                    name: "mean of the runs, ± sd".into(),
+                    points: runs,
+                },
+            ],
+            levels: band,
+        }
+    }
+
+    /// Contours over two parameters, the others at the estimate.
+    fn contour(&self, [across, up]: [usize; 2]) -> Contour {
+        let fit = self.fit;
+        let [x, y] = [&fit.factors[across], &fit.factors[up]];
+        let x_values = evenly(x.low(), x.high(), NODES);
+        let y_values = evenly(y.low(), y.high(), NODES);
+        let mut natural = estimate_of(self.input, fit);
+        let (mut values, mut region) = (Vec::new(), Vec::new());
+        for at_y in &y_values {
+            for at_x in &x_values {
+                (natural[across], natural[up]) = (*at_x, *at_y);
+                let coded = fit.coded(&natural);
+                values.push(fit.value(&coded));
+                region.extend(self.inside(&coded));
+            }
+        }
+        let region_name = match region.len() {
+            0 => String::new(),
+            _ => "not told from the measured value (95 %)".into(),
+        };
+        Contour {
+            x: title(x),
+            y: title(y),
+            response: self.response(),
+            x_values,
+            y_values,
+            values,
+            target: self.measured.map(|m| Level::new("measured value", m.mean)),
+            region_name,
+            region,
+            points: marked_points(self.input, [x, y]),
+        }
+    }
+
+    /// How far a coded point lies inside the region of points that are not told from the measured value,
+    /// t² (s² x'Cx + se²) - (fitted - measured)², in squared units of the response: 0 or above inside.
+    fn inside(&self, coded: &[f64]) -> Option<f64> {
+        let m = self.measured?;
+        let variance = variance_of_mean(self.fit, coded) + m.variance();
+        Some(self.limit().powi(2) * variance - (self.fit.value(coded) - m.mean).powi(2))
+    }
+}
+
+/// Title of the axis of a parameter.
+pub(crate) fn title(factor: &Factor) -> AxisTitle {
+    let name = match factor.name() {
+        "" => factor.symbol().to_owned(),
+        name => format!("{}: {name}", factor.symbol()),
+    };
+    AxisTitle::new(name, shown_unit(factor.unit()))
+}
+
+/// Mean and standard deviation (0 for a single run) of the values at each level, in rising order of the level.
+fn means_by_level(points: &[Vec<f64>], values: &[f64]) -> Vec<SeriesPoint> {
+    let mut runs: Vec<(f64, f64)> = points
+        .iter()
+        .zip(values)
+        .filter_map(|(point, value)| Some((*point.first()?, *value)))
+        .collect();
+    runs.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let levels = runs.chunk_by(|a, b| a.0 == b.0);
+    let point = |level: &[(f64, f64)]| {
+        let n = level.len() as f64;
+        let mean = level.iter().map(|(_, y)| y).sum::<f64>() / n;
+        let square: f64 = level.iter().map(|(_, y)| (y - mean).powi(2)).sum();
+        let sd = if level.len() > 1 {
+            (square / (n - 1.0)).sqrt()
+        } else {
+            0.0
+        };
+        SeriesPoint::new(level[0].0, mean, sd)
+    };
+    levels.map(point).collect()
+}
+
+/// The estimate and the start where they lie inside the picture.
+fn marked_points(input: &ReportInput<'_>, axes: [&Factor; 2]) -> Vec<MarkedPoint> {
+    let values: BTreeMap<&str, (f64, f64)> = input
+        .calibration
+        .parameters
+        .iter()
+        .map(|p| (p.symbol.as_str(), (p.value, p.start)))
+        .collect();
+    let [x, y] = axes.map(|f| values.get(f.symbol()).copied());
+    let (Some(x), Some(y)) = (x, y) else {
+        return Vec::new();
+    };
+    let inside = |f: &Factor, value: f64| (f.low()..=f.high()).contains(&value);
+    [("estimate", x.0, y.0), ("start", x.1, y.1)]
+        .into_iter()
+        .filter(|(_, at_x, at_y)| inside(axes[0], *at_x) && inside(axes[1], *at_y))
+        .map(|(name, x, y)| MarkedPoint {
+            name: name.into(),
+            x,
+            y,
+        })
+        .collect()
+}
