@@ -204,7 +204,7 @@ fn find_or_run(arguments: &Arguments, single: &SingleRun) -> anyhow::Result<Outc
             Lookup::Found(_) => ensure!(
                 common.force,
                 "{} has the record of this run: say --resume to take it, or --force to run again",
-                store.folder().display()
+                place(store)
             ),
             Lookup::Mismatch { path, .. } => common.log(|| {
                 format!(
@@ -249,7 +249,7 @@ fn find_or_run(arguments: &Arguments, single: &SingleRun) -> anyhow::Result<Outc
     if let Some(store) = &store {
         store.put(&record)?;
         state.remove()?;
-        common.log(|| format!("record {} in {}", record.key(), store.folder().display()));
+        common.log(|| format!("record {} in {}", record.key(), place(store)));
     }
     Ok(Outcome {
         record,
@@ -268,4 +268,10 @@ fn write_frame(arguments: &Arguments, record: &Record) -> anyhow::Result<()> {
         .decode(text)
         .context("the picture in the record is damaged; run again with --force")?;
     write_new(file, &picture, arguments.common.overwrite())
+}
+
+/// The folder of a store, for messages.
+fn place(store: &Store) -> String {
+    let folder = store.folder();
+    folder.map_or_else(String::new, |folder| folder.display().to_string())
 }

@@ -66,8 +66,7 @@ pub(crate) fn result_or_stopped<T>(
 /// The error of the runs in an error of a study.
 fn of_campaign(error: &study::Error) -> Option<&campaign::Error> {
     match error {
-        study::Error::Campaign(source)
-        | study::Error::Calibration(calibration::Error::Campaign(source)) => Some(source),
+        study::Error::Calibration(calibration::Error::Campaign(source)) => Some(source),
         _ => None,
     }
 }
