@@ -231,6 +231,42 @@ fn what_cannot_be_meant_is_refused_with_its_name() {
     assert!(error.contains("another parameter"), "{error}");
 }
 
+/// The expected cost follows what the work follows: seeds, repeats, the inverse of the step, and a plate of seeds costs
+/// more than a smooth one. Two pulls of a coarse sled are done before a drum of 56 seeds.
+#[test]
+fn the_expected_cost_follows_the_work() {
+    let pulls = |plate: &str, repeats: usize| {
+        let test = scene::Slider {
+            plate: plate.into(),
+            seed: None,
+            repeats,
+        };
+        small_drum()
+            .on_bench(scene::Apparatus::Slider(test))
+            .unwrap()
+    };
+    let finer = scene("cotton/drum.toml", &[("protocol.step_share", "0.18")]);
+    let models = [
+        ("small", small_drum()),
+        ("two", pulls("tough_resin", 2)),
+        ("six", pulls("tough_resin", 6)),
+        ("seeds", pulls("seed", 2)),
+        ("drum", scene("cotton/drum.toml", &[])),
+        ("finer", finer),
+    ];
+    let models = models.map(|(name, scene)| (name.to_owned(), scene)).into();
+    let simulator = SceneSimulator::new(models, BTreeMap::new()).unwrap();
+    let cost = |request: &RunRequest| simulator.expected_cost(request);
+    let of = |model: &str| cost(&RunRequest::new(model, 1));
+    let ratio = |a: f64, b: f64, expected: f64| assert!((a / b - expected).abs() < 1e-9, "{a} {b}");
+    ratio(of("six"), of("two"), 3.0);
+    ratio(of("finer"), of("drum"), 2.0);
+    let fewer = RunRequest::new("drum", 1).with_condition("seed_count", 600.0);
+    ratio(of("drum"), cost(&fewer), 2.0);
+    assert!(of("seeds") > 1.5 * of("two"));
+    assert!(of("two") < of("small") && of("small") < 0.1 * of("drum"));
+}
+
 /// Another camera sees the seeds of the run before: the same observables as a simulator that moves them
 /// anew, to the last bit, and another angle than the camera before.
 #[test]
