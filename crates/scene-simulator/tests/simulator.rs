@@ -23,7 +23,7 @@ fn scene(name: &str, changes: &[(&str, &str)]) -> Scene {
             value: (*value).into(),
         })
         .collect();
-    Scene::read(&fixture(name), &changes).unwrap()
+    Scene::read(&fixture(name), &changes).expect("the fixture is sound")
 }
 
 /// A drum of 56 coarse seeds, three frames.
@@ -52,7 +52,8 @@ fn sled(drum: &Scene) -> Scene {
         seed: None,
         repeats: 2,
     };
-    drum.on_bench(scene::Apparatus::Slider(plate)).unwrap()
+    drum.on_bench(scene::Apparatus::Slider(plate))
+        .expect("the drum has such seeds")
 }
 
 /// Friction of seeds on seeds (F), of seeds on the two walls (W), and the speed of the drum (N).
@@ -83,7 +84,7 @@ fn bindings() -> BTreeMap<String, Binding> {
 fn drum_and_sled() -> SceneSimulator {
     let drum = small_drum();
     let models = BTreeMap::from([("sled".into(), sled(&drum)), ("drum".into(), drum)]);
-    SceneSimulator::new(models, bindings()).unwrap()
+    SceneSimulator::new(models, bindings()).expect("the drum has all paths")
 }
 
 /// A symbol sets all its paths, with its unit, in the scenes that have them; a scene that has none of them is the
