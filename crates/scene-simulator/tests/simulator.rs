@@ -126,6 +126,12 @@ fn a_symbol_sets_all_its_paths_where_they_are() {
         inputs(&drum.clone().with_parameter("W", 0.27))
     );
 
+    // Without an effect that drifts, the time in the session moves nothing.
+    assert_eq!(
+        inputs(&drum),
+        inputs(&drum.clone().with_condition("session", 0.5))
+    );
+
     let twice = BTreeMap::from([("a".into(), small_drum()), ("b".into(), small_drum())]);
     let twice = SceneSimulator::new(twice, BTreeMap::new()).unwrap();
     let of = |model: &str| twice.inputs(&RunRequest::new(model, 1)).unwrap();
@@ -193,6 +199,8 @@ fn what_cannot_be_meant_is_refused_with_its_name() {
     };
     let missing = make("contact.seed-sed.static_friction", None).unwrap_err();
     assert!(matches!(missing, Error::NoSetting { .. }), "{missing}");
+    // A setting that does not take every number is no less there.
+    assert!(make("material.seed.poisson_ratio", None).is_ok());
     for (path, unit, says) in [
         ("apparatus.speed", None, "with its unit"),
         (
