@@ -52,7 +52,7 @@ pub(crate) fn present_paths(
             let has = has_setting(scene, path, binding.unit.as_deref());
             if has.map_err(|source| Error::Setting {
                 symbol: symbol.clone(),
-                source,
+                source: Box::new(source),
             })? {
                 present.push(path.clone());
             }

@@ -38,7 +38,7 @@ pub enum Error {
         /// Symbol of the parameter.
         symbol: String,
         /// What the scene says.
-        source: scene::Error,
+        source: Box<scene::Error>,
     },
     /// The details of a record are not those of a run of a scene.
     #[error("record {key} does not hold the details of a run of a scene ({source}): run it again")]

@@ -11,6 +11,7 @@
 //! - a request that cannot be meant is refused before anything is run.
 
 mod binding;
+mod cost;
 mod details;
 mod error;
 mod outcome;

@@ -1,6 +1,7 @@
 //! Scenes and effects as a simulator that the calibration can ask.
 
 use crate::binding::present_paths;
+use crate::cost::expected_cost;
 use crate::{Binding, Effort, Error, outcome_of};
 use campaign::{RunOutcome, RunRequest, Simulator, SimulatorError};
 use quantity::AngularSpeed;
@@ -251,11 +252,8 @@ impl Simulator for SceneSimulator {
     }
 
     fn expected_cost(&self, request: &RunRequest) -> f64 {
-        self.scene_of(request).map_or(1.0, |scene| {
-            let start_up = 1.0 + scene.protocol.settle_limit.si();
-            let frames = scene.protocol.frames as f64 * scene.protocol.frame_interval.si();
-            scene.seed_count() as f64 * (start_up + frames) / scene.protocol.step_share
-        })
+        let scene = self.scene_as_run(request);
+        scene.map_or(1.0, |scene| expected_cost(&scene))
     }
 }
 

@@ -7,13 +7,13 @@ use std::path::{Path, PathBuf};
 /// The drum of the fixtures.
 fn drum() -> Scene {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fixtures/cotton/drum.toml");
-    Scene::read(&file, &[]).unwrap()
+    Scene::read(&file, &[]).expect("the fixture is sound")
 }
 
 /// Writes a parameter file into a folder.
 fn written(folder: &tempfile::TempDir, text: &str) -> PathBuf {
     let path = folder.path().join("parameters.toml");
-    std::fs::write(&path, text).unwrap();
+    std::fs::write(&path, text).expect("the folder takes a file");
     path
 }
 

@@ -23,7 +23,7 @@ fn scene(name: &str, changes: &[(&str, &str)]) -> Scene {
             value: (*value).into(),
         })
         .collect();
-    Scene::read(&fixture(name), &changes).unwrap()
+    Scene::read(&fixture(name), &changes).expect("the fixture is sound")
 }
 
 /// A drum of 56 coarse seeds, three frames.
@@ -52,7 +52,8 @@ fn sled(drum: &Scene) -> Scene {
         seed: None,
         repeats: 2,
     };
-    drum.on_bench(scene::Apparatus::Slider(plate)).unwrap()
+    drum.on_bench(scene::Apparatus::Slider(plate))
+        .expect("the drum has such seeds")
 }
 
 /// Friction of seeds on seeds (F), of seeds on the two walls (W), and the speed of the drum (N).
@@ -83,7 +84,7 @@ fn bindings() -> BTreeMap<String, Binding> {
 fn drum_and_sled() -> SceneSimulator {
     let drum = small_drum();
     let models = BTreeMap::from([("sled".into(), sled(&drum)), ("drum".into(), drum)]);
-    SceneSimulator::new(models, bindings()).unwrap()
+    SceneSimulator::new(models, bindings()).expect("the drum has all paths")
 }
 
 /// A symbol sets all its paths, with its unit, in the scenes that have them; a scene that has none of them is the
@@ -123,6 +124,12 @@ fn a_symbol_sets_all_its_paths_where_they_are() {
     assert_ne!(
         inputs(&drum),
         inputs(&drum.clone().with_parameter("W", 0.27))
+    );
+
+    // Without an effect that drifts, the time in the session moves nothing.
+    assert_eq!(
+        inputs(&drum),
+        inputs(&drum.clone().with_condition("session", 0.5))
     );
 
     let twice = BTreeMap::from([("a".into(), small_drum()), ("b".into(), small_drum())]);
@@ -192,6 +199,8 @@ fn what_cannot_be_meant_is_refused_with_its_name() {
     };
     let missing = make("contact.seed-sed.static_friction", None).unwrap_err();
     assert!(matches!(missing, Error::NoSetting { .. }), "{missing}");
+    // A setting that does not take every number is no less there.
+    assert!(make("material.seed.poisson_ratio", None).is_ok());
     for (path, unit, says) in [
         ("apparatus.speed", None, "with its unit"),
         (
@@ -229,6 +238,42 @@ fn what_cannot_be_meant_is_refused_with_its_name() {
         .with_parameter("contact.seed-seed.static_friction", 0.2);
     let error = simulator.inputs(&both).unwrap_err().in_full();
     assert!(error.contains("another parameter"), "{error}");
+}
+
+/// The expected cost follows what the work follows: seeds, repeats, the inverse of the step, and a plate of seeds costs
+/// more than a smooth one. Two pulls of a coarse sled are done before a drum of 56 seeds.
+#[test]
+fn the_expected_cost_follows_the_work() {
+    let pulls = |plate: &str, repeats: usize| {
+        let test = scene::Slider {
+            plate: plate.into(),
+            seed: None,
+            repeats,
+        };
+        small_drum()
+            .on_bench(scene::Apparatus::Slider(test))
+            .unwrap()
+    };
+    let finer = scene("cotton/drum.toml", &[("protocol.step_share", "0.18")]);
+    let models = [
+        ("small", small_drum()),
+        ("two", pulls("tough_resin", 2)),
+        ("six", pulls("tough_resin", 6)),
+        ("seeds", pulls("seed", 2)),
+        ("drum", scene("cotton/drum.toml", &[])),
+        ("finer", finer),
+    ];
+    let models = models.map(|(name, scene)| (name.to_owned(), scene)).into();
+    let simulator = SceneSimulator::new(models, BTreeMap::new()).unwrap();
+    let cost = |request: &RunRequest| simulator.expected_cost(request);
+    let of = |model: &str| cost(&RunRequest::new(model, 1));
+    let ratio = |a: f64, b: f64, expected: f64| assert!((a / b - expected).abs() < 1e-9, "{a} {b}");
+    ratio(of("six"), of("two"), 3.0);
+    ratio(of("finer"), of("drum"), 2.0);
+    let fewer = RunRequest::new("drum", 1).with_condition("seed_count", 600.0);
+    ratio(of("drum"), cost(&fewer), 2.0);
+    assert!(of("seeds") > 1.5 * of("two"));
+    assert!(of("two") < of("small") && of("small") < 0.1 * of("drum"));
 }
 
 /// Another camera sees the seeds of the run before: the same observables as a simulator that moves them

@@ -1,0 +1,50 @@
+//! How long a run takes, relative to other runs.
+
+use scene::{Apparatus, Scene};
+
+/// How much finer than in a drum a bench test is stepped.
+const FINER: f64 = 20.0;
+
+/// Simulated time of one repeat of a bench test, s: the pull of the sled is fixed, a drop and a tilt end with the
+/// motion of the seed (measured on coated cotton seeds, 4 repeats each).
+const PULL_S: f64 = 0.75;
+/// Of one drop, s.
+const DROP_S: f64 = 0.08;
+/// Of one tilt, s.
+const TILT_S: f64 = 6.0;
+
+/// What a step on a plate of seeds costs over one on a smooth plate: 1 to 2 with 20 spheres a seed, 3 to 15 with
+/// 146.
+const SEEDED_PLATE: f64 = 3.0;
+
+/// Expected time of a run in units of some 1 ms of one core.
+///
+/// # Formula
+///
+/// (number of moving seeds) * (simulated time, s) / (time step as a share of a hard contact). In a drum or a release
+/// the time is 1 s of start-up, the time to settle and the frames; the number of spheres hardly matters there (146 in
+/// place of 20 a seed: 9 % more), since few of them touch. In a bench test it is that of all repeats, with steps 20
+/// times as fine.
+///
+/// Measured over this, 2 to 4 repeats or frames: drums of 40 to 306 seeds 0.9 to 1.9 ms, bench tests of seeds of 20
+/// spheres 0.7 to 3.4 ms. Drop and pull on a plate of seeds of 146 spheres take up to 10 ms.
+pub(crate) fn expected_cost(scene: &Scene) -> f64 {
+    let (seeds, time_s) = match &scene.apparatus {
+        Apparatus::Slider(test) => (1.0, bench_s(scene, &test.plate, test.repeats, PULL_S)),
+        Apparatus::Drop(test) => (1.0, bench_s(scene, &test.plate, test.repeats, DROP_S)),
+        Apparatus::Tilt(test) => (1.0, bench_s(scene, &test.plate, test.repeats, TILT_S)),
+        _ => {
+            let frames = scene.protocol.frames as f64 * scene.protocol.frame_interval.si();
+            let time_s = 1.0 + scene.protocol.settle_limit.si() + frames;
+            (scene.seed_count() as f64, time_s)
+        }
+    };
+    seeds * time_s / scene.protocol.step_share
+}
+
+/// Simulated time of all repeats of a bench test, s, as long as a drum's steps would take for its steps.
+fn bench_s(scene: &Scene, plate: &str, repeats: usize, repeat_s: f64) -> f64 {
+    let is_seeded = scene.seed.iter().any(|seed| seed.material == plate);
+    let per_step = if is_seeded { SEEDED_PLATE } else { 1.0 };
+    FINER * per_step * repeats as f64 * repeat_s
+}
