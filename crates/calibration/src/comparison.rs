@@ -99,7 +99,7 @@ fn comparison(
     let z = (m.mean - simulated) / total.sqrt();
     let z_limit = quantile_of(tails, total * total / squares.max(f64::MIN_POSITIVE));
     let mut regimes = BTreeMap::new();
-    for sample in &group {
+    for sample in group.iter().filter(|s| !s.regime.is_empty()) {
         *regimes.entry(sample.regime.clone()).or_insert(0) += 1;
     }
     Comparison {

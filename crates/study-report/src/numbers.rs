@@ -73,9 +73,12 @@ pub(crate) fn p_in_words(p: Option<f64>) -> String {
     }
 }
 
+/// Standard error below which a number is as good as exact: rounding, not noise.
+const EXACT: f64 = 1e-9;
+
 /// Decimals that show two digits of a standard error, 0 to 9; none for one that is not a size.
 fn decimals_of(se: f64) -> Option<usize> {
-    if !(se.is_finite() && se > 0.0) {
+    if !(se.is_finite() && se > EXACT) {
         return None;
     }
     let mut scaled = se;
