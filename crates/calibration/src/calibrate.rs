@@ -11,8 +11,8 @@ use crate::search::Search;
 use crate::solution_set::solution_set;
 use crate::verdict::verdict;
 use crate::{
-    Calibration, CalibrationProblem, Comparison, Error, Estimate, JointEstimate,
-    LoopSettings, Role, StageCost,
+    Calibration, CalibrationProblem, Comparison, Error, Estimate, JointEstimate, LoopSettings,
+    Role, StageCost,
 };
 use campaign::{Campaign, RunOutcome, RunRequest, Simulator, SimulatorError};
 use std::collections::BTreeMap;
@@ -140,7 +140,12 @@ impl Estimated {
 
 /// Runs of all models with the parameters in use before.
 fn before(laboratory: &Laboratory<'_>) -> Result<BTreeMap<usize, Samples>, Error> {
-    let start: Vec<f64> = laboratory.problem.parameters.iter().map(|p| p.start).collect();
+    let start: Vec<f64> = laboratory
+        .problem
+        .parameters
+        .iter()
+        .map(|p| p.start)
+        .collect();
     let n = laboratory.settings.before_runs;
     let models = 0..laboratory.problem.models.len();
     let list = models.flat_map(|model| {

@@ -31,7 +31,11 @@ pub(crate) fn compare(
     at: &[f64],
 ) -> Vec<Comparison> {
     let problem = asked.problem;
-    let of_role: Vec<&Measurement> = problem.measurements.iter().filter(|m| m.role == role).collect();
+    let of_role: Vec<&Measurement> = problem
+        .measurements
+        .iter()
+        .filter(|m| m.role == role)
+        .collect();
     let tails = ALPHA / of_role.len().max(1) as f64;
     let rows = of_role.iter().filter_map(|m| {
         let samples = runs.get(&m.model)?;
@@ -42,7 +46,14 @@ pub(crate) fn compare(
         let parameter_variance = covariance
             .zip(surface)
             .and_then(|(c, s)| parameter_variance(s, &m.observable, at, c));
-        Some(comparison(asked, m, samples, surface, parameter_variance, tails))
+        Some(comparison(
+            asked,
+            m,
+            samples,
+            surface,
+            parameter_variance,
+            tails,
+        ))
     });
     rows.collect()
 }
@@ -119,7 +130,10 @@ fn comparison(
 fn scatter(group: &[&Sample], observable: &str, surface: Option<&Surface>) -> (f64, f64) {
     let own = group.len().saturating_sub(1) as f64;
     let m = mean(group, observable);
-    let squares: f64 = group.iter().map(|s| (s.values[observable] - m).powi(2)).sum();
+    let squares: f64 = group
+        .iter()
+        .map(|s| (s.values[observable] - m).powi(2))
+        .sum();
     let pooled = surface.and_then(|s| {
         let k = s.place(observable)?;
         Some((s.covariance[(k, k)], s.degrees_of_freedom))

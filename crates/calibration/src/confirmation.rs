@@ -126,7 +126,9 @@ fn compare(
         let mut contradicted = false;
         for (k, observable) in surface.observables.iter().enumerate() {
             let measured = |m: &&crate::Measurement| {
-                m.model == surface.model && m.observable == *observable && m.role == crate::Role::Fit
+                m.model == surface.model
+                    && m.observable == *observable
+                    && m.role == crate::Role::Fit
             };
             let Some(measured) = problem.measurements.iter().find(measured) else {
                 continue;
@@ -160,7 +162,11 @@ fn row(
     let predicted = surface.value(k, at);
     let (of_surface, of_runs) = (surface.leverage(at) * variance, variance / n as f64);
     let se = (of_surface + of_runs).sqrt();
-    let t = if se > 0.0 { (mean - predicted) / se } else { 0.0 };
+    let t = if se > 0.0 {
+        (mean - predicted) / se
+    } else {
+        0.0
+    };
     ConfirmationRow {
         model: model.to_owned(),
         observable: observable.to_owned(),
@@ -187,7 +193,9 @@ fn normal_score(t: f64, degrees_of_freedom: f64) -> f64 {
     let tail = t_two_sided_tail(t, degrees_of_freedom);
     let score = tail.and_then(|p| normal_quantile(1.0 - 0.5 * p));
     // Beyond the digits of 1 - p the score is that of t itself or less.
-    score.filter(|z| z.is_finite()).map_or(t, |z| z * t.signum())
+    score
+        .filter(|z| z.is_finite())
+        .map_or(t, |z| z * t.signum())
 }
 
 /// Mean of an observable over runs.

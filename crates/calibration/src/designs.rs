@@ -62,9 +62,7 @@ pub(crate) fn surface_design(
             let design = central_composite(&factors, AxialDistance::Face, centre)?;
             ("central composite", design.coded_rows())
         }
-        SurfaceDesign::BoxBehnken => {
-            ("Box-Behnken", box_behnken(&factors, centre)?.coded_rows())
-        }
+        SurfaceDesign::BoxBehnken => ("Box-Behnken", box_behnken(&factors, centre)?.coded_rows()),
         SurfaceDesign::LatinHypercube | SurfaceDesign::Auto => {
             let n = runs_for(&Model::quadratic(&factors)?);
             let design = latin_hypercube(&factors, n, settings.seed)?;

@@ -52,7 +52,9 @@ pub enum Error {
         reason: String,
     },
     /// More runs than the budget allows.
-    #[error("{needed} runs are needed, and the budget is {most}: raise it, or take a smaller design")]
+    #[error(
+        "{needed} runs are needed, and the budget is {most}: raise it, or take a smaller design"
+    )]
     Budget {
         /// Number needed.
         needed: usize,

@@ -72,8 +72,8 @@ impl Uncertainty {
     /// are `C J'V^-1 y + ...`, so that the variance of parameter j is a sum of parts, one for each measured variance
     /// (n - 1 degrees of freedom) and one for each surface (n - p); what priors and limits add is known. Its effective degrees of freedom are those of
     /// Satterthwaite: `(sum of parts)² / sum of (part² / degrees of freedom)` `[Satterthwaite1946]`. Because the weights are
-    /// estimated too, C grows to `C + C (sum over i of 4 (1 - h_i) / d_i j_i j_i') C`, j_i the whitened slopes of
-    /// measurement i, d_i the degrees of freedom of its variance, `h_i = j_i' C j_i` `[KenwardRoger1997, section 2, for
+    /// estimated too, C grows to `C + C (sum over i of 4 (1 - h_i) / d_i j_i j_i') C`, `j_i` the whitened slopes of
+    /// measurement i, `d_i` the degrees of freedom of its variance, `h_i = j_i' C j_i` `[KenwardRoger1997, section 2, for
     /// independent variances]`.
     pub(crate) fn new(fit: &JointFit<'_>, best: &Minimum, whitening: &Whitening) -> Self {
         let k = fit.parameters.len();
@@ -90,7 +90,8 @@ impl Uncertainty {
         });
         let data = scaled.rows(0, n).tr_mul(&scaled.rows(0, n));
         let all = scaled.tr_mul(&scaled);
-        let unscale = |m: DMatrix<f64>| DMatrix::from_fn(k, k, |i, j| m[(i, j)] * width[i] * width[j]);
+        let unscale =
+            |m: DMatrix<f64>| DMatrix::from_fn(k, k, |i, j| m[(i, j)] * width[i] * width[j]);
         let covariance = bounded_inverse(&all);
         let degrees_of_freedom = effective(fit, best, whitening, &scaled, &covariance);
         let grown = with_estimated_weights(fit, best, &scaled, &covariance);
@@ -183,7 +184,8 @@ pub(crate) fn estimates(
         let se = uncertainty.standard_error(j, parameter);
         let interval95 = match se {
             Some(_) if fit.free[j] => {
-                let ends = [-1.0, 1.0].map(|side| end(fit, best, whitening, uncertainty, (j, side)));
+                let ends =
+                    [-1.0, 1.0].map(|side| end(fit, best, whitening, uncertainty, (j, side)));
                 [ends[0].max(least), ends[1].min(most)]
             }
             _ => [least, most],
@@ -237,7 +239,11 @@ fn end(
             outside = Some(x);
         } else if x.abs() >= 1.0 {
             let edge = fit.region.natural(j, side);
-            let beyond = if side > 0.0 { line.max(edge) } else { line.min(edge) };
+            let beyond = if side > 0.0 {
+                line.max(edge)
+            } else {
+                line.min(edge)
+            };
             return beyond;
         } else {
             (inside, from) = (x, there.coded);

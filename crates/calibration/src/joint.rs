@@ -19,11 +19,7 @@ const STANDARD_ERRORS: f64 = 2.0;
 const LEAST_SHARE: f64 = 0.3;
 
 /// A box about the estimate in which a plane stands for the models of the checks.
-pub(crate) fn region_about(
-    asked: Asked<'_>,
-    at: &[f64],
-    estimates: &[Estimate],
-) -> Region {
+pub(crate) fn region_about(asked: Asked<'_>, at: &[f64], estimates: &[Estimate]) -> Region {
     let parameters = &asked.problem.parameters;
     let each = parameters.iter().zip(estimates);
     let half: Vec<f64> = each

@@ -236,7 +236,8 @@ impl<'a> JointFit<'a> {
             sum += part.norm_squared();
         }
         let distance = |(p, x): (&Parameter, &f64)| {
-            p.prior.map_or(0.0, |prior| ((prior.mean - x) / prior.sd).powi(2))
+            p.prior
+                .map_or(0.0, |prior| ((prior.mean - x) / prior.sd).powi(2))
         };
         sum + self.parameters.iter().zip(&at).map(distance).sum::<f64>()
     }
@@ -255,8 +256,7 @@ impl<'a> JointFit<'a> {
         let mut damping = 1e-4;
         for _ in 0..MOST_STEPS {
             let gradient = jacobian.tr_mul(&r);
-            let blocked =
-                |j: usize| coded[j] * gradient[j].signum() <= -1.0 && gradient[j] != 0.0;
+            let blocked = |j: usize| coded[j] * gradient[j].signum() <= -1.0 && gradient[j] != 0.0;
             let moving: Vec<usize> = (0..coded.len())
                 .filter(|&j| free[j] && !blocked(j))
                 .collect();
@@ -347,10 +347,7 @@ fn damped_step(
     }
     let right = DVector::from_iterator(moving.len(), moving.iter().map(|&j| -gradient[j]));
     // Damped, the matrix is positive definite unless nothing depends on anything.
-    Cholesky::new(normal).map_or_else(
-        || DVector::zeros(moving.len()),
-        |root| root.solve(&right),
-    )
+    Cholesky::new(normal).map_or_else(|| DVector::zeros(moving.len()), |root| root.solve(&right))
 }
 
 /// Minima without those that are another one again, the best first.

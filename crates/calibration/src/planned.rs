@@ -73,7 +73,9 @@ pub fn planned(
     let mut check = repeats(asked, "check", &other, &middle, settings.check_runs.max(2));
     if settings.joint {
         let about = slope_runs(asked, &checks, &region)?;
-        check.requests.extend(about.iter().map(|w| request(problem, w)));
+        check
+            .requests
+            .extend(about.iter().map(|w| request(problem, w)));
     }
     stages.push(check);
     let diagnosis = if problem.effects.is_empty() {

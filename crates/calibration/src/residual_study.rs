@@ -13,8 +13,8 @@ use fits::{FIRST_BLOCK_ANEW, Fits, LOOKS, Looks, MOST_SUSPECTS, sets_to_add};
 use residual_diagnosis::{
     Diagnosis, Largest, Options, Problem, ProblemFile, Sign, Verdict, diagnose,
 };
-use runs::{At, Linearisation};
 pub(crate) use runs::value;
+use runs::{At, Linearisation};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 

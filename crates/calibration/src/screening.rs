@@ -44,7 +44,10 @@ pub(crate) fn screening_runs(
 ) -> Result<(Design, Vec<Wanted>), Error> {
     let parameters = &asked.problem.parameters;
     let active = &asked.problem.models[model].parameters;
-    let symbols: Vec<String> = active.iter().map(|&j| parameters[j].symbol.clone()).collect();
+    let symbols: Vec<String> = active
+        .iter()
+        .map(|&j| parameters[j].symbol.clone())
+        .collect();
     let design = plackett_burman(&coded_factors(&symbols)?)?;
     let design = design.replicated(asked.settings.replicates.max(1))?;
     let points = placed(
@@ -65,9 +68,7 @@ pub(crate) fn screening_runs(
 /// # Errors
 ///
 /// No such design, a run of a design that failed, a campaign that was stopped.
-pub(crate) fn screen_models(
-    laboratory: &Laboratory<'_>,
-) -> Result<Screened, Error> {
+pub(crate) fn screen_models(laboratory: &Laboratory<'_>) -> Result<Screened, Error> {
     let problem = laboratory.problem;
     let mut active: BTreeMap<usize, Vec<usize>> = problem
         .models_of(Role::Fit)
@@ -106,7 +107,11 @@ pub(crate) fn screen_models(
             model: problem.models[model].name.clone(),
             n_runs: samples.done.len(),
             kept: kept.iter().map(symbol).collect(),
-            dropped: all.iter().filter(|j| !kept.contains(j)).map(symbol).collect(),
+            dropped: all
+                .iter()
+                .filter(|j| !kept.contains(j))
+                .map(symbol)
+                .collect(),
             screenings,
         });
         active.insert(model, kept);
@@ -115,18 +120,15 @@ pub(crate) fn screen_models(
 }
 
 /// Numbers of the parameters that go on.
-fn kept(
-    asked: Asked<'_>,
-    model: usize,
-    screenings: &BTreeMap<String, Screening>,
-) -> Vec<usize> {
+fn kept(asked: Asked<'_>, model: usize, screenings: &BTreeMap<String, Screening>) -> Vec<usize> {
     let Asked { problem, settings } = asked;
     let passes = |symbol: &str| {
         screenings.values().any(|screening| {
             let row = screening.factors.iter().find(|f| f.factor == symbol);
             row.is_some_and(|f| {
                 let p = f.p_replicates.or(f.p_dummies);
-                f.rank <= settings.screening_least || p.is_some_and(|p| p < settings.screening_alpha)
+                f.rank <= settings.screening_least
+                    || p.is_some_and(|p| p < settings.screening_alpha)
             })
         })
     };

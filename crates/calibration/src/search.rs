@@ -169,7 +169,10 @@ impl<'a> Search<'a> {
             known.done.extend(new.done);
             known.failed.extend(new.failed);
         }
-        debug_assert!(problem.models.len() >= self.samples.len(), "a sample belongs to a model");
+        debug_assert!(
+            problem.models.len() >= self.samples.len(),
+            "a sample belongs to a model"
+        );
         Ok(list.len())
     }
 
@@ -197,14 +200,17 @@ impl<'a> Search<'a> {
                 _ => Degree::Quadratic,
             };
             let surface = Surface::fit((model, active), &names, region, &near, most);
-            let enough = surface
-                .filter(|s| active.is_empty() || s.degree != Degree::Constant);
+            let enough = surface.filter(|s| active.is_empty() || s.degree != Degree::Constant);
             enough.ok_or_else(|| {
                 let other = outside.iter().map(|(_, reason)| reason.clone());
                 let failed = samples.failed.iter().map(|(_, reason)| reason.clone());
                 let reasons: BTreeSet<_> = other.chain(failed).collect();
                 let reasons: Vec<_> = reasons.into_iter().collect();
-                too_few(&self.laboratory.problem.models[model].name, near.len(), &reasons)
+                too_few(
+                    &self.laboratory.problem.models[model].name,
+                    near.len(),
+                    &reasons,
+                )
             })
         })
         .collect()
@@ -281,9 +287,8 @@ impl<'a> Search<'a> {
             let regime = self.regime.get(&model).cloned().unwrap_or_default();
             let (inside, outside) = of_regime(&samples.done, &regime);
             let used = near(inside, &surface.parameters, &found.region);
-            let own = |at: &[f64]| -> Vec<f64> {
-                surface.parameters.iter().map(|&j| at[j]).collect()
-            };
+            let own =
+                |at: &[f64]| -> Vec<f64> { surface.parameters.iter().map(|&j| at[j]).collect() };
             let mut left_out: Vec<LeftOut> = outside
                 .iter()
                 .map(|(s, reason)| LeftOut {
@@ -350,7 +355,10 @@ pub(crate) fn design_points(
     region: &Region,
 ) -> Result<Vec<Vec<f64>>, Error> {
     let parameters = &asked.problem.parameters;
-    let symbols: Vec<String> = active.iter().map(|&j| parameters[j].symbol.clone()).collect();
+    let symbols: Vec<String> = active
+        .iter()
+        .map(|&j| parameters[j].symbol.clone())
+        .collect();
     let design = surface_design(&symbols, asked.settings)?;
     Ok(placed(&design.rows, active, region, parameters))
 }
@@ -375,16 +383,18 @@ pub(crate) fn placed(
 
 /// Runs that lie in a box or near it.
 fn near<'s>(samples: Vec<&'s Sample>, active: &[usize], region: &Region) -> Vec<&'s Sample> {
-    let is_near =
-        |s: &&Sample| active.iter().all(|&j| region.coded(j, s.at[j]).abs() <= NEAR);
+    let is_near = |s: &&Sample| {
+        active
+            .iter()
+            .all(|&j| region.coded(j, s.at[j]).abs() <= NEAR)
+    };
     samples.into_iter().filter(is_near).collect()
 }
 
 /// Whether a parameter acts on a measured observable beyond doubt.
 fn acts(fit: &JointFit<'_>, j: usize, at: &[f64]) -> bool {
-    let slope = |t: &crate::joint_fit::Target| {
-        fit.surfaces[t.surface].slope_in_errors(t.observable, j, at)
-    };
+    let slope =
+        |t: &crate::joint_fit::Target| fit.surfaces[t.surface].slope_in_errors(t.observable, j, at);
     fit.targets.iter().any(|t| slope(t).abs() > ACTS)
 }
 
@@ -409,7 +419,13 @@ fn analysis(
     };
     let coded: Vec<Vec<f64>> = samples
         .iter()
-        .map(|s| surface.parameters.iter().map(|&j| region.coded(j, s.at[j])).collect())
+        .map(|s| {
+            surface
+                .parameters
+                .iter()
+                .map(|&j| region.coded(j, s.at[j]))
+                .collect()
+        })
         .collect();
     let values: Vec<f64> = samples.iter().map(|s| s.values[name]).collect();
     let data = Observations::from_runs(&coded, &values).ok()?;

@@ -111,12 +111,18 @@ fn is_joined(
             direction: direction.clone(),
             weight: LEASH,
         };
-        let line: Vec<f64> = (&a + &direction * (share * length)).iter().copied().collect();
-        let low = |start: &[f64]| {
-            fit.minimise(start, whitening, &fit.free, std::slice::from_ref(&leash))
-        };
+        let line: Vec<f64> = (&a + &direction * (share * length))
+            .iter()
+            .copied()
+            .collect();
+        let low =
+            |start: &[f64]| fit.minimise(start, whitening, &fit.free, std::slice::from_ref(&leash));
         let (along, onward) = (low(&line), low(&start));
-        let better = if along.misfit < onward.misfit { along } else { onward };
+        let better = if along.misfit < onward.misfit {
+            along
+        } else {
+            onward
+        };
         start.clone_from(&better.coded);
         fit.misfit(&better.coded, whitening) <= limit
     })

@@ -100,6 +100,10 @@ fn name(row: &Comparison) -> String {
     };
     format!(
         "{} of {}{at} (measured {:.4}, simulated {:.4}, {:.1} standard errors apart)",
-        row.observable, row.scene, row.measured.mean, row.simulated.mean, row.z.abs()
+        row.observable,
+        row.scene,
+        row.measured.mean,
+        row.simulated.mean,
+        row.z.abs()
     )
 }

@@ -98,10 +98,7 @@ pub fn run_study(
 }
 
 /// The records behind the measurements of a calibration, by key.
-fn records_of(
-    store: &Store,
-    calibration: &Calibration,
-) -> Result<BTreeMap<String, Record>, Error> {
+fn records_of(store: &Store, calibration: &Calibration) -> Result<BTreeMap<String, Record>, Error> {
     let rows = calibration.before.iter().chain(&calibration.fit);
     let rows = rows.chain(&calibration.check).chain(&calibration.show);
     let mut records = BTreeMap::new();
@@ -131,8 +128,7 @@ pub fn run_diagnosis(
         .with_stop(settings.stop)
         .with_pace(&pace);
     let within = study.settings_with(settings.seed);
-    let diagnosis =
-        calibration::diagnose_at(&campaign, &simulator, &study.problem, &within, at)?;
+    let diagnosis = calibration::diagnose_at(&campaign, &simulator, &study.problem, &within, at)?;
     let symbols = study.problem.parameters.iter().map(|p| p.symbol.clone());
     Ok(DiagnosisResult {
         name: study.problem.id.clone(),

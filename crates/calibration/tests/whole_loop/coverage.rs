@@ -27,7 +27,12 @@ fn drawn(stream: &mut Stream, k: usize, name: &str, n: usize) -> Measurement {
     let values: Vec<f64> = (0..n).map(|_| truth + SINGLE * stream.normal()).collect();
     let mean = values.iter().sum::<f64>() / n as f64;
     let square: f64 = values.iter().map(|v| (v - mean).powi(2)).sum();
-    let mut measured = measured(k, "y", Role::Fit, (mean, (square / (n as f64 - 1.0)).sqrt()));
+    let mut measured = measured(
+        k,
+        "y",
+        Role::Fit,
+        (mean, (square / (n as f64 - 1.0)).sqrt()),
+    );
     measured.n = n as f64;
     measured
 }

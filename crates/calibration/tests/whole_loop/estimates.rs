@@ -66,8 +66,16 @@ fn a_curved_simulator_gives_its_parameters_back() {
     );
     let result = run(&toy, &problem).unwrap();
     // The quadratic misses the logarithm by up to 0.003; rounds of fresh runs correct it to a part of the error.
-    assert!((value(&result, "a") - a).abs() < 0.004, "{:?}", result.parameters);
-    assert!((value(&result, "b") - b).abs() < 0.004, "{:?}", result.parameters);
+    assert!(
+        (value(&result, "a") - a).abs() < 0.004,
+        "{:?}",
+        result.parameters
+    );
+    assert!(
+        (value(&result, "b") - b).abs() < 0.004,
+        "{:?}",
+        result.parameters
+    );
     assert_eq!(result.test.degrees_of_freedom, 1);
     assert!(result.met, "{}", result.verdict);
 }
@@ -114,7 +122,10 @@ fn a_sum_alone_leaves_the_difference_open() {
     let open = &result.open_combinations;
     assert_eq!(open.len(), 1, "{open:?}");
     let (a, b) = (open[0].weights["a"], open[0].weights["b"]);
-    assert!((a + b).abs() < 1e-6 && (a.abs() - 0.5_f64.sqrt()).abs() < 1e-6, "{open:?}");
+    assert!(
+        (a + b).abs() < 1e-6 && (a.abs() - 0.5_f64.sqrt()).abs() < 1e-6,
+        "{open:?}"
+    );
     assert_eq!(
         result.solutions.separate.len(),
         1,
@@ -132,7 +143,10 @@ fn a_prior_fixes_what_the_data_leave_open() {
         noise: 0.0,
     };
     let mut a = parameter("a", [0.0, 1.0]);
-    a.prior = Some(Prior { mean: 0.3, sd: 0.02 });
+    a.prior = Some(Prior {
+        mean: 0.3,
+        sd: 0.02,
+    });
     let problem = problem(
         vec![a, parameter("b", [0.0, 1.0])],
         vec![model("m", &[0, 1])],
@@ -142,7 +156,10 @@ fn a_prior_fixes_what_the_data_leave_open() {
     let [a, b] = &result.parameters[..] else {
         panic!("two parameters");
     };
-    assert!((a.value - 0.3).abs() < 1e-6 && (b.value - 0.7).abs() < 1e-6, "{a:?} {b:?}");
+    assert!(
+        (a.value - 0.3).abs() < 1e-6 && (b.value - 0.7).abs() < 1e-6,
+        "{a:?} {b:?}"
+    );
     assert!((a.se.unwrap() - 0.02).abs() < 1e-6, "{a:?}");
     let se_of_b = (0.02_f64.powi(2) + 0.05_f64.powi(2) / 10.0).sqrt();
     assert!((b.se.unwrap() - se_of_b).abs() < 1e-6, "{b:?}");
@@ -165,7 +182,10 @@ fn two_separate_solutions_are_both_told() {
     let mut separate: Vec<f64> = result.solutions.separate.iter().map(|s| s[0]).collect();
     separate.sort_by(f64::total_cmp);
     assert_eq!(separate.len(), 2, "{separate:?}");
-    assert!((separate[0] - 0.2).abs() < 1e-6 && (separate[1] - 0.8).abs() < 1e-6, "{separate:?}");
+    assert!(
+        (separate[0] - 0.2).abs() < 1e-6 && (separate[1] - 0.8).abs() < 1e-6,
+        "{separate:?}"
+    );
 }
 
 /// The check is measured of another model, y2 = 3 a at a = 0.6: predicted 1.8. What was measured, 1.8, holds; 2.4, which is
@@ -196,7 +216,11 @@ fn a_check_is_judged_and_moves_nothing() {
     let (holds, fails) = (result(1.8), result(2.4));
     assert!(holds.met && holds.check[0].holds, "{}", holds.verdict);
     assert!(!fails.met && !fails.check[0].holds, "{}", fails.verdict);
-    assert!(fails.verdict.contains("check on y of kept"), "{}", fails.verdict);
+    assert!(
+        fails.verdict.contains("check on y of kept"),
+        "{}",
+        fails.verdict
+    );
     assert_eq!(value(&holds, "a").to_bits(), value(&fails, "a").to_bits());
     // The joint estimate uses both: with 1.8 it stays, and it is known better.
     let joint = holds.joint.expect("there is a check");

@@ -31,7 +31,11 @@ fn the_box_moves_to_a_solution_on_either_side() {
                 "never outside the limits: {searched:?}"
             );
         }
-        assert!(result.boxes[1].why.contains("falls towards a"), "{:?}", result.boxes[1]);
+        assert!(
+            result.boxes[1].why.contains("falls towards a"),
+            "{:?}",
+            result.boxes[1]
+        );
     }
 }
 
@@ -54,7 +58,11 @@ fn a_target_that_nothing_reaches_ends_on_the_limit_and_says_so() {
     assert!(!result.met);
     assert!(result.parameters[0].at_limit, "{:?}", result.parameters);
     assert!((value(&result, "a") - 1.0).abs() < 1e-9);
-    assert!(result.verdict.contains("a at its limit 1"), "{}", result.verdict);
+    assert!(
+        result.verdict.contains("a at its limit 1"),
+        "{}",
+        result.verdict
+    );
     assert!(result.verdict.contains("y of m"), "{}", result.verdict);
 }
 
@@ -62,7 +70,16 @@ fn a_target_that_nothing_reaches_ends_on_the_limit_and_says_so() {
 #[test]
 fn models_whose_ranges_stay_are_not_run_again() {
     let toy = Toy {
-        law: |model, p| shown("y", if model == "of a" { 2.0 * p("a") } else { p("b") }),
+        law: |model, p| {
+            shown(
+                "y",
+                if model == "of a" {
+                    2.0 * p("a")
+                } else {
+                    p("b")
+                },
+            )
+        },
         noise: 0.01,
     };
     let mut a = parameter("a", [0.0, 0.5]);
@@ -130,7 +147,11 @@ fn points_of_another_regime_enter_no_surface() {
         vec![measured(0, "y", Role::Fit, (1.0, 0.05))],
     );
     let result = run(&toy, &problem).unwrap();
-    assert!((value(&result, "a") - 0.5).abs() < 0.03, "{:?}", result.parameters);
+    assert!(
+        (value(&result, "a") - 0.5).abs() < 0.03,
+        "{:?}",
+        result.parameters
+    );
     assert!(result.met, "{}", result.verdict);
     let left_out = &result.surfaces[0].left_out;
     assert_eq!(left_out.len(), 1, "{left_out:?}");

@@ -25,7 +25,10 @@ fn a_run_that_fails_costs_its_own_point() {
     assert!((value(&result, "a") - 0.5).abs() < 0.03);
     let left_out = &result.surfaces[0].left_out;
     assert_eq!(left_out.len(), 1, "{left_out:?}");
-    assert!(left_out[0].reason.contains("no frame shows a surface"), "{left_out:?}");
+    assert!(
+        left_out[0].reason.contains("no frame shows a surface"),
+        "{left_out:?}"
+    );
 }
 
 /// Where every run fails there is no surface: an error with the model and the reason, not a result.
@@ -41,7 +44,10 @@ fn a_model_that_never_runs_is_an_error_with_its_reason() {
         vec![measured(0, "y", Role::Fit, (1.0, 0.05))],
     );
     let error = run(&toy, &problem).unwrap_err().to_string();
-    assert!(error.contains("0 runs of m") && error.contains("the drum is empty"), "{error}");
+    assert!(
+        error.contains("0 runs of m") && error.contains("the drum is empty"),
+        "{error}"
+    );
 }
 
 /// A run that lacks a measured observable names it and what it gave.
@@ -57,7 +63,10 @@ fn a_missing_observable_is_named_with_those_that_are_there() {
         vec![measured(0, "x", Role::Fit, (1.0, 0.05))],
     );
     let error = run(&toy, &problem).unwrap_err().to_string();
-    assert!(error.contains("'x'") && error.contains("it gave y"), "{error}");
+    assert!(
+        error.contains("'x'") && error.contains("it gave y"),
+        "{error}"
+    );
 }
 
 /// y = a is measured as 0.3 and, in another experiment that shows the same, as 0.7, twenty standard errors apart: no value
@@ -78,7 +87,11 @@ fn measurements_that_contradict_each_other_are_not_met() {
     );
     let result = run(&toy, &problem).unwrap();
     assert!(!result.met);
-    assert!((value(&result, "a") - 0.5).abs() < 0.02, "{:?}", result.parameters);
+    assert!(
+        (value(&result, "a") - 0.5).abs() < 0.02,
+        "{:?}",
+        result.parameters
+    );
     assert!(result.test.p.unwrap() < 1e-3, "{:?}", result.test);
     assert!(
         result.verdict.contains("y of one") && result.verdict.contains("y of other"),
@@ -93,7 +106,11 @@ fn all_that_cannot_be_meant_is_told_at_once() {
     let mut outside = parameter("a", [0.0, 1.0]);
     outside.start = 2.0;
     let problem = problem(
-        vec![outside, parameter("a", [1.0, 0.5]), parameter("c", [0.0, 1.0])],
+        vec![
+            outside,
+            parameter("a", [1.0, 0.5]),
+            parameter("c", [0.0, 1.0]),
+        ],
         vec![model("m", &[0, 1])],
         vec![
             measured(0, "y", Role::Fit, (1.0, 0.0)),
@@ -137,7 +154,11 @@ fn more_than_five_parameters_are_screened_first() {
     assert!(screening.kept.contains(&"b".to_owned()), "{screening:?}");
     assert!(screening.dropped.len() >= 3, "{:?}", screening.dropped);
     for dropped in &screening.dropped {
-        let p = result.parameters.iter().find(|p| p.symbol == *dropped).unwrap();
+        let p = result
+            .parameters
+            .iter()
+            .find(|p| p.symbol == *dropped)
+            .unwrap();
         assert!(!p.fixed_by_data && p.value == p.start, "{p:?}");
     }
 }
@@ -160,7 +181,14 @@ fn the_plan_has_the_runs_of_the_loop() {
     );
     let plan = planned(&problem, &LoopSettings::default()).unwrap();
     let result = run(&toy, &problem).unwrap();
-    let planned: Vec<_> = plan.iter().map(|s| (s.stage.as_str(), s.requests.len())).collect();
-    let made: Vec<_> = result.cost.iter().map(|s| (s.stage.as_str(), s.runs)).collect();
+    let planned: Vec<_> = plan
+        .iter()
+        .map(|s| (s.stage.as_str(), s.requests.len()))
+        .collect();
+    let made: Vec<_> = result
+        .cost
+        .iter()
+        .map(|s| (s.stage.as_str(), s.runs))
+        .collect();
     assert_eq!(planned, made);
 }
