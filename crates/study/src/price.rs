@@ -177,6 +177,7 @@ mod tests {
         let stage = PlannedStage {
             stage: "surfaces".into(),
             requests: requests.clone(),
+            at_most_further: 0,
         };
         let stages = [stage];
         let folder = tempfile::tempdir().unwrap();

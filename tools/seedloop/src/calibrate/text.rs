@@ -64,10 +64,16 @@ pub(crate) fn plan(study: &Study, price: &Price, threads: usize) -> String {
             ),
         );
     }
+    priced(&mut text, price, threads);
+    text
+}
+
+/// The stages with their runs and what they take.
+fn priced(text: &mut String, price: &Price, threads: usize) {
     text.push_str("runs, at most:\n");
     for stage in &price.stages {
         add(
-            &mut text,
+            text,
             format_args!(
                 "  {:<40} {:>6}  {:>9}\n",
                 stage.stage,
@@ -78,7 +84,7 @@ pub(crate) fn plan(study: &Study, price: &Price, threads: usize) -> String {
     }
     let wall = duration(price.core_s / threads.max(1) as f64);
     add(
-        &mut text,
+        text,
         format_args!(
             "  {:<40} {:>6}  {:>9} of one core, about {wall} on {threads}\n",
             "all",
@@ -91,11 +97,10 @@ pub(crate) fn plan(study: &Study, price: &Price, threads: usize) -> String {
     }
     if let Some(most) = price.most_runs {
         add(
-            &mut text,
+            text,
             format_args!("  the budget ends the loop after {most} runs\n"),
         );
     }
-    text
 }
 
 /// A time in words.
