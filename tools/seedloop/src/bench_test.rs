@@ -43,7 +43,7 @@ pub(crate) struct Arguments {
     scene: Option<PathBuf>,
 
     /// Parameters that a calibration wrote: the values of its parameters.toml
-    #[arg(long, value_name = "FILE", requires = "scene")]
+    #[arg(long, value_name = "PARAMETERS.toml", requires = "scene")]
     set_file: Option<PathBuf>,
 
     /// Material of the plate, as the scene names it; that of the seeds stands for a plate of seeds

@@ -1,5 +1,7 @@
 //! `seedloop diagnose STUDY.toml`: own simulations, verdict, the model with the effect.
 
+mod report;
+
 use crate::calibrate::{progress_lines, refuse_used_folder};
 use crate::diagnose::{exit_code, text};
 use crate::stop::{self, result_or_stopped};
@@ -78,6 +80,7 @@ pub(crate) fn run(path: &Path, options: &Options, common: &Common) -> anyhow::Re
     let (done, code) = match &result.diagnosis {
         DiagnosisStage::Done(done) => {
             write_json(&folder.join("problem.json"), &done.problem)?;
+            report::write(&folder, &study, &result, done)?;
             common.print(found_text(&study, done).trim_end())?;
             (Some(&done.diagnosis), exit_code(done.diagnosis.verdict))
         }
