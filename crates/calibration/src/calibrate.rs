@@ -14,6 +14,7 @@ use crate::{
     Calibration, CalibrationProblem, Comparison, Error, Estimate, JointEstimate, LoopSettings,
     Role, StageCost,
 };
+use crate::{PlannedStage, planned};
 use campaign::{Campaign, RunOutcome, RunRequest, Simulator, SimulatorError};
 use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -42,24 +43,25 @@ pub fn calibrate(
     problem.check()?;
     let counted = Counted::new(simulator);
     let asked = Asked { problem, settings };
-    let laboratory = Laboratory {
-        campaign,
+    let ahead = costs_ahead(simulator, problem, settings)?;
+    let laboratory = |stage: usize| Laboratory {
+        campaign: campaign.with_ahead(ahead.get(stage).copied().unwrap_or(0.0)),
         simulator: &counted,
         asked,
     };
     let mut clock = Clock::new(announce, &counted);
     clock.begin("the parameters in use before");
-    let before = before(&laboratory)?;
+    let before = before(&laboratory(0))?;
     clock.begin("screening");
-    let screened = screen_models(&laboratory)?;
+    let screened = screen_models(&laboratory(1))?;
     clock.begin("surfaces and estimate");
-    let mut search = Search::new(laboratory, screened.active);
+    let mut search = Search::new(laboratory(2), screened.active);
     let found = search.run(announce)?;
     clock.begin("confirmation by fresh runs");
-    let confirmed = confirm(&laboratory, &search, found)?;
-    let estimate = Estimated::new(&laboratory, &confirmed)?;
+    let confirmed = confirm(&laboratory(3), &search, found)?;
+    let estimate = Estimated::new(asked, &confirmed)?;
     clock.begin("check");
-    let checked = check(&laboratory, &confirmed, &estimate)?;
+    let checked = check(&laboratory(4), &confirmed, &estimate)?;
     clock.begin("diagnosis of the residual");
     let at = &confirmed.found.best;
     let diagnosis = diagnose_at(campaign, &counted, problem, settings, at)?;
@@ -105,6 +107,23 @@ pub fn calibrate(
     })
 }
 
+/// Expected cost of the runs that are planned behind each stage, in the order of the stages.
+fn costs_ahead(
+    simulator: &dyn Simulator,
+    problem: &CalibrationProblem,
+    settings: &LoopSettings,
+) -> Result<Vec<f64>, Error> {
+    let stages = planned(problem, settings)?;
+    let cost = |stage: &PlannedStage| -> f64 {
+        let requests = stage.requests.iter();
+        requests.map(|r| simulator.expected_cost(r)).sum()
+    };
+    let each: Vec<f64> = stages.iter().map(cost).collect();
+    Ok((0..each.len())
+        .map(|i| each[i + 1..].iter().sum())
+        .collect())
+}
+
 /// The estimate with all that is said of it.
 #[derive(Debug)]
 pub(crate) struct Estimated {
@@ -120,15 +139,15 @@ pub(crate) struct Estimated {
 
 impl Estimated {
     /// Of the last surfaces.
-    fn new(laboratory: &Laboratory<'_>, confirmed: &Confirmed) -> Result<Self, Error> {
-        let problem = laboratory.problem;
+    fn new(asked: Asked<'_>, confirmed: &Confirmed) -> Result<Self, Error> {
+        let problem = asked.problem;
         let found = &confirmed.found;
         let used = problem.measurements.iter().filter(|m| m.role == Role::Fit);
         let fit = found.fit(&problem.parameters, &used);
         let best = best_of(&found.minima)?;
         let uncertainty = Uncertainty::new(&fit, best, &found.whitening);
         let parameters = estimates(&fit, best, &found.whitening, &uncertainty);
-        let seed = laboratory.settings.seed;
+        let seed = asked.settings.seed;
         Ok(Self {
             solutions: solution_set(&fit, &found.minima, &found.whitening, &parameters, seed)?,
             test: test(&fit, best),

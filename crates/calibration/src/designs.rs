@@ -2,8 +2,8 @@
 
 use crate::{Error, LoopSettings, SurfaceDesign};
 use experiment_design::{
-    AxialDistance, Criterion, Factor, box_behnken, central_composite, full_factorial,
-    latin_hypercube, optimal_design, plackett_burman,
+    AxialDistance, Criterion, Factor, box_behnken, central_composite, fractional_factorial,
+    full_factorial, latin_hypercube, optimal_design, plackett_burman,
 };
 use response_surface::Model;
 
@@ -12,7 +12,7 @@ use response_surface::Model;
 const LEVELS_OF_ONE: [f64; 5] = [-1.0, -0.5, 0.0, 0.5, 1.0];
 /// Runs of a Latin hypercube or a D-optimal design over the number of terms of the quadratic.
 const RUNS_OVER_TERMS: f64 = 1.5;
-/// Most parameters of a full two-level factorial; beyond, a Plackett-Burman design has fewer runs.
+/// Most parameters of a full two-level factorial; its half is taken for one more, a Plackett-Burman design beyond.
 const MOST_FACTORIAL: usize = 3;
 
 /// A design in coordinates of the box, -1 to 1.
@@ -102,8 +102,8 @@ fn levels_of_one(settings: &LoopSettings) -> CodedDesign {
     }
 }
 
-/// Two levels of each parameter with centre runs, for a plane: a full factorial up to three parameters, Plackett-Burman
-/// beyond.
+/// Two levels of each parameter with centre runs, for a plane: a full factorial up to three parameters, half of one for
+/// four, Plackett-Burman beyond.
 ///
 /// # Errors
 ///
@@ -115,10 +115,10 @@ pub(crate) fn two_level(
 ) -> Result<CodedDesign, Error> {
     let factors = coded_factors(symbols)?;
     let n = factors.len();
-    let mut rows = if n <= MOST_FACTORIAL {
-        full_factorial(&factors, 0)?.coded_rows()
-    } else {
-        plackett_burman(&factors)?.coded_rows()
+    let mut rows = match n {
+        0..=MOST_FACTORIAL => full_factorial(&factors, 0)?.coded_rows(),
+        4 => fractional_factorial(&factors, 1, 0)?.design.coded_rows(),
+        _ => plackett_burman(&factors)?.coded_rows(),
     };
     // Columns behind the parameters are dummies: they set nothing.
     for row in &mut rows {

@@ -56,7 +56,7 @@ pub(crate) struct Asked<'a> {
 #[derive(Clone, Copy)]
 pub(crate) struct Laboratory<'a> {
     /// Who runs.
-    pub(crate) campaign: &'a Campaign<'a>,
+    pub(crate) campaign: Campaign<'a>,
     /// What is run.
     pub(crate) simulator: &'a dyn Simulator,
     /// What is asked.
