@@ -53,6 +53,22 @@ pub fn plan_study(study: &Study, seed: u64, folder: &Path) -> Result<Price, Erro
     price::of(&simulator, &stages, study.budget, store.as_ref())
 }
 
+/// Most runs that [`run_diagnosis`] may need.
+///
+/// # Errors
+///
+/// A budget of the study that is smaller.
+pub fn plan_diagnosis(study: &Study) -> Result<usize, Error> {
+    let needed = calibration::most_runs_of_diagnosis(&study.problem, &study.settings);
+    let simulator = study.simulator()?;
+    let stages = calibration::planned(&study.problem, &study.settings)?;
+    let price = price::of(&simulator, &stages, study.budget, None)?;
+    match price.most_runs {
+        Some(most) if most < needed => Err(Error::Budget { most, needed }),
+        _ => Ok(needed),
+    }
+}
+
 /// Runs all stages of a study.
 ///
 /// `announce` is told each stage as it begins.

@@ -128,7 +128,9 @@ fn a_diagnosis_alone_has_a_page_with_the_same_section() {
     ];
     assert_eq!(headings(&page), expected);
     assert!(page.contains("wind: no air") && page.contains("effects: all"));
-    assert!(page.contains("At most 77 runs were planned. All runs took 20 s of one core, and this call 12 s."));
+    assert!(page.contains(
+        "At most 77 runs were planned. All runs took 20 s of one core, and this call 12 s."
+    ));
     assert!(folder.path().join("tables/diagnosis_models.csv").is_file());
     assert!(
         folder

@@ -68,30 +68,35 @@ pub(crate) fn plan(study: &Study, price: &Price, threads: usize) -> String {
     text
 }
 
-/// The stages with their runs and what they take.
+/// The stages with their runs and what the planned ones take.
 fn priced(text: &mut String, price: &Price, threads: usize) {
-    text.push_str("runs, at most:\n");
-    for stage in &price.stages {
-        add(
-            text,
-            format_args!(
-                "  {:<40} {:>6}  {:>9}\n",
-                stage.stage,
-                stage.runs,
-                duration(stage.core_s)
-            ),
-        );
-    }
-    let wall = duration(price.core_s / threads.max(1) as f64);
     add(
         text,
         format_args!(
-            "  {:<40} {:>6}  {:>9} of one core, about {wall} on {threads}\n",
-            "all",
-            price.runs,
-            duration(price.core_s)
+            "  {:<40} {:>7} {:>16}  time of the planned\n",
+            "runs", "planned", "further, at most"
         ),
     );
+    let mut line = |name: &str, runs: usize, further: usize, time: &str| {
+        add(
+            text,
+            format_args!("  {name:<40} {runs:>7} {further:>16}  {time}\n"),
+        );
+    };
+    for stage in &price.stages {
+        line(
+            &stage.stage,
+            stage.runs,
+            stage.at_most_further,
+            &duration(stage.core_s),
+        );
+    }
+    let wall = duration(price.core_s / threads.max(1) as f64);
+    let time = format!(
+        "{} of one core, about {wall} on {threads}",
+        duration(price.core_s)
+    );
+    line("all", price.runs, price.at_most_further, &time);
     if !price.measured {
         text.push_str("  (times are a guess until the first runs are done)\n");
     }
