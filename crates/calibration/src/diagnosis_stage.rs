@@ -53,8 +53,11 @@ fn left_out(reason: &str) -> DiagnosisStage {
     }
 }
 
-/// Most runs that the diagnosis of a problem may need.
-pub(crate) fn most_runs(problem: &CalibrationProblem, settings: &LoopSettings) -> usize {
+/// Most runs that the diagnosis of a problem may need; none where no effect is to be searched.
+pub fn most_runs_of_diagnosis(problem: &CalibrationProblem, settings: &LoopSettings) -> usize {
+    if problem.effects.is_empty() {
+        return 0;
+    }
     let start: Vec<f64> = problem.parameters.iter().map(|p| p.start).collect();
     runs_needed(&plan(problem, settings, &start).0)
 }

@@ -29,9 +29,9 @@ mod solution_set;
 mod surface;
 mod verdict;
 
-pub use budget::{least_budget, runs_needed, within_budget};
+pub use budget::runs_needed;
 pub use calibrate::calibrate;
-pub use diagnosis_stage::diagnose_at;
+pub use diagnosis_stage::{diagnose_at, most_runs_of_diagnosis};
 pub use error::Error;
 pub use laboratory::Laboratory;
 pub use least_squares::{BoundedProblem, bounded_least_squares};

@@ -1,6 +1,6 @@
 //! What a calibration will run, before it runs anything.
 
-use crate::diagnosis_stage::most_runs;
+use crate::diagnosis_stage::most_runs_of_diagnosis;
 use crate::joint::slope_runs;
 use crate::region::Region;
 use crate::samples::{Asked, Wanted, request, wanted};
@@ -78,15 +78,9 @@ pub fn planned(
             .extend(about.iter().map(|w| request(problem, w)));
     }
     stages.push(check);
-    let diagnosis = if problem.effects.is_empty() {
-        0
-    } else {
-        most_runs(problem, settings)
-    };
-    stages.push(PlannedStage {
-        at_most_further: diagnosis,
-        ..stage(asked, "diagnosis of the residual", &[], 0)
-    });
+    let diagnosis = most_runs_of_diagnosis(problem, settings);
+    let name = "diagnosis of the residual";
+    stages.push(stage(asked, name, &[], diagnosis));
     Ok(stages)
 }
 

@@ -69,14 +69,12 @@ pub struct DiagnosisInput<'a> {
     pub defaults: &'a [String],
     /// Effects that the scenes cannot carry, with the reason.
     pub not_applicable: &'a BTreeMap<String, String>,
-    /// Number of conditions that the budget took out of the fit.
-    pub taken_out: usize,
     /// Largest number of runs of the plan.
     pub planned_runs: usize,
     /// Wall time of the whole diagnosis, s; small where records were found again.
     pub wall_s: f64,
-    /// Share of it that went into simulations and their bookkeeping, 0 to 1.
-    pub simulation_share: f64,
+    /// Time of one core that all runs took, those found again included, s.
+    pub core_s: f64,
     /// The study of the residual.
     pub study: &'a ResidualStudy,
     /// What the rules say of drawn campaigns at these conditions, with this library and noise; empty where nothing

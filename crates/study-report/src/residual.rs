@@ -95,6 +95,8 @@ mod tests {
     #[test]
     fn conditions_are_named_with_their_units() {
         let condition = |pairs: &[(&str, f64)]| StudyCondition {
+            model: None,
+            observables: None,
             condition: pairs
                 .iter()
                 .map(|(n, v)| ((*n).to_owned(), *v))

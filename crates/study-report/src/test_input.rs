@@ -244,6 +244,7 @@ fn confirmation() -> ConfirmationRound {
                 n_runs: 3,
             },
             z: 0.9,
+            matters: true,
         }],
         confirmed: true,
     }

@@ -48,6 +48,8 @@ fn study() -> ResidualStudy {
         range: [-5.0, 5.0],
     };
     let condition = |rpm: &f64| StudyCondition {
+        model: None,
+        observables: None,
         condition: BTreeMap::from([("rpm".to_owned(), *rpm)]),
         used: *rpm < 30.0,
     };

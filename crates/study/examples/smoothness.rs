@@ -43,10 +43,10 @@ fn main() -> Result<(), Box<dyn Error>> {
     let (folder, runs) = folder_and_runs("smoothness", 4)?;
     let study = Study::read(Path::new("fixtures/cotton/study.toml"), None)?;
     let measured = study.problem.measurements.iter();
-    let measured = measured
+    let mut measured = measured
         .filter(|m| m.role == Role::Check && m.observable == OBSERVABLE)
         .map(|m| m.mean);
-    let measured = measured.last().ok_or("the study checks no angle")?;
+    let measured = measured.next().ok_or("the study checks no angle")?;
     let bench = bench()?;
     let drum = Scene::read(Path::new("fixtures/cotton/drum.toml"), &[])?;
     let bindings = bench

@@ -29,6 +29,16 @@ pub enum Error {
         /// What is wrong with it, and the way out.
         problem: String,
     },
+    /// A diagnosis may need more runs than the budget allows.
+    #[error(
+        "[budget] allows {most} runs, and the diagnosis may need {needed}: raise it, or search fewer [effects]"
+    )]
+    Budget {
+        /// Runs of the budget.
+        most: usize,
+        /// Runs that may be needed.
+        needed: usize,
+    },
     /// A result has no form in a file, or cannot be written.
     #[error("cannot write {path}: {reason}")]
     Write {

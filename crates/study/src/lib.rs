@@ -43,5 +43,5 @@ pub use photos::PhotoSeries;
 pub use price::{Price, StagePrice};
 pub use problem::Problem;
 pub use result::{DiagnosisResult, StudyResult};
-pub use run::{RunSettings, plan_study, run_diagnosis, run_study};
+pub use run::{RunSettings, plan_diagnosis, plan_study, run_diagnosis, run_study};
 pub use study::Study;

@@ -20,9 +20,11 @@ const SECONDS_PER_COST: f64 = 0.0025;
 pub struct StagePrice {
     /// Name of the stage.
     pub stage: String,
-    /// Number of runs, at most.
+    /// Number of runs that are certain.
     pub runs: usize,
-    /// Time of one core, s.
+    /// Runs that their results may ask for beyond these, at most: further boxes, rounds and effects.
+    pub at_most_further: usize,
+    /// Time of one core of the certain runs, s.
     pub core_s: f64,
 }
 
@@ -31,9 +33,11 @@ pub struct StagePrice {
 pub struct Price {
     /// By stage.
     pub stages: Vec<StagePrice>,
-    /// Runs of all stages, at most.
+    /// Certain runs of all stages.
     pub runs: usize,
-    /// Time of one core, s.
+    /// Further runs of all stages, at most.
+    pub at_most_further: usize,
+    /// Time of one core of the certain runs, s.
     pub core_s: f64,
     /// Whether the times follow from planned runs whose records are in the folder, and not from a guess.
     pub measured: bool,
@@ -75,6 +79,7 @@ pub(crate) fn of(
     let price = |stage: &PlannedStage| StagePrice {
         stage: stage.stage.clone(),
         runs: stage.requests.len(),
+        at_most_further: stage.at_most_further,
         core_s: stage
             .requests
             .iter()
@@ -84,12 +89,14 @@ pub(crate) fn of(
     let guess_s = all.fold(0.0, |sum, r| sum + SECONDS_PER_COST * cost(r));
     let stages: Vec<StagePrice> = stages.iter().map(price).collect();
     let runs = stages.iter().map(|s| s.runs).sum();
+    let at_most_further = stages.iter().map(|s| s.at_most_further).sum();
     let core_s = stages.iter().fold(0.0, |sum, s| sum + s.core_s);
     Ok(Price {
         measured: known_cost > 0.0,
         most_runs: most_runs(budget, runs, guess_s),
         stages,
         runs,
+        at_most_further,
         core_s,
     })
 }
@@ -177,6 +184,7 @@ mod tests {
         let stage = PlannedStage {
             stage: "surfaces".into(),
             requests: requests.clone(),
+            at_most_further: 5,
         };
         let stages = [stage];
         let folder = tempfile::tempdir().unwrap();
@@ -206,6 +214,7 @@ mod tests {
         let price = of(&Three, &stages, budget, Some(&store)).unwrap();
         assert!(price.measured);
         assert_eq!((price.runs, price.core_s), (10, 60.0));
+        assert_eq!(price.at_most_further, 5);
         assert_eq!(
             price.most_runs, guess.most_runs,
             "a budget does not follow the pace"

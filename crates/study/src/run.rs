@@ -53,6 +53,22 @@ pub fn plan_study(study: &Study, seed: u64, folder: &Path) -> Result<Price, Erro
     price::of(&simulator, &stages, study.budget, store.as_ref())
 }
 
+/// Most runs that [`run_diagnosis`] may need.
+///
+/// # Errors
+///
+/// A budget of the study that is smaller.
+pub fn plan_diagnosis(study: &Study) -> Result<usize, Error> {
+    let needed = calibration::most_runs_of_diagnosis(&study.problem, &study.settings);
+    let simulator = study.simulator()?;
+    let stages = calibration::planned(&study.problem, &study.settings)?;
+    let price = price::of(&simulator, &stages, study.budget, None)?;
+    match price.most_runs {
+        Some(most) if most < needed => Err(Error::Budget { most, needed }),
+        _ => Ok(needed),
+    }
+}
+
 /// Runs all stages of a study.
 ///
 /// `announce` is told each stage as it begins.
@@ -98,10 +114,7 @@ pub fn run_study(
 }
 
 /// The records behind the measurements of a calibration, by key.
-fn records_of(
-    store: &Store,
-    calibration: &Calibration,
-) -> Result<BTreeMap<String, Record>, Error> {
+fn records_of(store: &Store, calibration: &Calibration) -> Result<BTreeMap<String, Record>, Error> {
     let rows = calibration.before.iter().chain(&calibration.fit);
     let rows = rows.chain(&calibration.check).chain(&calibration.show);
     let mut records = BTreeMap::new();
@@ -131,8 +144,7 @@ pub fn run_diagnosis(
         .with_stop(settings.stop)
         .with_pace(&pace);
     let within = study.settings_with(settings.seed);
-    let diagnosis =
-        calibration::diagnose_at(&campaign, &simulator, &study.problem, &within, at)?;
+    let diagnosis = calibration::diagnose_at(&campaign, &simulator, &study.problem, &within, at)?;
     let symbols = study.problem.parameters.iter().map(|p| p.symbol.clone());
     Ok(DiagnosisResult {
         name: study.problem.id.clone(),

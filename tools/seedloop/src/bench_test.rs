@@ -1,12 +1,13 @@
 //! `seedloop bench-test`: contact parameters from the bench, measured or simulated.
 
+use crate::simulate::read_scene;
 use anyhow::{Context as _, ensure};
 use bench_test::measured::{Test, coefficients};
 use bench_test::{Summary, summarise};
 use clap::ValueEnum;
 use command_line::{Common, DONE, Header};
 use quantity::Length;
-use scene::{Apparatus, Drop, FillingLibrary, RunResult, Scene, Slider, Tilt};
+use scene::{Apparatus, Drop, FillingLibrary, RunResult, Slider, Tilt};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
@@ -40,6 +41,10 @@ pub(crate) struct Arguments {
     /// Does the test with the solver: seeds and contacts of this scene
     #[arg(long, value_name = "SCENE.toml")]
     scene: Option<PathBuf>,
+
+    /// Parameters that a calibration wrote: the values of its parameters.toml
+    #[arg(long, value_name = "PARAMETERS.toml", requires = "scene")]
+    set_file: Option<PathBuf>,
 
     /// Material of the plate, as the scene names it; that of the seeds stands for a plate of seeds
     #[arg(long, value_name = "MATERIAL", requires = "scene")]
@@ -144,7 +149,7 @@ fn measured(kind: Kind, file: &Path) -> anyhow::Result<Report> {
 
 /// Does the test with the solver.
 fn simulated(arguments: &Arguments, file: &Path) -> anyhow::Result<Report> {
-    let scene = Scene::read(file, &[])?;
+    let (scene, _) = read_scene(file, arguments.set_file.as_deref(), &[])?;
     let first = scene.seed.first().context("the scene has no seed")?;
     let seed_name = arguments.kind.clone().unwrap_or_else(|| first.name.clone());
     let plate = arguments
@@ -181,7 +186,8 @@ fn simulated(arguments: &Arguments, file: &Path) -> anyhow::Result<Report> {
     let slid = slid.count();
     let shown = format!("shown_{}", test_of(arguments.test).coefficient());
     let meshes = scene.mesh_files().into_iter().map(|m| scene.folder.join(m));
-    let inputs = [file.to_path_buf()].into_iter().chain(meshes);
+    let inputs = [file.to_path_buf()].into_iter();
+    let inputs = inputs.chain(arguments.set_file.clone()).chain(meshes);
     Ok(Report {
         header: Header::new(seed, inputs)?,
         origin: "simulated",

@@ -3,8 +3,8 @@
 mod report;
 mod text;
 
-use anyhow::Context as _;
 use crate::stop::{self, result_or_stopped};
+use anyhow::Context as _;
 use campaign::LineProgress;
 use command_line::{Common, DONE, NOT_MET, Overwrite};
 use std::path::{Path, PathBuf};

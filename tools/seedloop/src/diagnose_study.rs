@@ -1,5 +1,7 @@
 //! `seedloop diagnose STUDY.toml`: own simulations, verdict, the model with the effect.
 
+mod report;
+
 use crate::calibrate::{progress_lines, refuse_used_folder};
 use crate::diagnose::{exit_code, text};
 use crate::stop::{self, result_or_stopped};
@@ -9,7 +11,7 @@ use residual_diagnosis::Diagnosis;
 use serde::Serialize;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
-use study::{DiagnosisResult, RunSettings, Study, run_diagnosis, write_json};
+use study::{DiagnosisResult, RunSettings, Study, plan_diagnosis, run_diagnosis, write_json};
 
 /// What the command line says.
 #[derive(Debug)]
@@ -50,8 +52,9 @@ pub(crate) fn run(path: &Path, options: &Options, common: &Common) -> anyhow::Re
         None => study.start_values(),
     };
     common.refuse_existing_json()?;
+    let planned = plan_text(&study, &at, plan_diagnosis(&study)?);
     if options.plan_only {
-        common.print(plan_text(&study, &at).trim_end())?;
+        common.print(planned.trim_end())?;
         common.emit_json(&study.problem)?;
         return Ok(DONE);
     }
@@ -60,7 +63,7 @@ pub(crate) fn run(path: &Path, options: &Options, common: &Common) -> anyhow::Re
         .clone()
         .unwrap_or_else(|| PathBuf::from("out").join(format!("{}-diagnosis", study.folder_name())));
     refuse_used_folder(&folder, options.resume, common)?;
-    common.log(|| plan_text(&study, &at).trim_end().to_owned());
+    common.log(|| planned.trim_end().to_owned());
     let (progress, stop) = (progress_lines(common), stop::flag()?);
     let settings = RunSettings {
         seed: options.seed,
@@ -78,6 +81,7 @@ pub(crate) fn run(path: &Path, options: &Options, common: &Common) -> anyhow::Re
     let (done, code) = match &result.diagnosis {
         DiagnosisStage::Done(done) => {
             write_json(&folder.join("problem.json"), &done.problem)?;
+            report::write(&folder, &study, &result, done)?;
             common.print(found_text(&study, done).trim_end())?;
             (Some(&done.diagnosis), exit_code(done.diagnosis.verdict))
         }
@@ -125,10 +129,10 @@ fn found_text(study: &Study, done: &ResidualStudy) -> String {
 }
 
 /// What will be run.
-fn plan_text(study: &Study, at: &[f64]) -> String {
+fn plan_text(study: &Study, at: &[f64], most_runs: usize) -> String {
     let problem = &study.problem;
     let mut out = format!(
-        "{}: {} runs behind each simulated mean of {} models, {} effects to search\n",
+        "{}: at most {most_runs} runs, {} behind each simulated mean of {} models, {} effects to search\n",
         problem.id,
         study.settings.diagnosis_replicates,
         problem.models.len(),

@@ -192,18 +192,11 @@ fn closing(report: &mut Report, input: &DiagnosisInput<'_>) {
             .paragraph("Effects that could not be run in this scene:")
             .list(&lines);
     }
-    if input.taken_out > 0 {
-        report.paragraph(&format!(
-            "The budget took {} out of the fit, by D-optimality in their coordinates; they serve \
-             for the check.",
-            counted(input.taken_out, "condition", "conditions")
-        ));
-    }
     report.paragraph(&format!(
-        "At most {} runs were planned. This call took {} s, {} % of it in simulations.",
+        "At most {} runs were planned. All runs took {} s of one core, and this call {} s.",
         input.planned_runs,
+        fixed(input.core_s, 0),
         fixed(input.wall_s, 0),
-        fixed(100.0 * input.simulation_share, 1)
     ));
     defaults(report, input.defaults);
     report.provenance(&format!(

@@ -112,10 +112,9 @@ fn a_diagnosis_alone_has_a_page_with_the_same_section() {
         parameters: &[],
         defaults: &defaults,
         not_applicable: &reasons,
-        taken_out: 1,
         planned_runs: 77,
         wall_s: 12.0,
-        simulation_share: 0.5,
+        core_s: 20.0,
         study: &study,
         trials: &[],
     };
@@ -129,7 +128,9 @@ fn a_diagnosis_alone_has_a_page_with_the_same_section() {
     ];
     assert_eq!(headings(&page), expected);
     assert!(page.contains("wind: no air") && page.contains("effects: all"));
-    assert!(page.contains("At most 77 runs were planned. This call took 12 s, 50.0 % of it"));
+    assert!(page.contains(
+        "At most 77 runs were planned. All runs took 20 s of one core, and this call 12 s."
+    ));
     assert!(folder.path().join("tables/diagnosis_models.csv").is_file());
     assert!(
         folder

@@ -21,8 +21,9 @@ fn the_studies_to_start_from_read_as_they_are() {
 fn the_studies_of_the_repository_read_as_they_are() {
     for name in [
         "cotton/study.toml",
-        "cotton/diagnosis.toml",
-        "mcc/diagnosis.toml",
+        "cotton/blind.toml",
+        "cotton/published.toml",
+        "mcc/study.toml",
         "water-beads/dry.toml",
         "water-beads/wet-1.toml",
         "water-beads/wet-3.toml",

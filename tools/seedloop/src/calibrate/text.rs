@@ -64,38 +64,48 @@ pub(crate) fn plan(study: &Study, price: &Price, threads: usize) -> String {
             ),
         );
     }
-    text.push_str("runs, at most:\n");
-    for stage in &price.stages {
+    priced(&mut text, price, threads);
+    text
+}
+
+/// The stages with their runs and what the planned ones take.
+fn priced(text: &mut String, price: &Price, threads: usize) {
+    add(
+        text,
+        format_args!(
+            "  {:<40} {:>7} {:>16}  time of the planned\n",
+            "runs", "planned", "further, at most"
+        ),
+    );
+    let mut line = |name: &str, runs: usize, further: usize, time: &str| {
         add(
-            &mut text,
-            format_args!(
-                "  {:<40} {:>6}  {:>9}\n",
-                stage.stage,
-                stage.runs,
-                duration(stage.core_s)
-            ),
+            text,
+            format_args!("  {name:<40} {runs:>7} {further:>16}  {time}\n"),
+        );
+    };
+    for stage in &price.stages {
+        line(
+            &stage.stage,
+            stage.runs,
+            stage.at_most_further,
+            &duration(stage.core_s),
         );
     }
     let wall = duration(price.core_s / threads.max(1) as f64);
-    add(
-        &mut text,
-        format_args!(
-            "  {:<40} {:>6}  {:>9} of one core, about {wall} on {threads}\n",
-            "all",
-            price.runs,
-            duration(price.core_s)
-        ),
+    let time = format!(
+        "{} of one core, about {wall} on {threads}",
+        duration(price.core_s)
     );
+    line("all", price.runs, price.at_most_further, &time);
     if !price.measured {
         text.push_str("  (times are a guess until the first runs are done)\n");
     }
     if let Some(most) = price.most_runs {
         add(
-            &mut text,
+            text,
             format_args!("  the budget ends the loop after {most} runs\n"),
         );
     }
-    text
 }
 
 /// A time in words.

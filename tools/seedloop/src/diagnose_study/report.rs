@@ -1,0 +1,55 @@
+//! The report of a diagnosis: what the runs say, and how often these rules are right.
+
+use anyhow::Context as _;
+use calibration::{ResidualStudy, runs_needed};
+use residual_diagnosis::{Problem, TrialRow, trials, usual_truths};
+use std::path::Path;
+use study::{DiagnosisResult, Study};
+use study_report::DiagnosisInput;
+
+/// Drawn campaigns of each truth: the standard error of a rate of 0.05 is 0.015.
+const TRIALS: usize = 200;
+/// Detectability of the effects planted in them, in standard errors: the size from which a naming can be expected.
+const STRENGTH: f64 = 6.0;
+
+/// Writes report, tables and pictures into the result folder.
+///
+/// # Errors
+/// Campaigns that cannot be drawn, a file that cannot be written.
+pub(super) fn write(
+    folder: &Path,
+    study: &Study,
+    result: &DiagnosisResult,
+    done: &ResidualStudy,
+) -> anyhow::Result<()> {
+    let defaults = result.defaults.iter();
+    let defaults: Vec<String> = defaults
+        .map(|d| format!("{} = {}: {}", d.key, d.value, d.why))
+        .collect();
+    let input = DiagnosisInput {
+        name: &result.name,
+        version: &result.version,
+        seed: result.seed,
+        inputs: &result.inputs,
+        parameters: &study.problem.parameters,
+        defaults: &defaults,
+        not_applicable: &result.not_applicable,
+        planned_runs: runs_needed(&done.plan),
+        wall_s: result.wall_s,
+        core_s: result.core_s,
+        study: done,
+        trials: &known_truth(done, result.seed)?,
+    };
+    study_report::write_diagnosis(folder, &input)
+        .with_context(|| format!("cannot write the report into {}", folder.display()))
+}
+
+/// Drawn campaigns with known truth for this very design; none where nothing can be tested.
+fn known_truth(done: &ResidualStudy, seed: u64) -> anyhow::Result<Vec<TrialRow>> {
+    if done.diagnosis.structured_residual.t0.is_none() {
+        return Ok(Vec::new());
+    }
+    let problem = Problem::try_from(done.problem.clone())?;
+    let truths = usual_truths(&problem, STRENGTH)?;
+    Ok(trials(&problem, &truths, TRIALS, seed)?)
+}
