@@ -25,11 +25,19 @@ docs:
     RUSTDOCFLAGS="-D warnings" cargo doc --workspace --no-deps --locked
 
 # Called again after a stop it goes on where it was.
-# Calibrate the cotton seeds of the published study: screening to missing effect.
+# Calibrate the cotton seeds on their bench tests, with the drum as the check.
 calibrate *ARGS:
     cargo run --release --locked -p seedloop -- calibrate fixtures/cotton/study.toml --resume "$@"
 
-# Find what a model lacks on a file of measurements, by simulations of its own.
+# Repeat the published calibration of the cotton seeds at its own levels.
+reproduce *ARGS:
+    cargo run --release --locked -p seedloop -- calibrate fixtures/cotton/published.toml --resume "$@"
+
+# Look for an effect that was hidden in simulated data of the cotton seeds.
+blind *ARGS:
+    cargo run --release --locked -p seedloop -- diagnose fixtures/cotton/blind.toml --resume "$@"
+
+# Find what the model of a study lacks, by simulations of its own.
 diagnose *ARGS:
     cargo run --release --locked -p seedloop -- diagnose "$@"
 
