@@ -97,7 +97,15 @@ impl<'a> Search<'a> {
             if number > 0 {
                 announce(&format!("box {}: {why}", number + 1));
             }
-            let n_runs = self.sample(&region, number)?;
+            let n_runs = match self.sample(&region, number) {
+                Err(error @ Error::Budget { .. }) if found.is_some() => {
+                    self.remarks.push(format!(
+                        "the search ended with the estimate on the edge of its last box: {error}"
+                    ));
+                    break;
+                }
+                n_runs => n_runs?,
+            };
             let surfaces = match (self.surfaces(&region), &found) {
                 (Ok(surfaces), _) => surfaces,
                 (Err(error), None) => return Err(error),

@@ -34,17 +34,17 @@ pub(crate) fn verdict(
         .collect();
     let not_met = missed(fit);
     if !not_met.is_empty() {
-        let with = if on_limits.is_empty() {
-            String::new()
+        let why = if on_limits.is_empty() {
+            ": no parameters in the boxes that were searched do".to_owned()
         } else {
-            format!(", with {}", on_limits.join(" and "))
+            format!(
+                ", with {}: within the limits no parameters do",
+                on_limits.join(" and ")
+            )
         };
         return (
             false,
-            format!(
-                "the fit does not meet {}{with}: within the limits no parameters do",
-                not_met.join(", ")
-            ),
+            format!("the fit does not meet {}{why}", not_met.join(", ")),
         );
     }
     if let Some(p) = estimate.test.p.filter(|p| *p < CONTRADICTION) {
@@ -83,7 +83,23 @@ pub(crate) fn verdict(
         1 => "the one kept for the check holds".to_owned(),
         n => format!("the {n} kept for the check hold"),
     };
-    (true, format!("{fit_words}, and {check_words}"))
+    let vague: Vec<String> = check.iter().filter(|row| is_vague(row)).map(name).collect();
+    let but = if vague.is_empty() {
+        String::new()
+    } else {
+        format!(
+            "; the parameters are known so little that the check on {} tests next to nothing",
+            vague.join(", ")
+        )
+    };
+    (true, format!("{fit_words}, and {check_words}{but}"))
+}
+
+/// Whether the uncertainty of the parameters alone makes a check this much vaguer than the measurement: three times its
+/// standard error.
+fn is_vague(row: &Comparison) -> bool {
+    let error = row.measured.sd / row.measured.n.sqrt();
+    row.parameter_se.is_some_and(|se| se > 3.0 * error)
 }
 
 /// A measurement in words.

@@ -248,3 +248,34 @@ fn errors_before_and_after_stand_side_by_side() {
     assert!((result.fit[0].simulated.mean - 1.2).abs() < 1e-6);
     assert!(result.fit[0].holds);
 }
+
+/// y = a + b is measured, the check shows a - b, which is open: it cannot fail, and the verdict says that it tests nothing.
+#[test]
+fn a_check_that_open_parameters_make_vague_is_told_as_such() {
+    let toy = Toy {
+        law: |model, p| {
+            let (a, b) = (p("a"), p("b"));
+            shown("y", if model == "fit" { a + b } else { a - b })
+        },
+        noise: 0.01,
+    };
+    let problem = problem(
+        vec![parameter("a", [0.0, 1.0]), parameter("b", [0.0, 1.0])],
+        vec![model("fit", &[0, 1]), model("kept", &[0, 1])],
+        vec![
+            measured(0, "y", Role::Fit, (1.0, 0.05)),
+            measured(1, "y", Role::Check, (0.4, 0.05)),
+        ],
+    );
+    let result = run(&toy, &problem).unwrap();
+    assert!(
+        result.check[0].parameter_se.unwrap() > 0.1,
+        "{:?}",
+        result.check
+    );
+    assert!(
+        result.verdict.contains("tests next to nothing"),
+        "{}",
+        result.verdict
+    );
+}

@@ -158,3 +158,36 @@ fn points_of_another_regime_enter_no_surface() {
     assert_eq!(left_out[0].point, [0.8]);
     assert!(left_out[0].reason.contains("sliding"), "{left_out:?}");
 }
+
+/// A budget that is spent before the solution is reached ends the search with the last box and says so: nothing is lost.
+#[test]
+fn a_spent_budget_ends_the_search_with_what_there_is() {
+    let toy = Toy {
+        law: |_, p| shown("y", 2.0 * p("a")),
+        noise: 0.01,
+    };
+    let mut a = parameter("a", [0.0, 0.5]);
+    a.limits = [0.0, 2.0];
+    let problem = problem(
+        vec![a],
+        vec![model("m", &[0])],
+        vec![measured(0, "y", Role::Fit, (3.0, 0.03))],
+    );
+    let settings = LoopSettings {
+        most_runs: Some(10),
+        ..LoopSettings::default()
+    };
+    let result = run_with(&toy, &problem, &settings).unwrap();
+    assert_eq!(result.boxes.len(), 1, "{:?}", result.boxes);
+    assert!(
+        (value(&result, "a") - 0.5).abs() < 1e-9,
+        "{:?}",
+        result.parameters
+    );
+    assert!(!result.met);
+    let told = result
+        .remarks
+        .iter()
+        .any(|r| r.contains("the budget is 10"));
+    assert!(told, "{:?}", result.remarks);
+}
