@@ -35,7 +35,11 @@ pub(crate) fn expected_cost(scene: &Scene) -> f64 {
         Apparatus::Tilt(test) => (1.0, bench_s(scene, &test.plate, test.repeats, TILT_S)),
         _ => {
             let frames = scene.protocol.frames as f64 * scene.protocol.frame_interval.si();
-            let start_up = scene.protocol.start_up.map_or(0.0, quantity::Time::si).max(1.0);
+            let start_up = scene
+                .protocol
+                .start_up
+                .map_or(0.0, quantity::Time::si)
+                .max(1.0);
             let time_s = start_up + scene.protocol.settle_limit.si() + frames;
             (scene.seed_count() as f64, time_s)
         }
