@@ -5,5 +5,7 @@
 mod arrows;
 #[path = "architecture/citations.rs"]
 mod citations;
+#[path = "architecture/materials.rs"]
+mod materials;
 #[path = "architecture/tree.rs"]
 mod tree;

@@ -126,13 +126,13 @@ impl Kind {
     /// Returns a number with a unit as one would write it in a file.
     pub(crate) const fn example(self) -> &'static str {
         match self {
-            Self::Length => "0.45 mm",
-            Self::Angle => "38.87 deg",
+            Self::Length => "0.5 mm",
+            Self::Angle => "30 deg",
             Self::AngularSpeed => "10 rpm",
             Self::Time => "2 s",
-            Self::Mass => "94.5 mg",
-            Self::Density => "917 kg/m3",
-            Self::Pressure => "4.01 MPa",
+            Self::Mass => "50 mg",
+            Self::Density => "1000 kg/m3",
+            Self::Pressure => "5 MPa",
             Self::Speed => "0.1 m/s",
             Self::Frequency => "50 Hz",
         }

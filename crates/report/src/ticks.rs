@@ -298,7 +298,7 @@ mod tests {
         assert_eq!(plain(-0.001, 2), "0.00");
         assert_eq!(plain(-1.25, 1), "−1.2");
         assert_eq!(short(0.0), "0");
-        assert_eq!(short(38.871), "38.9");
+        assert_eq!(short(41.264), "41.3");
         assert_eq!(short(-0.012345), "−0.0123");
         assert_eq!(short(123456.0), "123456");
         assert_eq!(short(2.5e-7), "2.50×10⁻⁷");

@@ -5,6 +5,7 @@ mod report;
 use crate::calibrate::{progress_lines, refuse_used_folder};
 use crate::diagnose::{exit_code, text};
 use crate::stop::{self, result_or_stopped};
+use anyhow::Context as _;
 use calibration::{DiagnosisStage, ResidualStudy};
 use command_line::{Common, DONE, NOT_MET};
 use residual_diagnosis::Diagnosis;
@@ -52,7 +53,8 @@ pub(crate) fn run(path: &Path, options: &Options, common: &Common) -> anyhow::Re
         None => study.start_values(),
     };
     common.refuse_existing_json()?;
-    let planned = plan_text(&study, &at, plan_diagnosis(&study)?);
+    let most_runs = plan_diagnosis(&study).with_context(|| path.display().to_string())?;
+    let planned = plan_text(&study, &at, most_runs);
     if options.plan_only {
         common.print(planned.trim_end())?;
         common.emit_json(&study.problem)?;

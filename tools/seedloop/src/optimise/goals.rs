@@ -200,7 +200,7 @@ fn scatter_goal(arguments: &Arguments, text: &str, first: &Fit) -> anyhow::Resul
     })
 }
 
-/// Reads a goal such as `target:30:38.87:45^2*3`. Without bounds, max and min take the least and the
+/// Reads a goal such as `target:30:37.5:45^2*3`. Without bounds, max and min take the least and the
 /// greatest value that the surface reaches.
 fn goal(text: &str, fit: &Fit) -> anyhow::Result<Goal> {
     let form = || {

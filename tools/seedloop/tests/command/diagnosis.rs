@@ -6,38 +6,50 @@ use std::fs;
 use std::path::Path;
 use std::process::{Command, Output, Stdio};
 
-/// Two speeds for the fit and one for the check in the tiny drum, one free friction, one effect.
+/// Two speeds for the fit and one for the check in the tiny drum, one friction, two effects.
 const STUDY: &str = r#"
 name = "tiny"
-scene = "tiny.toml"
-changes = ["seed.0.count = 64", "protocol.frames = 8", "protocol.rotation_limit = 3 s"]
-effects = ["camera-roll", "cohesion"]
-replicates = 2
-budget_runs = 100
 
-[[declared]]
-parameter = "contact.seed-seed.static_friction"
-start = 0.1
-step = 0.05
-low = 0.0
-high = 0.8
+[[scene]]
+name = "drum"
+file = "tiny.toml"
+changes = ["seed.0.count = 64", "protocol.frames = 8", "protocol.rotation_limit = 3 s"]
+
+[[parameter]]
+symbol = "F"
+sets = ["contact.seed-seed.static_friction"]
+low = 0.02
+high = 0.18
+limits = [0.0, 0.8]
 prior = { mean = 0.1, sd = 0.02 }
 
 [[measured]]
+scene = "drum"
 condition = { rpm = 20 }
 role = "fit"
-values.angle_deg = { mean = 39.0, sd = 3.0, n = 2 }
-values.curvature = { mean = -0.1, sd = 0.1, n = 2 }
+angle_deg = { mean = 39.0, sd = 3.0, n = 2 }
+curvature = { mean = -0.1, sd = 0.1, n = 2 }
 
 [[measured]]
+scene = "drum"
 condition = { rpm = 30 }
 role = "fit"
-values.angle_deg = { mean = 39.0, sd = 3.0, n = 2 }
+angle_deg = { mean = 39.0, sd = 3.0, n = 2 }
 
 [[measured]]
+scene = "drum"
 condition = { rpm = 25 }
 role = "check"
-values.angle_deg = { mean = 39.0, sd = 3.0, n = 2 }
+angle_deg = { mean = 39.0, sd = 3.0, n = 2 }
+
+[design]
+diagnosis_replicates = 2
+
+[budget]
+runs = 100
+
+[effects]
+search = ["camera-roll", "cohesion"]
 "#;
 
 /// A tiny scene with a study beside it, one piece of whose text is replaced.
@@ -54,18 +66,20 @@ fn diagnose(scene: &TinyScene, words: &[&str]) -> Output {
     seedloop(scene.path("").as_path(), &words)
 }
 
-/// The example of the guide: three conditions for the fit, two for the check. By hand: 2 runs at each of
+/// The example of the guide: three conditions for the fit, two for the check, three values each. By hand: 2 runs at each of
 /// (1 start + 2 parameters + 4 effects + 18 rounds) x 3 and 4 x 2 conditions are 166.
 #[test]
 fn the_example_says_what_would_be_run_and_runs_nothing() {
-    let example = fixture("cotton/diagnosis.toml");
+    let example = fixture("cotton/blind.toml");
+    let folder = tempfile::tempdir().unwrap();
     let words = ["diagnose", example.to_str().unwrap(), "--plan"];
-    let output = seedloop(Path::new("."), &words);
+    let output = seedloop(folder.path(), &words);
     assert_code(&output, 0);
     let said = text(&output.stdout);
-    assert!(said.contains("at most 166 runs of 170"), "{said}");
-    assert_eq!(said.matches("\n  fit ").count(), 3, "{said}");
-    assert_eq!(said.matches("\n  check ").count(), 2, "{said}");
+    assert!(said.contains("at most 166 runs"), "{said}");
+    assert_eq!(said.matches("\n  fit ").count(), 9, "{said}");
+    assert_eq!(said.matches("\n  check ").count(), 6, "{said}");
+    assert!(!folder.path().join("out").exists());
 }
 
 /// Ctrl-C while runs are left: the running one is finished, its record is kept, and the command says how many there
@@ -132,39 +146,62 @@ fn a_diagnosis_fills_its_folder_and_goes_on_where_it_was() {
         "{}",
         text(&again.stderr)
     );
-    assert_eq!(json(&again)["result"]["study"], first["result"]["study"]);
+    assert_eq!(
+        json(&again)["result"]["diagnosis"],
+        first["result"]["diagnosis"]
+    );
 }
 
 #[test]
 fn what_cannot_be_meant_is_refused_with_its_place() {
     let wrong = [
-        ("replicates = 2", "replicates = 1", "replicates = 1"),
-        ("rpm = 25", "rpm = 30", "stands there twice"),
-        ("rpm = 25", "rpn = 25", "rpn"),
+        (
+            "replicates = 2",
+            "replicates = 1",
+            "line 36: [design]: diagnosis_replicates = 1",
+        ),
+        ("rpm = 25", "rpm = 30", "another role in line 27"),
+        ("rpm = 25", "rpn = 25", "no setting 'rpn'"),
         (
             "\"cohesion\"",
             "\"cohesiveness\"",
-            "tiny-study.toml: effects: no effect 'cohesiveness'",
-        ),
-        ("seed-seed", "seed-sede", "seed-sede"),
-        ("n = 2 }\nvalues", "n = 0 }\nvalues", "n of 1 or more"),
-        ("step = 0.05", "step = 0.9", "within finite low and high"),
-        ("high = ", "high = inf # ", "within finite low and high"),
-        (
-            "budget_runs = 100",
-            "budget_runs = 5",
-            // By hand: 2 runs at each of (1 start + 1 parameter + 2 effects + 13 rounds) x 1 and 3 x 2 conditions.
-            "tiny-study.toml: budget_runs = 5 is too few to test anything: write 46 or more",
+            "no effect 'cohesiveness'",
         ),
         (
-            "values.curvature = { mean = -0.1, sd = 0.1, n = 2 }\n\n[[measured]]\ncondition = { rpm = 30 }\nrole = \"fit\"",
-            "\n[[measured]]\ncondition = { rpm = 30 }\nrole = \"check\"",
-            "tiny-study.toml: [[declared]] x 1 takes up all values",
+            "seed-seed",
+            "seed-sede",
+            "'contact.seed-sede.static_friction'",
         ),
+        ("n = 2 }\ncurvature", "n = 0 }\ncurvature", "n = 0 must be"),
+        ("low = 0.02", "low = 0.9", "must be finite and rise"),
+        ("high = 0.18", "high = inf", "must be finite and rise"),
+        // By hand: 2 runs at each of (1 start + 1 parameter + 2 effects + 13 rounds) x 2 and 3 x 1 conditions are 74.
+        ("runs = 100", "runs = 73", "the diagnosis may need 74"),
     ];
     for (from, to, said) in wrong {
         let scene = study(from, to);
-        assert_error(&diagnose(&scene, &[]), &[said]);
+        assert_error(&diagnose(&scene, &[]), &["tiny-study.toml", said]);
         assert!(!scene.path("out").exists(), "{to}: something was written");
     }
+}
+
+/// One value and one parameter: what can always be met tests nothing, and no run is made for it.
+#[test]
+fn as_many_parameters_as_values_leave_no_diagnosis() {
+    let curvature = "curvature = { mean = -0.1, sd = 0.1, n = 2 }\n";
+    let scene = study(curvature, "");
+    let text_of = fs::read_to_string(scene.path("tiny-study.toml")).unwrap();
+    let one = text_of.replacen(
+        "rpm = 30 }\nrole = \"fit\"",
+        "rpm = 30 }\nrole = \"show\"",
+        1,
+    );
+    assert_ne!(one, text_of);
+    fs::write(scene.path("tiny-study.toml"), one).unwrap();
+    let output = diagnose(&scene, &[]);
+    assert_code(&output, 1);
+    let said = text(&output.stdout);
+    assert!(said.contains("no diagnosis: 1 measurement"), "{said}");
+    let runs = fs::read_dir(scene.path("out/tiny-diagnosis/runs")).unwrap();
+    assert_eq!(runs.count(), 0);
 }

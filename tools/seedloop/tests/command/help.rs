@@ -3,11 +3,12 @@
 use crate::{assert_code, assert_error, seedloop, text};
 use std::path::Path;
 
-const COMMANDS: [&str; 9] = [
+const COMMANDS: [&str; 10] = [
     "simulate",
     "design",
     "analyse",
     "optimise",
+    "init",
     "calibrate",
     "diagnose",
     "bench-test",

@@ -51,12 +51,15 @@ fn noise_alone_is_a_good_answer() {
     assert_eq!(json(&output)["verdict"], "none");
 }
 
-/// A calibration study is no diagnosis: the message says what a diagnosis needs.
+/// The flags of a study mean nothing for a problem, which is run by nobody.
 #[test]
-fn a_study_of_another_kind_is_refused_with_what_is_missing() {
-    let study = fixture("cotton/study.toml");
-    let output = seedloop(Path::new("."), &["diagnose", study.to_str().unwrap()]);
-    assert_error(&output, &["study.toml", "unknown field"]);
+fn a_problem_takes_no_flags_of_studies() {
+    let problem = fixture("diagnosis/single/problem.json");
+    let output = seedloop(
+        Path::new("."),
+        &["diagnose", problem.to_str().unwrap(), "--resume"],
+    );
+    assert_error(&output, &["problem.json", "--resume", "for studies"]);
 }
 
 #[test]
