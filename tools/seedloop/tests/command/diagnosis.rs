@@ -158,9 +158,9 @@ fn what_cannot_be_meant_is_refused_with_its_place() {
         (
             "replicates = 2",
             "replicates = 1",
-            "line 36: [design]: diagnosis_replicates = 1",
+            "line 37: [design]: diagnosis_replicates = 1",
         ),
-        ("rpm = 25", "rpm = 30", "another role in line 27"),
+        ("rpm = 25", "rpm = 30", "another role in line 28"),
         ("rpm = 25", "rpn = 25", "no setting 'rpn'"),
         (
             "\"cohesion\"",
