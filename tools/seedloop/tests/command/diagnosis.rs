@@ -3,7 +3,6 @@
 use crate::tiny_scene::TinyScene;
 use crate::{assert_code, assert_error, fixture, json, seedloop, text};
 use std::fs;
-use std::path::Path;
 use std::process::{Command, Output, Stdio};
 
 /// Two speeds for the fit and one for the check in the tiny drum, one friction, two effects.
