@@ -5,7 +5,7 @@ use crate::confirmation::{Confirmed, confirm};
 use crate::diagnosis_stage::diagnose_at;
 use crate::intervals::{Uncertainty, best_of, estimates, test};
 use crate::joint::{joint_estimate, planes, region_about, slope_runs};
-use crate::samples::{Asked, Laboratory, Samples, Wanted, first_seed, wanted};
+use crate::samples::{Asked, Runner, Samples, Wanted, first_seed, wanted};
 use crate::screening::screen_models;
 use crate::search::Search;
 use crate::solution_set::solution_set;
@@ -44,24 +44,24 @@ pub fn calibrate(
     let counted = Counted::new(simulator);
     let asked = Asked { problem, settings };
     let ahead = costs_ahead(simulator, problem, settings)?;
-    let laboratory = |stage: usize| Laboratory {
+    let runner = |stage: usize| Runner {
         campaign: campaign.with_ahead(ahead.get(stage).copied().unwrap_or(0.0)),
         simulator: &counted,
         asked,
     };
     let mut clock = Clock::new(announce, &counted);
     clock.begin("the parameters in use before");
-    let before = before(&laboratory(0))?;
+    let before = before(&runner(0))?;
     clock.begin("screening");
-    let screened = screen_models(&laboratory(1))?;
+    let screened = screen_models(&runner(1))?;
     clock.begin("surfaces and estimate");
-    let mut search = Search::new(laboratory(2), screened.active);
+    let mut search = Search::new(runner(2), screened.active);
     let found = search.run(announce)?;
     clock.begin("confirmation by fresh runs");
-    let confirmed = confirm(&laboratory(3), &search, found)?;
+    let confirmed = confirm(&runner(3), &search, found)?;
     let estimate = Estimated::new(asked, &confirmed)?;
     clock.begin("check");
-    let checked = check(&laboratory(4), &confirmed, &estimate)?;
+    let checked = check(&runner(4), &confirmed, &estimate)?;
     clock.begin("diagnosis of the residual");
     let at = &confirmed.found.best;
     let diagnosis = diagnose_at(campaign, &counted, problem, settings, at)?;
@@ -158,20 +158,15 @@ impl Estimated {
 }
 
 /// Runs of all models with the parameters in use before.
-fn before(laboratory: &Laboratory<'_>) -> Result<BTreeMap<usize, Samples>, Error> {
-    let start: Vec<f64> = laboratory
-        .problem
-        .parameters
-        .iter()
-        .map(|p| p.start)
-        .collect();
-    let n = laboratory.settings.before_runs;
-    let models = 0..laboratory.problem.models.len();
+fn before(runner: &Runner<'_>) -> Result<BTreeMap<usize, Samples>, Error> {
+    let start: Vec<f64> = runner.problem.parameters.iter().map(|p| p.start).collect();
+    let n = runner.settings.before_runs;
+    let models = 0..runner.problem.models.len();
     let list = models.flat_map(|model| {
-        let seed = first_seed(laboratory.settings, STAGE_BEFORE, model);
+        let seed = first_seed(runner.settings, STAGE_BEFORE, model);
         wanted(seed, model, &vec![start.clone(); n])
     });
-    laboratory.run(&list.collect::<Vec<_>>())
+    runner.run(&list.collect::<Vec<_>>())
 }
 
 /// What the models say that the fit did not use.
@@ -187,11 +182,11 @@ struct Checked {
 
 /// Runs the models of the checks at the estimate and about it, and those that are only shown.
 fn check(
-    laboratory: &Laboratory<'_>,
+    runner: &Runner<'_>,
     confirmed: &Confirmed,
     estimate: &Estimated,
 ) -> Result<Checked, Error> {
-    let (problem, settings) = (laboratory.problem, laboratory.settings);
+    let (problem, settings) = (runner.problem, runner.settings);
     let found = &confirmed.found;
     let of_fit = problem.models_of(Role::Fit);
     let others = |role| -> Vec<usize> {
@@ -206,25 +201,25 @@ fn check(
         let n = settings.check_runs.max(2);
         list.extend(wanted(seed, model, &vec![found.best.clone(); n]));
     }
-    let region = region_about(laboratory.asked, &found.best, &estimate.parameters);
+    let region = region_about(runner.asked, &found.best, &estimate.parameters);
     let about = if settings.joint {
-        slope_runs(laboratory.asked, &checks, &region)?
+        slope_runs(runner.asked, &checks, &region)?
     } else {
         Vec::new()
     };
     let n_at = list.len();
     list.extend(about);
     // One list, so that no core waits; the two parts are told apart by their place.
-    let all = laboratory.run_parts(&list, n_at)?;
+    let all = runner.run_parts(&list, n_at)?;
     let [mut at_estimate, about] = all;
-    let planes = planes(laboratory.asked, &checks, &region, &about, &at_estimate);
+    let planes = planes(runner.asked, &checks, &region, &about, &at_estimate);
     for (model, samples) in &confirmed.runs {
         at_estimate.insert(*model, samples.clone());
     }
     let joint = if settings.joint && !checks.is_empty() {
         let mut surfaces = found.surfaces.clone();
         surfaces.extend(planes.values().cloned());
-        Some(joint_estimate(laboratory.asked, &found.region, &surfaces)?)
+        Some(joint_estimate(runner.asked, &found.region, &surfaces)?)
     } else {
         None
     };

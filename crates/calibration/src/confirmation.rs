@@ -1,7 +1,7 @@
 //! Fresh runs at the estimate: do they confirm the surfaces, or correct them?
 
 use crate::intervals::quantile_of;
-use crate::samples::{Laboratory, Sample, Samples, first_seed, wanted};
+use crate::samples::{Runner, Sample, Samples, first_seed, wanted};
 use crate::search::{Found, Search};
 use crate::surface::Surface;
 use crate::{ConfirmationRound, ConfirmationRow, Error, SimulatedMean};
@@ -37,17 +37,17 @@ pub(crate) struct Confirmed {
 ///
 /// A model of which no run gives a result, a campaign that was stopped.
 pub(crate) fn confirm(
-    laboratory: &Laboratory<'_>,
+    runner: &Runner<'_>,
     search: &Search<'_>,
     mut found: Found,
 ) -> Result<Confirmed, Error> {
     let mut rounds = Vec::new();
     let mut remarks = Vec::new();
-    let settings = laboratory.settings;
+    let settings = runner.settings;
     let most = settings.most_confirmations.max(1);
     for round in 0.. {
-        let runs = fresh_runs(laboratory, &found, round)?;
-        let (rows, corrected) = compare(laboratory, search, &found, &runs, &mut remarks)?;
+        let runs = fresh_runs(runner, &found, round)?;
+        let (rows, corrected) = compare(runner, search, &found, &runs, &mut remarks)?;
         let limit = quantile_of(ALPHA / rows.len().max(1) as f64, f64::INFINITY);
         let confirmed = rows.iter().all(|row| !row.matters || row.z.abs() <= limit);
         rounds.push(ConfirmationRound {
@@ -76,28 +76,28 @@ pub(crate) fn confirm(
 
 /// The models of the fit at the estimate.
 fn fresh_runs(
-    laboratory: &Laboratory<'_>,
+    runner: &Runner<'_>,
     found: &Found,
     round: usize,
 ) -> Result<BTreeMap<usize, Samples>, Error> {
-    let n = laboratory.settings.confirmation_runs.max(2);
+    let n = runner.settings.confirmation_runs.max(2);
     let list = found.surfaces.iter().flat_map(|surface| {
-        let seed = first_seed(laboratory.settings, STAGE + round as u64, surface.model);
+        let seed = first_seed(runner.settings, STAGE + round as u64, surface.model);
         wanted(seed, surface.model, &vec![found.best.clone(); n])
     });
     let list: Vec<_> = list.collect();
-    laboratory.run(&list)
+    runner.run(&list)
 }
 
 /// Rows of a round, and the surfaces corrected by its runs where they are contradicted.
 fn compare(
-    laboratory: &Laboratory<'_>,
+    runner: &Runner<'_>,
     search: &Search<'_>,
     found: &Found,
     runs: &BTreeMap<usize, Samples>,
     remarks: &mut Vec<String>,
 ) -> Result<(Vec<ConfirmationRow>, Vec<Surface>), Error> {
-    let problem = laboratory.problem;
+    let problem = runner.problem;
     let (mut rows, mut corrected) = (Vec::new(), Vec::new());
     for surface in &found.surfaces {
         let name = &problem.models[surface.model].name;

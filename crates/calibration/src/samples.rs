@@ -54,7 +54,7 @@ pub(crate) struct Asked<'a> {
 
 /// What the runs of a loop share.
 #[derive(Clone, Copy)]
-pub(crate) struct Laboratory<'a> {
+pub(crate) struct Runner<'a> {
     /// Who runs.
     pub(crate) campaign: Campaign<'a>,
     /// What is run.
@@ -63,7 +63,7 @@ pub(crate) struct Laboratory<'a> {
     pub(crate) asked: Asked<'a>,
 }
 
-impl<'a> std::ops::Deref for Laboratory<'a> {
+impl<'a> std::ops::Deref for Runner<'a> {
     type Target = Asked<'a>;
 
     fn deref(&self) -> &Asked<'a> {
@@ -106,7 +106,7 @@ pub(crate) fn observables(problem: &CalibrationProblem, model: usize) -> Vec<Str
     names
 }
 
-impl Laboratory<'_> {
+impl Runner<'_> {
     /// Does all runs in one list, so that no core waits, and gives what came of them by model.
     ///
     /// A run that fails costs its own point only.

@@ -2,7 +2,7 @@
 
 use crate::designs::coded_factors;
 use crate::region::Region;
-use crate::samples::{Asked, Laboratory, Wanted, first_seed, observables, wanted};
+use crate::samples::{Asked, Runner, Wanted, first_seed, observables, wanted};
 use crate::search::placed;
 use crate::{Error, ModelScreening, Role, ScreeningChoice};
 use experiment_design::{Design, plackett_burman};
@@ -68,22 +68,22 @@ pub(crate) fn screening_runs(
 /// # Errors
 ///
 /// No such design, a run of a design that failed, a campaign that was stopped.
-pub(crate) fn screen_models(laboratory: &Laboratory<'_>) -> Result<Screened, Error> {
-    let problem = laboratory.problem;
+pub(crate) fn screen_models(runner: &Runner<'_>) -> Result<Screened, Error> {
+    let problem = runner.problem;
     let mut active: BTreeMap<usize, Vec<usize>> = problem
         .models_of(Role::Fit)
         .into_iter()
         .map(|k| (k, problem.models[k].parameters.clone()))
         .collect();
-    let models = screened(laboratory.asked);
+    let models = screened(runner.asked);
     let mut designs = BTreeMap::new();
     let mut list = Vec::new();
     for &model in &models {
-        let (design, runs) = screening_runs(laboratory.asked, model)?;
+        let (design, runs) = screening_runs(runner.asked, model)?;
         designs.insert(model, design);
         list.extend(runs);
     }
-    let done = laboratory.run(&list)?;
+    let done = runner.run(&list)?;
     let mut told = Vec::new();
     for (model, design) in designs {
         let samples = done.get(&model).cloned().unwrap_or_default();
@@ -100,7 +100,7 @@ pub(crate) fn screen_models(laboratory: &Laboratory<'_>) -> Result<Screened, Err
             let data = Observations::from_design(&design, &values)?;
             screenings.insert(name, screen(&design, &data)?);
         }
-        let kept = kept(laboratory.asked, model, &screenings);
+        let kept = kept(runner.asked, model, &screenings);
         let symbol = |j: &usize| problem.parameters[*j].symbol.clone();
         let all = &problem.models[model].parameters;
         told.push(ModelScreening {

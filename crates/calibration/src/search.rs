@@ -4,7 +4,7 @@ use crate::designs::surface_design;
 use crate::intervals::best_of;
 use crate::joint_fit::{JointFit, Minimum, Whitening};
 use crate::region::Region;
-use crate::samples::{Asked, Laboratory, Sample, Samples, Wanted, first_seed, observables, wanted};
+use crate::samples::{Asked, Runner, Sample, Samples, Wanted, first_seed, observables, wanted};
 use crate::surface::{Degree, Surface, of_regime, too_few, usual_regime};
 use crate::{Error, LeftOut, Measurement, ModelSurfaces, Role, SearchBox, SurfaceDesign};
 use response_surface::{Model, Observations};
@@ -43,7 +43,7 @@ pub(crate) struct Found {
 /// A search on its way.
 pub(crate) struct Search<'a> {
     /// Who runs what.
-    laboratory: Laboratory<'a>,
+    runner: Runner<'a>,
     /// Parameters of each model that its surfaces see, by model.
     active: BTreeMap<usize, Vec<usize>>,
     /// All runs so far, by model.
@@ -66,9 +66,9 @@ enum Next {
 
 impl<'a> Search<'a> {
     /// Prepares a search; `active` has the parameters of each model of role fit that passed the screening.
-    pub(crate) fn new(laboratory: Laboratory<'a>, active: BTreeMap<usize, Vec<usize>>) -> Self {
+    pub(crate) fn new(runner: Runner<'a>, active: BTreeMap<usize, Vec<usize>>) -> Self {
         Self {
-            laboratory,
+            runner,
             active,
             samples: BTreeMap::new(),
             regime: BTreeMap::new(),
@@ -79,7 +79,7 @@ impl<'a> Search<'a> {
 
     /// Measurements of role fit.
     fn measurements(&self) -> impl Iterator<Item = &'a Measurement> + Clone + use<'a> {
-        let all = self.laboratory.problem.measurements.iter();
+        let all = self.runner.problem.measurements.iter();
         all.filter(|m| m.role == Role::Fit)
     }
 
@@ -89,11 +89,11 @@ impl<'a> Search<'a> {
     ///
     /// Runs too few for any surface in the first box; a campaign that was stopped.
     pub(crate) fn run(&mut self, announce: &dyn Fn(&str)) -> Result<Found, Error> {
-        let parameters = &self.laboratory.problem.parameters;
+        let parameters = &self.runner.problem.parameters;
         let mut region = Region::first(parameters);
         let mut why = "the box of the file".to_owned();
         let mut found: Option<Found> = None;
-        for number in 0..self.laboratory.settings.most_boxes.max(1) {
+        for number in 0..self.runner.settings.most_boxes.max(1) {
             if number > 0 {
                 announce(&format!("box {}: {why}", number + 1));
             }
@@ -129,7 +129,7 @@ impl<'a> Search<'a> {
             found = Some(now);
             match next {
                 Next::Stay => break,
-                Next::Move(..) if number + 1 == self.laboratory.settings.most_boxes.max(1) => {
+                Next::Move(..) if number + 1 == self.runner.settings.most_boxes.max(1) => {
                     self.remarks.push(format!(
                         "the search ended after {} boxes with the estimate on the edge of the last: raise most_boxes, or \
                          begin nearer",
@@ -147,21 +147,17 @@ impl<'a> Search<'a> {
 
     /// Runs the designs of the models for which a box is new; the number of new runs.
     fn sample(&mut self, region: &Region, number: usize) -> Result<usize, Error> {
-        let problem = self.laboratory.problem;
+        let problem = self.runner.problem;
         let mut list: Vec<Wanted> = Vec::new();
         for (&model, active) in &self.active {
             if self.knows(model, active, region) {
                 continue;
             }
-            let points = design_points(self.laboratory.asked, active, region)?;
-            let seed = first_seed(
-                self.laboratory.settings,
-                STAGE_OF_BOXES + number as u64,
-                model,
-            );
+            let points = design_points(self.runner.asked, active, region)?;
+            let seed = first_seed(self.runner.settings, STAGE_OF_BOXES + number as u64, model);
             list.extend(wanted(seed, model, &points));
         }
-        if let Some(most) = self.laboratory.settings.most_runs {
+        if let Some(most) = self.runner.settings.most_runs {
             let so_far: usize = self.boxes.iter().map(|b| b.n_runs).sum();
             if number > 0 && so_far + list.len() > most {
                 return Err(Error::Budget {
@@ -170,7 +166,7 @@ impl<'a> Search<'a> {
                 });
             }
         }
-        for (model, new) in self.laboratory.run(&list)? {
+        for (model, new) in self.runner.run(&list)? {
             let regime = self.regime.entry(model);
             regime.or_insert_with(|| usual_regime(&new.done));
             let known = self.samples.entry(model).or_default();
@@ -202,8 +198,8 @@ impl<'a> Search<'a> {
             let regime = self.regime.get(&model).cloned().unwrap_or_default();
             let (inside, outside) = of_regime(&samples.done, &regime);
             let near: Vec<&Sample> = near(inside, active, region);
-            let names = observables(self.laboratory.problem, model);
-            let most = match self.laboratory.settings.surface {
+            let names = observables(self.runner.problem, model);
+            let most = match self.runner.settings.surface {
                 SurfaceDesign::Linear => Degree::Linear,
                 _ => Degree::Quadratic,
             };
@@ -215,7 +211,7 @@ impl<'a> Search<'a> {
                 let reasons: BTreeSet<_> = other.chain(failed).collect();
                 let reasons: Vec<_> = reasons.into_iter().collect();
                 too_few(
-                    &self.laboratory.problem.models[model].name,
+                    &self.runner.problem.models[model].name,
                     near.len(),
                     &reasons,
                 )
@@ -226,9 +222,9 @@ impl<'a> Search<'a> {
 
     /// The best point over surfaces in a box.
     pub(crate) fn solve(&self, region: Region, surfaces: Vec<Surface>) -> Result<Found, Error> {
-        let parameters = &self.laboratory.problem.parameters;
+        let parameters = &self.runner.problem.parameters;
         let fit = JointFit::new(parameters, &region, &surfaces, &self.measurements());
-        let (minima, whitening) = fit.solve(self.laboratory.settings.seed)?;
+        let (minima, whitening) = fit.solve(self.runner.settings.seed)?;
         let best = fit.natural(&best_of(&minima)?.coded);
         let free = fit.free.clone();
         Ok(Found {
@@ -247,7 +243,7 @@ impl<'a> Search<'a> {
     /// acts on a measured observable beyond doubt: the slope of a dead one is noise. It moves as far as the plane
     /// through the best point says, and grows with the way.
     fn next(&self, found: &Found) -> Result<Next, Error> {
-        let parameters = &self.laboratory.problem.parameters;
+        let parameters = &self.runner.problem.parameters;
         let fit = found.fit(parameters, &self.measurements());
         let best = best_of(&found.minima)?;
         let (r, jacobian) = fit.residuals(&best.coded, &found.whitening, &[]);
@@ -287,7 +283,7 @@ impl<'a> Search<'a> {
 
     /// The surfaces as the result tells them.
     pub(crate) fn told(&self, found: &Found) -> Result<Vec<ModelSurfaces>, Error> {
-        let problem = self.laboratory.problem;
+        let problem = self.runner.problem;
         let mut told = Vec::new();
         for surface in &found.surfaces {
             let model = surface.model;
@@ -316,7 +312,7 @@ impl<'a> Search<'a> {
             let values = |name: &String| used.iter().map(|s| s.values[name]).collect::<Vec<_>>();
             told.push(ModelSurfaces {
                 model: problem.models[model].name.clone(),
-                design: surface_design(&symbols, self.laboratory.settings)?.name,
+                design: surface_design(&symbols, self.runner.settings)?.name,
                 n_runs: used.len(),
                 left_out,
                 points: used.iter().map(|s| own(&s.at)).collect(),
