@@ -56,7 +56,9 @@ pub(crate) struct Resolver<'a> {
     pub(crate) document: &'a Document,
     /// The models that the measurements ask for.
     pub(crate) models: &'a Models,
-    /// Whether all scenes and measurements could be resolved.
+    /// Whether all scenes could be read: only then can a path be nowhere.
+    pub(crate) scenes_known: bool,
+    /// Whether all measurements could be resolved too: only then can a parameter change nothing.
     pub(crate) complete: bool,
     /// Settings of each scene, in the order of the file.
     pub(crate) tables: &'a [(&'a Scene, Table)],
@@ -122,7 +124,7 @@ impl Resolver<'_> {
 
     /// Refuses paths that no scene has, and parameters on which no run depends.
     fn check_paths(&self, entry: &ParameterEntry, problems: &mut Problems) {
-        if !self.complete {
+        if !self.scenes_known {
             return;
         }
         let mut exists = true;
@@ -139,7 +141,11 @@ impl Resolver<'_> {
         }
         let mut models = 0..self.models.models.len();
         let sound = entry.low.is_finite() && entry.high.is_finite() && entry.low < entry.high;
-        if exists && sound && !models.any(|model| self.models.depends_on(model, entry)) {
+        if self.complete
+            && exists
+            && sound
+            && !models.any(|model| self.models.depends_on(model, entry))
+        {
             let problem = "changes nothing in any scene that is measured: remove the parameter, or measure a scene in \
                            which these surfaces meet";
             problems.add(self.wrong(entry, "sets", problem));

@@ -170,7 +170,8 @@ impl Checker<'_> {
             &names,
             &mut self.problems,
         );
-        let measured_well = self.problems.count() == before && scenes.by_name.len() == names.len();
+        let scenes_known = scenes.by_name.len() == names.len();
+        let measured_well = self.problems.count() == before && scenes_known;
         let mut defaults = Defaults::default();
         let parameters = self.parameters(&scenes, &resolved, measured_well, &mut defaults);
         let settings = Self::settings(&choices, &mut defaults);
@@ -273,7 +274,7 @@ impl Checker<'_> {
         let resolver = Resolver {
             document: self.document,
             models: &resolved.models,
-            // Whether a path is nowhere, or changes nothing, can be said only where all scenes are known.
+            scenes_known: scenes.by_name.len() == self.file.scenes.len(),
             complete: measured_well,
             tables: &tables,
         };

@@ -36,6 +36,21 @@ fn several_errors_come_together_with_their_lines() {
     assert!(lines.is_sorted(), "{error}");
 }
 
+/// A wrong measurement hides no wrong path: the scenes are known, so that both are told.
+#[test]
+fn a_path_that_is_nowhere_is_told_beside_a_wrong_measurement() {
+    let study =
+        changed("static_friction\"]", "statik_friction\"]").replacen("sd = 0.8", "sd = 0", 1);
+    let error = Folder::new(&study).read(None).unwrap_err().to_string();
+    tells(
+        &error,
+        &[
+            "statik_friction', a setting that no scene has",
+            "must be above 0",
+        ],
+    );
+}
+
 #[test]
 fn text_that_is_no_toml_is_told_with_its_line() {
     tells(
