@@ -2,7 +2,7 @@
 
 use crate::comparison::{SurfacesByModel, compare};
 use crate::confirmation::{Confirmed, confirm};
-use crate::diagnosis_stage::diagnose_at;
+use crate::diagnosis_stage::{diagnose_at, most_runs_of_diagnosis};
 use crate::intervals::{Uncertainty, best_of, estimates, test};
 use crate::joint::{joint_estimate, planes, region_about, slope_runs};
 use crate::samples::{Asked, Runner, Samples, Wanted, first_seed, wanted};
@@ -11,10 +11,9 @@ use crate::search::Search;
 use crate::solution_set::solution_set;
 use crate::verdict::verdict;
 use crate::{
-    Calibration, CalibrationProblem, Comparison, Error, Estimate, JointEstimate, LoopSettings,
-    Role, StageCost,
+    Calibration, CalibrationProblem, Comparison, DiagnosisStage, Error, Estimate, JointEstimate,
+    LoopSettings, PlannedStage, Role, StageCost, planned,
 };
-use crate::{PlannedStage, planned};
 use campaign::{Campaign, RunOutcome, RunRequest, Simulator, SimulatorError};
 use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -24,6 +23,13 @@ use std::time::Instant;
 const STAGE_BEFORE: u64 = 0;
 /// Stage number of the runs of models that the fit does not use, at the estimate.
 const STAGE_CHECK: u64 = 60;
+
+/// Place of the screening in the plan.
+const SCREENING: usize = 1;
+/// Place of the surfaces.
+const SURFACES: usize = 2;
+/// Place of the confirmation.
+const CONFIRMATION: usize = 3;
 
 /// Calibrates the parameters of a problem and says whether the result holds.
 ///
@@ -43,7 +49,9 @@ pub fn calibrate(
     problem.check()?;
     let counted = Counted::new(simulator);
     let asked = Asked { problem, settings };
-    let ahead = costs_ahead(simulator, problem, settings)?;
+    let stages = planned(problem, settings)?;
+    let ahead = costs_ahead(simulator, &stages);
+    let elsewhere = within_budget(&stages, settings)?;
     let runner = |stage: usize| Runner {
         campaign: campaign.with_ahead(ahead.get(stage).copied().unwrap_or(0.0)),
         simulator: &counted,
@@ -55,7 +63,7 @@ pub fn calibrate(
     clock.begin("screening");
     let screened = screen_models(&runner(1))?;
     clock.begin("surfaces and estimate");
-    let mut search = Search::new(runner(2), screened.active);
+    let mut search = Search::new(runner(2), screened.active, elsewhere);
     let found = search.run(announce)?;
     clock.begin("confirmation by fresh runs");
     let confirmed = confirm(&runner(3), &search, found)?;
@@ -64,7 +72,12 @@ pub fn calibrate(
     let checked = check(&runner(4), &confirmed, &estimate)?;
     clock.begin("diagnosis of the residual");
     let at = &confirmed.found.best;
-    let diagnosis = diagnose_at(campaign, &counted, problem, settings, at)?;
+    let spent = elsewhere + search.boxes.iter().map(|b| b.n_runs).sum::<usize>();
+    let spent = spent + (confirmed.rounds.len() - 1) * stages[CONFIRMATION].requests.len();
+    let diagnosis = match beyond_budget(problem, settings, spent) {
+        Some(reason) => DiagnosisStage::LeftOut { reason },
+        None => diagnose_at(campaign, &counted, problem, settings, at)?,
+    };
     let surfaces = all_surfaces(&confirmed, &checked.planes);
     let row = |role, runs: &BTreeMap<usize, Samples>, covariance, at: &[f64]| {
         compare(asked, role, runs, &surfaces, covariance, at)
@@ -108,20 +121,54 @@ pub fn calibrate(
 }
 
 /// Expected cost of the runs that are planned behind each stage, in the order of the stages.
-fn costs_ahead(
-    simulator: &dyn Simulator,
-    problem: &CalibrationProblem,
-    settings: &LoopSettings,
-) -> Result<Vec<f64>, Error> {
-    let stages = planned(problem, settings)?;
+fn costs_ahead(simulator: &dyn Simulator, stages: &[PlannedStage]) -> Vec<f64> {
     let cost = |stage: &PlannedStage| -> f64 {
         let requests = stage.requests.iter();
         requests.map(|r| simulator.expected_cost(r)).sum()
     };
     let each: Vec<f64> = stages.iter().map(cost).collect();
-    Ok((0..each.len())
+    (0..each.len())
         .map(|i| each[i + 1..].iter().sum())
-        .collect())
+        .collect()
+}
+
+/// Runs that the stages beside the search need; how many the search needs is known where nothing is screened.
+///
+/// # Errors
+///
+/// [`Error::Budget`] where the runs that are certain are more than the settings allow.
+fn within_budget(stages: &[PlannedStage], settings: &LoopSettings) -> Result<usize, Error> {
+    let runs = |i: usize| stages[i].requests.len();
+    let elsewhere: usize = (0..stages.len()).filter(|i| *i != SURFACES).map(runs).sum();
+    let certain = if runs(SCREENING) == 0 {
+        elsewhere + runs(SURFACES)
+    } else {
+        elsewhere
+    };
+    match settings.most_runs {
+        Some(most) if certain > most => Err(Error::Budget {
+            needed: certain,
+            most,
+        }),
+        _ => Ok(elsewhere),
+    }
+}
+
+/// Why the diagnosis is left out; none where the budget allows all the runs that it may need.
+fn beyond_budget(
+    problem: &CalibrationProblem,
+    settings: &LoopSettings,
+    spent: usize,
+) -> Option<String> {
+    let most = settings.most_runs.filter(|_| !problem.effects.is_empty())?;
+    let needed = most_runs_of_diagnosis(problem, settings);
+    (spent + needed > most).then(|| {
+        format!(
+            "it may need {needed} runs, and the budget of {most} leaves {}: raise it to {}, or search fewer effects",
+            most.saturating_sub(spent),
+            spent + needed
+        )
+    })
 }
 
 /// The estimate with all that is said of it.

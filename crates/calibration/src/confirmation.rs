@@ -45,7 +45,8 @@ pub(crate) fn confirm(
     let mut remarks = Vec::new();
     let settings = runner.settings;
     let most = settings.most_confirmations.max(1);
-    for round in 0.. {
+    let mut round = 0;
+    loop {
         let runs = fresh_runs(runner, &found, round)?;
         let (rows, corrected) = compare(runner, search, &found, &runs, &mut remarks)?;
         let limit = quantile_of(ALPHA / rows.len().max(1) as f64, f64::INFINITY);
@@ -70,8 +71,8 @@ pub(crate) fn confirm(
             });
         }
         found = search.solve(found.region.clone(), corrected)?;
+        round += 1;
     }
-    unreachable!("the loop ends by its rounds")
 }
 
 /// The models of the fit at the estimate.

@@ -46,6 +46,8 @@ pub(crate) struct Search<'a> {
     runner: Runner<'a>,
     /// Parameters of each model that its surfaces see, by model.
     active: BTreeMap<usize, Vec<usize>>,
+    /// Runs that the other stages need, for the budget.
+    elsewhere: usize,
     /// All runs so far, by model.
     samples: BTreeMap<usize, Samples>,
     /// The regime that the surfaces of each model describe.
@@ -65,11 +67,17 @@ enum Next {
 }
 
 impl<'a> Search<'a> {
-    /// Prepares a search; `active` has the parameters of each model of role fit that passed the screening.
-    pub(crate) fn new(runner: Runner<'a>, active: BTreeMap<usize, Vec<usize>>) -> Self {
+    /// Prepares a search; `active` has the parameters of each model of role fit that passed the screening, `elsewhere`
+    /// is the number of runs that the other stages need.
+    pub(crate) fn new(
+        runner: Runner<'a>,
+        active: BTreeMap<usize, Vec<usize>>,
+        elsewhere: usize,
+    ) -> Self {
         Self {
             runner,
             active,
+            elsewhere,
             samples: BTreeMap::new(),
             regime: BTreeMap::new(),
             boxes: Vec::new(),
@@ -159,11 +167,9 @@ impl<'a> Search<'a> {
         }
         if let Some(most) = self.runner.settings.most_runs {
             let so_far: usize = self.boxes.iter().map(|b| b.n_runs).sum();
-            if number > 0 && so_far + list.len() > most {
-                return Err(Error::Budget {
-                    needed: so_far + list.len(),
-                    most,
-                });
+            let needed = self.elsewhere + so_far + list.len();
+            if needed > most {
+                return Err(Error::Budget { needed, most });
             }
         }
         for (model, new) in self.runner.run(&list)? {
@@ -259,7 +265,10 @@ impl<'a> Search<'a> {
             let information = column.norm_squared();
             let gain = pull * pull / information;
             let outward = fit.free[j] && x.abs() > ON_THE_FACE && pull > 0.0;
-            if !outward || at_limit || gain < WORTH || !acts(&fit, j, &found.best) {
+            // A curved surface is known best in the middle of the box, and may be flat there.
+            let middle = found.region.middle();
+            let acting = acts(&fit, j, &found.best) || acts(&fit, j, &middle);
+            if !outward || at_limit || gain < WORTH || !acting {
                 continue;
             }
             let way = (pull / information).clamp(WAY[0], WAY[1]);

@@ -42,7 +42,7 @@ pub use flow::{FlowingLayer, avalanche_period, fill_level, flowing_layer};
 pub use frame::{Frame, FrameReading, drum_picture, read_frame};
 pub use motion::{Keeper, NoKeeper, Progress, SeriesPoint};
 pub use obstacles::{VibrationSettings, WallSettings};
-pub use parse::{NumberChange, Override};
+pub use parse::{NumberChange, Override, setting_at};
 pub use run::{
     Further, Regime, RunResult, run, run_on, running_world, settled_world, starting_frame,
 };

@@ -119,7 +119,7 @@ impl Scene {
 
     /// The number of a setting by its dotted path; none where nothing stands there, or no plain number.
     pub fn number(&self, path: &str) -> Option<f64> {
-        match leaf(&self.table().ok()?, path)? {
+        match setting_at(&self.table().ok()?, path)? {
             Value::Integer(number) => Some(*number as f64),
             Value::Float(number) => Some(*number),
             _ => None,
@@ -251,7 +251,7 @@ fn apply(table: &mut Table, change: &Override, file: &str) -> Result<(), Error> 
         file: file.into(),
         near: leaves(table).join(", "),
     };
-    let found = leaf(table, &path).map(|old| like(old, &text));
+    let found = setting_at(table, &path).map(|old| like(old, &text));
     let Some(value) = found else {
         return Err(unknown());
     };
@@ -340,8 +340,8 @@ fn leaves(table: &Table) -> Vec<String> {
     out
 }
 
-/// The leaf at a dotted path.
-fn leaf<'a>(table: &'a Table, path: &str) -> Option<&'a Value> {
+/// The setting at a dotted path of a scene written as a table; items of lists are numbered from 0.
+pub fn setting_at<'a>(table: &'a Table, path: &str) -> Option<&'a Value> {
     let mut keys = path.split('.');
     let mut value = table.get(keys.next()?)?;
     for key in keys {

@@ -1,7 +1,7 @@
 //! Settings of a scene as numbers, in the unit that a parameter states.
 
 use quantity::{Angle, AngularSpeed, Density, Frequency, Length, Mass, Pressure, Speed, Time};
-use scene::{Override, Scene};
+use scene::{Override, Scene, setting_at};
 use toml::{Table, Value};
 
 /// Why a setting is no number in a unit; the way out is part of it.
@@ -13,17 +13,9 @@ pub(crate) fn table_of(scene: &Scene) -> Table {
     Table::try_from(scene).unwrap_or_default()
 }
 
-/// The setting at a dotted path; items of lists are numbered from 0.
+/// The setting at a dotted path; none for a whole table or list.
 pub(crate) fn leaf<'a>(table: &'a Table, path: &str) -> Option<&'a Value> {
-    let mut keys = path.split('.');
-    let mut value = table.get(keys.next()?)?;
-    for key in keys {
-        value = match value {
-            Value::Table(table) => table.get(key)?,
-            Value::Array(list) => list.get(key.parse::<usize>().ok()?)?,
-            _ => return None,
-        };
-    }
+    let value = setting_at(table, path)?;
     (!matches!(value, Value::Table(_) | Value::Array(_))).then_some(value)
 }
 

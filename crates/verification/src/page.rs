@@ -3,47 +3,61 @@
 use crate::{Row, Tolerance};
 use std::fmt::Write as _;
 
-/// The page with all rows, in Markdown.
+/// The page with a row for each check, in Markdown; `seedloop verify --json` has every number.
 pub fn page(rows: &[Row]) -> String {
     let failed = rows.iter().filter(|r| !r.passes()).count();
     let mut text = format!(
         "# Verification of the solver\n\n\
          Written by `just verify` (`seedloop verify --out docs/verification.md --force`); do not edit. \
-         {} rows, {failed} of them FAIL.\n\n\
+         {} rows, {failed} of them FAIL. `seedloop verify` prints each row, `--json` with all digits.\n\n\
          Analytical: a closed form, a symmetry or a conservation law. Cross-code: an independent \
          integration of the same law. Published: a printed number. Trend: a sign, a count or an order \
-         only. `rel` is a share of the expected number, `abs` a difference in the unit of the row.\n",
+         only. The worst row is the one that uses most of its tolerance.\n\n\
+         | check | rows | kinds | worst row | expected | got | tolerance | reason | source | |\n\
+         |---|--:|---|---|---|---|---|---|---|---|\n",
         rows.len()
     );
-    let mut check = "";
-    for row in rows {
-        if row.check != check {
-            check = row.check;
-            add(
-                &mut text,
-                format_args!(
-                    "\n## {check}\n\n| what | kind | unit | expected | got | tolerance | reason | \
-                     source | |\n|---|---|---|---|---|---|---|---|---|\n"
-                ),
-            );
-        }
-        let verdict = if row.passes() { "PASS" } else { "FAIL" };
+    for check in rows.chunk_by(|a, b| a.check == b.check) {
+        let worst = check
+            .iter()
+            .max_by(|a, b| used(a).total_cmp(&used(b)))
+            .unwrap_or(&check[0]);
+        let mut kinds: Vec<&str> = check.iter().map(|r| r.kind.word()).collect();
+        kinds.dedup();
+        let passes = check.iter().all(Row::passes);
         add(
             &mut text,
             format_args!(
-                "| {} | {} | {} | {} | {} | {} | {} | {} | {verdict} |\n",
-                row.name,
-                row.kind.word(),
-                row.unit,
-                number(row.expected),
-                number(row.got),
-                tolerance(row.tolerance),
-                row.reason,
-                row.source,
+                "| {} | {} | {} | {} | {} | {} {} | {} | {} | {} | {} |\n",
+                worst.check,
+                check.len(),
+                kinds.join(", "),
+                worst.name,
+                number(worst.expected),
+                number(worst.got),
+                worst.unit,
+                tolerance(worst.tolerance),
+                worst.reason,
+                worst.source,
+                if passes { "PASS" } else { "FAIL" },
             ),
         );
     }
     text
+}
+
+/// Share of its tolerance that a row uses; more than 1 where it fails, 0 for a sign that is right.
+fn used(row: &Row) -> f64 {
+    let width = match row.tolerance {
+        Tolerance::Relative(share) => share * row.expected.abs(),
+        Tolerance::Absolute(width) => width,
+        Tolerance::Below | Tolerance::Above => 0.0,
+    };
+    match (row.passes(), width > 0.0) {
+        (true, true) => (row.got - row.expected).abs() / width,
+        (true, false) => 0.0,
+        (false, _) => f64::INFINITY,
+    }
 }
 
 /// Appends formatted text.
@@ -81,7 +95,35 @@ fn tolerance(tolerance: Tolerance) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::number;
+    use super::{number, page};
+    use crate::Tolerance;
+    use crate::row::{Basis, Kind};
+
+    /// Of two rows of a check the one with less of its tolerance left is shown, and one that fails is the worst of all.
+    #[test]
+    fn a_check_shows_its_worst_row_and_fails_with_it() {
+        let basis = Basis {
+            check: "toy",
+            kind: Kind::Analytical,
+            tolerance: Tolerance::Absolute(1.0),
+            reason: "",
+            source: "",
+        };
+        let near = basis.row("near", "m", 2.0, 2.1);
+        let far = basis.row("far", "m", 2.0, 2.9);
+        let text = page(&[near.clone(), far]);
+        assert!(
+            text.contains("| toy | 2 | Analytical | far | 2.00000 | 2.90000 m |"),
+            "{text}"
+        );
+        assert!(text.contains("PASS |"), "{text}");
+        let outside = basis.row("outside", "m", 2.0, 3.5);
+        let text = page(&[outside, near]);
+        assert!(
+            text.contains("| outside |") && text.contains("FAIL |"),
+            "{text}"
+        );
+    }
 
     #[test]
     fn numbers_keep_six_digits() {

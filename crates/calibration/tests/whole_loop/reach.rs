@@ -159,7 +159,8 @@ fn points_of_another_regime_enter_no_surface() {
     assert!(left_out[0].reason.contains("sliding"), "{left_out:?}");
 }
 
-/// A budget that is spent before the solution is reached ends the search with the last box and says so: nothing is lost.
+/// Seven runs of the first box, two before, three of the confirmation: 12 are certain. With 15 the second box is not begun,
+/// and the search ends with what it has; with 11 nothing is run at all.
 #[test]
 fn a_spent_budget_ends_the_search_with_what_there_is() {
     let toy = Toy {
@@ -173,21 +174,20 @@ fn a_spent_budget_ends_the_search_with_what_there_is() {
         vec![model("m", &[0])],
         vec![measured(0, "y", Role::Fit, (3.0, 0.03))],
     );
-    let settings = LoopSettings {
-        most_runs: Some(10),
+    let within = |most| LoopSettings {
+        most_runs: Some(most),
         ..LoopSettings::default()
     };
-    let result = run_with(&toy, &problem, &settings).unwrap();
+    let result = run_with(&toy, &problem, &within(15)).unwrap();
     assert_eq!(result.boxes.len(), 1, "{:?}", result.boxes);
-    assert!(
-        (value(&result, "a") - 0.5).abs() < 1e-9,
-        "{:?}",
-        result.parameters
-    );
+    let a = &result.parameters[0];
+    assert!((a.value - 0.5).abs() < 1e-9, "{a:?}");
     assert!(!result.met);
-    let told = result
-        .remarks
-        .iter()
-        .any(|r| r.contains("the budget is 10"));
-    assert!(told, "{:?}", result.remarks);
+    let told = |r: &String| r.contains("the budget is 15");
+    assert!(result.remarks.iter().any(told), "{:?}", result.remarks);
+    let refused = run_with(&toy, &problem, &within(11)).unwrap_err();
+    assert!(
+        refused.to_string().starts_with("12 runs are needed"),
+        "{refused}"
+    );
 }
