@@ -41,11 +41,11 @@ blind *ARGS:
 diagnose *ARGS:
     cargo run --release --locked -p seedloop -- diagnose "$@"
 
-# Draw campaigns with known truth, count how often the diagnosis is right, and write the page (minutes).
+# Draw campaigns with known truth, count how often the diagnosis is right, and write the tables to out/trials.md (minutes).
 trials NUMBER="200":
     cargo build --release --locked -p residual-diagnosis --example trials
-    "${CARGO_TARGET_DIR:-target}/release/examples/trials" {{NUMBER}} fixtures/diagnosis/drum/problem.json fixtures/diagnosis/library/problem.json fixtures/diagnosis/single/problem.json fixtures/diagnosis/tie/problem.json > docs/trials.md
-    printf '\n`just trials {{NUMBER}}`, %s.\n' "$(date -I)" >> docs/trials.md
+    mkdir -p out
+    "${CARGO_TARGET_DIR:-target}/release/examples/trials" {{NUMBER}} fixtures/diagnosis/drum/problem.json fixtures/diagnosis/library/problem.json fixtures/diagnosis/single/problem.json fixtures/diagnosis/tie/problem.json > out/trials.md
 
 # SIZE is a multiple of the smallest amplitude that can be seen. Finished runs in FOLDER are found again.
 # Hide each effect of the library in data that the solver makes, diagnose them, and write the page (an hour).
@@ -53,7 +53,7 @@ effect-trials SIZE="2" FOLDER="out/effect-trials":
     cargo build --release --locked -p study --example effect_trials
     mkdir -p {{FOLDER}}
     "${CARGO_TARGET_DIR:-target}/release/examples/effect_trials" fixtures/cotton/trials.toml {{FOLDER}} {{SIZE}} > {{FOLDER}}/size-{{SIZE}}.md
-    printf '\n`just effect-trials {{SIZE}}`, %s, at commit %s.\n' "$(date -I)" "$(git rev-parse --short HEAD)" >> {{FOLDER}}/size-{{SIZE}}.md
+    printf '\n`just effect-trials {{SIZE}}`, %s.\n' "$(date -I)" >> {{FOLDER}}/size-{{SIZE}}.md
     mkdir -p docs/effect-trials && mv {{FOLDER}}/size-{{SIZE}}.md docs/effect-trials/
 
 # Check the solver against mechanics and write the table.

@@ -2,7 +2,8 @@
 //! problem files.
 //!
 //! `cargo run --release -p residual-diagnosis --example trials -- NUMBER PROBLEM.json...` prints a page in
-//! Markdown with a table for each file. `just trials` writes docs/trials.md.
+//! Markdown with a table for each file. `just trials` writes it to out/trials.md, and what
+//! the tables come to stands in docs/trials.md.
 
 #![expect(clippy::print_stdout, reason = "the table is the result")]
 
@@ -21,7 +22,7 @@ Campaigns with known truth, drawn from the design of a problem: its conditions, 
 the noise of the values, its estimate, the noise of the sensitivities (the rules see others than made the
 data), declared parameters mis-tuned with twice their standard errors, and bench means about the true values.
 Effects act linearly here; what the curvature of a real simulator adds shows only in campaigns by the
-simulator itself, as in `just calibrate`.
+simulator itself (`just effect-trials`).
 
 Strength is the amplitude of the hidden effect over its standard error after re-tuning; for a bad value, its
 error over its standard deviation. Columns are shares of the campaigns in percent. `in the tie set`: one of
