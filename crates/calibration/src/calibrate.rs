@@ -89,6 +89,12 @@ pub fn calibrate(
     let checks = row(Role::Check, &checked.at_estimate, covariance, at);
     let mut remarks = search.remarks.clone();
     remarks.extend(confirmed.remarks.iter().cloned());
+    remarks.extend(failures(
+        problem,
+        "with the parameters in use before",
+        &before,
+    ));
+    remarks.extend(failures(problem, "at the estimate", &checked.at_estimate));
     let (met, verdict) = verdict(problem, &estimate, &fit, &checks, &confirmed);
     Ok(Calibration {
         id: problem.id.clone(),
@@ -118,6 +124,26 @@ pub fn calibrate(
         met,
         verdict,
     })
+}
+
+/// What failed at a point, one sentence for each model.
+fn failures(
+    problem: &CalibrationProblem,
+    place: &str,
+    runs: &BTreeMap<usize, Samples>,
+) -> Vec<String> {
+    let failed = runs.iter().filter_map(|(model, samples)| {
+        let (_, reason) = samples.failed.first()?;
+        let (n, all) = (
+            samples.failed.len(),
+            samples.failed.len() + samples.done.len(),
+        );
+        let name = &problem.models[*model].name;
+        Some(format!(
+            "{n} of {all} runs of {name} {place} failed: {reason}"
+        ))
+    });
+    failed.collect()
 }
 
 /// Expected cost of the runs that are planned behind each stage, in the order of the stages.

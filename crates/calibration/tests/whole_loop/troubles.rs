@@ -50,6 +50,34 @@ fn a_model_that_never_runs_is_an_error_with_its_reason() {
     );
 }
 
+/// A check that cannot be simulated is no check that holds: the result is not met, and says what failed and why.
+#[test]
+fn a_check_whose_runs_fail_is_not_met_and_says_why() {
+    let toy = Toy {
+        law: |model, p| {
+            if model == "kept" {
+                return Err("the bed shows no surface".into());
+            }
+            shown("y", 2.0 * p("a"))
+        },
+        noise: 0.01,
+    };
+    let problem = problem(
+        vec![parameter("a", [0.0, 1.0])],
+        vec![model("fit", &[0]), model("kept", &[0])],
+        vec![
+            measured(0, "y", Role::Fit, (1.2, 0.05)),
+            measured(1, "y", Role::Check, (1.2, 0.05)),
+        ],
+    );
+    let result = run(&toy, &problem).unwrap();
+    assert!(!result.met, "{}", result.verdict);
+    let told = "4 of 4 runs of kept at the estimate failed";
+    let remark = result.remarks.iter().find(|r| r.contains(told));
+    let remark = remark.unwrap_or_else(|| panic!("{:?}", result.remarks));
+    assert!(remark.contains("the bed shows no surface"), "{remark}");
+}
+
 /// A run that lacks a measured observable names it and what it gave.
 #[test]
 fn a_missing_observable_is_named_with_those_that_are_there() {
