@@ -215,8 +215,7 @@ impl Estimated {
     fn new(asked: Asked<'_>, confirmed: &Confirmed) -> Result<Self, Error> {
         let problem = asked.problem;
         let found = &confirmed.found;
-        let used = problem.measurements.iter().filter(|m| m.role == Role::Fit);
-        let fit = found.fit(&problem.parameters, &used);
+        let fit = found.fit(&problem.parameters, &problem.fitted());
         let best = best_of(&found.minima)?;
         let uncertainty = Uncertainty::new(&fit, best, &found.whitening);
         let parameters = estimates(&fit, best, &found.whitening, &uncertainty);

@@ -113,6 +113,11 @@ pub struct CalibrationProblem {
 pub const MOST_PARAMETERS: usize = 12;
 
 impl CalibrationProblem {
+    /// What an estimate may see: the measurements of role fit, in their order.
+    pub(crate) fn fitted(&self) -> impl Iterator<Item = &Measurement> + Clone {
+        self.measurements.iter().filter(|m| m.role == Role::Fit)
+    }
+
     /// Numbers of the measurements of a role.
     pub fn measurements_of(&self, role: Role) -> Vec<usize> {
         let all = self.measurements.iter().enumerate();

@@ -6,7 +6,7 @@ use crate::joint_fit::{JointFit, Minimum, Whitening};
 use crate::region::Region;
 use crate::samples::{Asked, Runner, Sample, Samples, Wanted, first_seed, observables, wanted};
 use crate::surface::{Degree, Surface, of_regime, too_few, usual_regime};
-use crate::{Error, LeftOut, Measurement, ModelSurfaces, Role, SearchBox, SurfaceDesign};
+use crate::{Error, LeftOut, Measurement, ModelSurfaces, SearchBox, SurfaceDesign};
 use response_surface::{Model, Observations};
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -83,12 +83,6 @@ impl<'a> Search<'a> {
             boxes: Vec::new(),
             remarks: Vec::new(),
         }
-    }
-
-    /// Measurements of role fit.
-    fn measurements(&self) -> impl Iterator<Item = &'a Measurement> + Clone + use<'a> {
-        let all = self.runner.problem.measurements.iter();
-        all.filter(|m| m.role == Role::Fit)
     }
 
     /// Searches box after box until the best point lies inside, or nothing more can be done.
@@ -229,7 +223,12 @@ impl<'a> Search<'a> {
     /// The best point over surfaces in a box.
     pub(crate) fn solve(&self, region: Region, surfaces: Vec<Surface>) -> Result<Found, Error> {
         let parameters = &self.runner.problem.parameters;
-        let fit = JointFit::new(parameters, &region, &surfaces, &self.measurements());
+        let fit = JointFit::new(
+            parameters,
+            &region,
+            &surfaces,
+            &self.runner.problem.fitted(),
+        );
         let (minima, whitening) = fit.solve(self.runner.settings.seed)?;
         let best = fit.natural(&best_of(&minima)?.coded);
         let free = fit.free.clone();
@@ -250,7 +249,7 @@ impl<'a> Search<'a> {
     /// through the best point says, and grows with the way.
     fn next(&self, found: &Found) -> Result<Next, Error> {
         let parameters = &self.runner.problem.parameters;
-        let fit = found.fit(parameters, &self.measurements());
+        let fit = found.fit(parameters, &self.runner.problem.fitted());
         let best = best_of(&found.minima)?;
         let (r, jacobian) = fit.residuals(&best.coded, &found.whitening, &[]);
         let (mut centre, mut half) = (found.region.middle(), Vec::new());

@@ -279,3 +279,38 @@ fn a_check_that_open_parameters_make_vague_is_told_as_such() {
         result.verdict
     );
 }
+
+/// The check is another observable of the same runs, z = 3 a, measured far from what a = 0.6 shows: the surfaces know it, and
+/// neither estimate nor interval moves. The standard error is that of y alone, 0.05 / sqrt(10) / 2, but for the noise of the
+/// runs (a tenth at most); with z it would be 0.0044.
+#[test]
+fn a_check_on_the_runs_of_the_fit_moves_nothing_either() {
+    let toy = Toy {
+        law: |_, p| {
+            let values = vec![("y", 2.0 * p("a")), ("z", 3.0 * p("a"))];
+            Ok(super::toy::Shown { values, regime: "" })
+        },
+        noise: 0.01,
+    };
+    let result = |checked: f64| {
+        let problem = problem(
+            vec![parameter("a", [0.0, 1.0])],
+            vec![model("m", &[0])],
+            vec![
+                measured(0, "y", Role::Fit, (1.2, 0.05)),
+                measured(0, "z", Role::Check, (checked, 0.05)),
+            ],
+        );
+        run(&toy, &problem).unwrap()
+    };
+    let (holds, fails) = (result(1.8), result(2.4));
+    assert!(
+        holds.met && !fails.met,
+        "{} {}",
+        holds.verdict,
+        fails.verdict
+    );
+    assert_eq!(holds.parameters, fails.parameters);
+    let se = holds.parameters[0].se.unwrap();
+    assert!((0.0079..0.0087).contains(&se), "{se}");
+}
