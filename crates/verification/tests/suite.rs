@@ -58,12 +58,10 @@ fn unknown_check_is_answered_with_the_names() {
 }
 
 #[test]
-fn page_tells_kind_and_verdict_of_each_row() {
+fn page_has_one_line_a_check_with_its_rows_kind_and_verdict() {
     let rows = run(&["laws".to_owned()], |_| {}).expect("the check can be done");
     let text = page(&rows);
-    assert!(
-        text.contains("## laws") && text.contains(Kind::Analytical.word()),
-        "{text}"
-    );
-    assert_eq!(text.matches("PASS |").count(), rows.len(), "{text}");
+    let line = format!("| laws | {} | {} |", rows.len(), Kind::Analytical.word());
+    assert!(text.contains(&line), "{text}");
+    assert_eq!(text.matches("PASS |").count(), 1, "{text}");
 }
