@@ -22,7 +22,7 @@ const SEEDED_PLATE: f64 = 3.0;
 /// # Formula
 ///
 /// (number of moving seeds) * (simulated time, s) / (time step as a share of a hard contact). In a drum or a release
-/// the time is the start-up (1 s where none is stated), the time to settle and the frames; the number of spheres hardly matters there (146 in
+/// the time is that to settle and that of the rotation ([`Scene::expected_rotation`]); the number of spheres hardly matters there (146 in
 /// place of 20 a seed: 9 % more), since few of them touch. In a bench test it is that of all repeats, with steps 20
 /// times as fine.
 ///
@@ -34,13 +34,7 @@ pub(crate) fn expected_cost(scene: &Scene) -> f64 {
         Apparatus::Drop(test) => (1.0, bench_s(scene, &test.plate, test.repeats, DROP_S)),
         Apparatus::Tilt(test) => (1.0, bench_s(scene, &test.plate, test.repeats, TILT_S)),
         _ => {
-            let frames = scene.protocol.frames as f64 * scene.protocol.frame_interval.si();
-            let start_up = scene
-                .protocol
-                .start_up
-                .map_or(0.0, quantity::Time::si)
-                .max(1.0);
-            let time_s = start_up + scene.protocol.settle_limit.si() + frames;
+            let time_s = scene.protocol.settle_limit.si() + scene.expected_rotation();
             (scene.seed_count() as f64, time_s)
         }
     };

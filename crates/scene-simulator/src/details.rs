@@ -3,10 +3,13 @@
 use crate::{Effort, Error};
 use image::{DynamicImage, ImageFormat};
 use run_store::Record;
-use scene::{RunResult, Scene, drum_picture};
+use scene::{Ending, Frame, RunResult, Scene, drum_picture, error_of_mean};
 use serde::{Deserialize, Serialize};
 use std::io::Cursor;
 use surface_profile::summarise;
+
+/// What is wrong with a release that ended before its seeds rested.
+const NOT_RESTED: &str = "had not come to rest";
 
 /// What is worth keeping of a run besides the observables and the regime.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -15,8 +18,14 @@ pub struct RunDetails {
     /// Whether the start-up was found to be over, or the seeds came to rest; none where the apparatus has no such
     /// state (a bench test).
     pub steady: Option<bool>,
+    /// Why the bed is not steady, as the rest of a sentence that begins with "the bed"; none where it is.
+    #[serde(default)]
+    pub doubt: Option<String>,
     /// Time of rotation before the steady state, s; none without a series.
     pub start_up_s: Option<f64>,
+    /// Time of one swing of the bed, s; none without a series.
+    #[serde(default)]
+    pub swing_s: Option<f64>,
     /// R w^2 / g with the radius R and the angular speed w of the drum and gravity g; none where nothing turns.
     pub froude_number: Option<f64>,
     /// Readings of the single frames.
@@ -43,6 +52,9 @@ pub struct FrameDetails {
     pub filling_angles_deg: Vec<f64>,
     /// Number of frames in which the surface could not be measured.
     pub refused: usize,
+    /// Standard error of the mean angle by the picture over the time of this run, deg; none where it cannot be told.
+    #[serde(default)]
+    pub standard_error_deg: Option<f64>,
     /// Number of independent frames that the measured ones are worth; none where it cannot be told.
     pub effective_number: Option<f64>,
 }
@@ -115,12 +127,22 @@ impl RunDetails {
         position: &[f64],
     ) -> Result<Self, Error> {
         let filling = result.filling_angles.iter().map(|a| a.to_degrees());
-        let has_state = scene.apparatus.is_release() || !result.series.is_empty();
-        let cut = result.truncation.map_or(0, |t| t.cut);
-        let start_up = result.series.get(cut.min(result.series.len()));
+        let turned = match result.ending {
+            Ending::Turned(state) => Some(state),
+            _ => None,
+        };
+        let start_up = result.series.get(result.ending.cut());
+        let interval = result.series.first().map_or(0.0, |point| point.time_s);
+        let swing = turned.map(|state| state.swing as f64 * interval);
+        let error = swing.and_then(|swing| error_over(&result.frames, image, swing));
         let froude = scene.apparatus.froude_number(scene.model.gravity_m_s2);
         Ok(Self {
-            steady: has_state.then(|| result.truncation.is_some_and(|t| t.steady)),
+            steady: result.ending.is_steady(),
+            doubt: match result.ending {
+                Ending::Rested(false) => Some(NOT_RESTED.to_owned()),
+                _ => turned.and_then(|s| s.doubt).map(|d| d.words().to_owned()),
+            },
+            swing_s: swing,
             start_up_s: start_up.map(|p| p.time_s),
             froude_number: finite(froude).filter(|_| froude > 0.0),
             frames: FrameDetails {
@@ -133,7 +155,8 @@ impl RunDetails {
                     .iter()
                     .filter(|r| r.photo.angle.is_none())
                     .count(),
-                effective_number: summarise(image).ok().and_then(|s| finite(s.n_effective)),
+                standard_error_deg: error,
+                effective_number: error.and_then(|error| effective_number(image, error)),
             },
             series: SeriesDetails {
                 time_s: result.series.iter().map(|p| p.time_s).collect(),
@@ -167,6 +190,31 @@ impl TimingDetails {
             only_seen: effort.only_seen,
         }
     }
+}
+
+/// Standard error of the mean of angles read in frames, by whole swings of the bed (s); none where a frame could not be
+/// measured, or where they span less than two swings.
+fn error_over(frames: &[Frame], angles: &[f64], swing: f64) -> Option<f64> {
+    let [first, .., last] = frames else {
+        return None;
+    };
+    if frames.len() != angles.len() {
+        return None;
+    }
+    let interval = (last.time - first.time) / (frames.len() - 1) as f64;
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "a small ratio"
+    )]
+    let batch = (swing / interval).round().max(1.0) as usize;
+    error_of_mean(angles, batch)
+}
+
+/// Number of independent values that would fix a mean as well as its error says, 1 to all.
+fn effective_number(values: &[f64], error: f64) -> Option<f64> {
+    let sd = summarise(values).ok()?.sd;
+    finite((sd / error).powi(2)).map(|n| n.clamp(1.0, values.len() as f64))
 }
 
 /// A number where there is one.

@@ -21,6 +21,6 @@ mod simulator;
 pub use binding::Binding;
 pub use details::{FrameDetails, RunDetails, SeriesDetails, TimingDetails};
 pub use error::Error;
-pub use outcome::{Effort, outcome_of};
+pub use outcome::{Effort, NOT_STEADY, outcome_of};
 pub use parameter_file::{CalibratedParameter, ParameterFile};
 pub use simulator::SceneSimulator;

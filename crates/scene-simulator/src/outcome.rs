@@ -9,6 +9,9 @@ use serde::Serialize;
 use std::collections::BTreeMap;
 use surface_profile::{SeriesSummary, summarise};
 
+/// The regime of a run whose bed was not steady, or whose seeds did not come to rest, before its limit.
+pub const NOT_STEADY: &str = "not steady";
+
 /// What a run took; it is kept in the details and changes no result.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Effort {
@@ -74,14 +77,14 @@ pub fn outcome_of(scene: &Scene, result: &RunResult, effort: Effort) -> Result<R
     let details = RunDetails::new(scene, result, effort, &surface.image, &surface.position)?;
     Ok(RunOutcome {
         observables: observables(result, &surface),
-        regime: word(result.regime),
+        regime: regime_of(result),
         details: serde_json::to_value(details).map_err(Error::Unwritable)?,
     })
 }
 
 /// All observables of a run.
 fn observables(result: &RunResult, surface: &Surface) -> BTreeMap<String, Observation> {
-    let start = result.truncation.map_or(0, |t| t.cut);
+    let start = result.ending.cut();
     let steady = &result.series[start.min(result.series.len())..];
     let mass: Vec<f64> = steady.iter().map(|p| p.centre_of_mass_deg).collect();
     let slip: Vec<f64> = steady.iter().map(|p| p.shell_slip).collect();
@@ -135,6 +138,15 @@ fn no_surface(result: &RunResult) -> scene::Error {
     scene::Error::NoSurface {
         frames: result.frames.len(),
         reason: first.unwrap_or_default(),
+    }
+}
+
+/// How a run ended up: a bed that was not steady is no rolling one and no sliding one, so that it enters no mean of
+/// either; the details say why.
+fn regime_of(result: &RunResult) -> Option<String> {
+    match result.ending.is_steady() {
+        Some(false) => Some(NOT_STEADY.to_owned()),
+        _ => word(result.regime),
     }
 }
 

@@ -12,8 +12,7 @@ mod tilt;
 
 use crate::apparatus::{Apparatus, BenchTest};
 use crate::interactions::interactions;
-use crate::run::RunResult;
-use crate::steady::Truncation;
+use crate::run::{Ending, RunResult};
 use crate::time_step::TimeSteps;
 use crate::{Error, FillingLibrary, Further, Scene, SeedBody, SeedSettings};
 use clump::Sphere;
@@ -199,12 +198,7 @@ pub(crate) fn run_bench(
     let last = repeats.last();
     Ok(Some(RunResult {
         series: Vec::new(),
-        // Each repeat came to its end, and nothing was left out.
-        truncation: Some(Truncation {
-            cut: 0,
-            standard_error: 0.0,
-            steady: true,
-        }),
+        ending: Ending::Tested,
         frames: Vec::new(),
         readings: Vec::new(),
         filling_angles: Vec::new(),

@@ -4,7 +4,7 @@ use crate::apparatus::BenchTest;
 use crate::{Apparatus, Error, Scene};
 
 /// Largest slope at which a bed may be laid, rad.
-const MOST_START_SLOPE: f64 = std::f64::consts::FRAC_PI_4;
+pub(crate) const MOST_START_SLOPE: f64 = std::f64::consts::FRAC_PI_4;
 
 impl Scene {
     /// Refuses what cannot be meant; for scenes that were changed after reading.
@@ -159,6 +159,10 @@ impl Scene {
                 start_up.to_string(),
                 requirement,
             );
+        }
+        if let Some(error) = p.angle_error {
+            let holds = error.si() > 0.0;
+            require(holds, "protocol.angle_error", error.to_string(), "above 0");
         }
         require(
             p.frames >= 2,

@@ -28,6 +28,7 @@ mod release;
 mod run;
 mod seed;
 mod settings;
+mod start_slope;
 mod steady;
 mod surroundings;
 mod time_step;
@@ -44,12 +45,12 @@ pub use motion::{Keeper, NoKeeper, Progress, SeriesPoint};
 pub use obstacles::{VibrationSettings, WallSettings};
 pub use parse::{NumberChange, Override, setting_at};
 pub use run::{
-    Further, Regime, RunResult, run, run_on, running_world, settled_world, starting_frame,
+    Ending, Further, Regime, RunResult, run, run_on, running_world, settled_world, starting_frame,
 };
 pub use seed::{FillingSettings, SOLID_FRACTION, SeedSettings};
 pub use settings::{
     CameraSettings, ContactSettings, LiquidSettings, MaterialSettings, ModelSettings, Protocol,
     RollingLaw, Scene,
 };
-pub use steady::{Truncation, marginal_standard_error_rule};
+pub use steady::{Doubt, SteadyState, error_of_mean};
 pub use surroundings::SurroundingsSettings;

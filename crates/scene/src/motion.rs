@@ -2,18 +2,16 @@
 
 use crate::build::Built;
 use crate::factory::Factory;
-use crate::steady::{Truncation, marginal_standard_error_rule};
+use crate::start_slope::start_slope;
+use crate::steady::{LEAST_START_UP, SteadyRule, SteadyState, swing_time};
 use crate::{Error, Frame, Scene};
 use dem_solver::{Motion, Snapshot, Template, World};
 use nalgebra::{Rotation3, Vector3};
-use quantity::{Angle, Time};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::{PI, TAU};
 
 /// Time between the values of the series that decide whether the run is steady, s.
 pub(crate) const SERIES_INTERVAL: f64 = 0.02;
-/// Values in one batch of the rule that finds the end of the start-up.
-const BATCH: usize = 5;
 /// Kinetic energy of a seed at rest over the energy of a fall by its own size.
 const AT_REST: f64 = 1e-4;
 /// Seeds at the shell count for the slip within this angle of the centre of mass, rad.
@@ -34,6 +32,16 @@ pub struct SeriesPoint {
     pub drive_power_w: f64,
     /// Kinetic energy of all seeds, J.
     pub kinetic_energy_j: f64,
+}
+
+/// Share of the shell's speed that the bed must keep to count as rolling; below, it slides.
+pub(crate) const SLIDING_BELOW: f64 = 0.5;
+
+impl SeriesPoint {
+    /// Whether the bed turns with the shell.
+    pub(crate) fn rolls(&self) -> bool {
+        self.shell_slip <= SLIDING_BELOW
+    }
 }
 
 /// How far a run has come: all that it goes on from.
@@ -190,8 +198,8 @@ pub(crate) fn start_drive(scene: &Scene, built: &mut Built) {
 pub(crate) fn settle(running: &mut Running<'_>, keeper: &mut dyn Keeper) -> Result<(), Error> {
     let scene = running.scene;
     let gravity = scene.apparatus.gravity(scene.model.gravity_m_s2);
-    let slope = scene.protocol.start_slope.map_or(0.0, Angle::si);
-    let turn = Rotation3::new(Vector3::z() * slope * scene.apparatus.speed().signum());
+    let slope = start_slope(scene, &running.built.bodies) * scene.apparatus.speed().signum();
+    let turn = Rotation3::new(Vector3::z() * slope);
     running.built.world.set_gravity(turn * gravity);
     let settled = wait_for_rest(running, keeper);
     running.built.world.set_gravity(gravity);
@@ -266,12 +274,12 @@ pub(crate) struct Rotation {
     pub(crate) series: Vec<SeriesPoint>,
     /// Frames behind the start-up.
     pub(crate) frames: Vec<Frame>,
-    /// Where the start-up ends.
-    pub(crate) truncation: Option<Truncation>,
+    /// What is kept, and whether it is steady.
+    pub(crate) state: SteadyState,
 }
 
-/// Turns the drive until the wanted number of frames lies behind the start-up; starts it where it does
-/// not turn yet.
+/// Turns the drive until the bed is steady and the wanted number of frames lies behind the start-up, or the limit is
+/// reached; starts it where it does not turn yet. All frames behind the start-up are kept.
 pub(crate) fn rotate(
     running: &mut Running<'_>,
     keeper: &mut dyn Keeper,
@@ -291,6 +299,7 @@ pub(crate) fn rotate(
         running.built.world.time()
     });
     running.drive_since = Some(start);
+    let rule = steady_rule(scene, &running.built);
     loop {
         running.offer(keeper)?;
         let Running {
@@ -311,28 +320,58 @@ pub(crate) fn rotate(
         if series.len().is_multiple_of(every) {
             frames.push((series.len(), now));
         }
-        if !over && !series.len().is_multiple_of(every) {
+        // Asked after whole swings alone: what is asked often enough is answered yes by chance.
+        let asked = series.len() > rule.start_up
+            && (series.len() - rule.start_up).is_multiple_of(rule.swing);
+        if !over && !asked {
             continue;
         }
         let angles: Vec<f64> = series.iter().map(|p| p.centre_of_mass_deg).collect();
-        let truncation = marginal_standard_error_rule(&angles, BATCH);
-        let least = protocol.start_up.map_or(0.0, Time::si);
-        let before = series.iter().filter(|p| p.time_s < least).count();
-        let truncation = truncation.map(|t| t.not_before(before));
-        let cut = truncation.map_or(usize::MAX, |t| if t.steady { t.cut } else { usize::MAX });
-        let after = frames.iter().filter(|(at, _)| *at > cut).count();
-        if after >= protocol.frames || over {
-            let keep = after
-                .clamp(2.min(frames.len()), protocol.frames)
-                .min(frames.len());
+        let rolls: Vec<bool> = series.iter().map(SeriesPoint::rolls).collect();
+        let state = rule.judge(&angles, &rolls);
+        let after = frames.iter().filter(|(at, _)| *at > state.cut).count();
+        if over || (state.doubt.is_none() && after >= protocol.frames) {
+            let keep = after.max(2).min(frames.len());
             let last = frames.split_off(frames.len() - keep);
-            let frames = last.into_iter().map(|f| f.1).collect();
             return Ok(Rotation {
                 series: std::mem::take(series),
-                frames,
-                truncation,
+                frames: last.into_iter().map(|f| f.1).collect(),
+                state,
             });
         }
+    }
+}
+
+/// What a rotation must show: the swing is that of the bed as it lies when the drive starts.
+fn steady_rule(scene: &Scene, built: &Built) -> SteadyRule {
+    let (radius, gravity) = (scene.apparatus.radius(), scene.model.gravity_m_s2);
+    let bodies = built.world.bodies();
+    let (mut mass, mut square, mut centre) = (0.0, 0.0, Vector3::zeros());
+    for (position, kind) in bodies.position.iter().zip(&bodies.template) {
+        let m = built.world.templates()[*kind].mass();
+        mass += m;
+        square += m * position.xy().norm_squared();
+        centre += m * position;
+    }
+    let arm = (centre / mass).xy().norm();
+    let swing = swing_time(square / mass, arm, radius, gravity);
+    let least = LEAST_START_UP * swing;
+    let start_up = scene.protocol.start_up.map_or(least, |t| t.si().max(least));
+    let values = |time: f64| {
+        // A bed without weight swings for ever: the limit ends its run.
+        let most = scene.protocol.rotation_limit.si();
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "positive, at most the limit of the run"
+        )]
+        let n = (time.min(most) / SERIES_INTERVAL).round() as usize;
+        n.max(2)
+    };
+    SteadyRule {
+        swing: values(swing),
+        start_up: values(start_up),
+        error: scene.protocol.angle_error.map(|e| e.si().to_degrees()),
     }
 }
 

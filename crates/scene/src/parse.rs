@@ -17,7 +17,13 @@ pub struct Override {
 const TIME_STEP: &str = "protocol.time_step";
 
 /// Settings without a default that can be set where the file leaves them out: quantities of the protocol.
-const LEFT_OUT: [&str; 3] = [TIME_STEP, "protocol.start_up", "protocol.start_slope"];
+const LEFT_OUT: [&str; 5] = [
+    TIME_STEP,
+    "protocol.start_up",
+    "protocol.start_slope",
+    "protocol.angle_error",
+    "protocol.insertion_rate",
+];
 
 /// Short names that stand for a setting with its unit: (name, path, unit).
 const SHORT_NAMES: [(&str, &str, &str); 3] = [

@@ -52,6 +52,7 @@ impl Scene {
             scene.protocol = Protocol {
                 flow_step_share: None,
                 start_up: None,
+                angle_error: None,
                 frame_interval: usual.frame_interval,
                 frames: usual.frames,
                 ..scene.protocol

@@ -5,18 +5,16 @@ use crate::bench::run_bench;
 use crate::build::{Built, assemble, build, build_filled, seed_bodies};
 use crate::flow::{avalanche_period, fill_level, flowing_layer};
 use crate::motion::{
-    Keeper, NoKeeper, Progress, Rotation, Running, SERIES_INTERVAL, SeriesPoint, rotate, settle,
-    snapshot, start_drive,
+    Keeper, NoKeeper, Progress, Rotation, Running, SERIES_INTERVAL, SLIDING_BELOW, SeriesPoint,
+    rotate, settle, snapshot, start_drive,
 };
 use crate::obstacles::mesh_walls;
-use crate::steady::Truncation;
+use crate::steady::SteadyState;
 use crate::{Error, FillingLibrary, Frame, FrameReading, Scene, SeedBody, read_frame};
 use dem_solver::{Census, Placement, World};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
-/// Share of the shell's speed that the bed must keep to count as rolling; below, it slides.
-const SLIDING_BELOW: f64 = 0.5;
 /// Gap that ends the group of seeds at the rim of the metering device, in seed lengths.
 const GROUP_GAP: f64 = 1.5;
 
@@ -30,6 +28,37 @@ pub enum Regime {
     Sliding,
     /// The seeds were let go and came to rest, or were to.
     Resting,
+}
+
+/// How a run ended.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Ending {
+    /// All repeats of a bench test were done.
+    Tested,
+    /// A wall was lifted, and the seeds came to rest before the limit, or did not.
+    Rested(bool),
+    /// The drive turned: what is kept of it.
+    Turned(SteadyState),
+}
+
+impl Ending {
+    /// Whether what is kept may be taken for a steady state, or for rest; none for a bench test, which has no such
+    /// state.
+    pub fn is_steady(&self) -> Option<bool> {
+        match self {
+            Self::Tested => None,
+            Self::Rested(rested) => Some(*rested),
+            Self::Turned(state) => Some(state.doubt.is_none()),
+        }
+    }
+
+    /// Number of values of the series before what is kept.
+    pub fn cut(&self) -> usize {
+        match self {
+            Self::Turned(state) => state.cut,
+            _ => 0,
+        }
+    }
 }
 
 /// A further observable: values whose mean counts.
@@ -55,9 +84,9 @@ impl Further {
 pub struct RunResult {
     /// The bed over time.
     pub series: Vec<SeriesPoint>,
-    /// Where the start-up ends.
-    pub truncation: Option<Truncation>,
-    /// Frames in the steady state, at least one correlation time apart.
+    /// How the run ended.
+    pub ending: Ending,
+    /// Frames in the steady state.
     pub frames: Vec<Frame>,
     /// Reading of each frame; none for the metering device, whose surface is not a drum's.
     pub readings: Vec<FrameReading>,
@@ -125,7 +154,7 @@ pub fn run_on(
     let Rotation {
         series,
         frames,
-        truncation,
+        state,
     } = rotate(&mut running, keeper)?;
     let built = running.built;
     let settling_time_step = built.time_steps.settling;
@@ -148,10 +177,9 @@ pub fn run_on(
             filling_angles.push(device.filling_angle(&at_rim, gap));
         }
     }
-    let start = truncation.map_or(0, |t| t.cut);
-    let slips: Vec<f64> = series[start..].iter().map(|p| p.shell_slip).collect();
-    let slip = slips.iter().sum::<f64>() / slips.len().max(1) as f64;
-    let mut further = further(scene, &bodies, &frames, &series[start..]);
+    let steady = &series[state.cut..];
+    let slip = steady.iter().map(|p| p.shell_slip).sum::<f64>() / steady.len().max(1) as f64;
+    let mut further = further(scene, &bodies, &frames, steady);
     if let Some(bonds) = &bonds {
         let broken = bonds.n_broken() as f64;
         further.push(Further::new("broken_bonds", "1", vec![broken]));
@@ -159,7 +187,7 @@ pub fn run_on(
     Ok(RunResult {
         further,
         series,
-        truncation,
+        ending: Ending::Turned(state),
         frames,
         readings,
         filling_angles,
@@ -213,11 +241,7 @@ fn released(scene: &Scene, built: Built) -> Result<RunResult, Error> {
     let Built { world, bodies, .. } = result.built;
     Ok(RunResult {
         series: Vec::new(),
-        truncation: result.rested.then_some(Truncation {
-            cut: 0,
-            standard_error: 0.0,
-            steady: true,
-        }),
+        ending: Ending::Rested(result.rested),
         frames: vec![result.frame],
         readings: Vec::new(),
         filling_angles: Vec::new(),

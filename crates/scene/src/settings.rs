@@ -1,5 +1,6 @@
 //! What a scene file says.
 
+use crate::steady::{LEAST_KEPT, LEAST_START_UP, expected_swing};
 use crate::{Apparatus, SeedSettings, SurroundingsSettings};
 use contact_law::hard_contact;
 use quantity::{
@@ -166,7 +167,7 @@ pub struct Protocol {
     pub settle_limit: Time,
     /// Slope of the surface of the settled bed in a drum, towards the side that rises: the bed settles
     /// under gravity turned by so much, and the drive starts nearer to the steady state. It changes
-    /// the length of the start-up, not the state behind it; level where absent.
+    /// the length of the start-up, not the state behind it; estimated from friction and speed where absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub start_slope: Option<Angle>,
     /// When in the session the run is made: 0 at its start, 1 at its end. It matters only to effects
@@ -177,12 +178,16 @@ pub struct Protocol {
     pub rotation_limit: Time,
     /// Time between frames: at least the correlation time of the surface; 0.2 s where absent.
     pub frame_interval: Time,
-    /// Number of frames in the steady state; 10 where absent.
+    /// Least number of frames in the steady state; 10 where absent.
     pub frames: usize,
-    /// Least time of rotation that counts as start-up: frames and means begin behind it, or later where the series
-    /// is steady later. The series alone tells where absent.
+    /// Least time of rotation that counts as start-up: frames and means begin behind it, or later where the bed is
+    /// steady later. It is never less than 1.5 swings of the bed.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub start_up: Option<Time>,
+    /// Largest standard error of the mean direction of the centre of mass over time: a drum turns until it is that small,
+    /// four swings of the bed at the least. Any where absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub angle_error: Option<Angle>,
 }
 
 impl Default for Protocol {
@@ -200,6 +205,7 @@ impl Default for Protocol {
             frame_interval: seconds(0.2),
             frames: 10,
             start_up: None,
+            angle_error: None,
         }
     }
 }
@@ -255,6 +261,17 @@ impl Scene {
         for (kind, count) in self.seed.iter_mut().zip(counts) {
             kind.set_count(count);
         }
+    }
+
+    /// Simulated time, s, that a drive turns before its run ends, if the bed is steady at once: the least start-up, and four
+    /// swings or the frames behind it, at most the limit.
+    pub fn expected_rotation(&self) -> f64 {
+        let protocol = &self.protocol;
+        let swing = expected_swing(self.apparatus.radius(), self.model.gravity_m_s2);
+        let start_up = protocol.start_up.map_or(0.0, Time::si);
+        let frames = protocol.frames as f64 * protocol.frame_interval.si();
+        let kept = frames.max(LEAST_KEPT as f64 * swing);
+        (start_up.max(LEAST_START_UP * swing) + kept).min(protocol.rotation_limit.si())
     }
 
     /// Contact of two materials, in either order of the names.

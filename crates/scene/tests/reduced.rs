@@ -110,7 +110,7 @@ fn a_reduced_scene_runs_the_same() {
         assert_eq!(a.series, b.series, "{kind}");
         assert_eq!(a.frames, b.frames, "{kind}");
         assert_eq!(a.further, b.further, "{kind}");
-        assert_eq!(a.truncation, b.truncation, "{kind}");
+        assert_eq!(a.ending, b.ending, "{kind}");
         assert_eq!(a.n_steps, b.n_steps, "{kind}");
         assert_eq!(a.filling_angles, b.filling_angles, "{kind}");
         for further in &a.further {

@@ -25,8 +25,12 @@ pub(super) struct Report {
     regime: Option<String>,
     /// Whether the start-up was found to be over; none where the apparatus has no such state.
     steady: Option<bool>,
+    /// Why it is not steady, as the rest of a sentence that begins with "the bed".
+    doubt: Option<String>,
     /// Time of rotation before the steady state, s.
     start_up_s: Option<f64>,
+    /// Time of one swing of the bed, s.
+    swing_s: Option<f64>,
     /// R w^2 / g.
     froude_number: Option<f64>,
     /// Readings of the single frames.
@@ -102,7 +106,9 @@ impl Report {
             observables: record.observables().clone(),
             regime: record.regime().map(str::to_owned),
             steady: details.steady,
+            doubt: details.doubt,
             start_up_s: details.start_up_s,
+            swing_s: details.swing_s,
             froude_number: details.froude_number,
             frames: details.frames,
             timing: details.timing,
@@ -116,11 +122,11 @@ impl Report {
     /// What the user should know of the result.
     pub(super) fn warnings(&self) -> Vec<String> {
         let mut warnings = Vec::new();
-        if self.steady == Some(false) {
-            warnings.push(
-                "the bed was not steady when the rotation ended; raise protocol.rotation_limit"
-                    .to_owned(),
-            );
+        if let Some(doubt) = &self.doubt {
+            warnings.push(format!(
+                "not steady: at the limit the bed {doubt}; its means are those of a passing state. Raise \
+                 protocol.rotation_limit"
+            ));
         }
         let refused = self.frames.refused;
         if refused > 0 {
@@ -150,15 +156,19 @@ impl Report {
             if let Some(froude) = self.froude_number {
                 add(&mut text, format_args!(", Froude number {froude:.4}"));
             }
-            match (self.steady, self.start_up_s) {
-                (Some(true), Some(time)) => {
-                    add(
-                        &mut text,
-                        format_args!(", steady from {time:.2} s of rotation"),
-                    );
-                }
-                (Some(true), None) => {}
-                _ => text.push_str(", not steady"),
+            if let (Some(true), Some(time)) = (self.steady, self.start_up_s) {
+                add(
+                    &mut text,
+                    format_args!(", steady from {time:.2} s of rotation"),
+                );
+            }
+            if let (Some(error), Some(swing)) = (self.frames.standard_error_deg, self.swing_s) {
+                add(
+                    &mut text,
+                    format_args!(
+                        ", standard error of angle_deg over time {error:.2} deg (a swing takes {swing:.2} s)"
+                    ),
+                );
             }
             text.push('\n');
         }
