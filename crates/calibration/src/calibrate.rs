@@ -1,11 +1,11 @@
 //! The loop: screening, surfaces, joint estimate, box after box, fresh runs, check, residual.
 
 use crate::comparison::{SurfacesByModel, compare};
-use crate::confirmation::{Confirmed, confirm};
+use crate::confirmation::{Confirmed, confirm, mean};
 use crate::diagnosis_stage::{diagnose_at, most_runs_of_diagnosis};
 use crate::intervals::{Uncertainty, best_of, estimates, test};
 use crate::joint::{joint_estimate, planes, region_about, slope_runs};
-use crate::samples::{Asked, Runner, Samples, Wanted, first_seed, wanted};
+use crate::samples::{Asked, Runner, Sample, Samples, Wanted, first_seed, observables, wanted};
 use crate::screening::screen_models;
 use crate::search::Search;
 use crate::solution_set::solution_set;
@@ -95,6 +95,7 @@ pub fn calibrate(
         &before,
     ));
     remarks.extend(failures(problem, "at the estimate", &checked.at_estimate));
+    remarks.extend(states(problem, &checked.at_estimate));
     let (met, verdict) = verdict(problem, &estimate, &fit, &checks, &confirmed);
     Ok(Calibration {
         id: problem.id.clone(),
@@ -144,6 +145,36 @@ fn failures(
         ))
     });
     failed.collect()
+}
+
+/// Models whose runs at the estimate ended up in several regimes, one sentence each: how many in which, and what each shows.
+fn states(problem: &CalibrationProblem, runs: &BTreeMap<usize, Samples>) -> Vec<String> {
+    let mut told = Vec::new();
+    for (&model, samples) in runs {
+        let mut regimes: BTreeMap<&str, Vec<&Sample>> = BTreeMap::new();
+        for sample in &samples.done {
+            regimes.entry(&sample.regime).or_default().push(sample);
+        }
+        if regimes.len() < 2 {
+            continue;
+        }
+        let shown = |group: &Vec<&Sample>| -> String {
+            let names = observables(problem, model).into_iter();
+            let each = names.map(|name| format!("{name} {:.4}", mean(group, &name)));
+            each.collect::<Vec<_>>().join(", ")
+        };
+        let each: Vec<String> = regimes
+            .iter()
+            .map(|(regime, group)| format!("{} {regime} ({})", group.len(), shown(group)))
+            .collect();
+        told.push(format!(
+            "at the estimate the runs of {} end up in {} states: {}; no mean is taken over both",
+            problem.models[model].name,
+            regimes.len(),
+            each.join(", ")
+        ));
+    }
+    told
 }
 
 /// Expected cost of the runs that are planned behind each stage, in the order of the stages.

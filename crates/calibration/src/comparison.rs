@@ -3,7 +3,7 @@
 use crate::confirmation::mean;
 use crate::intervals::quantile_of;
 use crate::samples::{Asked, Sample, Samples};
-use crate::surface::Surface;
+use crate::surface::{Surface, of_regime, usual_regime};
 use crate::{Comparison, MeasuredMean, Measurement, Role, SimulatedMean};
 use nalgebra::{DMatrix, DVector};
 use std::collections::BTreeMap;
@@ -19,7 +19,8 @@ pub(crate) type SurfacesByModel = BTreeMap<usize, Surface>;
 /// # Formula
 ///
 /// `z = (measured - simulated) / sqrt(sd²/n + s²/runs + g' C g)`: the measured mean, the simulated mean (s² the variance of
-/// a run, pooled over all runs of the model), and for measurements that the estimate did not use the uncertainty of the
+/// a run, pooled over all runs of the model; runs of another regime than most ended up in are counted and not averaged),
+/// and for measurements that the estimate did not use the uncertainty of the
 /// parameters (g the slopes, C their covariance). It holds within Student's quantile for Satterthwaite's degrees of
 /// freedom at 5 % over the measurements of the role (Bonferroni).
 pub(crate) fn compare(
@@ -84,7 +85,8 @@ fn comparison(
     tails: f64,
 ) -> Comparison {
     let model = &asked.problem.models[m.model];
-    let group: Vec<&Sample> = samples.done.iter().collect();
+    // Of runs that ended up differently there is no mean: those of the usual regime speak, all are counted.
+    let (group, _) = of_regime(&samples.done, &usual_regime(&samples.done));
     let n = group.len();
     let simulated = mean(&group, &m.observable);
     let (variance, dof) = scatter(&group, &m.observable, surface);
@@ -99,7 +101,7 @@ fn comparison(
     let z = (m.mean - simulated) / total.sqrt();
     let z_limit = quantile_of(tails, total * total / squares.max(f64::MIN_POSITIVE));
     let mut regimes = BTreeMap::new();
-    for sample in group.iter().filter(|s| !s.regime.is_empty()) {
+    for sample in samples.done.iter().filter(|s| !s.regime.is_empty()) {
         *regimes.entry(sample.regime.clone()).or_insert(0) += 1;
     }
     Comparison {

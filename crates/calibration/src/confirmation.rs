@@ -3,7 +3,7 @@
 use crate::intervals::quantile_of;
 use crate::samples::{Runner, Sample, Samples, first_seed, wanted};
 use crate::search::{Found, Search};
-use crate::surface::Surface;
+use crate::surface::{Surface, of_regime, usual_regime};
 use crate::{ConfirmationRound, ConfirmationRow, Error, SimulatedMean};
 use std::collections::BTreeMap;
 
@@ -119,7 +119,8 @@ fn compare(
                  describes: what was measured lies at or beyond a change of regime"
             ));
         }
-        let group: Vec<&Sample> = samples.done.iter().collect();
+        let (group, _) = of_regime(&samples.done, &usual_regime(&samples.done));
+        let n = group.len();
         let pooled = surface.with_scatter(std::slice::from_ref(&group));
         let means: Vec<f64> = (0..surface.observables.len())
             .map(|k| mean(&group, &surface.observables[k]))

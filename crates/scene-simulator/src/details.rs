@@ -3,7 +3,7 @@
 use crate::{Effort, Error};
 use image::{DynamicImage, ImageFormat};
 use run_store::Record;
-use scene::{Ending, Frame, RunResult, Scene, drum_picture, error_of_mean};
+use scene::{Ending, RunResult, Scene, drum_picture, error_of_mean};
 use serde::{Deserialize, Serialize};
 use std::io::Cursor;
 use surface_profile::summarise;
@@ -134,7 +134,7 @@ impl RunDetails {
         let start_up = result.series.get(result.ending.cut());
         let interval = result.series.first().map_or(0.0, |point| point.time_s);
         let swing = turned.map(|state| state.swing as f64 * interval);
-        let error = swing.and_then(|swing| error_over(&result.frames, image, swing));
+        let error = swing.and_then(|swing| error_over(result, swing));
         let froude = scene.apparatus.froude_number(scene.model.gravity_m_s2);
         Ok(Self {
             steady: result.ending.is_steady(),
@@ -192,23 +192,32 @@ impl TimingDetails {
     }
 }
 
-/// Standard error of the mean of angles read in frames, by whole swings of the bed (s); none where a frame could not be
-/// measured, or where they span less than two swings.
-fn error_over(frames: &[Frame], angles: &[f64], swing: f64) -> Option<f64> {
-    let [first, .., last] = frames else {
-        return None;
-    };
-    if frames.len() != angles.len() {
-        return None;
-    }
-    let interval = (last.time - first.time) / (frames.len() - 1) as f64;
+/// Standard error of the mean of the angles read in frames, by whole swings of the bed (s) from the last frame back; none
+/// where the frames span less than two swings, or none in a swing could be measured.
+fn error_over(result: &RunResult, swing: f64) -> Option<f64> {
+    let (first, last) = (result.frames.first()?.time, result.frames.last()?.time);
+    let interval = (last - first) / (result.frames.len() - 1).max(1) as f64;
     #[expect(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
         reason = "a small ratio"
     )]
-    let batch = (swing / interval).round().max(1.0) as usize;
-    error_of_mean(angles, batch)
+    let before_last = |time: f64| ((last - time + 0.5 * interval) / swing) as usize;
+    let mut swings: Vec<Vec<f64>> = vec![Vec::new(); before_last(first - 0.5 * interval)];
+    for (frame, reading) in result.frames.iter().zip(&result.readings) {
+        if let (Some(angle), Some(values)) = (
+            reading.photo.angle,
+            swings.get_mut(before_last(frame.time)),
+        ) {
+            values.push(angle.line.to_degrees());
+        }
+    }
+    if swings.iter().any(Vec::is_empty) {
+        return None;
+    }
+    let mean = |values: &Vec<f64>| values.iter().sum::<f64>() / values.len() as f64;
+    let means: Vec<f64> = swings.iter().map(mean).collect();
+    error_of_mean(&means, 1)
 }
 
 /// Number of independent values that would fix a mean as well as its error says, 1 to all.

@@ -159,6 +159,43 @@ fn points_of_another_regime_enter_no_surface() {
     assert!(left_out[0].reason.contains("sliding"), "{left_out:?}");
 }
 
+/// Of four runs of the check, whose seeds follow each other, one slides and stands 5 higher: the mean is that of the three
+/// that roll, 1.8, which was measured; both states are told with their shares.
+#[test]
+fn two_states_have_no_mean() {
+    let toy = Toy {
+        law: |model, p| {
+            if model == "fit" {
+                return super::toy::shown("y", 2.0 * p("a"));
+            }
+            let slides = p("seed") % 4.0 == 0.0;
+            Ok(super::toy::Shown {
+                values: vec![("y", 3.0 * p("a") + if slides { 5.0 } else { 0.0 })],
+                regime: if slides { "sliding" } else { "rolling" },
+            })
+        },
+        noise: 0.01,
+    };
+    let problem = problem(
+        vec![parameter("a", [0.0, 1.0])],
+        vec![model("fit", &[0]), model("kept", &[0])],
+        vec![
+            measured(0, "y", Role::Fit, (1.2, 0.05)),
+            measured(1, "y", Role::Check, (1.8, 0.05)),
+        ],
+    );
+    let result = run(&toy, &problem).unwrap();
+    assert!(result.met, "{}", result.verdict);
+    let check = &result.check[0];
+    assert!((check.simulated.mean - 1.8).abs() < 0.05, "{check:?}");
+    assert_eq!(check.simulated.n_runs, 3);
+    let counts: Vec<_> = check.regimes.iter().map(|(r, n)| (r.as_str(), *n)).collect();
+    assert_eq!(counts, [("rolling", 3), ("sliding", 1)]);
+    let told = result.remarks.iter().find(|r| r.contains("2 states"));
+    let told = told.expect("a remark tells both");
+    assert!(told.contains("3 rolling") && told.contains("1 sliding"), "{told}");
+}
+
 /// Seven runs of the first box, two before, three of the confirmation: 12 are certain. With 15 the second box is not begun,
 /// and the search ends with what it has; with 11 nothing is run at all.
 #[test]

@@ -40,7 +40,11 @@ impl Simulator for Toy {
     }
 
     fn run(&self, request: &RunRequest) -> Result<RunOutcome, SimulatorError> {
-        let parameter = |name: &str| request.parameters.get(name).copied().unwrap_or(0.0);
+        // A law may ask for the seed too: what ends up in one state or the other by chance depends on it.
+        let parameter = |name: &str| match name {
+            "seed" => request.seed as f64,
+            _ => request.parameters.get(name).copied().unwrap_or(0.0),
+        };
         let shown = (self.law)(&request.model, &parameter)
             .map_err(|reason| SimulatorError::Failed { reason })?;
         let mut stream = Stream::new(request.seed, &format!("noise of {request}"));

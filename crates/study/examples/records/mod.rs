@@ -1,6 +1,7 @@
 //! Arguments of the examples that make a table over runs, and its cells.
 
 use run_store::Record;
+use scene_simulator::NOT_STEADY;
 use std::error::Error;
 
 /// FOLDER and the number of runs of each point, 2 or more, from the command line.
@@ -24,9 +25,10 @@ pub(crate) fn folder_and_runs(
     Ok((folder, runs))
 }
 
-/// Mean and standard error of an observable over the runs.
+/// Mean and standard error of an observable over the runs that were steady.
 pub(crate) fn mean_and_error(records: &[Record], observable: &str, digits: usize) -> String {
-    let means = records.iter().filter_map(|r| r.observable(observable));
+    let steady = records.iter().filter(|r| r.regime() != Some(NOT_STEADY));
+    let means = steady.filter_map(|r| r.observable(observable));
     let values: Vec<f64> = means.map(|o| o.mean).collect();
     let n = values.len() as f64;
     let mean = values.iter().sum::<f64>() / n;

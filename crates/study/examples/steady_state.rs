@@ -1,0 +1,139 @@
+//! Does the error that a run states of its own mean hold: the scatter of the means of many runs beside it, by
+//! friction and speed.
+//!
+//! `cargo run --release -p study --example steady_state -- FOLDER [RUNS]`
+//!
+//! RUNS runs (default 20) of a small drum of the study's seeds (100 mm, 320 seeds) at each of four frictions and three
+//! speeds; prints the page. Finished runs are kept in FOLDER and found again.
+
+#![expect(clippy::print_stdout, reason = "the table is the purpose")]
+
+mod records;
+
+use campaign::{Campaign, LineProgress, RunRequest};
+use records::{folder_and_runs, mean_and_error};
+use run_store::{Record, Store};
+use scene::{Override, Scene};
+use scene_simulator::{Binding, NOT_STEADY, RunDetails, SceneSimulator};
+use std::collections::BTreeMap;
+use std::error::Error;
+use std::path::Path;
+
+/// Friction between seeds.
+const FRICTIONS: [f64; 4] = [0.0, 0.1, 0.33, 0.56];
+/// Speeds, rpm.
+const SPEEDS: [f64; 3] = [10.0, 20.0, 40.0];
+/// What makes the study's drum a small one.
+const SMALL: [(&str, &str); 6] = [
+    ("apparatus.inner_diameter", "100 mm"),
+    ("apparatus.width", "24 mm"),
+    ("seed.0.count", "282"),
+    ("seed.1.count", "38"),
+    // 0.42 of the drum holds at 10 rpm, not at 40.
+    ("protocol.flow_step_share", "0.36"),
+    ("protocol.frame_interval", "0.1 s"),
+];
+/// The path of the friction.
+const FRICTION: &str = "contact.seed-seed.static_friction";
+
+/// What a steady run says of its angle.
+struct Run {
+    /// Mean, deg.
+    mean: f64,
+    /// Standard error that it states, deg.
+    error: f64,
+    /// Start-up, s.
+    start_up: f64,
+    /// Time of rotation in all, s.
+    turned: f64,
+}
+
+/// Reads a record; none of a run that is not steady.
+fn run_of(record: &Record) -> Result<Option<Run>, Box<dyn Error>> {
+    if record.regime() == Some(NOT_STEADY) {
+        return Ok(None);
+    }
+    let details = RunDetails::of(record)?;
+    let mean = record.observables().get("angle_deg").map(|o| o.mean);
+    let turned = details.series.time_s.last().copied();
+    let parts = (mean, details.frames.standard_error_deg, details.start_up_s, turned);
+    Ok(match parts {
+        (Some(mean), Some(error), Some(start_up), Some(turned)) => Some(Run {
+            mean,
+            error,
+            start_up,
+            turned,
+        }),
+        _ => None,
+    })
+}
+
+/// Mean of numbers; NaN of none.
+fn mean(values: impl Iterator<Item = f64> + Clone) -> f64 {
+    values.clone().sum::<f64>() / values.count() as f64
+}
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let (folder, runs) = folder_and_runs("steady_state", 20)?;
+    let small = SMALL.map(|(name, value)| Override {
+        name: name.into(),
+        value: value.into(),
+    });
+    let drum = Scene::read(Path::new("fixtures/cotton/drum.toml"), &small)?;
+    let store = Store::open(folder)?;
+    let threads = std::thread::available_parallelism().map_or(1, usize::from);
+    let progress = LineProgress::new(std::io::stderr());
+    let campaign = Campaign::new(&store, threads, &progress);
+    let simulator = SceneSimulator::new(
+        BTreeMap::from([("drum".to_owned(), drum)]),
+        BTreeMap::from([(FRICTION.to_owned(), Binding::of_path(FRICTION))]),
+    )?;
+    let cells: Vec<(f64, f64)> = FRICTIONS
+        .iter()
+        .flat_map(|&friction| SPEEDS.iter().map(move |&rpm| (friction, rpm)))
+        .collect();
+    let requests: Vec<RunRequest> = cells
+        .iter()
+        .flat_map(|&(friction, rpm)| {
+            (1..=runs).map(move |seed| {
+                RunRequest::new("drum", seed)
+                    .with_parameter(FRICTION, friction)
+                    .with_condition("rpm", rpm)
+            })
+        })
+        .collect();
+    let records = campaign.run_all(&simulator, &requests)?;
+    println!("| friction | rpm | runs | steady | start-up, s | turned, s | angle, deg | scatter of runs, deg | error stated, deg | ratio |");
+    println!("|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|");
+    let (mut scatter_of_all, mut stated_of_all) = (0.0, 0.0);
+    for (&(friction, rpm), records) in cells.iter().zip(records.chunks(usize::try_from(runs)?)) {
+        let steady: Vec<Run> = records
+            .iter()
+            .map(run_of)
+            .collect::<Result<Vec<_>, _>>()?
+            .into_iter()
+            .flatten()
+            .collect();
+        let n = steady.len() as f64;
+        let angle = mean(steady.iter().map(|r| r.mean));
+        let told = mean_and_error(records, "angle_deg", 2);
+        let scatter = steady.iter().map(|r| (r.mean - angle).powi(2)).sum::<f64>() / (n - 1.0);
+        let stated = mean(steady.iter().map(|r| r.error.powi(2)));
+        scatter_of_all += scatter;
+        stated_of_all += stated;
+        println!(
+            "| {friction} | {rpm} | {runs} | {} | {:.2} | {:.2} | {told} | {:.3} | {:.3} | {:.2} |",
+            steady.len(),
+            mean(steady.iter().map(|r| r.start_up)),
+            mean(steady.iter().map(|r| r.turned)),
+            scatter.sqrt(),
+            stated.sqrt(),
+            (stated / scatter).sqrt(),
+        );
+    }
+    println!(
+        "\nStated over scatter, all cells together: {:.2}.",
+        (stated_of_all / scatter_of_all).sqrt()
+    );
+    Ok(())
+}
