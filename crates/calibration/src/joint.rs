@@ -1,7 +1,7 @@
 //! The models that the fit did not use, about the estimate; and the estimate from all measurements.
 
 use crate::comparison::SurfacesByModel;
-use crate::designs::two_level;
+use crate::designs::slope_design;
 use crate::intervals::{Uncertainty, best_of, estimates, test};
 use crate::joint_fit::JointFit;
 use crate::region::Region;
@@ -32,7 +32,7 @@ pub(crate) fn region_about(asked: Asked<'_>, at: &[f64], estimates: &[Estimate])
     Region::about(at, &half, parameters)
 }
 
-/// Runs on two levels about the estimate, for the slopes of models that the fit did not use; `at` stays the value of
+/// Runs about the estimate, for the slopes of models that the fit did not use; `at` stays the value of
 /// each parameter on which a model does not depend.
 ///
 /// # Errors
@@ -54,10 +54,7 @@ pub(crate) fn slope_runs(
             .iter()
             .map(|&j| problem.parameters[j].symbol.clone())
             .collect();
-        let rows = two_level(&symbols, 0, 1)?.rows;
-        // A full factorial of one or two parameters is too small to tell slopes and noise.
-        let times = 4_usize.div_ceil(rows.len());
-        let rows: Vec<_> = (0..times).flat_map(|_| rows.clone()).collect();
+        let rows = slope_design(&symbols, asked.settings.seed)?;
         let points = placed(&rows, active, region, &problem.parameters);
         let seed = first_seed(asked.settings, STAGE, model);
         list.extend(wanted(seed, model, &points));
