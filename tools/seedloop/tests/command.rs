@@ -22,6 +22,8 @@ mod statistics;
 mod tiny_scene;
 #[path = "command/wrong_scenes.rs"]
 mod wrong_scenes;
+#[path = "command/your_material.rs"]
+mod your_material;
 
 use serde_json::Value;
 use std::path::{Path, PathBuf};
