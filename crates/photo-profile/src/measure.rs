@@ -122,6 +122,7 @@ fn read_disc(
     let trust = Trust {
         step: agreement.step,
         foreground: bed.foreground,
+        fill_level: field.share_above(level, &circle, REACH),
     };
     let result = reading(&view, drum, &points, &surface, &trust);
     if let (Some(ends), Some(rim)) = (result.chord_ends, &found.rim)
@@ -141,6 +142,8 @@ struct Trust {
     step: f64,
     /// Tone of the bed.
     foreground: Foreground,
+    /// Share of the disc that the bed takes, 1.
+    fill_level: f64,
 }
 
 /// Bed shares smoothed inside the disc, as fields about the drum axis.
@@ -190,6 +193,7 @@ fn reading(
     PhotoReading {
         verdict: Verdict::Ok,
         angle: Some(surface.angle),
+        fill_level: Some(trust.fill_level),
         heap: None,
         drum: Some(drum),
         used,

@@ -154,6 +154,9 @@ pub struct PhotoReading {
     pub verdict: Verdict,
     /// The angle and the shape of the surface; none when refused. Its points were px, y up.
     pub angle: Option<SurfaceAngle>,
+    /// Share of the drum that the bed takes: of the disc within 0.96 of the radius, where the smoothed bed share is above
+    /// half of its bulk value; none when refused, and of a heap.
+    pub fill_level: Option<f64>,
     /// The heap, when one was measured.
     pub heap: Option<HeapReading>,
     /// The drum, when one was given or found, px.
@@ -181,6 +184,7 @@ impl PhotoReading {
         Self {
             verdict: Verdict::Refused { reason },
             angle: None,
+            fill_level: None,
             heap: None,
             drum,
             used: Vec::new(),
@@ -199,6 +203,7 @@ impl PhotoReading {
         Self {
             verdict: Verdict::Ok,
             angle: None,
+            fill_level: None,
             drum: None,
             quality: (2.0 * found.used.len() as f64 / n).clamp(0.0, 1.0),
             used: found.used,

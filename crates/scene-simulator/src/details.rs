@@ -205,10 +205,9 @@ fn error_over(result: &RunResult, swing: f64) -> Option<f64> {
     let before_last = |time: f64| ((last - time + 0.5 * interval) / swing) as usize;
     let mut swings: Vec<Vec<f64>> = vec![Vec::new(); before_last(first - 0.5 * interval)];
     for (frame, reading) in result.frames.iter().zip(&result.readings) {
-        if let (Some(angle), Some(values)) = (
-            reading.photo.angle,
-            swings.get_mut(before_last(frame.time)),
-        ) {
+        if let (Some(angle), Some(values)) =
+            (reading.photo.angle, swings.get_mut(before_last(frame.time)))
+        {
             values.push(angle.line.to_degrees());
         }
     }

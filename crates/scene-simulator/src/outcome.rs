@@ -39,6 +39,8 @@ struct Surface {
     curvature: Vec<f64>,
     /// S shape, 1.
     s_shape: Vec<f64>,
+    /// Share of the drum that the bed takes, 1.
+    fill_level: Vec<f64>,
 }
 
 impl Surface {
@@ -58,6 +60,11 @@ impl Surface {
             difference,
             curvature: photos().map(|a| a.curvature).collect(),
             s_shape: photos().map(|a| a.s_shape).collect(),
+            fill_level: result
+                .readings
+                .iter()
+                .filter_map(|r| r.photo.fill_level)
+                .collect(),
         }
     }
 }
@@ -91,18 +98,17 @@ fn observables(result: &RunResult, surface: &Surface) -> BTreeMap<String, Observ
     let kinetic: Vec<f64> = steady.iter().map(|p| p.kinetic_energy_j * 1e3).collect();
     let filling = result.filling_angles.iter().map(|a| a.to_degrees());
     let filling: Vec<f64> = filling.collect();
-    let fluctuation = summarise(&mass).ok().map(|s| Observation {
-        mean: s.sd,
-        sd: None,
-        n: 1,
-        unit: "deg".into(),
-    });
+    let fluctuations = [
+        ("fluctuation_deg", &surface.image),
+        ("centre_of_mass_fluctuation_deg", &mass),
+    ];
     let means = [
         ("angle_deg", "deg", &surface.image),
         ("angle_by_position_deg", "deg", &surface.position),
         ("image_minus_position_deg", "deg", &surface.difference),
         ("curvature", "1", &surface.curvature),
         ("s_shape", "1", &surface.s_shape),
+        ("fill_level", "1", &surface.fill_level),
         ("filling_angle_deg", "deg", &filling),
         ("centre_of_mass_deg", "deg", &mass),
         ("shell_slip", "1", &slip),
@@ -113,8 +119,21 @@ fn observables(result: &RunResult, surface: &Surface) -> BTreeMap<String, Observ
     let mut observables: BTreeMap<String, Observation> = all
         .filter_map(|(name, unit, values)| Some((name.to_owned(), over_frames(values, unit)?)))
         .collect();
-    observables.extend(fluctuation.map(|f| ("fluctuation_deg".to_owned(), f)));
+    for (name, values) in fluctuations {
+        observables.extend(scatter_of(values).map(|o| (name.to_owned(), o)));
+    }
     observables
+}
+
+/// The standard deviation of angles over time as an observation, deg; none of fewer than two.
+fn scatter_of(values: &[f64]) -> Option<Observation> {
+    let sd = summarise(values).ok()?.sd;
+    sd.is_finite().then(|| Observation {
+        mean: sd,
+        sd: None,
+        n: 1,
+        unit: "deg".into(),
+    })
 }
 
 /// A mean over frames or repeats as an observation; none of nothing.

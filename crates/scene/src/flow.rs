@@ -64,8 +64,8 @@ pub fn flowing_layer(
     })
 }
 
-/// Share of the drum's cross-section that the bed takes in a frame: cells with more than half of the
-/// bulk density. None where there is no bed.
+/// Share of the drum's cross-section that the bed takes in a frame: the cells within it whose density is more than half of
+/// the bulk density. None where there is no bed.
 pub fn fill_level(frame: &Frame, bodies: &[Arc<SeedBody>], radius: f64) -> Option<f64> {
     let drum = DrumCircle {
         x: 0.0,
@@ -81,12 +81,8 @@ pub fn fill_level(frame: &Frame, bodies: &[Arc<SeedBody>], radius: f64) -> Optio
         })
         .collect();
     let field = density_of_discs(&discs, &drum, &DensitySettings::for_drum(&drum)).ok()?;
-    let half = 0.5 * bulk_level(&field, &drum);
-    if half <= 0.0 {
-        return None;
-    }
-    let full = field.cells().filter(|c| c.2 > half).count() as f64;
-    Some(full * field.cell().powi(2) / (std::f64::consts::PI * radius * radius))
+    let half_of_bulk = bulk_level(&field, &drum);
+    (half_of_bulk > 0.0).then(|| field.share_above(half_of_bulk, &drum, 1.0))
 }
 
 /// Period of a series: the first highest lag of its autocorrelation behind the first one below 0.

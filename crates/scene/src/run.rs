@@ -291,7 +291,7 @@ fn further(
     let period = avalanche_period(&mass, SERIES_INTERVAL);
     all.push(Further::new("flowing_layer_depth_mm", "mm", depths));
     all.push(Further::new("surface_speed_mm_s", "mm/s", speeds));
-    all.push(Further::new("fill_level", "1", fills.collect()));
+    all.push(Further::new("fill_level_by_position", "1", fills.collect()));
     all.push(Further::new(
         "avalanche_period_s",
         "s",

@@ -157,7 +157,9 @@ impl SteadyRule {
             return Some(Doubt::ScattersUnequally);
         }
         let error = error_of_mean(kept, self.swing);
-        let sharp = self.error.is_none_or(|most| error.is_some_and(|e| e <= most));
+        let sharp = self
+            .error
+            .is_none_or(|most| error.is_some_and(|e| e <= most));
         (!sharp).then_some(Doubt::NotSharp)
     }
 }
@@ -174,9 +176,7 @@ impl SteadyRule {
         let products = means.iter().enumerate().map(|(i, m)| at(i) * (m - mean));
         let slope = products.sum::<f64>() / squares;
         let about = means.iter().enumerate();
-        let about: f64 = about
-            .map(|(i, m)| (m - mean - slope * at(i)).powi(2))
-            .sum();
+        let about: f64 = about.map(|(i, m)| (m - mean - slope * at(i)).powi(2)).sum();
         let whole = &kept[kept.len() - means.len() * self.swing..];
         let within: f64 = whole.chunks_exact(self.swing).map(variance).sum::<f64>() / n;
         let freedom = FREEDOM_OF_RATIO + n - 2.0;
@@ -218,8 +218,7 @@ fn variance(values: &[f64]) -> f64 {
 
 /// Two-sided quantile of Student's t for the trend.
 fn quantile_of_t(freedom: f64) -> f64 {
-    StudentsT::new(0.0, 1.0, freedom)
-        .map_or(f64::INFINITY, |t| t.inverse_cdf(1.0 - 0.5 * ALPHA))
+    StudentsT::new(0.0, 1.0, freedom).map_or(f64::INFINITY, |t| t.inverse_cdf(1.0 - 0.5 * ALPHA))
 }
 
 /// Quantile of F, of equal degrees of freedom above and below, for the larger variance over the smaller.

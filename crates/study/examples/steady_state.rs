@@ -56,7 +56,12 @@ fn run_of(record: &Record) -> Result<Option<Run>, Box<dyn Error>> {
     let details = RunDetails::of(record)?;
     let mean = record.observables().get("angle_deg").map(|o| o.mean);
     let turned = details.series.time_s.last().copied();
-    let parts = (mean, details.frames.standard_error_deg, details.start_up_s, turned);
+    let parts = (
+        mean,
+        details.frames.standard_error_deg,
+        details.start_up_s,
+        turned,
+    );
     Ok(match parts {
         (Some(mean), Some(error), Some(start_up), Some(turned)) => Some(Run {
             mean,
@@ -103,7 +108,9 @@ fn main() -> Result<(), Box<dyn Error>> {
         })
         .collect();
     let records = campaign.run_all(&simulator, &requests)?;
-    println!("| friction | rpm | runs | steady | start-up, s | turned, s | angle, deg | scatter of runs, deg | error stated, deg | ratio |");
+    println!(
+        "| friction | rpm | runs | steady | start-up, s | turned, s | angle, deg | scatter of runs, deg | error stated, deg | ratio |"
+    );
     println!("|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|");
     let (mut scatter_of_all, mut stated_of_all) = (0.0, 0.0);
     for (&(friction, rpm), records) in cells.iter().zip(records.chunks(usize::try_from(runs)?)) {

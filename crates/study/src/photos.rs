@@ -76,9 +76,33 @@ pub(crate) fn read(
     Ok(series)
 }
 
+/// Name of the standard deviation of the angle from frame to frame.
+const FLUCTUATION: &str = "fluctuation_deg";
+/// Fewest independent frames that tell a standard deviation: it is known to a third then.
+const LEAST_FRAMES: f64 = 5.0;
+
+/// The standard deviation of angles between frames, deg, as a measured value; none of too few.
+///
+/// # Formula
+///
+/// The standard error of the standard deviation s of n independent normal values is `s / sqrt(2 (n - 1))`.
+fn fluctuation(angles: &[f64]) -> Option<MeasuredValue> {
+    let series = summarise(angles).ok()?;
+    (series.sd > 0.0 && series.n_effective >= LEAST_FRAMES).then(|| MeasuredValue {
+        mean: series.sd,
+        sd: series.sd * std::f64::consts::FRAC_1_SQRT_2,
+        n: series.n_effective - 1.0,
+    })
+}
+
 /// Means over the frames, for the observables that the scene gives.
 fn take_over(frames: &[FrameValues], observables: &[&str], series: &mut PhotoSeries) {
     let Some(first) = frames.first() else { return };
+    if observables.contains(&FLUCTUATION)
+        && let Some(taken) = fluctuation(&series.angles_deg)
+    {
+        series.values.insert(FLUCTUATION.to_owned(), taken);
+    }
     for (k, (name, value)) in first.values.iter().enumerate() {
         if !observables.contains(name) {
             continue;
@@ -158,6 +182,7 @@ fn values_of(reading: &PhotoReading) -> Option<FrameValues> {
                 ("angle_deg", angle.line.to_degrees()),
                 ("curvature", angle.curvature),
                 ("s_shape", angle.s_shape),
+                ("fill_level", reading.fill_level.unwrap_or(f64::NAN)),
             ],
             error: angle.standard_error.to_degrees(),
         });

@@ -125,6 +125,19 @@ impl Field {
         along(j) * (1.0 - b) + along(j + 1) * b
     }
 
+    /// Share of a disc, 0 to 1, whose cells lie above a level: the cells with their centre within `reach` (0 to 1) of the
+    /// radius; 0 where there are none.
+    pub fn share_above(&self, level: f64, drum: &crate::DrumCircle, reach: f64) -> f64 {
+        let within = (reach * drum.radius).powi(2);
+        let inside = |x: f64, y: f64| (x - drum.x).powi(2) + (y - drum.y).powi(2) <= within;
+        let (mut above, mut all) = (0_usize, 0_usize);
+        for (_, _, value) in self.cells().filter(|c| inside(c.0, c.1)) {
+            all += 1;
+            above += usize::from(value > level);
+        }
+        above as f64 / all.max(1) as f64
+    }
+
     /// Cells with their centre: (x, y, value).
     pub fn cells(&self) -> impl Iterator<Item = (f64, f64, f64)> + '_ {
         self.values.iter().enumerate().map(|(k, &value)| {

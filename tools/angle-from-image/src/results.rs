@@ -3,6 +3,7 @@
 use command_line::Header;
 use photo_profile::{DrumPixels, HeapReading, PhotoReading, Settings, Verdict};
 use serde::Serialize;
+use std::collections::BTreeMap;
 use std::path::Path;
 use surface_profile::{Definition, HighSide, SeriesSummary};
 
@@ -47,6 +48,8 @@ pub(crate) struct ImageResult {
     pub(crate) curvature: Option<f64>,
     /// Cubic coefficient in half-chords, positive when the middle is steeper, 1.
     pub(crate) s_shape: Option<f64>,
+    /// Share of the drum that the bed takes, 0 to 1, within 0.96 of its radius.
+    pub(crate) fill_level: Option<f64>,
     /// Which side stands higher.
     pub(crate) high_side: Option<HighSide>,
     /// The drum circle, px, y down.
@@ -149,6 +152,7 @@ impl ImageResult {
             mid_se_deg: degrees(angle.map(|a| a.mid_standard_error)),
             curvature: angle.map(|a| a.curvature),
             s_shape: angle.map(|a| a.s_shape),
+            fill_level: reading.fill_level,
             high_side: angle.map(|a| a.high_side),
             drum: reading.drum,
             heap: heap.map(HeapResult::new),
@@ -205,8 +209,21 @@ impl ImageResult {
     }
 }
 
-/// The JSON of several pictures together.
+/// One observable over all measured pictures.
 #[derive(Debug, Clone, Copy, Serialize)]
+pub(crate) struct Spread {
+    /// Mean.
+    mean: f64,
+    /// Standard deviation between pictures; none of one.
+    sd: Option<f64>,
+    /// Standard error of the mean, correlation between neighbours counted; none of one.
+    se: Option<f64>,
+    /// Number of independent pictures that would tell as much.
+    n_effective: f64,
+}
+
+/// The JSON of several pictures together.
+#[derive(Debug, Clone, Serialize)]
 pub(crate) struct Summary {
     /// Pictures measured.
     pub(crate) n: usize,
@@ -222,6 +239,8 @@ pub(crate) struct Summary {
     pub(crate) refused: usize,
     /// Files that could not be read.
     pub(crate) unread: usize,
+    /// All that a drum shows, by the names that studies use, each in the unit at the end of its name or in 1.
+    pub(crate) observables: BTreeMap<&'static str, Spread>,
 }
 
 impl Summary {
@@ -239,6 +258,7 @@ impl Summary {
             n_effective: finite(series.map(|s| s.n_effective)),
             refused: count("refused"),
             unread: count("error"),
+            observables: observables(images),
         }
     }
 
@@ -258,6 +278,31 @@ impl Summary {
             self.refused
         )
     }
+}
+
+/// What is measured of a drum beside the angle, over all pictures.
+fn observables(images: &[ImageResult]) -> BTreeMap<&'static str, Spread> {
+    let of = |value: fn(&ImageResult) -> Option<f64>| -> Vec<f64> {
+        images.iter().filter_map(value).collect()
+    };
+    let all = [
+        ("angle_deg", of(|i| i.high_side.and(i.angle_deg))),
+        ("curvature", of(|i| i.curvature)),
+        ("s_shape", of(|i| i.s_shape)),
+        ("fill_level", of(|i| i.fill_level)),
+    ];
+    let finite = |value: f64| value.is_finite().then_some(value);
+    let spread = |(name, values): (&'static str, Vec<f64>)| {
+        let series = surface_profile::summarise(&values).ok()?;
+        let spread = Spread {
+            mean: series.mean,
+            sd: finite(series.sd),
+            se: finite(series.standard_error),
+            n_effective: series.n_effective,
+        };
+        Some((name, spread))
+    };
+    all.into_iter().filter_map(spread).collect()
 }
 
 /// The whole JSON: the keys of the one picture at the top when there is one, and always `images`.

@@ -155,6 +155,7 @@ fn report(arguments: &Arguments, images: Vec<ImageResult>) -> anyhow::Result<u8>
         summary,
     };
     arguments.common.emit_json(&output)?;
+    let summary = &output.summary;
     Ok(if summary.unread == output.images.len() {
         ERROR
     } else if summary.refused + summary.unread > 0 {

@@ -189,11 +189,18 @@ fn two_states_have_no_mean() {
     let check = &result.check[0];
     assert!((check.simulated.mean - 1.8).abs() < 0.05, "{check:?}");
     assert_eq!(check.simulated.n_runs, 3);
-    let counts: Vec<_> = check.regimes.iter().map(|(r, n)| (r.as_str(), *n)).collect();
+    let counts: Vec<_> = check
+        .regimes
+        .iter()
+        .map(|(r, n)| (r.as_str(), *n))
+        .collect();
     assert_eq!(counts, [("rolling", 3), ("sliding", 1)]);
     let told = result.remarks.iter().find(|r| r.contains("2 states"));
     let told = told.expect("a remark tells both");
-    assert!(told.contains("3 rolling") && told.contains("1 sliding"), "{told}");
+    assert!(
+        told.contains("3 rolling") && told.contains("1 sliding"),
+        "{told}"
+    );
 }
 
 /// Seven runs of the first box, two before, three of the confirmation: 12 are certain. With 15 the second box is not begun,

@@ -69,7 +69,9 @@ fn the_stated_error_is_the_scatter_of_the_means() {
         let middle = means.iter().sum::<f64>() / 400.0;
         let scatter = means.iter().map(|m| (m - middle).powi(2)).sum::<f64>() / 399.0;
         let stated = |batch: usize| {
-            let squares = runs.iter().map(|r| error_of_mean(r, batch).unwrap().powi(2));
+            let squares = runs
+                .iter()
+                .map(|r| error_of_mean(r, batch).unwrap().powi(2));
             (squares.sum::<f64>() / 400.0 / scatter).sqrt()
         };
         assert!((stated(SWING) - 1.0).abs() < 0.2, "{}", stated(SWING));

@@ -84,7 +84,7 @@ fn a_tilted_drum_with_lifters_and_a_ramp_runs() {
     let settings = ["--set", "time_s=0.3", "--set", "seed.0.count=60"];
     let output = scene.simulate(&[&settings[..], &["--json", "--quiet"]].concat());
     assert_code(&output, 0);
-    let fill = json(&output)["observables"]["fill_level"]["mean"]
+    let fill = json(&output)["observables"]["fill_level_by_position"]["mean"]
         .as_f64()
         .unwrap();
     assert!((0.02..0.6).contains(&fill), "fill level {fill}");

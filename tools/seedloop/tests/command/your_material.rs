@@ -25,7 +25,9 @@ fn blocks() -> Vec<(&'static str, &'static str)> {
     let (_, chapter) = GUIDE.split_once("\n## Your material\n").unwrap();
     let (chapter, _) = chapter.split_once("\n## ").unwrap();
     let fenced = chapter.split("```").skip(1).step_by(2);
-    fenced.map(|block| block.split_once('\n').unwrap()).collect()
+    fenced
+        .map(|block| block.split_once('\n').unwrap())
+        .collect()
 }
 
 /// The command that belongs to a name of the guide: built with this package, or beside it.
@@ -50,7 +52,10 @@ fn program(name: &str) -> PathBuf {
 fn run(folder: &Path, line: &str) -> Output {
     let mut words = line.split_whitespace();
     let command = program(words.next().unwrap());
-    let run = Command::new(command).current_dir(folder).args(words).output();
+    let run = Command::new(command)
+        .current_dir(folder)
+        .args(words)
+        .output();
     run.unwrap()
 }
 
@@ -103,7 +108,11 @@ fn each_command_of_the_chapter_runs() {
         for line in block.lines().filter(|_| language == "sh") {
             if let Some(path) = line.strip_prefix("cargo install --locked --path ") {
                 let package = fixture("..").join(path).join("Cargo.toml");
-                assert!(package.exists(), "{line}: there is no {}", package.display());
+                assert!(
+                    package.exists(),
+                    "{line}: there is no {}",
+                    package.display()
+                );
                 continue;
             }
             if let Some(into) = line.strip_prefix("cd ") {
