@@ -52,6 +52,12 @@ pub enum Error {
         /// Index of the other.
         b: usize,
     },
+    /// No wall has the name.
+    #[error("there is no wall '{name}'")]
+    NoWall {
+        /// The name asked for.
+        name: String,
+    },
     /// A shape that is no surface of revolution was given a spin.
     #[error("wall '{wall}' spins about z but is no surface of revolution about z")]
     SpinningShape {

@@ -91,17 +91,26 @@ impl MeshWalls {
     }
 
     /// Changes velocity, spin and vibration of all walls of a name at a time (s); the centre of rotation stays.
-    /// False if there is no such wall or a number is not finite.
-    pub(crate) fn set_motion(&mut self, name: &str, motion: &Motion, time: f64) -> bool {
+    pub(crate) fn set_motion(
+        &mut self,
+        name: &str,
+        motion: &Motion,
+        time: f64,
+    ) -> Result<(), Error> {
         if !motion.is_finite() {
-            return false;
+            let what = format!("motion of wall '{name}'");
+            return Err(Error::NotFinite { what });
         }
         let mut known = false;
         for moving in self.moving.iter_mut().filter(|m| m.wall.name == name) {
             moving.set_motion(motion, time);
             known = true;
         }
-        known
+        if known {
+            Ok(())
+        } else {
+            Err(Error::NoWall { name: name.into() })
+        }
     }
 
     /// Longest way of a wall since the last search, m.

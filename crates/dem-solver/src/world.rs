@@ -242,40 +242,57 @@ impl World {
 
     /// Sets the gravity that acts from the next step on, m/s².
     ///
-    /// Changes nothing and returns false if it is not finite.
-    pub fn set_gravity(&mut self, gravity: Vector3<f64>) -> bool {
-        let finite = gravity.iter().all(|x| x.is_finite());
-        if finite {
-            self.settings.gravity = gravity;
+    /// # Errors
+    ///
+    /// [`Error::NotFinite`]; the gravity of before stays.
+    pub fn set_gravity(&mut self, gravity: Vector3<f64>) -> Result<(), Error> {
+        if gravity.iter().any(|x| !x.is_finite()) {
+            let what = "gravity in m/s2".into();
+            return Err(Error::NotFinite { what });
         }
-        finite
+        self.settings.gravity = gravity;
+        Ok(())
     }
 
     /// Sets the time step from the next step on, s.
     ///
-    /// Changes nothing and returns false if it is not above 0.
-    pub fn set_time_step(&mut self, time_step: f64) -> bool {
-        let possible = time_step > 0.0 && time_step.is_finite();
-        if possible {
-            self.settings.time_step = time_step;
+    /// # Errors
+    ///
+    /// [`Error::NotPositive`]; the time step of before stays.
+    pub fn set_time_step(&mut self, time_step: f64) -> Result<(), Error> {
+        if !(time_step > 0.0 && time_step.is_finite()) {
+            return Err(Error::NotPositive {
+                name: "time step in s",
+                value: time_step,
+            });
         }
-        possible
+        self.settings.time_step = time_step;
+        Ok(())
     }
 
     /// Sets the spin of all walls of a name, rad/s.
     ///
-    /// Changes nothing and returns false if there is no such wall, if one of them is no surface
-    /// of revolution about z, or if the spin is not finite.
-    pub fn set_wall_spin(&mut self, name: &str, spin: f64) -> bool {
+    /// # Errors
+    ///
+    /// [`Error::NoWall`], [`Error::SpinningShape`] for a spin of what is no surface of revolution about z,
+    /// [`Error::NotFinite`]; the spins of before stay.
+    pub fn set_wall_spin(&mut self, name: &str, spin: f64) -> Result<(), Error> {
+        if !spin.is_finite() {
+            let what = format!("spin of wall '{name}' in rad/s");
+            return Err(Error::NotFinite { what });
+        }
         let mut named = self.walls.iter().filter(|w| w.name == name).peekable();
-        if named.peek().is_none() || !named.all(Wall::is_axisymmetric) || !spin.is_finite() {
-            return false;
+        if named.peek().is_none() {
+            return Err(Error::NoWall { name: name.into() });
+        }
+        if spin != 0.0 && !named.all(Wall::is_axisymmetric) {
+            return Err(Error::SpinningShape { wall: name.into() });
         }
         for wall in self.walls.iter_mut().filter(|w| w.name == name) {
             wall.spin = spin;
         }
         self.choose_reference_spin();
-        true
+        Ok(())
     }
 
     /// Adds a wall of triangles at its start.
@@ -299,9 +316,12 @@ impl World {
     }
 
     /// Changes velocity, spin and vibration of all walls of triangles of a name; their centre of
-    /// rotation stays what it is, and another vibration begins where the wall stands. False if there is no
-    /// such wall or a number is not finite.
-    pub fn set_mesh_motion(&mut self, name: &str, motion: &Motion) -> bool {
+    /// rotation stays what it is, and another vibration begins where the wall stands.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::NoWall`], [`Error::NotFinite`]; the motions of before stay.
+    pub fn set_mesh_motion(&mut self, name: &str, motion: &Motion) -> Result<(), Error> {
         self.mesh_walls.set_motion(name, motion, self.time)
     }
 

@@ -127,7 +127,7 @@ pub(crate) fn assemble(
         (Some(parts), Some(settings)) => {
             let (bonds, longest) = parts.bond(settings, &world)?;
             time_steps = time_steps.at_most(longest);
-            world.set_time_step(time_steps.settling);
+            world.set_time_step(time_steps.settling)?;
             Some(bonds)
         }
         _ => None,

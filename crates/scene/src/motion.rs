@@ -181,17 +181,18 @@ impl<'a> Running<'a> {
 }
 
 /// Sets all walls in motion, and the time step for it.
-pub(crate) fn start_drive(scene: &Scene, built: &mut Built) {
+pub(crate) fn start_drive(scene: &Scene, built: &mut Built) -> Result<(), Error> {
     if let Some(surroundings) = &mut built.surroundings {
         surroundings.start(built.world.time());
     }
-    built.world.set_time_step(built.time_steps.flow);
+    built.world.set_time_step(built.time_steps.flow)?;
     for wall in scene.apparatus.walls() {
-        built.world.set_wall_spin(wall.name, wall.spin);
+        built.world.set_wall_spin(wall.name, wall.spin)?;
     }
     for mesh in &built.meshes {
-        built.world.set_mesh_motion(&mesh.name, &mesh.motion);
+        built.world.set_mesh_motion(&mesh.name, &mesh.motion)?;
     }
+    Ok(())
 }
 
 /// Runs until the seeds rest, or the limit is reached; a start slope is there when it ends.
@@ -200,10 +201,10 @@ pub(crate) fn settle(running: &mut Running<'_>, keeper: &mut dyn Keeper) -> Resu
     let gravity = scene.apparatus.gravity(scene.model.gravity_m_s2);
     let slope = start_slope(scene, &running.built.bodies) * scene.apparatus.speed().signum();
     let turn = Rotation3::new(Vector3::z() * slope);
-    running.built.world.set_gravity(turn * gravity);
-    let settled = wait_for_rest(running, keeper);
-    running.built.world.set_gravity(gravity);
-    settled
+    running.built.world.set_gravity(turn * gravity)?;
+    wait_for_rest(running, keeper)?;
+    running.built.world.set_gravity(gravity)?;
+    Ok(())
 }
 
 /// Runs until the seeds rest, or the limit is reached.
@@ -294,10 +295,13 @@ pub(crate) fn rotate(
     let every = (protocol.frame_interval.si() / SERIES_INTERVAL)
         .round()
         .max(1.0) as usize;
-    let start = running.drive_since.unwrap_or_else(|| {
-        start_drive(scene, &mut running.built);
-        running.built.world.time()
-    });
+    let start = match running.drive_since {
+        Some(since) => since,
+        None => {
+            start_drive(scene, &mut running.built)?;
+            running.built.world.time()
+        }
+    };
     running.drive_since = Some(start);
     let rule = steady_rule(scene, &running.built);
     loop {
@@ -310,7 +314,7 @@ pub(crate) fn rotate(
         } = running;
         let share = scene.apparatus.share_of_speed(built.world.time() - start);
         if let Some(share) = share {
-            set_share_of_speed(scene, built, share);
+            set_share_of_speed(scene, built, share)?;
         }
         advance(scene, built, SERIES_INTERVAL)?;
         let time = built.world.time() - start;
@@ -376,17 +380,18 @@ fn steady_rule(scene: &Scene, built: &Built) -> SteadyRule {
 }
 
 /// Turns everything that turns with the drive at a share of its speed.
-fn set_share_of_speed(scene: &Scene, built: &mut Built, share: f64) {
+fn set_share_of_speed(scene: &Scene, built: &mut Built, share: f64) -> Result<(), Error> {
     for wall in scene.apparatus.walls() {
-        built.world.set_wall_spin(wall.name, wall.spin * share);
+        built.world.set_wall_spin(wall.name, wall.spin * share)?;
     }
     for mesh in scene.apparatus.mesh_walls() {
         let motion = Motion {
             spin: mesh.motion.spin * share,
             ..mesh.motion
         };
-        built.world.set_mesh_motion(&mesh.name, &motion);
+        built.world.set_mesh_motion(&mesh.name, &motion)?;
     }
+    Ok(())
 }
 
 /// Poses of all seeds.

@@ -26,7 +26,7 @@ pub(crate) fn release(scene: &Scene, built: Built) -> Result<Released, Error> {
     settle(&mut running, &mut NoKeeper)?;
     let mut built = running.built;
     for mesh in &built.meshes {
-        built.world.set_mesh_motion(&mesh.name, &mesh.motion);
+        built.world.set_mesh_motion(&mesh.name, &mesh.motion)?;
     }
     let start = built.world.time();
     if let Some(surroundings) = &mut built.surroundings {

@@ -330,7 +330,7 @@ pub fn running_world(
     scene.require_bed()?;
     let bodies = seed_bodies(scene, library)?;
     let mut built = assemble(scene, bodies, mesh_walls(scene)?, placements)?;
-    start_drive(scene, &mut built);
+    start_drive(scene, &mut built)?;
     Ok(built.world)
 }
 
@@ -344,7 +344,7 @@ pub fn settled_world(scene: &Scene, library: &FillingLibrary, seed: u64) -> Resu
     let mut running = Running::new(scene, build(scene, library, seed)?, None)?;
     settle(&mut running, &mut NoKeeper)?;
     let mut built = running.built;
-    start_drive(scene, &mut built);
+    start_drive(scene, &mut built)?;
     Ok(built.world)
 }
 

@@ -85,7 +85,7 @@ pub(crate) fn flowing(arguments: &Arguments, count: usize) -> anyhow::Result<Sph
     let mut world = drum.world(PREPARATION_STEP)?;
     run(&mut world, FALL_S)?;
     drum.spin = scene.apparatus.speed();
-    world.set_wall_spin("shell", drum.spin);
+    world.set_wall_spin("shell", drum.spin)?;
     run(&mut world, START_UP_S)?;
     let tiles = count / SPHERES_OF_TILE;
     drum.placements = side_by_side(world.bodies(), tiles, drum.width);

@@ -173,10 +173,9 @@ fn loads_are_those_of_the_plain_loop_in_a_drum() {
     let mut history = plain::History::default();
     let mut most = [0; 2];
     for spin in [0.0, 12.0, -20.0, 3.0] {
-        assert!(
-            world.set_wall_spin("shell", spin) && world.set_wall_spin("cover", spin),
-            "named"
-        );
+        for name in ["shell", "cover"] {
+            world.set_wall_spin(name, spin).expect("named");
+        }
         let now = hold_to_the_plain_loop(&mut world, &mut history, 300);
         most = [most[0].max(now[0]), most[1].max(now[1])];
     }
@@ -214,10 +213,9 @@ fn loads_are_those_of_the_plain_loop_with_every_law() {
     let mut history = plain::History::default();
     let mut most = [0; 2];
     for spin in [12.0, -20.0] {
-        assert!(
-            world.set_wall_spin("shell", spin) && world.set_wall_spin("cover", spin),
-            "named"
-        );
+        for name in ["shell", "cover"] {
+            world.set_wall_spin(name, spin).expect("named");
+        }
         let now = hold_to_the_plain_loop(&mut world, &mut history, 300);
         most = [most[0].max(now[0]), most[1].max(now[1])];
     }
@@ -259,7 +257,9 @@ fn loads_are_those_of_the_plain_loop_for_plain_spheres() {
         let laws = vec![surface; 4];
         let mut world =
             World::new(settings, templates(), laws, drum(1.0), &starts).expect("possible");
-        assert!(world.set_wall_spin("shell", 4.0), "the shell may turn");
+        world
+            .set_wall_spin("shell", 4.0)
+            .expect("the shell may turn");
         hold_to_the_plain_loop(&mut world, &mut plain::History::default(), 8000)[0]
     };
     assert!(most(true, FurtherLaws::default()) > 20, "few contacts");
@@ -307,7 +307,7 @@ fn loads_are_those_of_the_plain_loop_at_a_moving_mesh() {
         let mut history = plain::History::default();
         let mut pushed = 0_usize;
         for (motion, parts) in [(turns, 25), (goes_and_trembles, 20), (stands, 10)] {
-            assert!(world.set_mesh_motion("paddle", &motion), "named");
+            world.set_mesh_motion("paddle", &motion).expect("named");
             for _ in 0..parts {
                 hold_to_the_plain_loop(&mut world, &mut history, 40);
                 let (force, _) = world.mesh_loads().next().expect("one mesh");
@@ -325,7 +325,9 @@ fn loads_are_those_of_the_plain_loop_at_a_plate() {
     walls.push(plate());
     let starts = fallen(1.0, walls.clone());
     let mut world = world_of(1.0, settings_of(1.0), walls, &starts);
-    assert!(world.set_wall_spin("shell", 10.0), "the shell may turn");
+    world
+        .set_wall_spin("shell", 10.0)
+        .expect("the shell may turn");
     let most = hold_to_the_plain_loop(&mut world, &mut plain::History::default(), 600);
     assert!(
         most[0] > 50 && most[1] > 30,
@@ -348,7 +350,9 @@ fn no_skin_or_margin_loses_a_contact() {
             ..settings_of(1.0)
         };
         let mut world = world_of(1.0, settings, drum(1.0), &starts);
-        assert!(world.set_wall_spin("shell", 12.0), "the shell may turn");
+        world
+            .set_wall_spin("shell", 12.0)
+            .expect("the shell may turn");
         let most = hold_to_the_plain_loop(&mut world, &mut plain::History::default(), 200);
         assert!(most[0] > 50, "too few contacts to mean anything: {most:?}");
     }
@@ -360,7 +364,9 @@ fn no_contact_is_lost_between_large_bodies() {
     let size = 150.0;
     let starts = fallen(size, drum(size));
     let mut world = world_of(size, settings_of(size), drum(size), &starts);
-    assert!(world.set_wall_spin("shell", 1.0), "the shell may turn");
+    world
+        .set_wall_spin("shell", 1.0)
+        .expect("the shell may turn");
     let most = hold_to_the_plain_loop(&mut world, &mut plain::History::default(), 600);
     assert!(
         most[0] > 50 && most[1] > 30,

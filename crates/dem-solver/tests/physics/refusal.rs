@@ -5,7 +5,7 @@ use crate::scene::{
     smooth, sticky,
 };
 use dem_solver::{
-    DashpotMass, Error, Interaction, Placement, Settings, Shape, Template, Wall, World,
+    DashpotMass, Error, Interaction, Motion, Placement, Settings, Shape, Template, Wall, World,
 };
 use nalgebra::{UnitQuaternion, Vector3};
 use random_stream::Stream;
@@ -162,17 +162,36 @@ fn only_a_surface_of_revolution_may_spin() {
     let mut parts = good();
     parts.walls.push(wall(Shape::Cylinder { radius: 0.1 }, 1.0));
     let mut world = build(parts).expect("a cylinder may spin");
-    assert!(world.set_wall_spin("spoiled", 2.0), "a cylinder may spin");
-    assert!(!world.set_wall_spin("spoiled", f64::NAN), "NaN is no spin");
-    assert!(
-        !world.set_wall_spin("plane", 2.0),
-        "this plane may not spin"
-    );
-    assert!(
-        !world.set_wall_spin("nothing", 2.0),
-        "there is no such wall"
-    );
+    let mut refusal = |name: &str, spin: f64| {
+        let set = world.set_wall_spin(name, spin);
+        set.expect_err("it cannot be meant").to_string()
+    };
+    assert!(refusal("spoiled", f64::NAN).contains("not a finite"));
+    assert!(refusal("plane", 2.0).contains("'plane' spins"));
+    assert!(refusal("nothing", 2.0).contains("no wall 'nothing'"));
+    world.set_wall_spin("plane", 0.0).expect("it stands anyway");
+    world.set_wall_spin("spoiled", 2.0).expect("a cylinder may");
     assert_eq!([world.walls()[0].spin, world.walls()[1].spin], [0.0, 2.0]);
+}
+
+/// What is refused is told, and what was set before stays.
+#[test]
+fn gravity_steps_and_motions_that_cannot_be_meant_are_errors() {
+    let mut world = build(good()).expect("a world");
+    let before = *world.settings();
+    let gravity = world.set_gravity(Vector3::new(0.0, f64::NAN, 0.0));
+    assert!(gravity.expect_err("NaN").to_string().contains("gravity"));
+    for step in [0.0, -1e-4, f64::INFINITY] {
+        let set = world.set_time_step(step).expect_err("no step");
+        assert!(set.to_string().contains("time step"), "{set}");
+    }
+    let none = world.set_mesh_motion("paddle", &Motion::default());
+    assert!(
+        none.expect_err("none")
+            .to_string()
+            .contains("no wall 'paddle'")
+    );
+    assert_eq!(*world.settings(), before);
 }
 
 #[test]
