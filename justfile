@@ -117,6 +117,11 @@ two-rulers *ARGS:
 step-study FOLDER="out/time-step" RUNS="10":
     cargo run --release --locked -p study --example time_step -- {{FOLDER}} {{RUNS}}
 
+# RUNS runs at each of four frictions and three speeds (20 minutes for 20). Finished runs in FOLDER are found again.
+# Show whether the standard error that a run states is the scatter of many runs.
+steady-state FOLDER="out/steady-state" RUNS="20":
+    cargo run --release --locked -p study --example steady_state -- {{FOLDER}} {{RUNS}}
+
 # RUNS runs at each of ten levels of the drum (a quarter of an hour for 5). Finished runs in FOLDER are found again.
 # Test the rolling friction of each pair of surfaces alone, as the study did.
 rolling-levels FOLDER="out/rolling-levels" RUNS="5":

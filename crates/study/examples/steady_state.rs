@@ -46,6 +46,8 @@ struct Run {
     start_up: f64,
     /// Time of rotation in all, s.
     turned: f64,
+    /// Mean direction of the centre of mass in the first half of what is kept less that in the second, deg.
+    fall: f64,
 }
 
 /// Reads a record; none of a run that is not steady.
@@ -68,9 +70,22 @@ fn run_of(record: &Record) -> Result<Option<Run>, Box<dyn Error>> {
             error,
             start_up,
             turned,
+            fall: fall(&details, start_up),
         }),
         _ => None,
     })
+}
+
+/// First half less second half of the kept series of a run, deg.
+fn fall(details: &RunDetails, start_up: f64) -> f64 {
+    let series = &details.series;
+    let pairs = series.time_s.iter().zip(&series.centre_of_mass_deg);
+    let kept: Vec<f64> = pairs
+        .filter(|(t, _)| **t >= start_up)
+        .map(|(_, a)| *a)
+        .collect();
+    let (early, late) = kept.split_at(kept.len() / 2);
+    mean(early.iter().copied()) - mean(late.iter().copied())
 }
 
 /// Mean of numbers; NaN of none.
@@ -109,9 +124,9 @@ fn main() -> Result<(), Box<dyn Error>> {
         .collect();
     let records = campaign.run_all(&simulator, &requests)?;
     println!(
-        "| friction | rpm | runs | steady | start-up, s | turned, s | angle, deg | scatter of runs, deg | error stated, deg | ratio |"
+        "| friction | rpm | runs | steady | start-up, s | turned, s | angle, deg | scatter of runs, deg | error stated, deg | ratio | first half less second, deg |"
     );
-    println!("|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|");
+    println!("|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|");
     let (mut scatter_of_all, mut stated_of_all) = (0.0, 0.0);
     for (&(friction, rpm), records) in cells.iter().zip(records.chunks(usize::try_from(runs)?)) {
         let steady: Vec<Run> = records
@@ -126,16 +141,19 @@ fn main() -> Result<(), Box<dyn Error>> {
         let told = mean_and_error(records, "angle_deg", 2);
         let scatter = steady.iter().map(|r| (r.mean - angle).powi(2)).sum::<f64>() / (n - 1.0);
         let stated = mean(steady.iter().map(|r| r.error.powi(2)));
+        let fall = mean(steady.iter().map(|r| r.fall));
+        let squares: f64 = steady.iter().map(|r| (r.fall - fall).powi(2)).sum();
         scatter_of_all += scatter;
         stated_of_all += stated;
         println!(
-            "| {friction} | {rpm} | {runs} | {} | {:.2} | {:.2} | {told} | {:.3} | {:.3} | {:.2} |",
+            "| {friction} | {rpm} | {runs} | {} | {:.2} | {:.2} | {told} | {:.3} | {:.3} | {:.2} | {fall:.2} +- {:.2} |",
             steady.len(),
             mean(steady.iter().map(|r| r.start_up)),
             mean(steady.iter().map(|r| r.turned)),
             scatter.sqrt(),
             stated.sqrt(),
             (stated / scatter).sqrt(),
+            (squares / (n - 1.0) / n).sqrt(),
         );
     }
     println!(
