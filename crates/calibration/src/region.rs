@@ -25,10 +25,16 @@ impl Region {
         let (mut low, mut high) = (Vec::new(), Vec::new());
         for ((c, h), parameter) in centre.iter().zip(half).zip(parameters) {
             let [least, most] = parameter.limits;
-            let width = (2.0 * h).min(most - least);
-            let from = (c - 0.5 * width).clamp(least, most - width);
+            let width = 2.0 * h;
+            let [from, to] = if width >= most - least {
+                [least, most]
+            } else {
+                // Rounding can put an end a digit outside: the limits have the last word.
+                let from = (c - h).min(most - width).max(least);
+                [from, (from + width).min(most)]
+            };
             low.push(from);
-            high.push(from + width);
+            high.push(to);
         }
         Self { low, high }
     }
@@ -53,8 +59,15 @@ impl Region {
         (value - self.centre(j)) / self.half(j)
     }
 
-    /// A coordinate as a value of a parameter.
+    /// A coordinate as a value of a parameter; the ends of the range to the last digit.
     pub(crate) fn natural(&self, j: usize, coded: f64) -> f64 {
+        if coded.abs() == 1.0 {
+            return if coded > 0.0 {
+                self.high[j]
+            } else {
+                self.low[j]
+            };
+        }
         self.centre(j) + coded * self.half(j)
     }
 }
@@ -85,5 +98,28 @@ mod tests {
         assert!((region.low[0] - 0.6).abs() < 1e-15, "{region:?}");
         assert!((region.high[0] - 1.0).abs() < 1e-15, "{region:?}");
         assert_eq!((region.low[1], region.high[1]), (0.0, 1.0));
+    }
+
+    /// Limits whose width is rounded, such as 0.04 to 0.42: a box as wide as they are is they, to the last digit, its faces
+    /// are its ends, and no box of any width leaves them.
+    #[test]
+    fn rounding_takes_no_box_out_of_the_limits() {
+        for i in 1..200 {
+            let limits = [f64::from(i) * 0.01, f64::from(i) * 0.01 + 0.38];
+            let parameters = [parameter(limits)];
+            for half in [0.01, 0.1, 0.19, 0.3] {
+                for centre in [limits[0] - 0.1, limits[0], 0.5, limits[1] + 0.1] {
+                    let region = Region::about(&[centre], &[half], &parameters);
+                    assert!(
+                        region.low[0] >= limits[0] && region.high[0] <= limits[1],
+                        "{region:?}"
+                    );
+                    assert_eq!(region.natural(0, 1.0), region.high[0]);
+                    assert_eq!(region.natural(0, -1.0), region.low[0]);
+                }
+            }
+            let whole = Region::about(&[0.5], &[0.3], &parameters);
+            assert_eq!((whole.low[0], whole.high[0]), (limits[0], limits[1]));
+        }
     }
 }
