@@ -295,12 +295,11 @@ pub(crate) fn rotate(
     let every = (protocol.frame_interval.si() / SERIES_INTERVAL)
         .round()
         .max(1.0) as usize;
-    let start = match running.drive_since {
-        Some(since) => since,
-        None => {
-            start_drive(scene, &mut running.built)?;
-            running.built.world.time()
-        }
+    let start = if let Some(since) = running.drive_since {
+        since
+    } else {
+        start_drive(scene, &mut running.built)?;
+        running.built.world.time()
     };
     running.drive_since = Some(start);
     let rule = steady_rule(scene, &running.built);

@@ -88,7 +88,7 @@ const LEAST_FRAMES: f64 = 5.0;
 /// The standard error of the standard deviation s of n independent normal values is `s / sqrt(2 (n - 1))`.
 fn fluctuation(angles: &[f64]) -> Option<MeasuredValue> {
     let series = summarise(angles).ok()?;
-    (series.sd > 0.0 && series.n_effective >= LEAST_FRAMES).then(|| MeasuredValue {
+    (series.sd > 0.0 && series.n_effective >= LEAST_FRAMES).then_some(MeasuredValue {
         mean: series.sd,
         sd: series.sd * std::f64::consts::FRAC_1_SQRT_2,
         n: series.n_effective - 1.0,
