@@ -12,7 +12,7 @@ name = "tiny"
 [[scene]]
 name = "drum"
 file = "tiny.toml"
-changes = ["seed.0.count = 64", "protocol.frames = 8", "protocol.rotation_limit = 3 s"]
+changes = ["seed.0.count = 100", "protocol.frames = 8", "protocol.rotation_limit = 3 s", "protocol.start_slope = 0 deg"]
 
 [[parameter]]
 symbol = "F"

@@ -11,7 +11,13 @@ use std::time::Duration;
 #[test]
 fn a_run_gives_its_observables_parameters_timing_and_origin() {
     let scene = TinyScene::new();
-    let output = scene.simulate(&["--json", "--quiet", "--seed", "7"]);
+    let output = scene.simulate(&[
+        "protocol.start_slope=0 deg",
+        "--json",
+        "--quiet",
+        "--seed",
+        "7",
+    ]);
     assert_code(&output, 0);
     assert!(output.stderr.is_empty(), "quiet says nothing");
     let json = json(&output);
@@ -20,11 +26,7 @@ fn a_run_gives_its_observables_parameters_timing_and_origin() {
     // A bed that rises on the right: between flat and vertical.
     assert!((0.0..90.0).contains(&mean), "{mean}");
     assert!(angle["sd"].is_f64(), "several frames have a spread");
-    assert!(
-        (2..=4).contains(&angle["n"].as_u64().unwrap()),
-        "{}",
-        angle["n"]
-    );
+    assert!(angle["n"].as_u64().unwrap() >= 2, "{}", angle["n"]);
     assert_eq!(angle["unit"], "deg");
     let timing = &json["timing"];
     assert_eq!(
@@ -41,8 +43,10 @@ fn a_run_gives_its_observables_parameters_timing_and_origin() {
         timing.get("cpu_s").is_some(),
         "null where it is not measured, never absent"
     );
-    let regime = json["regime"].as_str().unwrap();
-    assert!(["rolling", "sliding"].contains(&regime), "{regime}");
+    // 0.8 s of rotation are less than the start-up and four swings of such a bed.
+    assert_eq!(json["regime"], "not steady");
+    assert_eq!(json["steady"], false);
+    assert!(json["doubt"].as_str().unwrap().contains("four swings"));
     assert_eq!(json["version"], env!("CARGO_PKG_VERSION"));
     assert_eq!(json["seed"], 7);
     let inputs = json["inputs"].as_object().unwrap();
@@ -87,7 +91,13 @@ fn settings_are_reached_by_short_name_and_by_dotted_path() {
 #[test]
 fn a_record_is_kept_and_taken_again_on_resume_only() {
     let scene = TinyScene::new();
-    let run = ["--out", "results", "--set", "time_s=0.2"];
+    let run = [
+        "protocol.start_slope=0 deg",
+        "--out",
+        "results",
+        "--set",
+        "time_s=0.2",
+    ];
     let first = scene.simulate(&[&run[..], &["--json", "first.json"]].concat());
     assert_code(&first, 0);
     let table = text(&first.stdout);
