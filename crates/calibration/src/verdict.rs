@@ -83,23 +83,53 @@ pub(crate) fn verdict(
         1 => "the one kept for the check holds".to_owned(),
         n => format!("the {n} kept for the check hold"),
     };
-    let vague: Vec<String> = check.iter().filter(|row| is_vague(row)).map(name).collect();
-    let but = if vague.is_empty() {
-        String::new()
-    } else {
-        format!(
-            "; the parameters are known so little that the check on {} tests next to nothing",
-            vague.join(", ")
-        )
-    };
-    (true, format!("{fit_words}, and {check_words}{but}"))
+    (
+        true,
+        format!("{fit_words}, and {check_words}{}", doubts(check)),
+    )
 }
 
-/// Whether the uncertainty of the parameters alone makes a check this much vaguer than the measurement: three times its
-/// standard error.
-fn is_vague(row: &Comparison) -> bool {
-    let error = row.measured.sd / row.measured.n.sqrt();
-    row.parameter_se.is_some_and(|se| se > 3.0 * error)
+/// How much larger than twice the standard error of a measurement a difference may be that its check still bears.
+const BEARABLE: f64 = 3.0;
+
+/// What makes checks that hold worth next to nothing, as further parts of the sentence: parameters or simulated means that
+/// are known so little that three times the difference that the measurement alone would bear would pass.
+fn doubts(check: &[Comparison]) -> String {
+    let (mut parameters, mut runs) = (Vec::new(), Vec::new());
+    for row in check {
+        let error = row.measured.sd / row.measured.n.sqrt();
+        let of_parameters = row.parameter_se.unwrap_or(0.0);
+        let all = error.hypot(row.simulated.se).hypot(of_parameters);
+        let bears = row.z_limit * all;
+        if bears <= BEARABLE * 2.0 * error {
+            continue;
+        }
+        let told = format!(
+            "{}, which would bear a difference of {bears:.2},",
+            name(row)
+        );
+        if of_parameters > row.simulated.se {
+            parameters.push(told);
+        } else {
+            runs.push(told);
+        }
+    }
+    let part = |what: &str, rows: &[String], end: &str| {
+        if rows.is_empty() {
+            String::new()
+        } else {
+            format!(
+                "; {what} so little that the check on {} tests next to nothing{end}",
+                rows.join(" and on ")
+            )
+        }
+    };
+    part("the parameters are known", &parameters, "")
+        + &part(
+            "the simulated mean is known",
+            &runs,
+            ": it needs more check_runs",
+        )
 }
 
 /// A measurement in words.

@@ -1,7 +1,7 @@
 //! Estimates, intervals and what the data leave open.
 
 use super::toy::{Toy, measured, model, parameter, problem, run, shown, value};
-use calibration::{Prior, Role};
+use calibration::{LoopSettings, Prior, Role};
 
 /// y = 2 a without noise, measured 1.2 +- 0.1 (ten values): a = 0.6, se = 0.1 / sqrt(10) / 2, and the interval is
 /// t(9) = 2.262 standard errors wide on each side, because the standard deviation comes from ten values.
@@ -278,6 +278,44 @@ fn a_check_that_open_parameters_make_vague_is_told_as_such() {
         "{}",
         result.verdict
     );
+}
+
+/// Two runs of the check, 0.4 apart, have one degree of freedom: Student's t is 12.7, and 1.5 measured beside 2.0 shown, thirty
+/// of its own standard errors, cannot be turned down. The verdict says what the check would bear, and what it needs.
+#[test]
+fn a_check_of_two_runs_that_scatter_is_told_as_such() {
+    let toy = Toy {
+        law: |model, p| {
+            let scatter = 0.4 * (p("seed") % 2.0);
+            shown(
+                "y",
+                if model == "fit" {
+                    2.0 * p("a")
+                } else {
+                    3.0 * p("a") + scatter
+                },
+            )
+        },
+        noise: 0.001,
+    };
+    let problem = problem(
+        vec![parameter("a", [0.0, 1.0])],
+        vec![model("fit", &[0]), model("kept", &[0])],
+        vec![
+            measured(0, "y", Role::Fit, (1.2, 0.005)),
+            measured(1, "y", Role::Check, (1.5, 0.05)),
+        ],
+    );
+    let settings = LoopSettings {
+        check_runs: 2,
+        joint: false,
+        ..LoopSettings::default()
+    };
+    let result = super::toy::run_with(&toy, &problem, &settings).unwrap();
+    assert!(result.check[0].holds, "{:?}", result.check);
+    for part in ["would bear a difference of 2.4", "more check_runs"] {
+        assert!(result.verdict.contains(part), "{}", result.verdict);
+    }
 }
 
 /// The check is another observable of the same runs, z = 3 a, measured far from what a = 0.6 shows: the surfaces know it, and
