@@ -102,7 +102,8 @@ pub(crate) fn with_decimals_of(value: f64, se: Option<f64>) -> String {
 /// A number and its standard error with the unit, such as "36.25 ± 0.19°"; an empty unit for a number without unit.
 pub(crate) fn with_error(value: f64, se: Option<f64>, unit: &str) -> String {
     let number = with_decimals_of(value, se);
-    let text = match se.filter(|se| se.is_finite()) {
+    // A single run has no scatter, and what rounding leaves of one is none.
+    let text = match se.filter(|se| se.is_finite() && *se > EXACT) {
         Some(error) => format!("{number} ± {}", with_decimals_of(error, se)),
         None => number,
     };
@@ -169,7 +170,9 @@ mod tests {
         assert_eq!(with_error(1234.4, Some(31.0), "mm"), "1234 ± 31 mm");
         assert_eq!(with_error(0.33, None, "1"), "0.330");
         assert_eq!(with_error(0.33, Some(f64::INFINITY), ""), "0.330");
-        assert_eq!(with_error(2.0, Some(0.0), ""), "2.00 ± 0");
+        // One run has no scatter, and a smooth plate none beyond rounding.
+        assert_eq!(with_error(2.0, Some(0.0), ""), "2.00");
+        assert_eq!(with_error(0.32, Some(1.1e-12), ""), "0.320");
     }
 
     #[test]
