@@ -140,14 +140,14 @@ impl Report {
     /// The observables as a table, and how the run went.
     pub(super) fn text(&self) -> String {
         let mut text = format!(
-            "{:<26}{:>12}{:>12}{:>6}  unit\n",
+            "{:<32}{:>12}{:>12}{:>6}  unit\n",
             "observable", "mean", "sd", "n"
         );
         for (name, o) in &self.observables {
             let sd = o.sd.map_or_else(|| "-".to_owned(), |sd| format!("{sd:.4}"));
             add(
                 &mut text,
-                format_args!("{name:<26}{:>12.4}{sd:>12}{:>6}  {}\n", o.mean, o.n, o.unit),
+                format_args!("{name:<32}{:>12.4}{sd:>12}{:>6}  {}\n", o.mean, o.n, o.unit),
             );
         }
         text.push('\n');
