@@ -4,12 +4,12 @@ use crate::{Error, RunDetails};
 use campaign::RunOutcome;
 use photo_profile::Verdict;
 use run_store::Observation;
-use scene::{Apparatus, RunResult, Scene};
+use scene::{Apparatus, Ending, RunResult, Scene};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use surface_profile::{SeriesSummary, summarise};
 
-/// The regime of a run whose bed was not steady, or whose seeds did not come to rest, before its limit.
+/// The regime of a run whose bed was not steady before its limit.
 pub const NOT_STEADY: &str = "not steady";
 
 /// What a run took; it is kept in the details and changes no result.
@@ -160,11 +160,12 @@ fn no_surface(result: &RunResult) -> scene::Error {
     }
 }
 
-/// How a run ended up: a bed that was not steady is no rolling one and no sliding one, so that it enters no mean of
-/// either; the details say why.
+/// How a run ended up: a turning bed that was not steady is no rolling one and no sliding one, so that it enters no mean
+/// of either. What was let go keeps its regime though beads may still roll over the floor: its slope stands, and without
+/// rolling friction they never stop. The details say why in both cases.
 fn regime_of(result: &RunResult) -> Option<String> {
-    match result.ending.is_steady() {
-        Some(false) => Some(NOT_STEADY.to_owned()),
+    match result.ending {
+        Ending::Turned(state) if state.doubt.is_some() => Some(NOT_STEADY.to_owned()),
         _ => word(result.regime),
     }
 }

@@ -176,7 +176,8 @@ pub struct Protocol {
     pub session: Option<f64>,
     /// Longest time of rotation, or of waiting for rest after a wall is lifted; 6 s where absent.
     pub rotation_limit: Time,
-    /// Time between frames: at least the correlation time of the surface; 0.2 s where absent.
+    /// Time between frames; 0.2 s where absent. An error of a mean over frames is that of whole swings, however close they
+    /// lie.
     pub frame_interval: Time,
     /// Least number of frames in the steady state; 10 where absent.
     pub frames: usize,
