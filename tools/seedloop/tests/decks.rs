@@ -142,8 +142,8 @@ fn compare(variable: &str, format: &str) {
 }
 
 /// The bed here stands where both codes had it, within 3 standard errors of the difference: some 1.1 deg, since one run
-/// scatters by 0.7 to 0.8. The two codes began in the same places, so that their mean is that of eight runs, not of sixteen.
-/// With a friction of 0.2 in place of 0.1 the bed stands 6 deg higher.
+/// scatters by 0.7 to 0.8. Runs of one seed resemble each other in the two codes, so that their mean is taken as that of
+/// eight runs, not of sixteen. With a friction of 0.2 in place of 0.1 the bed stands 6 deg higher.
 #[test]
 fn bed_angle_is_what_lammps_and_liggghts_gave() {
     let folder = scene_folder();
