@@ -51,6 +51,8 @@ pub struct Progress {
     world: Snapshot,
     /// Its time when the drive started, s; none while the seeds settle.
     drive_since: Option<f64>,
+    /// Time of one swing of the bed as it lay then, s.
+    swing: Option<f64>,
     /// The bed over time since then.
     series: Vec<SeriesPoint>,
     /// Frames, each with the number of values of the series before it.
@@ -102,6 +104,8 @@ pub(crate) struct Running<'a> {
     pub(crate) built: Built,
     /// Time of the world when the drive started, s.
     drive_since: Option<f64>,
+    /// Time of one swing of the bed as it lay then, s.
+    swing: Option<f64>,
     /// The bed since then.
     series: Vec<SeriesPoint>,
     /// Frames since then.
@@ -120,6 +124,7 @@ impl<'a> Running<'a> {
                 scene,
                 built,
                 drive_since: None,
+                swing: None,
                 series: Vec::new(),
                 frames: Vec::new(),
             });
@@ -151,6 +156,7 @@ impl<'a> Running<'a> {
             scene,
             built,
             drive_since: left.drive_since,
+            swing: left.swing,
             series: left.series,
             frames: left.frames,
         })
@@ -170,6 +176,7 @@ impl<'a> Running<'a> {
         let progress = Progress {
             world: self.built.world.snapshot(),
             drive_since: self.drive_since,
+            swing: self.swing,
             series: self.series.clone(),
             frames: self.frames.clone(),
         };
@@ -302,7 +309,12 @@ pub(crate) fn rotate(
         running.built.world.time()
     };
     running.drive_since = Some(start);
-    let rule = steady_rule(scene, &running.built);
+    // That of the bed at the start, also in a run that goes on from where it was left.
+    let swing = running
+        .swing
+        .unwrap_or_else(|| swing_of(scene, &running.built));
+    running.swing = Some(swing);
+    let rule = steady_rule(scene, swing);
     loop {
         running.offer(keeper)?;
         let Running {
@@ -345,8 +357,8 @@ pub(crate) fn rotate(
     }
 }
 
-/// What a rotation must show: the swing is that of the bed as it lies when the drive starts.
-fn steady_rule(scene: &Scene, built: &Built) -> SteadyRule {
+/// Time of one swing of the bed as it lies, s.
+fn swing_of(scene: &Scene, built: &Built) -> f64 {
     let (radius, gravity) = (scene.apparatus.radius(), scene.model.gravity_m_s2);
     let bodies = built.world.bodies();
     let (mut mass, mut square, mut centre) = (0.0, 0.0, Vector3::zeros());
@@ -357,7 +369,11 @@ fn steady_rule(scene: &Scene, built: &Built) -> SteadyRule {
         centre += m * position;
     }
     let arm = (centre / mass).xy().norm();
-    let swing = swing_time(square / mass, arm, radius, gravity);
+    swing_time(square / mass, arm, radius, gravity)
+}
+
+/// What a rotation must show, for a bed that swings in a time (s).
+fn steady_rule(scene: &Scene, swing: f64) -> SteadyRule {
     let least = LEAST_START_UP * swing;
     let start_up = scene.protocol.start_up.map_or(least, |t| t.si().max(least));
     let values = |time: f64| {

@@ -2,7 +2,7 @@
 
 mod coarse;
 
-use scene::{FillingLibrary, Keeper, Progress, RunResult, Scene, run, run_on};
+use scene::{Ending, FillingLibrary, Keeper, Progress, RunResult, Scene, run, run_on};
 
 /// Few coarse seeds in a slice of the study's drum, for a second.
 fn drum() -> Scene {
@@ -46,12 +46,12 @@ impl Keeper for StopAfter {
 fn all_of(result: &RunResult) -> String {
     let (series, frames) = (&result.series, &result.frames);
     format!(
-        "{series:?} {frames:?} {:?} {}",
-        result.further, result.n_steps
+        "{series:?} {frames:?} {:?} {:?} {}",
+        result.ending, result.further, result.n_steps
     )
 }
 
-/// Stopped while the seeds appear or fall (interval 5) or while the drum turns (interval 40), written as
+/// Stopped while the seeds appear or fall (interval 5), or while the drum turns and the bed swings (40 and 60), written as
 /// text, read and continued: every digit is that of the run that was never stopped.
 #[test]
 fn a_run_that_was_stopped_goes_on_with_the_same_bits() {
@@ -62,7 +62,7 @@ fn a_run_that_was_stopped_goes_on_with_the_same_bits() {
 fn goes_on_with_the_same_bits(scene: &Scene) {
     let library = FillingLibrary::default();
     let whole = all_of(&run(scene, &library, 3).expect("runs"));
-    for intervals in [5, 40] {
+    for intervals in [5, 40, 60] {
         let mut stop = StopAfter {
             left: intervals,
             text: None,
@@ -103,4 +103,34 @@ fn a_state_of_another_scene_is_refused() {
         let error = run_on(&fewer, &library, 3, 1, Some(left), &mut stop).unwrap_err();
         assert!(error.to_string().contains(reason), "{error}");
     }
+}
+
+/// The swing by which a bed is judged is that of its start. A continued run takes it from the state and does not measure the
+/// moving bed anew: with twice the swing in the state it is judged by twice the swing.
+#[test]
+fn a_continued_run_is_judged_by_the_swing_of_its_start() {
+    let library = FillingLibrary::default();
+    let swing_of = |factor: f64| {
+        let mut stop = StopAfter {
+            left: 60,
+            text: None,
+        };
+        let _ = run_on(&drum(), &library, 3, 1, None, &mut stop);
+        let text = stop.text.expect("a state was kept");
+        let mut state: serde_json::Value = serde_json::from_str(&text).expect("reads back");
+        let swing = state["swing"].as_f64().expect("the drive runs");
+        state["swing"] = (factor * swing).into();
+        let left = serde_json::from_value(state).expect("a state");
+        let mut never = StopAfter {
+            left: usize::MAX,
+            text: None,
+        };
+        let continued = run_on(&drum(), &library, 3, 1, Some(left), &mut never);
+        match continued.expect("goes on").ending {
+            Ending::Turned(state) => state.swing,
+            other => panic!("it turned: {other:?}"),
+        }
+    };
+    // Whole values of the series, each rounded.
+    assert!(swing_of(2.0).abs_diff(2 * swing_of(1.0)) <= 1);
 }
