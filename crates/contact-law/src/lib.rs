@@ -2,7 +2,8 @@
 //!
 //! One law, one file. In the force loop of the solver: [`hertz_mindlin`] (elastic and damping forces,
 //! sliding friction) with [`viscoelastic_damping`] and [`rate_dependent_friction`],
-//! [`rolling_constant_torque`] and [`rolling_spring_dashpot`] (rolling resistance, types A and C),
+//! [`rolling_constant_torque`] and [`rolling_spring_dashpot`] (rolling resistance, types A and C) with the arm of
+//! [`rolling_lever`],
 //! [`constant_attraction`] (cohesion), [`capillary_bridge`] (liquid bridges). With forces added to a
 //! step: [`bond`] (bonded agglomerates). As functions only, not offered by the force loop:
 //! [`johnson_kendall_roberts`] and [`linear_cohesion`] (dry adhesion). [`material`] holds the elastic constants of the two sides,
@@ -19,6 +20,7 @@ pub mod linear_cohesion;
 pub mod material;
 pub mod rate_dependent_friction;
 pub mod rolling_constant_torque;
+pub mod rolling_lever;
 pub mod rolling_spring_dashpot;
 pub mod viscoelastic_damping;
 
@@ -28,6 +30,7 @@ pub use hertz_mindlin::{
 };
 pub use material::{EffectiveModuli, Material};
 pub use rate_dependent_friction::RateDependentFriction;
+pub use rolling_lever::RollingLever;
 pub use rolling_spring_dashpot::RollingSpringDashpot;
 pub use viscoelastic_damping::ViscoelasticDamping;
 

@@ -6,8 +6,8 @@
 //! T_i = -mu_r F_n L w/|w|     T_j = -T_i     w = omega_i - omega_j     1/L = 1/l_i + 1/l_j
 //! ```
 //!
-//! with w the relative angular velocity and L the reduced lever arm, where l is the distance from
-//! the contact to the centre of mass (a wall has l = infinity). Below `SMALL_SPIN` the torque falls to 0 in proportion to |w|, so that a
+//! with w the relative angular velocity and L the reduced lever arm (a wall has l = infinity), whose l is that of
+//! [`crate::rolling_lever`]. Below `SMALL_SPIN` the torque falls to 0 in proportion to |w|, so that a
 //! body at rest does not tremble.
 //!
 //! # Source

@@ -20,7 +20,7 @@
 //!
 //! `[Ai2011, type C]`; the coefficient multiplies the reduced radius of the spheres,
 //! which for two equal spheres is half of the radius. For agglomerates the solver takes the reduced
-//! lever arm of [`crate::rolling_constant_torque`] for R*, which for spheres is the same, so that a coefficient
+//! lever arm L of [`crate::rolling_lever`] for R*, which for spheres is the same, so that a coefficient
 //! means the same in both types.
 
 #![expect(

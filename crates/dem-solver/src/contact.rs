@@ -9,8 +9,8 @@ use crate::shared_mass::Shares;
 use contact_law::rolling_spring_dashpot::RollingContact;
 use contact_law::{
     BridgeForce, ContactGeometry, HertzMindlin, Material, NormalForceEnd, PairParameters,
-    RateDependentFriction, RollingSpringDashpot, ViscoelasticDamping, constant_attraction,
-    material, rolling_constant_torque,
+    RateDependentFriction, RollingLever, RollingSpringDashpot, ViscoelasticDamping,
+    constant_attraction, material, rolling_constant_torque,
 };
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
@@ -24,6 +24,8 @@ pub struct Interaction {
     rolling_friction: f64,
     /// Rolling resistance of type C.
     rolling_spring: Option<RollingSpringDashpot>,
+    /// Arm of rolling resistance.
+    rolling_lever: RollingLever,
     /// Attraction while touching, N.
     attraction: f64,
     /// Bridge of liquid that forms when the surfaces touch.
@@ -39,6 +41,8 @@ pub struct FurtherLaws {
     pub rate_dependent: Option<RateDependentFriction>,
     /// Rolling resistance of type C, in place of type A; it brings its own coefficient.
     pub rolling_spring: Option<RollingSpringDashpot>,
+    /// Arm of rolling resistance, of either type.
+    pub rolling_lever: RollingLever,
     /// Bridge of liquid.
     pub bridge: Option<BridgeForce>,
 }
@@ -68,6 +72,7 @@ impl Interaction {
             law: HertzMindlin::new(moduli, &settings.parameters, settings.end)?,
             rolling_friction: settings.parameters.rolling_friction,
             rolling_spring: None,
+            rolling_lever: RollingLever::default(),
             attraction: constant_attraction::check(settings.attraction)?,
             bridge: None,
         })
@@ -85,6 +90,7 @@ impl Interaction {
                 self.rolling_friction
             },
             rolling_spring: further.rolling_spring,
+            rolling_lever: further.rolling_lever,
             bridge: further.bridge,
             ..self
         }
@@ -107,6 +113,7 @@ impl Interaction {
             law: law.with_rate_dependent_friction(None),
             rolling_friction: self.rolling_friction,
             rolling_spring: None,
+            rolling_lever: self.rolling_lever,
             attraction: self.attraction,
             bridge: None,
         }
@@ -266,7 +273,10 @@ impl Interaction {
             .force(&geometry, approach, sliding, kept, time_step);
         let on_i = force.tangential - normal * (force.normal - self.attraction(overlap));
         let rolling = if self.rolling_friction > 0.0 || self.rolling_spring.is_some() {
-            let [lever_i, lever_j] = [arm_i.norm(), arm_j.norm()];
+            let lever = |arm: &Vector3<f64>, radius: f64| {
+                self.rolling_lever.of(arm.norm(), radius - 0.5 * overlap)
+            };
+            let [lever_i, lever_j] = [lever(&arm_i, radius_i), lever(&arm_j, radius_j)];
             let rolling = Rolling {
                 normal_force: force.normal.max(0.0),
                 lever: lever_i * lever_j / (lever_i + lever_j),
@@ -314,7 +324,8 @@ impl Interaction {
             .law
             .force(&geometry, approach, sliding, kept, time_step);
         let on_body = force.tangential - normal * (force.normal - self.attraction(overlap));
-        let lever = contact.arm.norm();
+        let of_sphere = geometry.reduced_radius - 0.5 * overlap;
+        let lever = self.rolling_lever.of(contact.arm.norm(), of_sphere);
         let rolling = Rolling {
             normal_force: force.normal.max(0.0),
             lever,
@@ -381,7 +392,7 @@ const ROUND: f64 = 1.4;
 /// Moment about the point of contact that resists the rolling of two bodies, kg m²; `m l²` of both.
 ///
 /// The mass is the one that enters the dashpots: for single spheres the moment is exact, for
-/// agglomerates whose spheres damp with their own mass it is that of the spheres at their arms.
+/// agglomerates whose spheres damp with their own mass it is that of the spheres at their levers.
 #[inline(always)]
 fn reduced_inertia(i: f64, j: f64) -> f64 {
     ROUND * i * j / (i + j)
@@ -409,7 +420,7 @@ struct Rolling {
 #[cfg(test)]
 mod tests {
     use super::{Interaction, InteractionSettings, Memory, Mover, SpherePair, SphereWall};
-    use contact_law::{ContactGeometry, Material, NormalForceEnd, PairParameters};
+    use contact_law::{ContactGeometry, Material, NormalForceEnd, PairParameters, RollingLever};
     use nalgebra::Vector3;
 
     /// A normal in no special direction.
@@ -487,6 +498,45 @@ mod tests {
         });
         let error = (plain.force - tilted.force).norm() / plain.force.norm();
         assert!(error < 1e-12, "force of a wall changes by {error}");
+    }
+
+    /// Two spheres far from the centres of their bodies: the torque of rolling resistance is `mu_r F_n L` with L half of
+    /// the distance from the contact to the centre of a sphere, or half of that to the centre of a body. Rounding only.
+    #[test]
+    fn rolling_resistance_takes_its_arm_from_the_sphere_or_from_the_body() {
+        let pair = SpherePair {
+            between: NORMAL * 1.99e-3,
+            offset_i: NORMAL * 3e-3,
+            offset_j: -NORMAL * 3e-3,
+            velocity: Vector3::zeros(),
+            spins: [Vector3::new(-0.8, 0.0, 0.6) * 5.0, Vector3::zeros()],
+            memory: Memory::default(),
+            radii: [1e-3, 1e-3],
+            dashpot_masses: [4e-6, 4e-6],
+        };
+        for (rolling_lever, arm) in [
+            (RollingLever::Sphere, 0.995e-3),
+            (RollingLever::Centre, 3.995e-3),
+        ] {
+            let lever = super::FurtherLaws {
+                rolling_lever,
+                ..super::FurtherLaws::default()
+            };
+            let law = interaction().with(&lever);
+            let rolls = law.between_spheres(&pair, 1e-9);
+            let free = Interaction {
+                rolling_friction: 0.0,
+                ..law
+            };
+            let slides = free.between_spheres(&pair, 1e-9);
+            let torque = (rolls.torque_i - slides.torque_i).norm();
+            let normal_force = law.attraction(1e-5) - slides.force.dot(&NORMAL);
+            let expected = 0.1 * normal_force * 0.5 * arm;
+            assert!(
+                (torque / expected - 1.0).abs() < 1e-9,
+                "{rolling_lever:?}: {torque} N m for {expected}"
+            );
+        }
     }
 
     /// While only a bridge holds, nothing rubs: a slip from before is forgotten, and the drift of many steps

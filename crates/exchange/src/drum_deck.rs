@@ -1,7 +1,7 @@
 //! What the decks of all tools have in common: which drums they can run, and how conventions are converted.
 
 use crate::Error;
-use contact_law::hertz_mindlin::damping_ratio;
+use contact_law::{RollingLever, hertz_mindlin::damping_ratio};
 use dem_solver::DashpotMass;
 use scene::{Apparatus, ContactSettings, Drum, Scene, SeedBody};
 use std::f64::consts::PI;
@@ -21,7 +21,7 @@ pub(crate) fn steps(time: f64, time_step: f64) -> f64 {
 pub(crate) struct Shares {
     /// Mass that the dashpot sees here over the mass of the body.
     pub(crate) mass: f64,
-    /// Lever arm of a contact about the centre of a seed over the radius of its sphere.
+    /// Lever arm of rolling resistance over the distance from the contact to the centre of the sphere.
     pub(crate) lever: f64,
 }
 
@@ -40,7 +40,10 @@ impl Shares {
                 DashpotMass::Sphere => over_seeds(|b| b.clump.fraction_mass(0) / b.clump.mass()),
                 DashpotMass::Body | DashpotMass::Shared => 1.0,
             },
-            lever: over_seeds(lever_share),
+            lever: match scene.model.rolling_lever {
+                RollingLever::Centre => over_seeds(lever_share),
+                RollingLever::Sphere => 1.0,
+            },
         }
     }
 }

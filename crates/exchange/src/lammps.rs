@@ -8,7 +8,7 @@
 //! | dashpot with the mass of the sphere | LAMMPS takes that of the rigid body: the ratio b is scaled by sqrt(`m_sphere` / `m_body`) and turned back into a restitution |
 //! | tangential dashpot with its own stiffness | `x_gammat = 2 sqrt(G* / E*)` |
 //! | clipped end of the normal force | `limit_damping` |
-//! | rolling friction with the lever arm of the body, type A or C | `rolling sds` (type C), whose arm is the reduced radius of the spheres: the coefficient is scaled by arm over radius |
+//! | rolling friction, type A or C, with the arm of the body or of the sphere | `rolling sds` (type C), whose arm is the reduced radius of the spheres: with the arm of the body the coefficient is scaled by arm over radius |
 //! | mass and inertia of the seed | `infile` of `fix rigid/small` |
 //! | gravity on bodies | `fix gravity ... disable`, and `gravity` of `fix rigid/small` |
 
@@ -52,7 +52,7 @@ pub struct Conversion {
     pub coefficients: [f64; 3],
     /// Mass that the dashpot sees here over the mass of the body.
     pub mass_share: f64,
-    /// Lever arm of a contact about the centre of the seed over the radius of its sphere.
+    /// Lever arm of rolling resistance over the radius of the sphere.
     pub lever_share: f64,
 }
 

@@ -113,6 +113,7 @@ fn further_laws(
         viscoelastic: viscoelastic.transpose()?,
         rate_dependent: rate_dependent.transpose()?,
         rolling_spring,
+        rolling_lever: scene.model.rolling_lever,
         bridge: bridge.transpose()?.flatten(),
     })
 }

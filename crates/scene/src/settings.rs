@@ -99,6 +99,8 @@ pub struct ModelSettings {
     pub gravity_m_s2: f64,
     /// The law of rolling resistance; of constant torque where absent.
     pub rolling_law: RollingLaw,
+    /// From where the lever arm of rolling resistance is taken; from the centre of the seed where absent.
+    pub rolling_lever: contact_law::RollingLever,
     /// Bonds that hold the spheres of a seed together; seeds are rigid where absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub bonds: Option<crate::BondedSettings>,
@@ -115,6 +117,7 @@ impl Default for ModelSettings {
             bond_number: 0.0,
             gravity_m_s2: 9.81,
             rolling_law: RollingLaw::default(),
+            rolling_lever: contact_law::RollingLever::default(),
             bonds: None,
             liquid: None,
         }

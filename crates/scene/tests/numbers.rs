@@ -56,6 +56,7 @@ fn a_short_scene_states_its_defaults() {
         "dashpot_mass = \"sphere\"",
         "normal_force_end = \"clipped\"",
         "rolling_law = \"constant-torque\"",
+        "rolling_lever = \"centre\"",
     ] {
         assert!(written.contains(stated), "{stated} is not in {written}");
     }

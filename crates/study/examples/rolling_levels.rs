@@ -5,6 +5,9 @@
 //!
 //! RUNS runs (default 5, as in the study) at each level and at no rolling friction; prints means with standard
 //! errors. Finished runs are kept in FOLDER and found again.
+//!
+//! The study's torque is `mu_r F_n R_i` on each of two seeds, with the radius of the touching sphere. Here the arm of two
+//! equal spheres is half of it (`contact_law::rolling_lever`), so that a level between seeds is set as twice its value.
 
 #![expect(clippy::print_stdout, reason = "the table is the purpose")]
 
@@ -24,6 +27,9 @@ const LEVELS: &str = include_str!("../../../fixtures/cotton/rolling_levels.csv")
 
 /// What the study reports.
 const OBSERVABLE: &str = "angle_deg";
+
+/// Contacts of two seeds, whose coefficient counts double here.
+const TWO_SEEDS: &str = "seed-seed";
 
 /// A pair of surfaces and its levels.
 type Levels = (&'static str, Vec<f64>);
@@ -57,23 +63,32 @@ fn main() -> Result<(), Box<dyn Error>> {
         BTreeMap::from([("drum".to_owned(), drum)]),
         bindings.collect(),
     )?;
-    let mut points = vec![("none".to_owned(), 0.0, "seed-seed")];
+    let mut points = vec![("none".to_owned(), 0.0, TWO_SEEDS)];
     for (pair, values) in &levels {
         points.extend(values.iter().map(|v| ((*pair).to_owned(), *v, *pair)));
     }
-    let of_point = |(_, value, pair): &(String, f64, &str)| -> Vec<RunRequest> {
+    let set = |pair: &str, level: f64| {
+        if pair == TWO_SEEDS {
+            2.0 * level
+        } else {
+            level
+        }
+    };
+    let of_point = |(_, level, pair): &(String, f64, &str)| -> Vec<RunRequest> {
         let name = format!("contact.{pair}.rolling_friction");
-        let request = |seed| RunRequest::new("drum", seed).with_parameter(&name, *value);
+        let value = set(pair, *level);
+        let request = |seed| RunRequest::new("drum", seed).with_parameter(&name, value);
         (1..=runs).map(request).collect()
     };
     let requests: Vec<RunRequest> = points.iter().flat_map(of_point).collect();
     let records = campaign.run_all(&simulator, &requests)?;
-    println!("| rolling friction of | level | runs | angle, deg |");
-    println!("|---|--:|--:|--:|");
+    println!("| rolling friction of | level of the study | set here | runs | angle, deg |");
+    println!("|---|--:|--:|--:|--:|");
     let runs = usize::try_from(runs)?;
-    for ((name, value, _), of_point) in points.iter().zip(records.chunks(runs)) {
+    for ((name, level, pair), of_point) in points.iter().zip(records.chunks(runs)) {
         let angle = mean_and_error(of_point, OBSERVABLE, 2);
-        println!("| {name} | {value} | {runs} | {angle} |");
+        let value = set(pair, *level);
+        println!("| {name} | {level} | {value} | {runs} | {angle} |");
     }
     Ok(())
 }

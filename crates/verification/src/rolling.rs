@@ -3,11 +3,12 @@
 use crate::Trouble;
 use crate::row::{Basis, Kind, Row, Tolerance};
 use crate::worlds::{
-    DENSITY, GRAVITY, RADIUS, ball, floor, resting_overlap, run, settings, soft_surface, thrown,
-    world,
+    DENSITY, GRAVITY, RADIUS, ball, cluster, floor, resting_overlap, run, settings, soft_surface,
+    thrown, world,
 };
-use dem_solver::{Placement, World};
-use nalgebra::Vector3;
+use contact_law::RollingLever;
+use dem_solver::{DashpotMass, FurtherLaws, Interaction, Placement, Template, World};
+use nalgebra::{UnitQuaternion, Vector3};
 
 /// Time step, a hundredth of a contact, s.
 const STEP: f64 = 1e-5;
@@ -72,6 +73,59 @@ pub(crate) fn slip_to_roll() -> Result<Vec<Row>, Trouble> {
             -spin,
         ),
     ])
+}
+
+/// A dumb-bell that rolls on the floor about its axis, slowed down by rolling resistance: its two spheres of radius R
+/// lie at 2 R from its centre, so that a contact is R from the centre of its sphere and sqrt(5) R from that of the body.
+pub(crate) fn dumb_bell() -> Result<Vec<Row>, Trouble> {
+    let basis = Basis {
+        check: "rolling-lever",
+        kind: Kind::Analytical,
+        tolerance: Tolerance::Relative(3e-3),
+        reason: "arm R - d/2 (d/R up to 6e-4) and the first loading of the tangential spring",
+        source: "5/7 mu_r g L/R with L = R or sqrt(5) R",
+    };
+    let mut rows = Vec::new();
+    for (lever, name, share) in [
+        (RollingLever::Sphere, "sphere", 1.0),
+        (RollingLever::Centre, "centre", 5.0_f64.sqrt()),
+    ] {
+        let body = cluster(&[
+            ([0.0, 0.0, -2.0 * RADIUS], RADIUS),
+            ([0.0, 0.0, 2.0 * RADIUS], RADIUS),
+        ])?;
+        let further = FurtherLaws {
+            rolling_lever: lever,
+            ..FurtherLaws::default()
+        };
+        let surface = Interaction::new(&soft_surface([0.5, 0.3, 0.02])?)?.with(&further);
+        let overlap = resting_overlap(RADIUS, GRAVITY)?;
+        // The frame of a body follows its moments of inertia.
+        let axis = body.spheres()[0].centre;
+        let along_z = UnitQuaternion::rotation_between(&axis, &Vector3::z());
+        let start = Placement {
+            orientation: along_z.unwrap_or_default(),
+            spin: Vector3::z() * (-0.3 / RADIUS),
+            ..thrown(0, Vector3::y() * (RADIUS - overlap), Vector3::x() * 0.3)
+        };
+        let mut world = World::new(
+            settings(STEP, -Vector3::y() * GRAVITY, RADIUS),
+            vec![Template::new(&body, 0, DashpotMass::Body)],
+            vec![surface],
+            vec![floor()],
+            &[start],
+        )?;
+        run(&mut world, 5000)?;
+        let got = -acceleration(&mut world, 10_000)?;
+        let expected = 5.0 / 7.0 * 0.02 * GRAVITY * share;
+        rows.push(basis.row(
+            format!("slowing of a dumb-bell, arm of the {name}"),
+            "m/s2",
+            expected,
+            got,
+        ));
+    }
+    Ok(rows)
 }
 
 /// A ball on inclines, and slowed down by rolling resistance.

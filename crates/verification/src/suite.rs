@@ -27,6 +27,7 @@ pub fn suite() -> Vec<Check> {
         check("restitution-trap", restitution::trap),
         check("slip-to-roll", rolling::slip_to_roll),
         check("incline", rolling::inclines),
+        check("rolling-lever", rolling::dumb_bell),
         check("free-rotation", free_rotation::free_rotation),
         check("gravity-overlap", agglomerate::gravity),
         check("rebound-sphere-count", agglomerate::rebound),

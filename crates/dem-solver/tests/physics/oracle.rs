@@ -10,7 +10,7 @@ use crate::scene::{
     seed_and_block_with, smooth, sticky, world,
 };
 use contact_law::{
-    CapillaryBridge, RateDependentFriction, RollingSpringDashpot, ViscoelasticDamping,
+    CapillaryBridge, RateDependentFriction, RollingLever, RollingSpringDashpot, ViscoelasticDamping,
 };
 use dem_solver::{
     DashpotMass, FurtherLaws, MeshWall, Motion, Placement, Settings, Shape, Template, Vibration,
@@ -199,6 +199,7 @@ fn loads_are_those_of_the_plain_loop_with_every_law() {
         viscoelastic: ViscoelasticDamping::new(0.7, 1e-5).ok(),
         rate_dependent: RateDependentFriction::new(-0.5, 0.05).ok(),
         rolling_spring: RollingSpringDashpot::new(0.2, 0.3, 2.25).ok(),
+        rolling_lever: RollingLever::Sphere,
         bridge: Some(water.between(1e-3)),
     };
     let surface = interaction(&sticky()).with(&further);
@@ -236,6 +237,7 @@ fn loads_are_those_of_the_plain_loop_for_plain_spheres() {
         viscoelastic: Some(ViscoelasticDamping::new(0.7, 1e-5).expect("possible")),
         rate_dependent: Some(RateDependentFriction::new(-0.5, 0.05).expect("possible")),
         rolling_spring: Some(RollingSpringDashpot::new(0.2, 0.3, 2.25).expect("possible")),
+        rolling_lever: RollingLever::Sphere,
         bridge: Some(water.between(1e-3)),
     };
     let places = fallen(1.0, drum(1.0));

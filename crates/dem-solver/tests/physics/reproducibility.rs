@@ -4,7 +4,7 @@ use crate::scene::{
     ball, box_of_planes, interaction, run, scattered, seed_and_block, settings, sticky, world,
 };
 use contact_law::{
-    CapillaryBridge, RateDependentFriction, RollingSpringDashpot, ViscoelasticDamping,
+    CapillaryBridge, RateDependentFriction, RollingLever, RollingSpringDashpot, ViscoelasticDamping,
 };
 use dem_solver::{FurtherLaws, MeshWall, Motion, Placement, Template, World};
 use nalgebra::Vector3;
@@ -105,6 +105,7 @@ fn a_world_goes_on_from_a_snapshot_with_the_same_bits() {
         viscoelastic: ViscoelasticDamping::new(0.7, 1e-5).ok(),
         rate_dependent: RateDependentFriction::new(-0.5, 0.05).ok(),
         rolling_spring: RollingSpringDashpot::new(0.2, 0.3, 2.25).ok(),
+        rolling_lever: RollingLever::Centre,
         bridge: Some(water.between(1e-3)),
     };
     let fresh = || {
