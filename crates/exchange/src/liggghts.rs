@@ -518,7 +518,8 @@ mod tests {
     }
 
     /// With the arm of the sphere, which is LIGGGHTS' own, the coefficient goes out as it is; with that of the body it
-    /// grows by the mean of arm over radius, 3 to 6 for seeds of spheres of 0.45 mm.
+    /// grows by the mean of arm over radius: the mean seed is 4.5 to 9.3 mm across, so that a surface sphere of 0.45 mm has its
+    /// contact at an arm of 5.0 to 10.3 radii.
     #[test]
     fn rolling_friction_goes_out_for_the_arm_of_the_sphere() {
         let mut scene = drum();
@@ -531,12 +532,12 @@ mod tests {
             scene.model.rolling_lever = lever;
             let files = deck(&scene, &bodies, step, 1).unwrap();
             let line = files[0].text.lines().find(|l| l.contains("fix rolling "));
-            let words = line.unwrap().split_whitespace().skip(6);
+            let words = line.unwrap().split_whitespace().skip(7);
             words.map(|w| w.parse().unwrap()).fold(0.0, f64::max)
         };
         assert_eq!(greatest(RollingLever::Sphere), 0.1);
         let of_body = greatest(RollingLever::Centre);
-        assert!((0.3..0.6).contains(&of_body), "{of_body}");
+        assert!((0.50..1.03).contains(&of_body), "{of_body}");
     }
 
     #[test]

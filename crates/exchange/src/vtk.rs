@@ -1,10 +1,12 @@
-//! Frames for `ParaView`: one VTK file a frame, and a PVD file that lists them.
+//! Frames for `ParaView`: one VTK file a frame, and a PVD file that lists them with their times.
 //!
-//! Each sphere at the surface of a seed is a point with the arrays `radius` (m), `velocity` (m/s, of the
-//! sphere's centre), `seed` (number of the seed) and `kind`. In `ParaView`: Glyph, type sphere, scale
-//! array `radius`, scale factor 2.
+//! Each sphere of a seed, hidden ones included, is a point with the arrays `radius` (m), `volume` (m³, see
+//! [`crate::fractions`]), `velocity` (m/s, of the sphere's centre), `body` (number of the seed), `kind` (of the seed) and
+//! `material` (number of the material); a comment at the top of each file names kinds and materials. In `ParaView`: Glyph,
+//! type sphere, scale array `radius`, scale factor 2.
 
-use scene::{Frame, SeedBody};
+use crate::fractions::fractions;
+use scene::{Frame, Scene, SeedBody};
 use std::fmt::{Arguments, Write as _};
 use std::sync::Arc;
 
@@ -24,7 +26,7 @@ pub(crate) fn add(text: &mut String, what: Arguments<'_>) {
 }
 
 /// The files of a series: `NAME.pvd` first, then `NAME_0000.vtp` and so on.
-pub fn series(name: &str, frames: &[Frame], bodies: &[Arc<SeedBody>]) -> Vec<File> {
+pub fn series(name: &str, scene: &Scene, frames: &[Frame], bodies: &[Arc<SeedBody>]) -> Vec<File> {
     let mut list = String::from(
         "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"0.1\">\n<Collection>\n",
     );
@@ -35,7 +37,7 @@ pub fn series(name: &str, frames: &[Frame], bodies: &[Arc<SeedBody>]) -> Vec<Fil
         add(&mut list, entry);
         files.push(File {
             name: file,
-            text: points(frame, bodies),
+            text: points(scene, frame, bodies),
         });
     }
     list.push_str("</Collection>\n</VTKFile>\n");
@@ -49,52 +51,77 @@ pub fn series(name: &str, frames: &[Frame], bodies: &[Arc<SeedBody>]) -> Vec<Fil
     files
 }
 
-/// One frame as a cloud of points.
-fn points(frame: &Frame, bodies: &[Arc<SeedBody>]) -> String {
-    let (mut at, mut radius, mut velocity) = (String::new(), String::new(), String::new());
-    let (mut seed, mut kind, mut n) = (String::new(), String::new(), 0_usize);
-    for i in 0..frame.position.len() {
-        for sphere in bodies[frame.kind[i]].outer.spheres() {
-            let arm = frame.orientation[i] * sphere.centre;
-            let c = frame.position[i] + arm;
-            let v = frame.velocity[i] + frame.spin[i].cross(&arm);
-            add(&mut at, format_args!("{:e} {:e} {:e}\n", c.x, c.y, c.z));
-            add(
-                &mut velocity,
-                format_args!("{:e} {:e} {:e}\n", v.x, v.y, v.z),
-            );
-            add(&mut radius, format_args!("{:e}\n", sphere.radius));
-            add(&mut seed, format_args!("{i}\n"));
-            add(&mut kind, format_args!("{}\n", frame.kind[i]));
-            n += 1;
+/// Materials of the seeds, each once, in the order of the scene.
+fn materials(scene: &Scene) -> Vec<&str> {
+    let mut found: Vec<&str> = Vec::new();
+    for seed in &scene.seed {
+        if !found.contains(&seed.material.as_str()) {
+            found.push(&seed.material);
         }
     }
-    let vertices = (0..n).fold(String::new(), |mut text, k| {
-        add(&mut text, format_args!("{k}\n"));
-        text
-    });
-    let offsets = (1..=n).fold(String::new(), |mut text, k| {
-        add(&mut text, format_args!("{k}\n"));
-        text
-    });
-    let array = |name: &str, kind: &str, components: usize, data: &str| {
+    found
+}
+
+/// One frame as a cloud of points.
+fn points(scene: &Scene, frame: &Frame, bodies: &[Arc<SeedBody>]) -> String {
+    let materials = materials(scene);
+    let of_kind = |kind: usize| {
+        let material = scene.seed[kind].material.as_str();
+        materials.iter().position(|m| *m == material).unwrap_or(0)
+    };
+    let told = |names: Vec<String>| names.join(", ").replace("--", "- -");
+    let kinds = scene.seed.iter().enumerate();
+    let kinds = told(kinds.map(|(k, s)| format!("{k} {}", s.name)).collect());
+    let named = materials.iter().enumerate();
+    let named = told(named.map(|(k, m)| format!("{k} {m}")).collect());
+    let all = fractions(frame, bodies);
+    let n = all.len();
+    let column = |row: &dyn Fn(usize) -> String| {
+        (0..n).fold(String::new(), |mut text, k| {
+            text.push_str(&row(k));
+            text.push('\n');
+            text
+        })
+    };
+    let vector = |v: nalgebra::Vector3<f64>| format!("{:e} {:e} {:e}", v.x, v.y, v.z);
+    let array = |name: &str, kind: &str, components: usize, data: String| {
         format!(
             "<DataArray type=\"{kind}\" Name=\"{name}\" NumberOfComponents=\"{components}\" \
              format=\"ascii\">\n{data}</DataArray>\n"
         )
     };
+    let number = |name: &str, value: &dyn Fn(usize) -> f64| {
+        array(name, "Float64", 1, column(&|k| format!("{:e}", value(k))))
+    };
+    let count = |name: &str, value: &dyn Fn(usize) -> usize| {
+        array(name, "Int32", 1, column(&|k| value(k).to_string()))
+    };
     format!(
-        "<?xml version=\"1.0\"?>\n<VTKFile type=\"PolyData\" version=\"0.1\" \
+        "<?xml version=\"1.0\"?>\n<!-- time {} s; kind: {kinds}; material: {named} -->\n\
+         <VTKFile type=\"PolyData\" version=\"0.1\" \
          byte_order=\"LittleEndian\">\n<PolyData>\n<Piece NumberOfPoints=\"{n}\" \
          NumberOfVerts=\"{n}\" NumberOfLines=\"0\" NumberOfStrips=\"0\" NumberOfPolys=\"0\">\n\
-         <Points>\n{}</Points>\n<PointData Scalars=\"radius\" Vectors=\"velocity\">\n{}{}{}{}\
+         <Points>\n{}</Points>\n<PointData Scalars=\"radius\" Vectors=\"velocity\">\n{}{}{}{}{}{}\
          </PointData>\n<Verts>\n{}{}</Verts>\n</Piece>\n</PolyData>\n</VTKFile>\n",
-        array("position", "Float64", 3, &at),
-        array("radius", "Float64", 1, &radius),
-        array("velocity", "Float64", 3, &velocity),
-        array("seed", "Int32", 1, &seed),
-        array("kind", "Int32", 1, &kind),
-        array("connectivity", "Int32", 1, &vertices),
-        array("offsets", "Int32", 1, &offsets),
+        frame.time,
+        array(
+            "position",
+            "Float64",
+            3,
+            column(&|k| vector(all[k].sphere.centre))
+        ),
+        number("radius", &|k| all[k].sphere.radius),
+        number("volume", &|k| all[k].volume),
+        array(
+            "velocity",
+            "Float64",
+            3,
+            column(&|k| vector(all[k].velocity))
+        ),
+        count("body", &|k| all[k].body),
+        count("kind", &|k| all[k].kind),
+        count("material", &|k| of_kind(all[k].kind)),
+        count("connectivity", &|k| k),
+        count("offsets", &|k| k + 1),
     )
 }

@@ -26,6 +26,9 @@ pub struct RunDetails {
     /// Time of one swing of the bed, s; none without a series.
     #[serde(default)]
     pub swing_s: Option<f64>,
+    /// Form of the motion of the bed (sliding, surging, slumping, rolling, cascading, cataracting, centrifuging); none
+    /// where nothing turns.
+    pub motion: Option<String>,
     /// R w^2 / g with the radius R and the angular speed w of the drum and gravity g; none where nothing turns.
     pub froude_number: Option<f64>,
     /// Readings of the single frames.
@@ -144,6 +147,7 @@ impl RunDetails {
             },
             swing_s: swing,
             start_up_s: start_up.map(|p| p.time_s),
+            motion: result.motion.and_then(crate::outcome::word),
             froude_number: finite(froude).filter(|_| froude > 0.0),
             frames: FrameDetails {
                 times_s: result.frames.iter().map(|f| f.time).collect(),

@@ -170,8 +170,8 @@ fn regime_of(result: &RunResult) -> Option<String> {
     }
 }
 
-/// The word that a regime has in JSON.
-fn word(regime: impl Serialize) -> Option<String> {
+/// The word that a regime or a form of motion has in JSON.
+pub(crate) fn word(regime: impl Serialize) -> Option<String> {
     let value = serde_json::to_value(regime).ok()?;
     value.as_str().map(str::to_owned)
 }

@@ -204,6 +204,7 @@ pub(crate) fn run_bench(
         filling_angles: Vec::new(),
         further,
         regime: None,
+        motion: None,
         settling_time_step: parts.time_step,
         time_step: parts.time_step,
         n_steps: repeats.iter().map(|r| r.n_steps).sum(),

@@ -7,6 +7,7 @@
 //! from the outline at rest. A bench test (slider, drop, tilt) handles single seeds on a plate. A run is decided by the scene and a seed alone.
 
 mod apparatus;
+mod bed_motion;
 mod bench;
 mod bonded;
 mod build;
@@ -36,6 +37,7 @@ mod time_step;
 pub use apparatus::{
     Apparatus, BoxCollapse, Drop, Drum, Heap, Lifters, Metering, Ripple, Slider, Tilt,
 };
+pub use bed_motion::{BedMotion, MotionEvidence};
 pub use bonded::BondedSettings;
 pub use error::Error;
 pub use filling::{FillingLibrary, SeedBody};

@@ -32,6 +32,8 @@ pub struct SeriesPoint {
     pub drive_power_w: f64,
     /// Kinetic energy of all seeds, J.
     pub kinetic_energy_j: f64,
+    /// Share of the seeds that touch nothing; none of bonded seeds.
+    pub airborne_share: Option<f64>,
 }
 
 /// Share of the shell's speed that the bed must keep to count as rolling; below, it slides.
@@ -457,7 +459,15 @@ fn series_point(scene: &Scene, built: &Built, seeds: &Frame, share: f64) -> Seri
         shell_slip: slip,
         drive_power_w: drive_power(&built.world),
         kinetic_energy_j: built.world.kinetic_energy(),
+        airborne_share: built.bonds.is_none().then(|| airborne(&built.world)),
     }
+}
+
+/// Share of the bodies on which no contact acted in the last step.
+fn airborne(world: &World) -> f64 {
+    let forces = &world.bodies().force;
+    let free = forces.iter().filter(|f| **f == Vector3::zeros()).count();
+    free as f64 / forces.len().max(1) as f64
 }
 
 /// Power of the moving walls on the seeds in the last step, W; vibrations are left out.

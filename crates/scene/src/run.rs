@@ -1,12 +1,13 @@
 //! One run: fill, settle, rotate until steady, take frames, measure.
 
 use crate::apparatus::Apparatus;
+use crate::bed_motion::{BedMotion, MotionEvidence, mean};
 use crate::bench::run_bench;
 use crate::build::{Built, assemble, build, build_filled, seed_bodies};
 use crate::flow::{avalanche_period, fill_level, flowing_layer};
 use crate::motion::{
-    Keeper, NoKeeper, Progress, Rotation, Running, SERIES_INTERVAL, SLIDING_BELOW, SeriesPoint,
-    rotate, settle, snapshot, start_drive,
+    Keeper, NoKeeper, Progress, Rotation, Running, SERIES_INTERVAL, SeriesPoint, rotate, settle,
+    snapshot, start_drive,
 };
 use crate::obstacles::mesh_walls;
 use crate::steady::SteadyState;
@@ -96,6 +97,8 @@ pub struct RunResult {
     pub further: Vec<Further>,
     /// How the bed moves; none in a bench test, which has no bed.
     pub regime: Option<Regime>,
+    /// The form of its motion in a turning drum; none elsewhere.
+    pub motion: Option<BedMotion>,
     /// Time step while the seeds settled, s.
     pub settling_time_step: f64,
     /// Time step while the drive ran, s.
@@ -178,8 +181,10 @@ pub fn run_on(
         }
     }
     let steady = &series[state.cut..];
-    let slip = steady.iter().map(|p| p.shell_slip).sum::<f64>() / steady.len().max(1) as f64;
+    let evidence = evidence(scene, steady, &readings);
+    let motion = BedMotion::of(&evidence);
     let mut further = further(scene, &bodies, &frames, steady);
+    further.extend(motion_observables(&evidence));
     if let Some(bonds) = &bonds {
         let broken = bonds.n_broken() as f64;
         further.push(Further::new("broken_bonds", "1", vec![broken]));
@@ -191,11 +196,8 @@ pub fn run_on(
         frames,
         readings,
         filling_angles,
-        regime: Some(if slip > SLIDING_BELOW {
-            Regime::Sliding
-        } else {
-            Regime::Rolling
-        }),
+        regime: Some(motion.regime()),
+        motion: Some(motion),
         settling_time_step,
         time_step: world.settings().time_step,
         n_steps: world.n_steps(),
@@ -247,6 +249,7 @@ fn released(scene: &Scene, built: Built) -> Result<RunResult, Error> {
         filling_angles: Vec::new(),
         further: result.further,
         regime: Some(Regime::Resting),
+        motion: None,
         settling_time_step: world.settings().time_step,
         time_step: world.settings().time_step,
         n_steps: world.n_steps(),
@@ -264,6 +267,28 @@ fn n_spheres(scene: &Scene, bodies: &[Arc<SeedBody>]) -> usize {
     kinds
         .map(|(s, b)| scene.count_of(s) * b.clump.spheres().len())
         .sum()
+}
+
+/// What tells the form of the motion of a bed.
+fn evidence(scene: &Scene, steady: &[SeriesPoint], readings: &[FrameReading]) -> MotionEvidence {
+    let apparatus = &scene.apparatus;
+    let shapes = readings.iter().filter_map(|r| r.photo.angle);
+    MotionEvidence::of(
+        steady,
+        apparatus.froude_number(scene.model.gravity_m_s2),
+        mean(shapes.map(|a| a.s_shape)),
+        |time| apparatus.speed() * apparatus.share_of_speed(time).unwrap_or(1.0),
+    )
+}
+
+/// The same as observables.
+fn motion_observables(evidence: &MotionEvidence) -> [Further; 3] {
+    let list = |value: Option<f64>| value.into_iter().collect();
+    [
+        Further::new("carried_share", "1", vec![evidence.carried_share]),
+        Further::new("waiting_time_s", "s", list(evidence.waiting_time)),
+        Further::new("airborne_share", "1", list(evidence.airborne_share)),
+    ]
 }
 
 /// Observables of a drum beside the angles.

@@ -5,7 +5,7 @@ use anyhow::{Context as _, ensure};
 use clap::ValueEnum;
 use command_line::{Common, DONE, Header, write_new};
 use exchange::vtk::File;
-use exchange::{lammps, liggghts, vtk};
+use exchange::{csv, lammps, liggghts, vtk};
 use scene::{FillingLibrary, starting_frame};
 use serde::Serialize;
 use std::path::PathBuf;
@@ -17,11 +17,13 @@ enum Format {
     Lammps,
     /// Deck of a drum for LIGGGHTS: in.drum, cover.stl, seed1.spheres ...
     Liggghts,
-    /// Frames of a run for `ParaView`: frames.pvd and one file a frame
+    /// Every sphere in the frames of a run, for `ParaView`: frames.pvd and one file a frame
     Vtk,
+    /// Every sphere in the frames of a run, for a fluid solver: one table a frame
+    Csv,
 }
 
-/// Writes a scene as a deck for LAMMPS or LIGGGHTS, or its frames for `ParaView`
+/// Writes a scene as a deck for LAMMPS or LIGGGHTS, or the frames of a run for `ParaView` or a fluid solver
 #[derive(clap::Args, Debug)]
 pub(crate) struct Arguments {
     /// Format
@@ -83,9 +85,14 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
             let (_, bodies, time_step) = starting_frame(&scene, &library, arguments.seed)?;
             liggghts::deck(&scene, &bodies, time_step, arguments.seed)?
         }
-        Format::Vtk => {
+        Format::Vtk | Format::Csv => {
             let result = scene::run(&scene, &library, arguments.seed)?;
-            vtk::series("frames", &result.frames, &result.bodies)
+            let series = if arguments.format == Format::Vtk {
+                vtk::series
+            } else {
+                csv::series
+            };
+            series("frames", &scene, &result.frames, &result.bodies)
         }
     };
     write_all(arguments, &files)?;

@@ -25,13 +25,19 @@ pub(crate) fn folder_and_runs(
     Ok((folder, runs))
 }
 
-/// Mean and standard error of an observable over the runs that were steady.
+/// Mean and standard error of an observable over the runs that were steady; the mean alone of one, "-" of none.
 pub(crate) fn mean_and_error(records: &[Record], observable: &str, digits: usize) -> String {
     let steady = records.iter().filter(|r| r.regime() != Some(NOT_STEADY));
     let means = steady.filter_map(|r| r.observable(observable));
     let values: Vec<f64> = means.map(|o| o.mean).collect();
     let n = values.len() as f64;
+    if values.is_empty() {
+        return "-".to_owned();
+    }
     let mean = values.iter().sum::<f64>() / n;
+    if values.len() == 1 {
+        return format!("{mean:.digits$}");
+    }
     let square: f64 = values.iter().map(|v| (v - mean).powi(2)).sum();
     let error = (square / (n - 1.0) / n).sqrt();
     format!("{mean:.digits$} +- {error:.digits$}")

@@ -31,6 +31,8 @@ pub(super) struct Report {
     start_up_s: Option<f64>,
     /// Time of one swing of the bed, s.
     swing_s: Option<f64>,
+    /// Form of the motion of the bed; none where nothing turns.
+    motion: Option<String>,
     /// R w^2 / g.
     froude_number: Option<f64>,
     /// Readings of the single frames.
@@ -109,6 +111,7 @@ impl Report {
             doubt: details.doubt,
             start_up_s: details.start_up_s,
             swing_s: details.swing_s,
+            motion: details.motion,
             froude_number: details.froude_number,
             frames: details.frames,
             timing: details.timing,
@@ -153,6 +156,9 @@ impl Report {
         text.push('\n');
         if let Some(regime) = &self.regime {
             add(&mut text, format_args!("regime {regime}"));
+            if let Some(motion) = self.motion.as_ref().filter(|m| *m != regime) {
+                add(&mut text, format_args!(", {motion}"));
+            }
             if let Some(froude) = self.froude_number {
                 add(&mut text, format_args!(", Froude number {froude:.4}"));
             }

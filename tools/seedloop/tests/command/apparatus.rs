@@ -201,7 +201,7 @@ fn verification_prints_its_rows_and_refuses_unknown_names() {
 }
 
 #[test]
-fn a_scene_is_exported_for_lammps_and_paraview() {
+fn a_scene_is_exported_for_lammps_paraview_and_fluid_solvers() {
     let scene = TinyScene::new();
     let folder = scene.path("");
     let export = |format: &str, more: &[&str]| {
@@ -218,12 +218,22 @@ fn a_scene_is_exported_for_lammps_and_paraview() {
     let list = fs::read_to_string(scene.path("vtk/frames.pvd")).unwrap();
     let frame = fs::read_to_string(scene.path("vtk/frames_0000.vtp")).unwrap();
     assert!(list.contains("frames_0000.vtp"), "{list}");
-    for array in ["radius", "velocity", "seed"] {
+    for array in ["radius", "volume", "velocity", "body", "kind", "material"] {
         assert!(
             frame.contains(&format!("Name=\"{array}\"")),
             "no array {array}"
         );
     }
+
+    assert_code(&export("csv", &["--set", "time_s=0.1"]), 0);
+    let table = fs::read_to_string(scene.path("csv/frames_0000.csv")).unwrap();
+    let mut rows = table.lines();
+    assert_eq!(
+        rows.next(),
+        Some("time_s,body,kind,material,x_m,y_m,z_m,radius_m,volume_m3,vx_m_s,vy_m_s,vz_m_s")
+    );
+    let points = format!("NumberOfPoints=\"{}\"", rows.count());
+    assert!(frame.contains(&points), "both hold the same spheres");
 }
 
 /// What a deck cannot carry is refused, with the setting to remove; nothing is left out silently.
