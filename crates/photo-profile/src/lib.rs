@@ -65,6 +65,6 @@ pub use heap::HeapReading;
 pub use measure::{measure_file, measure_image, measure_photo};
 pub use overlay::{overlay, overlay_gray};
 pub use pixels::PhotoPixels;
-pub use reading::{PhotoReading, PixelPoint, Refusal, Verdict};
+pub use reading::{BedEnds, PhotoReading, PixelPoint, Refusal, Verdict};
 pub use rectify::rectify;
 pub use settings::{DrumPixels, Foreground, Mode, Settings};

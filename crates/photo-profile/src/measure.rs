@@ -7,13 +7,14 @@ use crate::tone::bed_share;
 use crate::uncertainty::widened;
 use crate::view::{DiscView, REACH};
 use crate::{
-    DrumPixels, Error, Foreground, Mode, PhotoPixels, PhotoReading, PixelPoint, Refusal, Settings,
-    Verdict,
+    BedEnds, DrumPixels, Error, Foreground, Mode, PhotoPixels, PhotoReading, PixelPoint, Refusal,
+    Settings, Verdict,
 };
 use image::GrayImage;
 use std::path::Path;
 use surface_profile::{
-    DrumCircle, Field, SurfacePoint, SurfaceReading, bulk_level, free_surface, read_surface,
+    DrumCircle, Field, HighSide, SurfacePoint, SurfaceReading, bulk_level, free_surface,
+    read_surface, shell_ends,
 };
 
 /// Smoothing of the bed share, in drum radii; the simulated bed's density has the same.
@@ -123,6 +124,7 @@ fn read_disc(
         step: agreement.step,
         foreground: bed.foreground,
         fill_level: field.share_above(level, &circle, REACH),
+        ends: shell_ends(&field, level, &circle),
     };
     let result = reading(&view, drum, &points, &surface, &trust);
     if let (Some(ends), Some(rim)) = (result.chord_ends, &found.rim)
@@ -144,6 +146,8 @@ struct Trust {
     foreground: Foreground,
     /// Share of the disc that the bed takes, 1.
     fill_level: f64,
+    /// Clockwise and counter-clockwise end of the bed at the shell, from straight down, rad.
+    ends: Option<[f64; 2]>,
 }
 
 /// Bed shares smoothed inside the disc, as fields about the drum axis.
@@ -194,6 +198,18 @@ fn reading(
         verdict: Verdict::Ok,
         angle: Some(surface.angle),
         fill_level: Some(trust.fill_level),
+        ends: trust
+            .ends
+            .map(|[clockwise, other]| match surface.angle.high_side {
+                HighSide::Right => BedEnds {
+                    toe: clockwise,
+                    top: other,
+                },
+                HighSide::Left => BedEnds {
+                    toe: -other,
+                    top: -clockwise,
+                },
+            }),
         heap: None,
         drum: Some(drum),
         used,

@@ -147,6 +147,16 @@ pub enum Verdict {
     },
 }
 
+/// Where a bed ends at the shell: directions from straight down, positive towards the side on which the surface stands
+/// higher, rad.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BedEnds {
+    /// The lower end.
+    pub toe: f64,
+    /// The upper end.
+    pub top: f64,
+}
+
 /// The reading of one picture.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PhotoReading {
@@ -157,6 +167,8 @@ pub struct PhotoReading {
     /// Share of the drum that the bed takes: of the disc within 0.96 of the radius, where the smoothed bed share is above
     /// half of its bulk value; none when refused, and of a heap.
     pub fill_level: Option<f64>,
+    /// Where the bed ends at the shell; none when refused, of a heap, and of a bed that fills the shell all round.
+    pub ends: Option<BedEnds>,
     /// The heap, when one was measured.
     pub heap: Option<HeapReading>,
     /// The drum, when one was given or found, px.
@@ -185,6 +197,7 @@ impl PhotoReading {
             verdict: Verdict::Refused { reason },
             angle: None,
             fill_level: None,
+            ends: None,
             heap: None,
             drum,
             used: Vec::new(),
@@ -204,6 +217,7 @@ impl PhotoReading {
             verdict: Verdict::Ok,
             angle: None,
             fill_level: None,
+            ends: None,
             drum: None,
             quality: (2.0 * found.used.len() as f64 / n).clamp(0.0, 1.0),
             used: found.used,

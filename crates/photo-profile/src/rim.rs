@@ -20,6 +20,12 @@ const INNER_SUPPORT: f64 = 0.75;
 const SOLID_SUPPORT: f64 = 0.4;
 /// A ring with this part of the support may be the true one and enters the uncertainty.
 const RIVAL_SUPPORT: f64 = 0.25;
+/// Both edges of a thin rim are looked for within this part of the radius on either side.
+const THIN_WINDOW: f64 = 0.035;
+/// A rim thinner than this part of the radius is a line.
+const THINNEST: f64 = 0.006;
+/// A thin rim shows both edges at one distance on so many rays.
+const BOTH_EDGES: usize = N_RAYS / 4;
 /// From this part of the turn on the rim is whole, hidden only here and there.
 const WHOLE: f64 = 0.7;
 /// From this part of the turn on the flattening is known well enough to tell an ellipse.
@@ -78,6 +84,7 @@ impl Rim {
             width,
         } = choose_ring(picture, start);
         let (circle, kept) = refine(picture, start, scale, width)?;
+        let (circle, kept) = inner_edge(picture, &circle).unwrap_or((circle, kept));
         let rays = Rays::scan(picture, &circle, WINDOW * circle.r);
         let near = (ON_RIM * circle.r).max(1.5).max(0.3 * rays.edge_width());
         let weakest = rays.weakest(near);
@@ -260,6 +267,61 @@ fn refine(
         }
     }
     (!kept.is_empty()).then_some((circle, kept))
+}
+
+/// The inner edge of a thin solid rim; none where the rim is not one.
+///
+/// Along the air both edges of such a rim show, along a bed of its tone the outer one only, and a circle through the
+/// steepest steps follows the inner edge here and the outer one there. Where enough rays show two edges at one distance,
+/// the outer one is fitted all round, and the circle lies inside it by that distance. Points are those of the outer edge,
+/// moved inwards.
+fn inner_edge(picture: &PhotoPixels, start: &Circle) -> Option<(Circle, Vec<RimPoint>)> {
+    let rays = Rays::scan(picture, start, THIN_WINDOW * start.r);
+    let weakest = rays.weakest(ON_RIM * start.r);
+    let edges: Vec<Vec<f64>> = (0..N_RAYS).map(|ray| rays.edges(ray, weakest)).collect();
+    let mut gaps: Vec<f64> = edges
+        .iter()
+        .filter_map(|of_ray| match of_ray[..] {
+            [.., inner, outer] => Some(outer - inner),
+            _ => None,
+        })
+        .collect();
+    if gaps.is_empty() {
+        return None;
+    }
+    let all = gaps.clone();
+    let gap = median(&mut gaps);
+    let alike = all
+        .iter()
+        .filter(|g| (*g - gap).abs() <= (0.2 * gap).max(1.0));
+    if alike.count() < BOTH_EDGES || gap < THINNEST * start.r {
+        return None;
+    }
+    let outer = edges.iter().enumerate().filter_map(|(ray, of_ray)| {
+        let r = start.r + of_ray.last()?;
+        let (sin, cos) = (std::f64::consts::TAU * (ray as f64 + 0.5) / N_RAYS as f64).sin_cos();
+        Some((start.x + r * cos, start.y + r * sin))
+    });
+    let mut points: Vec<(f64, f64)> = outer.collect();
+    let mut circle = *start;
+    for _ in 0..4 {
+        circle = least_squares(&points, circle)?;
+        let off = |p: &(f64, f64)| ((p.0 - circle.x).hypot(p.1 - circle.y) - circle.r).abs();
+        let mut sizes: Vec<f64> = points.iter().map(off).collect();
+        let cut = (4.0 * 1.4826 * median(&mut sizes)).max(0.5);
+        points.retain(|p| off(p) <= cut);
+    }
+    if (points.len() as f64) < WHOLE * N_RAYS as f64 {
+        return None;
+    }
+    let share = (circle.r - gap) / circle.r;
+    let inwards = |p: &(f64, f64)| RimPoint {
+        x: circle.x + (p.0 - circle.x) * share,
+        y: circle.y + (p.1 - circle.y) * share,
+    };
+    let kept = points.iter().map(inwards).collect();
+    let r = circle.r - gap;
+    Some((Circle { r, ..circle }, kept))
 }
 
 /// Flattening of the ellipse nearest to the rim.

@@ -41,6 +41,10 @@ struct Surface {
     s_shape: Vec<f64>,
     /// Share of the drum that the bed takes, 1.
     fill_level: Vec<f64>,
+    /// Toe of the bed at the shell.
+    toe: Vec<f64>,
+    /// Its top.
+    top: Vec<f64>,
 }
 
 impl Surface {
@@ -54,7 +58,10 @@ impl Surface {
             let by_image = reading.photo.angle.map(|a| a.line.to_degrees());
             difference.extend(by_image.zip(by_position).map(|(i, p)| i - p));
         }
+        let ends = || result.readings.iter().filter_map(|r| r.photo.ends);
         Self {
+            toe: ends().map(|e| e.toe.to_degrees()).collect(),
+            top: ends().map(|e| e.top.to_degrees()).collect(),
             image: photos().map(|a| a.line.to_degrees()).collect(),
             position,
             difference,
@@ -109,6 +116,8 @@ fn observables(result: &RunResult, surface: &Surface) -> BTreeMap<String, Observ
         ("curvature", "1", &surface.curvature),
         ("s_shape", "1", &surface.s_shape),
         ("fill_level", "1", &surface.fill_level),
+        ("toe_position_deg", "deg", &surface.toe),
+        ("top_position_deg", "deg", &surface.top),
         ("filling_angle_deg", "deg", &filling),
         ("centre_of_mass_deg", "deg", &mass),
         ("shell_slip", "1", &slip),

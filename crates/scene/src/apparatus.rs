@@ -166,6 +166,8 @@ impl Apparatus {
                 "curvature",
                 "s_shape",
                 "fill_level",
+                "toe_position_deg",
+                "top_position_deg",
                 "fluctuation_deg",
                 "centre_of_mass_deg",
                 "centre_of_mass_fluctuation_deg",
@@ -182,6 +184,7 @@ impl Apparatus {
             ],
             Self::Metering(_) => &[
                 "filling_angle_deg",
+                "filling_angle_by_position_deg",
                 "centre_of_mass_deg",
                 "centre_of_mass_fluctuation_deg",
                 "shell_slip",

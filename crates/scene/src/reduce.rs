@@ -38,7 +38,7 @@ impl Scene {
         if scene.apparatus.is_bench_test() {
             scene.reduce_bench();
         }
-        if !matches!(scene.apparatus, Apparatus::Drum(_)) {
+        if !matches!(scene.apparatus, Apparatus::Drum(_) | Apparatus::Metering(_)) {
             scene.camera = CameraSettings::default();
         }
         scene.protocol.session = None;
@@ -65,6 +65,13 @@ impl Scene {
             .collect();
         let names: Vec<String> = touching.concat().into_iter().map(Into::into).collect();
         scene.contact.retain(|pair, _| pairs.contains(pair));
+        if scene
+            .contact
+            .values()
+            .all(|c| c.rolling_friction.get() == 0.0)
+        {
+            scene.model.rolling_lever = ModelSettings::default().rolling_lever;
+        }
         scene.material.retain(|name, _| names.contains(name));
         scene
     }

@@ -14,7 +14,9 @@ use crate::steady::SteadyState;
 use crate::{Error, FillingLibrary, Frame, FrameReading, Scene, SeedBody, read_frame};
 use dem_solver::{Census, Placement, World};
 use serde::{Deserialize, Serialize};
+use std::f64::consts::TAU;
 use std::sync::Arc;
+use surface_profile::HighSide;
 
 /// Gap that ends the group of seeds at the rim of the metering device, in seed lengths.
 const GROUP_GAP: f64 = 1.5;
@@ -91,7 +93,7 @@ pub struct RunResult {
     pub frames: Vec<Frame>,
     /// Reading of each frame; none for the metering device, whose surface is not a drum's.
     pub readings: Vec<FrameReading>,
-    /// Filling angle in each frame, rad; metering device only.
+    /// Filling angle by the picture of each frame in which it could be read, rad; metering device only.
     pub filling_angles: Vec<f64>,
     /// Further observables.
     pub further: Vec<Further>,
@@ -168,23 +170,13 @@ pub fn run_on(
         ..
     } = built;
     let readings = readings_of(scene, &bodies, &frames)?;
-    let mut filling_angles = Vec::new();
-    if let Apparatus::Metering(device) = &scene.apparatus {
-        let length = bodies
-            .iter()
-            .map(|b| b.clump.bounding_radius())
-            .fold(0.0, f64::max);
-        let gap = GROUP_GAP * 2.0 * length / scene.apparatus.radius();
-        for frame in &frames {
-            let at_rim = angles_at_rim(&bodies, frame, scene.apparatus.radius());
-            filling_angles.push(device.filling_angle(&at_rim, gap));
-        }
-    }
+    let filling_angles = filling_angles(scene, &bodies, &frames)?;
     let steady = &series[state.cut..];
     let evidence = evidence(scene, steady, &readings);
     let motion = BedMotion::of(&evidence);
     let mut further = further(scene, &bodies, &frames, steady);
     further.extend(motion_observables(&evidence));
+    further.extend(filling_angle_by_position(scene, &bodies, &frames));
     if let Some(bonds) = &bonds {
         let broken = bonds.n_broken() as f64;
         further.push(Further::new("broken_bonds", "1", vec![broken]));
@@ -222,6 +214,55 @@ fn readings_of(
     frames.iter().map(read).collect()
 }
 
+/// Filling angles that the camera of a scene sees: from the lowest end of the board to the top of the bed at the rim, rad;
+/// none elsewhere than in a metering device.
+fn filling_angles(
+    scene: &Scene,
+    bodies: &[Arc<SeedBody>],
+    frames: &[Frame],
+) -> Result<Vec<f64>, Error> {
+    let Apparatus::Metering(device) = &scene.apparatus else {
+        return Ok(Vec::new());
+    };
+    let mut angles = Vec::new();
+    for frame in frames {
+        let photo = read_frame(scene, bodies, frame)?.photo;
+        if let (Some(surface), Some(ends)) = (photo.angle, photo.ends) {
+            let side = match surface.high_side {
+                HighSide::Right => 1.0,
+                HighSide::Left => -1.0,
+            };
+            let board = device.board_angle.si();
+            angles.push((side * ends.top - board).rem_euclid(TAU));
+        }
+    }
+    Ok(angles)
+}
+
+/// The same from the places of the seeds, deg.
+fn filling_angle_by_position(
+    scene: &Scene,
+    bodies: &[Arc<SeedBody>],
+    frames: &[Frame],
+) -> Option<Further> {
+    let Apparatus::Metering(device) = &scene.apparatus else {
+        return None;
+    };
+    let radius = scene.apparatus.radius();
+    let lengths = bodies.iter().map(|b| b.clump.bounding_radius());
+    let gap = GROUP_GAP * 2.0 * lengths.fold(0.0, f64::max) / radius;
+    let of_frame = |frame| {
+        let at_rim = angles_at_rim(bodies, frame, radius);
+        device.filling_angle(&at_rim, gap).to_degrees()
+    };
+    let name = "filling_angle_by_position_deg";
+    Some(Further::new(
+        name,
+        "deg",
+        frames.iter().map(of_frame).collect(),
+    ))
+}
+
 impl RunResult {
     /// The same run seen by the camera of another scene, which differs from the scene of the run in
     /// nothing else.
@@ -232,6 +273,7 @@ impl RunResult {
     pub fn seen_in(&self, scene: &Scene) -> Result<Self, Error> {
         Ok(Self {
             readings: readings_of(scene, &self.bodies, &self.frames)?,
+            filling_angles: filling_angles(scene, &self.bodies, &self.frames)?,
             ..self.clone()
         })
     }

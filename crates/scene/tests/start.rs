@@ -87,3 +87,19 @@ fn the_flow_has_a_time_step_of_its_own() -> Result<(), scene::Error> {
     assert_eq!(steps(&scene)?, [settling, settling]);
     Ok(())
 }
+
+/// Contacts that rub hard stick, and count shorter: by `1 - 0.5 (mu - 0.35)`, and by 0.7 at most. Rounding only.
+#[test]
+fn the_time_step_falls_with_the_friction() -> Result<(), scene::Error> {
+    let library = FillingLibrary::default();
+    let step = |friction: &str| -> Result<f64, scene::Error> {
+        let scene = drum(&[("contact.seed-seed.static_friction", friction)])?;
+        Ok(starting_frame(&scene, &library, 1)?.2)
+    };
+    let smooth = step("0.1")?;
+    for (friction, share) in [("0.35", 1.0), ("0.55", 0.9), ("0.95", 0.7), ("2", 0.7)] {
+        let got = step(friction)? / smooth;
+        assert!((got - share).abs() < 1e-12, "{friction}: {got} for {share}");
+    }
+    Ok(())
+}

@@ -37,6 +37,7 @@ mod line;
 mod line_error;
 mod median;
 mod series;
+mod shell_ends;
 mod stations;
 
 pub use angle::{Definition, HighSide, SurfaceAngle, SurfaceReading, measure, read_surface};
@@ -48,6 +49,7 @@ pub use geometry::{DrumCircle, SurfacePoint};
 pub use heap::{HeapAngle, HeapFlank, measure_heap};
 pub use median::median;
 pub use series::{SeriesSummary, summarise};
+pub use shell_ends::shell_ends;
 
 #[cfg(test)]
 mod angle_tests;

@@ -50,6 +50,10 @@ pub(crate) struct ImageResult {
     pub(crate) s_shape: Option<f64>,
     /// Share of the drum that the bed takes, 0 to 1, within 0.96 of its radius.
     pub(crate) fill_level: Option<f64>,
+    /// Where the bed ends at the shell on the lower side, from straight down, positive towards the higher side, degrees.
+    pub(crate) toe_position_deg: Option<f64>,
+    /// The same on the higher side, degrees.
+    pub(crate) top_position_deg: Option<f64>,
     /// Which side stands higher.
     pub(crate) high_side: Option<HighSide>,
     /// The drum circle, px, y down.
@@ -153,6 +157,8 @@ impl ImageResult {
             curvature: angle.map(|a| a.curvature),
             s_shape: angle.map(|a| a.s_shape),
             fill_level: reading.fill_level,
+            toe_position_deg: degrees(reading.ends.map(|e| e.toe)),
+            top_position_deg: degrees(reading.ends.map(|e| e.top)),
             high_side: angle.map(|a| a.high_side),
             drum: reading.drum,
             heap: heap.map(HeapResult::new),
@@ -290,6 +296,8 @@ fn observables(images: &[ImageResult]) -> BTreeMap<&'static str, Spread> {
         ("curvature", of(|i| i.curvature)),
         ("s_shape", of(|i| i.s_shape)),
         ("fill_level", of(|i| i.fill_level)),
+        ("toe_position_deg", of(|i| i.toe_position_deg)),
+        ("top_position_deg", of(|i| i.top_position_deg)),
     ];
     let finite = |value: f64| value.is_finite().then_some(value);
     let spread = |(name, values): (&'static str, Vec<f64>)| {
