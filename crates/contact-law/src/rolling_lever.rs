@@ -35,7 +35,7 @@ pub enum RollingLever {
 
 impl RollingLever {
     /// The arm of one body (m): that of its centre, or that of its sphere.
-    #[inline(always)]
+    #[inline]
     pub fn of(self, centre: f64, sphere: f64) -> f64 {
         match self {
             Self::Centre => centre,

@@ -90,6 +90,12 @@ pub(crate) fn supported<'a>(scene: &'a Scene, tool: &'static str) -> Result<&'a 
             "remove lifters and [[wall]] from the scene",
         );
     }
+    if drum.covers_at_rest {
+        return missing(
+            "covers that stand still",
+            "remove apparatus.covers_at_rest from the scene",
+        );
+    }
     if drum.ramp.is_some() || drum.reverse_every.is_some() || drum.ripple.is_some() {
         return missing(
             "a speed that changes",

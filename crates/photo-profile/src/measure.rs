@@ -3,18 +3,18 @@
 use crate::agreement::agreement;
 use crate::drum::{FoundDrum, find_drum};
 use crate::heap::read_heap;
-use crate::tone::bed_share;
+use crate::tone::{BedShare, bed_share};
 use crate::uncertainty::widened;
 use crate::view::{DiscView, REACH};
 use crate::{
-    BedEnds, DrumPixels, Error, Foreground, Mode, PhotoPixels, PhotoReading, PixelPoint, Refusal,
-    Settings, Verdict,
+    DrumPixels, Error, Foreground, Mode, PhotoPixels, PhotoReading, PixelPoint, Refusal, Settings,
+    Verdict,
 };
 use image::GrayImage;
 use std::path::Path;
 use surface_profile::{
-    DrumCircle, Field, HighSide, SurfacePoint, SurfaceReading, bulk_level, free_surface,
-    read_surface, shell_ends,
+    DrumCircle, Field, SurfacePoint, SurfaceReading, bulk_level, free_surface, read_surface,
+    shell_ends,
 };
 
 /// Smoothing of the bed share, in drum radii; the simulated bed's density has the same.
@@ -71,45 +71,87 @@ pub fn measure_photo(picture: &PhotoPixels, settings: &Settings) -> Result<Photo
             Err(reason) => return Ok(PhotoReading::refused(reason, None)),
         },
     };
-    Ok(read_disc(picture, &found, settings)
-        .unwrap_or_else(|reason| PhotoReading::refused(reason, Some(found.circle))))
+    let refused = |reason| PhotoReading::refused(reason, Some(found.circle));
+    Ok(match Disc::of(picture, found.circle, settings) {
+        Err(reason) => refused(reason),
+        // Where the bed ends is told also where its surface has no angle.
+        Ok(disc) => PhotoReading {
+            ends: shell_ends(&disc.field, disc.level, &disc.circle),
+            ..read_surface_of(&disc, &found).unwrap_or_else(refused)
+        },
+    })
 }
 
-/// Measures the disc of a known drum.
-fn read_disc(
-    picture: &PhotoPixels,
-    found: &FoundDrum,
-    settings: &Settings,
-) -> Result<PhotoReading, Refusal> {
-    let drum = found.circle;
-    let view = DiscView::new(picture, drum, settings.camera_roll);
-    if view.part_in_picture < 0.8 {
-        return Err(Refusal::DrumOutside {
-            inside: view.part_in_picture,
-        });
+/// The disc of a drum and how much bed each place of it shows.
+struct Disc {
+    /// The disc in the picture.
+    view: DiscView,
+    /// Bed by tone.
+    bed: BedShare,
+    /// The same, smoothed.
+    field: Field,
+    /// The same by the tone alone, smoothed.
+    plain: Field,
+    /// The share at the surface.
+    level: f64,
+    /// The drum about the origin, px.
+    circle: DrumCircle,
+}
+
+impl Disc {
+    /// Looks at the disc of a known drum.
+    fn of(picture: &PhotoPixels, drum: DrumPixels, settings: &Settings) -> Result<Self, Refusal> {
+        let view = DiscView::new(picture, drum, settings.camera_roll);
+        if view.part_in_picture < 0.8 {
+            return Err(Refusal::DrumOutside {
+                inside: view.part_in_picture,
+            });
+        }
+        let bed = bed_share(&view, settings.foreground)?;
+        let circle = DrumCircle {
+            x: 0.0,
+            y: 0.0,
+            radius: drum.r,
+        };
+        let [field, plain] = smoothed(&view, [&bed.share, &bed.plain], drum.r);
+        let (field, plain) = (
+            field.map_err(Refusal::Surface)?,
+            plain.map_err(Refusal::Surface)?,
+        );
+        let level = bulk_level(&field, &circle);
+        Ok(Self {
+            view,
+            bed,
+            field,
+            plain,
+            level,
+            circle,
+        })
     }
-    let bed = bed_share(&view, settings.foreground)?;
-    let circle = DrumCircle {
-        x: 0.0,
-        y: 0.0,
-        radius: drum.r,
-    };
-    let [field, plain] = smoothed(&view, [&bed.share, &bed.plain], drum.r);
-    let (field, plain) = (
-        field.map_err(Refusal::Surface)?,
-        plain.map_err(Refusal::Surface)?,
-    );
-    let level = bulk_level(&field, &circle);
-    let points = free_surface(&field, level, &circle, REACH).map_err(Refusal::Surface)?;
-    let mut surface = read_surface(&points, &circle).map_err(Refusal::Surface)?;
-    let agreement = agreement(&view, &bed, &points, &surface);
+}
+
+/// Measures the surface in the disc of a drum.
+fn read_surface_of(disc: &Disc, found: &FoundDrum) -> Result<PhotoReading, Refusal> {
+    let drum = found.circle;
+    let Disc {
+        view,
+        bed,
+        field,
+        plain,
+        level,
+        circle,
+    } = disc;
+    let level = *level;
+    let points = free_surface(field, level, circle, REACH).map_err(Refusal::Surface)?;
+    let mut surface = read_surface(&points, circle).map_err(Refusal::Surface)?;
+    let agreement = agreement(view, bed, &points, &surface);
     agreement.check()?;
     surface.angle = widened(
-        [&field, &plain],
+        [field, plain],
         level,
         &points,
         &surface,
-        (&circle, REACH),
+        (circle, REACH),
         found.rim.as_ref(),
     );
     let error = surface.angle.standard_error;
@@ -123,10 +165,9 @@ fn read_disc(
     let trust = Trust {
         step: agreement.step,
         foreground: bed.foreground,
-        fill_level: field.share_above(level, &circle, REACH),
-        ends: shell_ends(&field, level, &circle),
+        fill_level: field.share_above(level, circle, REACH),
     };
-    let result = reading(&view, drum, &points, &surface, &trust);
+    let result = reading(view, drum, &points, &surface, &trust);
     if let (Some(ends), Some(rim)) = (result.chord_ends, &found.rim)
         && rim.hides_oddly(ends)
     {
@@ -146,8 +187,6 @@ struct Trust {
     foreground: Foreground,
     /// Share of the disc that the bed takes, 1.
     fill_level: f64,
-    /// Clockwise and counter-clockwise end of the bed at the shell, from straight down, rad.
-    ends: Option<[f64; 2]>,
 }
 
 /// Bed shares smoothed inside the disc, as fields about the drum axis.
@@ -198,18 +237,7 @@ fn reading(
         verdict: Verdict::Ok,
         angle: Some(surface.angle),
         fill_level: Some(trust.fill_level),
-        ends: trust
-            .ends
-            .map(|[clockwise, other]| match surface.angle.high_side {
-                HighSide::Right => BedEnds {
-                    toe: clockwise,
-                    top: other,
-                },
-                HighSide::Left => BedEnds {
-                    toe: -other,
-                    top: -clockwise,
-                },
-            }),
+        ends: None,
         heap: None,
         drum: Some(drum),
         used,

@@ -3,7 +3,7 @@
 use crate::heap::{FoundHeap, HeapReading};
 use crate::{DrumPixels, Foreground};
 use serde::{Deserialize, Serialize};
-use surface_profile::SurfaceAngle;
+use surface_profile::{HighSide, SurfaceAngle};
 
 /// A place in the picture; y down, the centre of the first pixel is (0, 0).
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -167,8 +167,9 @@ pub struct PhotoReading {
     /// Share of the drum that the bed takes: of the disc within 0.96 of the radius, where the smoothed bed share is above
     /// half of its bulk value; none when refused, and of a heap.
     pub fill_level: Option<f64>,
-    /// Where the bed ends at the shell; none when refused, of a heap, and of a bed that fills the shell all round.
-    pub ends: Option<BedEnds>,
+    /// Directions in which the bed ends at the shell, from straight down, counter-clockwise positive, rad: the clockwise end
+    /// and the other. None of a heap, of a bed that fills the shell all round, and where no bed is told from air.
+    pub ends: Option<[f64; 2]>,
     /// The heap, when one was measured.
     pub heap: Option<HeapReading>,
     /// The drum, when one was given or found, px.
@@ -191,6 +192,21 @@ pub struct PhotoReading {
 }
 
 impl PhotoReading {
+    /// Toe and top of the bed at the shell; none where the surface was refused or the bed has no ends.
+    pub fn bed_ends(&self) -> Option<BedEnds> {
+        let [clockwise, other] = self.ends?;
+        Some(match self.angle?.high_side {
+            HighSide::Right => BedEnds {
+                toe: clockwise,
+                top: other,
+            },
+            HighSide::Left => BedEnds {
+                toe: -other,
+                top: -clockwise,
+            },
+        })
+    }
+
     /// A refused reading.
     pub(crate) fn refused(reason: Refusal, drum: Option<DrumPixels>) -> Self {
         Self {

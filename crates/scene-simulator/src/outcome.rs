@@ -58,7 +58,7 @@ impl Surface {
             let by_image = reading.photo.angle.map(|a| a.line.to_degrees());
             difference.extend(by_image.zip(by_position).map(|(i, p)| i - p));
         }
-        let ends = || result.readings.iter().filter_map(|r| r.photo.ends);
+        let ends = || result.readings.iter().filter_map(|r| r.photo.bed_ends());
         Self {
             toe: ends().map(|e| e.toe.to_degrees()).collect(),
             top: ends().map(|e| e.top.to_degrees()).collect(),

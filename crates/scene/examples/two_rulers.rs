@@ -6,10 +6,12 @@
 //! The camera sees bed wherever any seed stands between it and the back cover; the profile of the
 //! spheres asks where the bed is half as dense as inside. Three more readings tell the two apart:
 //! the spheres at the density of a few seeds along the drum, and picture and spheres of the seeds
-//! in each third of the width alone.
+//! in each third of the width alone. The last column is the same frames seen from a camera near the drum, and the last row a
+//! drum whose covers stand still.
 
 #![expect(clippy::print_stdout, reason = "the table is the purpose")]
 
+use quantity::Length;
 use scene::{Apparatus, FillingLibrary, Frame, Override, RunResult, Scene, read_frame, run};
 use std::error::Error;
 use std::path::PathBuf;
@@ -17,8 +19,16 @@ use surface_profile::{
     DensitySettings, Disc, DrumCircle, bulk_level, density_of_discs, free_surface, measure,
 };
 
-/// Speeds, rpm.
-const SPEEDS: [u32; 4] = [10, 20, 30, 45];
+/// Speeds, rpm, and whether the covers stand still.
+const SPEEDS: [(u32, bool); 5] = [
+    (10, false),
+    (20, false),
+    (30, false),
+    (45, false),
+    (10, true),
+];
+/// Distance of the near camera from the front cover, in radii of the drum.
+const NEAR: f64 = 5.0;
 /// Frames at each speed where the user does not say.
 const FRAMES: usize = 25;
 /// Level that a few seeds along the width reach, parts of the level of half of the bulk.
@@ -36,15 +46,15 @@ fn main() -> Outcome<()> {
         .next()
         .map_or_else(|| PathBuf::from("fixtures/cotton/drum.toml"), PathBuf::from);
     println!(
-        "| rpm | frames | refused | picture | spheres | picture - spheres | spheres at a fifth of \
-         the level - at the level | thirds: front | middle | back | thirds: picture - spheres |"
+        "| rpm | covers | frames | refused | picture | spheres | picture - spheres | spheres at a fifth of \
+         the level - at the level | thirds: front | middle | back | thirds: picture - spheres | camera at 5 radii - far away |"
     );
-    println!("|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|");
+    println!("|--:|---|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|");
     let rows = std::thread::scope(|scope| {
-        let speeds = SPEEDS.map(|rpm| {
+        let speeds = SPEEDS.map(|(rpm, at_rest)| {
             scope.spawn({
                 let file = &file;
-                move || row(file, rpm, frames)
+                move || row(file, rpm, at_rest, frames)
             })
         });
         speeds.map(std::thread::ScopedJoinHandle::join)
@@ -57,7 +67,7 @@ fn main() -> Outcome<()> {
 }
 
 /// Runs the drum at one speed and makes its row.
-fn row(file: &std::path::Path, rpm: u32, frames: usize) -> Outcome<String> {
+fn row(file: &std::path::Path, rpm: u32, at_rest: bool, frames: usize) -> Outcome<String> {
     let set = |name: &str, value: String| Override {
         name: name.to_owned(),
         value,
@@ -72,12 +82,13 @@ fn row(file: &std::path::Path, rpm: u32, frames: usize) -> Outcome<String> {
             format!("{} s", 6.0 + 0.2 * frames as f64),
         ),
     ];
-    let scene = Scene::read(file, &changes)?;
-    if !matches!(scene.apparatus, Apparatus::Drum(_)) {
+    let mut scene = Scene::read(file, &changes)?;
+    let Apparatus::Drum(drum) = &mut scene.apparatus else {
         return Err("the scene must be a drum".into());
-    }
+    };
+    drum.covers_at_rest = at_rest;
     let result = run(&scene, &FillingLibrary::default(), 1)?;
-    let mut columns: [Vec<f64>; 8] = Default::default();
+    let mut columns: [Vec<f64>; 9] = Default::default();
     let mut refused = 0;
     for frame in &result.frames {
         let Some(values) = compare(&scene, &result, frame)? else {
@@ -90,20 +101,24 @@ fn row(file: &std::path::Path, rpm: u32, frames: usize) -> Outcome<String> {
     }
     let cells = columns.map(|values| cell(&values));
     Ok(format!(
-        "| {rpm} | {} | {refused} | {} |",
+        "| {rpm} | {} | {} | {refused} | {} |",
+        if at_rest { "at rest" } else { "turning" },
         result.frames.len(),
         cells.join(" | ")
     ))
 }
 
 /// The readings of one frame in the order of the columns, degrees; none for a refused picture.
-fn compare(scene: &Scene, result: &RunResult, frame: &Frame) -> Outcome<Option<[Option<f64>; 8]>> {
+fn compare(scene: &Scene, result: &RunResult, frame: &Frame) -> Outcome<Option<[Option<f64>; 9]>> {
     let whole = read_frame(scene, &result.bodies, frame)?;
     let degrees = |angle: Option<surface_profile::SurfaceAngle>| angle.map(|a| a.line.to_degrees());
     let (Some(picture), Some(spheres)) = (degrees(whole.photo.angle), degrees(whole.position))
     else {
         return Ok(None);
     };
+    let mut near = scene.clone();
+    near.camera.distance = Some(Length::from_si(NEAR * scene.apparatus.radius())?);
+    let near = degrees(read_frame(&near, &result.bodies, frame)?.photo.angle);
     let few = by_level(scene, result, frame, FEW_SEEDS);
     let width = scene.apparatus.width();
     let mut thirds = [None; 3];
@@ -130,6 +145,7 @@ fn compare(scene: &Scene, result: &RunResult, frame: &Frame) -> Outcome<Option<[
         thirds[1],
         thirds[2],
         (!differences.is_empty()).then_some(mean),
+        near.map(|near| near - picture),
     ]))
 }
 

@@ -16,7 +16,6 @@ use dem_solver::{Census, Placement, World};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 use std::sync::Arc;
-use surface_profile::HighSide;
 
 /// Gap that ends the group of seeds at the rim of the metering device, in seed lengths.
 const GROUP_GAP: f64 = 1.5;
@@ -227,14 +226,9 @@ fn filling_angles(
     let mut angles = Vec::new();
     for frame in frames {
         let photo = read_frame(scene, bodies, frame)?.photo;
-        if let (Some(surface), Some(ends)) = (photo.angle, photo.ends) {
-            let side = match surface.high_side {
-                HighSide::Right => 1.0,
-                HighSide::Left => -1.0,
-            };
-            let board = device.board_angle.si();
-            angles.push((side * ends.top - board).rem_euclid(TAU));
-        }
+        let board = device.board_angle.si();
+        let top = photo.ends.map(|[_, top]| top);
+        angles.extend(top.map(|top| (top - board).rem_euclid(TAU)));
     }
     Ok(angles)
 }

@@ -98,6 +98,99 @@ fn mean_and_variance(records: &[Record]) -> (f64, f64) {
     (mean, square / (n - 1.0) / n)
 }
 
+/// Runs points with several seeds each.
+struct Runner<'a> {
+    /// Where runs are kept.
+    campaign: Campaign<'a>,
+    /// What runs them.
+    simulator: SceneSimulator,
+    /// Runs of a point.
+    runs: u64,
+}
+
+impl Runner<'_> {
+    /// The records of all points, point by point.
+    fn records(&self, points: &[RunRequest]) -> Result<Vec<Vec<Record>>, Box<dyn Error>> {
+        let with_seed = |point: &RunRequest, seed| RunRequest {
+            seed,
+            ..point.clone()
+        };
+        let each = points.iter();
+        let requests: Vec<RunRequest> = each
+            .flat_map(|p| (1..=self.runs).map(move |seed| with_seed(p, seed)))
+            .collect();
+        let records = self.campaign.run_all(&self.simulator, &requests)?;
+        let of_point = records.chunks(usize::try_from(self.runs)?);
+        Ok(of_point.map(<[Record]>::to_vec).collect())
+    }
+}
+
+/// The small drum by speed.
+fn by_speed(runner: &Runner<'_>) -> Result<(), Box<dyn Error>> {
+    let points = SPEEDS.map(|[rpm, seeds, wall]| {
+        request("small", [seeds, wall, OPTIMUM[1]], 1)
+            .with_parameter(SEED_COVER, wall)
+            .with_condition("rpm", rpm)
+    });
+    let records = runner.records(&points)?;
+    println!(
+        "| rpm | friction of seeds, of walls | runs of each form | slip | carried share | waiting, s | airborne share | S shape |"
+    );
+    println!("|--:|--:|---|--:|--:|--:|--:|--:|");
+    for ([rpm, seeds, wall], records) in SPEEDS.iter().zip(&records) {
+        let of = |name| mean_and_error(records, name, 2);
+        println!(
+            "| {rpm} | {seeds}, {wall} | {} | {} | {} | {} | {} | {} |",
+            forms(records)?,
+            of("shell_slip"),
+            of("carried_share"),
+            of("waiting_time_s"),
+            of("airborne_share"),
+            of("s_shape"),
+        );
+    }
+    Ok(())
+}
+
+/// The study's drum by filling and friction.
+fn by_friction(runner: &Runner<'_>) -> Result<(), Box<dyn Error>> {
+    println!(
+        "\n| filling | friction of seeds | runs of each form | angle, deg | fluctuation, deg |"
+    );
+    println!("|---|--:|---|--:|--:|");
+    for (filling, _) in FILLINGS {
+        let points = FRICTIONS.map(|f| request(filling, [f, OPTIMUM[0], OPTIMUM[1]], 1));
+        for (friction, records) in FRICTIONS.iter().zip(&runner.records(&points)?) {
+            println!(
+                "| {filling} | {friction} | {} | {} | {} |",
+                forms(records)?,
+                mean_and_error(records, "angle_deg", 2),
+                mean_and_error(records, "fluctuation_deg", 2),
+            );
+        }
+    }
+    Ok(())
+}
+
+/// The study's effects at two frictions.
+fn effects(runner: &Runner<'_>) -> Result<(), Box<dyn Error>> {
+    println!("\n| effect | at a friction of seeds of | high less low, deg |");
+    println!("|---|--:|--:|");
+    for (symbol, at, levels) in EFFECTS {
+        let records = runner.records(&levels.map(|level| request("packed", level, 1)))?;
+        let ((low, v_low), (high, v_high)) = (
+            mean_and_variance(&records[0]),
+            mean_and_variance(&records[1]),
+        );
+        println!(
+            "| {symbol} | {at} | {:.2} +- {:.2} |",
+            high - low,
+            (v_low + v_high).sqrt()
+        );
+    }
+    Ok(())
+}
+
 fn main() -> Result<(), Box<dyn Error>> {
     let (folder, runs) = folder_and_runs("bed_motion", 4)?;
     let small = SMALL.map(|(name, value)| Override {
@@ -111,76 +204,15 @@ fn main() -> Result<(), Box<dyn Error>> {
     }
     let paths = [SEED_SEED, SEED_SHELL, SEED_COVER, REBOUND];
     let bindings = paths.map(|path| (path.to_owned(), Binding::of_path(path)));
-    let simulator = SceneSimulator::new(scenes, bindings.into())?;
     let store = Store::open(folder)?;
     let threads = std::thread::available_parallelism().map_or(1, usize::from);
     let progress = LineProgress::new(std::io::stderr());
-    let campaign = Campaign::new(&store, threads, &progress);
-    let n = usize::try_from(runs)?;
-    let of_points = |points: &[RunRequest]| -> Vec<RunRequest> {
-        let with_seed = |point: &RunRequest, seed| RunRequest {
-            seed,
-            ..point.clone()
-        };
-        let each = points.iter();
-        each.flat_map(|p| (1..=runs).map(move |seed| with_seed(p, seed)))
-            .collect()
+    let runner = Runner {
+        campaign: Campaign::new(&store, threads, &progress),
+        simulator: SceneSimulator::new(scenes, bindings.into())?,
+        runs,
     };
-
-    let speeds = SPEEDS.map(|[rpm, seeds, wall]| {
-        request("small", [seeds, wall, OPTIMUM[1]], 1)
-            .with_parameter(SEED_COVER, wall)
-            .with_condition("rpm", rpm)
-    });
-    let records = campaign.run_all(&simulator, &of_points(&speeds))?;
-    println!(
-        "| rpm | friction of seeds, of walls | runs of each form | slip | carried share | waiting, s | airborne share | S shape |"
-    );
-    println!("|--:|--:|---|--:|--:|--:|--:|--:|");
-    for ([rpm, seeds, wall], records) in SPEEDS.iter().zip(records.chunks(n)) {
-        let of = |name| mean_and_error(records, name, 2);
-        println!(
-            "| {rpm} | {seeds}, {wall} | {} | {} | {} | {} | {} | {} |",
-            forms(records)?,
-            of("shell_slip"),
-            of("carried_share"),
-            of("waiting_time_s"),
-            of("airborne_share"),
-            of("s_shape"),
-        );
-    }
-
-    println!(
-        "\n| filling | friction of seeds | runs of each form | angle, deg | fluctuation, deg |"
-    );
-    println!("|---|--:|---|--:|--:|");
-    for (filling, _) in FILLINGS {
-        let points = FRICTIONS.map(|f| request(filling, [f, OPTIMUM[0], OPTIMUM[1]], 1));
-        let records = campaign.run_all(&simulator, &of_points(&points))?;
-        for (friction, records) in FRICTIONS.iter().zip(records.chunks(n)) {
-            println!(
-                "| {filling} | {friction} | {} | {} | {} |",
-                forms(records)?,
-                mean_and_error(records, "angle_deg", 2),
-                mean_and_error(records, "fluctuation_deg", 2),
-            );
-        }
-    }
-
-    println!("\n| effect | at a friction of seeds of | high less low, deg |");
-    println!("|---|--:|--:|");
-    for (symbol, at, levels) in EFFECTS {
-        let points = levels.map(|level| request("packed", level, 1));
-        let records = campaign.run_all(&simulator, &of_points(&points))?;
-        let ((low, v_low), (high, v_high)) = (
-            mean_and_variance(&records[..n]),
-            mean_and_variance(&records[n..]),
-        );
-        println!(
-            "| {symbol} | {at} | {:.2} +- {:.2} |",
-            high - low,
-            (v_low + v_high).sqrt()
-        );
-    }
-    Ok(())
+    by_speed(&runner)?;
+    by_friction(&runner)?;
+    effects(&runner)
 }

@@ -1,11 +1,10 @@
-//! What the time step does to the study's drum: angle, shell slip, curvature and kinetic energy.
+//! What the time step does to a drum: angle, shell slip, curvature and kinetic energy, by friction and filling.
 //!
 //! `cargo run --release -p study --example time_step -- FOLDER [RUNS]`
 //!
-//! Runs the drum with RUNS seeds (default 10) at each step and prints means with standard errors over
-//! the runs that came to their end. Too long a step throws seeds out, which ends a run: the table counts
-//! those runs, and the reasons go to standard error. Finished runs are kept in FOLDER and found again.
-//! The shortest step is the reference; each of its runs takes more than a minute of one core.
+//! Runs the study's drum, cut to 100 mm and 320 seeds, with RUNS seeds (default 4) at each friction, filling and step and prints
+//! means with standard errors over the runs that came to their end. Too long a step throws seeds out, which ends a run: the
+//! table counts those runs, and the reasons go to standard error. Finished runs are kept in FOLDER and found again.
 
 #![expect(clippy::print_stdout, reason = "the table is the purpose")]
 #![expect(
@@ -17,15 +16,47 @@ mod records;
 
 use campaign::{Campaign, RunRequest, Silent};
 use records::{folder_and_runs, mean_and_error};
-use run_store::Store;
-use scene::Scene;
-use scene_simulator::{Binding, SceneSimulator};
+use run_store::{Record, Store};
+use scene::{Override, Scene};
+use scene_simulator::{Binding, RunDetails, SceneSimulator};
 use std::collections::BTreeMap;
 use std::error::Error;
 use std::path::Path;
 
-/// Time steps, s; the first is the reference.
-const STEPS: [f64; 4] = [0.025e-3, 0.1e-3, 0.12e-3, 0.14e-3];
+/// Time steps as shares of a hard contact; the first is the reference.
+const SHARES: [f64; 5] = [0.09, 0.30, 0.36, 0.42, 0.50];
+
+/// Friction between seeds.
+const FRICTIONS: [f64; 3] = [0.1, 0.33, 0.56];
+
+/// Fillings: name, scene, spheres of a seed where they are not those of the scene, and whether the reference is run.
+const FILLINGS: [(&str, &str, Option<&str>, bool); 4] = [
+    ("packed", "fixtures/cotton/drum.toml", None, true),
+    ("50 spheres", "fixtures/cotton/drum.toml", Some("50"), false),
+    (
+        "100 spheres",
+        "fixtures/cotton/drum.toml",
+        Some("100"),
+        false,
+    ),
+    ("smooth", "fixtures/cotton/measured.toml", None, true),
+];
+
+/// What makes the study's drum a small one.
+const SMALL: [(&str, &str); 5] = [
+    ("apparatus.inner_diameter", "100 mm"),
+    ("apparatus.width", "24 mm"),
+    ("seed.0.count", "282"),
+    ("seed.1.count", "38"),
+    ("protocol.frame_interval", "0.1 s"),
+];
+
+/// Spheres of a seed.
+const SPHERES: [&str; 2] = ["seed.0.filling.sphere_count", "seed.1.filling.sphere_count"];
+
+/// Paths of the friction and of the time steps.
+const FRICTION: &str = "contact.seed-seed.static_friction";
+const STEPS: [&str; 2] = ["protocol.step_share", "protocol.flow_step_share"];
 
 /// What is compared.
 const OBSERVABLES: [&str; 5] = [
@@ -36,51 +67,78 @@ const OBSERVABLES: [&str; 5] = [
     "kinetic_energy_mj",
 ];
 
-fn main() -> Result<(), Box<dyn Error>> {
-    let (folder, runs) = folder_and_runs("time_step", 10)?;
-    let drum = Path::new("fixtures/cotton/drum.toml");
-    let scenes = BTreeMap::from([("drum".to_owned(), Scene::read(drum, &[])?)]);
-    let step = Binding {
-        unit: Some("s".to_owned()),
-        ..Binding::of_path("protocol.time_step")
+/// The small drum with a filling.
+fn scene(file: &str, spheres: Option<&str>) -> Result<Scene, scene::Error> {
+    let small = SMALL.iter().copied();
+    let filled = SPHERES.iter().filter_map(|path| Some((*path, spheres?)));
+    // So that there is a share of the flow to set.
+    let flow = [("protocol.flow_step_share", "0.36")];
+    let changes: Vec<Override> = small
+        .chain(filled)
+        .chain(flow)
+        .map(|(name, value)| Override {
+            name: name.into(),
+            value: value.into(),
+        })
+        .collect();
+    Scene::read(Path::new(file), &changes)
+}
+
+/// The time step of a finished run, ms.
+fn step_of(records: &[Record]) -> Result<String, Box<dyn Error>> {
+    let Some(record) = records.first() else {
+        return Ok("-".into());
     };
-    let share = Binding::of_path("protocol.step_share");
-    let bindings = [("time_step_s", step), ("protocol.step_share", share)];
-    let bindings = bindings.map(|(symbol, binding)| (symbol.to_owned(), binding));
+    let step = RunDetails::of(record)?.timing.time_step_s;
+    Ok(format!("{:.3}", 1e3 * step))
+}
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let (folder, runs) = folder_and_runs("time_step", 4)?;
+    let mut scenes = BTreeMap::new();
+    for (name, file, spheres, _) in FILLINGS {
+        scenes.insert(name.to_owned(), scene(file, spheres)?);
+    }
+    let paths = [FRICTION, STEPS[0], STEPS[1]];
+    let bindings = paths.map(|path| (path.to_owned(), Binding::of_path(path)));
     let simulator = SceneSimulator::new(scenes, bindings.into())?;
     let store = Store::open(folder)?;
     let threads = std::thread::available_parallelism().map_or(1, usize::from);
     let campaign = Campaign::new(&store, threads, &Silent);
     println!(
-        "| step, ms | runs that came to their end | {} |",
+        "| filling | friction | share of a hard contact | step, ms | came to their end | {} |",
         OBSERVABLES.join(" | ")
     );
-    println!("|---|---|{}", "---|".repeat(OBSERVABLES.len()));
-    for step in STEPS {
-        let request = |seed| {
-            let mut request = RunRequest::new("drum", seed);
-            let settings = [("time_step_s", step), ("protocol.step_share", 1.0)];
-            request.parameters = settings.map(|(n, v)| (n.to_owned(), v)).into();
-            request
-        };
-        let requests: Vec<_> = (1..=runs).map(request).collect();
-        let mut records = Vec::new();
-        for (request, result) in requests
-            .iter()
-            .zip(campaign.run_each(&simulator, &requests)?)
-        {
-            match result {
-                Ok(record) => records.push(record),
-                Err(reason) => eprintln!("{:.4} ms, seed {}: {reason}", step * 1e3, request.seed),
+    println!("|---|--:|--:|--:|---|{}", "--:|".repeat(OBSERVABLES.len()));
+    for (filling, _, _, with_reference) in FILLINGS {
+        for friction in FRICTIONS {
+            for share in SHARES.into_iter().skip(usize::from(!with_reference)) {
+                let request = |seed| {
+                    RunRequest::new(filling, seed)
+                        .with_parameter(FRICTION, friction)
+                        .with_parameter(STEPS[0], share)
+                        .with_parameter(STEPS[1], share)
+                };
+                let requests: Vec<_> = (1..=runs).map(request).collect();
+                let results = campaign.run_each(&simulator, &requests)?;
+                let mut records = Vec::new();
+                for (seed, result) in (1..=runs).zip(results) {
+                    match result {
+                        Ok(record) => records.push(record),
+                        Err(reason) => {
+                            eprintln!("{filling}, {friction}, {share}, seed {seed}: {reason}");
+                        }
+                    }
+                }
+                let cells = OBSERVABLES.map(|o| mean_and_error(&records, o, 3));
+                println!(
+                    "| {filling} | {friction} | {share} | {} | {} of {runs} | {} |",
+                    step_of(&records)?,
+                    records.len(),
+                    cells.join(" | ")
+                );
             }
         }
-        let cells = OBSERVABLES.map(|o| mean_and_error(&records, o, 4));
-        let finished = records.len();
-        println!(
-            "| {:.4} | {finished} of {runs} | {} |",
-            step * 1e3,
-            cells.join(" | ")
-        );
     }
     Ok(())
 }

@@ -178,8 +178,8 @@ fn read_file(file: &Path, options: &PhotoOptions, heap: bool) -> Result<Vec<Fram
 fn values_of(reading: &PhotoReading) -> Option<FrameValues> {
     if let Some(angle) = &reading.angle {
         let of_ends = |end: fn(&BedEnds) -> f64| {
-            let ends = reading.ends.as_ref();
-            ends.map_or(f64::NAN, |e| end(e).to_degrees())
+            let ends = reading.bed_ends();
+            ends.map_or(f64::NAN, |e| end(&e).to_degrees())
         };
         return Some(FrameValues {
             values: vec![

@@ -1,4 +1,4 @@
-//! Rotating drum between two covers that turn with it.
+//! Rotating drum between two covers.
 
 use super::{NamedWall, cover};
 use crate::Error;
@@ -7,7 +7,7 @@ use nalgebra::Vector3;
 use quantity::{Angle, AngularSpeed, Length, Time};
 use serde::{Deserialize, Serialize};
 
-/// A shell and two covers that turn together; in the study about a level axis at one speed.
+/// A shell and two covers that turn together where nothing else is said; in the study about a level axis at one speed.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Drum {
@@ -21,6 +21,9 @@ pub struct Drum {
     pub shell: String,
     /// Material of the covers.
     pub cover: String,
+    /// Whether the covers stand still while the shell turns; they turn with it where absent.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub covers_at_rest: bool,
     /// Tilt of the axis: positive when the front end, which the camera faces, is the lower one.
     /// Level where absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -169,16 +172,17 @@ impl Drum {
     pub(crate) fn walls(&self) -> Vec<NamedWall> {
         let (half, spin) = (0.5 * self.width.si(), self.speed.si());
         let radius = 0.5 * self.inner_diameter.si();
-        let wall = |name, shape, material: &String| NamedWall {
+        let of_covers = if self.covers_at_rest { 0.0 } else { spin };
+        let wall = |name, shape, material: &String, spin| NamedWall {
             name,
             shape,
             material: material.clone(),
             spin,
         };
         vec![
-            wall("shell", Shape::Cylinder { radius }, &self.shell),
-            wall("front cover", cover(half), &self.cover),
-            wall("back cover", cover(-half), &self.cover),
+            wall("shell", Shape::Cylinder { radius }, &self.shell, spin),
+            wall("front cover", cover(half), &self.cover, of_covers),
+            wall("back cover", cover(-half), &self.cover, of_covers),
         ]
     }
 }
@@ -201,6 +205,7 @@ mod tests {
             tilt: None,
             ramp: None,
             reverse_every: None,
+            covers_at_rest: false,
             ripple: Some(Ripple {
                 share: 0.2,
                 cycles: 6.0,
