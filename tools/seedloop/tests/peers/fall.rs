@@ -111,7 +111,6 @@ fn restitution_with(factor: f64, restitution: f64) -> f64 {
 
 #[test]
 #[ignore = "runs LAMMPS; `just lammps`"]
-#[expect(clippy::print_stdout, reason = "the rows are the purpose")]
 fn lammps_lets_seeds_fall() {
     let command = command("LAMMPS");
     let folder = tempfile::tempdir().expect("a folder");
@@ -119,12 +118,13 @@ fn lammps_lets_seeds_fall() {
     for seed in SEEDS {
         let (start, bodies, _) = starting_frame(&scene, &library, seed).expect("a start");
         let mut files = lammps::setup(&scene, &bodies, &start, STEP).expect("a deck");
-        files[0].text.push_str(&format!(
+        let end = format!(
             "thermo_style custom step time\n\
              dump bed all custom {STEPS} bed.dump id type mol x y z radius vx vy vz\n\
              dump_modify bed format float %.12e\n\
              run {STEPS}\n"
-        ));
+        );
+        files[0].text.push_str(&end);
         let moments = run_deck(&command, &folder.path().join(format!("fall{seed}")), &files);
         let last = moments.last().expect("a moment");
         assert_eq!(last.step, u64::from(STEPS), "the end of the fall");

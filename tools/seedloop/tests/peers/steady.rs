@@ -9,7 +9,7 @@ use scene::{FillingLibrary, Scene, starting_frame};
 /// Moments of a dump that count, 0.1 s apart: the last 2 of 3 s of rotation.
 const STEADY: usize = 20;
 
-/// What is compared, in the order of the columns: name, and the shift that must be seen with it.
+/// What is compared, in the order of the columns.
 const OBSERVABLES: [&str; 4] = ["angle, deg", "curvature", "slip", "kinetic energy, mJ/kg"];
 
 /// Means over moments of what is compared.
@@ -91,9 +91,9 @@ fn compare(variable: &str, code: &str, deck: impl Fn(&Scene, u64) -> Vec<File>) 
         let (difference, error) = difference(&here, &there, k);
         println!("{name}: here less {code} {difference:.4} +- {error:.4}");
     }
-    for k in 0..OBSERVABLES.len() {
+    for (k, name) in OBSERVABLES.iter().enumerate() {
         let (difference, error) = difference(&here, &there, k);
-        assert!(difference.abs() < 3.5 * error, "{}", OBSERVABLES[k]);
+        assert!(difference.abs() < 3.5 * error, "{name}");
     }
 }
 
