@@ -22,7 +22,7 @@
 //! # Source
 //!
 //! The forms are those of `[Mellmann2001]`, who tells them by Froude number, filling and friction at the wall. The limits
-//! are ours: `docs/steady-state.md` shows what drums of 1 to 130 rpm gave.
+//! are ours: `docs/steady-state.md` shows what drums of 1 to 110 rpm gave.
 
 use crate::motion::{SLIDING_BELOW, SeriesPoint};
 use crate::run::Regime;

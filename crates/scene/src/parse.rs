@@ -16,14 +16,22 @@ pub struct Override {
 /// Time step of the solver.
 const TIME_STEP: &str = "protocol.time_step";
 
-/// Settings without a default that can be set where the file leaves them out: quantities of the protocol.
-const LEFT_OUT: [&str; 5] = [
+/// Settings that can be set where the file leaves them out and no default stands there: quantities, a number, a switch.
+const LEFT_OUT: [&str; 7] = [
     TIME_STEP,
     "protocol.start_up",
     "protocol.start_slope",
     "protocol.angle_error",
     "protocol.insertion_rate",
+    FLOW_STEP_SHARE,
+    COVERS_AT_REST,
 ];
+
+/// The number among them.
+const FLOW_STEP_SHARE: &str = "protocol.flow_step_share";
+
+/// The switch among them.
+const COVERS_AT_REST: &str = "apparatus.covers_at_rest";
 
 /// Short names that stand for a setting with its unit: (name, path, unit).
 const SHORT_NAMES: [(&str, &str, &str); 3] = [
@@ -238,9 +246,11 @@ fn make_room(table: &mut Table, path: &str) {
         && let Some((section, key)) = path.split_once('.')
         && let Some(Value::Table(section)) = table.get_mut(section)
     {
-        section
-            .entry(key)
-            .or_insert_with(|| Value::String(String::new()));
+        section.entry(key).or_insert_with(|| match path {
+            FLOW_STEP_SHARE => Value::Float(1.0),
+            COVERS_AT_REST => Value::Boolean(false),
+            _ => Value::String(String::new()),
+        });
     }
 }
 

@@ -65,13 +65,6 @@ impl Scene {
             .collect();
         let names: Vec<String> = touching.concat().into_iter().map(Into::into).collect();
         scene.contact.retain(|pair, _| pairs.contains(pair));
-        if scene
-            .contact
-            .values()
-            .all(|c| c.rolling_friction.get() == 0.0)
-        {
-            scene.model.rolling_lever = ModelSettings::default().rolling_lever;
-        }
         scene.material.retain(|name, _| names.contains(name));
         scene
     }

@@ -103,3 +103,26 @@ fn the_time_step_falls_with_the_friction() -> Result<(), scene::Error> {
     }
     Ok(())
 }
+
+/// What stands in no file can be set, a number and a switch as well as a quantity; a drum alone has covers.
+#[test]
+fn settings_that_a_file_leaves_out_can_be_set() -> Result<(), scene::Error> {
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fixtures/cotton");
+    let set = |name: &str, value: &str| Override {
+        name: name.into(),
+        value: value.into(),
+    };
+    let changes = [
+        set("protocol.flow_step_share", "0.2"),
+        set("apparatus.covers_at_rest", "true"),
+    ];
+    let scene = Scene::read(&file.join("measured.toml"), &changes)?;
+    assert_eq!(scene.protocol.flow_step_share, Some(0.2));
+    let scene::Apparatus::Drum(drum) = &scene.apparatus else {
+        panic!("a drum")
+    };
+    assert!(drum.covers_at_rest, "the switch is set");
+    let other = Scene::read(&file.join("heap.toml"), &changes[1..]);
+    assert!(other.is_err(), "a heap has no covers");
+    Ok(())
+}

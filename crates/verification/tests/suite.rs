@@ -29,6 +29,7 @@ checks! {
     restitution_trap_is_what_the_law_says: "restitution-trap",
     thrown_ball_ends_at_five_sevenths: "slip-to-roll",
     balls_on_inclines_follow_newton: "incline",
+    rolling_resistance_takes_the_arm_that_is_stated: "rolling-lever",
     free_rotation_follows_euler: "free-rotation",
     gravity_does_not_count_spheres: "gravity-overlap",
     rebound_does_not_count_spheres: "rebound-sphere-count",
