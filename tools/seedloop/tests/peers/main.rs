@@ -81,7 +81,7 @@ fn kept<const N: usize>(table: &str, code: &str) -> Vec<[f64; N]> {
             numbers.try_into().expect("as many cells as columns")
         })
         .collect();
-    assert_eq!(rows.len(), SEEDS.len(), "rows of {code} in {table}");
+    assert!(!rows.is_empty(), "no rows of {code} in {table}");
     rows
 }
 
