@@ -152,9 +152,12 @@ fn apparent_size(scene: &Scene, z: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::{Frame, apparent_size, drum_picture, read_frame};
-    use crate::{FillingLibrary, Override, Scene};
+    use crate::{FillingLibrary, Override, Scene, SeedBody};
+    use image::DynamicImage;
     use nalgebra::{UnitQuaternion, Vector3};
+    use photo_profile::{PhotoPixels, measure_photo};
     use std::path::Path;
+    use std::sync::Arc;
 
     /// The study's drum with a camera at 92 mm, twice its width, and seeds of few spheres.
     fn scene() -> Scene {
@@ -176,22 +179,8 @@ mod tests {
         scene
     }
 
-    /// At the back cover everything is seen at 92/(92 + 46) = 2/3, at the front cover at 1, and without
-    /// a distance at 1 everywhere.
-    #[test]
-    fn the_back_is_seen_smaller() {
-        let mut scene = scene();
-        assert!((apparent_size(&scene, 0.023) - 1.0).abs() < 1e-15);
-        assert!((apparent_size(&scene, -0.023) - 2.0 / 3.0).abs() < 1e-15);
-        scene.camera.distance = None;
-        assert_eq!(apparent_size(&scene, -0.023), 1.0);
-    }
-
-    /// The circle that the reader finds in a picture of a tilted bed is the drum's: 222.2 px about 239.5 in a picture of 480 px
-    /// with 8 % beside the drum, to 0.2 px. The rim has the tone of the seeds, so that its inner edge shows along the air
-    /// only; a circle that followed the outer one along the bed would be 1 % too large and 2 px off.
-    #[test]
-    fn the_drum_is_found_where_it_was_drawn() {
+    /// A bed below a line at 31 degrees in a picture of 480 px, seen from far away.
+    fn tilted_bed() -> (Scene, Arc<SeedBody>, Frame) {
         let mut scene = scene();
         scene.camera.distance = None;
         scene.camera.pixels = 480;
@@ -216,6 +205,26 @@ mod tests {
             velocity: vec![Vector3::zeros(); n],
             spin: vec![Vector3::zeros(); n],
         };
+        (scene, body, frame)
+    }
+
+    /// At the back cover everything is seen at 92/(92 + 46) = 2/3, at the front cover at 1, and without
+    /// a distance at 1 everywhere.
+    #[test]
+    fn the_back_is_seen_smaller() {
+        let mut scene = scene();
+        assert!((apparent_size(&scene, 0.023) - 1.0).abs() < 1e-15);
+        assert!((apparent_size(&scene, -0.023) - 2.0 / 3.0).abs() < 1e-15);
+        scene.camera.distance = None;
+        assert_eq!(apparent_size(&scene, -0.023), 1.0);
+    }
+
+    /// The circle that the reader finds in a picture of a tilted bed is the drum's: 222.2 px about 239.5 in a picture of 480 px
+    /// with 8 % beside the drum, to 0.2 px. The rim has the tone of the seeds, so that its inner edge shows along the air
+    /// only; a circle that followed the outer one along the bed would be 1 % too large and 2 px off.
+    #[test]
+    fn the_drum_is_found_where_it_was_drawn() {
+        let (scene, body, frame) = tilted_bed();
         let found = read_frame(&scene, &[body], &frame)
             .unwrap()
             .photo
@@ -225,6 +234,27 @@ mod tests {
         for (got, expected) in [(found.cx, 239.5), (found.cy, 239.5), (found.r, radius)] {
             assert!((got - expected).abs() < 0.2, "{found:?}");
         }
+    }
+
+    /// A frame that is read as a photo, in colour, gives what the frame gave, but for the rounding of grey levels: so does
+    /// the scatter of a series of them.
+    #[test]
+    fn a_frame_and_a_photo_of_it_read_alike() {
+        let (scene, body, frame) = tilted_bed();
+        let bodies = [body];
+        let own = read_frame(&scene, &bodies, &frame).unwrap().photo;
+        let picture = DynamicImage::from(drum_picture(&scene, &bodies, &frame).unwrap());
+        let pixels = PhotoPixels::from_picture(&picture);
+        let photo = measure_photo(&pixels, &photo_profile::Settings::default()).unwrap();
+        let (a, b) = (own.angle.unwrap(), photo.angle.unwrap());
+        let (c, d) = (own.bed_ends().unwrap(), photo.bed_ends().unwrap());
+        for (one, other) in [(a.line, b.line), (c.toe, d.toe), (c.top, d.top)] {
+            let off = (one - other).to_degrees();
+            assert!(off.abs() < 0.02, "{off} deg");
+        }
+        let off = own.fill_level.unwrap() - photo.fill_level.unwrap();
+        assert!(off.abs() < 0.001, "{off} of the drum");
+        assert!((a.curvature - b.curvature).abs() < 0.002, "curvature");
     }
 
     /// The lowest row of a seed at 5 cm below the axis: moved from the front cover to the back cover it
