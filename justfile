@@ -112,9 +112,9 @@ angle-trials *ARGS:
 two-rulers *ARGS:
     cargo run --release --locked -p scene --example two_rulers -- "$@"
 
-# RUNS runs at each step (an hour for 10). Finished runs in FOLDER are found again.
-# Show what the time step does to the drum's angle, slip and energy.
-step-study FOLDER="out/time-step" RUNS="10":
+# RUNS runs at each friction, filling and step (half an hour for 4). Finished runs in FOLDER are found again.
+# Show what the time step does to a drum's angle, slip and energy.
+step-study FOLDER="out/time-step" RUNS="4":
     cargo run --release --locked -p study --example time_step -- {{FOLDER}} {{RUNS}}
 
 # RUNS runs at each of four frictions and three speeds (20 minutes for 20). Finished runs in FOLDER are found again.

@@ -84,7 +84,7 @@ impl Rim {
             width,
         } = choose_ring(picture, start);
         let (circle, kept) = refine(picture, start, scale, width)?;
-        let (circle, kept) = inner_edge(picture, &circle).unwrap_or((circle, kept));
+        let (circle, kept, outer) = inner_edge(picture, &circle).unwrap_or((circle, kept, outer));
         let rays = Rays::scan(picture, &circle, WINDOW * circle.r);
         let near = (ON_RIM * circle.r).max(1.5).max(0.3 * rays.edge_width());
         let weakest = rays.weakest(near);
@@ -274,8 +274,8 @@ fn refine(
 /// Along the air both edges of such a rim show, along a bed of its tone the outer one only, and a circle through the
 /// steepest steps follows the inner edge here and the outer one there. Where enough rays show two edges at one distance,
 /// the outer one is fitted all round, and the circle lies inside it by that distance. Points are those of the outer edge,
-/// moved inwards.
-fn inner_edge(picture: &PhotoPixels, start: &Circle) -> Option<(Circle, Vec<RimPoint>)> {
+/// moved inwards; the distance (px) comes last.
+fn inner_edge(picture: &PhotoPixels, start: &Circle) -> Option<(Circle, Vec<RimPoint>, f64)> {
     let rays = Rays::scan(picture, start, THIN_WINDOW * start.r);
     let weakest = rays.weakest(ON_RIM * start.r);
     let edges: Vec<Vec<f64>> = (0..N_RAYS).map(|ray| rays.edges(ray, weakest)).collect();
@@ -321,7 +321,7 @@ fn inner_edge(picture: &PhotoPixels, start: &Circle) -> Option<(Circle, Vec<RimP
     };
     let kept = points.iter().map(inwards).collect();
     let r = circle.r - gap;
-    Some((Circle { r, ..circle }, kept))
+    Some((Circle { r, ..circle }, kept, gap))
 }
 
 /// Flattening of the ellipse nearest to the rim.

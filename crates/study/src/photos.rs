@@ -2,8 +2,8 @@
 
 use crate::file::{MeasuredValue, PhotoOptions};
 use photo_profile::{
-    BedEnds, DrumPixels, Mode, PhotoPixels, PhotoReading, PixelPoint, Settings, Verdict,
-    measure_photo, picture_files, read_frames, rectify,
+    DrumPixels, Mode, PhotoPixels, PhotoReading, PixelPoint, Settings, Verdict, measure_photo,
+    picture_files, read_frames, rectify,
 };
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -174,21 +174,16 @@ fn read_file(file: &Path, options: &PhotoOptions, heap: bool) -> Result<Vec<Fram
     Ok(found)
 }
 
-/// What one reading says.
+/// What one reading says. Toe and top of the bed are left out: angle, shape and fill level give them, and a fit would count
+/// the same evidence twice.
 fn values_of(reading: &PhotoReading) -> Option<FrameValues> {
     if let Some(angle) = &reading.angle {
-        let of_ends = |end: fn(&BedEnds) -> f64| {
-            let ends = reading.bed_ends();
-            ends.map_or(f64::NAN, |e| end(&e).to_degrees())
-        };
         return Some(FrameValues {
             values: vec![
                 ("angle_deg", angle.line.to_degrees()),
                 ("curvature", angle.curvature),
                 ("s_shape", angle.s_shape),
                 ("fill_level", reading.fill_level.unwrap_or(f64::NAN)),
-                ("toe_position_deg", of_ends(|e| e.toe)),
-                ("top_position_deg", of_ends(|e| e.top)),
             ],
             error: angle.standard_error.to_degrees(),
         });

@@ -186,17 +186,7 @@ fn a_folder_of_photos_gives_mean_scatter_and_shape() {
     }
     let study = folder.read(None).unwrap();
     let names: Vec<&str> = study.photos[0].values.keys().map(String::as_str).collect();
-    assert_eq!(
-        names,
-        [
-            "angle_deg",
-            "curvature",
-            "fill_level",
-            "s_shape",
-            "toe_position_deg",
-            "top_position_deg"
-        ]
-    );
+    assert_eq!(names, ["angle_deg", "curvature", "fill_level", "s_shape"]);
     let [a, b] = study.photos[0].angles_deg[..] else {
         panic!("two angles")
     };
