@@ -64,6 +64,10 @@ impl Effect for FillingSmoothness {
             });
         }
         let protocol = &mut scene.protocol;
+        if protocol.step_share > STEP_SHARE {
+            // A fixed step was chosen for rougher seeds.
+            protocol.time_step = None;
+        }
         protocol.step_share = protocol.step_share.min(STEP_SHARE);
         protocol.flow_step_share = protocol.flow_step_share.map(|s| s.min(STEP_SHARE));
         Ok(())
