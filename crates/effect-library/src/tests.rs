@@ -162,3 +162,18 @@ fn smoothness_lowers_the_roughness_by_the_share_asked_for() {
         assert!(after <= 0.505 * before, "{}: {before} -> {after}", a.name);
     }
 }
+
+/// A step that was fixed for rough seeds is not kept: smooth ones touch at more spheres, and their step follows from their
+/// own share. Seeds whose share is as short already keep theirs.
+#[test]
+fn smooth_seeds_do_not_keep_the_fixed_step_of_rough_ones() {
+    let fillings = FillingLibrary::default();
+    for (share, kept) in [(0.5, false), (0.3, true)] {
+        let mut scene = small_drum();
+        scene.protocol.step_share = share;
+        scene.protocol.time_step = Some("0.01 ms".parse().unwrap());
+        apply(&mut scene, "filling-smoothness", 0.5, &fillings).unwrap();
+        assert_eq!(scene.protocol.time_step.is_some(), kept, "share {share}");
+        assert!(scene.protocol.step_share <= 0.3, "share {share}");
+    }
+}

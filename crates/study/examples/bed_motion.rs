@@ -9,29 +9,18 @@
 
 mod motions;
 mod records;
+mod small_drum;
 
 use campaign::{Campaign, LineProgress, RunRequest};
 use motions::forms;
 use records::{folder_and_runs, mean_and_error};
 use run_store::{Record, Store};
-use scene::{Override, Scene};
+use scene::Scene;
 use scene_simulator::{Binding, SceneSimulator};
+use small_drum::small_drum;
 use std::collections::BTreeMap;
 use std::error::Error;
 use std::path::Path;
-
-/// What makes the study's drum a small one.
-const SMALL: [(&str, &str); 7] = [
-    ("apparatus.inner_diameter", "100 mm"),
-    ("apparatus.width", "24 mm"),
-    ("seed.0.count", "282"),
-    ("seed.1.count", "38"),
-    // 0.42 of the drum holds at 10 rpm, not at 40.
-    ("protocol.flow_step_share", "0.36"),
-    ("protocol.frame_interval", "0.1 s"),
-    // A turn of the slowest drum is a minute; its avalanches are seconds apart.
-    ("protocol.rotation_limit", "20 s"),
-];
 
 /// Speed (rpm), friction between seeds, and that at the shell and the covers.
 const SPEEDS: [[f64; 3]; 10] = [
@@ -193,11 +182,8 @@ fn effects(runner: &Runner<'_>) -> Result<(), Box<dyn Error>> {
 
 fn main() -> Result<(), Box<dyn Error>> {
     let (folder, runs) = folder_and_runs("bed_motion", 4)?;
-    let small = SMALL.map(|(name, value)| Override {
-        name: name.into(),
-        value: value.into(),
-    });
-    let small = Scene::read(Path::new(FILLINGS[0].1), &small)?;
+    // A turn of the slowest drum is a minute; its avalanches are seconds apart.
+    let small = small_drum(FILLINGS[0].1, &[("protocol.rotation_limit", "20 s")])?;
     let mut scenes = BTreeMap::from([("small".to_owned(), small)]);
     for (name, file) in FILLINGS {
         scenes.insert(name.to_owned(), Scene::read(Path::new(file), &[])?);

@@ -9,30 +9,20 @@
 #![expect(clippy::print_stdout, reason = "the table is the purpose")]
 
 mod records;
+mod small_drum;
 
 use campaign::{Campaign, LineProgress, RunRequest};
 use records::{folder_and_runs, mean_and_error};
 use run_store::{Record, Store};
-use scene::{Override, Scene};
 use scene_simulator::{Binding, NOT_STEADY, RunDetails, SceneSimulator};
+use small_drum::small_drum;
 use std::collections::BTreeMap;
 use std::error::Error;
-use std::path::Path;
 
 /// Friction between seeds.
 const FRICTIONS: [f64; 4] = [0.0, 0.1, 0.33, 0.56];
 /// Speeds, rpm.
 const SPEEDS: [f64; 3] = [10.0, 20.0, 40.0];
-/// What makes the study's drum a small one.
-const SMALL: [(&str, &str); 6] = [
-    ("apparatus.inner_diameter", "100 mm"),
-    ("apparatus.width", "24 mm"),
-    ("seed.0.count", "282"),
-    ("seed.1.count", "38"),
-    // 0.42 of the drum holds at 10 rpm, not at 40.
-    ("protocol.flow_step_share", "0.36"),
-    ("protocol.frame_interval", "0.1 s"),
-];
 /// The path of the friction.
 const FRICTION: &str = "contact.seed-seed.static_friction";
 
@@ -95,11 +85,7 @@ fn mean(values: impl Iterator<Item = f64> + Clone) -> f64 {
 
 fn main() -> Result<(), Box<dyn Error>> {
     let (folder, runs) = folder_and_runs("steady_state", 20)?;
-    let small = SMALL.map(|(name, value)| Override {
-        name: name.into(),
-        value: value.into(),
-    });
-    let drum = Scene::read(Path::new("fixtures/cotton/drum.toml"), &small)?;
+    let drum = small_drum("fixtures/cotton/drum.toml", &[])?;
     let store = Store::open(folder)?;
     let threads = std::thread::available_parallelism().map_or(1, usize::from);
     let progress = LineProgress::new(std::io::stderr());

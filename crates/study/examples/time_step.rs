@@ -13,15 +13,16 @@
 )]
 
 mod records;
+mod small_drum;
 
 use campaign::{Campaign, RunRequest, Silent};
 use records::{folder_and_runs, mean_and_error};
 use run_store::{Record, Store};
-use scene::{Override, Scene};
+use scene::Scene;
 use scene_simulator::{Binding, RunDetails, SceneSimulator};
+use small_drum::small_drum;
 use std::collections::BTreeMap;
 use std::error::Error;
-use std::path::Path;
 
 /// Time steps as shares of a hard contact; the first is the reference.
 const SHARES: [f64; 5] = [0.09, 0.30, 0.36, 0.42, 0.50];
@@ -42,15 +43,6 @@ const FILLINGS: [(&str, &str, Option<&str>, bool); 4] = [
     ("smooth", "fixtures/cotton/measured.toml", None, true),
 ];
 
-/// What makes the study's drum a small one.
-const SMALL: [(&str, &str); 5] = [
-    ("apparatus.inner_diameter", "100 mm"),
-    ("apparatus.width", "24 mm"),
-    ("seed.0.count", "282"),
-    ("seed.1.count", "38"),
-    ("protocol.frame_interval", "0.1 s"),
-];
-
 /// Spheres of a seed.
 const SPHERES: [&str; 2] = ["seed.0.filling.sphere_count", "seed.1.filling.sphere_count"];
 
@@ -69,19 +61,8 @@ const OBSERVABLES: [&str; 5] = [
 
 /// The small drum with a filling.
 fn scene(file: &str, spheres: Option<&str>) -> Result<Scene, scene::Error> {
-    let small = SMALL.iter().copied();
     let filled = SPHERES.iter().filter_map(|path| Some((*path, spheres?)));
-    // So that there is a share of the flow to set.
-    let flow = [("protocol.flow_step_share", "0.36")];
-    let changes: Vec<Override> = small
-        .chain(filled)
-        .chain(flow)
-        .map(|(name, value)| Override {
-            name: name.into(),
-            value: value.into(),
-        })
-        .collect();
-    Scene::read(Path::new(file), &changes)
+    small_drum(file, &filled.collect::<Vec<_>>())
 }
 
 /// The time step of a finished run, ms.
