@@ -1,6 +1,6 @@
 //! What can go wrong in a campaign.
 
-use crate::{RunRequest, SimulatorError};
+use crate::{ExecutorError, RunRequest, SimulatorError};
 
 /// Why a campaign did not give all its records.
 #[derive(Debug, thiserror::Error)]
@@ -49,4 +49,7 @@ pub enum Error {
         /// The store's reason.
         source: run_store::Error,
     },
+    /// The runs could not be done elsewhere.
+    #[error("the runs cannot go on; finished runs are stored and will be reused")]
+    Executor(#[from] ExecutorError),
 }

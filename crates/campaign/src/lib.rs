@@ -39,6 +39,7 @@
 //! - requests with the same inputs and seed are one run, and one that is refused is told before any run.
 
 mod error;
+mod executor;
 mod jobs;
 mod pace;
 mod progress;
@@ -48,6 +49,7 @@ mod simulator;
 mod time_left;
 
 pub use error::Error;
+pub use executor::{Executor, ExecutorError, PendingRun, RunEvent};
 pub use pace::Pace;
 pub use progress::{LineProgress, Progress, ProgressState, Silent};
 pub use request::{RunOutcome, RunRequest};

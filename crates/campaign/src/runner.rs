@@ -10,7 +10,10 @@ use std::time::Instant;
 
 use crate::jobs::{Job, JobList};
 use crate::time_left::Workload;
-use crate::{Error, Pace, Progress, ProgressState, RunRequest, Simulator, SimulatorError};
+use crate::{
+    Error, Executor, Pace, PendingRun, Progress, ProgressState, RunEvent, RunRequest, Simulator,
+    SimulatorError,
+};
 
 /// Runs lists of requests against a store.
 #[derive(Clone, Copy)]
@@ -29,6 +32,8 @@ pub struct Campaign<'a> {
     ahead: f64,
     /// What the lists of one loop measured so far; each list measures alone where absent.
     pace: Option<&'a Pace>,
+    /// Does the runs in place of the threads of this process.
+    executor: Option<&'a dyn Executor>,
 }
 
 impl fmt::Debug for Campaign<'_> {
@@ -78,6 +83,7 @@ impl<'a> Campaign<'a> {
             meanwhile: &[],
             ahead: 0.0,
             pace: None,
+            executor: None,
         }
     }
 
@@ -110,6 +116,13 @@ impl<'a> Campaign<'a> {
     #[must_use]
     pub fn with_pace(mut self, pace: &'a Pace) -> Self {
         self.pace = Some(pace);
+        self
+    }
+
+    /// Has the runs done elsewhere than on the threads of this process. Runs of later lists are then not begun early.
+    #[must_use]
+    pub fn with_executor(mut self, executor: &'a dyn Executor) -> Self {
+        self.executor = Some(executor);
         self
     }
 
@@ -183,6 +196,10 @@ impl<'a> Campaign<'a> {
         let own = Pace::new();
         let pace = self.pace.unwrap_or(&own);
         let mut board = self.look_up(jobs)?;
+        if let Some(executor) = self.executor {
+            self.have_done(executor, jobs, &mut board, pace)?;
+            return Ok(board.results);
+        }
         if !board.waiting.is_empty() {
             board.later = self.later(simulator, jobs);
         }
@@ -196,6 +213,62 @@ impl<'a> Campaign<'a> {
         });
         let board = board.into_inner().unwrap_or_else(PoisonError::into_inner);
         Ok(board.results)
+    }
+
+    /// Has the waiting jobs done elsewhere; their records are then in the store.
+    fn have_done(
+        &self,
+        executor: &dyn Executor,
+        jobs: &[Job],
+        board: &mut Board,
+        pace: &Pace,
+    ) -> Result<(), Error> {
+        self.tell(jobs, board, pace);
+        let numbers: Vec<usize> = board.waiting.drain(..).collect();
+        let waiting: Vec<&Job> = numbers.iter().filter_map(|i| jobs.get(*i)).collect();
+        let pending: Vec<PendingRun<'_>> = waiting
+            .iter()
+            .map(|job| PendingRun {
+                request: &job.request,
+                key: job.blank.key(),
+                cost: job.cost,
+            })
+            .collect();
+        board.waiting.extend(&numbers);
+        let stopped = || self.stop.is_some_and(|flag| flag.load(Ordering::SeqCst));
+        executor.execute(&pending, self.store, &stopped, &mut |event| {
+            let (RunEvent::Began(k) | RunEvent::Done(k) | RunEvent::Failed(k, _)) = &event;
+            let (Some(&i), Some(&job)) = (numbers.get(*k), waiting.get(*k)) else {
+                return;
+            };
+            board.waiting.retain(|other| *other != i);
+            let begin = board.running.remove(&i);
+            match event {
+                RunEvent::Began(_) => drop(board.running.insert(i, Instant::now())),
+                RunEvent::Done(_) => {
+                    if let Some(begin) = begin {
+                        pace.add(job.cost, begin.elapsed().as_secs_f64());
+                    }
+                    board.results[i] = Some(self.found(job));
+                }
+                RunEvent::Failed(_, why) => {
+                    board.results[i] = Some(Err(Failure::Simulator(why)));
+                }
+            }
+            self.tell(jobs, board, pace);
+        })?;
+        Ok(())
+    }
+
+    /// The record of a job that was done elsewhere.
+    fn found(&self, job: &Job) -> Result<Record, Failure> {
+        match self.store.get(job.blank.key()).map_err(Failure::Store)? {
+            Lookup::Found(record) => Ok(record),
+            Lookup::Absent | Lookup::Mismatch { .. } => {
+                let reason = "it was told as done, and the store has no record of it".to_owned();
+                Err(Failure::Simulator(SimulatorError::Failed { reason }))
+            }
+        }
     }
 
     /// The jobs of later lists that are neither in this one nor in the store. A request that is refused is left
