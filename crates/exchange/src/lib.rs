@@ -1,7 +1,7 @@
 //! Scenes and frames in the formats of other tools.
 //!
 //! [`lammps`] and [`liggghts`] write a drum as a deck that these run, with every convention converted and the
-//! conversion written into the deck; [`dump`] reads what they give back, so that their bed is
+//! conversion written into the deck. [`read_positions`] reads what any code gives back as a [`Moment`], so that its bed is
 //! measured with the ruler of this workspace. [`vtk`] and [`csv`] write every sphere of every seed, for `ParaView` and for a
 //! fluid solver.
 
@@ -11,7 +11,15 @@ pub mod dump;
 pub mod fractions;
 pub mod lammps;
 pub mod liggghts;
+mod moment;
+mod positions;
 pub mod vtk;
+mod vtk_points;
+
+pub use moment::{BedSphere, Moment};
+pub use positions::read_positions;
+
+use std::path::PathBuf;
 
 /// Why something cannot be written or read.
 #[derive(Debug, thiserror::Error)]
@@ -27,9 +35,17 @@ pub enum Error {
         /// What to do.
         way_out: &'static str,
     },
-    /// A dump is not what a dump looks like.
+    /// A file of positions cannot be read.
+    #[error("cannot read {}: {source}", path.display())]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        source: std::io::Error,
+    },
+    /// A file of positions is not what such a file looks like.
     #[error("{file}: line {line}: {what}")]
-    Dump {
+    Positions {
         /// The file.
         file: String,
         /// The line, from 1.

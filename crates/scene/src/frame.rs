@@ -1,15 +1,12 @@
 //! A frame: where the seeds are at one moment, what the camera sees, and what it reads.
 
-use crate::{Error, Scene, SeedBody};
-use frame_render::{DrumView, RenderSphere, render_drum, seed_colour};
-use image::{DynamicImage, RgbImage};
+use crate::{DrumCamera, Error, Scene, SeedBody};
+use image::RgbImage;
 use nalgebra::{UnitQuaternion, Vector3};
-use photo_profile::{PhotoReading, measure_image};
+use photo_profile::PhotoReading;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
-use surface_profile::{
-    DensitySettings, Disc, DrumCircle, SurfaceAngle, measure, profile_from_discs,
-};
+use surface_profile::SurfaceAngle;
 
 /// Poses of all seeds at one moment.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -77,26 +74,7 @@ pub fn drum_picture(
     bodies: &[Arc<SeedBody>],
     frame: &Frame,
 ) -> Result<RgbImage, Error> {
-    let view = DrumView {
-        roll: scene.camera.roll.si(),
-        ..DrumView::new(
-            scene.apparatus.radius(),
-            scene.apparatus.width(),
-            scene.camera.pixels,
-        )
-    };
-    let spheres: Vec<RenderSphere> = frame
-        .spheres(bodies)
-        .map(|(seed, s)| {
-            let size = apparent_size(scene, s.centre.z);
-            RenderSphere {
-                centre: [size * s.centre.x, size * s.centre.y, s.centre.z],
-                radius: size * s.radius,
-                colour: seed_colour(seed),
-            }
-        })
-        .collect();
-    Ok(render_drum(&spheres, &view)?)
+    DrumCamera::of(scene).picture(frame.spheres(bodies))
 }
 
 /// Reads the angle of a frame from its picture, and from the positions as a cross-check.
@@ -111,47 +89,13 @@ pub fn read_frame(
     bodies: &[Arc<SeedBody>],
     frame: &Frame,
 ) -> Result<FrameReading, Error> {
-    let picture = DynamicImage::from(drum_picture(scene, bodies, frame)?).into_luma8();
-    let photo = measure_image(&picture, &photo_profile::Settings::default())?;
-    let drum = DrumCircle {
-        x: 0.0,
-        y: 0.0,
-        radius: scene.apparatus.radius(),
-    };
-    let discs: Vec<Disc> = frame
-        .spheres(bodies)
-        .map(|(_, s)| Disc {
-            x: s.centre.x,
-            y: s.centre.y,
-            radius: s.radius,
-        })
-        .collect();
-    let position = profile_from_discs(&discs, &drum, &DensitySettings::for_drum(&drum))
-        .and_then(|points| measure(&points, &drum))
-        .ok();
-    Ok(FrameReading { photo, position })
-}
-
-/// Size at which something at a depth z (m) is seen, over its size at the front cover.
-///
-/// # Formula
-///
-/// `D / (D + w/2 - z)`, with D the distance of the camera from the front cover and w the width of the
-/// drum; 1 for parallel rays. The camera looks along the axis. A sphere stays a disc: its true outline
-/// is an ellipse that is longer by about half the square of the angle from the axis.
-///
-/// # Source
-///
-/// Central projection `[HartleyZisserman2004, section 6.1]`.
-fn apparent_size(scene: &Scene, z: f64) -> f64 {
-    scene.camera.distance.map_or(1.0, |distance| {
-        distance.si() / (distance.si() + 0.5 * scene.apparatus.width() - z)
-    })
+    let spheres: Vec<_> = frame.spheres(bodies).collect();
+    DrumCamera::of(scene).read(&spheres)
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{Frame, apparent_size, drum_picture, read_frame};
+    use super::{Frame, drum_picture, read_frame};
     use crate::{FillingLibrary, Override, Scene, SeedBody};
     use image::DynamicImage;
     use nalgebra::{UnitQuaternion, Vector3};
@@ -206,17 +150,6 @@ mod tests {
             spin: vec![Vector3::zeros(); n],
         };
         (scene, body, frame)
-    }
-
-    /// At the back cover everything is seen at 92/(92 + 46) = 2/3, at the front cover at 1, and without
-    /// a distance at 1 everywhere.
-    #[test]
-    fn the_back_is_seen_smaller() {
-        let mut scene = scene();
-        assert!((apparent_size(&scene, 0.023) - 1.0).abs() < 1e-15);
-        assert!((apparent_size(&scene, -0.023) - 2.0 / 3.0).abs() < 1e-15);
-        scene.camera.distance = None;
-        assert_eq!(apparent_size(&scene, -0.023), 1.0);
     }
 
     /// The circle that the reader finds in a picture of a tilted bed is the drum's: 222.2 px about 239.5 in a picture of 480 px

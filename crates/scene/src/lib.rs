@@ -12,6 +12,7 @@ mod bench;
 mod bonded;
 mod build;
 mod check;
+mod drum_camera;
 mod error;
 mod factory;
 mod filling;
@@ -39,6 +40,7 @@ pub use apparatus::{
 };
 pub use bed_motion::{BedMotion, MotionEvidence};
 pub use bonded::BondedSettings;
+pub use drum_camera::DrumCamera;
 pub use error::Error;
 pub use filling::{FillingLibrary, SeedBody};
 pub use flow::{FlowingLayer, avalanche_period, fill_level, flowing_layer};
@@ -54,5 +56,5 @@ pub use settings::{
     CameraSettings, ContactSettings, LiquidSettings, MaterialSettings, ModelSettings, Protocol,
     RollingLaw, Scene,
 };
-pub use steady::{Doubt, SteadyState, error_of_mean};
+pub use steady::{Doubt, SteadyRule, SteadyState, error_of_mean, swing_time};
 pub use surroundings::SurroundingsSettings;

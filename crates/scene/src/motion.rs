@@ -3,7 +3,7 @@
 use crate::build::Built;
 use crate::factory::Factory;
 use crate::start_slope::start_slope;
-use crate::steady::{LEAST_START_UP, SteadyRule, SteadyState, swing_time};
+use crate::steady::{SteadyRule, SteadyState, swing_time};
 use crate::{Error, Frame, Scene};
 use dem_solver::{Motion, Snapshot, Template, World};
 use nalgebra::{Rotation3, Vector3};
@@ -337,9 +337,7 @@ pub(crate) fn rotate(
         if series.len().is_multiple_of(every) {
             frames.push((series.len(), now));
         }
-        // Asked after whole swings alone: what is asked often enough is answered yes by chance.
-        let asked = series.len() > rule.start_up
-            && (series.len() - rule.start_up).is_multiple_of(rule.swing);
+        let asked = rule.asks_at(series.len());
         if !over && !asked {
             continue;
         }
@@ -376,24 +374,14 @@ fn swing_of(scene: &Scene, built: &Built) -> f64 {
 
 /// What a rotation must show, for a bed that swings in a time (s).
 fn steady_rule(scene: &Scene, swing: f64) -> SteadyRule {
-    let least = LEAST_START_UP * swing;
-    let start_up = scene.protocol.start_up.map_or(least, |t| t.si().max(least));
-    let values = |time: f64| {
-        // A bed without weight swings for ever: the limit ends its run.
-        let most = scene.protocol.rotation_limit.si();
-        #[expect(
-            clippy::cast_possible_truncation,
-            clippy::cast_sign_loss,
-            reason = "positive, at most the limit of the run"
-        )]
-        let n = (time.min(most) / SERIES_INTERVAL).round() as usize;
-        n.max(2)
-    };
-    SteadyRule {
-        swing: values(swing),
-        start_up: values(start_up),
-        error: scene.protocol.angle_error.map(|e| e.si().to_degrees()),
-    }
+    let protocol = &scene.protocol;
+    SteadyRule::for_bed(
+        swing,
+        protocol.start_up.map(quantity::Time::si),
+        protocol.rotation_limit.si(),
+        SERIES_INTERVAL,
+        protocol.angle_error.map(|e| e.si().to_degrees()),
+    )
 }
 
 /// Turns everything that turns with the drive at a share of its speed.

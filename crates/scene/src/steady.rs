@@ -31,7 +31,7 @@ const FREEDOM_OF_RATIO: f64 = 6.0;
 /// `1.4 * 2 pi sqrt(k² / (g d))`, k² the mean square distance of the seeds from the axis (m²), d the distance of their
 /// centre of mass from it (m), g gravity (m/s²): the physical pendulum, and how much slower a bed swings that rubs on
 /// its shell. `radius` is that of the apparatus, m.
-pub(crate) fn swing_time(square: f64, arm: f64, radius: f64, gravity: f64) -> f64 {
+pub fn swing_time(square: f64, arm: f64, radius: f64, gravity: f64) -> f64 {
     let arm = arm.max(LEAST_ARM * radius);
     OVER_PENDULUM * TAU * (square / (gravity * arm)).sqrt()
 }
@@ -87,16 +87,49 @@ pub struct SteadyState {
 
 /// What a rotation is asked to show, in values of its series.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct SteadyRule {
+pub struct SteadyRule {
     /// Values in one swing.
-    pub(crate) swing: usize,
+    pub swing: usize,
     /// Least number of values before what is kept.
-    pub(crate) start_up: usize,
+    pub start_up: usize,
     /// Largest standard error of the mean of the series, its unit; any where absent.
-    pub(crate) error: Option<f64>,
+    pub error: Option<f64>,
 }
 
 impl SteadyRule {
+    /// The rule for a bed that swings in a time (s), with a value of its series every `interval` s: the start-up is 1.5
+    /// swings, or `start_up` s where that is longer. No time counts for longer than `most` s, the limit of the run: a bed
+    /// without weight swings for ever.
+    pub fn for_bed(
+        swing: f64,
+        start_up: Option<f64>,
+        most: f64,
+        interval: f64,
+        error: Option<f64>,
+    ) -> Self {
+        let least = LEAST_START_UP * swing;
+        let values = |time: f64| {
+            #[expect(
+                clippy::cast_possible_truncation,
+                clippy::cast_sign_loss,
+                reason = "positive, at most the limit of the run"
+            )]
+            let n = (time.min(most) / interval).round() as usize;
+            n.max(2)
+        };
+        Self {
+            swing: values(swing),
+            start_up: values(start_up.map_or(least, |time| time.max(least))),
+            error,
+        }
+    }
+
+    /// Whether a series of this length is to be judged: after whole swings behind the start-up alone, since what is asked
+    /// often enough is answered yes by chance.
+    pub fn asks_at(&self, length: usize) -> bool {
+        length > self.start_up && (length - self.start_up).is_multiple_of(self.swing)
+    }
+
     /// What is kept of a series: what follows the least start-up, the first third or the first half, whichever of the
     /// three is steady first; where none is, what follows the least start-up, with the reason.
     ///
@@ -107,7 +140,7 @@ impl SteadyRule {
     /// 3.5 degrees of freedom a swing, a ratio within F, each at 5 %. The scatter of the means about the line is pooled
     /// with 0.4 times that within swings, which counts for 6 degrees of freedom. Three places to cut, and not all: one
     /// that is picked from many passes by chance. `rolls` says of each value whether the bed rolled.
-    pub(crate) fn judge(&self, series: &[f64], rolls: &[bool]) -> SteadyState {
+    pub fn judge(&self, series: &[f64], rolls: &[bool]) -> SteadyState {
         let n = series.len();
         let cuts = [self.start_up, n / 3, n / 2];
         let long_enough = |cut: &usize| {

@@ -8,8 +8,8 @@
 mod fall;
 mod steady;
 
-use exchange::dump::{self, Moment};
 use exchange::vtk::File;
+use exchange::{Moment, dump};
 use scene::{Override, Scene};
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -61,8 +61,8 @@ fn run_deck(command: &str, folder: &Path, files: &[File]) -> Vec<Moment> {
         String::from_utf8_lossy(&output.stderr)
     );
     let text = fs::read_to_string(folder.join("bed.dump")).expect("a dump");
-    let moments = dump::read(&text, "bed.dump").expect("the dump can be read");
-    let last = moments.last().map_or(0, |m| m.discs.len());
+    let moments = dump::read(&text, "bed.dump", 1).expect("the dump can be read");
+    let last = moments.last().map_or(0, |m| m.spheres.len());
     assert!(last == SPHERES, "{last} spheres of {SPHERES} at the end");
     moments
 }

@@ -1,7 +1,7 @@
 //! The bed in its steady state: angle, curvature, slip at the shell, kinetic energy.
 
 use crate::{RADIUS, SEEDS, command, drum, kept, mean_and_variance, run_deck};
-use exchange::dump::Moment;
+use exchange::Moment;
 use exchange::vtk::File;
 use exchange::{lammps, liggghts};
 use scene::{FillingLibrary, Scene, starting_frame};
@@ -19,8 +19,19 @@ fn observables(moments: &[Moment], spin: f64) -> [f64; 4] {
     [
         mean(surfaces.iter().map(|s| s.line.to_degrees()).collect()),
         mean(surfaces.iter().map(|s| s.curvature).collect()),
-        mean(moments.iter().map(|m| m.shell_slip(RADIUS, spin)).collect()),
-        mean(moments.iter().map(|m| 1e3 * m.kinetic_energy()).collect()),
+        mean(
+            moments
+                .iter()
+                .filter_map(|m| m.shell_slip(RADIUS, spin))
+                .collect(),
+        ),
+        mean(
+            moments
+                .iter()
+                .filter_map(Moment::kinetic_energy)
+                .map(|e| 1e3 * e)
+                .collect(),
+        ),
     ]
 }
 
