@@ -9,7 +9,7 @@ use std::sync::Arc;
 
 /// How much finer than here a deck is stepped: velocity Verlet with the hard contacts of the tips
 /// needs more steps a contact than three.
-pub(crate) const FINER: f64 = 4.0;
+pub const FINER: f64 = 4.0;
 
 /// Steps in a time (s), at least as long.
 pub(crate) fn steps(time: f64, time_step: f64) -> f64 {

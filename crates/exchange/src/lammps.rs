@@ -90,6 +90,15 @@ pub fn deck(
     Ok(files)
 }
 
+/// Refuses scenes that LAMMPS would run otherwise, or not at all.
+///
+/// # Errors
+///
+/// As of [`setup`].
+pub fn check(scene: &Scene) -> Result<(), Error> {
+    supported(scene, TOOL).map(|_| ())
+}
+
 /// The same files, but `in.drum`, the first, ends before the first run; `time_step` is that of the deck, s.
 ///
 /// # Errors

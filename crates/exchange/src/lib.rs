@@ -16,6 +16,7 @@ mod positions;
 pub mod vtk;
 mod vtk_points;
 
+pub use drum_deck::FINER;
 pub use moment::{BedSphere, Moment};
 pub use positions::read_positions;
 

@@ -72,14 +72,7 @@ pub fn setup(
     start: Start<'_>,
     time_step: f64,
 ) -> Result<Vec<File>, Error> {
-    let drum = supported(scene, TOOL)?;
-    if scene.model.rolling_law == RollingLaw::SpringDashpot {
-        return Err(Error::NotThere {
-            what: "rolling resistance of type C".into(),
-            tool: TOOL,
-            way_out: "calibrate with model.rolling_law = \"constant-torque\"",
-        });
-    }
+    let drum = runnable(scene)?;
     let mut files = vec![
         File {
             name: "in.drum".into(),
@@ -96,6 +89,34 @@ pub fn setup(
         text: spheres(body),
     }));
     Ok(files)
+}
+
+/// The drum, if LIGGGHTS can run the scene.
+fn runnable(scene: &Scene) -> Result<&Drum, Error> {
+    let drum = supported(scene, TOOL)?;
+    if scene.model.rolling_law == RollingLaw::SpringDashpot {
+        return Err(Error::NotThere {
+            what: "rolling resistance of type C".into(),
+            tool: TOOL,
+            way_out: "calibrate with model.rolling_law = \"constant-torque\"",
+        });
+    }
+    Ok(drum)
+}
+
+/// Refuses scenes that LIGGGHTS would run otherwise, or not at all.
+///
+/// # Errors
+///
+/// As of [`setup`].
+pub fn check(scene: &Scene) -> Result<(), Error> {
+    runnable(scene).map(|_| ())
+}
+
+/// Time in which the seeds rain in and come to lie, s.
+pub fn filling_time(scene: &Scene) -> f64 {
+    let rate = scene.protocol.insertion_rate.map_or(RATE, Frequency::si);
+    scene.seed_count() as f64 / rate + scene.protocol.settle_limit.si()
 }
 
 /// Name of the file with the spheres of a kind of seeds.
@@ -330,9 +351,7 @@ fn walls(drum: &Drum, law: &Law) -> String {
 /// The end of the script: seeds rain in, settle and flow.
 fn runs(scene: &Scene, time_step: f64) -> String {
     let protocol = &scene.protocol;
-    let rate = protocol.insertion_rate.map_or(RATE, Frequency::si);
-    let rain = scene.seed_count() as f64 / rate;
-    let whole = rain + protocol.settle_limit.si() + protocol.rotation_limit.si();
+    let whole = filling_time(scene) + protocol.rotation_limit.si();
     let every = steps(protocol.frame_interval.si(), time_step);
     format!(
         "thermo_style custom step time\n\

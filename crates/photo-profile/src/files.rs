@@ -46,13 +46,13 @@ fn pictures_in(folder: &Path) -> Result<Vec<PathBuf>, Error> {
             endings: ENDINGS.join(", "),
         });
     }
-    found.sort_by_cached_key(|path| sort_key(path));
+    found.sort_by_cached_key(|path| name_order(path));
     Ok(found)
 }
 
 /// What a name is sorted by: stretches of digits count by their value, so that `frame-10` comes
 /// after `frame-9`, and the name itself where these are equal.
-fn sort_key(path: &Path) -> (Vec<(String, u128)>, PathBuf) {
+pub fn name_order(path: &Path) -> (Vec<(String, u128)>, PathBuf) {
     let name = path.to_string_lossy();
     let mut parts = vec![(String::new(), 0_u128)];
     let mut in_number = false;
@@ -74,13 +74,13 @@ fn sort_key(path: &Path) -> (Vec<(String, u128)>, PathBuf) {
 
 #[cfg(test)]
 mod tests {
-    use super::sort_key;
+    use super::name_order;
     use std::path::Path;
 
     #[test]
     fn frames_come_in_the_order_of_their_numbers() {
         let mut names = ["f10.png", "f9.png", "e.png", "f09.png", "f9b.png"];
-        names.sort_by_cached_key(|name| sort_key(Path::new(name)));
+        names.sort_by_cached_key(|name| name_order(Path::new(name)));
         assert_eq!(names, ["e.png", "f09.png", "f9.png", "f9b.png", "f10.png"]);
     }
 }

@@ -60,7 +60,7 @@ mod view;
 
 pub use decode::{MOST_PIXELS, read_frames, read_photo};
 pub use error::Error;
-pub use files::picture_files;
+pub use files::{name_order, picture_files};
 pub use heap::HeapReading;
 pub use measure::{measure_file, measure_image, measure_photo};
 pub use overlay::{overlay, overlay_gray};

@@ -1,9 +1,9 @@
 //! What a record of a run keeps beside its observables.
 
 use crate::{Effort, Error};
-use image::{DynamicImage, ImageFormat};
+use image::{DynamicImage, ImageFormat, RgbImage};
 use run_store::Record;
-use scene::{Ending, RunResult, Scene, drum_picture, error_of_mean};
+use scene::{Ending, FrameReading, RunResult, Scene, drum_picture, error_of_mean};
 use serde::{Deserialize, Serialize};
 use std::io::Cursor;
 use surface_profile::summarise;
@@ -137,7 +137,8 @@ impl RunDetails {
         let start_up = result.series.get(result.ending.cut());
         let interval = result.series.first().map_or(0.0, |point| point.time_s);
         let swing = turned.map(|state| state.swing as f64 * interval);
-        let error = swing.and_then(|swing| error_over(result, swing));
+        let times: Vec<f64> = result.frames.iter().map(|f| f.time).collect();
+        let error = swing.and_then(|swing| error_over_swings(&times, &result.readings, swing));
         let froude = scene.apparatus.froude_number(scene.model.gravity_m_s2);
         Ok(Self {
             steady: result.ending.is_steady(),
@@ -150,7 +151,7 @@ impl RunDetails {
             motion: result.motion.and_then(crate::outcome::word),
             froude_number: finite(froude).filter(|_| froude > 0.0),
             frames: FrameDetails {
-                times_s: result.frames.iter().map(|f| f.time).collect(),
+                times_s: times,
                 angles_deg: image.to_vec(),
                 angles_by_position_deg: position.to_vec(),
                 filling_angles_deg: filling.collect(),
@@ -196,11 +197,11 @@ impl TimingDetails {
     }
 }
 
-/// Standard error of the mean of the angles read in frames, by whole swings of the bed (s) from the last frame back; none
-/// where the frames span less than two swings, or none in a swing could be measured.
-fn error_over(result: &RunResult, swing: f64) -> Option<f64> {
-    let (first, last) = (result.frames.first()?.time, result.frames.last()?.time);
-    let interval = (last - first) / (result.frames.len() - 1).max(1) as f64;
+/// Standard error of the mean of the angles read in frames at these times (s), by whole swings of the bed (s) from the last
+/// frame back, deg; none where the frames span less than two swings, or none in a swing could be measured.
+pub fn error_over_swings(times: &[f64], readings: &[FrameReading], swing: f64) -> Option<f64> {
+    let (first, last) = (*times.first()?, *times.last()?);
+    let interval = (last - first) / (times.len() - 1).max(1) as f64;
     #[expect(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
@@ -208,9 +209,9 @@ fn error_over(result: &RunResult, swing: f64) -> Option<f64> {
     )]
     let before_last = |time: f64| ((last - time + 0.5 * interval) / swing) as usize;
     let mut swings: Vec<Vec<f64>> = vec![Vec::new(); before_last(first - 0.5 * interval)];
-    for (frame, reading) in result.frames.iter().zip(&result.readings) {
+    for (time, reading) in times.iter().zip(readings) {
         if let (Some(angle), Some(values)) =
-            (reading.photo.angle, swings.get_mut(before_last(frame.time)))
+            (reading.photo.angle, swings.get_mut(before_last(*time)))
         {
             values.push(angle.line.to_degrees());
         }
@@ -224,7 +225,7 @@ fn error_over(result: &RunResult, swing: f64) -> Option<f64> {
 }
 
 /// Number of independent values that would fix a mean as well as its error says, 1 to all.
-fn effective_number(values: &[f64], error: f64) -> Option<f64> {
+pub fn effective_number(values: &[f64], error: f64) -> Option<f64> {
     let sd = summarise(values).ok()?.sd;
     finite((sd / error).powi(2)).map(|n| n.clamp(1.0, values.len() as f64))
 }
@@ -240,7 +241,6 @@ fn finite(value: f64) -> Option<f64> {
 ///
 /// A frame that cannot be drawn.
 fn picture(scene: &Scene, result: &RunResult) -> Result<Option<String>, Error> {
-    use base64::Engine as _;
     // The camera of the scene looks into a drum; a bench test has no frame.
     let frame = result
         .frames
@@ -249,11 +249,23 @@ fn picture(scene: &Scene, result: &RunResult) -> Result<Option<String>, Error> {
     let Some(frame) = frame else {
         return Ok(None);
     };
-    let drawn = DynamicImage::from(drum_picture(scene, &result.bodies, frame)?);
+    Ok(Some(png_in_base64(drum_picture(
+        scene,
+        &result.bodies,
+        frame,
+    )?)))
+}
+
+/// A picture as PNG in base 64, the form in which a record keeps it.
+///
+/// # Panics
+///
+/// Never: memory takes every picture that was drawn.
+pub fn png_in_base64(picture: RgbImage) -> String {
+    use base64::Engine as _;
     let mut bytes = Cursor::new(Vec::new());
-    drawn
+    DynamicImage::from(picture)
         .write_to(&mut bytes, ImageFormat::Png)
         .expect("memory takes every picture that was drawn");
-    let text = base64::engine::general_purpose::STANDARD.encode(bytes.into_inner());
-    Ok(Some(text))
+    base64::engine::general_purpose::STANDARD.encode(bytes.into_inner())
 }

@@ -17,10 +17,15 @@ mod error;
 mod outcome;
 mod parameter_file;
 mod simulator;
+mod surface;
 
 pub use binding::Binding;
-pub use details::{FrameDetails, RunDetails, SeriesDetails, TimingDetails};
+pub use details::{
+    FrameDetails, RunDetails, SeriesDetails, TimingDetails, effective_number, error_over_swings,
+    png_in_base64,
+};
 pub use error::Error;
-pub use outcome::{Effort, NOT_STEADY, outcome_of};
+pub use outcome::{Effort, NOT_STEADY, outcome_of, word};
 pub use parameter_file::{CalibratedParameter, ParameterFile};
 pub use simulator::SceneSimulator;
+pub use surface::{SurfaceReadings, over_frames, scatter_of};

@@ -1,5 +1,6 @@
 //! From the result of a run to observables.
 
+use crate::surface::{SurfaceReadings, over_frames, scatter_of};
 use crate::{Error, RunDetails};
 use campaign::RunOutcome;
 use photo_profile::Verdict;
@@ -7,7 +8,6 @@ use run_store::Observation;
 use scene::{Apparatus, Ending, RunResult, Scene};
 use serde::Serialize;
 use std::collections::BTreeMap;
-use surface_profile::{SeriesSummary, summarise};
 
 /// The regime of a run whose bed was not steady before its limit.
 pub const NOT_STEADY: &str = "not steady";
@@ -27,55 +27,6 @@ pub struct Effort {
     pub only_seen: bool,
 }
 
-/// Readings of the surface in the frames that could be measured, deg; curvature and S shape of the same frames.
-struct Surface {
-    /// Angle by the picture.
-    image: Vec<f64>,
-    /// Angle by the positions of the spheres.
-    position: Vec<f64>,
-    /// Their difference in frames that have both.
-    difference: Vec<f64>,
-    /// Curvature, 1.
-    curvature: Vec<f64>,
-    /// S shape, 1.
-    s_shape: Vec<f64>,
-    /// Share of the drum that the bed takes, 1.
-    fill_level: Vec<f64>,
-    /// Toe of the bed at the shell.
-    toe: Vec<f64>,
-    /// Its top.
-    top: Vec<f64>,
-}
-
-impl Surface {
-    /// Takes the readings of all frames together.
-    fn of(result: &RunResult) -> Self {
-        let photos = || result.readings.iter().filter_map(|r| r.photo.angle);
-        let (mut position, mut difference) = (Vec::new(), Vec::new());
-        for reading in &result.readings {
-            let by_position = reading.position.map(|a| a.line.to_degrees());
-            position.extend(by_position);
-            let by_image = reading.photo.angle.map(|a| a.line.to_degrees());
-            difference.extend(by_image.zip(by_position).map(|(i, p)| i - p));
-        }
-        let ends = || result.readings.iter().filter_map(|r| r.photo.bed_ends());
-        Self {
-            toe: ends().map(|e| e.toe.to_degrees()).collect(),
-            top: ends().map(|e| e.top.to_degrees()).collect(),
-            image: photos().map(|a| a.line.to_degrees()).collect(),
-            position,
-            difference,
-            curvature: photos().map(|a| a.curvature).collect(),
-            s_shape: photos().map(|a| a.s_shape).collect(),
-            fill_level: result
-                .readings
-                .iter()
-                .filter_map(|r| r.photo.fill_level)
-                .collect(),
-        }
-    }
-}
-
 /// The outcome of a run: observables with their units, regime, and details for the reader.
 ///
 /// An observable that the apparatus does not have is left out: a bench test gives its own values alone.
@@ -84,7 +35,7 @@ impl Surface {
 ///
 /// A drum in which no frame could be measured, a frame that cannot be drawn.
 pub fn outcome_of(scene: &Scene, result: &RunResult, effort: Effort) -> Result<RunOutcome, Error> {
-    let surface = Surface::of(result);
+    let surface = SurfaceReadings::of(&result.readings);
     if matches!(scene.apparatus, Apparatus::Drum(_)) && surface.image.is_empty() {
         return Err(no_surface(result).into());
     }
@@ -97,7 +48,7 @@ pub fn outcome_of(scene: &Scene, result: &RunResult, effort: Effort) -> Result<R
 }
 
 /// All observables of a run.
-fn observables(result: &RunResult, surface: &Surface) -> BTreeMap<String, Observation> {
+fn observables(result: &RunResult, surface: &SurfaceReadings) -> BTreeMap<String, Observation> {
     let start = result.ending.cut();
     let steady = &result.series[start.min(result.series.len())..];
     let mass: Vec<f64> = steady.iter().map(|p| p.centre_of_mass_deg).collect();
@@ -105,19 +56,7 @@ fn observables(result: &RunResult, surface: &Surface) -> BTreeMap<String, Observ
     let kinetic: Vec<f64> = steady.iter().map(|p| p.kinetic_energy_j * 1e3).collect();
     let filling = result.filling_angles.iter().map(|a| a.to_degrees());
     let filling: Vec<f64> = filling.collect();
-    let fluctuations = [
-        ("fluctuation_deg", &surface.image),
-        ("centre_of_mass_fluctuation_deg", &mass),
-    ];
     let means = [
-        ("angle_deg", "deg", &surface.image),
-        ("angle_by_position_deg", "deg", &surface.position),
-        ("image_minus_position_deg", "deg", &surface.difference),
-        ("curvature", "1", &surface.curvature),
-        ("s_shape", "1", &surface.s_shape),
-        ("fill_level", "1", &surface.fill_level),
-        ("toe_position_deg", "deg", &surface.toe),
-        ("top_position_deg", "deg", &surface.top),
         ("filling_angle_deg", "deg", &filling),
         ("centre_of_mass_deg", "deg", &mass),
         ("shell_slip", "1", &slip),
@@ -125,36 +64,12 @@ fn observables(result: &RunResult, surface: &Surface) -> BTreeMap<String, Observ
     ];
     let further = result.further.iter().map(|f| (f.name, f.unit, &f.values));
     let all = means.into_iter().chain(further);
-    let mut observables: BTreeMap<String, Observation> = all
-        .filter_map(|(name, unit, values)| Some((name.to_owned(), over_frames(values, unit)?)))
-        .collect();
-    for (name, values) in fluctuations {
-        observables.extend(scatter_of(values).map(|o| (name.to_owned(), o)));
-    }
+    let mut observables = surface.observables();
+    observables.extend(
+        all.filter_map(|(name, unit, values)| Some((name.to_owned(), over_frames(values, unit)?))),
+    );
+    observables.extend(scatter_of(&mass).map(|o| ("centre_of_mass_fluctuation_deg".to_owned(), o)));
     observables
-}
-
-/// The standard deviation of angles over time as an observation, deg; none of fewer than two.
-fn scatter_of(values: &[f64]) -> Option<Observation> {
-    let sd = summarise(values).ok()?.sd;
-    sd.is_finite().then(|| Observation {
-        mean: sd,
-        sd: None,
-        n: 1,
-        unit: "deg".into(),
-    })
-}
-
-/// A mean over frames or repeats as an observation; none of nothing.
-fn over_frames(values: &[f64], unit: &str) -> Option<Observation> {
-    let SeriesSummary { mean, sd, n, .. } = summarise(values).ok()?;
-    let sd = (n > 1).then_some(sd);
-    Some(Observation {
-        mean,
-        sd,
-        n,
-        unit: unit.into(),
-    })
 }
 
 /// The refusal of a drum without a surface, with the reason of the first frame.
@@ -180,7 +95,7 @@ fn regime_of(result: &RunResult) -> Option<String> {
 }
 
 /// The word that a regime or a form of motion has in JSON.
-pub(crate) fn word(regime: impl Serialize) -> Option<String> {
+pub fn word(regime: impl Serialize) -> Option<String> {
     let value = serde_json::to_value(regime).ok()?;
     value.as_str().map(str::to_owned)
 }

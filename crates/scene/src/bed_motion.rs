@@ -108,7 +108,7 @@ pub struct MotionEvidence {
 
 impl MotionEvidence {
     /// Looks at the kept part of a run; `spin` is the speed of the drum at a time (rad/s, counter-clockwise positive).
-    pub(crate) fn of(
+    pub fn of(
         series: &[SeriesPoint],
         froude_number: f64,
         s_shape: Option<f64>,

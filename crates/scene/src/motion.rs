@@ -41,7 +41,7 @@ pub(crate) const SLIDING_BELOW: f64 = 0.5;
 
 impl SeriesPoint {
     /// Whether the bed turns with the shell.
-    pub(crate) fn rolls(&self) -> bool {
+    pub fn rolls(&self) -> bool {
         self.shell_slip <= SLIDING_BELOW
     }
 }

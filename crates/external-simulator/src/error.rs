@@ -1,0 +1,31 @@
+//! What can go wrong before a run.
+
+use std::path::PathBuf;
+
+/// Why another code is no simulator.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// The program does not answer as it should.
+    #[error("{reason}")]
+    Program {
+        /// What happened, and the way out.
+        reason: String,
+    },
+    /// A file of the template cannot be read.
+    #[error("cannot read {}: {source}", path.display())]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        source: std::io::Error,
+    },
+    /// A setting cannot be meant.
+    #[error("{what}: {problem}")]
+    Setting {
+        /// The setting, with its value.
+        what: String,
+        /// What is wrong with it, and the way out.
+        problem: String,
+    },
+}

@@ -1,0 +1,22 @@
+//! Other codes as simulators: LAMMPS, LIGGGHTS, and any command of the user.
+//!
+//! [`PeerSimulator`] lets LAMMPS or LIGGGHTS do the mechanics of the scenes here, by the exported decks. Start-up, steady state and
+//! the surface follow the same rules and the same ruler as the runs here: the code is told to go on for as long as the bed
+//! asks for.
+//!
+//! Invariants:
+//! - a run that fails, hangs or leaves nothing fails alone, and its files and its log stay where the message says;
+//! - a program and all that it started end with their run.
+
+mod bed;
+mod deck;
+mod error;
+mod folder;
+mod peer;
+mod process;
+mod session;
+
+pub use bed::OBSERVABLES_OF_A_BED;
+pub use error::Error;
+pub use folder::Keep;
+pub use peer::{Peer, PeerSettings, PeerSimulator};

@@ -1,0 +1,223 @@
+//! Drums run by LAMMPS and LIGGGHTS, with start-up, steady state and surface by the rules here.
+
+use crate::bed::{Bed, Drive, Took};
+use crate::deck::Deck;
+use crate::folder::{Keep, RunFolder};
+use crate::process::Failure;
+use crate::session::{Session, version_line};
+use campaign::{RunOutcome, RunRequest, Simulator, SimulatorError};
+use exchange::{lammps, liggghts};
+use quantity::Time;
+use run_store::Record;
+use scene::{DrumCamera, Scene, SteadyRule, SteadyState};
+use scene_simulator::SceneSimulator;
+use serde::{Deserialize, Serialize};
+use serde_json::{Value, json};
+use std::fs;
+use std::path::PathBuf;
+use std::time::{Duration, Instant};
+
+/// Revision of what is done around the decks: raised when the same scene and seed give other numbers.
+const REVISION: u32 = 1;
+/// How much longer another code takes than the solver here, of the order; it only serves the estimate of a price.
+const SLOWER: f64 = 300.0;
+
+/// A code that runs the exported decks.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Peer {
+    /// LAMMPS.
+    Lammps,
+    /// LIGGGHTS.
+    Liggghts,
+}
+
+impl Peer {
+    /// Its name as it writes it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Lammps => "LAMMPS",
+            Self::Liggghts => "LIGGGHTS",
+        }
+    }
+
+    /// The usual name of its program.
+    pub fn program(self) -> &'static str {
+        match self {
+            Self::Lammps => "lmp",
+            Self::Liggghts => "liggghts",
+        }
+    }
+
+    /// Refuses scenes that the code would run otherwise, or not at all.
+    ///
+    /// # Errors
+    ///
+    /// What the code does not have, by name, with the way out.
+    pub fn check(self, scene: &Scene) -> Result<(), exchange::Error> {
+        match self {
+            Self::Lammps => lammps::check(scene),
+            Self::Liggghts => liggghts::check(scene),
+        }
+    }
+}
+
+/// How a code is run.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PeerSettings {
+    /// The code.
+    pub peer: Peer,
+    /// The command line that starts it, such as `mpirun -np 4 lmp`.
+    pub command: Vec<String>,
+    /// Environment variables for it.
+    pub environment: Vec<(String, String)>,
+    /// Time by the clock after which a run is ended, s.
+    pub wall_limit_s: f64,
+    /// Folder in which runs have their folders.
+    pub work: PathBuf,
+    /// Which folders are kept.
+    pub keep: Keep,
+}
+
+/// Scenes as a simulator that lets another code do the mechanics.
+#[derive(Debug)]
+pub struct PeerSimulator {
+    /// The scenes, with parameters and effects.
+    scenes: SceneSimulator,
+    /// How the code is run.
+    settings: PeerSettings,
+    /// What the code says of itself.
+    code: String,
+}
+
+impl PeerSimulator {
+    /// Asks the code for its version, so that one that is not there is told before any run.
+    ///
+    /// # Errors
+    ///
+    /// A code that cannot be started, or is another.
+    pub fn new(scenes: SceneSimulator, settings: PeerSettings) -> Result<Self, crate::Error> {
+        let refused = |reason: String| crate::Error::Program { reason };
+        let folder = RunFolder::make(&settings.work, "version", Keep::Failed).map_err(refused)?;
+        let (command, environment) = (&settings.command, &settings.environment);
+        let name = settings.peer.name();
+        let code = version_line(command, environment, &folder.path, name);
+        let code = code.map_err(|failure| refused(folder.failed(&failure)))?;
+        folder.succeeded();
+        Ok(Self {
+            scenes,
+            settings,
+            code,
+        })
+    }
+
+    /// The scenes.
+    pub fn scenes(&self) -> &SceneSimulator {
+        &self.scenes
+    }
+
+    /// Runs a deck in a folder until the bed is steady or the limit is reached.
+    fn run_in(&self, folder: &RunFolder, scene: &Scene, deck: &Deck) -> Result<Done, Failure> {
+        let begin = Instant::now();
+        for file in deck.further_files() {
+            let path = folder.path.join(&file.name);
+            fs::write(&path, &file.text)
+                .map_err(|error| format!("cannot write {}: {error}", path.display()))?;
+        }
+        let settings = &self.settings;
+        let limit = Duration::from_secs_f64(settings.wall_limit_s);
+        let (command, environment) = (&settings.command, &settings.environment);
+        let mut session = Session::start(command, environment, &folder.path, limit)?;
+        session.run(&deck.start(settings.peer))?;
+        let mut bed = Bed::new(Drive {
+            camera: DrumCamera::of(scene),
+            spin: scene.apparatus.speed(),
+            gravity: scene.model.gravity_m_s2,
+            interval: deck.interval,
+        });
+        deck.add(&mut bed, session.run(&deck.turn(settings.peer))?)?;
+        let protocol = &scene.protocol;
+        let most = protocol.rotation_limit.si();
+        let rule = SteadyRule::for_bed(
+            bed.swing(),
+            protocol.start_up.map(Time::si),
+            most,
+            deck.interval,
+            protocol.angle_error.map(|e| e.si().to_degrees()),
+        );
+        loop {
+            let state = bed.judge(&rule);
+            let frames = bed.len().saturating_sub(state.cut) / deck.frame_every;
+            let over = bed.len() as f64 * deck.interval >= most;
+            if over || (state.doubt.is_none() && frames >= protocol.frames) {
+                session.finish()?;
+                let took = Took {
+                    wall_s: begin.elapsed().as_secs_f64(),
+                    time_step: deck.time_step,
+                    steps: deck.steps_of(bed.len()),
+                    bodies: scene.seed_count(),
+                    threads: 1,
+                };
+                return Ok(Done { bed, state, took });
+            }
+            let mut more = 1;
+            while !rule.asks_at(bed.len() + more) && more < rule.start_up.max(rule.swing) {
+                more += 1;
+            }
+            deck.add(&mut bed, session.run(&deck.go_on(more))?)?;
+        }
+    }
+}
+
+/// A run that came to its end.
+struct Done {
+    /// The bed.
+    bed: Bed,
+    /// What is kept of it.
+    state: SteadyState,
+    /// What it took.
+    took: Took,
+}
+
+impl Simulator for PeerSimulator {
+    fn version(&self) -> String {
+        format!(
+            "{} by seedloop {} revision {REVISION}",
+            self.code,
+            env!("CARGO_PKG_VERSION")
+        )
+    }
+
+    fn inputs(&self, request: &RunRequest) -> Result<Value, SimulatorError> {
+        let scene = self.scenes.scene_as_run(request)?;
+        let refused = |error: exchange::Error| SimulatorError::Refused {
+            reason: error.to_string(),
+        };
+        self.settings.peer.check(&scene).map_err(refused)?;
+        let inputs = self.scenes.inputs(request)?;
+        // The number of ranks decides the order of sums.
+        Ok(json!({ "of": inputs, "command": self.settings.command }))
+    }
+
+    fn run(&self, request: &RunRequest) -> Result<RunOutcome, SimulatorError> {
+        let failed = |reason: String| SimulatorError::Failed { reason };
+        let scene = self.scenes.scene_as_run(request)?;
+        let record = Record::new(&self.version(), self.inputs(request)?, request.seed);
+        let record = record.map_err(SimulatorError::other)?;
+        let settings = &self.settings;
+        let folder = RunFolder::make(&settings.work, record.key(), settings.keep);
+        let folder = folder.map_err(failed)?;
+        let deck = Deck::of(&scene, settings.peer, self.scenes.fillings(), request.seed)?;
+        let done = self.run_in(&folder, &scene, &deck);
+        let Done { bed, state, took } = done.map_err(|failure| failed(folder.failed(&failure)))?;
+        let outcome = bed.outcome(state, deck.frame_every, took);
+        if outcome.is_ok() {
+            folder.succeeded();
+        }
+        outcome
+    }
+
+    fn expected_cost(&self, request: &RunRequest) -> f64 {
+        SLOWER * self.scenes.expected_cost(request)
+    }
+}
