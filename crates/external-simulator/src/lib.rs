@@ -4,19 +4,28 @@
 //! the surface follow the same rules and the same ruler as the runs here: the code is told to go on for as long as the bed
 //! asks for.
 //!
+//! [`CommandSimulator`] runs any program: it gets the values of parameters and conditions as `name=value`, in its environment, in
+//! the files of a template and as JSON, and leaves observables, positions of spheres, or pictures.
+//!
 //! Invariants:
 //! - a run that fails, hangs or leaves nothing fails alone, and its files and its log stay where the message says;
 //! - a program and all that it started end with their run.
 
 mod bed;
+mod command;
 mod deck;
+mod drum;
 mod error;
 mod folder;
 mod peer;
 mod process;
+mod results;
 mod session;
+mod template;
 
 pub use bed::OBSERVABLES_OF_A_BED;
+pub use command::{CommandModel, CommandSettings, CommandSimulator, ResultFiles};
+pub use drum::DrumDescription;
 pub use error::Error;
 pub use folder::Keep;
 pub use peer::{Peer, PeerSettings, PeerSimulator};

@@ -9,26 +9,27 @@ use std::path::Path;
 
 /// The small drum of coarse seeds.
 fn scenes() -> SceneSimulator {
-    let file = Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("../../tools/seedloop/tests/peers/drum.toml");
+    let file =
+        Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tools/seedloop/tests/peers/drum.toml");
     let set = |name: &str, value: &str| Override {
         name: name.into(),
         value: value.into(),
     };
-    let scene = Scene::read(&file, &[set("protocol.rotation_limit", "4 s")]).unwrap();
+    let scene = Scene::read(&file, &[set("protocol.rotation_limit", "4 s")])
+        .expect("as the test prepared it");
     let path = "contact.seed-seed.static_friction";
     SceneSimulator::new(
         BTreeMap::from([("drum".to_owned(), scene)]),
         BTreeMap::from([("mu".to_owned(), Binding::of_path(path))]),
     )
-    .unwrap()
+    .expect("as the test prepared it")
 }
 
 /// The code does the drum, and its angle is within 3 deg of that here: the bed of 100 seeds scatters by 1 deg from seed to
 /// seed.
 #[expect(clippy::print_stdout, reason = "the figures are the purpose")]
 fn compare(peer: Peer, variable: &str) {
-    let folder = tempfile::tempdir().unwrap();
+    let folder = tempfile::tempdir().expect("as the test prepared it");
     let command = std::env::var(variable).expect("the variable holds the command");
     let settings = PeerSettings {
         peer,
@@ -38,10 +39,10 @@ fn compare(peer: Peer, variable: &str) {
         work: folder.path().join("work"),
         keep: Keep::Failed,
     };
-    let simulator = PeerSimulator::new(scenes(), settings).unwrap();
+    let simulator = PeerSimulator::new(scenes(), settings).expect("as the test prepared it");
     let request = RunRequest::new("drum", 1).with_parameter("mu", 0.1);
-    let there = simulator.run(&request).unwrap();
-    let here = scenes().run(&request).unwrap();
+    let there = simulator.run(&request).expect("as the test prepared it");
+    let here = scenes().run(&request).expect("as the test prepared it");
     println!("{} {:?}", simulator.version(), there.regime);
     for (name, value) in &there.observables {
         let own = here.observables.get(name).map(|o| o.mean);
@@ -50,7 +51,9 @@ fn compare(peer: Peer, variable: &str) {
     println!("{:?}", there.details["timing"]);
     let angle = |outcome: &campaign::RunOutcome| outcome.observables["angle_deg"].mean;
     assert!((angle(&there) - angle(&here)).abs() < 3.0);
-    let left = std::fs::read_dir(folder.path().join("work")).unwrap().count();
+    let left = std::fs::read_dir(folder.path().join("work"))
+        .expect("as the test prepared it")
+        .count();
     assert_eq!(left, 0, "folders of runs that succeeded are removed");
 }
 
