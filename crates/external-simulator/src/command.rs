@@ -67,8 +67,20 @@ pub struct CommandModel {
     pub scene: String,
     /// The condition by name.
     pub condition: BTreeMap<String, String>,
+    /// Names of the parameters on which its runs depend; others are not told to the program.
+    pub parameters: Vec<String>,
     /// The drum that positions and pictures show; none where the command gives observables alone.
     pub drum: Option<DrumDescription>,
+}
+
+impl CommandModel {
+    /// The parameters of a request on which runs of this model depend.
+    fn of_it(&self, request: &RunRequest) -> BTreeMap<String, f64> {
+        let all = request.parameters.iter();
+        all.filter(|(name, _)| self.parameters.contains(name))
+            .map(|(name, value)| (name.clone(), *value))
+            .collect()
+    }
 }
 
 /// A command as a simulator.
@@ -159,7 +171,8 @@ impl CommandSimulator {
             }
         })?;
         let mut values = model.condition.clone();
-        let numbers = request.parameters.iter().chain(&request.condition);
+        let parameters = model.of_it(request);
+        let numbers = parameters.iter().chain(&request.condition);
         for (name, value) in numbers.chain(&request.effects) {
             values.insert(name.clone(), value.to_string());
         }
@@ -181,7 +194,7 @@ impl CommandSimulator {
         let text = serde_json::to_string_pretty(&json!({
             "scene": model.scene,
             "condition": model.condition,
-            "parameters": request.parameters,
+            "parameters": model.of_it(request),
             "effects": request.effects,
             "seed": request.seed,
         }));
@@ -259,7 +272,7 @@ impl Simulator for CommandSimulator {
             "template": self.template.digests(),
             "scene": model.scene,
             "condition": model.condition,
-            "parameters": request.parameters,
+            "parameters": model.of_it(request),
             "effects": request.effects,
         });
         let optional = [

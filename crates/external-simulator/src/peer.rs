@@ -98,12 +98,11 @@ impl PeerSimulator {
     /// A code that cannot be started, or is another.
     pub fn new(scenes: SceneSimulator, settings: PeerSettings) -> Result<Self, crate::Error> {
         let refused = |reason: String| crate::Error::Program { reason };
-        let folder = RunFolder::make(&settings.work, "version", Keep::Failed).map_err(refused)?;
+        let folder = tempfile::tempdir();
+        let folder = folder.map_err(|error| refused(format!("no temporary folder: {error}")))?;
         let (command, environment) = (&settings.command, &settings.environment);
         let name = settings.peer.name();
-        let code = version_line(command, environment, &folder.path, name);
-        let code = code.map_err(|failure| refused(folder.failed(&failure)))?;
-        folder.succeeded();
+        let code = version_line(command, environment, folder.path(), name).map_err(refused)?;
         Ok(Self {
             scenes,
             settings,

@@ -48,6 +48,7 @@ impl Script {
         let model = CommandModel {
             scene: "mill".into(),
             condition: BTreeMap::from([("rpm".to_owned(), "10".to_owned())]),
+            parameters: vec!["mu".into()],
             drum: self.drum.clone(),
         };
         let models = BTreeMap::from([("mill @ rpm = 10".to_owned(), model)]);

@@ -1,9 +1,8 @@
 //! Effects that the diagnosis may search.
 
-use crate::scenes::Models;
+use crate::scenes::{Models, Scenes};
 use calibration::{EffectProbe, Measurement, Role};
 use effect_library::{Description, apply, find, names};
-use scene::FillingLibrary;
 use std::collections::BTreeMap;
 
 /// Effects to search, and those that a measured scene cannot carry, with the reason.
@@ -20,7 +19,7 @@ pub(crate) fn search(
     named: Option<&[String]>,
     models: &Models,
     measurements: &[Measurement],
-    fillings: &FillingLibrary,
+    scenes: &Scenes<'_>,
 ) -> Searched {
     let all = named.map_or_else(names, <[String]>::to_vec);
     let mut found = Searched::default();
@@ -36,7 +35,10 @@ pub(crate) fn search(
                 return None;
             }
             let mut scene = scene.clone();
-            let refused = apply(&mut scene, &name, probe, fillings).err()?;
+            let refused = match apply(&mut scene, &name, probe, &scenes.fillings) {
+                Err(error) => error.to_string(),
+                Ok(()) => scenes.peer?.check(&scene).err()?.to_string(),
+            };
             Some(format!("{}: {refused}", models.models[k].name))
         });
         match refusal {

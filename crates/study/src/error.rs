@@ -53,6 +53,9 @@ pub enum Error {
     /// The simulator is refused.
     #[error(transparent)]
     Simulator(#[from] scene_simulator::Error),
+    /// Another code is no simulator.
+    #[error(transparent)]
+    External(#[from] external_simulator::Error),
     /// A stage of the calibration failed.
     #[error(transparent)]
     Calibration(#[from] calibration::Error),

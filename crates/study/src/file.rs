@@ -3,11 +3,16 @@
 mod choices;
 mod parts;
 mod photo;
+mod simulator;
+
+pub(crate) use simulator::usable_name;
+pub use simulator::{CommandEntry, EffectEntry, PeerEntry, SimulatorEntry};
 
 use crate::document::{Document, Fields, below};
 use crate::keys;
 use crate::problem::Problems;
 use calibration::{Prior, Role};
+use external_simulator::DrumDescription;
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -18,12 +23,19 @@ use toml::{Table, Value};
 pub struct SceneEntry {
     /// Name.
     pub name: String,
-    /// Scene file, relative to the study file.
-    pub file: PathBuf,
+    /// Scene file, relative to the study file; none of a scene that a program of the user knows.
+    pub file: Option<PathBuf>,
     /// Changes of it, `name = value`, as after `--set`; those of the profile come last.
     pub changes: Vec<String>,
     /// Another apparatus in the place of that of the file.
     pub apparatus: Option<Table>,
+    /// Observables that a program of the user tells of it.
+    pub observables: Option<Vec<String>>,
+    /// Parameters on which its runs depend, where a program of the user does them; all where absent.
+    pub parameters: Option<Vec<String>>,
+    /// The drum that a program of the user shows.
+    #[serde(skip)]
+    pub drum: Option<DrumDescription>,
     /// Where it stands.
     #[serde(skip)]
     pub(crate) path: String,
@@ -135,6 +147,8 @@ pub struct Choices {
     pub effects: Option<Vec<String>>,
     /// Published values.
     pub compare: Option<Vec<CompareEntry>>,
+    /// Who does the runs, in a profile: the solver here, LAMMPS or LIGGGHTS; what the file says where absent.
+    pub simulator: Option<SimulatorEntry>,
     /// Further changes by scene.
     pub changes: BTreeMap<String, Vec<String>>,
     /// Where the tables stand: empty, or the path of the profile.
@@ -147,6 +161,10 @@ pub struct Choices {
 pub struct StudyFile {
     /// Name; also that of the result folder.
     pub name: String,
+    /// Who does the runs.
+    pub simulator: SimulatorEntry,
+    /// Effects that a program of the user has.
+    pub effects: Vec<EffectEntry>,
     /// Scenes.
     pub scenes: Vec<SceneEntry>,
     /// Parameters.
@@ -173,6 +191,14 @@ impl StudyFile {
             let problem = "names the result folder: take letters, digits, '-', '_', '.' and blanks";
             problems.add(root.wrong("name", problem));
         }
+        let simulator = simulator::simulator(&root, problems);
+        let of_command = matches!(simulator, SimulatorEntry::Command(_));
+        let effects = root.list("effect", problems);
+        if !of_command && !effects.is_empty() {
+            let problem = "are those of a program of the user: set kind = \"command\" in [simulator], or remove them";
+            problems.add(document.problem("effect", "[[effect]]", problem));
+        }
+        let effects = parts::each(&effects, problems, simulator::effect);
         let mut list = |key: &str| {
             let found = root.list(key, problems);
             if found.is_empty() && !root.table.contains_key(key) {
@@ -182,7 +208,12 @@ impl StudyFile {
             found
         };
         let (scenes, parameters, measured) = (list("scene"), list("parameter"), list("measured"));
-        let mut scenes: Vec<_> = parts::each(&scenes, problems, parts::scene);
+        let (scene, parameter): (parts::ReadScene, parts::ReadParameter) = if of_command {
+            (parts::command_scene, parts::command_parameter)
+        } else {
+            (parts::scene, parts::parameter)
+        };
+        let mut scenes: Vec<_> = parts::each(&scenes, problems, scene);
         parts::refuse_twice(document, &mut scenes, problems);
         let profiles = root.table("profile", problems);
         let profiles = profiles.map_or_else(BTreeMap::new, |all| {
@@ -190,7 +221,10 @@ impl StudyFile {
             for name in all.table.keys() {
                 if let Some(fields) = all.table(name, problems) {
                     fields.check_keys(&keys::PROFILE, problems);
-                    found.insert(name.clone(), choices::choices(&fields, problems));
+                    found.insert(
+                        name.clone(),
+                        choices::choices(&fields, of_command, problems),
+                    );
                 }
             }
             found
@@ -198,9 +232,11 @@ impl StudyFile {
         Self {
             name,
             scenes,
-            parameters: parts::each(&parameters, problems, parts::parameter),
+            simulator,
+            effects,
+            parameters: parts::each(&parameters, problems, parameter),
             measured: parts::each(&measured, problems, parts::measured),
-            choices: choices::choices(&root, problems),
+            choices: choices::choices(&root, of_command, problems),
             profiles,
         }
     }
@@ -221,6 +257,7 @@ impl Choices {
             budget: profile.budget.or(self.budget),
             effects: profile.effects.clone().or(self.effects),
             compare: profile.compare.clone().or(self.compare),
+            simulator: profile.simulator.clone().or(self.simulator),
             ..self
         }
     }

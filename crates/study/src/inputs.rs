@@ -1,13 +1,13 @@
 //! The files that a study reads, by their SHA-256.
 
 use crate::Error;
-use crate::file::StudyFile;
+use crate::file::{SimulatorEntry, StudyFile};
 use crate::study::Checked;
 use command_line::file_sha256;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
-/// SHA-256 of the study file, its scenes, their meshes and its photos, by path.
+/// SHA-256 of the study file, its scenes, their meshes, its photos and its template, by path.
 pub(crate) fn of(
     path: &Path,
     file: &StudyFile,
@@ -15,12 +15,18 @@ pub(crate) fn of(
 ) -> Result<BTreeMap<String, String>, Error> {
     let folder = path.parent().unwrap_or(Path::new(""));
     let mut files: BTreeSet<PathBuf> = BTreeSet::from([path.to_owned()]);
-    files.extend(file.scenes.iter().map(|s| folder.join(&s.file)));
+    let of_scenes = file.scenes.iter().filter_map(|s| s.file.as_ref());
+    files.extend(of_scenes.map(|file| folder.join(file)));
     for scene in checked.scenes.values().chain(checked.models.values()) {
         let meshes = scene.mesh_files();
         files.extend(meshes.iter().map(|mesh| scene.folder.join(mesh)));
     }
     files.extend(checked.photos.iter().flat_map(|p| p.files.clone()));
+    if let SimulatorEntry::Command(entry) = &file.simulator
+        && let Some(template) = &entry.template
+    {
+        files.extend(files_in(&folder.join(template))?);
+    }
     let mut inputs = BTreeMap::new();
     for file in files {
         let hash = file_sha256(&file).map_err(|error| Error::Read {
@@ -30,4 +36,22 @@ pub(crate) fn of(
         inputs.insert(file.display().to_string(), hash);
     }
     Ok(inputs)
+}
+
+/// All files in a folder and in the folders in it.
+fn files_in(folder: &Path) -> Result<Vec<PathBuf>, Error> {
+    let told = |source| Error::Read {
+        path: folder.to_owned(),
+        source,
+    };
+    let mut files = Vec::new();
+    for entry in std::fs::read_dir(folder).map_err(told)? {
+        let path = entry.map_err(told)?.path();
+        if path.is_dir() {
+            files.extend(files_in(&path)?);
+        } else {
+            files.push(path);
+        }
+    }
+    Ok(files)
 }

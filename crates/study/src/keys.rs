@@ -1,8 +1,10 @@
 //! Every key of the study file.
 
 /// Keys of the file itself.
-pub(crate) const STUDY: [&str; 9] = [
+pub(crate) const STUDY: [&str; 11] = [
     "name",
+    "simulator",
+    "effect",
     "scene",
     "parameter",
     "measured",
@@ -14,6 +16,46 @@ pub(crate) const STUDY: [&str; 9] = [
 ];
 /// Keys of `[[scene]]`.
 pub(crate) const SCENE: [&str; 4] = ["name", "file", "changes", "apparatus"];
+/// Keys of `[[scene]]` where a program of the user does the runs.
+pub(crate) const SCENE_COMMAND: [&str; 4] = ["name", "observables", "parameters", "drum"];
+/// Keys of the drum of such a scene.
+pub(crate) const DRUM: [&str; 11] = [
+    "inner_diameter",
+    "width",
+    "speed",
+    "centre",
+    "axis",
+    "up",
+    "gravity_m_s2",
+    "interval",
+    "time_step",
+    "start_up",
+    "pixels",
+];
+/// Keys of `[simulator]` for LAMMPS and LIGGGHTS.
+pub(crate) const SIMULATOR_PEER: [&str; 6] = [
+    "kind",
+    "command",
+    "ranks",
+    "environment",
+    "wall_limit",
+    "keep",
+];
+/// Keys of `[simulator]` for a program of the user.
+pub(crate) const SIMULATOR_COMMAND: [&str; 8] = [
+    "kind",
+    "command",
+    "template",
+    "version",
+    "wall_limit",
+    "expected",
+    "keep",
+    "results",
+];
+/// Keys of the results of such a program.
+pub(crate) const RESULTS: [&str; 3] = ["observables", "positions", "pictures"];
+/// Keys of `[[effect]]`.
+pub(crate) const EFFECT: [&str; 3] = ["name", "probe", "range"];
 /// Keys of `[[parameter]]`.
 pub(crate) const PARAMETER: [&str; 9] = [
     "symbol", "name", "sets", "unit", "low", "high", "limits", "start", "prior",
@@ -49,7 +91,14 @@ pub(crate) const BUDGET: [&str; 2] = ["runs", "core_hours"];
 /// Keys of `[effects]`.
 pub(crate) const EFFECTS: [&str; 1] = ["search"];
 /// Keys of `[profile.NAME]`.
-pub(crate) const PROFILE: [&str; 5] = ["design", "budget", "effects", "compare", "scene"];
+pub(crate) const PROFILE: [&str; 6] = [
+    "design",
+    "budget",
+    "effects",
+    "compare",
+    "scene",
+    "simulator",
+];
 /// Keys of a scene in a profile.
 pub(crate) const PROFILE_SCENE: [&str; 1] = ["changes"];
 
@@ -60,6 +109,12 @@ pub fn keys_of_a_study() -> Vec<(&'static str, &'static [&'static str])> {
     vec![
         ("study", &STUDY),
         ("scene", &SCENE),
+        ("command scene", &SCENE_COMMAND),
+        ("drum", &DRUM),
+        ("peer simulator", &SIMULATOR_PEER),
+        ("command simulator", &SIMULATOR_COMMAND),
+        ("results", &RESULTS),
+        ("effect", &EFFECT),
         ("parameter", &PARAMETER),
         ("prior", &PRIOR),
         ("measured", &MEASURED),

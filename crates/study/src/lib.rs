@@ -6,6 +6,7 @@
 //!
 //! A commented example of every key is `fixtures/study-example/study.toml`.
 
+mod command_study;
 mod compare;
 mod defaults;
 mod document;
@@ -26,6 +27,7 @@ mod result;
 mod run;
 mod scenes;
 mod setting;
+mod simulator;
 mod start;
 mod study;
 
@@ -33,8 +35,8 @@ pub use compare::ComparedValue;
 pub use defaults::DefaultUsed;
 pub use error::Error;
 pub use file::{
-    Budget, Choices, CompareEntry, MeasuredEntry, MeasuredValue, ParameterEntry, PhotoOptions,
-    SceneEntry, StudyFile,
+    Budget, Choices, CommandEntry, CompareEntry, EffectEntry, MeasuredEntry, MeasuredValue,
+    ParameterEntry, PeerEntry, PhotoOptions, SceneEntry, SimulatorEntry, StudyFile,
 };
 pub use hand_over::{parameter_file, scene_at, write_hand_over, write_json};
 pub use init::{Starter, StarterFile};
@@ -44,4 +46,5 @@ pub use price::{Price, StagePrice};
 pub use problem::Problem;
 pub use result::{DiagnosisResult, StudyResult};
 pub use run::{RunSettings, plan_diagnosis, plan_study, run_diagnosis, run_study};
+pub use simulator::StudySimulator;
 pub use study::Study;

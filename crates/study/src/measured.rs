@@ -6,6 +6,7 @@ use crate::photos::{self, PhotoSeries};
 use crate::problem::Problems;
 use crate::scenes::{Models, Scenes, condition_text};
 use calibration::Measurement;
+use external_simulator::OBSERVABLES_OF_A_BED;
 use scene::{Apparatus, Scene};
 use std::path::{Path, PathBuf};
 
@@ -19,11 +20,14 @@ pub(crate) struct Resolved {
     /// Photos that were read.
     pub(crate) photos: Vec<PhotoSeries>,
     /// Place in the file of each measurement.
-    places: Vec<String>,
+    places: Known,
 }
 
+/// Place in the file of each measurement so far.
+pub(crate) type Known = Vec<String>;
+
 /// An entry in words.
-fn words(entry: &MeasuredEntry) -> String {
+pub(crate) fn words(entry: &MeasuredEntry) -> String {
     if entry.condition.is_empty() {
         return format!("[[measured]] of '{}'", entry.scene);
     }
@@ -77,7 +81,10 @@ impl Resolved {
         problems: &mut Problems,
     ) {
         let document = scenes.document;
-        let observables = scene.observables();
+        let mut observables = scene.observables();
+        if scenes.peer.is_some() {
+            observables.retain(|name| OBSERVABLES_OF_A_BED.contains(name));
+        }
         let mut values: Vec<(String, MeasuredValue)> = Vec::new();
         for (name, value) in &entry.values {
             if observables.contains(&name.as_str()) {
@@ -92,28 +99,20 @@ impl Resolved {
                 problems.add(document.problem(&below(&entry.path, name), what, problem));
             }
         }
-        if !entry.photos.is_empty() {
-            let paths: Vec<PathBuf> = entry.photos.iter().map(|p| folder.join(p)).collect();
-            let heap = matches!(scene.apparatus, Apparatus::Heap(_));
-            match photos::read(&paths, &entry.photo, heap, &observables) {
-                Ok(series) => {
-                    let taken = series.values.iter();
-                    values.extend(taken.map(|(name, value)| (name.clone(), *value)));
-                    self.photos.push(series);
-                }
-                Err(reasons) => {
-                    let path = below(&entry.path, "photos");
-                    for reason in reasons {
-                        let what = format!("{}: photos:", words(entry));
-                        problems.add(document.problem(&path, what, reason));
-                    }
-                }
-            }
+        let heap = matches!(scene.apparatus, Apparatus::Heap(_));
+        if let Some(series) = read_photos(document, entry, (folder, heap), &observables, problems) {
+            let taken = series.values.iter();
+            values.extend(taken.map(|(name, value)| (name.clone(), *value)));
+            self.photos.push(series);
         }
         let (model, is_new) = self.models.number_of(&entry.scene, &entry.condition, scene);
         let built = &self.models.scenes[model];
         if let (true, Err(error)) = (is_new, built.build_check(&scenes.fillings)) {
             let what = format!("{}: the scene cannot be built:", words(entry));
+            problems.add(document.problem(&entry.path, what, error.to_string()));
+        }
+        if let (true, Some(Err(error))) = (is_new, scenes.peer.map(|peer| peer.check(built))) {
+            let what = format!("{}:", words(entry));
             problems.add(document.problem(&entry.path, what, error.to_string()));
         }
         for (observable, MeasuredValue { mean, sd, n }) in values {
@@ -125,39 +124,63 @@ impl Resolved {
                 sd,
                 n,
             };
-            self.push(document, entry, measurement, problems);
+            let all = (&mut self.measurements, &mut self.places);
+            push(document, entry, measurement, all, problems);
         }
     }
+}
 
-    /// Adds a measurement, or tells that it stands there already.
-    fn push(
-        &mut self,
-        document: &Document,
-        entry: &MeasuredEntry,
-        new: Measurement,
-        problems: &mut Problems,
-    ) {
-        let place = below(&entry.path, &new.observable);
-        let mut all = self.measurements.iter();
-        let known = all.position(|m| m.model == new.model && m.observable == new.observable);
-        if let Some(known) = known {
-            let (other, line) = (
-                &self.measurements[known],
-                document.line(&self.places[known]),
-            );
-            let line = line.map_or_else(String::new, |line| format!(" in line {line}"));
-            let problem = if other.role == new.role {
-                format!("stands there{line} already: give each measurement once")
-            } else {
-                format!(
-                    "has another role{line}: what checks a fit cannot be part of it; give it one role only"
-                )
-            };
-            let what = format!("{}: '{}'", words(entry), new.observable);
-            problems.add(document.problem(&place, what, problem));
-            return;
-        }
-        self.measurements.push(new);
-        self.places.push(place);
+/// The photos of a measurement in a folder, of a heap or a drum; none where it has none, or they cannot be read, which is
+/// told.
+pub(crate) fn read_photos(
+    document: &Document,
+    entry: &MeasuredEntry,
+    (folder, heap): (&Path, bool),
+    observables: &[&str],
+    problems: &mut Problems,
+) -> Option<PhotoSeries> {
+    if entry.photos.is_empty() {
+        return None;
     }
+    let paths: Vec<PathBuf> = entry.photos.iter().map(|p| folder.join(p)).collect();
+    match photos::read(&paths, &entry.photo, heap, observables) {
+        Ok(series) => Some(series),
+        Err(reasons) => {
+            let path = below(&entry.path, "photos");
+            for reason in reasons {
+                let what = format!("{}: photos:", words(entry));
+                problems.add(document.problem(&path, what, reason));
+            }
+            None
+        }
+    }
+}
+
+/// Adds a measurement to those before it, or tells that it stands there already.
+pub(crate) fn push(
+    document: &Document,
+    entry: &MeasuredEntry,
+    new: Measurement,
+    (measurements, places): (&mut Vec<Measurement>, &mut Known),
+    problems: &mut Problems,
+) {
+    let place = below(&entry.path, &new.observable);
+    let mut all = measurements.iter();
+    let known = all.position(|m| m.model == new.model && m.observable == new.observable);
+    if let Some(known) = known {
+        let (other, line) = (&measurements[known], document.line(&places[known]));
+        let line = line.map_or_else(String::new, |line| format!(" in line {line}"));
+        let problem = if other.role == new.role {
+            format!("stands there{line} already: give each measurement once")
+        } else {
+            format!(
+                "has another role{line}: what checks a fit cannot be part of it; give it one role only"
+            )
+        };
+        let what = format!("{}: '{}'", words(entry), new.observable);
+        problems.add(document.problem(&place, what, problem));
+        return;
+    }
+    measurements.push(new);
+    places.push(place);
 }

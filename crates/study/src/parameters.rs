@@ -100,6 +100,18 @@ impl Resolver<'_> {
             );
             Some(value)
         });
+        let start = start.or_else(|| {
+            // A program of the user does not say what it holds.
+            let middle = 0.5 * (entry.low + entry.high);
+            (!self.scenes_known && self.tables.is_empty()).then(|| {
+                defaults.tell(
+                    &format!("parameter {}: start", entry.symbol),
+                    &middle.to_string(),
+                    "the middle of low and high",
+                );
+                middle
+            })
+        });
         if let Some(start) = start
             && !(limits[0]..=limits[1]).contains(&start)
         {

@@ -2,11 +2,10 @@
 
 use crate::compare::compare;
 use crate::price::{self, Price};
-use crate::{DiagnosisResult, Error, Study, StudyResult};
+use crate::{DiagnosisResult, Error, Study, StudyResult, StudySimulator};
 use calibration::{Calibration, LoopSettings};
 use campaign::{Campaign, Pace, Progress};
 use run_store::{Lookup, Record, Store};
-use scene_simulator::SceneSimulator;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
@@ -44,7 +43,7 @@ impl std::fmt::Debug for RunSettings<'_> {
 ///
 /// A design that cannot be made, a mesh or a record that cannot be read.
 pub fn plan_study(study: &Study, seed: u64, folder: &Path) -> Result<Price, Error> {
-    let simulator = study.simulator()?;
+    let simulator = study.simulator(folder)?;
     let settings = study.settings_with(seed);
     let stages = calibration::planned(&study.problem, &settings)?;
     let runs = folder.join("runs");
@@ -58,9 +57,9 @@ pub fn plan_study(study: &Study, seed: u64, folder: &Path) -> Result<Price, Erro
 /// # Errors
 ///
 /// A budget of the study that is smaller.
-pub fn plan_diagnosis(study: &Study) -> Result<usize, Error> {
+pub fn plan_diagnosis(study: &Study, folder: &Path) -> Result<usize, Error> {
     let needed = calibration::most_runs_of_diagnosis(&study.problem, &study.settings);
-    let simulator = study.simulator()?;
+    let simulator = study.simulator(folder)?;
     let stages = calibration::planned(&study.problem, &study.settings)?;
     let price = price::of(&simulator, &stages, study.budget, None)?;
     match price.most_runs {
@@ -78,7 +77,7 @@ pub fn plan_diagnosis(study: &Study) -> Result<usize, Error> {
 /// Runs that failed, a store that cannot be used, a stage that cannot be computed.
 pub fn run_study(
     study: &Study,
-    simulator: &SceneSimulator,
+    simulator: &StudySimulator,
     settings: &RunSettings<'_>,
     announce: &dyn Fn(&str),
 ) -> Result<StudyResult, Error> {
@@ -137,7 +136,7 @@ pub fn run_diagnosis(
     settings: &RunSettings<'_>,
 ) -> Result<DiagnosisResult, Error> {
     let begin = Instant::now();
-    let simulator = study.simulator()?;
+    let simulator = study.simulator(&settings.folder)?;
     let store = Store::open(settings.folder.join("runs"))?;
     let pace = Pace::new();
     let campaign = Campaign::new(&store, settings.threads, settings.progress)

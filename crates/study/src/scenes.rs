@@ -1,10 +1,11 @@
 //! From the entries of a study file to scenes, and to the models that a calibration knows.
 
 use crate::document::Document;
-use crate::file::{Choices, ParameterEntry, SceneEntry, StudyFile};
+use crate::file::{Choices, ParameterEntry, SceneEntry, SimulatorEntry, StudyFile};
 use crate::problem::{Problem, Problems};
 use crate::setting::{change, leaf, table_of};
 use calibration::Model;
+use external_simulator::Peer;
 use scene::{Apparatus, FillingLibrary, Override, Scene};
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -15,6 +16,8 @@ pub(crate) struct Scenes<'a> {
     pub(crate) document: &'a Document,
     /// Scenes by name.
     pub(crate) by_name: BTreeMap<String, Scene>,
+    /// Another code that runs them.
+    pub(crate) peer: Option<Peer>,
     /// Bodies made for the check.
     pub(crate) fillings: FillingLibrary,
 }
@@ -58,9 +61,14 @@ impl<'a> Scenes<'a> {
                 Err(reasons) => reasons.into_iter().for_each(|r| problems.add(at(r))),
             }
         }
+        let peer = match choices.simulator.as_ref().unwrap_or(&file.simulator) {
+            SimulatorEntry::Peer(entry) => Some(entry.peer),
+            _ => None,
+        };
         Self {
             document,
             by_name,
+            peer,
             fillings,
         }
     }
@@ -91,7 +99,7 @@ fn scene_problem(document: &Document, entry: &SceneEntry, reason: String) -> Pro
 
 /// One scene, or all that is wrong with it.
 fn read_scene(entry: &SceneEntry, folder: &Path, further: &[String]) -> Result<Scene, Vec<String>> {
-    let file = folder.join(&entry.file);
+    let file = folder.join(entry.file.clone().unwrap_or_default());
     let told = |error: scene::Error| vec![error.to_string()];
     let mut scene = Scene::read_all(&file, &[])
         .map_err(|all| all.iter().map(ToString::to_string).collect::<Vec<_>>())?;

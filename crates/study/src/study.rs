@@ -1,17 +1,24 @@
 //! A study that was checked against its scenes: ready to be run.
 
+use crate::command_study::{CommandChecker, probes};
 use crate::compare::resolve;
 use crate::defaults::{DefaultUsed, Defaults};
 use crate::document::{Document, below};
 use crate::effects::{Searched, search};
-use crate::file::{Budget, Choices, CompareEntry, ParameterEntry, StudyFile};
+use crate::file::{
+    Budget, Choices, CommandEntry, CompareEntry, ParameterEntry, SimulatorEntry, StudyFile,
+};
 use crate::measured::Resolved;
 use crate::parameters::{Resolver, check_all, tables};
 use crate::photos::PhotoSeries;
 use crate::problem::{Problem, Problems};
-use crate::scenes::Scenes;
+use crate::scenes::{Models, Scenes};
+use crate::simulator::StudySimulator;
 use crate::{Error, inputs};
 use calibration::{CalibrationProblem, LoopSettings, Parameter};
+use external_simulator::{
+    CommandModel, CommandSettings, CommandSimulator, PeerSettings, PeerSimulator,
+};
 use scene::Scene;
 use scene_simulator::{Binding, SceneSimulator};
 use std::collections::BTreeMap;
@@ -44,7 +51,11 @@ pub struct Study {
     pub not_applicable: BTreeMap<String, String>,
     /// What the file left out, and what stands in its place.
     pub defaults: Vec<DefaultUsed>,
-    /// SHA-256 of every file that was read: study, scenes, meshes, photos.
+    /// Who does the runs.
+    pub runs_by: SimulatorEntry,
+    /// Scenes under their conditions as a program of the user runs them; empty where the scenes here are run.
+    pub command_models: BTreeMap<String, CommandModel>,
+    /// SHA-256 of every file that was read: study, scenes, meshes, photos, templates.
     pub inputs: BTreeMap<String, String>,
 }
 
@@ -83,6 +94,7 @@ impl Study {
             path: path.to_owned(),
             profile: profile.map(str::to_owned),
             inputs: inputs::of(path, &file, &checked)?,
+            runs_by: checked.choices.simulator.unwrap_or(file.simulator.clone()),
             file,
             scenes: checked.scenes,
             models: checked.models,
@@ -93,6 +105,7 @@ impl Study {
             photos: checked.photos,
             not_applicable: checked.not_applicable,
             defaults: checked.defaults,
+            command_models: checked.command_models,
         })
     }
 
@@ -104,12 +117,55 @@ impl Study {
         }
     }
 
+    /// What does the runs; other codes work in the folder `work` of the result folder.
+    ///
+    /// # Errors
+    ///
+    /// A mesh or a template that cannot be read, a code that is not there.
+    pub fn simulator(&self, folder: &Path) -> Result<StudySimulator, Error> {
+        let work = folder.join("work");
+        match &self.runs_by {
+            SimulatorEntry::Own => Ok(StudySimulator::Own(self.scene_simulator()?)),
+            SimulatorEntry::Peer(entry) => {
+                let settings = PeerSettings {
+                    peer: entry.peer,
+                    command: entry.command.clone(),
+                    environment: entry.environment.clone().into_iter().collect(),
+                    wall_limit_s: entry.wall_limit_s,
+                    work,
+                    keep: entry.keep,
+                };
+                let peer = PeerSimulator::new(self.scene_simulator()?, settings)?;
+                Ok(StudySimulator::Peer(peer))
+            }
+            SimulatorEntry::Command(entry) => {
+                let folder = self.path.parent().unwrap_or(Path::new(""));
+                let settings = CommandSettings {
+                    command: entry.command.clone(),
+                    template: entry.template.as_ref().map(|t| folder.join(t)),
+                    version: entry.version.clone(),
+                    wall_limit_s: entry.wall_limit_s,
+                    expected_s: entry.expected_s,
+                    results: entry.results.clone(),
+                    work,
+                    keep: entry.keep,
+                };
+                let parameters = self.file.parameters.iter().map(|p| p.symbol.clone());
+                let effects = self.file.effects.iter().map(|e| e.name.clone());
+                let names: Vec<String> = parameters.chain(effects).collect();
+                let models = self.command_models.clone();
+                let command = CommandSimulator::new(settings, models, &names)?;
+                Ok(StudySimulator::Command(command))
+            }
+        }
+    }
+
     /// The scenes as a simulator.
     ///
     /// # Errors
     ///
     /// A mesh that cannot be read.
-    pub fn simulator(&self) -> Result<SceneSimulator, Error> {
+    fn scene_simulator(&self) -> Result<SceneSimulator, Error> {
         let binding = |p: &Parameter| {
             let binding = Binding {
                 paths: p.sets.clone(),
@@ -140,6 +196,8 @@ pub(crate) struct Checked {
     not_applicable: BTreeMap<String, String>,
     /// What was filled in.
     defaults: Vec<DefaultUsed>,
+    /// Scenes as a program of the user runs them.
+    command_models: BTreeMap<String, CommandModel>,
 }
 
 /// A file that is being checked.
@@ -160,6 +218,9 @@ impl Checker<'_> {
         let (file, document) = (self.file, self.document);
         let choices = self.choices(profile);
         check_all(document, &file.parameters, &mut self.problems);
+        if let SimulatorEntry::Command(entry) = &file.simulator {
+            return self.check_command(choices, entry);
+        }
         let scenes = Scenes::read(document, file, &choices, self.folder, &mut self.problems);
         let names: Vec<&str> = file.scenes.iter().map(|s| s.name.as_str()).collect();
         let before = self.problems.count();
@@ -182,7 +243,7 @@ impl Checker<'_> {
             choices.effects.as_deref(),
             &resolved.models,
             &resolved.measurements,
-            &scenes.fillings,
+            &scenes,
         );
         if choices.effects.is_none() {
             let why = "all effects of the library that every measured scene can carry";
@@ -223,6 +284,54 @@ impl Checker<'_> {
             choices,
             not_applicable,
             defaults: defaults.list,
+            command_models: BTreeMap::new(),
+        })
+    }
+
+    /// Checks a study whose runs a program of the user does.
+    fn check_command(mut self, choices: Choices, entry: &CommandEntry) -> Result<Checked, Error> {
+        let (file, document) = (self.file, self.document);
+        let checker = CommandChecker {
+            document,
+            file,
+            entry,
+            folder: self.folder,
+        };
+        let resolved = checker.resolve(&mut self.problems);
+        checker.check_effects(&choices, &mut self.problems);
+        let mut defaults = Defaults::default();
+        let resolver = Resolver {
+            document,
+            models: &Models::default(),
+            scenes_known: false,
+            complete: false,
+            tables: &[],
+        };
+        let all = file.parameters.iter();
+        let parameters = all
+            .map(|entry| resolver.resolve(entry, &mut defaults, &mut self.problems))
+            .collect();
+        let settings = Self::settings(&choices, &mut defaults);
+        let problem = CalibrationProblem {
+            id: file.name.clone(),
+            parameters,
+            models: resolved.models,
+            measurements: resolved.measurements,
+            effects: probes(file, choices.effects.as_deref()),
+        };
+        self.check_compare(&choices, &problem);
+        self.check_whole(&problem);
+        self.problems.into_result()?;
+        Ok(Checked {
+            scenes: BTreeMap::new(),
+            models: BTreeMap::new(),
+            photos: resolved.photos,
+            problem,
+            settings,
+            choices,
+            not_applicable: BTreeMap::new(),
+            defaults: defaults.list,
+            command_models: resolved.runs,
         })
     }
 

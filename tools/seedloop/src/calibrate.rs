@@ -59,7 +59,7 @@ pub(crate) fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<u8> 
     }
     refuse_used_folder(&folder, arguments.resume, common)?;
     common.log(|| plan.trim_end().to_owned());
-    let simulator = study.simulator()?;
+    let simulator = study.simulator(&folder)?;
     let (progress, stop) = (progress_lines(common), stop::flag()?);
     let settings = RunSettings {
         seed: arguments.seed,

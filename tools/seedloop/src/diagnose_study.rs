@@ -53,17 +53,17 @@ pub(crate) fn run(path: &Path, options: &Options, common: &Common) -> anyhow::Re
         None => study.start_values(),
     };
     common.refuse_existing_json()?;
-    let most_runs = plan_diagnosis(&study).with_context(|| path.display().to_string())?;
+    let folder = options
+        .out
+        .clone()
+        .unwrap_or_else(|| PathBuf::from("out").join(format!("{}-diagnosis", study.folder_name())));
+    let most_runs = plan_diagnosis(&study, &folder).with_context(|| path.display().to_string())?;
     let planned = plan_text(&study, &at, most_runs);
     if options.plan_only {
         common.print(planned.trim_end())?;
         common.emit_json(&study.problem)?;
         return Ok(DONE);
     }
-    let folder = options
-        .out
-        .clone()
-        .unwrap_or_else(|| PathBuf::from("out").join(format!("{}-diagnosis", study.folder_name())));
     refuse_used_folder(&folder, options.resume, common)?;
     common.log(|| planned.trim_end().to_owned());
     let (progress, stop) = (progress_lines(common), stop::flag()?);

@@ -12,6 +12,8 @@ mod calibration;
 mod diagnosis;
 #[path = "command/help.rs"]
 mod help;
+#[path = "command/own_program.rs"]
+mod own_program;
 #[path = "command/residual.rs"]
 mod residual;
 #[path = "command/simulation.rs"]

@@ -1,7 +1,8 @@
 //! The optional tables, of the file and of its profiles.
 
 use super::parts::{NUMBER, changes, each};
-use super::{Budget, Choices, CompareEntry};
+use super::simulator::simulator;
+use super::{Budget, Choices, CompareEntry, SimulatorEntry};
 use crate::document::Fields;
 use crate::keys;
 use crate::problem::Problems;
@@ -9,8 +10,8 @@ use calibration::LoopSettings;
 use std::collections::BTreeMap;
 use toml::Table;
 
-/// The optional tables of the file or of a profile.
-pub(super) fn choices(fields: &Fields<'_>, problems: &mut Problems) -> Choices {
+/// The optional tables of the file or of a profile; `of_command` where a program of the user does the runs.
+pub(super) fn choices(fields: &Fields<'_>, of_command: bool, problems: &mut Problems) -> Choices {
     let budget = fields.table("budget", problems).map(|budget| {
         budget.check_keys(&keys::BUDGET, problems);
         let found = Budget {
@@ -36,7 +37,8 @@ pub(super) fn choices(fields: &Fields<'_>, problems: &mut Problems) -> Choices {
         effects.check_keys(&keys::EFFECTS, problems);
         let found: Option<Vec<String>> =
             effects.optional("search", "a list of names of effects", problems);
-        for name in found.iter().flatten() {
+        // Those of a program of the user stand in the file, and are looked for there.
+        for name in found.iter().flatten().filter(|_| !of_command) {
             if let Err(error) = effect_library::find(name) {
                 problems.add(effects.wrong("search", format!(": {error}")));
             }
@@ -58,7 +60,17 @@ pub(super) fn choices(fields: &Fields<'_>, problems: &mut Problems) -> Choices {
             }
         }
     }
+    let in_profile = !fields.path.is_empty() && fields.table.contains_key("simulator");
+    let simulator = in_profile.then(|| {
+        let entry = simulator(fields, problems);
+        if of_command || matches!(entry, SimulatorEntry::Command(_)) {
+            let problem = "cannot change to or from a program of the user: its scenes are others; write a study of its own";
+            problems.add(fields.wrong("simulator", problem));
+        }
+        entry
+    });
     Choices {
+        simulator,
         design: design(fields, problems),
         budget,
         effects,

@@ -1,6 +1,7 @@
 //! The tables of a study file, one by one.
 
 use super::photo::photo_options;
+use super::simulator::drum as drum_of;
 use super::{MeasuredEntry, MeasuredValue, ParameterEntry, SceneEntry, settings};
 use crate::document::{Document, Fields, below};
 use crate::keys;
@@ -14,6 +15,11 @@ use toml::Value;
 pub(super) const NUMBER: &str = "a number";
 /// What a change of a scene must be.
 const CHANGES: &str = "a list of texts \"name = value\"";
+
+/// How a `[[scene]]` is read.
+pub(super) type ReadScene = fn(&Fields<'_>, &mut Problems) -> Option<SceneEntry>;
+/// How a `[[parameter]]` is read.
+pub(super) type ReadParameter = fn(&Fields<'_>, &mut Problems) -> Option<ParameterEntry>;
 
 /// Entries of a list; those that cannot be read are left out.
 pub(super) fn each<T>(
@@ -29,22 +35,51 @@ pub(super) fn each<T>(
 /// A `[[scene]]`.
 pub(super) fn scene(fields: &Fields<'_>, problems: &mut Problems) -> Option<SceneEntry> {
     fields.check_keys(&keys::SCENE, problems);
-    let name: Option<String> = fields.required("name", "a text", problems);
+    let name = scene_name(fields, problems);
     let file: Option<PathBuf> = fields.required("file", "the path of a scene file", problems);
     let changes = changes(fields, problems);
     let apparatus = fields.table("apparatus", problems);
+    Some(SceneEntry {
+        name: name?,
+        file: Some(file?),
+        changes,
+        apparatus: apparatus.map(|a| a.table.clone()),
+        observables: None,
+        parameters: None,
+        drum: None,
+        path: fields.path.clone(),
+    })
+}
+
+/// A `[[scene]]` that a program of the user knows.
+pub(super) fn command_scene(fields: &Fields<'_>, problems: &mut Problems) -> Option<SceneEntry> {
+    fields.check_keys(&keys::SCENE_COMMAND, problems);
+    let name = scene_name(fields, problems);
+    let observables = fields.optional("observables", "a list of names", problems);
+    let parameters = fields.optional("parameters", "a list of symbols", problems);
+    let drum = fields.table("drum", problems);
+    let drum = drum.and_then(|fields| drum_of(&fields, problems));
+    Some(SceneEntry {
+        name: name?,
+        file: None,
+        changes: Vec::new(),
+        apparatus: None,
+        observables,
+        parameters,
+        drum,
+        path: fields.path.clone(),
+    })
+}
+
+/// The name of a scene.
+fn scene_name(fields: &Fields<'_>, problems: &mut Problems) -> Option<String> {
+    let name: Option<String> = fields.required("name", "a text", problems);
     if let Some(name) = &name
         && (name.trim().is_empty() || name.contains(['@', '/']))
     {
         problems.add(fields.wrong("name", "must be a word without '@' and '/'"));
     }
-    Some(SceneEntry {
-        name: name?,
-        file: file?,
-        changes,
-        apparatus: apparatus.map(|a| a.table.clone()),
-        path: fields.path.clone(),
-    })
+    name
 }
 
 /// Changes of a scene; those without an equals sign are told.
@@ -81,8 +116,25 @@ pub(super) fn refuse_twice(
     });
 }
 
-/// A `[[parameter]]`.
+/// A `[[parameter]]` of the scenes.
 pub(super) fn parameter(fields: &Fields<'_>, problems: &mut Problems) -> Option<ParameterEntry> {
+    read_parameter(fields, true, problems)
+}
+
+/// A `[[parameter]]` of a program of the user, which is told by its symbol.
+pub(super) fn command_parameter(
+    fields: &Fields<'_>,
+    problems: &mut Problems,
+) -> Option<ParameterEntry> {
+    read_parameter(fields, false, problems)
+}
+
+/// A `[[parameter]]` that sets settings of scenes, or is told by its symbol alone.
+fn read_parameter(
+    fields: &Fields<'_>,
+    of_scenes: bool,
+    problems: &mut Problems,
+) -> Option<ParameterEntry> {
     let symbol: Option<String> = fields.required("symbol", "a text", problems);
     let fields = &Fields {
         words: match &symbol {
@@ -91,9 +143,15 @@ pub(super) fn parameter(fields: &Fields<'_>, problems: &mut Problems) -> Option<
         },
         ..fields.clone()
     };
-    fields.check_keys(&keys::PARAMETER, problems);
+    let known: Vec<&str> = keys::PARAMETER.into_iter().collect();
+    let known = known.into_iter().filter(|key| of_scenes || *key != "sets");
+    fields.check_keys(&known.collect::<Vec<_>>(), problems);
     let name = fields.optional("name", "a text", problems);
-    let sets: Option<Vec<String>> = fields.required("sets", "a list of dotted paths", problems);
+    let sets: Option<Vec<String>> = if of_scenes {
+        fields.required("sets", "a list of dotted paths", problems)
+    } else {
+        symbol.clone().map(|symbol| vec![symbol])
+    };
     if sets.as_ref().is_some_and(Vec::is_empty) {
         problems.add(fields.wrong("sets", "is empty: name the settings of the scenes"));
     }

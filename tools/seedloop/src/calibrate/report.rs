@@ -1,9 +1,9 @@
 //! The report of a calibration: what the loop holds, handed to the page.
 
 use anyhow::Context as _;
-use scene_simulator::SceneSimulator;
+use scene::FillingLibrary;
 use std::path::Path;
-use study::{Study, StudyResult};
+use study::{Study, StudyResult, StudySimulator};
 use study_report::{ComparedValue, ReportInput};
 
 /// Writes report, tables and pictures into the result folder.
@@ -13,7 +13,7 @@ use study_report::{ComparedValue, ReportInput};
 pub(crate) fn write(
     folder: &Path,
     study: &Study,
-    simulator: &SceneSimulator,
+    simulator: &StudySimulator,
     result: &StudyResult,
 ) -> anyhow::Result<()> {
     let compare: Vec<ComparedValue> = result
@@ -32,6 +32,7 @@ pub(crate) fn write(
     let defaults: Vec<String> = defaults
         .map(|d| format!("{} = {}: {}", d.key, d.value, d.why))
         .collect();
+    let none = FillingLibrary::default();
     let input = ReportInput {
         name: &result.name,
         profile: result.profile.as_deref().unwrap_or("as the file stands"),
@@ -43,7 +44,7 @@ pub(crate) fn write(
         compare: &compare,
         defaults: &defaults,
         scenes: &study.models,
-        fillings: simulator.fillings(),
+        fillings: simulator.fillings().unwrap_or(&none),
         records: &result.records,
     };
     study_report::write(folder, &input)

@@ -1,0 +1,262 @@
+//! A study whose runs a program of the user does: what it gives and takes, checked without a scene file.
+
+use crate::document::{Document, below};
+use crate::file::{
+    Choices, CommandEntry, MeasuredEntry, ParameterEntry, SceneEntry, StudyFile, usable_name,
+};
+use crate::measured::{Known, push, read_photos, words};
+use crate::photos::PhotoSeries;
+use crate::problem::Problems;
+use crate::scenes::model_name;
+use calibration::{EffectProbe, Measurement, Model};
+use external_simulator::{CommandModel, OBSERVABLES_OF_A_BED};
+use std::collections::BTreeMap;
+use std::path::Path;
+
+/// Names that every run has.
+const TAKEN: [&str; 2] = ["scene", "seed"];
+
+/// What is read of pictures alone.
+const OF_PICTURES: usize = 9;
+
+/// Models and measurements of such a study.
+#[derive(Debug, Default)]
+pub(crate) struct CommandResolved {
+    /// As the calibration knows them.
+    pub(crate) models: Vec<Model>,
+    /// As the program runs them, by name.
+    pub(crate) runs: BTreeMap<String, CommandModel>,
+    /// What was measured.
+    pub(crate) measurements: Vec<Measurement>,
+    /// Photos that were read.
+    pub(crate) photos: Vec<PhotoSeries>,
+}
+
+/// Checks scenes, names and measurements against each other.
+pub(crate) struct CommandChecker<'a> {
+    /// The study file with its lines.
+    pub(crate) document: &'a Document,
+    /// Its entries.
+    pub(crate) file: &'a StudyFile,
+    /// The program.
+    pub(crate) entry: &'a CommandEntry,
+    /// To which paths refer.
+    pub(crate) folder: &'a Path,
+}
+
+impl CommandChecker<'_> {
+    /// Resolves all measurements.
+    pub(crate) fn resolve(&self, problems: &mut Problems) -> CommandResolved {
+        self.check_names(problems);
+        for scene in &self.file.scenes {
+            self.check_scene(scene, problems);
+        }
+        let mut resolved = CommandResolved::default();
+        let mut known: Known = Vec::new();
+        for entry in &self.file.measured {
+            let Some(scene) = self.file.scenes.iter().find(|s| s.name == entry.scene) else {
+                let names: Vec<&str> = self.file.scenes.iter().map(|s| s.name.as_str()).collect();
+                let problem = format!(
+                    "is the name of no [[scene]]; there are {}",
+                    names.join(", ")
+                );
+                let what = format!("[[measured]]: scene = '{}'", entry.scene);
+                let path = below(&entry.path, "scene");
+                problems.add(self.document.problem(&path, what, problem));
+                continue;
+            };
+            self.add(scene, entry, &mut resolved, &mut known, problems);
+        }
+        resolved
+    }
+
+    /// Observables of a scene: what is read of its bed, and what the file says that the program tells.
+    fn observables<'s>(&self, scene: &'s SceneEntry) -> Vec<&'s str> {
+        let results = &self.entry.results;
+        let read = match (&results.positions, &results.pictures) {
+            (Some(_), _) => &OBSERVABLES_OF_A_BED[..],
+            (None, Some(_)) => &OBSERVABLES_OF_A_BED[..OF_PICTURES],
+            (None, None) => &[],
+        };
+        let told = scene.observables.iter().flatten().map(String::as_str);
+        read.iter().copied().chain(told).collect()
+    }
+
+    /// Adds a measurement.
+    fn add(
+        &self,
+        scene: &SceneEntry,
+        entry: &MeasuredEntry,
+        resolved: &mut CommandResolved,
+        known: &mut Known,
+        problems: &mut Problems,
+    ) {
+        let document = self.document;
+        let observables = self.observables(scene);
+        let mut values = Vec::new();
+        for (name, value) in &entry.values {
+            if observables.contains(&name.as_str()) {
+                values.push((name.clone(), *value));
+                continue;
+            }
+            let what = format!("{}: '{name}'", words(entry));
+            let problem = format!(
+                "is neither a key of [[measured]] ({}) nor an observable of this scene, which has {}: add what the \
+                 program tells to [[scene]] observables",
+                crate::keys::MEASURED.join(", "),
+                observables.join(", ")
+            );
+            problems.add(document.problem(&below(&entry.path, name), what, problem));
+        }
+        let heap = observables.contains(&"angle_of_repose_deg");
+        let place = (self.folder, heap);
+        if let Some(series) = read_photos(document, entry, place, &observables, problems) {
+            let taken = series.values.iter();
+            values.extend(taken.map(|(name, value)| (name.clone(), *value)));
+            resolved.photos.push(series);
+        }
+        let model = self.model(scene, entry, resolved);
+        for (observable, value) in values {
+            let measurement = Measurement {
+                model,
+                observable,
+                role: entry.role,
+                mean: value.mean,
+                sd: value.sd,
+                n: value.n,
+            };
+            push(
+                document,
+                entry,
+                measurement,
+                (&mut resolved.measurements, known),
+                problems,
+            );
+        }
+    }
+
+    /// Number of the model of a scene under the condition of a measurement.
+    fn model(
+        &self,
+        scene: &SceneEntry,
+        entry: &MeasuredEntry,
+        resolved: &mut CommandResolved,
+    ) -> usize {
+        let name = model_name(&scene.name, &entry.condition);
+        if let Some(known) = resolved.models.iter().position(|m| m.name == name) {
+            return known;
+        }
+        let depends = |p: &ParameterEntry| {
+            let stated = scene.parameters.as_ref();
+            stated.is_none_or(|names| names.contains(&p.symbol))
+        };
+        let all = self.file.parameters.iter().enumerate();
+        let parameters: Vec<usize> = all.filter(|(_, p)| depends(p)).map(|(k, _)| k).collect();
+        let symbols = parameters
+            .iter()
+            .map(|k| self.file.parameters[*k].symbol.clone());
+        let run = CommandModel {
+            scene: scene.name.clone(),
+            condition: entry.condition.clone(),
+            parameters: symbols.collect(),
+            drum: scene.drum.clone(),
+        };
+        resolved.runs.insert(name.clone(), run);
+        resolved.models.push(Model {
+            name,
+            scene: scene.name.clone(),
+            condition: entry.condition.clone(),
+            parameters,
+        });
+        resolved.models.len() - 1
+    }
+
+    /// Refuses names that no command line takes, and names of two things.
+    fn check_names(&self, problems: &mut Problems) {
+        let file = self.file;
+        let parameters = file
+            .parameters
+            .iter()
+            .map(|p| (&p.symbol, &p.path, "symbol"));
+        let effects = file.effects.iter().map(|e| (&e.name, &e.path, "name"));
+        let conditions = file.measured.iter().flat_map(|m| {
+            let names = m.condition.keys();
+            names.map(|name| (name, &m.path, "condition"))
+        });
+        let mut before: Vec<(&String, &str)> = Vec::new();
+        for (name, path, key) in parameters.chain(effects).chain(conditions) {
+            let path = below(path, key);
+            let mut wrong = |problem: String| {
+                let what = format!("{key} '{name}'");
+                problems.add(self.document.problem(&path, what, problem));
+            };
+            if !usable_name(name) {
+                wrong(
+                    "must begin with a letter, and hold letters, digits, '_', '-' and '.'".into(),
+                );
+            } else if TAKEN.contains(&name.as_str()) {
+                wrong(format!(
+                    "is a name that every run has: take another than {}",
+                    TAKEN.join(", ")
+                ));
+            } else if let Some((_, other)) = before.iter().find(|(n, k)| *n == name && *k != key) {
+                wrong(format!(
+                    "is also the name of a {other}: the program could not tell them apart"
+                ));
+            }
+            before.push((name, key));
+        }
+    }
+
+    /// Refuses effects to search that the program does not have.
+    pub(crate) fn check_effects(&self, choices: &Choices, problems: &mut Problems) {
+        let known: Vec<&str> = self.file.effects.iter().map(|e| e.name.as_str()).collect();
+        for name in choices.effects.iter().flatten() {
+            if !known.contains(&name.as_str()) {
+                let path = below(&below(&choices.path, "effects"), "search");
+                let what = format!("[effects]: search: '{name}'");
+                let problem = format!(
+                    "is the name of no [[effect]] of the program; there are {}",
+                    known.join(", ")
+                );
+                problems.add(self.document.problem(&path, what, problem));
+            }
+        }
+    }
+
+    /// Refuses a drum that cannot be meant, and parameters that are not there.
+    fn check_scene(&self, scene: &SceneEntry, problems: &mut Problems) {
+        let file = self.file;
+        let words = format!("[[scene]] '{}':", scene.name);
+        for name in scene.parameters.iter().flatten() {
+            if !file.parameters.iter().any(|p| p.symbol == *name) {
+                let path = below(&scene.path, "parameters");
+                let what = format!("{words} parameters: '{name}'");
+                let problem = "is the symbol of no [[parameter]]";
+                problems.add(self.document.problem(&path, what, problem));
+            }
+        }
+        if let Some(drum) = &scene.drum {
+            let conditions = file.measured.iter().filter(|m| m.scene == scene.name);
+            let conditions = conditions.flat_map(|m| m.condition.keys().cloned());
+            let parameters = file.parameters.iter().map(|p| p.symbol.clone());
+            let names: Vec<String> = conditions.chain(parameters).collect();
+            if let Err(problem) = drum.check(&names) {
+                let path = below(&scene.path, "drum");
+                problems.add(self.document.problem(&path, words, problem));
+            }
+        }
+    }
+}
+
+/// Effects that the program has, and of which the study wants to be told.
+pub(crate) fn probes(file: &StudyFile, named: Option<&[String]>) -> Vec<EffectProbe> {
+    let wanted = |name: &String| named.is_none_or(|names| names.contains(name));
+    let all = file.effects.iter().filter(|e| wanted(&e.name));
+    all.map(|e| EffectProbe {
+        name: e.name.clone(),
+        probe: e.probe,
+        range: e.range,
+    })
+    .collect()
+}

@@ -1,0 +1,56 @@
+//! What does the runs of a study.
+
+use campaign::{RunOutcome, RunRequest, Simulator, SimulatorError};
+use external_simulator::{CommandSimulator, PeerSimulator};
+use scene::FillingLibrary;
+use scene_simulator::SceneSimulator;
+use serde_json::Value;
+
+/// The simulator of a study.
+#[derive(Debug)]
+pub enum StudySimulator {
+    /// The solver here.
+    Own(SceneSimulator),
+    /// LAMMPS or LIGGGHTS.
+    Peer(PeerSimulator),
+    /// A program of the user.
+    Command(CommandSimulator),
+}
+
+impl StudySimulator {
+    /// Bodies that were made for its scenes; none where a program of the user knows them.
+    pub fn fillings(&self) -> Option<&FillingLibrary> {
+        match self {
+            Self::Own(scenes) => Some(scenes.fillings()),
+            Self::Peer(peer) => Some(peer.scenes().fillings()),
+            Self::Command(_) => None,
+        }
+    }
+
+    /// As a simulator.
+    fn inner(&self) -> &dyn Simulator {
+        match self {
+            Self::Own(scenes) => scenes,
+            Self::Peer(peer) => peer,
+            Self::Command(command) => command,
+        }
+    }
+}
+
+impl Simulator for StudySimulator {
+    fn version(&self) -> String {
+        self.inner().version()
+    }
+
+    fn inputs(&self, request: &RunRequest) -> Result<Value, SimulatorError> {
+        self.inner().inputs(request)
+    }
+
+    fn run(&self, request: &RunRequest) -> Result<RunOutcome, SimulatorError> {
+        self.inner().run(request)
+    }
+
+    fn expected_cost(&self, request: &RunRequest) -> f64 {
+        self.inner().expected_cost(request)
+    }
+}
