@@ -11,6 +11,17 @@ use std::sync::Arc;
 /// needs more steps a contact than three.
 pub const FINER: f64 = 4.0;
 
+/// Whether all seeds are plain spheres, which need no rigid bodies.
+pub(crate) fn are_spheres(bodies: &[Arc<SeedBody>]) -> bool {
+    bodies.iter().all(|b| b.clump.spheres().len() == 1)
+}
+
+/// Density of a plain sphere, kg/m³.
+pub(crate) fn density_of_sphere(body: &SeedBody) -> f64 {
+    let radius = body.clump.spheres()[0].radius;
+    body.clump.mass() / (4.0 / 3.0 * PI * radius.powi(3))
+}
+
 /// Steps in a time (s), at least as long.
 pub(crate) fn steps(time: f64, time_step: f64) -> f64 {
     (time / time_step).ceil()

@@ -13,7 +13,9 @@
 //! | gravity on bodies | `fix gravity ... disable`, and `gravity` of `fix rigid/small` |
 
 use crate::Error;
-use crate::drum_deck::{FINER, Shares, restitution_of_body, steps, supported};
+use crate::drum_deck::{
+    FINER, Shares, are_spheres, density_of_sphere, restitution_of_body, steps, supported,
+};
 use crate::vtk::{File, add};
 use contact_law::{Material, NormalForceEnd, material::effective_moduli};
 use scene::{Drum, Frame, Scene, SeedBody};
@@ -86,7 +88,8 @@ pub fn deck(
 ) -> Result<Vec<File>, Error> {
     let time_step = time_step / FINER;
     let mut files = setup(scene, bodies, start, time_step)?;
-    files[0].text.push_str(&runs(scene, time_step));
+    let columns = dump_columns(bodies);
+    files[0].text.push_str(&runs(scene, columns, time_step));
     Ok(files)
 }
 
@@ -111,20 +114,34 @@ pub fn setup(
     time_step: f64,
 ) -> Result<Vec<File>, Error> {
     let drum = supported(scene, TOOL)?;
+    let file = |name: &str, text| File {
+        name: name.into(),
+        text,
+    };
+    let script = file("in.drum", script(scene, drum, bodies, start, time_step)?);
+    if are_spheres(bodies) {
+        let rows = (plain_atoms(bodies, start), "sphere");
+        return Ok(vec![
+            script,
+            file("drum.data", data(drum, rows, start.kind.len())),
+        ]);
+    }
+    let atoms = surface_atoms(bodies, start);
+    let n = atoms.lines().count();
     Ok(vec![
-        File {
-            name: "in.drum".into(),
-            text: script(scene, drum, bodies, start, time_step)?,
-        },
-        File {
-            name: "drum.data".into(),
-            text: data(drum, bodies, start),
-        },
-        File {
-            name: "drum.bodies".into(),
-            text: rigid_bodies(bodies, start),
-        },
+        script,
+        file("drum.data", data(drum, (atoms, "hybrid"), n)),
+        file("drum.bodies", rigid_bodies(bodies, start)),
     ])
+}
+
+/// What is dumped of each sphere.
+pub fn dump_columns(bodies: &[Arc<SeedBody>]) -> &'static str {
+    if are_spheres(bodies) {
+        "id type x y z radius vx vy vz"
+    } else {
+        "id type mol x y z radius vx vy vz"
+    }
 }
 
 /// The contact of the seeds with a material, as LAMMPS takes it; shares are means over all seeds.
@@ -172,14 +189,14 @@ fn words(scene: &Scene, bodies: &[Arc<SeedBody>], c: &GranularContact) -> String
 }
 
 /// The end of the script: the seeds settle, then the drum turns.
-fn runs(scene: &Scene, time_step: f64) -> String {
+fn runs(scene: &Scene, columns: &str, time_step: f64) -> String {
     let protocol = &scene.protocol;
     let every = steps(protocol.frame_interval.si(), time_step);
     format!(
         "thermo_style custom step time\n\
          thermo {every}\n\
          run {}\n\
-         dump bed all custom {every} bed.dump id type mol x y z radius vx vy vz\n\
+         dump bed all custom {every} bed.dump {columns}\n\
          run {}\n",
         steps(protocol.settle_limit.si(), time_step),
         steps(protocol.rotation_limit.si(), time_step),
@@ -211,23 +228,37 @@ fn script(
         .fold(f64::INFINITY, f64::min);
     let settle = steps(scene.protocol.settle_limit.si(), time_step);
     let down = drum.tilt.map_or(0.0, quantity::Angle::si);
+    // Plain spheres move by themselves; spheres of a seed move with it.
+    let [style, cutoff, exclude, disable, motion] = if are_spheres(bodies) {
+        let none = String::new;
+        let motion = "fix seeds all nve/sphere".to_owned();
+        ["sphere".to_owned(), none(), none(), none(), motion]
+    } else {
+        [
+            "hybrid sphere molecular".to_owned(),
+            format!(" cutoff {:e}", 2.0 * longest + 4.0 * smallest),
+            " exclude molecule/intra all".to_owned(),
+            " disable".to_owned(),
+            "fix seeds all rigid/small molecule infile drum.bodies gravity weight".to_owned(),
+        ]
+    };
     Ok(format!(
         "# {} seeds in a drum of {} mm, written from {}.\n\
          # Contacts are converted, not copied: E and nu stand for both sides, the restitution is that\n\
          # of a dashpot with the mass of the rigid body, rolling friction that of the spheres' arm.\n\
          units si\n\
-         atom_style hybrid sphere molecular\n\
+         atom_style {style}\n\
          boundary f f f\n\
          newton off\n\
-         comm_modify vel yes cutoff {:e}\n\
+         comm_modify vel yes{cutoff}\n\
          read_data drum.data\n\
          neighbor {:e} bin\n\
-         neigh_modify delay 0 every 1 check yes exclude molecule/intra all\n\
+         neigh_modify delay 0 every 1 check yes{exclude}\n\
          timestep {time_step:e}\n\
          pair_style granular\n\
          pair_coeff * * {pair}\n\
-         fix weight all gravity {} vector 0 {} {} disable\n\
-         fix seeds all rigid/small molecule infile drum.bodies gravity weight\n\
+         fix weight all gravity {} vector 0 {} {}{disable}\n\
+         {motion}\n\
          # The drum stands still while the seeds settle.\n\
          variable angle equal {}*dt*(step-{settle})*(step>{settle})\n\
          region shell cylinder z 0 0 {radius} {} {} side in open 1 open 2 rotate v_angle 0 0 0 0 0 1\n\
@@ -239,7 +270,6 @@ fn script(
         start.position.len(),
         2e3 * radius,
         scene.file,
-        2.0 * longest + 4.0 * smallest,
         0.5 * smallest,
         scene.model.gravity_m_s2,
         -down.cos(),
@@ -251,8 +281,8 @@ fn script(
     ))
 }
 
-/// The spheres at the surface of all seeds.
-fn data(drum: &Drum, bodies: &[Arc<SeedBody>], start: &Frame) -> String {
+/// The spheres at the surface of all seeds, as rows of atoms.
+fn surface_atoms(bodies: &[Arc<SeedBody>], start: &Frame) -> String {
     let mut rows = String::new();
     let mut n = 0_usize;
     for i in 0..start.position.len() {
@@ -273,10 +303,50 @@ fn data(drum: &Drum, bodies: &[Arc<SeedBody>], start: &Frame) -> String {
             add(&mut rows, row);
         }
     }
+    rows
+}
+
+/// Plain spheres and their motion, as rows of atoms and velocities.
+fn plain_atoms(bodies: &[Arc<SeedBody>], start: &Frame) -> String {
+    let mut rows = String::new();
+    for (i, c) in start.position.iter().enumerate() {
+        let body = &bodies[start.kind[i]];
+        let (diameter, density) = (
+            2.0 * body.clump.spheres()[0].radius,
+            density_of_sphere(body),
+        );
+        let row = format_args!(
+            "{} 1 {diameter:e} {density} {:e} {:e} {:e}\n",
+            i + 1,
+            c.x,
+            c.y,
+            c.z
+        );
+        add(&mut rows, row);
+    }
+    rows.push_str("\nVelocities\n\n");
+    for (i, (v, w)) in start.velocity.iter().zip(&start.spin).enumerate() {
+        let row = format_args!(
+            "{} {:e} {:e} {:e} {:e} {:e} {:e}\n",
+            i + 1,
+            v.x,
+            v.y,
+            v.z,
+            w.x,
+            w.y,
+            w.z
+        );
+        add(&mut rows, row);
+    }
+    rows
+}
+
+/// The data file with its `n` atoms, whose rows are of a style.
+fn data(drum: &Drum, (rows, style): (String, &str), n: usize) -> String {
     let (r, h) = (0.55 * drum.inner_diameter.si(), 0.6 * drum.width.si());
     format!(
         "Spheres at the surface of seeds\n\n{n} atoms\n1 atom types\n\n{} {r} xlo xhi\n{} {r} ylo \
-         yhi\n{} {h} zlo zhi\n\nAtoms # hybrid\n\n{rows}",
+         yhi\n{} {h} zlo zhi\n\nAtoms # {style}\n\n{rows}",
         -r, -r, -h
     )
 }

@@ -12,7 +12,9 @@
 //! | places of the seeds | [`deck`] lets seeds rain into the turning drum; [`setup`] can also put each where a frame has it, by an insertion of its own |
 
 use crate::Error;
-use crate::drum_deck::{FINER, Shares, restitution_of_body, steps, supported};
+use crate::drum_deck::{
+    FINER, Shares, are_spheres, density_of_sphere, restitution_of_body, steps, supported,
+};
 use crate::vtk::{File, add};
 use contact_law::NormalForceEnd;
 use nalgebra::Vector3;
@@ -73,6 +75,13 @@ pub fn setup(
     time_step: f64,
 ) -> Result<Vec<File>, Error> {
     let drum = runnable(scene)?;
+    if are_spheres(bodies) && matches!(start, Start::Frame(_)) {
+        return Err(Error::NotThere {
+            what: "a start of plain spheres from a frame".into(),
+            tool: TOOL,
+            way_out: "let them rain in",
+        });
+    }
     let mut files = vec![
         File {
             name: "in.drum".into(),
@@ -83,6 +92,9 @@ pub fn setup(
             text: cover(drum),
         },
     ];
+    if are_spheres(bodies) {
+        return Ok(files);
+    }
     let kinds = bodies.iter().enumerate();
     files.extend(kinds.map(|(k, body)| File {
         name: spheres_file(k),
@@ -158,6 +170,15 @@ fn shape(
     primes: &mut impl Iterator<Item = u64>,
 ) -> String {
     let (number, file) = (kind + 1, spheres_file(kind));
+    if body.clump.spheres().len() == 1 {
+        let [first, second] = [(); 2].map(|()| primes.next().unwrap_or(0));
+        return format!(
+            "fix seed{number} all particletemplate/sphere {first} atom_type 1 density constant {} radius constant {:e}\n\
+             fix kind{number} all particledistribution/discrete {second} 1 seed{number} 1.0\n",
+            density_of_sphere(body),
+            body.clump.spheres()[0].radius,
+        );
+    }
     let (n, i) = (body.outer.spheres().len(), body.clump.inertia());
     let [first, second] = [(); 2].map(|()| primes.next().unwrap_or(0));
     format!(
@@ -177,6 +198,11 @@ fn shape(
 fn rain(scene: &Scene, bodies: &[Arc<SeedBody>], every: f64, seed: u64) -> String {
     let mut primes = primes_from(10_007 + 1000 * seed);
     let rate = scene.protocol.insertion_rate.map_or(RATE, Frequency::si);
+    let turned = if are_spheres(bodies) {
+        ""
+    } else {
+        "orientation random "
+    };
     let mut text = String::new();
     for (k, (kind, body)) in scene.seed.iter().zip(bodies).enumerate() {
         text.push_str(&shape(k, body, 100_000, &mut primes));
@@ -187,7 +213,7 @@ fn rain(scene: &Scene, bodies: &[Arc<SeedBody>], every: f64, seed: u64) -> Strin
             format_args!(
                 "fix rain{number} all insert/rate/region seed {} distributiontemplate kind{number} \
                  nparticles {} particlerate {rate} insert_every {every} overlapcheck yes all_in yes \
-                 orientation random region sky ntry_mc 10000\n",
+                 {turned}region sky ntry_mc 10000\n",
                 primes.next().unwrap_or(0),
                 scene.count_of(kind),
             ),
@@ -408,7 +434,7 @@ fn script(
          timestep {time_step:e}\n\
          fix weight all gravity {} vector 0.0 {} {}\n\
          {walls}{shapes}\
-         fix seeds all multisphere allow_group_and_set yes\n{first}",
+         fix seeds all {motion}\n{first}",
         scene.seed_count(),
         2e3 * radius,
         scene.file,
@@ -423,6 +449,11 @@ fn script(
         model = law.model,
         settings = law.settings,
         walls = walls(drum, &law),
+        motion = if are_spheres(bodies) {
+            "nve/sphere"
+        } else {
+            "multisphere allow_group_and_set yes"
+        },
     ))
 }
 

@@ -29,6 +29,8 @@ pub(crate) struct Deck {
     pub(crate) frame_every: usize,
     /// Number of spheres that are dumped.
     spheres: usize,
+    /// What is dumped of each.
+    columns: &'static str,
 }
 
 impl Deck {
@@ -82,6 +84,10 @@ impl Deck {
             start_steps: filling.div_ceil(every) * every,
             frame_every,
             spheres: spheres.sum(),
+            columns: match peer {
+                Peer::Lammps => lammps::dump_columns(&bodies),
+                Peer::Liggghts => "id type x y z radius vx vy vz",
+            },
         })
     }
 
@@ -104,11 +110,8 @@ impl Deck {
     }
 
     /// The begin of the dump, and the first moments of the turning drum.
-    pub(crate) fn turn(&self, peer: Peer) -> String {
-        let columns = match peer {
-            Peer::Lammps => "id type mol x y z radius vx vy vz",
-            Peer::Liggghts => "id type x y z radius vx vy vz",
-        };
+    pub(crate) fn turn(&self) -> String {
+        let columns = self.columns;
         format!(
             "dump bed all custom {every} {DUMP} {columns}\ndump_modify bed first yes\nrun {every}",
             every = self.every

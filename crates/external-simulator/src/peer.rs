@@ -135,7 +135,7 @@ impl PeerSimulator {
             gravity: scene.model.gravity_m_s2,
             interval: deck.interval,
         });
-        deck.add(&mut bed, session.run(&deck.turn(settings.peer))?)?;
+        deck.add(&mut bed, session.run(&deck.turn())?)?;
         let protocol = &scene.protocol;
         let most = protocol.rotation_limit.si();
         let rule = SteadyRule::for_bed(
