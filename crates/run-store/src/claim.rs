@@ -329,10 +329,7 @@ impl Folder {
 
 /// Writes a file that does not exist yet.
 fn write_new(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
-    let mut file = OpenOptions::new()
-        .write(true)
-        .create_new(true)
-        .open(path)?;
+    let mut file = OpenOptions::new().write(true).create_new(true).open(path)?;
     let written = file.write_all(bytes);
     if written.is_err() {
         let _ = std::fs::remove_file(path);

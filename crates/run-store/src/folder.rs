@@ -208,3 +208,83 @@ fn without_links(options: &mut OpenOptions) {
 /// This system has no such flags; the check after the opening stands for them.
 #[cfg(not(unix))]
 fn without_links(_options: &mut OpenOptions) {}
+
+#[cfg(test)]
+mod tests {
+    use super::{FOREIGN_AGE, Folder, modified};
+    use std::fs::File;
+    use std::path::{Path, PathBuf};
+    use std::time::Duration;
+
+    /// Leaves half a record of a writer, changed last so long ago.
+    fn leave(path: &Path, ago: Duration) -> File {
+        std::fs::write(path, "{\"schema\": 3, \"ke").unwrap();
+        let file = File::options().write(true).open(path).unwrap();
+        let time = file.metadata().unwrap().modified().unwrap();
+        file.set_modified(time - ago).unwrap();
+        file
+    }
+
+    /// What a writer on this machine left goes when it lives no more or has no lock; what another machine left, or
+    /// nobody knows who, goes after a day.
+    #[test]
+    fn opening_sweeps_what_dead_writers_left_and_nothing_else() {
+        let place = tempfile::tempdir().unwrap();
+        let folder = Folder::open(place.path()).unwrap();
+        let of = |machine: &str, process: u32, number: u64| {
+            crate::names::aside(place.path(), "key", machine, process, number)
+        };
+        let ours = folder.machine.label();
+        let now = Duration::ZERO;
+        let (living, locked, unlocked) = (std::process::id(), of(&ours, 0, 1), of(&ours, 0, 2));
+        leave(&unlocked, now);
+        let (writing, abroad) = (of(&ours, living, 3), of("abroad-0a1b2c3d", living, 4));
+        let (old, nobody) = (of("abroad-0a1b2c3d", 1, 5), place.path().join(".x.aside"));
+        let held = [leave(&locked, FOREIGN_AGE * 2), leave(&writing, now)];
+        for file in &held {
+            file.lock().unwrap();
+        }
+        leave(&abroad, FOREIGN_AGE.mul_f64(0.999));
+        leave(&old, FOREIGN_AGE.mul_f64(1.001));
+        leave(&nobody, now);
+        Folder::open(place.path()).unwrap();
+        let left = |paths: &[&PathBuf]| paths.iter().map(|p| p.exists()).collect::<Vec<_>>();
+        assert_eq!(left(&[&locked, &writing, &abroad, &nobody]), [true; 4]);
+        assert_eq!(left(&[&unlocked, &old]), [false; 2]);
+    }
+
+    /// The lock of a dead writer may outlast it in a child that it had; the writer counts.
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn a_lock_does_not_keep_the_file_of_a_dead_writer() {
+        let place = tempfile::tempdir().unwrap();
+        let folder = Folder::open(place.path()).unwrap();
+        let mut child = std::process::Command::new("true").spawn().unwrap();
+        child.wait().unwrap();
+        let machine = folder.machine.label();
+        let path = crate::names::aside(place.path(), "key", &machine, child.id(), 0);
+        leave(&path, Duration::ZERO).lock().unwrap();
+        let file = File::open(&path).unwrap();
+        file.lock().unwrap();
+        Folder::open(place.path()).unwrap();
+        assert!(!path.exists(), "it is still there");
+    }
+
+    /// Seen from a file written just before and one just after, the time of the file system lies between, but for the
+    /// ticks of its clock, a hundredth of a second at most; also while the last look at it counts.
+    #[test]
+    fn the_clock_is_that_of_the_file_system() {
+        let place = tempfile::tempdir().unwrap();
+        let folder = Folder::open(place.path()).unwrap();
+        let written = || modified(&File::create(place.path().join("file")).unwrap()).unwrap();
+        for _ in 0..3 {
+            let before = written();
+            let now = folder.now().unwrap();
+            let after = written();
+            let tick = Duration::from_millis(20);
+            assert!(now + tick >= before && now <= after + tick, "{now:?}");
+            std::thread::sleep(Duration::from_millis(30));
+        }
+        assert_eq!(folder.paths().unwrap().len(), 1, "nothing is left");
+    }
+}

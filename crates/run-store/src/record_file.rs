@@ -71,7 +71,9 @@ pub(crate) fn from_bytes(bytes: &[u8], key: &str) -> Result<Record, String> {
     let content_key =
         run_key(&record.version, &record.inputs, record.seed).map_err(|why| why.to_string())?;
     if content_key != key || record.key != key {
-        return Err(format!("it was renamed: its content has the key {content_key}"));
+        return Err(format!(
+            "it was renamed: its content has the key {content_key}"
+        ));
     }
     Ok(record)
 }
