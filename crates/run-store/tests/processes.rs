@@ -2,11 +2,7 @@
 //!
 //! The other processes are this test program itself, told by a file what to do.
 #![cfg(unix)]
-#![expect(
-    clippy::unwrap_used,
-    clippy::panic,
-    reason = "what cannot go on fails its test"
-)]
+#![expect(clippy::unwrap_used, reason = "what cannot go on fails its test")]
 
 mod common;
 
@@ -72,11 +68,11 @@ impl Desk {
         }
     }
 
-    /// Names of all files of the store that are no records.
-    fn beside_records(&self) -> Vec<String> {
+    /// Names of all hidden files of the store.
+    fn hidden(&self) -> Vec<String> {
         let entries = fs::read_dir(self.runs()).unwrap();
         let names = entries.map(|entry| entry.unwrap().file_name().into_string().unwrap());
-        names.filter(|name| !name.ends_with(".json")).collect()
+        names.filter(|name| name.starts_with('.')).collect()
     }
 }
 
@@ -169,11 +165,7 @@ fn many_processes_do_each_run_once() {
         let found = store.get(written.key()).unwrap();
         assert_eq!(found, Lookup::Found(written));
     }
-    assert!(
-        desk.beside_records().is_empty(),
-        "{:?}",
-        desk.beside_records()
-    );
+    assert!(desk.hidden().is_empty(), "{:?}", desk.hidden());
 }
 
 /// The claim of a process that was killed is free at once, whether its parent has noticed or not; and one that nobody
@@ -205,9 +197,9 @@ fn the_claim_of_a_killed_process_is_taken_over() {
     desk.said("third");
     child.kill().unwrap();
     child.wait().unwrap();
-    assert_eq!(desk.beside_records().len(), 1);
+    assert_eq!(desk.hidden().len(), 1);
     Store::open(desk.runs()).unwrap();
-    assert!(desk.beside_records().is_empty(), "it is still there");
+    assert!(desk.hidden().is_empty(), "it is still there");
 }
 
 /// A writer that is killed in the middle, at many moments: every record is whole, and what was written aside is gone
@@ -223,13 +215,9 @@ fn a_killed_writer_leaves_whole_records() {
         std::thread::sleep(Duration::from_micros(3000 + 3700 * round));
         child.kill().unwrap();
         child.wait().unwrap();
-        left_aside += desk.beside_records().len();
+        left_aside += desk.hidden().len();
         let store = Store::open(desk.runs()).unwrap();
-        assert!(
-            desk.beside_records().is_empty(),
-            "{:?}",
-            desk.beside_records()
-        );
+        assert!(desk.hidden().is_empty(), "{:?}", desk.hidden());
         for key in store.keys().unwrap() {
             let found = store.get(&key).unwrap();
             assert!(matches!(found, Lookup::Found(_)), "{found:?}");
