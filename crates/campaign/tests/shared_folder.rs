@@ -188,7 +188,47 @@ fn waiting_ends_with_the_stop_flag() {
     assert!(begin.elapsed().as_secs() < 5, "{:?}", begin.elapsed());
 }
 
-/// A run that fails is given back, and so is one whose simulator is asked for meanwhile.
+/// Puts a record into the store at the last moment: after a worker has looked for it in vain, before it claims the run.
+struct LastMoment {
+    store: Store,
+    record: run_store::Record,
+}
+
+impl Progress for LastMoment {
+    fn update(&self, state: &ProgressState) {
+        if state.done == 0 {
+            let name = format!("{}.json", self.record.key());
+            std::fs::write(self.store.folder().unwrap().join(name), "cut o").unwrap();
+        }
+    }
+    fn warning(&self, _text: &str) {
+        self.store.put(&self.record).unwrap();
+    }
+}
+
+/// Who has won a claim looks for the record once more: the last owner may have finished just before.
+#[test]
+fn a_run_that_was_finished_just_before_its_claim_is_not_repeated() {
+    let list = requests(1, 1.0);
+    let memory = Store::in_memory();
+    let expected = Campaign::new(&memory, 1, &Silent)
+        .run_all(&Toy::default(), &list)
+        .unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let store = Store::open(folder.path()).unwrap();
+    let other = LastMoment {
+        store: store.clone(),
+        record: expected[0].clone(),
+    };
+    let toy = Toy::default();
+    let records = Campaign::new(&store, 1, &other)
+        .run_all(&toy, &list)
+        .unwrap();
+    assert_eq!((records, toy.runs.into_inner()), (expected, 0));
+    assert!(hidden(folder.path()).is_empty(), "a claim is left");
+}
+
+/// A run that fails is given back.
 #[test]
 fn a_failed_run_is_claimed_no_more() {
     let folder = tempfile::tempdir().unwrap();

@@ -202,7 +202,7 @@ fn the_claim_of_a_killed_process_is_taken_over() {
     assert!(desk.hidden().is_empty(), "it is still there");
 }
 
-/// A writer that is killed in the middle, at many moments: every record is whole, and what was written aside is gone
+/// A writer that is killed in the middle, at many moments after it began to write aside: every record is whole, and what was written aside is gone
 /// once the folder is opened again.
 #[test]
 fn a_killed_writer_leaves_whole_records() {
@@ -212,7 +212,11 @@ fn a_killed_writer_leaves_whole_records() {
         let name = format!("writer {round}");
         let mut child = desk.start(&name, "write on and on", None);
         desk.said(&name);
-        std::thread::sleep(Duration::from_micros(3000 + 3700 * round));
+        let begin = Instant::now();
+        while desk.hidden().is_empty() {
+            assert!(begin.elapsed().as_secs() < 30, "nothing is written");
+        }
+        std::thread::sleep(Duration::from_micros(150 * round));
         child.kill().unwrap();
         child.wait().unwrap();
         left_aside += desk.hidden().len();
