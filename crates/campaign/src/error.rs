@@ -53,3 +53,18 @@ pub enum Error {
     #[error("the runs cannot go on; finished runs are stored and will be reused")]
     Executor(#[from] ExecutorError),
 }
+
+/// An error with its causes, as one line.
+pub(crate) fn in_full(error: &dyn std::error::Error) -> String {
+    let mut text = error.to_string();
+    let mut cause = error.source();
+    while let Some(next) = cause {
+        let words = next.to_string();
+        if !text.contains(&words) {
+            text.push_str(": ");
+            text.push_str(&words);
+        }
+        cause = next.source();
+    }
+    text
+}

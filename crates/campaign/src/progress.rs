@@ -9,7 +9,7 @@ use std::sync::{Mutex, PoisonError};
 pub struct ProgressState {
     /// Runs of the list that are over: reused, finished or failed.
     pub done: usize,
-    /// Runs of the list whose record was in the store.
+    /// Runs of the list whose record was in the store, or came there from another campaign.
     pub reused: usize,
     /// Different runs of the list.
     pub total: usize,

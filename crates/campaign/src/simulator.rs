@@ -2,6 +2,7 @@
 
 use serde_json::Value;
 
+use crate::error::in_full;
 use crate::{RunOutcome, RunRequest};
 
 /// Anything that turns a request into observables; the same request gives the same numbers.
@@ -70,16 +71,6 @@ impl SimulatorError {
 
     /// The error with its causes, as one line.
     pub fn in_full(&self) -> String {
-        let mut text = self.to_string();
-        let mut cause = std::error::Error::source(self);
-        while let Some(next) = cause {
-            let words = next.to_string();
-            if !text.contains(&words) {
-                text.push_str(": ");
-                text.push_str(&words);
-            }
-            cause = next.source();
-        }
-        text
+        in_full(self)
     }
 }

@@ -464,7 +464,13 @@ fn record_under_a_wrong_name_is_warned_of_and_run_again() {
         .run_all(&Toy::default(), &list)
         .unwrap();
     assert_eq!(again, records);
-    assert_eq!(listener.1.into_inner().unwrap().len(), 1);
+    let heard = listener.1.into_inner().unwrap();
+    assert_eq!(heard.len(), 1, "{heard:?}");
+    for says in [file(1).to_str().unwrap(), "renamed", ".json.damaged"] {
+        assert!(heard[0].contains(says), "{says}: {}", heard[0]);
+    }
+    let away = std::fs::read(file(1).with_extension("json.damaged")).unwrap();
+    assert_eq!(away, std::fs::read(file(0)).unwrap(), "nothing is lost");
 }
 
 /// Bytes that two owners see.

@@ -1,4 +1,5 @@
 //! Runs that are done elsewhere than on the threads of the campaign.
+#![expect(clippy::unwrap_used, reason = "helpers of tests fail like tests")]
 
 use campaign::{
     Campaign, Error, Executor, ExecutorError, PendingRun, RunEvent, RunOutcome, RunRequest, Silent,
@@ -38,6 +39,8 @@ struct Elsewhere {
     asked: Mutex<Vec<String>>,
     /// Whether it lies: tells a run as done without a record.
     lies: bool,
+    /// Whether it alters the record behind the back of the store.
+    spoils: bool,
     /// Whether it breaks down after the first run.
     breaks: bool,
 }
@@ -65,6 +68,11 @@ impl Executor for Elsewhere {
                 Campaign::new(store, 1, &Silent)
                     .run_all(&Doubler, std::slice::from_ref(run.request))
                     .unwrap();
+            }
+            if self.spoils {
+                let file = store.folder().unwrap().join(format!("{}.json", run.key));
+                let text = std::fs::read_to_string(&file).unwrap();
+                std::fs::write(file, text.replace("4.0", "4.1")).unwrap();
             }
             tell(RunEvent::Done(k));
             if self.breaks {
@@ -130,6 +138,16 @@ fn an_executor_is_not_believed_without_a_record() {
     let campaign = Campaign::new(&store, 1, &Silent).with_executor(&liar);
     let error = campaign.run_all(&Doubler, &requests(&[2.0])).unwrap_err();
     assert!(matches!(error, Error::Run { n_failed: 1, .. }), "{error}");
+    let folder = tempfile::tempdir().unwrap();
+    let store = Store::open(folder.path()).unwrap();
+    let vandal = Elsewhere {
+        spoils: true,
+        ..Elsewhere::default()
+    };
+    let campaign = Campaign::new(&store, 1, &Silent).with_executor(&vandal);
+    let each = campaign.run_each(&Doubler, &requests(&[2.0])).unwrap();
+    let reason = each[0].as_ref().unwrap_err();
+    assert!(reason.contains("altered"), "{reason}");
     let broken = Elsewhere {
         breaks: true,
         ..Elsewhere::default()
@@ -139,5 +157,9 @@ fn an_executor_is_not_believed_without_a_record() {
         .run_all(&Doubler, &requests(&[2.0, 3.0]))
         .unwrap_err();
     assert!(matches!(error, Error::Executor(_)), "{error}");
-    assert_eq!(store.keys().unwrap().len(), 1);
+    let set_aside_and_done_again = std::fs::read_dir(folder.path()).unwrap().count();
+    assert_eq!(
+        (store.keys().unwrap().len(), set_aside_and_done_again),
+        (1, 2)
+    );
 }

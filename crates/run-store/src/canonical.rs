@@ -7,7 +7,7 @@ use std::fmt::Write as _;
 use crate::Error;
 
 /// Version of the form of a record file and of its key; raised when either changes.
-pub const SCHEMA: u32 = 2;
+pub const SCHEMA: u32 = 3;
 
 /// Largest whole number up to which every float is exact, 2^53.
 const EXACT_WHOLE: f64 = 9_007_199_254_740_992.0;
@@ -24,8 +24,23 @@ const EXACT_WHOLE: f64 = 9_007_199_254_740_992.0;
 /// makes JSON of a float writes null for them.
 pub fn canonical_json(value: &Value) -> Result<String, Error> {
     let mut text = String::new();
-    write_value(value, "inputs", &mut text)?;
+    write_value(value, Form::Key, &|| "inputs".to_owned(), &mut text)?;
     Ok(text)
+}
+
+/// Gives the SHA-256, in lower-case hexadecimal, of a JSON value: of its text with sorted map keys and without white
+/// space.
+///
+/// Other than in a key, nulls are contents like others, and numbers are told apart as far as a file does: 1 is not 1.0
+/// and minus zero is not zero.
+///
+/// # Errors
+///
+/// None at present: nulls, the one thing that a canonical text may refuse, are accepted.
+pub(crate) fn digest(value: &Value) -> Result<String, Error> {
+    let mut text = String::new();
+    write_value(value, Form::Digest, &|| "record".to_owned(), &mut text)?;
+    Ok(hexadecimal(&text))
 }
 
 /// Gives the key of a run: SHA-256, in lower-case hexadecimal, of the canonical JSON of
@@ -40,31 +55,50 @@ pub fn run_key(version: &str, inputs: &Value, seed: u64) -> Result<String, Error
         canonical_json(inputs)?,
         Value::from(version)
     );
-    let mut key = String::with_capacity(64);
+    Ok(hexadecimal(&text))
+}
+
+/// What a canonical text is for.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Form {
+    /// A key: equal numbers are equal texts, and null is refused.
+    Key,
+    /// A digest of what a file holds, null included.
+    Digest,
+}
+
+/// SHA-256 of a text, in lower-case hexadecimal.
+pub(crate) fn hexadecimal(text: &str) -> String {
+    let mut digits = String::with_capacity(64);
     for byte in Sha256::digest(text.as_bytes()) {
         // Writing to a string cannot fail.
-        let _ = write!(key, "{byte:02x}");
+        let _ = write!(digits, "{byte:02x}");
     }
-    Ok(key)
+    digits
 }
 
 /// Appends the canonical form of a value; `place` names it in an error.
-fn write_value(value: &Value, place: &str, text: &mut String) -> Result<(), Error> {
+fn write_value(
+    value: &Value,
+    form: Form,
+    place: &dyn Fn() -> String,
+    text: &mut String,
+) -> Result<(), Error> {
     match value {
-        Value::Null => {
-            return Err(Error::NullInput {
-                place: place.to_owned(),
-            });
+        Value::Null if form == Form::Key => {
+            return Err(Error::NullInput { place: place() });
         }
-        Value::Bool(_) | Value::String(_) => text.push_str(&value.to_string()),
-        Value::Number(number) => text.push_str(&canonical_number(number)),
+        Value::Number(number) if form == Form::Key => text.push_str(&canonical_number(number)),
+        Value::Null | Value::Bool(_) | Value::String(_) | Value::Number(_) => {
+            text.push_str(&value.to_string());
+        }
         Value::Array(items) => {
             text.push('[');
             for (i, item) in items.iter().enumerate() {
                 if i > 0 {
                     text.push(',');
                 }
-                write_value(item, &format!("{place}[{i}]"), text)?;
+                write_value(item, form, &|| format!("{}[{i}]", place()), text)?;
             }
             text.push(']');
         }
@@ -78,7 +112,7 @@ fn write_value(value: &Value, place: &str, text: &mut String) -> Result<(), Erro
                 }
                 text.push_str(&Value::from(name.as_str()).to_string());
                 text.push(':');
-                write_value(item, &format!("{place}.{name}"), text)?;
+                write_value(item, form, &|| format!("{}.{name}", place()), text)?;
             }
             text.push('}');
         }
@@ -100,7 +134,7 @@ fn canonical_number(number: &Number) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::{canonical_json, run_key};
+    use super::{canonical_json, digest, run_key};
     use crate::Error;
     use serde_json::{Value, json};
 
@@ -147,8 +181,23 @@ mod tests {
     fn key_is_the_sha_256_of_the_canonical_text() {
         assert_eq!(
             run_key("0.1.0", &json!({"b": 0.5, "a": 1.0}), 7).unwrap(),
-            "dce3b27c5684eea1c1f5a91a2bafda259bf1738994eae8b61544c5c57b4f50db"
+            "13cecc5dddeb447355f1a792cfd29bd2a70a4460194d44c9d1b639e4feb48f6e"
         );
+    }
+
+    /// Null is a content like others, and numbers that a file tells apart have different digests. The digest was
+    /// computed independently, of `{"a":[null,1,1.0,-0.0],"b":"x"}` with the `sha256sum` command.
+    #[test]
+    fn digest_is_the_sha_256_of_exactly_what_a_file_holds() {
+        let value = json!({"b": "x", "a": [null, 1, 1.0, -0.0]});
+        assert_eq!(
+            digest(&value).unwrap(),
+            "cdbb699f104b5d4c928c1458252a909f288d59cce54bdf63185e252eefa650d8"
+        );
+        let of_one = |x: Value| digest(&x).unwrap();
+        assert_ne!(of_one(json!(1)), of_one(json!(1.0)));
+        assert_ne!(of_one(json!(0.0)), of_one(json!(-0.0)));
+        assert_ne!(of_one(json!({"x": null})), of_one(json!({})));
     }
 
     #[test]

@@ -1,6 +1,7 @@
 //! What can go wrong in a store.
 
-use std::path::PathBuf;
+use std::io::ErrorKind;
+use std::path::{Path, PathBuf};
 
 /// Why a record was refused, or a store could not be read or written.
 #[derive(Debug, thiserror::Error)]
@@ -30,27 +31,6 @@ pub enum Error {
         /// What was given.
         key: String,
     },
-    /// A file of the store cannot be read as a record.
-    #[error("{} is damaged: {reason}; delete it to let its run be done again", path.display())]
-    Damaged {
-        /// The file.
-        path: PathBuf,
-        /// What the reader met.
-        reason: String,
-    },
-    /// A record of another form of this store.
-    #[error(
-        "{} has schema {found}, this program writes {expected}; use another folder or delete it",
-        path.display()
-    )]
-    OtherSchema {
-        /// The file.
-        path: PathBuf,
-        /// Schema in the file.
-        found: u32,
-        /// Schema of this program.
-        expected: u32,
-    },
     /// A file in the folder of the store that no store wrote.
     #[error("{} does not belong to a run store; move it out of the folder", path.display())]
     Foreign {
@@ -66,7 +46,7 @@ pub enum Error {
         source: serde_json::Error,
     },
     /// The operating system refused.
-    #[error("cannot {action} {}", path.display())]
+    #[error("cannot {action} {}{}", path.display(), way_out(source))]
     Io {
         /// What was tried.
         action: &'static str,
@@ -75,4 +55,30 @@ pub enum Error {
         /// The system's reason.
         source: std::io::Error,
     },
+}
+
+/// What a user can do about a refusal of the operating system, as the rest of a sentence.
+fn way_out(why: &std::io::Error) -> &'static str {
+    match why.kind() {
+        ErrorKind::StorageFull | ErrorKind::QuotaExceeded | ErrorKind::FileTooLarge => {
+            "; make room there or take another folder, then go on: what is finished is kept"
+        }
+        ErrorKind::PermissionDenied | ErrorKind::ReadOnlyFilesystem => {
+            "; allow to write there or take another folder"
+        }
+        ErrorKind::NotADirectory | ErrorKind::AlreadyExists => {
+            "; something else has this name: move it away or take another folder"
+        }
+        _ => "",
+    }
+}
+
+/// Makes an error of a failed operation on a path.
+pub(crate) fn io(action: &'static str, path: &Path) -> impl Fn(std::io::Error) -> Error {
+    let path = path.to_owned();
+    move |source| Error::Io {
+        action,
+        path: path.clone(),
+        source,
+    }
 }

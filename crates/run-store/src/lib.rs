@@ -18,17 +18,27 @@
 //! # }
 //! ```
 //!
+//! Those who share a folder tell each other by claims what they are at ([`Store::claim`]).
+//!
 //! Invariants:
 //! - a record file is complete or absent, whatever kills the process and whoever else writes;
+//! - what was altered after it was written is never taken for a record, and never deleted;
 //! - the key does not depend on the order of map keys, nor on whether 1 was written 1.0;
 //! - nothing that is not a finite number gets in.
 
 mod canonical;
+mod claim;
 mod error;
+mod folder;
+mod machine;
+mod names;
 mod record;
+mod record_file;
+mod set_aside;
 mod store;
 
 pub use canonical::{SCHEMA, canonical_json, run_key};
+pub use claim::{Attempt, CLAIM_LIFE, Claim, Holder};
 pub use error::Error;
 pub use record::{Observation, Record};
 pub use store::{Lookup, Store};

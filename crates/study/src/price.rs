@@ -141,7 +141,7 @@ fn of_core(timing: &TimingDetails) -> f64 {
     timing.cpu_s.unwrap_or(timing.wall_s)
 }
 
-/// Time of one core that the runs in a store took, s.
+/// Time of one core that the runs in a store took, s. What is no record is left out.
 pub(crate) fn core_seconds(store: &Store) -> Result<f64, Error> {
     let mut sum = 0.0;
     for key in store.keys()? {
@@ -154,7 +154,7 @@ pub(crate) fn core_seconds(store: &Store) -> Result<f64, Error> {
 
 #[cfg(test)]
 mod tests {
-    use super::{SECONDS_PER_COST, most_runs, of};
+    use super::{SECONDS_PER_COST, core_seconds, most_runs, of};
     use crate::Budget;
     use calibration::PlannedStage;
     use campaign::{RunOutcome, RunRequest, Simulator, SimulatorError};
@@ -210,7 +210,8 @@ mod tests {
                 "sphere_steps_per_s": null, "continued": false, "only_seen": false,
             },
         });
-        store.put(&record.with_details(details)).unwrap();
+        let record = record.with_details(details);
+        store.put(&record).unwrap();
         let price = of(&Three, &stages, budget, Some(&store)).unwrap();
         assert!(price.measured);
         assert_eq!((price.runs, price.core_s), (10, 60.0));
@@ -219,6 +220,14 @@ mod tests {
             price.most_runs, guess.most_runs,
             "a budget does not follow the pace"
         );
+        assert_eq!(core_seconds(&store).unwrap(), 6.0);
+        // A damaged record is none, and costs no answer.
+        let file = folder.path().join(format!("{}.json", record.key()));
+        let text = std::fs::read_to_string(&file).unwrap();
+        std::fs::write(&file, text.replace("6.0", "7.0")).unwrap();
+        assert!(!of(&Three, &stages, budget, Some(&store)).unwrap().measured);
+        assert_eq!(core_seconds(&store).unwrap(), 0.0);
+        assert!(file.exists(), "it is left to the run that needs it");
     }
 
     /// 100 runs of 36 s each: a core hour pays for 100 of them, half an hour for 50.

@@ -206,12 +206,18 @@ fn find_or_run(arguments: &Arguments, single: &SingleRun) -> anyhow::Result<Outc
                 "{} has the record of this run: say --resume to take it, or --force to run again",
                 place(store)
             ),
-            Lookup::Mismatch { path, .. } => common.log(|| {
-                format!(
-                    "warning: {} holds another run; it is replaced",
-                    path.display()
-                )
-            }),
+            Lookup::Damaged { path, reason } => {
+                let away = store.set_aside(&path)?;
+                common.log(|| {
+                    let name = away.as_deref().and_then(Path::file_name);
+                    format!(
+                        "warning: {} is not the record of its run: {reason}; it is set aside as {}, and the run \
+                         is done again",
+                        path.display(),
+                        name.unwrap_or_default().display()
+                    )
+                });
+            }
             Lookup::Absent => {}
         }
     }

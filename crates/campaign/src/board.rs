@@ -1,0 +1,160 @@
+//! What the workers of a campaign share.
+
+use run_store::Record;
+use std::collections::{BTreeMap, BTreeSet, VecDeque};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, Instant};
+
+use crate::SimulatorError;
+use crate::jobs::Job;
+use crate::time_left::Workload;
+
+/// Pause before the first look at a run that another campaign does.
+const FIRST_PAUSE: Duration = Duration::from_millis(200);
+/// Longest pause between two looks.
+const LONGEST_PAUSE: Duration = Duration::from_secs(2);
+/// A pause is so much longer than the one before.
+const PAUSE_GROWTH: f64 = 1.5;
+
+/// How far each job is.
+#[derive(Debug)]
+pub(crate) struct Board {
+    /// Jobs not yet begun, in the order in which they begin.
+    pub(crate) waiting: VecDeque<usize>,
+    /// Jobs that a worker is about to begin, if no other campaign does them.
+    pub(crate) asking: BTreeSet<usize>,
+    /// Jobs that another campaign does.
+    pub(crate) elsewhere: Vec<Elsewhere>,
+    /// Jobs of later lists not yet begun.
+    pub(crate) later: VecDeque<Job>,
+    /// Jobs in progress with the time of their begin.
+    pub(crate) running: BTreeMap<usize, Instant>,
+    /// What came of each job; none before its end.
+    pub(crate) results: Vec<Option<Result<Record, Failure>>>,
+    /// Number of jobs found in the store, at the start or later.
+    pub(crate) reused: usize,
+    /// Expected cost of what later lists will ask for and was not done meanwhile.
+    pub(crate) cost_ahead: f64,
+    /// Set when the store fails: a further run would be lost.
+    pub(crate) broken: bool,
+    /// Set once the listener knows that the campaign waits for another.
+    pub(crate) told_of_others: bool,
+}
+
+/// A job that another campaign has claimed.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Elsewhere {
+    /// Its number.
+    pub(crate) job: usize,
+    /// When the claim was met first.
+    since: Instant,
+    /// When to look again.
+    due: Instant,
+    /// Pause until then.
+    pause: Duration,
+}
+
+/// Why a job has no record.
+#[derive(Debug)]
+pub(crate) enum Failure {
+    /// The simulator gave none.
+    Simulator(SimulatorError),
+    /// The store did not take it.
+    Store(run_store::Error),
+}
+
+impl Elsewhere {
+    /// A job whose claim is met for the first time, or again.
+    pub(crate) fn met(job: usize, before: Option<Self>) -> Self {
+        let now = Instant::now();
+        let pause = before.map_or(FIRST_PAUSE, |before| {
+            before.pause.mul_f64(PAUSE_GROWTH).min(LONGEST_PAUSE)
+        });
+        Self {
+            job,
+            since: before.map_or(now, |before| before.since),
+            due: now + pause,
+            pause,
+        }
+    }
+}
+
+impl Board {
+    /// Takes a job of another campaign that is to be looked at again.
+    pub(crate) fn take_due(&mut self) -> Option<Elsewhere> {
+        let now = Instant::now();
+        let due = self.elsewhere.iter().position(|other| other.due <= now)?;
+        Some(self.elsewhere.remove(due))
+    }
+
+    /// Time until the next job of another campaign is to be looked at; at most the first pause.
+    pub(crate) fn until_due(&self) -> Duration {
+        let now = Instant::now();
+        let waits = self
+            .elsewhere
+            .iter()
+            .map(|other| other.due.saturating_duration_since(now));
+        waits.fold(FIRST_PAUSE, Duration::min)
+    }
+
+    /// Whether a worker without a job may still get one of this list.
+    pub(crate) fn is_undecided(&self) -> bool {
+        !(self.elsewhere.is_empty() && self.asking.is_empty())
+    }
+
+    /// Whether others do all that is left.
+    pub(crate) fn waits_for_others(&self) -> bool {
+        self.waiting.is_empty() && self.asking.is_empty() && self.running.is_empty()
+    }
+
+    /// What is left of the list and of the loop. The runs of other campaigns count as running, since they were met.
+    pub(crate) fn workload(&self, jobs: &[Job], pace_s: Option<f64>, workers: usize) -> Workload {
+        let cost = |i: &usize| jobs.get(*i).map_or(0.0, |job| job.cost);
+        let elsewhere = self
+            .elsewhere
+            .iter()
+            .map(|other| (&other.job, &other.since));
+        let (cost_running, time_running_s) = self
+            .running
+            .iter()
+            .chain(elsewhere)
+            .map(|(i, begin)| (cost(i), begin.elapsed().as_secs_f64()))
+            .unzip();
+        Workload {
+            pace_s,
+            cost_running,
+            time_running_s,
+            cost_waiting: self.asking.iter().chain(&self.waiting).map(cost).collect(),
+            cost_ahead: self.cost_ahead,
+            workers,
+        }
+    }
+}
+
+/// Locks the board; a listener that panicked leaves it whole.
+pub(crate) fn lock(board: &Mutex<Board>) -> MutexGuard<'_, Board> {
+    board.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Elsewhere;
+
+    /// 0.2 s, half as much again each time, never more than 2 s.
+    #[test]
+    fn looks_at_the_run_of_another_become_rarer() {
+        let mut met = Elsewhere::met(3, None);
+        let first = met;
+        let mut pauses_s = Vec::new();
+        for _ in 0..8 {
+            pauses_s.push((met.pause.as_secs_f64() * 1000.0).round() / 1000.0);
+            met = Elsewhere::met(3, Some(met));
+        }
+        assert_eq!(
+            pauses_s,
+            [0.2, 0.3, 0.45, 0.675, 1.013, 1.519, 2.0, 2.0],
+            "s"
+        );
+        assert_eq!((met.job, met.since), (first.job, first.since));
+    }
+}

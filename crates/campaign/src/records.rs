@@ -1,0 +1,93 @@
+//! What the store has of a campaign already.
+
+use run_store::{Lookup, Record};
+use std::collections::{BTreeMap, BTreeSet, VecDeque};
+
+use crate::board::{Board, Failure};
+use crate::jobs::{Job, JobList};
+use crate::{Campaign, Error, Simulator, SimulatorError};
+
+/// How often a record is looked up that others replace meanwhile.
+const LOOKS: usize = 4;
+
+impl Campaign<'_> {
+    /// The record of a job, where the store has it. What has its name and is not it is told and set aside.
+    pub(crate) fn stored(
+        &self,
+        job: &Job,
+        warn: &dyn Fn(&str),
+    ) -> Result<Option<Record>, run_store::Error> {
+        for _ in 0..LOOKS {
+            let (path, reason) = match self.store.get(job.blank.key())? {
+                Lookup::Found(record) => return Ok(Some(record)),
+                Lookup::Absent => return Ok(None),
+                Lookup::Damaged { path, reason } => (path, reason),
+            };
+            if let Some(away) = self.store.set_aside(&path)? {
+                let name = away.file_name().unwrap_or(away.as_os_str());
+                warn(&format!(
+                    "{} is not the record of its run: {reason}; it is set aside as {}, and the run is done again",
+                    path.display(),
+                    name.display()
+                ));
+                return Ok(None);
+            }
+        }
+        Ok(None)
+    }
+
+    /// The record of a job that was done elsewhere.
+    pub(crate) fn found(&self, job: &Job) -> Result<Record, Failure> {
+        let reason = match self.store.get(job.blank.key()).map_err(Failure::Store)? {
+            Lookup::Found(record) => return Ok(record),
+            Lookup::Absent => "it was told as done, and the store has no record of it".to_owned(),
+            Lookup::Damaged { path, reason } => {
+                format!(
+                    "it was told as done, and {} is not its record: {reason}; start again, and it is set aside",
+                    path.display()
+                )
+            }
+        };
+        Err(Failure::Simulator(SimulatorError::Failed { reason }))
+    }
+
+    /// The jobs of later lists that are neither in this one nor in the store. A request that is refused is left
+    /// to the list that asks for it.
+    pub(crate) fn later(&self, simulator: &dyn Simulator, jobs: &[Job]) -> VecDeque<Job> {
+        let mut later = JobList::new(simulator, self.meanwhile).jobs;
+        let listed: BTreeSet<_> = jobs.iter().map(|job| job.blank.key()).collect();
+        later.retain(|job| {
+            let key = job.blank.key();
+            !listed.contains(key) && matches!(self.store.get(key), Ok(Lookup::Absent))
+        });
+        later.into()
+    }
+
+    /// Finds what the store has, and orders the rest, longest first.
+    pub(crate) fn look_up(&self, jobs: &[Job]) -> Result<Board, Error> {
+        let mut results = Vec::with_capacity(jobs.len());
+        let warn = |text: &str| self.progress.warning(text);
+        for job in jobs {
+            let found = self.stored(job, &warn);
+            let found = found.map_err(|source| job.store_error(source))?;
+            results.push(found.map(Ok));
+        }
+        let missing = |i: &usize| matches!(results.get(*i), Some(None));
+        let mut waiting: Vec<usize> = (0..jobs.len()).filter(missing).collect();
+        let cost = |i: &usize| jobs.get(*i).map_or(0.0, |job| job.cost);
+        // A stable sort: equal costs stay in the order of the requests.
+        waiting.sort_by(|a, b| cost(b).total_cmp(&cost(a)));
+        Ok(Board {
+            reused: jobs.len() - waiting.len(),
+            waiting: waiting.into(),
+            asking: BTreeSet::new(),
+            elsewhere: Vec::new(),
+            later: VecDeque::new(),
+            running: BTreeMap::new(),
+            results,
+            cost_ahead: self.ahead,
+            broken: false,
+            told_of_others: false,
+        })
+    }
+}

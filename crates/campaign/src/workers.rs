@@ -1,0 +1,249 @@
+//! The threads of a campaign: each takes the next run that nobody does.
+
+use run_store::{Holder, Record};
+use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
+use std::sync::Mutex;
+use std::sync::atomic::Ordering;
+use std::thread::ScopedJoinHandle;
+use std::time::{Duration, Instant};
+
+use crate::board::{Board, Elsewhere, Failure, lock};
+use crate::claims::{Keeper, Permit};
+use crate::jobs::Job;
+use crate::{Campaign, Pace, ProgressState, Simulator, SimulatorError};
+
+/// Pause of a worker while another asks for the last run; short against any run.
+const SHORT_PAUSE: Duration = Duration::from_millis(5);
+
+/// What a worker does next.
+enum Next {
+    /// Begins a job, if no other campaign does it; one that another campaign did when it was met last.
+    Ask(usize, Option<Elsewhere>),
+    /// Begins a job of a later list.
+    Later(Box<Job>),
+    /// Waits for what others are at.
+    Wait(Duration),
+    /// Ends.
+    End,
+}
+
+/// What came of beginning a job.
+enum Outcome {
+    /// The store had its record by then.
+    Found(Record),
+    /// Another campaign does it.
+    Elsewhere(Holder),
+    /// It was run, in so many seconds.
+    Ran(Result<Record, Failure>, f64),
+    /// The store could not be read.
+    Unreadable(run_store::Error),
+}
+
+/// What all workers of a list look at.
+pub(crate) struct Hall<'h> {
+    /// Does the runs.
+    pub(crate) simulator: &'h dyn Simulator,
+    /// The jobs of the list.
+    pub(crate) jobs: &'h [Job],
+    /// How far each is.
+    pub(crate) board: &'h Mutex<Board>,
+    /// How fast they go.
+    pub(crate) pace: &'h Pace,
+    /// Claims them.
+    pub(crate) keeper: &'h Keeper<'h>,
+}
+
+impl Campaign<'_> {
+    /// Has some workers do all jobs.
+    pub(crate) fn work_all(&self, hall: &Hall<'_>, workers: usize) {
+        std::thread::scope(|scope| {
+            if workers > 0 && self.store.folder().is_some() {
+                scope.spawn(|| hall.keeper.renew_until_end());
+            }
+            let threads: Vec<_> = (0..workers)
+                .map(|_| scope.spawn(|| self.work(hall)))
+                .collect();
+            let ends: Vec<_> = threads.into_iter().map(ScopedJoinHandle::join).collect();
+            hall.keeper.end();
+            if let Some(panic) = ends.into_iter().find_map(Result::err) {
+                resume_unwind(panic);
+            }
+        });
+    }
+
+    /// Takes jobs until none is left or the campaign is to stop.
+    fn work(&self, hall: &Hall<'_>) {
+        loop {
+            match self.next(hall) {
+                Next::Ask(i, before) => self.do_job(hall, i, before),
+                Next::Later(job) => self.do_later(hall, &job),
+                Next::Wait(pause) => std::thread::sleep(pause),
+                Next::End => return,
+            }
+        }
+    }
+
+    /// Decides what a worker does next.
+    fn next(&self, hall: &Hall<'_>) -> Next {
+        let mut board = lock(hall.board);
+        if self.must_stop(&board) {
+            return Next::End;
+        }
+        if let Some(i) = board.waiting.pop_front() {
+            board.asking.insert(i);
+            return Next::Ask(i, None);
+        }
+        if let Some(other) = board.take_due() {
+            board.asking.insert(other.job);
+            return Next::Ask(other.job, Some(other));
+        }
+        if let Some(job) = self.take_later(hall, &mut board) {
+            return Next::Later(Box::new(job));
+        }
+        if !board.is_undecided() {
+            return Next::End;
+        }
+        Next::Wait(if board.asking.is_empty() {
+            board.until_due()
+        } else {
+            SHORT_PAUSE
+        })
+    }
+
+    /// Takes a job of a later list while jobs of this one run for at least half of its time.
+    fn take_later(&self, hall: &Hall<'_>, board: &mut Board) -> Option<Job> {
+        let pace_s = hall.pace.seconds_per_cost();
+        let needed = 0.5 * board.later.front()?.cost * pace_s?;
+        let workload = board.workload(hall.jobs, pace_s, self.threads);
+        if workload.cost_running.is_empty() || workload.list_left_s()? < needed {
+            return None;
+        }
+        board.later.pop_front()
+    }
+
+    /// Whether no further run may begin.
+    fn must_stop(&self, board: &Board) -> bool {
+        board.broken || self.stop.is_some_and(|flag| flag.load(Ordering::SeqCst))
+    }
+
+    /// Does a job, unless another campaign does it.
+    fn do_job(&self, hall: &Hall<'_>, i: usize, before: Option<Elsewhere>) {
+        let Some(job) = hall.jobs.get(i) else {
+            return;
+        };
+        let outcome = self.attempt(hall, job, &|| {
+            let mut board = lock(hall.board);
+            board.asking.remove(&i);
+            board.running.insert(i, Instant::now());
+        });
+        let mut board = lock(hall.board);
+        board.asking.remove(&i);
+        board.running.remove(&i);
+        let result = match outcome {
+            Outcome::Elsewhere(holder) => {
+                board.elsewhere.push(Elsewhere::met(i, before));
+                if board.waits_for_others() && !board.told_of_others {
+                    board.told_of_others = true;
+                    self.progress.warning(&format!(
+                        "waiting for {} runs that others do in this folder, such as {holder}",
+                        board.elsewhere.len()
+                    ));
+                }
+                return;
+            }
+            Outcome::Found(record) => {
+                board.reused += 1;
+                Ok(record)
+            }
+            Outcome::Ran(result, time_s) => {
+                hall.pace.add(job.cost, time_s);
+                result
+            }
+            Outcome::Unreadable(why) => Err(Failure::Store(why)),
+        };
+        board.broken |= matches!(result, Err(Failure::Store(_)));
+        if let Some(place) = board.results.get_mut(i) {
+            *place = Some(result);
+        }
+        // Under the lock, so that the listener hears one thread at a time and in order.
+        self.tell(hall.jobs, &board, hall.pace);
+    }
+
+    /// Does a job of a later list.
+    fn do_later(&self, hall: &Hall<'_>, job: &Job) {
+        // The list that asks for the run reports what is wrong with it.
+        if let Outcome::Ran(_, time_s) = self.attempt(hall, job, &|| {}) {
+            hall.pace.add(job.cost, time_s);
+        }
+        lock(hall.board).cost_ahead -= job.cost;
+    }
+
+    /// Runs a job, if the store has no record of it and no other campaign does it.
+    fn attempt(&self, hall: &Hall<'_>, job: &Job, begin: &dyn Fn()) -> Outcome {
+        let warn = |text: &str| {
+            let _one_at_a_time = lock(hall.board);
+            self.progress.warning(text);
+        };
+        match self.stored(job, &warn) {
+            Ok(Some(record)) => return Outcome::Found(record),
+            Ok(None) => {}
+            Err(why) => return Outcome::Unreadable(why),
+        }
+        let hold = match hall.keeper.ask(job.blank.key(), &warn) {
+            Permit::Go(hold) => hold,
+            Permit::Taken(holder) => return Outcome::Elsewhere(holder),
+        };
+        if hold.is_some() {
+            // Its last owner may have finished just before.
+            match self.stored(job, &warn) {
+                Ok(Some(record)) => return Outcome::Found(record),
+                Ok(None) => {}
+                Err(why) => return Outcome::Unreadable(why),
+            }
+        }
+        begin();
+        let start = Instant::now();
+        let result = self.run_and_store(hall.simulator, job);
+        Outcome::Ran(result, start.elapsed().as_secs_f64())
+    }
+
+    /// Does one run and keeps its record.
+    fn run_and_store(&self, simulator: &dyn Simulator, job: &Job) -> Result<Record, Failure> {
+        // A run that panics must not take the others with it; its state dies with it.
+        let outcome = catch_unwind(AssertUnwindSafe(|| simulator.run(&job.request)))
+            .unwrap_or_else(|panic| Err(panicked(panic.as_ref())))
+            .map_err(Failure::Simulator)?;
+        let record = job
+            .blank
+            .clone()
+            .with_observables(outcome.observables)
+            .map_err(|error| Failure::Simulator(SimulatorError::other(error)))?
+            .with_regime(outcome.regime)
+            .with_details(outcome.details);
+        self.store.put(&record).map_err(Failure::Store)?;
+        Ok(record)
+    }
+
+    /// Tells the listener how far it is.
+    pub(crate) fn tell(&self, jobs: &[Job], board: &Board, pace: &Pace) {
+        let workload = board.workload(jobs, pace.seconds_per_cost(), self.threads);
+        self.progress.update(&ProgressState {
+            done: board.results.iter().flatten().count(),
+            reused: board.reused,
+            total: jobs.len(),
+            running: board.running.len(),
+            elapsed_s: pace.elapsed_s(),
+            left_s: workload.time_left_s(),
+        });
+    }
+}
+
+/// Puts a panic of the simulator into an error.
+fn panicked(panic: &(dyn std::any::Any + Send)) -> SimulatorError {
+    let message = panic
+        .downcast_ref::<&str>()
+        .map(|text| (*text).to_owned())
+        .or_else(|| panic.downcast_ref::<String>().cloned())
+        .unwrap_or_else(|| "no message".to_owned());
+    SimulatorError::Panicked { message }
+}
