@@ -2,6 +2,7 @@
 
 use super::{assert_code, fixture, seedloop, text};
 use serde_json::Value;
+use std::fmt::Write as _;
 use std::fs;
 use std::path::Path;
 
@@ -83,16 +84,18 @@ fn an_effect_of_the_program_is_found() {
     ] {
         let slope: f64 = 0.20 + 0.75 * mu_s + 0.80 * mu_r + 0.004 * rpm + cohesion / rpm;
         let mean = slope.atan().to_degrees();
-        study += &(format!(
+        let _ = write!(
+            study,
             "[[measured]]\nscene = \"drum\"\ncondition = {{ rpm = {rpm} }}\nrole = \"{role}\"\n\
              angle_deg = {{ mean = {mean:.3}, sd = 0.5, n = 9 }}\n"
-        ));
+        );
     }
     let slope: f64 = 0.25 + 0.30 * mu_s + 1.60 * mu_r + 0.05 * cohesion;
     let mean = slope.atan().to_degrees();
-    study += &(format!(
+    let _ = write!(
+        study,
         "[[measured]]\nscene = \"heap\"\nrole = \"fit\"\nheap_deg = {{ mean = {mean:.3}, sd = 0.4, n = 6 }}\n"
-    ));
+    );
     fs::write(&path, study).unwrap();
     let words = [
         "diagnose",
