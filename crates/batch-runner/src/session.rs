@@ -48,6 +48,11 @@ pub(crate) struct Session<'a> {
     _lock: File,
 }
 
+/// Why a run has no record, in words that need no other before them.
+#[derive(Debug, thiserror::Error)]
+#[error("{0}")]
+struct Reason(String);
+
 /// Name of a task: that of its array and its place.
 pub(crate) fn task_name(array: &str, index: usize) -> String {
     format!("{array}-{index}")
@@ -302,7 +307,7 @@ impl<'a> Session<'a> {
             if let Some(i) = self.open.get(&failure.key).copied() {
                 self.close(&failure.key);
                 let reason = format!("{}; log: {}", failure.reason, files.log().display());
-                (self.tell)(RunEvent::Failed(i, SimulatorError::Failed { reason }));
+                (self.tell)(RunEvent::Failed(i, SimulatorError::other(Reason(reason))));
             }
         }
     }
@@ -358,7 +363,7 @@ impl<'a> Session<'a> {
                     end_of_log(&files.log())
                 );
                 self.close(key);
-                (self.tell)(RunEvent::Failed(i, SimulatorError::Failed { reason }));
+                (self.tell)(RunEvent::Failed(i, SimulatorError::other(Reason(reason))));
             }
         }
         self.say(&format!(

@@ -15,7 +15,7 @@ pub(crate) struct StandIn {
 }
 
 impl StandIn {
-    /// Adds a line about a run.
+    /// Adds a line about a run: the word, its key, and the process.
     fn note(&self, word: &str, request: &RunRequest) -> Result<(), SimulatorError> {
         let Some(path) = &self.notes else {
             return Ok(());
@@ -23,7 +23,7 @@ impl StandIn {
         let record = Record::new(&self.version, request.inputs(), request.seed)
             .map_err(SimulatorError::other)?;
         // One call, so that lines of several processes do not mix.
-        let line = format!("{word} {}\n", record.key());
+        let line = format!("{word} {} {}\n", record.key(), std::process::id());
         let mut file = std::fs::OpenOptions::new()
             .append(true)
             .create(true)
@@ -65,11 +65,11 @@ impl Simulator for StandIn {
     }
 }
 
-/// Requests for x = 0, 1, 2 and so on, each of which takes a time, s.
+/// Requests for x = 1000, 1001 and so on, each of which takes a time, s.
 pub(crate) fn requests(n_runs: u32, sleep_s: f64) -> Vec<RunRequest> {
     let request = |x: u32| {
         RunRequest::new("stand-in", 1)
-            .with_parameter("x", f64::from(x))
+            .with_parameter("x", f64::from(1000 + x))
             .with_condition("sleep_s", sleep_s)
     };
     (0..n_runs).map(request).collect()
