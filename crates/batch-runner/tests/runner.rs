@@ -1,5 +1,7 @@
 //! Campaigns on a pretended Slurm: the same records as local ones, whatever is lost, killed or silent.
 
+#![expect(clippy::unwrap_used, reason = "helpers of tests fail like tests")]
+
 mod fake_slurm;
 #[path = "../examples/stand_in/simulator.rs"]
 mod simulator;
