@@ -9,6 +9,9 @@ use std::time::{Duration, Instant};
 use crate::session::Session;
 use crate::{BatchSettings, BatchSystem, CommandTemplate, Error, Slurm};
 
+/// Share of the time since something moved last that is waited until the next look: an end is seen so much late.
+const PAUSE_SHARE: f64 = 0.05;
+
 /// Hears what the runner does, such as that a job was submitted.
 pub(crate) type Listener = Box<dyn Fn(&str) + Send + Sync>;
 
@@ -114,18 +117,14 @@ impl BatchRunner {
             return Ok(());
         }
         let mut session = Session::begin(self, runs, store, tell)?;
-        let mut pause_s = self.settings.poll_s;
         while !stopped() {
-            let moved = session.step()?;
+            session.step()?;
             if session.is_over() {
                 return session.ledger.save();
             }
-            pause_s = if moved {
-                self.settings.poll_s
-            } else {
-                (1.5 * pause_s).min(self.settings.poll_most_s)
-            };
-            wait(pause_s, stopped);
+            let (least_s, most_s) = (self.settings.poll_s, self.settings.poll_most_s);
+            let pause_s = PAUSE_SHARE * session.quiet_s();
+            wait(pause_s.min(most_s).max(least_s), stopped);
         }
         if self.settings.cancel_on_stop {
             session.cancel_all()?;

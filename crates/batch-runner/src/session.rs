@@ -104,16 +104,19 @@ impl<'a> Session<'a> {
         self.open.is_empty()
     }
 
-    /// Looks once at everything, and submits what has to be; tells whether something has moved.
-    pub(crate) fn step(&mut self) -> Result<bool, Error> {
-        let before = self.moved;
+    /// Time since a run was done or a task settled, s.
+    pub(crate) fn quiet_s(&self) -> f64 {
+        seconds(self.moved, Instant::now())
+    }
+
+    /// Looks once at everything, and submits what has to be.
+    pub(crate) fn step(&mut self) -> Result<(), Error> {
         // The batch system first: what it calls ended has then left its records, as far as files are seen at once.
         self.ask_when_due()?;
         self.look_for_records();
         self.look_at_tasks()?;
         self.submit_open()?;
-        self.check_patience()?;
-        Ok(self.moved != before)
+        self.check_patience()
     }
 
     /// Tells the listener.

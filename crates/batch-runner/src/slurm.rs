@@ -124,22 +124,17 @@ impl BatchSystem for Slurm {
     }
 
     fn states(&self, tasks: &[TaskId]) -> Result<BTreeMap<TaskId, TaskState>, Error> {
-        let jobs: BTreeSet<&str> = tasks.iter().map(|task| task.job.0.as_str()).collect();
-        let mut states = parsed(&self.queue("%F_%K|%T", None)?, &jobs);
+        let mut states = parsed(&self.queue("%F_%K|%T", None)?, tasks);
         // A job that ended leaves the queue after some minutes.
-        let gone: BTreeSet<&str> = tasks
-            .iter()
-            .filter(|task| !states.contains_key(task))
-            .map(|task| task.job.0.as_str())
-            .collect();
-        if !gone.is_empty() {
+        let is_gone = |task: &&TaskId| !states.contains_key(task);
+        let gone: Vec<TaskId> = tasks.iter().filter(is_gone).cloned().collect();
+        let jobs: BTreeSet<&str> = gone.iter().map(|task| task.job.0.as_str()).collect();
+        if !jobs.is_empty() {
             let arguments = [
-                format!("--jobs={}", Vec::from_iter(gone).join(",")),
+                format!("--jobs={}", Vec::from_iter(jobs).join(",")),
                 "--format=JobID,State".into(),
             ];
-            for (task, state) in parsed(&self.accounts(&arguments), &jobs) {
-                states.entry(task).or_insert(state);
-            }
+            states.extend(parsed(&self.accounts(&arguments), &gone));
         }
         Ok(states)
     }
@@ -196,23 +191,32 @@ pub(crate) fn clock(time_s: u64) -> String {
     )
 }
 
-/// Reads lines `JOB_PLACE|STATE` of the jobs that are wanted; other lines, such as `JOB_[2-9]|PENDING`, say nothing.
-fn parsed(text: &str, wanted: &BTreeSet<&str>) -> BTreeMap<TaskId, TaskState> {
-    let mut states = BTreeMap::new();
+/// Reads lines `JOB_PLACE|STATE` about these tasks. A line without a number as its place, such as `7_[2-9%4]|PENDING`, or
+/// `7_N/A|CANCELLED` of an array that was cancelled as a whole, stands for the tasks that have no line of their own.
+fn parsed(text: &str, tasks: &[TaskId]) -> BTreeMap<TaskId, TaskState> {
+    let mut of_task = BTreeMap::new();
+    let mut of_rest = BTreeMap::new();
     for line in text.lines() {
-        let Some((id, state)) = line.split_once('|') else {
+        let Some(((job, place), state)) = line
+            .split_once('|')
+            .and_then(|(id, state)| Some((id.trim().split_once('_')?, state)))
+        else {
             continue;
         };
-        let Some((job, index)) = id.trim().split_once('_') else {
-            continue;
-        };
-        let (true, Ok(index)) = (wanted.contains(job), index.parse()) else {
-            continue;
-        };
-        let job = JobId(job.to_owned());
-        states.insert(TaskId { job, index }, state_of(state));
+        match place.parse::<usize>() {
+            Ok(index) => drop(of_task.insert((job, index), state_of(state))),
+            Err(_) => drop(of_rest.insert(job, state_of(state))),
+        }
     }
-    states
+    tasks
+        .iter()
+        .filter_map(|task| {
+            let job = task.job.0.as_str();
+            let own = of_task.get(&(job, task.index));
+            own.or_else(|| of_rest.get(job))
+                .map(|state| (task.clone(), *state))
+        })
+        .collect()
 }
 
 /// The state that a word of Slurm stands for; `CANCELLED by 1000` has further words.
@@ -240,7 +244,6 @@ mod tests {
     use crate::{
         BatchSettings, BatchSystem, Error, JobId, LossReason, TaskArray, TaskId, TaskState,
     };
-    use std::collections::BTreeSet;
 
     /// An array of three tasks.
     fn array() -> TaskArray {
@@ -271,19 +274,21 @@ mod tests {
     /// Lines as squeue and sacct of Slurm 22.05 write them.
     #[test]
     fn states_are_read_from_the_lines_of_slurm() {
-        let text =
-            "7_0|COMPLETED\n7_1|CANCELLED by 1000\n7_[2-9%4]|PENDING\n8_0|RUNNING\n9|FAILED\n";
-        let states = parsed(text, &BTreeSet::from(["7", "9"]));
-        let id = |index| TaskId {
-            job: JobId("7".into()),
-            index,
-        };
+        let text = "7_0|COMPLETED\n7_1|CANCELLED by 1000\n7_[2-9%4]|PENDING\n8_0|RUNNING\n9_N/A|CANCELLED\n";
+        let tasks =
+            [("7", 0), ("7", 1), ("7", 2), ("9", 5), ("10", 0)].map(|(job, index)| TaskId {
+                job: JobId(job.into()),
+                index,
+            });
+        let states = parsed(text, &tasks);
         let cancelled = TaskState::Lost {
             reason: LossReason::Cancelled,
         };
-        assert_eq!(states.len(), 2, "{states:?}");
-        assert_eq!(states[&id(0)], TaskState::Ended { ok: true });
-        assert_eq!(states[&id(1)], cancelled);
+        assert_eq!(states.len(), 4, "{states:?}");
+        assert_eq!(states[&tasks[0]], TaskState::Ended { ok: true });
+        assert_eq!(states[&tasks[1]], cancelled);
+        assert_eq!(states[&tasks[2]], TaskState::Waiting);
+        assert_eq!(states[&tasks[3]], cancelled);
         assert_eq!(state_of("SOMETHING_NEW"), TaskState::Unknown);
     }
 

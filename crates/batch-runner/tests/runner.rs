@@ -18,6 +18,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 fn simulator() -> StandIn {
     StandIn {
         notes: None,
+        records: None,
         version: "stand-in 1".into(),
     }
 }
@@ -204,6 +205,7 @@ fn workers_of_another_version_are_found_out() {
     let runner = slurm.runner(slurm.settings());
     let newer = StandIn {
         notes: None,
+        records: None,
         version: "stand-in 2".into(),
     };
     let error = Campaign::new(&store, 1, &Silent)

@@ -50,6 +50,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 fn work(notes: &str, store: &str, task: &Path) -> Result<(), Box<dyn Error>> {
     let simulator = StandIn {
         notes: Some(notes.into()),
+        records: Some(store.into()),
         version: VERSION.into(),
     };
     run_task(task, &simulator, &Store::open(store)?, 0, &Silent)?;
@@ -78,6 +79,7 @@ fn run(
     let store = Store::open(&runs)?;
     let simulator = StandIn {
         notes: Some(notes.clone()),
+        records: Some(runs.clone()),
         version: VERSION.into(),
     };
     let program = std::env::current_exe()?.display().to_string();

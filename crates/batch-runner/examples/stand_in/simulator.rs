@@ -10,20 +10,40 @@ use std::time::Duration;
 pub(crate) struct StandIn {
     /// File to which each run adds a line at its begin and at its end; none is written where absent.
     pub(crate) notes: Option<PathBuf>,
+    /// Folder of the records: a run that begins though its record is there is noted as needless; not looked at where
+    /// absent.
+    pub(crate) records: Option<PathBuf>,
     /// Version, part of the keys.
     pub(crate) version: String,
 }
 
 impl StandIn {
+    /// Notes that a run begins, and whether it need not.
+    fn note_begin(&self, request: &RunRequest) -> Result<(), SimulatorError> {
+        let file = format!("{}.json", self.key(request)?);
+        if self
+            .records
+            .as_ref()
+            .is_some_and(|folder| folder.join(file).exists())
+        {
+            self.note("needless", request)?;
+        }
+        self.note("began", request)
+    }
+
+    /// The key of a run.
+    fn key(&self, request: &RunRequest) -> Result<String, SimulatorError> {
+        let record = Record::new(&self.version, request.inputs(), request.seed);
+        Ok(record.map_err(SimulatorError::other)?.key().to_owned())
+    }
+
     /// Adds a line about a run: the word, its key, and the process.
     fn note(&self, word: &str, request: &RunRequest) -> Result<(), SimulatorError> {
         let Some(path) = &self.notes else {
             return Ok(());
         };
-        let record = Record::new(&self.version, request.inputs(), request.seed)
-            .map_err(SimulatorError::other)?;
         // One call, so that lines of several processes do not mix.
-        let line = format!("{word} {} {}\n", record.key(), std::process::id());
+        let line = format!("{word} {} {}\n", self.key(request)?, std::process::id());
         let mut file = std::fs::OpenOptions::new()
             .append(true)
             .create(true)
@@ -40,7 +60,7 @@ impl Simulator for StandIn {
     }
 
     fn run(&self, request: &RunRequest) -> Result<RunOutcome, SimulatorError> {
-        self.note("began", request)?;
+        self.note_begin(request)?;
         let x = request.parameter("x")?;
         std::thread::sleep(Duration::from_secs_f64(request.condition("sleep_s")?));
         if x == 13.0 {
