@@ -7,6 +7,9 @@ stand_in=${CARGO_TARGET_DIR:-$root/target}/release/examples/stand_in
 
 work=$(mktemp -d)
 chmod 755 "$work" # munged wants its socket to be reachable
+# A copy, so that a build beside the test does not change the workers under it.
+cp "$stand_in" "$work/stand_in"
+stand_in=$work/stand_in
 export SLURM_DEV_DIR=$work/slurm SLURM_DEV_PORT=${SLURM_DEV_PORT:-17117} SLURM_DEV_TIMEOUT=20
 # Tasks need next to nothing, and the pretended processors must not run out of memory.
 export SLURM_DEV_MEM=${SLURM_DEV_MEM:-4096}

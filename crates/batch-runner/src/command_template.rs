@@ -127,8 +127,8 @@ fn filled(line: &str, values: &[(&str, Option<String>)]) -> Result<String, Error
 
 /// Whether an id in a table means a job: PBS shortens `123.server.name` there.
 fn is_same(job: &str, id: &str) -> bool {
-    let number = |text: &str| text.split('.').next().map(str::to_owned);
-    job == id || (id.contains('.') && number(job) == number(id))
+    let number = |text: &str| -> Option<u64> { text.split_once('.')?.0.parse().ok() };
+    job == id || (number(job).is_some() && number(job) == number(id))
 }
 
 /// Puts the ids of jobs into a command line.
@@ -206,9 +206,10 @@ mod tests {
             job: JobId(id.into()),
             index: 0,
         });
-        // The second is answered twice; the last word counts.
+        // The second is answered twice, the last word counts; hosts with points in their names are no such ids.
         let states = system("sh {script}", lines).states(&tasks).unwrap();
         assert_eq!(states[&tasks[0]], TaskState::Running);
         assert_eq!(states[&tasks[1]], TaskState::Ended { ok: true });
+        assert!(!super::is_same("node.a.org:7", "node.b.org:7"));
     }
 }

@@ -16,6 +16,9 @@ pub enum Error {
         /// What may be given.
         limit: &'static str,
     },
+    /// A store that workers cannot reach.
+    #[error("the records are kept in memory, where no job can leave any; give the store a folder")]
+    NoFolder,
     /// The operating system refused.
     #[error("cannot {action} {}", path.display())]
     Io {

@@ -169,6 +169,31 @@ impl Ledger {
     }
 }
 
+impl Loss {
+    /// A run that was never lost.
+    pub(crate) fn none(reason: LossReason) -> Self {
+        Self {
+            count: 0,
+            reason,
+            time_factor: 1,
+            memory_factor: 1,
+            log: PathBuf::new(),
+        }
+    }
+
+    /// Counts a loss, and gives the next try more of what was short.
+    pub(crate) fn add(&mut self, reason: LossReason, log: &Path) {
+        self.count += 1;
+        self.reason = reason;
+        log.clone_into(&mut self.log);
+        match reason {
+            LossReason::TimeOut => self.time_factor = self.time_factor.saturating_mul(2),
+            LossReason::OutOfMemory => self.memory_factor = self.memory_factor.saturating_mul(2),
+            _ => {}
+        }
+    }
+}
+
 /// A word that no other folder has: names must differ, and no result depends on them.
 fn fresh_word() -> String {
     format!("{:08x}", RandomState::new().build_hasher().finish() >> 32)

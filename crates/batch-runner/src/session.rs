@@ -66,6 +66,9 @@ impl<'a> Session<'a> {
         store: &'a Store,
         tell: &'a mut dyn FnMut(RunEvent),
     ) -> Result<Self, Error> {
+        if store.folder().is_none() {
+            return Err(Error::NoFolder);
+        }
         let folder = made_folder(&runner.folder)?;
         let lock = locked(&folder.join("lock"))?;
         let ledger = Ledger::open(&folder)?;
@@ -392,31 +395,6 @@ impl<'a> Session<'a> {
                 trouble: trouble.clone(),
             }),
             _ => Ok(()),
-        }
-    }
-}
-
-impl Loss {
-    /// A run that was never lost.
-    fn none(reason: LossReason) -> Self {
-        Self {
-            count: 0,
-            reason,
-            time_factor: 1,
-            memory_factor: 1,
-            log: PathBuf::new(),
-        }
-    }
-
-    /// Counts a loss, and gives the next try more of what was short.
-    fn add(&mut self, reason: LossReason, log: &Path) {
-        self.count += 1;
-        self.reason = reason;
-        log.clone_into(&mut self.log);
-        match reason {
-            LossReason::TimeOut => self.time_factor = self.time_factor.saturating_mul(2),
-            LossReason::OutOfMemory => self.memory_factor = self.memory_factor.saturating_mul(2),
-            _ => {}
         }
     }
 }
