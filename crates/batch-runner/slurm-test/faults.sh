@@ -56,7 +56,7 @@ kill -9 "$submitter"
 wait "$submitter" 2> /dev/null || true
 sleep 1
 start
-row "submitting process killed (SIGKILL), started again after 1 s" "attached, $(submissions) arrays so far (before: $before)"
+row "submitting process killed (SIGKILL), started again after 1 s" "attached; arrays submitted by it for living tasks: $(($(submissions) - before))"
 
 until_ended 75
 scontrol update NodeName=node1 State=DRAIN Reason=test
@@ -69,7 +69,7 @@ kill "$(cat "$SLURM_DEV_DIR/slurmctld.pid")"
 while [ -e "/proc/$(cat "$SLURM_DEV_DIR/slurmctld.pid" 2> /dev/null || echo none)" ]; do sleep 0.1; done
 sleep 5
 slurmctld -f "$SLURM_CONF"
-row "controller stopped, started again after 5 s" "tasks went on, Slurm answered again"
+row "controller stopped, started again after 5 s" "tasks went on"
 
 until_ended 130
 scontrol update NodeName=node1 State=DOWN Reason=test
