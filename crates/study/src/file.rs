@@ -11,6 +11,7 @@ pub use simulator::{CommandEntry, EffectEntry, PeerEntry, SimulatorEntry};
 use crate::document::{Document, Fields, below};
 use crate::keys;
 use crate::problem::Problems;
+use batch_runner::BatchSettings;
 use calibration::{Prior, Role};
 use external_simulator::DrumDescription;
 use serde::Serialize;
@@ -163,6 +164,8 @@ pub struct StudyFile {
     pub name: String,
     /// Who does the runs.
     pub simulator: SimulatorEntry,
+    /// How its runs are done as jobs of a batch system, where they are.
+    pub runner: BatchSettings,
     /// Effects that a program of the user has.
     pub effects: Vec<EffectEntry>,
     /// Scenes.
@@ -233,6 +236,7 @@ impl StudyFile {
             name,
             scenes,
             simulator,
+            runner: runner(&root, problems),
             effects,
             parameters: parts::each(&parameters, problems, parameter),
             measured: parts::each(&measured, problems, parts::measured),
@@ -261,6 +265,26 @@ impl Choices {
             ..self
         }
     }
+}
+
+/// The `[runner]` table; what cannot be meant is told.
+fn runner(root: &Fields<'_>, problems: &mut Problems) -> BatchSettings {
+    let Some(table) = root.table("runner", problems) else {
+        return BatchSettings::default();
+    };
+    let read = table.table.clone().try_into::<BatchSettings>();
+    let checked = match read {
+        Ok(settings) => settings
+            .check()
+            .map(|()| settings)
+            .map_err(|e| e.to_string()),
+        Err(error) => Err(error.message().replace('\n', ", ")),
+    };
+    checked.unwrap_or_else(|reason| {
+        let document = root.document;
+        problems.add(document.problem(&table.path, "[runner]:", reason));
+        BatchSettings::default()
+    })
 }
 
 /// A value of a condition as text; none for what is no single value.

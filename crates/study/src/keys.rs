@@ -1,9 +1,10 @@
 //! Every key of the study file.
 
 /// Keys of the file itself.
-pub(crate) const STUDY: [&str; 11] = [
+pub(crate) const STUDY: [&str; 12] = [
     "name",
     "simulator",
+    "runner",
     "effect",
     "scene",
     "parameter",

@@ -4,7 +4,7 @@ use crate::compare::compare;
 use crate::price::{self, Price};
 use crate::{DiagnosisResult, Error, Study, StudyResult, StudySimulator};
 use calibration::{Calibration, LoopSettings};
-use campaign::{Campaign, Pace, Progress};
+use campaign::{Campaign, Executor, Pace, Progress};
 use run_store::{Lookup, Record, Store};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -24,6 +24,8 @@ pub struct RunSettings<'a> {
     pub progress: &'a dyn Progress,
     /// Once it is true no further run begins.
     pub stop: &'a AtomicBool,
+    /// Does the runs in place of the threads of this process.
+    pub executor: Option<&'a dyn Executor>,
 }
 
 impl std::fmt::Debug for RunSettings<'_> {
@@ -84,9 +86,7 @@ pub fn run_study(
     let begin = Instant::now();
     let store = Store::open(settings.folder.join("runs"))?;
     let pace = Pace::new();
-    let campaign = Campaign::new(&store, settings.threads, settings.progress)
-        .with_stop(settings.stop)
-        .with_pace(&pace);
+    let campaign = settings.campaign(&store, &pace);
     let with_seed = study.settings_with(settings.seed);
     let stages = calibration::planned(&study.problem, &with_seed)?;
     let most_runs = price::of(simulator, &stages, study.budget, None)?.most_runs;
@@ -139,9 +139,7 @@ pub fn run_diagnosis(
     let simulator = study.simulator(&settings.folder)?;
     let store = Store::open(settings.folder.join("runs"))?;
     let pace = Pace::new();
-    let campaign = Campaign::new(&store, settings.threads, settings.progress)
-        .with_stop(settings.stop)
-        .with_pace(&pace);
+    let campaign = settings.campaign(&store, &pace);
     let within = study.settings_with(settings.seed);
     let diagnosis = calibration::diagnose_at(&campaign, &simulator, &study.problem, &within, at)?;
     let symbols = study.problem.parameters.iter().map(|p| p.symbol.clone());
@@ -158,6 +156,19 @@ pub fn run_diagnosis(
         core_s: price::core_seconds(&store)?,
         wall_s: begin.elapsed().as_secs_f64(),
     })
+}
+
+impl<'a> RunSettings<'a> {
+    /// A campaign of these settings.
+    fn campaign(&self, store: &'a Store, pace: &'a Pace) -> Campaign<'a> {
+        let campaign = Campaign::new(store, self.threads, self.progress)
+            .with_stop(self.stop)
+            .with_pace(pace);
+        match self.executor {
+            Some(executor) => campaign.with_executor(executor),
+            None => campaign,
+        }
+    }
 }
 
 impl Study {

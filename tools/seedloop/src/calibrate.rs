@@ -3,9 +3,11 @@
 mod report;
 mod text;
 
+use crate::runner::{Runner, whole};
 use crate::stop::{self, result_or_stopped};
+use crate::work::Job;
 use anyhow::Context as _;
-use campaign::LineProgress;
+use campaign::{Executor, LineProgress};
 use command_line::{Common, DONE, NOT_MET, Overwrite};
 use std::path::{Path, PathBuf};
 use study::{RunSettings, Study, plan_study, run_study, write_hand_over, write_json};
@@ -38,6 +40,10 @@ pub(crate) struct Arguments {
     /// Go on in a folder that exists: finished runs are reused, result files are renewed
     #[arg(long)]
     resume: bool,
+
+    /// Who does the runs; jobs are set by [runner] of the study
+    #[arg(long, value_enum, value_name = "RUNNER", default_value_t)]
+    runner: Runner,
 }
 
 /// Runs the loop and writes the result folder.
@@ -61,12 +67,15 @@ pub(crate) fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<u8> 
     common.log(|| plan.trim_end().to_owned());
     let simulator = study.simulator(&folder)?;
     let (progress, stop) = (progress_lines(common), stop::flag()?);
+    let job = |folder: &Path| of_study(&study, folder);
+    let executor = (arguments.runner).executor(job, &folder, &study.file.runner, common)?;
     let settings = RunSettings {
         seed: arguments.seed,
         threads: common.threads(),
         folder: folder.clone(),
         progress: &progress,
         stop: &stop,
+        executor: executor.as_ref().map(|e| e as &dyn Executor),
     };
     let announce = |stage: &str| common.log(|| format!("== {stage}"));
     let done = run_study(&study, &simulator, &settings, &announce);
@@ -84,6 +93,19 @@ pub(crate) fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<u8> 
         DONE
     } else {
         NOT_MET
+    })
+}
+
+/// What the jobs of a study work on, with the result folder.
+///
+/// # Errors
+///
+/// A study file that is gone.
+pub(crate) fn of_study(study: &Study, folder: &Path) -> anyhow::Result<Job> {
+    Ok(Job::Study {
+        study: whole(&study.path)?,
+        profile: study.profile.clone(),
+        folder: folder.to_owned(),
     })
 }
 

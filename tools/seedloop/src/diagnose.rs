@@ -1,5 +1,6 @@
 //! `seedloop diagnose`: what a residual says of missing effects.
 
+use crate::runner::Runner;
 use crate::{diagnose_problem, diagnose_study};
 use anyhow::ensure;
 use command_line::{Common, DONE, Header, NOT_MET};
@@ -38,6 +39,10 @@ pub(crate) struct Arguments {
     #[arg(long)]
     resume: bool,
 
+    /// Who does the runs; for studies; jobs are set by [runner] of the study
+    #[arg(long, value_enum, value_name = "RUNNER", default_value_t)]
+    runner: Runner,
+
     /// Say what would be run, and run nothing
     #[arg(long)]
     plan: bool,
@@ -75,6 +80,7 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
             out: arguments.out.clone(),
             resume: arguments.resume,
             plan_only: arguments.plan,
+            runner: arguments.runner,
         };
         return diagnose_study::run(path, &options, common);
     }
@@ -82,10 +88,11 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
         || arguments.from.is_some()
         || arguments.profile.is_some()
         || arguments.resume
+        || arguments.runner != Runner::Local
         || arguments.plan;
     ensure!(
         !of_study,
-        "--out, --resume, --plan, --profile and --from are for studies (.toml): {} is a problem, which needs no runs",
+        "--out, --resume, --plan, --profile, --from and --runner are for studies (.toml): {} is a problem, which needs no runs",
         path.display()
     );
     let diagnosis = diagnose_problem::run(path, arguments.seed)?;

@@ -2,11 +2,13 @@
 
 mod report;
 
-use crate::calibrate::{progress_lines, refuse_used_folder};
+use crate::calibrate::{of_study, progress_lines, refuse_used_folder};
 use crate::diagnose::{exit_code, text};
+use crate::runner::Runner;
 use crate::stop::{self, result_or_stopped};
 use anyhow::Context as _;
 use calibration::{DiagnosisStage, ResidualStudy};
+use campaign::Executor;
 use command_line::{Common, DONE, NOT_MET};
 use residual_diagnosis::Diagnosis;
 use serde::Serialize;
@@ -29,6 +31,8 @@ pub(crate) struct Options {
     pub(crate) resume: bool,
     /// Whether nothing is to be run.
     pub(crate) plan_only: bool,
+    /// Who does the runs.
+    pub(crate) runner: Runner,
 }
 
 /// The answer as it stands in JSON: the keys of a diagnosis, then the whole result.
@@ -67,12 +71,15 @@ pub(crate) fn run(path: &Path, options: &Options, common: &Common) -> anyhow::Re
     refuse_used_folder(&folder, options.resume, common)?;
     common.log(|| planned.trim_end().to_owned());
     let (progress, stop) = (progress_lines(common), stop::flag()?);
+    let job = |folder: &Path| of_study(&study, folder);
+    let executor = (options.runner).executor(job, &folder, &study.file.runner, common)?;
     let settings = RunSettings {
         seed: options.seed,
         threads: common.threads(),
         folder: folder.clone(),
         progress: &progress,
         stop: &stop,
+        executor: executor.as_ref().map(|e| e as &dyn Executor),
     };
     let done = run_diagnosis(&study, &at, &settings);
     let result = match result_or_stopped(done, &folder)? {

@@ -11,9 +11,11 @@ mod export;
 mod init;
 mod levels;
 mod optimise;
+mod runner;
 mod simulate;
 mod stop;
 mod verify;
+mod work;
 
 use clap::{Parser, Subcommand};
 use command_line::Common;
@@ -58,6 +60,9 @@ enum Command {
     Export(export::Arguments),
     /// Checks the solver against mechanics and prints the table
     Verify(verify::Arguments),
+    /// Does the runs of one task that --runner has submitted; batch systems call it
+    #[command(hide = true)]
+    Work(work::Arguments),
 }
 
 fn main() -> ExitCode {
@@ -73,5 +78,6 @@ fn main() -> ExitCode {
         Command::BenchTest(arguments) => bench_test::run(arguments),
         Command::Export(arguments) => export::run(arguments),
         Command::Verify(arguments) => verify::run(arguments),
+        Command::Work(arguments) => work::run(arguments),
     })
 }

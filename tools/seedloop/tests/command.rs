@@ -6,6 +6,8 @@
 mod answers;
 #[path = "command/apparatus.rs"]
 mod apparatus;
+#[path = "command/batch.rs"]
+mod batch;
 #[path = "command/calibration.rs"]
 mod calibration;
 #[path = "command/diagnosis.rs"]

@@ -1,0 +1,85 @@
+//! Where runs are done: on the threads of this process, or as jobs of a batch system.
+
+use crate::work::Job;
+use anyhow::Context as _;
+use batch_runner::{BatchRunner, BatchSettings};
+use clap::ValueEnum;
+use command_line::Common;
+use std::fs;
+use std::io::Write as _;
+use std::path::{Path, PathBuf};
+
+/// Who does the runs.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum)]
+pub(crate) enum Runner {
+    /// Threads of this process
+    #[default]
+    Local,
+    /// Job arrays of Slurm
+    Slurm,
+    /// Jobs of another batch system, by the command lines of `[runner.command]`
+    Command,
+}
+
+/// Name of the folder of the jobs in a result folder.
+const FOLDER: &str = "batch";
+/// Name of the file that tells the workers what they work on.
+const JOB: &str = "job.json";
+
+impl Runner {
+    /// The executor of a batch system for a job, none for the threads of this process.
+    ///
+    /// # Errors
+    ///
+    /// A folder that cannot be made, settings that cannot be meant.
+    pub(crate) fn executor(
+        self,
+        job: impl FnOnce(&Path) -> anyhow::Result<Job>,
+        folder: &Path,
+        settings: &BatchSettings,
+        common: &Common,
+    ) -> anyhow::Result<Option<BatchRunner>> {
+        if self == Self::Local {
+            return Ok(None);
+        }
+        let batch = folder.join(FOLDER);
+        let made = || format!("cannot make the folder {}", batch.display());
+        fs::create_dir_all(&batch).with_context(made)?;
+        // Jobs begin elsewhere: all paths are whole.
+        let batch = batch.canonicalize().with_context(made)?;
+        let whole = folder.canonicalize().with_context(made)?;
+        let file = batch.join(JOB);
+        job(&whole)?.write(&file)?;
+        let program = std::env::current_exe().context("cannot find this program")?;
+        let program = text(&program)?;
+        let worker = vec![program, "work".to_owned(), text(&file)?];
+        let settings = settings.clone();
+        let runner = match self {
+            Self::Command => BatchRunner::command(batch, worker, settings),
+            _ => BatchRunner::slurm(batch, worker, settings),
+        };
+        let quiet = common.quiet;
+        Ok(Some(runner?.with_listener(move |line| {
+            if !quiet {
+                // A closed standard error is no reason to stop.
+                let _ = writeln!(std::io::stderr(), "{line}");
+            }
+        })))
+    }
+}
+
+/// A path as text.
+fn text(path: &Path) -> anyhow::Result<String> {
+    let text = path.to_str().map(str::to_owned);
+    text.with_context(|| format!("{} is no text that a job script can hold", path.display()))
+}
+
+/// A path from the root, so that it is found from elsewhere.
+///
+/// # Errors
+///
+/// A file that is not there.
+pub(crate) fn whole(path: &Path) -> anyhow::Result<PathBuf> {
+    path.canonicalize()
+        .with_context(|| format!("cannot find {}", path.display()))
+}
