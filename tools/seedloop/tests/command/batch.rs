@@ -59,8 +59,10 @@ fn a_calibration_by_jobs_is_the_same_to_the_last_bit() {
     );
     let tasks = || {
         let entries = fs::read_dir(folder.path().join("jobs/batch/tasks")).unwrap();
-        let names = entries.map(|e| e.unwrap().file_name().into_string().unwrap());
-        names.filter(|name| name.ends_with(".sh")).count()
+        let paths = entries.map(|e| e.unwrap().path());
+        paths
+            .filter(|path| path.extension().is_some_and(|end| end == "sh"))
+            .count()
     };
     let before = tasks();
     let again = [&jobs[..], &["--resume"]].concat();

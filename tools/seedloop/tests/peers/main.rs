@@ -6,6 +6,8 @@
 //! tables.
 
 mod fall;
+mod hand_over;
+mod simulator;
 mod steady;
 
 use exchange::vtk::File;

@@ -1,22 +1,14 @@
-//! LAMMPS and LIGGGHTS as simulators: slow, behind `just lammps` and `just liggghts`.
+//! LAMMPS and LIGGGHTS as simulators.
 
+use crate::{command, drum};
 use campaign::{RunRequest, Simulator};
 use external_simulator::{Keep, Peer, PeerSettings, PeerSimulator};
-use scene::{Override, Scene};
 use scene_simulator::{Binding, SceneSimulator};
 use std::collections::BTreeMap;
-use std::path::Path;
 
 /// The small drum of coarse seeds.
 fn scenes() -> SceneSimulator {
-    let file =
-        Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tools/seedloop/tests/peers/drum.toml");
-    let set = |name: &str, value: &str| Override {
-        name: name.into(),
-        value: value.into(),
-    };
-    let scene = Scene::read(&file, &[set("protocol.rotation_limit", "4 s")])
-        .expect("as the test prepared it");
+    let scene = drum(&[("protocol.rotation_limit", "4 s")]);
     let path = "contact.seed-seed.static_friction";
     SceneSimulator::new(
         BTreeMap::from([("drum".to_owned(), scene)]),
@@ -30,7 +22,7 @@ fn scenes() -> SceneSimulator {
 #[expect(clippy::print_stdout, reason = "the figures are the purpose")]
 fn compare(peer: Peer, variable: &str) {
     let folder = tempfile::tempdir().expect("as the test prepared it");
-    let command = std::env::var(variable).expect("the variable holds the command");
+    let command = command(variable);
     let settings = PeerSettings {
         peer,
         command: command.split_whitespace().map(str::to_owned).collect(),
