@@ -57,12 +57,62 @@ fn the_example_reads_and_shows_every_key() {
     collect("study", &table, &mut found);
     for (kind, keys) in expected() {
         for key in keys {
+            if of_other_codes(kind, &key) {
+                continue;
+            }
             let entry = (kind.to_owned(), key);
             assert!(
                 found.contains(&entry),
                 "{entry:?} is missing in {}",
                 path.display()
             );
+        }
+    }
+}
+
+/// Whether a key says how other codes or batch systems do the runs: the example has the solver here.
+fn of_other_codes(kind: &str, key: &str) -> bool {
+    let tables = [
+        "command scene",
+        "drum",
+        "peer simulator",
+        "command simulator",
+        "results",
+        "effect",
+    ];
+    tables.contains(&kind) || ["simulator", "runner", "effect"].contains(&key)
+}
+
+/// Keys that no example shows together stand in the reference.
+#[test]
+fn every_key_of_other_codes_is_documented() {
+    let text = std::fs::read_to_string(fixture("../docs/study-file.md")).unwrap();
+    for (kind, keys) in expected() {
+        for key in keys.iter().filter(|key| of_other_codes(kind, key)) {
+            let shown = match kind {
+                "drum" | "results" => format!("`{kind}.{key}`"),
+                _ if kind == "study" => format!("[{key}]"),
+                _ => format!("`{key}`"),
+            };
+            assert!(
+                text.contains(&shown)
+                    || [format!("`{key}`"), format!("`{key}.")]
+                        .iter()
+                        .any(|k| text.contains(k)),
+                "{kind}: {key} is missing in docs/study-file.md"
+            );
+        }
+    }
+}
+
+/// The example of a program of the user, and the drums that other codes run, read as they are.
+#[test]
+fn the_examples_of_other_codes_read() {
+    Study::read(&fixture("command-example/study.toml"), None).unwrap();
+    for drum in ["spheres", "seeds"] {
+        let path = fixture(&format!("peers-study/study-{drum}.toml"));
+        for profile in [None, Some("lammps"), Some("liggghts")] {
+            Study::read(&path, profile).unwrap();
         }
     }
 }
@@ -94,5 +144,63 @@ fn every_setting_of_the_loop_can_be_stated() {
     for key in all.keys() {
         let elsewhere = ["seed", "most_runs"].contains(&key.as_str());
         assert!(elsewhere != design.contains(key), "{key}");
+    }
+}
+
+/// What a code does not have is told before any run, with the scene and the way out; effects that need it are left out.
+#[test]
+fn what_another_code_does_not_have_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    for file in ["spheres.toml", "study-spheres.toml"] {
+        let from = fixture("peers-study").join(file);
+        std::fs::copy(from, folder.path().join(file)).unwrap();
+    }
+    let path = folder.path().join("study-spheres.toml");
+    let right = std::fs::read_to_string(&path).unwrap();
+    let with_effects = right.replace(
+        "search = []",
+        "search = [\"cohesion\", \"rolling-resistance\"]",
+    );
+    std::fs::write(&path, with_effects).unwrap();
+    let study = Study::read(&path, Some("liggghts")).unwrap();
+    let left_out = study.not_applicable["cohesion"].clone();
+    assert!(
+        left_out.contains("attraction") && left_out.contains("LIGGGHTS"),
+        "{left_out}"
+    );
+    assert_eq!(study.problem.effects.len(), 1);
+
+    let scene = folder.path().join("spheres.toml");
+    let text = std::fs::read_to_string(&scene).unwrap();
+    let text = text.replace("[model]", "[model]\nrolling_law = \"spring-dashpot\"");
+    std::fs::write(&scene, text).unwrap();
+    Study::read(&path, Some("lammps")).unwrap();
+    let error = Study::read(&path, Some("liggghts"))
+        .unwrap_err()
+        .to_string();
+    assert!(
+        error.contains("type C") && error.contains("line"),
+        "{error}"
+    );
+
+    std::fs::write(&path, right.replace("angle_deg = {", "drive_power_mw = {")).unwrap();
+    let error = Study::read(&path, Some("lammps")).unwrap_err().to_string();
+    assert!(
+        error.contains("'drive_power_mw'") && error.contains("angle_deg"),
+        "{error}"
+    );
+
+    for (from, to, word) in [
+        ("kind = \"lammps\"", "kind = \"lamps\"", "\"lammps\""),
+        (
+            "wall_limit = \"60 min\"",
+            "wall_limit = \"60 mm\"",
+            "wall_limit",
+        ),
+        ("command = [\"lmp\"] ", "ranks = 0 ", "ranks"),
+    ] {
+        std::fs::write(&path, right.replacen(from, to, 1)).unwrap();
+        let error = Study::read(&path, Some("lammps")).unwrap_err().to_string();
+        assert!(error.contains(word), "{word}: {error}");
     }
 }
