@@ -83,6 +83,12 @@ calibrate-liggghts:
     command -v liggghts > /dev/null || apt-get install --yes liggghts
     bash fixtures/peers-study/calibrate.sh liggghts
 
+# Installs the Debian package where it is missing; apt-get may need root.
+# Calibrate the friction of beads in a drum of YADE (half an hour).
+yade-example:
+    command -v yade > /dev/null || apt-get install --yes --no-install-recommends yade
+    cargo run --release --locked -p seedloop -- calibrate fixtures/yade-example/study.toml --resume
+
 # Fill a closed mesh with spheres.
 fill *ARGS:
     cargo run --release --locked -p seedfill -- "$@"
