@@ -19,7 +19,7 @@ use columns::Columns;
 use experiment_design::Factor;
 use experiment_design::table::{Table, factors_from_csv};
 use rows::Runs;
-use run_store::Record;
+use run_store::{Record, Store};
 use scene::{Override, Scene};
 use scene_simulator::{Binding, SceneSimulator};
 use serde::{Deserialize, Serialize};
@@ -148,14 +148,22 @@ impl DesignTable {
         Ok(SceneSimulator::new(models, bindings)?)
     }
 
-    /// Builds the scene of every row once and runs nothing: there is room for its seeds, its walls can be read.
+    /// Builds the scene of every row once and runs nothing: there is room for its seeds, its walls can be read. Rows
+    /// whose first record a store has are left out.
     ///
     /// # Errors
     ///
-    /// [`Error::Problems`] with every row that cannot be built.
-    pub fn check_builds(&self, simulator: &SceneSimulator) -> Result<(), Error> {
+    /// [`Error::Problems`] with every row that cannot be built; a record that cannot be read.
+    pub fn check_builds(
+        &self,
+        simulator: &SceneSimulator,
+        store: Option<&Store>,
+    ) -> Result<(), Error> {
         let mut problems = Problems::default();
         for run in self.runs.iter().filter(|run| run.repeat == 1) {
+            if plan::is_kept(simulator, &run.request, store)? {
+                continue;
+            }
             let built = simulator.scene_of(&run.request).and_then(|scene| {
                 let built = scene.build_check(simulator.fillings());
                 built.map_err(campaign::SimulatorError::other)

@@ -114,12 +114,12 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
     common.refuse_existing_json()?;
     let table = DesignTable::read(&choices(arguments))?;
     let simulator = table.simulator()?;
-    table.check_builds(&simulator)?;
     let folder = folder(arguments);
     let header = Header::new(arguments.seed, table.input_files())?;
     let runs = folder.join("runs");
     // Planning makes no folder.
     let known = runs.is_dir().then(|| Store::open(&runs)).transpose()?;
+    table.check_builds(&simulator, known.as_ref())?;
     let plan = table.plan(&simulator, known.as_ref())?;
     let told = plan_text(&plan, common.threads());
     if arguments.plan {

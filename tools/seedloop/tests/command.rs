@@ -8,6 +8,8 @@ mod answers;
 mod apparatus;
 #[path = "command/calibration.rs"]
 mod calibration;
+#[path = "command/design_run.rs"]
+mod design_run;
 #[path = "command/diagnosis.rs"]
 mod diagnosis;
 #[path = "command/help.rs"]

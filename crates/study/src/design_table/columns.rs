@@ -339,13 +339,17 @@ impl Reader<'_> {
                 })
             }
             (SettingKind::Quantity, None) if !self.any_cell_carries_a_unit(column) => {
-                let (name, there) = (&self.table.header()[column], &setting.value);
-                let there = there.as_str().unwrap_or_default();
+                let name = &self.table.header()[column];
                 let symbol = name.strip_suffix("_natural").unwrap_or(name);
+                let there = setting.value.as_str().unwrap_or_default();
+                let unit = there.split_whitespace().nth(1).unwrap_or("UNIT");
+                let way_out = if symbol == name && !self.binds.contains_key(name) {
+                    format!("call the column '{name} [{unit}]', or write it behind each number")
+                } else {
+                    format!("say --bind '{symbol}={path} [{unit}]', or state it in --factors")
+                };
                 Err(format!(
-                    "sets '{path}', a quantity ({there}), with plain numbers: state their unit, in the name of the \
-                     column ('{path} [{unit}]'), with --bind '{symbol}={path} [{unit}]' or in --factors",
-                    unit = there.split_whitespace().nth(1).unwrap_or("UNIT")
+                    "sets '{path}', a quantity ({there}), with numbers whose unit nobody states: {way_out}"
                 ))
             }
             _ => Ok(()),

@@ -14,7 +14,7 @@ pub(super) fn near(name: &str, known: &[String]) -> String {
     }
     let mut by_distance: Vec<(usize, &str)> = known
         .iter()
-        .map(|path| (distance(last, last_word(path)), path.as_str()))
+        .map(|path| (least_distance(last, last_word(path)), path.as_str()))
         .collect();
     by_distance.sort_by_key(|(distance, _)| *distance);
     let nearest = by_distance.into_iter().take(MOST);
@@ -24,6 +24,12 @@ pub(super) fn near(name: &str, known: &[String]) -> String {
 /// The last word of a dotted path.
 fn last_word(path: &str) -> &str {
     path.rsplit('.').next().unwrap_or(path)
+}
+
+/// Distance of a word to another or to the nearest of its parts: `frction` is near `static_friction`.
+fn least_distance(word: &str, other: &str) -> usize {
+    let parts = other.split('_').map(|part| distance(word, part));
+    parts.fold(distance(word, other), usize::min)
 }
 
 /// Number of letters to insert, drop or replace that turn one word into another (Levenshtein's distance).
@@ -56,7 +62,9 @@ mod tests {
         assert_eq!(distance("kitten", "sitting"), 3);
         assert_eq!((distance("", "abc"), distance("abc", "")), (3, 3));
         let known = ["contact.a-b.restitution", "camera.pixels", "rpm"].map(str::to_owned);
-        assert!(near("resttution", &known).starts_with("contact.a-b.restitution"));
+        assert!(near("restituton", &known).starts_with("contact.a-b.restitution"));
+        let friction = ["camera.pixels", "a-b.static_friction"].map(str::to_owned);
+        assert!(near("frction", &friction).starts_with("a-b.static_friction"));
         assert_eq!(near("camera.pixels", &known), "camera.pixels");
     }
 }

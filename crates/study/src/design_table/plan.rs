@@ -61,7 +61,7 @@ impl DesignTable {
 }
 
 /// Whether a store has the record of a run.
-fn is_kept(
+pub(super) fn is_kept(
     simulator: &dyn Simulator,
     request: &RunRequest,
     store: Option<&Store>,

@@ -36,7 +36,7 @@ struct Reader<'a> {
     scene: &'a Scene,
     /// What the columns stand for.
     columns: &'a Columns,
-    /// Whether all columns are right, so that a whole row can be judged.
+    /// Whether all columns are right, so that a whole row can be judged and not its cells alone.
     sound: bool,
 }
 
@@ -69,18 +69,11 @@ impl Runs {
         let mut read = Self::default();
         reader.check_replicates(problems);
         for (i, row) in table.rows().iter().enumerate() {
-            let (repeats, seed) = (
-                reader.repeats(row, problems),
-                reader.own_seed(row, problems),
-            );
+            let repeats = reader.repeats(row, problems);
+            let seed = reader.own_seed(row, problems);
             let cells = reader.cells(row, problems);
-            let (Some(repeats), Some(seed), Some(cells)) = (repeats, seed, cells) else {
-                continue;
-            };
-            if !reader.sound {
-                continue;
-            }
-            let Some(request) = read.request(&reader, row, &cells, problems) else {
+            let request = read.request(&reader, row, &cells, problems);
+            let (Some(repeats), Some(seed), Some(request)) = (repeats, seed, request) else {
                 continue;
             };
             let first = seed.or_else(|| choices.seed.checked_add(read.runs.len() as u64));
@@ -110,7 +103,7 @@ impl Runs {
         read
     }
 
-    /// The request of a row, whose model and parameters are noted.
+    /// The request of a row, whose model and parameters are noted; none of a row that is wrong, which is told.
     fn request(
         &mut self,
         reader: &Reader<'_>,
@@ -137,6 +130,9 @@ impl Runs {
                 return None;
             }
         };
+        if !reader.is_whole(cells) {
+            return None;
+        }
         self.models.entry(name.clone()).or_insert(model);
         let mut request = RunRequest::new(&name, 0);
         for cell in cells {
@@ -235,10 +231,9 @@ impl<'a> Reader<'a> {
         read.map(Some)
     }
 
-    /// The cells of a row that change settings; none where one is wrong.
-    fn cells(&self, row: &Row, problems: &mut Problems) -> Option<Vec<Cell<'a>>> {
+    /// The cells of a row that change settings, without those that cannot be read.
+    fn cells(&self, row: &Row, problems: &mut Problems) -> Vec<Cell<'a>> {
         let mut cells = Vec::new();
-        let before = problems.count();
         for (column, role) in self.columns.roles.iter().enumerate() {
             match role {
                 Some(Role::Sets(setter)) => match Change::read(row.text(column), setter) {
@@ -260,7 +255,7 @@ impl<'a> Reader<'a> {
                 _ => {}
             }
         }
-        (problems.count() == before).then_some(cells)
+        cells
     }
 
     /// Name of the scene with words changed.
@@ -271,6 +266,13 @@ impl<'a> Reader<'a> {
             name.push_str(&format!(" {}={}", word.name, word.value));
         }
         name
+    }
+
+    /// Whether these are all cells of a row, none of which is wrong.
+    fn is_whole(&self, cells: &[Cell<'_>]) -> bool {
+        let roles = self.columns.roles.iter().flatten();
+        let setters = roles.filter(|role| matches!(role, Role::Sets(_)));
+        self.sound && cells.len() == setters.count()
     }
 
     /// Tells which cells of a row the scene refuses each for itself, or else that it refuses them together.
@@ -291,7 +293,8 @@ impl<'a> Reader<'a> {
                 problems.add(self.of_cell(row, cell.column, problem));
             }
         }
-        if problems.count() == before {
+        // A cell or column that is wrong may be what the others lack.
+        if self.is_whole(cells) && problems.count() == before {
             let problem = format!(
                 "has values that do not go together: {}",
                 one_line(&together.to_string())
