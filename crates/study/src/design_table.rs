@@ -18,7 +18,7 @@ use campaign::{Campaign, RunRequest, Simulator};
 use columns::Columns;
 use experiment_design::Factor;
 use experiment_design::table::{Table, factors_from_csv};
-use rows::Runs;
+use rows::Asked;
 use run_store::{Record, Store};
 use scene::{Override, Scene};
 use scene_simulator::{Binding, SceneSimulator};
@@ -108,11 +108,11 @@ impl DesignTable {
             }],
         })?;
         let columns = Columns::read(choices, &table, &scene, &factors, &mut problems);
-        let Runs {
+        let Asked {
             models,
             bindings,
             runs,
-        } = Runs::read(choices, &table, &scene, &columns, &mut problems);
+        } = Asked::read(choices, &table, &scene, &columns, &mut problems);
         problems.into_result()?;
         Ok(Self {
             choices: choices.clone(),

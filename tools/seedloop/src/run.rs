@@ -16,7 +16,7 @@ use study::{DesignChoices, DesignPlan, DesignRun, DesignTable};
 #[derive(clap::Args, Debug)]
 pub(crate) struct Arguments {
     /// Table of the runs, as `seedloop design` writes it. A column named by a setting sets it
-    /// (contact.seed-seed.static_friction, rpm, "apparatus.speed [rpm]", model.rolling_lever); `replicates` and
+    /// (rpm, contact.seed-seed.static_friction, "apparatus.speed [rpm]"); `replicates` and
     /// `seed` say how often a row is run and with which first seed
     #[arg(value_name = "DESIGN.csv")]
     design: PathBuf,

@@ -115,7 +115,7 @@ fn number_and_unit(text: &str) -> Option<(f64, &str)> {
     // The longest beginning that is a number: `1e3 Pa` is 1e3, `5 e` is 5.
     let ends = text.char_indices().map(|(i, c)| i + c.len_utf8());
     let read = |end: usize| Some((text.get(..end)?.trim().parse::<f64>().ok()?, end));
-    let (value, end) = ends.filter_map(read).last()?;
+    let (value, end) = ends.rev().find_map(read)?;
     let unit = text.get(end..)?.trim();
     (value.is_finite() && !unit.is_empty()).then_some((value, unit))
 }

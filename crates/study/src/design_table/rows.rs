@@ -10,6 +10,7 @@ use experiment_design::table::{Row, Table};
 use scene::{NumberChange, Override, Scene};
 use scene_simulator::Binding;
 use std::collections::BTreeMap;
+use std::fmt::Write as _;
 
 /// Share of the half-range by which coded and natural values may differ: they are written in full precision, and a
 /// spreadsheet keeps 15 digits.
@@ -17,7 +18,7 @@ const AGREES: f64 = 1e-9;
 
 /// The runs of a table with the models and parameters that they name.
 #[derive(Debug, Default)]
-pub(super) struct Runs {
+pub(super) struct Asked {
     /// Scenes by the name of the model.
     pub(super) models: BTreeMap<String, Scene>,
     /// What the parameters stand for.
@@ -50,7 +51,7 @@ struct Cell<'a> {
     change: Change,
 }
 
-impl Runs {
+impl Asked {
     /// Reads all rows.
     pub(super) fn read(
         choices: &DesignChoices,
@@ -263,7 +264,7 @@ impl<'a> Reader<'a> {
         let stem = self.choices.scene.file_stem().unwrap_or_default();
         let mut name = stem.to_string_lossy().into_owned();
         for word in words {
-            name.push_str(&format!(" {}={}", word.name, word.value));
+            write!(name, " {}={}", word.name, word.value).expect("a string takes all text");
         }
         name
     }

@@ -175,8 +175,12 @@ fn a_run_that_fails_is_told_and_the_others_are_kept() {
 #[test]
 fn a_stopped_table_goes_on() {
     let scene = TinyScene::new();
-    let rows: String = (20..32).map(|rpm| format!("{rpm}\n")).collect();
-    fs::write(scene.path("speeds.csv"), format!("rpm\n{rows}")).unwrap();
+    let rows: Vec<String> = (20..32).map(|rpm| rpm.to_string()).collect();
+    fs::write(
+        scene.path("speeds.csv"),
+        format!("rpm\n{}\n", rows.join("\n")),
+    )
+    .unwrap();
     let words = "run speeds.csv --scene tiny.toml --set time_s=0.2 --set frames=2 --out results --threads 1";
     let mut child = Command::new(env!("CARGO_BIN_EXE_seedloop"))
         .args(words.split(' '))
