@@ -2,6 +2,9 @@
 
 use super::folder::{FRICTION, Folder, bound};
 
+/// A friction may be 1.5, a restitution may not.
+const BOTH: &str = "Q=contact.pea-pea.static_friction,contact.pea-pea.restitution";
+
 /// A table alone.
 fn one(table: &str) -> Folder {
     Folder::new(table)
@@ -62,6 +65,10 @@ fn cells_that_cannot_be_meant_are_told_with_their_place() {
         (
             one("rpm\n20\nx\n"),
             &["line 3", "'rpm'", "'x'", "finite number"],
+        ),
+        (
+            one("Q_natural\n1.5\n").bind(BOTH),
+            &["'1.5'", "restitution"],
         ),
         (one("rpm\ninf\n"), &["line 2", "'inf'", "finite number"]),
         (
@@ -144,6 +151,20 @@ fn flags_that_do_not_fit_the_table_are_told() {
         (one("rpm\n20\n").set("rpm=3"), &["'rpm'", "--set"]),
         (one("rpm\n20\n").set("frames"), &["--set", "NAME=VALUE"]),
     ]);
+}
+
+/// Each value is taken with the other of the scene, and both together lack a contact: the row is told, not a cell.
+#[test]
+fn values_that_are_refused_only_together_are_told_as_such() {
+    let folder = Folder::new("seed.0.material,apparatus.shell\nbean,spare\npea,wall\nbean,wall\n");
+    let text = std::fs::read_to_string(&folder.choices.scene).unwrap();
+    let spare = text.replace(" = \"wall\"", " = \"spare\"");
+    std::fs::write(&folder.choices.scene, spare).unwrap();
+    let problems = folder.problems();
+    let expected = "line 4: the row has values that do not go together";
+    assert!(problems.contains(expected), "{problems}");
+    assert!(problems.contains("bean-wall"), "{problems}");
+    assert_eq!(problems.lines().count(), 1, "{problems}");
 }
 
 /// One table with a mistake in each part: all of them are told, each once.
