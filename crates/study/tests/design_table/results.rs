@@ -80,3 +80,18 @@ fn a_stop_is_told_as_such() {
         })
     ));
 }
+
+/// A column `seed` of the design stands once in the results, with the seed of each run.
+#[test]
+fn the_seed_of_a_row_gives_way_to_that_of_its_runs() {
+    let table = format!("seed,{FRICTION},replicates\n5,0.4,2\n");
+    let table = Folder::new(&table).read().unwrap();
+    let store = Store::in_memory();
+    let outcomes = table.run(&Campaign::new(&store, 1, &Silent), &Toy);
+    let results = table.results_csv(&outcomes.unwrap());
+    let header = format!("{FRICTION},replicates,repeat,seed,regime,steady,angle_deg,key,problem");
+    let lines: Vec<&str> = results.lines().collect();
+    assert_eq!(lines[0], header);
+    assert!(lines[1].starts_with("0.4,2,1,5,,,0.4,"), "{results}");
+    assert!(lines[2].starts_with("0.4,2,2,6,,,0.4,"), "{results}");
+}
