@@ -196,7 +196,7 @@ fn shape(
 
 /// The seeds of each kind and how they rain in.
 fn rain(scene: &Scene, bodies: &[Arc<SeedBody>], every: f64, seed: u64) -> String {
-    let mut primes = primes_from(10_007 + 1000 * seed);
+    let mut primes = primes_from(first_of(seed));
     let rate = scene.protocol.insertion_rate.map_or(RATE, Frequency::si);
     let turned = if are_spheres(bodies) {
         ""
@@ -457,6 +457,13 @@ fn script(
     ))
 }
 
+/// Where the primes of a seed begin. LIGGGHTS reads them as signed 32-bit numbers, so that a seed is spread over those: seeds
+/// from 0 on are as far apart as the golden section puts them.
+fn first_of(seed: u64) -> u64 {
+    const GOLDEN: u64 = 0x9E37_79B9_7F4A_7C15;
+    10_007 + (seed.wrapping_mul(GOLDEN) >> 32) % 2_000_000_000
+}
+
 /// Prime numbers from a number on, as LIGGGHTS wants them for its random numbers.
 fn primes_from(first: u64) -> impl Iterator<Item = u64> {
     let is_prime = |n: &u64| !(2..=n.isqrt()).any(|d| n.is_multiple_of(d));
@@ -471,7 +478,7 @@ fn list(numbers: impl IntoIterator<Item = f64>) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::{Start, deck, primes_from, setup};
+    use super::{Start, deck, first_of, primes_from, setup};
     use contact_law::RollingLever;
     use nalgebra::Vector3;
     use quantity::FrictionCoefficient;
@@ -605,6 +612,16 @@ mod tests {
                 "{error}"
             );
         }
+    }
+
+    /// LIGGGHTS reads signed 32-bit numbers: no seed of a loop exceeds them, and no two of a thousand share their first primes.
+    #[test]
+    fn primes_of_any_seed_are_numbers_that_liggghts_reads() {
+        let seeds = (0..500).chain(5_000_000..5_000_500).chain([u64::MAX]);
+        let mut firsts: Vec<u64> = seeds.map(first_of).collect();
+        assert!(firsts.iter().all(|first| *first < 2_147_000_000));
+        firsts.sort_unstable();
+        assert!(firsts.windows(2).all(|w| w[1] - w[0] > 500), "they overlap");
     }
 
     #[test]

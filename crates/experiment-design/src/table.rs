@@ -8,7 +8,7 @@ mod read;
 mod write;
 
 pub use read::{Row, Table};
-pub use write::{design_to_csv, factors_to_csv};
+pub use write::{csv_field, design_to_csv, factors_to_csv};
 
 use crate::{Design, DesignKind, Error, Factor, Run, check_factors};
 

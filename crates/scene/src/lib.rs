@@ -21,6 +21,7 @@ mod frame;
 mod health;
 mod interactions;
 mod motion;
+mod named_setting;
 mod obstacles;
 mod outline;
 mod parse;
@@ -46,6 +47,7 @@ pub use filling::{FillingLibrary, SeedBody};
 pub use flow::{FlowingLayer, avalanche_period, fill_level, flowing_layer};
 pub use frame::{Frame, FrameReading, drum_picture, read_frame};
 pub use motion::{Keeper, NoKeeper, Progress, SeriesPoint};
+pub use named_setting::{NamedSetting, SettingKind};
 pub use obstacles::{VibrationSettings, WallSettings};
 pub use parse::{NumberChange, Override, setting_at};
 pub use run::{

@@ -17,7 +17,7 @@ pub struct Override {
 const TIME_STEP: &str = "protocol.time_step";
 
 /// Settings that can be set where the file leaves them out and no default stands there: quantities, a number, a switch.
-const LEFT_OUT: [&str; 7] = [
+pub(crate) const LEFT_OUT: [&str; 7] = [
     TIME_STEP,
     "protocol.start_up",
     "protocol.start_slope",
@@ -34,7 +34,7 @@ const FLOW_STEP_SHARE: &str = "protocol.flow_step_share";
 const COVERS_AT_REST: &str = "apparatus.covers_at_rest";
 
 /// Short names that stand for a setting with its unit: (name, path, unit).
-const SHORT_NAMES: [(&str, &str, &str); 3] = [
+pub(crate) const SHORT_NAMES: [(&str, &str, &str); 3] = [
     ("rpm", "apparatus.speed", "rpm"),
     ("time_s", "protocol.rotation_limit", "s"),
     ("time_step_s", TIME_STEP, "s"),
@@ -192,7 +192,7 @@ impl Scene {
     }
 
     /// The scene as a table of values.
-    fn table(&self) -> Result<Table, Error> {
+    pub(crate) fn table(&self) -> Result<Table, Error> {
         Table::try_from(self).map_err(|e| Error::Text {
             file: self.file.clone(),
             message: e.to_string(),
@@ -241,7 +241,7 @@ pub struct NumberChange {
 }
 
 /// Makes room for a setting without a default that the scene leaves out.
-fn make_room(table: &mut Table, path: &str) {
+pub(crate) fn make_room(table: &mut Table, path: &str) {
     if LEFT_OUT.contains(&path)
         && let Some((section, key)) = path.split_once('.')
         && let Some(Value::Table(section)) = table.get_mut(section)
@@ -278,7 +278,7 @@ fn apply(table: &mut Table, change: &Override, file: &str) -> Result<(), Error> 
 }
 
 /// The path that a whole or short name stands for.
-fn whole_path(table: &Table, name: &str, file: &str) -> Result<String, Error> {
+pub(crate) fn whole_path(table: &Table, name: &str, file: &str) -> Result<String, Error> {
     let all = leaves(table);
     if LEFT_OUT.contains(&name) || all.iter().any(|path| path == name) {
         return Ok(name.to_owned());
@@ -331,7 +331,7 @@ fn number(text: &str) -> Value {
 }
 
 /// Dotted paths of all leaves; the items of a list are numbered from 0.
-fn leaves(table: &Table) -> Vec<String> {
+pub(crate) fn leaves(table: &Table) -> Vec<String> {
     fn walk(value: &Value, path: &str, out: &mut Vec<String>) {
         let mut below = |key: &str, child: &Value| {
             let path = if path.is_empty() {

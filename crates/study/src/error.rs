@@ -59,6 +59,9 @@ pub enum Error {
     /// A stage of the calibration failed.
     #[error(transparent)]
     Calibration(#[from] calibration::Error),
+    /// The runs of a design table came to no end.
+    #[error(transparent)]
+    Campaign(#[from] campaign::Error),
     /// The run store cannot be used.
     #[error(transparent)]
     Store(#[from] run_store::Error),

@@ -1,14 +1,16 @@
-//! One study: what was measured and what may be tuned, read and checked against its scenes, and the loop run on it.
+//! Studies and design tables, read and checked against their scenes, and what is run on them.
 //!
 //! [`Study::read`] reads the one file of `calibrate` and `diagnose` and refuses all that is wrong with it at once.
 //! [`run_study`] leads the calibration through it; [`run_diagnosis`] asks what is missing at given parameters.
 //! [`write_hand_over`] writes the parameters as a file of settings, and the drums as decks for other codes.
+//! [`DesignTable`] turns a table of runs into requests, and their records into a table of results.
 //!
 //! A commented example of every key is `fixtures/study-example/study.toml`.
 
 mod command_study;
 mod compare;
 mod defaults;
+mod design_table;
 mod document;
 mod effects;
 mod error;
@@ -33,6 +35,7 @@ mod study;
 
 pub use compare::ComparedValue;
 pub use defaults::DefaultUsed;
+pub use design_table::{DesignChoices, DesignPlan, DesignRun, DesignTable};
 pub use error::Error;
 pub use file::{
     Budget, Choices, CommandEntry, CompareEntry, EffectEntry, MeasuredEntry, MeasuredValue,

@@ -12,7 +12,7 @@ use command_line::{Common, DONE, NOT_MET, Overwrite};
 use std::path::{Path, PathBuf};
 use study::{RunSettings, Study, plan_study, run_study, write_hand_over, write_json};
 
-pub(crate) use text::plan;
+pub(crate) use text::{duration, plan};
 
 /// Calibrates the parameters of a study on its measurements: screening, surfaces, solutions, check, diagnosis
 #[derive(clap::Args, Debug)]

@@ -11,6 +11,7 @@ mod export;
 mod init;
 mod levels;
 mod optimise;
+mod run;
 mod runner;
 mod simulate;
 mod stop;
@@ -37,6 +38,8 @@ enum Command {
     Simulate(simulate::Arguments),
     /// Writes a design of experiments as a table of runs
     Design(design::Arguments),
+    /// Runs every row of a design table and writes the results beside it, ready for `seedloop analyse`
+    Run(run::Arguments),
     /// Fits a model to the table of an experiment: coefficients, analysis of variance, diagnostics
     Analyse(analyse::Arguments),
     /// Finds where a fitted surface meets a target: the whole set, its region, the nearest solutions
@@ -70,6 +73,7 @@ fn main() -> ExitCode {
     command_line::finish(match &cli.command {
         Command::Simulate(arguments) => simulate::run(arguments),
         Command::Design(arguments) => design::run(arguments),
+        Command::Run(arguments) => run::run(arguments),
         Command::Analyse(arguments) => analyse::run(arguments),
         Command::Optimise(arguments) => optimise::run(arguments),
         Command::Init(arguments) => init::run(arguments),

@@ -66,7 +66,8 @@ pub(crate) fn result_or_stopped<T>(
 /// The error of the runs in an error of a study.
 fn of_campaign(error: &study::Error) -> Option<&campaign::Error> {
     match error {
-        study::Error::Calibration(calibration::Error::Campaign(source)) => Some(source),
+        study::Error::Calibration(calibration::Error::Campaign(source))
+        | study::Error::Campaign(source) => Some(source),
         _ => None,
     }
 }

@@ -5,6 +5,8 @@ use crate::Error;
 /// A table of text fields with named columns.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Table {
+    /// Line of the header in the text, from 1.
+    header_line: usize,
     /// Column names.
     header: Vec<String>,
     /// Rows, each with as many fields as the header.
@@ -54,12 +56,10 @@ impl Table {
         if rows.is_empty() {
             return Err(Error::EmptyTable { what: "header" });
         }
-        let header: Vec<String> = rows
-            .remove(0)
-            .fields
-            .iter()
-            .map(|name| name.trim().to_owned())
-            .collect();
+        let first = rows.remove(0);
+        let header_line = first.line;
+        let names = first.fields.iter();
+        let header: Vec<String> = names.map(|name| name.trim().to_owned()).collect();
         if rows.is_empty() {
             return Err(Error::EmptyTable { what: "rows" });
         }
@@ -69,8 +69,17 @@ impl Table {
                 expected: header.len(),
                 given: row.fields.len(),
             }),
-            None => Ok(Self { header, rows }),
+            None => Ok(Self {
+                header_line,
+                header,
+                rows,
+            }),
         }
+    }
+
+    /// Line of the header in the text, from 1.
+    pub fn header_line(&self) -> usize {
+        self.header_line
     }
 
     /// Column names.
@@ -223,6 +232,7 @@ mod tests {
     #[test]
     fn quotes_comments_and_windows_line_ends_are_understood() {
         let table = Table::parse("# note\r\na,b\r\n\"1, \"\"x\"\"\",2\r\n\r\n").unwrap();
+        assert_eq!(table.header_line(), 2);
         assert_eq!(table.rows()[0].text(0), "1, \"x\"");
         assert_eq!(table.number(&table.rows()[0], 1), Ok(2.0));
         assert_eq!(table.rows()[0].line(), 3);

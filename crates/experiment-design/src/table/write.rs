@@ -7,7 +7,7 @@ use crate::{Design, Factor};
 /// Factors as `symbol,name,unit,low,high`.
 pub fn factors_to_csv(factors: &[Factor]) -> String {
     let line = |f: &Factor| {
-        let (name, unit) = (quoted(f.name()), quoted(f.unit()));
+        let (name, unit) = (csv_field(f.name()), csv_field(f.unit()));
         format!("{},{name},{unit},{},{}\n", f.symbol(), f.low(), f.high())
     };
     let lines: String = factors.iter().map(line).collect();
@@ -57,8 +57,8 @@ fn rounded(value: f64) -> f64 {
     }
 }
 
-/// The field in quotes if it needs them; line breaks become spaces.
-fn quoted(field: &str) -> String {
+/// A field as it stands in CSV text: in quotes if it needs them; line breaks become spaces.
+pub fn csv_field(field: &str) -> String {
     let field = field.replace(['\n', '\r'], " ");
     if field.contains([',', '"']) {
         format!("\"{}\"", field.replace('"', "\"\""))

@@ -109,7 +109,7 @@ fn priced(text: &mut String, price: &Price, threads: usize) {
 }
 
 /// A time in words.
-fn duration(seconds: f64) -> String {
+pub(crate) fn duration(seconds: f64) -> String {
     match seconds {
         s if s < 90.0 => format!("{s:.0} s"),
         s if s < 5400.0 => format!("{:.0} min", s / 60.0),

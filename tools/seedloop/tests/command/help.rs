@@ -3,9 +3,10 @@
 use crate::{assert_code, assert_error, seedloop, text};
 use std::path::Path;
 
-const COMMANDS: [&str; 10] = [
+const COMMANDS: [&str; 11] = [
     "simulate",
     "design",
+    "run",
     "analyse",
     "optimise",
     "init",

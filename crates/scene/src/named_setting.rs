@@ -1,0 +1,147 @@
+//! Settings of a scene found by their names, for tables whose columns name them.
+
+use crate::parse::{LEFT_OUT, SHORT_NAMES, leaves, make_room, setting_at, whole_path};
+use crate::{Error, Scene};
+use toml::Value;
+
+/// What a setting takes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum SettingKind {
+    /// A plain number.
+    Number,
+    /// A number with its unit.
+    Quantity,
+    /// A word, such as the name of a material or of a law.
+    Text,
+    /// `true` or `false`.
+    Switch,
+}
+
+/// A setting of a scene that a name stands for.
+#[derive(Debug, Clone, PartialEq)]
+pub struct NamedSetting {
+    /// Its dotted path.
+    pub path: String,
+    /// Unit that the name brings along, as `rpm` does; none with all others.
+    pub unit: Option<&'static str>,
+    /// What it takes.
+    pub kind: SettingKind,
+    /// What stands there; an empty text for a quantity that the scene leaves out.
+    pub value: Value,
+}
+
+impl Scene {
+    /// The setting that a dotted path or an unambiguous short name stands for.
+    ///
+    /// # Errors
+    ///
+    /// A name that fits no setting, or several.
+    pub fn named_setting(&self, name: &str) -> Result<NamedSetting, Error> {
+        let mut table = self.table()?;
+        let short = SHORT_NAMES.iter().find(|(short, _, _)| *short == name);
+        let (path, unit) = match short {
+            Some((_, path, unit)) => ((*path).to_owned(), Some(*unit)),
+            None => (whole_path(&table, name, &self.file)?, None),
+        };
+        make_room(&mut table, &path);
+        let Some(value) = setting_at(&table, &path).cloned() else {
+            return Err(Error::UnknownSetting {
+                name: name.to_owned(),
+                file: self.file.clone(),
+                near: path,
+            });
+        };
+        let kind = match &value {
+            Value::Integer(_) | Value::Float(_) => SettingKind::Number,
+            Value::Boolean(_) => SettingKind::Switch,
+            Value::String(text) if is_quantity(text) => SettingKind::Quantity,
+            _ => SettingKind::Text,
+        };
+        Ok(NamedSetting {
+            path,
+            unit,
+            kind,
+            value,
+        })
+    }
+
+    /// Dotted paths of all settings, those that the file leaves out and that can be set included, and short names.
+    pub fn setting_names(&self) -> Vec<String> {
+        let Ok(table) = self.table() else {
+            return Vec::new();
+        };
+        let there = |path: &str| {
+            let mut table = table.clone();
+            make_room(&mut table, path);
+            setting_at(&table, path).is_some()
+        };
+        let mut names = leaves(&table);
+        for path in LEFT_OUT {
+            if there(path) && !names.iter().any(|name| name == path) {
+                names.push(path.to_owned());
+            }
+        }
+        let short = SHORT_NAMES.iter().filter(|(_, path, _)| there(path));
+        names.extend(short.map(|(short, _, _)| (*short).to_owned()));
+        names
+    }
+}
+
+/// Whether a text is a number and its unit, or the empty place of a quantity.
+fn is_quantity(text: &str) -> bool {
+    text.is_empty()
+        || text
+            .split_once(' ')
+            .is_some_and(|(number, unit)| number.parse::<f64>().is_ok() && !unit.is_empty())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::SettingKind;
+    use crate::{Error, Scene};
+    use std::path::Path;
+
+    /// A sled of a ball on a plate: no drum, so that nothing turns.
+    const SLED: &str = r#"
+        apparatus = { kind = "slider", plate = "steel", repeats = 2 }
+        seed = [{ name = "ball", sphere = "6 mm", density = "1250 kg/m3", material = "pea" }]
+        material.pea = { poisson_ratio = 0.3, shear_modulus = "0.5 MPa" }
+        material.steel = { poisson_ratio = 0.3, shear_modulus = "10 MPa" }
+        contact.pea-steel = { restitution = 0.6, static_friction = 0.3 }
+    "#;
+
+    #[test]
+    fn a_name_finds_its_setting_and_what_that_takes() {
+        let scene = Scene::from_text(SLED, "sled.toml", Path::new(""), &[]).unwrap();
+        let found = |name: &str| {
+            let found = scene.named_setting(name).unwrap();
+            (found.path, found.unit, found.kind)
+        };
+        let friction = "contact.pea-steel.static_friction".to_owned();
+        assert_eq!(
+            found("static_friction"),
+            (friction.clone(), None, SettingKind::Number)
+        );
+        assert_eq!(found(&friction).0, friction);
+        let step = || "protocol.time_step".to_owned();
+        assert_eq!(
+            found("time_step_s"),
+            (step(), Some("s"), SettingKind::Quantity)
+        );
+        assert_eq!(found(&step()), (step(), None, SettingKind::Quantity));
+        assert_eq!(found("sphere").2, SettingKind::Quantity);
+        assert_eq!(found("rolling_lever").2, SettingKind::Text);
+        assert_eq!(found("protocol.flow_step_share").2, SettingKind::Number);
+        assert!(matches!(
+            scene.named_setting("rpm"),
+            Err(Error::UnknownSetting { .. })
+        ));
+        assert!(matches!(
+            scene.named_setting("poisson_ratio"),
+            Err(Error::AmbiguousSetting { .. })
+        ));
+        let names = scene.setting_names();
+        assert!(names.contains(&friction) && names.contains(&"time_step_s".to_owned()));
+        assert!(!names.contains(&"rpm".to_owned()), "{names:?}");
+    }
+}

@@ -1,0 +1,241 @@
+//! `seedloop run DESIGN.csv --scene SCENE.toml`: a design table as a campaign.
+
+use crate::calibrate::{duration, progress_lines, refuse_used_folder};
+use crate::stop::{self, result_or_stopped};
+use anyhow::Context as _;
+use campaign::Campaign;
+use command_line::{Common, DONE, Header, NOT_MET, Overwrite, write_new};
+use run_store::{Observation, Record, Store};
+use serde::Serialize;
+use std::collections::BTreeMap;
+use std::io::Write as _;
+use std::path::PathBuf;
+use study::{DesignChoices, DesignPlan, DesignRun, DesignTable};
+
+/// Runs every row of a design table and writes the results beside it, ready for `seedloop analyse`
+#[derive(clap::Args, Debug)]
+pub(crate) struct Arguments {
+    /// Table of the runs, as `seedloop design` writes it. A column named by a setting sets it
+    /// (rpm, contact.seed-seed.static_friction, "apparatus.speed [rpm]"); `replicates` and
+    /// `seed` say how often a row is run and with which first seed
+    #[arg(value_name = "DESIGN.csv")]
+    design: PathBuf,
+
+    /// Scene that is run
+    #[arg(long, value_name = "SCENE.toml")]
+    scene: PathBuf,
+
+    /// Settings that a column stands for, B=contact.seed-seed.static_friction or W=apparatus.speed [rpm]; several
+    /// after commas. The column `B_natural` counts where there is one. May be given several times
+    #[arg(long, value_name = "COLUMN=PATHS")]
+    bind: Vec<String>,
+
+    /// Table of the factors, symbol,name,unit,low,high: needed where a column holds coded values alone, or for units
+    #[arg(long, value_name = "FACTORS.csv")]
+    factors: Option<PathBuf>,
+
+    /// Columns that set nothing, such as the dummies of a screening design
+    #[arg(long, value_name = "LIST", value_delimiter = ',')]
+    keep: Vec<String>,
+
+    /// Changes a setting of the scene in all runs, as for `simulate`
+    #[arg(long, value_name = "NAME=VALUE")]
+    set: Vec<String>,
+
+    /// Runs of each row, where the table has no column `replicates` [default: 1]
+    #[arg(long, value_name = "N")]
+    replicates: Option<usize>,
+
+    /// Seed of the first run; the others take those that follow, row by row. A column `seed` comes before it
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    seed: u64,
+
+    /// Folder of the results [default: out/ and the name of the table]
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+
+    /// Checks everything, says how many runs there are and what they cost, and runs nothing
+    #[arg(long)]
+    plan: bool,
+
+    /// Goes on in a folder that exists: finished runs are reused, the table of results is renewed
+    #[arg(long)]
+    resume: bool,
+
+    #[command(flatten)]
+    common: Common,
+}
+
+/// All runs as they stand in JSON.
+#[derive(Debug, Serialize)]
+struct Report {
+    /// Version, seed, inputs.
+    #[serde(flatten)]
+    header: Header,
+    /// The table of results.
+    results: String,
+    /// Number of runs.
+    n_runs: usize,
+    /// Number of runs without a result.
+    n_failed: usize,
+    /// The runs, in the order of the design.
+    runs: Vec<RunReport>,
+}
+
+/// A run as it stands in JSON.
+#[derive(Debug, Serialize)]
+struct RunReport {
+    /// Line of its row in the design.
+    line: usize,
+    /// Which run of its row it is, from 1.
+    repeat: usize,
+    /// Its seed.
+    seed: u64,
+    /// Name of its scene.
+    model: String,
+    /// Values of its parameters, each in the unit of its column.
+    parameters: BTreeMap<String, f64>,
+    /// How it ended up; none of a run without result, or where there are no such classes.
+    regime: Option<String>,
+    /// Its results by name.
+    observables: BTreeMap<String, Observation>,
+    /// Key of its record; none where there is none.
+    record: Option<String>,
+    /// Why it has no result; none where it has.
+    problem: Option<String>,
+}
+
+/// Runs the table and writes its results.
+///
+/// # Errors
+/// Files that cannot be read or written, a table that cannot be meant.
+pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
+    let common = &arguments.common;
+    common.refuse_existing_json()?;
+    let table = DesignTable::read(&choices(arguments))?;
+    let simulator = table.simulator()?;
+    let folder = folder(arguments);
+    let header = Header::new(arguments.seed, table.input_files())?;
+    let runs = folder.join("runs");
+    // Planning makes no folder.
+    let known = runs.is_dir().then(|| Store::open(&runs)).transpose()?;
+    table.check_builds(&simulator, known.as_ref())?;
+    let plan = table.plan(&simulator, known.as_ref())?;
+    let told = plan_text(&plan, common.threads());
+    if arguments.plan {
+        common.print(told)?;
+        common.emit_json(&with_header(&header, &plan)?)?;
+        return Ok(DONE);
+    }
+    refuse_used_folder(&folder, arguments.resume, common)?;
+    common.log(|| told);
+    let store = Store::open(&runs)?;
+    let (progress, flag) = (progress_lines(common), stop::flag()?);
+    let campaign = Campaign::new(&store, common.threads(), &progress).with_stop(&flag);
+    let outcomes = match result_or_stopped(table.run(&campaign, &simulator), &folder)? {
+        Ok(outcomes) => outcomes,
+        Err(code) => return Ok(code),
+    };
+    let file = folder.join("results.csv");
+    let text = table.results_csv(&outcomes);
+    // The folder was asked for: what lies in it may be renewed.
+    write_new(&file, text.as_bytes(), Overwrite::Allow)?;
+    let failed = tell_failures(table.runs(), &outcomes)?;
+    let file = file.display().to_string();
+    common.print(format!(
+        "{} runs, {failed} without a result: {file}",
+        outcomes.len()
+    ))?;
+    let each = table.runs().iter().zip(&outcomes);
+    common.emit_json(&Report {
+        header,
+        results: file,
+        n_runs: outcomes.len(),
+        n_failed: failed,
+        runs: each.map(|(run, outcome)| report(run, outcome)).collect(),
+    })?;
+    Ok(if failed == 0 { DONE } else { NOT_MET })
+}
+
+/// What the runs follow from.
+fn choices(arguments: &Arguments) -> DesignChoices {
+    DesignChoices {
+        design: arguments.design.clone(),
+        scene: arguments.scene.clone(),
+        factors: arguments.factors.clone(),
+        bind: arguments.bind.clone(),
+        set: arguments.set.clone(),
+        keep: arguments.keep.clone(),
+        replicates: arguments.replicates,
+        seed: arguments.seed,
+    }
+}
+
+/// The folder of the results.
+fn folder(arguments: &Arguments) -> PathBuf {
+    let own = || {
+        let stem = arguments.design.file_stem().unwrap_or_default();
+        PathBuf::from("out").join(stem)
+    };
+    arguments.out.clone().unwrap_or_else(own)
+}
+
+/// What would be run, in words.
+fn plan_text(plan: &DesignPlan, threads: usize) -> String {
+    let wall = duration(plan.core_s / threads.max(1) as f64);
+    let guess = if plan.measured {
+        ""
+    } else {
+        " (a guess until the first runs are done)"
+    };
+    format!(
+        "{} runs of {} rows, {} of them done; the others take {} of one core, about {wall} on {threads}{guess}",
+        plan.runs,
+        plan.rows,
+        plan.kept,
+        duration(plan.core_s)
+    )
+}
+
+/// A plan with version, seed and inputs.
+fn with_header(header: &Header, plan: &DesignPlan) -> anyhow::Result<serde_json::Value> {
+    let (mut value, plan) = (serde_json::to_value(header)?, serde_json::to_value(plan)?);
+    if let (Some(value), serde_json::Value::Object(plan)) = (value.as_object_mut(), plan) {
+        value.extend(plan);
+    }
+    Ok(value)
+}
+
+/// Tells every run without a result, also when the log is quiet, and counts them.
+fn tell_failures(runs: &[DesignRun], outcomes: &[Result<Record, String>]) -> anyhow::Result<usize> {
+    let mut failed = 0;
+    for (run, outcome) in runs.iter().zip(outcomes) {
+        if let Err(why) = outcome {
+            failed += 1;
+            let (line, seed) = (run.line, run.request.seed);
+            writeln!(
+                std::io::stderr(),
+                "no result: line {line}, seed {seed}: {why}"
+            )
+            .context("cannot write to standard error")?;
+        }
+    }
+    Ok(failed)
+}
+
+/// A run as it stands in JSON.
+fn report(run: &DesignRun, outcome: &Result<Record, String>) -> RunReport {
+    let record = outcome.as_ref().ok();
+    let observables = record.map(|record| record.observables().clone());
+    RunReport {
+        line: run.line,
+        repeat: run.repeat,
+        seed: run.request.seed,
+        model: run.request.model.clone(),
+        parameters: run.request.parameters.clone(),
+        regime: record.and_then(Record::regime).map(str::to_owned),
+        observables: observables.unwrap_or_default(),
+        record: record.map(|record| record.key().to_owned()),
+        problem: outcome.as_ref().err().cloned(),
+    }
+}
