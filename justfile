@@ -89,7 +89,7 @@ calibrate-liggghts:
     bash fixtures/peers-study/calibrate.sh liggghts
 
 # Installs the Debian package where it is missing; apt-get may need root.
-# Calibrate the friction of beads in a drum of YADE (half an hour).
+# Calibrate the friction of beads in a drum of YADE (an hour).
 yade-example:
     command -v yade > /dev/null || apt-get install --yes --no-install-recommends yade
     cargo run --release --locked -p seedloop -- calibrate fixtures/yade-example/study.toml --resume

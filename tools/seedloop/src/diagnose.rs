@@ -39,7 +39,7 @@ pub(crate) struct Arguments {
     #[arg(long)]
     resume: bool,
 
-    /// Who does the runs; for studies; jobs are set by [runner] of the study
+    /// Who does the runs; for studies; jobs are set by the table `[runner]` of the study
     #[arg(long, value_enum, value_name = "RUNNER", default_value_t)]
     runner: Runner,
 

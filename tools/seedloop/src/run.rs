@@ -18,7 +18,7 @@ use study::{DesignChoices, DesignPlan, DesignRun, DesignTable};
 #[derive(clap::Args, Debug)]
 pub(crate) struct Arguments {
     /// Table of the runs, as `seedloop design` writes it. A column named by a setting sets it
-    /// (rpm, contact.seed-seed.static_friction, "apparatus.speed [rpm]"); `replicates` and
+    /// (rpm, contact.seed-seed.static_friction, `apparatus.speed [rpm]`); `replicates` and
     /// `seed` say how often a row is run and with which first seed
     #[arg(value_name = "DESIGN.csv")]
     design: PathBuf,
@@ -27,7 +27,7 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "SCENE.toml")]
     scene: PathBuf,
 
-    /// Settings that a column stands for, B=contact.seed-seed.static_friction or W=apparatus.speed [rpm]; several
+    /// Settings that a column stands for, B=contact.seed-seed.static_friction or `W=apparatus.speed [rpm]`; several
     /// after commas. The column `B_natural` counts where there is one. May be given several times
     #[arg(long, value_name = "COLUMN=PATHS")]
     bind: Vec<String>,
@@ -68,7 +68,7 @@ pub(crate) struct Arguments {
     #[arg(long, value_enum, value_name = "RUNNER", default_value_t)]
     runner: Runner,
 
-    /// File with the table [runner], the settings of jobs, such as a study
+    /// File with the table `[runner]`, the settings of jobs, such as a study
     #[arg(long, value_name = "FILE.toml")]
     runner_settings: Option<PathBuf>,
 
