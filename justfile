@@ -193,9 +193,9 @@ slurm-test:
 
 # Installs Slurm and munge where they are missing; apt-get may need root.
 # Measure the overhead of a run and the scaling of a campaign on threads and on a real Slurm of this machine (ten minutes).
-batch-scaling:
+batch-scaling *ARGS:
     cargo build --release --locked -p batch-runner --examples
-    crates/batch-runner/slurm-test/scaling.sh
+    crates/batch-runner/slurm-test/scaling.sh "$@"
 
 # Run all that must pass before a change is merged.
 ci:

@@ -27,6 +27,21 @@ timed() { # NAME RUNNER RUNS SLEEP_S WORKERS SETTINGS
 }
 value() { cat "$work/$1.time"; }
 
+# Long runs: all campaigns at a time, since runs that sleep need no processor.
+if [ "${1:-}" = long ]; then
+    for workers in 1 2 4 8; do
+        timed "local_100_$workers" local 8 100 "$workers" packed &
+        timed "slurm_100_$workers" slurm 8 100 "$workers" packed &
+    done
+    wait
+    echo "| workers | 8 runs of 100 s: threads, s | Slurm, s |"
+    echo "|---:|---:|---:|"
+    for workers in 1 2 4 8; do
+        printf '| %d | %.1f | %.1f |\n' "$workers" "$(value "local_100_$workers")" "$(value "slurm_100_$workers")"
+    done
+    exit
+fi
+
 # Threads that sleep disturb nobody: all of these go on beside the others.
 for workers in 1 2 4 8 16; do
     timed "local_1_$workers" local 64 1 "$workers" packed &
