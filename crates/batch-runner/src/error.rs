@@ -156,17 +156,7 @@ pub enum Error {
 impl Error {
     /// The error with its causes, as one line.
     pub(crate) fn in_full(&self) -> String {
-        let mut text = self.to_string();
-        let mut cause = std::error::Error::source(self);
-        while let Some(next) = cause {
-            let words = next.to_string();
-            if !text.contains(&words) {
-                text.push_str(": ");
-                text.push_str(&words);
-            }
-            cause = next.source();
-        }
-        text
+        campaign::in_full(self)
     }
 }
 

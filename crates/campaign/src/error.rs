@@ -54,8 +54,8 @@ pub enum Error {
     Executor(#[from] ExecutorError),
 }
 
-/// An error with its causes, as one line.
-pub(crate) fn in_full(error: &dyn std::error::Error) -> String {
+/// An error with its causes, as one line; a cause that the text tells already is not told again.
+pub fn in_full(error: &dyn std::error::Error) -> String {
     let mut text = error.to_string();
     let mut cause = error.source();
     while let Some(next) = cause {

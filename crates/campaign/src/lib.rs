@@ -54,7 +54,7 @@ mod simulator;
 mod time_left;
 mod workers;
 
-pub use error::Error;
+pub use error::{Error, in_full};
 pub use executor::{Executor, ExecutorError, PendingRun, RunEvent};
 pub use pace::Pace;
 pub use progress::{LineProgress, Progress, ProgressState, Silent};

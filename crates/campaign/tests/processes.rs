@@ -107,7 +107,7 @@ fn run(folder: &Path, endless: Option<u64>) -> Vec<f64> {
 
 /// What the children do; alone it does nothing.
 #[test]
-#[ignore = "other tests start it"]
+#[ignore = "the process that other tests of this file start: `just test`"]
 fn a_child_does_its_runs() {
     let here = Path::new(".");
     if here.join("task").exists() {

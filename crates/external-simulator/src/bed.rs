@@ -13,7 +13,8 @@ use scene_simulator::{
 };
 use std::collections::BTreeMap;
 
-/// What is read of a bed of spheres; without velocities the last three are not.
+/// What is read of a bed of spheres; without velocities there is no slip, and where the bed is never carried along no time of
+/// waiting.
 pub const OBSERVABLES_OF_A_BED: [&str; 14] = [
     "angle_deg",
     "angle_by_position_deg",

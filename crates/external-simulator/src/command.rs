@@ -11,7 +11,7 @@ use exchange::{Moment, read_positions};
 use photo_profile::{Settings, measure_photo, name_order, read_frames};
 use run_store::Record;
 use scene::{FrameReading, SteadyRule};
-use scene_simulator::{FrameDetails, RunDetails, SeriesDetails, SurfaceReadings};
+use scene_simulator::{FrameDetails, RunDetails, SECONDS_PER_COST, SeriesDetails, SurfaceReadings};
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use std::fs;
@@ -20,8 +20,6 @@ use std::time::{Duration, Instant};
 
 /// Revision of what is done around the command: raised when the same files give other numbers.
 const REVISION: u32 = 1;
-/// The unit of [`Simulator::expected_cost`] in seconds of one core, as the scenes here count it.
-const SECONDS_PER_COST: f64 = 0.0025;
 /// Name of the file with all values.
 const REQUEST: &str = "request.json";
 /// An argument that stands for all values as `name=value`.

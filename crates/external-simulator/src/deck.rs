@@ -97,14 +97,9 @@ impl Deck {
     }
 
     /// The script, and the run in which the seeds come to lie.
-    pub(crate) fn start(&self, peer: Peer) -> String {
-        // A process of LAMMPS that has no seed yet has nothing to print.
-        let lost = match peer {
-            Peer::Lammps => "thermo_modify lost error\n",
-            Peer::Liggghts => "",
-        };
+    pub(crate) fn start(&self) -> String {
         format!(
-            "{}\nthermo_style custom step time\n{lost}thermo {}\nrun {}",
+            "{}\nthermo_style custom step time\nthermo {}\nrun {}",
             self.files[0].text, self.every, self.start_steps
         )
     }

@@ -70,6 +70,8 @@ pub struct PeerSettings {
     pub peer: Peer,
     /// The command line that starts it, such as `mpirun -np 4 lmp`.
     pub command: Vec<String>,
+    /// Number of its processes, for the record.
+    pub ranks: usize,
     /// Environment variables for it.
     pub environment: Vec<(String, String)>,
     /// Time by the clock after which a run is ended, s.
@@ -128,7 +130,7 @@ impl PeerSimulator {
         let limit = Duration::from_secs_f64(settings.wall_limit_s);
         let (command, environment) = (&settings.command, &settings.environment);
         let mut session = Session::start(command, environment, &folder.path, limit)?;
-        session.run(&deck.start(settings.peer))?;
+        session.run(&deck.start())?;
         let mut bed = Bed::new(Drive {
             camera: DrumCamera::of(scene),
             spin: scene.apparatus.speed(),
@@ -156,7 +158,7 @@ impl PeerSimulator {
                     time_step: deck.time_step,
                     steps: deck.steps_of(bed.len()),
                     bodies: scene.seed_count(),
-                    threads: 1,
+                    threads: settings.ranks,
                 };
                 return Ok(Done { bed, state, took });
             }

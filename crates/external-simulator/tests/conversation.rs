@@ -1,7 +1,7 @@
 //! The conversation with LAMMPS, held with a script that answers like it.
 
 use campaign::{RunRequest, Simulator};
-use external_simulator::{Keep, Peer, PeerSettings, PeerSimulator};
+use external_simulator::{Keep, OBSERVABLES_OF_A_BED, Peer, PeerSettings, PeerSimulator};
 use scene::{Override, Scene};
 use scene_simulator::SceneSimulator;
 use std::collections::BTreeMap;
@@ -26,6 +26,7 @@ fn simulator(folder: &Path, swing: f64, dies_at: u64) -> PeerSimulator {
             swing.to_string(),
             dies_at.to_string(),
         ],
+        ranks: 2,
         environment: Vec::new(),
         wall_limit_s: 60.0,
         work: folder.join("work"),
@@ -53,6 +54,12 @@ fn the_code_goes_on_for_as_long_as_the_bed_asks_for() {
     let angle = outcome.observables["angle_deg"].mean;
     assert!((angle - 30.0).abs() < 0.5, "{angle}");
     assert_eq!(outcome.regime.as_deref(), Some("rolling"));
+    // All that is said to be read is read, and nothing else: the swing carries the bed along in a part of the time.
+    let mut said = OBSERVABLES_OF_A_BED.to_vec();
+    said.sort_unstable();
+    let read: Vec<&str> = outcome.observables.keys().map(String::as_str).collect();
+    assert_eq!(read, said);
+    assert_eq!(outcome.details["timing"]["threads"], 2);
     // The spheres turn with the drum, 10 rpm = 1.047 rad/s; those that count lie one to two of their radii, 5 to 10 % of that
     // of the drum, inside the shell, and are slower by that.
     let slip = outcome.observables["shell_slip"].mean;

@@ -88,7 +88,7 @@ fn words(error: &Error) -> String {
 
 /// What the children do; alone it does nothing.
 #[test]
-#[ignore = "other tests start it"]
+#[ignore = "the process that other tests of this file start: `just test`"]
 fn a_child_does_its_task() {
     let Ok(task) = fs::read_to_string("task") else {
         return;

@@ -20,6 +20,7 @@ mod simulator;
 mod surface;
 
 pub use binding::Binding;
+pub use cost::SECONDS_PER_COST;
 pub use details::{
     FrameDetails, RunDetails, SeriesDetails, TimingDetails, effective_number, error_over_swings,
     png_in_base64,

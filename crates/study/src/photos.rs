@@ -1,6 +1,7 @@
 //! Photos in the place of numbers, read by the ruler that reads the simulated frames.
 
 use crate::file::{MeasuredValue, PhotoOptions};
+use campaign::in_full;
 use photo_profile::{
     DrumPixels, Mode, PhotoPixels, PhotoReading, PixelPoint, Settings, Verdict, measure_photo,
     picture_files, read_frames, rectify,
@@ -193,16 +194,4 @@ fn values_of(reading: &PhotoReading) -> Option<FrameValues> {
         values: vec![("angle_of_repose_deg", heap.mean.to_degrees())],
         error: heap.standard_error.to_degrees(),
     })
-}
-
-/// An error with its causes.
-fn in_full(error: &dyn std::error::Error) -> String {
-    let mut text = error.to_string();
-    let mut cause = error.source();
-    while let Some(next) = cause {
-        text.push_str(": ");
-        text.push_str(&next.to_string());
-        cause = next.source();
-    }
-    text
 }

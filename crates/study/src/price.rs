@@ -5,15 +5,8 @@ use crate::file::Budget;
 use calibration::PlannedStage;
 use campaign::{RunRequest, Simulator};
 use run_store::{Lookup, Record, Store};
-use scene_simulator::{RunDetails, TimingDetails};
+use scene_simulator::{RunDetails, SECONDS_PER_COST, TimingDetails};
 use serde::Serialize;
-
-/// Time of one core for one unit of [`Simulator::expected_cost`], s.
-///
-/// A guess of ours for as long as no planned run is finished: the drum of 1200 seeds of 140 spheres takes some 20 s for a cost of 8200. Other machines and
-/// seeds of few spheres differ by a factor of several. Nothing but the estimate told and a budget in core hours
-/// depends on it.
-const SECONDS_PER_COST: f64 = 0.0025;
 
 /// What a stage would cost.
 #[derive(Debug, Clone, PartialEq, Serialize)]

@@ -130,6 +130,7 @@ impl Study {
                 let settings = PeerSettings {
                     peer: entry.peer,
                     command: entry.command.clone(),
+                    ranks: entry.ranks,
                     environment: entry.environment.clone().into_iter().collect(),
                     wall_limit_s: entry.wall_limit_s,
                     work,

@@ -143,7 +143,8 @@ fn parameters(page: &mut Page<'_>) -> Result<(), Error> {
     }
     page.table(&table);
     let sets = page.input.calibration.parameters.iter();
-    let sets = sets.filter(|p| !p.sets.is_empty());
+    // A program of the user is told the symbol itself.
+    let sets = sets.filter(|p| p.sets.iter().any(|path| *path != p.symbol));
     let lines: Vec<String> = sets
         .map(|p| format!("{}: {}", p.symbol, p.sets.join(", ")))
         .collect();

@@ -30,6 +30,8 @@ pub struct PeerEntry {
     pub peer: Peer,
     /// The command line.
     pub command: Vec<String>,
+    /// Number of processes.
+    pub ranks: usize,
     /// Environment variables.
     pub environment: BTreeMap<String, String>,
     /// Time limit of a run, s.
@@ -110,6 +112,7 @@ fn peer(peer: Peer, fields: &Fields<'_>, problems: &mut Problems) -> SimulatorEn
     SimulatorEntry::Peer(PeerEntry {
         peer,
         command,
+        ranks: ranks.unwrap_or(1),
         environment: fields
             .optional("environment", "a table of texts", problems)
             .unwrap_or_default(),

@@ -46,21 +46,23 @@ fn a_program_of_the_user_is_calibrated() {
         "{inputs:?}"
     );
     let report = fs::read_to_string(folder.path().join("out/report.html")).unwrap();
-    assert!(report.contains("rolling friction"));
+    assert!(report.contains("rolling friction") && !report.contains("mu_r: mu_r"));
     let work = fs::read_dir(folder.path().join("out/work"))
         .unwrap()
         .count();
     assert_eq!(work, 0, "folders of runs that succeeded are removed");
-    // All runs are found again.
-    let again = seedloop(
-        folder.path(),
-        &["calibrate", "study.toml", "--out", "out", "--resume"],
-    );
-    assert_code(&again, 0);
-    assert!(
-        !text(&again.stderr).contains("running); whole loop: 1 s"),
-        "nothing runs again"
-    );
+    // All runs are found again: no record is written anew.
+    let written = || {
+        let entries = fs::read_dir(folder.path().join("out/runs")).unwrap();
+        let times = entries.map(|e| e.unwrap().metadata().unwrap().modified().unwrap());
+        let mut times: Vec<_> = times.collect();
+        times.sort();
+        times
+    };
+    let before = written();
+    let again = [&words[..], &["--resume"]].concat();
+    assert_code(&seedloop(folder.path(), &again), 0);
+    assert_eq!(written(), before);
 }
 
 /// What is hidden in the measured values is found by an effect that the program itself offers: a cohesion of 2 lifts the slow
@@ -131,11 +133,8 @@ fn what_is_wrong_is_told() {
     let output = seedloop(folder.path(), &words);
     assert_code(&output, 2);
     let told = text(&output.stderr);
-    for word in ["no.py", "exit status: 2", "out/work/", "scene=drum"] {
-        assert!(
-            told.contains(word) || word == "scene=drum",
-            "{word}: {told}"
-        );
+    for word in ["no.py", "exit status: 2", "out/work/"] {
+        assert!(told.contains(word), "{word}: {told}");
     }
 
     let folder = tempfile::tempdir().unwrap();

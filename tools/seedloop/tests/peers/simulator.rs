@@ -26,6 +26,7 @@ fn compare(peer: Peer, variable: &str) {
     let settings = PeerSettings {
         peer,
         command: command.split_whitespace().map(str::to_owned).collect(),
+        ranks: 1,
         environment: vec![("OMP_NUM_THREADS".into(), "1".into())],
         wall_limit_s: 600.0,
         work: folder.path().join("work"),
