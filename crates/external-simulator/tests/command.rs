@@ -255,6 +255,24 @@ fn positions_of_another_code_are_read_by_the_same_ruler() {
     let outcome = script.simulator().run(&request(0.1)).unwrap();
     // The rule keeps what follows its start-up: the last frames.
     let n = outcome.observables["angle_deg"].n;
+    // The start-up, 1.5 swings to half a frame of 0.1 s, is no part of it.
+    let time = |key: &str| outcome.details[key].as_f64().unwrap();
+    let (start_up, swing) = (time("start_up_s"), time("swing_s"));
+    // Both are told in whole frames: 1.5 times half a frame and half a frame.
+    assert!(
+        swing > 0.3 && start_up > 1.5 * swing - 0.125,
+        "{start_up} s"
+    );
+    let left_out = (start_up / 0.1).round();
+    let kept = outcome.details["frames"]["times_s"]
+        .as_array()
+        .unwrap()
+        .len();
+    assert_eq!(
+        left_out,
+        (frames.len() - kept) as f64,
+        "frames of the start-up"
+    );
     let last = &angles[angles.len() - n..];
     let of_last = last.iter().sum::<f64>() / n as f64;
     let angle = outcome.observables["angle_deg"].mean;

@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-fn simulator(folder: &Path, swing: f64, dies_at: u64) -> PeerSimulator {
+fn simulator(folder: &Path, swing: f64, dies_at: u64, further: &[&str]) -> PeerSimulator {
     let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/fake_lammps.py");
     let file =
         Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tools/seedloop/tests/peers/drum.toml");
@@ -20,12 +20,12 @@ fn simulator(folder: &Path, swing: f64, dies_at: u64) -> PeerSimulator {
     let scenes = BTreeMap::from([("drum".to_owned(), scene)]);
     let settings = PeerSettings {
         peer: Peer::Lammps,
-        command: vec![
-            "python3".into(),
-            script.display().to_string(),
-            swing.to_string(),
-            dies_at.to_string(),
-        ],
+        command: ["python3", &script.display().to_string()]
+            .into_iter()
+            .chain([swing.to_string().as_str(), &dies_at.to_string()])
+            .chain(further.iter().copied())
+            .map(str::to_owned)
+            .collect(),
         ranks: 2,
         environment: Vec::new(),
         wall_limit_s: 60.0,
@@ -48,7 +48,7 @@ fn run_folder(folder: &Path) -> PathBuf {
 #[test]
 fn the_code_goes_on_for_as_long_as_the_bed_asks_for() {
     let folder = tempfile::tempdir().unwrap();
-    let simulator = simulator(folder.path(), 2.0, u64::MAX);
+    let simulator = simulator(folder.path(), 2.0, u64::MAX, &[]);
     assert!(simulator.version().starts_with("LAMMPS (a fake)"));
     let outcome = simulator.run(&RunRequest::new("drum", 1)).unwrap();
     let angle = outcome.observables["angle_deg"].mean;
@@ -73,7 +73,7 @@ fn the_code_goes_on_for_as_long_as_the_bed_asks_for() {
 #[test]
 fn a_code_that_breaks_off_is_told_with_its_log() {
     let folder = tempfile::tempdir().unwrap();
-    let simulator = simulator(folder.path(), 2.0, 1);
+    let simulator = simulator(folder.path(), 2.0, 1, &[]);
     let error = simulator.run(&RunRequest::new("drum", 1)).unwrap_err();
     let error = error.to_string();
     let told = run_folder(folder.path()).display().to_string();
@@ -86,11 +86,21 @@ fn a_code_that_breaks_off_is_told_with_its_log() {
 #[test]
 fn what_the_code_does_not_have_is_refused() {
     let folder = tempfile::tempdir().unwrap();
-    let simulator = simulator(folder.path(), 2.0, u64::MAX);
+    let simulator = simulator(folder.path(), 2.0, u64::MAX, &[]);
     let request = RunRequest::new("drum", 1).with_effect("cohesion", 0.5);
     let error = simulator.inputs(&request).unwrap_err().to_string();
     assert!(
         error.contains("LAMMPS") && error.contains("attraction"),
         "{error}"
     );
+}
+
+/// A bed that lost a sphere is no result.
+#[test]
+fn a_lost_sphere_ends_the_run() {
+    let folder = tempfile::tempdir().unwrap();
+    let simulator = simulator(folder.path(), 2.0, u64::MAX, &["loses"]);
+    let error = simulator.run(&RunRequest::new("drum", 1)).unwrap_err();
+    let error = error.to_string();
+    assert!(error.contains("spheres are in the drum"), "{error}");
 }

@@ -1,15 +1,16 @@
 # Answers like LAMMPS: tells its version, does every `run` by writing moments of a bed at 30 deg whose slope
 # swings by SWING deg once in 0.4 s, and makes the files of `print`. From step DIES_AT on it breaks off.
 #
-# fake_lammps.py SWING DIES_AT < commands
+# fake_lammps.py SWING DIES_AT [LOSES] < commands; with LOSES, a sphere is missing in the dump
 import math, sys
 print("LAMMPS (a fake)", flush=True)
 swing, dies_at = float(sys.argv[1]), int(sys.argv[2])
+loses = len(sys.argv) > 3
 step, every, first, log = 0, 0, True, open("commands.txt", "w")
 dt, radius, data = 1.0, 0.03, []
 def moment():
     angle = math.radians(30 + swing * math.sin(2 * math.pi * step * dt / 0.4))
-    n = len(open("drum.data").read().split("# hybrid")[1].split("\n")) - 3
+    n = len(open("drum.data").read().split("# hybrid")[1].split("\n")) - 3 - loses
     with open("bed.dump", "a") as out:
         out.write("ITEM: TIMESTEP\n%d\nITEM: NUMBER OF ATOMS\n%d\nITEM: BOX BOUNDS\n0 1\n0 1\n0 1\n" % (step, n))
         out.write("ITEM: ATOMS id type mol x y z radius vx vy vz\n")
