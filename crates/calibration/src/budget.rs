@@ -39,6 +39,7 @@ mod tests {
             name: name.into(),
             probe: 1.0,
             range: [-2.0, 2.0],
+            absent: BTreeMap::new(),
         };
         ResidualPlan {
             id: "speeds".into(),

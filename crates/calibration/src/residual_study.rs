@@ -6,6 +6,7 @@ mod assemble;
 pub(crate) mod fits;
 mod refit;
 mod runs;
+mod scatter;
 
 use crate::Error;
 use campaign::{Campaign, RunRequest, Simulator};
@@ -67,9 +68,18 @@ pub struct EffectProbe {
     pub probe: f64,
     /// Least and largest amplitude that is physically possible.
     pub range: [f64; 2],
+    /// Models that cannot carry it, by name, with the reason: it changes nothing there.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub absent: BTreeMap<String, String>,
 }
 
 impl EffectProbe {
+    /// Whether it can change anything at a condition.
+    pub(crate) fn acts_on(&self, condition: &StudyCondition) -> bool {
+        let model = condition.model.as_ref();
+        model.is_none_or(|name| !self.absent.contains_key(name))
+    }
+
     /// How far its amplitude can go.
     pub fn largest(&self) -> Largest {
         let [low, high] = self.range;
@@ -169,8 +179,8 @@ pub struct ResidualStudy {
     /// What was measured.
     pub observed: Observed,
     /// Degrees of freedom of the simulator's noise.
-    pub noise_dof: usize,
-    /// Standard deviation of one run, by observable.
+    pub noise_dof: f64,
+    /// Standard deviation of one run, by observable, pooled over the conditions.
     pub run_sd: BTreeMap<String, f64>,
     /// Declared parameters after the fit without any effect.
     pub fitted: BTreeMap<String, f64>,
@@ -281,6 +291,7 @@ pub fn study_residual(
         0 | 1 => (added.pop(), Vec::new()),
         _ => (None, added),
     };
+    let pooled = linear.pooled_covariance();
     let names = || plan.declared.iter().map(|d| d.name.clone());
     Ok(ResidualStudy {
         plan: plan.clone(),
@@ -291,7 +302,7 @@ pub fn study_residual(
             .observables
             .iter()
             .enumerate()
-            .map(|(k, name)| (name.clone(), linear.run_covariance[k][k].sqrt()))
+            .map(|(k, name)| (name.clone(), pooled[k][k].sqrt()))
             .collect(),
         fitted: names().zip(fitted).collect(),
         simulated_before: fit.means.values,

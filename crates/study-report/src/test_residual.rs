@@ -46,6 +46,7 @@ fn study() -> ResidualStudy {
         name: name.into(),
         probe: 1.0,
         range: [-5.0, 5.0],
+        absent: BTreeMap::new(),
     };
     let condition = |rpm: &f64| StudyCondition {
         model: None,

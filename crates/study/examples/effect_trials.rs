@@ -162,6 +162,7 @@ impl Plan {
                 name: name.clone(),
                 probe: description.probe,
                 range: description.range,
+                absent: BTreeMap::new(),
             })
         };
         let names = effect_library::names();

@@ -257,6 +257,7 @@ pub(crate) fn probes(file: &StudyFile, named: Option<&[String]>) -> Vec<EffectPr
         name: e.name.clone(),
         probe: e.probe,
         range: e.range,
+        absent: BTreeMap::new(),
     })
     .collect()
 }

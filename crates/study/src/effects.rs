@@ -5,10 +5,10 @@ use calibration::{EffectProbe, Measurement, Role};
 use effect_library::{Description, apply, find, names};
 use std::collections::BTreeMap;
 
-/// Effects to search, and those that a measured scene cannot carry, with the reason.
+/// Effects to search, and those that no measured scene can carry, with the reason.
 #[derive(Debug, Default)]
 pub(crate) struct Searched {
-    /// Effects that every measured scene can carry.
+    /// Effects that a measured scene can carry, with the models that cannot.
     pub(crate) probes: Vec<EffectProbe>,
     /// The others.
     pub(crate) not_applicable: BTreeMap<String, String>,
@@ -23,29 +23,37 @@ pub(crate) fn search(
 ) -> Searched {
     let all = named.map_or_else(names, <[String]>::to_vec);
     let mut found = Searched::default();
-    let judged = |model: usize| {
-        let mut all = measurements.iter();
-        all.any(|m| m.model == model && m.role != Role::Show)
-    };
+    let judged: Vec<usize> = (0..models.scenes.len())
+        .filter(|&k| {
+            let mut all = measurements.iter();
+            all.any(|m| m.model == k && m.role != Role::Show)
+        })
+        .collect();
     for name in all {
         let Ok(effect) = find(&name) else { continue };
         let Description { probe, range, .. } = effect.description();
-        let refusal = models.scenes.iter().enumerate().find_map(|(k, scene)| {
-            if !judged(k) {
-                return None;
+        let refusal = |k: usize| {
+            let mut scene = models.scenes[k].clone();
+            match apply(&mut scene, &name, probe, &scenes.fillings) {
+                Err(error) => Some(error.to_string()),
+                Ok(()) => Some(scenes.peer?.check(&scene).err()?.to_string()),
             }
-            let mut scene = scene.clone();
-            let refused = match apply(&mut scene, &name, probe, &scenes.fillings) {
-                Err(error) => error.to_string(),
-                Ok(()) => scenes.peer?.check(&scene).err()?.to_string(),
-            };
-            Some(format!("{}: {refused}", models.models[k].name))
-        });
-        match refusal {
-            Some(reason) => {
-                found.not_applicable.insert(name, reason);
-            }
-            None => found.probes.push(EffectProbe { name, probe, range }),
+        };
+        let refused = judged.iter().filter_map(|&k| Some((k, refusal(k)?)));
+        let absent: BTreeMap<String, String> = refused
+            .map(|(k, reason)| (models.models[k].name.clone(), reason))
+            .collect();
+        if absent.len() < judged.len() {
+            found.probes.push(EffectProbe {
+                name,
+                probe,
+                range,
+                absent,
+            });
+        } else if let Some((model, reason)) = absent.first_key_value() {
+            found
+                .not_applicable
+                .insert(name, format!("{model}: {reason}"));
         }
     }
     found

@@ -45,10 +45,17 @@ pub(super) fn problem(
         let pairs = observed.values[c].iter().zip(&at_fit.values[c]);
         pairs.map(|(y, f)| y.map(|y| y - f)).collect::<Vec<_>>()
     });
-    let noise = |variance: f64| CovarianceInput::Matrix(scaled(&linear.run_covariance, variance));
+    let of_run = |variance: f64, moves: &dyn Fn(usize) -> bool| {
+        let factor = |c: usize| if moves(c) { variance } else { 0.0 };
+        let block = |c: usize| scaled(&linear.run_covariance[c], factor(c));
+        CovarianceInput::Blocks(used().map(block).collect())
+    };
+    // A slope that moves nothing at a condition is 0 there, without noise.
+    let noise = |column: usize, variance: f64| of_run(variance, &|c| linear.moves[column][c]);
     // A difference of two means of n runs.
-    let of_step = |step: f64| noise(2.0 / (linear.nominal.n as f64 * step * step));
-    let simulator = scaled(&linear.run_covariance, 1.0 / at_fit.n as f64);
+    let of_step = |(column, d): (usize, &DeclaredParameter)| {
+        noise(column, 2.0 / (linear.nominal.n as f64 * d.step * d.step))
+    };
     let any_prior = plan.declared.iter().any(|d| d.prior.is_some());
     ProblemFile {
         id: plan.id.clone(),
@@ -58,11 +65,11 @@ pub(super) fn problem(
         cov_measurement: Some(CovarianceInput::Blocks(
             used().map(|c| observed.covariance[c].clone()).collect(),
         )),
-        cov_simulator: Some(CovarianceInput::Matrix(simulator)),
-        covariance_dof: Some(linear.noise_dof as f64),
+        cov_simulator: Some(of_run(1.0 / at_fit.n as f64, &|_| true)),
+        covariance_dof: Some(linear.noise_dof),
         declared: plan.declared.iter().map(|d| d.name.clone()).collect(),
         sensitivities_declared: linear.declared.concat(),
-        cov_sensitivities_declared: plan.declared.iter().map(|d| of_step(d.step)).collect(),
+        cov_sensitivities_declared: plan.declared.iter().enumerate().map(of_step).collect(),
         prior_precision: any_prior.then(|| {
             let precision = |sd: f64| 1.0 / (sd * sd);
             let each = plan
@@ -78,7 +85,12 @@ pub(super) fn problem(
         },
         library: plan.effects.iter().map(|e| e.name.clone()).collect(),
         sensitivities_library: linear.library.concat(),
-        cov_sensitivities_library: linear.library_variance.iter().map(|v| noise(*v)).collect(),
+        cov_sensitivities_library: linear
+            .library_variance
+            .iter()
+            .enumerate()
+            .map(|(j, v)| noise(plan.declared.len() + j, *v))
+            .collect(),
         largest_amplitudes: plan
             .effects
             .iter()
@@ -108,7 +120,7 @@ pub(super) fn root(
 ) -> Result<DMatrix<f64>, Error> {
     let total = added(
         &observed.covariance[condition],
-        &linear.run_covariance,
+        &linear.run_covariance[condition],
         runs,
     );
     let root = Cholesky::new(of_measured(observed, &total, condition)).ok_or(Error::Search {
@@ -126,8 +138,8 @@ pub(super) fn root_of_runs(
     runs: f64,
     condition: usize,
 ) -> Result<DMatrix<f64>, Error> {
-    let covariance = scaled(&linear.run_covariance, runs);
-    let known = linear.noise_dof >= RUNS_TO_KNOW * observed.measured(condition).len();
+    let covariance = scaled(&linear.run_covariance[condition], runs);
+    let known = linear.noise_dof >= (RUNS_TO_KNOW * observed.measured(condition).len()) as f64;
     match Cholesky::new(of_measured(observed, &covariance, condition)).filter(|_| known) {
         Some(of_runs) => Ok(of_runs.l()),
         None => root(observed, linear, runs, condition),

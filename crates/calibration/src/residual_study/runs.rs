@@ -1,6 +1,7 @@
 //! The runs of a residual study and their means.
 
-use super::{DeclaredParameter, Observed, ResidualPlan, StudyCondition, assemble};
+use super::scatter::Scatter;
+use super::{DeclaredParameter, EffectProbe, Observed, ResidualPlan, StudyCondition, assemble};
 use crate::Error;
 use campaign::{Campaign, RunRequest, Simulator};
 use nalgebra::DVector;
@@ -27,15 +28,6 @@ pub(super) struct Means {
     pub(super) scatter: Scatter,
 }
 
-/// Scatter of runs about the means of their conditions.
-#[derive(Debug, Clone, PartialEq)]
-pub(super) struct Scatter {
-    /// Sums of products of the deviations, (observables, observables).
-    products: Vec<Vec<f64>>,
-    /// Degrees of freedom of each product, (observables, observables): 0 for two that were never read together.
-    dof: Vec<Vec<usize>>,
-}
-
 /// The simulator near the starting point.
 #[derive(Debug, Clone)]
 pub(super) struct Linearisation {
@@ -51,10 +43,12 @@ pub(super) struct Linearisation {
     /// Share of the noise of a run that a run with the effect does not share with the one without it: 1, or
     /// less where the effect leaves the motion alone.
     own_noise: Vec<f64>,
-    /// Covariance of one run, pooled over conditions and settings, (observables, observables).
-    pub(super) run_covariance: Vec<Vec<f64>>,
+    /// Whether each parameter, and behind them each effect, moves the runs of a condition at all, (columns, conditions).
+    pub(super) moves: Vec<Vec<bool>>,
+    /// Covariance of one run at each condition, pooled over settings, (conditions, observables, observables).
+    pub(super) run_covariance: Vec<Vec<Vec<f64>>>,
     /// Its degrees of freedom.
-    pub(super) noise_dof: usize,
+    pub(super) noise_dof: f64,
     /// Scatter of all runs so far.
     scatter: Scatter,
 }
@@ -89,7 +83,9 @@ impl Setting {
             None => request.condition.extend(condition.condition.clone()),
         }
         request.parameters.extend(self.parameters.clone());
-        request.effects.extend(self.effects.clone());
+        let acting = plan.effects.iter().filter(|e| e.acts_on(condition));
+        let amplitude = |e: &EffectProbe| Some((e.name.clone(), *self.effects.get(&e.name)?));
+        request.effects.extend(acting.filter_map(amplitude));
         request.with_seed(plan.base.seed + 1000 * block + replicate as u64)
     }
 }
@@ -208,7 +204,10 @@ pub(crate) fn value(record: &Record, observable: &str) -> Result<f64, Error> {
 ///
 /// For each observable the sum of squares of `(on - off) - mean` over that of `on - mean` and `off - mean`,
 /// means over the `r` runs of a condition; the largest of all observables, at most 1.
+///
+/// Conditions at which the effect changes nothing say nothing of it.
 fn own_noise_of(off: &Runs<'_>, on: &Runs<'_>, r: usize) -> f64 {
+    let (off, on) = (&off.differing_from(on, r), &on.differing_from(off, r));
     if !same_motion(&off.records, &on.records, r) {
         return 1.0;
     }
@@ -216,7 +215,7 @@ fn own_noise_of(off: &Runs<'_>, on: &Runs<'_>, r: usize) -> f64 {
         on.iter().zip(off).map(|(a, b)| a - b).collect()
     };
     let differences: Vec<_> = on.rows.iter().zip(&off.rows).map(difference).collect();
-    let squares = |rows: &[Vec<f64>], k: usize| Means::of(rows, r).scatter.products[k][k];
+    let squares = |rows: &[Vec<f64>], k: usize| Means::of(rows, r).scatter.sum_of_squares(k);
     let share = |k: usize| {
         let own = squares(&differences, k);
         let both = squares(&on.rows, k) + squares(&off.rows, k);
@@ -261,6 +260,36 @@ impl<'a> Runs<'a> {
         let rows = rows_of(plan, &records, At::Used)?;
         Ok(Self { records, rows })
     }
+
+    /// Those of the conditions at which others of the same seeds are other runs, by groups of `r`.
+    fn differing_from(&self, other: &Self, r: usize) -> Self {
+        let groups = self.records.chunks(r).zip(other.records.chunks(r));
+        let differs: Vec<bool> = groups.map(|(a, b)| differ(a, b)).collect();
+        let kept = |i: &usize| differs[i / r];
+        Self {
+            records: (0..self.records.len())
+                .filter(kept)
+                .map(|i| self.records[i])
+                .collect(),
+            rows: (0..self.rows.len())
+                .filter(kept)
+                .map(|i| self.rows[i].clone())
+                .collect(),
+        }
+    }
+}
+
+/// Whether two groups hold different runs.
+fn differ(a: &[&Record], b: &[&Record]) -> bool {
+    a.iter().zip(b).any(|(a, b)| a.key() != b.key())
+}
+
+/// Whether the runs of each condition are others than those at the start; not so where nothing is run.
+fn moved(plan: &ResidualPlan, start: &Runs<'_>, runs: &Runs<'_>, r: usize) -> Vec<bool> {
+    let groups = start.records.chunks(r).zip(runs.records.chunks(r));
+    let mut differs = groups.map(|(a, b)| differ(a, b));
+    let of = |c: &StudyCondition| c.used && differs.next().unwrap_or(false);
+    plan.conditions.iter().map(of).collect()
 }
 
 /// Mean of rows; 0 for what was not read, which nobody asks for.
@@ -325,6 +354,7 @@ impl Linearisation {
         }
         let (mut probes, mut left_out) = (Vec::new(), BTreeMap::new());
         let (mut start, mut own_noise) = (None, Vec::new());
+        let mut moves: Vec<Vec<bool>> = Vec::new();
         for (i, group) in results.chunks(per_point).enumerate() {
             let effect = i.checked_sub(1 + plan.declared.len());
             let reason = group.iter().find_map(|result| result.as_ref().err());
@@ -333,12 +363,18 @@ impl Linearisation {
                 continue;
             }
             let runs = Runs::new(plan, group.iter().flatten().collect())?;
-            let means = Means::of(&runs.rows, r).spread_over(plan, true);
-            probes.push((means, settings[i].1));
-            let start = start.get_or_insert(runs.clone());
-            if effect.is_some() {
-                own_noise.push(own_noise_of(start, &runs, r));
+            let mut means = Means::of(&runs.rows, r).spread_over(plan, true);
+            let start = start.get_or_insert_with(|| runs.clone());
+            if i > 0 {
+                let moved = moved(plan, start, &runs, r);
+                // What was run already does not scatter once more.
+                means.scatter = means.scatter.only(&moved);
+                if effect.is_some() {
+                    own_noise.push(own_noise_of(start, &runs, r));
+                }
+                moves.push(moved);
             }
+            probes.push((means, settings[i].1));
         }
         let mut probes = probes.into_iter();
         let nominal = match probes.next() {
@@ -364,6 +400,7 @@ impl Linearisation {
                 .map(|c| (0..nominal.values[c].len()).map(|k| of(c, k)).collect())
                 .collect()
         };
+        let (run_covariance, noise_dof) = scatter.by_condition();
         let linear = Self {
             declared: columns(declared),
             library: columns(library),
@@ -374,12 +411,18 @@ impl Linearisation {
                 .map(|((_, step), own)| 2.0 * own / (r as f64 * step * step))
                 .collect(),
             own_noise,
-            run_covariance: scatter.covariance(),
-            noise_dof: scatter.least_dof(),
+            moves,
+            run_covariance,
+            noise_dof,
             nominal,
             scatter,
         };
         Ok((linear, left_out))
+    }
+
+    /// Covariance of one run, pooled over all conditions, (observables, observables).
+    pub(super) fn pooled_covariance(&self) -> Vec<Vec<f64>> {
+        self.scatter.pooled()
     }
 
     /// Whether the runs with an effect have the noise of those without it, as those of a camera have.
@@ -407,8 +450,10 @@ impl Linearisation {
         let moved = |d: &DeclaredParameter| setting.parameters[&d.name] - fit.parameters[&d.name];
         let moved: Vec<f64> = plan.declared.iter().map(moved).collect();
         let rows = on.values.iter().zip(&at_fit.values);
-        for ((columns, declared), (on, off)) in
-            self.library.iter_mut().zip(&self.declared).zip(rows)
+        let moves = &self.moves[plan.declared.len() + effect];
+        let tables = self.library.iter_mut().zip(&self.declared);
+        for (((columns, declared), (on, off)), _) in
+            tables.zip(rows).zip(moves).filter(|(_, moves)| **moves)
         {
             let values = on.iter().zip(off).zip(declared);
             for (slopes, ((on, off), declared)) in columns.iter_mut().zip(values) {
@@ -495,42 +540,8 @@ impl Linearisation {
     /// to be the same at all settings, and more degrees of freedom make sharper tests.
     pub(super) fn with_scatter(mut self, means: &Means) -> Self {
         self.scatter.add(&means.scatter);
-        self.run_covariance = self.scatter.covariance();
-        self.noise_dof = self.scatter.least_dof();
+        (self.run_covariance, self.noise_dof) = self.scatter.by_condition();
         self
-    }
-}
-
-impl Scatter {
-    /// Takes in the scatter of other runs.
-    fn add(&mut self, other: &Self) {
-        for (line, more) in self.products.iter_mut().zip(&other.products) {
-            for (sum, product) in line.iter_mut().zip(more) {
-                *sum += product;
-            }
-        }
-        for (line, more) in self.dof.iter_mut().zip(&other.dof) {
-            for (sum, dof) in line.iter_mut().zip(more) {
-                *sum += dof;
-            }
-        }
-    }
-
-    /// Covariance of one run; observables of different scenes have none.
-    fn covariance(&self) -> Vec<Vec<f64>> {
-        let lines = self.products.iter().zip(&self.dof);
-        lines
-            .map(|(products, dof)| {
-                let each = products.iter().zip(dof);
-                each.map(|(x, dof)| x / (*dof).max(1) as f64).collect()
-            })
-            .collect()
-    }
-
-    /// Degrees of freedom of the variance that is known worst.
-    pub(super) fn least_dof(&self) -> usize {
-        let diagonal = self.dof.iter().enumerate().map(|(k, line)| line[k]);
-        diagonal.min().unwrap_or(0)
     }
 }
 
@@ -538,24 +549,10 @@ impl Means {
     /// Means and scatter of groups of `r` rows.
     fn of(rows: &[Vec<f64>], r: usize) -> Self {
         let values: Vec<Vec<f64>> = rows.chunks(r).map(mean_row).collect();
-        let width = values.first().map_or(0, Vec::len);
-        let mut products = vec![vec![0.0; width]; width];
-        let mut dof = vec![vec![0; width]; width];
-        for (group, mean) in rows.chunks(r).zip(&values) {
-            let read = |k: usize| group.iter().all(|row| !row[k].is_nan());
-            for a in (0..width).filter(|&a| read(a)) {
-                for b in (0..width).filter(|&b| read(b)) {
-                    for row in group {
-                        products[a][b] += (row[a] - mean[a]) * (row[b] - mean[b]);
-                    }
-                    dof[a][b] += r - 1;
-                }
-            }
-        }
         Self {
+            scatter: Scatter::of(rows.chunks(r), &values),
             values,
             n: r,
-            scatter: Scatter { products, dof },
         }
     }
 
@@ -583,7 +580,10 @@ impl Means {
                 .map(row)
                 .map(Option::unwrap_or_default)
                 .collect(),
-            ..self
+            scatter: self
+                .scatter
+                .spread_over(plan.conditions.iter().map(|c| c.used == used)),
+            n: self.n,
         }
     }
 }

@@ -95,6 +95,7 @@ fn plan(seed: u64) -> ResidualPlan {
         name: name.into(),
         probe: 2.0,
         range: [0.0, 5.0],
+        absent: BTreeMap::new(),
     };
     ResidualPlan {
         id: "toy".into(),
@@ -217,6 +218,7 @@ fn an_effect_that_cannot_be_run_is_left_out_with_its_reason() {
             name: "no surface".into(),
             probe: 1.0,
             range: [0.0, 1.0],
+            absent: BTreeMap::new(),
         },
     );
     let data = observed(&plan, [2.0, 0.0], 1);
@@ -240,6 +242,7 @@ fn an_effect_of_the_camera_shares_the_noise_of_the_start() {
         name: "turn".into(),
         probe: 2.0,
         range: [-5.0, 5.0],
+        absent: BTreeMap::new(),
     });
     let data = observed(&plan, [2.0, 0.0], 5);
     let without = study_residual(&campaign, &Toy, &plan, &data).unwrap();
@@ -251,13 +254,15 @@ fn an_effect_of_the_camera_shares_the_noise_of_the_start() {
         with.diagnosis.summary()
     );
     assert_eq!(with.noise_dof, without.noise_dof);
-    let CovarianceInput::Matrix(turn) = &with.problem.cov_sensitivities_library[2] else {
+    let CovarianceInput::Blocks(turn) = &with.problem.cov_sensitivities_library[2] else {
         panic!("{:?}", with.problem.cov_sensitivities_library);
     };
-    let CovarianceInput::Matrix(bend) = &with.problem.cov_sensitivities_library[0] else {
+    let CovarianceInput::Blocks(bend) = &with.problem.cov_sensitivities_library[0] else {
         panic!("{:?}", with.problem.cov_sensitivities_library);
     };
-    assert!(turn[0][0] < 1e-12 && bend[0][0] > 1e-6, "{turn:?} {bend:?}");
+    for (turn, bend) in turn.iter().zip(bend) {
+        assert!(turn[0][0] < 1e-12 && bend[0][0] > 1e-6, "{turn:?} {bend:?}");
+    }
     // Rounding of the mean of four values about 30.
     let slopes = with.problem.sensitivities_library.iter().step_by(2);
     assert!(slopes.clone().all(|row| (row[2] - 1.0).abs() < 1e-12));
@@ -627,4 +632,89 @@ fn models_to_be_run_begin_with_what_was_taken() {
     diagnosis.tie_groups = groups(&[&["a", "b"], &["d", "a"]]);
     let expected = groups(&[&["a", "d"], &["b", "d"]]);
     assert_eq!(sets_to_add(&diagnosis), expected);
+}
+
+/// The drum of [`Toy`] by its angle alone, and a sled that no camera sees; both feel the friction "a".
+struct DrumAndSled;
+
+impl Simulator for DrumAndSled {
+    fn version(&self) -> String {
+        "drum and sled".into()
+    }
+
+    fn run(&self, request: &RunRequest) -> Result<RunOutcome, SimulatorError> {
+        if request.model != "sled" {
+            return Toy.run(request);
+        }
+        if request.effect("turn") != 0.0 {
+            let reason = "a sled has no camera".to_owned();
+            return Err(SimulatorError::Refused { reason });
+        }
+        let a = request.parameter("a")?;
+        Ok(outcome(request, [20.0 + 10.0 * a, 1.0]))
+    }
+}
+
+/// Evidence across scenes: a turned camera moves the angle of a drum as friction does, and no re-tuning can tell the two
+/// apart in the drum alone. A sled that the camera does not see fixes the friction. There the effect is 0 without
+/// noise, and nothing is run with it.
+#[test]
+fn an_effect_is_zero_in_a_scene_that_cannot_carry_it() {
+    let diagnosed = |with_sled: bool| {
+        let folder = tempfile::tempdir().unwrap();
+        let store = Store::open(folder.path()).unwrap();
+        let campaign = Campaign::new(&store, 2, &Silent);
+        let mut plan = plan(1);
+        let mut data = measured(&plan, 1, |rpm, fill| {
+            truth(rpm, fill, 0.7, 0.4, [0.0, 0.0]).map(|value| value + 3.0)
+        });
+        for (condition, values) in plan.conditions.iter_mut().zip(&mut data.values) {
+            condition.observables = Some(BTreeMap::from([("angle".into(), "angle".into())]));
+            values[1] = None;
+        }
+        plan.observables = vec!["angle".into(), "slope".into()];
+        plan.observables.truncate(if with_sled { 2 } else { 1 });
+        plan.declared.truncate(1);
+        plan.base.parameters.insert("b".into(), 0.4);
+        if with_sled {
+            plan.conditions.push(StudyCondition {
+                model: Some("sled".into()),
+                condition: BTreeMap::new(),
+                observables: Some(BTreeMap::from([("slope".into(), "angle".into())])),
+                used: true,
+            });
+            data.values.push(vec![None, Some(27.0)]);
+            data.covariance.push(data.covariance[0].clone());
+        } else {
+            data.values.iter_mut().for_each(|row| row.truncate(1));
+            let corner = vec![vec![data.covariance[0][0][0]]];
+            data.covariance
+                .iter_mut()
+                .for_each(|block| block.clone_from(&corner));
+        }
+        plan.effects = vec![EffectProbe {
+            name: "turn".into(),
+            probe: 2.0,
+            range: [-5.0, 5.0],
+            absent: BTreeMap::from([("sled".into(), "it has no camera".into())]),
+        }];
+        study_residual(&campaign, &DrumAndSled, &plan, &data).unwrap()
+    };
+    let drum_alone = diagnosed(false).diagnosis;
+    assert_eq!(drum_alone.not_testable, ["turn"]);
+    let both = diagnosed(true);
+    assert_eq!(
+        both.diagnosis.effects,
+        ["turn"],
+        "{}",
+        both.diagnosis.summary()
+    );
+    let amplitude = both.after.as_ref().unwrap().effects["turn"];
+    assert!((amplitude - 3.0).abs() < 0.6, "{amplitude}");
+    let slopes = both.problem.sensitivities_library.last().unwrap();
+    assert_eq!(slopes[0], 0.0);
+    let CovarianceInput::Blocks(noise) = &both.problem.cov_sensitivities_library[0] else {
+        panic!("{:?}", both.problem.cov_sensitivities_library);
+    };
+    assert_eq!(noise.last().unwrap()[1][1], 0.0);
 }

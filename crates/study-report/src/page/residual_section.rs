@@ -32,7 +32,7 @@ pub(super) fn add(
                 .collect::<Vec<_>>()
         ),
         counted(study.plan.replicates, "run is", "runs are"),
-        study.noise_dof,
+        study.noise_dof.floor(),
     ));
     residual_parts::verdict(report, study);
     residual_parts::parameters(report, study)?;
