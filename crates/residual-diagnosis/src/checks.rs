@@ -75,6 +75,8 @@ impl TryFrom<ProblemFile> for Problem {
         }
         Ok(Self {
             candidates: candidates(&file)?,
+            limits: limits(&file, declared.len())?,
+            at_fit: file.at_fitted_parameters,
             prior: prior(&file, declared.len())?,
             experiments: file
                 .candidate_experiments
@@ -243,6 +245,38 @@ fn sensitivity_noise(
             )
         })
         .collect()
+}
+
+/// Limits of the shifts.
+fn limits(file: &ProblemFile, n: usize) -> Result<Vec<[f64; 2]>, Error> {
+    if file.shift_limits.is_empty() {
+        return Ok(vec![[f64::NEG_INFINITY, f64::INFINITY]; n]);
+    }
+    check_length(
+        "shift_limits",
+        file.shift_limits.len(),
+        n,
+        "one pair per parameter",
+    )?;
+    let check = |(k, [least, greatest]): (usize, &[Option<f64>; 2])| {
+        let limits = [
+            least.unwrap_or(f64::NEG_INFINITY),
+            greatest.unwrap_or(f64::INFINITY),
+        ];
+        if limits[0] <= 0.0 && limits[1] >= 0.0 {
+            return Ok(limits);
+        }
+        Err(Error::OutOfRange {
+            what: format!("shift_limits[{k}]"),
+            value: if limits[0] > 0.0 {
+                limits[0]
+            } else {
+                limits[1]
+            },
+            range: "[least, greatest] with 0 between them",
+        })
+    };
+    file.shift_limits.iter().enumerate().map(check).collect()
 }
 
 /// Prior knowledge as rows of least squares.

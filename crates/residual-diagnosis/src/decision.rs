@@ -1,9 +1,10 @@
 //! From the gates to a verdict: section 4.2 of the project's statistics, steps 1 to 7.
 
 use crate::bayes_factor::{ln_factor_of_effect, ln_factor_of_unknown};
+use crate::detectability::testable;
 use crate::diagnosis::Verdict;
 use crate::fit::Fit;
-use crate::gates::{ALPHA, GATE, Gates, testable};
+use crate::gates::{ALPHA, GATE, Gates};
 use crate::problem::Problem;
 use crate::problem_file::Sign;
 use crate::tails::{normal_upper_quantile, upper_tail};
@@ -12,6 +13,10 @@ use crate::{Error, Options};
 /// ln of the Bayes factor over an unknown effect from which an effect is named: at 100 one of 70
 /// outside effects is still named, at 10 one of 20, at 1000 a third of the true ones is lost.
 const LN_FACTOR_TO_NAME: f64 = 4.605_170_185_988_092;
+
+/// Chance of noise below which runs at fitted parameters miss the data. A fit by noisy slopes does not end quite at its
+/// best point: this is a tenth of what the gates allow themselves, and more than that is left where an effect hides.
+const MISSED: f64 = 0.1 * ALPHA / 2.0;
 
 /// A verdict with what it rests on.
 #[derive(Debug, Clone)]
@@ -34,12 +39,24 @@ pub(crate) struct Decision {
     pub(crate) singles: Vec<Fit>,
     /// The effects that were taken, on; nothing on when none was.
     pub(crate) chosen: Fit,
+    /// What runs at fitted parameters leave, where the problem has them.
+    pub(crate) at_fit: Option<AtFit>,
     /// Candidates that can be tested.
     pub(crate) testable: Vec<usize>,
     /// Largest distance in deviance inside a tie set.
     pub(crate) tie_limit: f64,
     /// ln of the Bayes factor of an unknown effect against none.
     pub(crate) ln_factor_of_unknown: f64,
+}
+
+/// The residual of runs at fitted parameters, without any further step by the slopes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct AtFit {
+    /// Its sum of squares.
+    pub(crate) t: f64,
+    /// Its upper tail on as many degrees of freedom as there are values and priors: the fit took some, so that this is too
+    /// large rather than too small.
+    pub(crate) p: Option<f64>,
 }
 
 /// The effects that were taken one after the other.
@@ -52,6 +69,8 @@ struct Taken {
     scores: Vec<(f64, Sign)>,
     /// Whether each after the first beats an unknown effect beside those before it.
     each_beats_unknown: bool,
+    /// ln of the Bayes factor of an unknown effect in the place of the first.
+    ln_factor_of_unknown: f64,
 }
 
 /// Decides about a problem.
@@ -72,6 +91,10 @@ pub(crate) fn decide(problem: &Problem, options: &Options) -> Result<Decision, E
         singles,
         tie_limit: tie_limit(testable.len(), problem.used.has_noisy_sensitivities()),
         ln_factor_of_unknown: ln_factor_of_unknown(&nominal),
+        at_fit: problem
+            .at_fit
+            .then(|| nominal.as_simulated(problem))
+            .transpose()?,
         testable,
         nominal,
         gates,
@@ -86,6 +109,8 @@ pub(crate) fn decide(problem: &Problem, options: &Options) -> Result<Decision, E
             Some(_) => Verdict::Recheck,
             None => Verdict::Unknown,
         };
+    } else if decision.runs_contradict_slopes() {
+        decision.verdict = Verdict::Unknown;
     } else if decision.testable.is_empty() && !problem.candidates.is_empty() {
         decision.verdict = Verdict::NotTestable;
     }
@@ -101,9 +126,9 @@ impl Taken {
     }
 
     /// Whether they help beside an unknown smooth effect, not only in its place.
-    fn help_beside_smooth(&self, ln_factor_of_unknown_alone: f64) -> bool {
+    fn help_beside_smooth(&self) -> bool {
         let together = self.ln_factor(1.0) + ln_factor_of_unknown(&self.fit);
-        together - ln_factor_of_unknown_alone > LN_FACTOR_TO_NAME
+        together - self.ln_factor_of_unknown > LN_FACTOR_TO_NAME
     }
 
     /// Whether they help where something unknown of any shape scatters the values about them, by as much as
@@ -115,6 +140,13 @@ impl Taken {
 }
 
 impl Decision {
+    /// Whether runs at the fitted parameters miss by more than noise, though by the slopes a further step would not.
+    /// That step is a promise that no run has kept: the runs are right.
+    pub(crate) fn runs_contradict_slopes(&self) -> bool {
+        let missed = self.at_fit.and_then(|at| at.p);
+        !self.gates.directed() && !self.gates.omnibus() && missed.is_some_and(|p| p < MISSED)
+    }
+
     /// Looks for effects to name once a candidate stands out.
     fn name(&mut self, problem: &Problem, options: &Options) -> Result<(), Error> {
         let taken = self.take_effects(problem, options)?;
@@ -124,7 +156,7 @@ impl Decision {
         members.dedup();
         let adequate = taken.gates.adequate();
         let beats = taken.each_beats_unknown
-            && taken.ln_factor(1.0) - self.ln_factor_of_unknown > LN_FACTOR_TO_NAME;
+            && taken.ln_factor(1.0) - taken.ln_factor_of_unknown > LN_FACTOR_TO_NAME;
         if !adequate && self.lone_condition_explains(problem, options)? {
             self.verdict = Verdict::Recheck;
             self.suspects = members;
@@ -133,10 +165,7 @@ impl Decision {
         self.verdict = match (adequate, beats) {
             (true, true) if members.len() == taken.fit.effects.len() => Verdict::Named,
             (true, true) => Verdict::Tie,
-            (false, _)
-                if taken.help_beside_smooth(self.ln_factor_of_unknown)
-                    && taken.help_beside_scatter() =>
-            {
+            (false, _) if taken.help_beside_smooth() && taken.help_beside_scatter() => {
                 Verdict::Partial
             }
             _ => Verdict::Unknown,
@@ -159,6 +188,7 @@ impl Decision {
             gates: self.gates.clone(),
             scores: Vec::new(),
             each_beats_unknown: true,
+            ln_factor_of_unknown: self.ln_factor_of_unknown,
         };
         while let Some(j) = taken.gates.best.filter(|_| taken.gates.directed()) {
             let first = taken.fit.effects.is_empty();
@@ -168,16 +198,24 @@ impl Decision {
             }
             let candidate = &problem.candidates[j];
             let score = taken.gates.scores[j].as_ref();
-            let z = score.map_or(0.0, |s| s.within(candidate));
-            if !first {
+            let z = score.map_or(0.0, |s| s.gain);
+            let mut effects = taken.fit.effects.clone();
+            effects.push(j);
+            let with = Fit::new(problem, &effects)?;
+            let reference = taken.fit.freed_as(problem, &with)?;
+            let z = match reference.score(j, candidate) {
+                Some(freed) if reference.held != taken.fit.held => freed.gain,
+                _ => z,
+            };
+            let rival = ln_factor_of_unknown(&reference);
+            if first {
+                taken.ln_factor_of_unknown = rival;
+            } else {
                 let step = ln_factor_of_effect(z, candidate.sign);
-                let rival = ln_factor_of_unknown(&taken.fit);
                 taken.each_beats_unknown &= step - rival > LN_FACTOR_TO_NAME;
             }
             taken.scores.push((z, candidate.sign));
-            let mut effects = taken.fit.effects.clone();
-            effects.push(j);
-            taken.fit = Fit::new(problem, &effects)?;
+            taken.fit = with;
             taken.gates = Gates::new(problem, &taken.fit, &self.testable, options);
         }
         Ok(taken)

@@ -3,14 +3,16 @@
 use std::collections::BTreeMap;
 
 use crate::Error;
-use crate::bayes_factor::ln_factor_of_effect;
+use crate::bayes_factor::{ln_factor_of_effect, ln_factor_of_unknown};
 use crate::before_after::{BeforeAfter, before_after};
 use crate::decision::{Decision, decide};
+use crate::detectability::{smallest_detectable, testable, why_unseen};
 use crate::diagnosis::{
-    CandidateResult, ConditionShare, Diagnosis, ObservableSupport, StructuredResidual, Verdict,
+    CandidateResult, ConditionShare, DeclaredResult, Diagnosis, Limit, ObservableSupport,
+    StructuredResidual, Verdict,
 };
 use crate::fit::Fit;
-use crate::gates::{GATE, Gates, testable};
+use crate::gates::{GATE, Gates};
 use crate::next_measurement::next_measurement;
 use crate::problem::Problem;
 use crate::summary::summary;
@@ -59,13 +61,15 @@ pub fn diagnose(problem: &Problem, options: &Options) -> Result<Diagnosis, Error
     warnings.extend(odd_amplitudes(problem, &decision));
     warnings.extend(unseen_parameters(problem));
     warnings.extend(withdrawn);
+    warnings.extend(held_parameters(problem, &decision));
+    warnings.extend(promises(&decision));
     warnings.extend(lone_support(problem, &decision, options)?);
     let name = |j: &usize| problem.candidates[*j].name.clone();
     let names = |list: &[usize]| list.iter().map(name).collect::<Vec<_>>();
     let candidates = if refused {
         BTreeMap::new()
     } else {
-        candidate_results(problem, &decision)
+        candidate_results(problem, &decision)?
     };
     let mut diagnosis = Diagnosis {
         id: problem.id.clone(),
@@ -83,7 +87,9 @@ pub fn diagnose(problem: &Problem, options: &Options) -> Result<Diagnosis, Error
             .collect(),
         candidates,
         z_critical: critical(&decision.gates),
+        amplitudes: amplitudes(problem, &decision),
         retuning: retuning(problem, &decision),
+        declared: declared_results(problem, &decision),
         largest_condition_share: largest_share(problem, &decision.nominal).filter(|_| !refused),
         recheck_condition: decision.recheck.map(|c| problem.used.label(c)),
         observable_support: if refused {
@@ -180,7 +186,8 @@ fn odd_amplitudes(problem: &Problem, decision: &Decision) -> Vec<String> {
     amplitudes
         .filter_map(|(&j, a)| {
             let candidate = &problem.candidates[j];
-            let largest = candidate.largest_towards(*a).filter(|l| a.abs() >= *l)?;
+            let mut ends = candidate.range().into_iter();
+            let largest = ends.find(|end| *end != 0.0 && a == end)?.abs();
             Some(format!(
                 "{} is held at its physically largest amplitude {largest}: the data ask for more",
                 candidate.name
@@ -202,6 +209,32 @@ fn unseen_parameters(problem: &Problem) -> Vec<String> {
             )
         })
         .collect()
+}
+
+/// Tells which parameters the data would move beyond their limits.
+fn held_parameters(problem: &Problem, decision: &Decision) -> Vec<String> {
+    let held = decision.nominal.held.iter();
+    held.filter(|held| problem.used.declared.column(held.parameter).amax() > 0.0)
+        .map(|held| {
+            let side = if held.side > 0.0 { "upper" } else { "lower" };
+            format!(
+                "{} is held at its {side} limit: without an effect the data would move it further",
+                problem.declared[held.parameter]
+            )
+        })
+        .collect()
+}
+
+/// Tells that runs and slopes do not agree.
+fn promises(decision: &Decision) -> Option<String> {
+    let at = decision
+        .at_fit
+        .filter(|_| decision.runs_contradict_slopes())?;
+    Some(format!(
+        "runs at the fitted parameters miss by more than noise (sum of squares {:.1}, p {:.1e}); by the slopes a further \
+         step would leave {:.1}, which no run has shown: the runs are right",
+        at.t, at.p?, decision.nominal.t
+    ))
 }
 
 /// Warns when a naming falls once the condition with the largest share is left out.
@@ -247,22 +280,34 @@ fn observable_support(
         support.push(ObservableSupport {
             observable: observable.clone(),
             effect: problem.candidates[effect].name.clone(),
-            z: Fit::new(&alone, &[])?.score(effect).map(|s| s.z),
+            z: Fit::new(&alone, &[])?
+                .score(effect, &problem.candidates[effect])
+                .map(|s| s.z),
         });
     }
     Ok(support)
 }
 
 /// What each effect of the library would do.
-fn candidate_results(problem: &Problem, decision: &Decision) -> BTreeMap<String, CandidateResult> {
+fn candidate_results(
+    problem: &Problem,
+    decision: &Decision,
+) -> Result<BTreeMap<String, CandidateResult>, Error> {
     let gates = &decision.gates;
     let z_detect = critical(gates).map(|z| z + normal_upper_quantile(1.0 - POWER));
-    let result = |j: usize| {
+    let result = |j: usize| -> Result<CandidateResult, Error> {
         let single = &decision.singles[j];
         let score = gates.scores[j].as_ref();
-        let sign = problem.candidates[j].sign;
+        let candidate = &problem.candidates[j];
         let testable = decision.testable.contains(&j);
-        CandidateResult {
+        let reference = decision.nominal.freed_as(problem, single)?;
+        let unknown = if reference.held == decision.nominal.held {
+            decision.ln_factor_of_unknown
+        } else {
+            ln_factor_of_unknown(&reference)
+        };
+        let freed = reference.score(j, candidate);
+        Ok(CandidateResult {
             z: score.map(|s| s.z),
             amplitude: score.map(|_| single.amplitude(j)),
             se: score.and_then(|_| single.standard_errors.first().copied()),
@@ -271,18 +316,17 @@ fn candidate_results(problem: &Problem, decision: &Decision) -> BTreeMap<String,
             p_adequacy: single.p(problem),
             p_adequacy_smooth: single.smooth_test(problem).p,
             p_max_test: testable.then(|| gates.max_test.p(gates.statistic(problem, j))),
-            ln_bf_unknown: score
-                .map(|s| s.within(&problem.candidates[j]))
-                .map(|z| ln_factor_of_effect(z, sign) - decision.ln_factor_of_unknown),
-            smallest_detectable: decision
-                .nominal
-                .expected_score(problem, j)
-                .and_then(|z| z_detect.map(|needed| needed / z)),
+            ln_bf_unknown: freed
+                .filter(|_| score.is_some())
+                .map(|s| ln_factor_of_effect(s.gain, candidate.sign) - unknown),
+            smallest_detectable: z_detect
+                .and_then(|z| smallest_detectable(problem, &decision.nominal, j, z)),
             testable,
-        }
+            unseen: (!testable).then(|| why_unseen(problem, &decision.nominal, j)),
+        })
     };
     (0..problem.candidates.len())
-        .map(|j| (problem.candidates[j].name.clone(), result(j)))
+        .map(|j| Ok((problem.candidates[j].name.clone(), result(j)?)))
         .collect()
 }
 
@@ -304,7 +348,46 @@ fn structured_residual(problem: &Problem, decision: &Decision) -> StructuredResi
         df_smooth: decision.gates.smooth.df,
         p_smooth: decision.gates.smooth.p.filter(|_| tested),
         covariance_dof: problem.covariance_dof,
+        t_at_fit: decision.at_fit.filter(|_| tested).map(|at| at.t),
+        p_at_fit: decision.at_fit.filter(|_| tested).and_then(|at| at.p),
     }
+}
+
+/// Amplitudes of the effects that were taken, together.
+fn amplitudes(problem: &Problem, decision: &Decision) -> BTreeMap<String, [f64; 2]> {
+    let fit = &decision.chosen;
+    let values = fit.amplitudes.iter().zip(&fit.standard_errors);
+    let effects = fit.effects.iter().zip(values);
+    effects
+        .map(|(&j, (a, se))| (problem.candidates[j].name.clone(), [*a, *se]))
+        .collect()
+}
+
+/// What is known of the declared parameters.
+fn declared_results(problem: &Problem, decision: &Decision) -> BTreeMap<String, DeclaredResult> {
+    let covariance = decision.chosen.parameter_covariance();
+    let error = |k: usize| covariance[(k, k)].sqrt();
+    let held = |fit: &Fit, k: usize| fit.held.iter().find(|h| h.parameter == k).copied();
+    let of = |k: usize| DeclaredResult {
+        se: held(&decision.chosen, k).is_none().then(|| error(k)),
+        held: held(&decision.nominal, k).map(|h| {
+            if h.side > 0.0 {
+                Limit::Upper
+            } else {
+                Limit::Lower
+            }
+        }),
+        correlation: (0..problem.declared.len())
+            .filter(|&i| i != k)
+            .map(|i| {
+                let both = (error(i) * error(k)).max(f64::MIN_POSITIVE);
+                (problem.declared[i].clone(), covariance[(i, k)] / both)
+            })
+            .collect(),
+    };
+    (0..problem.declared.len())
+        .map(|k| (problem.declared[k].clone(), of(k)))
+        .collect()
 }
 
 /// Re-tuning of the declared parameters with the chosen effects on.

@@ -72,8 +72,12 @@ pub struct Diagnosis {
     pub not_testable: Vec<String>,
     /// Statistic that the largest score must reach; none without candidates.
     pub z_critical: Option<f64>,
+    /// Amplitudes of the effects that were taken, together, with their standard errors.
+    pub amplitudes: BTreeMap<String, [f64; 2]>,
     /// Re-tuning of the declared parameters with the effects on, in their units.
     pub retuning: BTreeMap<String, f64>,
+    /// The declared parameters with the effects on: how well they are known.
+    pub declared: BTreeMap<String, DeclaredResult>,
     /// The condition with the largest share of the structured residual.
     pub largest_condition_share: Option<ConditionShare>,
     /// The condition to measure again.
@@ -113,6 +117,44 @@ pub struct StructuredResidual {
     pub p_smooth: Option<f64>,
     /// Degrees of freedom of the covariances, when they are estimated: the reference is then F.
     pub covariance_dof: Option<f64>,
+    /// Sum of squares of runs at fitted parameters, without a further step by the slopes; none where the residual is not
+    /// of such runs.
+    pub t_at_fit: Option<f64>,
+    /// Its upper tail on as many degrees of freedom as there are values and priors.
+    pub p_at_fit: Option<f64>,
+}
+
+/// What is known of a declared parameter.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct DeclaredResult {
+    /// Standard error, in its unit; none where it is held at a limit.
+    pub se: Option<f64>,
+    /// Where the data would move it beyond a limit, without an effect.
+    pub held: Option<Limit>,
+    /// Correlation with the other parameters, by name; 0 where one of the two is held.
+    pub correlation: BTreeMap<String, f64>,
+}
+
+/// A limit of a declared parameter.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Limit {
+    /// Its lower one.
+    Lower,
+    /// Its upper one.
+    Upper,
+}
+
+/// Why an effect could not be seen even at its largest amplitude.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Unseen {
+    /// Re-tuning the declared parameters inside their limits hides it.
+    RetuningHidesIt,
+    /// Its largest amplitude does less than the noise.
+    RangeTooSmall,
+    /// The runs that give its slope are too few: the slope is noise.
+    SlopeIsNoise,
 }
 
 /// What one effect of the library would do.
@@ -141,6 +183,8 @@ pub struct CandidateResult {
     pub smallest_detectable: Option<f64>,
     /// Whether its largest physical amplitude could be seen.
     pub testable: bool,
+    /// Why not, where it could not.
+    pub unseen: Option<Unseen>,
 }
 
 /// What one observable says of the effect that stands out.

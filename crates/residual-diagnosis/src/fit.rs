@@ -3,7 +3,9 @@
 use nalgebra::{DMatrix, DVector};
 
 use crate::Error;
+use crate::box_least_squares::least_squares_in_box;
 use crate::covariance::{Covariance, Whitener};
+use crate::decision::AtFit;
 use crate::problem::{Candidate, Problem};
 use crate::problem_file::Sign;
 use crate::smooth_basis::smooth_basis;
@@ -32,14 +34,19 @@ struct Whitened {
     whitener: Whitener,
 }
 
-/// Least squares with the declared parameters and some effects free.
+/// Least squares with the declared parameters and some effects free inside their limits.
 ///
 /// # Formula
 ///
-/// With A = [S~, l~_J] and Q_J the projection off its columns: T_J = r~'Q_J r~, on
-/// rows - rank A degrees of freedom; (shift, a_J) = A^+ r~. Where sensitivities are noisy, V_J =
-/// V + sum_k shift_k^2 Cov(S_k) + sum_j a_j^2 Cov(l_j), made consistent in a few rounds.
-/// [statistics of this project, section 4.1]
+/// With A = [S~, l~_J]: T_J is the least |r~ - A (shift, a_J)|² over shifts and amplitudes inside their limits. With A_f
+/// the columns of those that end inside, T_J has rows - rank A_f degrees of freedom, less the effects that are held.
+/// Where sensitivities are noisy, V_J = V + sum_k shift_k^2 Cov(S_k) + sum_j a_j^2 Cov(l_j), made consistent in a few
+/// rounds. [statistics of this project, section 4.1]
+///
+/// A parameter that is held at its limit does not cost a degree of freedom. The upper tail is then a p-value wherever
+/// in the box the truth lies: given which limits hold, what remains lies in the cone of normals of that face, and its
+/// density there over that of a normal vector falls along every ray from the origin, so that T is at most as large as
+/// chi² in distribution, and is chi² where the truth lies on those limits `[Bartholomew1961]`.
 #[derive(Debug, Clone)]
 pub(crate) struct Fit {
     /// The effects that are on (numbers in the library).
@@ -57,19 +64,35 @@ pub(crate) struct Fit {
     pub(crate) df: usize,
     /// T_J + ln det V_J: minus twice the log likelihood, without constants.
     pub(crate) deviance: f64,
-    /// What [S~, l~_J] absorbs.
+    /// Declared parameters that are held at a limit.
+    pub(crate) held: Vec<Held>,
+    /// What the columns of the parameters and effects that are not held absorb.
     space: Space,
-    /// Q_J r~.
+    /// What remains of r~.
     remaining: DVector<f64>,
+    /// Limits of the shift of each declared parameter, and behind them of the amplitudes.
+    limits: Vec<[f64; 2]>,
     /// The rows that it was made of.
     whitened: Whitened,
+}
+
+/// A declared parameter that the data would move beyond its limit.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Held {
+    /// Its number.
+    pub(crate) parameter: usize,
+    /// 1 at its upper limit, -1 at its lower one.
+    pub(crate) side: f64,
 }
 
 /// How an effect that is off would help.
 #[derive(Debug, Clone)]
 pub(crate) struct Score {
-    /// u'r~ / |u|: standard normal when the effect is absent.
+    /// u'r~ / |u|: standard normal when the effect is absent and no parameter is held.
     pub(crate) z: f64,
+    /// What the effect takes off the structured residual with a possible amplitude, the declared parameters anywhere
+    /// inside their limits: the square root, with the sign of the amplitude; `z` where its sign is impossible.
+    pub(crate) gain: f64,
     /// |u|, 1 / (unit of the amplitude): 1/|u| is the standard error of the amplitude.
     pub(crate) length: f64,
     /// u / |u|.
@@ -101,9 +124,7 @@ impl Fit {
         Ok(fit)
     }
 
-    /// Fits with the covariance of the given shift and amplitudes; effects that come out with the
-    /// wrong sign are held at 0, those beyond what is physically possible at their largest
-    /// amplitude, the worst first.
+    /// Fits with the covariance of the given shift and amplitudes.
     fn constrained(
         problem: &Problem,
         effects: &[usize],
@@ -111,114 +132,118 @@ impl Fit {
         amplitudes: &[f64],
     ) -> Result<Self, Error> {
         let whitened = Whitened::new(problem, effects, shift, amplitudes)?;
-        let mut active = effects.to_vec();
-        let mut at_limit: Vec<(usize, f64)> = Vec::new();
-        loop {
-            let fit = Self::unconstrained(&whitened.less(&at_limit), &active);
-            let worst = active
-                .iter()
-                .zip(fit.amplitudes.iter().zip(&fit.standard_errors))
-                .map(|(&j, (a, se))| (j, a / se, problem.candidates[j].sign))
-                .filter(|(_, z, sign)| !sign.allows(*z))
-                .max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()));
-            if let Some((j, _, _)) = worst {
-                active.retain(|&k| k != j);
-                continue;
-            }
-            let beyond = active
-                .iter()
-                .zip(fit.amplitudes.iter().zip(&fit.standard_errors))
-                .filter_map(|(&j, (a, se))| {
-                    let largest = problem.candidates[j].largest_towards(*a)?;
-                    let over = (a.abs() - largest) / se;
-                    (over > 0.0).then_some((j, largest * a.signum(), over))
-                })
-                .max_by(|a, b| a.2.total_cmp(&b.2));
-            match beyond {
-                Some((j, limit, _)) => {
-                    active.retain(|&k| k != j);
-                    at_limit.push((j, limit));
-                }
-                None => return Ok(fit.with_held(effects, &at_limit)),
-            }
-        }
+        let ends = effects.iter().map(|&j| problem.candidates[j].range());
+        let limits = problem.limits.iter().copied().chain(ends).collect();
+        Ok(Self::inside(whitened, effects, limits))
     }
 
-    /// Plain least squares.
-    fn unconstrained(whitened: &Whitened, effects: &[usize]) -> Self {
+    /// Least squares inside limits.
+    fn inside(whitened: Whitened, effects: &[usize], limits: Vec<[f64; 2]>) -> Self {
         let n_declared = whitened.declared.ncols();
-        let mut columns: Vec<DVector<f64>> = whitened
-            .declared
-            .column_iter()
-            .map(nalgebra::Matrix::into_owned)
+        let matrix = whitened.columns(effects);
+        let [low, high] = [0, 1].map(|end| limits.iter().map(|l| l[end]).collect::<Vec<_>>());
+        let solution = least_squares_in_box(&matrix, &whitened.residual, &low, &high);
+        let covariance = solution.space.coefficient_covariance();
+        let mut of_free = (0..covariance.nrows()).map(|i| covariance[(i, i)].sqrt());
+        let errors: Vec<Option<f64>> = solution
+            .free
+            .iter()
+            .map(|free| if *free { of_free.next() } else { None })
             .collect();
-        columns.extend(
-            effects
-                .iter()
-                .map(|&j| whitened.library.column(j).into_owned()),
-        );
-        let matrix = if columns.is_empty() {
-            DMatrix::zeros(whitened.residual.len(), 0)
-        } else {
-            DMatrix::from_columns(&columns)
-        };
-        let space = Space::of(&matrix);
-        let remaining = space.outside(&whitened.residual);
-        let coefficients = space.coefficients(&whitened.residual);
-        let covariance = space.coefficient_covariance();
-        let own = n_declared..coefficients.len();
-        let t = remaining.norm_squared();
-        Self {
+        let own = n_declared..limits.len();
+        let held_effects = own.clone().filter(|&i| !solution.free[i]).count();
+        let t = solution.remaining.norm_squared();
+        let mut fit = Self {
             effects: effects.to_vec(),
-            amplitudes: own.clone().map(|i| coefficients[i]).collect(),
-            standard_errors: own.map(|i| covariance[(i, i)].sqrt()).collect(),
-            shift: coefficients.rows(0, n_declared).into_owned(),
+            amplitudes: own.clone().map(|i| solution.coefficients[i]).collect(),
+            standard_errors: Vec::new(),
+            shift: solution.coefficients.rows(0, n_declared).into_owned(),
             t,
-            df: whitened.residual.len() - space.rank(),
+            // An effect that is held takes its degree of freedom, as if free.
+            df: (whitened.residual.len() - solution.space.rank()).saturating_sub(held_effects),
             deviance: t + whitened.whitener.ln_determinant,
-            space,
-            remaining,
-            whitened: whitened.clone(),
-        }
+            held: Vec::new(),
+            space: solution.space,
+            remaining: solution.remaining,
+            limits,
+            whitened,
+        };
+        let outward = |k: usize| fit.whitened.declared.column(k).dot(&fit.remaining);
+        fit.held = (0..n_declared)
+            .filter(|&k| !solution.free[k])
+            .map(|parameter| Held {
+                parameter,
+                side: if outward(parameter) < 0.0 { -1.0 } else { 1.0 },
+            })
+            .collect();
+        fit.standard_errors = own
+            .zip(effects)
+            .map(|(i, &j)| {
+                let held = || {
+                    fit.outside(j)
+                        .map_or(f64::INFINITY, |(_, length)| 1.0 / length)
+                };
+                errors[i].unwrap_or_else(held)
+            })
+            .collect();
+        fit
     }
 
-    /// Puts back the effects that are held, at their limits or at 0: each takes its degree of freedom, as
-    /// if free.
-    fn with_held(mut self, effects: &[usize], at_limit: &[(usize, f64)]) -> Self {
-        let find = |values: &[f64], j: &usize| {
-            let at = self.effects.iter().position(|k| k == j);
-            at.and_then(|i| values.get(i).copied())
-        };
-        let amplitudes = effects
-            .iter()
-            .map(|j| {
-                let limit = at_limit
-                    .iter()
-                    .find(|(k, _)| k == j)
-                    .map(|(_, limit)| *limit);
-                find(&self.amplitudes, j).or(limit).unwrap_or(0.0)
-            })
-            .collect();
-        let standard_errors = effects
-            .iter()
-            .map(|j| {
-                let held = || self.score(*j).map_or(f64::INFINITY, |s| 1.0 / s.length);
-                find(&self.standard_errors, j).unwrap_or_else(held)
-            })
-            .collect();
-        self.df = self.df.saturating_sub(effects.len() - self.effects.len());
-        self.amplitudes = amplitudes;
-        self.standard_errors = standard_errors;
-        self.effects = effects.to_vec();
-        self
+    /// The fit in which an effect that was taken is judged beside an unknown one: the effects of this fit, and those
+    /// parameters free that are free once the effect is on. This fit where these are the same.
+    ///
+    /// An effect that is missing drives parameters to their limits; once it is on, they come back. So would they beside
+    /// an unknown effect, which must not look worse for being held to them.
+    pub(crate) fn freed_as(&self, problem: &Problem, with_effect: &Self) -> Result<Self, Error> {
+        if self.held == with_effect.held {
+            return Ok(self.clone());
+        }
+        let mut whitened =
+            Whitened::new(problem, &self.effects, &with_effect.shift, &self.amplitudes)?;
+        let mut limits = vec![[f64::NEG_INFINITY, f64::INFINITY]; problem.limits.len()];
+        for held in &with_effect.held {
+            let at = with_effect.shift[held.parameter];
+            whitened.residual -= whitened.declared.column(held.parameter) * at;
+            limits[held.parameter] = [0.0, 0.0];
+        }
+        let ends = self.effects.iter().map(|&j| problem.candidates[j].range());
+        limits.extend(ends);
+        Ok(Self::inside(whitened, &self.effects, limits))
     }
 
     /// Standard errors of the declared parameters, in their units.
     pub(crate) fn parameter_errors(&self) -> Vec<f64> {
-        let covariance = self.space.coefficient_covariance();
+        let covariance = self.parameter_covariance();
         (0..self.shift.len())
             .map(|k| covariance[(k, k)].sqrt())
             .collect()
+    }
+
+    /// Covariance of the declared parameters, products of their units; 0 for those that are held.
+    pub(crate) fn parameter_covariance(&self) -> DMatrix<f64> {
+        let of_free = self.space.coefficient_covariance();
+        let n = self.shift.len();
+        let held = |k: usize| self.held.iter().any(|held| held.parameter == k);
+        let free: Vec<usize> = (0..n).filter(|&k| !held(k)).collect();
+        let mut covariance = DMatrix::zeros(n, n);
+        for (a, &i) in free.iter().enumerate() {
+            for (b, &j) in free.iter().enumerate() {
+                covariance[(i, j)] = of_free[(a, b)];
+            }
+        }
+        covariance
+    }
+
+    /// Directions along which parameters that are held would go on: unit vectors outside what is absorbed, out of the
+    /// box. Parameters that move nothing have none.
+    pub(crate) fn outward(&self) -> Vec<DVector<f64>> {
+        let direction = |held: &Held| {
+            let whole = self.whitened.declared.column(held.parameter).into_owned();
+            let outside = self.space.outside(&whole);
+            let length = outside.norm();
+            (length > ABSORBED * whole.norm()).then(|| outside * (held.side / length))
+        };
+        self.held.iter().filter_map(direction).collect()
     }
 
     /// Upper tail of the structured residual; none without degrees of freedom.
@@ -226,36 +251,81 @@ impl Fit {
         upper_tail(self.t, self.df, problem.covariance_dof)
     }
 
-    /// How an effect that is off would help; none when it is absorbed wholly or does nothing.
-    pub(crate) fn score(&self, effect: usize) -> Option<Score> {
+    /// Part of an effect outside what is absorbed, and its length; none when it is absorbed wholly or does nothing.
+    fn outside(&self, effect: usize) -> Option<(DVector<f64>, f64)> {
         let whole = self.whitened.library.column(effect).into_owned();
         let outside = self.space.outside(&whole);
         let length = outside.norm();
-        if length <= ABSORBED * whole.norm() {
-            return None;
-        }
+        (length > ABSORBED * whole.norm()).then_some((outside, length))
+    }
+
+    /// How an effect that is off would help; none when it is absorbed wholly or does nothing.
+    pub(crate) fn score(&self, effect: usize, candidate: &Candidate) -> Option<Score> {
+        let (outside, length) = self.outside(effect)?;
         let direction = outside / length;
+        let z = direction.dot(&self.remaining);
+        let size = |t: f64| (self.t - t).max(0.0).sqrt();
+        let (amplitude, t) = self.with_one_more(effect, candidate.range());
+        let gain = if amplitude == 0.0 {
+            z
+        } else {
+            size(t) * amplitude.signum()
+        };
         Some(Score {
-            z: direction.dot(&self.remaining),
+            z,
+            gain,
             length,
             direction,
         })
     }
 
-    /// Expected score of an effect of amplitude 1 that is off, known by a sensitivity that is itself noisy; none
-    /// where the sensitivity does not stand out of its noise.
+    /// Amplitude of one more effect inside a range, and the structured residual with it.
+    fn with_one_more(&self, effect: usize, range: [f64; 2]) -> (f64, f64) {
+        let mut effects = self.effects.clone();
+        effects.push(effect);
+        let limits = self.limits.iter().chain([&range]);
+        let [low, high] = [0, 1].map(|end| limits.clone().map(|l| l[end]).collect::<Vec<_>>());
+        let matrix = self.whitened.columns(&effects);
+        let solution = least_squares_in_box(&matrix, &self.whitened.residual, &low, &high);
+        let amplitude = solution.coefficients[solution.coefficients.len() - 1];
+        (amplitude, solution.remaining.norm_squared())
+    }
+
+    /// Expected score of an effect of this amplitude, off what re-tuning inside the limits can imitate, known by a
+    /// sensitivity that is itself noisy; none where it does not stand out of its noise.
     ///
     /// # Formula
     ///
-    /// The sensitivity u is the true one, w, plus noise of covariance N: E|u|² = |w|² + tr N, and the score of the data
-    /// w along u is `w'u / |u|`, in the mean about `(|u|² - tr N) / |u|`. Both are taken in whitened rows, off what the
-    /// declared parameters absorb. [own]
-    pub(crate) fn expected_score(&self, problem: &Problem, effect: usize) -> Option<f64> {
-        let length = self.score(effect)?.length;
+    /// The least |a u - S shift| over shifts inside the limits, u the sensitivity; of its square a² tr N is taken off: u
+    /// is the true one, w, plus noise of covariance N, and E|u|² = |w|² + tr N. Without limits in reach that is the mean
+    /// of the score of the data along u, about `a (|u|² - tr N) / |u|`, and taken so. Whitened rows. [own]
+    pub(crate) fn expected_score(
+        &self,
+        problem: &Problem,
+        effect: usize,
+        amplitude: f64,
+    ) -> Option<f64> {
         let noise = problem.used.library_noise.get(effect);
         let noise = noise.map_or(0.0, |noise| self.whitened.noise_outside(noise, &self.space));
-        let signal = length * length - noise;
-        (signal > 0.0).then(|| signal / length)
+        let whole = self.whitened.library.column(effect) * amplitude;
+        let [low, high] = [0, 1].map(|end| {
+            let each = problem.limits.iter().zip(self.shift.iter());
+            // Rounding must not put the fitted point outside.
+            let inside = |x: f64| if end == 0 { x.min(0.0) } else { x.max(0.0) };
+            each.map(|(l, at)| inside(l[end] - at)).collect::<Vec<_>>()
+        });
+        let left = least_squares_in_box(&self.whitened.declared, &whole, &low, &high);
+        let length = left.remaining.norm();
+        let signal = length * length - amplitude * amplitude * noise;
+        (signal > 0.0 && length > ABSORBED * whole.norm()).then(|| signal / length)
+    }
+
+    /// Length of an effect before re-tuning, and that of its noise, 1 / (unit of the amplitude); whitened rows.
+    pub(crate) fn whole_and_noise(&self, problem: &Problem, effect: usize) -> [f64; 2] {
+        let nothing = Space::of(&DMatrix::zeros(self.whitened.residual.len(), 0));
+        let noise = problem.used.library_noise.get(effect);
+        let noise = noise.map_or(0.0, |noise| self.whitened.noise_outside(noise, &nothing));
+        [self.whitened.library.column(effect).norm(), noise.sqrt()]
     }
 
     /// Share of an effect that the parameters (and the effects that are on) can imitate; none when
@@ -276,6 +346,16 @@ impl Fit {
             }
         }
         outside
+    }
+
+    /// The residual without any re-tuning, in standard deviations of measurement and simulator alone.
+    pub(crate) fn as_simulated(&self, problem: &Problem) -> Result<AtFit, Error> {
+        let whitened = Whitened::new(problem, &[], &DVector::zeros(0), &[])?;
+        let (t, rows) = (whitened.residual.norm_squared(), whitened.residual.len());
+        Ok(AtFit {
+            t,
+            p: upper_tail(t, rows, problem.covariance_dof),
+        })
     }
 
     /// What the declared parameters and the effects that are on leave of the residual (whitened
@@ -367,26 +447,13 @@ impl Whitened {
 }
 
 impl Whitened {
-    /// The rows without what effects of given amplitudes explain.
-    fn less(&self, effects: &[(usize, f64)]) -> Self {
-        let mut rest = self.clone();
-        for &(j, amplitude) in effects {
-            rest.residual -= self.library.column(j) * amplitude;
-        }
-        rest
-    }
-}
-
-impl Score {
-    /// The score that an effect reaches with an amplitude up to the largest possible one of its sign.
-    ///
-    /// # Formula
-    ///
-    /// `z' = sign(z) sqrt(z² - max(0, |z| - a_max |u|)²)`: what it takes off the structured residual is z'².
-    pub(crate) fn within(&self, candidate: &Candidate) -> f64 {
-        let largest = candidate.largest_towards(self.z);
-        let over = largest.map_or(0.0, |a| (self.z.abs() - a * self.length).max(0.0));
-        self.z.signum() * (self.z * self.z - over * over).max(0.0).sqrt()
+    /// The columns of the declared parameters and of some effects.
+    fn columns(&self, effects: &[usize]) -> DMatrix<f64> {
+        let (rows, n) = self.declared.shape();
+        DMatrix::from_fn(rows, n + effects.len(), |i, k| match k.checked_sub(n) {
+            None => self.declared[(i, k)],
+            Some(e) => self.library[(i, effects[e])],
+        })
     }
 }
 

@@ -20,8 +20,6 @@ pub(crate) const GATE: f64 = ALPHA / 2.0;
 /// true effects, and of 450 random smooth outside effects none is named at either level: the Bayes
 /// factor over an unknown effect keeps them out.
 const SMOOTH_ADEQUACY: f64 = 0.005;
-/// Detectability |a||u| below which a candidate is not testable.
-const SMALLEST_DETECTABILITY: f64 = 3.0;
 
 /// What the gates say of a fit.
 #[derive(Debug, Clone)]
@@ -46,7 +44,10 @@ impl Gates {
     /// Puts a fit to the gates; `testable` are the candidates that may take part.
     pub(crate) fn new(problem: &Problem, fit: &Fit, testable: &[usize], options: &Options) -> Self {
         let scores: Vec<Option<Score>> = (0..problem.candidates.len())
-            .map(|j| fit.score(j).filter(|_| !fit.effects.contains(&j)))
+            .map(|j| {
+                let off = !fit.effects.contains(&j);
+                off.then(|| fit.score(j, &problem.candidates[j]))?
+            })
             .collect();
         let family: Vec<usize> = testable
             .iter()
@@ -61,7 +62,8 @@ impl Gates {
         let mut stream = Stream::new(options.seed, "largest score");
         let draws = if family.is_empty() { 0 } else { options.draws };
         let dof = problem.covariance_dof;
-        let max_test = MaxTest::simulate(&directions, &signs, dof, draws, &mut stream);
+        let outward = fit.outward();
+        let max_test = MaxTest::simulate(&directions, &signs, &outward, dof, draws, &mut stream);
         let mut gates = Self {
             p: fit.p(problem),
             smooth: fit.smooth_test(problem),
@@ -74,7 +76,7 @@ impl Gates {
         let possible = |j: &usize| {
             let candidate = &problem.candidates[*j];
             let score = gates.scores[*j].as_ref();
-            score.map_or(0.0, |s| candidate.sign.statistic(s.within(candidate)))
+            score.map_or(0.0, |s| candidate.sign.statistic(s.gain))
         };
         gates.best = gates
             .family
@@ -112,22 +114,4 @@ impl Gates {
     pub(crate) fn adequate(&self) -> bool {
         self.p.is_none_or(|p| p > GATE) && self.smooth.p.is_none_or(|p| p > SMOOTH_ADEQUACY)
     }
-}
-
-/// Candidates whose largest physical amplitude would be seen; one without a limit would, where its sensitivity
-/// stands out of its own noise and is not absorbed wholly.
-///
-/// The noise of a sensitivity lengthens it: what is asked of the largest amplitude is the expected score, without
-/// that noise. A candidate whose sensitivity is no more than noise would otherwise look like one of random shape,
-/// and take names from others.
-pub(crate) fn testable(problem: &Problem, nominal: &Fit) -> Vec<usize> {
-    (0..problem.candidates.len())
-        .filter(|&j| {
-            nominal.expected_score(problem, j).is_some_and(|score| {
-                problem.candidates[j]
-                    .largest()
-                    .is_none_or(|a| a * score >= SMALLEST_DETECTABILITY)
-            })
-        })
-        .collect()
 }

@@ -38,9 +38,11 @@
 
 mod bayes_factor;
 mod before_after;
+mod box_least_squares;
 mod checks;
 mod covariance;
 mod decision;
+mod detectability;
 mod diagnose;
 mod diagnosis;
 mod error;
@@ -59,7 +61,8 @@ mod trials;
 pub use before_after::{BeforeAfter, Change, PartErrors, Stages};
 pub use diagnose::{Options, diagnose};
 pub use diagnosis::{
-    CandidateResult, ConditionShare, Diagnosis, ObservableSupport, StructuredResidual, Verdict,
+    CandidateResult, ConditionShare, DeclaredResult, Diagnosis, Limit, ObservableSupport,
+    StructuredResidual, Unseen, Verdict,
 };
 pub use error::Error;
 pub use next_measurement::{NextMeasurement, PlannedExperiment, Purpose};

@@ -285,7 +285,9 @@ fn best_detectability(problem: &Problem, rows: &Rows, effects: &[usize]) -> f64 
         .iter()
         .map(|&j| {
             let left = space.outside(&rows.library.column(j).into_owned()).norm();
-            left * problem.candidates[j].largest().unwrap_or(1.0)
+            let ends = problem.candidates[j].range().map(f64::abs);
+            let largest = ends[0].max(ends[1]);
+            left * if largest.is_finite() { largest } else { 1.0 }
         })
         .fold(0.0, f64::max)
 }

@@ -20,6 +20,10 @@ pub struct Problem {
     pub(crate) used: Part,
     /// What was kept for the check.
     pub(crate) unused: Option<Part>,
+    /// Least and greatest shift of each declared parameter; infinite where it has no limit.
+    pub(crate) limits: Vec<[f64; 2]>,
+    /// Whether the residual is that of runs at fitted parameters.
+    pub(crate) at_fit: bool,
     /// What is known of the declared parameters beforehand.
     pub(crate) prior: Option<Prior>,
     /// Degrees of freedom of the covariances; none when they are known.
@@ -42,15 +46,14 @@ pub(crate) struct Candidate {
 }
 
 impl Candidate {
-    /// Largest size of an amplitude that has the sign of a number; none when there is no limit.
-    pub(crate) fn largest_towards(&self, sign: f64) -> Option<f64> {
-        self.ends
-            .map(|[least, greatest]| if sign < 0.0 { -least } else { greatest })
-    }
-
-    /// Largest size of its amplitude, whatever its sign; none when there is no limit.
-    pub(crate) fn largest(&self) -> Option<f64> {
-        self.ends.map(|[least, greatest]| greatest.max(-least))
+    /// Least and greatest amplitude that is possible by its limits and its sign; infinite where there is no limit.
+    pub(crate) fn range(&self) -> [f64; 2] {
+        let [least, greatest] = self.ends.unwrap_or([f64::NEG_INFINITY, f64::INFINITY]);
+        match self.sign {
+            Sign::Any => [least, greatest],
+            Sign::Positive => [0.0, greatest],
+            Sign::Negative => [least, 0.0],
+        }
     }
 }
 

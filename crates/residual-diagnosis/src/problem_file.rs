@@ -133,6 +133,12 @@ pub struct ProblemFile {
     pub sensitivities_declared: Vec<Vec<f64>>,
     /// Covariance of each column of `sensitivities_declared`, where it came from noisy runs.
     pub cov_sensitivities_declared: Vec<CovarianceInput>,
+    /// Least and greatest shift of each declared parameter from the value at which the residual was taken, at most and at
+    /// least 0, in its unit; null where there is no limit, and absent where there is none at all.
+    pub shift_limits: Vec<[Option<f64>; 2]>,
+    /// Whether the residual is that of runs at parameters that were fitted to these conditions: what re-tuning seems to
+    /// take off it then is what no run has shown.
+    pub at_fitted_parameters: bool,
     /// Prior precision of the declared parameters; absent when all are free.
     pub prior_precision: Option<PriorPrecision>,
     /// Prior mean minus fitted value of the declared parameters; 0 where absent.

@@ -6,10 +6,10 @@ use serde::Serialize;
 
 use crate::before_after::Stages;
 use crate::covariance::Covariance;
+use crate::detectability::testable;
 use crate::diagnose::decide_and_check;
 use crate::diagnosis::Verdict;
 use crate::fit::Fit;
-use crate::gates::testable;
 use crate::next_measurement::SEPARATION_TO_REACH;
 use crate::problem::{Part, Prior, Problem};
 use crate::smooth_basis::smooth_basis;
@@ -343,7 +343,10 @@ impl<'a> Design<'a> {
 
     /// Amplitude of an effect of the library at a strength.
     fn signed_amplitude(&self, j: usize, strength: f64, positive: bool) -> f64 {
-        let length = self.nominal.score(j).map_or(f64::INFINITY, |s| s.length);
+        let length = self
+            .nominal
+            .score(j, &self.problem.candidates[j])
+            .map_or(f64::INFINITY, |s| s.length);
         strength / length * if positive { 1.0 } else { -1.0 }
     }
 

@@ -70,6 +70,15 @@ pub(super) fn problem(
         declared: plan.declared.iter().map(|d| d.name.clone()).collect(),
         sensitivities_declared: linear.declared.concat(),
         cov_sensitivities_declared: plan.declared.iter().enumerate().map(of_step).collect(),
+        shift_limits: plan
+            .declared
+            .iter()
+            .zip(fitted)
+            .map(|(d, at)| [0, 1].map(|end| Some(d.bounds[end] - at)))
+            // A fit that ends on a bound may be beside it by rounding.
+            .map(|[least, greatest]| [least.map(|x| x.min(0.0)), greatest.map(|x| x.max(0.0))])
+            .collect(),
+        at_fitted_parameters: true,
         prior_precision: any_prior.then(|| {
             let precision = |sd: f64| 1.0 / (sd * sd);
             let each = plan

@@ -14,7 +14,7 @@ pub(crate) const LOOKS: usize = 2;
 /// Blocks of seeds: of the fit without an effect and its corrections, of the model with effects and its corrections,
 /// and the first of the sensitivities measured anew. Block 0 is that of the start.
 pub(crate) const BLOCKS_OF_FIT: [u64; 3] = [1, 4, 5];
-pub(crate) const BLOCKS_WITH_EFFECTS: [u64; 3] = [2, 3, 12];
+pub(crate) const BLOCKS_WITH_EFFECTS: [u64; 4] = [2, 3, 12, 13];
 pub(super) const FIRST_BLOCK_ANEW: u64 = 6;
 
 /// Effects to be added together, one set a model: those that are named, or of a tie each of the best explanations

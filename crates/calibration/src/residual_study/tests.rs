@@ -526,8 +526,7 @@ const INTERACTING: Formula = Formula {
 };
 
 /// Runs that contradict the slopes correct them: six campaigns of six end at the noise on the used conditions, where a
-/// right model stays below 1.67 (18 values) in 39 of 40 cases, and on the kept ones, below 3 (6 values) in 199 of 200.
-/// With the slopes of the start four of them stay above the first bound, at 1.8 to 3.8.
+/// right model stays below 2.16 (18 values) in 399 of 400 cases, and on the kept ones, below 3 (6 values) in 199 of 200.
 #[test]
 fn slopes_that_runs_contradict_are_corrected() {
     for seed in 1..=6 {
@@ -542,7 +541,7 @@ fn slopes_that_runs_contradict_are_corrected() {
         assert_eq!(study.diagnosis.effects, ["bend"], "seed {seed}: {summary}");
         let errors = study.after.unwrap().errors;
         let (used, kept) = (errors.used.whitened_mse, errors.kept.unwrap().whitened_mse);
-        assert!(used < 1.67 && kept < 3.0, "seed {seed}: {used} {kept}");
+        assert!(used < 2.16 && kept < 3.0, "seed {seed}: {used} {kept}");
     }
 }
 
