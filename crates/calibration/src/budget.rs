@@ -1,21 +1,25 @@
 //! How many runs a residual study may need.
 
 use crate::ResidualPlan;
-use crate::residual_study::fits::{BLOCKS_OF_FIT, BLOCKS_WITH_EFFECTS, LOOKS, MOST_SUSPECTS};
+use crate::residual_study::fits::{
+    BLOCKS_OF_FIT, BLOCKS_WITH_EFFECTS, LOOKS, MOST_NOISY, MOST_SUSPECTS,
+};
 
 /// The largest number of runs that a study may need, for r replicates, K declared parameters, M effects, U used
 /// conditions and C kept for the check.
 ///
 /// # Formula
 ///
-/// `r ((1 + K + M + F + m (L + A)) U + (1 + m) C)`: the start and the sensitivities, F = 3 fits without an effect;
-/// for each of m = min(M, 3) effects that may explain it L = 2 sensitivities anew and A = 3 fits of the model with it.
+/// `r ((1 + K + M + F + s + m (L + A)) U + (1 + m) C)`: the start and the sensitivities, F = 3 fits without an effect,
+/// s = min(M, 6) slopes that are noise measured anew; for each of m = min(M, 3) effects that may explain it L = 2
+/// sensitivities anew and A = 4 fits of the model with it.
 /// A study that needs no correction of its fits, or adds no effect, needs fewer.
 pub fn runs_needed(plan: &ResidualPlan) -> usize {
     let used = plan.count(true);
     let settings = 1 + plan.declared.len() + plan.effects.len();
     let suspects = MOST_SUSPECTS.min(plan.effects.len());
-    let rounds = BLOCKS_OF_FIT.len() + suspects * (LOOKS + BLOCKS_WITH_EFFECTS.len());
+    let noisy = MOST_NOISY.min(plan.effects.len());
+    let rounds = BLOCKS_OF_FIT.len() + noisy + suspects * (LOOKS + BLOCKS_WITH_EFFECTS.len());
     plan.replicates * ((settings + rounds) * used + (1 + suspects) * plan.count(false))
 }
 
@@ -59,14 +63,14 @@ mod tests {
         }
     }
 
-    /// By hand: 2 (19 x 6 + 3 x 1) = 234 runs; with three used conditions 2 (19 x 3 + 3 x 4) = 138.
+    /// By hand: 2 (21 x 6 + 3 x 1) = 258 runs; with three used conditions 2 (21 x 3 + 3 x 4) = 150.
     #[test]
     fn used_and_kept_conditions_need_the_runs_of_the_formula() {
         let mut plan = plan();
-        assert_eq!(runs_needed(&plan), 234);
+        assert_eq!(runs_needed(&plan), 258);
         for condition in plan.conditions.iter_mut().take(3) {
             condition.used = false;
         }
-        assert_eq!(runs_needed(&plan), 138);
+        assert_eq!(runs_needed(&plan), 150);
     }
 }

@@ -10,9 +10,11 @@ mod scatter;
 
 use crate::Error;
 use campaign::{Campaign, RunRequest, Simulator};
-use fits::{FIRST_BLOCK_ANEW, Fits, LOOKS, Looks, MOST_SUSPECTS, sets_to_add};
+use fits::{
+    FIRST_BLOCK_ANEW, FIRST_BLOCK_OF_NOISY, Fits, LOOKS, Looks, MOST_SUSPECTS, Visited, sets_to_add,
+};
 use residual_diagnosis::{
-    Diagnosis, Largest, Options, Problem, ProblemFile, Sign, Verdict, diagnose,
+    CheckedModel, Diagnosis, Largest, Options, Problem, ProblemFile, Sign, Verdict, diagnose,
 };
 pub(crate) use runs::value;
 use runs::{At, Linearisation};
@@ -256,6 +258,12 @@ pub fn study_residual(
     };
     let (mut file, mut diagnosis) = diagnosed(&linear)?;
     let mut looks = Looks::default();
+    let noisy = fits.noisy(&fit, &diagnosis);
+    if !noisy.is_empty() && diagnosis.verdict != Verdict::Refused {
+        let runs = noisy.into_iter().zip(FIRST_BLOCK_OF_NOISY..);
+        linear = fits.measured_anew(linear, &fit, runs, &mut looks)?;
+        (file, diagnosis) = diagnosed(&linear)?;
+    }
     for look in 0..LOOKS {
         let settings = match diagnosis.verdict {
             Verdict::None | Verdict::Refused | Verdict::NotTestable => break,
@@ -275,17 +283,9 @@ pub fn study_residual(
     let sets = sets_to_add(&diagnosis);
     let (mut added, failed) = fits.with_each(&linear, &sets, &fit, &looks)?;
     diagnosis.warnings.extend(failed);
-    let kept = |errors: &ErrorPair| errors.kept.as_ref().map(|e| e.whitened_mse);
-    let on_kept = |a: &AddedEffect| {
-        let names: Vec<&str> = a.effects.keys().map(String::as_str).collect();
-        Some((names.join(" and "), kept(&a.errors)?))
-    };
-    let on_kept: Vec<_> = added.iter().filter_map(on_kept).collect();
-    // What could not be run was not refuted.
-    if let (Some(before), true) = (kept(&errors_before), on_kept.len() == sets.len()) {
-        let unused = (0..plan.conditions.len()).filter(|&c| !plan.conditions[c].used);
-        let values = unused.map(|c| observed.measured(c).len()).sum();
-        diagnosis = diagnosis.checked_by_runs(before, &on_kept, values);
+    if added.len() == sets.len() {
+        // What could not be run was not refuted.
+        diagnosis = checked(&fits, &linear, &fit, (&errors_before, &added), diagnosis)?;
     }
     let (after, rivals) = match sets.len() {
         0 | 1 => (added.pop(), Vec::new()),
@@ -312,6 +312,35 @@ pub fn study_residual(
         after,
         rivals,
     })
+}
+
+/// Holds a diagnosis against the kept conditions, by the real runs of the models that it proposes.
+fn checked(
+    fits: &Fits<'_>,
+    linear: &Linearisation,
+    fit: &Visited,
+    (before, added): (&ErrorPair, &[AddedEffect]),
+    diagnosis: Diagnosis,
+) -> Result<Diagnosis, Error> {
+    let (plan, observed) = (fits.plan, fits.observed);
+    let Some(before) = &before.kept else {
+        return Ok(diagnosis);
+    };
+    let mut models = Vec::new();
+    for model in added {
+        let means = (&fit.means.values[..], &model.simulated[..]);
+        let contrast = assemble::contrast_on_kept(plan, observed, linear, means, fit.means.n)?;
+        let names: Vec<&str> = model.effects.keys().map(String::as_str).collect();
+        let checked = model.errors.kept.as_ref().zip(contrast);
+        models.extend(checked.map(|(errors, contrast)| CheckedModel {
+            name: names.join(" and "),
+            whitened_mse: errors.whitened_mse,
+            contrast,
+        }));
+    }
+    let unused = (0..plan.conditions.len()).filter(|&c| !plan.conditions[c].used);
+    let values = unused.map(|c| observed.measured(c).len()).sum();
+    Ok(diagnosis.checked_by_runs(before.whitened_mse, &models, values))
 }
 
 /// Refuses numbers that do not fit together.

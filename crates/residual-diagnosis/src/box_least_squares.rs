@@ -52,12 +52,12 @@ pub(crate) fn least_squares_in_box(
         let held = (0..n).filter(|&j| !free[j]);
         match held.filter_map(into_box).max_by(|a, b| a.1.total_cmp(&b.1)) {
             Some((j, _)) => free[j] = true,
-            None => return finished(x, free, space, remaining),
+            None => return finished(x, free, space, &remaining),
         }
     }
     let space = Space::of(&columns(matrix, &free));
     let remaining = target - matrix * &x;
-    finished(x, free, space, remaining)
+    finished(x, free, space, &remaining)
 }
 
 /// Goes to the least squares solution of the free coefficients, which are held where they meet a bound on the way.
@@ -108,9 +108,9 @@ fn columns(matrix: &DMatrix<f64>, free: &[bool]) -> DMatrix<f64> {
 }
 
 /// Puts a solution together; what remains is projected off the free columns once more, against rounding.
-fn finished(x: DVector<f64>, free: Vec<bool>, space: Space, remaining: DVector<f64>) -> Solution {
+fn finished(x: DVector<f64>, free: Vec<bool>, space: Space, remaining: &DVector<f64>) -> Solution {
     Solution {
-        remaining: space.outside(&remaining),
+        remaining: space.outside(remaining),
         coefficients: x,
         free,
         space,

@@ -3,7 +3,7 @@
 use crate::bayes_factor::{ln_factor_of_effect, ln_factor_of_unknown};
 use crate::detectability::testable;
 use crate::diagnosis::Verdict;
-use crate::fit::Fit;
+use crate::fit::{Fit, as_simulated};
 use crate::gates::{ALPHA, GATE, Gates};
 use crate::problem::Problem;
 use crate::problem_file::Sign;
@@ -59,6 +59,18 @@ pub(crate) struct AtFit {
     pub(crate) p: Option<f64>,
 }
 
+impl AtFit {
+    /// The residual without any re-tuning, in standard deviations of measurement and simulator alone.
+    fn new(problem: &Problem) -> Result<Self, Error> {
+        let residual = as_simulated(problem)?;
+        let (t, rows) = (residual.norm_squared(), residual.len());
+        Ok(Self {
+            t,
+            p: upper_tail(t, rows, problem.covariance_dof),
+        })
+    }
+}
+
 /// The effects that were taken one after the other.
 struct Taken {
     /// All of them on.
@@ -91,10 +103,7 @@ pub(crate) fn decide(problem: &Problem, options: &Options) -> Result<Decision, E
         singles,
         tie_limit: tie_limit(testable.len(), problem.used.has_noisy_sensitivities()),
         ln_factor_of_unknown: ln_factor_of_unknown(&nominal),
-        at_fit: problem
-            .at_fit
-            .then(|| nominal.as_simulated(problem))
-            .transpose()?,
+        at_fit: problem.at_fit.then(|| AtFit::new(problem)).transpose()?,
         testable,
         nominal,
         gates,

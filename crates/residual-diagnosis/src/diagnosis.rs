@@ -1,13 +1,12 @@
 //! The outcome of a diagnosis, as it is written and read.
 
 use serde::Serialize;
-use std::cmp::Ordering;
 use std::collections::BTreeMap;
 use std::fmt;
 
 use crate::summary::summary;
 use crate::tails::upper_tail;
-use crate::{BeforeAfter, NextMeasurement};
+use crate::{BeforeAfter, Contrast, NextMeasurement};
 
 /// What can be said of a residual.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -213,6 +212,20 @@ pub struct ConditionShare {
 /// Least chance with which noise alone leaves so much on unused conditions as a named effect may leave.
 const LEAST_P_ON_UNUSED: f64 = 0.01;
 
+/// Separation from which on two models are told apart in 19 of 20 cases either way: twice the quantile of 5 %.
+const TOLD_APART: f64 = 3.29;
+
+/// A model in question, by real runs at conditions that nothing has used.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CheckedModel {
+    /// Its effects, in words.
+    pub name: String,
+    /// What it leaves, whitened mean square.
+    pub whitened_mse: f64,
+    /// How it differs there from the model without effects.
+    pub contrast: Contrast,
+}
+
 impl Diagnosis {
     /// The diagnosis in plain language, with what cannot be told.
     pub fn summary(&self) -> &str {
@@ -220,36 +233,49 @@ impl Diagnosis {
     }
 
     /// Holds an answer against runs of the simulator itself, with the effects switched on, at conditions
-    /// that neither choice nor fit has used: whitened mean square `before` of so many values, and that `after` by
-    /// model in question, the best explanation first.
+    /// that neither choice nor fit has used: whitened mean square `before` of so many values, and each model in
+    /// question, the best explanation first.
     ///
-    /// A model that does not lower the error there, or leaves more than noise (by chance in less than 1
-    /// of 100 cases), does not stand. If none stands, the answer is taken back, and the effects become suspects.
+    /// A model does not stand that the values refute (a right one by chance in 5 of 100 cases) or that leaves more than
+    /// noise there (1 of 100). If none stands, the answer is taken back, and the effects become suspects. The errors
+    /// before and after stay.
     #[must_use]
-    pub fn checked_by_runs(mut self, before: f64, after: &[(String, f64)], values: usize) -> Self {
+    pub fn checked_by_runs(mut self, before: f64, after: &[CheckedModel], values: usize) -> Self {
         let dof = self.structured_residual.covariance_dof;
-        let fault = |after: f64| {
-            // An error that is no number counts as one that did not fall.
-            if after.partial_cmp(&before) != Some(Ordering::Less) {
-                return Some("not down".to_owned());
+        let fault = |model: &CheckedModel| {
+            let Contrast { separation, score } = model.contrast;
+            if model.contrast.refutes() {
+                return Some(format!(
+                    "and the values lie {:.1} standard deviations on the side of the model without it, which lies \
+                     {separation:.1} away",
+                    -score
+                ));
             }
-            let p = upper_tail(after * values as f64, values, dof);
+            let p = upper_tail(model.whitened_mse * values as f64, values, dof);
             let too_small = p.filter(|p| *p < LEAST_P_ON_UNUSED);
             too_small.map(|p| format!("and what is left is more than noise, p {p:.1e}"))
         };
         let mut stands = None;
-        for (model, after) in after {
-            match fault(*after) {
+        for model in after {
+            let (name, mse) = (&model.name, model.whitened_mse);
+            match fault(model) {
                 None => {
-                    stands.get_or_insert(*after);
+                    stands.get_or_insert(mse);
+                    if model.contrast.separation < TOLD_APART {
+                        self.warnings.push(format!(
+                            "the unused conditions can hardly tell the model with {name} from the one without: the \
+                             two differ by {:.1} standard deviations there",
+                            model.contrast.separation
+                        ));
+                    }
                 }
                 Some(reason) => self.warnings.push(format!(
-                    "{model} does not stand: by real runs the whitened mean square on the unused \
-                     conditions goes from {before:.3} to {after:.3}, {reason}"
+                    "{name} does not stand: by real runs the whitened mean square on the unused \
+                     conditions goes from {before:.3} to {mse:.3}, {reason}"
                 )),
             }
         }
-        let best = after.first().map(|(_, after)| *after);
+        let best = after.first().map(|model| model.whitened_mse);
         self.runs_on_unused = stands.or(best).map(|after| [before, after]);
         if stands.is_none() && best.is_some() {
             self.warnings
@@ -265,8 +291,8 @@ impl Diagnosis {
 
 #[cfg(test)]
 mod tests {
-    use super::Verdict;
-    use crate::{Options, Problem, ProblemFile, diagnose};
+    use super::{CheckedModel, Verdict};
+    use crate::{Contrast, Options, Problem, ProblemFile, diagnose};
 
     /// A line over four speeds with noise 1, one free level, and a library of one slope, planted with
     /// twenty standard errors.
@@ -283,16 +309,27 @@ mod tests {
         diagnose(&Problem::try_from(file).unwrap(), &Options::new(1)).unwrap()
     }
 
-    /// Errors on unused conditions, by model.
-    fn models(after: &[f64]) -> Vec<(String, f64)> {
-        let names = ["slope", "curve"].map(String::from);
-        names.into_iter().zip(after.iter().copied()).collect()
+    /// Models by the mean square that they leave, and by the score of their difference from the model without them.
+    fn models(after: &[[f64; 2]]) -> Vec<CheckedModel> {
+        let model = |(name, [whitened_mse, score]): (&str, &[f64; 2])| CheckedModel {
+            name: name.into(),
+            whitened_mse: *whitened_mse,
+            contrast: Contrast {
+                separation: 5.0,
+                score: *score,
+            },
+        };
+        ["slope", "curve"]
+            .into_iter()
+            .zip(after)
+            .map(model)
+            .collect()
     }
 
     #[test]
     fn a_naming_that_real_runs_do_not_bear_out_is_withdrawn() {
         assert_eq!(named().verdict, Verdict::Named, "{}", named().summary());
-        let stays = named().checked_by_runs(9.0, &models(&[1.1]), 4);
+        let stays = named().checked_by_runs(9.0, &models(&[[1.1, -2.4]]), 4);
         assert_eq!(stays.verdict, Verdict::Named);
         assert!(
             stays.summary().contains("from 9.00 to 1.10"),
@@ -300,7 +337,8 @@ mod tests {
             stays.summary()
         );
         // Four values of mean square 3.4 sum to 13.6, above 13.3: the upper 1 % point of chi-square on four.
-        for after in [9.0, 9.1, 3.4, f64::NAN] {
+        // At a distance of 5 the other model is nearer from -2.5 on.
+        for after in [[1.1, -2.6], [3.4, 0.0], [f64::NAN, f64::NAN]] {
             let fallen = named().checked_by_runs(9.0, &models(&[after]), 4);
             assert_eq!(fallen.verdict, Verdict::Unknown);
             assert!(fallen.effects.is_empty());
@@ -311,19 +349,16 @@ mod tests {
     /// Of two effects in question the second stands, or none.
     #[test]
     fn a_tie_is_withdrawn_only_where_no_effect_of_it_stands() {
-        let stays = named().checked_by_runs(9.0, &models(&[9.1, 1.1]), 4);
+        let stays = named().checked_by_runs(9.0, &models(&[[9.1, -4.0], [1.1, 0.0]]), 4);
         assert_eq!(stays.verdict, Verdict::Named);
         assert_eq!(stays.runs_on_unused, Some([9.0, 1.1]));
         let said = stays.warnings.join(" ");
         assert!(said.contains("slope does not stand"), "{said}");
-        let fallen = named().checked_by_runs(9.0, &models(&[3.4, 9.1]), 4);
+        let fallen = named().checked_by_runs(9.0, &models(&[[3.4, 0.0], [9.1, -4.0]]), 4);
         assert_eq!(fallen.verdict, Verdict::Unknown);
         assert_eq!(fallen.runs_on_unused, Some([9.0, 3.4]));
         let said = fallen.warnings.join(" ");
         assert!(said.contains("curve does not stand"), "{said}");
-        // An error before that is no number bears nothing out.
-        let fallen = named().checked_by_runs(f64::NAN, &models(&[1.1]), 4);
-        assert_eq!(fallen.verdict, Verdict::Unknown);
     }
 
     /// With one observable the support is the score itself.

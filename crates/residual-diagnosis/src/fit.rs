@@ -5,7 +5,6 @@ use nalgebra::{DMatrix, DVector};
 use crate::Error;
 use crate::box_least_squares::least_squares_in_box;
 use crate::covariance::{Covariance, Whitener};
-use crate::decision::AtFit;
 use crate::problem::{Candidate, Problem};
 use crate::problem_file::Sign;
 use crate::smooth_basis::smooth_basis;
@@ -83,6 +82,11 @@ pub(crate) struct Held {
     pub(crate) parameter: usize,
     /// 1 at its upper limit, -1 at its lower one.
     pub(crate) side: f64,
+}
+
+/// The residual without any re-tuning, in standard deviations of measurement and simulator, the rows of the prior last.
+pub(crate) fn as_simulated(problem: &Problem) -> Result<DVector<f64>, Error> {
+    Ok(Whitened::new(problem, &[], &DVector::zeros(0), &[])?.residual)
 }
 
 /// How an effect that is off would help.
@@ -346,16 +350,6 @@ impl Fit {
             }
         }
         outside
-    }
-
-    /// The residual without any re-tuning, in standard deviations of measurement and simulator alone.
-    pub(crate) fn as_simulated(&self, problem: &Problem) -> Result<AtFit, Error> {
-        let whitened = Whitened::new(problem, &[], &DVector::zeros(0), &[])?;
-        let (t, rows) = (whitened.residual.norm_squared(), whitened.residual.len());
-        Ok(AtFit {
-            t,
-            p: upper_tail(t, rows, problem.covariance_dof),
-        })
     }
 
     /// What the declared parameters and the effects that are on leave of the residual (whitened

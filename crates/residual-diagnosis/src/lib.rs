@@ -58,11 +58,11 @@ mod summary;
 mod tails;
 mod trials;
 
-pub use before_after::{BeforeAfter, Change, PartErrors, Stages};
+pub use before_after::{BeforeAfter, Change, Contrast, PartErrors, Stages};
 pub use diagnose::{Options, diagnose};
 pub use diagnosis::{
-    CandidateResult, ConditionShare, DeclaredResult, Diagnosis, Limit, ObservableSupport,
-    StructuredResidual, Unseen, Verdict,
+    CandidateResult, CheckedModel, ConditionShare, DeclaredResult, Diagnosis, Limit,
+    ObservableSupport, StructuredResidual, Unseen, Verdict,
 };
 pub use error::Error;
 pub use next_measurement::{NextMeasurement, PlannedExperiment, Purpose};

@@ -66,8 +66,8 @@ fn with(mut file: ProblemFile, shift: [f64; 2], amplitudes: [f64; 2], seed: u64)
 
 /// The diagnosis of a file.
 fn answer(file: &ProblemFile, draws: usize) -> Diagnosis {
-    let problem = Problem::try_from(file.clone()).unwrap();
-    diagnose(&problem, &options(draws)).unwrap()
+    let problem = Problem::try_from(file.clone()).expect("the file is whole");
+    diagnose(&problem, &options(draws)).expect("its covariances are positive definite")
 }
 
 /// Cohesion is hidden and the friction has ended on its upper limit. The slopes are known to 15 %, so that a step of 0.8

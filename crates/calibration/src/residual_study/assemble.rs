@@ -4,7 +4,7 @@ use super::runs::{Linearisation, Means, Setting};
 use super::{DeclaredParameter, ErrorPair, Observed, RealErrors, ResidualPlan};
 use crate::Error;
 use nalgebra::{Cholesky, DMatrix, DVector};
-use residual_diagnosis::{CovarianceInput, Level, PriorPrecision, ProblemFile};
+use residual_diagnosis::{Contrast, CovarianceInput, Level, PriorPrecision, ProblemFile};
 use std::collections::BTreeMap;
 
 /// Sum of two covariances, the second scaled.
@@ -226,6 +226,39 @@ pub(super) fn errors(
         used: of(true)?.ok_or(NOTHING_USED)?,
         kept: of(false)?,
     })
+}
+
+/// How two models differ at the kept conditions, and what the values say of it; none where nothing was measured there.
+pub(super) fn contrast_on_kept(
+    plan: &ResidualPlan,
+    observed: &Observed,
+    linear: &Linearisation,
+    (before, after): (&[Vec<f64>], &[Vec<f64>]),
+    runs: usize,
+) -> Result<Option<Contrast>, Error> {
+    let share = 1.0 / runs as f64;
+    let [mut without, mut with] = [Vec::new(), Vec::new()];
+    let mut shared = 0.0;
+    for c in (0..plan.conditions.len()).filter(|&c| !plan.conditions[c].used) {
+        let root = root(observed, linear, share, c)?;
+        let measured = observed.measured(c);
+        let residual = |simulated: &[f64]| {
+            let each = measured
+                .iter()
+                .filter_map(|&k| Some((k, observed.values[c][k]?)));
+            DVector::from_iterator(measured.len(), each.map(|(k, y)| y - simulated[k]))
+        };
+        for (list, simulated) in [(&mut without, before), (&mut with, after)] {
+            let white = root.solve_lower_triangular(&residual(&simulated[c]));
+            list.extend(white.iter().flat_map(|w| w.iter().copied()));
+        }
+        let of_runs = of_measured(observed, &scaled(&linear.run_covariance[c], share), c);
+        let half = root.solve_lower_triangular(&of_runs);
+        let whole = half.and_then(|half| root.solve_lower_triangular(&half.transpose()));
+        shared += whole.map_or(0.0, |whole| whole.trace());
+    }
+    let any = !with.is_empty();
+    Ok(any.then(|| Contrast::new(&with, &without, shared)))
 }
 
 /// Errors on the used or on the kept conditions; none where nothing was measured there.

@@ -4,7 +4,7 @@ use super::runs::{self, At, Linearisation, Means, Setting};
 use super::{AddedEffect, EffectProbe, Observed, ResidualPlan, assemble, refit};
 use crate::Error;
 use campaign::{Campaign, Simulator};
-use residual_diagnosis::{CandidateResult, Diagnosis};
+use residual_diagnosis::{CandidateResult, Diagnosis, Unseen};
 
 /// Largest number of effects whose sensitivity is measured anew at a time.
 pub(crate) const MOST_SUSPECTS: usize = 3;
@@ -16,6 +16,10 @@ pub(crate) const LOOKS: usize = 2;
 pub(crate) const BLOCKS_OF_FIT: [u64; 3] = [1, 4, 5];
 pub(crate) const BLOCKS_WITH_EFFECTS: [u64; 4] = [2, 3, 12, 13];
 pub(super) const FIRST_BLOCK_ANEW: u64 = 6;
+/// Largest number of effects whose slope is noise at the probe and is measured at the largest amplitude instead, and the
+/// first of their blocks of seeds.
+pub(crate) const MOST_NOISY: usize = 6;
+pub(super) const FIRST_BLOCK_OF_NOISY: u64 = 14;
 
 /// Effects to be added together, one set a model: those that are named, or of a tie each of the best explanations
 /// in turn.
@@ -132,6 +136,24 @@ impl Fits<'_> {
             Ok((j, setting))
         };
         suspects.into_iter().map(setting).collect()
+    }
+
+    /// Effects whose slope is no more than noise, each at its largest amplitude: more of it, not more runs, is what lifts a
+    /// slope out of its noise.
+    pub(super) fn noisy(&self, fit: &Visited, diagnosis: &Diagnosis) -> Vec<(usize, Setting)> {
+        let effects = self.plan.effects.iter().enumerate();
+        let noise = effects.filter(|(_, e)| {
+            let candidate = diagnosis.candidates.get(&e.name);
+            candidate.is_some_and(|c| c.unseen == Some(Unseen::SlopeIsNoise))
+        });
+        let at_most = |(j, e): (usize, &EffectProbe)| {
+            let [low, high] = e.range;
+            let most = if high.abs() >= low.abs() { high } else { low };
+            let mut setting = fit.setting.clone();
+            setting.effects.insert(e.name.clone(), most);
+            (j, setting)
+        };
+        noise.map(at_most).take(MOST_NOISY).collect()
     }
 
     /// Runs each suspect at its setting and takes its sensitivity from there; notes these runs, or that one cannot be

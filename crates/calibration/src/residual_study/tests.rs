@@ -717,3 +717,19 @@ fn an_effect_is_zero_in_a_scene_that_cannot_carry_it() {
     };
     assert_eq!(noise.last().unwrap()[1][1], 0.0);
 }
+
+/// An effect whose probe is so small that its slope is noise cannot be judged by it. It is run at its largest amplitude,
+/// where it stands out, and is found.
+#[test]
+fn a_slope_that_is_noise_is_measured_at_the_largest_amplitude() {
+    let folder = tempfile::tempdir().unwrap();
+    let store = Store::open(folder.path()).unwrap();
+    let campaign = Campaign::new(&store, 2, &Silent);
+    let mut plan = plan(1);
+    plan.effects[0].probe = 0.02;
+    let study = study_residual(&campaign, &Toy, &plan, &observed(&plan, [2.0, 0.0], 1)).unwrap();
+    let diagnosis = &study.diagnosis;
+    assert_eq!(diagnosis.effects, ["bend"], "{}", diagnosis.summary());
+    let amplitude = study.after.as_ref().unwrap().effects["bend"];
+    assert!((amplitude - 2.0).abs() < 0.5, "{amplitude}");
+}
