@@ -9,6 +9,7 @@ pub(crate) mod pareto;
 pub(crate) mod predicted_against_measured;
 pub(crate) mod residuals;
 pub(crate) mod scatter;
+pub(crate) mod stacked_bars;
 pub(crate) mod surface;
 pub(crate) mod timeseries;
 

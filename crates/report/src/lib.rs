@@ -50,6 +50,7 @@ pub use chart::pareto::Pareto;
 pub use chart::predicted_against_measured::{Comparison, PredictedAgainstMeasured, Role};
 pub use chart::residuals::{ResidualCondition, ResidualPanel, Residuals};
 pub use chart::scatter::Scatter;
+pub use chart::stacked_bars::{StackedBar, StackedBars};
 pub use chart::surface::Surface;
 pub use chart::timeseries::{TimeSeries, TimeSpan};
 pub use chart::{AxisTitle, Level};

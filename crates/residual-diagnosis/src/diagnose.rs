@@ -8,7 +8,7 @@ use crate::before_after::{BeforeAfter, before_after};
 use crate::decision::{Decision, decide};
 use crate::detectability::{smallest_detectable, testable, why_unseen};
 use crate::diagnosis::{
-    CandidateResult, ConditionShare, DeclaredResult, Diagnosis, Limit, ObservableSupport,
+    CandidateResult, ConditionShare, DeclaredResult, Diagnosis, Evidence, Limit, ObservableSupport,
     StructuredResidual, Verdict,
 };
 use crate::fit::Fit;
@@ -96,6 +96,11 @@ pub fn diagnose(problem: &Problem, options: &Options) -> Result<Diagnosis, Error
             Vec::new()
         } else {
             observable_support(problem, &decision)?
+        },
+        evidence: if refused {
+            BTreeMap::new()
+        } else {
+            evidence(problem, &decision)
         },
         before_after,
         runs_on_unused: None,
@@ -289,6 +294,34 @@ fn observable_support(
     Ok(support)
 }
 
+/// What each effect takes off the structured residual, by observable.
+fn evidence(problem: &Problem, decision: &Decision) -> BTreeMap<String, Vec<Evidence>> {
+    let (rows, n) = (&problem.used.rows, problem.observables.len());
+    let of = |with: &Fit| {
+        // The rows of the priors come last, and have a place of their own.
+        let mut drops = vec![0.0; n + 1];
+        let left = decision.nominal.remaining().iter().zip(with.remaining());
+        for (i, (without, with)) in left.enumerate() {
+            let place = rows.get(i).map_or(n, |row| row.observable);
+            drops[place] += without * without - with * with;
+        }
+        let some = |o: usize| o < n || problem.prior.is_some();
+        let named = |(o, drop): (usize, f64)| Evidence {
+            observable: problem.observables.get(o).cloned(),
+            drop,
+        };
+        drops
+            .into_iter()
+            .enumerate()
+            .filter(|(o, _)| some(*o))
+            .map(named)
+            .collect()
+    };
+    let each = problem.candidates.iter().zip(&decision.singles);
+    each.map(|(candidate, with)| (candidate.name.clone(), of(with)))
+        .collect()
+}
+
 /// What each effect of the library would do.
 fn candidate_results(
     problem: &Problem,
@@ -369,7 +402,11 @@ fn declared_results(problem: &Problem, decision: &Decision) -> BTreeMap<String, 
     let covariance = decision.chosen.parameter_covariance();
     let error = |k: usize| covariance[(k, k)].sqrt();
     let held = |fit: &Fit, k: usize| fit.held.iter().find(|h| h.parameter == k).copied();
+    let without = decision.nominal.parameter_covariance();
     let of = |k: usize| DeclaredResult {
+        se_without: held(&decision.nominal, k)
+            .is_none()
+            .then(|| without[(k, k)].sqrt()),
         se: held(&decision.chosen, k).is_none().then(|| error(k)),
         held: held(&decision.nominal, k).map(|h| {
             if h.side > 0.0 {

@@ -84,6 +84,9 @@ pub struct Diagnosis {
     /// What each observable alone says of the effect that stands out; empty when the test was
     /// refused or there is no library.
     pub observable_support: Vec<ObservableSupport>,
+    /// What each effect takes off the structured residual, by observable: the drops add up to all that it takes off.
+    /// Correlated values are split in the order of the observables.
+    pub evidence: BTreeMap<String, Vec<Evidence>>,
     /// Errors before and after; none when the test was refused or there is no library.
     pub before_after: Option<BeforeAfter>,
     /// Whitened mean square on unused conditions by runs of the simulator itself, without and with
@@ -128,6 +131,8 @@ pub struct StructuredResidual {
 pub struct DeclaredResult {
     /// Standard error, in its unit; none where it is held at a limit.
     pub se: Option<f64>,
+    /// The same without any effect.
+    pub se_without: Option<f64>,
     /// Where the data would move it beyond a limit, without an effect.
     pub held: Option<Limit>,
     /// Correlation with the other parameters, by name; 0 where one of the two is held.
@@ -195,6 +200,15 @@ pub struct ObservableSupport {
     pub effect: String,
     /// Its score by the rows of this observable alone; none where re-tuning absorbs it there.
     pub z: Option<f64>,
+}
+
+/// What an effect takes off the structured residual in the values of one observable.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Evidence {
+    /// The observable; none for the priors of the parameters.
+    pub observable: Option<String>,
+    /// The drop; below 0 where the effect makes the values fit worse.
+    pub drop: f64,
 }
 
 /// A condition and its share.

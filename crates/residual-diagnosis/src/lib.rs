@@ -61,7 +61,7 @@ mod trials;
 pub use before_after::{BeforeAfter, Change, Contrast, PartErrors, Stages};
 pub use diagnose::{Options, diagnose};
 pub use diagnosis::{
-    CandidateResult, CheckedModel, ConditionShare, DeclaredResult, Diagnosis, Limit,
+    CandidateResult, CheckedModel, ConditionShare, DeclaredResult, Diagnosis, Evidence, Limit,
     ObservableSupport, StructuredResidual, Unseen, Verdict,
 };
 pub use error::Error;

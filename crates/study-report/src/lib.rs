@@ -7,6 +7,7 @@
 //! Invariants: the same input gives the same bytes; a file is written whole or not at all; what is undefined is a dash
 //! on the page and an empty field in a table; what is not there leaves no heading.
 
+mod answer;
 mod error;
 mod input;
 mod measurement_rows;
@@ -29,6 +30,7 @@ mod test_surfaces;
 mod tests;
 mod unit_of_name;
 
+pub use answer::{Answer, answer};
 pub use error::Error;
 pub use input::{ComparedValue, DiagnosisInput, ReportInput};
 pub use output::{write, write_diagnosis, write_whole};

@@ -4,7 +4,7 @@ use crate::runner::Runner;
 use crate::{diagnose_problem, diagnose_study};
 use anyhow::ensure;
 use command_line::{Common, DONE, Header, NOT_MET};
-use residual_diagnosis::{CandidateResult, Diagnosis, Verdict};
+use residual_diagnosis::{CandidateResult, Diagnosis, Unseen, Verdict};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -126,6 +126,12 @@ pub(crate) fn text(diagnosis: &Diagnosis) -> String {
         add(&mut text, format_args!(" {}", diagnosis.effects.join(", ")));
     }
     add(&mut text, format_args!("\n{}\n", diagnosis.summary()));
+    text + &evidence_text(diagnosis)
+}
+
+/// The structured residual and the candidates.
+pub(crate) fn evidence_text(diagnosis: &Diagnosis) -> String {
+    let mut text = String::new();
     let residual = &diagnosis.structured_residual;
     if let (Some(t0), Some(p)) = (residual.t0, residual.p) {
         let df = residual.df;
@@ -158,11 +164,13 @@ pub(crate) fn text(diagnosis: &Diagnosis) -> String {
             let number = number.map_or_else(|| "-".to_owned(), short);
             add(&mut text, format_args!(" {number:>11}"));
         }
-        text.push_str(if candidate.testable {
-            "\n"
-        } else {
-            "  not testable\n"
+        text.push_str(match candidate.unseen {
+            None => "",
+            Some(Unseen::RetuningHidesIt) => "  hidden by re-tuning",
+            Some(Unseen::RangeTooSmall) => "  less than the noise at its largest",
+            Some(Unseen::SlopeIsNoise) => "  slope not known well enough",
         });
+        text.push('\n');
     }
     text
 }

@@ -3,7 +3,7 @@
 mod report;
 
 use crate::calibrate::{of_study, progress_lines, refuse_used_folder};
-use crate::diagnose::{exit_code, text};
+use crate::diagnose::{evidence_text, exit_code};
 use crate::runner::Runner;
 use crate::stop::{self, result_or_stopped};
 use anyhow::Context as _;
@@ -15,6 +15,7 @@ use serde::Serialize;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use study::{DiagnosisResult, RunSettings, Study, plan_diagnosis, run_diagnosis, write_json};
+use study_report::answer;
 
 /// What the command line says.
 #[derive(Debug)]
@@ -110,31 +111,22 @@ pub(crate) fn run(path: &Path, options: &Options, common: &Common) -> anyhow::Re
     Ok(code)
 }
 
-/// The verdict, the candidates, and the parameters that were found with and without the effect.
+/// The answer, the parameters with what they stand for, and what the answer rests on.
 fn found_text(study: &Study, done: &ResidualStudy) -> String {
-    let mut out = text(&done.diagnosis);
-    out.push_str("\nparameters: start, fitted without any effect");
-    for model in done.models() {
-        let names: Vec<&str> = model.effects.keys().map(String::as_str).collect();
-        add(&mut out, format_args!(", with {}", names.join(" and ")));
+    let told = answer(done);
+    let mut out = format!("{}: {}\n", done.plan.id, told.headline);
+    for (question, text) in &told.lines {
+        add(&mut out, format_args!("  {question}: {text}\n"));
     }
-    out.push('\n');
     for parameter in &study.problem.parameters {
         let (symbol, name) = (&parameter.symbol, &parameter.name);
         add(
             &mut out,
-            format_args!("  {symbol:<8} {name}: {:.4}", parameter.start),
+            format_args!("  {symbol}: {name}, from {:.4}\n", parameter.start),
         );
-        let fits = std::iter::once(&done.fitted).chain(done.models().map(|m| &m.fitted));
-        for fitted in fits {
-            match fitted.get(symbol) {
-                Some(value) => add(&mut out, format_args!(", {value:.4}")),
-                None => out.push_str(", -"),
-            }
-        }
-        out.push('\n');
     }
-    out
+    out.push('\n');
+    out + &evidence_text(&done.diagnosis)
 }
 
 /// What will be run.

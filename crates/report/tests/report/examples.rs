@@ -3,7 +3,8 @@
 use report::{
     AxisTitle, Bar, BarsWithTarget, Comparison, Contour, Effect, Error, HalfNormal, Level,
     LineSeries, MarkedPoint, Pareto, PredictedAgainstMeasured, ResidualCondition, ResidualPanel,
-    Residuals, Role, Series, SeriesPoint, Svg, Target, TimeSeries, TimeSpan,
+    Residuals, Role, Series, SeriesPoint, StackedBar, StackedBars, Svg, Target, TimeSeries,
+    TimeSpan,
 };
 
 /// A text that breaks a page if it is not escaped.
@@ -24,6 +25,20 @@ pub(crate) fn pareto(values: &[f64]) -> Pareto {
         size: title(),
         effects,
         limits: vec![Level::new(HOSTILE, 2.0), Level::new("b", 2.1)],
+    }
+}
+
+/// Bars of two parts each.
+pub(crate) fn stacked_bars(values: &[f64]) -> StackedBars {
+    let bars = values.iter().map(|&size| StackedBar {
+        name: HOSTILE.into(),
+        sizes: vec![size, -0.5 * size],
+    });
+    StackedBars {
+        size: title(),
+        parts: vec![HOSTILE.into(), "b".into()],
+        bars: bars.collect(),
+        limits: vec![Level::new(HOSTILE, 2.0)],
     }
 }
 
@@ -164,6 +179,7 @@ pub(crate) fn all(values: &[f64]) -> Vec<(&'static str, Result<Svg, Error>)> {
     vec![
         ("pareto", pareto(values).draw()),
         ("half-normal", half_normal(values).draw()),
+        ("stacked-bars", stacked_bars(values).draw()),
         ("contour", contour(values).draw()),
         ("predicted", predicted(values).draw()),
         ("residuals", residuals(values).draw()),

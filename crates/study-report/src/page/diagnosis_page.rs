@@ -3,14 +3,12 @@
 use super::closing_section::{defaults, inputs};
 use super::residual_parts::answer_colour;
 use super::{chart, residual_section};
-use crate::numbers::{counted, digits, digits_or_dash, fixed, fixed_or_dash, listed};
+use crate::numbers::{counted, digits, fixed};
 use crate::output::DIAGNOSIS;
 use crate::pictures::NamedPicture;
-use crate::residual;
 use crate::{DiagnosisInput, Error};
-use calibration::ResidualStudy;
 use report::{Column, Fact, Report, Table};
-use residual_diagnosis::{NearestEffect, TrialRow, Truth, Verdict};
+use residual_diagnosis::{NearestEffect, TrialRow, Truth};
 
 /// Makes the page as HTML.
 pub(crate) fn page(input: &DiagnosisInput<'_>, pictures: &[NamedPicture]) -> Result<String, Error> {
@@ -26,17 +24,38 @@ pub(crate) fn page(input: &DiagnosisInput<'_>, pictures: &[NamedPicture]) -> Res
 /// The answer on one screen.
 fn answer(report: &mut Report, input: &DiagnosisInput<'_>, pictures: &[NamedPicture]) {
     let (study, d) = (input.study, &input.study.diagnosis);
+    let told = crate::answer(study);
     report.section("The answer");
     report.verdict(
         answer_colour(d.verdict),
-        &format!("Verdict: {}", d.verdict),
-        d.summary(),
+        &told.headline,
+        &format!("Verdict: {}.", d.verdict),
     );
-    report.facts(&facts(study));
+    let mut facts: Vec<Fact> = told
+        .lines
+        .into_iter()
+        .map(|(question, answer)| Fact::new(question, answer))
+        .collect();
+    facts.push(Fact::new(
+        "Measured",
+        format!(
+            "{} for the fit, {} for the check",
+            counted(study.plan.count(true), "condition", "conditions"),
+            study.plan.count(false)
+        ),
+    ));
+    report.facts(&facts);
     let stages = match study.after {
         Some(_) => ", before and after",
         None => "",
     };
+    chart(
+        report,
+        pictures,
+        &format!("{DIAGNOSIS}-evidence"),
+        "What speaks for each effect: how much of the sum of squares of the residual it takes off, by observable and \
+         scene, the parameters fitted anew inside their limits. A part to the left of 0 speaks against the effect.",
+    );
     chart(
         report,
         pictures,
@@ -46,71 +65,6 @@ fn answer(report: &mut Report, input: &DiagnosisInput<'_>, pictures: &[NamedPict
              band is twice the standard error of observation and simulation."
         ),
     );
-}
-
-/// What was measured, what is not needed to explain it, and what helps next.
-fn facts(study: &ResidualStudy) -> Vec<Fact> {
-    let d = &study.diagnosis;
-    let excluded: Vec<String> = d
-        .candidates
-        .iter()
-        .filter(|(name, c)| {
-            let helps = d.effects.contains(name) || d.suspects.contains(name);
-            c.testable && !helps
-        })
-        .map(|(name, _)| name.clone())
-        .collect();
-    let n_kept = study.plan.count(false);
-    let whitened: Vec<String> = residual::stages(study)
-        .iter()
-        .map(|s| {
-            let errors = if n_kept > 0 { s.kept } else { Some(s.used) };
-            let square = errors.map(|e| e.whitened_mse);
-            format!("{} {}", s.name, fixed_or_dash(square, 2))
-        })
-        .collect();
-    let mut facts = vec![
-        Fact::new(
-            "Measured",
-            format!(
-                "{} for the fit, {} for the check",
-                counted(study.plan.count(true), "condition", "conditions"),
-                n_kept
-            ),
-        ),
-        Fact::new("Not needed to explain it", listed(&excluded)),
-        Fact::new("Could not be seen here", listed(&d.not_testable)),
-        Fact::new(
-            if n_kept > 0 {
-                "Whitened mean square on the check"
-            } else {
-                "Whitened mean square on the fit, nothing is kept"
-            },
-            whitened.join(", "),
-        ),
-    ];
-    if matches!(d.verdict, Verdict::Tie | Verdict::Partial | Verdict::Named) {
-        let amplitude = |name: &String| {
-            let c = d.candidates.get(name);
-            format!(
-                "{name} {} ± {}",
-                digits_or_dash(c.and_then(|c| c.amplitude)),
-                digits_or_dash(c.and_then(|c| c.se))
-            )
-        };
-        let amplitudes: Vec<String> = d.effects.iter().map(amplitude).collect();
-        facts.push(Fact::new(
-            "Amplitude by the linear prediction",
-            amplitudes.join(", "),
-        ));
-    }
-    if let Some(next) = &d.next_measurement {
-        facts.push(Fact::new(
-            "The measurement that helps most",
-            next.advice.clone(),
-        ));
-    }
-    facts
 }
 
 /// What the rules say of drawn campaigns whose truth is known.

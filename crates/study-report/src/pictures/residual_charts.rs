@@ -6,8 +6,10 @@ use crate::numbers::observable;
 use crate::residual::{condition_name, residual_se, role};
 use calibration::{AddedEffect, ResidualStudy, StudyCondition};
 use report::{
-    AxisTitle, Comparison, PredictedAgainstMeasured, ResidualCondition, ResidualPanel, Residuals,
+    AxisTitle, Comparison, Level, PredictedAgainstMeasured, ResidualCondition, ResidualPanel,
+    Residuals, StackedBar, StackedBars,
 };
+use residual_diagnosis::Evidence;
 
 /// Predicted against measured for each observable, before and after, and the residuals.
 pub(crate) fn charts(name: &str, study: &ResidualStudy) -> Result<Vec<NamedPicture>, Error> {
@@ -29,7 +31,48 @@ pub(crate) fn charts(name: &str, study: &ResidualStudy) -> Result<Vec<NamedPictu
     }
     let residuals = residuals(study).draw()?;
     charts.push(NamedPicture::chart(format!("{name}-residuals"), residuals));
+    if let Some(evidence) = evidence(study) {
+        let drawn = evidence.draw()?;
+        charts.push(NamedPicture::chart(format!("{name}-evidence"), drawn));
+    }
     Ok(charts)
+}
+
+/// Most effects in the chart of evidence, the best first.
+const MOST_EFFECTS: usize = 10;
+
+/// What each effect takes off the structured residual, by observable; none without candidates.
+fn evidence(study: &ResidualStudy) -> Option<StackedBars> {
+    let d = &study.diagnosis;
+    let mut effects: Vec<_> = d.candidates.iter().collect();
+    effects.sort_by(|a, b| a.1.t_after.total_cmp(&b.1.t_after));
+    effects.truncate(MOST_EFFECTS);
+    let parts = d.evidence.values().next()?;
+    let name = |e: &Evidence| match &e.observable {
+        Some(name) => observable(name).0,
+        None => "priors of the parameters".to_owned(),
+    };
+    let bar = |name: &String| {
+        let evidence = d.evidence.get(name)?;
+        Some(StackedBar {
+            name: name.clone(),
+            sizes: evidence.iter().map(|e| e.drop).collect(),
+        })
+    };
+    let all = d
+        .structured_residual
+        .t0
+        .map(|t0| t0 - d.structured_residual.df as f64);
+    Some(StackedBars {
+        size: AxisTitle::new("taken off the sum of squares of the residual", ""),
+        parts: parts.iter().map(name).collect(),
+        bars: effects.iter().filter_map(|(name, _)| bar(name)).collect(),
+        limits: all
+            .map(|all| Level::new("all but noise", all))
+            .into_iter()
+            .collect(),
+    })
+    .filter(|chart| !chart.bars.is_empty())
 }
 
 /// The points of one observable with twice their standard errors.

@@ -1,0 +1,294 @@
+//! The answer of a diagnosis as people ask for it: what is missing, how sure that is, and what follows.
+
+use crate::numbers::{digits, fixed, listed, p_in_words, with_error};
+use crate::residual::models;
+use calibration::{AddedEffect, ResidualStudy};
+use residual_diagnosis::{Limit, Unseen, Verdict};
+
+/// An answer in a sentence, and what stands behind it.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Answer {
+    /// What is missing.
+    pub headline: String,
+    /// Questions with their answers; those without an answer are left out.
+    pub lines: Vec<(&'static str, String)>,
+}
+
+/// The answer of a residual study.
+pub fn answer(study: &ResidualStudy) -> Answer {
+    let lines = [
+        ("How sure", how_sure(study)),
+        ("What it changes in the error", errors(study)),
+        ("What it changes in the parameters", parameters(study)),
+        ("What else it could be", others(study)),
+        ("Parameters at a limit", at_limits(study)),
+        ("What could not be seen", unseen(study)),
+        ("Measure next", next(study)),
+    ];
+    Answer {
+        headline: headline(study),
+        lines: lines
+            .into_iter()
+            .filter_map(|(question, answer)| Some((question, answer?)))
+            .collect(),
+    }
+}
+
+/// What is missing.
+fn headline(study: &ResidualStudy) -> String {
+    let d = &study.diagnosis;
+    let amplitude = |name: &String| match d.amplitudes.get(name) {
+        Some([a, se]) => format!("{name} ({})", with_error(*a, Some(*se), "")),
+        None => name.clone(),
+    };
+    let with_amplitudes = || {
+        d.effects
+            .iter()
+            .map(amplitude)
+            .collect::<Vec<_>>()
+            .join(" and ")
+    };
+    match d.verdict {
+        Verdict::None => "Nothing is missing that these measurements could show.".into(),
+        Verdict::Named => format!("Missing: {}.", with_amplitudes()),
+        Verdict::Tie => format!(
+            "One of these is missing, and these measurements cannot tell which: {}.",
+            listed(&d.effects)
+        ),
+        Verdict::Partial => format!(
+            "{} helps, and something outside the library is missing as well.",
+            with_amplitudes()
+        ),
+        Verdict::Unknown if d.suspects.is_empty() => {
+            "Something is missing that is none of the effects of the library.".into()
+        }
+        Verdict::Unknown => format!(
+            "Something is missing. {} would help, but cannot be named.",
+            listed(&d.suspects)
+        ),
+        Verdict::Recheck => format!(
+            "One condition carries the whole residual; measure it again: {}.",
+            d.recheck_condition.as_deref().unwrap_or("not known")
+        ),
+        Verdict::NotTestable => {
+            "No effect of the library could be seen by these measurements.".into()
+        }
+        Verdict::Refused => {
+            "The measurements are not more than the parameters: nothing can be tested.".into()
+        }
+    }
+}
+
+/// The chance of the residual by noise, and the odds of what is named over an unknown effect.
+fn how_sure(study: &ResidualStudy) -> Option<String> {
+    let d = &study.diagnosis;
+    let noise = d.structured_residual.p?;
+    let mut parts = vec![format!(
+        "the residual by noise alone: {}",
+        p_in_words(Some(noise))
+    )];
+    if let (Verdict::Named | Verdict::Tie, Some(best)) = (d.verdict, d.effects.first()) {
+        let candidate = d.candidates.get(best)?;
+        let odds = |ln: f64| {
+            let odds = digits(ln.min(700.0).exp());
+            format!("{best} over an unknown smooth effect: odds of {odds} to 1")
+        };
+        parts.extend(candidate.ln_bf_unknown.map(odds));
+        let left = p_in_words(candidate.p_adequacy);
+        parts.push(format!("what it leaves by noise: {left}"));
+    }
+    Some(parts.join("; "))
+}
+
+/// Errors of real runs, without and with what was added: on the conditions kept aside, or else on those of the fit.
+fn errors(study: &ResidualStudy) -> Option<String> {
+    let models = models(study);
+    if models.is_empty() {
+        return None;
+    }
+    let kept = study.errors_before.kept.is_some();
+    let of = |errors: &calibration::ErrorPair| {
+        let errors = errors
+            .kept
+            .as_ref()
+            .filter(|_| kept)
+            .unwrap_or(&errors.used);
+        fixed(errors.whitened_mse, 2)
+    };
+    let after = |(_, model): &(String, &AddedEffect)| {
+        format!("{} with {}", of(&model.errors), effects(model))
+    };
+    let after: Vec<String> = models.iter().map(after).collect();
+    let place = if kept {
+        "conditions kept aside"
+    } else {
+        "the conditions of the fit (none was kept aside)"
+    };
+    Some(format!(
+        "mean square over noise at {place}, by real runs: {} without, {} (1 is noise alone)",
+        of(&study.errors_before),
+        after.join(", ")
+    ))
+}
+
+/// The effects of a model.
+fn effects(model: &AddedEffect) -> String {
+    let names: Vec<&str> = model.effects.keys().map(String::as_str).collect();
+    names.join(" and ")
+}
+
+/// Parameters without and with what was added, with their standard errors.
+fn parameters(study: &ResidualStudy) -> Option<String> {
+    let d = &study.diagnosis;
+    let models = models(study);
+    let one = |name: &String| {
+        let result = d.declared.get(name);
+        let before = with_error(
+            *study.fitted.get(name)?,
+            result.and_then(|r| r.se_without),
+            "",
+        );
+        let after = models.iter().enumerate().filter_map(|(i, (_, model))| {
+            // The error is that of the best explanation.
+            let se = result.and_then(|r| r.se).filter(|_| i == 0);
+            Some(with_error(*model.fitted.get(name)?, se, ""))
+        });
+        let after: Vec<String> = after.collect();
+        Some(if after.is_empty() {
+            format!("{name} {before}")
+        } else {
+            format!("{name} {before} → {}", after.join(" or "))
+        })
+    };
+    let all: Vec<String> = study
+        .plan
+        .declared
+        .iter()
+        .filter_map(|p| one(&p.name))
+        .collect();
+    (!all.is_empty()).then(|| all.join(", "))
+}
+
+/// Rivals of what is named.
+fn others(study: &ResidualStudy) -> Option<String> {
+    let d = &study.diagnosis;
+    if !matches!(d.verdict, Verdict::Named | Verdict::Partial) {
+        return None;
+    }
+    let held = d.effects.first().and_then(|name| d.candidates.get(name))?;
+    let rival = d
+        .candidates
+        .iter()
+        .filter(|(name, c)| !d.effects.contains(name) && c.testable)
+        .min_by(|a, b| a.1.t_after.total_cmp(&b.1.t_after));
+    let rival = rival.map(|(name, c)| {
+        format!(
+            "{name} comes next and leaves a sum of squares of {} instead of {}; ",
+            fixed(c.t_after, 1),
+            fixed(held.t_after, 1)
+        )
+    });
+    Some(format!(
+        "{}an effect that the library lacks",
+        rival.unwrap_or_default()
+    ))
+}
+
+/// Parameters that the data would move beyond their limits.
+fn at_limits(study: &ResidualStudy) -> Option<String> {
+    let held = study
+        .diagnosis
+        .declared
+        .iter()
+        .filter_map(|(name, result)| {
+            let side = match result.held? {
+                Limit::Lower => "lower",
+                Limit::Upper => "upper",
+            };
+            Some(format!("{name} at its {side} one"))
+        });
+    let held: Vec<String> = held.collect();
+    (!held.is_empty()).then(|| {
+        format!(
+            "{}: without an effect the data would go further",
+            held.join(", ")
+        )
+    })
+}
+
+/// Effects that could not be seen, by the reason.
+fn unseen(study: &ResidualStudy) -> Option<String> {
+    let of = |reason: Unseen| -> Vec<String> {
+        let candidates = study.diagnosis.candidates.iter();
+        let same = candidates.filter(|(_, c)| c.unseen == Some(reason));
+        same.map(|(name, _)| name.clone()).collect()
+    };
+    let reasons = [
+        (Unseen::RetuningHidesIt, "hidden by re-tuning"),
+        (
+            Unseen::RangeTooSmall,
+            "less than the noise at their largest",
+        ),
+        (
+            Unseen::SlopeIsNoise,
+            "not known well enough, more runs would tell",
+        ),
+    ];
+    let parts = reasons.into_iter().filter_map(|(reason, words)| {
+        let names = of(reason);
+        (!names.is_empty()).then(|| format!("{}: {words}", listed(&names)))
+    });
+    let parts: Vec<String> = parts.collect();
+    (!parts.is_empty()).then(|| parts.join("; "))
+}
+
+/// What to measure next.
+fn next(study: &ResidualStudy) -> Option<String> {
+    let next = study.diagnosis.next_measurement.as_ref()?;
+    Some(next.advice.clone())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::answer;
+    use crate::test_residual::twins;
+    use residual_diagnosis::{DeclaredResult, Limit, Verdict};
+    use std::collections::BTreeMap;
+
+    /// The first screen of a named effect: what, how sure, errors, parameters, and no empty line.
+    #[test]
+    fn a_named_effect_comes_with_what_it_changes() {
+        let mut study = twins();
+        study.diagnosis.verdict = Verdict::Named;
+        let told = answer(&study);
+        let questions: Vec<&str> = told.lines.iter().map(|(question, _)| *question).collect();
+        assert!(questions.contains(&"How sure"), "{told:?}");
+        assert!(
+            questions.contains(&"What it changes in the error"),
+            "{told:?}"
+        );
+        assert!(told.lines.iter().all(|(_, text)| !text.is_empty()));
+        for name in &study.diagnosis.effects {
+            assert!(told.headline.contains(name.as_str()), "{told:?}");
+        }
+    }
+
+    /// A parameter at a limit is on the first screen.
+    #[test]
+    fn a_parameter_at_a_limit_is_told() {
+        let mut study = twins();
+        let result = DeclaredResult {
+            se: None,
+            se_without: None,
+            held: Some(Limit::Upper),
+            correlation: BTreeMap::new(),
+        };
+        study.diagnosis.declared.insert("mu".into(), result);
+        let told = answer(&study);
+        let line = told
+            .lines
+            .iter()
+            .find(|(q, _)| *q == "Parameters at a limit");
+        assert!(line.unwrap().1.contains("mu at its upper one"));
+    }
+}
