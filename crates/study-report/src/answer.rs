@@ -16,10 +16,15 @@ pub struct Answer {
 
 /// The answer of a residual study.
 pub fn answer(study: &ResidualStudy) -> Answer {
+    let parameters_question = if models(study).is_empty() {
+        "The fitted parameters"
+    } else {
+        "What it changes in the parameters"
+    };
     let lines = [
         ("How sure", how_sure(study)),
         ("What it changes in the error", errors(study)),
-        ("What it changes in the parameters", parameters(study)),
+        (parameters_question, parameters(study)),
         ("What else it could be", others(study)),
         ("Parameters at a limit", at_limits(study)),
         ("What could not be seen", unseen(study)),
@@ -84,7 +89,7 @@ fn how_sure(study: &ResidualStudy) -> Option<String> {
     let d = &study.diagnosis;
     let noise = d.structured_residual.p?;
     let mut parts = vec![format!(
-        "the residual by noise alone: {}",
+        "so large a residual by noise alone: {}",
         p_in_words(Some(noise))
     )];
     if let (Verdict::Named | Verdict::Tie, Some(best)) = (d.verdict, d.effects.first()) {

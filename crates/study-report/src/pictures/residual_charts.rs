@@ -68,6 +68,7 @@ fn evidence(study: &ResidualStudy) -> Option<StackedBars> {
         parts: parts.iter().map(name).collect(),
         bars: effects.iter().filter_map(|(name, _)| bar(name)).collect(),
         limits: all
+            .filter(|all| *all > 0.0)
             .map(|all| Level::new("all but noise", all))
             .into_iter()
             .collect(),
