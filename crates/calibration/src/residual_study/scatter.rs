@@ -7,6 +7,10 @@ use statrs::function::gamma::digamma;
 /// should share their variance, which is then known best.
 const DIFFERENCE: f64 = 0.01;
 
+/// Least degrees of freedom that the other conditions lend to one: however much variances differ, a condition whose few
+/// runs happen to agree has noise.
+const LEAST_BORROWED: f64 = 2.0;
+
 /// Scatter of the runs of each condition.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Scatter {
@@ -149,7 +153,7 @@ impl Scatter {
         if excess <= 0.0 {
             return same;
         }
-        let half = inverse_trigamma(excess);
+        let half = inverse_trigamma(excess).max(0.5 * LEAST_BORROWED);
         Moderation {
             variance: (mean + digamma(half) - half.ln()).exp(),
             dof: 2.0 * half,
@@ -308,6 +312,14 @@ mod tests {
         }
         assert!((-0.143..0.0).contains(&(sum / n)), "{}", sum / n);
         assert!((square / n).sqrt() < 0.57, "{}", (square / n).sqrt());
+    }
+
+    /// One condition does not scatter at all beside others that differ a millionfold: it borrows some noise of them.
+    #[test]
+    fn a_condition_without_scatter_has_noise() {
+        let sds = [0.0, 1.0, 1000.0, 1.0, 1000.0];
+        let (covariance, _) = scatter(&sds, 3, 1).by_condition();
+        assert!(covariance[0][0][0] > 0.01, "{covariance:?}");
     }
 
     /// Where all conditions have one variance, all share it with all its degrees of freedom in 99 % of the draws: of 200,
