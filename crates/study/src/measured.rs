@@ -1,11 +1,12 @@
 //! The measurements of a study, resolved against its scenes.
 
+use crate::correlated::correlations_of;
 use crate::document::{Document, below};
 use crate::file::{MeasuredEntry, MeasuredValue};
 use crate::photos::{self, PhotoSeries};
 use crate::problem::Problems;
 use crate::scenes::{Models, Scenes, condition_text};
-use calibration::Measurement;
+use calibration::{Correlation, Measurement};
 use external_simulator::OBSERVABLES_OF_A_BED;
 use scene::{Apparatus, Scene};
 use std::path::{Path, PathBuf};
@@ -15,6 +16,8 @@ use std::path::{Path, PathBuf};
 pub(crate) struct Resolved {
     /// In the order of the file.
     pub(crate) measurements: Vec<Measurement>,
+    /// Which of them are correlated.
+    pub(crate) correlations: Vec<Correlation>,
     /// What they are measured on.
     pub(crate) models: Models,
     /// Photos that were read.
@@ -100,11 +103,9 @@ impl Resolved {
             }
         }
         let heap = matches!(scene.apparatus, Apparatus::Heap(_));
-        if let Some(series) = read_photos(document, entry, (folder, heap), &observables, problems) {
-            let taken = series.values.iter();
-            values.extend(taken.map(|(name, value)| (name.clone(), *value)));
-            self.photos.push(series);
-        }
+        let series = read_photos(document, entry, (folder, heap), &observables, problems);
+        let taken = series.iter().flat_map(|s| &s.values);
+        values.extend(taken.map(|(name, value)| (name.clone(), *value)));
         let (model, is_new) = self.models.number_of(&entry.scene, &entry.condition, scene);
         let built = &self.models.scenes[model];
         if let (true, Err(error)) = (is_new, built.build_check(&scenes.fillings)) {
@@ -127,6 +128,10 @@ impl Resolved {
             let all = (&mut self.measurements, &mut self.places);
             push(document, entry, measurement, all, problems);
         }
+        let of_model = (model, &self.measurements[..]);
+        let found = correlations_of(document, entry, series.as_ref(), of_model, problems);
+        self.correlations.extend(found);
+        self.photos.extend(series);
     }
 }
 

@@ -1,6 +1,7 @@
 //! Photos in the place of numbers, read by the ruler that reads the simulated frames.
 
-use crate::file::{MeasuredValue, PhotoOptions};
+use crate::file::{MeasuredCorrelation, MeasuredValue, PhotoOptions};
+use crate::photo_values::take_over;
 use campaign::in_full;
 use photo_profile::{
     DrumPixels, Mode, PhotoPixels, PhotoReading, PixelPoint, Settings, Verdict, measure_photo,
@@ -9,7 +10,7 @@ use photo_profile::{
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use surface_profile::{Definition, summarise};
+use surface_profile::Definition;
 
 /// The photos of one measurement.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -22,24 +23,29 @@ pub struct PhotoSeries {
     pub angle_se_deg: Vec<f64>,
     /// What was taken over from them.
     pub values: BTreeMap<String, MeasuredValue>,
+    /// How their means go together, estimated from the frames and shrunk towards 0 where they are few
+    /// ([`surface_profile::shrunk_correlations`]); pairs that are not named are not correlated.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub correlations: Vec<MeasuredCorrelation>,
     /// What a reader should know.
     pub remarks: Vec<String>,
 }
 
 /// The quantities of one frame, and the standard error of its angle, rad.
-struct FrameValues {
-    /// Values by observable.
-    values: Vec<(&'static str, f64)>,
+pub(crate) struct FrameValues {
+    /// Values by observable; not a number where the frame does not show it.
+    pub(crate) values: Vec<(&'static str, f64)>,
     /// Standard error of the first, in its unit.
-    error: f64,
+    pub(crate) error: f64,
 }
 
 /// Reads all photos of a measurement; every one that cannot be measured is told.
 ///
 /// From two frames on, the standard deviation is that between the frames and n the effective number of independent ones
 /// ([`surface_profile::summarise`]). One frame tells no scatter: the standard deviation is then the standard error of its
-/// reading with n = 1, which leaves out how the angle changes from frame to frame; curvature and S-shape have no such
-/// error and are left out.
+/// reading with n = 1, which leaves out how the angle changes from frame to frame; the shapes of the surface have no such
+/// error and are left out. Where the time between frames is known, the angle tells its avalanches, or how long it is
+/// correlated with itself.
 pub(crate) fn read(
     photos: &[PathBuf],
     options: &PhotoOptions,
@@ -52,6 +58,7 @@ pub(crate) fn read(
         angles_deg: Vec::new(),
         angle_se_deg: Vec::new(),
         values: BTreeMap::new(),
+        correlations: Vec::new(),
         remarks: Vec::new(),
     };
     let (mut wrong, mut frames) = (Vec::new(), Vec::new());
@@ -67,7 +74,7 @@ pub(crate) fn read(
     let angle = |f: &FrameValues| f.values.first().map_or(f64::NAN, |(_, v)| *v);
     series.angles_deg = frames.iter().map(angle).collect();
     series.angle_se_deg = frames.iter().map(|f| f.error).collect();
-    take_over(&frames, observables, &mut series);
+    take_over(&frames, observables, options.frame_interval_s, &mut series);
     if series.values.is_empty() {
         return Err(vec![format!(
             "show an angle, which this scene does not give; it gives {}",
@@ -75,72 +82,6 @@ pub(crate) fn read(
         )]);
     }
     Ok(series)
-}
-
-/// Name of the standard deviation of the angle from frame to frame.
-const FLUCTUATION: &str = "fluctuation_deg";
-/// Fewest independent frames that tell a standard deviation: it is known to a third then.
-const LEAST_FRAMES: f64 = 5.0;
-
-/// The standard deviation of angles between frames, deg, as a measured value; none of too few.
-///
-/// # Formula
-///
-/// The standard error of the standard deviation s of n independent normal values is `s / sqrt(2 (n - 1))`.
-fn fluctuation(angles: &[f64]) -> Option<MeasuredValue> {
-    let series = summarise(angles).ok()?;
-    (series.sd > 0.0 && series.n_effective >= LEAST_FRAMES).then_some(MeasuredValue {
-        mean: series.sd,
-        sd: series.sd * std::f64::consts::FRAC_1_SQRT_2,
-        n: series.n_effective - 1.0,
-    })
-}
-
-/// Means over the frames, for the observables that the scene gives.
-fn take_over(frames: &[FrameValues], observables: &[&str], series: &mut PhotoSeries) {
-    let Some(first) = frames.first() else { return };
-    if observables.contains(&FLUCTUATION)
-        && let Some(taken) = fluctuation(&series.angles_deg)
-    {
-        series.values.insert(FLUCTUATION.to_owned(), taken);
-    }
-    for (k, (name, value)) in first.values.iter().enumerate() {
-        if !observables.contains(name) {
-            continue;
-        }
-        let all = frames.iter().filter_map(|f| Some(f.values.get(k)?.1));
-        let all: Vec<f64> = all.collect();
-        let taken = match (all.len(), summarise(&all)) {
-            (1, _) if k == 0 => Some(MeasuredValue {
-                mean: *value,
-                sd: first.error,
-                n: 1.0,
-            }),
-            (2.., Ok(s)) => Some(MeasuredValue {
-                mean: s.mean,
-                sd: s.sd,
-                n: s.n_effective,
-            }),
-            _ => None,
-        };
-        match taken {
-            Some(taken) if taken.sd > 0.0 => {
-                series.values.insert((*name).to_owned(), taken);
-                if all.len() == 1 {
-                    series.remarks.push(format!(
-                        "{name}: one photo; its sd is the standard error of the reading, and what changes from frame \
-                         to frame is not in it"
-                    ));
-                }
-            }
-            Some(_) => series.remarks.push(format!(
-                "{name}: left out, all frames show the same value: are they copies of one photo?"
-            )),
-            None => series
-                .remarks
-                .push(format!("{name}: left out, one photo tells no error of it")),
-        }
-    }
 }
 
 /// The frames of one file, or why one of them cannot be measured.
@@ -184,6 +125,8 @@ fn values_of(reading: &PhotoReading) -> Option<FrameValues> {
                 ("angle_deg", angle.line.to_degrees()),
                 ("curvature", angle.curvature),
                 ("s_shape", angle.s_shape),
+                ("shape_4", angle.shape.map_or(f64::NAN, |shape| shape[2])),
+                ("shape_5", angle.shape.map_or(f64::NAN, |shape| shape[3])),
                 ("fill_level", reading.fill_level.unwrap_or(f64::NAN)),
             ],
             error: angle.standard_error.to_degrees(),

@@ -4,7 +4,7 @@ use super::PhotoOptions;
 use crate::document::Fields;
 use crate::keys;
 use crate::problem::Problems;
-use quantity::Angle;
+use quantity::{Angle, Time};
 
 /// How photos are read.
 pub(super) fn photo_options(fields: &Fields<'_>, problems: &mut Problems) -> PhotoOptions {
@@ -30,7 +30,13 @@ pub(super) fn photo_options(fields: &Fields<'_>, problems: &mut Problems) -> Pho
     });
     let kinds = "\"auto\", \"dark\" or \"light\"";
     let foreground = fields.optional("foreground", kinds, problems);
+    let interval: Option<Time> =
+        fields.optional("frame_interval", "a time such as \"40 ms\"", problems);
+    if interval.is_some_and(|time| time.si() <= 0.0) {
+        problems.add(fields.wrong("frame_interval", "must be above 0 s"));
+    }
     PhotoOptions {
+        frame_interval_s: interval.map(Time::si).filter(|time| *time > 0.0),
         roll_rad: roll.map_or(0.0, Angle::si),
         drum,
         corners,
