@@ -27,9 +27,9 @@ pub(crate) fn take_over(
 ) {
     let mut columns = means(frames, observables, series);
     let falls = interval.and_then(|interval| avalanches(&series.angles_deg, interval));
-    match (falls, interval) {
-        (Some(falls), _) => of_avalanches(&falls, observables, series),
-        (None, interval) => {
+    match (interval, falls) {
+        (Some(interval), Some(falls)) => of_avalanches(&falls, interval, observables, series),
+        (interval, _) => {
             columns.extend(fluctuation(observables, series));
             if let Some(interval) = interval {
                 memory(interval, observables, series);
@@ -129,8 +129,14 @@ fn memory(interval: f64, observables: &[&str], series: &mut PhotoSeries) {
 }
 
 /// Size and waiting time of avalanches. The scatter of the angle and the time over which it is correlated follow from them, and
-/// a fit would count the same evidence twice.
-fn of_avalanches(found: &Avalanches, observables: &[&str], series: &mut PhotoSeries) {
+/// a fit would count the same evidence twice. A waiting time is the difference of two times that are known to an interval:
+/// its standard deviation is never less than `interval / sqrt(6)`.
+fn of_avalanches(
+    found: &Avalanches,
+    interval: f64,
+    observables: &[&str],
+    series: &mut PhotoSeries,
+) {
     for left_out in [FLUCTUATION, MEMORY] {
         if observables.contains(&left_out) {
             series.remarks.push(format!(
@@ -138,16 +144,19 @@ fn of_avalanches(found: &Avalanches, observables: &[&str], series: &mut PhotoSer
             ));
         }
     }
-    let pairs = [(SIZE, &found.sizes), (WAITING, &found.waiting_times)];
+    let pairs = [
+        (SIZE, &found.sizes, 0.0),
+        (WAITING, &found.waiting_times, interval / 6.0_f64.sqrt()),
+    ];
     let mut columns: Vec<Column> = Vec::new();
-    for (name, values) in pairs {
+    for (name, values, least) in pairs {
         if let Ok(s) = summarise(values)
             && observables.contains(&name)
-            && s.sd > 0.0
+            && s.sd.max(least) > 0.0
         {
             let value = MeasuredValue {
                 mean: s.mean,
-                sd: s.sd,
+                sd: s.sd.max(least),
                 n: s.n_effective,
             };
             series.values.insert(name.to_owned(), value);
