@@ -262,6 +262,7 @@ impl Bed {
                 angles_by_position_deg: surface.position.clone(),
                 filling_angles_deg: Vec::new(),
                 refused: readings.iter().filter(|r| r.photo.angle.is_none()).count(),
+                no_surface_speed: None,
                 standard_error_deg: error,
                 effective_number: error.and_then(|e| effective_number(&surface.image, e)),
                 times_s: times,

@@ -365,6 +365,7 @@ fn read_pictures(folder: &Path, pattern: &Path, took: Took) -> Result<RunOutcome
             readings.push(FrameReading {
                 photo,
                 position: None,
+                surface_speed: None,
             });
         }
     }
@@ -398,6 +399,7 @@ fn details(
             angles_by_position_deg: surface.position.clone(),
             filling_angles_deg: Vec::new(),
             refused: readings.len() - surface.image.len(),
+            no_surface_speed: None,
             standard_error_deg: None,
             effective_number: None,
         },

@@ -31,6 +31,8 @@ pub struct SurfaceReadings {
     pub toe: Vec<f64>,
     /// Its top.
     pub top: Vec<f64>,
+    /// Speed of the surface by pairs of pictures, m/s; of the frames that tell it.
+    pub surface_speed: Vec<f64>,
     /// How long the angle by the picture is correlated with itself, s; none where the frames do not tell it.
     pub correlation_time: Option<CorrelationTime>,
     /// Avalanches of that angle, deg and s; none where a layer flows all the time, or the frames do not tell it.
@@ -65,6 +67,10 @@ impl SurfaceReadings {
             shape_4: photos().filter_map(|a| Some(a.shape?[2])).collect(),
             shape_5: photos().filter_map(|a| Some(a.shape?[3])).collect(),
             fill_level: readings.iter().filter_map(|r| r.photo.fill_level).collect(),
+            surface_speed: readings
+                .iter()
+                .filter_map(|r| r.surface_speed.as_ref()?.as_ref().ok().copied())
+                .collect(),
             correlation_time: interval.and_then(|interval| correlation_time(&series, interval)),
             avalanches: interval.and_then(|interval| avalanches(&series, interval)),
         }
@@ -88,6 +94,7 @@ impl SurfaceReadings {
             ("fill_level", "1", &self.fill_level),
             ("toe_position_deg", "deg", &self.toe),
             ("top_position_deg", "deg", &self.top),
+            ("surface_speed_m_s", "m/s", &self.surface_speed),
             ("angle_correlation_time_s", "s", &memory),
             ("avalanche_size_deg", "deg", sizes),
             ("avalanche_waiting_time_s", "s", waits),

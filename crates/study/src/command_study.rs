@@ -6,7 +6,7 @@ use crate::file::{
     Choices, CommandEntry, MeasuredEntry, ParameterEntry, SceneEntry, StudyFile, usable_name,
 };
 use crate::measured::{Known, push, read_photos, words};
-use crate::photos::PhotoSeries;
+use crate::photos::{PhotoSeries, Shown};
 use crate::problem::Problems;
 use crate::scenes::model_name;
 use calibration::{Correlation, EffectProbe, Measurement, Model};
@@ -112,8 +112,12 @@ impl CommandChecker<'_> {
             problems.add(document.problem(&below(&entry.path, name), what, problem));
         }
         let heap = observables.contains(&"angle_of_repose_deg");
-        let place = (self.folder, heap);
-        let series = read_photos(document, entry, place, &observables, problems);
+        let shown = Shown {
+            heap,
+            radius: None,
+            observables: &observables,
+        };
+        let series = read_photos(document, entry, self.folder, shown, problems);
         let taken = series.iter().flat_map(|s| &s.values);
         values.extend(taken.map(|(name, value)| (name.clone(), *value)));
         let model = self.model(scene, entry, resolved);

@@ -127,6 +127,13 @@ pub struct PhotoOptions {
     /// Time between two pictures that follow each other, s; none where it is not known or not always the same.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub frame_interval_s: Option<f64>,
+    /// Time between the two pictures of a pair, s: the pictures then come in pairs, of which the first is measured and the
+    /// second tells how far the surface went. None where each picture stands alone.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub pair_interval_s: Option<f64>,
+    /// Observables to be taken over that not every run gives.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub also: Vec<String>,
 }
 
 /// A value that somebody published.

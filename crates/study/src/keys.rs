@@ -75,13 +75,15 @@ pub(crate) const MEASURED: [&str; 6] = [
 /// Keys of an observable.
 pub(crate) const VALUE: [&str; 3] = ["mean", "sd", "n"];
 /// Keys of `photo`.
-pub(crate) const PHOTO: [&str; 6] = [
+pub(crate) const PHOTO: [&str; 8] = [
     "definition",
     "roll",
     "drum",
     "corners",
     "foreground",
     "frame_interval",
+    "pair_interval",
+    "also",
 ];
 /// Keys of `[[compare]]`.
 pub(crate) const COMPARE: [&str; 4] = ["result", "value", "sd", "source"];

@@ -3,7 +3,7 @@
 use crate::correlated::correlations_of;
 use crate::document::{Document, below};
 use crate::file::{MeasuredEntry, MeasuredValue};
-use crate::photos::{self, PhotoSeries};
+use crate::photos::{self, PhotoSeries, Shown};
 use crate::problem::Problems;
 use crate::scenes::{Models, Scenes, condition_text};
 use calibration::{Correlation, Measurement};
@@ -102,8 +102,12 @@ impl Resolved {
                 problems.add(document.problem(&below(&entry.path, name), what, problem));
             }
         }
-        let heap = matches!(scene.apparatus, Apparatus::Heap(_));
-        let series = read_photos(document, entry, (folder, heap), &observables, problems);
+        let shown = Shown {
+            heap: matches!(scene.apparatus, Apparatus::Heap(_)),
+            radius: Some(scene.apparatus.radius()),
+            observables: &observables,
+        };
+        let series = read_photos(document, entry, folder, shown, problems);
         let taken = series.iter().flat_map(|s| &s.values);
         values.extend(taken.map(|(name, value)| (name.clone(), *value)));
         let (model, is_new) = self.models.number_of(&entry.scene, &entry.condition, scene);
@@ -135,20 +139,20 @@ impl Resolved {
     }
 }
 
-/// The photos of a measurement in a folder, of a heap or a drum; none where it has none, or they cannot be read, which is
+/// The photos of a measurement in a folder; none where it has none, or they cannot be read, which is
 /// told.
 pub(crate) fn read_photos(
     document: &Document,
     entry: &MeasuredEntry,
-    (folder, heap): (&Path, bool),
-    observables: &[&str],
+    folder: &Path,
+    shown: Shown<'_>,
     problems: &mut Problems,
 ) -> Option<PhotoSeries> {
     if entry.photos.is_empty() {
         return None;
     }
     let paths: Vec<PathBuf> = entry.photos.iter().map(|p| folder.join(p)).collect();
-    match photos::read(&paths, &entry.photo, heap, observables) {
+    match photos::read(&paths, &entry.photo, shown) {
         Ok(series) => Some(series),
         Err(reasons) => {
             let path = below(&entry.path, "photos");

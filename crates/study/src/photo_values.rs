@@ -1,4 +1,4 @@
-//! What a series of frames says: means with their errors, how they go together, and what the angle tells of time.
+//! What a series of frames says: means with their errors, how they go together, and what they tell of time.
 
 use crate::file::{MeasuredCorrelation, MeasuredValue};
 use crate::photos::{FrameValues, PhotoSeries};
@@ -12,31 +12,95 @@ const MEMORY: &str = "angle_correlation_time_s";
 const SIZE: &str = "avalanche_size_deg";
 /// Name of the mean time from one avalanche to the next.
 const WAITING: &str = "avalanche_waiting_time_s";
+/// Name of the speed of the surface.
+pub(crate) const SPEED: &str = "surface_speed_m_s";
+/// Observables that a run gives only where its bed moves so, or its frames lie close enough. A run without one is lost to a fit
+/// that asks for it: they are taken over where the file says so.
+pub(crate) const NOT_IN_EVERY_RUN: [&str; 4] = [MEMORY, SIZE, WAITING, SPEED];
 /// Fewest independent frames that tell a standard deviation: it is known to a third then.
 const LEAST_FRAMES: f64 = 5.0;
 
 /// An observable that was taken over, and what stands for it in each frame.
 type Column = (&'static str, Vec<f64>);
 
-/// Takes over what frames say of the observables that the scene gives; `interval` is the time between frames, s.
+/// What may be taken over, and how the frames follow each other.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Wanted<'a> {
+    /// Observables that the scene gives.
+    pub(crate) observables: &'a [&'a str],
+    /// Of those that not every run gives, the ones that the file names.
+    pub(crate) also: &'a [String],
+    /// Time between frames, s, where it is known.
+    pub(crate) interval: Option<f64>,
+}
+
+/// Takes over what frames, and the speeds of the surface between pictures (m/s), say.
 pub(crate) fn take_over(
     frames: &[FrameValues],
-    observables: &[&str],
-    interval: Option<f64>,
+    speeds: &[f64],
+    wanted: Wanted<'_>,
     series: &mut PhotoSeries,
 ) {
-    let mut columns = means(frames, observables, series);
-    let falls = interval.and_then(|interval| avalanches(&series.angles_deg, interval));
-    match (interval, falls) {
-        (Some(interval), Some(falls)) => of_avalanches(&falls, interval, observables, series),
-        (interval, _) => {
-            columns.extend(fluctuation(observables, series));
-            if let Some(interval) = interval {
-                memory(interval, observables, series);
-            }
+    let mut columns = means(frames, wanted.observables, series);
+    let interval = wanted.interval;
+    if let Some(interval) = interval {
+        memory(interval, wanted, series);
+        if let Some(found) = avalanches(&series.angles_deg, interval) {
+            of_avalanches(&found, interval, wanted, series);
         }
     }
+    if let Ok(found) = summarise(speeds)
+        && found.sd > 0.0
+    {
+        let value = MeasuredValue {
+            mean: found.mean,
+            sd: found.sd,
+            n: found.n_effective,
+        };
+        // A speed of every frame, and not of some, goes with the other observables of that frame.
+        if tell(SPEED, value, wanted, series) && speeds.len() == frames.len() {
+            columns.push((SPEED, speeds.to_vec()));
+        }
+    }
+    if series.values.contains_key(SIZE) {
+        series.remarks.push(format!(
+            "{FLUCTUATION}: left out, the size of the avalanches gives it"
+        ));
+    } else {
+        columns.extend(fluctuation(wanted.observables, series));
+    }
+    for name in wanted
+        .also
+        .iter()
+        .filter(|name| !series.values.contains_key(*name))
+    {
+        series
+            .remarks
+            .push(format!("{name}: left out, the photos do not show it"));
+    }
     correlate(&columns, series);
+}
+
+/// Takes over an observable that not every run gives where the file names it, and says it otherwise; whether it was taken over.
+fn tell(
+    name: &'static str,
+    value: MeasuredValue,
+    wanted: Wanted<'_>,
+    series: &mut PhotoSeries,
+) -> bool {
+    let given = wanted.observables.contains(&name);
+    let taken = given && wanted.also.iter().any(|also| also == name);
+    if taken {
+        series.values.insert(name.to_owned(), value);
+    } else {
+        if given {
+            series.remarks.push(format!(
+                "{name}: not taken over, a run may not give it; name it in photo.also where all runs do"
+            ));
+        }
+        series.further.insert(name.to_owned(), value);
+    }
+    taken
 }
 
 /// Means over the frames; the values of those that have an error.
@@ -116,42 +180,28 @@ fn fluctuation(observables: &[&str], series: &mut PhotoSeries) -> Option<Column>
 }
 
 /// The time over which the angle is correlated.
-fn memory(interval: f64, observables: &[&str], series: &mut PhotoSeries) {
-    let found = correlation_time(&series.angles_deg, interval);
-    if let Some(found) = found.filter(|_| observables.contains(&MEMORY)) {
+fn memory(interval: f64, wanted: Wanted<'_>, series: &mut PhotoSeries) {
+    if let Some(found) = correlation_time(&series.angles_deg, interval) {
         let value = MeasuredValue {
             mean: found.time,
             sd: found.standard_error,
             n: 1.0,
         };
-        series.values.insert(MEMORY.to_owned(), value);
+        tell(MEMORY, value, wanted, series);
     }
 }
 
-/// Size and waiting time of avalanches. The scatter of the angle and the time over which it is correlated follow from them, and
-/// a fit would count the same evidence twice. A waiting time is the difference of two times that are known to an interval:
-/// its standard deviation is never less than `interval / sqrt(6)`.
-fn of_avalanches(
-    found: &Avalanches,
-    interval: f64,
-    observables: &[&str],
-    series: &mut PhotoSeries,
-) {
-    for left_out in [FLUCTUATION, MEMORY] {
-        if observables.contains(&left_out) {
-            series.remarks.push(format!(
-                "{left_out}: left out, the bed moves in avalanches, and their size and waiting time give it"
-            ));
-        }
-    }
+/// Size and waiting time of avalanches. A waiting time is the difference of two times that are known to an interval: its
+/// standard deviation is never less than `interval / sqrt(6)`.
+fn of_avalanches(found: &Avalanches, interval: f64, wanted: Wanted<'_>, series: &mut PhotoSeries) {
+    let least = interval / 6.0_f64.sqrt();
     let pairs = [
         (SIZE, &found.sizes, 0.0),
-        (WAITING, &found.waiting_times, interval / 6.0_f64.sqrt()),
+        (WAITING, &found.waiting_times, least),
     ];
     let mut columns: Vec<Column> = Vec::new();
     for (name, values, least) in pairs {
         if let Ok(s) = summarise(values)
-            && observables.contains(&name)
             && s.sd.max(least) > 0.0
         {
             let value = MeasuredValue {
@@ -159,9 +209,10 @@ fn of_avalanches(
                 sd: s.sd.max(least),
                 n: s.n_effective,
             };
-            series.values.insert(name.to_owned(), value);
-            // An avalanche and the time that the next one takes to come.
-            columns.push((name, values[..found.waiting_times.len()].to_vec()));
+            if tell(name, value, wanted, series) {
+                // An avalanche and the time that the next one takes to come.
+                columns.push((name, values[..found.waiting_times.len()].to_vec()));
+            }
         }
     }
     correlate(&columns, series);

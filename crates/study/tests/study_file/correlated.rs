@@ -84,7 +84,10 @@ fn photos_at_a_known_rate_tell_avalanches() {
             ..powder()
         })
         .collect();
-    let told = with_pictures(&scenes, "photo = { frame_interval = \"50 ms\" }");
+    let told = with_pictures(
+        &scenes,
+        "photo = { frame_interval = \"50 ms\", also = [\"avalanche_size_deg\", \"avalanche_waiting_time_s\"] }",
+    );
     let values = &told.photos[0].values;
     let (size, wait) = (
         values["avalanche_size_deg"],
@@ -103,9 +106,22 @@ fn photos_at_a_known_rate_tell_avalanches() {
         "{:?}",
         told.photos[0].remarks
     );
-    let plain = with_pictures(&scenes, "");
-    assert!(plain.photos[0].values.contains_key("fluctuation_deg"));
-    assert!(!plain.photos[0].values.contains_key("avalanche_size_deg"));
+    // Not every run gives them: what the file does not name is told and not taken over.
+    let timed = with_pictures(&scenes[..40], "photo = { frame_interval = \"50 ms\" }");
+    let photos = &timed.photos[0];
+    assert!(
+        photos.further["avalanche_size_deg"].mean > 5.0,
+        "{photos:?}"
+    );
+    assert!(photos.values.contains_key("fluctuation_deg"));
+    assert!(!photos.values.contains_key("avalanche_size_deg"));
+    assert!(
+        photos.remarks.iter().any(|r| r.contains("photo.also")),
+        "{:?}",
+        photos.remarks
+    );
+    let plain = with_pictures(&scenes[..40], "");
+    assert!(plain.photos[0].further.is_empty());
 }
 
 #[test]
