@@ -18,6 +18,8 @@ pub(crate) struct Match {
     pub(crate) shift: f64,
     /// Correlation there, -1 to 1.
     pub(crate) correlation: f64,
+    /// Highest correlation at any place farther from it than `apart` cells; 0 where all are lower.
+    pub(crate) rival: f64,
 }
 
 impl Block {
@@ -56,6 +58,7 @@ pub(crate) fn find_again(
     block: &Block,
     grey: impl Fn(f64, f64) -> f64,
     reach: [f64; 2],
+    apart: f64,
 ) -> Option<Match> {
     #[expect(
         clippy::cast_possible_truncation,
@@ -84,20 +87,17 @@ pub(crate) fn find_again(
         let about_mean = (square - sum * sum / block.values.len() as f64).max(0.0);
         product / (block.norm * about_mean.sqrt()).max(f64::MIN_POSITIVE)
     };
-    let mut best = (f64::NEG_INFINITY, 0, 0);
+    let mut all = Vec::with_capacity((2 * along + 1) * (2 * across + 1));
     for j in 0..=2 * across {
-        for i in 0..=2 * along {
-            let here = correlation(i, j);
-            if here > best.0 {
-                best = (here, i, j);
-            }
-        }
+        all.extend((0..=2 * along).map(|i| (correlation(i, j), i, j)));
     }
-    let (top, i, j) = best;
+    let (top, i, j) = *all.iter().max_by(|a, b| a.0.total_cmp(&b.0))?;
     let at_end = i == 0 || i == 2 * along || j == 0 || j == 2 * across;
     if at_end || !top.is_finite() {
         return None;
     }
+    let far = |p: &&(f64, usize, usize)| p.1.abs_diff(i).max(p.2.abs_diff(j)) as f64 > apart;
+    let rival = all.iter().filter(far).map(|p| p.0).fold(0.0, f64::max);
     let (before, behind) = (correlation(i - 1, j), correlation(i + 1, j));
     let bend = before + behind - 2.0 * top;
     let off = if bend < 0.0 {
@@ -108,6 +108,7 @@ pub(crate) fn find_again(
     Some(Match {
         shift: i as f64 - along as f64 + off,
         correlation: top,
+        rival,
     })
 }
 
@@ -127,10 +128,23 @@ mod tests {
         };
         let block = Block::new([40, 16], wave);
         for moved in [0.0, 3.0, -4.25, 6.5, 0.4] {
-            let found = find_again(&block, |x, y| wave(x - moved, y - 1.0), [10.0, 3.0]).unwrap();
+            let found =
+                find_again(&block, |x, y| wave(x - moved, y - 1.0), [10.0, 3.0], 4.0).unwrap();
             assert!((found.shift - moved).abs() < 0.03, "{found:?} for {moved}");
             assert!(found.correlation > 0.965, "{found:?} for {moved}");
         }
+    }
+
+    /// Stripes of 6 cells behind a row of light look the same six cells on: the rival is as high as the best.
+    #[test]
+    fn stripes_have_a_rival() {
+        let stripes = |x: f64, y: f64| {
+            (std::f64::consts::TAU * x / 6.0).sin() + (-0.5 * (y - 4.0).powi(2)).exp()
+        };
+        let block = Block::new([24, 8], stripes);
+        let moved = |x: f64, y: f64| stripes(x - 1.0, y);
+        let found = find_again(&block, moved, [9.0, 2.0], 4.0).unwrap();
+        assert!(found.rival > 0.99, "{found:?}");
     }
 
     #[test]
@@ -138,10 +152,10 @@ mod tests {
         // One bright spot, which moves to the end of the reach and beyond.
         let spot = |x: f64, y: f64| (-((x - 10.0).powi(2) + (y - 5.0).powi(2)) / 8.0).exp();
         let block = Block::new([20, 10], spot);
-        let moved = |by: f64| find_again(&block, |x, y| spot(x - by, y), [6.0, 2.0]);
+        let moved = |by: f64| find_again(&block, |x, y| spot(x - by, y), [6.0, 2.0], 3.0);
         assert!(moved(5.0).is_some());
         assert_eq!(moved(6.0), None);
-        let level = find_again(&block, |_, _| 7.0, [6.0, 2.0]);
+        let level = find_again(&block, |_, _| 7.0, [6.0, 2.0], 3.0);
         assert!(level.is_none_or(|m| m.correlation < 0.1), "{level:?}");
     }
 }

@@ -23,6 +23,13 @@ const CELLS_PER_RADIUS: f64 = 200.0;
 const LEAST_TEXTURE: f64 = 3.0;
 /// Least correlation of a block with the place where it is found again.
 const LEAST_CORRELATION: f64 = 0.6;
+/// By what factor this correlation must be higher than at any place farther than [`APART`] from it: where seeds look alike, a
+/// block is like many places.
+const LEAST_OVER_RIVAL: f64 = 1.2;
+/// Places so near count as one, in drum radii: about the size of a seed.
+const APART: f64 = 0.05;
+/// Blocks count whose shift lies so near to the median, in drum radii: a fifth of the range, over which shifts by chance spread.
+const AGREE: f64 = 0.03;
 /// Fewest blocks whose median counts.
 const LEAST_BLOCKS: usize = 3;
 
@@ -85,12 +92,13 @@ pub enum NoShift {
 /// Blocks of 0.3 by 0.1 drum radii, 0.02 radii below the surface of the middle half of the chord, are searched in the second
 /// picture by the normalised cross-correlation of their grey levels, 0.15 radii along the surface line either way and 0.03
 /// across it; the highest correlation and its neighbours along the line give a parabola, whose top is the shift. Blocks of one
-/// tone, blocks that correlate by less than 0.6 and blocks whose best place lies at the end of the search are left out. The
-/// shift is the median of the others, and none where they are fewer than three or half.
+/// tone are left out, and blocks that correlate by less than 0.6, by less than 1.2 times their correlation with another place
+/// 0.05 radii away, or whose best place lies at the end of the search. The shift is the median of the others; there is none
+/// where fewer than three, or fewer than half of all blocks with texture, agree with it to 0.03 radii.
 ///
 /// # Source
 ///
-/// Correlation of blocks and parabola: `[WillertGharib1991]`. Sizes and limits are ours.
+/// Correlation of blocks and parabola: `[WillertGharib1991]`; the rival: `[KeaneAdrian1992]`. Sizes and limits are ours.
 ///
 /// # Errors
 ///
@@ -118,12 +126,20 @@ pub fn surface_shift(
         });
     }
     let reach = [RANGE, ACROSS].map(|part| part * strip.radius / strip.cell);
+    let apart = APART * strip.radius / strip.cell;
     let found = blocks.iter().filter_map(|block| {
         let look = |i: f64, j: f64| strip.grey(second, block.along + i, block.depth + j);
-        let Match { shift, correlation } = find_again(&block.texture, look, reach)?;
-        (correlation >= LEAST_CORRELATION).then_some(shift * strip.cell / strip.radius)
+        let Match {
+            shift,
+            correlation,
+            rival,
+        } = find_again(&block.texture, look, reach, apart)?;
+        let told = correlation >= LEAST_CORRELATION && correlation >= LEAST_OVER_RIVAL * rival;
+        told.then_some(shift * strip.cell / strip.radius)
     });
     let mut shifts: Vec<f64> = found.collect();
+    let middle = median(&mut shifts);
+    shifts.retain(|shift| (shift - middle).abs() <= AGREE);
     if shifts.len() < LEAST_BLOCKS || 2 * shifts.len() < blocks.len() {
         return Err(NoShift::Lost {
             found: shifts.len(),
