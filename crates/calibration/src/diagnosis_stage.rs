@@ -1,5 +1,6 @@
 //! What the residual at the estimate says: which effect, if any, the model lacks.
 
+use crate::correlated::correlation_of;
 use crate::{
     CalibrationProblem, DeclaredParameter, DiagnosisStage, Error, LoopSettings, Measurement,
     Observed, ResidualPlan, Role, StudyCondition, runs_needed, study_residual,
@@ -83,19 +84,19 @@ pub(crate) fn plan(
     let (mut conditions, mut values, mut covariance) = (Vec::new(), Vec::new(), Vec::new());
     for role in [Role::Fit, Role::Check] {
         for k in problem.models_of(role) {
-            let here: Vec<&Measurement> = problem
-                .measurements
-                .iter()
-                .filter(|m| m.model == k && m.role == role)
+            let all = problem.measurements.iter().enumerate();
+            let here: Vec<(usize, &Measurement)> = all
+                .filter(|(_, m)| m.model == k && m.role == role)
                 .collect();
-            let of = |name: &String| here.iter().find(|m| name_in_plan(problem, m) == *name);
-            conditions.push(condition(problem, k, role, &here));
-            values.push(observables.iter().map(|n| of(n).map(|m| m.mean)).collect());
-            let mut block = vec![vec![0.0; observables.len()]; observables.len()];
-            for (i, name) in observables.iter().enumerate() {
-                block[i][i] = of(name).map_or(0.0, |m| m.variance());
-            }
-            covariance.push(block);
+            let of = |name: &String| {
+                let mut here = here.iter();
+                here.find(|(_, m)| name_in_plan(problem, m) == *name)
+            };
+            let measurements: Vec<&Measurement> = here.iter().map(|(_, m)| *m).collect();
+            conditions.push(condition(problem, k, role, &measurements));
+            let measured: Vec<_> = observables.iter().map(of).collect();
+            values.push(measured.iter().map(|m| m.map(|(_, m)| m.mean)).collect());
+            covariance.push(block(problem, &measured));
         }
     }
     let plan = ResidualPlan {
@@ -109,6 +110,24 @@ pub(crate) fn plan(
         seed: settings.seed,
     };
     (plan, Observed { values, covariance })
+}
+
+/// Covariance of the measured means of one condition, each with its number; 0 for what was not measured there.
+fn block(
+    problem: &CalibrationProblem,
+    measured: &[Option<&(usize, &Measurement)>],
+) -> Vec<Vec<f64>> {
+    let covariance = |a: &Option<&(usize, &Measurement)>, b: &Option<&(usize, &Measurement)>| {
+        let (Some((i, a)), Some((j, b))) = (a, b) else {
+            return 0.0;
+        };
+        if i == j {
+            return a.variance();
+        }
+        correlation_of(problem, *i, *j) * (a.variance() * b.variance()).sqrt()
+    };
+    let row = |a| measured.iter().map(|b| covariance(a, b)).collect();
+    measured.iter().map(row).collect()
 }
 
 /// The name of a measured observable in the plan: with its scene where the problem has several.

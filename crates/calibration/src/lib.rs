@@ -8,6 +8,7 @@ mod budget;
 mod calibrate;
 mod comparison;
 mod confirmation;
+mod correlated;
 mod designs;
 mod diagnosis_stage;
 mod error;
@@ -37,7 +38,7 @@ pub use laboratory::Laboratory;
 pub use least_squares::{BoundedProblem, bounded_least_squares};
 pub use planned::{PlannedStage, planned};
 pub use problem::{
-    CalibrationProblem, MOST_PARAMETERS, Measurement, Model, Parameter, Prior, Role,
+    CalibrationProblem, Correlation, MOST_PARAMETERS, Measurement, Model, Parameter, Prior, Role,
 };
 pub use residual_study::{
     AddedEffect, DeclaredParameter, EffectProbe, ErrorPair, Observed, RealErrors, ResidualPlan,

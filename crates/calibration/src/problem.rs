@@ -1,5 +1,6 @@
 //! What a calibration is asked: parameters, models and measurements.
 
+use crate::correlated::check_correlations;
 use crate::{EffectProbe, Error};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -94,6 +95,18 @@ impl Measurement {
     }
 }
 
+/// The correlation of two measured means that were read from the same frames.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Correlation {
+    /// Number of the one measurement.
+    pub a: usize,
+    /// Number of the other, of the same model and role.
+    pub b: usize,
+    /// The correlation, between -1 and 1.
+    pub value: f64,
+}
+
 /// Everything that a calibration needs besides a simulator.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct CalibrationProblem {
@@ -105,6 +118,9 @@ pub struct CalibrationProblem {
     pub models: Vec<Model>,
     /// What was measured, in the order of the file.
     pub measurements: Vec<Measurement>,
+    /// Which measured means are correlated; all others are independent.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub correlations: Vec<Correlation>,
     /// Effects to search in the residual; none where nothing is to be diagnosed.
     pub effects: Vec<EffectProbe>,
 }
@@ -154,6 +170,10 @@ impl CalibrationProblem {
                     m.observable, m.mean, m.sd, m.n
                 ));
             }
+        }
+        // Numbers of measurements that are not there, and means without a variance, have no correlation to check.
+        if wrong.is_empty() {
+            check_correlations(self, &mut wrong);
         }
         if wrong.is_empty() {
             Ok(())

@@ -15,16 +15,21 @@ use std::collections::BTreeMap;
 
 /// What is read of a bed of spheres; without velocities there is no slip, and where the bed is never carried along no time of
 /// waiting.
-pub const OBSERVABLES_OF_A_BED: [&str; 14] = [
+pub const OBSERVABLES_OF_A_BED: [&str; 19] = [
     "angle_deg",
     "angle_by_position_deg",
     "image_minus_position_deg",
     "curvature",
     "s_shape",
+    "shape_4",
+    "shape_5",
     "fill_level",
     "toe_position_deg",
     "top_position_deg",
     "fluctuation_deg",
+    "angle_correlation_time_s",
+    "avalanche_size_deg",
+    "avalanche_waiting_time_s",
     "centre_of_mass_deg",
     "centre_of_mass_fluctuation_deg",
     "shell_slip",
@@ -142,7 +147,8 @@ impl Bed {
             .filter(|k| (k + 1).is_multiple_of(every.max(1)))
             .collect();
         let readings = self.readings(&frames)?;
-        let surface = SurfaceReadings::of(&readings);
+        let between = self.drive.interval * every.max(1) as f64;
+        let surface = SurfaceReadings::of(&readings, Some(between));
         if surface.image.is_empty() {
             return Err(SimulatorError::Failed {
                 reason: no_surface(&readings),
@@ -256,6 +262,7 @@ impl Bed {
                 angles_by_position_deg: surface.position.clone(),
                 filling_angles_deg: Vec::new(),
                 refused: readings.iter().filter(|r| r.photo.angle.is_none()).count(),
+                no_surface_speed: None,
                 standard_error_deg: error,
                 effective_number: error.and_then(|e| effective_number(&surface.image, e)),
                 times_s: times,

@@ -19,7 +19,7 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 /// Revision of what is done around the command: raised when the same files give other numbers.
-const REVISION: u32 = 1;
+const REVISION: u32 = 2;
 /// Name of the file with all values.
 const REQUEST: &str = "request.json";
 /// An argument that stands for all values as `name=value`.
@@ -365,10 +365,11 @@ fn read_pictures(folder: &Path, pattern: &Path, took: Took) -> Result<RunOutcome
             readings.push(FrameReading {
                 photo,
                 position: None,
+                surface_speed: None,
             });
         }
     }
-    let surface = SurfaceReadings::of(&readings);
+    let surface = SurfaceReadings::of(&readings, None);
     if surface.image.is_empty() {
         return Err(no_surface(&readings));
     }
@@ -398,6 +399,7 @@ fn details(
             angles_by_position_deg: surface.position.clone(),
             filling_angles_deg: Vec::new(),
             refused: readings.len() - surface.image.len(),
+            no_surface_speed: None,
             standard_error_deg: None,
             effective_number: None,
         },

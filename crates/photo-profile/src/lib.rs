@@ -34,6 +34,7 @@
 //! which file it works on.
 
 mod agreement;
+mod block_match;
 mod circle;
 mod decode;
 mod digits;
@@ -53,6 +54,7 @@ mod reading;
 mod rectify;
 mod rim;
 mod settings;
+mod surface_shift;
 pub mod synthetic;
 mod tone;
 mod uncertainty;
@@ -68,3 +70,4 @@ pub use pixels::PhotoPixels;
 pub use reading::{BedEnds, PhotoReading, PixelPoint, Refusal, Verdict};
 pub use rectify::rectify;
 pub use settings::{DrumPixels, Foreground, Mode, Settings};
+pub use surface_shift::{NoShift, SurfaceShift, surface_shift};

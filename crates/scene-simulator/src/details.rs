@@ -55,6 +55,10 @@ pub struct FrameDetails {
     pub filling_angles_deg: Vec<f64>,
     /// Number of frames in which the surface could not be measured.
     pub refused: usize,
+    /// Why no frame tells a speed of the surface, as its first frame says it; none where one does, or no pairs of pictures
+    /// are taken.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub no_surface_speed: Option<String>,
     /// Standard error of the mean angle by the picture over the time of this run, deg; none where it cannot be told.
     #[serde(default)]
     pub standard_error_deg: Option<f64>,
@@ -160,6 +164,7 @@ impl RunDetails {
                     .iter()
                     .filter(|r| r.photo.angle.is_none())
                     .count(),
+                no_surface_speed: no_surface_speed(&result.readings),
                 standard_error_deg: error,
                 effective_number: error.and_then(|error| effective_number(image, error)),
             },
@@ -222,6 +227,13 @@ pub fn error_over_swings(times: &[f64], readings: &[FrameReading], swing: f64) -
     let mean = |values: &Vec<f64>| values.iter().sum::<f64>() / values.len() as f64;
     let means: Vec<f64> = swings.iter().map(mean).collect();
     error_of_mean(&means, 1)
+}
+
+/// Why no frame tells a speed of the surface; none where one does, or none is asked.
+fn no_surface_speed(readings: &[FrameReading]) -> Option<String> {
+    let mut told = readings.iter().filter_map(|r| r.surface_speed.as_ref());
+    let first = told.next()?.as_ref().err()?;
+    told.all(Result::is_err).then(|| first.to_string())
 }
 
 /// Number of independent values that would fix a mean as well as its error says, 1 to all.

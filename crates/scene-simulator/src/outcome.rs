@@ -35,7 +35,8 @@ pub struct Effort {
 ///
 /// A drum in which no frame could be measured, a frame that cannot be drawn.
 pub fn outcome_of(scene: &Scene, result: &RunResult, effort: Effort) -> Result<RunOutcome, Error> {
-    let surface = SurfaceReadings::of(&result.readings);
+    let times: Vec<f64> = result.frames.iter().map(|f| f.time).collect();
+    let surface = SurfaceReadings::of(&result.readings, interval_of(&times));
     if matches!(scene.apparatus, Apparatus::Drum(_)) && surface.image.is_empty() {
         return Err(no_surface(result).into());
     }
@@ -45,6 +46,12 @@ pub fn outcome_of(scene: &Scene, result: &RunResult, effort: Effort) -> Result<R
         regime: regime_of(result),
         details: serde_json::to_value(details).map_err(Error::Unwritable)?,
     })
+}
+
+/// Time between frames, s; none of fewer than two.
+fn interval_of(times: &[f64]) -> Option<f64> {
+    let (first, last) = (times.first()?, times.last()?);
+    (last > first).then(|| (last - first) / (times.len() - 1) as f64)
 }
 
 /// All observables of a run.

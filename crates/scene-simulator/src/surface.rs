@@ -3,9 +3,12 @@
 use run_store::Observation;
 use scene::FrameReading;
 use std::collections::BTreeMap;
-use surface_profile::{SeriesSummary, summarise};
+use surface_profile::{
+    Avalanches, CorrelationTime, SeriesSummary, avalanches, correlation_time, longest_unbroken,
+    summarise,
+};
 
-/// Readings of the surface in the frames that could be measured, deg; curvature and S shape of the same frames.
+/// Readings of the surface in the frames that could be measured, deg; curvature and other shapes of the same frames.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct SurfaceReadings {
     /// Angle by the picture.
@@ -18,17 +21,32 @@ pub struct SurfaceReadings {
     pub curvature: Vec<f64>,
     /// S shape, 1.
     pub s_shape: Vec<f64>,
+    /// Shape of degree 4 over the whole surface, drum radii.
+    pub shape_4: Vec<f64>,
+    /// Shape of degree 5, drum radii.
+    pub shape_5: Vec<f64>,
     /// Share of the drum that the bed takes, 1.
     pub fill_level: Vec<f64>,
     /// Toe of the bed at the shell.
     pub toe: Vec<f64>,
     /// Its top.
     pub top: Vec<f64>,
+    /// Speed of the surface by pairs of pictures, m/s; of the frames that tell it.
+    pub surface_speed: Vec<f64>,
+    /// How long the angle by the picture is correlated with itself, s; none where the frames do not tell it.
+    pub correlation_time: Option<CorrelationTime>,
+    /// Avalanches of that angle, deg and s; none where a layer flows all the time, or the frames do not tell it.
+    pub avalanches: Option<Avalanches>,
 }
 
 impl SurfaceReadings {
-    /// Takes the readings of all frames together.
-    pub fn of(readings: &[FrameReading]) -> Self {
+    /// Takes the readings of all frames together; `interval` is the time between frames (s) where it is known and always the
+    /// same.
+    pub fn of(readings: &[FrameReading], interval: Option<f64>) -> Self {
+        let angles = readings
+            .iter()
+            .map(|r| Some(r.photo.angle?.line.to_degrees()));
+        let series = longest_unbroken(&angles.collect::<Vec<_>>());
         let photos = || readings.iter().filter_map(|r| r.photo.angle);
         let (mut position, mut difference) = (Vec::new(), Vec::new());
         for reading in readings {
@@ -46,21 +64,40 @@ impl SurfaceReadings {
             difference,
             curvature: photos().map(|a| a.curvature).collect(),
             s_shape: photos().map(|a| a.s_shape).collect(),
+            shape_4: photos().filter_map(|a| Some(a.shape?[2])).collect(),
+            shape_5: photos().filter_map(|a| Some(a.shape?[3])).collect(),
             fill_level: readings.iter().filter_map(|r| r.photo.fill_level).collect(),
+            surface_speed: readings
+                .iter()
+                .filter_map(|r| r.surface_speed.as_ref()?.as_ref().ok().copied())
+                .collect(),
+            correlation_time: interval.and_then(|interval| correlation_time(&series, interval)),
+            avalanches: interval.and_then(|interval| avalanches(&series, interval)),
         }
     }
 
-    /// Means over the frames, and the scatter of the angle between them; what no frame shows is left out.
+    /// Means over the frames, the scatter of the angle between them, and what it tells of time; what no frame shows is left out.
     pub fn observables(&self) -> BTreeMap<String, Observation> {
+        let memory: Vec<f64> = self.correlation_time.iter().map(|c| c.time).collect();
+        let (sizes, waits) = match &self.avalanches {
+            Some(found) => (&found.sizes[..], &found.waiting_times[..]),
+            None => (&[][..], &[][..]),
+        };
         let means = [
-            ("angle_deg", "deg", &self.image),
+            ("angle_deg", "deg", &self.image[..]),
             ("angle_by_position_deg", "deg", &self.position),
             ("image_minus_position_deg", "deg", &self.difference),
             ("curvature", "1", &self.curvature),
             ("s_shape", "1", &self.s_shape),
+            ("shape_4", "1", &self.shape_4),
+            ("shape_5", "1", &self.shape_5),
             ("fill_level", "1", &self.fill_level),
             ("toe_position_deg", "deg", &self.toe),
             ("top_position_deg", "deg", &self.top),
+            ("surface_speed_m_s", "m/s", &self.surface_speed),
+            ("angle_correlation_time_s", "s", &memory),
+            ("avalanche_size_deg", "deg", sizes),
+            ("avalanche_waiting_time_s", "s", waits),
         ];
         let mut observables: BTreeMap<String, Observation> = means
             .into_iter()

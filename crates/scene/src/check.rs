@@ -3,6 +3,8 @@
 use crate::apparatus::BenchTest;
 use crate::{Apparatus, Error, Scene};
 
+/// Longest time between the two pictures of a pair, s: gravity alone would add 12 mm to the way of a seed.
+const MOST_PAIR_INTERVAL: f64 = 0.05;
 /// Largest slope at which a bed may be laid, rad.
 pub(crate) const MOST_START_SLOPE: f64 = std::f64::consts::FRAC_PI_4;
 
@@ -102,6 +104,13 @@ impl Scene {
         if !(64..=4096).contains(&self.camera.pixels) {
             let pixels = self.camera.pixels.to_string();
             found.push(bad("camera.pixels", pixels, "64 to 4096"));
+        }
+        if let Some(time) = self.camera.pair_interval
+            && !(time.si() > 0.0 && time.si() <= MOST_PAIR_INTERVAL)
+        {
+            let requirement =
+                "above 0, at most 50 ms: the seeds go on for so long with the speed that they have";
+            found.push(bad("camera.pair_interval", time.to_string(), requirement));
         }
         if let Some(distance) = self.camera.distance
             && distance.si() <= self.apparatus.radius()

@@ -4,7 +4,7 @@ use crate::{Error, FrameReading, Scene};
 use clump::Sphere;
 use frame_render::{DrumView, RenderSphere, render_drum, seed_colour};
 use image::{DynamicImage, RgbImage};
-use photo_profile::measure_image;
+use photo_profile::{PhotoPixels, measure_photo, surface_shift};
 use surface_profile::{DensitySettings, Disc, DrumCircle, measure, profile_from_discs};
 
 /// A drum and the camera in front of it. The drum is where CONVENTIONS.md has it: axis z, y up, middle at the origin.
@@ -75,9 +75,43 @@ impl DrumCamera {
     ///
     /// A picture that cannot be drawn or measured at all; a refusal is part of the reading.
     pub fn read(&self, spheres: &[(usize, Sphere)]) -> Result<FrameReading, Error> {
+        self.read_seen(&self.seen(spheres)?, spheres)
+    }
+
+    /// Reads spheres as [`Self::read`] does, and the speed of their surface from a second picture of where they are later (s).
+    ///
+    /// # Errors
+    ///
+    /// As [`Self::read`].
+    pub fn read_pair(
+        &self,
+        spheres: &[(usize, Sphere)],
+        later: &[(usize, Sphere)],
+        interval: f64,
+    ) -> Result<FrameReading, Error> {
+        let (first, second) = (self.seen(spheres)?, self.seen(later)?);
+        let reading = self.read_seen(&first, spheres)?;
+        let shift = surface_shift(&first, &second, &reading.photo);
+        let speed = shift.map(|found| found.shift * self.radius / interval);
+        Ok(FrameReading {
+            surface_speed: Some(speed),
+            ..reading
+        })
+    }
+
+    /// The grey levels that the camera sees of spheres.
+    fn seen(&self, spheres: &[(usize, Sphere)]) -> Result<PhotoPixels, Error> {
         let drawn = self.picture(spheres.iter().copied())?;
-        let picture = DynamicImage::from(drawn).into_luma8();
-        let photo = measure_image(&picture, &photo_profile::Settings::default())?;
+        Ok(PhotoPixels::from_picture(&DynamicImage::from(drawn)))
+    }
+
+    /// Reads a picture of spheres, and their positions.
+    fn read_seen(
+        &self,
+        picture: &PhotoPixels,
+        spheres: &[(usize, Sphere)],
+    ) -> Result<FrameReading, Error> {
+        let photo = measure_photo(picture, &photo_profile::Settings::default())?;
         let drum = self.circle();
         let discs: Vec<Disc> = spheres
             .iter()
@@ -90,7 +124,11 @@ impl DrumCamera {
         let position = profile_from_discs(&discs, &drum, &DensitySettings::for_drum(&drum))
             .and_then(|points| measure(&points, &drum))
             .ok();
-        Ok(FrameReading { photo, position })
+        Ok(FrameReading {
+            photo,
+            position,
+            surface_speed: None,
+        })
     }
 
     /// Size at which something at a depth z (m) is seen, over its size at the front cover.

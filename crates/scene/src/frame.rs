@@ -3,7 +3,7 @@
 use crate::{DrumCamera, Error, Scene, SeedBody};
 use image::RgbImage;
 use nalgebra::{UnitQuaternion, Vector3};
-use photo_profile::PhotoReading;
+use photo_profile::{NoShift, PhotoReading};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use surface_profile::SurfaceAngle;
@@ -32,6 +32,9 @@ pub struct FrameReading {
     pub photo: PhotoReading,
     /// Reading of the positions of the spheres, the cross-check; none where it was refused.
     pub position: Option<SurfaceAngle>,
+    /// Speed of the surface by this picture and one that was taken a little later, downhill positive, m/s, or why there is none;
+    /// none where no second picture is taken.
+    pub surface_speed: Option<Result<f64, NoShift>>,
 }
 
 impl Frame {
@@ -41,6 +44,32 @@ impl Frame {
         self.kind == kinds
             && [self.position.len(), self.velocity.len(), self.spin.len()] == [n; 3]
             && self.orientation.len() == n
+    }
+
+    /// The frame a little later (s), each seed going on with the velocity and the spin that it has. In 5 ms gravity alone would
+    /// add 0.12 mm to the way of a seed.
+    #[must_use]
+    pub fn after(&self, time: f64) -> Self {
+        let moved = |(p, v): (&Vector3<f64>, &Vector3<f64>)| p + time * v;
+        let turned = |(q, w): (&UnitQuaternion<f64>, &Vector3<f64>)| {
+            UnitQuaternion::from_scaled_axis(time * w) * q
+        };
+        Self {
+            time: self.time + time,
+            position: self
+                .position
+                .iter()
+                .zip(&self.velocity)
+                .map(moved)
+                .collect(),
+            orientation: self
+                .orientation
+                .iter()
+                .zip(&self.spin)
+                .map(turned)
+                .collect(),
+            ..self.clone()
+        }
     }
 
     /// All spheres that can be seen, with the number of their seed.
@@ -89,8 +118,14 @@ pub fn read_frame(
     bodies: &[Arc<SeedBody>],
     frame: &Frame,
 ) -> Result<FrameReading, Error> {
+    let camera = DrumCamera::of(scene);
     let spheres: Vec<_> = frame.spheres(bodies).collect();
-    DrumCamera::of(scene).read(&spheres)
+    let Some(interval) = scene.camera.pair_interval.map(quantity::Time::si) else {
+        return camera.read(&spheres);
+    };
+    let later = frame.after(interval);
+    let later: Vec<_> = later.spheres(bodies).collect();
+    camera.read_pair(&spheres, &later, interval)
 }
 
 #[cfg(test)]
@@ -188,6 +223,45 @@ mod tests {
         let off = own.fill_level.unwrap() - photo.fill_level.unwrap();
         assert!(off.abs() < 0.001, "{off} of the drum");
         assert!((a.curvature - b.curvature).abs() < 0.002, "curvature");
+        for (one, other) in a.shape.unwrap().iter().zip(b.shape.unwrap()) {
+            assert!((one - other).abs() < 0.001, "shapes: {one} {other}");
+        }
+    }
+
+    /// A bed whose upper 18 mm flow downhill at 0.3 m/s, in pictures 5 ms apart: the seeds go 1.5 mm, 4.8 px of a drum of 222 px. A
+    /// tenth of a pixel is 2 %; seeds that come from below the edge of the layer and go behind others add as much. A bed that
+    /// moves 15 mm between the pictures is not found again, and says so.
+    #[test]
+    fn the_speed_of_the_surface_is_that_of_its_seeds() {
+        let (mut scene, body, mut frame) = tilted_bed();
+        // Seeds of a lattice that lie alike look alike: 1 mm to any side, and turned.
+        let mut stream = random_stream::Stream::new(2, "a bed without order");
+        for (place, turn) in frame.position.iter_mut().zip(&mut frame.orientation) {
+            let mut random = || stream.between(-1.0, 1.0);
+            *place += 0.001 * Vector3::new(random(), random(), 0.0);
+            *turn =
+                UnitQuaternion::from_scaled_axis(3.0 * Vector3::new(random(), random(), random()));
+        }
+        let downhill = -Vector3::new(1.0, 0.6, 0.0).normalize();
+        let normal = Vector3::new(-0.6, 1.0, 0.0).normalize();
+        let speed = |frame: &mut Frame, speed: f64| {
+            for (place, velocity) in frame.position.iter().zip(&mut frame.velocity) {
+                let depth = -normal.dot(&(place - Vector3::new(0.0, -0.02, 0.0)));
+                let share = if depth < 0.018 { 1.0 } else { 0.0 };
+                *velocity = share * speed * downhill;
+            }
+        };
+        let bodies = [body];
+        let told =
+            |scene: &Scene, frame: &Frame| read_frame(scene, &bodies, frame).unwrap().surface_speed;
+        speed(&mut frame, 0.3);
+        assert!(told(&scene, &frame).is_none(), "no pair, no speed");
+        scene.camera.pair_interval = Some(quantity::Time::parse("5 ms").unwrap());
+        let found = told(&scene, &frame).unwrap().unwrap();
+        assert!((found / 0.3 - 1.0).abs() < 0.05, "{found} m/s");
+        speed(&mut frame, 3.0);
+        let lost = told(&scene, &frame).unwrap().unwrap_err();
+        assert!(lost.to_string().contains("closer together"), "{lost}");
     }
 
     /// The lowest row of a seed at 5 cm below the axis: moved from the front cover to the back cover it

@@ -225,6 +225,10 @@ pub struct CameraSettings {
     /// Distance of the camera from the front cover; without end where absent (parallel rays).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub distance: Option<Length>,
+    /// Time after each frame of a drum at which a second picture is taken, from which the speed of the surface is read; none
+    /// where absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub pair_interval: Option<Time>,
 }
 
 impl Default for CameraSettings {
@@ -233,6 +237,7 @@ impl Default for CameraSettings {
             pixels: 480,
             roll: Angle::from_si(0.0).expect("0 is an angle"),
             distance: None,
+            pair_interval: None,
         }
     }
 }

@@ -160,6 +160,7 @@ fn problem() -> CalibrationProblem {
             model("funnel", "funnel", BTreeMap::new(), &[0]),
         ],
         measurements: measurements(),
+        correlations: Vec::new(),
         effects: Vec::new(),
     }
 }

@@ -1,14 +1,15 @@
 //! A study whose runs a program of the user does: what it gives and takes, checked without a scene file.
 
+use crate::correlated::correlations_of;
 use crate::document::{Document, below};
 use crate::file::{
     Choices, CommandEntry, MeasuredEntry, ParameterEntry, SceneEntry, StudyFile, usable_name,
 };
 use crate::measured::{Known, push, read_photos, words};
-use crate::photos::PhotoSeries;
+use crate::photos::{PhotoSeries, Shown};
 use crate::problem::Problems;
 use crate::scenes::model_name;
-use calibration::{EffectProbe, Measurement, Model};
+use calibration::{Correlation, EffectProbe, Measurement, Model};
 use external_simulator::{CommandModel, OBSERVABLES_OF_A_BED};
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -17,7 +18,7 @@ use std::path::Path;
 const TAKEN: [&str; 2] = ["scene", "seed"];
 
 /// What is read of pictures alone.
-const OF_PICTURES: usize = 9;
+const OF_PICTURES: usize = 11;
 
 /// Models and measurements of such a study.
 #[derive(Debug, Default)]
@@ -28,6 +29,8 @@ pub(crate) struct CommandResolved {
     pub(crate) runs: BTreeMap<String, CommandModel>,
     /// What was measured.
     pub(crate) measurements: Vec<Measurement>,
+    /// Which of them are correlated.
+    pub(crate) correlations: Vec<Correlation>,
     /// Photos that were read.
     pub(crate) photos: Vec<PhotoSeries>,
 }
@@ -109,12 +112,14 @@ impl CommandChecker<'_> {
             problems.add(document.problem(&below(&entry.path, name), what, problem));
         }
         let heap = observables.contains(&"angle_of_repose_deg");
-        let place = (self.folder, heap);
-        if let Some(series) = read_photos(document, entry, place, &observables, problems) {
-            let taken = series.values.iter();
-            values.extend(taken.map(|(name, value)| (name.clone(), *value)));
-            resolved.photos.push(series);
-        }
+        let shown = Shown {
+            heap,
+            radius: None,
+            observables: &observables,
+        };
+        let series = read_photos(document, entry, self.folder, shown, problems);
+        let taken = series.iter().flat_map(|s| &s.values);
+        values.extend(taken.map(|(name, value)| (name.clone(), *value)));
         let model = self.model(scene, entry, resolved);
         for (observable, value) in values {
             let measurement = Measurement {
@@ -133,6 +138,10 @@ impl CommandChecker<'_> {
                 problems,
             );
         }
+        let of_model = (model, &resolved.measurements[..]);
+        let found = correlations_of(document, entry, series.as_ref(), of_model, problems);
+        resolved.correlations.extend(found);
+        resolved.photos.extend(series);
     }
 
     /// Number of the model of a scene under the condition of a measurement.

@@ -79,6 +79,17 @@ pub struct MeasuredValue {
     pub n: f64,
 }
 
+/// How the means of two observables of one measurement go together.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct MeasuredCorrelation {
+    /// The one observable.
+    pub a: String,
+    /// The other.
+    pub b: String,
+    /// Correlation of their means, between -1 and 1.
+    pub value: f64,
+}
+
 /// What was measured at one condition of a scene.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct MeasuredEntry {
@@ -90,6 +101,9 @@ pub struct MeasuredEntry {
     pub role: Role,
     /// Means by observable.
     pub values: BTreeMap<String, MeasuredValue>,
+    /// Which of the means are correlated, as the file states it; photos tell theirs themselves.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub correlations: Vec<MeasuredCorrelation>,
     /// Photos or folders of them, relative to the study file.
     pub photos: Vec<PathBuf>,
     /// How they are read.
@@ -110,6 +124,16 @@ pub struct PhotoOptions {
     pub corners: Option<[[f64; 2]; 4]>,
     /// Tone of the bed against the air.
     pub foreground: photo_profile::Foreground,
+    /// Time between two pictures that follow each other, s; none where it is not known or not always the same.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub frame_interval_s: Option<f64>,
+    /// Time between the two pictures of a pair, s: the pictures then come in pairs, of which the first is measured and the
+    /// second tells how far the surface went. None where each picture stands alone.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub pair_interval_s: Option<f64>,
+    /// Observables to be taken over that not every run gives.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub also: Vec<String>,
 }
 
 /// A value that somebody published.

@@ -64,11 +64,27 @@ pub(crate) const PARAMETER: [&str; 9] = [
 /// Keys of `prior`.
 pub(crate) const PRIOR: [&str; 2] = ["mean", "sd"];
 /// Keys of `[[measured]]` beside the names of observables.
-pub(crate) const MEASURED: [&str; 5] = ["scene", "condition", "role", "photos", "photo"];
+pub(crate) const MEASURED: [&str; 6] = [
+    "scene",
+    "condition",
+    "role",
+    "photos",
+    "photo",
+    "correlation",
+];
 /// Keys of an observable.
 pub(crate) const VALUE: [&str; 3] = ["mean", "sd", "n"];
 /// Keys of `photo`.
-pub(crate) const PHOTO: [&str; 5] = ["definition", "roll", "drum", "corners", "foreground"];
+pub(crate) const PHOTO: [&str; 8] = [
+    "definition",
+    "roll",
+    "drum",
+    "corners",
+    "foreground",
+    "frame_interval",
+    "pair_interval",
+    "also",
+];
 /// Keys of `[[compare]]`.
 pub(crate) const COMPARE: [&str; 4] = ["result", "value", "sd", "source"];
 /// Keys of `[design]`: all settings of the loop but the seed, which the command line gives, and the budget.

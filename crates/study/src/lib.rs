@@ -9,6 +9,7 @@
 
 mod command_study;
 mod compare;
+mod correlated;
 mod defaults;
 mod design_table;
 mod document;
@@ -22,6 +23,7 @@ mod keys;
 mod limits;
 mod measured;
 mod parameters;
+mod photo_values;
 mod photos;
 mod price;
 mod problem;
@@ -38,8 +40,8 @@ pub use defaults::DefaultUsed;
 pub use design_table::{DesignChoices, DesignPlan, DesignRun, DesignTable};
 pub use error::Error;
 pub use file::{
-    Budget, Choices, CommandEntry, CompareEntry, EffectEntry, MeasuredEntry, MeasuredValue,
-    ParameterEntry, PeerEntry, PhotoOptions, SceneEntry, SimulatorEntry, StudyFile,
+    Budget, Choices, CommandEntry, CompareEntry, EffectEntry, MeasuredCorrelation, MeasuredEntry,
+    MeasuredValue, ParameterEntry, PeerEntry, PhotoOptions, SceneEntry, SimulatorEntry, StudyFile,
 };
 pub use hand_over::{parameter_file, scene_at, write_hand_over, write_json};
 pub use init::{Starter, StarterFile};

@@ -1,11 +1,12 @@
 //! The measurements of a study, resolved against its scenes.
 
+use crate::correlated::correlations_of;
 use crate::document::{Document, below};
 use crate::file::{MeasuredEntry, MeasuredValue};
-use crate::photos::{self, PhotoSeries};
+use crate::photos::{self, PhotoSeries, Shown};
 use crate::problem::Problems;
 use crate::scenes::{Models, Scenes, condition_text};
-use calibration::Measurement;
+use calibration::{Correlation, Measurement};
 use external_simulator::OBSERVABLES_OF_A_BED;
 use scene::{Apparatus, Scene};
 use std::path::{Path, PathBuf};
@@ -15,6 +16,8 @@ use std::path::{Path, PathBuf};
 pub(crate) struct Resolved {
     /// In the order of the file.
     pub(crate) measurements: Vec<Measurement>,
+    /// Which of them are correlated.
+    pub(crate) correlations: Vec<Correlation>,
     /// What they are measured on.
     pub(crate) models: Models,
     /// Photos that were read.
@@ -99,12 +102,14 @@ impl Resolved {
                 problems.add(document.problem(&below(&entry.path, name), what, problem));
             }
         }
-        let heap = matches!(scene.apparatus, Apparatus::Heap(_));
-        if let Some(series) = read_photos(document, entry, (folder, heap), &observables, problems) {
-            let taken = series.values.iter();
-            values.extend(taken.map(|(name, value)| (name.clone(), *value)));
-            self.photos.push(series);
-        }
+        let shown = Shown {
+            heap: matches!(scene.apparatus, Apparatus::Heap(_)),
+            radius: Some(scene.apparatus.radius()),
+            observables: &observables,
+        };
+        let series = read_photos(document, entry, folder, shown, problems);
+        let taken = series.iter().flat_map(|s| &s.values);
+        values.extend(taken.map(|(name, value)| (name.clone(), *value)));
         let (model, is_new) = self.models.number_of(&entry.scene, &entry.condition, scene);
         let built = &self.models.scenes[model];
         if let (true, Err(error)) = (is_new, built.build_check(&scenes.fillings)) {
@@ -127,23 +132,27 @@ impl Resolved {
             let all = (&mut self.measurements, &mut self.places);
             push(document, entry, measurement, all, problems);
         }
+        let of_model = (model, &self.measurements[..]);
+        let found = correlations_of(document, entry, series.as_ref(), of_model, problems);
+        self.correlations.extend(found);
+        self.photos.extend(series);
     }
 }
 
-/// The photos of a measurement in a folder, of a heap or a drum; none where it has none, or they cannot be read, which is
+/// The photos of a measurement in a folder; none where it has none, or they cannot be read, which is
 /// told.
 pub(crate) fn read_photos(
     document: &Document,
     entry: &MeasuredEntry,
-    (folder, heap): (&Path, bool),
-    observables: &[&str],
+    folder: &Path,
+    shown: Shown<'_>,
     problems: &mut Problems,
 ) -> Option<PhotoSeries> {
     if entry.photos.is_empty() {
         return None;
     }
     let paths: Vec<PathBuf> = entry.photos.iter().map(|p| folder.join(p)).collect();
-    match photos::read(&paths, &entry.photo, heap, observables) {
+    match photos::read(&paths, &entry.photo, shown) {
         Ok(series) => Some(series),
         Err(reasons) => {
             let path = below(&entry.path, "photos");

@@ -1,15 +1,16 @@
 //! Photos in the place of numbers, read by the ruler that reads the simulated frames.
 
-use crate::file::{MeasuredValue, PhotoOptions};
+use crate::file::{MeasuredCorrelation, MeasuredValue, PhotoOptions};
+use crate::photo_values::{SPEED, Wanted, take_over};
 use campaign::in_full;
 use photo_profile::{
     DrumPixels, Mode, PhotoPixels, PhotoReading, PixelPoint, Settings, Verdict, measure_photo,
-    picture_files, read_frames, rectify,
+    picture_files, read_frames, rectify, surface_shift,
 };
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use surface_profile::{Definition, summarise};
+use surface_profile::Definition;
 
 /// The photos of one measurement.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -22,157 +23,188 @@ pub struct PhotoSeries {
     pub angle_se_deg: Vec<f64>,
     /// What was taken over from them.
     pub values: BTreeMap<String, MeasuredValue>,
+    /// What they tell besides, and was not taken over since not every run gives it.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    pub further: BTreeMap<String, MeasuredValue>,
+    /// How their means go together, estimated from the frames and shrunk towards 0 where they are few
+    /// ([`surface_profile::shrunk_correlations`]); pairs that are not named are not correlated.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub correlations: Vec<MeasuredCorrelation>,
     /// What a reader should know.
     pub remarks: Vec<String>,
 }
 
 /// The quantities of one frame, and the standard error of its angle, rad.
-struct FrameValues {
-    /// Values by observable.
-    values: Vec<(&'static str, f64)>,
+pub(crate) struct FrameValues {
+    /// Values by observable; not a number where the frame does not show it.
+    pub(crate) values: Vec<(&'static str, f64)>,
     /// Standard error of the first, in its unit.
-    error: f64,
+    pub(crate) error: f64,
+}
+
+/// What the photos of a measurement show.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Shown<'a> {
+    /// Whether it is a heap, and no drum.
+    pub(crate) heap: bool,
+    /// Inner radius of the drum, m, where it is known.
+    pub(crate) radius: Option<f64>,
+    /// Observables that the scene gives.
+    pub(crate) observables: &'a [&'a str],
 }
 
 /// Reads all photos of a measurement; every one that cannot be measured is told.
 ///
 /// From two frames on, the standard deviation is that between the frames and n the effective number of independent ones
 /// ([`surface_profile::summarise`]). One frame tells no scatter: the standard deviation is then the standard error of its
-/// reading with n = 1, which leaves out how the angle changes from frame to frame; curvature and S-shape have no such
-/// error and are left out.
+/// reading with n = 1, which leaves out how the angle changes from frame to frame; the shapes of the surface have no such
+/// error and are left out. Where the time between frames is known, the angle tells its avalanches and how long it is
+/// correlated with itself, and pictures that lie close enough the speed of the surface.
 pub(crate) fn read(
     photos: &[PathBuf],
     options: &PhotoOptions,
-    heap: bool,
-    observables: &[&str],
+    shown: Shown<'_>,
 ) -> Result<PhotoSeries, Vec<String>> {
     let files = picture_files(photos).map_err(|e| vec![in_full(&e)])?;
-    let mut series = PhotoSeries {
-        files,
-        angles_deg: Vec::new(),
-        angle_se_deg: Vec::new(),
-        values: BTreeMap::new(),
-        remarks: Vec::new(),
-    };
-    let (mut wrong, mut frames) = (Vec::new(), Vec::new());
-    for file in &series.files {
-        match read_file(file, options, heap) {
-            Ok(of_file) => frames.extend(of_file),
-            Err(reason) => wrong.push(format!("photo '{}' {reason}", file.display())),
+    let mut reader = Reader::new(options, shown);
+    let mut wrong = Vec::new();
+    for file in &files {
+        if let Err(reason) = reader.read_file(file) {
+            wrong.push(format!("photo '{}' {reason}", file.display()));
         }
+    }
+    if wrong.is_empty() && options.pair_interval_s.is_some() && !reader.pictures.is_multiple_of(2) {
+        wrong.push(format!(
+            "are {} pictures, and photo.pair_interval says that they come in pairs: add or take out one, or leave it out",
+            reader.pictures
+        ));
     }
     if !wrong.is_empty() {
         return Err(wrong);
     }
+    let Reader {
+        frames,
+        speeds,
+        lost,
+        ..
+    } = reader;
     let angle = |f: &FrameValues| f.values.first().map_or(f64::NAN, |(_, v)| *v);
-    series.angles_deg = frames.iter().map(angle).collect();
-    series.angle_se_deg = frames.iter().map(|f| f.error).collect();
-    take_over(&frames, observables, &mut series);
+    let mut series = PhotoSeries {
+        files,
+        angles_deg: frames.iter().map(angle).collect(),
+        angle_se_deg: frames.iter().map(|f| f.error).collect(),
+        values: BTreeMap::new(),
+        further: BTreeMap::new(),
+        correlations: Vec::new(),
+        remarks: Vec::new(),
+    };
+    if let Some(first) = lost.first() {
+        let (lost, all) = (lost.len(), lost.len() + speeds.len());
+        let remark = format!("{SPEED}: {lost} of {all} pairs of pictures do not tell it: {first}");
+        series.remarks.push(remark);
+    }
+    let wanted = Wanted {
+        observables: shown.observables,
+        also: &options.also,
+        interval: options.frame_interval_s,
+    };
+    take_over(&frames, &speeds, wanted, &mut series);
     if series.values.is_empty() {
         return Err(vec![format!(
             "show an angle, which this scene does not give; it gives {}",
-            observables.join(", ")
+            shown.observables.join(", ")
         )]);
     }
     Ok(series)
 }
 
-/// Name of the standard deviation of the angle from frame to frame.
-const FLUCTUATION: &str = "fluctuation_deg";
-/// Fewest independent frames that tell a standard deviation: it is known to a third then.
-const LEAST_FRAMES: f64 = 5.0;
-
-/// The standard deviation of angles between frames, deg, as a measured value; none of too few.
-///
-/// # Formula
-///
-/// The standard error of the standard deviation s of n independent normal values is `s / sqrt(2 (n - 1))`.
-fn fluctuation(angles: &[f64]) -> Option<MeasuredValue> {
-    let series = summarise(angles).ok()?;
-    (series.sd > 0.0 && series.n_effective >= LEAST_FRAMES).then_some(MeasuredValue {
-        mean: series.sd,
-        sd: series.sd * std::f64::consts::FRAC_1_SQRT_2,
-        n: series.n_effective - 1.0,
-    })
+/// Reads one picture behind the other.
+struct Reader<'a> {
+    /// How they are read.
+    options: &'a PhotoOptions,
+    /// The same for the ruler.
+    settings: Settings,
+    /// Radius of the drum over the time between the pictures of a pair, m/s; none where no speed is asked or can be told.
+    speed_scale: Option<f64>,
+    /// Pictures so far.
+    pictures: usize,
+    /// The last picture that was measured, where the next one may tell how far its surface went.
+    before: Option<(PhotoPixels, PhotoReading)>,
+    /// What was measured.
+    frames: Vec<FrameValues>,
+    /// Speeds of the surface, m/s.
+    speeds: Vec<f64>,
+    /// Why pairs tell no speed.
+    lost: Vec<String>,
 }
 
-/// Means over the frames, for the observables that the scene gives.
-fn take_over(frames: &[FrameValues], observables: &[&str], series: &mut PhotoSeries) {
-    let Some(first) = frames.first() else { return };
-    if observables.contains(&FLUCTUATION)
-        && let Some(taken) = fluctuation(&series.angles_deg)
-    {
-        series.values.insert(FLUCTUATION.to_owned(), taken);
-    }
-    for (k, (name, value)) in first.values.iter().enumerate() {
-        if !observables.contains(name) {
-            continue;
+impl<'a> Reader<'a> {
+    /// A reader that has read nothing.
+    fn new(options: &'a PhotoOptions, shown: Shown<'_>) -> Self {
+        let asked = shown.observables.contains(&SPEED);
+        let between = options.pair_interval_s.or(options.frame_interval_s);
+        let scale = between.and_then(|time| Some(shown.radius? / time));
+        Self {
+            options,
+            settings: Settings {
+                drum: options.drum.map(|[cx, cy, r]| DrumPixels { cx, cy, r }),
+                camera_roll: options.roll_rad,
+                definition: Definition::Line,
+                mode: if shown.heap { Mode::Heap } else { Mode::Drum },
+                foreground: options.foreground,
+            },
+            speed_scale: scale.filter(|_| asked && !shown.heap),
+            pictures: 0,
+            before: None,
+            frames: Vec::new(),
+            speeds: Vec::new(),
+            lost: Vec::new(),
         }
-        let all = frames.iter().filter_map(|f| Some(f.values.get(k)?.1));
-        let all: Vec<f64> = all.collect();
-        let taken = match (all.len(), summarise(&all)) {
-            (1, _) if k == 0 => Some(MeasuredValue {
-                mean: *value,
-                sd: first.error,
-                n: 1.0,
-            }),
-            (2.., Ok(s)) => Some(MeasuredValue {
-                mean: s.mean,
-                sd: s.sd,
-                n: s.n_effective,
-            }),
-            _ => None,
-        };
-        match taken {
-            Some(taken) if taken.sd > 0.0 => {
-                series.values.insert((*name).to_owned(), taken);
-                if all.len() == 1 {
-                    series.remarks.push(format!(
-                        "{name}: one photo; its sd is the standard error of the reading, and what changes from frame \
-                         to frame is not in it"
-                    ));
+    }
+
+    /// Reads the pictures of one file, or says why one of them cannot be measured.
+    fn read_file(&mut self, file: &Path) -> Result<(), String> {
+        let refused = |e: photo_profile::Error| format!("cannot be read: {}", in_full(&e));
+        for frame in read_frames(file).map_err(refused)? {
+            let pixels = match self.options.corners {
+                Some(corners) => {
+                    let corners = corners.map(|[x, y]| PixelPoint { x, y });
+                    let flat = rectify(&frame, corners).map_err(refused)?;
+                    PhotoPixels::from_picture(&flat.into())
                 }
+                None => PhotoPixels::from_picture(&frame),
+            };
+            self.pictures += 1;
+            let before = self.before.take();
+            self.add_speed(before, &pixels);
+            if self.options.pair_interval_s.is_some() && self.pictures.is_multiple_of(2) {
+                continue;
             }
-            Some(_) => series.remarks.push(format!(
-                "{name}: left out, all frames show the same value: are they copies of one photo?"
-            )),
-            None => series
-                .remarks
-                .push(format!("{name}: left out, one photo tells no error of it")),
+            let reading = measure_photo(&pixels, &self.settings).map_err(refused)?;
+            if let Verdict::Refused { reason } = &reading.verdict {
+                return Err(format!(
+                    "shows no surface that can be measured: {reason}; take it out, or say how to read it with photo = \
+                     {{ ... }}"
+                ));
+            }
+            self.frames.extend(values_of(&reading));
+            if self.speed_scale.is_some() {
+                self.before = Some((pixels, reading));
+            }
         }
+        Ok(())
     }
-}
 
-/// The frames of one file, or why one of them cannot be measured.
-fn read_file(file: &Path, options: &PhotoOptions, heap: bool) -> Result<Vec<FrameValues>, String> {
-    let refused = |e: photo_profile::Error| format!("cannot be read: {}", in_full(&e));
-    let settings = Settings {
-        drum: options.drum.map(|[cx, cy, r]| DrumPixels { cx, cy, r }),
-        camera_roll: options.roll_rad,
-        definition: Definition::Line,
-        mode: if heap { Mode::Heap } else { Mode::Drum },
-        foreground: options.foreground,
-    };
-    let mut found = Vec::new();
-    for frame in read_frames(file).map_err(refused)? {
-        let reading = match options.corners {
-            Some(corners) => {
-                let corners = corners.map(|[x, y]| PixelPoint { x, y });
-                let flat = rectify(&frame, corners).map_err(refused)?;
-                measure_photo(&PhotoPixels::from_picture(&flat.into()), &settings)
-            }
-            None => measure_photo(&PhotoPixels::from_picture(&frame), &settings),
+    /// Adds how fast the surface went from the picture before to this one.
+    fn add_speed(&mut self, before: Option<(PhotoPixels, PhotoReading)>, pixels: &PhotoPixels) {
+        let (Some((first, reading)), Some(scale)) = (before, self.speed_scale) else {
+            return;
         };
-        let reading = reading.map_err(refused)?;
-        if let Verdict::Refused { reason } = &reading.verdict {
-            return Err(format!(
-                "shows no surface that can be measured: {reason}; take it out, or say how to read it with photo = \
-                 {{ ... }}"
-            ));
+        match surface_shift(&first, pixels, &reading) {
+            Ok(found) => self.speeds.push(found.shift * scale),
+            Err(reason) => self.lost.push(reason.to_string()),
         }
-        found.extend(values_of(&reading));
     }
-    Ok(found)
 }
 
 /// What one reading says. Toe and top of the bed are left out: angle, shape and fill level give them, and a fit would count
@@ -184,6 +216,8 @@ fn values_of(reading: &PhotoReading) -> Option<FrameValues> {
                 ("angle_deg", angle.line.to_degrees()),
                 ("curvature", angle.curvature),
                 ("s_shape", angle.s_shape),
+                ("shape_4", angle.shape.map_or(f64::NAN, |shape| shape[2])),
+                ("shape_5", angle.shape.map_or(f64::NAN, |shape| shape[3])),
                 ("fill_level", reading.fill_level.unwrap_or(f64::NAN)),
             ],
             error: angle.standard_error.to_degrees(),

@@ -252,6 +252,7 @@ impl Checker<'_> {
         }
         let Resolved {
             measurements,
+            correlations,
             mut models,
             photos,
             ..
@@ -269,6 +270,7 @@ impl Checker<'_> {
             parameters,
             models: models.models,
             measurements,
+            correlations,
             effects: probes,
         };
         if measured_well {
@@ -318,6 +320,7 @@ impl Checker<'_> {
             parameters,
             models: resolved.models,
             measurements: resolved.measurements,
+            correlations: resolved.correlations,
             effects: probes(file, choices.effects.as_deref()),
         };
         self.check_compare(&choices, &problem);

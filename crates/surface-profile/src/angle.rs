@@ -4,6 +4,7 @@ use crate::cubic::Cubic;
 use crate::frame::SurfaceFrame;
 use crate::line::direction;
 use crate::line_error::{functional_errors, line_error};
+use crate::shape::shape_of;
 use crate::stations::Stations;
 use crate::{DrumCircle, Error, SurfacePoint};
 use serde::{Deserialize, Serialize};
@@ -69,6 +70,12 @@ pub struct SurfaceAngle {
     /// Cubic coefficient over 80 % of the half-chord, lengths in half-chords; positive when the
     /// middle is steeper than the ends, 1.
     pub s_shape: f64,
+    /// Coefficients of the orthonormal shapes of degree 2 to 5 over the whole chord, in drum radii: the root mean square height
+    /// of each shape. None where the surface found leaves an end of the chord bare.
+    ///
+    /// The first two are `curvature` and `s_shape` in another unit and over a longer stretch; the other two are their own.
+    #[serde(default)]
+    pub shape: Option<[f64; 4]>,
     /// The side on which the surface stands higher.
     pub high_side: HighSide,
     /// Points that count.
@@ -130,7 +137,10 @@ pub struct SurfaceReading {
 /// it, carried on to the drum circle on either side; ends joined.
 /// Shape: `v / c = a0 + a1 (u / c) + a2 (u / c)^2 + a3 (u / c)^3` for `|u| <= 0.8 c`, with u
 /// downhill along the line, v its upward normal, c the half-chord; `curvature = a2`,
-/// `s_shape = a3`. Standard error: `sqrt(s^2 tau / Suu)`, `s^2 = (RSS / n) m / (m - 4)`,
+/// `s_shape = a3`. The whole surface: `v / R = sum_k shape_k sqrt(2 k + 1) P_k(u / c)` over all stations, k = 0 to 5, with the
+/// Legendre polynomials `P_k` `[Abramowitz1964, eq. 22.7.10]` and the drum radius R; of a surface that is cubic from rim to rim
+/// `shape_2 = 2 / (3 sqrt 5) curvature c / R` and `shape_3 = 2 / (5 sqrt 7) s_shape c / R`, and `shape_4 = shape_5 = 0`.
+/// Standard error: `sqrt(s^2 tau / Suu)`, `s^2 = (RSS / n) m / (m - 4)`,
 /// `m = n / tau`, with the residuals of the n stations about their cubic and their correlation
 /// factor tau along the surface `[Geyer1992, section 3.3]`; m - 4 is held at 3 or more. Those of
 /// `mid` and `chord`: `sqrt(sum_ij w_i C(i - j) w_j)` with the lag covariance C of the residuals
@@ -189,6 +199,7 @@ pub fn read_surface(points: &[SurfacePoint], drum: &DrumCircle) -> Result<Surfac
         mid_standard_error: errors[0],
         curvature: middle.coefficients[2] / stations.half_chord,
         s_shape: middle.coefficients[3] / stations.half_chord,
+        shape: shape_of(&stations, drum.radius),
         high_side: if frame.inclination > 0.0 {
             HighSide::Right
         } else {

@@ -144,6 +144,66 @@ fn shape_coefficients_come_back_with_their_signs() {
     );
 }
 
+/// A surface drawn as a cubic over the whole chord, on which u is level by construction: `v / c = 0.1 (t^2 - 1/3) +
+/// 0.2 (t^3 - 0.6 t)`. Its coefficients are `2 / (3 sqrt 5) 0.1`, `2 / (5 sqrt 7) 0.2`, 0 and 0, that is the same quantities as
+/// curvature and S-shape in another unit. The height is that over a line that lies 6e-3 beside the one it was drawn on, since
+/// stations end at 0.94; second order in the height of 0.1: 1e-3.
+#[test]
+fn a_cubic_surface_has_its_legendre_coefficients() {
+    let height = |t: f64| 10.0 * (t * t - 1.0 / 3.0) + 20.0 * (t * t * t - 0.6 * t);
+    for inclination in [-0.6, 0.6] {
+        let angle = measure(&surface(inclination, 400, height), &DRUM).unwrap();
+        let shape = angle.shape.unwrap();
+        // Drawn for a surface that falls to the right; t runs downhill there.
+        let side = if inclination < 0.0 { 1.0 } else { -1.0 };
+        let expected = [
+            0.2 / (3.0 * 5.0_f64.sqrt()),
+            side * 0.4 / (5.0 * 7.0_f64.sqrt()),
+            0.0,
+            0.0,
+        ];
+        for (got, expected) in shape.iter().zip(expected) {
+            assert!((got - expected).abs() < 2e-3, "{shape:?} {expected}");
+        }
+        let ratio = shape[0] / angle.curvature / (2.0 / (3.0 * 5.0_f64.sqrt()));
+        assert!((ratio - 1.0).abs() < 0.03, "{ratio}");
+    }
+}
+
+/// Surfaces drawn with one orthonormal shape of degree 4 or 5 and an amplitude of 0.02 radii: the coefficient comes back, the
+/// others stay at 0, and a mirror changes none. The polynomials of Legendre in their closed forms; 1e-3 is second order in
+/// the slope of 0.2 that degree 5 has at the rim.
+#[test]
+fn a_shape_of_higher_degree_is_told_from_curvature_and_s() {
+    let p4 = |t: f64| (35.0 * t.powi(4) - 30.0 * t * t + 3.0) / 8.0 * 3.0;
+    let p5 = |t: f64| (63.0 * t.powi(5) - 70.0 * t.powi(3) + 15.0 * t) / 8.0 * 11.0_f64.sqrt();
+    let shapes: [(&dyn Fn(f64) -> f64, usize); 2] = [(&p4, 2), (&p5, 3)];
+    for (height, degree) in shapes {
+        let points = surface(-0.6, 400, |t| 2.0 * height(t));
+        let shape = measure(&points, &DRUM).unwrap().shape.unwrap();
+        for (k, value) in shape.iter().enumerate() {
+            let expected = if k == degree { 0.02 } else { 0.0 };
+            assert!((value - expected).abs() < 1e-3, "{shape:?}");
+        }
+        let other = measure(&mirrored(&points), &DRUM).unwrap().shape.unwrap();
+        for (a, b) in shape.iter().zip(other) {
+            assert!((a - b).abs() < 1e-9, "{shape:?} mirrored {other:?}");
+        }
+    }
+}
+
+/// A surface of which the lower fifth is hidden tells its angle, and no shape of the whole.
+#[test]
+fn a_surface_that_ends_early_has_no_shape_of_the_whole() {
+    let points: Vec<SurfacePoint> = surface(-0.6, 200, |_| 0.0)
+        .into_iter()
+        .filter(|p| p.x - DRUM.x < 60.0)
+        .collect();
+    let angle = measure(&points, &DRUM).unwrap();
+    assert!((angle.line - 0.6).abs() < 1e-6, "{angle:?}");
+    assert_eq!(angle.shape, None);
+}
+
 /// On the S above, v = 20 (t^3 - 0.6 t): the middle slope over |t| <= 0.2 is that of the least
 /// squares, 20 (0.6 * 0.04 - 0.6) / 100 = -0.1152; the chord is 20 * 0.4 / 100 = +0.08. The ends
 /// lie on the circle of the tilted line, not of the axis the S was drawn on: squares of 0.1 of

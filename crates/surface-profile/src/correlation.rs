@@ -17,10 +17,28 @@ const MOST_ABSORBED: f64 = 0.6;
 /// more information than values) and the correction for p, which for p = 1 is the known bias
 /// of the lag covariance about the sample mean, `-variance * tau / n` `[Marriott1954]`.
 pub(crate) fn correlation_factor(residuals: &[f64], n_fitted: f64) -> f64 {
+    correlation(residuals, n_fitted).factor
+}
+
+/// How an ordered sequence is correlated with itself.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Correlation {
+    /// The correlation factor, see [`correlation_factor`].
+    pub(crate) factor: f64,
+    /// Number of the last lag that it holds.
+    pub(crate) last_lag: usize,
+}
+
+/// The correlation factor of a sequence and how many lags it holds; see [`correlation_factor`].
+pub(crate) fn correlation(residuals: &[f64], n_fitted: f64) -> Correlation {
+    let none = Correlation {
+        factor: 1.0,
+        last_lag: 0,
+    };
     let n = residuals.len();
     let variance: f64 = residuals.iter().map(|r| r * r).sum();
     if n < 4 || variance <= 0.0 {
-        return 1.0;
+        return none;
     }
     let lags: Vec<f64> = (0..=n / 2)
         .map(|lag| {
@@ -30,19 +48,25 @@ pub(crate) fn correlation_factor(residuals: &[f64], n_fitted: f64) -> f64 {
         })
         .collect();
     let mut tau: f64 = 1.0;
+    let mut last_lag = 0;
     for _ in 0..10 {
         let absorbed = (n_fitted * tau / n as f64).min(MOST_ABSORBED);
         let mut sum = 0.0;
-        for pair in lags.chunks_exact(2) {
+        last_lag = 0;
+        for (k, pair) in lags.chunks_exact(2).enumerate() {
             let pair = (1.0 - absorbed) * (pair[0] + pair[1]) + 2.0 * absorbed;
             if pair <= 2.0 * absorbed {
                 break;
             }
             sum += pair;
+            last_lag = 2 * k + 1;
         }
         tau = (2.0 * sum - 1.0).max(1.0);
     }
-    tau
+    Correlation {
+        factor: tau,
+        last_lag,
+    }
 }
 
 /// Lag covariance of residuals, up to the first pair of lags that is not positive.

@@ -96,4 +96,12 @@ pub enum Error {
         /// Values given.
         values: usize,
     },
+    /// Observables of the same frames that have not the same number of values.
+    #[error("observables of the same frames need as many values each, not {first} and {other}")]
+    UnequalColumns {
+        /// Values of the first observable.
+        first: usize,
+        /// Values of another.
+        other: usize,
+    },
 }

@@ -26,6 +26,7 @@
 mod angle;
 mod contour;
 mod correlation;
+mod correlations;
 mod cubic;
 mod discs;
 mod error;
@@ -37,11 +38,14 @@ mod line;
 mod line_error;
 mod median;
 mod series;
+mod series_times;
+mod shape;
 mod shell_ends;
 mod stations;
 
 pub use angle::{Definition, HighSide, SurfaceAngle, SurfaceReading, measure, read_surface};
 pub use contour::{bulk_level, free_surface};
+pub use correlations::shrunk_correlations;
 pub use discs::{DensitySettings, Disc, density_of_discs, profile_from_discs};
 pub use error::Error;
 pub use field::Field;
@@ -49,6 +53,9 @@ pub use geometry::{DrumCircle, SurfacePoint};
 pub use heap::{HeapAngle, HeapFlank, measure_heap};
 pub use median::median;
 pub use series::{SeriesSummary, summarise};
+pub use series_times::{
+    Avalanches, CorrelationTime, avalanches, correlation_time, longest_unbroken,
+};
 pub use shell_ends::shell_ends;
 
 #[cfg(test)]

@@ -54,6 +54,11 @@ pub(crate) struct Arguments {
     #[arg(long, value_enum, default_value_t = ForegroundName::Auto)]
     pub(crate) foreground: ForegroundName,
 
+    /// Pictures a second, where they follow each other at one rate: the angle then also tells how long it is correlated
+    /// with itself, or its avalanches
+    #[arg(long, value_name = "RATE", value_parser = rate)]
+    pub(crate) fps: Option<f64>,
+
     /// Flags of every command.
     #[command(flatten)]
     pub(crate) common: command_line::Common,
@@ -126,6 +131,16 @@ fn numbers<const N: usize>(text: &str) -> Result<[f64; N], String> {
         .and_then(|values| values.try_into().ok())
         .filter(|values: &[f64; N]| values.iter().all(|v| v.is_finite()))
         .ok_or_else(|| format!("\"{text}\" must be {N} finite numbers with commas, in px"))
+}
+
+/// Reads a number of pictures a second.
+fn rate(text: &str) -> Result<f64, String> {
+    let rate = text
+        .trim()
+        .parse()
+        .ok()
+        .filter(|r: &f64| r.is_finite() && *r > 0.0);
+    rate.ok_or_else(|| format!("\"{text}\" must be a number of pictures a second above 0"))
 }
 
 /// Reads CX,CY,R.

@@ -5,6 +5,7 @@
 mod arguments;
 mod results;
 mod run;
+mod summary;
 
 use clap::Parser as _;
 use std::process::ExitCode;

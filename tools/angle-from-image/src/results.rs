@@ -1,11 +1,11 @@
 //! What the command says: JSON and text.
 
+use crate::summary::Summary;
 use command_line::Header;
 use photo_profile::{DrumPixels, HeapReading, PhotoReading, Settings, Verdict};
 use serde::Serialize;
-use std::collections::BTreeMap;
 use std::path::Path;
-use surface_profile::{Definition, HighSide, SeriesSummary};
+use surface_profile::{Definition, HighSide};
 
 /// Standard errors in half of the 95 % interval.
 const HALF_INTERVAL: f64 = 1.96;
@@ -48,6 +48,10 @@ pub(crate) struct ImageResult {
     pub(crate) curvature: Option<f64>,
     /// Cubic coefficient in half-chords, positive when the middle is steeper, 1.
     pub(crate) s_shape: Option<f64>,
+    /// Legendre coefficient of degree 4 over the whole surface, positive when ends and middle stand up, drum radii.
+    pub(crate) shape_4: Option<f64>,
+    /// Legendre coefficient of degree 5, drum radii.
+    pub(crate) shape_5: Option<f64>,
     /// Share of the drum that the bed takes, 0 to 1, within 0.96 of its radius.
     pub(crate) fill_level: Option<f64>,
     /// Where the bed ends at the shell on the lower side, from straight down, positive towards the higher side, degrees.
@@ -156,6 +160,8 @@ impl ImageResult {
             mid_se_deg: degrees(angle.map(|a| a.mid_standard_error)),
             curvature: angle.map(|a| a.curvature),
             s_shape: angle.map(|a| a.s_shape),
+            shape_4: angle.and_then(|a| a.shape).map(|shape| shape[2]),
+            shape_5: angle.and_then(|a| a.shape).map(|shape| shape[3]),
             fill_level: reading.fill_level,
             toe_position_deg: degrees(reading.bed_ends().map(|e| e.toe)),
             top_position_deg: degrees(reading.bed_ends().map(|e| e.top)),
@@ -213,104 +219,6 @@ impl ImageResult {
             ),
         }
     }
-}
-
-/// One observable over all measured pictures.
-#[derive(Debug, Clone, Copy, Serialize)]
-pub(crate) struct Spread {
-    /// Mean.
-    mean: f64,
-    /// Standard deviation between pictures; none of one.
-    sd: Option<f64>,
-    /// Standard error of the mean, correlation between neighbours counted; none of one.
-    se: Option<f64>,
-    /// Number of independent pictures that would tell as much.
-    n_effective: f64,
-}
-
-/// The JSON of several pictures together.
-#[derive(Debug, Clone, Serialize)]
-pub(crate) struct Summary {
-    /// Pictures measured.
-    pub(crate) n: usize,
-    /// Mean angle, degrees.
-    pub(crate) mean_deg: Option<f64>,
-    /// Standard deviation between pictures, degrees.
-    pub(crate) sd_deg: Option<f64>,
-    /// Standard error of the mean, correlation between neighbours counted, degrees.
-    pub(crate) se_deg: Option<f64>,
-    /// Number of independent pictures that would tell as much.
-    pub(crate) n_effective: Option<f64>,
-    /// Pictures refused.
-    pub(crate) refused: usize,
-    /// Files that could not be read.
-    pub(crate) unread: usize,
-    /// All that a drum shows, by the names that studies use, each in the unit at the end of its name or in 1.
-    pub(crate) observables: BTreeMap<&'static str, Spread>,
-}
-
-impl Summary {
-    /// The summary of the results.
-    pub(crate) fn new(images: &[ImageResult]) -> Self {
-        let angles: Vec<f64> = images.iter().filter_map(|i| i.angle_deg).collect();
-        let series: Option<SeriesSummary> = surface_profile::summarise(&angles).ok();
-        let finite = |value: Option<f64>| value.filter(|v| v.is_finite());
-        let count = |verdict| images.iter().filter(|i| i.verdict == verdict).count();
-        Self {
-            n: angles.len(),
-            mean_deg: finite(series.map(|s| s.mean)),
-            sd_deg: finite(series.map(|s| s.sd)),
-            se_deg: finite(series.map(|s| s.standard_error)),
-            n_effective: finite(series.map(|s| s.n_effective)),
-            refused: count("refused"),
-            unread: count("error"),
-            observables: observables(images),
-        }
-    }
-
-    /// The line for people.
-    pub(crate) fn text(&self) -> String {
-        let number = |value: Option<f64>| value.map_or("-".to_owned(), |v| format!("{v:.2}"));
-        let unread = match self.unread {
-            0 => String::new(),
-            unread => format!(", {unread} not read"),
-        };
-        format!(
-            "mean {} deg, sd {}, se {}, {} measured, {} refused{unread}",
-            number(self.mean_deg),
-            number(self.sd_deg),
-            number(self.se_deg),
-            self.n,
-            self.refused
-        )
-    }
-}
-
-/// What is measured of a drum beside the angle, over all pictures.
-fn observables(images: &[ImageResult]) -> BTreeMap<&'static str, Spread> {
-    let of = |value: fn(&ImageResult) -> Option<f64>| -> Vec<f64> {
-        images.iter().filter_map(value).collect()
-    };
-    let all = [
-        ("angle_deg", of(|i| i.high_side.and(i.angle_deg))),
-        ("curvature", of(|i| i.curvature)),
-        ("s_shape", of(|i| i.s_shape)),
-        ("fill_level", of(|i| i.fill_level)),
-        ("toe_position_deg", of(|i| i.toe_position_deg)),
-        ("top_position_deg", of(|i| i.top_position_deg)),
-    ];
-    let finite = |value: f64| value.is_finite().then_some(value);
-    let spread = |(name, values): (&'static str, Vec<f64>)| {
-        let series = surface_profile::summarise(&values).ok()?;
-        let spread = Spread {
-            mean: series.mean,
-            sd: finite(series.sd),
-            se: finite(series.standard_error),
-            n_effective: series.n_effective,
-        };
-        Some((name, spread))
-    };
-    all.into_iter().filter_map(spread).collect()
 }
 
 /// The whole JSON: the keys of the one picture at the top when there is one, and always `images`.

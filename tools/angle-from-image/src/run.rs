@@ -1,7 +1,8 @@
 //! From arguments to results.
 
 use crate::arguments::Arguments;
-use crate::results::{ImageResult, Origin, Output, Summary};
+use crate::results::{ImageResult, Origin, Output};
+use crate::summary::Summary;
 use anyhow::Context as _;
 use command_line::{DONE, ERROR, Header, NOT_MET, file_sha256, write_new};
 use image::{DynamicImage, ImageFormat};
@@ -139,7 +140,7 @@ fn numbered(out: &Path, number: usize) -> PathBuf {
 
 /// Writes the summary and the JSON; returns the exit code.
 fn report(arguments: &Arguments, images: Vec<ImageResult>) -> anyhow::Result<u8> {
-    let summary = Summary::new(&images);
+    let summary = Summary::new(&images, arguments.fps.map(f64::recip));
     if images.len() > 1 {
         arguments.common.print(summary.text())?;
     }

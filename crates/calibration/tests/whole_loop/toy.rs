@@ -117,6 +117,7 @@ pub(crate) fn problem(
         parameters,
         models,
         measurements,
+        correlations: Vec::new(),
         effects: Vec::new(),
     }
 }

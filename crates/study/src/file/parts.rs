@@ -2,7 +2,9 @@
 
 use super::photo::photo_options;
 use super::simulator::drum as drum_of;
-use super::{MeasuredEntry, MeasuredValue, ParameterEntry, SceneEntry, settings};
+use super::{
+    MeasuredCorrelation, MeasuredEntry, MeasuredValue, ParameterEntry, SceneEntry, settings,
+};
 use crate::document::{Document, Fields, below};
 use crate::keys;
 use crate::problem::Problems;
@@ -227,10 +229,26 @@ pub(super) fn measured(fields: &Fields<'_>, problems: &mut Problems) -> Option<M
         condition: condition.unwrap_or_default(),
         role: role?,
         values,
+        correlations: correlations(fields, problems),
         photos,
         photo: photo.unwrap_or_default(),
         path: fields.path.clone(),
     })
+}
+
+/// The correlations that a `[[measured]]` states.
+fn correlations(fields: &Fields<'_>, problems: &mut Problems) -> Vec<MeasuredCorrelation> {
+    let form = "a list of [\"OBSERVABLE\", \"OBSERVABLE\", correlation]";
+    let stated: Option<Vec<(String, String, f64)>> = fields.optional("correlation", form, problems);
+    let stated = stated.unwrap_or_default();
+    if let Some((a, b, value)) = stated.iter().find(|c| !(c.2.abs() < 1.0)) {
+        let problem = format!("of {a} and {b} is {value}: it must lie between -1 and 1");
+        problems.add(fields.wrong("correlation", problem));
+        return Vec::new();
+    }
+    let each = stated.into_iter();
+    each.map(|(a, b, value)| MeasuredCorrelation { a, b, value })
+        .collect()
 }
 
 /// The mean of one observable.

@@ -3,8 +3,9 @@
 use super::PhotoOptions;
 use crate::document::Fields;
 use crate::keys;
+use crate::photo_values::NOT_IN_EVERY_RUN;
 use crate::problem::Problems;
-use quantity::Angle;
+use quantity::{Angle, Time};
 
 /// How photos are read.
 pub(super) fn photo_options(fields: &Fields<'_>, problems: &mut Problems) -> PhotoOptions {
@@ -30,12 +31,40 @@ pub(super) fn photo_options(fields: &Fields<'_>, problems: &mut Problems) -> Pho
     });
     let kinds = "\"auto\", \"dark\" or \"light\"";
     let foreground = fields.optional("foreground", kinds, problems);
+    let frame_interval_s = interval(fields, "frame_interval", problems);
+    let pair_interval_s = interval(fields, "pair_interval", problems);
+    let names = "a list of observables";
+    let also: Option<Vec<String>> = fields.optional("also", names, problems);
+    let also = also.unwrap_or_default();
+    for name in also
+        .iter()
+        .filter(|name| !NOT_IN_EVERY_RUN.contains(&name.as_str()))
+    {
+        let problem = format!(
+            "'{name}' is none of the observables that are left to choice: {}; all others are taken over where photos show \
+             them",
+            NOT_IN_EVERY_RUN.join(", ")
+        );
+        problems.add(fields.wrong("also", problem));
+    }
     PhotoOptions {
+        frame_interval_s,
+        pair_interval_s,
+        also,
         roll_rad: roll.map_or(0.0, Angle::si),
         drum,
         corners,
         foreground: foreground.unwrap_or_default(),
     }
+}
+
+/// A time between pictures, s.
+fn interval(fields: &Fields<'_>, key: &str, problems: &mut Problems) -> Option<f64> {
+    let time: Option<Time> = fields.optional(key, "a time such as \"40 ms\"", problems);
+    if time.is_some_and(|time| time.si() <= 0.0) {
+        problems.add(fields.wrong(key, "must be above 0 s"));
+    }
+    time.map(Time::si).filter(|time| *time > 0.0)
 }
 
 /// Four corners `X,Y` with semicolons between them.

@@ -186,7 +186,17 @@ fn a_folder_of_photos_gives_mean_scatter_and_shape() {
     }
     let study = folder.read(None).unwrap();
     let names: Vec<&str> = study.photos[0].values.keys().map(String::as_str).collect();
-    assert_eq!(names, ["angle_deg", "curvature", "fill_level", "s_shape"]);
+    assert_eq!(
+        names,
+        [
+            "angle_deg",
+            "curvature",
+            "fill_level",
+            "s_shape",
+            "shape_4",
+            "shape_5"
+        ]
+    );
     let [a, b] = study.photos[0].angles_deg[..] else {
         panic!("two angles")
     };
@@ -194,7 +204,7 @@ fn a_folder_of_photos_gives_mean_scatter_and_shape() {
     // Mean and sample standard deviation of two values, up to rounding.
     assert!((angle.mean - 0.5 * (a + b)).abs() < 1e-12);
     assert!((angle.sd - (a - b).abs() / 2.0_f64.sqrt()).abs() < 1e-12);
-    assert_eq!(study.problem.measurements.len(), 7);
+    assert_eq!(study.problem.measurements.len(), 9);
 }
 
 #[test]

@@ -1,0 +1,57 @@
+//! Correlations of the means of one measurement, as the file states them and as its photos tell them.
+
+use crate::document::{Document, below};
+use crate::file::{MeasuredCorrelation, MeasuredEntry};
+use crate::measured::words;
+use crate::photos::PhotoSeries;
+use crate::problem::Problems;
+use calibration::{Correlation, Measurement};
+
+/// The correlations of an entry by the numbers of its measurements; what the file states stands before what photos tell.
+///
+/// A correlation of an observable that the entry does not give is told.
+pub(crate) fn correlations_of(
+    document: &Document,
+    entry: &MeasuredEntry,
+    series: Option<&PhotoSeries>,
+    (model, measurements): (usize, &[Measurement]),
+    problems: &mut Problems,
+) -> Vec<Correlation> {
+    let taken = series.into_iter().flat_map(|s| s.values.keys());
+    let given: Vec<&String> = entry.values.keys().chain(taken).collect();
+    let number = |name: &String| {
+        let mut all = measurements.iter();
+        let place = all.position(|m| m.model == model && m.observable == *name);
+        place.filter(|_| given.contains(&name))
+    };
+    let mut found: Vec<Correlation> = Vec::new();
+    for MeasuredCorrelation { a, b, value } in &entry.correlations {
+        if let (Some(a), Some(b)) = (number(a), number(b)) {
+            found.push(Correlation {
+                a,
+                b,
+                value: *value,
+            });
+            continue;
+        }
+        let missing = if given.contains(&a) { b } else { a };
+        let names: Vec<&str> = given.iter().map(|name| name.as_str()).collect();
+        let what = format!("{}: correlation of {a} and {b}", words(entry));
+        let problem = format!(
+            "'{missing}' is no observable of this [[measured]], which gives {}",
+            names.join(", ")
+        );
+        problems.add(document.problem(&below(&entry.path, "correlation"), what, problem));
+    }
+    for c in series.into_iter().flat_map(|s| &s.correlations) {
+        let (Some(a), Some(b)) = (number(&c.a), number(&c.b)) else {
+            continue;
+        };
+        let stated = |o: &Correlation| (o.a, o.b) == (a, b) || (o.b, o.a) == (a, b);
+        if !found.iter().any(stated) {
+            let value = c.value;
+            found.push(Correlation { a, b, value });
+        }
+    }
+    found
+}

@@ -1,0 +1,138 @@
+//! All pictures together.
+
+use crate::results::ImageResult;
+use serde::Serialize;
+use std::collections::BTreeMap;
+use surface_profile::{
+    Avalanches, SeriesSummary, avalanches, correlation_time, longest_unbroken, summarise,
+};
+
+/// One observable over all measured pictures.
+#[derive(Debug, Clone, Copy, Serialize)]
+pub(crate) struct Spread {
+    /// Mean.
+    mean: f64,
+    /// Standard deviation between pictures; none of one.
+    sd: Option<f64>,
+    /// Standard error of the mean, correlation between neighbours counted; none of one.
+    se: Option<f64>,
+    /// Number of independent pictures that would tell as much.
+    n_effective: f64,
+}
+
+/// The JSON of several pictures together.
+#[derive(Debug, Clone, Serialize)]
+pub(crate) struct Summary {
+    /// Pictures measured.
+    pub(crate) n: usize,
+    /// Mean angle, degrees.
+    pub(crate) mean_deg: Option<f64>,
+    /// Standard deviation between pictures, degrees.
+    pub(crate) sd_deg: Option<f64>,
+    /// Standard error of the mean, correlation between neighbours counted, degrees.
+    pub(crate) se_deg: Option<f64>,
+    /// Number of independent pictures that would tell as much.
+    pub(crate) n_effective: Option<f64>,
+    /// Pictures refused.
+    pub(crate) refused: usize,
+    /// Files that could not be read.
+    pub(crate) unread: usize,
+    /// All that a drum shows, by the names that studies use, each in the unit at the end of its name or in 1.
+    pub(crate) observables: BTreeMap<&'static str, Spread>,
+}
+
+impl Summary {
+    /// The summary of the results; `interval` is the time between pictures that follow each other, s.
+    pub(crate) fn new(images: &[ImageResult], interval: Option<f64>) -> Self {
+        let angles: Vec<f64> = images.iter().filter_map(|i| i.angle_deg).collect();
+        let series: Option<SeriesSummary> = summarise(&angles).ok();
+        let finite = |value: Option<f64>| value.filter(|v| v.is_finite());
+        let count = |verdict| images.iter().filter(|i| i.verdict == verdict).count();
+        Self {
+            n: angles.len(),
+            mean_deg: finite(series.map(|s| s.mean)),
+            sd_deg: finite(series.map(|s| s.sd)),
+            se_deg: finite(series.map(|s| s.standard_error)),
+            n_effective: finite(series.map(|s| s.n_effective)),
+            refused: count("refused"),
+            unread: count("error"),
+            observables: observables(images, interval),
+        }
+    }
+
+    /// The line for people.
+    pub(crate) fn text(&self) -> String {
+        let number = |value: Option<f64>| value.map_or("-".to_owned(), |v| format!("{v:.2}"));
+        let unread = match self.unread {
+            0 => String::new(),
+            unread => format!(", {unread} not read"),
+        };
+        format!(
+            "mean {} deg, sd {}, se {}, {} measured, {} refused{unread}",
+            number(self.mean_deg),
+            number(self.sd_deg),
+            number(self.se_deg),
+            self.n,
+            self.refused
+        )
+    }
+}
+
+/// What is measured of a drum beside the angle, over all pictures.
+fn observables(images: &[ImageResult], interval: Option<f64>) -> BTreeMap<&'static str, Spread> {
+    let of = |value: fn(&ImageResult) -> Option<f64>| -> Vec<f64> {
+        images.iter().filter_map(value).collect()
+    };
+    let all = [
+        ("angle_deg", of(|i| i.high_side.and(i.angle_deg))),
+        ("curvature", of(|i| i.curvature)),
+        ("s_shape", of(|i| i.s_shape)),
+        ("shape_4", of(|i| i.shape_4)),
+        ("shape_5", of(|i| i.shape_5)),
+        ("fill_level", of(|i| i.fill_level)),
+        ("toe_position_deg", of(|i| i.toe_position_deg)),
+        ("top_position_deg", of(|i| i.top_position_deg)),
+    ];
+    let of_all = all.into_iter();
+    let mut found: BTreeMap<_, _> = of_all
+        .filter_map(|(name, values)| Some((name, spread(&values)?)))
+        .collect();
+    if let Some(interval) = interval {
+        found.extend(of_time(images, interval));
+    }
+    found
+}
+
+/// What the line through the surface tells of time, from the longest stretch of pictures that were all measured.
+fn of_time(images: &[ImageResult], interval: f64) -> Vec<(&'static str, Spread)> {
+    let lines: Vec<Option<f64>> = images.iter().map(|i| i.line_deg).collect();
+    let series = longest_unbroken(&lines);
+    let memory = correlation_time(&series, interval).map(|found| Spread {
+        mean: found.time,
+        sd: None,
+        se: Some(found.standard_error),
+        n_effective: 1.0,
+    });
+    let falls = avalanches(&series, interval);
+    let of_falls = |values: fn(&Avalanches) -> &[f64]| spread(values(falls.as_ref()?));
+    let all = [
+        ("angle_correlation_time_s", memory),
+        ("avalanche_size_deg", of_falls(|f| &f.sizes)),
+        ("avalanche_waiting_time_s", of_falls(|f| &f.waiting_times)),
+    ];
+    let told = all.into_iter();
+    told.filter_map(|(name, value)| Some((name, value?)))
+        .collect()
+}
+
+/// Mean and spread of values; none of nothing.
+fn spread(values: &[f64]) -> Option<Spread> {
+    let finite = |value: f64| value.is_finite().then_some(value);
+    let series = summarise(values).ok()?;
+    Some(Spread {
+        mean: series.mean,
+        sd: finite(series.sd),
+        se: finite(series.standard_error),
+        n_effective: series.n_effective,
+    })
+}
