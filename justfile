@@ -47,14 +47,14 @@ trials NUMBER="200":
     mkdir -p out
     "${CARGO_TARGET_DIR:-target}/release/examples/trials" {{NUMBER}} fixtures/diagnosis/drum/problem.json fixtures/diagnosis/library/problem.json fixtures/diagnosis/single/problem.json fixtures/diagnosis/tie/problem.json > out/trials.md
 
-# SIZE is a multiple of the smallest amplitude that can be seen. Finished runs in FOLDER are found again.
-# Hide each effect of the library in data that the solver makes, diagnose them, and write the page (an hour).
-effect-trials SIZE="2" FOLDER="out/effect-trials":
+# Finished runs in FOLDER are found again, so that it may be stopped and taken up.
+# Hide each effect of the library in data that the solver makes, diagnose them, and write the page (hours of one core).
+effect-trials REPLICATES="2" NOTHING="10" MINUTES="240" FOLDER="out/effect-trials":
     cargo build --release --locked -p study --example effect_trials
     mkdir -p {{FOLDER}}
-    "${CARGO_TARGET_DIR:-target}/release/examples/effect_trials" fixtures/cotton/trials.toml {{FOLDER}} {{SIZE}} > {{FOLDER}}/size-{{SIZE}}.md
-    printf '\n`just effect-trials {{SIZE}}`, %s.\n' "$(date -I)" >> {{FOLDER}}/size-{{SIZE}}.md
-    mkdir -p docs/effect-trials && mv {{FOLDER}}/size-{{SIZE}}.md docs/effect-trials/
+    "${CARGO_TARGET_DIR:-target}/release/examples/effect_trials" fixtures/cotton/trials.toml {{FOLDER}} {{REPLICATES}} {{NOTHING}} {{MINUTES}} > {{FOLDER}}/campaigns.md
+    printf '\n`just effect-trials {{REPLICATES}} {{NOTHING}}`, %s.\n' "$(date -I)" >> {{FOLDER}}/campaigns.md
+    mkdir -p docs/effect-trials && mv {{FOLDER}}/campaigns.md docs/effect-trials/
 
 # Check the solver against mechanics and write the table.
 verify *ARGS:

@@ -48,6 +48,7 @@ mod diagnosis;
 mod error;
 mod fit;
 mod gates;
+mod ideal;
 mod max_test;
 mod next_measurement;
 mod problem;
@@ -65,6 +66,7 @@ pub use diagnosis::{
     ObservableSupport, StructuredResidual, Unseen, Verdict,
 };
 pub use error::Error;
+pub use ideal::{Ideal, ideal};
 pub use next_measurement::{NextMeasurement, PlannedExperiment, Purpose};
 pub use problem::Problem;
 pub use problem_file::{

@@ -439,7 +439,7 @@ fn same(a: &[String], b: &[String]) -> bool {
 }
 
 /// Noise of a covariance.
-fn noise(covariance: &Covariance, stream: &mut Stream) -> Result<DVector<f64>, Error> {
+pub(crate) fn noise(covariance: &Covariance, stream: &mut Stream) -> Result<DVector<f64>, Error> {
     let white = DMatrix::from_fn(covariance.rows(), 1, |_, _| stream.normal());
     Ok(covariance.whitener()?.colour(&white).column(0).into_owned())
 }

@@ -1,0 +1,213 @@
+//! Data as a laboratory would give them: the simulator with a truth that the diagnosis is not told of, other seeds, and
+//! noise of reading.
+
+use crate::{AnyError, SEED};
+use calibration::{CalibrationProblem, Measurement, Parameter};
+use campaign::{Campaign, RunRequest, Simulator};
+use random_stream::Stream;
+use run_store::Record;
+use std::collections::BTreeMap;
+use study::{Study, StudySimulator};
+
+/// First seed of the pilot runs, and of the data; far from those of the diagnoses.
+const PILOT_SEEDS: u64 = 20_000_000;
+/// See [`PILOT_SEEDS`].
+const DATA_SEEDS: u64 = 30_000_000;
+/// Seeds of one campaign.
+const SEEDS_OF_CAMPAIGN: u64 = 1000;
+/// Runs of each model that tell how far single runs scatter: a standard deviation from them is right within 27 %, and
+/// that of several models within less.
+const PILOT_RUNS: u64 = 8;
+
+/// What a campaign hides.
+#[derive(Debug, Clone)]
+pub(crate) struct Hidden {
+    /// Effect and amplitude; none for nothing.
+    pub(crate) effect: Option<(String, f64)>,
+    /// Multiple of the smallest amplitude that was asked for.
+    pub(crate) size: f64,
+    /// The one that is physically possible.
+    pub(crate) reached: f64,
+    /// Number of the campaign, for its seeds.
+    pub(crate) number: u64,
+}
+
+impl Hidden {
+    /// Nothing.
+    pub(crate) fn nothing(number: u64) -> Self {
+        Self {
+            effect: None,
+            size: 0.0,
+            reached: 0.0,
+            number,
+        }
+    }
+}
+
+/// Measures at the models of a study.
+pub(crate) struct Laboratory<'a> {
+    /// The study; its measured means are placeholders.
+    problem: &'a CalibrationProblem,
+    /// Its scenes.
+    simulator: &'a StudySimulator,
+    /// Runs.
+    campaign: &'a Campaign<'a>,
+    /// Standard deviation of single runs with nothing hidden, by scene and observable.
+    scatter: BTreeMap<(String, String), f64>,
+}
+
+impl<'a> Laboratory<'a> {
+    /// Makes the pilot runs.
+    pub(crate) fn new(
+        study: &'a Study,
+        simulator: &'a StudySimulator,
+        campaign: &'a Campaign<'a>,
+    ) -> Result<Self, AnyError> {
+        let mut laboratory = Self {
+            problem: &study.problem,
+            simulator,
+            campaign,
+            scatter: BTreeMap::new(),
+        };
+        let start = |p: &Parameter| (p.symbol.clone(), p.start);
+        let truth = study.problem.parameters.iter().map(start).collect();
+        let pilot: Vec<RunRequest> = (0..study.problem.models.len())
+            .flat_map(|k| (0..PILOT_RUNS).map(move |r| (k, r)))
+            .map(|(k, r)| {
+                laboratory
+                    .request(k, &truth, None)
+                    .with_seed(PILOT_SEEDS + r)
+            })
+            .collect();
+        let records = campaign.run_all(simulator, &pilot)?;
+        let mut sums: BTreeMap<(String, String), (f64, f64)> = BTreeMap::new();
+        for m in &study.problem.measurements {
+            let from = m.model * PILOT_RUNS as usize;
+            let values = values(&records[from..from + PILOT_RUNS as usize], m)?;
+            let mean = mean(&values);
+            let of = (laboratory.scene(m.model), m.observable.clone());
+            let (squares, dof) = sums.entry(of).or_default();
+            *squares += values.iter().map(|y| (y - mean).powi(2)).sum::<f64>();
+            *dof += PILOT_RUNS as f64 - 1.0;
+        }
+        let each = sums.into_iter();
+        laboratory.scatter = each
+            .map(|(of, (squares, dof))| (of, (squares / dof).sqrt()))
+            .collect();
+        Ok(laboratory)
+    }
+
+    /// The scene of a model.
+    fn scene(&self, model: usize) -> String {
+        self.problem.models[model].scene.clone()
+    }
+
+    /// A run of a model with a truth, its effect on where the model can carry it.
+    fn request(
+        &self,
+        model: usize,
+        truth: &BTreeMap<String, f64>,
+        effect: Option<&(String, f64)>,
+    ) -> RunRequest {
+        let name = &self.problem.models[model].name;
+        let mut request = RunRequest::new(name, 0);
+        request.parameters.clone_from(truth);
+        let probe = |effect: &str| self.problem.effects.iter().find(|e| e.name == effect);
+        if let Some((effect, amplitude)) = effect
+            && probe(effect).is_some_and(|e| !e.absent.contains_key(name))
+        {
+            request = request.with_effect(effect, *amplitude);
+        }
+        request
+    }
+
+    /// What would be run at each model with the parameters at their start; an error where one cannot be run.
+    fn inputs(&self, effect: Option<&(String, f64)>) -> Result<Vec<serde_json::Value>, AnyError> {
+        let start = |p: &Parameter| (p.symbol.clone(), p.start);
+        let start = self.problem.parameters.iter().map(start).collect();
+        let models = 0..self.problem.models.len();
+        models
+            .map(|k| Ok(self.simulator.inputs(&self.request(k, &start, effect))?))
+            .collect()
+    }
+
+    /// Whether all scenes can carry an effect of this amplitude; without one it is another campaign.
+    pub(crate) fn can_be_run(&self, effect: &str, amplitude: f64) -> bool {
+        amplitude != 0.0 && self.inputs(Some(&(effect.to_owned(), amplitude))).is_ok()
+    }
+
+    /// Whether an effect of this amplitude leaves every scene as it is.
+    pub(crate) fn is_unchanged(&self, effect: &str, amplitude: f64) -> Result<bool, AnyError> {
+        let on = self.inputs(Some(&(effect.to_owned(), amplitude)))?;
+        Ok(on == self.inputs(None)?)
+    }
+
+    /// The study with measured values in which something is hidden.
+    ///
+    /// The parameters are drawn from their priors. The mean of a value is that of as many runs as the study states, each
+    /// read with the standard deviation that it states; the standard deviation that the diagnosis is told holds the
+    /// scatter of the runs too, as it is with nothing hidden.
+    pub(crate) fn measure(&self, hidden: &Hidden) -> Result<CalibrationProblem, AnyError> {
+        let mut stream = Stream::new(SEED, &format!("truth {}", hidden.number));
+        let drawn = self.problem.parameters.iter().map(|p| {
+            let drawn = p
+                .prior
+                .map_or(p.start, |prior| prior.mean + prior.sd * stream.normal());
+            (p.symbol.clone(), drawn.clamp(p.limits[0], p.limits[1]))
+        });
+        let truth: BTreeMap<String, f64> = drawn.collect();
+        let (mut requests, mut from) = (Vec::new(), Vec::new());
+        for model in 0..self.problem.models.len() {
+            from.push(requests.len());
+            for _ in 0..self.runs(model) {
+                let seed = DATA_SEEDS + SEEDS_OF_CAMPAIGN * hidden.number + requests.len() as u64;
+                let request = self.request(model, &truth, hidden.effect.as_ref());
+                requests.push(request.with_seed(seed));
+            }
+        }
+        let records = self.campaign.run_all(self.simulator, &requests)?;
+        let mut stream = Stream::new(SEED, &format!("reading {}", hidden.number));
+        let mut problem = self.problem.clone();
+        for m in &mut problem.measurements {
+            let runs = self.runs(m.model);
+            let values = values(&records[from[m.model]..from[m.model] + runs], m)?;
+            let reading = m.sd;
+            m.n = runs as f64;
+            m.mean = mean(&values) + reading * stream.normal() / m.n.sqrt();
+            let scatter = self.scatter[&(self.scene(m.model), m.observable.clone())];
+            m.sd = reading.hypot(scatter);
+        }
+        Ok(problem)
+    }
+
+    /// Number of runs behind the values measured on a model: the largest that one of them states.
+    fn runs(&self, model: usize) -> usize {
+        let of_model = self
+            .problem
+            .measurements
+            .iter()
+            .filter(|m| m.model == model);
+        let most = of_model.map(|m| m.n).fold(1.0, f64::max);
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "a number of runs, 1 or more"
+        )]
+        let runs = most.round() as usize;
+        runs
+    }
+}
+
+/// A measured observable in records.
+fn values(records: &[Record], m: &Measurement) -> Result<Vec<f64>, AnyError> {
+    let value = |record: &Record| {
+        let found = record.observable(&m.observable).map(|o| o.mean);
+        found.ok_or_else(|| format!("run {} gives no {}", record.key(), m.observable).into())
+    };
+    records.iter().map(value).collect()
+}
+
+/// Mean of values.
+fn mean(values: &[f64]) -> f64 {
+    values.iter().sum::<f64>() / values.len().max(1) as f64
+}

@@ -1,0 +1,386 @@
+//! The page: every campaign by effect and size, the goals, and what cannot be told.
+
+use crate::outcome::{Outcome, Told, Work};
+use calibration::ResidualStudy;
+use residual_diagnosis::{CandidateResult, Ideal, Unseen};
+use std::collections::{BTreeMap, BTreeSet};
+use std::fmt::Write as _;
+
+/// What the page shows.
+const HEAD: &str = "# Every effect hidden, by the solver
+
+Measured-like data are made by the solver: drums at several speeds and fills, two heaps, a sled and a tilted plate, as in
+[the study](../../fixtures/cotton/trials.toml). One effect of the library is on in all scenes that can carry it; the
+friction is drawn from its bench values; the runs have other seeds, and the values noise of reading. The diagnosis knows
+the study alone and searches the whole library by simulations of its own. One drum and one heap are kept aside. All
+diagnoses begin with the same runs for the sensitivities, so that the noise of these is common to all rows.
+
+`size`: the hidden amplitude over the smallest one that these measurements show with a chance of 90 %, by the linear
+model about the start; never more than is physically possible, and none that cannot reach half of the size. `answer`:
+the truth named, in a tie of 2 or 3, in a larger tie (number of effects), another name (`false`), `unknown`, or `none`,
+for each truth in turn. `kept`: whitened mean square on the conditions kept aside, by real runs, before and after the
+best explanation; 1 is noise alone. `ideal`: what a rule could tell that knew the truth's direction, by the linear
+problem of each campaign: the chance to see it behind re-tuning, at the level of a gate; the effect that imitates it best,
+what that one leaves of it in standard deviations, and the chance that the likelihood prefers the truth; the chance that
+the truth is seen and among the three likeliest. The slopes are taken as exact there, so that this bound is generous.
+";
+
+/// Bound below which the likelihood errs in more than one case of six.
+const HARD_TO_TELL: f64 = 2.0;
+
+/// All that the page shows.
+pub(crate) struct Page {
+    /// Campaigns.
+    pub(crate) outcomes: Vec<Outcome>,
+    /// Campaigns for which there was no time.
+    pub(crate) not_begun: usize,
+    /// Effects whose probes could not be run, with the reason.
+    left_out: BTreeMap<String, String>,
+    /// Effects that no scene can carry, with the reason.
+    not_applicable: BTreeMap<String, String>,
+    /// Effects that cannot be seen, with the reason.
+    unseen: BTreeMap<String, String>,
+    /// Effects that cannot reach a size, with what they reach.
+    weak: BTreeSet<String>,
+}
+
+impl Page {
+    /// An empty page.
+    pub(crate) fn new(not_applicable: &BTreeMap<String, String>, first: &ResidualStudy) -> Self {
+        Self {
+            outcomes: Vec::new(),
+            not_begun: 0,
+            left_out: first.left_out.clone(),
+            not_applicable: not_applicable.clone(),
+            unseen: BTreeMap::new(),
+            weak: BTreeSet::new(),
+        }
+    }
+
+    /// Notes an effect that cannot be seen at its largest amplitude.
+    pub(crate) fn note_unseen(&mut self, name: &str, candidate: &CandidateResult) {
+        let why = match candidate.unseen {
+            Some(Unseen::RetuningHidesIt) => "re-tuning hides it",
+            Some(Unseen::RangeTooSmall) => "its largest amplitude does less than the noise",
+            Some(Unseen::SlopeIsNoise) => "its slope is noise",
+            None => "not testable",
+        };
+        self.unseen.insert(name.to_owned(), why.to_owned());
+    }
+
+    /// Notes an effect that leaves every scene as it is.
+    pub(crate) fn note_unchanged(&mut self, name: &str, amplitude: f64) {
+        let why = format!("{amplitude:.3} changes no scene");
+        self.unseen.insert(name.to_owned(), why);
+    }
+
+    /// Notes an effect that cannot reach half of a size.
+    pub(crate) fn note_weak(&mut self, name: &str, size: f64, reached: f64) {
+        let text = format!("{name} ({reached:.1} of {size:.0})");
+        self.weak.insert(text);
+    }
+
+    /// The page in Markdown.
+    pub(crate) fn text(&self, work: &Work) -> String {
+        let mut text = format!("{HEAD}\n");
+        self.write_table(&mut text);
+        self.write_nothing(&mut text);
+        self.write_goals(&mut text);
+        self.write_limits(&mut text);
+        self.write_work(&mut text, work);
+        text
+    }
+
+    /// One row for each effect and size.
+    fn write_table(&self, text: &mut String) {
+        text.push_str(
+            "| hidden | size | amplitude: hidden, found | answer | kept: before -> after | ideal: seen | nearest (left, \
+             preferred) | among three |\n|---|--:|---|---|---|--:|---|--:|\n",
+        );
+        let mut rows: BTreeMap<(&str, u64), Vec<&Outcome>> = BTreeMap::new();
+        for outcome in &self.outcomes {
+            if let Some((name, _)) = &outcome.hidden.effect {
+                let size = crate::tenths(outcome.hidden.size);
+                rows.entry((name, size)).or_default().push(outcome);
+            }
+        }
+        for ((name, _), row) in rows {
+            let sizes = unique(row.iter().map(|o| format!("{:.1}", o.hidden.reached)));
+            let hidden = |o: &Outcome| o.hidden.effect.as_ref().map_or(0.0, |(_, a)| *a);
+            let amplitudes = row.iter().map(|o| match o.amplitude_found() {
+                Some(found) => format!("{:.3}, {found:.3}", hidden(o)),
+                None => format!("{:.3}, -", hidden(o)),
+            });
+            let kept = row.iter().map(|o| match o.kept() {
+                Some((before, Some(after))) => format!("{before:.1} -> {after:.1}"),
+                Some((before, None)) => format!("{before:.1}"),
+                None => String::new(),
+            });
+            let ideals: Vec<&Ideal> = row.iter().filter_map(|o| o.ideal.as_ref()).collect();
+            let seen = ideals.iter().map(|i| percent(i.seen));
+            let nearest = ideals.iter().map(|i| {
+                let name = i.nearest.as_deref().unwrap_or("-");
+                let left = i.separation.unwrap_or(f64::INFINITY);
+                format!("{name} ({left:.1}, {})", percent(i.preferred))
+            });
+            let three = ideals.iter().map(|i| percent(i.among_three));
+            let _ = writeln!(
+                text,
+                "| {name} | {sizes} | {} | {} | {} | {} | {} | {} |",
+                join(amplitudes),
+                join(row.iter().map(|o| answer(o))),
+                join(kept),
+                join(seen),
+                join(nearest),
+                join(three),
+            );
+        }
+    }
+
+    /// Campaigns with nothing hidden, in words.
+    fn write_nothing(&self, text: &mut String) {
+        let nothing = self.outcomes.iter().filter(|o| o.hidden.effect.is_none());
+        let answers: Vec<String> = nothing.map(answer).collect();
+        let quiet = answers.iter().filter(|a| *a == "none").count();
+        let others: Vec<&String> = answers.iter().filter(|a| *a != "none").collect();
+        let _ = write!(
+            text,
+            "\nNothing hidden, {} campaigns: none in {quiet}",
+            answers.len()
+        );
+        for other in others {
+            let _ = write!(text, ", {other}");
+        }
+        text.push_str(".\n");
+        if self.not_begun > 0 {
+            let _ = writeln!(
+                text,
+                "\nNot begun, for lack of time: {} campaigns.",
+                self.not_begun
+            );
+        }
+    }
+
+    /// The goals, with figures and standard errors.
+    fn write_goals(&self, text: &mut String) {
+        let of_size = |size: f64| {
+            let hidden = self.outcomes.iter().filter(|o| o.hidden.effect.is_some());
+            let of_size = hidden.filter(move |o| (o.hidden.size - size).abs() < 0.01);
+            of_size.filter(|o| o.told().is_some()).collect::<Vec<_>>()
+        };
+        text.push_str("\n| answers | ");
+        let kinds = [
+            Told::Named,
+            Told::SmallTie,
+            Told::LargeTie,
+            Told::False,
+            Told::Unknown,
+            Told::Nothing,
+        ];
+        for kind in kinds {
+            let _ = write!(text, "{} | ", kind.word());
+        }
+        text.push_str("\n|---|--:|--:|--:|--:|--:|--:|\n");
+        for size in crate::SIZES {
+            let _ = write!(text, "| size {size:.0} | ");
+            for kind in kinds {
+                let count = of_size(size)
+                    .iter()
+                    .filter(|o| o.told() == Some(kind))
+                    .count();
+                let _ = write!(text, "{count} | ");
+            }
+            text.push('\n');
+        }
+        text.push_str("\n| goal | wanted | found | ideal |\n|---|--:|--:|--:|\n");
+        let all = self.outcomes.iter().filter(|o| o.told().is_some());
+        let all: Vec<&Outcome> = all.collect();
+        let nothing = all.iter().filter(|o| o.hidden.effect.is_none());
+        let alarms: Vec<bool> = nothing.map(|o| o.told() != Some(Told::Nothing)).collect();
+        let _ = writeln!(
+            text,
+            "| something reported where nothing is hidden | at most 5 % | {} | 5 % |",
+            share(&alarms)
+        );
+        let goal = crate::SIZES.iter().copied().fold(0.0, f64::max);
+        for size in crate::SIZES {
+            let outcomes = of_size(size);
+            let right: Vec<bool> = outcomes
+                .iter()
+                .map(|o| o.told().is_some_and(Told::is_right))
+                .collect();
+            let ideals = outcomes.iter().filter_map(|o| o.ideal.as_ref());
+            let three: Vec<f64> = ideals.map(|i| i.among_three).collect();
+            let wanted = if size < goal { "-" } else { "80 %" };
+            let _ = writeln!(
+                text,
+                "| truth named or in a tie of at most three, size {size:.0} | {wanted} | {} | {} |",
+                share(&right),
+                mean_and_error(&three),
+            );
+        }
+        let false_names: Vec<bool> = all.iter().map(|o| o.told() == Some(Told::False)).collect();
+        let _ = writeln!(
+            text,
+            "| a name without the truth, all campaigns | at most 2 % | {} | |",
+            share(&false_names)
+        );
+        let reductions = all.iter().filter(|o| o.hidden.effect.is_some());
+        let reductions: Vec<(f64, f64)> = reductions
+            .filter_map(|o| match o.kept()? {
+                (before, Some(after)) => {
+                    Some((1.0 - after / before, 1.0 - 1.0_f64.min(1.0 / before)))
+                }
+                _ => None,
+            })
+            .collect();
+        let [found, ideal]: [Vec<f64>; 2] = [
+            reductions.iter().map(|r| r.0).collect(),
+            reductions.iter().map(|r| r.1).collect(),
+        ];
+        let _ = writeln!(
+            text,
+            "| reduction of the whitened mean square on the kept conditions, where something is named | 60 % | {} | {} |",
+            mean_and_error(&found),
+            mean_and_error(&ideal),
+        );
+    }
+
+    /// What cannot be told, and why.
+    fn write_limits(&self, text: &mut String) {
+        let reasons = |map: &BTreeMap<String, String>| {
+            let each = map.iter().map(|(name, why)| format!("{name} ({why})"));
+            list(each.collect())
+        };
+        let hard = self.outcomes.iter().filter_map(|o| {
+            let (name, _) = o.hidden.effect.as_ref()?;
+            let ideal = o.ideal.as_ref()?;
+            let left = ideal.separation.filter(|left| *left < HARD_TO_TELL)?;
+            let rival = ideal.nearest.as_ref()?;
+            let strong = (o.hidden.size - crate::SIZES[crate::SIZES.len() - 1]).abs() < 0.01;
+            strong.then(|| (format!("{name} as {rival}"), left))
+        });
+        let hard: BTreeMap<String, String> = hard
+            .map(|(pair, left)| (pair, format!("{left:.1}")))
+            .collect();
+        let failed = self.outcomes.iter().filter_map(|o| {
+            let (name, amplitude) = o.hidden.effect.as_ref()?;
+            Some((format!("{name} {amplitude:.3}"), o.failure()?.to_owned()))
+        });
+        let failed: BTreeMap<String, String> = failed.collect();
+        let _ = write!(
+            text,
+            "\n## What cannot be told\n\n\
+             No rule tells two effects apart that move all these values alike. At the largest size these leave less than \
+             {HARD_TO_TELL:.0} standard deviations of each other, and a tie is the right answer: {}. Another apparatus or \
+             observable that one of them moves and the other does not would tell them.\n\n\
+             Not seen in these scenes even at their largest amplitude: {}.\n\n\
+             Largest possible amplitude below half of a size: {}.\n\n\
+             Carried by no scene: {}.\n\n\
+             Left out of the library, for their probes could not be run: {}.\n\n\
+             Hidden amplitudes that could not be run or diagnosed: {}.\n",
+            reasons(&hard),
+            reasons(&self.unseen),
+            list(self.weak.iter().cloned().collect()),
+            reasons(&self.not_applicable),
+            reasons(&self.left_out),
+            reasons(&failed),
+        );
+    }
+
+    /// Runs and time.
+    fn write_work(&self, text: &mut String, work: &Work) {
+        let with = |hidden: bool| {
+            let of = self.outcomes.iter();
+            let of = of.filter(|o| o.hidden.effect.is_some() == hidden && o.failure().is_none());
+            let runs: Vec<f64> = of.map(|o| o.runs as f64).collect();
+            runs.iter().sum::<f64>() / runs.len().max(1) as f64
+        };
+        let minutes = |runs: f64| runs * work.core_s_of_run() / 60.0;
+        let _ = write!(
+            text,
+            "\n## Cost\n\nA diagnosis asks for {:.0} runs where something is hidden and {:.0} where nothing is, those of \
+             the laboratory and of the common sensitivities included: {:.1} and {:.1} core minutes at {:.2} s a run. All \
+             campaigns together took {} different runs and {:.0} core minutes.\n",
+            with(true),
+            with(false),
+            minutes(with(true)),
+            minutes(with(false)),
+            work.core_s_of_run(),
+            work.runs,
+            work.core_s / 60.0,
+        );
+    }
+}
+
+/// The answer of a campaign in words.
+fn answer(outcome: &Outcome) -> String {
+    let Some(told) = outcome.told() else {
+        return "no answer".into();
+    };
+    let effects = outcome.study().map(|s| s.diagnosis.effects.as_slice());
+    let effects = effects.unwrap_or_default();
+    match told {
+        Told::LargeTie => format!("tie of {}", effects.len()),
+        Told::False => format!("false: {}", effects.join(", ")),
+        Told::SmallTie => format!("tie: {}", effects.join(", ")),
+        _ => told.word().into(),
+    }
+}
+
+/// A chance in percent.
+fn percent(p: f64) -> String {
+    format!("{:.0} %", 100.0 * p)
+}
+
+/// A share with its standard error; at its ends the bound that holds with a chance of 95 %.
+fn share(hits: &[bool]) -> String {
+    let n = hits.len();
+    if n == 0 {
+        return "-".into();
+    }
+    let count = hits.iter().filter(|hit| **hit).count();
+    let p = count as f64 / n as f64;
+    let error = match count {
+        0 => format!("below {}", percent(1.0 - 0.05_f64.powf(1.0 / n as f64))),
+        _ if count == n => format!("above {}", percent(0.05_f64.powf(1.0 / n as f64))),
+        _ => format!("± {}", percent((p * (1.0 - p) / n as f64).sqrt())),
+    };
+    format!("{} ({count} of {n}, {error})", percent(p))
+}
+
+/// A mean in percent with its standard error.
+fn mean_and_error(values: &[f64]) -> String {
+    let n = values.len() as f64;
+    if values.is_empty() {
+        return "-".into();
+    }
+    let mean = values.iter().sum::<f64>() / n;
+    if values.len() == 1 {
+        return percent(mean);
+    }
+    let squares: f64 = values.iter().map(|v| (v - mean).powi(2)).sum();
+    let error = (squares / (n - 1.0) / n).sqrt();
+    format!("{} (n = {n}, ± {})", percent(mean), percent(error))
+}
+
+/// Replicates in one cell.
+fn join(each: impl Iterator<Item = String>) -> String {
+    each.collect::<Vec<_>>().join(" / ")
+}
+
+/// The same, once where all are alike.
+fn unique(each: impl Iterator<Item = String>) -> String {
+    let mut all: Vec<String> = each.collect();
+    all.dedup();
+    all.join(" / ")
+}
+
+/// Words with commas, or "none".
+fn list(words: Vec<String>) -> String {
+    if words.is_empty() {
+        "none".into()
+    } else {
+        words.join(", ")
+    }
+}
