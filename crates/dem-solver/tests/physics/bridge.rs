@@ -255,3 +255,48 @@ fn a_rolling_spring_holds_a_ball_on_a_gentle_slope() {
         "{speed} m/s, not {expected}"
     );
 }
+
+/// Balls in a box that a thick liquid holds together come to rest with the time step `m / (24 c)` that a scene takes for
+/// them, and fly apart with one six times as long: c is the greatest resistance between two balls. The first says that the
+/// rule is short enough, the second that it is not shorter than a few times what is needed.
+#[test]
+fn viscous_bridges_are_stable_up_to_a_step() {
+    let viscous = ViscousBridge::new(1.0, 1e-5).expect("syrup");
+    let between = |radius: f64| {
+        let bridge = CapillaryBridge::new(0.07, 0.0).expect("water");
+        let bridge = bridge.between(radius);
+        bridge.with_viscosity(viscous.between(radius))
+    };
+    let [resistance, _] = viscous.between(RADIUS).expect("viscosity").most();
+    let calm = |share: f64| {
+        let balls = vec![ball(RADIUS).with_liquid(3e-10)];
+        let step = share * balls[0].mass() / (24.0 * resistance);
+        let laws = [RADIUS, 2.0 * RADIUS].map(|radius| {
+            let further = FurtherLaws {
+                bridge: Some(between(radius)),
+                ..FurtherLaws::default()
+            };
+            interaction(&rough(0.3, 0.3)).with(&further)
+        });
+        let mut stream = random_stream::Stream::new(3, "syrup");
+        let mut starts = scattered([0.004; 3], 0.29, 0.3, &mut stream);
+        for start in &mut starts {
+            start.template = 0;
+        }
+        let mut walls = box_of_planes(0.004);
+        walls.iter_mut().for_each(|wall| wall.material = 1);
+        let table = vec![laws[0], laws[1], laws[1], laws[1]];
+        let settings = settings(step, -Vector3::y() * 9.81);
+        let mut world = World::new(settings, balls, table, walls, &starts).expect("possible");
+        let steps = 0.05 / step;
+        for _ in 0..steps as usize {
+            if world.step().is_err() {
+                return false;
+            }
+        }
+        let speeds = world.bodies().velocity.iter().map(|v| v.norm());
+        speeds.fold(0.0, f64::max) < 0.05
+    };
+    assert!(calm(1.0), "the step of a scene");
+    assert!(!calm(6.0), "a step six times as long");
+}
