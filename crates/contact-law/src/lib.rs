@@ -4,7 +4,7 @@
 //! sliding friction) with [`viscoelastic_damping`] and [`rate_dependent_friction`],
 //! [`rolling_constant_torque`] and [`rolling_spring_dashpot`] (rolling resistance, types A and C) with the arm of
 //! [`rolling_lever`],
-//! [`constant_attraction`] (cohesion), [`capillary_bridge`] (liquid bridges). With forces added to a
+//! [`constant_attraction`] (cohesion), [`capillary_bridge`] and [`viscous_bridge`] (liquid bridges). With forces added to a
 //! step: [`bond`] (bonded agglomerates). As functions only, not offered by the force loop:
 //! [`johnson_kendall_roberts`] and [`linear_cohesion`] (dry adhesion). [`material`] holds the elastic constants of the two sides,
 //! [`hard_contact`] the time step that they allow.
@@ -23,6 +23,7 @@ pub mod rolling_constant_torque;
 pub mod rolling_lever;
 pub mod rolling_spring_dashpot;
 pub mod viscoelastic_damping;
+pub mod viscous_bridge;
 
 pub use capillary_bridge::{BridgeForce, CapillaryBridge};
 pub use hertz_mindlin::{
@@ -33,6 +34,7 @@ pub use rate_dependent_friction::RateDependentFriction;
 pub use rolling_lever::RollingLever;
 pub use rolling_spring_dashpot::RollingSpringDashpot;
 pub use viscoelastic_damping::ViscoelasticDamping;
+pub use viscous_bridge::{ViscousBridge, ViscousForce};
 
 /// What is wrong with a material or a contact parameter.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]

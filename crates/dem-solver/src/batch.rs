@@ -32,6 +32,7 @@ struct Input {
     rolling: Column,
     radii: [[f64; ROOM]; 2],
     dashpot_masses: [[f64; ROOM]; 2],
+    bridge_volume: [f64; ROOM],
 }
 
 /// Fields of [`Effect`], one entry a contact.
@@ -79,6 +80,7 @@ impl Default for Batch {
                 rolling: EMPTY,
                 radii: [[0.0; ROOM]; 2],
                 dashpot_masses: [[0.0; ROOM]; 2],
+                bridge_volume: [0.0; ROOM],
             }),
             output: Box::new(Output {
                 force: EMPTY,
@@ -212,6 +214,7 @@ impl Batch {
         input.radii[1][k] = pair.radii[1];
         input.dashpot_masses[0][k] = pair.dashpot_masses[0];
         input.dashpot_masses[1][k] = pair.dashpot_masses[1];
+        input.bridge_volume[k] = pair.bridge_volume;
         self.n = k + 1;
     }
 
@@ -275,6 +278,7 @@ fn compute(law: &Interaction, input: &Input, output: &mut Output, n: usize, time
             },
             radii: [input.radii[0][k], input.radii[1][k]],
             dashpot_masses: [input.dashpot_masses[0][k], input.dashpot_masses[1][k]],
+            bridge_volume: input.bridge_volume[k],
         };
         let Effect {
             force,

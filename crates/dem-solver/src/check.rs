@@ -59,8 +59,13 @@ pub(crate) fn interactions(
     Ok(n)
 }
 
-/// Checks that each sphere of each template has an index.
+/// Checks that each sphere of each template has an index, and that the liquid on it is a volume.
 pub(crate) fn templates(templates: &[Template]) -> Result<(), Error> {
+    let no_volume = |liquid: &f64| !(liquid.is_finite() && *liquid >= 0.0);
+    if let Some(value) = templates.iter().map(|t| t.liquid).find(no_volume) {
+        let name = "volume of liquid on a body in m³, 0 where it is dry,";
+        return Err(Error::NotPositive { name, value });
+    }
     let most = usize::from(u16::MAX);
     match templates
         .iter()

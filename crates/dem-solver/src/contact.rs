@@ -98,10 +98,17 @@ impl Interaction {
 }
 
 impl Interaction {
-    /// Gap up to which a contact that was made lives on, m: 0 without liquid.
+    /// Gap up to which a contact that was made lives on with a bridge of a volume (m³), m: 0 without liquid.
     #[inline(always)]
-    pub(crate) fn reach(&self) -> f64 {
-        self.bridge.map_or(0.0, |bridge| bridge.rupture_gap())
+    pub(crate) fn reach(&self, bridge_volume: f64) -> f64 {
+        self.bridge
+            .map_or(0.0, |bridge| bridge.rupture_gap(bridge_volume))
+    }
+
+    /// Whether a contact has a bridge of liquid.
+    #[inline(always)]
+    pub(crate) fn is_wet(&self) -> bool {
+        self.bridge.is_some()
     }
 
     /// The interaction without further laws, in a form in which the compiler sees that they are
@@ -124,16 +131,31 @@ impl Interaction {
         &self.law
     }
 
-    /// Attraction at an overlap (m, negative for a gap), N.
+    /// Attraction at an overlap (m, negative for a gap) with a bridge of a volume (m³), N.
     #[inline(always)]
-    pub(crate) fn attraction(&self, overlap: f64) -> f64 {
+    pub(crate) fn attraction(&self, overlap: f64, bridge_volume: f64) -> f64 {
         match &self.bridge {
             None => self.attraction,
             Some(bridge) => {
                 let touching = if overlap > 0.0 { self.attraction } else { 0.0 };
-                touching + bridge.attraction(-overlap)
+                touching + bridge.attraction(-overlap, bridge_volume)
             }
         }
+    }
+
+    /// Force on body i beside that of a dry contact without attraction: what the bridge resists the speed of approach (m/s)
+    /// and of sliding (m/s); none where there is no liquid with viscosity.
+    #[inline(always)]
+    fn drag(
+        &self,
+        [overlap, bridge_volume]: [f64; 2],
+        normal: &Vector3<f64>,
+        approach: f64,
+        sliding: &Vector3<f64>,
+    ) -> Option<Vector3<f64>> {
+        let viscous = self.bridge.as_ref()?.viscous()?;
+        let [along_normal, along_surface] = viscous.resistance(-overlap, bridge_volume);
+        Some(-normal * (along_normal * approach) - sliding * along_surface)
     }
 }
 
@@ -176,6 +198,8 @@ pub(crate) struct SpherePair {
     pub(crate) radii: [f64; 2],
     /// Masses that both spheres bring into the dashpots, kg.
     pub(crate) dashpot_masses: [f64; 2],
+    /// Volume of the bridge of liquid, 0 where there is none, m³.
+    pub(crate) bridge_volume: f64,
 }
 
 impl SpherePair {
@@ -211,6 +235,8 @@ pub(crate) struct SphereWall {
     pub(crate) wall_spin: Vector3<f64>,
     /// Overlap, radius and dashpot mass.
     pub(crate) geometry: ContactGeometry,
+    /// Volume of the bridge of liquid, 0 where there is none, m³.
+    pub(crate) bridge_volume: f64,
 }
 
 impl SphereWall {
@@ -271,7 +297,12 @@ impl Interaction {
         let force = self
             .law
             .force(&geometry, approach, sliding, kept, time_step);
-        let on_i = force.tangential - normal * (force.normal - self.attraction(overlap));
+        let pull = self.attraction(overlap, pair.bridge_volume);
+        let mut on_i = force.tangential - normal * (force.normal - pull);
+        let bridge = [overlap, pair.bridge_volume];
+        if let Some(drag) = self.drag(bridge, &normal, approach, &sliding) {
+            on_i += drag;
+        }
         let rolling = if self.rolling_friction > 0.0 || self.rolling_spring.is_some() {
             let lever = |arm: &Vector3<f64>, radius: f64| {
                 self.rolling_lever.of(arm.norm(), radius - 0.5 * overlap)
@@ -323,7 +354,12 @@ impl Interaction {
         let force = self
             .law
             .force(&geometry, approach, sliding, kept, time_step);
-        let on_body = force.tangential - normal * (force.normal - self.attraction(overlap));
+        let pull = self.attraction(overlap, contact.bridge_volume);
+        let mut on_body = force.tangential - normal * (force.normal - pull);
+        let bridge = [overlap, contact.bridge_volume];
+        if let Some(drag) = self.drag(bridge, &normal, approach, &sliding) {
+            on_body += drag;
+        }
         let of_sphere = geometry.reduced_radius - 0.5 * overlap;
         let lever = self.rolling_lever.of(contact.arm.norm(), of_sphere);
         let rolling = Rolling {
@@ -463,6 +499,7 @@ mod tests {
                 },
                 radii: [1e-3, 1e-3],
                 dashpot_masses: [4e-6, 4e-6],
+                bridge_volume: 1e-11,
             };
             interaction().between_spheres(&pair, 1e-6)
         });
@@ -488,6 +525,7 @@ mod tests {
                 reduced_radius: 1e-3,
                 reduced_mass: 4e-6,
             },
+            bridge_volume: 0.0,
         };
         let [plain, tilted] = [SLIP, SLIP + NORMAL * 5e-7].map(|slip| {
             let memory = Memory {
@@ -513,6 +551,7 @@ mod tests {
             memory: Memory::default(),
             radii: [1e-3, 1e-3],
             dashpot_masses: [4e-6, 4e-6],
+            bridge_volume: 0.0,
         };
         for (rolling_lever, arm) in [
             (RollingLever::Sphere, 0.995e-3),
@@ -530,7 +569,7 @@ mod tests {
             };
             let slides = free.between_spheres(&pair, 1e-9);
             let torque = (rolls.torque_i - slides.torque_i).norm();
-            let normal_force = law.attraction(1e-5) - slides.force.dot(&NORMAL);
+            let normal_force = law.attraction(1e-5, 0.0) - slides.force.dot(&NORMAL);
             let expected = 0.1 * normal_force * 0.5 * arm;
             assert!(
                 (torque / expected - 1.0).abs() < 1e-9,
@@ -543,7 +582,7 @@ mod tests {
     /// does not wait for the next touch. What is left is the way of the last step.
     #[test]
     fn slip_does_not_grow_across_a_bridge() {
-        let water = contact_law::CapillaryBridge::new(0.07, 0.0, 1e-11).unwrap();
+        let water = contact_law::CapillaryBridge::new(0.07, 0.0).unwrap();
         let wet = interaction().with(&super::FurtherLaws {
             bridge: Some(water.between(1e-3)),
             ..super::FurtherLaws::default()
@@ -564,6 +603,7 @@ mod tests {
                 memory,
                 radii: [1e-3, 1e-3],
                 dashpot_masses: [4e-6, 4e-6],
+                bridge_volume: 1e-11,
             };
             memory = wet.between_spheres(&pair, step).memory;
         }

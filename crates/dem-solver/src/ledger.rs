@@ -236,7 +236,7 @@ fn contact(
     interaction: &Interaction,
     effect: &Effect,
 ) -> Contact {
-    let (law, pull) = (interaction.law(), interaction.attraction(overlap));
+    let (law, pull) = (interaction.law(), interaction.attraction(overlap, 0.0));
     let spring = 2.0 / 3.0 * law.normal_stiffness(overlap, radius) * overlap;
     let stiffness = law.tangential_stiffness(overlap, radius);
     Contact {

@@ -26,6 +26,7 @@ mod health;
 mod integrate;
 mod lanes;
 mod ledger;
+mod liquid;
 mod mesh_force;
 mod mesh_wall;
 mod neighbours;

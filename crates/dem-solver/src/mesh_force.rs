@@ -9,6 +9,7 @@
 use crate::bodies::Bodies;
 use crate::contact::{Effect, Memory, Mover, SphereWall};
 use crate::error::Error;
+use crate::liquid::bridge_volume;
 use crate::mesh_wall::{MeshWall, Motion, Moving};
 use crate::pair_force::{Context, mover};
 use crate::shared_mass::Shares;
@@ -162,7 +163,7 @@ impl MeshWalls {
                 &near.candidates,
                 &mut near.touches,
                 (&body, template),
-                &bodies.rotation[near.body],
+                (near.body, &bodies.rotation[near.body]),
                 moving,
                 context,
             );
@@ -192,6 +193,14 @@ impl MeshWalls {
             })
         })
         .collect()
+    }
+
+    /// Body and material of the wall of each contact.
+    pub(crate) fn bodies_at_materials(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
+        self.near.iter().flat_map(|n| {
+            let place = (n.body, self.moving[n.wall].wall.material);
+            n.touches.iter().map(move |_| place)
+        })
     }
 
     /// Takes up contacts; the bodies near walls are listed. False if one of them is not.
@@ -241,19 +250,20 @@ impl Near {
     }
 }
 
-/// Forces on a body of those of the candidates (sphere and triangle, by sphere) that touch; `touches` holds what
+/// Forces on a body, of a number, of those of the candidates (sphere and triangle, by sphere) that touch; `touches` holds what
 /// touched in the step before, and what does now afterwards.
 pub(crate) fn find_contacts(
     candidates: &[(u16, u32)],
     touches: &mut Vec<Touch>,
     (body, template): (&Mover, &Template),
-    rotation: &Matrix3<f64>,
+    (number, rotation): (usize, &Matrix3<f64>),
     moving: &Moving,
     context: &Context<'_>,
 ) -> Effect {
     let interaction = context.interaction(template.material, moving.wall.material);
     let mut total = Effect::default();
-    let reach = interaction.reach();
+    let volume = bridge_volume(interaction, context.liquid, [number]);
+    let reach = interaction.reach(volume);
     let mut before = std::mem::take(touches);
     let at_wall = |group: &[(u16, u32)]| {
         let sphere = &template.spheres[usize::from(group[0].0)];
@@ -266,17 +276,18 @@ pub(crate) fn find_contacts(
     let radii = groups().flat_map(at_wall).map(|c| c.contact_radius());
     let shares = Shares::new([template.shares_mass, false], radii);
     for group in groups() {
-        let number = group[0].0;
+        let sphere = group[0].0;
         for mut contact in at_wall(group) {
-            let known = take_memory(&mut before, number, &contact.normal);
+            let known = take_memory(&mut before, sphere, &contact.normal);
             if known.is_none() && contact.geometry.overlap <= 0.0 {
                 continue;
             }
             let memory = known.unwrap_or_default();
+            contact.bridge_volume = volume;
             contact.share_mass(shares.as_ref());
             let effect = interaction.at_wall(&contact, body, memory, context.time_step);
             touches.push(Touch {
-                sphere: number,
+                sphere,
                 normal: contact.normal,
                 memory: effect.memory,
             });
@@ -317,7 +328,7 @@ fn felt(group: &[(u16, u32)], own: &Vector3<f64>, reach: f64, moving: &Moving) -
     kept
 }
 
-/// Geometry of a sphere of a body at a triangle.
+/// Geometry of a sphere of a body at a triangle, without liquid.
 fn geometry(
     body: &Mover,
     sphere: &OuterSphere,
@@ -343,6 +354,7 @@ fn geometry(
             reduced_radius: sphere.radius,
             reduced_mass: sphere.dashpot_mass,
         },
+        bridge_volume: 0.0,
     }
 }
 

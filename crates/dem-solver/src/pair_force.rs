@@ -9,6 +9,7 @@ use crate::batch::{Batch, Sink};
 use crate::bodies::Bodies;
 use crate::contact::{Interaction, Memory, Mover, SpherePair};
 use crate::lanes::{NUMBERS, keep, make_room};
+use crate::liquid::bridge_volume;
 use crate::neighbours::{CHUNK, Chunk, Neighbours, Touch};
 use crate::shared_mass::Shares;
 use crate::template::{CELLS, Template};
@@ -61,6 +62,8 @@ pub(crate) struct Context<'a> {
     pub(crate) slack: Slack,
     /// Time step, s.
     pub(crate) time_step: f64,
+    /// What each body gives to each of its bridges of liquid, m³; empty in a dry world.
+    pub(crate) liquid: &'a [f64],
 }
 
 impl<'a> Context<'a> {
@@ -291,7 +294,9 @@ impl<S: Simd, K: Sink> Collector<'_, S, K> {
         let old = lists.touches();
         let first = self.touches.len();
         let interaction = context.interaction_index(templates[0].material, templates[1].material);
-        let reach = context.interactions[interaction].reach();
+        let law = &context.interactions[interaction];
+        let volume = bridge_volume(law, context.liquid, [i, j]);
+        let reach = law.reach(volume);
         let between = bodies.position[j] - bodies.position[i];
         let single = [0, 1, 2].map(|axis| between[axis] as f32);
         let (ri, rj) = (&bodies.cells_to_metres[i], &bodies.cells_to_metres[j]);
@@ -325,6 +330,7 @@ impl<S: Simd, K: Sink> Collector<'_, S, K> {
             let gap = if known.is_some() { reach } else { 0.0 };
             if let Some(mut pair) = frame.sphere_pair(key, templates, gap) {
                 pair.memory = known.map_or_else(Memory::default, |touch| touch.memory);
+                pair.bridge_volume = volume;
                 pair.share_masses(shares.as_ref());
                 self.put((interaction, [i, j]), key, &pair);
             }
@@ -354,7 +360,9 @@ impl<S: Simd, K: Sink> Collector<'_, S, K> {
         let known = neighbours.touches[lists.touches()]
             .first()
             .filter(|t| t.key == 0);
-        let reach = known.map_or(0.0, |_| context.interactions[interaction].reach());
+        let law = &context.interactions[interaction];
+        let volume = bridge_volume(law, context.liquid, [i, j]);
+        let reach = known.map_or(0.0, |_| law.reach(volume));
         let between = bodies.position[j] - bodies.position[i];
         let sum = spheres[0].radius + spheres[1].radius + reach;
         if are_apart(&between, sum) {
@@ -373,6 +381,7 @@ impl<S: Simd, K: Sink> Collector<'_, S, K> {
             memory: known.map_or_else(Memory::default, |touch| touch.memory),
             radii: spheres.map(|sphere| sphere.radius),
             dashpot_masses: spheres.map(|sphere| sphere.dashpot_mass),
+            bridge_volume: volume,
         };
         (lists.touch, lists.n_touches) = (self.touches.len() as u32, 1);
         neighbours.sleep_without_list(k, f32::NEG_INFINITY);
@@ -413,7 +422,7 @@ impl<'a> PairFrame<'a> {
         }
     }
 
-    /// Geometry and motion of two spheres, without a memory; none if their gap is above `reach` (m):
+    /// Geometry and motion of two spheres, without memory and liquid; none if their gap is above `reach` (m):
     /// 0 for spheres that must touch.
     #[inline(always)]
     pub(crate) fn sphere_pair(
@@ -440,6 +449,7 @@ impl<'a> PairFrame<'a> {
             memory: Memory::default(),
             radii: [u.radius, v.radius],
             dashpot_masses: [u.dashpot_mass, v.dashpot_mass],
+            bridge_volume: 0.0,
         })
     }
 }

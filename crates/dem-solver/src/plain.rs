@@ -3,6 +3,7 @@
 //! It is slow and obvious. The tests hold the fast loop to it.
 
 use crate::contact::{Effect, Interaction, Memory, SpherePair, SphereWall};
+use crate::liquid::bridge_volume;
 use crate::mesh_force::{Touch, find_contacts};
 use crate::pair_force::{PairFrame, mover};
 use crate::shared_mass::Shares;
@@ -92,6 +93,7 @@ pub(crate) fn find_pairs(
     let templates = [i, j].map(|k| &context.templates[bodies.template[k]]);
     let [n, m] = templates.map(|t| t.spheres.len());
     let law = context.interaction(templates[0].material, templates[1].material);
+    let volume = bridge_volume(law, context.liquid, [i, j]);
     let frame = PairFrame::new(bodies, [i, j]);
     let key = |pair: usize| word(pair / m) << 16 | word(pair % m);
     let touching = (0..n * m).filter_map(|pair| frame.sphere_pair(key(pair), templates, 0.0));
@@ -99,11 +101,12 @@ pub(crate) fn find_pairs(
     let shares = Shares::new(templates.map(|t| t.shares_mass), radii);
     for key in (0..n * m).map(key) {
         let known = known(key);
-        let reach = known.map_or(0.0, |_| law.reach());
+        let reach = known.map_or(0.0, |_| law.reach(volume));
         let Some(mut pair) = frame.sphere_pair(key, templates, reach) else {
             continue;
         };
         pair.memory = known.unwrap_or_default();
+        pair.bridge_volume = volume;
         pair.share_masses(shares.as_ref());
         let effect = law.between_spheres(&pair, context.time_step);
         found(key, &pair, law, &effect);
@@ -122,6 +125,7 @@ pub(crate) fn find_at_wall(
     let (bodies, wall) = (world.bodies(), &world.walls()[w]);
     let template = &context.templates[bodies.template[i]];
     let law = context.interaction(template.material, wall.material);
+    let volume = bridge_volume(law, context.liquid, [i]);
     let body = mover(bodies, i);
     let at_wall = |sphere: &OuterSphere| {
         let centre = body.position + bodies.rotation[i] * sphere.centre;
@@ -132,10 +136,11 @@ pub(crate) fn find_at_wall(
     for (k, sphere) in template.spheres.iter().enumerate() {
         let mut contact = at_wall(sphere);
         let known = known(word(k));
-        let reach = known.map_or(0.0, |_| law.reach());
+        let reach = known.map_or(0.0, |_| law.reach(volume));
         if contact.geometry.overlap <= -reach {
             continue;
         }
+        contact.bridge_volume = volume;
         contact.share_mass(shares.as_ref());
         let memory = known.unwrap_or_default();
         let effect = law.at_wall(&contact, &body, memory, context.time_step);
@@ -166,7 +171,7 @@ fn mesh_loads(world: &World, i: usize, before: &History, next: &mut History, loa
             &all,
             &mut touches,
             body,
-            &bodies.rotation[i],
+            (i, &bodies.rotation[i]),
             moving,
             &context,
         );

@@ -56,6 +56,8 @@ pub struct Template {
     pub(crate) arm: f64,
     /// Index of the material in the world's table.
     pub(crate) material: usize,
+    /// Volume of liquid that a body carries, m³.
+    pub(crate) liquid: f64,
 }
 
 /// A sphere that other bodies can touch.
@@ -135,7 +137,22 @@ impl Template {
             inverse_inertia: clump.inertia().map(|moment| 1.0 / moment),
             bounding_radius: clump.bounding_radius(),
             material,
+            liquid: 0.0,
         }
+    }
+
+    /// The body type with a volume of liquid on each body (m³), which its bridges share.
+    #[must_use]
+    pub fn with_liquid(self, volume: f64) -> Self {
+        Self {
+            liquid: volume,
+            ..self
+        }
+    }
+
+    /// Volume of liquid on each body, m³.
+    pub fn liquid(&self) -> f64 {
+        self.liquid
     }
 
     /// Mass, kg.

@@ -8,6 +8,7 @@
 use crate::batch::Loads;
 use crate::bodies::Bodies;
 use crate::contact::{Effect, Memory, Mover, SphereWall};
+use crate::liquid::bridge_volume;
 use crate::neighbours::{Touch, lowered};
 use crate::pair_force::{Context, Slack, mover};
 use crate::shared_mass::Shares;
@@ -215,7 +216,8 @@ impl Near {
     ) -> Effect {
         let template = &context.templates[bodies.template[self.body]];
         let interaction = context.interaction(template.material, wall.material);
-        let reach = interaction.reach();
+        let volume = bridge_volume(interaction, context.liquid, [self.body]);
+        let reach = interaction.reach(volume);
         let rotation = &bodies.rotation[self.body];
         let mut total = Effect::default();
         let mut nearest_gap = f64::INFINITY;
@@ -246,6 +248,7 @@ impl Near {
                 continue;
             }
             let mut contact = at_wall(sphere, &centre);
+            contact.bridge_volume = volume;
             contact.share_mass(shares.as_ref());
             let at = known.unwrap_or_else(|| {
                 self.touches.push(Touch {
@@ -270,7 +273,7 @@ impl Near {
     }
 }
 
-/// Geometry of a sphere of a body at a wall; the overlap is negative where they do not touch.
+/// Geometry of a sphere of a body at a wall, without liquid; the overlap is negative where they do not touch.
 #[inline(always)]
 pub(crate) fn sphere_at_wall(
     body: &Mover,
@@ -291,5 +294,6 @@ pub(crate) fn sphere_at_wall(
             reduced_radius: sphere.radius,
             reduced_mass: sphere.dashpot_mass,
         },
+        bridge_volume: 0.0,
     }
 }

@@ -1,5 +1,7 @@
 //! The world: bodies, walls, laws, and the step.
 
+mod wet;
+
 use crate::batch::Loads;
 use crate::bodies::{Bodies, Placement};
 use crate::broad_phase::Grid;
@@ -7,6 +9,7 @@ use crate::check;
 use crate::contact::Interaction;
 use crate::error::Error;
 use crate::integrate::{Surroundings, advance};
+use crate::liquid::{Liquid, most_given};
 use crate::mesh_force::MeshWalls;
 use crate::mesh_wall::{MeshWall, Motion, Moving};
 use crate::neighbours::Census;
@@ -81,6 +84,8 @@ pub struct World {
     wall_torque: Vec<f64>,
     /// Walls of triangles.
     mesh_walls: MeshWalls,
+    /// Liquid of the bodies in their bridges.
+    liquid: Liquid,
     /// Spin of the frame in which ways are counted, rad/s.
     reference_spin: f64,
     /// Longest way of a centre of mass since the last broad phase, m; infinite when there is none yet.
@@ -109,9 +114,11 @@ impl World {
         let n_materials = check::interactions(&interactions, &templates, &walls)?;
         check::templates(&templates)?;
         walls.iter().try_for_each(check::wall)?;
+        let wettest = templates.iter().map(Template::liquid).fold(0.0, f64::max);
+        let most_volume = 2.0 * most_given(wettest);
         let reach = interactions
             .iter()
-            .map(Interaction::reach)
+            .map(|law| law.reach(most_volume))
             .fold(0.0, f64::max);
         let radii = templates.iter().map(|t| t.bounding_radius);
         let slack = Slack::new(radii.fold(0.0, f64::max), reach, &settings);
@@ -140,11 +147,13 @@ impl World {
             wall_load,
             wall_torque,
             mesh_walls: MeshWalls::default(),
+            liquid: Liquid::default(),
             reference_spin: 0.0,
             longest: f32::INFINITY,
         };
         world.choose_reference_spin();
         world.push(placements)?;
+        world.deal_liquid();
         Ok(world)
     }
 
@@ -162,7 +171,9 @@ impl World {
         self.push(placements)?;
         self.search_pairs()?;
         self.longest = 0.0;
-        self.recall(&pairs, &walls)
+        self.recall(&pairs, &walls)?;
+        self.deal_liquid();
+        Ok(())
     }
 
     /// Adds bodies, without lists.
@@ -365,6 +376,7 @@ impl World {
             n_materials: self.n_materials,
             slack: self.slack,
             time_step: self.settings.time_step,
+            liquid: self.liquid.shares(),
         };
         let (mut force, mut torque) = (take(&mut self.bodies.force), take(&mut self.bodies.torque));
         let mut loads = Loads {
@@ -401,6 +413,7 @@ impl World {
         }
         (self.bodies.force, self.bodies.torque) = (force, torque);
         self.mesh_walls.add_forces(&mut self.bodies, &context);
+        self.deal_liquid();
         further(&mut self.bodies);
         let around = Surroundings {
             time_step: self.settings.time_step,
@@ -576,6 +589,7 @@ impl World {
         self.longest = 0.0;
         self.recall(&snapshot.pairs, &snapshot.walls)?;
         if self.mesh_walls.recall(&snapshot.meshes) {
+            self.deal_liquid();
             Ok(())
         } else {
             Err(contacts_of_another_world())
@@ -604,6 +618,7 @@ impl World {
             n_materials: self.n_materials,
             slack: self.slack,
             time_step: self.settings.time_step,
+            liquid: self.liquid.shares(),
         }
     }
 

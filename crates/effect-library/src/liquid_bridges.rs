@@ -18,15 +18,18 @@ impl Effect for LiquidBridges {
             physics: "Water on the seeds gathers where they touch. The bridge pulls with its surface \
                       tension and lives on until the gap is too long for its volume; a flat wall holds \
                       twice as hard as another seed. Little water stays in the valleys of the \
-                      roughness: half of the force of a smooth surface is reached at 0.1 %. Each \
-                      touching pair of spheres has a bridge of its own. That water also lubricates \
-                      and drags is left out.",
-            formula: "F = 2 pi R g w/(w + 0.1 %) / (1 + 1.05 s + 2.5 s^2), s = gap sqrt(R/V), V = w \
-                      V_seed/3 between seeds, g = 72.7 mN/m; the amplitude is the volume of water w \
-                      over that of the seeds",
+                      roughness: half of the force of a smooth surface is reached at 0.1 %. The \
+                      bridges of a seed share its water, a sixth of it at most each. The viscosity of \
+                      the water resists parting, closing and sliding over a bridge. That water \
+                      lessens dry friction, resists rolling, passes from seed to seed and runs \
+                      together between many seeds is left out.",
+            formula: "F = 2 pi R g w/(w + 0.1 %) / (1 + 1.05 s + 2.5 s^2), s = D sqrt(R/V), gap D up to \
+                      V^(1/3); V = w V_seed/max(n, 6) of each seed with n bridges, g = 72.7 mN/m; 6 pi h \
+                      R*^2 X^2/D and 6 pi h R* (8/15 ln(R*/D) + 0.96) times the speed, h = 1 mPa s, D at \
+                      least 10 um; the amplitude is the volume of water w over that of the seeds",
             unit: "%",
             source: "Willett2000",
-            range: [0.0, 5.0],
+            range: [0.0, 15.0],
             probe: 0.05,
             entry: Entry::Contact,
         }
@@ -39,12 +42,11 @@ impl Effect for LiquidBridges {
                 content: liquid.content + content,
                 ..liquid
             },
-            None => LiquidSettings {
-                content,
-                surface_tension_n_m: WATER_N_M,
-                contact_angle: Angle::from_si(0.0)
-                    .map_err(|e| refused(self.description().name, &e))?,
-            },
+            None => {
+                let angle =
+                    Angle::from_si(0.0).map_err(|e| refused(self.description().name, &e))?;
+                LiquidSettings::new(content, WATER_N_M, angle)
+            }
         });
         Ok(())
     }

@@ -152,8 +152,14 @@ fn whole_seeds(scene: &Scene, bodies: &[Arc<SeedBody>], names: &[&str]) -> Vec<T
     let templates = kinds.map(|(s, b)| {
         let material = index_of(names, &s.material);
         Template::new(&b.clump, material, scene.model.dashpot_mass)
+            .with_liquid(content(scene) * volume_of_sphere(b.volume_radius()))
     });
     templates.collect()
+}
+
+/// Volume of liquid over that of the seeds.
+fn content(scene: &Scene) -> f64 {
+    scene.model.liquid.map_or(0.0, |liquid| liquid.content)
 }
 
 /// Bodies of the seeds, by kind.
@@ -200,7 +206,8 @@ fn single_spheres(
                 source,
             })?;
             let material = index_of(names, &seed.material);
-            templates.push(Template::new(&single, material, scene.model.dashpot_mass));
+            let template = Template::new(&single, material, scene.model.dashpot_mass);
+            templates.push(template.with_liquid(content(scene) * volume_of_sphere(sphere.radius)));
         }
     }
     Ok(templates)

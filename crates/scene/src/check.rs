@@ -71,6 +71,18 @@ impl Scene {
                 angle.to_string(),
                 "0 to 90 deg",
             );
+            let viscosity = liquid.viscosity_pa_s;
+            let (holds, name) = (
+                (0.0..=1000.0).contains(&viscosity),
+                "model.liquid.viscosity_pa_s",
+            );
+            require(holds, name, viscosity.to_string(), "0 to 1000");
+            let roughness = liquid.roughness;
+            let (holds, name) = (
+                (1e-9..=1e-3).contains(&roughness.si()),
+                "model.liquid.roughness",
+            );
+            require(holds, name, roughness.to_string(), "1 nm to 1 mm");
         }
         let gravity = model.gravity_m_s2;
         let holds = gravity > 0.0 && gravity <= 1000.0;

@@ -135,7 +135,8 @@ pub enum RollingLaw {
     SpringDashpot,
 }
 
-/// Liquid on the seeds. Each touching pair of spheres has a bridge of a sixth of the liquid of each seed.
+/// Liquid on the seeds. Each pair of spheres that has touched has a bridge, up to the gap at which it breaks; the bridges
+/// of a seed share its liquid, at most a sixth each.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct LiquidSettings {
@@ -145,6 +146,37 @@ pub struct LiquidSettings {
     pub surface_tension_n_m: f64,
     /// Angle of contact.
     pub contact_angle: Angle,
+    /// Viscosity, Pa s; that of water at 20 °C, 0.001, where absent. 0 leaves the viscous forces out.
+    #[serde(default = "water_viscosity")]
+    pub viscosity_pa_s: f64,
+    /// Height of the roughness, the least gap in the viscous forces; 10 um where absent, between polished beads and hairy
+    /// seeds. Half of it doubles the force against coming apart at the touch and shortens the time step where that counts.
+    #[serde(default = "usual_roughness")]
+    pub roughness: Length,
+}
+
+/// Viscosity of water at 20 °C, Pa s, for serde.
+pub(crate) fn water_viscosity() -> f64 {
+    1.0e-3
+}
+
+/// Roughness of a surface that nobody describes, for serde.
+fn usual_roughness() -> Length {
+    Length::from_si(1e-5).expect("10 um is a length")
+}
+
+impl LiquidSettings {
+    /// Liquid with a volume over that of the seeds, a surface tension (N/m) and an angle of contact; its viscosity and the
+    /// roughness are those of a scene that does not state them.
+    pub fn new(content: f64, surface_tension_n_m: f64, contact_angle: Angle) -> Self {
+        Self {
+            content,
+            surface_tension_n_m,
+            contact_angle,
+            viscosity_pa_s: water_viscosity(),
+            roughness: usual_roughness(),
+        }
+    }
 }
 
 /// What is done and when.

@@ -1,9 +1,9 @@
 //! The time step of a run: what the hardest contact allows.
 
-use crate::interactions::material_of;
-use crate::{Error, RollingLaw, Scene, SeedBody};
-use contact_law::hard_contact;
+use crate::interactions::{material_of, mean_radius};
+use crate::{Error, RollingLaw, Scene, SeedBody, SeedSettings};
 use contact_law::material::effective_moduli;
+use contact_law::{ViscousBridge, hard_contact};
 use std::sync::Arc;
 
 /// How much shorter a contact with a rolling spring counts: spring and sliding together swing faster than the
@@ -17,6 +17,14 @@ const ROLLING_SPRING: f64 = 0.6;
 /// a share of 0.42 with a friction of 0.56 (3 of 9 runs; none of 6 at 0.36), plain spheres at 0.36 from 0.65 on and at
 /// 0.30 with 0.97.
 const STICKING: [f64; 3] = [0.35, 0.5, 0.7];
+
+/// Share of the time step at which viscous bridges become unstable. A dashpot of c between a mass m and the world is stable up to
+/// `2 m / c`; between bodies of one mass, with twelve of them on each, up to `m / (12 c)`, and less beside the springs of
+/// the contacts.
+const VISCOUS_SHARE: f64 = 0.5;
+
+/// Viscous bridges that pull at a seed at a time: as many as spheres of one size can touch one of them.
+const VISCOUS_BRIDGES: f64 = 12.0;
 
 /// Time steps of the phases of a run, s.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -47,15 +55,22 @@ impl TimeSteps {
         };
         let duration = stiffer * sticking(scene) * hardest_contact(scene, bodies)?;
         let share = protocol.step_share;
-        let longest = share * duration;
+        let viscous = viscous_limit(scene, bodies);
+        let longest = (share * duration).min(viscous);
         let steps = match protocol.time_step {
             Some(step) if step.si() > longest => {
+                let reason = if longest < viscous {
+                    format!(
+                        "a share of {share} (protocol.step_share) of a hard contact of these seeds"
+                    )
+                } else {
+                    "what the viscosity of model.liquid allows".into()
+                };
                 return Err(Error::BadValue {
                     name: "protocol.time_step".into(),
                     value: step.to_string(),
                     requirement: format!(
-                        "at most {:.4} ms, a share of {share} (protocol.step_share) of a hard \
-                         contact of these seeds; without protocol.time_step it is chosen",
+                        "at most {:.4} ms, {reason}; without protocol.time_step it is chosen",
                         // Rounded down: what is advised must be taken.
                         (1e7 * longest).floor() * 1e-4
                     ),
@@ -67,7 +82,7 @@ impl TimeSteps {
             },
             None => Self {
                 settling: longest,
-                flow: protocol.flow_step_share.unwrap_or(share) * duration,
+                flow: (protocol.flow_step_share.unwrap_or(share) * duration).min(viscous),
             },
         };
         steps.resolve_vibrations(scene)?;
@@ -101,6 +116,41 @@ impl TimeSteps {
         }
         Ok(())
     }
+}
+
+/// Longest time step with which the viscous forces of the bridges of liquid are stable, s; without end where there are none.
+///
+/// # Formula
+///
+/// `dt = 0.5 m / (12 c)`: m the [mass felt at the tip](clump::Clump::mass_felt_at_tip), or of the lightest sphere where
+/// seeds are bonded, c the greatest resistance between two seeds, along the surface `7/2` times for the turn that it
+/// brings along. A wall resists four times as much as a seed, and stands for four of the twelve.
+fn viscous_limit(scene: &Scene, bodies: &[Arc<SeedBody>]) -> f64 {
+    let Some(liquid) = scene.model.liquid.filter(|liquid| liquid.content > 0.0) else {
+        return f64::INFINITY;
+    };
+    let Ok(law) = ViscousBridge::new(liquid.viscosity_pa_s, liquid.roughness.si()) else {
+        return f64::INFINITY;
+    };
+    let limit = |(seed, body): (&SeedSettings, &Arc<SeedBody>)| {
+        let radius = mean_radius(scene, bodies, &seed.material)?;
+        let [normal, along] = law.between(radius)?.most();
+        let resistance = normal.max(3.5 * along);
+        let mass = lightest_mass(scene, body);
+        Some(VISCOUS_SHARE * mass / (VISCOUS_BRIDGES * resistance))
+    };
+    let limits = scene.seed.iter().zip(bodies).filter_map(limit);
+    limits.fold(f64::INFINITY, f64::min)
+}
+
+/// Mass that a contact of a seed feels, kg: that at its tip, or of its lightest sphere where seeds are bonded.
+fn lightest_mass(scene: &Scene, body: &SeedBody) -> f64 {
+    if scene.model.bonds.is_none() {
+        return body.clump.mass_felt_at_tip();
+    }
+    let spheres = 0..body.clump.spheres().len();
+    let masses = spheres.map(|k| body.clump.fraction_mass(k));
+    masses.fold(f64::INFINITY, f64::min)
 }
 
 /// How much shorter contacts count for the greatest friction at which seeds touch anything.
@@ -144,13 +194,7 @@ pub(crate) fn hardest_contact(scene: &Scene, bodies: &[Arc<SeedBody>]) -> Result
             );
             stiffest = stiffest.max(moduli.young);
         }
-        let mass = if scene.model.bonds.is_some() {
-            let spheres = 0..body.clump.spheres().len();
-            let masses = spheres.map(|k| body.clump.fraction_mass(k));
-            masses.fold(f64::INFINITY, f64::min)
-        } else {
-            body.clump.mass_felt_at_tip()
-        };
+        let mass = lightest_mass(scene, body);
         least = least.min(hard_contact::duration(mass, largest, stiffest));
     }
     Ok(least)

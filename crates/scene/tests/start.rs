@@ -1,6 +1,7 @@
 //! How a drum starts: a bed that is laid at a slope before it turns, and the time steps of both phases.
 
-use scene::{FillingLibrary, Override, Scene, settled_world, starting_frame};
+use quantity::{Angle, Length, Time};
+use scene::{FillingLibrary, LiquidSettings, Override, Scene, settled_world, starting_frame};
 use std::path::Path;
 
 /// A slice of the study's drum with coarse seeds, and further changes.
@@ -101,6 +102,35 @@ fn the_time_step_falls_with_the_friction() -> Result<(), scene::Error> {
         let got = step(friction)? / smooth;
         assert!((got - share).abs() < 1e-12, "{friction}: {got} for {share}");
     }
+    Ok(())
+}
+
+/// Water changes no step; a liquid a thousand times as thick shortens it, twice the viscosity or half of the roughness by half,
+/// and a fixed step that it does not stand is refused. Rounding only.
+#[test]
+fn the_time_step_stands_the_viscosity_of_the_liquid() -> Result<(), scene::Error> {
+    let library = FillingLibrary::default();
+    let wet = |viscosity: f64, roughness: f64| -> Result<Scene, scene::Error> {
+        let mut scene = drum(&[])?;
+        let mut liquid = LiquidSettings::new(0.01, 0.0727, Angle::from_si(0.0).unwrap());
+        liquid.viscosity_pa_s = viscosity;
+        liquid.roughness = Length::from_si(roughness).unwrap();
+        scene.model.liquid = Some(liquid);
+        Ok(scene)
+    };
+    let step = |scene: &Scene| Ok::<f64, scene::Error>(starting_frame(scene, &library, 1)?.2);
+    let dry = step(&drum(&[])?)?;
+    assert_eq!(step(&wet(0.001, 1e-5)?)?, dry, "water");
+    let thick = step(&wet(1.0, 1e-5)?)?;
+    assert!(thick < 0.5 * dry, "{thick} s, dry {dry} s");
+    for half in [wet(2.0, 1e-5)?, wet(1.0, 0.5e-5)?] {
+        let ratio = step(&half)? / thick;
+        assert!((ratio - 0.5).abs() < 1e-12, "{ratio}");
+    }
+    let mut fixed = wet(1.0, 1e-5)?;
+    fixed.protocol.time_step = Some(Time::from_si(2.0 * thick).unwrap());
+    let error = starting_frame(&fixed, &library, 1).unwrap_err().to_string();
+    assert!(error.contains("viscosity of model.liquid"), "{error}");
     Ok(())
 }
 

@@ -30,13 +30,13 @@ pub(crate) fn laws() -> Result<Vec<Row>, Trouble> {
         -deepest,
     )];
 
-    let bridge = CapillaryBridge::new(0.072, 0.0, 1e-12)?;
+    let bridge = CapillaryBridge::new(0.072, 0.0)?;
     let water = Basis {
         source: "[Willett2000]",
         reason: "rounding",
         ..basis
     };
-    let touching = bridge.attraction(0.0, 0.5 * radius, false);
+    let touching = bridge.between(radius).attraction(0.0, 1e-12);
     rows.push(water.row(
         "water bridge at touch, 2 pi R g",
         "N",

@@ -13,6 +13,7 @@ mod energy_ledger;
 mod free_rotation;
 mod impact_reference;
 mod laws;
+mod liquid;
 mod maw;
 mod page;
 mod restitution;

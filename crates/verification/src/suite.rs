@@ -2,7 +2,7 @@
 
 use crate::{
     Error, Row, Trouble, agglomerate, bond_beam, chung_ooi, determinism, energy_ledger,
-    free_rotation, laws, maw, restitution, rolling, size_ratio, walls,
+    free_rotation, laws, liquid, maw, restitution, rolling, size_ratio, walls,
 };
 
 /// A check: some rows that one computation gives.
@@ -37,6 +37,7 @@ pub fn suite() -> Vec<Check> {
         check("bond-beam", bond_beam::beam),
         check("size-ratio", size_ratio::three_spheres),
         check("laws", laws::laws),
+        check("liquid-bridge", liquid::bridges),
         check("determinism", determinism::same_bits),
     ]
 }

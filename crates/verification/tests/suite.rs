@@ -39,6 +39,7 @@ checks! {
     bonded_chain_is_a_beam: "bond-beam",
     small_grains_pass_between_large_ones: "size-ratio",
     laws_have_their_closed_forms: "laws",
+    bridges_of_liquid_hold_and_resist: "liquid-bridge",
     same_input_gives_the_same_bits: "determinism",
 }
 

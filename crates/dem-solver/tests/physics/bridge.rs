@@ -1,12 +1,17 @@
 //! Bridges of liquid between bodies, and rolling springs.
 
-use crate::scene::{ball, interaction, rough, run, settings, smooth};
-use contact_law::{CapillaryBridge, RollingSpringDashpot};
+use crate::scene::{
+    ball, box_of_planes, interaction, rough, run, scattered, settings, smooth, wet_bridge,
+};
+use contact_law::{BridgeForce, CapillaryBridge, RollingSpringDashpot, ViscousBridge};
 use dem_solver::{FurtherLaws, Placement, Shape, Wall, World};
 use nalgebra::{UnitQuaternion, Vector3};
 
 /// Radius of the balls, m.
 const RADIUS: f64 = 1e-3;
+
+/// Volume of the bridges between two balls with little company, m³.
+const VOLUME: f64 = 1e-12;
 
 /// A plane through the origin that bodies stay before.
 fn plane(normal: Vector3<f64>) -> Wall {
@@ -21,8 +26,9 @@ fn plane(normal: Vector3<f64>) -> Wall {
     }
 }
 
-/// Two balls that touch by a ten-thousandth of their radius and part with a speed (m/s) of each.
-fn parting(bridge: &CapillaryBridge, speed: f64) -> World {
+/// Two balls that touch by a ten-thousandth of their radius and part with a speed (m/s) of each. A sixth of the
+/// liquid of both is the volume of their bridge.
+fn parting(bridge: BridgeForce, speed: f64) -> World {
     let start = |sign: f64| {
         let mut placement = Placement::at_rest(
             0,
@@ -33,13 +39,14 @@ fn parting(bridge: &CapillaryBridge, speed: f64) -> World {
         placement
     };
     let further = FurtherLaws {
-        bridge: Some(bridge.between(RADIUS)),
+        bridge: Some(bridge),
         ..FurtherLaws::default()
     };
     let surface = interaction(&smooth()).with(&further);
     let starts = [start(-1.0), start(1.0)];
     let settings = settings(1e-7, Vector3::zeros());
-    World::new(settings, vec![ball(RADIUS)], vec![surface], vec![], &starts).expect("possible")
+    let balls = vec![ball(RADIUS).with_liquid(3.0 * VOLUME)];
+    World::new(settings, balls, vec![surface], vec![], &starts).expect("possible")
 }
 
 /// Two balls leave each other so fast that their speed hardly changes: at each gap up to the rupture the force
@@ -47,9 +54,10 @@ fn parting(bridge: &CapillaryBridge, speed: f64) -> World {
 /// step, which is known to rounding.
 #[test]
 fn a_bridge_pulls_by_its_law_until_it_breaks() {
-    let bridge = CapillaryBridge::new(0.072, 0.2, 1e-12).expect("water");
-    let mut world = parting(&bridge, 0.5);
-    let rupture = bridge.rupture_gap();
+    let bridge = CapillaryBridge::new(0.072, 0.2).expect("water");
+    let bridge = bridge.between(RADIUS);
+    let mut world = parting(bridge, 0.5);
+    let rupture = bridge.rupture_gap(VOLUME);
     let (mut beyond_touch, mut broken) = (0, 0);
     for _ in 0..2000 {
         let [a, b] = [world.bodies().position[0], world.bodies().position[1]];
@@ -57,7 +65,7 @@ fn a_bridge_pulls_by_its_law_until_it_breaks() {
         world.step().expect("steps");
         let pull = world.bodies().force[0].x;
         if gap > 1e-9 && gap < rupture {
-            let expected = bridge.attraction(gap, 0.5 * RADIUS, true);
+            let expected = bridge.attraction(gap, VOLUME);
             assert!(
                 (pull / expected - 1.0).abs() < 1e-9,
                 "gap {gap}: {pull} N, not {expected}"
@@ -74,12 +82,107 @@ fn a_bridge_pulls_by_its_law_until_it_breaks() {
     );
 }
 
+/// The bridge of a liquid without surface tension holds two parting balls by its viscosity alone: by the law at the
+/// gap and the speed before the step, both known to rounding.
+#[test]
+fn a_viscous_bridge_resists_parting_by_its_law() {
+    let viscous = ViscousBridge::new(0.1, 1e-6)
+        .expect("syrup")
+        .between(RADIUS);
+    let bridge = CapillaryBridge::new(0.0, 0.0).expect("no tension");
+    let mut world = parting(bridge.between(RADIUS).with_viscosity(viscous), 0.5);
+    let viscous = viscous.expect("viscosity");
+    let mut steps = 0;
+    for _ in 0..800 {
+        let bodies = world.bodies();
+        let gap = (bodies.position[1] - bodies.position[0]).norm() - 2.0 * RADIUS;
+        let speed = (bodies.velocity[1] - bodies.velocity[0]).x;
+        world.step().expect("steps");
+        let pull = world.bodies().force[0].x;
+        if gap > 1e-9 && gap < 1e-4 {
+            let expected = viscous.resistance(gap, VOLUME)[0] * speed;
+            assert!(
+                (pull / expected - 1.0).abs() < 1e-9,
+                "gap {gap}: {pull} N, not {expected}"
+            );
+            steps += 1;
+        }
+    }
+    assert!(steps > 500, "{steps} steps");
+}
+
+/// Balls that fall into a heap and are poured over: in every step the bridges and the films hold the liquid that
+/// was there, no body has given more than its own, and some bodies have more than the six bridges among which they share
+/// all of it. Rounding of some hundred sums.
+#[test]
+fn bridges_and_films_hold_the_liquid_that_is_there() {
+    let liquid = 3e-11;
+    let further = FurtherLaws {
+        bridge: Some(wet_bridge()),
+        ..FurtherLaws::default()
+    };
+    let surface = interaction(&rough(0.3, 0.3)).with(&further);
+    let mut stream = random_stream::Stream::new(3, "pour");
+    let mut starts = scattered([0.009; 3], 0.35, 0.3, &mut stream);
+    for start in &mut starts {
+        start.template = 0;
+    }
+    let walls = box_of_planes(0.01);
+    let balls = vec![ball(RADIUS).with_liquid(liquid)];
+    let settings = settings(1e-5, -Vector3::y() * 9.81);
+    let mut world = World::new(settings, balls, vec![surface], walls, &starts).expect("possible");
+    let total = liquid * starts.len() as f64;
+    let mut emptied = 0;
+    for step in 0..6000 {
+        if step == 4000 {
+            world
+                .set_gravity(Vector3::new(9.81, -3.0, 0.0))
+                .expect("gravity");
+        }
+        world.step().expect("steps");
+        let films = world.films();
+        let held = world.bridge_volumes().iter().sum::<f64>() + films.iter().sum::<f64>();
+        assert!(
+            (held / total - 1.0).abs() < 1e-12,
+            "{held} m³ of {total} in step {step}"
+        );
+        let least = films.iter().copied().fold(total, f64::min);
+        assert!(least > -1e-12 * liquid, "a film of {least} m³");
+        emptied = films.iter().filter(|film| **film < 1e-12 * liquid).count();
+    }
+    assert!(emptied > 10, "{emptied} bodies with six bridges or more");
+}
+
+/// A ball that gets a second bridge does not take from its first: nobody has more than six. Rounding only.
+#[test]
+fn few_bridges_do_not_drain_each_other() {
+    let bridge = CapillaryBridge::new(0.05, 0.0).expect("water");
+    let mut world = parting(bridge.between(RADIUS), 0.0);
+    run(&mut world, 10);
+    let volumes = world.bridge_volumes();
+    assert_eq!(volumes.len(), 1);
+    assert!((volumes[0] / VOLUME - 1.0).abs() < 1e-12, "{volumes:?}");
+    let beside = Placement::at_rest(
+        0,
+        Vector3::new(RADIUS, 1.9999 * RADIUS, 0.0),
+        UnitQuaternion::identity(),
+    );
+    world.insert(&[beside]).expect("room");
+    run(&mut world, 10);
+    let volumes = world.bridge_volumes();
+    assert_eq!(volumes.len(), 2);
+    assert!(
+        volumes.iter().all(|v| (v / VOLUME - 1.0).abs() < 1e-12),
+        "{volumes:?}"
+    );
+}
+
 /// A wall holds a ball twice as hard as another ball does: the mean radius is that of the ball doubled. The ball
 /// hangs under the wall on a bridge stronger than its weight (41 uN), and falls from a weaker one.
 #[test]
 fn a_ball_hangs_from_a_wet_wall() {
     let hangs = |tension: f64| {
-        let bridge = CapillaryBridge::new(tension, 0.0, 1e-12).expect("liquid");
+        let bridge = CapillaryBridge::new(tension, 0.0).expect("liquid");
         let further = FurtherLaws {
             bridge: Some(bridge.between(2.0 * RADIUS)),
             ..FurtherLaws::default()
@@ -94,7 +197,7 @@ fn a_ball_hangs_from_a_wet_wall() {
         let settings = settings(2e-6, -Vector3::y() * 9.81);
         let mut world = World::new(
             settings,
-            vec![ball(RADIUS)],
+            vec![ball(RADIUS).with_liquid(6.0 * VOLUME)],
             vec![surface],
             vec![ceiling],
             &[start],
@@ -151,4 +254,49 @@ fn a_rolling_spring_holds_a_ball_on_a_gentle_slope() {
         (speed / expected - 1.0).abs() < 0.02,
         "{speed} m/s, not {expected}"
     );
+}
+
+/// Balls in a box that a thick liquid holds together come to rest with the time step `m / (24 c)` that a scene takes for
+/// them, and fly apart with one six times as long: c is the greatest resistance between two balls. The first says that the
+/// rule is short enough, the second that it is not shorter than a few times what is needed.
+#[test]
+fn viscous_bridges_are_stable_up_to_a_step() {
+    let viscous = ViscousBridge::new(1.0, 1e-5).expect("syrup");
+    let between = |radius: f64| {
+        let bridge = CapillaryBridge::new(0.07, 0.0).expect("water");
+        let bridge = bridge.between(radius);
+        bridge.with_viscosity(viscous.between(radius))
+    };
+    let [resistance, _] = viscous.between(RADIUS).expect("viscosity").most();
+    let calm = |share: f64| {
+        let balls = vec![ball(RADIUS).with_liquid(3e-10)];
+        let step = share * balls[0].mass() / (24.0 * resistance);
+        let laws = [RADIUS, 2.0 * RADIUS].map(|radius| {
+            let further = FurtherLaws {
+                bridge: Some(between(radius)),
+                ..FurtherLaws::default()
+            };
+            interaction(&rough(0.3, 0.3)).with(&further)
+        });
+        let mut stream = random_stream::Stream::new(3, "syrup");
+        let mut starts = scattered([0.004; 3], 0.29, 0.3, &mut stream);
+        for start in &mut starts {
+            start.template = 0;
+        }
+        let mut walls = box_of_planes(0.004);
+        walls.iter_mut().for_each(|wall| wall.material = 1);
+        let table = vec![laws[0], laws[1], laws[1], laws[1]];
+        let settings = settings(step, -Vector3::y() * 9.81);
+        let mut world = World::new(settings, balls, table, walls, &starts).expect("possible");
+        let steps = 0.05 / step;
+        for _ in 0..steps as usize {
+            if world.step().is_err() {
+                return false;
+            }
+        }
+        let speeds = world.bodies().velocity.iter().map(|v| v.norm());
+        speeds.fold(0.0, f64::max) < 0.05
+    };
+    assert!(calm(1.0), "the step of a scene");
+    assert!(!calm(6.0), "a step six times as long");
 }

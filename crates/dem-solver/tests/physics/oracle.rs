@@ -7,11 +7,9 @@
 
 use crate::scene::{
     ball, box_of_planes, cluster, interaction, rough, run, scattered, seed_and_block,
-    seed_and_block_with, smooth, sticky, world,
+    seed_and_block_with, smooth, sticky, wet_bridge, wetted, world,
 };
-use contact_law::{
-    CapillaryBridge, RateDependentFriction, RollingLever, RollingSpringDashpot, ViscoelasticDamping,
-};
+use contact_law::{RateDependentFriction, RollingLever, RollingSpringDashpot, ViscoelasticDamping};
 use dem_solver::{
     DashpotMass, FurtherLaws, MeshWall, Motion, Placement, Settings, Shape, Template, Vibration,
     Wall, World, plain,
@@ -194,20 +192,19 @@ fn loads_are_those_of_the_plain_loop_in_a_drum() {
 /// so that a list that ends at the touch would lose it.
 #[test]
 fn loads_are_those_of_the_plain_loop_with_every_law() {
-    let water = CapillaryBridge::new(0.07, 0.1, 1e-11).expect("water");
     let further = FurtherLaws {
         viscoelastic: ViscoelasticDamping::new(0.7, 1e-5).ok(),
         rate_dependent: RateDependentFriction::new(-0.5, 0.05).ok(),
         rolling_spring: RollingSpringDashpot::new(0.2, 0.3, 2.25).ok(),
         rolling_lever: RollingLever::Sphere,
-        bridge: Some(water.between(1e-3)),
+        bridge: Some(wet_bridge()),
     };
     let surface = interaction(&sticky()).with(&further);
     let starts = fallen(1.0, drum(1.0));
     let dry = world_of(1.0, settings_of(1.0), drum(1.0), &starts);
     let wet = |interactions: Vec<_>| {
         let settings = settings_of(1.0);
-        let templates = seed_and_block_with(1.0, DashpotMass::Shared);
+        let templates = wetted(seed_and_block_with(1.0, DashpotMass::Shared));
         World::new(settings, templates, interactions, drum(1.0), &starts).expect("possible")
     };
     let mut world = wet(vec![surface; 4]);
@@ -232,18 +229,17 @@ fn loads_are_those_of_the_plain_loop_with_every_law() {
 /// of their own, and a bridge outlives the touch for them too.
 #[test]
 fn loads_are_those_of_the_plain_loop_for_plain_spheres() {
-    let water = CapillaryBridge::new(0.07, 0.1, 1e-11).expect("water");
     let wet = FurtherLaws {
         viscoelastic: Some(ViscoelasticDamping::new(0.7, 1e-5).expect("possible")),
         rate_dependent: Some(RateDependentFriction::new(-0.5, 0.05).expect("possible")),
         rolling_spring: Some(RollingSpringDashpot::new(0.2, 0.3, 2.25).expect("possible")),
         rolling_lever: RollingLever::Sphere,
-        bridge: Some(water.between(1e-3)),
+        bridge: Some(wet_bridge()),
     };
     let places = fallen(1.0, drum(1.0));
     let templates = || {
         let seed = seed_and_block(1.0).swap_remove(0);
-        vec![seed, ball(1.3e-3), ball(1e-3)]
+        wetted(vec![seed, ball(1.3e-3), ball(1e-3)])
     };
     let settings = Settings {
         time_step: 2e-5,
@@ -279,9 +275,8 @@ fn loads_are_those_of_the_plain_loop_for_plain_spheres() {
 #[test]
 fn loads_are_those_of_the_plain_loop_at_a_moving_mesh() {
     let starts = fallen(1.0, drum(1.0));
-    let water = CapillaryBridge::new(0.07, 0.1, 1e-11).expect("water");
     let wet = FurtherLaws {
-        bridge: Some(water.between(1e-3)),
+        bridge: Some(wet_bridge()),
         ..FurtherLaws::default()
     };
     let stands = Motion::default();
@@ -303,8 +298,14 @@ fn loads_are_those_of_the_plain_loop_at_a_moving_mesh() {
             margin: 5e-3,
             ..settings_of(1.0)
         };
-        let mut world =
-            World::new(settings, seed_and_block(1.0), laws, drum(1.0), &starts).expect("possible");
+        let mut world = World::new(
+            settings,
+            wetted(seed_and_block(1.0)),
+            laws,
+            drum(1.0),
+            &starts,
+        )
+        .expect("possible");
         world.add_mesh_wall(paddle()).expect("a paddle");
         let mut history = plain::History::default();
         let mut pushed = 0_usize;

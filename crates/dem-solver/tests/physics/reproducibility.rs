@@ -1,11 +1,10 @@
 //! The same input gives the same bits.
 
 use crate::scene::{
-    ball, box_of_planes, interaction, run, scattered, seed_and_block, settings, sticky, world,
+    ball, box_of_planes, interaction, run, scattered, seed_and_block, settings, sticky, wet_bridge,
+    wetted, world,
 };
-use contact_law::{
-    CapillaryBridge, RateDependentFriction, RollingLever, RollingSpringDashpot, ViscoelasticDamping,
-};
+use contact_law::{RateDependentFriction, RollingLever, RollingSpringDashpot, ViscoelasticDamping};
 use dem_solver::{FurtherLaws, MeshWall, Motion, Placement, Template, World};
 use nalgebra::Vector3;
 use random_stream::Stream;
@@ -31,6 +30,19 @@ fn shaken() -> World {
         box_of_planes(0.0125),
         &starts,
     )
+}
+
+/// The same with bridges of liquid.
+fn shaken_wet() -> World {
+    let (templates, starts) = mixture();
+    let settings = settings(2e-5, Vector3::new(0.0, -9.81, 0.0));
+    let further = FurtherLaws {
+        bridge: Some(wet_bridge()),
+        ..FurtherLaws::default()
+    };
+    let surfaces = vec![interaction(&sticky()).with(&further); 4];
+    let walls = box_of_planes(0.0125);
+    World::new(settings, wetted(templates), surfaces, walls, &starts).unwrap()
 }
 
 /// Bits of all positions and spins.
@@ -79,34 +91,35 @@ fn instruction_sets_change_no_bit() {
     assert_eq!(bits(&worlds[0]), bits(&worlds[1]));
 }
 
-/// The sums of forces do not depend on who found them: one, two and three threads, whose bodies are
-/// cut into 1, 8 and 12 parts, give the same bits.
+/// The sums of forces do not depend on who found them, nor what the bodies give to their bridges of liquid: one, two and
+/// three threads, whose bodies are cut into 1, 8 and 12 parts, give the same bits.
 #[test]
 fn threads_change_no_bit() {
-    let [one, two, three] = [1, 2, 3].map(|threads| {
-        let mut world = shaken().on_threads(threads).unwrap();
-        run(&mut world, 10_000);
-        let (pairs, walls) = (world.census().touching_pairs, world.n_wall_contacts());
-        // The order matters only to a body with three loads or more; half a box full has many.
-        let mean = (2 * pairs + walls) as f64 / world.bodies().len() as f64;
-        assert!(mean > 2.5, "the bodies have only {mean} contacts each");
-        bits(&world)
-    });
-    assert_eq!(one, two);
-    assert_eq!(one, three);
+    for start in [shaken, shaken_wet] {
+        let [one, two, three] = [1, 2, 3].map(|threads| {
+            let mut world = start().on_threads(threads).unwrap();
+            run(&mut world, 10_000);
+            let (pairs, walls) = (world.census().touching_pairs, world.n_wall_contacts());
+            // The order matters only to a body with three loads or more; half a box full has many.
+            let mean = (2 * pairs + walls) as f64 / world.bodies().len() as f64;
+            assert!(mean > 2.5, "the bodies have only {mean} contacts each");
+            bits(&world)
+        });
+        assert_eq!(one, two);
+        assert_eq!(one, three);
+    }
 }
 
 /// A snapshot, taken on the way and given to a world that has not moved, has the same future: with every law on,
 /// and a wall of triangles on its way. Lists are made anew there, on other threads.
 #[test]
 fn a_world_goes_on_from_a_snapshot_with_the_same_bits() {
-    let water = CapillaryBridge::new(0.07, 0.1, 1e-11).unwrap();
     let further = FurtherLaws {
         viscoelastic: ViscoelasticDamping::new(0.7, 1e-5).ok(),
         rate_dependent: RateDependentFriction::new(-0.5, 0.05).ok(),
         rolling_spring: RollingSpringDashpot::new(0.2, 0.3, 2.25).ok(),
         rolling_lever: RollingLever::Centre,
-        bridge: Some(water.between(1e-3)),
+        bridge: Some(wet_bridge()),
     };
     let fresh = || {
         let (templates, starts) = mixture();
@@ -114,6 +127,7 @@ fn a_world_goes_on_from_a_snapshot_with_the_same_bits() {
         let surface = interaction(&sticky()).with(&further);
         let walls = box_of_planes(0.0125);
         let surfaces = vec![surface; 4];
+        let templates = wetted(templates);
         let mut world = World::new(settings, templates, surfaces, walls, &starts).unwrap();
         let corner = |x, z| Vector3::new(x, -0.008, z);
         let plate = MeshWall {

@@ -1,7 +1,9 @@
 //! Worlds for the tests: surfaces, bodies, walls, starts.
 
 use clump::{Clump, MassProperties, Sphere, properties_of_spheres};
-use contact_law::{Material, NormalForceEnd, PairParameters};
+use contact_law::{
+    BridgeForce, CapillaryBridge, Material, NormalForceEnd, PairParameters, ViscousBridge,
+};
 use dem_solver::{
     DashpotMass, Interaction, InteractionSettings, Placement, Settings, Shape, Template, Wall,
     World,
@@ -76,6 +78,19 @@ pub(crate) fn settings(time_step: f64, gravity: Vector3<f64>) -> Settings {
         skin: 3e-4,
         margin: 1e-3,
     }
+}
+
+/// Bridges of a liquid ten times as viscous as water, between surfaces of a mean radius of 1 mm.
+pub(crate) fn wet_bridge() -> BridgeForce {
+    let bridge = CapillaryBridge::new(0.07, 0.1).expect("water");
+    let viscous = ViscousBridge::new(0.01, 1e-5).expect("syrup");
+    bridge.between(1e-3).with_viscosity(viscous.between(1e-3))
+}
+
+/// Body types that carry liquid, as much as gives bridges of 10 nl between two that have few.
+pub(crate) fn wetted(templates: Vec<Template>) -> Vec<Template> {
+    let wet = templates.into_iter().map(|t| t.with_liquid(3e-11));
+    wet.collect()
 }
 
 /// A single sphere of a radius (m), whose dashpots see its mass.
