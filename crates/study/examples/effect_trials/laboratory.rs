@@ -17,7 +17,7 @@ const DATA_SEEDS: u64 = 30_000_000;
 const SEEDS_OF_CAMPAIGN: u64 = 1000;
 /// Runs of each model that tell how far single runs scatter: a standard deviation from them is right within 27 %, and
 /// that of several models within less.
-const PILOT_RUNS: u64 = 8;
+const PILOT_RUNS: usize = 8;
 
 /// What a campaign hides.
 #[derive(Debug, Clone)]
@@ -76,14 +76,14 @@ impl<'a> Laboratory<'a> {
             .map(|(k, r)| {
                 laboratory
                     .request(k, &truth, None)
-                    .with_seed(PILOT_SEEDS + r)
+                    .with_seed(PILOT_SEEDS + r as u64)
             })
             .collect();
         let records = campaign.run_all(simulator, &pilot)?;
         let mut sums: BTreeMap<(String, String), (f64, f64)> = BTreeMap::new();
         for m in &study.problem.measurements {
-            let from = m.model * PILOT_RUNS as usize;
-            let values = values(&records[from..from + PILOT_RUNS as usize], m)?;
+            let from = m.model * PILOT_RUNS;
+            let values = values(&records[from..from + PILOT_RUNS], m)?;
             let mean = mean(&values);
             let of = (laboratory.scene(m.model), m.observable.clone());
             let (squares, dof) = sums.entry(of).or_default();

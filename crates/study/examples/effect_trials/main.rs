@@ -17,6 +17,7 @@
     reason = "an hour of silence would be taken for a standstill"
 )]
 
+mod goals;
 mod laboratory;
 mod outcome;
 mod page;
@@ -110,11 +111,11 @@ impl Trials<'_> {
         std::fs::write(self.folder.join("problem.json"), problem)?;
         let mut page = Page::new(&self.study.not_applicable, &study);
         page.outcomes.push(first);
+        let sizes =
+            (0..replicates).flat_map(|r| SIZES.into_iter().rev().map(move |size| (r, size)));
         let blocks = replicates * SIZES.len() as u64;
         let mut hidden = Vec::new();
-        for block in 0..blocks {
-            let size = SIZES[SIZES.len() - 1 - (block as usize) % SIZES.len()];
-            let replicate = block / SIZES.len() as u64;
+        for (block, (replicate, size)) in (0..blocks).zip(sizes) {
             hidden.extend(self.block(&study, replicate, size, &mut page)?);
             // Those with nothing hidden are spread between the others.
             let upto = |block: u64| 1 + nothing.saturating_sub(1) * block / blocks;
@@ -154,7 +155,7 @@ impl Trials<'_> {
                 continue;
             };
             if reached < size / 2.0 {
-                page.note_weak(&effect.name, size, reached);
+                page.note_weak(&effect.name, reached);
             } else if self.laboratory.is_unchanged(&effect.name, amplitude)? {
                 page.note_unchanged(&effect.name, amplitude);
             } else {

@@ -1,9 +1,10 @@
 //! The page: every campaign by effect and size, the goals, and what cannot be told.
 
+use crate::goals;
 use crate::outcome::{Outcome, Told, Work};
 use calibration::ResidualStudy;
 use residual_diagnosis::{CandidateResult, Ideal, Unseen};
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
 /// What the page shows.
@@ -22,7 +23,10 @@ for each truth in turn. `kept`: whitened mean square on the conditions kept asid
 best explanation; 1 is noise alone. `ideal`: what a rule could tell that knew the truth's direction, by the linear
 problem of each campaign: the chance to see it behind re-tuning, at the level of a gate; the effect that imitates it best,
 what that one leaves of it in standard deviations, and the chance that the likelihood prefers the truth; the chance that
-the truth is seen and among the three likeliest. The slopes are taken as exact there, so that this bound is generous.
+the truth is seen and among the three likeliest. The slopes are taken as exact and the effect as growing in proportion, so
+that this bound is generous. `signal` needs no slope: the root of what the structured residual of the data holds beyond its
+degrees of freedom, in standard deviations; a part of that size can be seen by nobody where it is below about 2, whatever
+the slope at the probe has promised.
 ";
 
 /// Bound below which the likelihood errs in more than one case of six.
@@ -40,8 +44,8 @@ pub(crate) struct Page {
     not_applicable: BTreeMap<String, String>,
     /// Effects that cannot be seen, with the reason.
     unseen: BTreeMap<String, String>,
-    /// Effects that cannot reach a size, with what they reach.
-    weak: BTreeSet<String>,
+    /// Effects that cannot reach half of a size, with the most that they reach.
+    weak: BTreeMap<String, f64>,
 }
 
 impl Page {
@@ -53,7 +57,7 @@ impl Page {
             left_out: first.left_out.clone(),
             not_applicable: not_applicable.clone(),
             unseen: BTreeMap::new(),
-            weak: BTreeSet::new(),
+            weak: BTreeMap::new(),
         }
     }
 
@@ -75,9 +79,9 @@ impl Page {
     }
 
     /// Notes an effect that cannot reach half of a size.
-    pub(crate) fn note_weak(&mut self, name: &str, size: f64, reached: f64) {
-        let text = format!("{name} ({reached:.1} of {size:.0})");
-        self.weak.insert(text);
+    pub(crate) fn note_weak(&mut self, name: &str, reached: f64) {
+        let most = self.weak.entry(name.to_owned()).or_default();
+        *most = most.max(reached);
     }
 
     /// The page in Markdown.
@@ -85,7 +89,7 @@ impl Page {
         let mut text = format!("{HEAD}\n");
         self.write_table(&mut text);
         self.write_nothing(&mut text);
-        self.write_goals(&mut text);
+        goals::write(&self.outcomes, &mut text);
         self.write_limits(&mut text);
         self.write_work(&mut text, work);
         text
@@ -94,8 +98,8 @@ impl Page {
     /// One row for each effect and size.
     fn write_table(&self, text: &mut String) {
         text.push_str(
-            "| hidden | size | amplitude: hidden, found | answer | kept: before -> after | ideal: seen | nearest (left, \
-             preferred) | among three |\n|---|--:|---|---|---|--:|---|--:|\n",
+            "| hidden | size | amplitude: hidden, found | answer | kept: before -> after | signal | ideal: seen | nearest (left, \
+             preferred) | among three |\n|---|--:|---|---|---|---|--:|---|--:|\n",
         );
         let mut rows: BTreeMap<(&str, u64), Vec<&Outcome>> = BTreeMap::new();
         for outcome in &self.outcomes {
@@ -116,6 +120,10 @@ impl Page {
                 Some((before, None)) => format!("{before:.1}"),
                 None => String::new(),
             });
+            let signal = row.iter().map(|o| {
+                let signal = o.signal();
+                signal.map_or_else(String::new, |signal| format!("{signal:.1}"))
+            });
             let ideals: Vec<&Ideal> = row.iter().filter_map(|o| o.ideal.as_ref()).collect();
             let seen = ideals.iter().map(|i| percent(i.seen));
             let nearest = ideals.iter().map(|i| {
@@ -126,10 +134,11 @@ impl Page {
             let three = ideals.iter().map(|i| percent(i.among_three));
             let _ = writeln!(
                 text,
-                "| {name} | {sizes} | {} | {} | {} | {} | {} | {} |",
+                "| {name} | {sizes} | {} | {} | {} | {} | {} | {} | {} |",
                 join(amplitudes),
                 join(row.iter().map(|o| answer(o))),
                 join(kept),
+                join(signal),
                 join(seen),
                 join(nearest),
                 join(three),
@@ -161,96 +170,11 @@ impl Page {
         }
     }
 
-    /// The goals, with figures and standard errors.
-    fn write_goals(&self, text: &mut String) {
-        let of_size = |size: f64| {
-            let hidden = self.outcomes.iter().filter(|o| o.hidden.effect.is_some());
-            let of_size = hidden.filter(move |o| (o.hidden.size - size).abs() < 0.01);
-            of_size.filter(|o| o.told().is_some()).collect::<Vec<_>>()
-        };
-        text.push_str("\n| answers | ");
-        let kinds = [
-            Told::Named,
-            Told::SmallTie,
-            Told::LargeTie,
-            Told::False,
-            Told::Unknown,
-            Told::Nothing,
-        ];
-        for kind in kinds {
-            let _ = write!(text, "{} | ", kind.word());
-        }
-        text.push_str("\n|---|--:|--:|--:|--:|--:|--:|\n");
-        for size in crate::SIZES {
-            let _ = write!(text, "| size {size:.0} | ");
-            for kind in kinds {
-                let count = of_size(size)
-                    .iter()
-                    .filter(|o| o.told() == Some(kind))
-                    .count();
-                let _ = write!(text, "{count} | ");
-            }
-            text.push('\n');
-        }
-        text.push_str("\n| goal | wanted | found | ideal |\n|---|--:|--:|--:|\n");
-        let all = self.outcomes.iter().filter(|o| o.told().is_some());
-        let all: Vec<&Outcome> = all.collect();
-        let nothing = all.iter().filter(|o| o.hidden.effect.is_none());
-        let alarms: Vec<bool> = nothing.map(|o| o.told() != Some(Told::Nothing)).collect();
-        let _ = writeln!(
-            text,
-            "| something reported where nothing is hidden | at most 5 % | {} | 5 % |",
-            share(&alarms)
-        );
-        let goal = crate::SIZES.iter().copied().fold(0.0, f64::max);
-        for size in crate::SIZES {
-            let outcomes = of_size(size);
-            let right: Vec<bool> = outcomes
-                .iter()
-                .map(|o| o.told().is_some_and(Told::is_right))
-                .collect();
-            let ideals = outcomes.iter().filter_map(|o| o.ideal.as_ref());
-            let three: Vec<f64> = ideals.map(|i| i.among_three).collect();
-            let wanted = if size < goal { "-" } else { "80 %" };
-            let _ = writeln!(
-                text,
-                "| truth named or in a tie of at most three, size {size:.0} | {wanted} | {} | {} |",
-                share(&right),
-                mean_and_error(&three),
-            );
-        }
-        let false_names: Vec<bool> = all.iter().map(|o| o.told() == Some(Told::False)).collect();
-        let _ = writeln!(
-            text,
-            "| a name without the truth, all campaigns | at most 2 % | {} | |",
-            share(&false_names)
-        );
-        let reductions = all.iter().filter(|o| o.hidden.effect.is_some());
-        let reductions: Vec<(f64, f64)> = reductions
-            .filter_map(|o| match o.kept()? {
-                (before, Some(after)) => {
-                    Some((1.0 - after / before, 1.0 - 1.0_f64.min(1.0 / before)))
-                }
-                _ => None,
-            })
-            .collect();
-        let [found, ideal]: [Vec<f64>; 2] = [
-            reductions.iter().map(|r| r.0).collect(),
-            reductions.iter().map(|r| r.1).collect(),
-        ];
-        let _ = writeln!(
-            text,
-            "| reduction of the whitened mean square on the kept conditions, where something is named | 60 % | {} | {} |",
-            mean_and_error(&found),
-            mean_and_error(&ideal),
-        );
-    }
-
     /// What cannot be told, and why.
     fn write_limits(&self, text: &mut String) {
         let reasons = |map: &BTreeMap<String, String>| {
             let each = map.iter().map(|(name, why)| format!("{name} ({why})"));
-            list(each.collect())
+            list(&each.collect::<Vec<_>>())
         };
         let hard = self.outcomes.iter().filter_map(|o| {
             let (name, _) = o.hidden.effect.as_ref()?;
@@ -268,20 +192,29 @@ impl Page {
             Some((format!("{name} {amplitude:.3}"), o.failure()?.to_owned()))
         });
         let failed: BTreeMap<String, String> = failed.collect();
+        let weak = self.weak.iter().filter(|(name, _)| {
+            let hides = |o: &Outcome| o.hidden.effect.as_ref().is_some_and(|(n, _)| n == *name);
+            let largest = |o: &Outcome| o.hidden.size >= crate::SIZES[crate::SIZES.len() - 1];
+            !self.outcomes.iter().any(|o| hides(o) && largest(o))
+        });
+        let weak = weak.map(|(name, most)| format!("{name} ({most:.1})"));
         let _ = write!(
             text,
             "\n## What cannot be told\n\n\
              No rule tells two effects apart that move all these values alike. At the largest size these leave less than \
-             {HARD_TO_TELL:.0} standard deviations of each other, and a tie is the right answer: {}. Another apparatus or \
-             observable that one of them moves and the other does not would tell them.\n\n\
+             {HARD_TO_TELL:.0} standard deviations of each other: {}. The rules are more careful than the likelihood of two: \
+             with so many effects and noisy slopes a rival that leaves less than about 5 stays in the tie. Another apparatus \
+             or observable that moves one of the two alone tells them.\n\n\
+             A run without a readable surface gives no value, and the campaign no answer: strong cohesion crumbles the bed of \
+             a drum so small.\n\n\
              Not seen in these scenes even at their largest amplitude: {}.\n\n\
-             Largest possible amplitude below half of a size: {}.\n\n\
+             Largest possible amplitude below half of the largest size (its size): {}.\n\n\
              Carried by no scene: {}.\n\n\
              Left out of the library, for their probes could not be run: {}.\n\n\
              Hidden amplitudes that could not be run or diagnosed: {}.\n",
             reasons(&hard),
             reasons(&self.unseen),
-            list(self.weak.iter().cloned().collect()),
+            list(&weak.collect::<Vec<_>>()),
             reasons(&self.not_applicable),
             reasons(&self.left_out),
             reasons(&failed),
@@ -300,8 +233,8 @@ impl Page {
         let _ = write!(
             text,
             "\n## Cost\n\nA diagnosis asks for {:.0} runs where something is hidden and {:.0} where nothing is, those of \
-             the laboratory and of the common sensitivities included: {:.1} and {:.1} core minutes at {:.2} s a run. All \
-             campaigns together took {} different runs and {:.0} core minutes.\n",
+             the laboratory and of the common sensitivities included: {:.1} and {:.1} minutes of the clock at {:.2} s a run, beside whatever else the machine did. All \
+             campaigns together took {} different runs and {:.0} such minutes.\n",
             with(true),
             with(false),
             minutes(with(true)),
@@ -329,39 +262,8 @@ fn answer(outcome: &Outcome) -> String {
 }
 
 /// A chance in percent.
-fn percent(p: f64) -> String {
+pub(crate) fn percent(p: f64) -> String {
     format!("{:.0} %", 100.0 * p)
-}
-
-/// A share with its standard error; at its ends the bound that holds with a chance of 95 %.
-fn share(hits: &[bool]) -> String {
-    let n = hits.len();
-    if n == 0 {
-        return "-".into();
-    }
-    let count = hits.iter().filter(|hit| **hit).count();
-    let p = count as f64 / n as f64;
-    let error = match count {
-        0 => format!("below {}", percent(1.0 - 0.05_f64.powf(1.0 / n as f64))),
-        _ if count == n => format!("above {}", percent(0.05_f64.powf(1.0 / n as f64))),
-        _ => format!("± {}", percent((p * (1.0 - p) / n as f64).sqrt())),
-    };
-    format!("{} ({count} of {n}, {error})", percent(p))
-}
-
-/// A mean in percent with its standard error.
-fn mean_and_error(values: &[f64]) -> String {
-    let n = values.len() as f64;
-    if values.is_empty() {
-        return "-".into();
-    }
-    let mean = values.iter().sum::<f64>() / n;
-    if values.len() == 1 {
-        return percent(mean);
-    }
-    let squares: f64 = values.iter().map(|v| (v - mean).powi(2)).sum();
-    let error = (squares / (n - 1.0) / n).sqrt();
-    format!("{} (n = {n}, ± {})", percent(mean), percent(error))
 }
 
 /// Replicates in one cell.
@@ -377,7 +279,7 @@ fn unique(each: impl Iterator<Item = String>) -> String {
 }
 
 /// Words with commas, or "none".
-fn list(words: Vec<String>) -> String {
+fn list(words: &[String]) -> String {
     if words.is_empty() {
         "none".into()
     } else {
