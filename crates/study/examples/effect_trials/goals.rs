@@ -43,7 +43,7 @@ pub(crate) fn write(outcomes: &[Outcome], text: &mut String) {
 }
 
 /// The campaigns of one size.
-fn of_size(outcomes: &[Outcome], size: f64) -> Vec<&Outcome> {
+pub(crate) fn of_size(outcomes: &[Outcome], size: f64) -> Vec<&Outcome> {
     let hidden = outcomes.iter().filter(|o| o.hidden.effect.is_some());
     hidden
         .filter(|o| (o.hidden.size - size).abs() < 0.01)

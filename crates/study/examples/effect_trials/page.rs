@@ -4,7 +4,7 @@ use crate::goals;
 use crate::outcome::{Outcome, Told, Work};
 use calibration::ResidualStudy;
 use residual_diagnosis::{CandidateResult, Ideal, Unseen};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
 
 /// What the page shows.
@@ -42,6 +42,8 @@ pub(crate) struct Page {
     left_out: BTreeMap<String, String>,
     /// Effects that no scene can carry, with the reason.
     not_applicable: BTreeMap<String, String>,
+    /// Number of effects of the library.
+    library: usize,
     /// Effects that cannot be seen, with the reason.
     unseen: BTreeMap<String, String>,
     /// Effects that cannot reach half of a size, with the most that they reach.
@@ -54,6 +56,7 @@ impl Page {
         Self {
             outcomes: Vec::new(),
             not_begun: 0,
+            library: first.plan.effects.len() + first.left_out.len() + not_applicable.len(),
             left_out: first.left_out.clone(),
             not_applicable: not_applicable.clone(),
             unseen: BTreeMap::new(),
@@ -88,6 +91,7 @@ impl Page {
     pub(crate) fn text(&self, work: &Work) -> String {
         let mut text = format!("{HEAD}\n");
         self.write_table(&mut text);
+        self.write_coverage(&mut text);
         self.write_nothing(&mut text);
         goals::write(&self.outcomes, &mut text);
         self.write_limits(&mut text);
@@ -144,6 +148,25 @@ impl Page {
                 join(three),
             );
         }
+    }
+
+    /// How many effects the rates are made of.
+    fn write_coverage(&self, text: &mut String) {
+        let names = |size: f64, answered: bool| {
+            let of_size = goals::of_size(&self.outcomes, size).into_iter();
+            let of_size = of_size.filter(|o| !answered || o.told().is_some());
+            let names = of_size.filter_map(|o| Some(&o.hidden.effect.as_ref()?.0));
+            names.collect::<BTreeSet<_>>().len()
+        };
+        let _ = writeln!(text, "\nOf the {} effects of the library:", self.library);
+        for size in crate::SIZES {
+            let (hidden, answered) = (names(size, false), names(size, true));
+            let _ = writeln!(
+                text,
+                "- {hidden} could be hidden at size {size:.0}, and {answered} of these gave an answer."
+            );
+        }
+        text.push_str("\nThe rates below are those of these few alone.\n");
     }
 
     /// Campaigns with nothing hidden, in words.
