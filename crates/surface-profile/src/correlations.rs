@@ -97,8 +97,9 @@ mod tests {
         let mut all: Vec<Vec<f64>> = (0..p)
             .map(|_| (0..n).map(|_| stream.normal()).collect())
             .collect();
-        for k in 0..n {
-            all[1][k] = r * all[0][k] + (1.0 - r * r).sqrt() * all[1][k];
+        let other = all[0].clone();
+        for (value, other) in all[1].iter_mut().zip(other) {
+            *value = r * other + (1.0 - r * r).sqrt() * *value;
         }
         all
     }

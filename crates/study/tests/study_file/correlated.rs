@@ -12,10 +12,10 @@ fn with_pictures(scenes: &[Scene], more: &str) -> Study {
         "angle_deg = { mean = 35.1, sd = 0.8, n = 10 }",
         &format!("photos = \"photos\"\n{more}"),
     ));
-    std::fs::create_dir(folder.path("photos")).unwrap();
+    std::fs::create_dir(folder.path("photos")).expect("a new folder");
     for (k, scene) in scenes.iter().enumerate() {
         let file = folder.path(&format!("photos/{k:03}.png"));
-        scene.draw().save(file).unwrap();
+        scene.draw().save(file).expect("written");
     }
     folder.read(None).expect("a study that is right")
 }
