@@ -117,7 +117,7 @@ fn block(
     problem: &CalibrationProblem,
     measured: &[Option<&(usize, &Measurement)>],
 ) -> Vec<Vec<f64>> {
-    let covariance = |a: &Option<&(usize, &Measurement)>, b: &Option<&(usize, &Measurement)>| {
+    let covariance = |a: Option<&(usize, &Measurement)>, b: Option<&(usize, &Measurement)>| {
         let (Some((i, a)), Some((j, b))) = (a, b) else {
             return 0.0;
         };
@@ -126,7 +126,7 @@ fn block(
         }
         correlation_of(problem, *i, *j) * (a.variance() * b.variance()).sqrt()
     };
-    let row = |a| measured.iter().map(|b| covariance(a, b)).collect();
+    let row = |a: &Option<_>| measured.iter().map(|b| covariance(*a, *b)).collect();
     measured.iter().map(row).collect()
 }
 

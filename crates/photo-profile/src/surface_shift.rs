@@ -292,7 +292,7 @@ mod tests {
         for (column, row, pixel) in picture.enumerate_pixels_mut() {
             let (x, y) = (f64::from(column) - 239.5, 239.5 - f64::from(row));
             let (u, depth) = (downhill * (x * cos + y * sin), x * sin - y * cos);
-            if depth < 2.0 || depth > 50.0 || x.hypot(y) > 210.0 {
+            if !(2.0..=50.0).contains(&depth) || x.hypot(y) > 210.0 {
                 continue;
             }
             let near = spots.iter().filter(|s| (s[1] - depth).abs() < 3.0 * s[2]);

@@ -14,7 +14,7 @@ const LEAST_REACH: f64 = 0.8;
 /// # Formula
 ///
 /// Least squares over the stations of `v / R = sum_k a_k sqrt(2 k + 1) P_k(u / c)`, k = 0 to 5, with the Legendre polynomials
-/// P_k, u downhill along the surface line, v its upward normal from the drum axis, c the half-chord and R the drum radius.
+/// `P_k`, u downhill along the surface line, v its upward normal from the drum axis, c the half-chord and R the drum radius.
 /// The mean square of each shape over the chord is 1: a coefficient is the root mean square height that its shape has on
 /// the chord. Degree 0 is the height of the bed, and degree 1 vanishes but for the weights, since u lies along the line.
 ///

@@ -241,7 +241,7 @@ fn correlations(fields: &Fields<'_>, problems: &mut Problems) -> Vec<MeasuredCor
     let form = "a list of [\"OBSERVABLE\", \"OBSERVABLE\", correlation]";
     let stated: Option<Vec<(String, String, f64)>> = fields.optional("correlation", form, problems);
     let stated = stated.unwrap_or_default();
-    if let Some((a, b, value)) = stated.iter().find(|c| !(c.2.abs() < 1.0)) {
+    if let Some((a, b, value)) = stated.iter().find(|c| c.2.is_nan() || c.2.abs() >= 1.0) {
         let problem = format!("of {a} and {b} is {value}: it must lie between -1 and 1");
         problems.add(fields.wrong("correlation", problem));
         return Vec::new();
