@@ -71,7 +71,7 @@ pub use ideal::{Ideal, ideal};
 pub use next_measurement::{NextMeasurement, PlannedExperiment, Purpose, QuestionedEffect};
 pub use problem::Problem;
 pub use problem_file::{
-    Condition, CovarianceInput, ExperimentFile, Largest, Level, PriorPrecision, ProblemFile, SensitivityRuns,
-    Sign,
+    Condition, CovarianceInput, ExperimentFile, Largest, Level, PriorPrecision, ProblemFile,
+    SensitivityRuns, Sign,
 };
 pub use trials::{NearestEffect, TrialRow, Truth, UnusedErrors, trials, usual_truths};
