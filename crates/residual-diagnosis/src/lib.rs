@@ -51,6 +51,7 @@ mod gates;
 mod ideal;
 mod max_test;
 mod next_measurement;
+mod power;
 mod problem;
 mod problem_file;
 mod smooth_basis;
@@ -69,6 +70,7 @@ pub use diagnosis::{
 pub use error::Error;
 pub use ideal::{Ideal, ideal};
 pub use next_measurement::{NextMeasurement, PlannedExperiment, Purpose, QuestionedEffect};
+pub use power::{Power, PowerDesign, power};
 pub use problem::Problem;
 pub use problem_file::{
     Condition, CovarianceInput, ExperimentFile, Largest, Level, PriorPrecision, ProblemFile,
