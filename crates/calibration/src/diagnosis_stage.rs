@@ -147,7 +147,7 @@ fn block(
 }
 
 /// The name of a measured observable in the plan: with its scene where the problem has several.
-fn name_in_plan(problem: &CalibrationProblem, m: &Measurement) -> String {
+pub(crate) fn name_in_plan(problem: &CalibrationProblem, m: &Measurement) -> String {
     name_at(problem, &problem.models[m.model].scene, &m.observable)
 }
 

@@ -18,6 +18,7 @@ mod joint_fit;
 mod laboratory;
 mod least_squares;
 mod planned;
+mod power;
 mod problem;
 mod region;
 mod residual_study;
@@ -37,6 +38,7 @@ pub use error::Error;
 pub use laboratory::Laboratory;
 pub use least_squares::{BoundedProblem, bounded_least_squares};
 pub use planned::{PlannedStage, planned};
+pub use power::{PowerTable, power_of_design};
 pub use problem::{
     CalibrationProblem, Candidate, Correlation, MOST_PARAMETERS, Measurement, Model, Parameter, Prior,
     Role,
