@@ -40,8 +40,8 @@ pub use least_squares::{BoundedProblem, bounded_least_squares};
 pub use planned::{PlannedStage, planned};
 pub use power::{PowerTable, power_of_design};
 pub use problem::{
-    CalibrationProblem, Candidate, Correlation, MOST_PARAMETERS, Measurement, Model, Parameter, Prior,
-    Role,
+    CalibrationProblem, Candidate, Correlation, MOST_PARAMETERS, Measurement, Model, Parameter,
+    Prior, Role,
 };
 pub use residual_study::{
     AddedEffect, CandidateMeasurement, DeclaredParameter, EffectProbe, ErrorPair, Observed,

@@ -51,6 +51,7 @@ mod gates;
 mod ideal;
 mod max_test;
 mod next_measurement;
+mod next_trials;
 mod power;
 mod problem;
 mod problem_file;
@@ -70,6 +71,7 @@ pub use diagnosis::{
 pub use error::Error;
 pub use ideal::{Ideal, ideal};
 pub use next_measurement::{NextMeasurement, PlannedExperiment, Purpose, QuestionedEffect};
+pub use next_trials::{NextTrials, Resolved, next_trials};
 pub use power::{Power, PowerDesign, power};
 pub use problem::Problem;
 pub use problem_file::{

@@ -43,8 +43,8 @@ pub use design_table::{DesignChoices, DesignPlan, DesignRun, DesignTable};
 pub use error::Error;
 pub use file::{
     Budget, CandidateEntry, Choices, CommandEntry, CompareEntry, EffectEntry, MeasuredCorrelation,
-    MeasuredEntry,
-    MeasuredValue, ParameterEntry, PeerEntry, PhotoOptions, SceneEntry, SimulatorEntry, StudyFile,
+    MeasuredEntry, MeasuredValue, ParameterEntry, PeerEntry, PhotoOptions, SceneEntry,
+    SimulatorEntry, StudyFile,
 };
 pub use hand_over::{parameter_file, scene_at, write_hand_over, write_json};
 pub use init::{Starter, StarterFile};

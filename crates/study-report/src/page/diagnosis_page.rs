@@ -3,10 +3,11 @@
 use super::closing_section::{defaults, inputs};
 use super::residual_parts::answer_colour;
 use super::{chart, residual_section};
-use crate::numbers::{counted, digits, fixed};
+use crate::numbers::{counted, digits, fixed, listed};
 use crate::output::DIAGNOSIS;
 use crate::pictures::NamedPicture;
 use crate::{DiagnosisInput, Error};
+use calibration::ResidualStudy;
 use report::{Column, Fact, Report, Table};
 use residual_diagnosis::{NearestEffect, TrialRow, Truth};
 
