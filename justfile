@@ -47,6 +47,11 @@ trials NUMBER="200":
     mkdir -p out
     "${CARGO_TARGET_DIR:-target}/release/examples/trials" {{NUMBER}} fixtures/diagnosis/drum/problem.json fixtures/diagnosis/library/problem.json fixtures/diagnosis/single/problem.json fixtures/diagnosis/tie/problem.json > out/trials.md
 
+# Draw ties with known truth, measure once more what is proposed, and write what that resolves to out/next-trials.md (minutes).
+next-trials NUMBER="10000":
+    mkdir -p out
+    cargo run --release --locked -p residual-diagnosis --example next_trials -- {{NUMBER}} > out/next-trials.md
+
 # Finished runs in FOLDER are found again, so that it may be stopped and taken up.
 # Hide each effect of the library in data that the solver makes, diagnose them, and write the page (hours of one core).
 effect-trials REPLICATES="2" NOTHING="10" MINUTES="240" FOLDER="out/effect-trials":

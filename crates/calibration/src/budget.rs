@@ -60,6 +60,7 @@ mod tests {
             effects: vec![effect("one"), effect("two")],
             replicates: 2,
             seed: 1,
+            candidates: Vec::new(),
         }
     }
 

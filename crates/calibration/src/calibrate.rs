@@ -2,7 +2,7 @@
 
 use crate::comparison::{SurfacesByModel, compare};
 use crate::confirmation::{Confirmed, confirm, mean};
-use crate::diagnosis_stage::{diagnose_at, most_runs_of_diagnosis};
+use crate::diagnosis_stage::{diagnose_at, most_runs_of_candidates, most_runs_of_diagnosis};
 use crate::intervals::{Uncertainty, best_of, estimates, test};
 use crate::joint::{joint_estimate, planes, region_about, slope_runs};
 use crate::samples::{Asked, Runner, Sample, Samples, Wanted, first_seed, observables, wanted};
@@ -76,7 +76,18 @@ pub fn calibrate(
     let spent = spent + (confirmed.rounds.len() - 1) * stages[CONFIRMATION].requests.len();
     let diagnosis = match beyond_budget(problem, settings, spent) {
         Some(reason) => DiagnosisStage::LeftOut { reason },
-        None => diagnose_at(campaign, &counted, problem, settings, at)?,
+        None => {
+            let needed = most_runs_of_diagnosis(problem, settings);
+            let further = most_runs_of_candidates(problem, settings);
+            let allowed = |most| spent + needed + further <= most;
+            // What to measure next is asked where the budget allows it.
+            if settings.most_runs.is_none_or(allowed) {
+                diagnose_at(campaign, &counted, problem, settings, at)?
+            } else {
+                let without = problem.without_candidates();
+                diagnose_at(campaign, &counted, &without, settings, at)?
+            }
+        }
     };
     let surfaces = all_surfaces(&confirmed, &checked.planes);
     let row = |role, runs: &BTreeMap<usize, Samples>, covariance, at: &[f64]| {

@@ -2,8 +2,9 @@
 
 use crate::correlated::correlation_of;
 use crate::{
-    CalibrationProblem, DeclaredParameter, DiagnosisStage, Error, LoopSettings, Measurement,
-    Observed, ResidualPlan, Role, StudyCondition, runs_needed, study_residual,
+    CalibrationProblem, Candidate, CandidateMeasurement, DeclaredParameter, DiagnosisStage, Error,
+    LoopSettings, Measurement, Model, Observed, ResidualPlan, Role, StudyCondition, runs_needed,
+    study_residual,
 };
 use campaign::{Campaign, RunRequest, Simulator};
 use std::collections::BTreeMap;
@@ -54,7 +55,17 @@ fn left_out(reason: &str) -> DiagnosisStage {
     }
 }
 
-/// Most runs that the diagnosis of a problem may need; none where no effect is to be searched.
+/// Most runs at the candidates for the next measurement, beyond those of the diagnosis; they are done only where it leaves
+/// a question.
+pub fn most_runs_of_candidates(problem: &CalibrationProblem, settings: &LoopSettings) -> usize {
+    if problem.effects.is_empty() {
+        return 0;
+    }
+    let start: Vec<f64> = problem.parameters.iter().map(|p| p.start).collect();
+    plan(problem, settings, &start).0.runs_at_candidates()
+}
+
+/// Most runs that the diagnosis of a problem may need, without those at candidates; none where no effect is to be searched.
 pub fn most_runs_of_diagnosis(problem: &CalibrationProblem, settings: &LoopSettings) -> usize {
     if problem.effects.is_empty() {
         return 0;
@@ -108,6 +119,11 @@ pub(crate) fn plan(
         effects: problem.effects.clone(),
         replicates: settings.diagnosis_replicates.max(2),
         seed: settings.seed,
+        candidates: problem
+            .candidates
+            .iter()
+            .map(|c| candidate(problem, c))
+            .collect(),
     };
     (plan, Observed { values, covariance })
 }
@@ -131,16 +147,56 @@ fn block(
 }
 
 /// The name of a measured observable in the plan: with its scene where the problem has several.
-fn name_in_plan(problem: &CalibrationProblem, m: &Measurement) -> String {
-    let scene = &problem.models[m.model].scene;
-    if problem.models.iter().all(|other| other.scene == *scene) {
-        m.observable.clone()
+pub(crate) fn name_in_plan(problem: &CalibrationProblem, m: &Measurement) -> String {
+    name_at(problem, &problem.models[m.model].scene, &m.observable)
+}
+
+/// The name of an observable of a scene in the plan.
+fn name_at(problem: &CalibrationProblem, scene: &str, observable: &str) -> String {
+    if problem.models.iter().all(|other| other.scene == scene) {
+        observable.to_owned()
     } else {
-        format!("{scene}: {}", m.observable)
+        format!("{scene}: {observable}")
     }
 }
 
-/// One model with the measurements of a role as a condition; numbers of its condition are its coordinates.
+/// Numbers of the condition of a model are its coordinates.
+fn coordinates(model: &Model) -> BTreeMap<String, f64> {
+    let number = |text: &String| {
+        let first = text.split_whitespace().next()?;
+        first.parse::<f64>().ok().filter(|x| x.is_finite())
+    };
+    let all = model.condition.iter();
+    all.filter_map(|(name, value)| Some((name.clone(), number(value)?)))
+        .collect()
+}
+
+/// A candidate as the plan knows it.
+fn candidate(problem: &CalibrationProblem, candidate: &Candidate) -> CandidateMeasurement {
+    let Candidate {
+        model,
+        standard_errors,
+        minutes,
+    } = candidate;
+    let in_plan = |name: &String| name_at(problem, &model.scene, name);
+    let names = standard_errors.keys();
+    CandidateMeasurement {
+        name: model.name.clone(),
+        condition: StudyCondition {
+            model: Some(model.name.clone()),
+            condition: coordinates(model),
+            observables: Some(names.map(|name| (in_plan(name), name.clone())).collect()),
+            used: false,
+        },
+        standard_errors: standard_errors
+            .iter()
+            .map(|(name, se)| (in_plan(name), *se))
+            .collect(),
+        minutes: *minutes,
+    }
+}
+
+/// One model with the measurements of a role as a condition.
 fn condition(
     problem: &CalibrationProblem,
     model: usize,
@@ -148,16 +204,9 @@ fn condition(
     measurements: &[&Measurement],
 ) -> StudyCondition {
     let model = &problem.models[model];
-    let number = |text: &String| {
-        let first = text.split_whitespace().next()?;
-        first.parse::<f64>().ok().filter(|x| x.is_finite())
-    };
-    let coordinates = model.condition.iter();
     StudyCondition {
         model: Some(model.name.clone()),
-        condition: coordinates
-            .filter_map(|(name, value)| Some((name.clone(), number(value)?)))
-            .collect(),
+        condition: coordinates(model),
         observables: Some(
             measurements
                 .iter()

@@ -18,6 +18,7 @@ mod joint_fit;
 mod laboratory;
 mod least_squares;
 mod planned;
+mod power;
 mod problem;
 mod region;
 mod residual_study;
@@ -32,17 +33,19 @@ mod verdict;
 
 pub use budget::runs_needed;
 pub use calibrate::calibrate;
-pub use diagnosis_stage::{diagnose_at, most_runs_of_diagnosis};
+pub use diagnosis_stage::{diagnose_at, most_runs_of_candidates, most_runs_of_diagnosis};
 pub use error::Error;
 pub use laboratory::Laboratory;
 pub use least_squares::{BoundedProblem, bounded_least_squares};
 pub use planned::{PlannedStage, planned};
+pub use power::{PowerTable, power_of_design};
 pub use problem::{
-    CalibrationProblem, Correlation, MOST_PARAMETERS, Measurement, Model, Parameter, Prior, Role,
+    CalibrationProblem, Candidate, Correlation, MOST_PARAMETERS, Measurement, Model, Parameter,
+    Prior, Role,
 };
 pub use residual_study::{
-    AddedEffect, DeclaredParameter, EffectProbe, ErrorPair, Observed, RealErrors, ResidualPlan,
-    ResidualStudy, StudyCondition, study_residual,
+    AddedEffect, CandidateMeasurement, DeclaredParameter, EffectProbe, ErrorPair, Observed,
+    OfferedMeasurement, RealErrors, ResidualPlan, ResidualStudy, StudyCondition, study_residual,
 };
 pub use result::{
     Calibration, Comparison, ConfirmationRound, ConfirmationRow, DiagnosisStage, Estimate, FitTest,

@@ -1,6 +1,6 @@
 //! What a calibration will run, before it runs anything.
 
-use crate::diagnosis_stage::most_runs_of_diagnosis;
+use crate::diagnosis_stage::{most_runs_of_candidates, most_runs_of_diagnosis};
 use crate::joint::slope_runs;
 use crate::region::Region;
 use crate::samples::{Asked, Wanted, request, wanted};
@@ -78,7 +78,8 @@ pub fn planned(
             .extend(about.iter().map(|w| request(problem, w)));
     }
     stages.push(check);
-    let diagnosis = most_runs_of_diagnosis(problem, settings);
+    let diagnosis =
+        most_runs_of_diagnosis(problem, settings) + most_runs_of_candidates(problem, settings);
     let name = "diagnosis of the residual";
     stages.push(stage(asked, name, &[], diagnosis));
     Ok(stages)

@@ -107,6 +107,17 @@ pub struct Correlation {
     pub value: f64,
 }
 
+/// A measurement that could be made next, to answer what a diagnosis leaves open.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Candidate {
+    /// The experiment; none of [`CalibrationProblem::models`].
+    pub model: Model,
+    /// Standard error that the mean of each of its observables would have, in its unit.
+    pub standard_errors: BTreeMap<String, f64>,
+    /// Work in the laboratory, min.
+    pub minutes: f64,
+}
+
 /// Everything that a calibration needs besides a simulator.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct CalibrationProblem {
@@ -123,6 +134,9 @@ pub struct CalibrationProblem {
     pub correlations: Vec<Correlation>,
     /// Effects to search in the residual; none where nothing is to be diagnosed.
     pub effects: Vec<EffectProbe>,
+    /// What could be measured next.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub candidates: Vec<Candidate>,
 }
 
 /// Most parameters of a calibration.
@@ -132,6 +146,15 @@ impl CalibrationProblem {
     /// What an estimate may see: the measurements of role fit, in their order.
     pub(crate) fn fitted(&self) -> impl Iterator<Item = &Measurement> + Clone {
         self.measurements.iter().filter(|m| m.role == Role::Fit)
+    }
+
+    /// The same with nothing that could be measured next.
+    #[must_use]
+    pub fn without_candidates(&self) -> Self {
+        Self {
+            candidates: Vec::new(),
+            ..self.clone()
+        }
     }
 
     /// Numbers of the measurements of a role.

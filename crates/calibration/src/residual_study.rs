@@ -3,6 +3,7 @@
 //! The linear prediction only proposes: every error in the result comes from real runs.
 
 mod assemble;
+mod candidates;
 pub(crate) mod fits;
 mod refit;
 mod runs;
@@ -10,6 +11,7 @@ mod scatter;
 
 use crate::Error;
 use campaign::{Campaign, RunRequest, Simulator};
+pub use candidates::{CandidateMeasurement, OfferedMeasurement};
 use fits::{
     FIRST_BLOCK_ANEW, FIRST_BLOCK_OF_NOISY, Fits, LOOKS, Looks, MOST_SUSPECTS, Visited, sets_to_add,
 };
@@ -144,6 +146,9 @@ pub struct ResidualPlan {
     pub replicates: usize,
     /// Seed of the simulated distributions of the diagnosis.
     pub seed: u64,
+    /// What could be measured next.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub candidates: Vec<CandidateMeasurement>,
 }
 
 impl ResidualPlan {
@@ -190,7 +195,7 @@ pub struct ResidualStudy {
     pub simulated_before: Vec<Vec<f64>>,
     /// Errors of the fitted model, by real runs.
     pub errors_before: ErrorPair,
-    /// The residual, covariances and sensitivities that the diagnosis was made of.
+    /// The residual, covariances and sensitivities that the diagnosis was made of, and the experiments on offer.
     pub problem: ProblemFile,
     /// Diagnosis of the residual.
     pub diagnosis: Diagnosis,
@@ -200,6 +205,8 @@ pub struct ResidualStudy {
     /// The models in question where they are several, as with each of the tied effects in turn: up to three, the best
     /// explanation first. They stay here when the kept conditions speak against all of them.
     pub rivals: Vec<AddedEffect>,
+    /// The candidates for the next measurement, where the diagnosis leaves a question; empty otherwise.
+    pub offered: Vec<OfferedMeasurement>,
 }
 
 impl ResidualStudy {
@@ -287,6 +294,11 @@ pub fn study_residual(
         // What could not be run was not refuted.
         diagnosis = checked(&fits, &linear, &fit, (&errors_before, &added), diagnosis)?;
     }
+    let (experiments, offered) = fits.candidates(&linear, &fit, &diagnosis)?;
+    if !experiments.is_empty() {
+        file.candidate_experiments = experiments;
+        diagnosis = diagnosis.with_next_measurement(&Problem::try_from(file.clone())?)?;
+    }
     let (after, rivals) = match sets.len() {
         0 | 1 => (added.pop(), Vec::new()),
         _ => (None, added),
@@ -311,6 +323,7 @@ pub fn study_residual(
         diagnosis,
         after,
         rivals,
+        offered,
     })
 }
 
@@ -397,5 +410,7 @@ fn check(plan: &ResidualPlan, observed: &Observed) -> Result<(), Error> {
     Ok(())
 }
 
+#[cfg(test)]
+mod candidate_tests;
 #[cfg(test)]
 mod tests;

@@ -4,6 +4,7 @@ use nalgebra::{DMatrix, DVector};
 use std::collections::BTreeSet;
 
 mod entries;
+mod experiments;
 
 use entries::{
     check_finite, check_length, check_names, check_positive, covariance, matrix, root_of_precision,
@@ -12,9 +13,9 @@ use entries::{
 
 use crate::Error;
 use crate::covariance::Covariance;
-use crate::problem::{Candidate, Experiment, Part, Prior, Problem, Row, condition_label};
+use crate::problem::{Candidate, Part, Prior, Problem, Row, condition_label};
 use crate::problem_file::{
-    Condition, CovarianceInput, ExperimentFile, Largest, Level, PriorPrecision, ProblemFile,
+    Condition, CovarianceInput, Largest, Level, PriorPrecision, ProblemFile,
 };
 
 /// The raw lists that make one part.
@@ -81,7 +82,7 @@ impl TryFrom<ProblemFile> for Problem {
             experiments: file
                 .candidate_experiments
                 .iter()
-                .map(|e| experiment(e, declared.len(), file.library.len()))
+                .map(|e| experiments::experiment(e, declared.len(), &file.library))
                 .collect::<Result<_, _>>()?,
             warnings: warnings(&file),
             id: file.id,
@@ -362,42 +363,6 @@ fn candidates(file: &ProblemFile) -> Result<Vec<Candidate>, Error> {
             sign: file.signs.get(name).copied().unwrap_or_default(),
         })
         .collect())
-}
-
-/// Checks an experiment that could be done next.
-fn experiment(
-    raw: &ExperimentFile,
-    n_declared: usize,
-    n_library: usize,
-) -> Result<Experiment, Error> {
-    let name = raw
-        .name
-        .clone()
-        .unwrap_or_else(|| condition_label(&raw.condition));
-    let rows = raw.covariance.len();
-    let key = |part: &str| format!("candidate_experiments '{name}' {part}");
-    let block = symmetric(&raw.covariance, &key("covariance"), rows)?;
-    let covariance = Covariance::new(vec![block], vec![name.clone()]);
-    covariance.whitener()?;
-    check_positive(raw.cost, &key("cost"))?;
-    let reason = "the rows of its covariance";
-    Ok(Experiment {
-        declared: matrix(
-            &raw.sensitivities_declared,
-            &key("sensitivities_declared"),
-            (rows, n_declared),
-            reason,
-        )?,
-        library: matrix(
-            &raw.sensitivities_library,
-            &key("sensitivities_library"),
-            (rows, n_library),
-            reason,
-        )?,
-        cost: raw.cost,
-        covariance,
-        name,
-    })
 }
 
 /// What is odd but harmless.

@@ -104,11 +104,12 @@ pub fn diagnose(problem: &Problem, options: &Options) -> Result<Diagnosis, Error
         },
         before_after,
         runs_on_unused: None,
-        next_measurement: next_measurement(problem, &decision)?,
+        next_measurement: None,
         warnings,
         seed: options.seed,
         draws: options.draws,
     };
+    diagnosis.next_measurement = next_measurement(problem, &diagnosis)?;
     diagnosis.summary = summary(&diagnosis);
     Ok(diagnosis)
 }

@@ -51,12 +51,15 @@ mod gates;
 mod ideal;
 mod max_test;
 mod next_measurement;
+mod next_trials;
+mod power;
 mod problem;
 mod problem_file;
 mod smooth_basis;
 mod space;
 mod summary;
 mod tails;
+mod telling_rows;
 mod trials;
 
 pub use before_after::{BeforeAfter, Change, Contrast, PartErrors, Stages};
@@ -67,9 +70,12 @@ pub use diagnosis::{
 };
 pub use error::Error;
 pub use ideal::{Ideal, ideal};
-pub use next_measurement::{NextMeasurement, PlannedExperiment, Purpose};
+pub use next_measurement::{NextMeasurement, PlannedExperiment, Purpose, QuestionedEffect};
+pub use next_trials::{NextTrials, Resolved, next_trials};
+pub use power::{Power, PowerDesign, power};
 pub use problem::Problem;
 pub use problem_file::{
-    Condition, CovarianceInput, ExperimentFile, Largest, Level, PriorPrecision, ProblemFile, Sign,
+    Condition, CovarianceInput, ExperimentFile, Largest, Level, PriorPrecision, ProblemFile,
+    SensitivityRuns, Sign,
 };
 pub use trials::{NearestEffect, TrialRow, Truth, UnusedErrors, trials, usual_truths};

@@ -1,21 +1,21 @@
 //! Which experiment would break a tie, free an absorbed effect, or settle the parameters.
 
-use nalgebra::{DMatrix, DVector};
 use serde::Serialize;
 
 use crate::Error;
-use crate::covariance::{Covariance, Whitener};
-use crate::decision::Decision;
-use crate::diagnosis::Verdict;
+use crate::diagnosis::{Diagnosis, Unseen, Verdict};
 use crate::problem::{Experiment, Problem};
-use crate::space::Space;
+use crate::summary::summary;
+use crate::telling_rows::{Pair, Rows};
 
 /// Separation at which two effects are told apart nearly always: P(wrong) = Phi(-2).
 pub(crate) const SEPARATION_TO_REACH: f64 = 4.0;
+/// Expected score from which an effect counts as one that can be seen.
+const SCORE_TO_SEE: f64 = 3.0;
+/// Expected score from which a naming can be expected where nothing in the library looks alike (docs/trials.md).
+const SCORE_TO_NAME: f64 = 6.0;
 /// Longest plan; more of the same seldom helps.
 const LONGEST_PLAN: usize = 6;
-/// Share of the scale of the parameters that keeps ln det finite before they are all seen.
-const RIDGE: f64 = 1e-9;
 
 /// What the experiment is for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -23,6 +23,10 @@ const RIDGE: f64 = 1e-9;
 pub enum Purpose {
     /// Tell the members of the tie set apart (T-optimality).
     BreakTie,
+    /// Tell the suspects of an unknown cause apart (T-optimality).
+    TellSuspects,
+    /// See the only suspect of an unknown cause better (D_s-optimality).
+    SeeSuspect,
     /// See an effect that re-tuning can imitate (D_s-optimality).
     FreeEffect,
     /// Have more observations than parameters (D-optimality).
@@ -38,7 +42,9 @@ pub struct NextMeasurement {
     pub effects: Vec<String>,
     /// The experiments to do, the most helpful first (for its cost, given those before it).
     pub plan: Vec<PlannedExperiment>,
-    /// Criterion before any of them: smallest separation of two tied effects, detectability of
+    /// All experiments on offer, each alone with what there is, the most helpful for its cost first.
+    pub ranked: Vec<PlannedExperiment>,
+    /// Criterion before any of them: smallest separation of two effects, detectability of
     /// the effect, or ln det of the parameters' information.
     pub now: f64,
     /// Value of the criterion that would do; none for the parameters.
@@ -56,75 +62,211 @@ pub struct PlannedExperiment {
     pub experiment: String,
     /// Its cost.
     pub cost: f64,
-    /// Criterion once it and those before it are done.
+    /// Criterion once it, and in a plan those before it, are done.
     pub criterion: f64,
 }
 
-/// Whitened rows that grow as experiments are added.
-#[derive(Clone)]
-struct Rows {
-    /// S~ (rows, parameters).
-    declared: DMatrix<f64>,
-    /// l~ (rows, effects).
-    library: DMatrix<f64>,
+/// An effect that an experiment should tell of.
+#[derive(Debug, Clone, PartialEq)]
+pub struct QuestionedEffect {
+    /// Its name.
+    pub name: String,
+    /// The amplitude that the data ask for; none where it is asked of its largest.
+    pub amplitude: Option<f64>,
 }
 
-/// A criterion on the rows: the larger the better.
-type Criterion<'a> = dyn Fn(&Rows) -> f64 + 'a;
+/// What an experiment is asked.
+enum Question {
+    /// To tell effects apart.
+    Separate(Vec<Pair>),
+    /// To see effects of these amplitudes.
+    See(Vec<(usize, f64)>),
+    /// To settle the parameters.
+    Settle,
+}
+
+/// A question with its purpose and the value that would do.
+struct Task {
+    /// What it is for.
+    purpose: Purpose,
+    /// The question.
+    question: Question,
+    /// Numbers of the effects concerned.
+    effects: Vec<usize>,
+    /// Value of the criterion that would do.
+    target: Option<f64>,
+}
+
+impl Diagnosis {
+    /// Effects that an experiment should tell of, the most important first: those that tie, the suspects of an unknown
+    /// cause, or those that re-tuning hides; empty where nothing is in question.
+    pub fn in_question(&self) -> Vec<QuestionedEffect> {
+        let found = |name: &String| {
+            let amplitude = self.candidates.get(name)?.amplitude?;
+            Some(QuestionedEffect {
+                name: name.clone(),
+                amplitude: Some(amplitude),
+            })
+        };
+        let unseen = |hidden_only: bool| {
+            let each = self.candidates.iter().filter(move |(_, c)| {
+                c.unseen.is_some_and(|why| {
+                    let hidden = why == Unseen::RetuningHidesIt;
+                    hidden || !hidden_only
+                })
+            });
+            let mut all: Vec<_> = each.map(|(name, c)| (c.unseen, name.clone())).collect();
+            // A stable sort: what re-tuning hides comes first, for another condition can undo that.
+            all.sort_by_key(|(why, _)| *why != Some(Unseen::RetuningHidesIt));
+            let asked = all.into_iter().map(|(_, name)| QuestionedEffect {
+                name,
+                amplitude: None,
+            });
+            asked.collect()
+        };
+        match self.verdict {
+            Verdict::Tie => {
+                let mut names: Vec<&String> = Vec::new();
+                for name in self.tie_groups.iter().flatten() {
+                    if !names.contains(&name) {
+                        names.push(name);
+                    }
+                }
+                names.into_iter().filter_map(found).collect()
+            }
+            Verdict::Unknown => {
+                let mut names: Vec<&String> = self.suspects.iter().collect();
+                let left = |name: &String| self.candidates.get(name).map_or(0.0, |c| c.t_after);
+                names.sort_by(|a, b| left(a).total_cmp(&left(b)));
+                names.into_iter().filter_map(found).collect()
+            }
+            Verdict::NotTestable => unseen(false),
+            Verdict::None => unseen(true),
+            Verdict::Named | Verdict::Partial | Verdict::Recheck | Verdict::Refused => Vec::new(),
+        }
+    }
+
+    /// The same with what to measure next among the experiments of a problem, those in it now.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::NotPositiveDefinite`] when a covariance cannot be factorised.
+    pub fn with_next_measurement(mut self, problem: &Problem) -> Result<Self, Error> {
+        self.next_measurement = next_measurement(problem, &self)?;
+        self.summary = summary(&self);
+        Ok(self)
+    }
+}
 
 /// Plans the next measurement where one helps.
 pub(crate) fn next_measurement(
     problem: &Problem,
-    decision: &Decision,
+    diagnosis: &Diagnosis,
 ) -> Result<Option<NextMeasurement>, Error> {
     let experiments = experiments(problem);
     if experiments.is_empty() {
         return Ok(None);
     }
-    match decision.verdict {
-        Verdict::Tie => {
-            let pairs = tied_pairs(decision);
-            let criterion = |rows: &Rows| smallest_separation(rows, &pairs);
-            let target = Some(SEPARATION_TO_REACH);
-            let effects = &decision.effects;
-            plan(
-                problem,
-                &experiments,
-                Purpose::BreakTie,
-                effects,
-                target,
-                &criterion,
-            )
-            .map(Some)
-        }
-        Verdict::NotTestable => {
-            let effects: Vec<usize> = (0..problem.candidates.len()).collect();
-            let criterion = |rows: &Rows| best_detectability(problem, rows, &effects);
-            let target = Some(3.0);
-            plan(
-                problem,
-                &experiments,
-                Purpose::FreeEffect,
-                &effects,
-                target,
-                &criterion,
-            )
-            .map(Some)
-        }
-        Verdict::Refused => {
-            let criterion = ln_information;
-            plan(
-                problem,
-                &experiments,
-                Purpose::SettleParameters,
-                &[],
-                None,
-                &criterion,
-            )
-            .map(Some)
-        }
-        _ => Ok(None),
+    let task = task(problem, diagnosis, &experiments);
+    task.map(|task| plan(problem, &experiments, &task))
+        .transpose()
+}
+
+/// The question that a diagnosis leaves, restricted to effects of which all experiments can tell; none where it leaves
+/// none.
+fn task(problem: &Problem, diagnosis: &Diagnosis, experiments: &[Experiment]) -> Option<Task> {
+    if diagnosis.verdict == Verdict::Refused {
+        return Some(Task {
+            purpose: Purpose::SettleParameters,
+            question: Question::Settle,
+            effects: Vec::new(),
+            target: None,
+        });
     }
+    let known = |j: &usize| experiments.iter().all(|e| e.tells_of(*j));
+    let number = |name: &String| problem.candidates.iter().position(|c| c.name == *name);
+    let asked = diagnosis.in_question();
+    let effects: Vec<usize> = asked
+        .iter()
+        .filter_map(|q| number(&q.name).filter(known))
+        .collect();
+    let pairs = |groups: &[Vec<String>]| -> Vec<Pair> {
+        let mut pairs = Vec::new();
+        for group in groups {
+            let members: Vec<usize> = group
+                .iter()
+                .filter_map(|name| number(name).filter(known))
+                .collect();
+            for &effect in &members {
+                let others = members.iter().filter(|&&k| k != effect);
+                pairs.extend(others.filter_map(|&rival| pair(problem, diagnosis, effect, rival)));
+            }
+        }
+        pairs
+    };
+    let (purpose, question, target) = match diagnosis.verdict {
+        Verdict::Tie => {
+            let pairs = pairs(&diagnosis.tie_groups);
+            (
+                Purpose::BreakTie,
+                Question::Separate(pairs),
+                SEPARATION_TO_REACH,
+            )
+        }
+        Verdict::Unknown if effects.len() > 1 => {
+            let pairs = pairs(std::slice::from_ref(&diagnosis.suspects));
+            (
+                Purpose::TellSuspects,
+                Question::Separate(pairs),
+                SEPARATION_TO_REACH,
+            )
+        }
+        Verdict::Unknown => {
+            let found = effects.iter().filter_map(|&j| {
+                let amplitude = amplitude_and_error(problem, diagnosis, j)?.0;
+                Some((j, amplitude.abs()))
+            });
+            let question = Question::See(found.collect());
+            (Purpose::SeeSuspect, question, SCORE_TO_NAME)
+        }
+        _ => {
+            let largest = |j: &usize| {
+                let ends = problem.candidates[*j].range().map(f64::abs);
+                let largest = ends[0].max(ends[1]);
+                // 1 stands for an amplitude without a limit.
+                let amplitude = if largest.is_finite() { largest } else { 1.0 };
+                (*j, amplitude)
+            };
+            let question = Question::See(effects.iter().map(largest).collect());
+            (Purpose::FreeEffect, question, SCORE_TO_SEE)
+        }
+    };
+    (!question.is_empty()).then_some(Task {
+        purpose,
+        question,
+        effects,
+        target: Some(target),
+    })
+}
+
+/// Amplitude of an effect alone, and its standard error.
+fn amplitude_and_error(
+    problem: &Problem,
+    diagnosis: &Diagnosis,
+    effect: usize,
+) -> Option<(f64, f64)> {
+    let candidate = diagnosis.candidates.get(&problem.candidates[effect].name)?;
+    Some((candidate.amplitude?, candidate.se?))
+}
+
+/// Two effects to be told apart; none where the first has no amplitude.
+fn pair(problem: &Problem, diagnosis: &Diagnosis, effect: usize, rival: usize) -> Option<Pair> {
+    let (a, se) = amplitude_and_error(problem, diagnosis, effect)?;
+    Some(Pair {
+        effect,
+        rival,
+        mean_square: a * a + se * se,
+    })
 }
 
 /// The experiments on offer: the problem's own, or its unused conditions at cost 1.
@@ -144,6 +286,8 @@ fn experiments(problem: &Problem) -> Vec<Experiment> {
                 covariance: own.covariance,
                 declared: own.declared,
                 library: own.library,
+                effects: None,
+                runs: None,
                 cost: 1.0,
             }
         })
@@ -151,62 +295,101 @@ fn experiments(problem: &Problem) -> Vec<Experiment> {
         .collect()
 }
 
-/// Adds experiments one by one, each the most helpful for its cost, until the target is reached.
+impl Question {
+    /// Whether nothing is asked.
+    fn is_empty(&self) -> bool {
+        match self {
+            Self::Separate(pairs) => pairs.is_empty(),
+            Self::See(effects) => effects.is_empty(),
+            Self::Settle => false,
+        }
+    }
+
+    /// The criterion, and what it has gained: the larger the better. Squares of separations add up over experiments;
+    /// what is beyond the target is no gain, and a pair that is still tied takes none from the others.
+    fn answered(&self, rows: &Rows, target: Option<f64>) -> (f64, f64) {
+        let most = target.map_or(f64::INFINITY, |t| t * t);
+        let capped = |squares: &[f64]| squares.iter().map(|d| d.min(most)).sum::<f64>();
+        match self {
+            Self::Separate(pairs) => {
+                let squares: Vec<f64> = pairs.iter().map(|p| rows.squared_separation(p)).collect();
+                let least = squares.iter().copied().fold(f64::INFINITY, f64::min);
+                (least.sqrt(), capped(&squares))
+            }
+            Self::See(effects) => {
+                let square = |(j, a): &(usize, f64)| a * a * rows.squared_detectability(*j);
+                let squares: Vec<f64> = effects.iter().map(square).collect();
+                let largest = squares.iter().copied().fold(0.0, f64::max);
+                (largest.sqrt(), capped(&squares))
+            }
+            Self::Settle => {
+                let information = rows.ln_information();
+                (information, information)
+            }
+        }
+    }
+}
+
+/// Ranks the experiments, and adds them one by one, each the most helpful for its cost, until the target is reached or
+/// none helps.
 fn plan(
     problem: &Problem,
     experiments: &[Experiment],
-    purpose: Purpose,
-    effects: &[usize],
-    target: Option<f64>,
-    criterion: &Criterion<'_>,
+    task: &Task,
 ) -> Result<NextMeasurement, Error> {
     let mut rows = Rows::of(problem)?;
     let offered = experiments
         .iter()
-        .map(|e| Ok((e, e.whitened()?)))
+        .map(|e| Ok((e, Rows::of_experiment(e)?)))
         .collect::<Result<Vec<_>, Error>>()?;
-    let now = criterion(&rows);
-    let mut value = now;
-    let mut plan = Vec::new();
-    let longest = if target.is_some() {
-        LONGEST_PLAN
-    } else {
-        longest_for_parameters(problem)
-    };
-    while plan.len() < longest && target.is_none_or(|t| value < t) {
-        let gain = |e: &Experiment, own: &Rows| {
-            let new = criterion(&rows.with(own));
-            // Separations are compared by their squares, which add up over experiments.
-            let gained = if target.is_some() {
-                new * new - value * value
-            } else {
-                new - value
-            };
-            gained / e.cost
-        };
-        let best = offered
+    let ask = |rows: &Rows| task.question.answered(rows, task.target);
+    let ranked_on = |rows: &Rows, before: f64| {
+        let mut ranked: Vec<(f64, usize, f64)> = offered
             .iter()
-            .max_by(|a, b| gain(a.0, &a.1).total_cmp(&gain(b.0, &b.1)));
-        let Some((experiment, own)) = best else { break };
-        rows = rows.with(own);
-        value = criterion(&rows);
-        plan.push(PlannedExperiment {
-            experiment: experiment.name.clone(),
-            cost: experiment.cost,
-            criterion: value,
-        });
+            .enumerate()
+            .map(|(i, (experiment, own))| {
+                let (criterion, gained) = ask(&rows.with(own));
+                ((gained - before) / experiment.cost, i, criterion)
+            })
+            .collect();
+        // A stable sort: equal ones stay in the order of the problem.
+        ranked.sort_by(|a, b| b.0.total_cmp(&a.0));
+        ranked
+    };
+    let planned = |i: usize, criterion: f64| PlannedExperiment {
+        experiment: experiments[i].name.clone(),
+        cost: experiments[i].cost,
+        criterion,
+    };
+    let (now, mut gained) = ask(&rows);
+    let ranked = ranked_on(&rows, gained);
+    let longest = match task.question {
+        Question::Settle => longest_for_parameters(problem),
+        _ => LONGEST_PLAN,
+    };
+    let (mut value, mut plan) = (now, Vec::new());
+    while plan.len() < longest && task.target.is_none_or(|t| value < t) {
+        let best = ranked_on(&rows, gained).into_iter().next();
+        let Some((_, i, criterion)) = best.filter(|(gain, ..)| *gain > 0.0) else {
+            break;
+        };
+        rows = rows.with(&offered[i].1);
+        (value, gained) = ask(&rows);
+        plan.push(planned(i, criterion));
     }
-    let reached = target.is_none_or(|t| value >= t);
+    let reached = task.target.is_none_or(|t| value >= t);
     Ok(NextMeasurement {
-        purpose,
-        effects: effects
+        purpose: task.purpose,
+        effects: task
+            .effects
             .iter()
             .map(|&j| problem.candidates[j].name.clone())
             .collect(),
-        advice: advice(purpose, plan.first(), reached),
+        advice: advice(task.purpose, plan.first(), reached),
         plan,
+        ranked: ranked.into_iter().map(|(_, i, c)| planned(i, c)).collect(),
         now,
-        needed: target,
+        needed: task.target,
         reached,
     })
 }
@@ -219,13 +402,22 @@ fn longest_for_parameters(problem: &Problem) -> usize {
 
 /// What to do, in words.
 fn advice(purpose: Purpose, first: Option<&PlannedExperiment>, reached: bool) -> String {
-    let Some(first) = first else {
-        return "nothing needs to be measured".to_owned();
-    };
     let what = match purpose {
         Purpose::BreakTie => "to tell the tied effects apart",
+        Purpose::TellSuspects => "to tell the suspects apart",
+        Purpose::SeeSuspect => "to see the suspect better",
         Purpose::FreeEffect => "to see the effect that re-tuning can imitate",
         Purpose::SettleParameters => "to have more observations than parameters",
+    };
+    let Some(first) = first else {
+        return if reached {
+            "nothing needs to be measured".to_owned()
+        } else {
+            format!(
+                "none of the experiments on offer helps {what}: offer another observable or scene in which the effects \
+                 differ"
+            )
+        };
     };
     let rest = if reached {
         ""
@@ -234,134 +426,4 @@ fn advice(purpose: Purpose, first: Option<&PlannedExperiment>, reached: bool) ->
          effects differ, or measure more precisely (more frames and simulator runs)"
     };
     format!("measure at {} {what}{rest}", first.experiment)
-}
-
-/// Pairs inside the tie groups, with the mean square of the amplitude of the first.
-fn tied_pairs(decision: &Decision) -> Vec<Pair> {
-    let mut pairs = Vec::new();
-    for group in &decision.tie_groups {
-        for &effect in group {
-            for &rival in group.iter().filter(|&&k| k != effect) {
-                let single = &decision.singles[effect];
-                let (a, se) = (single.amplitudes[0], single.standard_errors[0]);
-                pairs.push(Pair {
-                    effect,
-                    rival,
-                    mean_square: a * a + se * se,
-                });
-            }
-        }
-    }
-    pairs
-}
-
-/// Two tied effects.
-struct Pair {
-    /// Taken as true.
-    effect: usize,
-    /// Fitted in its place.
-    rival: usize,
-    /// Posterior mean of the squared amplitude of the true one.
-    mean_square: f64,
-}
-
-/// Smallest d_jk over the pairs: d_jk^2 = a_j^2 |(I - P_[S~, l~_k]) l~_j|^2, the noncentrality
-/// left after parameters and rival are refitted (T-optimality `[AtkinsonFedorov1975]`).
-fn smallest_separation(rows: &Rows, pairs: &[Pair]) -> f64 {
-    pairs
-        .iter()
-        .map(|pair| {
-            let space = Space::of(&rows.with_effect(pair.rival));
-            let left = space.outside(&rows.library.column(pair.effect).into_owned());
-            pair.mean_square.sqrt() * left.norm()
-        })
-        .fold(f64::INFINITY, f64::min)
-}
-
-/// Largest a_max |u_j| among the effects; 1 stands for a missing a_max.
-fn best_detectability(problem: &Problem, rows: &Rows, effects: &[usize]) -> f64 {
-    let space = Space::of(&rows.declared);
-    effects
-        .iter()
-        .map(|&j| {
-            let left = space.outside(&rows.library.column(j).into_owned()).norm();
-            let ends = problem.candidates[j].range().map(f64::abs);
-            let largest = ends[0].max(ends[1]);
-            left * if largest.is_finite() { largest } else { 1.0 }
-        })
-        .fold(0.0, f64::max)
-}
-
-/// ln det of S~'S~, parameters scaled to the length of their columns, with a small ridge.
-fn ln_information(rows: &Rows) -> f64 {
-    let information = rows.declared.tr_mul(&rows.declared);
-    let scale = information.diagonal().amax().max(f64::MIN_POSITIVE);
-    let n = information.nrows();
-    if n == 0 {
-        return 0.0;
-    }
-    let ridged = information + DMatrix::identity(n, n) * (RIDGE * scale);
-    ridged
-        .symmetric_eigenvalues()
-        .iter()
-        .map(|v| v.max(f64::MIN_POSITIVE).ln())
-        .sum()
-}
-
-impl Rows {
-    /// The rows that there are already, those of the prior included.
-    fn of(problem: &Problem) -> Result<Self, Error> {
-        let part = &problem.used;
-        let whitener = part.covariance.whitener()?;
-        let rows = Self {
-            declared: whitener.whiten(&part.declared),
-            library: whitener.whiten(&part.library),
-        };
-        Ok(match &problem.prior {
-            None => rows,
-            Some(prior) => rows.with(&Self {
-                declared: prior.root.clone(),
-                library: DMatrix::zeros(prior.root.nrows(), problem.candidates.len()),
-            }),
-        })
-    }
-
-    /// These rows, then others.
-    fn with(&self, others: &Self) -> Self {
-        Self {
-            declared: stacked(&self.declared, &others.declared),
-            library: stacked(&self.library, &others.library),
-        }
-    }
-
-    /// [S~, l~_k].
-    fn with_effect(&self, effect: usize) -> DMatrix<f64> {
-        let mut columns: Vec<DVector<f64>> = self
-            .declared
-            .column_iter()
-            .map(nalgebra::Matrix::into_owned)
-            .collect();
-        columns.push(self.library.column(effect).into_owned());
-        DMatrix::from_columns(&columns)
-    }
-}
-
-impl Experiment {
-    /// Its whitened rows.
-    fn whitened(&self) -> Result<Rows, Error> {
-        let whitener: Whitener = Covariance::whitener(&self.covariance)?;
-        Ok(Rows {
-            declared: whitener.whiten(&self.declared),
-            library: whitener.whiten(&self.library),
-        })
-    }
-}
-
-/// One matrix on top of another.
-fn stacked(top: &DMatrix<f64>, bottom: &DMatrix<f64>) -> DMatrix<f64> {
-    let mut both = top
-        .clone()
-        .resize_vertically(top.nrows() + bottom.nrows(), 0.0);
-    both.rows_mut(top.nrows(), bottom.nrows()).copy_from(bottom);
-    both
 }

@@ -107,8 +107,29 @@ pub(crate) struct Experiment {
     pub(crate) declared: DMatrix<f64>,
     /// Sensitivities to the library amplitudes (its rows, effects).
     pub(crate) library: DMatrix<f64>,
+    /// Numbers of the effects of which it tells; all where none are given.
+    pub(crate) effects: Option<Vec<usize>>,
+    /// The runs behind its sensitivities; none where these are exact.
+    pub(crate) runs: Option<RunNoise>,
     /// Cost relative to the others.
     pub(crate) cost: f64,
+}
+
+/// Noise of sensitivities that are differences of two means of runs.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct RunNoise {
+    /// Covariance of each mean (rows, rows).
+    pub(crate) of_mean: DMatrix<f64>,
+    /// One over the step of each declared parameter, and behind them of each effect; 0 where the column is exact.
+    pub(crate) inverse_steps: Vec<f64>,
+}
+
+impl Experiment {
+    /// Whether it tells of an effect.
+    pub(crate) fn tells_of(&self, effect: usize) -> bool {
+        let told = self.effects.as_ref();
+        told.is_none_or(|told| told.contains(&effect))
+    }
 }
 
 impl Problem {

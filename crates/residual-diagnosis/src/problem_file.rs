@@ -86,9 +86,27 @@ pub struct ExperimentFile {
     pub sensitivities_library: Vec<Vec<f64>>,
     /// Covariance of its rows, measurement and simulator together (its rows, its rows).
     pub covariance: Vec<Vec<f64>>,
+    /// Effects of which it tells: whose columns of `sensitivities_library` are known; all where absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub effects: Option<Vec<String>>,
+    /// The runs behind its sensitivities; absent where these are exact.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub runs: Option<SensitivityRuns>,
     /// Cost relative to the other experiments.
     #[serde(default = "one")]
     pub cost: f64,
+}
+
+/// Runs behind sensitivities: a mean at a point, and one a step beside it in each column.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SensitivityRuns {
+    /// Covariance of each mean (rows, rows).
+    pub covariance_of_mean: Vec<Vec<f64>>,
+    /// Step of each declared parameter; null where the column is exact.
+    pub steps_declared: Vec<Option<f64>>,
+    /// Amplitude at which each effect was run; null where it was not, or has the noise of the runs without it.
+    pub steps_library: Vec<Option<f64>>,
 }
 
 /// Cost where none is given.

@@ -439,6 +439,8 @@ fn experiment_in_which_tied_effects_differ_is_proposed() {
         sensitivities_declared: vec![vec![0.0, 0.0]],
         sensitivities_library: vec![vec![slip, 0.0, drag]],
         covariance: vec![vec![0.08]],
+        effects: None,
+        runs: None,
         cost,
     };
     file.candidate_experiments = vec![

@@ -162,6 +162,7 @@ fn problem() -> CalibrationProblem {
         measurements: measurements(),
         correlations: Vec::new(),
         effects: Vec::new(),
+        candidates: Vec::new(),
     }
 }
 

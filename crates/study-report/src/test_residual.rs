@@ -63,6 +63,7 @@ fn study() -> ResidualStudy {
         effects: vec![probe("bend"), probe("bow")],
         replicates: 4,
         seed: 1,
+        candidates: Vec::new(),
     };
     let observed = Observed {
         values: SPEEDS.iter().map(|rpm| vec![Some(30.0 + rpm)]).collect(),

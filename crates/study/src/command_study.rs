@@ -1,5 +1,6 @@
 //! A study whose runs a program of the user does: what it gives and takes, checked without a scene file.
 
+use crate::candidates;
 use crate::correlated::correlations_of;
 use crate::document::{Document, below};
 use crate::file::{
@@ -9,7 +10,7 @@ use crate::measured::{Known, push, read_photos, words};
 use crate::photos::{PhotoSeries, Shown};
 use crate::problem::Problems;
 use crate::scenes::model_name;
-use calibration::{Correlation, EffectProbe, Measurement, Model};
+use calibration::{Candidate, Correlation, EffectProbe, Measurement, Model};
 use external_simulator::{CommandModel, OBSERVABLES_OF_A_BED};
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -33,6 +34,8 @@ pub(crate) struct CommandResolved {
     pub(crate) correlations: Vec<Correlation>,
     /// Photos that were read.
     pub(crate) photos: Vec<PhotoSeries>,
+    /// What could be measured next.
+    pub(crate) candidates: Vec<Candidate>,
 }
 
 /// Checks scenes, names and measurements against each other.
@@ -70,7 +73,45 @@ impl CommandChecker<'_> {
             };
             self.add(scene, entry, &mut resolved, &mut known, problems);
         }
+        self.add_candidates(&mut resolved, problems);
         resolved
+    }
+
+    /// Adds what could be measured next.
+    fn add_candidates(&self, resolved: &mut CommandResolved, problems: &mut Problems) {
+        let known = candidates::Known {
+            document: self.document,
+            models: &resolved.models,
+            measurements: &resolved.measurements,
+        };
+        let mut found: Vec<Candidate> = Vec::new();
+        let mut runs = BTreeMap::new();
+        for offer in candidates::offers(self.file) {
+            let Some(scene) = self.file.scenes.iter().find(|s| s.name == offer.scene) else {
+                let names: Vec<&str> = self.file.scenes.iter().map(|s| s.name.as_str()).collect();
+                let problem = format!("is of no [[scene]]; there are {}", names.join(", "));
+                offer.refuse("scene", &problem, self.document, problems);
+                continue;
+            };
+            let (model, run) = self.model_of(scene, &offer.condition);
+            if resolved.models.iter().any(|m| m.name == model.name) {
+                let problem = "is measured already: raise n there to measure it more often";
+                offer.refuse("condition", problem, self.document, problems);
+                continue;
+            }
+            let standard_errors = offer.standard_errors(&self.observables(scene), &known, problems);
+            if standard_errors.is_empty() || runs.contains_key(&model.name) {
+                continue;
+            }
+            runs.insert(model.name.clone(), run);
+            found.push(Candidate {
+                model,
+                standard_errors,
+                minutes: offer.minutes(),
+            });
+        }
+        resolved.candidates = found;
+        resolved.runs.extend(runs);
     }
 
     /// Observables of a scene: what is read of its bed, and what the file says that the program tells.
@@ -151,10 +192,21 @@ impl CommandChecker<'_> {
         entry: &MeasuredEntry,
         resolved: &mut CommandResolved,
     ) -> usize {
-        let name = model_name(&scene.name, &entry.condition);
-        if let Some(known) = resolved.models.iter().position(|m| m.name == name) {
+        let (model, run) = self.model_of(scene, &entry.condition);
+        if let Some(known) = resolved.models.iter().position(|m| m.name == model.name) {
             return known;
         }
+        resolved.runs.insert(model.name.clone(), run);
+        resolved.models.push(model);
+        resolved.models.len() - 1
+    }
+
+    /// The model of a scene under a condition, and how the program runs it.
+    fn model_of(
+        &self,
+        scene: &SceneEntry,
+        condition: &BTreeMap<String, String>,
+    ) -> (Model, CommandModel) {
         let depends = |p: &ParameterEntry| {
             let stated = scene.parameters.as_ref();
             stated.is_none_or(|names| names.contains(&p.symbol))
@@ -166,18 +218,17 @@ impl CommandChecker<'_> {
             .map(|k| self.file.parameters[*k].symbol.clone());
         let run = CommandModel {
             scene: scene.name.clone(),
-            condition: entry.condition.clone(),
+            condition: condition.clone(),
             parameters: symbols.collect(),
             drum: scene.drum.clone(),
         };
-        resolved.runs.insert(name.clone(), run);
-        resolved.models.push(Model {
-            name,
+        let model = Model {
+            name: model_name(&scene.name, condition),
             scene: scene.name.clone(),
-            condition: entry.condition.clone(),
+            condition: condition.clone(),
             parameters,
-        });
-        resolved.models.len() - 1
+        };
+        (model, run)
     }
 
     /// Refuses names that no command line takes, and names of two things.
@@ -188,9 +239,12 @@ impl CommandChecker<'_> {
             .iter()
             .map(|p| (&p.symbol, &p.path, "symbol"));
         let effects = file.effects.iter().map(|e| (&e.name, &e.path, "name"));
-        let conditions = file.measured.iter().flat_map(|m| {
-            let names = m.condition.keys();
-            names.map(|name| (name, &m.path, "condition"))
+        let measured = file.measured.iter().map(|m| (&m.condition, &m.path));
+        let offered = file.candidates.iter().flatten();
+        let offered = offered.map(|c| (&c.condition, &c.path));
+        let conditions = measured.chain(offered).flat_map(|(condition, path)| {
+            let names = condition.keys();
+            names.map(move |name| (name, path, "condition"))
         });
         let mut before: Vec<(&String, &str)> = Vec::new();
         for (name, path, key) in parameters.chain(effects).chain(conditions) {

@@ -3,6 +3,7 @@
 use crate::scenes::{Models, Scenes};
 use calibration::{EffectProbe, Measurement, Role};
 use effect_library::{Description, apply, find, names};
+use scene::Scene;
 use std::collections::BTreeMap;
 
 /// Effects to search, and those that no measured scene can carry, with the reason.
@@ -14,12 +15,13 @@ pub(crate) struct Searched {
     pub(crate) not_applicable: BTreeMap<String, String>,
 }
 
-/// Finds them; all of the library where the file names none. Names that the library lacks were refused before.
+/// Finds them, and which models, candidates for the next measurement included, cannot carry each; all of the library where the file names none. Names that the library lacks were refused before.
 pub(crate) fn search(
     named: Option<&[String]>,
     models: &Models,
     measurements: &[Measurement],
     scenes: &Scenes<'_>,
+    candidates: &Models,
 ) -> Searched {
     let all = named.map_or_else(names, <[String]>::to_vec);
     let mut found = Searched::default();
@@ -32,18 +34,25 @@ pub(crate) fn search(
     for name in all {
         let Ok(effect) = find(&name) else { continue };
         let Description { probe, range, .. } = effect.description();
-        let refusal = |k: usize| {
-            let mut scene = models.scenes[k].clone();
+        let refusal = |scene: &Scene| {
+            let mut scene = scene.clone();
             match apply(&mut scene, &name, probe, &scenes.fillings) {
                 Err(error) => Some(error.to_string()),
                 Ok(()) => Some(scenes.peer?.check(&scene).err()?.to_string()),
             }
         };
-        let refused = judged.iter().filter_map(|&k| Some((k, refusal(k)?)));
-        let absent: BTreeMap<String, String> = refused
-            .map(|(k, reason)| (models.models[k].name.clone(), reason))
-            .collect();
+        let absent_of = |models: &Models, numbers: &[usize]| -> BTreeMap<String, String> {
+            let refused = numbers
+                .iter()
+                .filter_map(|&k| Some((k, refusal(&models.scenes[k])?)));
+            refused
+                .map(|(k, reason)| (models.models[k].name.clone(), reason))
+                .collect()
+        };
+        let mut absent = absent_of(models, &judged);
         if absent.len() < judged.len() {
+            let offered: Vec<usize> = (0..candidates.scenes.len()).collect();
+            absent.extend(absent_of(candidates, &offered));
             found.probes.push(EffectProbe {
                 name,
                 probe,

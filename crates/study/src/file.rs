@@ -1,5 +1,6 @@
 //! What a study file says, entry by entry.
 
+mod candidate;
 mod choices;
 mod parts;
 mod photo;
@@ -113,6 +114,26 @@ pub struct MeasuredEntry {
     pub(crate) path: String,
 }
 
+/// A measurement that could be made next.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct CandidateEntry {
+    /// Name of the scene.
+    pub scene: String,
+    /// Settings of the scene by path or short name, with the values as text.
+    pub condition: BTreeMap<String, String>,
+    /// What would be measured; what the study measures on the scene where absent.
+    pub observables: Option<Vec<String>>,
+    /// Standard deviation of the single values, by observable; that of the same one elsewhere where absent.
+    pub sd: BTreeMap<String, f64>,
+    /// Number of independent values; as elsewhere where absent.
+    pub n: Option<f64>,
+    /// Work in the laboratory, min; 1 where absent.
+    pub minutes: Option<f64>,
+    /// Where it stands.
+    #[serde(skip)]
+    pub(crate) path: String,
+}
+
 /// How photos are read.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct PhotoOptions {
@@ -198,6 +219,8 @@ pub struct StudyFile {
     pub parameters: Vec<ParameterEntry>,
     /// Measurements.
     pub measured: Vec<MeasuredEntry>,
+    /// What could be measured next; suggested by the measurements where absent.
+    pub candidates: Option<Vec<CandidateEntry>>,
     /// Optional tables.
     pub choices: Choices,
     /// The same of the profiles.
@@ -226,6 +249,9 @@ impl StudyFile {
             problems.add(document.problem("effect", "[[effect]]", problem));
         }
         let effects = parts::each(&effects, problems, simulator::effect);
+        let candidates = root.list("candidate", problems);
+        let candidates = parts::each(&candidates, problems, candidate::candidate);
+        let candidates = root.table.contains_key("candidate").then_some(candidates);
         let mut list = |key: &str| {
             let found = root.list(key, problems);
             if found.is_empty() && !root.table.contains_key(key) {
@@ -264,6 +290,7 @@ impl StudyFile {
             effects,
             parameters: parts::each(&parameters, problems, parameter),
             measured: parts::each(&measured, problems, parts::measured),
+            candidates,
             choices: choices::choices(&root, of_command, problems),
             profiles,
         }

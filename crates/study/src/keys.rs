@@ -1,7 +1,7 @@
 //! Every key of the study file.
 
 /// Keys of the file itself.
-pub(crate) const STUDY: [&str; 12] = [
+pub(crate) const STUDY: [&str; 13] = [
     "name",
     "simulator",
     "runner",
@@ -9,6 +9,7 @@ pub(crate) const STUDY: [&str; 12] = [
     "scene",
     "parameter",
     "measured",
+    "candidate",
     "compare",
     "design",
     "budget",
@@ -72,6 +73,8 @@ pub(crate) const MEASURED: [&str; 6] = [
     "photo",
     "correlation",
 ];
+/// Keys of `[[candidate]]`.
+pub(crate) const CANDIDATE: [&str; 6] = ["scene", "condition", "observables", "sd", "n", "minutes"];
 /// Keys of an observable.
 pub(crate) const VALUE: [&str; 3] = ["mean", "sd", "n"];
 /// Keys of `photo`.
@@ -135,6 +138,7 @@ pub fn keys_of_a_study() -> Vec<(&'static str, &'static [&'static str])> {
         ("parameter", &PARAMETER),
         ("prior", &PRIOR),
         ("measured", &MEASURED),
+        ("candidate", &CANDIDATE),
         ("value", &VALUE),
         ("photo", &PHOTO),
         ("compare", &COMPARE),

@@ -7,6 +7,7 @@
 //!
 //! A commented example of every key is `fixtures/study-example/study.toml`.
 
+mod candidates;
 mod command_study;
 mod compare;
 mod correlated;
@@ -22,6 +23,7 @@ mod inputs;
 mod keys;
 mod limits;
 mod measured;
+mod next;
 mod parameters;
 mod photo_values;
 mod photos;
@@ -40,16 +42,18 @@ pub use defaults::DefaultUsed;
 pub use design_table::{DesignChoices, DesignPlan, DesignRun, DesignTable};
 pub use error::Error;
 pub use file::{
-    Budget, Choices, CommandEntry, CompareEntry, EffectEntry, MeasuredCorrelation, MeasuredEntry,
-    MeasuredValue, ParameterEntry, PeerEntry, PhotoOptions, SceneEntry, SimulatorEntry, StudyFile,
+    Budget, CandidateEntry, Choices, CommandEntry, CompareEntry, EffectEntry, MeasuredCorrelation,
+    MeasuredEntry, MeasuredValue, ParameterEntry, PeerEntry, PhotoOptions, SceneEntry,
+    SimulatorEntry, StudyFile,
 };
 pub use hand_over::{parameter_file, scene_at, write_hand_over, write_json};
 pub use init::{Starter, StarterFile};
 pub use keys::keys_of_a_study;
+pub use next::NextRow;
 pub use photos::PhotoSeries;
 pub use price::{Price, StagePrice};
 pub use problem::Problem;
 pub use result::{DiagnosisResult, StudyResult};
-pub use run::{RunSettings, plan_diagnosis, plan_study, run_diagnosis, run_study};
+pub use run::{DiagnosisRuns, RunSettings, plan_diagnosis, plan_study, run_diagnosis, run_study};
 pub use simulator::StudySimulator;
 pub use study::Study;

@@ -134,6 +134,22 @@ fn of_core(timing: &TimingDetails) -> f64 {
     timing.cpu_s.unwrap_or(timing.wall_s)
 }
 
+/// Mean time of one core of some runs in a store, s; none where none of them is known.
+pub(crate) fn mean_core_seconds(store: &Store, keys: &[String]) -> Result<Option<f64>, Error> {
+    let (mut sum, mut n) = (0.0, 0);
+    for key in keys {
+        let Lookup::Found(record) = store.get(key)? else {
+            continue;
+        };
+        let timing = RunDetails::of(&record).ok().map(|details| details.timing);
+        if let Some(timing) = timing.filter(|t| !t.only_seen) {
+            sum += of_core(&timing);
+            n += 1;
+        }
+    }
+    Ok((n > 0).then(|| sum / f64::from(n)))
+}
+
 /// Time of one core that the runs in a store took, s. What is no record is left out.
 pub(crate) fn core_seconds(store: &Store) -> Result<f64, Error> {
     let mut sum = 0.0;

@@ -2,6 +2,7 @@
 
 use crate::compare::ComparedValue;
 use crate::defaults::DefaultUsed;
+use crate::next::NextRow;
 use calibration::{Calibration, DiagnosisStage};
 use run_store::Record;
 use serde::{Serialize, Serializer};
@@ -124,6 +125,8 @@ pub struct DiagnosisResult {
     pub at: BTreeMap<String, f64>,
     /// The diagnosis.
     pub diagnosis: DiagnosisStage,
+    /// What could be measured next, the most helpful for its minutes first; empty where nothing is in question.
+    pub next: Vec<NextRow>,
     /// What the file left out, and what stood in its place.
     pub defaults: Vec<DefaultUsed>,
     /// Effects that a measured scene cannot carry, with the reason.

@@ -1,6 +1,7 @@
 //! Running a study: the only place that calls the loop.
 
 use crate::compare::compare;
+use crate::next;
 use crate::price::{self, Price};
 use crate::{DiagnosisResult, Error, Study, StudyResult, StudySimulator};
 use calibration::{Calibration, LoopSettings};
@@ -55,18 +56,35 @@ pub fn plan_study(study: &Study, seed: u64, folder: &Path) -> Result<Price, Erro
 }
 
 /// Most runs that [`run_diagnosis`] may need.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct DiagnosisRuns {
+    /// Of the diagnosis.
+    pub diagnosis: usize,
+    /// Beyond these at the candidates for the next measurement, where the diagnosis leaves a question; 0 where the budget
+    /// does not allow them.
+    pub at_candidates: usize,
+}
+
+/// Most runs that [`run_diagnosis`] may need.
 ///
 /// # Errors
 ///
-/// A budget of the study that is smaller.
-pub fn plan_diagnosis(study: &Study, folder: &Path) -> Result<usize, Error> {
+/// A budget of the study that is smaller than the diagnosis needs.
+pub fn plan_diagnosis(study: &Study, folder: &Path) -> Result<DiagnosisRuns, Error> {
     let needed = calibration::most_runs_of_diagnosis(&study.problem, &study.settings);
+    let further = calibration::most_runs_of_candidates(&study.problem, &study.settings);
     let simulator = study.simulator(folder)?;
     let stages = calibration::planned(&study.problem, &study.settings)?;
     let price = price::of(&simulator, &stages, study.budget, None)?;
     match price.most_runs {
         Some(most) if most < needed => Err(Error::Budget { most, needed }),
-        _ => Ok(needed),
+        most => Ok(DiagnosisRuns {
+            diagnosis: needed,
+            at_candidates: match most {
+                Some(most) if most < needed + further => 0,
+                _ => further,
+            },
+        }),
     }
 }
 
@@ -141,7 +159,13 @@ pub fn run_diagnosis(
     let pace = Pace::new();
     let campaign = settings.campaign(&store, &pace);
     let within = study.settings_with(settings.seed);
-    let diagnosis = calibration::diagnose_at(&campaign, &simulator, &study.problem, &within, at)?;
+    let planned = plan_diagnosis(study, &settings.folder)?;
+    let problem = match planned.at_candidates {
+        0 => study.problem.without_candidates(),
+        _ => study.problem.clone(),
+    };
+    let diagnosis = calibration::diagnose_at(&campaign, &simulator, &problem, &within, at)?;
+    let next = next::table(study, &diagnosis, &store)?;
     let symbols = study.problem.parameters.iter().map(|p| p.symbol.clone());
     Ok(DiagnosisResult {
         name: study.problem.id.clone(),
@@ -151,6 +175,7 @@ pub fn run_diagnosis(
         inputs: study.inputs.clone(),
         at: symbols.zip(at.iter().copied()).collect::<BTreeMap<_, _>>(),
         diagnosis,
+        next,
         defaults: study.defaults.clone(),
         not_applicable: study.not_applicable.clone(),
         core_s: price::core_seconds(&store)?,

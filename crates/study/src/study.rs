@@ -1,5 +1,6 @@
 //! A study that was checked against its scenes: ready to be run.
 
+use crate::candidates::{self, Known};
 use crate::command_study::{CommandChecker, probes};
 use crate::compare::resolve;
 use crate::defaults::{DefaultUsed, Defaults};
@@ -15,7 +16,7 @@ use crate::problem::{Problem, Problems};
 use crate::scenes::{Models, Scenes};
 use crate::simulator::StudySimulator;
 use crate::{Error, inputs};
-use calibration::{CalibrationProblem, LoopSettings, Parameter};
+use calibration::{CalibrationProblem, Candidate, LoopSettings, Parameter};
 use external_simulator::{
     CommandModel, CommandSettings, CommandSimulator, PeerSettings, PeerSimulator,
 };
@@ -35,7 +36,7 @@ pub struct Study {
     pub file: StudyFile,
     /// Scenes by name, with their changes.
     pub scenes: BTreeMap<String, Scene>,
-    /// Scenes by the name of the model, with the condition.
+    /// Scenes by the name of the model, with the condition; those of candidates for the next measurement included.
     pub models: BTreeMap<String, Scene>,
     /// What is asked.
     pub problem: CalibrationProblem,
@@ -237,6 +238,18 @@ impl Checker<'_> {
         let mut defaults = Defaults::default();
         let parameters = self.parameters(&scenes, &resolved, measured_well, &mut defaults);
         let settings = Self::settings(&choices, &mut defaults);
+        let known = Known {
+            document,
+            models: &resolved.models.models,
+            measurements: &resolved.measurements,
+        };
+        let problems = &mut self.problems;
+        let searches = choices.effects.as_ref().is_none_or(|e| !e.is_empty());
+        let (candidates, offered) = if measured_well && searches {
+            candidates::of_scenes(&scenes, file, &known, &resolved.models, problems)
+        } else {
+            <(Vec<Candidate>, Models)>::default()
+        };
         let Searched {
             probes,
             not_applicable,
@@ -245,7 +258,13 @@ impl Checker<'_> {
             &resolved.models,
             &resolved.measurements,
             &scenes,
+            &offered,
         );
+        if file.candidates.is_none() && !candidates.is_empty() {
+            let names: Vec<&str> = candidates.iter().map(|c| c.model.name.as_str()).collect();
+            let why = "what could be measured next: levels between and beyond the measured ones, scenes not measured";
+            defaults.tell("candidate", &names.join("; "), why);
+        }
         if choices.effects.is_none() {
             let why = "all effects of the library that every measured scene can carry";
             defaults.tell("effects.search", &probes.len().to_string(), why);
@@ -263,8 +282,12 @@ impl Checker<'_> {
             let of_model = of_model.collect();
             models.models[k].parameters = of_model;
         }
-        let by_model = models.models.iter().map(|m| m.name.clone());
-        let by_model = by_model.zip(models.scenes.iter().cloned()).collect();
+        let all = [&models, &offered];
+        let by_model = all.iter().flat_map(|models| {
+            let names = models.models.iter().map(|m| m.name.clone());
+            names.zip(models.scenes.iter().cloned())
+        });
+        let by_model = by_model.collect();
         let problem = CalibrationProblem {
             id: file.name.clone(),
             parameters,
@@ -272,6 +295,7 @@ impl Checker<'_> {
             measurements,
             correlations,
             effects: probes,
+            candidates,
         };
         if measured_well {
             self.check_compare(&choices, &problem);
@@ -322,6 +346,7 @@ impl Checker<'_> {
             measurements: resolved.measurements,
             correlations: resolved.correlations,
             effects: probes(file, choices.effects.as_deref()),
+            candidates: resolved.candidates,
         };
         self.check_compare(&choices, &problem);
         self.check_whole(&problem);

@@ -1,5 +1,7 @@
 //! `seedloop diagnose STUDY.toml`: own simulations, verdict, the model with the effect.
 
+mod next;
+mod power;
 mod report;
 
 use crate::calibrate::{of_study, progress_lines, refuse_used_folder};
@@ -14,7 +16,9 @@ use residual_diagnosis::Diagnosis;
 use serde::Serialize;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
-use study::{DiagnosisResult, RunSettings, Study, plan_diagnosis, run_diagnosis, write_json};
+use study::{
+    DiagnosisResult, DiagnosisRuns, RunSettings, Study, plan_diagnosis, run_diagnosis, write_json,
+};
 use study_report::answer;
 
 /// What the command line says.
@@ -62,10 +66,11 @@ pub(crate) fn run(path: &Path, options: &Options, common: &Common) -> anyhow::Re
         .out
         .clone()
         .unwrap_or_else(|| PathBuf::from("out").join(format!("{}-diagnosis", study.folder_name())));
-    let most_runs = plan_diagnosis(&study, &folder).with_context(|| path.display().to_string())?;
-    let planned = plan_text(&study, &at, most_runs);
+    let runs = plan_diagnosis(&study, &folder).with_context(|| path.display().to_string())?;
+    let planned = plan_text(&study, &at, runs);
     if options.plan_only {
         common.print(planned.trim_end())?;
+        common.print(power::text(&study, &folder, options.seed)?.trim_end())?;
         common.emit_json(&study.problem)?;
         return Ok(DONE);
     }
@@ -93,6 +98,10 @@ pub(crate) fn run(path: &Path, options: &Options, common: &Common) -> anyhow::Re
             write_json(&folder.join("problem.json"), &done.problem)?;
             report::write(&folder, &study, &result, done)?;
             common.print(found_text(&study, done).trim_end())?;
+            let next = next::text(&study, &result, &folder);
+            if !next.is_empty() {
+                common.print(next.trim_end())?;
+            }
             (Some(&done.diagnosis), exit_code(done.diagnosis.verdict))
         }
         DiagnosisStage::LeftOut { reason } => {
@@ -130,11 +139,12 @@ fn found_text(study: &Study, done: &ResidualStudy) -> String {
 }
 
 /// What will be run.
-fn plan_text(study: &Study, at: &[f64], most_runs: usize) -> String {
+fn plan_text(study: &Study, at: &[f64], runs: DiagnosisRuns) -> String {
     let problem = &study.problem;
     let mut out = format!(
-        "{}: at most {most_runs} runs, {} behind each simulated mean of {} models, {} effects to search\n",
+        "{}: at most {} runs, {} behind each simulated mean of {} models, {} effects to search\n",
         problem.id,
+        runs.diagnosis,
         study.settings.diagnosis_replicates,
         problem.models.len(),
         problem.effects.len(),
@@ -150,6 +160,26 @@ fn plan_text(study: &Study, at: &[f64], most_runs: usize) -> String {
         let (model, name) = (&problem.models[measured.model].name, &measured.observable);
         let role = format!("{:?}", measured.role).to_lowercase();
         add(&mut out, format_args!("  {role:<6} {name} of {model}\n"));
+    }
+    let offered = &problem.candidates;
+    if runs.at_candidates > 0 {
+        add(
+            &mut out,
+            format_args!(
+                "  and at most {} runs more at {} candidates for the next measurement, only where the verdict leaves a \
+                 question\n",
+                runs.at_candidates,
+                offered.len()
+            ),
+        );
+        for candidate in offered {
+            add(
+                &mut out,
+                format_args!("  could be measured: {}\n", candidate.model.name),
+            );
+        }
+    } else if !offered.is_empty() {
+        out.push_str("  the budget leaves no runs for what to measure next\n");
     }
     for (effect, reason) in &study.not_applicable {
         add(&mut out, format_args!("  left out: {effect}: {reason}\n"));

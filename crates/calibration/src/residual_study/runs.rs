@@ -145,7 +145,12 @@ pub(super) fn means_of_each(
 }
 
 /// Runs of a setting at the used or the kept conditions, with replicates.
-fn requests(plan: &ResidualPlan, setting: &Setting, block: u64, at: At) -> Vec<RunRequest> {
+pub(super) fn requests(
+    plan: &ResidualPlan,
+    setting: &Setting,
+    block: u64,
+    at: At,
+) -> Vec<RunRequest> {
     let used = at == At::Used;
     let conditions = plan.conditions.iter().filter(|c| c.used == used);
     conditions
@@ -154,7 +159,7 @@ fn requests(plan: &ResidualPlan, setting: &Setting, block: u64, at: At) -> Vec<R
 }
 
 /// Means of the runs of a setting.
-fn means_of(plan: &ResidualPlan, records: &[&Record], at: At) -> Result<Means, Error> {
+pub(super) fn means_of(plan: &ResidualPlan, records: &[&Record], at: At) -> Result<Means, Error> {
     let rows = rows_of(plan, records, at)?;
     Ok(Means::of(&rows, plan.replicates).spread_over(plan, at == At::Used))
 }

@@ -12,12 +12,12 @@ use std::collections::BTreeMap;
 
 /// Noise of one run, and of one measurement.
 const RUN_SD: f64 = 0.1;
-const MEASURED_SD: f64 = 0.1;
+pub(super) const MEASURED_SD: f64 = 0.1;
 
 /// A simulator in closed form: two observables, two parameters, two effects.
-struct Toy;
+pub(super) struct Toy;
 
-fn truth(rpm: f64, fill: f64, a: f64, b: f64, effects: [f64; 2]) -> [f64; 2] {
+pub(super) fn truth(rpm: f64, fill: f64, a: f64, b: f64, effects: [f64; 2]) -> [f64; 2] {
     [
         30.0 + 10.0 * a
             + 0.1 * rpm
@@ -106,10 +106,11 @@ fn plan(seed: u64) -> ResidualPlan {
         effects: vec![effect("bend"), effect("tilt")],
         replicates: 4,
         seed,
+        candidates: Vec::new(),
     }
 }
 
-fn observed(plan: &ResidualPlan, effects: [f64; 2], seed: u64) -> Observed {
+pub(super) fn observed(plan: &ResidualPlan, effects: [f64; 2], seed: u64) -> Observed {
     measured(plan, seed, |rpm, fill| truth(rpm, fill, 0.7, 0.4, effects))
 }
 
@@ -449,7 +450,7 @@ impl Simulator for Twins {
 }
 
 /// The plan with both twins in the library.
-fn plan_of_twins() -> ResidualPlan {
+pub(super) fn plan_of_twins() -> ResidualPlan {
     let mut plan = plan(1);
     let bow = EffectProbe {
         name: "bow".into(),

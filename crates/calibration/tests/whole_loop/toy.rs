@@ -119,6 +119,7 @@ pub(crate) fn problem(
         measurements,
         correlations: Vec::new(),
         effects: Vec::new(),
+        candidates: Vec::new(),
     }
 }
 

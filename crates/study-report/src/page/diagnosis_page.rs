@@ -3,10 +3,11 @@
 use super::closing_section::{defaults, inputs};
 use super::residual_parts::answer_colour;
 use super::{chart, residual_section};
-use crate::numbers::{counted, digits, fixed};
+use crate::numbers::{counted, digits, fixed, listed};
 use crate::output::DIAGNOSIS;
 use crate::pictures::NamedPicture;
 use crate::{DiagnosisInput, Error};
+use calibration::ResidualStudy;
 use report::{Column, Fact, Report, Table};
 use residual_diagnosis::{NearestEffect, TrialRow, Truth};
 
@@ -16,6 +17,7 @@ pub(crate) fn page(input: &DiagnosisInput<'_>, pictures: &[NamedPicture]) -> Res
     answer(&mut report, input, pictures);
     report.section("What it rests on");
     residual_section::add(&mut report, pictures, DIAGNOSIS, input.study)?;
+    next_measurement(&mut report, input.study)?;
     known_truth(&mut report, input.trials)?;
     closing(&mut report, input);
     Ok(report.html())
@@ -65,6 +67,42 @@ fn answer(report: &mut Report, input: &DiagnosisInput<'_>, pictures: &[NamedPict
              band is twice the standard error of observation and simulation."
         ),
     );
+}
+
+/// What could be measured next; nothing where no question is left.
+fn next_measurement(report: &mut Report, study: &ResidualStudy) -> Result<(), Error> {
+    let Some(next) = &study.diagnosis.next_measurement else {
+        return Ok(());
+    };
+    let needed = next.needed.map_or_else(String::new, |needed| {
+        format!(", where {} would do", digits(needed))
+    });
+    report.paragraph(&format!(
+        "What could be measured next, for {}. By the values that there are, their smallest separation or expected score is \
+         {} standard errors{needed}. The noise of the runs at the candidates is taken off.",
+        listed(&next.effects),
+        fixed(next.now, 1)
+    ));
+    let mut table = Table::new(
+        "Candidates for the next measurement, the most helpful for its minutes first.",
+        vec![
+            Column::text("measurement"),
+            Column::number("standard errors with it"),
+            Column::number("minutes"),
+            Column::number("further runs, at least"),
+        ],
+    )?;
+    for ranked in &next.ranked {
+        let offered = study.offered.iter().find(|o| o.name == ranked.experiment);
+        table.row([
+            ranked.experiment.clone(),
+            fixed(ranked.criterion, 1),
+            digits(ranked.cost),
+            offered.map_or_else(String::new, |o| o.runs.to_string()),
+        ])?;
+    }
+    report.table(&table);
+    Ok(())
 }
 
 /// What the rules say of drawn campaigns whose truth is known.
