@@ -92,7 +92,7 @@ water-beads:
 # Let two spheres meet in a thick liquid in the real LIGGGHTS, and hold it to the values that are kept (seconds).
 liggghts-liquid:
     command -v liggghts > /dev/null || apt-get install --yes liggghts
-    LIGGGHTS=liggghts cargo test --release --locked -p verification --test liggghts_bridge -- --ignored --nocapture
+    cargo test --release --locked -p verification --test liggghts_bridge -- --ignored --nocapture
 
 # Calibrate two small drums, of spheres and of seeds, by LAMMPS and by the solver here (an hour).
 calibrate-lammps:

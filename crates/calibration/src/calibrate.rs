@@ -74,21 +74,7 @@ pub fn calibrate(
     let at = &confirmed.found.best;
     let spent = elsewhere + search.boxes.iter().map(|b| b.n_runs).sum::<usize>();
     let spent = spent + (confirmed.rounds.len() - 1) * stages[CONFIRMATION].requests.len();
-    let diagnosis = match beyond_budget(problem, settings, spent) {
-        Some(reason) => DiagnosisStage::LeftOut { reason },
-        None => {
-            let needed = most_runs_of_diagnosis(problem, settings);
-            let further = most_runs_of_candidates(problem, settings);
-            let allowed = |most| spent + needed + further <= most;
-            // What to measure next is asked where the budget allows it.
-            if settings.most_runs.is_none_or(allowed) {
-                diagnose_at(campaign, &counted, problem, settings, at)?
-            } else {
-                let without = problem.without_candidates();
-                diagnose_at(campaign, &counted, &without, settings, at)?
-            }
-        }
-    };
+    let diagnosis = diagnosis_left(campaign, &counted, problem, settings, (at, spent))?;
     let surfaces = all_surfaces(&confirmed, &checked.planes);
     let row = |role, runs: &BTreeMap<usize, Samples>, covariance, at: &[f64]| {
         compare(asked, role, runs, &surfaces, covariance, at)
@@ -136,6 +122,25 @@ pub fn calibrate(
         met,
         verdict,
     })
+}
+
+/// The diagnosis at a point, as far as the budget allows after so many runs: what to measure next is asked where it does.
+fn diagnosis_left(
+    campaign: &Campaign<'_>,
+    simulator: &dyn Simulator,
+    problem: &CalibrationProblem,
+    settings: &LoopSettings,
+    (at, spent): (&[f64], usize),
+) -> Result<DiagnosisStage, Error> {
+    if let Some(reason) = beyond_budget(problem, settings, spent) {
+        return Ok(DiagnosisStage::LeftOut { reason });
+    }
+    let needed = most_runs_of_diagnosis(problem, settings);
+    let all = spent + needed + most_runs_of_candidates(problem, settings);
+    let without = problem.without_candidates();
+    let fits = settings.most_runs.is_none_or(|most| all <= most);
+    let asked = if fits { problem } else { &without };
+    diagnose_at(campaign, simulator, asked, settings, at)
 }
 
 /// What failed at a point, one sentence for each model.

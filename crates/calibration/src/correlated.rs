@@ -130,6 +130,7 @@ mod tests {
                 .map(|&(a, b, value)| Correlation { a, b, value })
                 .collect(),
             effects: Vec::new(),
+            candidates: Vec::new(),
         }
     }
 
@@ -155,7 +156,7 @@ mod tests {
         for (i, row) in slow.iter().enumerate() {
             for (j, value) in row.iter().enumerate() {
                 let expected = match (i, j) {
-                    (0, 0) | (0, 1) | (1, 0) => 0.01,
+                    (0, 0 | 1) | (1, 0) => 0.01,
                     (1, 1) => 0.04,
                     (2, 2) => 0.09,
                     _ => 0.0,

@@ -304,19 +304,16 @@ pub fn study_residual(
         _ => (None, added),
     };
     let pooled = linear.pooled_covariance();
-    let names = || plan.declared.iter().map(|d| d.name.clone());
+    let sds = (0..pooled.len()).map(|k| pooled[k][k].sqrt());
+    let names = plan.observables.iter().cloned();
+    let declared = plan.declared.iter().map(|d| d.name.clone());
     Ok(ResidualStudy {
         plan: plan.clone(),
         left_out,
         observed: observed.clone(),
         noise_dof: linear.noise_dof,
-        run_sd: plan
-            .observables
-            .iter()
-            .enumerate()
-            .map(|(k, name)| (name.clone(), pooled[k][k].sqrt()))
-            .collect(),
-        fitted: names().zip(fitted).collect(),
+        run_sd: names.zip(sds).collect(),
+        fitted: declared.zip(fitted).collect(),
         simulated_before: fit.means.values,
         errors_before,
         problem: file,

@@ -61,7 +61,7 @@ impl ViscousBridge {
     /// The resistance between two surfaces of a mean radius (m); none without viscosity.
     pub fn between(&self, radius: f64) -> Option<ViscousForce> {
         let reduced_radius = 0.5 * radius;
-        (self.viscosity > 0.0).then(|| ViscousForce {
+        (self.viscosity > 0.0).then_some(ViscousForce {
             stokes: 6.0 * PI * self.viscosity * reduced_radius,
             reduced_radius,
             roughness: self.roughness,

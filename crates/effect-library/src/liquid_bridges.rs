@@ -37,17 +37,16 @@ impl Effect for LiquidBridges {
 
     fn apply(&self, scene: &mut Scene, amplitude: f64, _: &FillingLibrary) -> Result<(), Error> {
         let content = 0.01 * amplitude;
-        scene.model.liquid = Some(match scene.model.liquid {
-            Some(liquid) => LiquidSettings {
+        let liquid = if let Some(liquid) = scene.model.liquid {
+            LiquidSettings {
                 content: liquid.content + content,
                 ..liquid
-            },
-            None => {
-                let angle =
-                    Angle::from_si(0.0).map_err(|e| refused(self.description().name, &e))?;
-                LiquidSettings::new(content, WATER_N_M, angle)
             }
-        });
+        } else {
+            let angle = Angle::from_si(0.0).map_err(|e| refused(self.description().name, &e))?;
+            LiquidSettings::new(content, WATER_N_M, angle)
+        };
+        scene.model.liquid = Some(liquid);
         Ok(())
     }
 }

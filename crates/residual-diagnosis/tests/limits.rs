@@ -194,9 +194,9 @@ fn an_effect_that_cannot_be_seen_says_why() {
     assert_eq!(why(&file, "cohesion"), None);
     let noise = |sd: f64| CovarianceInput::Matrix(vec![vec![sd * sd]]);
     file.cov_sensitivities_library = vec![noise(0.1), noise(3.0)];
-    file.sensitivities_library
-        .iter_mut()
-        .for_each(|row| row[1] += 1.0);
+    for row in &mut file.sensitivities_library {
+        row[1] += 1.0;
+    }
     assert_eq!(why(&file, "slip"), Some(Unseen::SlopeIsNoise));
 }
 
@@ -225,7 +225,7 @@ fn a_right_effect_passes_the_checks_of_what_it_leaves() {
             .iter_mut()
             .chain(&mut file.sensitivities_library)
         {
-            row.iter_mut().for_each(|x| *x = drawn.normal());
+            row.fill_with(|| drawn.normal());
         }
         let amplitude = 12.0 * SD / (CONDITIONS as f64).sqrt();
         let file = with(file, [0.0, 0.0], [amplitude, 0.0], *seed);

@@ -16,7 +16,7 @@ use crate::problem::{Problem, Problems};
 use crate::scenes::{Models, Scenes};
 use crate::simulator::StudySimulator;
 use crate::{Error, inputs};
-use calibration::{CalibrationProblem, Candidate, LoopSettings, Parameter};
+use calibration::{CalibrationProblem, Candidate, EffectProbe, LoopSettings, Parameter};
 use external_simulator::{
     CommandModel, CommandSettings, CommandSimulator, PeerSettings, PeerSimulator,
 };
@@ -202,6 +202,42 @@ pub(crate) struct Checked {
     command_models: BTreeMap<String, CommandModel>,
 }
 
+/// Tells what is searched where the file does not say it: candidates for the next measurement, and effects.
+fn tell_searched(
+    file: &StudyFile,
+    choices: &Choices,
+    (candidates, probes): (&[Candidate], &[EffectProbe]),
+    defaults: &mut Defaults,
+) {
+    if file.candidates.is_none() && !candidates.is_empty() {
+        let names: Vec<&str> = candidates.iter().map(|c| c.model.name.as_str()).collect();
+        let why = "what could be measured next: levels between and beyond the measured ones, scenes not measured";
+        defaults.tell("candidate", &names.join("; "), why);
+    }
+    if choices.effects.is_none() {
+        let why = "all effects of the library that a measured scene can carry";
+        defaults.tell("effects.search", &probes.len().to_string(), why);
+    }
+}
+
+/// The scene of each model, by its name.
+fn scenes_by_model(all: &[&Models]) -> BTreeMap<String, Scene> {
+    let each = all.iter().flat_map(|models| {
+        let names = models.models.iter().map(|m| m.name.clone());
+        names.zip(models.scenes.iter().cloned())
+    });
+    each.collect()
+}
+
+/// Notes on which parameters each model depends.
+fn bind(models: &mut Models, file: &StudyFile) {
+    for k in 0..models.models.len() {
+        let all = file.parameters.iter().enumerate();
+        let of_model = all.filter_map(|(j, p)| models.depends_on(k, p).then_some(j));
+        models.models[k].parameters = of_model.collect();
+    }
+}
+
 /// A file that is being checked.
 struct Checker<'a> {
     /// With lines.
@@ -260,15 +296,7 @@ impl Checker<'_> {
             &scenes,
             &offered,
         );
-        if file.candidates.is_none() && !candidates.is_empty() {
-            let names: Vec<&str> = candidates.iter().map(|c| c.model.name.as_str()).collect();
-            let why = "what could be measured next: levels between and beyond the measured ones, scenes not measured";
-            defaults.tell("candidate", &names.join("; "), why);
-        }
-        if choices.effects.is_none() {
-            let why = "all effects of the library that every measured scene can carry";
-            defaults.tell("effects.search", &probes.len().to_string(), why);
-        }
+        tell_searched(file, &choices, (&candidates, &probes), &mut defaults);
         let Resolved {
             measurements,
             correlations,
@@ -276,18 +304,8 @@ impl Checker<'_> {
             photos,
             ..
         } = resolved;
-        for k in 0..models.models.len() {
-            let all = file.parameters.iter().enumerate();
-            let of_model = all.filter_map(|(j, p)| models.depends_on(k, p).then_some(j));
-            let of_model = of_model.collect();
-            models.models[k].parameters = of_model;
-        }
-        let all = [&models, &offered];
-        let by_model = all.iter().flat_map(|models| {
-            let names = models.models.iter().map(|m| m.name.clone());
-            names.zip(models.scenes.iter().cloned())
-        });
-        let by_model = by_model.collect();
+        bind(&mut models, file);
+        let by_model = scenes_by_model(&[&models, &offered]);
         let problem = CalibrationProblem {
             id: file.name.clone(),
             parameters,

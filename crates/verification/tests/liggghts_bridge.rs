@@ -1,7 +1,7 @@
 //! Two spheres that meet off the centre in a thick liquid, beside LIGGGHTS.
 //!
 //! What LIGGGHTS 3.8 gave for `fixtures/liquid-pair/in.pair` is kept here, and every test run holds the solver to it.
-//! `just liggghts-liquid` runs LIGGGHTS itself, where the variable `LIGGGHTS` names its command.
+//! `just liggghts-liquid` runs LIGGGHTS itself.
 
 use clump::Clump;
 use contact_law::{CapillaryBridge, Material, NormalForceEnd, PairParameters, ViscousBridge};
@@ -102,7 +102,7 @@ fn a_viscous_bridge_moves_two_spheres_as_in_liggghts() {
 #[test]
 #[ignore = "runs LIGGGHTS; `just liggghts-liquid`"]
 fn liggghts_gives_what_is_kept() {
-    let command = std::env::var("LIGGGHTS").expect("the variable LIGGGHTS names the command");
+    let command = "liggghts";
     let deck = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fixtures/liquid-pair/in.pair");
     let folder = tempfile::tempdir().expect("a folder");
     let run = Command::new(command)

@@ -278,7 +278,9 @@ impl ResidualStudy {
             row.resize(n, None);
         }
         for block in &mut observed.covariance {
-            block.iter_mut().for_each(|line| line.resize(n, 0.0));
+            for line in block.iter_mut() {
+                line.resize(n, 0.0);
+            }
             block.resize(n, vec![0.0; n]);
         }
         let names = plan.observables.iter();

@@ -42,7 +42,8 @@ fn shaken_wet() -> World {
     };
     let surfaces = vec![interaction(&sticky()).with(&further); 4];
     let walls = box_of_planes(0.0125);
-    World::new(settings, wetted(templates), surfaces, walls, &starts).unwrap()
+    World::new(settings, wetted(templates), surfaces, walls, &starts)
+        .expect("the settings are possible")
 }
 
 /// Bits of all positions and spins.
