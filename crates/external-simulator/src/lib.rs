@@ -29,5 +29,5 @@ pub use command::{CommandModel, CommandSettings, CommandSimulator, ResultFiles};
 pub use drum::DrumDescription;
 pub use error::Error;
 pub use folder::Keep;
-pub use reading::read_scene;
 pub use peer::{Peer, PeerSettings, PeerSimulator};
+pub use reading::read_scene;

@@ -30,7 +30,9 @@ pub fn read_scene(
     if moments.iter().any(|m| m.spheres.is_empty()) {
         return Err(refused("a moment holds no sphere"));
     }
-    let last = moments.last().ok_or_else(|| refused("there is no moment"))?;
+    let last = moments
+        .last()
+        .ok_or_else(|| refused("there is no moment"))?;
     if scene.apparatus.is_release() {
         let spheres: Vec<_> = last.spheres.iter().map(|s| s.sphere).collect();
         let largest = spheres.iter().map(|s| s.radius).fold(0.0, f64::max);
@@ -42,7 +44,9 @@ pub fn read_scene(
         return Ok(told.collect());
     }
     if scene.apparatus.speed() == 0.0 {
-        return Err(refused("positions are read of a turning drum, a heap or a box"));
+        return Err(refused(
+            "positions are read of a turning drum, a heap or a box",
+        ));
     }
     if !(interval > 0.0 && interval.is_finite()) {
         return Err(refused("the interval of moments must be above 0 s"));
@@ -66,7 +70,10 @@ pub fn read_scene(
     );
     let state = bed.judge(&rule);
     if let Some(doubt) = state.doubt {
-        return Err(refused(&format!("the bed is not steady: {}", doubt.words())));
+        return Err(refused(&format!(
+            "the bed is not steady: {}",
+            doubt.words()
+        )));
     }
     let outcome = bed.outcome(state, 1, Took::default());
     let outcome = outcome.map_err(|error: SimulatorError| refused(&error.in_full()))?;
@@ -156,13 +163,18 @@ mod tests {
         assert!((angle - 31.0).abs() < 0.5, "{angle} deg");
         let turns = (0..60).map(|k| bed(f64::from(k))).collect();
         let error = read_scene(&a_drum(), turns, 0.05).unwrap_err().to_string();
-        assert!(error.contains("scene.toml") && error.contains("not steady"), "{error}");
+        assert!(
+            error.contains("scene.toml") && error.contains("not steady"),
+            "{error}"
+        );
     }
 
     #[test]
     fn what_cannot_be_read_is_refused() {
         let told = |scene: &Scene, moments: Vec<Moment>, interval: f64| {
-            read_scene(scene, moments, interval).unwrap_err().to_string()
+            read_scene(scene, moments, interval)
+                .unwrap_err()
+                .to_string()
         };
         let some = || moment(|x, y| y < 0.0 && x.hypot(y) < 0.029);
         assert!(told(&a_drum(), vec![], 0.05).contains("no moment"));
