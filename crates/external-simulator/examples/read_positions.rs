@@ -1,6 +1,6 @@
 //! Reads positions that another code left of a scene, and prints the observables as JSON.
 //!
-//! `read_positions SCENE.toml INTERVAL_S FILE [name=value ...]`: the moments of FILE are INTERVAL_S apart; settings of the
+//! `read_positions SCENE.toml INTERVAL_S FILE [name=value ...]`: the moments of FILE are `INTERVAL_S` apart; settings of the
 //! scene may be changed.
 
 #![expect(clippy::print_stdout, reason = "the result is the purpose")]
