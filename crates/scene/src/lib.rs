@@ -50,6 +50,7 @@ pub use motion::{Keeper, NoKeeper, Progress, SeriesPoint};
 pub use named_setting::{NamedSetting, SettingKind};
 pub use obstacles::{VibrationSettings, WallSettings};
 pub use parse::{NumberChange, Override, setting_at};
+pub use release::read_pile;
 pub use run::{
     Ending, Further, Regime, RunResult, run, run_on, running_world, settled_world, starting_frame,
 };

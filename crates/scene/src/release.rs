@@ -59,17 +59,20 @@ pub(crate) fn release(scene: &Scene, built: Built) -> Result<Released, Error> {
 /// Slope, height and extent.
 fn observables(scene: &Scene, frame: &Frame, bodies: &[Arc<SeedBody>]) -> Vec<Further> {
     let spheres: Vec<Sphere> = frame.spheres(bodies).map(|(_, s)| s).collect();
-    let width = bodies
-        .iter()
-        .map(|b| b.clump.bounding_radius())
-        .fold(0.0, f64::max);
-    let views: &[View] = match scene.apparatus {
+    let largest = bodies.iter().map(|b| b.clump.bounding_radius());
+    read_pile(&scene.apparatus, &spheres, largest.fold(0.0, f64::max))
+}
+
+/// Slope, height and extent of what lies in a heap or a box after the release: spheres at rest, from here or from another
+/// code, in the frame of the apparatus. The columns of the outline are half as wide as the radius of the largest seed, m.
+pub fn read_pile(apparatus: &Apparatus, spheres: &[Sphere], largest_radius: f64) -> Vec<Further> {
+    let views: &[View] = match apparatus {
         Apparatus::Heap(_) => &[View::AlongZ, View::AlongX],
         _ => &[View::AlongZ],
     };
     let outlines: Vec<Outline> = views
         .iter()
-        .filter_map(|view| Outline::of(&spheres, *view, 0.5 * width))
+        .filter_map(|view| Outline::of(spheres, *view, 0.5 * largest_radius))
         .collect();
     let is_heap = views.len() > 1;
     let mut angles: Vec<f64> = Vec::new();
