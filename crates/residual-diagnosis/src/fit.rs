@@ -302,7 +302,7 @@ impl Fit {
     ///
     /// The least |a u - S shift| over shifts inside the limits, u the sensitivity; of its square a² tr N is taken off: u
     /// is the true one, w, plus noise of covariance N, and E|u|² = |w|² + tr N. Without limits in reach that is the mean
-    /// of the score of the data along u, about `a (|u|² - tr N) / |u|`, and taken so. Whitened rows. [own]
+    /// of the score of the data along u, about `a (|u|² - tr N) / |u|`, and taken so. Whitened rows (own derivation).
     pub(crate) fn expected_score(
         &self,
         problem: &Problem,

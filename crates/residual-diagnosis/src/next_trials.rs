@@ -63,7 +63,7 @@ pub struct NextTrials {
 /// offer. Each tie gets one more measurement, with noise of its own, and a second diagnosis.
 ///
 /// Sensitivities have the noise of runs everywhere; the separation of the twins at a measurement on offer is uniform
-/// between 0 and 8 standard deviations. Effects act linearly. [own]
+/// between 0 and 8 standard deviations. Effects act linearly. (own derivation)
 ///
 /// # Errors
 ///
