@@ -10,15 +10,15 @@ use crate::{Error, summarise};
 ///
 /// # Formula
 ///
-/// `r* = (1 - l) r` for each pair, with the sample correlations r and `l = sum var(r) / sum r^2` over all pairs, at least 1 / n
-/// and at most 1 with n frames. `var(r) = 1 / (m - 1)`, that of independent normal values, `m = n / (1 + 2 sum p(k) q(k))`
-/// with the correlations p and q of the two columns with themselves over lags k from 1 to n / 4; m is at most n. A column
-/// without scatter is correlated with none.
+/// `r* = (1 - l) r` for each pair, with the sample correlations r and `l = sum var(r) / sum r^2` over all pairs, at most
+/// 1. `var(r) = 1 / (m - 1)`, that of independent normal values, `m = n / (1 + 2 sum p(k) q(k))`
+/// with the correlations p and q of the two columns with themselves over lags k from 1 to n / 4 of n frames; m
+/// is at most n, so that l is never less than 1 / (n - 1), and two columns that are the same have a matrix that is positive
+/// definite. A column without scatter is correlated with none.
 ///
 /// # Source
 ///
-/// `[SchaeferStrimmer2005, table 1]` for the share, `[Bartlett1935]` for m. The least share is ours: without it two columns that
-/// are the same would have a matrix that is not positive definite.
+/// `[SchaeferStrimmer2005, table 1]` for the share, `[Bartlett1935]` for m.
 ///
 /// # Errors
 ///
@@ -59,7 +59,7 @@ pub fn shrunk_correlations(columns: &[Vec<f64>]) -> Result<Vec<Vec<f64>>, Error>
         }
     }
     let share = if square > 0.0 {
-        (variance / square).clamp(1.0 / n as f64, 1.0)
+        (variance / square).min(1.0)
     } else {
         1.0
     };
