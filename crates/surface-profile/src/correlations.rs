@@ -10,10 +10,10 @@ use crate::{Error, summarise};
 ///
 /// # Formula
 ///
-/// `r* = (1 - l) r` for each pair, with the sample correlations r and `l = sum var(r) / sum r^2` over all pairs, at most
-/// 1. `var(r) = 1 / (m - 1)`, that of independent normal values, `m = n / (1 + 2 sum p(k) q(k))`
-/// with the correlations p and q of the two columns with themselves over lags k from 1 to n / 4 of n frames; m
-/// is at most n, so that l is never less than 1 / (n - 1), and two columns that are the same have a matrix that is positive
+/// `r* = (1 - l) r` for each pair, with the sample correlations r and `l = sum var(r) / sum r^2` over all pairs, at
+/// most 1. `var(r) = 1 / (m - 1)`, that of independent normal values, `m = n / (1 + 2 sum p(k) q(k))` with the
+/// correlations p and q of the two columns with themselves over lags k from 1 to n / 4 of n frames; m is at most n,
+/// so that l is never less than 1 / (n - 1), and two columns that are the same have a matrix that is positive
 /// definite. A column without scatter is correlated with none.
 ///
 /// # Source
