@@ -47,6 +47,10 @@ trials NUMBER="200":
     mkdir -p out
     "${CARGO_TARGET_DIR:-target}/release/examples/trials" {{NUMBER}} fixtures/diagnosis/drum/problem.json fixtures/diagnosis/library/problem.json fixtures/diagnosis/single/problem.json fixtures/diagnosis/tie/problem.json > out/trials.md
 
+# Run 2000 whole campaigns in which nothing is hidden, and count those that report something missing (minutes).
+null-campaigns:
+    cargo test --release --locked -p calibration --lib without_a_hidden_effect -- --ignored --nocapture
+
 # Draw ties with known truth, measure once more what is proposed, and write what that resolves to out/next-trials.md (minutes).
 next-trials NUMBER="10000":
     mkdir -p out

@@ -8,6 +8,7 @@ pub(crate) mod fits;
 mod refit;
 mod runs;
 mod scatter;
+mod slopes;
 
 use crate::Error;
 use campaign::{Campaign, RunRequest, Simulator};
@@ -251,13 +252,13 @@ pub fn study_residual(
         plan,
         observed,
     };
-    let mut fit = fits.declared(&linear)?;
+    let (mut fit, visited) = fits.declared(&linear)?;
     // The kept conditions are run once, where the fit has ended.
     let kept = fits.run(&fit.setting, fit.block, At::Kept)?;
+    let mut linear = linear.with_points(plan, &visited).with_scatter(&kept);
     fit.means = fit.means.with_kept(kept);
     let fitted = fit.setting.declared_values(plan);
     let at_fit = &fit.means;
-    let mut linear = linear.with_scatter(at_fit);
     let diagnosed = |linear: &Linearisation| -> Result<(ProblemFile, Diagnosis), Error> {
         let file = assemble::problem(plan, observed, linear, &fitted, at_fit);
         let diagnosis = diagnose(&Problem::try_from(file.clone())?, &Options::new(plan.seed))?;
@@ -409,5 +410,7 @@ fn check(plan: &ResidualPlan, observed: &Observed) -> Result<(), Error> {
 
 #[cfg(test)]
 mod candidate_tests;
+#[cfg(test)]
+mod slope_tests;
 #[cfg(test)]
 mod tests;

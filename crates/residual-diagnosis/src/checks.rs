@@ -13,7 +13,7 @@ use entries::{
 
 use crate::Error;
 use crate::covariance::Covariance;
-use crate::problem::{Candidate, Part, Prior, Problem, Row, condition_label};
+use crate::problem::{Candidate, Part, Prior, Problem, Row, SlopeNoise, condition_label};
 use crate::problem_file::{
     Condition, CovarianceInput, Largest, Level, PriorPrecision, ProblemFile,
 };
@@ -54,12 +54,7 @@ impl TryFrom<ProblemFile> for Problem {
         let noise = |inputs: &[CovarianceInput], key: &str, columns: usize| {
             sensitivity_noise(inputs, key, columns, &file)
         };
-        let n = declared.len();
-        used.declared_noise = noise(
-            &file.cov_sensitivities_declared,
-            "cov_sensitivities_declared",
-            n,
-        )?;
+        used.declared_noise = slope_noise(&file, declared.len())?;
         used.library_noise = noise(
             &file.cov_sensitivities_library,
             "cov_sensitivities_library",
@@ -246,6 +241,37 @@ fn sensitivity_noise(
             )
         })
         .collect()
+}
+
+/// Errors of the sensitivities to the declared parameters.
+fn slope_noise(file: &ProblemFile, n: usize) -> Result<Vec<SlopeNoise>, Error> {
+    let (key, along_key) = (
+        "cov_sensitivities_declared",
+        "cov_sensitivities_declared_along",
+    );
+    let along = &file.cov_sensitivities_declared_along;
+    let entries = if along.is_empty() { n } else { along.len() };
+    let covariances = sensitivity_noise(&file.cov_sensitivities_declared, key, entries, file)?;
+    if along.is_empty() {
+        let each = covariances.into_iter().enumerate();
+        return Ok(each
+            .map(|(k, covariance)| SlopeNoise::of_one(k, n, covariance))
+            .collect());
+    }
+    check_length(
+        key,
+        covariances.len(),
+        entries,
+        "one covariance per entry of cov_sensitivities_declared_along",
+    )?;
+    let along = matrix(along, along_key, (entries, n), "one number per parameter")?;
+    let each = covariances.into_iter().zip(along.row_iter());
+    Ok(each
+        .map(|(covariance, along)| SlopeNoise {
+            along: along.transpose(),
+            covariance,
+        })
+        .collect())
 }
 
 /// Limits of the shifts.

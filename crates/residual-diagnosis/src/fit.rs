@@ -39,8 +39,8 @@ struct Whitened {
 ///
 /// With A = [S~, l~_J]: T_J is the least |r~ - A (shift, a_J)|² over shifts and amplitudes inside their limits. With A_f
 /// the columns of those that end inside, T_J has rows - rank A_f degrees of freedom, less the effects that are held.
-/// Where sensitivities are noisy, V_J = V + sum_k shift_k^2 Cov(S_k) + sum_j a_j^2 Cov(l_j), made consistent in a few
-/// rounds. [statistics of this project, section 4.1]
+/// Where sensitivities are noisy, V_J = V + sum_m (w_m . shift)^2 N_m + sum_j a_j^2 Cov(l_j), made consistent in a few
+/// rounds; N_m is the covariance of the m-th independent error of S and w_m the share that each parameter has of it. [statistics of this project, section 4.1]
 ///
 /// A parameter that is held at its limit does not cost a degree of freedom. The upper tail is then a p-value wherever
 /// in the box the truth lies: given which limits hold, what remains lies in the cone of normals of that face, and its
@@ -398,8 +398,11 @@ impl Whitened {
     ) -> Result<Self, Error> {
         let part = &problem.used;
         let mut covariance = part.covariance.clone();
-        for (noise, dtheta) in part.declared_noise.iter().zip(shift.iter()) {
-            covariance = covariance.plus_scaled(dtheta * dtheta, noise);
+        if !shift.is_empty() {
+            for noise in &part.declared_noise {
+                let size = noise.along.dot(shift);
+                covariance = covariance.plus_scaled(size * size, &noise.covariance);
+            }
         }
         for (&j, a) in effects.iter().zip(amplitudes) {
             if let Some(noise) = part.library_noise.get(j) {

@@ -9,7 +9,7 @@ use crate::covariance::Covariance;
 use crate::decision::decide;
 use crate::diagnosis::Verdict;
 use crate::fit::Fit;
-use crate::problem::{Candidate, Part, Problem, Row};
+use crate::problem::{Candidate, Part, Problem, Row, SlopeNoise};
 use crate::problem_file::{Condition, Level, Sign};
 use crate::{Error, Options};
 
@@ -145,7 +145,8 @@ fn campaign(
         let variances = masked(design, &design.declared[k], &of_step);
         let noisy = part.declared.column(k) + noise(&variances, stream);
         part.declared.set_column(k, &noisy);
-        part.declared_noise.push(diagonal(&variances));
+        let noise = SlopeNoise::of_one(k, design.declared.len(), diagonal(&variances));
+        part.declared_noise.push(noise);
     }
     for j in 0..design.effects.len() {
         let variances = masked(design, &design.effects[j], &design.simulated_variance);

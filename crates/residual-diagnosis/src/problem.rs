@@ -81,10 +81,29 @@ pub(crate) struct Part {
     pub(crate) declared: DMatrix<f64>,
     /// Sensitivities to the library amplitudes (rows, effects).
     pub(crate) library: DMatrix<f64>,
-    /// Covariance of each column of `declared`; empty when they are exact.
-    pub(crate) declared_noise: Vec<Covariance>,
+    /// Errors of `declared`, independent of each other; empty when it is exact.
+    pub(crate) declared_noise: Vec<SlopeNoise>,
     /// Covariance of each column of `library`; empty when they are exact.
     pub(crate) library_noise: Vec<Covariance>,
+}
+
+/// An error of the sensitivities to the declared parameters: a column e of this covariance, of which each parameter has its
+/// share.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct SlopeNoise {
+    /// Shares of the parameters: the error is e times `along` transposed, and what it makes of a shift is e times
+    /// `along . shift`.
+    pub(crate) along: DVector<f64>,
+    /// Covariance of e.
+    pub(crate) covariance: Covariance,
+}
+
+impl SlopeNoise {
+    /// That of one parameter of n alone.
+    pub(crate) fn of_one(parameter: usize, n: usize, covariance: Covariance) -> Self {
+        let along = DVector::from_fn(n, |k, _| f64::from(u8::from(k == parameter)));
+        Self { along, covariance }
+    }
 }
 
 /// Prior knowledge of the declared parameters, as rows of a least-squares problem.
@@ -189,7 +208,10 @@ impl Part {
         let kept: Vec<usize> = (0..self.rows.len())
             .filter(|&i| wanted(&self.rows[i]))
             .collect();
-        let keep_all = |noise: &[Covariance]| noise.iter().map(|c| c.keep(&kept)).collect();
+        let of_slopes = |noise: &SlopeNoise| SlopeNoise {
+            along: noise.along.clone(),
+            covariance: noise.covariance.keep(&kept),
+        };
         Self {
             conditions: self.conditions.clone(),
             rows: kept.iter().map(|&i| self.rows[i]).collect(),
@@ -197,8 +219,8 @@ impl Part {
             covariance: self.covariance.keep(&kept),
             declared: self.declared.select_rows(&kept),
             library: self.library.select_rows(&kept),
-            declared_noise: keep_all(&self.declared_noise),
-            library_noise: keep_all(&self.library_noise),
+            declared_noise: self.declared_noise.iter().map(of_slopes).collect(),
+            library_noise: self.library_noise.iter().map(|c| c.keep(&kept)).collect(),
         }
     }
 

@@ -151,6 +151,11 @@ pub struct ProblemFile {
     pub sensitivities_declared: Vec<Vec<f64>>,
     /// Covariance of each column of `sensitivities_declared`, where it came from noisy runs.
     pub cov_sensitivities_declared: Vec<CovarianceInput>,
+    /// What the entries of `cov_sensitivities_declared` belong to where the errors of the columns are correlated (entries,
+    /// parameters): each is then an error independent of the others, of which the column of parameter k has so many
+    /// times.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub cov_sensitivities_declared_along: Vec<Vec<f64>>,
     /// Least and greatest shift of each declared parameter from the value at which the residual was taken, at most and at
     /// least 0, in its unit; null where there is no limit, and absent where there is none at all.
     pub shift_limits: Vec<[Option<f64>; 2]>,

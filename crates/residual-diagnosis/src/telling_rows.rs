@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use crate::Error;
-use crate::problem::{Experiment, Problem};
+use crate::problem::{Experiment, Problem, SlopeNoise};
 use crate::space::Space;
 
 /// Share of the scale of the parameters that keeps ln det finite before they are all seen.
@@ -32,8 +32,9 @@ struct RowNoise {
 /// How the noise of the columns is told.
 #[derive(Debug, Clone)]
 enum NoiseKind {
-    /// A covariance of each column, independent of each other: declared parameters, then effects; empty where exact.
-    Columns(Vec<DMatrix<f64>>, Vec<DMatrix<f64>>),
+    /// Independent errors of the sensitivities to the declared parameters, each with the share that the parameters have of
+    /// it, and a covariance of each effect; empty where exact.
+    Columns(Vec<(DVector<f64>, DMatrix<f64>)>, Vec<DMatrix<f64>>),
     /// Means of runs at a point and a step beside it in each column.
     Runs {
         /// Covariance of each mean.
@@ -64,10 +65,15 @@ impl Rows {
             let half = whitener.whiten(covariance);
             whitener.whiten(&half.transpose())
         };
-        let all = |noise: &[crate::covariance::Covariance]| {
-            noise.iter().map(|c| white(&c.whole())).collect::<Vec<_>>()
-        };
-        let kind = NoiseKind::Columns(all(&part.declared_noise), all(&part.library_noise));
+        let of_slopes =
+            |noise: &SlopeNoise| (noise.along.clone(), white(&noise.covariance.whole()));
+        let kind = NoiseKind::Columns(
+            part.declared_noise.iter().map(of_slopes).collect(),
+            part.library_noise
+                .iter()
+                .map(|c| white(&c.whole()))
+                .collect(),
+        );
         let rows = Self {
             declared: whitener.whiten(&part.declared),
             library: whitener.whiten(&part.library),
@@ -175,10 +181,13 @@ impl Rows {
         };
         let of_block = |block: &RowNoise| match &block.kind {
             NoiseKind::Columns(declared, library) => {
-                let declared = declared.iter().zip(weights);
-                let library = library.iter().zip(&weights[n..]);
-                let each = declared.chain(library).filter(|(_, w)| **w != 0.0);
-                each.map(|(noise, w)| w * w * traced(block.first, noise))
+                let of_parameters = DVector::from_column_slice(&weights[..n]);
+                let declared = declared
+                    .iter()
+                    .map(|(along, noise)| (along.dot(&of_parameters), noise));
+                let library = library.iter().zip(&weights[n..]).map(|(n, w)| (*w, n));
+                let each = declared.chain(library).filter(|(w, _)| *w != 0.0);
+                each.map(|(w, noise)| w * w * traced(block.first, noise))
                     .sum::<f64>()
             }
             NoiseKind::Runs {

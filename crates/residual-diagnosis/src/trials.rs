@@ -422,9 +422,8 @@ fn drawn_residual(
 /// What the rules know of a part: its covariance times an error of its estimate, and noisy sensitivities.
 fn blur(part: &mut Part, scale: f64, stream: &mut Stream) -> Result<(), Error> {
     part.covariance = part.covariance.plus_scaled(scale - 1.0, &part.covariance);
-    for (k, own) in part.declared_noise.iter().enumerate() {
-        let noisy = part.declared.column(k) + noise(own, stream)?;
-        part.declared.set_column(k, &noisy);
+    for own in &part.declared_noise {
+        part.declared += noise(&own.covariance, stream)? * own.along.transpose();
     }
     for (j, own) in part.library_noise.iter().enumerate() {
         let noisy = part.library.column(j) + noise(own, stream)?;

@@ -531,3 +531,71 @@ fn noise_of_a_sensitivity_is_no_power() {
     );
     assert_eq!(smallest(Some(2.0)), None);
 }
+
+/// Two parameters that raise both values alike, with slopes that err by 1 at most against each other: the shift that the
+/// data ask for, 2 in the sum, goes along a way on which these errors cancel, so that the residual of 5 standard errors
+/// stays, exactly. Were the errors independent, a shift of 1 in each would bring two variances more, 4 + 2 for 4 in each
+/// value, and the sum of squares falls by that ratio.
+#[test]
+fn errors_of_slopes_that_cancel_along_a_shift_forgive_nothing() {
+    let t = |along: Vec<Vec<f64>>| {
+        let file = ProblemFile {
+            conditions: vec![Condition::from([("rpm".into(), Level::Number(4.0))])],
+            observables: ["toe_deg", "top_deg"].map(String::from).to_vec(),
+            residual_obs_minus_sim: vec![Some(100.0 + 10.0), Some(100.0 - 10.0)],
+            cov_measurement: Some(CovarianceInput::Matrix(vec![
+                vec![4.0, 0.0],
+                vec![0.0, 4.0],
+            ])),
+            cov_simulator: Some(CovarianceInput::Matrix(vec![vec![0.0; 2]; 2])),
+            declared: vec!["a".into(), "b".into()],
+            sensitivities_declared: vec![vec![50.0; 2]; 2],
+            // The same for both, so that the shift is shared alike.
+            prior_precision: Some(PriorPrecision::Diagonal(vec![1e-8; 2])),
+            cov_sensitivities_declared: vec![
+                CovarianceInput::Matrix(vec![
+                    vec![1.0, 0.0],
+                    vec![0.0, 1.0]
+                ]);
+                2
+            ],
+            cov_sensitivities_declared_along: along,
+            ..ProblemFile::default()
+        };
+        let problem = Problem::try_from(file).unwrap();
+        let diagnosis = diagnose(&problem, &OPTIONS).unwrap();
+        diagnosis.structured_residual.t0.unwrap()
+    };
+    let against = t(vec![vec![1.0, -1.0], vec![0.0, 0.0]]);
+    assert!((against - 2.0 * 25.0).abs() < 1e-4, "{against}");
+    let independent = t(Vec::new());
+    assert!(
+        (independent - 50.0 * 4.0 / 6.0).abs() < 1e-3,
+        "{independent}"
+    );
+}
+
+#[test]
+fn shares_of_errors_that_fit_no_parameter_are_refused() {
+    let file = ProblemFile {
+        cov_sensitivities_declared_along: vec![vec![1.0, 0.0, 0.0]],
+        ..ProblemFile::default()
+    };
+    let error = Problem::try_from(ProblemFile {
+        conditions: vec![Condition::from([("rpm".into(), Level::Number(4.0))])],
+        observables: vec!["angle_deg".into()],
+        residual_obs_minus_sim: vec![Some(1.0)],
+        cov_measurement: Some(CovarianceInput::Matrix(vec![vec![1.0]])),
+        cov_simulator: Some(CovarianceInput::Matrix(vec![vec![0.0]])),
+        sensitivities_declared: vec![vec![1.0]],
+        declared: vec!["a".into()],
+        cov_sensitivities_declared: vec![CovarianceInput::Matrix(vec![vec![1.0]])],
+        ..file
+    })
+    .unwrap_err()
+    .to_string();
+    assert!(
+        error.contains("cov_sensitivities_declared_along"),
+        "{error}"
+    );
+}

@@ -45,16 +45,15 @@ pub(super) fn problem(
         let pairs = observed.values[c].iter().zip(&at_fit.values[c]);
         pairs.map(|(y, f)| y.map(|y| y - f)).collect::<Vec<_>>()
     });
-    let of_run = |variance: f64, moves: &dyn Fn(usize) -> bool| {
-        let factor = |c: usize| if moves(c) { variance } else { 0.0 };
+    let of_run = |variance: f64, at: &dyn Fn(usize) -> bool| {
+        let factor = |c: usize| if at(c) { variance } else { 0.0 };
         let block = |c: usize| scaled(&linear.run_covariance[c], factor(c));
         CovarianceInput::Blocks(used().map(block).collect())
     };
-    // A slope that moves nothing at a condition is 0 there, without noise.
-    let noise = |column: usize, variance: f64| of_run(variance, &|c| linear.moves[column][c]);
-    // A difference of two means of n runs.
-    let of_step = |(column, d): (usize, &DeclaredParameter)| {
-        noise(column, 2.0 / (linear.nominal.n as f64 * d.step * d.step))
+    let slope_errors = linear.declared_errors.iter();
+    // An effect that moves nothing at a condition has the slope 0 there, without noise.
+    let of_effect = |(j, variance): (usize, &f64)| {
+        of_run(*variance, &|c| linear.moves[plan.declared.len() + j][c])
     };
     let any_prior = plan.declared.iter().any(|d| d.prior.is_some());
     ProblemFile {
@@ -69,7 +68,11 @@ pub(super) fn problem(
         covariance_dof: Some(linear.noise_dof),
         declared: plan.declared.iter().map(|d| d.name.clone()).collect(),
         sensitivities_declared: linear.declared.concat(),
-        cov_sensitivities_declared: plan.declared.iter().enumerate().map(of_step).collect(),
+        cov_sensitivities_declared: slope_errors
+            .clone()
+            .map(|error| of_run(1.0, &|c| error.at[c]))
+            .collect(),
+        cov_sensitivities_declared_along: slope_errors.map(|error| error.along.clone()).collect(),
         shift_limits: plan
             .declared
             .iter()
@@ -98,7 +101,7 @@ pub(super) fn problem(
             .library_variance
             .iter()
             .enumerate()
-            .map(|(j, v)| noise(plan.declared.len() + j, *v))
+            .map(of_effect)
             .collect(),
         largest_amplitudes: plan
             .effects

@@ -85,11 +85,21 @@ pub(super) struct Visited {
 }
 
 impl Fits<'_> {
-    /// Fits the declared parameters without an effect.
-    pub(super) fn declared(&self, linear: &Linearisation) -> Result<Visited, Error> {
+    /// Fits the declared parameters without an effect; with the points that were run on the way. The start is one of
+    /// those among which the best is taken.
+    pub(super) fn declared(
+        &self,
+        linear: &Linearisation,
+    ) -> Result<(Visited, Vec<Visited>), Error> {
         let start: Vec<f64> = self.plan.declared.iter().map(|d| d.start).collect();
-        let start = Setting::declared(self.plan, &start);
-        self.descend(linear, &[], (&start, &linear.nominal), None, BLOCKS_OF_FIT)
+        let setting = Setting::declared(self.plan, &start);
+        let start = Visited {
+            setting: setting.clone(),
+            means: linear.nominal.clone(),
+            block: 0,
+        };
+        let about = (&setting, &linear.nominal);
+        self.descend(linear, &[], about, Some(start), BLOCKS_OF_FIT)
     }
 
     /// Effects whose sensitivity decides, the best explanations of what remains, each with the setting that fits best
@@ -239,7 +249,7 @@ impl Fits<'_> {
             start.effects.entry(name.clone()).or_insert(0.0);
         }
         let about = (&start, &look.unwrap_or(fit).means);
-        let end = self.descend(linear, effects, about, look.cloned(), BLOCKS_WITH_EFFECTS)?;
+        let (end, _) = self.descend(linear, effects, about, look.cloned(), BLOCKS_WITH_EFFECTS)?;
         let means = end
             .means
             .with_kept(self.run(&end.setting, end.block, At::Kept)?);
@@ -252,9 +262,11 @@ impl Fits<'_> {
     }
 
     /// Runs where the fit by the linear model about a point ends, and corrects that where it misses, with the
-    /// seeds of a block each time. The point that fits best is kept; `best` is one already.
+    /// seeds of a block each time. The point that fits best is kept; `best` is one already. Also gives all points that
+    /// were run here.
     ///
-    /// Where runs contradict the slopes by more than noise, the slopes are corrected.
+    /// Without effects the slopes are those of all runs so far. With them they are corrected where runs contradict them by
+    /// more than noise.
     fn descend<const ROUNDS: usize>(
         &self,
         noise: &Linearisation,
@@ -262,13 +274,14 @@ impl Fits<'_> {
         (start, means): (&Setting, &Means),
         best: Option<Visited>,
         blocks: [u64; ROUNDS],
-    ) -> Result<Visited, Error> {
+    ) -> Result<(Visited, Vec<Visited>), Error> {
         let (plan, observed) = (self.plan, self.observed);
         let cost = |v: &Visited| assemble::cost(plan, observed, noise, &v.setting, &v.means);
         let mut linear = noise.clone();
         let mut about = (start.clone(), means.clone());
         // A point that was run for another purpose does not end the search before a fit about it was run.
         let (mut best, mut at_end) = (best, false);
+        let mut all = Vec::new();
         for block in blocks {
             if let (Some(best), true) = (&best, at_end) {
                 let misfit = assemble::misfit(plan, observed, noise, &best.means)?;
@@ -296,18 +309,24 @@ impl Fits<'_> {
                 None => true,
             };
             at_end = true;
+            all.push(visited.clone());
             if better {
                 about = (visited.setting.clone(), visited.means.clone());
                 best = Some(visited);
             } else if corrected.is_none() {
                 break;
             }
-            linear = corrected.unwrap_or(linear);
+            linear = if effects.is_empty() {
+                noise.clone().with_points(plan, &all)
+            } else {
+                corrected.unwrap_or(linear)
+            };
         }
-        best.ok_or(Error::Search {
+        let best = best.ok_or(Error::Search {
             what: "the fit",
             reason: "no point was run".into(),
-        })
+        })?;
+        Ok((best, all))
     }
 
     /// Means at a setting with the seeds of a block.

@@ -1,6 +1,8 @@
 //! The runs of a residual study and their means.
 
+use super::fits::Visited;
 use super::scatter::Scatter;
+use super::slopes::{Points, SlopeError, Slopes};
 use super::{DeclaredParameter, EffectProbe, Observed, ResidualPlan, StudyCondition, assemble};
 use crate::Error;
 use campaign::{Campaign, RunRequest, Simulator};
@@ -36,6 +38,10 @@ pub(super) struct Linearisation {
     pub(super) nominal: Means,
     /// d observable / d parameter, (conditions, observables, parameters).
     pub(super) declared: Vec<Vec<Vec<f64>>>,
+    /// Errors of these.
+    pub(super) declared_errors: Vec<SlopeError>,
+    /// The runs behind them.
+    points: Points,
     /// d observable / d amplitude, (conditions, observables, effects).
     pub(super) library: Vec<Vec<Vec<f64>>>,
     /// Variance of each column of `library` over that of one run, 1 / (unit of the amplitude)^2.
@@ -382,10 +388,8 @@ impl Linearisation {
             probes.push((means, settings[i].1));
         }
         let mut probes = probes.into_iter();
-        let nominal = match probes.next() {
-            Some((means, _)) => means,
-            None => Means::of(&[], r),
-        };
+        let first = probes.next().map(|(means, _)| means);
+        let nominal = first.unwrap_or_else(|| Means::of(&[], r));
         let probes: Vec<(Means, f64)> = probes.collect();
         let (declared, library) = probes.split_at(plan.declared.len().min(probes.len()));
         let mut scatter = nominal.scatter.clone();
@@ -396,19 +400,22 @@ impl Linearisation {
         for (probe, _) in declared.iter().chain(own.map(|(probe, _)| probe)) {
             scatter.add(&probe.scatter);
         }
-        let columns = |probes: &[(Means, f64)]| -> Vec<Vec<Vec<f64>>> {
-            let slope = |(probe, step): &(Means, f64), c: usize, k: usize| {
-                (probe.values[c][k] - nominal.values[c][k]) / step
-            };
-            let of = |c: usize, k: usize| probes.iter().map(|p| slope(p, c, k)).collect();
-            (0..plan.conditions.len())
-                .map(|c| (0..nominal.values[c].len()).map(|k| of(c, k)).collect())
-                .collect()
+        let slope = |(probe, step): &(Means, f64), c: usize, k: usize| {
+            (probe.values[c][k] - nominal.values[c][k]) / step
         };
+        let row = |c: usize, k: usize| library.iter().map(|p| slope(p, c, k)).collect();
+        let columns = (0..plan.conditions.len())
+            .map(|c| (0..nominal.values[c].len()).map(|k| row(c, k)).collect());
+        let beside = std::iter::once(&nominal).chain(declared.iter().map(|(means, _)| means));
+        let at = settings.iter().map(|(setting, _)| setting);
+        let points = Points::new(plan, at.zip(beside), &moves);
+        let Slopes { values, errors } = points.slopes();
         let (run_covariance, noise_dof) = scatter.by_condition();
         let linear = Self {
-            declared: columns(declared),
-            library: columns(library),
+            library: columns.collect(),
+            declared: values,
+            declared_errors: errors,
+            points,
             // A difference of two means of r runs.
             library_variance: library
                 .iter()
@@ -423,6 +430,18 @@ impl Linearisation {
             scatter,
         };
         Ok((linear, left_out))
+    }
+
+    /// The same with the runs at further points, at which no effect is on, in the slopes and in the scatter.
+    pub(super) fn with_points(mut self, plan: &ResidualPlan, visited: &[Visited]) -> Self {
+        for point in visited {
+            self.points.visit(plan, &point.setting, &point.means);
+            self.scatter.add(&point.means.scatter);
+        }
+        let Slopes { values, errors } = self.points.slopes();
+        (self.declared, self.declared_errors) = (values, errors);
+        (self.run_covariance, self.noise_dof) = self.scatter.by_condition();
+        self
     }
 
     /// Covariance of one run, pooled over all conditions, (observables, observables).
