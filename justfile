@@ -20,6 +20,17 @@ check:
 test:
     cargo test --release --workspace --locked
 
+# Build the Python wheel, for this machine or (`just wheel portable`) for Linux with glibc 2.28 or later, and try it in a fresh environment.
+wheel KIND="local":
+    bash tools/python/build.sh {{KIND}}
+    rm -rf target/wheel/fresh && python3 -m venv target/wheel/fresh
+    target/wheel/fresh/bin/pip install --quiet target/wheel/dist/*.whl
+    cd target/wheel && fresh/bin/python ../../tools/python/tests/test_seedloop.py
+
+# Build programs that need no library of the system, into target/static/x86_64-unknown-linux-gnu/release.
+static:
+    RUSTFLAGS="-C target-feature=+crt-static" cargo build --release --locked --target x86_64-unknown-linux-gnu --target-dir target/static -p seedloop -p seedfill -p angle-from-image
+
 # Build the documentation; a broken link is an error.
 docs:
     RUSTDOCFLAGS="-D warnings" cargo doc --workspace --no-deps --locked

@@ -1,0 +1,222 @@
+"""Contact parameters of seeds and grains, from Python.
+
+Each function starts one of the programs that come with this package and gives back what it writes as JSON. Keyword
+arguments are the flags of the program under the same name: ``all_points=True`` is ``--all-points``, ``seed=3`` is
+``--seed 3``, a list repeats the flag. ``seedloop COMMAND --help`` lists them. Units stand in the names of keys.
+
+What a program refuses raises `Error` with its words. An answer that is not met, which ends the program with exit code
+1, is an `Answer` with ``met == False``.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping, Sequence
+from contextlib import ExitStack
+from pathlib import Path
+from typing import Any, Callable, Optional, Union
+
+import numpy as np
+
+from ._callback import serving
+from ._files import (
+    path_of_json,
+    path_of_mesh,
+    path_of_picture,
+    path_of_table,
+    path_of_toml,
+    read_toml,
+    table_of,
+)
+from ._programs import Answer, Error, Folder, answer_of
+
+__all__ = [
+    "Answer",
+    "Error",
+    "analyse",
+    "calibrate",
+    "design",
+    "diagnose",
+    "fill",
+    "optimise",
+    "read_angle",
+    "simulate",
+]
+
+PathLike = Union[str, "os.PathLike[str]"]
+Table = Union[PathLike, Mapping[str, Sequence[Any]], Sequence[Mapping[str, Any]], Any]
+Simulator = Callable[[Mapping[str, Any]], Mapping[str, Any]]
+
+
+def read_angle(picture: Union[PathLike, np.ndarray], **flags: Any) -> Answer:
+    """Read the angle of repose in a picture (`angle-from-image`).
+
+    picture: a file, a folder of pictures, or an array of bytes, shape (height, width) grey or (height, width, 3) red,
+    green, blue, row 0 at the top.
+
+    Keys: ``angle_deg``, ``angle_se_deg``, ``verdict`` (``ok`` or ``refused``), ``reason``, ``drum`` (px), ``images`` (one
+    entry a picture), ``summary``. `Answer.met` is false where a picture was refused.
+    """
+    with Folder() as folder:
+        return answer_of("angle-from-image", [path_of_picture(picture, folder)], flags, folder)
+
+
+def fill(
+    mesh: Union[PathLike, tuple[np.ndarray, np.ndarray]],
+    radius: Union[float, str],
+    **flags: Any,
+) -> Answer:
+    """Fill a closed mesh with spheres (`seedfill`).
+
+    mesh: an STL, OBJ or PLY file, or vertices, shape (n, 3), with triangles, shape (m, 3) of vertex numbers. Lengths are
+    in mm; ``unit="m"`` and so on changes that.
+    radius: of the spheres, or of the smallest one; a bare number is in the unit of the mesh.
+
+    Keys: ``sphere_list`` (rows x, y, z, radius in the unit of the mesh), ``fit`` (errors of volume, inertia and surface),
+    ``mesh``, ``mass_kg``. `Answer.met` is false where the filling was refused, with ``reason``.
+    """
+    with Folder() as folder:
+        arguments = [path_of_mesh(mesh, folder)]
+        return answer_of("seedfill", arguments, {"radius": radius, **flags}, folder)
+
+
+def simulate(
+    scene: Union[PathLike, Mapping[str, Any]],
+    settings: Optional[Mapping[str, Any]] = None,
+    frame: bool = False,
+    **flags: Any,
+) -> Answer:
+    """Run a scene (`seedloop simulate`).
+
+    scene: a scene file, or its content as a dict; meshes are then looked for from the working directory.
+    settings: changes by dotted path or short name, such as ``{"rpm": 20}``.
+    frame: also give the last picture of the camera, under ``frame_png`` (bytes of a PNG).
+
+    Keys: ``observables`` (by name: ``mean``, ``sd``, ``n``, ``unit``), ``regime``, and what the run rests on.
+    """
+    with Folder() as folder:
+        changes = [f"{name}={_word(value)}" for name, value in (settings or {}).items()]
+        flags = {**flags, "set": [*_listed(flags.get("set")), *changes]}
+        if frame:
+            flags["frame"] = folder.path("frame.png")
+        with path_of_toml(scene) as path:
+            answer = answer_of("seedloop", ["simulate", path], flags, folder)
+        if frame and answer.met:
+            answer["frame_png"] = Path(flags["frame"]).read_bytes()
+        return answer
+
+
+def design(kind: str, factors: Table, **flags: Any) -> dict[str, list[Any]]:
+    """Make a design of experiments (`seedloop design`).
+
+    kind: ``pb``, ``bbd``, ``ccd``, ``full``, ``fraction``, ``lhs``, ``d-optimal``, ``i-optimal``, ``steepest``.
+    factors: a table with the columns symbol, name, unit, low, high: a CSV file, a dict of columns, a list of dicts, or a
+    data frame.
+
+    Gives a dict of columns, one entry a run, in the order in which to run them; ``pandas.DataFrame(...)`` takes it.
+    """
+    with Folder() as folder:
+        table = path_of_table(factors, folder, "factors.csv")
+        out = folder.path("design.csv")
+        answer_of("seedloop", ["design", kind], {"factors": table, "out": out, **flags}, folder)
+        return table_of(out)
+
+
+def analyse(data: Table, factors: Union[str, Table], response: str, **flags: Any) -> Answer:
+    """Fit a model to the table of an experiment (`seedloop analyse`).
+
+    data: a table with one row a run: a CSV file, a dict of columns, a list of dicts, or a data frame.
+    factors: ``"B=0.30:0.42,E=0.01:0.18"`` or a table as in `design`.
+    response: the column to explain.
+    """
+    with Folder() as folder:
+        table = path_of_table(data, folder, "data.csv")
+        listed = factors if _is_list(factors) else path_of_table(factors, folder, "factors.csv")
+        flags = {"factors": listed, "response": response, **flags}
+        return answer_of("seedloop", ["analyse", table], flags, folder)
+
+
+def optimise(analysis: Union[PathLike, Mapping[str, Any]], **flags: Any) -> Answer:
+    """Find where a fitted surface meets a target (`seedloop optimise`).
+
+    analysis: what `analyse` gave, or its file. ``target=38.2`` or ``goal="max"`` says what is wanted.
+    """
+    with Folder() as folder:
+        path = path_of_json(analysis, folder, "analysis.json")
+        return answer_of("seedloop", ["optimise", path], flags, folder)
+
+
+def calibrate(
+    study: Union[PathLike, Mapping[str, Any]],
+    simulator: Optional[Simulator] = None,
+    version: str = "callback 1",
+    **flags: Any,
+) -> Answer:
+    """Calibrate the parameters of a study on its measurements (`seedloop calibrate`).
+
+    study: a study file, or its content as a dict; files in it are then looked for from the working directory.
+    simulator: does the runs in place of what the study says. It gets a dict (``scene``, ``condition``, ``parameters``,
+    ``effects``, ``seed``) and gives a dict of observables, numbers or ``{"mean", "sd", "n"}``. It is called from
+    several threads unless ``threads=1``, with the same seed for the same run; an exception fails that run.
+    version: of the simulator. Runs are kept in the result folder by it: another word, other runs.
+
+    `Answer.met` is false where a check or a target is missed.
+    """
+    return _study("calibrate", study, simulator, version, flags)
+
+
+def diagnose(
+    study: Union[PathLike, Mapping[str, Any]],
+    simulator: Optional[Simulator] = None,
+    version: str = "callback 1",
+    **flags: Any,
+) -> Answer:
+    """Tell what a model lacks (`seedloop diagnose`).
+
+    study: as for `calibrate`; or a linear problem, the content of a ``problem.json``, with its file or as a dict.
+
+    Keys: ``verdict``, ``effects``, ``summary``, ``candidates``, ``structured_residual``.
+    """
+    if isinstance(study, Mapping) and "residual_obs_minus_sim" in study:
+        with Folder() as folder:
+            path = path_of_json(study, folder, "problem.json")
+            return answer_of("seedloop", ["diagnose", path], flags, folder)
+    return _study("diagnose", study, simulator, version, flags)
+
+
+def _study(
+    command: str,
+    study: Union[PathLike, Mapping[str, Any]],
+    simulator: Optional[Simulator],
+    version: str,
+    flags: Mapping[str, Any],
+) -> Answer:
+    """Run a study, by its own simulator or by a function."""
+    with Folder() as folder, ExitStack() as stack:
+        environment = {}
+        beside = None
+        if simulator is not None:
+            if not isinstance(study, Mapping):
+                beside = Path(study).parent
+                study = read_toml(study)
+            entry, environment = stack.enter_context(serving(simulator, version))
+            study = {**study, "simulator": entry}
+        path = stack.enter_context(path_of_toml(study, beside))
+        return answer_of("seedloop", [command, path], flags, folder, environment)
+
+
+def _is_list(factors: Any) -> bool:
+    """Whether factors are given as ``B=0.30:0.42,...``."""
+    return isinstance(factors, str) and "=" in factors
+
+
+def _listed(value: Any) -> list[Any]:
+    """A flag that may be given several times, as a list."""
+    if value is None:
+        return []
+    return list(value) if isinstance(value, (list, tuple)) else [value]
+
+
+def _word(value: Any) -> str:
+    """A setting as the command line takes it."""
+    return str(value).lower() if isinstance(value, bool) else str(value)

@@ -1,0 +1,206 @@
+"""The wheel as it is installed: each function against a known answer."""
+
+import json
+import math
+import random
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+from pathlib import Path
+
+import numpy as np
+
+import seedloop
+from seedloop._files import path_of_picture, read_toml, toml_text
+from seedloop._files import tomllib as _toml
+from seedloop._programs import Folder
+
+FIXTURES = Path(__file__).resolve().parents[3] / "fixtures"
+
+
+def drum(angle_deg, size=400):
+    """A dark half-full bed in a lighter drum on white, its surface inclined; (height, width, 3)."""
+    down, right = np.mgrid[:size, :size] - size / 2.0
+    radius = 0.45 * size
+    inside = np.hypot(right, down) < radius
+    slope = math.tan(math.radians(angle_deg))
+    picture = np.full((size, size), 255, np.uint8)
+    picture[inside] = 200
+    picture[inside & (down > -slope * right)] = 40
+    return np.repeat(picture[:, :, None], 3, axis=2)
+
+
+def mill(run):
+    """The closed form of fixtures/command-example: two frictions, a drum and a heap."""
+    mu_s, mu_r = run["parameters"]["mu_s"], run["parameters"].get("mu_r", 0)
+    cohesion = run["effects"].get("cohesion", 0)
+    noise = random.Random(f"{run['scene']} {run['seed']} {mu_s} {mu_r}")
+    if run["scene"] == "drum":
+        rpm = run["condition"]["rpm"]
+        slope = 0.20 + 0.75 * mu_s + 0.80 * mu_r + 0.004 * rpm + cohesion / rpm
+        angle = math.degrees(math.atan(slope)) + noise.gauss(0, 0.2)
+        return {"angle_deg": {"mean": angle, "sd": 0.5, "n": 9}}
+    slope = 0.25 + 0.30 * mu_s + 1.60 * mu_r + 0.05 * cohesion
+    return {"heap_deg": math.degrees(math.atan(slope)) + noise.gauss(0, 0.3)}
+
+
+class Pictures(unittest.TestCase):
+    def test_a_drawn_bed_has_its_angle(self):
+        """A straight edge over 360 px is known to a few hundredths of a degree."""
+        for picture in drum(33.0), drum(33.0)[:, :, 0]:
+            answer = seedloop.read_angle(picture)
+            self.assertTrue(answer.met)
+            self.assertAlmostEqual(answer["angle_deg"], 33.0, delta=0.1)
+
+    def test_a_blank_picture_is_refused_with_a_reason(self):
+        answer = seedloop.read_angle(np.zeros((60, 80), np.uint8))
+        self.assertFalse(answer.met)
+        self.assertTrue(answer["reason"])
+
+    def test_an_array_that_is_no_picture_is_told(self):
+        with self.assertRaisesRegex(ValueError, "uint8.*float64"):
+            seedloop.read_angle(np.zeros((60, 80)))
+
+    def test_pixels_arrive_where_they_were(self):
+        """Header by the format's definition; rows from the bottom up, blue first, padded to four bytes."""
+        picture = np.arange(2 * 3 * 3, dtype=np.uint8).reshape(2, 3, 3)
+        with Folder() as folder:
+            content = Path(path_of_picture(picture, folder)).read_bytes()
+        self.assertEqual(len(content), 54 + 2 * 12)
+        self.assertEqual(content[54:63], bytes(picture[1, :, ::-1].reshape(-1)))
+
+    def test_a_missing_file_is_named(self):
+        with self.assertRaisesRegex(seedloop.Error, "nowhere.png") as caught:
+            seedloop.read_angle("nowhere.png")
+        self.assertEqual(caught.exception.exit_code, 2)
+
+
+class Bodies(unittest.TestCase):
+    corners = np.array([[x, y, z] for x in (0, 8) for y in (0, 6) for z in (0, 4)], float)
+    triangles = np.array(
+        [[0, 1, 3], [0, 3, 2], [4, 6, 7], [4, 7, 5], [0, 4, 5], [0, 5, 1]]
+        + [[2, 3, 7], [2, 7, 6], [0, 2, 6], [0, 6, 4], [1, 5, 7], [1, 7, 3]]
+    )
+
+    def test_a_box_is_filled_inside_its_walls(self):
+        """Spheres of radius 1 neither overlap nor leave the box, by 1e-4 of a radius; the volume is that of the box."""
+        answer = seedloop.fill((self.corners, self.triangles), 1)
+        spheres = np.array(answer["sphere_list"])
+        centres, radius = spheres[:, :3], spheres[:, 3:]
+        self.assertTrue((centres - radius >= -1e-4).all())
+        self.assertTrue((centres + radius <= self.corners[-1] + 1e-4).all())
+        pairs = np.triu_indices(len(centres), 1)
+        apart = np.linalg.norm(centres[:, None] - centres[None], axis=2)[pairs]
+        self.assertGreater(apart.min(), 2 - 1e-4)
+        self.assertGreaterEqual(len(spheres), 4 * 3 * 2)
+        self.assertAlmostEqual(answer["mesh"]["volume_mm3"], 192, places=3)
+
+    def test_a_sphere_that_does_not_fit_is_an_answer(self):
+        answer = seedloop.fill((self.corners, self.triangles), 3)
+        self.assertFalse(answer.met)
+        self.assertEqual(answer["verdict"], "refused")
+
+    def test_a_triangle_without_its_vertex_is_told(self):
+        with self.assertRaisesRegex(ValueError, "outside 0 to 7"):
+            seedloop.fill((self.corners, self.triangles + 1), 1)
+
+
+class Experiments(unittest.TestCase):
+    factors = [{"symbol": s, "name": f"factor {s}", "unit": "1", "low": 0, "high": 10} for s in "AB"]
+
+    def test_a_surface_comes_back_and_is_solved(self):
+        """y = 3 + 2 A - B + 0.5 A B with noise of 1e-6: coefficients to 1e-4; it reaches -7 to 63, and so 10."""
+        runs = seedloop.design("ccd", self.factors, seed=2)
+        self.assertEqual(len(runs["run"]), 13)
+        a, b = np.array(runs["A_natural"]), np.array(runs["B_natural"])
+        noise = 1e-6 * np.random.default_rng(1).standard_normal(len(a))
+        data = {"A": a, "B": b, "y": 3 + 2 * a - b + 0.5 * a * b + noise}
+        analysis = seedloop.analyse(data, "A=0:10,B=0:10", "y", model="1 + A + B + A:B", natural=True)
+        for term, value in {"1": 3, "A": 2, "B": -1, "AB": 0.5}.items():
+            self.assertAlmostEqual(analysis["terms_natural"][term]["coef"], value, places=4)
+        best = seedloop.optimise(analysis, target=10)
+        self.assertTrue(best["exists"])
+        self.assertAlmostEqual(best["reachable"]["min"]["value"], -7, places=3)
+        self.assertAlmostEqual(best["reachable"]["max"]["value"], 63, places=3)
+
+    def test_columns_of_different_length_are_told(self):
+        with self.assertRaisesRegex(ValueError, "different lengths"):
+            seedloop.analyse({"A": [1, 2], "y": [1]}, "A=0:1", "y")
+
+
+class Runs(unittest.TestCase):
+    scene = FIXTURES / "peers-study" / "spheres.toml"
+
+    def test_a_scene_gives_the_same_as_a_file_and_as_a_dict(self):
+        by_file = seedloop.simulate(self.scene, {"frames": 2})
+        content = read_toml(self.scene)
+        content["protocol"]["frames"] = 2
+        by_dict = seedloop.simulate(content, frame=True)
+        self.assertEqual(by_file["observables"], by_dict["observables"])
+        self.assertTrue(by_dict["frame_png"].startswith(b"\x89PNG"))
+
+    def test_a_setting_that_is_none_is_named(self):
+        with self.assertRaisesRegex(seedloop.Error, "no_such_setting"):
+            seedloop.simulate(self.scene, {"no_such_setting": 1})
+
+    def test_a_dict_is_the_toml_that_it_says(self):
+        content = {
+            "name": 'a "b" \\ \n é',
+            "numbers": [1, 2.5, -1e-300, True],
+            "table": {"dotted.key": {"deep": [{"a": 1}, {"a": 2}]}},
+        }
+        self.assertEqual(_toml.loads(toml_text(content)), content)
+
+
+class Studies(unittest.TestCase):
+    study = FIXTURES / "command-example" / "study.toml"
+
+    def test_a_function_is_calibrated(self):
+        """The frictions of the example, 0.45 and 0.12, lie within three standard errors of what is found."""
+        with tempfile.TemporaryDirectory() as folder:
+            answer = seedloop.calibrate(self.study, mill, out=folder + "/out")
+        found = {p["symbol"]: (p["value"], p["se"]) for p in answer["parameters"]}
+        for name, truth in {"mu_s": 0.45, "mu_r": 0.12}.items():
+            value, error = found[name]
+            self.assertLess(abs(value - truth), 3 * error, name)
+
+    def test_an_exception_fails_its_run_with_its_words(self):
+        def broken(run):
+            raise ValueError(f"no bed at seed {run['seed']}")
+
+        with tempfile.TemporaryDirectory() as folder:
+            with self.assertRaisesRegex(seedloop.Error, "no bed at seed"):
+                seedloop.calibrate(self.study, broken, out=folder + "/out")
+
+    def test_a_linear_problem_is_diagnosed(self):
+        """The stored problem of a drum has the answer that its fixture states."""
+        folder = FIXTURES / "diagnosis" / "drum"
+        problem = json.loads((folder / "problem.json").read_text(encoding="utf-8"))
+        answer = seedloop.diagnose(problem)
+        by_file = seedloop.diagnose(folder / "problem.json")
+        self.assertEqual((answer["verdict"], answer["effects"]), (by_file["verdict"], by_file["effects"]))
+        self.assertGreater(answer["structured_residual"]["t0"], 0)
+
+    def test_an_interrupt_ends_the_program_too(self):
+        """Within ten seconds and the time to say so, and with KeyboardInterrupt."""
+        code = (
+            "import seedloop, sys, time\n"
+            "def slow(run):\n    time.sleep(60)\n"
+            f"seedloop.calibrate({str(self.study)!r}, slow, out=sys.argv[1])\n"
+        )
+        with tempfile.TemporaryDirectory() as folder:
+            line = [sys.executable, "-c", code, folder + "/out"]
+            with subprocess.Popen(line, stderr=subprocess.PIPE, text=True) as python:
+                time.sleep(3)
+                begin = time.monotonic()
+                python.send_signal(signal.SIGINT)
+                _, error = python.communicate(timeout=30)
+            self.assertIn("KeyboardInterrupt", error)
+            self.assertLess(time.monotonic() - begin, 12)
+
+
+if __name__ == "__main__":
+    unittest.main()
