@@ -6,6 +6,9 @@ use effect_library::{Description, apply, find, names};
 use scene::Scene;
 use std::collections::BTreeMap;
 
+/// Halvings of a range until its end is known well enough.
+const BISECTIONS: usize = 20;
+
 /// Effects to search, and those that no measured scene can carry, with the reason.
 #[derive(Debug, Default)]
 pub(crate) struct Searched {
@@ -34,13 +37,14 @@ pub(crate) fn search(
     for name in all {
         let Ok(effect) = find(&name) else { continue };
         let Description { probe, range, .. } = effect.description();
-        let refusal = |scene: &Scene| {
+        let refusal_at = |scene: &Scene, amplitude: f64| {
             let mut scene = scene.clone();
-            match apply(&mut scene, &name, probe, &scenes.fillings) {
+            match apply(&mut scene, &name, amplitude, &scenes.fillings) {
                 Err(error) => Some(error.to_string()),
                 Ok(()) => Some(scenes.peer?.check(&scene).err()?.to_string()),
             }
         };
+        let refusal = |scene: &Scene| refusal_at(scene, probe);
         let absent_of = |models: &Models, numbers: &[usize]| -> BTreeMap<String, String> {
             let refused = numbers
                 .iter()
@@ -52,6 +56,13 @@ pub(crate) fn search(
         let mut absent = absent_of(models, &judged);
         if absent.len() < judged.len() {
             let offered: Vec<usize> = (0..candidates.scenes.len()).collect();
+            let carries = |&&k: &&usize| !absent.contains_key(&models.models[k].name);
+            let carrying: Vec<usize> = judged.iter().filter(carries).copied().collect();
+            let bears = |amplitude: f64| {
+                let mut scenes = carrying.iter().map(|&k| &models.scenes[k]);
+                scenes.all(|scene| refusal_at(scene, amplitude).is_none())
+            };
+            let range = range.map(|end| furthest(probe, end, bears));
             absent.extend(absent_of(candidates, &offered));
             found.probes.push(EffectProbe {
                 name,
@@ -66,4 +77,36 @@ pub(crate) fn search(
         }
     }
     found
+}
+
+/// The amplitude nearest to an end of a range that is borne, by bisection from one that is.
+///
+/// A scene that has something of the effect already, as declared water, has less room for it than the library gives.
+fn furthest(borne: f64, end: f64, bears: impl Fn(f64) -> bool) -> f64 {
+    if bears(end) {
+        return end;
+    }
+    let (mut borne, mut beyond) = (borne, end);
+    for _ in 0..BISECTIONS {
+        let middle = 0.5 * (borne + beyond);
+        if bears(middle) {
+            borne = middle;
+        } else {
+            beyond = middle;
+        }
+    }
+    borne
+}
+
+#[cfg(test)]
+mod tests {
+    use super::furthest;
+
+    /// A limit of 7.5 inside a range of 0 to 15 is found to 15 / 2^20, and from the side that is borne.
+    #[test]
+    fn a_range_ends_where_a_scene_does() {
+        let found = furthest(0.05, 15.0, |x| x <= 7.5);
+        assert!((7.5 - 15.0 / 1_048_576.0..=7.5).contains(&found), "{found}");
+        assert_eq!(furthest(0.05, 0.0, |x| x <= 7.5), 0.0);
+    }
 }
