@@ -91,6 +91,7 @@ pub fn calibrate(
         "with the parameters in use before",
         &before,
     ));
+    remarks.extend(failures(problem, "in the screening", &screened.runs));
     remarks.extend(failures(problem, "at the estimate", &checked.at_estimate));
     remarks.extend(states(problem, &checked.at_estimate));
     let (met, verdict) = verdict(problem, &estimate, &fit, &checks, &confirmed);

@@ -16,11 +16,12 @@ const STEP: f64 = 0.3;
 
 /// Looks for what the model lacks at given values of the parameters; the last stage of a calibration alone.
 ///
-/// It is left out, with the reason, where no effect is to be searched or the measurements are as many as the parameters.
+/// It is left out, with the reason, where no effect is to be searched, the measurements are as many as the parameters, or runs
+/// failed at all conditions.
 ///
 /// # Errors
 ///
-/// A problem that cannot be meant, runs that failed, a covariance that cannot be used.
+/// A problem that cannot be meant, a campaign that was stopped, a covariance that cannot be used.
 pub fn diagnose_at(
     campaign: &Campaign<'_>,
     simulator: &dyn Simulator,
@@ -44,8 +45,12 @@ pub fn diagnose_at(
             plan.declared.len(),
         )));
     }
-    let study = study_residual(campaign, simulator, &plan, &observed)?;
-    Ok(DiagnosisStage::Done(Box::new(study)))
+    match study_residual(campaign, simulator, &plan, &observed) {
+        Ok(study) => Ok(DiagnosisStage::Done(Box::new(study))),
+        // What the other stages found stands without it.
+        Err(error @ Error::Cell { .. }) => Ok(left_out(&error.to_string())),
+        Err(error) => Err(error),
+    }
 }
 
 /// A stage that was not made.

@@ -35,12 +35,16 @@ pub enum Error {
         /// Why others could not.
         reasons: Vec<String>,
     },
-    /// A screening with a run that failed: its columns are then no longer orthogonal.
-    #[error("the screening of {model} has a run that failed: {reason}")]
+    /// A screening whose failed runs leave too few to fix its effects.
+    #[error(
+        "the screening of {model} cannot do without the {failed} of its runs that failed: {reason}"
+    )]
     Screening {
         /// Name of the model.
         model: String,
-        /// Why the run failed.
+        /// Number of runs that failed.
+        failed: usize,
+        /// Why the first of them failed.
         reason: String,
     },
     /// No run of a model gives a result at the estimate.
@@ -49,6 +53,20 @@ pub enum Error {
         /// Name of the model.
         model: String,
         /// Why the first failed.
+        reason: String,
+    },
+    /// Too few replicates of a condition for its mean.
+    #[error("{left} of {of} runs of {name} gave a result, and a mean needs two: {reason}")]
+    Cell {
+        /// Name of the condition.
+        name: String,
+        /// Its number.
+        condition: usize,
+        /// Number of runs that gave a result.
+        left: usize,
+        /// Number of runs.
+        of: usize,
+        /// Why the first of the others failed.
         reason: String,
     },
     /// More runs than the budget allows.

@@ -9,6 +9,7 @@ mod refit;
 mod runs;
 mod scatter;
 mod slopes;
+mod worker;
 
 use crate::Error;
 use campaign::{Campaign, RunRequest, Simulator};
@@ -23,6 +24,7 @@ pub(crate) use runs::value;
 use runs::{At, Linearisation};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
+use worker::Worker;
 
 /// A condition of the measurements.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -46,6 +48,16 @@ impl StudyCondition {
             None => Some(observable),
             Some(names) => names.get(observable).map(String::as_str),
         }
+    }
+
+    /// Its name: that of its model, or of the model of a plan with the coordinates.
+    fn name(&self, of_plan: &str) -> String {
+        let coordinates = self.condition.iter();
+        self.model.clone().unwrap_or_else(|| {
+            coordinates.fold(of_plan.to_owned(), |text, (name, x)| {
+                format!("{text} {name}={x}")
+            })
+        })
     }
 }
 
@@ -184,6 +196,9 @@ pub struct ResidualStudy {
     pub plan: ResidualPlan,
     /// Effects that could not be run, with the reason.
     pub left_out: BTreeMap<String, String>,
+    /// Conditions that could not be run, with the reason; the plan and what was measured are without them.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub left_out_conditions: BTreeMap<String, String>,
     /// What was measured.
     pub observed: Observed,
     /// Degrees of freedom of the simulator's noise.
@@ -232,9 +247,13 @@ pub struct AddedEffect {
 
 /// Finds what the model lacks to explain the observations.
 ///
+/// A run that fails is left out of the mean of its condition as long as two others remain; a condition without such a mean
+/// at the start, at a step in a parameter, or at the fit where it is kept, is left out of the study. Both are among the
+/// warnings of the diagnosis.
+///
 /// # Errors
 ///
-/// A plan whose numbers do not fit, runs that failed, a covariance that cannot be used.
+/// A plan whose numbers do not fit, runs that failed at all used conditions, a covariance that cannot be used.
 pub fn study_residual(
     campaign: &Campaign<'_>,
     simulator: &dyn Simulator,
@@ -242,13 +261,49 @@ pub fn study_residual(
     observed: &Observed,
 ) -> Result<ResidualStudy, Error> {
     check(plan, observed)?;
-    let (linear, left_out) = Linearisation::run(campaign, simulator, plan)?;
+    let worker = Worker::new(campaign, simulator);
+    let (mut plan, mut observed) = (plan.clone(), observed.clone());
+    let mut left_out_conditions = BTreeMap::new();
+    loop {
+        let error = match study_of_all(&worker, &plan, &observed) {
+            Ok(mut study) => {
+                let warnings = &mut study.diagnosis.warnings;
+                warnings.extend(worker.left_out());
+                for (name, reason) in &left_out_conditions {
+                    warnings.push(format!("{name} is left out of the study: {reason}"));
+                }
+                study.left_out_conditions = left_out_conditions;
+                return Ok(study);
+            }
+            Err(error) => error,
+        };
+        // What was run is found again, and what failed is not run again.
+        match &error {
+            Error::Cell {
+                condition, name, ..
+            } if !plan.conditions[*condition].used || plan.count(true) > 1 => {
+                left_out_conditions.insert(name.clone(), error.to_string());
+                plan.conditions.remove(*condition);
+                observed.values.remove(*condition);
+                observed.covariance.remove(*condition);
+            }
+            _ => return Err(error),
+        }
+    }
+}
+
+/// The study of a plan whose conditions can all be run.
+fn study_of_all(
+    worker: &Worker<'_>,
+    plan: &ResidualPlan,
+    observed: &Observed,
+) -> Result<ResidualStudy, Error> {
+    let (linear, left_out) = Linearisation::run(worker, plan)?;
     let mut plan = plan.clone();
     plan.effects.retain(|e| !left_out.contains_key(&e.name));
     let plan = &plan;
     let fits = Fits {
-        campaign,
-        simulator,
+        worker,
         plan,
         observed,
     };
@@ -311,6 +366,7 @@ pub fn study_residual(
     Ok(ResidualStudy {
         plan: plan.clone(),
         left_out,
+        left_out_conditions: BTreeMap::new(),
         observed: observed.clone(),
         noise_dof: linear.noise_dof,
         run_sd: names.zip(sds).collect(),
@@ -340,7 +396,7 @@ fn checked(
     let mut models = Vec::new();
     for model in added {
         let means = (&fit.means.values[..], &model.simulated[..]);
-        let contrast = assemble::contrast_on_kept(plan, observed, linear, means, fit.means.n)?;
+        let contrast = assemble::contrast_on_kept(plan, observed, linear, means, &fit.means.n)?;
         let names: Vec<&str> = model.effects.keys().map(String::as_str).collect();
         let checked = model.errors.kept.as_ref().zip(contrast);
         models.extend(checked.map(|(errors, contrast)| CheckedModel {
@@ -410,6 +466,8 @@ fn check(plan: &ResidualPlan, observed: &Observed) -> Result<(), Error> {
 
 #[cfg(test)]
 mod candidate_tests;
+#[cfg(test)]
+mod failure_tests;
 #[cfg(test)]
 mod slope_tests;
 #[cfg(test)]

@@ -24,6 +24,8 @@ pub(crate) struct Wanted {
 /// A run that was done.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Sample {
+    /// Its place among the runs of its model in the list that asked for it.
+    pub(crate) place: usize,
     /// Values of all parameters of the problem.
     pub(crate) at: Vec<f64>,
     /// Means of the observables by name.
@@ -136,7 +138,8 @@ impl Runner<'_> {
             let part = &mut parts[usize::from(i >= n)];
             let samples: &mut Samples = part.entry(wanted.model).or_default();
             let names = observables(self.problem, wanted.model);
-            match result.and_then(|record| sample(&wanted.at, &record, &names)) {
+            let place = samples.done.len() + samples.failed.len();
+            match result.and_then(|record| sample((place, &wanted.at), &record, &names)) {
                 Ok(sample) => samples.done.push(sample),
                 Err(reason) => samples.failed.push((wanted.at.clone(), reason)),
             }
@@ -146,7 +149,11 @@ impl Runner<'_> {
 }
 
 /// The measured observables of a record.
-fn sample(at: &[f64], record: &Record, names: &[String]) -> Result<Sample, String> {
+fn sample(
+    (place, at): (usize, &[f64]),
+    record: &Record,
+    names: &[String],
+) -> Result<Sample, String> {
     let mut values = BTreeMap::new();
     for name in names {
         let Some(observation) = record.observable(name) else {
@@ -159,6 +166,7 @@ fn sample(at: &[f64], record: &Record, names: &[String]) -> Result<Sample, Strin
         values.insert(name.clone(), observation.mean);
     }
     Ok(Sample {
+        place,
         at: at.to_vec(),
         values,
         regime: record.regime().unwrap_or_default().to_owned(),

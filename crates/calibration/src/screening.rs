@@ -2,9 +2,9 @@
 
 use crate::designs::coded_factors;
 use crate::region::Region;
-use crate::samples::{Asked, Runner, Wanted, first_seed, observables, wanted};
+use crate::samples::{Asked, Runner, Samples, Wanted, first_seed, observables, wanted};
 use crate::search::placed;
-use crate::{Error, ModelScreening, Role, ScreeningChoice};
+use crate::{CalibrationProblem, Error, ModelScreening, Role, ScreeningChoice};
 use experiment_design::{Design, plackett_burman};
 use response_surface::{Observations, Screening, screen};
 use std::collections::BTreeMap;
@@ -21,6 +21,8 @@ pub(crate) struct Screened {
     pub(crate) active: BTreeMap<usize, Vec<usize>>,
     /// The screenings.
     pub(crate) told: Vec<ModelScreening>,
+    /// Runs by model, for what must be said of them.
+    pub(crate) runs: BTreeMap<usize, Samples>,
 }
 
 /// Which models are screened: those of role fit with more than five parameters, or as the settings say.
@@ -67,7 +69,7 @@ pub(crate) fn screening_runs(
 ///
 /// # Errors
 ///
-/// No such design, a run of a design that failed, a campaign that was stopped.
+/// No such design, runs of a design that failed so that the others do not fix its effects, a campaign that was stopped.
 pub(crate) fn screen_models(runner: &Runner<'_>) -> Result<Screened, Error> {
     let problem = runner.problem;
     let mut active: BTreeMap<usize, Vec<usize>> = problem
@@ -87,19 +89,7 @@ pub(crate) fn screen_models(runner: &Runner<'_>) -> Result<Screened, Error> {
     let mut told = Vec::new();
     for (model, design) in designs {
         let samples = done.get(&model).cloned().unwrap_or_default();
-        if let Some((_, reason)) = samples.failed.first() {
-            return Err(Error::Screening {
-                model: problem.models[model].name.clone(),
-                reason: reason.clone(),
-            });
-        }
-        let mut screenings = BTreeMap::new();
-        for name in observables(problem, model) {
-            let values: Vec<Option<f64>> =
-                samples.done.iter().map(|s| Some(s.values[&name])).collect();
-            let data = Observations::from_design(&design, &values)?;
-            screenings.insert(name, screen(&design, &data)?);
-        }
+        let screenings = screenings(problem, model, &design, &samples)?;
         let kept = kept(runner.asked, model, &screenings);
         let symbol = |j: &usize| problem.parameters[*j].symbol.clone();
         let all = &problem.models[model].parameters;
@@ -116,7 +106,46 @@ pub(crate) fn screen_models(runner: &Runner<'_>) -> Result<Screened, Error> {
         });
         active.insert(model, kept);
     }
-    Ok(Screened { active, told })
+    Ok(Screened {
+        active,
+        told,
+        runs: done,
+    })
+}
+
+/// The screening of each observable of a model, by the runs that gave a result: a replicate less is one value less in the
+/// mean of its cell, and a cell less one row less in the regression.
+///
+/// # Errors
+///
+/// [`Error::Screening`] where the runs that are left do not fix the effects.
+fn screenings(
+    problem: &CalibrationProblem,
+    model: usize,
+    design: &Design,
+    samples: &Samples,
+) -> Result<BTreeMap<String, Screening>, Error> {
+    let mut screenings = BTreeMap::new();
+    for name in observables(problem, model) {
+        let mut values = vec![None; design.runs().len()];
+        for sample in &samples.done {
+            if let Some(place) = values.get_mut(sample.place) {
+                *place = Some(sample.values[&name]);
+            }
+        }
+        let screened = Observations::from_design(design, &values);
+        let screened = screened.and_then(|data| screen(design, &data));
+        let screened = screened.map_err(|error| match samples.failed.first() {
+            Some((_, reason)) => Error::Screening {
+                model: problem.models[model].name.clone(),
+                failed: samples.failed.len(),
+                reason: reason.clone(),
+            },
+            None => error.into(),
+        })?;
+        screenings.insert(name, screened);
+    }
+    Ok(screenings)
 }
 
 /// Numbers of the parameters that go on.

@@ -314,6 +314,7 @@ mod tests {
 
     fn sample(a: f64, b: f64, noise: f64) -> Sample {
         Sample {
+            place: 0,
             at: vec![a, b],
             values: BTreeMap::from([("y".to_owned(), 1.0 + a * a - 0.1 * a * b + noise)]),
             regime: String::new(),

@@ -177,3 +177,14 @@ pub enum Error {
         what: &'static str,
     },
 }
+
+impl Error {
+    /// Whether the motion has left what can be believed, as with a time step that is too long for the contacts. The same run
+    /// may end well with a shorter one.
+    pub fn is_divergence(&self) -> bool {
+        matches!(
+            self,
+            Self::Diverged { .. } | Self::Lost { .. } | Self::Flying { .. } | Self::TooDeep { .. }
+        )
+    }
+}

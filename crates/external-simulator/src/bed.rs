@@ -294,6 +294,7 @@ pub(crate) fn timing(took: Took, spheres: usize) -> TimingDetails {
         sphere_steps_per_s: (steps > 0.0).then(|| spheres as f64 * steps / took.wall_s.max(1e-9)),
         continued: false,
         only_seen: false,
+        retried: Vec::new(),
     }
 }
 

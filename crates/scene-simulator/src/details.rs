@@ -106,6 +106,10 @@ pub struct TimingDetails {
     pub continued: bool,
     /// Whether the seeds had moved before, and the time is that of the pictures alone.
     pub only_seen: bool,
+    /// Why earlier attempts with longer time steps broke off, each with half the step of the one before; none where the first
+    /// came to its end.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub retried: Vec<String>,
 }
 
 impl RunDetails {
@@ -130,8 +134,8 @@ impl RunDetails {
         scene: &Scene,
         result: &RunResult,
         effort: Effort,
-        image: &[f64],
-        position: &[f64],
+        retried: &[String],
+        (image, position): (&[f64], &[f64]),
     ) -> Result<Self, Error> {
         let filling = result.filling_angles.iter().map(|a| a.to_degrees());
         let turned = match result.ending {
@@ -172,7 +176,7 @@ impl RunDetails {
                 time_s: result.series.iter().map(|p| p.time_s).collect(),
                 centre_of_mass_deg: result.series.iter().map(|p| p.centre_of_mass_deg).collect(),
             },
-            timing: TimingDetails::new(result, effort),
+            timing: TimingDetails::new(result, effort, retried),
             last_frame_png_base64: picture(scene, result)?,
         })
     }
@@ -180,7 +184,7 @@ impl RunDetails {
 
 impl TimingDetails {
     /// What a run cost.
-    fn new(result: &RunResult, effort: Effort) -> Self {
+    fn new(result: &RunResult, effort: Effort, retried: &[String]) -> Self {
         let Effort { wall_s, .. } = effort;
         let steps = result.n_steps as f64;
         let rate = |value: f64| (!effort.continued).then_some(value);
@@ -198,6 +202,7 @@ impl TimingDetails {
             sphere_steps_per_s: rate(result.n_spheres as f64 * steps / wall_s.max(1e-9)),
             continued: effort.continued,
             only_seen: effort.only_seen,
+            retried: retried.to_vec(),
         }
     }
 }

@@ -2,7 +2,8 @@
 
 use crate::binding::present_paths;
 use crate::cost::expected_cost;
-use crate::{Binding, Effort, Error, outcome_of};
+use crate::outcome::outcome_after;
+use crate::{Binding, Effort, Error};
 use campaign::{RunOutcome, RunRequest, Simulator, SimulatorError};
 use quantity::AngularSpeed;
 use scene::{FillingLibrary, NumberChange, RunResult, Scene, run};
@@ -16,6 +17,9 @@ use std::time::Instant;
 
 /// Revision of the physics: raised when the same scene and seed give other or further numbers.
 const REVISION: u32 = 10;
+
+/// How often a run that diverges is tried again where nobody says: each time costs twice as much as the one before.
+pub const USUAL_RETRIES: u32 = 1;
 
 /// Runs whose frames are kept in memory: some megabytes each for a thousand seeds.
 const REMEMBERED: usize = 256;
@@ -35,7 +39,18 @@ pub struct SceneSimulator {
     /// Bodies made so far.
     fillings: FillingLibrary,
     /// The last runs by what moved the seeds: a scene without its camera, and the seed.
-    moved: Mutex<VecDeque<(String, Arc<RunResult>)>>,
+    moved: Mutex<VecDeque<(String, Arc<Moved>)>>,
+    /// How often a run that diverges is tried again, each time with half the time step.
+    retries: u32,
+}
+
+/// What moved.
+#[derive(Debug)]
+struct Moved {
+    /// The run.
+    result: RunResult,
+    /// Why attempts with longer steps broke off.
+    retried: Vec<String>,
 }
 
 /// A scene that requests can name.
@@ -94,7 +109,16 @@ impl SceneSimulator {
             meshes,
             fillings: FillingLibrary::default(),
             moved: Mutex::default(),
+            retries: USUAL_RETRIES,
         })
+    }
+
+    /// Sets how often a run that diverges is tried again, each time with half the time step: [`USUAL_RETRIES`] where it is not
+    /// set. What a run shows does not depend on its step as long as it comes to its end, and its record says what was tried.
+    #[must_use]
+    pub fn with_retries(mut self, retries: u32) -> Self {
+        self.retries = retries;
+        self
     }
 
     /// Bodies made so far.
@@ -193,11 +217,7 @@ impl SceneSimulator {
     /// Runs a scene; where the same seeds moved before under another camera, their frames are seen again.
     ///
     /// Returns the run, and whether it was only seen.
-    fn run_or_see(
-        &self,
-        scene: &Scene,
-        seed: u64,
-    ) -> Result<(Arc<RunResult>, bool), SimulatorError> {
+    fn run_or_see(&self, scene: &Scene, seed: u64) -> Result<(Arc<Moved>, bool), SimulatorError> {
         let mut blind = serde_json::to_value(scene).map_err(SimulatorError::other)?;
         if let Some(settings) = blind.as_object_mut() {
             settings.remove("camera");
@@ -212,11 +232,14 @@ impl SceneSimulator {
             Some(result)
         });
         if let Some(result) = known {
-            let seen = result.seen_in(scene).map_err(SimulatorError::other)?;
+            let seen = result.result.seen_in(scene);
+            let seen = Moved {
+                result: seen.map_err(SimulatorError::other)?,
+                retried: result.retried.clone(),
+            };
             return Ok((Arc::new(seen), true));
         }
-        let result = run(scene, &self.fillings, seed).map_err(SimulatorError::other)?;
-        let result = Arc::new(result);
+        let result = Arc::new(self.attempts(scene, seed)?);
         if let Ok(mut moved) = self.moved.lock() {
             moved.push_back((key, Arc::clone(&result)));
             if moved.len() > REMEMBERED {
@@ -224,6 +247,32 @@ impl SceneSimulator {
             }
         }
         Ok((result, false))
+    }
+}
+
+impl SceneSimulator {
+    /// Runs a scene; where it diverges, again with half the time step, as often as is allowed.
+    fn attempts(&self, scene: &Scene, seed: u64) -> Result<Moved, SimulatorError> {
+        let mut scene = scene.clone();
+        let mut retried = Vec::new();
+        loop {
+            let error = match run(&scene, &self.fillings, seed) {
+                Ok(result) => return Ok(Moved { result, retried }),
+                Err(error) => error,
+            };
+            if !error.is_divergence() || scene.protocol.halvings >= self.retries {
+                if retried.is_empty() {
+                    return Err(SimulatorError::other(error));
+                }
+                let reason = format!(
+                    "{error}; with the longer steps that were tried before: {}",
+                    retried.join("; ")
+                );
+                return Err(SimulatorError::Failed { reason });
+            }
+            retried.push(error.to_string());
+            scene.protocol.halvings += 1;
+        }
     }
 }
 
@@ -248,7 +297,8 @@ impl Simulator for SceneSimulator {
             only_seen,
             ..Effort::default()
         };
-        outcome_of(&scene, &result, effort).map_err(SimulatorError::other)
+        outcome_after(&scene, &result.result, effort, &result.retried)
+            .map_err(SimulatorError::other)
     }
 
     fn expected_cost(&self, request: &RunRequest) -> f64 {

@@ -339,3 +339,34 @@ fn records_hold_regime_and_typed_details() {
     let error = RunDetails::of(&other).unwrap_err().to_string();
     assert!(error.contains(drum.key()), "{error}");
 }
+
+/// With one step for a hard contact the seeds of the small drum fly apart. Half and a quarter of it bring the run to its
+/// end: its record stands under the same key, and tells each attempt and the shorter step. The step of the first attempt over
+/// that of the last is a power of two, exactly.
+#[test]
+fn a_run_that_diverges_is_tried_again_with_half_the_step() {
+    let mut drum = small_drum();
+    drum.protocol.step_share = 1.0;
+    let models = BTreeMap::from([("drum".to_owned(), drum)]);
+    let simulator = |retries| {
+        let simulator = SceneSimulator::new(models.clone(), BTreeMap::new());
+        simulator.expect("a sound scene").with_retries(retries)
+    };
+    let request = RunRequest::new("drum", 1);
+    let error = simulator(0).run(&request).unwrap_err().in_full();
+    assert!(error.contains("time step"), "{error}");
+    assert!(!error.contains("tried before"), "{error}");
+    let patient = simulator(4);
+    let (key, again) = (simulator(0).inputs(&request), patient.inputs(&request));
+    assert_eq!(key.unwrap(), again.unwrap());
+    let outcome = patient.run(&request).unwrap();
+    let timing = &outcome.details["timing"];
+    let retried = timing["retried"].as_array().expect("attempts");
+    assert_eq!(retried[0], error);
+    let step = timing["settling_time_step_s"].as_f64().unwrap();
+    let (_, behind) = error
+        .split_once("the time step of ")
+        .expect("the step of the first");
+    let first: f64 = behind.split(' ').next().unwrap().parse().unwrap();
+    assert_eq!(first / step, f64::from(1_u32 << retried.len()));
+}

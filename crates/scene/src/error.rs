@@ -196,6 +196,14 @@ pub enum Error {
 }
 
 impl Error {
+    /// Whether the run has left what can be believed, so that a shorter time step may end it well.
+    pub fn is_divergence(&self) -> bool {
+        match self {
+            Self::Unhealthy { source, .. } | Self::Solver(source) => source.is_divergence(),
+            _ => false,
+        }
+    }
+
     /// The same with the file whose value cannot be meant.
     pub(crate) fn in_file(self, file: &str) -> Self {
         match self {

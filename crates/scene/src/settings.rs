@@ -193,6 +193,10 @@ pub struct Protocol {
     /// Time step while the drive runs, likewise; `step_share` where absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub flow_step_share: Option<f64>,
+    /// How often the time steps that follow from all this are halved, as after a run that diverged. It is no part of a scene
+    /// file, nor of what a run is known by.
+    #[serde(skip)]
+    pub halvings: u32,
     /// Seeds a second that appear above the bottom of the apparatus until all are there; all are there from the
     /// start where absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -233,6 +237,7 @@ impl Default for Protocol {
             time_step: None,
             step_share: hard_contact::STEP_SHARE,
             flow_step_share: None,
+            halvings: 0,
             insertion_rate: None,
             settle_limit: seconds(0.8),
             start_slope: None,

@@ -86,11 +86,21 @@ impl TimeSteps {
             },
         };
         steps.resolve_vibrations(scene)?;
-        Ok(steps)
+        Ok(steps.halved(scene))
     }
 
-    /// The steps, each at most a length (s).
-    pub(crate) fn at_most(self, longest: f64) -> Self {
+    /// The steps, halved as often as the protocol says.
+    fn halved(self, scene: &Scene) -> Self {
+        let factor = 0.5_f64.powf(f64::from(scene.protocol.halvings));
+        Self {
+            settling: factor * self.settling,
+            flow: factor * self.flow,
+        }
+    }
+
+    /// The steps, each at most a length (s), which is halved as they are.
+    pub(crate) fn at_most(self, scene: &Scene, longest: f64) -> Self {
+        let longest = longest * 0.5_f64.powf(f64::from(scene.protocol.halvings));
         Self {
             settling: self.settling.min(longest),
             flow: self.flow.min(longest),

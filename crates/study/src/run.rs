@@ -25,6 +25,8 @@ pub struct RunSettings<'a> {
     pub progress: &'a dyn Progress,
     /// Once it is true no further run begins.
     pub stop: &'a AtomicBool,
+    /// How often [`run_diagnosis`] tries a run again that diverges, see [`StudySimulator::with_retries`].
+    pub retries: u32,
     /// Does the runs in place of the threads of this process.
     pub executor: Option<&'a dyn Executor>,
 }
@@ -155,6 +157,7 @@ pub fn run_diagnosis(
 ) -> Result<DiagnosisResult, Error> {
     let begin = Instant::now();
     let simulator = study.simulator(&settings.folder)?;
+    let simulator = simulator.with_retries(settings.retries);
     let store = Store::open(settings.folder.join("runs"))?;
     let pace = Pace::new();
     let campaign = settings.campaign(&store, &pace);

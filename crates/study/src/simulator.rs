@@ -27,6 +27,16 @@ impl StudySimulator {
         }
     }
 
+    /// Sets how often a run of the solver here that diverges is tried again, each time with half the time step; other programs
+    /// choose their steps themselves.
+    #[must_use]
+    pub fn with_retries(self, retries: u32) -> Self {
+        match self {
+            Self::Own(scenes) => Self::Own(scenes.with_retries(retries)),
+            other => other,
+        }
+    }
+
     /// As a simulator.
     fn inner(&self) -> &dyn Simulator {
         match self {

@@ -3,7 +3,7 @@
 mod report;
 mod text;
 
-use crate::runner::{Runner, whole};
+use crate::runner::{Retries, Runner, whole};
 use crate::stop::{self, result_or_stopped};
 use crate::work::Job;
 use anyhow::Context as _;
@@ -44,6 +44,9 @@ pub(crate) struct Arguments {
     /// Who does the runs; jobs are set by the table `[runner]` of the study
     #[arg(long, value_enum, value_name = "RUNNER", default_value_t)]
     runner: Runner,
+
+    #[command(flatten)]
+    retries: Retries,
 }
 
 /// Runs the loop and writes the result folder.
@@ -65,9 +68,10 @@ pub(crate) fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<u8> 
     }
     refuse_used_folder(&folder, arguments.resume, common)?;
     common.log(|| plan.trim_end().to_owned());
-    let simulator = study.simulator(&folder)?;
+    let retries = arguments.retries.number;
+    let simulator = study.simulator(&folder)?.with_retries(retries);
     let (progress, stop) = (progress_lines(common), stop::flag()?);
-    let job = |folder: &Path| of_study(&study, folder);
+    let job = |folder: &Path| of_study(&study, folder, retries);
     let executor = (arguments.runner).executor(job, &folder, &study.file.runner, common)?;
     let settings = RunSettings {
         seed: arguments.seed,
@@ -75,6 +79,7 @@ pub(crate) fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<u8> 
         folder: folder.clone(),
         progress: &progress,
         stop: &stop,
+        retries,
         executor: executor.as_ref().map(|e| e as &dyn Executor),
     };
     let announce = |stage: &str| common.log(|| format!("== {stage}"));
@@ -101,8 +106,9 @@ pub(crate) fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<u8> 
 /// # Errors
 ///
 /// A study file that is gone.
-pub(crate) fn of_study(study: &Study, folder: &Path) -> anyhow::Result<Job> {
+pub(crate) fn of_study(study: &Study, folder: &Path, retries: u32) -> anyhow::Result<Job> {
     Ok(Job::Study {
+        retries,
         study: whole(&study.path)?,
         profile: study.profile.clone(),
         folder: folder.to_owned(),

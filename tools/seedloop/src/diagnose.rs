@@ -1,6 +1,6 @@
 //! `seedloop diagnose`: what a residual says of missing effects.
 
-use crate::runner::Runner;
+use crate::runner::{Retries, Runner};
 use crate::{diagnose_problem, diagnose_study};
 use anyhow::ensure;
 use command_line::{Common, DONE, Header, NOT_MET};
@@ -43,6 +43,9 @@ pub(crate) struct Arguments {
     #[arg(long, value_enum, value_name = "RUNNER", default_value_t)]
     runner: Runner,
 
+    #[command(flatten)]
+    retries: Retries,
+
     /// Say what would be run, and run nothing
     #[arg(long)]
     plan: bool,
@@ -81,6 +84,7 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
             resume: arguments.resume,
             plan_only: arguments.plan,
             runner: arguments.runner,
+            retries: arguments.retries.number,
         };
         return diagnose_study::run(path, &options, common);
     }

@@ -38,6 +38,8 @@ pub(crate) struct Options {
     pub(crate) plan_only: bool,
     /// Who does the runs.
     pub(crate) runner: Runner,
+    /// How often a run that diverges is tried again.
+    pub(crate) retries: u32,
 }
 
 /// The answer as it stands in JSON: the keys of a diagnosis, then the whole result.
@@ -77,7 +79,7 @@ pub(crate) fn run(path: &Path, options: &Options, common: &Common) -> anyhow::Re
     refuse_used_folder(&folder, options.resume, common)?;
     common.log(|| planned.trim_end().to_owned());
     let (progress, stop) = (progress_lines(common), stop::flag()?);
-    let job = |folder: &Path| of_study(&study, folder);
+    let job = |folder: &Path| of_study(&study, folder, options.retries);
     let executor = (options.runner).executor(job, &folder, &study.file.runner, common)?;
     let settings = RunSettings {
         seed: options.seed,
@@ -85,6 +87,7 @@ pub(crate) fn run(path: &Path, options: &Options, common: &Common) -> anyhow::Re
         folder: folder.clone(),
         progress: &progress,
         stop: &stop,
+        retries: options.retries,
         executor: executor.as_ref().map(|e| e as &dyn Executor),
     };
     let done = run_diagnosis(&study, &at, &settings);

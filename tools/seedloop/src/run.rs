@@ -1,7 +1,7 @@
 //! `seedloop run DESIGN.csv --scene SCENE.toml`: a design table as a campaign.
 
 use crate::calibrate::{duration, progress_lines, refuse_used_folder};
-use crate::runner::{Runner, runner_settings, whole};
+use crate::runner::{Retries, Runner, runner_settings, whole};
 use crate::stop::{self, result_or_stopped};
 use crate::work::Job;
 use anyhow::Context as _;
@@ -68,6 +68,9 @@ pub(crate) struct Arguments {
     #[arg(long, value_enum, value_name = "RUNNER", default_value_t)]
     runner: Runner,
 
+    #[command(flatten)]
+    retries: Retries,
+
     /// File with the table `[runner]`, the settings of jobs, such as a study
     #[arg(long, value_name = "FILE.toml")]
     runner_settings: Option<PathBuf>,
@@ -123,7 +126,7 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
     let common = &arguments.common;
     common.refuse_existing_json()?;
     let table = DesignTable::read(&choices(arguments))?;
-    let simulator = table.simulator()?;
+    let simulator = table.simulator()?.with_retries(arguments.retries.number);
     let folder = folder(arguments);
     let header = Header::new(arguments.seed, table.input_files())?;
     let runs = folder.join("runs");
@@ -184,6 +187,7 @@ fn job(arguments: &Arguments, folder: &Path) -> anyhow::Result<Job> {
         *factors = whole(factors)?;
     }
     Ok(Job::Design {
+        retries: arguments.retries.number,
         choices,
         folder: folder.to_owned(),
     })

@@ -5,6 +5,7 @@ use anyhow::Context as _;
 use batch_runner::{BatchRunner, BatchSettings};
 use clap::ValueEnum;
 use command_line::Common;
+use scene_simulator::USUAL_RETRIES;
 use std::fs;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
@@ -19,6 +20,15 @@ pub(crate) enum Runner {
     Slurm,
     /// Jobs of another batch system, by the command lines of `[runner.command]`
     Command,
+}
+
+/// How often a run is tried again.
+#[derive(clap::Args, Debug, Clone, Copy)]
+pub(crate) struct Retries {
+    /// How often a run that diverges is tried again, each time with half the time step; its record says so
+    #[arg(long = "retries", value_name = "N", default_value_t = USUAL_RETRIES,
+        value_parser = clap::value_parser!(u32).range(..=6))]
+    pub(crate) number: u32,
 }
 
 /// Name of the folder of the jobs in a result folder.

@@ -31,6 +31,8 @@ pub(crate) struct Arguments {
 pub(crate) enum Job {
     /// A study.
     Study {
+        /// How often a run that diverges is tried again.
+        retries: u32,
         /// The study file.
         study: PathBuf,
         /// Its profile.
@@ -40,6 +42,8 @@ pub(crate) enum Job {
     },
     /// A design table.
     Design {
+        /// How often a run that diverges is tried again.
+        retries: u32,
         /// All that its runs follow from.
         choices: DesignChoices,
         /// The result folder.
@@ -72,16 +76,22 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
         serde_json::from_str(&text).with_context(|| format!("{name} is no job of --runner"))?;
     let (simulator, folder): (Box<dyn Simulator>, PathBuf) = match job {
         Job::Study {
+            retries,
             study,
             profile,
             folder,
         } => {
             let study = Study::read(&study, profile.as_deref())?;
-            (Box::new(study.simulator(&folder)?), folder)
+            let simulator = study.simulator(&folder)?.with_retries(retries);
+            (Box::new(simulator), folder)
         }
-        Job::Design { choices, folder } => {
+        Job::Design {
+            retries,
+            choices,
+            folder,
+        } => {
             let table = DesignTable::read(&choices)?;
-            (Box::new(table.simulator()?), folder)
+            (Box::new(table.simulator()?.with_retries(retries)), folder)
         }
     };
     let store = Store::open(folder.join("runs"))?;

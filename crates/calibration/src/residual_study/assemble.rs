@@ -22,10 +22,21 @@ fn scaled(a: &[Vec<f64>], factor: f64) -> Vec<Vec<f64>> {
         .collect()
 }
 
+/// So many times the covariance of a run at each used condition.
+fn of_runs(
+    plan: &ResidualPlan,
+    linear: &Linearisation,
+    times: &dyn Fn(usize) -> f64,
+) -> CovarianceInput {
+    let used = (0..plan.conditions.len()).filter(|&c| plan.conditions[c].used);
+    let block = |c: usize| scaled(&linear.run_covariance[c], times(c));
+    CovarianceInput::Blocks(used.map(block).collect())
+}
+
 /// The problem file of a study at the fitted parameters.
 ///
 /// The observation noise goes in as known. The noise of the simulator enters three times: in the
-/// residual (mean of n runs), and in each sensitivity (difference of two means of n runs). What an
+/// residual (mean of the runs of a condition), and in each sensitivity (difference of two such means). What an
 /// effect does to the conditions kept apart is not predicted here: real runs tell it.
 pub(super) fn problem(
     plan: &ResidualPlan,
@@ -46,9 +57,7 @@ pub(super) fn problem(
         pairs.map(|(y, f)| y.map(|y| y - f)).collect::<Vec<_>>()
     });
     let of_run = |variance: f64, at: &dyn Fn(usize) -> bool| {
-        let factor = |c: usize| if at(c) { variance } else { 0.0 };
-        let block = |c: usize| scaled(&linear.run_covariance[c], factor(c));
-        CovarianceInput::Blocks(used().map(block).collect())
+        of_runs(plan, linear, &|c| if at(c) { variance } else { 0.0 })
     };
     let slope_errors = linear.declared_errors.iter();
     // An effect that moves nothing at a condition has the slope 0 there, without noise.
@@ -64,7 +73,7 @@ pub(super) fn problem(
         cov_measurement: Some(CovarianceInput::Blocks(
             used().map(|c| observed.covariance[c].clone()).collect(),
         )),
-        cov_simulator: Some(of_run(1.0 / at_fit.n as f64, &|_| true)),
+        cov_simulator: Some(of_runs(plan, linear, &|c| 1.0 / at_fit.n[c] as f64)),
         covariance_dof: Some(linear.noise_dof),
         declared: plan.declared.iter().map(|d| d.name.clone()).collect(),
         sensitivities_declared: linear.declared.concat(),
@@ -237,12 +246,12 @@ pub(super) fn contrast_on_kept(
     observed: &Observed,
     linear: &Linearisation,
     (before, after): (&[Vec<f64>], &[Vec<f64>]),
-    runs: usize,
+    runs: &[usize],
 ) -> Result<Option<Contrast>, Error> {
-    let share = 1.0 / runs as f64;
     let [mut without, mut with] = [Vec::new(), Vec::new()];
     let mut shared = 0.0;
     for c in (0..plan.conditions.len()).filter(|&c| !plan.conditions[c].used) {
+        let share = 1.0 / runs[c] as f64;
         let root = root(observed, linear, share, c)?;
         let measured = observed.measured(c);
         let residual = |simulated: &[f64]| {
@@ -292,7 +301,7 @@ fn part(
         let values = (0..plan.observables.len()).filter_map(|k| residual(c, k));
         let vector = DVector::from_iterator(observed.measured(c).len(), values);
         let white =
-            root(observed, linear, 1.0 / simulated.n as f64, c)?.solve_lower_triangular(&vector);
+            root(observed, linear, 1.0 / simulated.n[c] as f64, c)?.solve_lower_triangular(&vector);
         whitened += white.map_or(f64::NAN, |w| w.norm_squared());
         rows += vector.len();
     }

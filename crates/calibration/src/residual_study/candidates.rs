@@ -159,20 +159,22 @@ impl Fits<'_> {
             points.flat_map(move |point| runs::requests(own, point, BLOCK, At::Used))
         });
         let requests: Vec<RunRequest> = each.collect();
-        let results = self.campaign.run_each(self.simulator, &requests)?;
+        let results = self.worker.each(&requests)?;
         let per_candidate = points.len() * plan.replicates;
         let (mut experiments, mut offered) = (Vec::new(), Vec::new());
-        let groups = results.chunks(per_candidate.max(1));
-        for ((candidate, own), group) in plan.candidates.iter().zip(&plans).zip(groups) {
-            let records = group.iter().map(Result::as_ref);
-            let records: Result<Vec<&Record>, _> = records.collect();
-            let left_out = records.as_ref().err().map(|reason| (*reason).clone());
+        let size = per_candidate.max(1);
+        let groups = requests.chunks(size).zip(results.chunks(size));
+        for ((candidate, own), (asked, group)) in plan.candidates.iter().zip(&plans).zip(groups) {
+            let records = self.worker.borne(asked, group, plan.replicates);
+            let left_out = records.as_ref().err().map(|short| short.reason.clone());
             let records = records.unwrap_or_default();
             offered.push(OfferedMeasurement {
                 name: candidate.name.clone(),
                 minutes: candidate.minutes,
                 runs: plan.replicates * (2 + plan.declared.len() + plan.effects.len()),
-                keys: records.iter().map(|r| r.key().to_owned()).collect(),
+                keys: (records.iter().flatten())
+                    .map(|r| r.key().to_owned())
+                    .collect(),
                 left_out: left_out.clone(),
             });
             if left_out.is_none() {
@@ -189,7 +191,7 @@ fn experiment(
     own: &ResidualPlan,
     linear: &Linearisation,
     steps: &[Step],
-    records: &[&Record],
+    records: &[Option<&Record>],
 ) -> Result<ExperimentFile, Error> {
     let r = own.replicates;
     let mut groups = records.chunks(r);
@@ -199,10 +201,12 @@ fn experiment(
     let n = own.observables.len();
     let (mut declared, mut library) = (vec![Vec::new(); n], vec![vec![0.0; own.effects.len()]; n]);
     let (mut steps_declared, mut steps_library) = (Vec::new(), vec![None; own.effects.len()]);
+    let mut least = means.least_n();
     for (step, group) in steps.iter().zip(groups) {
         let beside = runs::means_of(own, group, At::Used)?;
+        least = least.min(beside.least_n());
         // What is run already when the step changes nothing has no slope, and no noise.
-        let differs = at_fit.iter().zip(group).any(|(a, b)| a.key() != b.key());
+        let differs = runs::differ(at_fit, group);
         let shares = step.effect.is_some_and(|j| linear.shares_noise(j));
         let noisy = (differs && !shares).then_some(step.size);
         if noisy.is_some() {
@@ -223,7 +227,7 @@ fn experiment(
     let of_run = scatter.pooled();
     let of_mean: Vec<Vec<f64>> = of_run
         .iter()
-        .map(|line| line.iter().map(|x| x / r as f64).collect())
+        .map(|line| line.iter().map(|x| x / least as f64).collect())
         .collect();
     let mut covariance = of_mean.clone();
     for (k, se) in candidate.standard_errors.values().enumerate() {

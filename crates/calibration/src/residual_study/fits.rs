@@ -1,9 +1,9 @@
 //! Fits by real runs: the declared parameters, the suspects at their own best, the model with effects added.
 
 use super::runs::{self, At, Linearisation, Means, Setting};
+use super::worker::Worker;
 use super::{AddedEffect, EffectProbe, Observed, ResidualPlan, assemble, refit};
 use crate::Error;
-use campaign::{Campaign, Simulator};
 use residual_diagnosis::{CandidateResult, Diagnosis, Unseen};
 
 /// Largest number of effects whose sensitivity is measured anew at a time.
@@ -51,6 +51,7 @@ fn failed_run(error: &Error) -> Option<String> {
         Error::Campaign(
             campaign::Error::Run { source, .. } | campaign::Error::Refused { source, .. },
         ) => Some(source.in_full()),
+        Error::Cell { .. } => Some(error.to_string()),
         _ => None,
     }
 }
@@ -58,8 +59,7 @@ fn failed_run(error: &Error) -> Option<String> {
 /// What the fits of a study share.
 #[derive(Clone, Copy)]
 pub(super) struct Fits<'a> {
-    pub(super) campaign: &'a Campaign<'a>,
-    pub(super) simulator: &'a dyn Simulator,
+    pub(super) worker: &'a Worker<'a>,
     pub(super) plan: &'a ResidualPlan,
     pub(super) observed: &'a Observed,
 }
@@ -184,7 +184,7 @@ impl Fits<'_> {
             effects.push(effect);
             settings.push((setting, if shares { fit.block } else { own }));
         }
-        let means = runs::means_of_each(self.campaign, self.simulator, plan, &settings)?;
+        let means = runs::means_of_each(self.worker, plan, &settings)?;
         for ((effect, (setting, block)), means) in effects.into_iter().zip(settings).zip(means) {
             let name = &plan.effects[effect].name;
             match means {
@@ -331,6 +331,6 @@ impl Fits<'_> {
 
     /// Means at a setting with the seeds of a block.
     pub(super) fn run(&self, setting: &Setting, block: u64, at: At) -> Result<Means, Error> {
-        runs::means(self.campaign, self.simulator, self.plan, setting, block, at)
+        runs::means(self.worker, self.plan, setting, block, at)
     }
 }

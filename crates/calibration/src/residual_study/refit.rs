@@ -57,7 +57,7 @@ fn linear_problem(
     let (mut matrix, mut target) = (Vec::new(), Vec::new());
     for c in (0..plan.conditions.len()).filter(|&c| plan.conditions[c].used) {
         let measured = observed.measured(c);
-        let root = assemble::root(observed, linear, 1.0 / means.n as f64, c)?;
+        let root = assemble::root(observed, linear, 1.0 / means.n[c] as f64, c)?;
         let slope = |k: usize, j: usize| match j.checked_sub(plan.declared.len()) {
             None => linear.declared[c][k][j],
             Some(e) => linear.library[c][k][taken[e]],

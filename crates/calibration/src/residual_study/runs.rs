@@ -3,9 +3,10 @@
 use super::fits::Visited;
 use super::scatter::Scatter;
 use super::slopes::{Points, SlopeError, Slopes};
+use super::worker::Worker;
 use super::{DeclaredParameter, EffectProbe, Observed, ResidualPlan, StudyCondition, assemble};
 use crate::Error;
-use campaign::{Campaign, RunRequest, Simulator};
+use campaign::RunRequest;
 use nalgebra::DVector;
 use run_store::Record;
 use std::collections::{BTreeMap, BTreeSet};
@@ -24,8 +25,8 @@ pub(super) struct Setting {
 pub(super) struct Means {
     /// Means over the runs; empty rows where none were done.
     pub(super) values: Vec<Vec<f64>>,
-    /// Number of runs in each mean.
-    pub(super) n: usize,
+    /// Number of runs behind the means of each condition; 0 where none were done.
+    pub(super) n: Vec<usize>,
     /// How the runs scatter about these means.
     pub(super) scatter: Scatter,
 }
@@ -106,24 +107,29 @@ pub(super) enum At {
 }
 
 /// Means at a setting, with the seeds of a block.
+///
+/// # Errors
+///
+/// [`Error::Cell`] where failed runs leave a condition without a mean.
 pub(super) fn means(
-    campaign: &Campaign<'_>,
-    simulator: &dyn Simulator,
+    worker: &Worker<'_>,
     plan: &ResidualPlan,
     setting: &Setting,
     block: u64,
     at: At,
 ) -> Result<Means, Error> {
     let requests = requests(plan, setting, block, at);
-    let records = campaign.run_all(simulator, &requests)?;
-    means_of(plan, &records.iter().collect::<Vec<_>>(), at)
+    let results = worker.each(&requests)?;
+    match worker.borne(&requests, &results, plan.replicates) {
+        Ok(records) => means_of(plan, &records, at),
+        Err(short) => Err(short.error(plan, &numbers(plan, at))),
+    }
 }
 
 /// Means at the used conditions for several settings, each with the seeds of its own block, in one list so
 /// that no core waits; the reason for a setting that cannot be run.
 pub(super) fn means_of_each(
-    campaign: &Campaign<'_>,
-    simulator: &dyn Simulator,
+    worker: &Worker<'_>,
     plan: &ResidualPlan,
     settings: &[(Setting, u64)],
 ) -> Result<Vec<Result<Means, String>>, Error> {
@@ -131,22 +137,26 @@ pub(super) fn means_of_each(
         .iter()
         .map(|(setting, block)| requests(plan, setting, *block, At::Used));
     let lists: Vec<_> = lists.collect();
-    let results = campaign.run_each(simulator, &lists.concat())?;
+    let results = worker.each(&lists.concat())?;
     let mut left = &results[..];
     lists
         .iter()
         .map(|list| {
             let (own, others) = left.split_at(list.len());
             left = others;
-            match own
-                .iter()
-                .map(Result::as_ref)
-                .collect::<Result<Vec<_>, _>>()
-            {
+            match worker.borne(list, own, plan.replicates) {
                 Ok(records) => means_of(plan, &records, At::Used).map(Ok),
-                Err(reason) => Ok(Err(reason.clone())),
+                Err(short) => Ok(Err(short.reason)),
             }
         })
+        .collect()
+}
+
+/// Numbers of the used or the kept conditions.
+fn numbers(plan: &ResidualPlan, at: At) -> Vec<usize> {
+    let all = plan.conditions.iter().enumerate();
+    all.filter(|(_, c)| c.used == (at == At::Used))
+        .map(|(number, _)| number)
         .collect()
 }
 
@@ -164,19 +174,30 @@ pub(super) fn requests(
         .collect()
 }
 
-/// Means of the runs of a setting.
-pub(super) fn means_of(plan: &ResidualPlan, records: &[&Record], at: At) -> Result<Means, Error> {
+/// Means of the runs of a setting; none stands for a run that is left out.
+pub(super) fn means_of(
+    plan: &ResidualPlan,
+    records: &[Option<&Record>],
+    at: At,
+) -> Result<Means, Error> {
     let rows = rows_of(plan, records, at)?;
     Ok(Means::of(&rows, plan.replicates).spread_over(plan, at == At::Used))
 }
 
+/// Observables of a run, in the order of the plan; none where the run is left out.
+type Row = Option<Vec<f64>>;
+
 /// Observables of the runs of a setting at the used or the kept conditions, in the order of the plan.
-fn rows_of(plan: &ResidualPlan, records: &[&Record], at: At) -> Result<Vec<Vec<f64>>, Error> {
+fn rows_of(plan: &ResidualPlan, records: &[Option<&Record>], at: At) -> Result<Vec<Row>, Error> {
     let used = at == At::Used;
     let conditions = plan.conditions.iter().filter(|c| c.used == used);
     let each = conditions.flat_map(|c| std::iter::repeat_n(c, plan.replicates));
     each.zip(records)
-        .map(|(condition, record)| row(plan, condition, record))
+        .map(|(condition, record)| {
+            record
+                .map(|record| row(plan, condition, record))
+                .transpose()
+        })
         .collect()
 }
 
@@ -222,29 +243,33 @@ fn own_noise_of(off: &Runs<'_>, on: &Runs<'_>, r: usize) -> f64 {
     if !same_motion(&off.records, &on.records, r) {
         return 1.0;
     }
-    let difference = |(on, off): (&Vec<f64>, &Vec<f64>)| -> Vec<f64> {
-        on.iter().zip(off).map(|(a, b)| a - b).collect()
+    let difference = |(on, off): (&Row, &Row)| -> Row {
+        let pairs = on.as_ref()?.iter().zip(off.as_ref()?);
+        Some(pairs.map(|(a, b)| a - b).collect())
     };
     let differences: Vec<_> = on.rows.iter().zip(&off.rows).map(difference).collect();
-    let squares = |rows: &[Vec<f64>], k: usize| Means::of(rows, r).scatter.sum_of_squares(k);
+    let squares = |rows: &[Row], k: usize| Means::of(rows, r).scatter.sum_of_squares(k);
     let share = |k: usize| {
         let own = squares(&differences, k);
         let both = squares(&on.rows, k) + squares(&off.rows, k);
         if own > 0.0 { own / both } else { 0.0 }
     };
-    let width = on.rows.first().map_or(0, Vec::len);
+    let width = on.rows.iter().flatten().next().map_or(0, Vec::len);
     (0..width).map(share).fold(0.0, f64::max).min(1.0)
 }
 
 /// Whether the same moved in all pairs of runs of one seed: of the observables that vary from run to run
 /// half or more agree in all pairs to the last bit. One alone may do so by chance, where it is a count.
-fn same_motion(off: &[&Record], on: &[&Record], r: usize) -> bool {
+fn same_motion(off: &[Option<&Record>], on: &[Option<&Record>], r: usize) -> bool {
     let value = |record: &Record, name: &str| record.observable(name).map(|o| o.mean.to_bits());
-    let names = off.iter().flat_map(|record| record.observables().keys());
+    let known = off.iter().flatten();
+    let names = known.flat_map(|record| record.observables().keys());
     let (mut varying, mut agreeing) = (0, 0);
     for name in names.collect::<BTreeSet<_>>() {
-        let of = |records: &[&Record]| -> Vec<_> {
-            records.iter().map(|record| value(record, name)).collect()
+        let of = |records: &[Option<&Record>]| -> Vec<_> {
+            let each = records.iter();
+            each.map(|record| record.and_then(|record| value(record, name)))
+                .collect()
         };
         let (off, on) = (of(off), of(on));
         let mut groups = off.chunks(r);
@@ -256,43 +281,45 @@ fn same_motion(off: &[&Record], on: &[&Record], r: usize) -> bool {
     agreeing > 0 && 2 * agreeing >= varying
 }
 
-/// Runs with their observables in the order of the plan.
+/// Runs with their observables in the order of the plan; none where a run is left out.
 #[derive(Debug, Clone)]
 struct Runs<'a> {
     /// The runs.
-    records: Vec<&'a Record>,
+    records: Vec<Option<&'a Record>>,
     /// Their observables.
-    rows: Vec<Vec<f64>>,
+    rows: Vec<Row>,
 }
 
 impl<'a> Runs<'a> {
     /// Takes the observables of a plan from the runs of a setting at the used conditions.
-    fn new(plan: &ResidualPlan, records: Vec<&'a Record>) -> Result<Self, Error> {
+    fn new(plan: &ResidualPlan, records: Vec<Option<&'a Record>>) -> Result<Self, Error> {
         let rows = rows_of(plan, &records, At::Used)?;
         Ok(Self { records, rows })
     }
 
-    /// Those of the conditions at which others of the same seeds are other runs, by groups of `r`.
+    /// Those of the conditions at which others of the same seeds are other runs, by groups of `r`; without those whose
+    /// partners are left out.
     fn differing_from(&self, other: &Self, r: usize) -> Self {
         let groups = self.records.chunks(r).zip(other.records.chunks(r));
         let differs: Vec<bool> = groups.map(|(a, b)| differ(a, b)).collect();
         let kept = |i: &usize| differs[i / r];
+        let paired = |i: usize| other.records[i].is_some();
+        let all = || (0..self.records.len()).filter(kept);
         Self {
-            records: (0..self.records.len())
-                .filter(kept)
-                .map(|i| self.records[i])
+            records: all()
+                .map(|i| self.records[i].filter(|_| paired(i)))
                 .collect(),
-            rows: (0..self.rows.len())
-                .filter(kept)
-                .map(|i| self.rows[i].clone())
+            rows: all()
+                .map(|i| self.rows[i].clone().filter(|_| paired(i)))
                 .collect(),
         }
     }
 }
 
 /// Whether two groups hold different runs.
-fn differ(a: &[&Record], b: &[&Record]) -> bool {
-    a.iter().zip(b).any(|(a, b)| a.key() != b.key())
+pub(super) fn differ(a: &[Option<&Record>], b: &[Option<&Record>]) -> bool {
+    let mut pairs = a.iter().zip(b).filter_map(|(a, b)| Some(((*a)?, (*b)?)));
+    pairs.any(|(a, b)| a.key() != b.key())
 }
 
 /// Whether the runs of each condition are others than those at the start; not so where nothing is run.
@@ -333,6 +360,40 @@ fn start_and_steps(plan: &ResidualPlan) -> Vec<(Setting, f64)> {
     settings
 }
 
+/// The runs at the start and beside it.
+#[derive(Debug, Default)]
+struct Beside<'a> {
+    /// Those at the start.
+    start: Option<Runs<'a>>,
+    /// Means at the start and at each step that could be run, with the size of the step.
+    probes: Vec<(Means, f64)>,
+    /// Share of the noise that the runs of each effect do not share with those of the start.
+    own_noise: Vec<f64>,
+    /// Whether each step moves the runs of a condition, (steps, conditions).
+    moves: Vec<Vec<bool>>,
+}
+
+impl<'a> Beside<'a> {
+    /// Takes the next point.
+    fn take(&mut self, plan: &ResidualPlan, runs: Runs<'a>, step: f64, effect: Option<usize>) {
+        let r = plan.replicates;
+        let mut means = Means::of(&runs.rows, r).spread_over(plan, true);
+        match &self.start {
+            None => self.start = Some(runs),
+            Some(start) => {
+                let moved = moved(plan, start, &runs, r);
+                // What was run already does not scatter once more.
+                means.scatter = means.scatter.only(&moved);
+                if effect.is_some() {
+                    self.own_noise.push(own_noise_of(start, &runs, r));
+                }
+                self.moves.push(moved);
+            }
+        }
+        self.probes.push((means, step));
+    }
+}
+
 impl Linearisation {
     /// Runs the start and, for each parameter and each effect, a point beside it, with replicates at
     /// every condition that the fit uses, all in one list so that no core waits.
@@ -343,53 +404,50 @@ impl Linearisation {
     ///
     /// An effect that cannot be run, such as one whose bed shows no surface to the camera, is left out;
     /// the second part of the result has the reasons by effect. The tables have no column for it.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Cell`] where failed runs leave the start, or a step in a parameter, without a mean at a condition.
     pub(super) fn run(
-        campaign: &Campaign<'_>,
-        simulator: &dyn Simulator,
+        worker: &Worker<'_>,
         plan: &ResidualPlan,
     ) -> Result<(Self, BTreeMap<String, String>), Error> {
         let settings = start_and_steps(plan);
-        let r = plan.replicates;
-        let used = || plan.conditions.iter().filter(|c| c.used);
-        let requests: Vec<RunRequest> = settings
-            .iter()
-            .flat_map(|(point, _)| used().map(move |condition| (point, condition)))
-            .flat_map(|(point, c)| (0..r).map(move |k| point.request(plan, c, 0, k)))
+        let points = settings.iter().map(|(point, _)| point);
+        let lists: Vec<Vec<RunRequest>> = points
+            .map(|point| requests(plan, point, 0, At::Used))
             .collect();
-        let results = campaign.run_each(simulator, &requests)?;
-        let per_point = used().count() * r;
-        let needed = (1 + plan.declared.len()) * per_point;
-        if results.iter().take(needed).any(Result::is_err) {
-            // Asked for alone, they give the error with its run; what was done is not done again.
-            campaign.run_all(simulator, &requests[..needed])?;
-        }
-        let (mut probes, mut left_out) = (Vec::new(), BTreeMap::new());
-        let (mut start, mut own_noise) = (None, Vec::new());
-        let mut moves: Vec<Vec<bool>> = Vec::new();
-        for (i, group) in results.chunks(per_point).enumerate() {
+        let results = worker.each(&lists.concat())?;
+        let mut left = &results[..];
+        let (mut beside, mut left_out) = (Beside::default(), BTreeMap::new());
+        for (i, list) in lists.iter().enumerate() {
+            let (own, others) = left.split_at(list.len());
+            left = others;
             let effect = i.checked_sub(1 + plan.declared.len());
-            let reason = group.iter().find_map(|result| result.as_ref().err());
-            if let (Some(reason), Some(j)) = (reason, effect) {
-                left_out.insert(plan.effects[j].name.clone(), reason.clone());
-                continue;
-            }
-            let runs = Runs::new(plan, group.iter().flatten().collect())?;
-            let mut means = Means::of(&runs.rows, r).spread_over(plan, true);
-            let start = start.get_or_insert_with(|| runs.clone());
-            if i > 0 {
-                let moved = moved(plan, start, &runs, r);
-                // What was run already does not scatter once more.
-                means.scatter = means.scatter.only(&moved);
-                if effect.is_some() {
-                    own_noise.push(own_noise_of(start, &runs, r));
+            let records = match (worker.borne(list, own, plan.replicates), effect) {
+                (Ok(records), _) => records,
+                (Err(short), None) => return Err(short.error(plan, &numbers(plan, At::Used))),
+                (Err(short), Some(j)) => {
+                    left_out.insert(plan.effects[j].name.clone(), short.reason);
+                    continue;
                 }
-                moves.push(moved);
-            }
-            probes.push((means, settings[i].1));
+            };
+            beside.take(plan, Runs::new(plan, records)?, settings[i].1, effect);
         }
+        Ok((Self::of(plan, beside, &settings), left_out))
+    }
+
+    /// The slopes by the runs at the start and beside it.
+    fn of(plan: &ResidualPlan, beside: Beside<'_>, settings: &[(Setting, f64)]) -> Self {
+        let Beside {
+            probes,
+            own_noise,
+            moves,
+            ..
+        } = beside;
         let mut probes = probes.into_iter();
         let first = probes.next().map(|(means, _)| means);
-        let nominal = first.unwrap_or_else(|| Means::of(&[], r));
+        let nominal = first.unwrap_or_else(|| Means::of(&[], plan.replicates));
         let probes: Vec<(Means, f64)> = probes.collect();
         let (declared, library) = probes.split_at(plan.declared.len().min(probes.len()));
         let mut scatter = nominal.scatter.clone();
@@ -406,21 +464,22 @@ impl Linearisation {
         let row = |c: usize, k: usize| library.iter().map(|p| slope(p, c, k)).collect();
         let columns = (0..plan.conditions.len())
             .map(|c| (0..nominal.values[c].len()).map(|k| row(c, k)).collect());
-        let beside = std::iter::once(&nominal).chain(declared.iter().map(|(means, _)| means));
+        let means = std::iter::once(&nominal).chain(declared.iter().map(|(means, _)| means));
         let at = settings.iter().map(|(setting, _)| setting);
-        let points = Points::new(plan, at.zip(beside), &moves);
+        let points = Points::new(plan, at.zip(means), &moves);
         let Slopes { values, errors } = points.slopes();
         let (run_covariance, noise_dof) = scatter.by_condition();
-        let linear = Self {
+        // A difference of two means, each of as many runs as the smaller one at least.
+        let n = |probe: &Means| probe.least_n().min(nominal.least_n()) as f64;
+        Self {
             library: columns.collect(),
             declared: values,
             declared_errors: errors,
             points,
-            // A difference of two means of r runs.
             library_variance: library
                 .iter()
                 .zip(&own_noise)
-                .map(|((_, step), own)| 2.0 * own / (r as f64 * step * step))
+                .map(|((probe, step), own)| 2.0 * own / (n(probe) * step * step))
                 .collect(),
             own_noise,
             moves,
@@ -428,8 +487,7 @@ impl Linearisation {
             noise_dof,
             nominal,
             scatter,
-        };
-        Ok((linear, left_out))
+        }
     }
 
     /// The same with the runs at further points, at which no effect is on, in the slopes and in the scatter.
@@ -491,7 +549,7 @@ impl Linearisation {
         } else {
             1.0
         };
-        self.library_variance[effect] = runs / (on.n as f64 * amplitude * amplitude);
+        self.library_variance[effect] = runs / (on.least_n() as f64 * amplitude * amplitude);
         if shares { self } else { self.with_scatter(on) }
     }
 
@@ -527,8 +585,6 @@ impl Linearisation {
         if size == 0.0 {
             return Ok(None);
         }
-        let of_means = 1.0 / at_from.n as f64 + 1.0 / at_to.n as f64;
-        let runs = of_means + size * 2.0 / self.nominal.n as f64;
         let mut corrected = self.clone();
         let (mut contradiction, mut rows) = (0.0, 0);
         for c in (0..plan.conditions.len()).filter(|&c| plan.conditions[c].used) {
@@ -542,6 +598,8 @@ impl Linearisation {
             };
             let measured = observed.measured(c);
             let values = DVector::from_iterator(measured.len(), measured.iter().map(|&k| off(k)));
+            let of_means = 1.0 / at_from.n[c] as f64 + 1.0 / at_to.n[c] as f64;
+            let runs = of_means + size * 2.0 / self.nominal.n[c] as f64;
             let root = assemble::root_of_runs(observed, self, runs, c)?;
             let white = root.solve_lower_triangular(&values);
             contradiction += white.map_or(0.0, |white| white.norm_squared());
@@ -571,20 +629,31 @@ impl Linearisation {
 
 impl Means {
     /// Means and scatter of groups of `r` rows.
-    fn of(rows: &[Vec<f64>], r: usize) -> Self {
-        let values: Vec<Vec<f64>> = rows.chunks(r).map(mean_row).collect();
+    fn of(rows: &[Row], r: usize) -> Self {
+        let groups = rows.chunks(r);
+        let groups: Vec<Vec<Vec<f64>>> = groups
+            .map(|group| group.iter().flatten().cloned().collect())
+            .collect();
+        let values: Vec<Vec<f64>> = groups.iter().map(|group| mean_row(group)).collect();
         Self {
-            scatter: Scatter::of(rows.chunks(r), &values),
+            scatter: Scatter::of(groups.iter().map(Vec::as_slice), &values),
+            n: groups.iter().map(Vec::len).collect(),
             values,
-            n: r,
         }
+    }
+
+    /// The least number of runs behind the means of a condition.
+    pub(super) fn least_n(&self) -> usize {
+        let done = self.n.iter().filter(|n| **n > 0);
+        done.min().copied().unwrap_or(1)
     }
 
     /// These means of the used conditions, with those of the kept ones put in.
     pub(super) fn with_kept(mut self, kept: Self) -> Self {
-        for (row, other) in self.values.iter_mut().zip(kept.values) {
+        let own = self.values.iter_mut().zip(&mut self.n);
+        for ((row, n), (other, more)) in own.zip(kept.values.into_iter().zip(kept.n)) {
             if row.is_empty() {
-                *row = other;
+                (*row, *n) = (other, more);
             }
         }
         self.scatter.add(&kept.scatter);
@@ -593,21 +662,18 @@ impl Means {
 
     /// Means of the used or the kept conditions only, with empty rows put in for the others.
     fn spread_over(self, plan: &ResidualPlan, used: bool) -> Self {
-        let mut rows = self.values.into_iter();
+        let mut rows = self.values.into_iter().zip(self.n);
         let row = |c: &StudyCondition| {
             if c.used == used { rows.next() } else { None }
         };
+        let all = plan.conditions.iter().map(row);
+        let (values, n) = all.map(Option::unwrap_or_default).unzip();
         Self {
-            values: plan
-                .conditions
-                .iter()
-                .map(row)
-                .map(Option::unwrap_or_default)
-                .collect(),
+            values,
+            n,
             scatter: self
                 .scatter
                 .spread_over(plan.conditions.iter().map(|c| c.used == used)),
-            n: self.n,
         }
     }
 }

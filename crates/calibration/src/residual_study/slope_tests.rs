@@ -149,7 +149,7 @@ fn errors_of_slopes_are_as_large_as_slopes_scatter() {
                 };
                 let means = Means {
                     values: vec![vec![both], vec![one]],
-                    n: 1,
+                    n: vec![1, 1],
                     scatter: Scatter::of(std::iter::empty(), &[]),
                 };
                 (Setting::declared(&plan, &[*a, *b]), means)

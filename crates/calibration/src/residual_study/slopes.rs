@@ -24,7 +24,7 @@ struct Point {
     parameters: Vec<f64>,
     /// Means, (conditions, observables).
     values: Vec<Vec<f64>>,
-    /// Number of runs in each mean.
+    /// Number of runs in each mean, the least of all conditions.
     n: usize,
 }
 
@@ -52,7 +52,7 @@ impl Point {
         Self {
             parameters: setting.declared_values(plan),
             values: means.values.clone(),
-            n: means.n,
+            n: means.least_n(),
         }
     }
 }

@@ -1,5 +1,6 @@
 use super::fits::sets_to_add;
 use super::runs::{At, Linearisation, Setting, means};
+use super::worker::Worker;
 use super::{
     DeclaredParameter, EffectProbe, Observed, ResidualPlan, StudyCondition, study_residual,
 };
@@ -114,7 +115,11 @@ pub(super) fn observed(plan: &ResidualPlan, effects: [f64; 2], seed: u64) -> Obs
     measured(plan, seed, |rpm, fill| truth(rpm, fill, 0.7, 0.4, effects))
 }
 
-fn measured(plan: &ResidualPlan, seed: u64, truth: impl Fn(f64, f64) -> [f64; 2]) -> Observed {
+pub(super) fn measured(
+    plan: &ResidualPlan,
+    seed: u64,
+    truth: impl Fn(f64, f64) -> [f64; 2],
+) -> Observed {
     let mut stream = Stream::new(seed, "measured");
     let values = plan.conditions.iter().map(|c| {
         let values = truth(c.condition["rpm"], c.condition["fill"]);
@@ -433,12 +438,20 @@ fn a_secant_to_another_point_leaves_out_what_the_parameters_do() {
     let store = Store::open(folder.path()).unwrap();
     let campaign = Campaign::new(&store, 2, &Silent);
     let plan = plan(7);
-    let (linear, _) = Linearisation::run(&campaign, &Toy, &plan).unwrap();
+    let (linear, _) = Linearisation::run(&Worker::new(&campaign, &Toy), &plan).unwrap();
     let fit = Setting::declared(&plan, &[0.5, 0.5]);
     let mut on = Setting::declared(&plan, &[1.1, 0.2]);
     on.effects.insert("bend".into(), 2.0);
-    let run =
-        |setting: &Setting, block| means(&campaign, &Toy, &plan, setting, block, At::Used).unwrap();
+    let run = |setting: &Setting, block| {
+        means(
+            &Worker::new(&campaign, &Toy),
+            &plan,
+            setting,
+            block,
+            At::Used,
+        )
+        .unwrap()
+    };
     let (at_fit, at_on) = (run(&fit, 1), run(&on, 6));
     let linear = linear.with_secant(&plan, 0, (&fit, &at_fit), (&on, &at_on));
     for (c, slopes) in plan.conditions.iter().zip(&linear.library) {
@@ -580,9 +593,16 @@ fn slopes_are_corrected_only_where_runs_contradict_them() {
     let mut to = Setting::declared(&plan, &[0.9, 0.4]);
     to.effects.insert("bend".into(), 2.0);
     let corrected = |simulator: &dyn Simulator| {
-        let (linear, _) = Linearisation::run(&campaign, simulator, &plan).unwrap();
+        let (linear, _) = Linearisation::run(&Worker::new(&campaign, simulator), &plan).unwrap();
         let run = |setting: &Setting, block| {
-            means(&campaign, simulator, &plan, setting, block, At::Used).unwrap()
+            means(
+                &Worker::new(&campaign, simulator),
+                &plan,
+                setting,
+                block,
+                At::Used,
+            )
+            .unwrap()
         };
         let (at_from, at_to) = (run(&from, 1), run(&to, 2));
         let effects = ["bend".to_owned()];

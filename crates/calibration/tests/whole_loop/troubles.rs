@@ -1,6 +1,6 @@
 //! What cannot be meant, and what goes wrong on the way.
 
-use super::toy::{Toy, measured, model, parameter, problem, run, shown, value};
+use super::toy::{Toy, measured, model, parameter, problem, run, run_with, shown, value};
 use calibration::{LoopSettings, Role, planned};
 
 /// A run fails beyond a = 0.85: its point is left out with the reason, and the loop goes on.
@@ -29,6 +29,40 @@ fn a_run_that_fails_costs_its_own_point() {
         left_out[0].reason.contains("no frame shows a surface"),
         "{left_out:?}"
     );
+}
+
+/// A screening of two parameters in 12 runs of which two fail: the regression goes on with ten, finds the effect of a
+/// (0.8 over its range, noise 0.01) and leaves b out, and the remark tells the reason.
+#[test]
+fn a_screening_goes_on_without_the_runs_that_fail() {
+    let toy = Toy {
+        law: |_, p| {
+            if p("a") > 0.85 && p("b") > 0.85 && p("c") > 0.85 {
+                return Err("body 3 has run away".into());
+            }
+            shown("y", 0.8 * p("a"))
+        },
+        noise: 0.01,
+    };
+    let unit = |symbol| parameter(symbol, [0.0, 1.0]);
+    let problem = problem(
+        vec![unit("a"), unit("b"), unit("c")],
+        vec![model("m", &[0, 1, 2])],
+        vec![measured(0, "y", Role::Fit, (0.4, 0.05))],
+    );
+    let settings = LoopSettings {
+        screening: calibration::ScreeningChoice::Always,
+        screening_least: 1,
+        ..LoopSettings::default()
+    };
+    let result = run_with(&toy, &problem, &settings).unwrap();
+    let screening = &result.screening[0];
+    assert_eq!(screening.kept, ["a"], "{screening:?}");
+    let told = "of m in the screening failed: ";
+    let remark = result.remarks.iter().find(|r| r.contains(told));
+    let remark = remark.unwrap_or_else(|| panic!("{:?}", result.remarks));
+    assert!(remark.contains("body 3 has run away"), "{remark}");
+    assert!(screening.n_runs < 12, "{}", screening.n_runs);
 }
 
 /// Where every run fails there is no surface: an error with the model and the reason, not a result.
