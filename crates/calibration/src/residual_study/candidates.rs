@@ -161,8 +161,12 @@ impl Fits<'_> {
         let requests: Vec<RunRequest> = each.collect();
         let results = self.worker.each(&requests)?;
         let per_candidate = points.len() * plan.replicates;
-        let (mut experiments, mut offered) = (Vec::new(), Vec::new());
         let size = per_candidate.max(1);
+        let own = plans.iter().zip(results.chunks(size));
+        let results: Vec<_> = own
+            .flat_map(|(own, group)| runs::readable(own, At::Used, group.to_vec()))
+            .collect();
+        let (mut experiments, mut offered) = (Vec::new(), Vec::new());
         let groups = requests.chunks(size).zip(results.chunks(size));
         for ((candidate, own), (asked, group)) in plan.candidates.iter().zip(&plans).zip(groups) {
             let records = self.worker.borne(asked, group, plan.replicates);

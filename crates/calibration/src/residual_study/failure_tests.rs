@@ -113,6 +113,45 @@ fn a_study_goes_on_without_the_runs_that_fail() {
     assert!(study.left_out_conditions.is_empty());
 }
 
+/// The toy, of which runs with the effect "tilt", and some others, show no shape.
+struct Shapeless;
+
+impl Simulator for Shapeless {
+    fn version(&self) -> String {
+        "shapeless".into()
+    }
+
+    fn run(&self, request: &RunRequest) -> Result<RunOutcome, SimulatorError> {
+        let mut outcome = Toy.run(request)?;
+        if request.effect("tilt") != 0.0 || request.seed.is_multiple_of(11) {
+            outcome.observables.remove("shape");
+        }
+        Ok(outcome)
+    }
+}
+
+/// A run that lacks an observable counts as failed: it leaves its mean, an effect whose runs all lack it is left out with the
+/// reason, and the study names the planted effect.
+#[test]
+fn a_run_without_an_observable_costs_itself() {
+    let store = Store::in_memory();
+    let campaign = Campaign::new(&store, 2, &Silent);
+    let plan = plan(1);
+    let data = observed(&plan, [2.0, 0.0], 1);
+    let study = study_residual(&campaign, &Shapeless, &plan, &data).unwrap();
+    assert_eq!(study.diagnosis.effects, ["bend"]);
+    assert!(
+        study.left_out["tilt"].contains("'shape'"),
+        "{:?}",
+        study.left_out
+    );
+    let warnings = study.diagnosis.warnings.join("; ");
+    assert!(
+        warnings.contains("gave no observable 'shape'"),
+        "{warnings}"
+    );
+}
+
 /// Where all runs of a used and of a kept condition diverge, the study is that of the others, with the reason.
 #[test]
 fn a_condition_that_cannot_be_run_is_left_out_of_the_study() {

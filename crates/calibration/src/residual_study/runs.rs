@@ -3,7 +3,7 @@
 use super::fits::Visited;
 use super::scatter::Scatter;
 use super::slopes::{Points, SlopeError, Slopes};
-use super::worker::Worker;
+use super::worker::{Ran, Worker};
 use super::{DeclaredParameter, EffectProbe, Observed, ResidualPlan, StudyCondition, assemble};
 use crate::Error;
 use campaign::RunRequest;
@@ -119,7 +119,7 @@ pub(super) fn means(
     at: At,
 ) -> Result<Means, Error> {
     let requests = requests(plan, setting, block, at);
-    let results = worker.each(&requests)?;
+    let results = readable(plan, at, worker.each(&requests)?);
     match worker.borne(&requests, &results, plan.replicates) {
         Ok(records) => means_of(plan, &records, at),
         Err(short) => Err(short.error(plan, &numbers(plan, at))),
@@ -137,7 +137,7 @@ pub(super) fn means_of_each(
         .iter()
         .map(|(setting, block)| requests(plan, setting, *block, At::Used));
     let lists: Vec<_> = lists.collect();
-    let results = worker.each(&lists.concat())?;
+    let results = readable(plan, At::Used, worker.each(&lists.concat())?);
     let mut left = &results[..];
     lists
         .iter()
@@ -150,6 +150,21 @@ pub(super) fn means_of_each(
             }
         })
         .collect()
+}
+
+/// What came of runs of settings at the used or the kept conditions; a run without an observable that is read there has
+/// failed: of a bed that shows its surface in one frame alone no fluctuation is known.
+pub(super) fn readable(plan: &ResidualPlan, at: At, results: Vec<Ran>) -> Vec<Ran> {
+    let conditions = numbers(plan, at);
+    let of = |i: usize| &plan.conditions[conditions[i / plan.replicates % conditions.len()]];
+    let read = |(i, result): (usize, Ran)| {
+        let record = result?;
+        match row(plan, of(i), &record) {
+            Ok(_) => Ok(record),
+            Err(lacking) => Err(lacking.to_string()),
+        }
+    };
+    results.into_iter().enumerate().map(read).collect()
 }
 
 /// Numbers of the used or the kept conditions.
@@ -417,7 +432,7 @@ impl Linearisation {
         let lists: Vec<Vec<RunRequest>> = points
             .map(|point| requests(plan, point, 0, At::Used))
             .collect();
-        let results = worker.each(&lists.concat())?;
+        let results = readable(plan, At::Used, worker.each(&lists.concat())?);
         let mut left = &results[..];
         let (mut beside, mut left_out) = (Beside::default(), BTreeMap::new());
         for (i, list) in lists.iter().enumerate() {
