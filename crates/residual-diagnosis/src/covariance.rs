@@ -1,6 +1,6 @@
 //! Covariances in diagonal blocks, and whitening with their Cholesky factors.
 
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector};
 
 use crate::Error;
 
@@ -102,6 +102,21 @@ impl Covariance {
         })
     }
 
+    /// Gives noise of this covariance from white noise. A variance may be 0: a slope that moves nothing has no noise.
+    pub(crate) fn noise_from(&self, white: &DVector<f64>) -> DVector<f64> {
+        let mut noise = DVector::zeros(white.len());
+        let mut start = 0;
+        for (block, label) in self.blocks.iter().zip(&self.labels) {
+            let m = block.nrows();
+            let root = cholesky(block, label).unwrap_or_else(|_| root_by_eigenvalues(block));
+            noise
+                .rows_mut(start, m)
+                .copy_from(&(root * white.rows(start, m)));
+            start += m;
+        }
+        noise
+    }
+
     /// The whole matrix.
     pub(crate) fn whole(&self) -> DMatrix<f64> {
         let n = self.rows();
@@ -126,11 +141,6 @@ impl Whitener {
         })
     }
 
-    /// Gives L times a matrix of the same rows: noise of the covariance from white noise.
-    pub(crate) fn colour(&self, matrix: &DMatrix<f64>) -> DMatrix<f64> {
-        self.by_block(matrix, |factor, part| factor * part)
-    }
-
     /// Applies something to the rows of each block.
     fn by_block(
         &self,
@@ -147,6 +157,13 @@ impl Whitener {
         }
         result
     }
+}
+
+/// A root of a block that is positive semidefinite: V diag(sqrt(max(w, 0))) with its eigenvectors V and eigenvalues w.
+fn root_by_eigenvalues(block: &DMatrix<f64>) -> DMatrix<f64> {
+    let eigen = block.clone().symmetric_eigen();
+    let sizes = eigen.eigenvalues.map(|w| w.max(0.0).sqrt());
+    eigen.eigenvectors * DMatrix::from_diagonal(&sizes)
 }
 
 /// Cholesky factor of one block `[Golub2013, section 4.2]`, which says where it fails.
@@ -198,8 +215,26 @@ mod tests {
         let whole = whitener.whiten(&half.transpose());
         assert!((whole - DMatrix::identity(3, 3)).amax() < 1e-15);
         assert!((whitener.ln_determinant - 63.0_f64.ln()).abs() < 1e-14);
-        let back = whitener.colour(&whitener.whiten(&covariance.whole()));
-        assert!((back - covariance.whole()).amax() < 1e-14);
+    }
+
+    /// The columns of a root, which unit vectors give, have the covariance as the sum of their squares; a block of zeros, one
+    /// with one variance of 0 and one of rank 1 included. The tolerance is rounding.
+    #[test]
+    fn noise_has_its_covariance_where_a_variance_is_zero_too() {
+        let covariance = Covariance::new(
+            vec![
+                dmatrix![4.0, 1.0; 1.0, 2.0],
+                dmatrix![0.0, 0.0; 0.0, 0.0],
+                dmatrix![0.0, 0.0; 0.0, 9.0],
+                dmatrix![1.0, 2.0; 2.0, 4.0],
+            ],
+            ["one", "two", "three", "four"].map(String::from).to_vec(),
+        );
+        let n = covariance.rows();
+        let column = |k| covariance.noise_from(&DMatrix::identity(n, n).column(k).into_owned());
+        let sum = (0..n).map(|k| column(k) * column(k).transpose());
+        let sum: DMatrix<f64> = sum.sum();
+        assert!((sum - covariance.whole()).amax() < 1e-14);
     }
 
     #[test]

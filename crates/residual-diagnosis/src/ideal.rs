@@ -82,7 +82,7 @@ pub fn ideal(
     let mut stream = Stream::new(seed, "ideal rule");
     let mut told = 0;
     for _ in 0..draws {
-        exact.used.residual = &signal + noise(&exact.used.covariance, &mut stream)?;
+        exact.used.residual = &signal + noise(&exact.used.covariance, &mut stream);
         if let Some(prior) = &mut exact.prior {
             prior.offset = DVector::from_fn(prior.offset.len(), |_, _| stream.normal());
         }

@@ -1,6 +1,6 @@
 //! What the rules say when the truth is known: drawn campaigns of the user's own design.
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DVector;
 use random_stream::Stream;
 use serde::Serialize;
 
@@ -302,7 +302,7 @@ impl<'a> Design<'a> {
         let shift = DVector::from_vec(shift);
         let mut problem = self.problem.clone();
         problem.used.residual =
-            other + &part.library * &amplitudes + drawn_residual(part, &shift, stream)?;
+            other + &part.library * &amplitudes + drawn_residual(part, &shift, stream);
         if let Some(prior) = &self.problem.prior {
             problem.prior = Some(drawn_prior(prior, &shift, stream));
         }
@@ -310,15 +310,15 @@ impl<'a> Design<'a> {
         if let Some(dof) = self.problem.covariance_dof {
             scale = chi_square(dof, stream) / dof;
         }
-        blur(&mut problem.used, scale, stream)?;
+        blur(&mut problem.used, scale, stream);
         if matches!(truth, Truth::Outsider { .. }) {
             problem.unused = None;
         }
         if let Some(unused) = &mut problem.unused {
             let stream = &mut streams.unused;
             unused.residual =
-                &unused.library * &amplitudes + drawn_residual(unused, &shift, stream)?;
-            blur(unused, scale, stream)?;
+                &unused.library * &amplitudes + drawn_residual(unused, &shift, stream);
+            blur(unused, scale, stream);
         }
         if let Truth::TakenOut { name, .. } = truth {
             return Ok((problem.without_candidate(self.number(name)?), Vec::new()));
@@ -411,25 +411,20 @@ struct Streams {
 }
 
 /// What mis-tuned parameters and noise make of the residual.
-fn drawn_residual(
-    part: &Part,
-    shift: &DVector<f64>,
-    stream: &mut Stream,
-) -> Result<DVector<f64>, Error> {
-    Ok(&part.declared * shift + noise(&part.covariance, stream)?)
+fn drawn_residual(part: &Part, shift: &DVector<f64>, stream: &mut Stream) -> DVector<f64> {
+    &part.declared * shift + noise(&part.covariance, stream)
 }
 
 /// What the rules know of a part: its covariance times an error of its estimate, and noisy sensitivities.
-fn blur(part: &mut Part, scale: f64, stream: &mut Stream) -> Result<(), Error> {
+fn blur(part: &mut Part, scale: f64, stream: &mut Stream) {
     part.covariance = part.covariance.plus_scaled(scale - 1.0, &part.covariance);
     for own in &part.declared_noise {
-        part.declared += noise(&own.covariance, stream)? * own.along.transpose();
+        part.declared += noise(&own.covariance, stream) * own.along.transpose();
     }
     for (j, own) in part.library_noise.iter().enumerate() {
-        let noisy = part.library.column(j) + noise(own, stream)?;
+        let noisy = part.library.column(j) + noise(own, stream);
         part.library.set_column(j, &noisy);
     }
-    Ok(())
 }
 
 /// Whether two lists hold the same names.
@@ -438,9 +433,9 @@ fn same(a: &[String], b: &[String]) -> bool {
 }
 
 /// Noise of a covariance.
-pub(crate) fn noise(covariance: &Covariance, stream: &mut Stream) -> Result<DVector<f64>, Error> {
-    let white = DMatrix::from_fn(covariance.rows(), 1, |_, _| stream.normal());
-    Ok(covariance.whitener()?.colour(&white).column(0).into_owned())
+pub(crate) fn noise(covariance: &Covariance, stream: &mut Stream) -> DVector<f64> {
+    let white = DVector::from_fn(covariance.rows(), |_, _| stream.normal());
+    covariance.noise_from(&white)
 }
 
 /// Bench means about the true values: R (shift) + white noise.
