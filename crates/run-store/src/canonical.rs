@@ -40,7 +40,7 @@ pub fn canonical_json(value: &Value) -> Result<String, Error> {
 pub(crate) fn digest(value: &Value) -> Result<String, Error> {
     let mut text = String::new();
     write_value(value, Form::Digest, &|| "record".to_owned(), &mut text)?;
-    Ok(hexadecimal(&text))
+    Ok(hexadecimal(text.as_bytes()))
 }
 
 /// Gives the key of a run: SHA-256, in lower-case hexadecimal, of the canonical JSON of
@@ -55,7 +55,7 @@ pub fn run_key(version: &str, inputs: &Value, seed: u64) -> Result<String, Error
         canonical_json(inputs)?,
         Value::from(version)
     );
-    Ok(hexadecimal(&text))
+    Ok(hexadecimal(text.as_bytes()))
 }
 
 /// What a canonical text is for.
@@ -67,10 +67,10 @@ enum Form {
     Digest,
 }
 
-/// SHA-256 of a text, in lower-case hexadecimal.
-pub(crate) fn hexadecimal(text: &str) -> String {
+/// SHA-256 of bytes, in lower-case hexadecimal.
+pub(crate) fn hexadecimal(bytes: &[u8]) -> String {
     let mut digits = String::with_capacity(64);
-    for byte in Sha256::digest(text.as_bytes()) {
+    for byte in Sha256::digest(bytes) {
         // Writing to a string cannot fail.
         let _ = write!(digits, "{byte:02x}");
     }

@@ -34,6 +34,7 @@ mod machine;
 mod names;
 mod record;
 mod record_file;
+mod sealed;
 mod set_aside;
 mod store;
 
@@ -41,4 +42,6 @@ pub use canonical::{SCHEMA, canonical_json, run_key};
 pub use claim::{Attempt, CLAIM_LIFE, Claim, Holder};
 pub use error::Error;
 pub use record::{Observation, Record};
+pub use sealed::{seal, seal_text, unseal, unseal_text};
+pub use set_aside::set_file_aside;
 pub use store::{Lookup, Store};

@@ -28,7 +28,7 @@ impl Machine {
         );
         Self {
             host,
-            process_space: hexadecimal(&space).chars().take(8).collect(),
+            process_space: hexadecimal(space.as_bytes()).chars().take(8).collect(),
         }
     }
 

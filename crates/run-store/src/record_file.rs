@@ -1,23 +1,9 @@
 //! The file of a record: its text with a digest, and reading it without believing anything.
 
-use serde::Serialize;
 use serde_json::Value;
 
-use crate::canonical::digest;
+use crate::sealed::{check, seal, take_digest};
 use crate::{Error, Record, SCHEMA, run_key};
-
-/// Name of the digest in a file.
-const DIGEST: &str = "digest";
-
-/// What a record file holds.
-#[derive(Serialize)]
-struct RecordFile<'a> {
-    /// SHA-256 of everything else in the file, see [`digest`].
-    digest: &'a str,
-    /// The record.
-    #[serde(flatten)]
-    record: &'a Record,
-}
 
 /// Writes a record as the bytes of its file.
 ///
@@ -25,18 +11,10 @@ struct RecordFile<'a> {
 ///
 /// [`Error::Unwritable`] when the record cannot be put into words.
 pub(crate) fn to_bytes(record: &Record) -> Result<Vec<u8>, Error> {
-    let unwritable = |source| Error::Unwritable {
+    seal(record).map_err(|source| Error::Unwritable {
         key: record.key.clone(),
         source,
-    };
-    let value = serde_json::to_value(record).map_err(unwritable)?;
-    let file = RecordFile {
-        digest: &digest(&value)?,
-        record,
-    };
-    let mut bytes = serde_json::to_vec_pretty(&file).map_err(unwritable)?;
-    bytes.push(b'\n');
-    Ok(bytes)
+    })
 }
 
 /// Reads the record of a key from the bytes of a file.
@@ -58,15 +36,8 @@ pub(crate) fn from_bytes(bytes: &[u8], key: &str) -> Result<Record, String> {
         }
         None => return Err("it has no schema".to_owned()),
     }
-    let Some(Value::String(told)) = fields.remove(DIGEST) else {
-        return Err("it has no digest".to_owned());
-    };
-    let found = digest(&value).map_err(|why| why.to_string())?;
-    if found != told {
-        return Err(format!(
-            "it was altered: its content has the digest {found}, it states {told}"
-        ));
-    }
+    let told = take_digest(fields)?;
+    check(&value, &told)?;
     let record: Record = serde_json::from_value(value).map_err(|why| why.to_string())?;
     let content_key =
         run_key(&record.version, &record.inputs, record.seed).map_err(|why| why.to_string())?;

@@ -10,6 +10,20 @@ use crate::{Error, names, record_file};
 /// Most files that are set aside under one name.
 const MOST: usize = 10_000;
 
+/// Renames a damaged file to the first free one of `NAME.damaged`, `NAME.damaged-2`, ..., and gives the new name.
+///
+/// # Errors
+///
+/// [`Error::Io`] when it cannot be renamed.
+pub fn set_file_aside(path: &Path) -> Result<PathBuf, Error> {
+    let away = reserve(path, path.is_dir())?;
+    std::fs::rename(path, &away).map_err(|why| {
+        unreserve(&away);
+        io("set aside", path)(why)
+    })?;
+    Ok(away)
+}
+
 /// Renames a file, or whatever else has its name, to one that no reader takes for a record. None when it is gone, or
 /// another process has put the record of the name in its place meanwhile: that one stays.
 pub(crate) fn set_aside(path: &Path, key: &str) -> Result<Option<PathBuf>, Error> {

@@ -120,6 +120,19 @@ pub fn write_json(path: &Path, result: &impl Serialize) -> Result<(), Error> {
     write(path, &bytes)
 }
 
+/// Writes a result with its digest, so that [`Study::values_from`] finds what was altered; over one of an earlier run.
+///
+/// # Errors
+///
+/// A result that has no form in JSON, a file that cannot be written.
+pub fn write_result(path: &Path, result: &impl Serialize) -> Result<(), Error> {
+    let bytes = run_store::seal(result).map_err(|source| Error::Write {
+        path: path.to_owned(),
+        reason: source.to_string(),
+    })?;
+    write(path, &bytes)
+}
+
 /// Writes a file whole or not at all, over one of an earlier run; makes its folder where it is missing.
 fn write(path: &Path, bytes: &[u8]) -> Result<(), Error> {
     let refused = |reason: String| Error::Write {

@@ -80,14 +80,22 @@ type Values = BTreeMap<String, (String, f64)>;
 
 /// Those of a `result.json`.
 fn of_result(file: &Path) -> Result<Values, Error> {
-    let text = std::fs::read_to_string(file).map_err(|source| Error::Read {
+    let bytes = std::fs::read(file).map_err(|source| Error::Read {
         path: file.to_owned(),
         source,
     })?;
-    let result: ResultFile = serde_json::from_str(&text).map_err(|e| Error::Start {
+    let wrong = |problem: String| Error::Start {
         file: file.display().to_string(),
-        problem: format!("is no result of a calibration: {e}"),
+        problem,
+    };
+    let value = run_store::unseal(&bytes).map_err(|why| {
+        wrong(format!(
+            "is not the result that a calibration wrote: {why}; give its parameters.toml, or calibrate again with --resume, \
+             which repeats no run"
+        ))
     })?;
+    let result: ResultFile = serde_json::from_value(value)
+        .map_err(|why| wrong(format!("is no result of a calibration: {why}")))?;
     let all = result.parameters.into_iter();
     Ok(all.map(|p| (p.symbol, (p.unit, p.value))).collect())
 }

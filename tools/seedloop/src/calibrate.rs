@@ -10,7 +10,7 @@ use anyhow::Context as _;
 use campaign::{Executor, LineProgress};
 use command_line::{Common, DONE, NOT_MET, Overwrite};
 use std::path::{Path, PathBuf};
-use study::{RunSettings, Study, plan_study, run_study, write_hand_over, write_json};
+use study::{RunSettings, Study, plan_study, run_study, write_hand_over, write_result};
 
 pub(crate) use text::{duration, plan};
 
@@ -90,7 +90,7 @@ pub(crate) fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<u8> 
     };
     let files = write_hand_over(&folder, &study, &mut result)
         .with_context(|| format!("cannot write the results into {}", folder.display()))?;
-    write_json(&folder.join("result.json"), &result)?;
+    write_result(&folder.join("result.json"), &result)?;
     report::write(&folder, &study, &simulator, &result)?;
     common.print(text::result(&result, &folder, &files).trim_end())?;
     common.emit_json(&result)?;

@@ -18,6 +18,7 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use study::{
     DiagnosisResult, DiagnosisRuns, RunSettings, Study, plan_diagnosis, run_diagnosis, write_json,
+    write_result,
 };
 use study_report::answer;
 
@@ -95,7 +96,7 @@ pub(crate) fn run(path: &Path, options: &Options, common: &Common) -> anyhow::Re
         Ok(result) => result,
         Err(code) => return Ok(code),
     };
-    write_json(&folder.join("result.json"), &result)?;
+    write_result(&folder.join("result.json"), &result)?;
     let (done, code) = match &result.diagnosis {
         DiagnosisStage::Done(done) => {
             write_json(&folder.join("problem.json"), &done.problem)?;

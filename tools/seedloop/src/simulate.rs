@@ -223,11 +223,14 @@ fn find_or_run(arguments: &Arguments, single: &SingleRun) -> anyhow::Result<Outc
     }
     let (scene, seed) = (single.scene(), arguments.seed);
     common.log(|| format!("running {} seeds, seed {seed}", scene.seed_count()));
-    let path = arguments.out.as_ref();
-    let path = path.map(|folder| folder.join(format!("{}.state.json", blank.key())));
-    let mut state = StateFile::new(path, arguments.keep_every);
+    let folder = arguments.out.as_deref();
+    let mut state = StateFile::new(folder, blank.key(), arguments.keep_every);
     let left = if arguments.resume {
-        state.left()?
+        let left = state.left()?;
+        for warning in left.warnings {
+            common.log(|| format!("warning: {warning}"));
+        }
+        left.progress
     } else {
         ensure!(
             common.force || !state.exists(),

@@ -2,7 +2,7 @@
 
 use super::folder::{Folder, STUDY, right};
 use calibration::Estimate;
-use study::{parameter_file, scene_at};
+use study::{parameter_file, scene_at, write_result};
 
 /// Estimates of both parameters of the study.
 fn estimates() -> Vec<Estimate> {
@@ -35,10 +35,8 @@ fn a_parameter_file_and_a_result_bring_back_every_bit() {
         "parameters.toml",
         &parameter_file(&estimates).to_toml().unwrap(),
     );
-    folder.write(
-        "result.json",
-        &serde_json::json!({ "parameters": estimates }).to_string(),
-    );
+    let result = serde_json::json!({ "parameters": estimates });
+    write_result(&folder.path("result.json"), &result).unwrap();
     for name in ["parameters.toml", "result.json"] {
         let values = study.values_from(&folder.path(name)).unwrap();
         assert_eq!(values, [0.33, 0.1 + 0.2], "{name}");
@@ -56,10 +54,8 @@ fn a_start_that_lacks_a_parameter_or_leaves_the_limits_is_refused() {
         "parameters.toml",
         &parameter_file(&estimates).to_toml().unwrap(),
     );
-    folder.write(
-        "result.json",
-        &serde_json::json!({ "parameters": estimates[..1] }).to_string(),
-    );
+    let result = serde_json::json!({ "parameters": estimates[..1] });
+    write_result(&folder.path("result.json"), &result).unwrap();
     for (name, words) in [
         ("parameters.toml", ["W = 1.6", "limits 0 to 1.5"]),
         ("result.json", ["W is missing", "there are F"]),
@@ -69,6 +65,29 @@ fn a_start_that_lacks_a_parameter_or_leaves_the_limits_is_refused() {
             .unwrap_err()
             .to_string();
         for word in words.iter().chain(&[name]) {
+            assert!(message.contains(word), "{message}");
+        }
+    }
+}
+
+/// One digit of an estimate altered: the file is refused in words, and so is one whose digest is gone.
+#[test]
+fn an_altered_result_is_refused() {
+    let folder = Folder::new(STUDY);
+    let study = folder.read(None).unwrap();
+    let file = folder.path("result.json");
+    let result = serde_json::json!({ "parameters": estimates() });
+    write_result(&file, &result).unwrap();
+    let text = std::fs::read_to_string(&file).unwrap();
+    let without = text.lines().filter(|line| !line.contains("\"digest\""));
+    let without = without.collect::<String>();
+    for (altered, why) in [
+        (text.replace("0.33", "0.34"), "it was altered"),
+        (without, "it has no digest"),
+    ] {
+        std::fs::write(&file, altered).unwrap();
+        let message = study.values_from(&file).unwrap_err().to_string();
+        for word in [why, "result.json", "parameters.toml"] {
             assert!(message.contains(word), "{message}");
         }
     }

@@ -1,82 +1,136 @@
-//! The state of a run on its way, as a file beside its record.
+//! The states of a run on its way, as two files beside its record that are written in turn.
+//!
+//! Each has a digest. A newest one that is damaged costs the time since the one before, and no result.
 
 use anyhow::Context as _;
 use command_line::{Overwrite, write_new};
+use run_store::{seal_text, set_file_aside, unseal_text};
 use scene::{Keeper, Progress};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-/// The file, and when it was written last.
+/// Ends of the names of the two files, behind the key of the run.
+const ENDS: [&str; 2] = [".state.json", ".state-2.json"];
+
+/// The files, and when one was written last.
 #[derive(Debug)]
 pub(super) struct StateFile {
-    /// The file; none where the run keeps no record either.
-    path: Option<PathBuf>,
+    /// Key of the run.
+    key: String,
+    /// The files; none where the run keeps no record either.
+    paths: Option<[PathBuf; 2]>,
+    /// The one that is written next.
+    next: usize,
     /// Time between two writings.
     every: Duration,
     /// When the state was written last.
     last: Instant,
 }
 
+/// The state that a run has left behind.
+#[derive(Debug, Default)]
+pub(super) struct Left {
+    /// The newest one that can be believed.
+    pub(super) progress: Option<Progress>,
+    /// What was wrong with others, and where they are now.
+    pub(super) warnings: Vec<String>,
+}
+
 impl StateFile {
-    /// The file of a run, which is written once in so many seconds.
-    pub(super) fn new(path: Option<PathBuf>, every_s: f64) -> Self {
+    /// The files of a run, one of which is written once in so many seconds.
+    pub(super) fn new(folder: Option<&Path>, key: &str, every_s: f64) -> Self {
         Self {
-            path,
+            key: key.to_owned(),
+            paths: folder.map(|folder| ENDS.map(|end| folder.join(format!("{key}{end}")))),
+            next: 0,
             every: Duration::try_from_secs_f64(every_s).unwrap_or(Duration::MAX),
             last: Instant::now(),
         }
     }
 
-    /// The name of the file, for messages.
+    /// The files that are there.
+    fn present(&self) -> Vec<(usize, &PathBuf)> {
+        let all = self.paths.iter().flatten().enumerate();
+        all.filter(|(_, path)| path.symlink_metadata().is_ok())
+            .collect()
+    }
+
+    /// The names of the files that are there, for messages.
     pub(super) fn name(&self) -> String {
-        self.path
-            .as_ref()
-            .map_or_else(String::new, |p| p.display().to_string())
+        let present = self.present().into_iter();
+        let names: Vec<String> = present
+            .map(|(_, path)| path.display().to_string())
+            .collect();
+        names.join(" and ")
     }
 
     /// Whether a run has left a state behind.
     pub(super) fn exists(&self) -> bool {
-        self.path.as_ref().is_some_and(|path| path.exists())
+        !self.present().is_empty()
     }
 
-    /// The state that a run has left behind, if it has.
+    /// The state that a run has left behind, if it has. A file that is not as it was written is set aside.
     ///
     /// # Errors
-    /// A file that cannot be read or is no state.
-    pub(super) fn left(&self) -> anyhow::Result<Option<Progress>> {
-        let Some(path) = self.path.as_ref().filter(|path| path.exists()) else {
-            return Ok(None);
-        };
-        let place = || format!("{} (remove it to start the run anew)", path.display());
-        let text = std::fs::read_to_string(path).with_context(place)?;
-        let progress = serde_json::from_str(&text).with_context(place)?;
-        Ok(Some(progress))
+    /// A file that cannot be read or set aside.
+    pub(super) fn left(&mut self) -> anyhow::Result<Left> {
+        let mut left = Left::default();
+        let mut newest = None;
+        for (number, path) in self.present() {
+            let bytes = std::fs::read(path)
+                .with_context(|| format!("{} (remove it to start the run anew)", path.display()))?;
+            let read = unseal_text(&self.key, &bytes).and_then(|json| {
+                serde_json::from_slice::<Progress>(json).map_err(|why| why.to_string())
+            });
+            match read {
+                Ok(progress) => {
+                    let known = left.progress.as_ref().map_or(-1.0, Progress::time);
+                    if progress.time() > known {
+                        left.progress = Some(progress);
+                        newest = Some(number);
+                    }
+                }
+                Err(reason) => {
+                    let away = set_file_aside(path)?;
+                    left.warnings.push(format!(
+                        "{} is not the state that was kept: {reason}; it is set aside as {}",
+                        path.display(),
+                        away.file_name().unwrap_or(away.as_os_str()).display()
+                    ));
+                }
+            }
+        }
+        // The newest one stays until a newer one is whole.
+        self.next = newest.map_or(0, |number| 1 - number);
+        Ok(left)
     }
 
-    /// Removes the file of a run that has ended.
+    /// Removes the files of a run that has ended.
     ///
     /// # Errors
     /// A file that cannot be removed.
     pub(super) fn remove(&self) -> anyhow::Result<()> {
-        match self.path.as_ref().filter(|path| path.exists()) {
-            Some(path) => std::fs::remove_file(path)
-                .with_context(|| format!("cannot remove {}", path.display())),
-            None => Ok(()),
+        for (_, path) in self.present() {
+            std::fs::remove_file(path)
+                .with_context(|| format!("cannot remove {}", path.display()))?;
         }
+        Ok(())
     }
 }
 
 impl Keeper for StateFile {
     fn is_due(&mut self) -> bool {
-        self.path.is_some() && self.last.elapsed() >= self.every
+        self.paths.is_some() && self.last.elapsed() >= self.every
     }
 
     fn keep(&mut self, progress: &Progress) -> Result<(), String> {
-        let Some(path) = &self.path else {
+        let Some(paths) = &self.paths else {
             return Ok(());
         };
-        let text = serde_json::to_vec(progress).map_err(|e| e.to_string())?;
-        write_new(path, &text, Overwrite::Allow).map_err(|e| format!("{e:#}"))?;
+        let json = serde_json::to_vec(progress).map_err(|e| e.to_string())?;
+        let bytes = seal_text(&self.key, &json);
+        write_new(&paths[self.next], &bytes, Overwrite::Allow).map_err(|e| format!("{e:#}"))?;
+        self.next = 1 - self.next;
         self.last = Instant::now();
         Ok(())
     }

@@ -103,8 +103,7 @@ fn bench_tests_give_back_the_frictions_behind_them() {
         value(&first, "S")
     );
     let folder_of = here.join("out/bench");
-    let written: Value =
-        serde_json::from_slice(&fs::read(folder_of.join("result.json")).unwrap()).unwrap();
+    let written = run_store::unseal(&fs::read(folder_of.join("result.json")).unwrap()).unwrap();
     assert_eq!(written, first);
     let report = fs::read_to_string(folder_of.join("report.html")).unwrap();
     assert!(report.ends_with("</html>\n"));

@@ -224,10 +224,26 @@ fn a_killed_run_goes_on_from_its_state() {
     child.kill().unwrap();
     child.wait().unwrap();
     assert_eq!(states(), 1, "the run ended before it kept a state");
+    // A third state of the run, damaged: the other is believed, and the damaged one is kept under another name.
+    let entries = fs::read_dir(scene.path("out")).unwrap();
+    let mut files = entries.map(|e| e.unwrap().path());
+    let whole = files.find(|path| path.to_string_lossy().ends_with(".state.json"));
+    let whole = whole.unwrap();
+    let second = whole.with_extension("").with_extension("state-2.json");
+    let mut bytes = fs::read(&whole).unwrap();
+    let digit = bytes.iter().rposition(u8::is_ascii_digit).unwrap();
+    bytes[digit] = b'0' + (bytes[digit] - b'0' + 1) % 10;
+    fs::write(&second, &bytes).unwrap();
     let resumed = scene.simulate(&[&words[..], &["--resume", "--json=-"]].concat());
     assert!(resumed.status.success(), "{resumed:?}");
     let log = text(&resumed.stderr);
     assert!(log.contains("goes on from"), "{log}");
+    assert!(
+        log.contains("state-2.json is not the state that was kept: it was altered"),
+        "{log}"
+    );
+    let away = second.with_extension("json.damaged");
+    assert_eq!(fs::read(away).unwrap(), bytes);
     let whole = scene.simulate(&["--json=-"]);
     let observables = |output: &Output| json(output)["observables"].clone();
     assert_eq!(observables(&resumed), observables(&whole));
