@@ -12,7 +12,7 @@ use std::path::Path;
 /// Most pixels that are decoded: above any camera of today, below 1 GB of memory.
 pub const MOST_PIXELS: u64 = 120_000_000;
 
-/// Reads a PNG, JPEG, BMP or GIF file, upright as its EXIF orientation says, transparent parts on
+/// Reads a PNG, JPEG, BMP, GIF, TIFF or WebP file (the first picture in it), upright as its EXIF orientation says, transparent parts on
 /// white.
 ///
 /// # Errors
@@ -60,9 +60,14 @@ pub fn read_frames(path: &Path) -> Result<Vec<DynamicImage>, Error> {
             });
         }
         let seen = frame.map_err(failed)?.into_buffer();
-        pictures.push(DynamicImage::ImageLuma8(
-            on_white(DynamicImage::ImageRgba8(seen)).into_luma8(),
-        ));
+        let seen = on_white(DynamicImage::ImageRgba8(seen)).into_rgb8();
+        // A grey frame is kept in a third of the memory.
+        let grey = seen.pixels().all(|p| p.0[0] == p.0[1] && p.0[1] == p.0[2]);
+        pictures.push(if grey {
+            DynamicImage::from(seen).into_luma8().into()
+        } else {
+            seen.into()
+        });
     }
     Ok(if pictures.is_empty() {
         vec![first]

@@ -24,7 +24,7 @@ pub enum Error {
         endings: String,
     },
     /// The file is no picture of a known format, or is damaged.
-    #[error("cannot decode {} (PNG, JPEG, BMP and GIF are read)", path.display())]
+    #[error("cannot decode {} (PNG, JPEG, BMP, GIF, TIFF and WebP are read)", path.display())]
     Decode {
         /// The file.
         path: PathBuf,

@@ -1,7 +1,8 @@
 //! The outline of a heap seen from the side.
 
+use crate::channel::channel_below_sky;
 use crate::tone::{BedShare, air_and_bed};
-use crate::{PhotoPixels, PixelPoint, Refusal, Settings};
+use crate::{Channel, PhotoPixels, PixelPoint, Refusal, Settings};
 use serde::Serialize;
 use surface_profile::{HeapAngle, SurfacePoint, measure_heap};
 
@@ -47,19 +48,22 @@ pub(crate) struct FoundHeap {
     pub(crate) rejected: Vec<PixelPoint>,
     /// The tones.
     pub(crate) bed: BedShare,
+    /// The channel in which they were parted.
+    pub(crate) channel: Channel,
 }
 
 /// Finds the outline of a heap and measures it.
 pub(crate) fn read_heap(picture: &PhotoPixels, settings: &Settings) -> Result<FoundHeap, Refusal> {
     let factor = picture.width().div_ceil(MOST_COLUMNS).max(1);
-    let small = picture.shrunk(factor);
     #[expect(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
         reason = "a part of the number of cells"
     )]
-    let n_sky = (SKY * small.values().len() as f64).ceil() as usize;
-    let bed = air_and_bed(small.values(), n_sky, settings.foreground)?;
+    let n_sky = |pixels: &PhotoPixels| (SKY * pixels.values().len() as f64).ceil() as usize;
+    let channel = channel_below_sky(picture, n_sky(picture), settings);
+    let small = picture.channel(channel).shrunk(factor);
+    let bed = air_and_bed(small.values(), n_sky(&small), settings.foreground)?;
     let share = PhotoPixels::from_values(small.width(), bed.share.clone())
         .blurred((SMOOTHING * small.width() as f64).max(0.8));
     let outline = outline(&share)?;
@@ -90,6 +94,7 @@ pub(crate) fn read_heap(picture: &PhotoPixels, settings: &Settings) -> Result<Fo
         rejected: pick(false),
         heap: reading(&heap, scale, to_picture),
         bed,
+        channel,
     })
 }
 

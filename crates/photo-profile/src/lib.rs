@@ -1,12 +1,13 @@
 //! From a photo or a rendered frame to the free surface in it.
 //!
 //! One path for colour photos, back-lit instrument pictures, time averages and rendered frames:
-//! grey, drum circle, threshold, majority filter, boundary, and then
+//! grey or the channel that parts best, drum circle, threshold, majority filter, boundary, and then
 //! [`surface_profile::read_surface`], which also measures simulated beds. Nothing is set per
 //! picture. What cannot be measured honestly comes back as [`Verdict::Refused`] with a reason.
 //!
 //! Steps, in order: [`read_photo`] (or [`PhotoPixels::from_gray`]) holds the picture; the drum is
-//! found by edges and a robust circle; the disc is resampled around the axis; the air tone is
+//! found by edges and a robust circle in the luminance, or in another channel where that leads nowhere; of a
+//! colour picture the [`Channel`] is taken in which the two sides lie farthest apart; the disc is resampled around the axis; the air tone is
 //! found on the upper side of the most telling straight cut; pixels are separated by their
 //! distance from the air tone with the threshold of `[Otsu1979]`, made to follow uneven light;
 //! the mask is smoothed over 0.03 drum radii and its half-of-bulk contour is the free surface. The
@@ -35,6 +36,7 @@
 
 mod agreement;
 mod block_match;
+mod channel;
 mod circle;
 mod decode;
 mod digits;
@@ -60,9 +62,10 @@ mod tone;
 mod uncertainty;
 mod view;
 
+pub use channel::Channel;
 pub use decode::{MOST_PIXELS, read_frames, read_photo};
 pub use error::Error;
-pub use files::{name_order, picture_files};
+pub use files::{name_order, picture_files, skipped_files};
 pub use heap::HeapReading;
 pub use measure::{measure_file, measure_image, measure_photo};
 pub use overlay::{overlay, overlay_gray};

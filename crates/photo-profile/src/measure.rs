@@ -1,14 +1,15 @@
 //! The path from a picture to its angle.
 
 use crate::agreement::agreement;
+use crate::channel::channel_of_disc;
 use crate::drum::{FoundDrum, find_drum};
 use crate::heap::read_heap;
 use crate::tone::{BedShare, bed_share};
 use crate::uncertainty::widened;
 use crate::view::{DiscView, REACH};
 use crate::{
-    DrumPixels, Error, Foreground, Mode, PhotoPixels, PhotoReading, PixelPoint, Refusal, Settings,
-    Verdict,
+    Channel, DrumPixels, Error, Foreground, Mode, PhotoPixels, PhotoReading, PixelPoint, Refusal,
+    Settings, Verdict,
 };
 use image::GrayImage;
 use std::path::Path;
@@ -64,22 +65,47 @@ pub fn measure_photo(picture: &PhotoPixels, settings: &Settings) -> Result<Photo
             PhotoReading::heap,
         ));
     }
-    let found = match settings.drum {
-        Some(circle) => FoundDrum { circle, rim: None },
-        None => match find_drum(picture) {
-            Ok(drum) => drum,
-            Err(reason) => return Ok(PhotoReading::refused(reason, None)),
-        },
+    Ok(read_drum(picture, settings))
+}
+
+/// Measures a drum by the circle that the luminance shows, or another channel where that one leads nowhere.
+fn read_drum(picture: &PhotoPixels, settings: &Settings) -> PhotoReading {
+    if let Some(circle) = settings.drum {
+        return read_disc(picture, &FoundDrum { circle, rim: None }, settings);
+    }
+    let by = |channel| match find_drum(&picture.channel(channel)) {
+        Ok(drum) => read_disc(picture, &drum, settings),
+        Err(reason) => PhotoReading::refused(reason, None),
     };
+    let mut told = by(Channel::Luma);
+    if picture.has_colour() {
+        for channel in Channel::COLOURS {
+            if told.verdict == Verdict::Ok {
+                break;
+            }
+            let other = by(channel);
+            // A refusal with a circle tells more than one without.
+            if other.verdict == Verdict::Ok || told.drum.is_none() && other.drum.is_some() {
+                told = other;
+            }
+        }
+    }
+    told
+}
+
+/// Measures the disc of a known drum in the channel that parts its two sides best.
+fn read_disc(picture: &PhotoPixels, found: &FoundDrum, settings: &Settings) -> PhotoReading {
+    let channel = channel_of_disc(picture, found.circle, settings);
     let refused = |reason| PhotoReading::refused(reason, Some(found.circle));
-    Ok(match Disc::of(picture, found.circle, settings) {
+    let reading = match Disc::of(&picture.channel(channel), found.circle, settings) {
         Err(reason) => refused(reason),
         // Where the bed ends is told also where its surface has no angle.
         Ok(disc) => PhotoReading {
             ends: shell_ends(&disc.field, disc.level, &disc.circle),
-            ..read_surface_of(&disc, &found).unwrap_or_else(refused)
+            ..read_surface_of(&disc, found).unwrap_or_else(refused)
         },
-    })
+    };
+    PhotoReading { channel, ..reading }
 }
 
 /// The disc of a drum and how much bed each place of it shows.
@@ -246,6 +272,7 @@ fn reading(
         mid_ends: Some(surface.mid_ends.map(|p| view.to_picture(&p))),
         chord_ends: Some(surface.chord_ends.map(|p| view.to_picture(&p))),
         foreground: trust.foreground,
+        channel: Channel::Luma,
         quality: quality.clamp(0.0, 1.0),
     }
 }

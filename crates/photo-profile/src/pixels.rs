@@ -1,8 +1,16 @@
-//! The picture as grey values.
+//! The picture as grey values, and as colours where it has any.
 
-use image::{DynamicImage, GrayImage};
+use crate::Channel;
+use image::{DynamicImage, GrayImage, RgbImage};
+use std::borrow::Cow;
+use std::sync::Arc;
 
-/// A picture as grey values, 0 to 255, row by row from the top.
+/// A channel tells something of its own where more than this part of the pixels are no grey.
+const LEAST_COLOURED: f64 = 1e-3;
+/// A pixel is no grey where its channels differ by more than so many levels.
+const GREY: u8 = 8;
+
+/// A picture as grey values, 0 to 255, row by row from the top; a colour picture holds its colours besides.
 #[derive(Debug, Clone)]
 pub struct PhotoPixels {
     /// Pixels along x.
@@ -11,6 +19,8 @@ pub struct PhotoPixels {
     height: usize,
     /// Grey levels 0 to 255, shape (height, width).
     values: Vec<f32>,
+    /// The same picture in colour; none where it is grey.
+    colour: Option<Arc<RgbImage>>,
 }
 
 impl PhotoPixels {
@@ -20,12 +30,43 @@ impl PhotoPixels {
             width: picture.width() as usize,
             height: picture.height() as usize,
             values: picture.as_raw().iter().map(|v| f32::from(*v)).collect(),
+            colour: None,
         }
     }
 
-    /// Takes any picture by its luminance (weights of ITU-R BT.709 on the stored values).
+    /// Takes any picture by its luminance (weights of ITU-R BT.709 on the stored values), and its colours.
     pub fn from_picture(picture: &DynamicImage) -> Self {
-        Self::from_gray(&picture.to_luma8())
+        let colour = picture.color().has_color().then(|| picture.to_rgb8());
+        let coloured = colour.filter(|rgb| {
+            let grey = |p: &&image::Rgb<u8>| {
+                let [r, g, b] = p.0;
+                r.max(g).max(b) - r.min(g).min(b) <= GREY
+            };
+            let all = f64::from(rgb.width()) * f64::from(rgb.height());
+            let coloured = all - rgb.pixels().filter(grey).count() as f64;
+            coloured > LEAST_COLOURED * all
+        });
+        Self {
+            colour: coloured.map(Arc::new),
+            ..Self::from_gray(&picture.to_luma8())
+        }
+    }
+
+    /// Whether the picture has colours.
+    pub(crate) fn has_colour(&self) -> bool {
+        self.colour.is_some()
+    }
+
+    /// The picture by one channel; by its luminance where it has no colours.
+    pub(crate) fn channel(&self, channel: Channel) -> Cow<'_, Self> {
+        match &self.colour {
+            Some(colour) if channel != Channel::Luma => {
+                let level = |p: &image::Rgb<u8>| to_f32(channel.of(p.0.map(f64::from)));
+                let values = colour.pixels().map(level).collect();
+                Cow::Owned(Self::from_values(self.width, values))
+            }
+            _ => Cow::Borrowed(self),
+        }
     }
 
     /// Takes grey values of any range, row by row.
@@ -35,6 +76,7 @@ impl PhotoPixels {
             width,
             height,
             values,
+            colour: None,
         }
     }
 
@@ -76,7 +118,7 @@ impl PhotoPixels {
     /// The picture with blocks of `factor` by `factor` pixels averaged; a rest is cut off.
     pub(crate) fn shrunk(&self, factor: usize) -> Self {
         if factor <= 1 {
-            return self.clone();
+            return Self::from_values(self.width, self.values.clone());
         }
         let (width, height) = (self.width / factor, self.height / factor);
         let mut values = vec![0.0_f32; width * height];
@@ -95,6 +137,7 @@ impl PhotoPixels {
             width,
             height,
             values,
+            colour: None,
         }
     }
 
@@ -178,6 +221,7 @@ impl PhotoPixels {
             width: self.height,
             height: self.width,
             values,
+            colour: None,
         }
     }
 }

@@ -1,7 +1,7 @@
 //! What a measurement of one picture gives.
 
 use crate::heap::{FoundHeap, HeapReading};
-use crate::{DrumPixels, Foreground};
+use crate::{Channel, DrumPixels, Foreground};
 use serde::{Deserialize, Serialize};
 use surface_profile::{HighSide, SurfaceAngle};
 
@@ -186,6 +186,8 @@ pub struct PhotoReading {
     pub chord_ends: Option<[PixelPoint; 2]>,
     /// The tone of the bed against the air that was used.
     pub foreground: Foreground,
+    /// The channel in which bed and air were parted.
+    pub channel: Channel,
     /// How far to trust the reading, 0 to 1: the drop of the bed share across the surface times
     /// the part of the chord covered times the part of points used; 0 when refused.
     pub quality: f64,
@@ -222,6 +224,7 @@ impl PhotoReading {
             mid_ends: None,
             chord_ends: None,
             foreground: Foreground::Auto,
+            channel: Channel::Luma,
             quality: 0.0,
         }
     }
@@ -243,6 +246,7 @@ impl PhotoReading {
             mid_ends: None,
             chord_ends: None,
             foreground: found.bed.foreground,
+            channel: found.channel,
         }
     }
 }

@@ -1,7 +1,7 @@
 //! Taking the perspective out of an oblique picture by four known corners.
 
 use crate::{Error, PixelPoint};
-use image::{DynamicImage, GrayImage};
+use image::{DynamicImage, GrayImage, RgbImage};
 use imageproc::geometric_transformations::{Border, Interpolation, Projection, warp_into};
 
 /// Part of the square's side that is kept around it.
@@ -11,8 +11,8 @@ const MOST_SIDE: f64 = 2000.0;
 
 /// The picture as seen straight on, by the corners of a square in the plane of the drum's end.
 ///
-/// Corners in the order upper left, upper right, lower right, lower left; the result is grey,
-/// square, and holds a tenth of the side around the square.
+/// Corners in the order upper left, upper right, lower right, lower left; the result is
+/// square, grey where the picture is, and holds a tenth of the side around the square.
 ///
 /// # Formula
 /// Homography `x = (a u + b v + c) / (g u + h v + 1)`, `y = (d u + e v + f) / (g u + h v + 1)`
@@ -20,7 +20,7 @@ const MOST_SIDE: f64 = 2000.0;
 ///
 /// # Errors
 /// [`Error::BadCorners`] when the corners are not finite, not convex, or not in that order.
-pub fn rectify(picture: &DynamicImage, corners: [PixelPoint; 4]) -> Result<GrayImage, Error> {
+pub fn rectify(picture: &DynamicImage, corners: [PixelPoint; 4]) -> Result<DynamicImage, Error> {
     let bad = Error::BadCorners;
     let turn = |i: usize| {
         let (a, b, c) = (corners[i], corners[(i + 1) % 4], corners[(i + 2) % 4]);
@@ -48,14 +48,26 @@ pub fn rectify(picture: &DynamicImage, corners: [PixelPoint; 4]) -> Result<GrayI
         reason = "positive and at most MOST_SIDE"
     )]
     let size = ((side * (1.0 + 2.0 * MARGIN)).ceil() as u32).max(1);
-    let mut straight = GrayImage::new(size, size);
-    let gray = picture.to_luma8();
-    warp_into(
-        &gray,
-        projection,
-        Interpolation::Bilinear,
-        Border::Replicate,
-        &mut straight,
-    );
-    Ok(straight)
+    let way = Interpolation::Bilinear;
+    Ok(if picture.color().has_color() {
+        let mut straight = RgbImage::new(size, size);
+        warp_into(
+            &picture.to_rgb8(),
+            projection,
+            way,
+            Border::Replicate,
+            &mut straight,
+        );
+        straight.into()
+    } else {
+        let mut straight = GrayImage::new(size, size);
+        warp_into(
+            &picture.to_luma8(),
+            projection,
+            way,
+            Border::Replicate,
+            &mut straight,
+        );
+        straight.into()
+    })
 }

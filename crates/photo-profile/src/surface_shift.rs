@@ -117,6 +117,8 @@ pub fn surface_shift(
         });
     }
     let strip = Strip::of(reading).ok_or(NoShift::NoSurface)?;
+    let [first, second] = [first, second].map(|picture| picture.channel(reading.channel));
+    let (first, second) = (&*first, &*second);
     let blocks = strip.blocks(first);
     if blocks.len() < LEAST_BLOCKS {
         return Err(NoShift::Featureless {

@@ -59,15 +59,10 @@ impl BedShare {
 /// median grey is the air tone; a cell is bed by its distance from that tone. The threshold is
 /// that of [`otsu::threshold`], made local by [`local_share`].
 pub(crate) fn bed_share(view: &DiscView, foreground: Foreground) -> Result<BedShare, Refusal> {
-    let cut = best_cut(view).ok_or(Refusal::OneTone { difference: 0.0 })?;
     let gray = view.gray.values();
-    let side = |upper: bool| -> Vec<f32> {
-        (0..gray.len())
-            .filter(|k| view.inside[*k] && cut.is_above(view, *k) == upper)
-            .map(|k| gray[k])
-            .collect()
-    };
-    let (air, bed) = (side(true), side(false));
+    let sides = straight_sides(view, gray).ok_or(Refusal::OneTone { difference: 0.0 })?;
+    let levels = |cells: &[usize]| -> Vec<f32> { cells.iter().map(|k| gray[*k]).collect() };
+    let (air, bed) = (levels(&sides.above), levels(&sides.below));
     if air.is_empty() || bed.is_empty() {
         return Err(Refusal::OneTone { difference: 0.0 });
     }
@@ -191,6 +186,28 @@ fn threshold(inside: &[bool], distance: &[f32]) -> Result<f64, Refusal> {
     otsu::threshold(&histogram).ok_or(Refusal::OneTone { difference: 0.0 })
 }
 
+/// The cells on either side of the straight cut that tells most about the level.
+pub(crate) struct Sides {
+    /// Cells above the cut.
+    pub(crate) above: Vec<usize>,
+    /// Cells below it.
+    pub(crate) below: Vec<usize>,
+    /// What the side tells about the level, nat.
+    pub(crate) information: f64,
+}
+
+/// Parts the cells of a view by the straight cut that tells most about their levels; none where no cut tells anything.
+pub(crate) fn straight_sides(view: &DiscView, levels: &[f32]) -> Option<Sides> {
+    let (cut, information) = best_cut(view, levels)?;
+    let inside = (0..levels.len()).filter(|k| view.inside[*k]);
+    let (above, below) = inside.partition(|k| cut.is_above(view, *k));
+    Some(Sides {
+        above,
+        below,
+        information,
+    })
+}
+
 /// A straight cut through the disc.
 #[derive(Debug, Clone, Copy)]
 struct Cut {
@@ -215,15 +232,15 @@ impl Cut {
 /// # Formula
 /// Largest mutual information `H(side) + H(class) - H(side, class)` of side and grey class; the
 /// classes hold equally many cells. It finds texture against a plain tone as well as dark
-/// against bright, whichever way round. Returns `None` when no cut tells anything.
-fn best_cut(view: &DiscView) -> Option<Cut> {
+/// against bright, whichever way round. Returns the cut and its information (nat), `None` when no cut tells anything.
+fn best_cut(view: &DiscView, levels: &[f32]) -> Option<(Cut, f64)> {
     let cells: Vec<usize> = (0..view.inside.len()).filter(|k| view.inside[*k]).collect();
     let cells: Vec<usize> = cells
         .iter()
         .step_by((cells.len() / SEARCH_CELLS).max(1))
         .copied()
         .collect();
-    let classes = gray_classes(view, &cells);
+    let classes = gray_classes(levels, &cells);
     let radius = 0.5 * view.n as f64 * view.cell * REACH;
     let (mut best, mut cut) = (1e-6, None);
     for i_direction in 0..N_DIRECTIONS {
@@ -245,7 +262,7 @@ fn best_cut(view: &DiscView) -> Option<Cut> {
             if information > best {
                 best = information;
                 let offset = ((step + 1) as f64 / N_OFFSETS as f64 * 2.0 - 1.0) * radius;
-                cut = Some(Cut { nx, ny, offset });
+                cut = Some((Cut { nx, ny, offset }, information));
             }
         }
     }
@@ -253,8 +270,7 @@ fn best_cut(view: &DiscView) -> Option<Cut> {
 }
 
 /// Class of each cell by the rank of its grey level; equal levels share a class.
-fn gray_classes(view: &DiscView, cells: &[usize]) -> Vec<usize> {
-    let gray = view.gray.values();
+fn gray_classes(gray: &[f32], cells: &[usize]) -> Vec<usize> {
     let mut sorted: Vec<f32> = cells.iter().map(|k| gray[*k]).collect();
     sorted.sort_unstable_by(f32::total_cmp);
     let limits: Vec<f32> = (1..N_CLASSES)

@@ -169,7 +169,7 @@ fn corners_take_the_oblique_view_out() {
     ];
     let picture = image::DynamicImage::ImageLuma8(scene.draw());
     let straight = rectify(&picture, corners).unwrap();
-    let reading = photo_profile::measure_image(&straight, &Settings::default()).unwrap();
+    let reading = photo_profile::measure_image(&straight.to_luma8(), &Settings::default()).unwrap();
     let line = reading.angle.unwrap().line;
     assert!((line - 0.6).abs() < 0.05_f64.to_radians(), "{line} rad");
     let crossed = [corners[0], corners[2], corners[1], corners[3]];

@@ -170,7 +170,7 @@ impl<'a> Reader<'a> {
                 Some(corners) => {
                     let corners = corners.map(|[x, y]| PixelPoint { x, y });
                     let flat = rectify(&frame, corners).map_err(refused)?;
-                    PhotoPixels::from_picture(&flat.into())
+                    PhotoPixels::from_picture(&flat)
                 }
                 None => PhotoPixels::from_picture(&frame),
             };

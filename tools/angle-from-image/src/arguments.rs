@@ -13,7 +13,7 @@ use surface_profile::Definition;
 #[derive(Debug, clap::Parser)]
 #[command(version)]
 pub(crate) struct Arguments {
-    /// Photos (PNG, JPEG, BMP, GIF, animated PNG and GIF) or folders of them
+    /// Photos (PNG, JPEG, BMP, GIF, TIFF, WebP, animated PNG and GIF) or folders of them
     #[arg(required = true, value_name = "PHOTO")]
     pub(crate) photos: Vec<PathBuf>,
 

@@ -60,6 +60,9 @@ pub(crate) struct ImageResult {
     pub(crate) top_position_deg: Option<f64>,
     /// Which side stands higher.
     pub(crate) high_side: Option<HighSide>,
+    /// The channel in which bed and air were parted: `luma`, `red`, `green`, `blue`, `saturation`, or a sum of channels in
+    /// words; none where the picture was not read.
+    pub(crate) channel: Option<String>,
     /// The drum circle, px, y down.
     pub(crate) drum: Option<DrumPixels>,
     /// Flanks and apex of a heap; none for a drum.
@@ -166,6 +169,7 @@ impl ImageResult {
             toe_position_deg: degrees(reading.bed_ends().map(|e| e.toe)),
             top_position_deg: degrees(reading.bed_ends().map(|e| e.top)),
             high_side: angle.map(|a| a.high_side),
+            channel: Some(reading.channel.to_string()),
             drum: reading.drum,
             heap: heap.map(HeapResult::new),
             surface: pairs(&reading.used),
@@ -192,6 +196,8 @@ impl ImageResult {
             Some(frame) => format!("{} frame {frame}", self.file),
             None => self.file.clone(),
         };
+        let by = self.channel.as_deref().filter(|channel| *channel != "luma");
+        let by = by.map_or(String::new(), |channel| format!(", bed told by {channel}"));
         match (self.angle_deg, self.angle_se_deg, self.high_side) {
             (Some(angle), Some(error), Some(side)) => {
                 let side = match side {
@@ -199,7 +205,7 @@ impl ImageResult {
                     HighSide::Right => "right",
                 };
                 format!(
-                    "{name}: {angle:.2} deg (se {error:.2}), high on the {side}, quality {:.2}",
+                    "{name}: {angle:.2} deg (se {error:.2}), high on the {side}{by}, quality {:.2}",
                     self.quality
                 )
             }
@@ -208,7 +214,7 @@ impl ImageResult {
                     format!(", left {:.2}, right {:.2}", h.left_deg, h.right_deg)
                 });
                 format!(
-                    "{name}: {angle:.2} deg (se {error:.2}){flanks}, quality {:.2}",
+                    "{name}: {angle:.2} deg (se {error:.2}){flanks}{by}, quality {:.2}",
                     self.quality
                 )
             }
@@ -232,6 +238,8 @@ pub(crate) struct Output {
     pub(crate) single: Option<ImageResult>,
     /// All pictures.
     pub(crate) images: Vec<ImageResult>,
+    /// Files in the folders given that are no pictures by the ending of their names, and were not read.
+    pub(crate) skipped: Vec<String>,
     /// All pictures together.
     pub(crate) summary: Summary,
 }

@@ -8,7 +8,7 @@ use command_line::{DONE, ERROR, Header, NOT_MET, file_sha256, write_new};
 use image::{DynamicImage, ImageFormat};
 use photo_profile::{
     PhotoPixels, PhotoReading, Settings, measure_photo, overlay, picture_files, read_frames,
-    rectify,
+    rectify, skipped_files,
 };
 use std::io::Cursor;
 use std::path::{Path, PathBuf};
@@ -110,7 +110,7 @@ fn refuse_existing(arguments: &Arguments, n_files: usize) -> anyhow::Result<()> 
 /// The picture, straightened where corners are given.
 fn straightened(picture: DynamicImage, arguments: &Arguments) -> anyhow::Result<DynamicImage> {
     Ok(match arguments.corners {
-        Some(corners) => DynamicImage::ImageLuma8(rectify(&picture, corners.0)?),
+        Some(corners) => rectify(&picture, corners.0)?,
         None => picture,
     })
 }
@@ -144,6 +144,16 @@ fn report(arguments: &Arguments, images: Vec<ImageResult>) -> anyhow::Result<u8>
     if images.len() > 1 {
         arguments.common.print(summary.text())?;
     }
+    let skipped = skipped_files(&arguments.photos)?;
+    if !skipped.is_empty() {
+        let names: Vec<String> = skipped.iter().map(|f| f.display().to_string()).collect();
+        let line = format!(
+            "{} files are no pictures by their names, skipped: {}",
+            names.len(),
+            names.join(", ")
+        );
+        arguments.common.print(line)?;
+    }
     let single = match images.as_slice() {
         [one] => Some(one.clone()),
         _ => None,
@@ -153,6 +163,7 @@ fn report(arguments: &Arguments, images: Vec<ImageResult>) -> anyhow::Result<u8>
         header: Header::new(None::<u64>, read.map(|i| &i.file))?,
         single,
         images,
+        skipped: skipped.iter().map(|f| f.display().to_string()).collect(),
         summary,
     };
     arguments.common.emit_json(&output)?;

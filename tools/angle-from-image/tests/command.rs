@@ -339,3 +339,37 @@ fn pictures_at_a_rate_tell_avalanches() {
     let output = run(&[folder.to_str().unwrap(), "--fps", "0"]);
     assert_eq!(output.status.code(), Some(2));
 }
+
+/// A microscope writes TIFF and a browser WebP: both keep every pixel here, so each gives the angle of the PNG to the bit. What
+/// is left out of a folder is named.
+#[test]
+fn tiff_and_webp_in_a_folder_are_read_and_what_is_skipped_is_named() {
+    let folder = folder("formats");
+    let drawn = photo_profile::synthetic::Scene {
+        size: 240,
+        radius: 112.0,
+        ..photo_profile::synthetic::Scene::default()
+    }
+    .draw();
+    drawn.save(folder.join("a.png")).unwrap();
+    drawn.save(folder.join("b.tif")).unwrap();
+    let colour = image::DynamicImage::from(drawn).into_rgb8();
+    colour.save(folder.join("c.webp")).unwrap();
+    std::fs::write(folder.join("film.avi"), "no picture").unwrap();
+    let output = run(&[folder.to_str().unwrap(), "--json", "--quiet"]);
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    let json: Value = serde_json::from_slice(&output.stdout).unwrap();
+    let angles: Vec<f64> = (0..3)
+        .map(|k| json["images"][k]["angle_deg"].as_f64().unwrap())
+        .collect();
+    assert!(angles.iter().all(|a| *a == angles[0]), "{angles:?}");
+    let skipped = json["skipped"].as_array().unwrap();
+    assert_eq!(skipped.len(), 1);
+    assert!(skipped[0].as_str().unwrap().ends_with("film.avi"));
+    let plain = run(&[folder.to_str().unwrap()]);
+    let said = text(&plain.stdout);
+    assert!(
+        said.contains("skipped") && said.contains("film.avi"),
+        "{said}"
+    );
+}
