@@ -148,8 +148,7 @@ fn report(arguments: &Arguments, images: Vec<ImageResult>) -> anyhow::Result<u8>
     if !skipped.is_empty() {
         let names: Vec<String> = skipped.iter().map(|f| f.display().to_string()).collect();
         let line = format!(
-            "{} files are no pictures by their names, skipped: {}",
-            names.len(),
+            "skipped, as no pictures by their names: {}",
             names.join(", ")
         );
         arguments.common.print(line)?;
