@@ -15,10 +15,10 @@ use fearless_simd::prelude::*;
 use nalgebra::Vector3;
 
 /// Contacts of one batch: enough to fill the registers, few enough for the first-level cache.
-const ROOM: usize = 32;
+pub(crate) const ROOM: usize = 32;
 
 /// Three coordinates of each contact of a batch.
-type Column = [[f64; ROOM]; 3];
+pub(crate) type Column = [[f64; ROOM]; 3];
 
 /// Fields of [`SpherePair`], one entry a contact.
 #[derive(Debug, Clone)]
@@ -95,7 +95,7 @@ impl Default for Batch {
 
 /// Writes a vector into a column.
 #[inline(always)]
-fn write(column: &mut Column, k: usize, value: &Vector3<f64>) {
+pub(crate) fn write(column: &mut Column, k: usize, value: &Vector3<f64>) {
     column[0][k] = value.x;
     column[1][k] = value.y;
     column[2][k] = value.z;
@@ -103,7 +103,7 @@ fn write(column: &mut Column, k: usize, value: &Vector3<f64>) {
 
 /// Reads a vector of a column.
 #[inline(always)]
-fn read(column: &Column, k: usize) -> Vector3<f64> {
+pub(crate) fn read(column: &Column, k: usize) -> Vector3<f64> {
     Vector3::new(column[0][k], column[1][k], column[2][k])
 }
 
@@ -113,9 +113,9 @@ pub(crate) struct ContactLoad {
     /// The two bodies.
     pub(crate) bodies: [usize; 2],
     /// Force on the first, the opposite of that on the second, N.
-    force: Vector3<f64>,
+    pub(crate) force: Vector3<f64>,
     /// Torques on both, N m.
-    torques: [Vector3<f64>; 2],
+    pub(crate) torques: [Vector3<f64>; 2],
 }
 
 /// Where the loads of contacts go: to the bodies, or to a list that is given to them later.

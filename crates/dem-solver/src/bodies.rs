@@ -1,5 +1,6 @@
 //! State of all bodies, as a structure of arrays.
 
+use crate::sphere_force::Sphere;
 use crate::template::Template;
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 use serde::{Deserialize, Serialize};
@@ -101,9 +102,10 @@ impl Bodies {
         self.position.is_empty()
     }
 
-    /// All bodies.
-    pub(crate) fn slices(&mut self) -> BodySlices<'_> {
+    /// All bodies, with a copy of them as spheres; empty where they are none.
+    pub(crate) fn slices<'a>(&'a mut self, spheres: &'a mut [Sphere]) -> BodySlices<'a> {
         BodySlices {
+            spheres,
             template: &self.template,
             position: &mut self.position,
             velocity: &mut self.velocity,
@@ -143,6 +145,8 @@ impl Bodies {
 /// A range of bodies, fields as in [`Bodies`]: what moves them, and what moves.
 #[derive(Debug)]
 pub(crate) struct BodySlices<'a> {
+    /// Copy of the bodies in a world of spheres; empty in another.
+    pub(crate) spheres: &'a mut [Sphere],
     pub(crate) template: &'a [usize],
     pub(crate) position: &'a mut [Vector3<f64>],
     pub(crate) velocity: &'a mut [Vector3<f64>],
@@ -165,6 +169,7 @@ impl BodySlices<'_> {
 
     /// The bodies before `middle` and those from there on.
     pub(crate) fn split_at(self, middle: usize) -> (Self, Self) {
+        let spheres = self.spheres.split_at_mut(middle.min(self.spheres.len()));
         let template = self.template.split_at(middle);
         let position = self.position.split_at_mut(middle);
         let velocity = self.velocity.split_at_mut(middle);
@@ -179,6 +184,7 @@ impl BodySlices<'_> {
         let shift = self.shift.split_at_mut(middle);
         (
             Self {
+                spheres: spheres.0,
                 template: template.0,
                 position: position.0,
                 velocity: velocity.0,
@@ -193,6 +199,7 @@ impl BodySlices<'_> {
                 shift: shift.0,
             },
             Self {
+                spheres: spheres.1,
                 template: template.1,
                 position: position.1,
                 velocity: velocity.1,

@@ -111,6 +111,11 @@ impl Interaction {
         self.bridge.is_some()
     }
 
+    /// Whether a contact remembers the torque of a rolling spring.
+    pub(crate) fn remembers_rolling(&self) -> bool {
+        self.rolling_spring.is_some()
+    }
+
     /// The interaction without further laws, in a form in which the compiler sees that they are
     /// absent.
     #[inline(always)]

@@ -13,7 +13,8 @@
     reason = "the hot loops are vectorised only when inlined"
 )]
 
-use crate::bodies::{Bodies, BodySlices, scaled_single};
+use crate::bodies::{BodySlices, scaled_single};
+use crate::sphere_motion::advance_spheres;
 use crate::template::Template;
 use fearless_simd::prelude::*;
 use fearless_simd::{Level, dispatch};
@@ -31,10 +32,10 @@ pub(crate) struct Surroundings {
 }
 
 /// Bodies moved together: enough to fill the registers, few enough for the first-level cache.
-const ROOM: usize = 32;
+pub(crate) const ROOM: usize = 32;
 
 /// Some numbers of each of the bodies that are moved together.
-type Columns<const N: usize> = [[f64; ROOM]; N];
+pub(crate) type Columns<const N: usize> = [[f64; ROOM]; N];
 
 /// What changes in a step.
 #[derive(Debug)]
@@ -62,7 +63,7 @@ struct Drive {
 
 /// Writes numbers into column `k`.
 #[inline(always)]
-fn write<const N: usize>(columns: &mut Columns<N>, k: usize, value: [f64; N]) {
+pub(crate) fn write<const N: usize>(columns: &mut Columns<N>, k: usize, value: [f64; N]) {
     for (column, number) in columns.iter_mut().zip(value) {
         column[k] = number;
     }
@@ -70,7 +71,7 @@ fn write<const N: usize>(columns: &mut Columns<N>, k: usize, value: [f64; N]) {
 
 /// Reads a vector of column `k`.
 #[inline(always)]
-fn vector(columns: &Columns<3>, k: usize) -> Vector3<f64> {
+pub(crate) fn vector(columns: &Columns<3>, k: usize) -> Vector3<f64> {
     Vector3::new(columns[0][k], columns[1][k], columns[2][k])
 }
 
@@ -80,16 +81,15 @@ fn vector(columns: &Columns<3>, k: usize) -> Vector3<f64> {
 pub(crate) fn advance(
     level: Level,
     in_pool: bool,
-    bodies: &mut Bodies,
+    bodies: BodySlices<'_>,
     templates: &[Template],
     around: &Surroundings,
 ) -> f32 {
-    let slices = bodies.slices();
     // The largest of some numbers leaves out what is no number; their sum does not.
     let (longest, sum) = if in_pool {
-        advance_halves(level, slices, templates, around)
+        advance_halves(level, bodies, templates, around)
     } else {
-        advance_slices(level, slices, templates, around)
+        advance_slices(level, bodies, templates, around)
     };
     if sum.is_finite() {
         longest
@@ -124,6 +124,9 @@ fn advance_slices(
     templates: &[Template],
     around: &Surroundings,
 ) -> (f32, f32) {
+    if !bodies.spheres.is_empty() {
+        return advance_spheres(level, &mut bodies, templates, around);
+    }
     let mut motion = Motion {
         position: [[0.0; ROOM]; 3],
         velocity: [[0.0; ROOM]; 3],
@@ -273,7 +276,7 @@ fn rows(m: &Matrix3<f64>) -> [f64; 9] {
 
 /// Length of a vector.
 #[inline(always)]
-fn length(v: &Vector3<f64>) -> f64 {
+pub(crate) fn length(v: &Vector3<f64>) -> f64 {
     (v.x * v.x + v.y * v.y + v.z * v.z).sqrt()
 }
 
@@ -297,12 +300,12 @@ fn rotation_matrix(q: &Quaternion<f64>) -> Matrix3<f64> {
 
 /// A length in single precision, never shorter than the given one, so that a sum of many ways
 /// that are short against it is not too short either.
-#[inline]
+#[inline(always)]
 #[expect(
     clippy::cast_possible_truncation,
     reason = "the loss is made good by the factor"
 )]
-fn rounded_up(length: f64) -> f32 {
+pub(crate) fn rounded_up(length: f64) -> f32 {
     (length * (1.0 + 2.4e-7)) as f32
 }
 
@@ -311,7 +314,7 @@ fn rounded_up(length: f64) -> f32 {
 /// The series of the half angle is cut after the second order; the error of the angle is of
 /// fifth order in it and the quaternion is normalised.
 #[inline(always)]
-fn turned(orientation: &Quaternion<f64>, vector: &Vector3<f64>) -> Quaternion<f64> {
+pub(crate) fn turned(orientation: &Quaternion<f64>, vector: &Vector3<f64>) -> Quaternion<f64> {
     let half = vector * 0.5;
     let square = half.norm_squared();
     let turn = Quaternion::from_parts(1.0 - 0.5 * square, half * (1.0 - square / 6.0));

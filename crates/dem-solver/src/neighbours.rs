@@ -5,8 +5,7 @@
 //! a bed that turns as a whole stands still. When the count runs out, the true relative motion
 //! since the list was made decides whether the list must be made anew.
 //!
-//! Two bodies of one sphere each have no list: they are their own only candidates, and the distance
-//! of their centres says how long they can sleep.
+//! Worlds of bodies of one sphere each have lists of their own (`sphere_pairs`).
 
 #![expect(
     clippy::inline_always,
@@ -150,7 +149,7 @@ pub(crate) struct Neighbours {
     heads: Heads,
     /// Lists of the same entries.
     pub(crate) lists: Vec<Lists>,
-    /// The pairs when their lists were made; empty where all bodies are spheres, whose pairs have no lists.
+    /// The pairs when their lists were made.
     poses: Vec<Pose>,
     /// First entry of each body of the range in `heads`; one more than there are bodies.
     start: Vec<u32>,
@@ -184,8 +183,8 @@ pub(crate) struct Previous {
 pub struct Census {
     /// Pairs of bodies whose bounding spheres are near.
     pub body_pairs: usize,
-    /// Those of them with at least one pair of spheres within the skin in their list; two
-    /// bodies of one sphere each have none.
+    /// Those of them with at least one pair of spheres within the skin in their list; none in a world of bodies
+    /// of one sphere each.
     pub pairs_with_candidates: usize,
     /// Groups of up to eight candidates.
     pub chunks: usize,
@@ -217,7 +216,8 @@ pub(crate) fn lowered(limit: f32, travel: f32) -> f32 {
 }
 
 /// An index as it is stored.
-fn stored(index: usize) -> u32 {
+#[inline(always)]
+pub(crate) fn stored(index: usize) -> u32 {
     u32::try_from(index).unwrap_or(u32::MAX)
 }
 
@@ -306,24 +306,15 @@ impl Neighbours {
     /// Adds the partners of body `i`, in rising order, keeping what is known of old pairs.
     ///
     /// `travel` is the travel of the bodies up to now; the caller sets it to 0 afterwards, so
-    /// the limits of the pairs that stay are lowered by it. `all_spheres` says whether every body is a sphere.
-    pub(crate) fn add(
-        &mut self,
-        i: usize,
-        partners: &[u32],
-        travel: &[f32],
-        all_spheres: bool,
-        old: &Previous,
-    ) {
+    /// the limits of the pairs that stay are lowered by it.
+    pub(crate) fn add(&mut self, i: usize, partners: &[u32], travel: &[f32], old: &Previous) {
         let place = i - self.first;
         let (mut k, end) = match old.start.get(place..place + 2) {
             Some(range) => (range[0] as usize, range[1] as usize),
             None => (0, 0),
         };
-        if !all_spheres {
-            self.poses
-                .resize(self.lists.len() + partners.len(), Pose::NONE);
-        }
+        self.poses
+            .resize(self.lists.len() + partners.len(), Pose::NONE);
         for &j in partners {
             while k < end && old.heads.other[k] < j {
                 k += 1;
@@ -332,9 +323,7 @@ impl Neighbours {
                 let lists = old.lists[k];
                 let limit = lowered(lists.limit, travel[i] + travel[j as usize]);
                 self.heads.push(j, lists.n_candidates, limit);
-                if !all_spheres {
-                    self.poses[self.lists.len()] = old.poses[k];
-                }
+                self.poses[self.lists.len()] = old.poses[k];
                 let moved = &old.chunks[lists.chunks()];
                 let chunk = stored(self.chunks.len());
                 self.chunks.extend_from_slice(moved);
@@ -418,15 +407,6 @@ impl Neighbours {
     #[inline(always)]
     pub(crate) fn sleep(&mut self, k: usize, travel: f32) {
         self.heads.wake[k] = travel.min(self.lists[k].limit);
-    }
-
-    /// Lets pair `k` of two bodies of one sphere each, which needs no list, sleep up to a sum of
-    /// travels, m;
-    /// minus infinity keeps it awake.
-    #[inline(always)]
-    pub(crate) fn sleep_without_list(&mut self, k: usize, travel: f32) {
-        self.lists[k].limit = travel;
-        self.heads.wake[k] = travel;
     }
 
     /// Writes the pairs of body `i` that need attention in this step to the front of `awake` and returns how

@@ -12,6 +12,7 @@ use crate::lanes::{NUMBERS, keep, make_room};
 use crate::liquid::bridge_volume;
 use crate::neighbours::{CHUNK, Chunk, Neighbours, Touch};
 use crate::shared_mass::Shares;
+use crate::sphere_force::Sphere;
 use crate::template::{CELLS, Template};
 use crate::workspace::Workspace;
 use crate::world::Settings;
@@ -64,6 +65,8 @@ pub(crate) struct Context<'a> {
     pub(crate) time_step: f64,
     /// What each body gives to each of its bridges of liquid, m³; empty in a dry world.
     pub(crate) liquid: &'a [f64],
+    /// The bodies of a world of spheres; empty in another.
+    pub(crate) spheres: &'a [Sphere],
 }
 
 impl<'a> Context<'a> {
@@ -212,10 +215,6 @@ fn add_pair_forces_on<S: Simd>(
             let k = k as usize;
             let j = neighbours.other(k);
             let templates = [own, &context.templates[bodies.template[j]]];
-            if templates.iter().all(|template| template.is_sphere) {
-                collector.collect_spheres(neighbours, k, [i, j], templates);
-                continue;
-            }
             if bodies.travel[i] + bodies.travel[j] > neighbours.lists[k].limit {
                 neighbours.refresh(simd, k, i, bodies, context, scratch);
             }
@@ -337,55 +336,6 @@ impl<S: Simd, K: Sink> Collector<'_, S, K> {
         }
         lists.touch = first as u32;
         lists.n_touches = (self.touches.len() - first) as u32;
-    }
-
-    /// Puts pair `k` of two bodies of one sphere each into the batch if they touch: they are their
-    /// own only candidates, and how they are turned does not matter.
-    #[inline(always)]
-    #[expect(
-        clippy::cast_possible_truncation,
-        reason = "the way up to the touch is shortened by a safety distance"
-    )]
-    fn collect_spheres(
-        &mut self,
-        neighbours: &mut Neighbours,
-        k: usize,
-        [i, j]: [usize; 2],
-        [a, b]: [&Template; 2],
-    ) {
-        let (bodies, context) = (self.bodies, self.context);
-        let interaction = context.interaction_index(a.material, b.material);
-        let spheres = [&a.spheres[0], &b.spheres[0]];
-        let lists = &mut neighbours.lists[k];
-        let known = neighbours.touches[lists.touches()]
-            .first()
-            .filter(|t| t.key == 0);
-        let law = &context.interactions[interaction];
-        let volume = bridge_volume(law, context.liquid, [i, j]);
-        let reach = known.map_or(0.0, |_| law.reach(volume));
-        let between = bodies.position[j] - bodies.position[i];
-        let sum = spheres[0].radius + spheres[1].radius + reach;
-        if are_apart(&between, sum) {
-            (lists.touch, lists.n_touches) = (0, 0);
-            let gap = (between.norm() - sum) as f32 - context.slack.safety;
-            neighbours.sleep_without_list(k, bodies.travel[i] + bodies.travel[j] + gap);
-            return;
-        }
-        self.make_place(interaction);
-        let pair = SpherePair {
-            between,
-            offset_i: Vector3::zeros(),
-            offset_j: Vector3::zeros(),
-            velocity: bodies.velocity[i] - bodies.velocity[j],
-            spins: [bodies.spin[i], bodies.spin[j]],
-            memory: known.map_or_else(Memory::default, |touch| touch.memory),
-            radii: spheres.map(|sphere| sphere.radius),
-            dashpot_masses: spheres.map(|sphere| sphere.dashpot_mass),
-            bridge_volume: volume,
-        };
-        (lists.touch, lists.n_touches) = (self.touches.len() as u32, 1);
-        neighbours.sleep_without_list(k, f32::NEG_INFINITY);
-        self.put((interaction, [i, j]), 0, &pair);
     }
 }
 

@@ -6,9 +6,11 @@
 use crate::batch::{ContactLoad, Loads, Sink};
 use crate::bodies::Bodies;
 use crate::broad_phase::Grid;
-use crate::neighbours::Neighbours;
+use crate::neighbours::{Census, Neighbours};
 use crate::pair_force::{Context, add_pair_forces};
-use crate::template::Template;
+use crate::snapshot::KeptContact;
+use crate::sphere_force::add_sphere_forces;
+use crate::sphere_pairs::SpherePairs;
 use crate::wall::Wall;
 use crate::wall_force::WallNeighbours;
 use crate::workspace::Workspace;
@@ -21,8 +23,10 @@ use std::sync::Arc;
 pub(crate) struct Part {
     /// The bodies.
     range: Range<usize>,
-    /// Their pairs with the bodies behind them.
+    /// Their pairs with the bodies behind them; empty in a world of spheres.
     pub(crate) neighbours: Neighbours,
+    /// The same in a world of spheres; empty in another.
+    pub(crate) spheres: SpherePairs,
     /// Those of them that are near walls.
     pub(crate) walls: WallNeighbours,
     /// Loads found and not yet given to the bodies.
@@ -80,23 +84,45 @@ impl Part {
         grid: &Grid,
         bodies: &Bodies,
         radii: &[f64],
-        (templates, walls, margin): (&[Template], &[Wall], f64),
+        (context, walls, margin): (&Context<'_>, &[Wall], f64),
         workspace: &mut Workspace,
     ) {
-        let (neighbours, range) = (&mut self.neighbours, self.range.clone());
-        let (partners, previous) = (&mut workspace.partners, &mut workspace.previous);
-        let all_spheres = templates.iter().all(|template| template.is_sphere);
-        neighbours.begin(range.start, previous);
-        grid.for_each_body(
-            level,
-            range.clone(),
-            &bodies.position,
-            radii,
-            partners,
-            |i, partners| neighbours.add(i, partners, &bodies.travel, all_spheres, previous),
-        );
-        neighbours.end();
+        let range = self.range.clone();
+        let (positions, travel) = (&bodies.position, &bodies.travel);
+        let partners = &mut workspace.partners;
+        if context.spheres.is_empty() {
+            let (pairs, previous) = (&mut self.neighbours, &mut workspace.previous);
+            pairs.begin(range.start, previous);
+            let found = |i: usize, with: &[u32]| pairs.add(i, with, travel, previous);
+            grid.for_each_body(level, range.clone(), positions, radii, partners, found);
+            pairs.end();
+        } else {
+            let (pairs, previous) = (&mut self.spheres, &mut workspace.previous_spheres);
+            pairs.begin(range.start, context.interactions, previous);
+            let known = (bodies.template.as_slice(), travel.as_slice());
+            let found = |i: usize, with: &[u32]| pairs.add(i, with, known, context, previous);
+            grid.for_each_body(level, range.clone(), positions, radii, partners, found);
+            pairs.end();
+        }
+        let templates = context.templates;
         self.walls.rebuild(range, bodies, templates, walls, margin);
+    }
+
+    /// Contacts of bodies, as of the last step.
+    pub(crate) fn kept_pairs(&self) -> impl Iterator<Item = KeptContact> + '_ {
+        self.neighbours.kept().chain(self.spheres.kept())
+    }
+
+    /// Takes up the contacts of its bodies with others, which come in order; the number taken.
+    pub(crate) fn recall_pairs(&mut self, contacts: &[KeptContact]) -> usize {
+        self.neighbours.recall(contacts) + self.spheres.recall(contacts)
+    }
+
+    /// Sizes of the lists.
+    pub(crate) fn census(&self) -> Census {
+        let mut census = self.neighbours.census();
+        census += self.spheres.census();
+        census
     }
 
     /// Finds the loads of all contacts of the part and gives those of pairs to a sink.
@@ -109,14 +135,13 @@ impl Part {
         workspace: &mut Workspace,
         sink: &mut impl Sink,
     ) {
-        add_pair_forces(
-            level,
-            &mut self.neighbours,
-            bodies,
-            workspace,
-            context,
-            sink,
-        );
+        if context.spheres.is_empty() {
+            let pairs = &mut self.neighbours;
+            add_pair_forces(level, pairs, bodies, workspace, context, sink);
+        } else {
+            let (pairs, travel) = (&mut self.spheres, bodies.travel.as_slice());
+            add_sphere_forces(level, pairs, travel, workspace, context, sink);
+        }
         self.walls.find_forces(bodies, walls, context);
     }
 

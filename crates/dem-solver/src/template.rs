@@ -38,8 +38,8 @@ pub struct Template {
     pub(crate) packed: Packed,
     /// Whether the spheres that touch the same body or wall share the mass in their dashpots.
     pub(crate) shares_mass: bool,
-    /// Whether the body is one sphere about its centre of mass: where it touches does not depend
-    /// on how it is turned.
+    /// Whether the body is one sphere about its centre of mass with one moment of inertia about all axes:
+    /// neither where it touches nor how it moves depends on how it is turned.
     pub(crate) is_sphere: bool,
     /// Mass, kg.
     pub(crate) mass: f64,
@@ -128,7 +128,8 @@ impl Template {
             cells: spheres.iter().map(|s| in_cells(&s.centre, cell)).collect(),
             arm: arms.fold(0.0, f64::max),
             shares_mass: dashpot_mass == DashpotMass::Shared,
-            is_sphere: matches!(&spheres[..], [only] if only.centre == Vector3::zeros()),
+            is_sphere: matches!(&spheres[..], [only] if only.centre == Vector3::zeros())
+                && is_isotropic(&clump.inertia()),
             spheres,
             cell,
             mass: clump.mass(),
@@ -177,6 +178,11 @@ impl Template {
             .map(|sphere| sphere.radius)
             .fold(f64::INFINITY, f64::min)
     }
+}
+
+/// Whether three moments of inertia are one but for rounding.
+fn is_isotropic(inertia: &Vector3<f64>) -> bool {
+    inertia.max() - inertia.min() <= 1e-12 * inertia.max()
 }
 
 /// A centre in cells (m), to the nearest.

@@ -3,6 +3,8 @@
 use crate::batch::Batch;
 use crate::candidates::Scratch;
 use crate::neighbours::{Previous, Touch};
+use crate::sphere_force::SphereBatch;
+use crate::sphere_pairs::SpherePairs;
 
 /// Buffers that no part needs between two visits, so that the parts of a piece of work share one set.
 #[derive(Debug, Clone, Default)]
@@ -21,4 +23,8 @@ pub(crate) struct Workspace {
     pub(crate) partners: Vec<u32>,
     /// Lists before the broad phase.
     pub(crate) previous: Previous,
+    /// Contacts of bodies of one sphere that wait for their forces.
+    pub(crate) spheres: SphereBatch,
+    /// Pairs of bodies of one sphere before the broad phase.
+    pub(crate) previous_spheres: SpherePairs,
 }

@@ -16,6 +16,7 @@ use crate::neighbours::Census;
 use crate::pair_force::{Context, Slack};
 use crate::part::{Part, give_loads};
 use crate::snapshot::{KeptContact, Snapshot};
+use crate::sphere_force::Sphere;
 use crate::template::Template;
 use crate::wall::Wall;
 use crate::workspace::Workspace;
@@ -56,6 +57,8 @@ pub struct World {
     n_materials: usize,
     /// State of the bodies.
     bodies: Bodies,
+    /// Copy of the bodies for the forces between them where all are spheres; empty in another world.
+    spheres: Vec<Sphere>,
     /// Walls.
     walls: Vec<Wall>,
     /// Settings.
@@ -129,6 +132,7 @@ impl World {
             interactions,
             n_materials,
             bodies: Bodies::default(),
+            spheres: Vec::new(),
             walls,
             // A pair whose bridge may still hold must not be dropped.
             settings: Settings {
@@ -377,6 +381,7 @@ impl World {
             slack: self.slack,
             time_step: self.settings.time_step,
             liquid: self.liquid.shares(),
+            spheres: &self.spheres,
         };
         let (mut force, mut torque) = (take(&mut self.bodies.force), take(&mut self.bodies.torque));
         let mut loads = Loads {
@@ -423,7 +428,7 @@ impl World {
         self.longest = advance(
             self.level,
             self.pool.is_some(),
-            &mut self.bodies,
+            self.bodies.slices(&mut self.spheres),
             &self.templates,
             &around,
         );
@@ -502,7 +507,7 @@ impl World {
     pub fn census(&self) -> Census {
         let mut total = Census::default();
         for part in &self.parts {
-            total += part.neighbours.census();
+            total += part.census();
         }
         total
     }
@@ -526,7 +531,7 @@ impl World {
 
     /// Contacts of bodies, as of the last step.
     pub(crate) fn kept_pairs(&self) -> impl Iterator<Item = KeptContact> + '_ {
-        self.parts.iter().flat_map(|part| part.neighbours.kept())
+        self.parts.iter().flat_map(|part| part.kept_pairs())
     }
 
     /// Contacts of bodies and walls, as of the last step.
@@ -600,7 +605,7 @@ impl World {
     fn recall(&mut self, pairs: &[KeptContact], walls: &[KeptContact]) -> Result<(), Error> {
         let mut taken = [0, 0];
         for part in &mut self.parts {
-            taken[0] += part.neighbours.recall(pairs);
+            taken[0] += part.recall_pairs(pairs);
             taken[1] += part.walls.recall(walls);
         }
         if taken == [pairs.len(), walls.len()] {
@@ -619,6 +624,7 @@ impl World {
             slack: self.slack,
             time_step: self.settings.time_step,
             liquid: self.liquid.shares(),
+            spheres: &self.spheres,
         }
     }
 
@@ -653,8 +659,20 @@ impl World {
         }
         let (bodies, radii, margin) = (&self.bodies, &self.radii, self.settings.margin);
         self.grid.sort(&bodies.position, radii, margin);
+        if self.templates.iter().all(|template| template.is_sphere) {
+            Sphere::copy_all(bodies, &self.templates, &mut self.spheres);
+        }
         let (level, grid) = (self.level, &self.grid);
-        let around = (self.templates.as_slice(), self.walls.as_slice(), margin);
+        let context = Context {
+            templates: &self.templates,
+            interactions: &self.interactions,
+            n_materials: self.n_materials,
+            slack: self.slack,
+            time_step: self.settings.time_step,
+            liquid: self.liquid.shares(),
+            spheres: &self.spheres,
+        };
+        let around = (&context, self.walls.as_slice(), margin);
         let search = |(piece, workspace): (&mut [Part], &mut Workspace)| {
             for part in piece {
                 part.search(level, grid, bodies, radii, around, workspace);

@@ -1,0 +1,230 @@
+//! Pairs of bodies of one sphere each, in worlds that have no other bodies.
+//!
+//! A pair has one possible contact, and how its bodies are turned does not matter. So there are no
+//! lists of candidates: all that is known of a pair stands in columns beside each other, with what its
+//! contact remembers, and a step goes through them from front to back.
+
+#![expect(
+    clippy::inline_always,
+    reason = "the hot loops are vectorised only when inlined"
+)]
+
+use crate::contact::{Interaction, Memory};
+use crate::lanes::{HALF, NUMBERS, keep, make_room};
+use crate::neighbours::{Census, lowered, stored};
+use crate::pair_force::Context;
+use crate::snapshot::KeptContact;
+use fearless_simd::prelude::*;
+use fearless_simd::{f32x8, u32x8};
+use nalgebra::Vector3;
+
+/// Sum of travels above which a pair wakes that touches, m.
+pub(crate) const TOUCHES: f32 = f32::NEG_INFINITY;
+/// The same of a pair that has not been looked at, m.
+const UNKNOWN: f32 = f32::MIN;
+
+/// Three coordinates and a fourth number that goes along, so that they are read and written together.
+pub(crate) type Row = [f64; 4];
+
+/// The pairs of a range of bodies with all bodies behind them, in the order of both bodies.
+///
+/// All columns that are read in groups go on for one group behind the last pair.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct SpherePairs {
+    /// The first body of the range.
+    first: usize,
+    /// First pair of each body of the range; one more than there are bodies.
+    start: Vec<u32>,
+    /// The body of the range.
+    pub(crate) own: Vec<u32>,
+    /// The other body.
+    pub(crate) other: Vec<u32>,
+    /// Place of the interaction of both in the table.
+    pub(crate) interaction: Vec<u32>,
+    /// Sum of the travels of both bodies above which the pair is awake, m: [`TOUCHES`] for a pair that
+    /// touches, else where it could.
+    pub(crate) wake: Vec<f32>,
+    /// Tangential displacement of the contact, m; 0 where there is none.
+    pub(crate) slip: Vec<Row>,
+    /// Torque of the rolling spring of the contact, N m; 0 where there is none. Empty in a world without
+    /// rolling springs.
+    pub(crate) rolling: Vec<Row>,
+    /// Whether there are rolling springs.
+    remembers_rolling: bool,
+}
+
+impl SpherePairs {
+    /// Number of pairs.
+    pub(crate) fn len(&self) -> usize {
+        self.slip.len()
+    }
+
+    /// Begins a new list and moves the old one out of the way; partners of each body follow in order,
+    /// from the first one on, through [`Self::add`].
+    pub(crate) fn begin(&mut self, first: usize, interactions: &[Interaction], old: &mut Self) {
+        std::mem::swap(self, old);
+        self.first = first;
+        self.remembers_rolling = interactions.iter().any(Interaction::remembers_rolling);
+        self.start.clear();
+        self.start.push(0);
+        self.own.clear();
+        self.other.clear();
+        self.interaction.clear();
+        self.wake.clear();
+        self.slip.clear();
+        self.rolling.clear();
+    }
+
+    /// Adds the partners of body `i`, in rising order, keeping what is known of old pairs.
+    ///
+    /// `template` is the body type of each body, `travel` the travel up to now (m); the caller sets it to
+    /// 0 afterwards, so what the pairs that stay have used up of it is taken off.
+    pub(crate) fn add(
+        &mut self,
+        i: usize,
+        partners: &[u32],
+        (template, travel): (&[usize], &[f32]),
+        context: &Context<'_>,
+        old: &Self,
+    ) {
+        let place = i - self.first;
+        let (mut k, end) = match old.start.get(place..place + 2) {
+            Some(range) => (range[0] as usize, range[1] as usize),
+            None => (0, 0),
+        };
+        let material = |body: usize| context.templates[template[body]].material;
+        for &j in partners {
+            while k < end && old.other[k] < j {
+                k += 1;
+            }
+            let other = j as usize;
+            let known = (k < end && old.other[k] == j).then_some(k);
+            let wake = known.map_or(UNKNOWN, |k| match old.wake[k] {
+                // What touches is awake until it parts.
+                TOUCHES => TOUCHES,
+                wake => lowered(wake, travel[i] + travel[other]).max(UNKNOWN),
+            });
+            let remembered = |column: &[Row]| known.map_or([0.0; 4], |k| column[k]);
+            self.own.push(stored(i));
+            self.other.push(j);
+            let interaction = context.interaction_index(material(i), material(other));
+            self.interaction.push(stored(interaction));
+            self.wake.push(wake);
+            self.slip.push(remembered(&old.slip));
+            if self.remembers_rolling {
+                self.rolling.push(remembered(&old.rolling));
+            }
+        }
+        self.start.push(stored(self.slip.len()));
+    }
+
+    /// Ends a list that was begun.
+    pub(crate) fn end(&mut self) {
+        self.own.extend([0; HALF]);
+        self.other.extend([0; HALF]);
+        self.wake.extend([f32::INFINITY; HALF]);
+    }
+
+    /// Writes the pairs from `from` up to `to` that need attention in this step to the front of `awake` and
+    /// returns how many there are.
+    #[inline(always)]
+    pub(crate) fn find_awake<S: Simd>(
+        &self,
+        simd: S,
+        (from, to): (usize, usize),
+        travel: &[f32],
+        awake: &mut Vec<u32>,
+    ) -> usize {
+        make_room(awake, to - from + HALF);
+        let numbers = u32x8::from_slice(simd, &NUMBERS);
+        let mut n = 0;
+        for first in (from..to).step_by(HALF) {
+            let group = first..first + HALF;
+            let (own, other) = (&self.own[group.clone()], &self.other[group.clone()]);
+            let ways = f32x8::from_fn(simd, |l| travel[own[l] as usize])
+                + f32x8::from_fn(simd, |l| travel[other[l] as usize]);
+            let is_awake = ways.simd_gt(f32x8::from_slice(simd, &self.wake[group]));
+            let pairs = numbers + stored(first);
+            n = keep(awake, n, pairs, is_awake & pairs.simd_lt(stored(to)));
+        }
+        n
+    }
+
+    /// What the contact of a pair remembers.
+    pub(crate) fn memory(&self, k: usize) -> Memory {
+        Memory {
+            slip: vector(&self.slip[k]),
+            rolling: self.rolling.get(k).map_or_else(Vector3::zeros, vector),
+        }
+    }
+
+    /// Sets what the contact of a pair remembers.
+    #[inline(always)]
+    pub(crate) fn remember(&mut self, k: usize, memory: &Memory) {
+        self.slip[k] = row(&memory.slip, 0.0);
+        if let Some(rolling) = self.rolling.get_mut(k) {
+            *rolling = row(&memory.rolling, 0.0);
+        }
+    }
+
+    /// Whether a pair touched in the last step.
+    #[expect(clippy::float_cmp, reason = "one value stands for the touch")]
+    #[inline(always)]
+    pub(crate) fn touches(&self, k: usize) -> bool {
+        self.wake[k] == TOUCHES
+    }
+
+    /// All contacts, as of the last step.
+    pub(crate) fn kept(&self) -> impl Iterator<Item = KeptContact> + '_ {
+        let touching = (0..self.len()).filter(|&k| self.touches(k));
+        touching.map(|k| KeptContact {
+            body: self.own[k] as usize,
+            other: self.other[k] as usize,
+            key: 0,
+            memory: self.memory(k),
+        })
+    }
+
+    /// Takes up the contacts of its bodies, which come in order; the pairs are listed and have none
+    /// yet. The number taken.
+    pub(crate) fn recall(&mut self, contacts: &[KeptContact]) -> usize {
+        let n_bodies = self.start.len().saturating_sub(1);
+        let mut taken = 0;
+        for contact in contacts {
+            let Some(place) = contact.body.checked_sub(self.first).filter(|p| *p < n_bodies) else {
+                continue;
+            };
+            let (from, to) = (self.start[place] as usize, self.start[place + 1] as usize);
+            let pairs = &self.other[from..to];
+            if let Ok(at) = pairs.binary_search_by_key(&contact.other, |&j| j as usize) {
+                self.wake[from + at] = TOUCHES;
+                self.remember(from + at, &contact.memory);
+                taken += 1;
+            }
+        }
+        taken
+    }
+
+    /// Sizes of the lists.
+    pub(crate) fn census(&self) -> Census {
+        let touching = (0..self.len()).filter(|&k| self.touches(k)).count();
+        Census {
+            body_pairs: self.len(),
+            touching_pairs: touching,
+            sphere_contacts: touching,
+            ..Census::default()
+        }
+    }
+}
+
+/// A vector and a number beside it.
+#[inline(always)]
+pub(crate) fn row(vector: &Vector3<f64>, beside: f64) -> Row {
+    [vector.x, vector.y, vector.z, beside]
+}
+
+/// The vector of a row.
+#[inline(always)]
+pub(crate) fn vector(row: &Row) -> Vector3<f64> {
+    Vector3::new(row[0], row[1], row[2])
+}
