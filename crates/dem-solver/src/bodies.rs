@@ -1,6 +1,6 @@
 //! State of all bodies, as a structure of arrays.
 
-use crate::sphere_force::Sphere;
+use crate::spheres::force::Sphere;
 use crate::template::Template;
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 use serde::{Deserialize, Serialize};

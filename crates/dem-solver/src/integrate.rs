@@ -14,7 +14,7 @@
 )]
 
 use crate::bodies::{BodySlices, scaled_single};
-use crate::sphere_motion::advance_spheres;
+use crate::spheres::motion::advance_spheres;
 use crate::template::Template;
 use fearless_simd::prelude::*;
 use fearless_simd::{Level, dispatch};

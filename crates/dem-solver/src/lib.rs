@@ -13,7 +13,8 @@
 //!
 //! The search works on three levels: bounding spheres on a grid (`broad_phase`), sphere pairs
 //! within a skin for each pair of bodies (`neighbours`, refreshed only when the pair has moved
-//! against each other), and the overlap test of those candidates (`pair_force`).
+//! against each other), and the overlap test of those candidates (`pair_force`). A world in which every
+//! body is one sphere needs the first level only, and has lists, forces and a motion of its own (`spheres`).
 
 mod batch;
 mod bodies;
@@ -36,9 +37,7 @@ pub mod plain;
 mod pose;
 mod shared_mass;
 mod snapshot;
-mod sphere_force;
-mod sphere_motion;
-mod sphere_pairs;
+mod spheres;
 mod template;
 mod wall;
 mod wall_force;

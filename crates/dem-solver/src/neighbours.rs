@@ -5,7 +5,7 @@
 //! a bed that turns as a whole stands still. When the count runs out, the true relative motion
 //! since the list was made decides whether the list must be made anew.
 //!
-//! Worlds of bodies of one sphere each have lists of their own (`sphere_pairs`).
+//! Worlds of bodies of one sphere each have lists of their own (`spheres`).
 
 #![expect(
     clippy::inline_always,

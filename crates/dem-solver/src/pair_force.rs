@@ -12,7 +12,7 @@ use crate::lanes::{NUMBERS, keep, make_room};
 use crate::liquid::bridge_volume;
 use crate::neighbours::{CHUNK, Chunk, Neighbours, Touch};
 use crate::shared_mass::Shares;
-use crate::sphere_force::Sphere;
+use crate::spheres::force::Sphere;
 use crate::template::{CELLS, Template};
 use crate::workspace::Workspace;
 use crate::world::Settings;

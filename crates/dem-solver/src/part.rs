@@ -9,12 +9,14 @@ use crate::broad_phase::Grid;
 use crate::neighbours::{Census, Neighbours};
 use crate::pair_force::{Context, add_pair_forces};
 use crate::snapshot::KeptContact;
-use crate::sphere_force::add_sphere_forces;
-use crate::sphere_pairs::SpherePairs;
+use crate::spheres::force::add_sphere_forces;
+use crate::spheres::pairs::SpherePairs;
+use crate::spheres::walls::SphereWalls;
 use crate::wall::Wall;
 use crate::wall_force::WallNeighbours;
 use crate::workspace::Workspace;
 use fearless_simd::Level;
+use nalgebra::Vector3;
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -24,11 +26,13 @@ pub(crate) struct Part {
     /// The bodies.
     range: Range<usize>,
     /// Their pairs with the bodies behind them; empty in a world of spheres.
-    pub(crate) neighbours: Neighbours,
+    neighbours: Neighbours,
     /// The same in a world of spheres; empty in another.
-    pub(crate) spheres: SpherePairs,
-    /// Those of them that are near walls.
-    pub(crate) walls: WallNeighbours,
+    spheres: SpherePairs,
+    /// Those of them that are near walls; empty in a world of spheres.
+    walls: WallNeighbours,
+    /// The same in a world of spheres; empty in another.
+    spheres_at_walls: SphereWalls,
     /// Loads found and not yet given to the bodies.
     outbox: Outbox,
 }
@@ -96,6 +100,8 @@ impl Part {
             let found = |i: usize, with: &[u32]| pairs.add(i, with, travel, previous);
             grid.for_each_body(level, range.clone(), positions, radii, partners, found);
             pairs.end();
+            let templates = context.templates;
+            self.walls.rebuild(range, bodies, templates, walls, margin);
         } else {
             let (pairs, previous) = (&mut self.spheres, &mut workspace.previous_spheres);
             pairs.begin(range.start, context.interactions, previous);
@@ -103,9 +109,10 @@ impl Part {
             let found = |i: usize, with: &[u32]| pairs.add(i, with, known, context, previous);
             grid.for_each_body(level, range.clone(), positions, radii, partners, found);
             pairs.end();
+            let previous = &mut workspace.previous_at_walls;
+            let near = &mut self.spheres_at_walls;
+            near.rebuild(range, bodies, walls, margin, context, previous);
         }
-        let templates = context.templates;
-        self.walls.rebuild(range, bodies, templates, walls, margin);
     }
 
     /// Contacts of bodies, as of the last step.
@@ -116,6 +123,38 @@ impl Part {
     /// Takes up the contacts of its bodies with others, which come in order; the number taken.
     pub(crate) fn recall_pairs(&mut self, contacts: &[KeptContact]) -> usize {
         self.neighbours.recall(contacts) + self.spheres.recall(contacts)
+    }
+
+    /// Contacts of bodies and walls, as of the last step.
+    pub(crate) fn kept_walls(&self) -> impl Iterator<Item = KeptContact> + '_ {
+        self.walls.kept().chain(self.spheres_at_walls.kept())
+    }
+
+    /// Takes up the contacts of its bodies with walls; the number taken.
+    pub(crate) fn recall_walls(&mut self, contacts: &[KeptContact]) -> usize {
+        self.walls.recall(contacts) + self.spheres_at_walls.recall(contacts)
+    }
+
+    /// Number of touching spheres at all walls.
+    pub(crate) fn n_wall_contacts(&self) -> usize {
+        self.walls.n_contacts() + self.spheres_at_walls.n_contacts()
+    }
+
+    /// Gives the forces of walls found to the bodies.
+    pub(crate) fn give_wall_forces(&self, loads: &mut Loads<'_>) {
+        self.walls.give_forces(loads);
+        self.spheres_at_walls.give_forces(loads);
+    }
+
+    /// Adds the forces found to those on each wall (N) and to its torque about the z axis (N m).
+    pub(crate) fn add_to_walls(
+        &self,
+        positions: &[Vector3<f64>],
+        (force, torque): (&mut [Vector3<f64>], &mut [f64]),
+    ) {
+        self.walls.add_to_walls(positions, (force, torque));
+        let (spheres, loads) = (&self.spheres_at_walls, (force, torque));
+        spheres.add_to_walls(positions, loads);
     }
 
     /// Sizes of the lists.
@@ -138,11 +177,14 @@ impl Part {
         if context.spheres.is_empty() {
             let pairs = &mut self.neighbours;
             add_pair_forces(level, pairs, bodies, workspace, context, sink);
+            self.walls.find_forces(bodies, walls, context);
         } else {
             let (pairs, travel) = (&mut self.spheres, bodies.travel.as_slice());
             add_sphere_forces(level, pairs, travel, workspace, context, sink);
+            let batch = &mut workspace.spheres_at_walls;
+            let near = &mut self.spheres_at_walls;
+            near.find_forces(level, travel, walls, context, batch);
         }
-        self.walls.find_forces(bodies, walls, context);
     }
 
     /// [`Self::find_loads`], with the loads kept for [`give_loads`].
@@ -188,6 +230,6 @@ pub(crate) fn give_loads(parts: &[Part], receivers: Range<usize>, mut loads: Loa
                 loads.take_second(load);
             }
         }
-        own.walls.give_forces(&mut loads);
+        own.give_wall_forces(&mut loads);
     }
 }

@@ -3,8 +3,9 @@
 use crate::batch::Batch;
 use crate::candidates::Scratch;
 use crate::neighbours::{Previous, Touch};
-use crate::sphere_force::SphereBatch;
-use crate::sphere_pairs::SpherePairs;
+use crate::spheres::force::SphereBatch;
+use crate::spheres::pairs::SpherePairs;
+use crate::spheres::walls::{SphereWalls, WallBatch};
 
 /// Buffers that no part needs between two visits, so that the parts of a piece of work share one set.
 #[derive(Debug, Clone, Default)]
@@ -27,4 +28,8 @@ pub(crate) struct Workspace {
     pub(crate) spheres: SphereBatch,
     /// Pairs of bodies of one sphere before the broad phase.
     pub(crate) previous_spheres: SpherePairs,
+    /// Contacts of bodies of one sphere at walls that wait for their forces.
+    pub(crate) spheres_at_walls: WallBatch,
+    /// Bodies of one sphere near walls before the broad phase.
+    pub(crate) previous_at_walls: SphereWalls,
 }

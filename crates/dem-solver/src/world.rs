@@ -16,7 +16,7 @@ use crate::neighbours::Census;
 use crate::pair_force::{Context, Slack};
 use crate::part::{Part, give_loads};
 use crate::snapshot::{KeptContact, Snapshot};
-use crate::sphere_force::Sphere;
+use crate::spheres::force::Sphere;
 use crate::template::Template;
 use crate::wall::Wall;
 use crate::workspace::Workspace;
@@ -406,7 +406,7 @@ impl World {
                 part.find_loads(level, bodies, walls, &context, workspace, &mut loads);
             }
             for part in parts.iter() {
-                part.walls.give_forces(&mut loads);
+                part.give_wall_forces(&mut loads);
             }
         }
         for part in &self.parts {
@@ -414,7 +414,7 @@ impl World {
                 self.wall_load.as_mut_slice(),
                 self.wall_torque.as_mut_slice(),
             );
-            part.walls.add_to_walls(&self.bodies.position, on_walls);
+            part.add_to_walls(&self.bodies.position, on_walls);
         }
         (self.bodies.force, self.bodies.torque) = (force, torque);
         self.mesh_walls.add_forces(&mut self.bodies, &context);
@@ -514,7 +514,7 @@ impl World {
 
     /// Number of touching spheres at all walls.
     pub fn n_wall_contacts(&self) -> usize {
-        let analytic: usize = self.parts.iter().map(|p| p.walls.n_contacts()).sum();
+        let analytic: usize = self.parts.iter().map(Part::n_wall_contacts).sum();
         analytic + self.mesh_walls.n_contacts()
     }
 
@@ -531,12 +531,12 @@ impl World {
 
     /// Contacts of bodies, as of the last step.
     pub(crate) fn kept_pairs(&self) -> impl Iterator<Item = KeptContact> + '_ {
-        self.parts.iter().flat_map(|part| part.kept_pairs())
+        self.parts.iter().flat_map(Part::kept_pairs)
     }
 
     /// Contacts of bodies and walls, as of the last step.
     fn kept_walls(&self) -> impl Iterator<Item = KeptContact> + '_ {
-        self.parts.iter().flat_map(|part| part.walls.kept())
+        self.parts.iter().flat_map(Part::kept_walls)
     }
 
     /// The state between two steps.
@@ -546,10 +546,13 @@ impl World {
         // Ways count from the search that the lists come from.
         bodies.travel.fill(0.0);
         bodies.shift.clear();
+        // Lists of spheres lie wall by wall in each part.
+        let mut walls: Vec<_> = self.kept_walls().collect();
+        walls.sort_by_key(|contact| (contact.body, contact.other));
         Snapshot {
             bodies,
             pairs: self.kept_pairs().collect(),
-            walls: self.kept_walls().collect(),
+            walls,
             meshes: self.mesh_walls.kept(),
             paths: self.mesh_walls.moving.iter().map(Moving::path).collect(),
             spins: self.walls.iter().map(|wall| wall.spin).collect(),
@@ -606,7 +609,7 @@ impl World {
         let mut taken = [0, 0];
         for part in &mut self.parts {
             taken[0] += part.recall_pairs(pairs);
-            taken[1] += part.walls.recall(walls);
+            taken[1] += part.recall_walls(walls);
         }
         if taken == [pairs.len(), walls.len()] {
             Ok(())

@@ -213,6 +213,17 @@ fn single_spheres(
     Ok(templates)
 }
 
+/// Skin and margin of the solver's lists, m; they decide the speed only.
+///
+/// Seeds of many small spheres have margins of some of these, bodies of few spheres of a part of their own size: a wider
+/// one lists pairs that do not meet before the next search.
+pub(crate) fn list_distances(templates: &[Template]) -> (f64, f64) {
+    let least = |of: fn(&Template) -> f64| templates.iter().map(of).fold(f64::INFINITY, f64::min);
+    let radius = least(Template::smallest_radius);
+    let margin = (4.5 * radius).min(0.5 * least(Template::bounding_radius));
+    (0.7 * radius, margin)
+}
+
 /// The world without its walls of triangles.
 fn empty_drive(
     scene: &Scene,
@@ -223,10 +234,7 @@ fn empty_drive(
     time_step: f64,
 ) -> Result<World, Error> {
     let walls = scene.apparatus.walls();
-    let radius = templates
-        .iter()
-        .map(Template::smallest_radius)
-        .fold(f64::INFINITY, f64::min);
+    let (skin, margin) = list_distances(&templates);
     let still = walls.iter().map(|w| Wall {
         name: w.name.into(),
         shape: w.shape,
@@ -236,8 +244,8 @@ fn empty_drive(
     let settings = Settings {
         time_step,
         gravity: scene.apparatus.gravity(scene.model.gravity_m_s2),
-        skin: 0.7 * radius,
-        margin: 4.5 * radius,
+        skin,
+        margin,
     };
     let interactions = interactions(scene, bodies, names)?;
     Ok(World::new(

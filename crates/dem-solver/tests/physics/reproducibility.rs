@@ -20,8 +20,23 @@ fn mixture() -> (Vec<Template>, Vec<Placement>) {
     (templates, starts)
 }
 
-fn shaken() -> World {
-    let (templates, starts) = mixture();
+/// Plain spheres of two sizes alone, which have lists and a motion of their own.
+fn balls() -> (Vec<Template>, Vec<Placement>) {
+    let mut starts = scattered([0.011; 3], 1.0, 0.5, &mut Stream::new(5, "bits"));
+    for (k, start) in starts.iter_mut().enumerate() {
+        start.template = k % 2;
+    }
+    (vec![ball(3e-3), ball(2.5e-3)], starts)
+}
+
+/// Body types, and where the bodies start.
+type Filling = fn() -> (Vec<Template>, Vec<Placement>);
+
+/// What is shaken: a mixture, and spheres alone.
+const FILLINGS: [Filling; 2] = [mixture, balls];
+
+fn shaken(filling: Filling) -> World {
+    let (templates, starts) = filling();
     let settings = settings(2e-5, Vector3::new(0.0, -9.81, 0.0));
     world(
         settings,
@@ -33,8 +48,8 @@ fn shaken() -> World {
 }
 
 /// The same with bridges of liquid.
-fn shaken_wet() -> World {
-    let (templates, starts) = mixture();
+fn shaken_wet(filling: Filling) -> World {
+    let (templates, starts) = filling();
     let settings = settings(2e-5, Vector3::new(0.0, -9.81, 0.0));
     let further = FurtherLaws {
         bridge: Some(wet_bridge()),
@@ -57,27 +72,31 @@ fn bits(world: &World) -> Vec<u64> {
 
 #[test]
 fn two_runs_of_one_input_have_the_same_bits() {
-    let mut worlds = [shaken(), shaken()];
-    for world in &mut worlds {
-        let mut seen = 0;
-        for _ in 0..100 {
-            run(world, 30);
-            seen += world.census().sphere_contacts + world.n_wall_contacts();
+    for filling in FILLINGS {
+        let mut worlds = [shaken(filling), shaken(filling)];
+        for world in &mut worlds {
+            let mut seen = 0;
+            for _ in 0..100 {
+                run(world, 30);
+                seen += world.census().sphere_contacts + world.n_wall_contacts();
+            }
+            assert!(seen > 100, "the bodies hardly meet: {seen} contacts");
         }
-        assert!(seen > 100, "the bodies hardly meet: {seen} contacts");
+        assert_eq!(bits(&worlds[0]), bits(&worlds[1]));
     }
-    assert_eq!(bits(&worlds[0]), bits(&worlds[1]));
 }
 
 /// A copy carries everything that decides the future: lists, slips, and the way since the search.
 #[test]
 fn copy_of_a_world_has_the_same_future() {
-    let mut world = shaken();
-    run(&mut world, 1503);
-    let mut copy = world.clone();
-    run(&mut world, 1500);
-    run(&mut copy, 1500);
-    assert_eq!(bits(&world), bits(&copy));
+    for filling in FILLINGS {
+        let mut world = shaken(filling);
+        run(&mut world, 1503);
+        let mut copy = world.clone();
+        run(&mut world, 1500);
+        run(&mut copy, 1500);
+        assert_eq!(bits(&world), bits(&copy));
+    }
 }
 
 /// Wide registers hold more spheres at a time and round the search for candidates otherwise, but what touches
@@ -85,20 +104,23 @@ fn copy_of_a_world_has_the_same_future() {
 /// give the same bits.
 #[test]
 fn instruction_sets_change_no_bit() {
-    let mut worlds = [shaken(), shaken().on_basic_instructions()];
-    for world in &mut worlds {
-        run(world, 3000);
+    for filling in FILLINGS {
+        let mut worlds = [shaken(filling), shaken(filling).on_basic_instructions()];
+        for world in &mut worlds {
+            run(world, 3000);
+        }
+        assert_eq!(bits(&worlds[0]), bits(&worlds[1]));
     }
-    assert_eq!(bits(&worlds[0]), bits(&worlds[1]));
 }
 
 /// The sums of forces do not depend on who found them, nor what the bodies give to their bridges of liquid: one, two and
 /// three threads, whose bodies are cut into 1, 8 and 12 parts, give the same bits.
 #[test]
 fn threads_change_no_bit() {
-    for start in [shaken, shaken_wet] {
+    let worlds = [shaken, shaken_wet].map(|start| FILLINGS.map(|filling| (start, filling)));
+    for (start, filling) in worlds.into_iter().flatten() {
         let [one, two, three] = [1, 2, 3].map(|threads| {
-            let mut world = start().on_threads(threads).unwrap();
+            let mut world = start(filling).on_threads(threads).unwrap();
             run(&mut world, 10_000);
             let (pairs, walls) = (world.census().touching_pairs, world.n_wall_contacts());
             // The order matters only to a body with three loads or more; half a box full has many.
@@ -122,8 +144,8 @@ fn a_world_goes_on_from_a_snapshot_with_the_same_bits() {
         rolling_lever: RollingLever::Centre,
         bridge: Some(wet_bridge()),
     };
-    let fresh = || {
-        let (templates, starts) = mixture();
+    let fresh = |filling: Filling| {
+        let (templates, starts) = filling();
         let settings = settings(2e-5, Vector3::new(0.0, -9.81, 0.0));
         let surface = interaction(&sticky()).with(&further);
         let walls = box_of_planes(0.0125);
@@ -151,23 +173,25 @@ fn a_world_goes_on_from_a_snapshot_with_the_same_bits() {
         world.add_mesh_wall(plate).unwrap();
         world
     };
-    let mut world = fresh();
-    run(&mut world, 10_003);
-    let kept = world.snapshot();
-    let mut continued = fresh().on_threads(2).unwrap();
-    continued.resume(kept.clone()).unwrap();
-    assert!(continued.snapshot() == kept, "something is lost on the way");
-    run(&mut world, 3000);
-    run(&mut continued, 3000);
-    assert_eq!(bits(&world), bits(&continued));
-    let (census, bodies) = (world.census(), world.bodies().len());
-    let meeting = census.sphere_contacts + world.n_wall_contacts();
-    assert!(
-        meeting > bodies,
-        "the bodies hardly meet: {meeting} contacts of {bodies}"
-    );
-    let error = continued.resume(kept).unwrap_err();
-    assert!(error.to_string().contains("another world"), "{error}");
+    for filling in FILLINGS {
+        let mut world = fresh(filling);
+        run(&mut world, 10_003);
+        let kept = world.snapshot();
+        let mut continued = fresh(filling).on_threads(2).unwrap();
+        continued.resume(kept.clone()).unwrap();
+        assert!(continued.snapshot() == kept, "something is lost on the way");
+        run(&mut world, 3000);
+        run(&mut continued, 3000);
+        assert_eq!(bits(&world), bits(&continued));
+        let (census, bodies) = (world.census(), world.bodies().len());
+        let meeting = census.sphere_contacts + world.n_wall_contacts();
+        assert!(
+            meeting > bodies,
+            "the bodies hardly meet: {meeting} contacts of {bodies}"
+        );
+        let error = continued.resume(kept).unwrap_err();
+        assert!(error.to_string().contains("another world"), "{error}");
+    }
 }
 
 /// More bodies than one part holds (16 384): one thread with two parts and two threads with eight give the same bits.

@@ -95,7 +95,10 @@ fn gather(
     let block = first..first + n;
     read_all(&mut motion.position, &bodies.position[block.clone()]);
     read_all(&mut motion.velocity, &bodies.velocity[block.clone()]);
-    read_all(&mut motion.momentum, &bodies.angular_momentum[block.clone()]);
+    read_all(
+        &mut motion.momentum,
+        &bodies.angular_momentum[block.clone()],
+    );
     read_all(&mut motion.force, &bodies.force[block.clone()]);
     read_all(&mut motion.torque, &bodies.torque[block.clone()]);
     let orientations = bodies.orientation[block.clone()].iter();

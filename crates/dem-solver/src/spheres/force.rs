@@ -11,12 +11,12 @@
 
 use crate::batch::{Column, ContactLoad, ROOM, Sink, read, write};
 use crate::bodies::Bodies;
-use crate::contact::{Interaction, Memory, SpherePair};
+use crate::contact::{Interaction, Memory, Mover, SpherePair};
 use crate::lanes::make_room;
 use crate::liquid::bridge_volume;
 use crate::pair_force::Context;
-use crate::sphere_pairs::{Row, SpherePairs, TOUCHES, row, vector};
-use crate::template::Template;
+use crate::spheres::pairs::{Row, SpherePairs, TOUCHES, row, vector};
+use crate::template::{OuterSphere, Template};
 use crate::workspace::Workspace;
 use fearless_simd::prelude::*;
 use fearless_simd::{Level, dispatch};
@@ -38,6 +38,26 @@ pub(crate) struct Sphere {
 }
 
 impl Sphere {
+    /// Where it is and how it moves.
+    #[inline(always)]
+    pub(crate) fn mover(&self) -> Mover {
+        Mover {
+            position: vector(&self.position),
+            velocity: vector(&self.velocity),
+            spin: vector(&self.spin),
+        }
+    }
+
+    /// Its size and mass.
+    #[inline(always)]
+    pub(crate) fn shape(&self) -> OuterSphere {
+        OuterSphere {
+            centre: Vector3::zeros(),
+            radius: self.position[3],
+            dashpot_mass: self.velocity[3],
+        }
+    }
+
     /// Moves it.
     #[inline(always)]
     pub(crate) fn put(
@@ -164,11 +184,12 @@ fn add_sphere_forces_on<S: Simd>(
         let mut n_apart = 0;
         for &pair in &awake[..n_awake] {
             let k = pair as usize;
-            let interaction = pairs.interaction[k] as usize;
+            let ends = pairs.ends[k];
+            let interaction = ends.interaction as usize;
             if batch.must_be_applied(interaction) {
                 batch.apply(simd, pairs, context, sink);
             }
-            let bodies = [pairs.own[k], pairs.other[k]].map(|body| body as usize);
+            let bodies = ends.bodies();
             let [a, b] = [&spheres[bodies[0]], &spheres[bodies[1]]];
             let (volume, reach) = if is_wet {
                 wet(pairs, k, bodies, context)
@@ -186,7 +207,7 @@ fn add_sphere_forces_on<S: Simd>(
         }
         for &pair in &apart[..n_apart] {
             let k = pair as usize;
-            let bodies = [pairs.own[k], pairs.other[k]].map(|body| body as usize);
+            let bodies = pairs.ends[k].bodies();
             let [a, b] = [&spheres[bodies[0]], &spheres[bodies[1]]];
             let gap = gap(a, b) - context.slack.safety;
             pairs.wake[k] = travel[bodies[0]] + travel[bodies[1]] + gap;
@@ -198,13 +219,8 @@ fn add_sphere_forces_on<S: Simd>(
 
 /// Volume of the bridge of a pair (m³), and the gap up to which it holds: 0 for a pair that did not touch (m).
 #[inline]
-fn wet(
-    pairs: &SpherePairs,
-    k: usize,
-    bodies: [usize; 2],
-    context: &Context<'_>,
-) -> (f64, f64) {
-    let law = &context.interactions[pairs.interaction[k] as usize];
+fn wet(pairs: &SpherePairs, k: usize, bodies: [usize; 2], context: &Context<'_>) -> (f64, f64) {
+    let law = &context.interactions[pairs.ends[k].interaction as usize];
     let volume = bridge_volume(law, context.liquid, bodies);
     let reach = if pairs.touches(k) {
         law.reach(volume)
@@ -223,10 +239,13 @@ fn between(a: &Row, b: &Row) -> Vector3<f64> {
 /// Whether two spheres have a gap below a reach (m); two in one place have no direction in which to part and
 /// count as apart.
 #[inline(always)]
+#[expect(
+    clippy::needless_bitwise_bool,
+    reason = "no branch on what cannot be foreseen"
+)]
 fn are_near(a: &Sphere, b: &Sphere, reach: f64) -> bool {
     let square = between(&a.position, &b.position).norm_squared();
     let sum = a.position[3] + b.position[3] + reach;
-    // Without a branch.
     (square < sum * sum) & (square != 0.0)
 }
 
@@ -256,9 +275,9 @@ impl SphereBatch {
         write(&mut input.velocity, n, &between(&b.velocity, &a.velocity));
         write(&mut input.spins[0], n, &vector(&a.spin));
         write(&mut input.spins[1], n, &vector(&b.spin));
-        write(&mut input.slip, n, &vector(&pairs.slip[pair as usize]));
+        write(&mut input.slip, n, &pairs.slip[pair as usize]);
         if let Some(rolling) = pairs.rolling.get(pair as usize) {
-            write(&mut input.rolling, n, &vector(rolling));
+            write(&mut input.rolling, n, rolling);
         }
         input.radii[0][n] = a.position[3];
         input.radii[1][n] = b.position[3];
@@ -299,13 +318,13 @@ impl SphereBatch {
         for k in 0..n {
             let pair = self.pair[k] as usize;
             sink.take(&ContactLoad {
-                bodies: [pairs.own[pair], pairs.other[pair]].map(|body| body as usize),
+                bodies: pairs.ends[pair].bodies(),
                 force: read(&output.force, k),
                 torques: [read(&output.torque_i, k), read(&output.torque_j, k)],
             });
-            pairs.slip[pair] = row(&read(&output.slip, k), 0.0);
+            pairs.slip[pair] = read(&output.slip, k);
             if let Some(rolling) = pairs.rolling.get_mut(pair) {
-                *rolling = row(&read(&output.rolling, k), 0.0);
+                *rolling = read(&output.rolling, k);
             }
         }
         self.n = 0;

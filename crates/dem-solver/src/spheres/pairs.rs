@@ -20,11 +20,30 @@ use nalgebra::Vector3;
 
 /// Sum of travels above which a pair wakes that touches, m.
 pub(crate) const TOUCHES: f32 = f32::NEG_INFINITY;
-/// The same of a pair that has not been looked at, m.
-const UNKNOWN: f32 = f32::MIN;
+/// The same of a pair that has not been looked at, m: below all travels, and still a number when it is lowered.
+pub(crate) const UNKNOWN: f32 = -1e30;
 
 /// Three coordinates and a fourth number that goes along, so that they are read and written together.
 pub(crate) type Row = [f64; 4];
+
+/// The bodies of a pair.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Ends {
+    /// The body of the range.
+    own: u32,
+    /// The other body.
+    other: u32,
+    /// Place of the interaction of both in the table.
+    pub(crate) interaction: u32,
+}
+
+impl Ends {
+    /// Both bodies.
+    #[inline(always)]
+    pub(crate) fn bodies(&self) -> [usize; 2] {
+        [self.own as usize, self.other as usize]
+    }
+}
 
 /// The pairs of a range of bodies with all bodies behind them, in the order of both bodies.
 ///
@@ -35,20 +54,16 @@ pub(crate) struct SpherePairs {
     first: usize,
     /// First pair of each body of the range; one more than there are bodies.
     start: Vec<u32>,
-    /// The body of the range.
-    pub(crate) own: Vec<u32>,
-    /// The other body.
-    pub(crate) other: Vec<u32>,
-    /// Place of the interaction of both in the table.
-    pub(crate) interaction: Vec<u32>,
+    /// Who the pairs are.
+    pub(crate) ends: Vec<Ends>,
     /// Sum of the travels of both bodies above which the pair is awake, m: [`TOUCHES`] for a pair that
     /// touches, else where it could.
     pub(crate) wake: Vec<f32>,
     /// Tangential displacement of the contact, m; 0 where there is none.
-    pub(crate) slip: Vec<Row>,
+    pub(crate) slip: Vec<Vector3<f64>>,
     /// Torque of the rolling spring of the contact, N m; 0 where there is none. Empty in a world without
     /// rolling springs.
-    pub(crate) rolling: Vec<Row>,
+    pub(crate) rolling: Vec<Vector3<f64>>,
     /// Whether there are rolling springs.
     remembers_rolling: bool,
 }
@@ -67,9 +82,7 @@ impl SpherePairs {
         self.remembers_rolling = interactions.iter().any(Interaction::remembers_rolling);
         self.start.clear();
         self.start.push(0);
-        self.own.clear();
-        self.other.clear();
-        self.interaction.clear();
+        self.ends.clear();
         self.wake.clear();
         self.slip.clear();
         self.rolling.clear();
@@ -94,25 +107,23 @@ impl SpherePairs {
         };
         let material = |body: usize| context.templates[template[body]].material;
         for &j in partners {
-            while k < end && old.other[k] < j {
+            while k < end && old.ends[k].other < j {
                 k += 1;
             }
             let other = j as usize;
-            let known = (k < end && old.other[k] == j).then_some(k);
-            let wake = known.map_or(UNKNOWN, |k| match old.wake[k] {
-                // What touches is awake until it parts.
-                TOUCHES => TOUCHES,
-                wake => lowered(wake, travel[i] + travel[other]).max(UNKNOWN),
-            });
-            let remembered = |column: &[Row]| known.map_or([0.0; 4], |k| column[k]);
-            self.own.push(stored(i));
-            self.other.push(j);
+            let known = (k < end && old.ends[k].other == j).then_some(k);
+            let ways = travel[i] + travel[other];
+            let wake = known.map_or(UNKNOWN, |k| lowered(old.wake[k], ways));
             let interaction = context.interaction_index(material(i), material(other));
-            self.interaction.push(stored(interaction));
+            self.ends.push(Ends {
+                own: stored(i),
+                other: j,
+                interaction: stored(interaction),
+            });
             self.wake.push(wake);
-            self.slip.push(remembered(&old.slip));
+            self.slip.push(remembered(&old.slip, known));
             if self.remembers_rolling {
-                self.rolling.push(remembered(&old.rolling));
+                self.rolling.push(remembered(&old.rolling, known));
             }
         }
         self.start.push(stored(self.slip.len()));
@@ -120,8 +131,7 @@ impl SpherePairs {
 
     /// Ends a list that was begun.
     pub(crate) fn end(&mut self) {
-        self.own.extend([0; HALF]);
-        self.other.extend([0; HALF]);
+        self.ends.extend([Ends::default(); HALF]);
         self.wake.extend([f32::INFINITY; HALF]);
     }
 
@@ -140,9 +150,9 @@ impl SpherePairs {
         let mut n = 0;
         for first in (from..to).step_by(HALF) {
             let group = first..first + HALF;
-            let (own, other) = (&self.own[group.clone()], &self.other[group.clone()]);
-            let ways = f32x8::from_fn(simd, |l| travel[own[l] as usize])
-                + f32x8::from_fn(simd, |l| travel[other[l] as usize]);
+            let ends = &self.ends[group.clone()];
+            let ways = f32x8::from_fn(simd, |l| travel[ends[l].own as usize])
+                + f32x8::from_fn(simd, |l| travel[ends[l].other as usize]);
             let is_awake = ways.simd_gt(f32x8::from_slice(simd, &self.wake[group]));
             let pairs = numbers + stored(first);
             n = keep(awake, n, pairs, is_awake & pairs.simd_lt(stored(to)));
@@ -153,22 +163,21 @@ impl SpherePairs {
     /// What the contact of a pair remembers.
     pub(crate) fn memory(&self, k: usize) -> Memory {
         Memory {
-            slip: vector(&self.slip[k]),
-            rolling: self.rolling.get(k).map_or_else(Vector3::zeros, vector),
+            slip: self.slip[k],
+            rolling: self.rolling.get(k).copied().unwrap_or_default(),
         }
     }
 
     /// Sets what the contact of a pair remembers.
     #[inline(always)]
     pub(crate) fn remember(&mut self, k: usize, memory: &Memory) {
-        self.slip[k] = row(&memory.slip, 0.0);
+        self.slip[k] = memory.slip;
         if let Some(rolling) = self.rolling.get_mut(k) {
-            *rolling = row(&memory.rolling, 0.0);
+            *rolling = memory.rolling;
         }
     }
 
     /// Whether a pair touched in the last step.
-    #[expect(clippy::float_cmp, reason = "one value stands for the touch")]
     #[inline(always)]
     pub(crate) fn touches(&self, k: usize) -> bool {
         self.wake[k] == TOUCHES
@@ -178,8 +187,8 @@ impl SpherePairs {
     pub(crate) fn kept(&self) -> impl Iterator<Item = KeptContact> + '_ {
         let touching = (0..self.len()).filter(|&k| self.touches(k));
         touching.map(|k| KeptContact {
-            body: self.own[k] as usize,
-            other: self.other[k] as usize,
+            body: self.ends[k].own as usize,
+            other: self.ends[k].other as usize,
             key: 0,
             memory: self.memory(k),
         })
@@ -191,12 +200,16 @@ impl SpherePairs {
         let n_bodies = self.start.len().saturating_sub(1);
         let mut taken = 0;
         for contact in contacts {
-            let Some(place) = contact.body.checked_sub(self.first).filter(|p| *p < n_bodies) else {
+            let Some(place) = contact
+                .body
+                .checked_sub(self.first)
+                .filter(|p| *p < n_bodies)
+            else {
                 continue;
             };
             let (from, to) = (self.start[place] as usize, self.start[place + 1] as usize);
-            let pairs = &self.other[from..to];
-            if let Ok(at) = pairs.binary_search_by_key(&contact.other, |&j| j as usize) {
+            let pairs = &self.ends[from..to];
+            if let Ok(at) = pairs.binary_search_by_key(&contact.other, |e| e.other as usize) {
                 self.wake[from + at] = TOUCHES;
                 self.remember(from + at, &contact.memory);
                 taken += 1;
@@ -221,6 +234,11 @@ impl SpherePairs {
 #[inline(always)]
 pub(crate) fn row(vector: &Vector3<f64>, beside: f64) -> Row {
     [vector.x, vector.y, vector.z, beside]
+}
+
+/// What a column holds of an entry that is known; 0 of one that is not.
+pub(crate) fn remembered(column: &[Vector3<f64>], known: Option<usize>) -> Vector3<f64> {
+    known.map_or_else(Vector3::zeros, |k| column[k])
 }
 
 /// The vector of a row.
