@@ -31,6 +31,8 @@ pub struct DrumDescription {
     pub start_up: Option<String>,
     /// Edge of the pictures that are drawn of the spheres, px.
     pub pixels: u32,
+    /// Largest standard error with which the angle may be known from one picture, rad.
+    pub max_angle_error: f64,
 }
 
 /// The drum of one run.
@@ -98,6 +100,7 @@ impl DrumDescription {
                 pixels: self.pixels,
                 roll: 0.0,
                 distance: None,
+                max_angle_error: self.max_angle_error,
             },
             spin: spin.si(),
             gravity: self.gravity_m_s2,
@@ -236,6 +239,7 @@ mod tests {
             time_step: Some("0.01 ms".into()),
             start_up: None,
             pixels: 480,
+            max_angle_error: photo_profile::MAX_ANGLE_ERROR,
         }
     }
 

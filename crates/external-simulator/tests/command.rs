@@ -248,6 +248,7 @@ fn positions_of_another_code_are_read_by_the_same_ruler() {
         time_step: None,
         start_up: None,
         pixels: 480,
+        max_angle_error: photo_profile::MAX_ANGLE_ERROR,
     });
     for file in csv::series("bed", &scene, frames, &run.bodies) {
         fs::write(handed.join(file.name), file.text).unwrap();

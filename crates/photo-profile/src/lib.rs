@@ -72,5 +72,5 @@ pub use overlay::{overlay, overlay_gray};
 pub use pixels::PhotoPixels;
 pub use reading::{BedEnds, PhotoReading, PixelPoint, Refusal, Verdict};
 pub use rectify::rectify;
-pub use settings::{DrumPixels, Foreground, Mode, Settings};
+pub use settings::{DrumPixels, Foreground, MAX_ANGLE_ERROR, Mode, Settings};
 pub use surface_shift::{NoShift, SurfaceShift, surface_shift};

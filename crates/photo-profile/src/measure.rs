@@ -24,8 +24,6 @@ const SMOOTHING: f64 = 0.03;
 const LEAST_SIDE: u32 = 64;
 /// Largest roughness, in drum radii: twice that of seeds of a seventh of the radius.
 const MOST_ROUGHNESS: f64 = 0.1;
-/// Largest standard error of the line, rad: 3 degrees. Beyond, a number says nothing.
-const MOST_ERROR: f64 = 0.052;
 
 /// Measures the angle in a picture file.
 ///
@@ -102,7 +100,7 @@ fn read_disc(picture: &PhotoPixels, found: &FoundDrum, settings: &Settings) -> P
         // Where the bed ends is told also where its surface has no angle.
         Ok(disc) => PhotoReading {
             ends: shell_ends(&disc.field, disc.level, &disc.circle),
-            ..read_surface_of(&disc, found).unwrap_or_else(refused)
+            ..read_surface_of(&disc, found, settings).unwrap_or_else(refused)
         },
     };
     PhotoReading { channel, ..reading }
@@ -157,7 +155,11 @@ impl Disc {
 }
 
 /// Measures the surface in the disc of a drum.
-fn read_surface_of(disc: &Disc, found: &FoundDrum) -> Result<PhotoReading, Refusal> {
+fn read_surface_of(
+    disc: &Disc,
+    found: &FoundDrum,
+    settings: &Settings,
+) -> Result<PhotoReading, Refusal> {
     let drum = found.circle;
     let Disc {
         view,
@@ -181,11 +183,13 @@ fn read_surface_of(disc: &Disc, found: &FoundDrum) -> Result<PhotoReading, Refus
         found.rim.as_ref(),
     );
     let error = surface.angle.standard_error;
-    if surface.roughness > MOST_ROUGHNESS * drum.r || error > MOST_ERROR {
+    if surface.roughness > MOST_ROUGHNESS * drum.r || error > settings.max_angle_error {
         return Err(Refusal::TooRough {
             roughness: surface.roughness / drum.r,
             most: MOST_ROUGHNESS,
             error: error.to_degrees(),
+            most_error: settings.max_angle_error.to_degrees(),
+            line: surface.angle.line.to_degrees(),
         });
     }
     let trust = Trust {

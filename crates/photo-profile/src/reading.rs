@@ -117,7 +117,7 @@ pub enum Refusal {
     /// The surface is too rough to have an angle.
     #[error(
         "the surface is too rough: {roughness:.3} of the drum radius (at most {most}), standard \
-         error of the angle {error:.1} degrees (at most 3)"
+         error of the angle {error:.1} degrees (at most {most_error:.1})"
     )]
     TooRough {
         /// Root mean square height about the smooth surface, drum radii.
@@ -126,6 +126,10 @@ pub enum Refusal {
         most: f64,
         /// Standard error of the line, degrees.
         error: f64,
+        /// Largest standard error, degrees.
+        most_error: f64,
+        /// Inclination of the line all the same, degrees: it tells whether leaving such surfaces out shifts a mean.
+        line: f64,
     },
     /// The heap reaches out of the picture.
     #[error("no air above: the heap reaches the upper border of the picture")]

@@ -40,7 +40,7 @@ pub enum Foreground {
 }
 
 /// Settings of a measurement.
-#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Settings {
     /// The drum circle where it is known, px; found in the picture otherwise.
     pub drum: Option<DrumPixels>,
@@ -52,14 +52,33 @@ pub struct Settings {
     pub mode: Mode,
     /// Which tone the bed has.
     pub foreground: Foreground,
+    /// Largest standard error with which the angle of a drum's bed may be known from one picture, rad: 3 degrees by
+    /// default. Coarse beds have larger ones; the mean of many pictures can still be known well.
+    pub max_angle_error: f64,
+}
+
+/// Largest standard error of an angle from one picture where nothing else is said, rad.
+pub const MAX_ANGLE_ERROR: f64 = 3.0 * std::f64::consts::PI / 180.0;
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self {
+            drum: None,
+            camera_roll: 0.0,
+            definition: Definition::default(),
+            mode: Mode::default(),
+            foreground: Foreground::default(),
+            max_angle_error: MAX_ANGLE_ERROR,
+        }
+    }
 }
 
 impl Settings {
     /// Refuses settings that cannot be meant.
     ///
     /// # Errors
-    /// [`Error::BadSetting`] for a drum that is not finite or smaller than 16 px in radius and
-    /// for a roll beyond 45 degrees.
+    /// [`Error::BadSetting`] for a drum that is not finite or smaller than 16 px in radius, for a roll beyond
+    /// 45 degrees and for a largest error outside 0.1 to 30 degrees.
     pub fn check(&self) -> Result<(), Error> {
         if let Some(drum) = self.drum {
             if !(drum.r.is_finite() && drum.r >= 16.0) {
@@ -85,6 +104,13 @@ impl Settings {
                 name: "camera roll",
                 value: self.camera_roll,
                 limit: "within 0.785 rad (45 degrees) of level",
+            });
+        }
+        if !(0.1..=30.0).contains(&self.max_angle_error.to_degrees()) {
+            return Err(Error::BadSetting {
+                name: "largest error of the angle",
+                value: self.max_angle_error,
+                limit: "0.00175 to 0.524 rad (0.1 to 30 degrees)",
             });
         }
         Ok(())

@@ -4,7 +4,7 @@
 
 use image::{GrayImage, Luma, imageops};
 use photo_profile::synthetic::HeapScene;
-use photo_profile::{HeapReading, Mode, Settings, Verdict, measure_image};
+use photo_profile::{HeapReading, MAX_ANGLE_ERROR, Mode, Settings, Verdict, measure_image};
 
 const HEAP: Settings = Settings {
     drum: None,
@@ -12,6 +12,7 @@ const HEAP: Settings = Settings {
     definition: surface_profile::Definition::Line,
     mode: Mode::Heap,
     foreground: photo_profile::Foreground::Auto,
+    max_angle_error: MAX_ANGLE_ERROR,
 };
 
 fn read(picture: &GrayImage) -> HeapReading {

@@ -4,7 +4,9 @@
 
 use image::{GrayImage, imageops};
 use photo_profile::synthetic::{Disturbance, Scene};
-use photo_profile::{DrumPixels, Foreground, PhotoReading, Settings, Verdict, measure_image};
+use photo_profile::{
+    DrumPixels, Foreground, PhotoReading, Refusal, Settings, Verdict, measure_image,
+};
 use surface_profile::{HighSide, SurfaceAngle, measure};
 
 /// The reading of a picture that must be measurable.
@@ -179,6 +181,28 @@ fn coarse_grains_are_read_without_bias_and_with_their_own_error() {
         held += errors.held;
     }
     assert!(held >= 52, "{held} of 60");
+}
+
+/// One coarse picture is known to some 0.6 degrees: refused where 0.3 are asked for, with the line that is given where 1 will do,
+/// to the last bit, so that a mean with and without such pictures can be compared.
+#[test]
+fn a_refused_coarse_bed_still_tells_its_line() {
+    let picture = COARSE.draw();
+    let asked = |degrees: f64| Settings {
+        max_angle_error: degrees.to_radians(),
+        ..Settings::default()
+    };
+    let angle = read(&picture, &asked(1.0)).angle.unwrap();
+    let refused = measure_image(&picture, &asked(0.3)).unwrap();
+    assert!(refused.angle.is_none());
+    let Verdict::Refused {
+        reason: Refusal::TooRough { line, error, .. },
+    } = refused.verdict
+    else {
+        panic!("refused as too rough: {:?}", refused.verdict)
+    };
+    assert_eq!(line, angle.line.to_degrees());
+    assert_eq!(error, angle.standard_error.to_degrees());
 }
 
 /// A picture and its mirror: 0.01 degrees is what users are promised; also at odd sizes, where

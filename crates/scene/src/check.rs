@@ -124,6 +124,16 @@ impl Scene {
                 "above 0, at most 50 ms: the seeds go on for so long with the speed that they have";
             found.push(bad("camera.pair_interval", time.to_string(), requirement));
         }
+        if let Some(error) = self.camera.max_angle_error
+            && !(0.1..=30.0).contains(&error.si().to_degrees())
+        {
+            let requirement = "0.1 to 30 degrees";
+            found.push(bad(
+                "camera.max_angle_error",
+                error.to_string(),
+                requirement,
+            ));
+        }
         if let Some(distance) = self.camera.distance
             && distance.si() <= self.apparatus.radius()
         {

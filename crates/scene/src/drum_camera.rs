@@ -20,6 +20,8 @@ pub struct DrumCamera {
     pub roll: f64,
     /// Distance from the front cover, m; parallel rays where absent.
     pub distance: Option<f64>,
+    /// Largest standard error of the angle from one picture, rad.
+    pub max_angle_error: f64,
 }
 
 impl DrumCamera {
@@ -31,6 +33,10 @@ impl DrumCamera {
             pixels: scene.camera.pixels,
             roll: scene.camera.roll.si(),
             distance: scene.camera.distance.map(quantity::Length::si),
+            max_angle_error: scene
+                .camera
+                .max_angle_error
+                .map_or(photo_profile::MAX_ANGLE_ERROR, quantity::Angle::si),
         }
     }
 
@@ -111,7 +117,11 @@ impl DrumCamera {
         picture: &PhotoPixels,
         spheres: &[(usize, Sphere)],
     ) -> Result<FrameReading, Error> {
-        let photo = measure_photo(picture, &photo_profile::Settings::default())?;
+        let settings = photo_profile::Settings {
+            max_angle_error: self.max_angle_error,
+            ..photo_profile::Settings::default()
+        };
+        let photo = measure_photo(picture, &settings)?;
         let drum = self.circle();
         let discs: Vec<Disc> = spheres
             .iter()
@@ -162,6 +172,7 @@ mod tests {
             pixels: 480,
             roll: 0.0,
             distance: Some(0.092),
+            max_angle_error: photo_profile::MAX_ANGLE_ERROR,
         };
         assert!((camera.apparent_size(0.023) - 1.0).abs() < 1e-15);
         assert!((camera.apparent_size(-0.023) - 2.0 / 3.0).abs() < 1e-15);

@@ -266,6 +266,9 @@ pub struct CameraSettings {
     /// where absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub pair_interval: Option<Time>,
+    /// Largest standard error with which the angle may be known from one frame, 0.1 to 30 degrees; 3 degrees where absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub max_angle_error: Option<Angle>,
 }
 
 impl Default for CameraSettings {
@@ -275,6 +278,7 @@ impl Default for CameraSettings {
             roll: Angle::from_si(0.0).expect("0 is an angle"),
             distance: None,
             pair_interval: None,
+            max_angle_error: None,
         }
     }
 }

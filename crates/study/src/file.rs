@@ -139,6 +139,9 @@ pub struct CandidateEntry {
 pub struct PhotoOptions {
     /// Angle of the true horizontal in the pictures, counter-clockwise positive, rad.
     pub roll_rad: f64,
+    /// Largest standard error with which the angle may be known from one picture, rad; 3 degrees where absent.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub max_angle_error_rad: Option<f64>,
     /// Centre and radius of the drum, px; found where absent.
     pub drum: Option<[f64; 3]>,
     /// Corners of a square in the plane of the drum's end, px.

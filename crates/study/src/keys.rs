@@ -21,7 +21,7 @@ pub(crate) const SCENE: [&str; 4] = ["name", "file", "changes", "apparatus"];
 /// Keys of `[[scene]]` where a program of the user does the runs.
 pub(crate) const SCENE_COMMAND: [&str; 4] = ["name", "observables", "parameters", "drum"];
 /// Keys of the drum of such a scene.
-pub(crate) const DRUM: [&str; 11] = [
+pub(crate) const DRUM: [&str; 12] = [
     "inner_diameter",
     "width",
     "speed",
@@ -33,6 +33,7 @@ pub(crate) const DRUM: [&str; 11] = [
     "time_step",
     "start_up",
     "pixels",
+    "max_angle_error",
 ];
 /// Keys of `[simulator]` for LAMMPS and LIGGGHTS.
 pub(crate) const SIMULATOR_PEER: [&str; 6] = [
@@ -78,9 +79,10 @@ pub(crate) const CANDIDATE: [&str; 6] = ["scene", "condition", "observables", "s
 /// Keys of an observable.
 pub(crate) const VALUE: [&str; 3] = ["mean", "sd", "n"];
 /// Keys of `photo`.
-pub(crate) const PHOTO: [&str; 8] = [
+pub(crate) const PHOTO: [&str; 9] = [
     "definition",
     "roll",
+    "max_angle_error",
     "drum",
     "corners",
     "foreground",

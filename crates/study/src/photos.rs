@@ -4,8 +4,8 @@ use crate::file::{MeasuredCorrelation, MeasuredValue, PhotoOptions};
 use crate::photo_values::{SPEED, Wanted, take_over};
 use campaign::in_full;
 use photo_profile::{
-    DrumPixels, Mode, PhotoPixels, PhotoReading, PixelPoint, Settings, Verdict, measure_photo,
-    picture_files, read_frames, rectify, surface_shift,
+    DrumPixels, MAX_ANGLE_ERROR, Mode, PhotoPixels, PhotoReading, PixelPoint, Settings, Verdict,
+    measure_photo, picture_files, read_frames, rectify, surface_shift,
 };
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -152,6 +152,7 @@ impl<'a> Reader<'a> {
                 definition: Definition::Line,
                 mode: if shown.heap { Mode::Heap } else { Mode::Drum },
                 foreground: options.foreground,
+                max_angle_error: options.max_angle_error_rad.unwrap_or(MAX_ANGLE_ERROR),
             },
             speed_scale: scale.filter(|_| asked && !shown.heap),
             pictures: 0,

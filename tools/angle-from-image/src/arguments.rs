@@ -54,6 +54,11 @@ pub(crate) struct Arguments {
     #[arg(long, value_enum, default_value_t = ForegroundName::Auto)]
     pub(crate) foreground: ForegroundName,
 
+    /// Largest standard error with which the angle of a drum's bed may be known from one picture, degrees: a bed of
+    /// coarse grains needs more, and many pictures
+    #[arg(long, value_name = "DEG", default_value_t = 3.0)]
+    pub(crate) max_error_deg: f64,
+
     /// Pictures a second, where they follow each other at one rate: the angle then also tells how long it is correlated
     /// with itself, or its avalanches
     #[arg(long, value_name = "RATE", value_parser = rate)]
@@ -119,6 +124,7 @@ impl Arguments {
                 ForegroundName::Dark => Foreground::Dark,
                 ForegroundName::Light => Foreground::Light,
             },
+            max_angle_error: self.max_error_deg.to_radians(),
         }
     }
 }

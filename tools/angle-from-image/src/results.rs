@@ -2,7 +2,7 @@
 
 use crate::summary::Summary;
 use command_line::Header;
-use photo_profile::{DrumPixels, HeapReading, PhotoReading, Settings, Verdict};
+use photo_profile::{DrumPixels, HeapReading, PhotoReading, Refusal, Settings, Verdict};
 use serde::Serialize;
 use std::path::Path;
 use surface_profile::{Definition, HighSide};
@@ -32,6 +32,9 @@ pub(crate) struct ImageResult {
     pub(crate) angle_se_deg: Option<f64>,
     /// The 95 % interval of `angle_deg`, degrees.
     pub(crate) angle_interval_deg: Option<[f64; 2]>,
+    /// Least-squares line of a surface that was refused as too rough, degrees: what leaving it out does to a mean is in the
+    /// summary.
+    pub(crate) rough_line_deg: Option<f64>,
     /// Least-squares line, degrees.
     pub(crate) line_deg: Option<f64>,
     /// Standard error of `line_deg`, degrees.
@@ -155,6 +158,12 @@ impl ImageResult {
             angle_interval_deg: chosen
                 .zip(error)
                 .map(|(a, e)| [a - HALF_INTERVAL * e, a + HALF_INTERVAL * e].map(f64::to_degrees)),
+            rough_line_deg: match &reading.verdict {
+                Verdict::Refused {
+                    reason: Refusal::TooRough { line, .. },
+                } => Some(*line),
+                _ => None,
+            },
             line_deg: degrees(angle.map(|a| a.line)),
             line_se_deg: degrees(angle.map(|a| a.standard_error)),
             chord_deg: degrees(angle.map(|a| a.chord)),

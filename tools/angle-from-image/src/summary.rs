@@ -20,6 +20,66 @@ pub(crate) struct Spread {
     n_effective: f64,
 }
 
+/// The pictures refused as too rough beside those that were measured. Rough surfaces are left out for their error, not for
+/// their angle; where they stand elsewhere than the others, the mean of the others is not that of the bed.
+#[derive(Debug, Clone, Copy, Serialize)]
+pub(crate) struct TooRough {
+    /// Pictures refused as too rough.
+    pub(crate) n: usize,
+    /// Mean of their lines, degrees.
+    pub(crate) mean_deg: f64,
+    /// That mean less the mean of the lines that were measured, degrees.
+    pub(crate) difference_deg: f64,
+    /// Standard error of the difference, from the spread of both, degrees; none where one of them has one picture.
+    pub(crate) difference_se_deg: Option<f64>,
+}
+
+impl TooRough {
+    /// Compares the lines of the surfaces refused as too rough with those that were measured.
+    fn new(images: &[ImageResult]) -> Option<Self> {
+        let lines = |of: fn(&ImageResult) -> Option<f64>| -> Vec<f64> {
+            images.iter().filter_map(of).collect()
+        };
+        let rough = lines(|i| i.rough_line_deg);
+        let others = summarise(&lines(|i| i.line_deg)).ok()?;
+        let found = summarise(&rough).ok()?;
+        let error = found.standard_error.hypot(others.standard_error);
+        Some(Self {
+            n: rough.len(),
+            mean_deg: found.mean,
+            difference_deg: found.mean - others.mean,
+            difference_se_deg: error.is_finite().then_some(error),
+        })
+    }
+
+    /// Whether the difference is more than twice its standard error.
+    fn shifts_the_mean(&self) -> bool {
+        self.difference_se_deg
+            .is_some_and(|error| self.difference_deg.abs() > 2.0 * error)
+    }
+
+    /// The sentence for people.
+    fn text(&self) -> String {
+        let Self {
+            n,
+            mean_deg,
+            difference_deg,
+            ..
+        } = self;
+        let error = self
+            .difference_se_deg
+            .map_or_else(|| "error unknown".to_owned(), |e| format!("+- {e:.2}"));
+        let advice = if self.shifts_the_mean() {
+            ": the mean without them is biased; allow for them by --max-error-deg"
+        } else {
+            ""
+        };
+        format!(
+            "\n{n} refused as too rough: their lines have a mean of {mean_deg:.2} deg, {difference_deg:+.2} ({error}) from the others{advice}"
+        )
+    }
+}
+
 /// The JSON of several pictures together.
 #[derive(Debug, Clone, Serialize)]
 pub(crate) struct Summary {
@@ -35,6 +95,8 @@ pub(crate) struct Summary {
     pub(crate) n_effective: Option<f64>,
     /// Pictures refused.
     pub(crate) refused: usize,
+    /// What the surfaces refused as too rough would change; none where there are none, or nothing was measured.
+    pub(crate) too_rough: Option<TooRough>,
     /// Files that could not be read.
     pub(crate) unread: usize,
     /// All that a drum shows, by the names that studies use, each in the unit at the end of its name or in 1.
@@ -55,6 +117,7 @@ impl Summary {
             se_deg: finite(series.map(|s| s.standard_error)),
             n_effective: finite(series.map(|s| s.n_effective)),
             refused: count("refused"),
+            too_rough: TooRough::new(images),
             unread: count("error"),
             observables: observables(images, interval),
         }
@@ -67,8 +130,12 @@ impl Summary {
             0 => String::new(),
             unread => format!(", {unread} not read"),
         };
+        let rough = self
+            .too_rough
+            .as_ref()
+            .map_or_else(String::new, TooRough::text);
         format!(
-            "mean {} deg, sd {}, se {}, {} measured, {} refused{unread}",
+            "mean {} deg, sd {}, se {}, {} measured, {} refused{unread}{rough}",
             number(self.mean_deg),
             number(self.sd_deg),
             number(self.se_deg),
@@ -135,4 +202,44 @@ fn spread(values: &[f64]) -> Option<Spread> {
         se: finite(series.standard_error),
         n_effective: series.n_effective,
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Summary;
+    use crate::results::ImageResult;
+
+    /// Pictures with lines at some angles, and pictures refused as too rough with lines at others, deg.
+    fn pictures(measured: &[f64], rough: &[f64]) -> Vec<ImageResult> {
+        let read = measured.iter().map(|&line| ImageResult {
+            verdict: "ok",
+            angle_deg: Some(line),
+            line_deg: Some(line),
+            ..ImageResult::default()
+        });
+        let refused = rough.iter().map(|&line| ImageResult {
+            verdict: "refused",
+            rough_line_deg: Some(line),
+            ..ImageResult::default()
+        });
+        read.chain(refused).collect()
+    }
+
+    /// Means of 39 and 44 with spreads below 1: the mean of those that were measured is not that of the bed. Means of 39 and
+    /// 39.2 with the same spreads tell nothing of that kind. Exact but for rounding.
+    #[test]
+    fn surfaces_refused_as_too_rough_are_told_where_they_stand_elsewhere() {
+        let measured = [38.0, 39.5, 38.5, 40.0, 39.0];
+        let steep = Summary::new(&pictures(&measured, &[43.5, 44.5, 44.0]), None);
+        let found = steep.too_rough.expect("three are refused as too rough");
+        assert_eq!((found.n, steep.refused, steep.n), (3, 3, 5));
+        assert!((found.difference_deg - 5.0).abs() < 1e-12, "{found:?}");
+        assert!(steep.text().contains("+5.00"), "{}", steep.text());
+        assert!(steep.text().contains("--max-error-deg"), "{}", steep.text());
+
+        let alike = Summary::new(&pictures(&measured, &[38.7, 39.7, 39.2]), None);
+        assert!(!alike.text().contains("biased"), "{}", alike.text());
+        let fine = Summary::new(&pictures(&measured, &[]), None);
+        assert!(fine.too_rough.is_none(), "{:?}", fine.too_rough);
+    }
 }

@@ -19,6 +19,7 @@ pub(super) fn photo_options(fields: &Fields<'_>, problems: &mut Problems) -> Pho
         ));
     }
     let roll: Option<Angle> = fields.optional("roll", "an angle such as \"0.4 deg\"", problems);
+    let max_angle_error_rad = max_angle_error(fields, problems);
     let drum = fields.optional("drum", "three numbers [cx, cy, r] in px", problems);
     let corners: Option<String> = fields.optional("corners", "a text", problems);
     let corners = corners.and_then(|text| {
@@ -52,10 +53,23 @@ pub(super) fn photo_options(fields: &Fields<'_>, problems: &mut Problems) -> Pho
         pair_interval_s,
         also,
         roll_rad: roll.map_or(0.0, Angle::si),
+        max_angle_error_rad,
         drum,
         corners,
         foreground: foreground.unwrap_or_default(),
     }
+}
+
+/// Largest standard error with which the angle may be known from one picture, rad.
+pub(super) fn max_angle_error(fields: &Fields<'_>, problems: &mut Problems) -> Option<f64> {
+    let key = "max_angle_error";
+    let error: Option<Angle> = fields.optional(key, "an angle such as \"3 deg\"", problems);
+    let error = error.map(Angle::si);
+    let possible = |error: &f64| (0.1..=30.0).contains(&error.to_degrees());
+    if error.is_some_and(|error| !possible(&error)) {
+        problems.add(fields.wrong(key, "must be 0.1 to 30 degrees"));
+    }
+    error.filter(possible)
 }
 
 /// A time between pictures, s.

@@ -1,10 +1,12 @@
 //! The `[simulator]` table: who does the runs.
 
 use super::parts::NUMBER;
+use super::photo::max_angle_error;
 use crate::document::Fields;
 use crate::keys;
 use crate::problem::Problems;
 use external_simulator::{DrumDescription, Keep, Peer, ResultFiles};
+use photo_profile::MAX_ANGLE_ERROR;
 use quantity::Time;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -205,6 +207,7 @@ pub(super) fn drum(fields: &Fields<'_>, problems: &mut Problems) -> Option<DrumD
         time_step,
         start_up,
         pixels: pixels.unwrap_or(480),
+        max_angle_error: max_angle_error(fields, problems).unwrap_or(MAX_ANGLE_ERROR),
     })
 }
 
