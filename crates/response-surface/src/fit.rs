@@ -172,7 +172,7 @@ pub fn fit(factors: &[Factor], model: &Model, data: &Observations) -> Result<Fit
 /// `[Myers2016, chapter 2]`.
 ///
 /// # Errors
-/// [`Error::FactorMismatch`], [`Error::Length`] (fewer coded values than factors),
+/// [`Error::FactorMismatch`], [`Error::FactorScale`], [`Error::Length`] (fewer coded values than factors),
 /// [`Error::TooFewObservations`], [`Error::AliasedTerms`]; [`Error::BadObservation`] for inverse
 /// variance weights without positive sd.
 pub fn fit_weighted(
@@ -182,6 +182,7 @@ pub fn fit_weighted(
     weighting: Weighting,
 ) -> Result<Fit, Error> {
     check_symbols(factors, model)?;
+    check_scales(factors, model)?;
     let data = &data.first_columns(factors.len());
     let matrix = Matrix::new(model, data, weighting)?;
     let solved = least_squares(
@@ -424,6 +425,26 @@ fn check_symbols(factors: &[Factor], model: &Model) -> Result<(), Error> {
         model: model.symbols().join(", "),
         given: given.join(", "),
     })
+}
+
+/// Refuses a range in whose unit the coefficients, or their variances, would be no numbers.
+fn check_scales(factors: &[Factor], model: &Model) -> Result<(), Error> {
+    for (j, factor) in factors.iter().enumerate() {
+        let powers = model.terms().iter().map(|term| term.powers()[j]);
+        let power = powers.max().unwrap_or(0);
+        let half = factor.half_range();
+        let ratios = [half, 1.0 / half, factor.mid() / half];
+        let beyond = |ratio: &f64| !(ratio.abs().powi(i32::from(power)) <= Observations::LARGEST);
+        if ratios.iter().any(beyond) {
+            return Err(Error::FactorScale {
+                symbol: factor.symbol().to_owned(),
+                low: factor.low(),
+                high: factor.high(),
+                power,
+            });
+        }
+    }
+    Ok(())
 }
 
 /// The degrees of freedom as a number; none if there are none.

@@ -37,6 +37,7 @@ mod error;
 mod evaluate;
 mod extremes;
 pub mod fit;
+mod formula;
 mod gaussian_process;
 mod interaction_search;
 mod least_squares;
@@ -63,7 +64,7 @@ mod tolerance;
 mod wide;
 mod within;
 
-pub use alias::alias_matrix;
+pub use alias::{alias_matrix, aliases};
 pub use box_cox::{BoxCox, box_cox};
 pub use canonical::{Canonical, StationaryKind};
 pub use categorical::{Categorical, CategoricalModel, GroupRow, GroupSum};
