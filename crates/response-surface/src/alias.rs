@@ -43,9 +43,13 @@ pub(crate) fn of_matrix(
         let mut products = vec![0.0; matrix.names.len()];
         for ((cell, row), weight) in data.cells().iter().zip(&matrix.rows).zip(&matrix.weights) {
             let value = weight * term.value(&cell.coded[..k]);
-            products.iter_mut().zip(row).for_each(|(p, x)| *p += x * value);
+            products
+                .iter_mut()
+                .zip(row)
+                .for_each(|(p, x)| *p += x * value);
         }
-        let amount = |line: &Vec<f64>| -> f64 { line.iter().zip(&products).map(|(c, p)| c * p).sum() };
+        let amount =
+            |line: &Vec<f64>| -> f64 { line.iter().zip(&products).map(|(c, p)| c * p).sum() };
         let parts = matrix.names.iter().cloned().zip(inverse.iter().map(amount));
         let parts: NamedValues<f64> = parts.filter(|(_, amount)| amount.abs() > 1e-9).collect();
         (!parts.is_empty()).then(|| (model.name(term), parts))

@@ -75,7 +75,11 @@ impl Reader<'_> {
         let rest = self.rest.trim_start();
         let end = rest.find(['+', '-', ')']).filter(|end| *end > 0);
         let part = rest[..end.unwrap_or(rest.len())].trim();
-        self.not_a_term(if part.is_empty() { self.formula.trim() } else { part })
+        self.not_a_term(if part.is_empty() {
+            self.formula.trim()
+        } else {
+            part
+        })
     }
 
     /// The error of a part.
@@ -155,7 +159,11 @@ impl Reader<'_> {
             let mut terms = part.terms.clone();
             if nested {
                 // b within all that a has.
-                let all = part.terms.iter().skip(1).fold(part.terms[0].clone(), |a, b| joint(&a, b));
+                let all = part
+                    .terms
+                    .iter()
+                    .skip(1)
+                    .fold(part.terms[0].clone(), |a, b| joint(&a, b));
                 terms.extend(other.terms.iter().map(|b| joint(&all, b)));
             } else {
                 terms.extend(other.terms.iter().cloned());
@@ -261,7 +269,9 @@ impl Reader<'_> {
     /// A whole number from 1 to the greatest power.
     fn power(&mut self) -> Result<u8, Error> {
         let rest = self.rest.trim_start();
-        let end = rest.find(|c: char| !c.is_ascii_digit()).unwrap_or(rest.len());
+        let end = rest
+            .find(|c: char| !c.is_ascii_digit())
+            .unwrap_or(rest.len());
         let power = rest[..end].parse().ok();
         let power = power.filter(|power| (1..=MOST_POWER).contains(power));
         let power = power.ok_or_else(|| self.bad())?;
@@ -273,7 +283,8 @@ impl Reader<'_> {
     fn number(&mut self, digit: &str) -> bool {
         let rest = self.rest.trim_start();
         let after = rest.strip_prefix(digit);
-        let alone = |rest: &&str| !rest.starts_with(|c: char| c.is_alphanumeric() || ".^_".contains(c));
+        let alone =
+            |rest: &&str| !rest.starts_with(|c: char| c.is_alphanumeric() || ".^_".contains(c));
         let after = after.filter(alone);
         self.rest = after.unwrap_or(self.rest);
         after.is_some()
@@ -321,7 +332,10 @@ fn once_each(terms: Vec<Term>) -> Vec<Term> {
 
 /// A term as it is written.
 fn spelled(term: &Term, symbols: &[String]) -> String {
-    let powers = symbols.iter().zip(term.powers()).filter(|(_, power)| **power > 0);
+    let powers = symbols
+        .iter()
+        .zip(term.powers())
+        .filter(|(_, power)| **power > 0);
     let factors: Vec<String> = powers
         .map(|(symbol, power)| match power {
             1 => symbol.clone(),
@@ -399,6 +413,9 @@ mod tests {
                 other => panic!("{formula}: {other:?}"),
             }
         }
-        assert!(matches!(read("A + B + A"), Err(Error::DuplicateTerm { .. })));
+        assert!(matches!(
+            read("A + B + A"),
+            Err(Error::DuplicateTerm { .. })
+        ));
     }
 }

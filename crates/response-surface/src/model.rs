@@ -354,9 +354,7 @@ mod tests {
     #[test]
     fn formulas_that_cannot_be_meant_are_refused() {
         let f = factors(&["B", "E"]);
-        for formula in [
-            "B + G", "B^0", "B^13", "", "B + ", "2 + B", "B^-1", "B:",
-        ] {
+        for formula in ["B + G", "B^0", "B^13", "", "B + ", "2 + B", "B^-1", "B:"] {
             let error = Model::parse(formula, &f).unwrap_err();
             assert!(matches!(error, Error::BadTerm { .. }), "{formula}: {error}");
         }

@@ -17,7 +17,7 @@ use crate::{Fit, NamedValues};
 const FREE_WEIGHT: f64 = 1e-7;
 
 /// Share by which a point of the set one rounding further in must be nearer than an extreme to be taken for another
-/// extreme: more than the root of the rounding, 3e-7, can bring.
+/// extreme: more than the root of the rounding, about 1e-7, can bring.
 const NEARER: f64 = 1e-5;
 
 /// A solution and its distance from given values.
@@ -166,6 +166,8 @@ pub(crate) fn nearest(
 /// that lies in the box is taken.
 fn nearest_zero(quadratic: &Quadratic, metric: &Metric) -> Option<Vec<f64>> {
     let k = metric.centre.len();
+    // What putting a point back onto a bound, by 1e-9 at most, can change.
+    let off = 1e-8 * (quadratic.linear.amax() + quadratic.hessian.amax());
     let mut best: Option<(f64, Vec<f64>)> = None;
     for face in faces(k) {
         for free in zeros_on_face(quadratic, metric, &face) {
@@ -174,6 +176,9 @@ fn nearest_zero(quadratic: &Quadratic, metric: &Metric) -> Option<Vec<f64>> {
             }
             let clamped: Vec<f64> = free.iter().map(|x| x.clamp(-1.0, 1.0)).collect();
             let point = point_on_face(&face, &clamped);
+            if quadratic.value(&point).abs() > off {
+                continue;
+            }
             let distance = metric.squared(&point);
             if best.as_ref().is_none_or(|(least, _)| distance < *least) {
                 best = Some((distance, point));
@@ -191,7 +196,9 @@ fn nearest_zero(quadratic: &Quadratic, metric: &Metric) -> Option<Vec<f64>> {
 fn touching(quadratic: &Quadratic, metric: &Metric, rounding: f64) -> Option<Vec<f64>> {
     let span = crate::extremes::span(quadratic);
     let ends = [(span.lowest, span.min, 1.0), (span.highest, span.max, -1.0)];
-    let (extreme, value, inward) = ends.into_iter().find(|(_, value, _)| value.abs() <= rounding)?;
+    let (extreme, value, inward) = ends
+        .into_iter()
+        .find(|(_, value, _)| value.abs() <= rounding)?;
     let inside = Quadratic {
         constant: quadratic.constant - value - inward * rounding,
         ..quadratic.clone()
@@ -245,10 +252,17 @@ fn stationary_zeros(quadratic: &Quadratic, centre: &[f64], roots: &[f64]) -> Vec
         nalgebra::DMatrix::from_fn(m, m, |i, j| quadratic.hessian[(i, j)] * scale[i] * scale[j]);
     let eigen = SymmetricEigen::new(scaled);
     let gradient = quadratic.gradient(centre).component_mul(&scale);
+    // A curvature that bends the surface over the box by less than its rounding puts the poles beyond all digits.
+    let reach = (0..m).fold(0.0_f64, |reach, i| {
+        reach.max(roots[i] * (1.0 + centre[i].abs()))
+    });
+    let counts = |d: &f64| d.abs() * reach > 1e-15 * gradient.amax();
+    let curvatures = eigen.eigenvalues.iter();
+    let curvatures = curvatures.map(|d| if counts(d) { *d } else { 0.0 });
     let secular = Secular {
         offset: quadratic.value(centre),
         slopes: eigen.eigenvectors.tr_mul(&gradient).as_slice().to_vec(),
-        curvatures: eigen.eigenvalues.as_slice().to_vec(),
+        curvatures: curvatures.collect(),
     };
     let point = |z: Vec<f64>| -> Vec<f64> {
         let z = &eigen.eigenvectors * DVector::from_vec(z);
