@@ -333,7 +333,7 @@ fn observable_that_was_not_measured_is_left_out() {
     assert_eq!(diagnosed(file).structured_residual.df, all - 1);
 }
 
-/// Two true effects at once: both are found, none alone is adequate.
+/// Two true effects at once: both are found, none alone is adequate, and their amplitudes are told as they are together.
 #[test]
 fn two_missing_effects_are_found_together() {
     let mut file = with_effect(0, 1.2, 7);
@@ -347,6 +347,19 @@ fn two_missing_effects_are_found_together() {
     let d = diagnosed(file);
     assert_eq!(d.verdict, Verdict::Named, "{}", d.summary);
     assert_eq!(d.effects, ["slip", "cohesion"]);
+    // Alone, each carries part of the other; together they are the truth within three standard errors.
+    for name in ["slip", "cohesion"] {
+        let [amplitude, se] = d.amplitudes[name];
+        assert!(
+            (amplitude - 1.2).abs() < 3.0 * se,
+            "{name} {amplitude} +- {se}"
+        );
+        let told = format!("{name} ({amplitude:.4} +- {se:.4})");
+        assert!(d.summary().contains(&told), "{told} in: {}", d.summary());
+        let alone = d.candidates[name].amplitude.unwrap();
+        assert!((alone - amplitude).abs() > 1e-3, "the two overlap: {alone}");
+    }
+    assert!(d.summary().contains(" are missing: "), "{}", d.summary());
 }
 
 /// The unused conditions carry the opposite of the effect: the naming is taken back.

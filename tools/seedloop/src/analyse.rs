@@ -15,11 +15,12 @@ use command_line::{Common, DONE, Header, write_new};
 use response_surface::{
     BoxCox, Categorical, CategoricalModel, Fit, GroupRow, InteractionStep, Model, NamedValues,
     Observations, Orders, Pareto, RandomBlocks, ReductionRule, ReductionStep, Regime, Saturated,
-    Spread, Weighting, box_cox, fit_weighted, interaction_search, orders, pareto, reduce,
+    Spread, Weighting, aliases, box_cox, fit_weighted, interaction_search, orders, pareto, reduce,
     saturated, spread,
 };
 use serde::Serialize;
 
+use crate::levels::{self, LevelMean};
 use data::{Coding, Data, factor_file, read};
 use extras::{Comparison, Ridge};
 use page::page;
@@ -38,14 +39,15 @@ pub(crate) struct Arguments {
 
     /// Factors: B,E,F with ranges where known (B=0.30:0.42,E=0.01:0.18), or a file
     /// symbol,name,unit,low,high
-    #[arg(long, value_name = "LIST|FILE")]
-    factors: String,
+    #[arg(long, value_name = "LIST|FILE", required_unless_present = "categories")]
+    factors: Option<String>,
 
     /// Column of the response, with or without its unit (`theta` finds `theta_deg`)
     #[arg(long, value_name = "COLUMN")]
     response: String,
 
-    /// linear, 2fi, quadratic, or a formula such as "1 + B + B:E + B^2"
+    /// linear, 2fi, quadratic, or a formula such as "1 + B + B:E + B^2", "B*E" or "(B + E + F)^2"; with "0 +" the
+    /// response is 0 where all factors are
     #[arg(long, default_value = "quadratic")]
     model: String,
 
@@ -57,11 +59,11 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "COLUMN")]
     n: Option<String>,
 
-    /// Column of the block
+    /// Column of the block (numbers or names)
     #[arg(long, value_name = "COLUMN")]
     block: Option<String>,
 
-    /// Columns of factors with named levels (wall,operator), besides --factors
+    /// Columns of factors with named levels (wall,operator), alone or besides --factors
     #[arg(
         long,
         value_name = "LIST",
@@ -200,6 +202,10 @@ struct Report<'a> {
     ridge: Option<Ridge>,
     /// The fit with batches drawn at random, if asked for.
     random_batches: Option<RandomBlocks>,
+    /// What terms left out add to the expected coefficients of those fitted, by term left out; null with named levels.
+    aliases: Option<NamedValues<NamedValues<f64>>>,
+    /// Predicted response at the levels of the named factors, the others in the middle of their ranges.
+    level_means: Vec<LevelMean>,
     /// Two-factor interactions that may stand behind a screening design; null without `--dummies`.
     interaction_search: Option<Vec<InteractionStep>>,
     /// The alternative, if asked for.
@@ -223,6 +229,7 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
     let boundary = extras::split_regimes(arguments, &mut data)?;
     let (named, mut model) = asked_model(arguments, &mut data)?;
     let observations = Observations::from_cells(data.cells.clone())?;
+    let observations = observations.with_block_names(data.block_names.clone());
     let weighting = match arguments.weights {
         Weights::Counts => Weighting::Counts,
         Weights::Equal => Weighting::Equal,
@@ -270,6 +277,11 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
         reduction,
         dfbetas: (fit.n <= 1000).then(|| (0..fit.n).map(|i| fit.dfbetas(i)).collect()),
         ridge: named.is_none().then(|| Ridge::of(&fit)).flatten(),
+        aliases: match &named {
+            None => Some(aliases(&fit, &observations)?),
+            Some(_) => None,
+        },
+        level_means: levels::means(&fit, &data.categories),
         random_batches: extras::batches(&data, &model, weighting)?,
         interaction_search: match &arguments.dummies[..] {
             [] => None,
@@ -284,8 +296,15 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
         regime: boundary,
         warning_texts: fit.warnings.iter().map(ToString::to_string).collect(),
     };
-    write(arguments, &report)?;
+    let orders = report.orders.as_ref().map(orders_text).unwrap_or_default();
+    // Files first: they do not depend on who reads standard output.
+    write(arguments, &report, &orders)?;
     common.emit_json(&report)?;
+    common.print(summary(&fit, report.saturated.as_ref()).trim_end())?;
+    if !orders.is_empty() {
+        common.print(format!("\n{}", orders.trim_end()))?;
+    }
+    extras::print(common, &report)?;
     Ok(DONE)
 }
 
@@ -329,21 +348,15 @@ fn fitted(
     Ok(reduce(factors, model, observations, weighting, rule)?)
 }
 
-/// Prints the analysis, and writes page and charts where asked for.
-fn write(arguments: &Arguments, report: &Report<'_>) -> anyhow::Result<()> {
+/// Writes page and charts where asked for.
+fn write(arguments: &Arguments, report: &Report<'_>, orders: &str) -> anyhow::Result<()> {
     let common = &arguments.common;
-    let orders = report.orders.as_ref().map(orders_text).unwrap_or_default();
-    common.print(summary(report.fit, report.saturated.as_ref()).trim_end())?;
-    if !orders.is_empty() {
-        common.print(format!("\n{}", orders.trim_end()))?;
-    }
-    extras::print(common, report)?;
     if arguments.html.is_none() && arguments.plots.is_none() {
         return Ok(());
     }
     let charts = charts::all(report)?;
     if let Some(file) = &arguments.html {
-        let page = page(report, &orders, &charts);
+        let page = page(report, orders, &charts);
         write_new(file, page.as_bytes(), common.overwrite())?;
     }
     if let Some(folder) = &arguments.plots {
@@ -355,6 +368,7 @@ fn write(arguments: &Arguments, report: &Report<'_>) -> anyhow::Result<()> {
 /// The files that the analysis was made from.
 fn inputs(arguments: &Arguments) -> Vec<PathBuf> {
     let mut inputs = vec![arguments.data.clone()];
-    inputs.extend(factor_file(&arguments.factors));
+    let factors = arguments.factors.as_deref();
+    inputs.extend(factors.and_then(factor_file));
     inputs
 }

@@ -8,7 +8,7 @@ use std::path::PathBuf;
 
 use anyhow::{Context as _, ensure};
 use clap::ValueEnum;
-use command_line::{Common, DONE, Header, write_new};
+use command_line::{Common, DONE, Header, significant, write_new};
 use experiment_design::Design;
 use experiment_design::table::factors_from_csv;
 use response_surface::{Evaluation, Model, evaluate};
@@ -187,6 +187,7 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
         });
     }
     let runs = design.runs().len();
+    common.emit_json(&report(arguments, &design, &facts, evaluation.as_ref())?)?;
     common.print(format!(
         "{runs} runs written to {}",
         arguments.out.display()
@@ -194,7 +195,6 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
     if let Some(evaluation) = &evaluation {
         describe(common, evaluation)?;
     }
-    common.emit_json(&report(arguments, &design, &facts, evaluation.as_ref())?)?;
     Ok(DONE)
 }
 
@@ -232,8 +232,11 @@ fn describe(common: &Common, evaluation: &Evaluation) -> anyhow::Result<()> {
     ))?;
     if let Some(e) = &evaluation.efficiency {
         common.print(format!(
-            "  efficiency % D {:.2}, A {:.2}, G {:.2}; mean variance of the prediction {:.4}",
-            e.d_pct, e.a_pct, e.g_pct, e.mean_variance
+            "  efficiency % D {:.2}, A {:.2}, G {:.2}; mean variance of the prediction {}",
+            e.d_pct,
+            e.a_pct,
+            e.g_pct,
+            significant(e.mean_variance, 5)
         ))?;
     }
     for (term, [one, two, three]) in evaluation.power.iter() {

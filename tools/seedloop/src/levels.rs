@@ -2,6 +2,66 @@
 
 use anyhow::Context as _;
 use response_surface::{Categorical, Fit};
+use serde::Serialize;
+
+/// Most combinations of levels that are told one by one.
+const MOST_COMBINATIONS: usize = 100;
+
+/// A level of each named factor.
+pub(crate) type Combination = Vec<(Categorical, String)>;
+
+/// The response at a combination of levels.
+#[derive(Debug, Serialize)]
+pub(crate) struct LevelMean {
+    /// Level of each named factor, in their order.
+    pub(crate) levels: Vec<String>,
+    /// Fitted value, the other factors in the middle of their ranges, unit of the response.
+    pub(crate) mean: f64,
+    /// 95 % confidence interval with the residuals as error.
+    pub(crate) ci95: Option<[f64; 2]>,
+}
+
+/// All combinations of levels; one empty combination without named factors.
+pub(crate) fn combinations(categories: &[Categorical]) -> Vec<Combination> {
+    let mut combinations = vec![Vec::new()];
+    for category in categories {
+        let with = |chosen: &Combination| -> Vec<Combination> {
+            let each = category.levels().iter();
+            let one = |level: &String| {
+                let next = (category.clone(), level.clone());
+                [&chosen[..], &[next]].concat()
+            };
+            each.map(one).collect()
+        };
+        combinations = combinations.iter().flat_map(with).collect();
+    }
+    combinations
+}
+
+/// The response at each combination of levels; none without named factors and for very many combinations.
+pub(crate) fn means(fit: &Fit, categories: &[Categorical]) -> Vec<LevelMean> {
+    let count: usize = categories.iter().map(|c| c.levels().len()).product();
+    if categories.is_empty() || count > MOST_COMBINATIONS {
+        return Vec::new();
+    }
+    let columns: usize = categories.iter().map(|c| c.levels().len() - 1).sum();
+    let numeric = fit.factors.len() - columns;
+    let mean = |chosen: Combination| {
+        let mut coded = vec![0.0; numeric];
+        for (category, level) in &chosen {
+            coded.extend(category.coded(level).unwrap_or_default());
+        }
+        let mean = fit.value(&coded);
+        let reach = fit.mse.zip(fit.t_crit_975);
+        let reach = reach.map(|(mse, t)| t * (mse * fit.leverage(&coded)).sqrt());
+        LevelMean {
+            levels: chosen.into_iter().map(|(_, level)| level).collect(),
+            mean,
+            ci95: reach.map(|reach| [mean - reach, mean + reach]),
+        }
+    };
+    combinations(categories).into_iter().map(mean).collect()
+}
 
 /// The fit with named factors held at levels.
 ///

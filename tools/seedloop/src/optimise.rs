@@ -1,6 +1,7 @@
 //! `seedloop optimise`: where a fitted surface meets a target.
 
 mod goals;
+mod read;
 mod words;
 
 use std::path::PathBuf;
@@ -144,6 +145,8 @@ struct Report {
     bootstrap: Vec<Bootstrap>,
     /// The verdict on the confirmation runs.
     confirmation: Option<Confirmation>,
+    /// What to bear in mind, such as bounds beyond the data.
+    warnings: Vec<String>,
 }
 
 /// Reads the analysis and answers.
@@ -152,10 +155,11 @@ struct Report {
 /// Files that cannot be read, a target or measured values that cannot be meant.
 pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
     let path = &arguments.analysis;
-    let fit = goals::read(path, arguments)?;
+    let read = read::read(path, arguments)?;
     let Some(target) = arguments.target else {
-        return goals::run(arguments, fit);
+        return goals::run(arguments, read);
     };
+    let read::Read { fit, warnings } = read;
     let error = arguments.error.map(|kind| match kind {
         ErrorKind::Residual => ErrorSource::Residual,
         ErrorKind::RepeatedRows => ErrorSource::RepeatedRows,
@@ -202,10 +206,11 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
         most_robust: scatter.most_robust,
         bootstrap,
         confirmation,
+        warnings,
     };
     let common = &arguments.common;
-    words::describe(common, &fit, &report)?;
     common.emit_json(&report)?;
+    words::describe(common, &fit, &report)?;
     Ok(code)
 }
 

@@ -14,6 +14,8 @@ mod calibration;
 mod design_run;
 #[path = "command/diagnosis.rs"]
 mod diagnosis;
+#[path = "command/edges.rs"]
+mod edges;
 #[path = "command/help.rs"]
 mod help;
 #[path = "command/own_program.rs"]

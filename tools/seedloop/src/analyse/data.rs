@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use anyhow::{Context as _, bail, ensure};
 use experiment_design::Factor;
 use experiment_design::table::{Row, Table, factors_from_csv};
-use response_surface::{Categorical, Cell};
+use response_surface::{Categorical, Cell, Model, Observations};
 use serde::Serialize;
 
 use super::Arguments;
@@ -40,6 +40,8 @@ pub(super) struct Data {
     pub(super) categories: Vec<Categorical>,
     /// Names of the batch of each row, if a column is named.
     pub(super) batches: Vec<String>,
+    /// Names of the blocks 1, 2, ...; empty where they are numbers.
+    pub(super) block_names: Vec<String>,
 }
 
 /// The file of the factors, if the argument is one.
@@ -56,7 +58,10 @@ pub(super) fn read(arguments: &Arguments) -> anyhow::Result<Data> {
     let place = || path.display().to_string();
     let text = fs::read_to_string(path).with_context(|| format!("cannot read {}", place()))?;
     let table = Table::parse(&text).with_context(place)?;
-    let given = given_factors(&arguments.factors)?;
+    let given = match &arguments.factors {
+        Some(list) => given_factors(list)?,
+        None => Vec::new(),
+    };
     let mut columns = Vec::with_capacity(given.len());
     for (symbol, _) in &given {
         columns.push(table.column(symbol).with_context(place)?);
@@ -76,6 +81,13 @@ pub(super) fn read(arguments: &Arguments) -> anyhow::Result<Data> {
             None => seen_factor(&table, &symbol, column, coding).with_context(place)?,
         });
     }
+    if coding == Coding::Natural && arguments.categories.is_empty() {
+        let model = Model::parse(&arguments.model, &factors)?;
+        if !model.has_intercept() {
+            // The response is zero where the factors are, not in the middle of their ranges.
+            factors = factors.iter().map(about_zero).collect::<Result<_, _>>()?;
+        }
+    }
     let cells = Cells {
         table: &table,
         factors: columns.into_iter().zip(factors.clone()).collect(),
@@ -84,7 +96,6 @@ pub(super) fn read(arguments: &Arguments) -> anyhow::Result<Data> {
         response,
         sd: named_column(&table, arguments.sd.as_deref()).with_context(place)?,
         n: named_column(&table, arguments.n.as_deref()).with_context(place)?,
-        block: named_column(&table, arguments.block.as_deref()).with_context(place)?,
     };
     ensure!(
         cells.sd.is_none() || cells.n.is_some(),
@@ -97,6 +108,7 @@ pub(super) fn read(arguments: &Arguments) -> anyhow::Result<Data> {
         .collect::<Result<Vec<_>, _>>();
     let mut cells = cells.with_context(place)?;
     let labels = |name: Option<&str>, what: &str| labels(&table, name, what).with_context(place);
+    let block_names = number_blocks(&mut cells, &labels(arguments.block.as_deref(), "block")?);
     let mut categories = Vec::with_capacity(arguments.categories.len());
     for name in &arguments.categories {
         let given = labels(Some(name), "level")?;
@@ -118,6 +130,7 @@ pub(super) fn read(arguments: &Arguments) -> anyhow::Result<Data> {
     Ok(Data {
         regimes: labels(arguments.regime_column(), "regime")?,
         batches: labels(arguments.batch.as_deref(), "batch")?,
+        block_names,
         factors,
         coding,
         cells,
@@ -179,8 +192,6 @@ struct Cells<'a> {
     sd: Option<usize>,
     /// Column of the number of replicates.
     n: Option<usize>,
-    /// Column of the block.
-    block: Option<usize>,
 }
 
 impl Cells<'_> {
@@ -197,25 +208,55 @@ impl Cells<'_> {
         for &column in &self.dummies {
             coded.push(self.table.number(row, column)?);
         }
-        let count = |column: Option<usize>| match column {
-            Some(column) => {
-                let name = &self.table.header()[column];
-                anyhow::Ok(self.table.count(row, name)?.unwrap_or(1))
-            }
-            None => Ok(1),
+        let n = match self.n {
+            Some(column) => self.table.count(row, &self.table.header()[column])?,
+            None => None,
         };
         let sd = self
             .sd
             .map(|column| self.table.optional_number(row, column))
             .transpose()?;
+        let mean = self.table.number(row, self.response)?;
+        ensure!(
+            mean.abs() <= Observations::LARGEST,
+            "line {}, column '{}': {mean:e} is beyond 1e140, and its square is no number here; give the response in a \
+             larger unit",
+            row.line(),
+            self.table.header()[self.response]
+        );
         Ok(Cell {
             coded,
-            mean: self.table.number(row, self.response)?,
+            mean,
             sd: sd.flatten(),
-            n: count(self.n)?,
-            block: count(self.block)?,
+            n: n.unwrap_or(1),
+            block: 1,
         })
     }
+}
+
+/// Numbers the blocks of the cells by their labels, and gives the names behind the numbers; labels that are whole
+/// numbers are taken as they are, and then there are no names.
+fn number_blocks(cells: &mut [Cell], labels: &[String]) -> Vec<String> {
+    let number = |label: &String| label.parse().ok().filter(|n: &usize| *n >= 1);
+    if let Some(numbers) = labels.iter().map(number).collect::<Option<Vec<_>>>() {
+        for (cell, number) in cells.iter_mut().zip(numbers) {
+            cell.block = number;
+        }
+        return Vec::new();
+    }
+    let mut names = labels.to_vec();
+    names.sort();
+    names.dedup();
+    for (cell, label) in cells.iter_mut().zip(labels) {
+        cell.block = 1 + names.binary_search(label).unwrap_or(0);
+    }
+    names
+}
+
+/// The factor over a range whose middle is zero and that holds its own, so that coded zero is its zero.
+fn about_zero(factor: &Factor) -> Result<Factor, experiment_design::Error> {
+    let end = factor.low().abs().max(factor.high().abs());
+    Factor::new(factor.symbol(), factor.name(), factor.unit(), -end, end)
 }
 
 /// A coded value freed of the rounding of its range: 0.5 rather than 0.5000000000000002.

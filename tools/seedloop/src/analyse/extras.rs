@@ -1,7 +1,7 @@
 //! What an analysis tells beside the fit: ridge paths, the rival surface, regimes.
 
 use anyhow::ensure;
-use command_line::Common;
+use command_line::{Common, significant};
 use experiment_design::Factor;
 use response_surface::{
     Fit, GaussianProcess, GroupSum, Model, NamedValues, Observations, RandomBlocks, Regime,
@@ -10,7 +10,7 @@ use response_surface::{
 use serde::Serialize;
 
 use super::data::Data;
-use super::text::{fixed, probability};
+use super::text::{counted, fixed, probability};
 use super::{Arguments, Report};
 
 /// Radii of the ridge paths, coded.
@@ -74,18 +74,20 @@ pub(super) fn batches(
 /// Prints the fit with random batches.
 fn print_batches(common: &Common, fit: &RandomBlocks) -> anyhow::Result<()> {
     common.print(format!(
-        "\n{} batches drawn at random: sd of batches {:.5}, of observations {:.5}",
-        fit.blocks, fit.block_sd, fit.residual_sd
+        "\n{} batches drawn at random: sd of batches {}, of observations {}",
+        fit.blocks,
+        significant(fit.block_sd, 5),
+        significant(fit.residual_sd, 5)
     ))?;
     common.print(format!(
-        "{:<10} {:>11} {:>10} {:>8} {:>9}",
+        "{:<10} {:>12} {:>10} {:>8} {:>9}",
         "term", "coef", "se", "dof", "p"
     ))?;
     for (name, row) in fit.terms.iter() {
         common.print(format!(
-            "{name:<10} {:>11.5} {:>10.5} {:>8} {:>9}",
-            row.coef,
-            row.se,
+            "{name:<10} {:>12} {:>10} {:>8} {:>9}",
+            significant(row.coef, 6),
+            significant(row.se, 4),
             fixed(row.df, 2),
             probability(row.p)
         ))?;
@@ -155,6 +157,55 @@ pub(super) fn split_regimes(
     Ok(boundary)
 }
 
+/// Least size of an alias coefficient that is printed; all are in the JSON.
+const SMALLEST_ALIAS: f64 = 0.05;
+/// Most terms left out that are printed behind one term, the largest first.
+const MOST_ALIASES: usize = 8;
+
+/// Prints what terms left out add to each term of the fit.
+fn print_aliases(common: &Common, report: &Report<'_>) -> anyhow::Result<()> {
+    let Some(aliases) = report.aliases.as_ref().filter(|all| !all.is_empty()) else {
+        return Ok(());
+    };
+    let mut lines = Vec::new();
+    for term in report.fit.terms.names() {
+        let behind = aliases
+            .iter()
+            .filter_map(|(left_out, parts)| Some((left_out, *parts.get(term)?)));
+        let mut behind: Vec<(&str, f64)> = behind
+            .filter(|(_, amount)| amount.abs() >= SMALLEST_ALIAS)
+            .collect();
+        if behind.is_empty() {
+            continue;
+        }
+        behind.sort_by(|a, b| b.1.abs().total_cmp(&a.1.abs()));
+        let mut line = term.to_owned();
+        for (left_out, amount) in behind.iter().take(MOST_ALIASES) {
+            let sign = if *amount < 0.0 { '-' } else { '+' };
+            let size = amount.abs();
+            let times = if (size - 1.0).abs() < 1e-9 {
+                String::new()
+            } else {
+                format!("{size:.3} ")
+            };
+            line += &format!(" {sign} {times}{left_out}");
+        }
+        let more = behind.len().saturating_sub(MOST_ALIASES);
+        if more > 0 {
+            line += &format!(" and {more} more");
+        }
+        lines.push(line);
+    }
+    if lines.is_empty() {
+        return Ok(());
+    }
+    common.print("\naliases: the expected coefficient of a term is the sum of its own and of these left out, coded")?;
+    for line in lines {
+        common.print(format!("  {line}"))?;
+    }
+    common.print("")
+}
+
 /// Prints what was asked for beside the fit.
 pub(super) fn print(common: &Common, report: &Report<'_>) -> anyhow::Result<()> {
     if !report.reduction.is_empty() {
@@ -168,7 +219,7 @@ pub(super) fn print(common: &Common, report: &Report<'_>) -> anyhow::Result<()> 
     for (name, row) in report.level_tests.iter().flat_map(NamedValues::iter) {
         let text = |sum: &GroupSum| {
             let p = probability(sum.test.as_ref().and_then(|t| t.p));
-            format!("SS {:.4} p {p}", sum.ss)
+            format!("SS {} p {p}", significant(sum.ss, 5))
         };
         common.print(format!(
             "{name:<12} dof {:>2}  Type I {}, II {}, III {}",
@@ -178,6 +229,15 @@ pub(super) fn print(common: &Common, report: &Report<'_>) -> anyhow::Result<()> 
             text(&row.type_iii)
         ))?;
     }
+    for level in &report.level_means {
+        let interval = level.ci95.map_or_else(String::new, |[low, high]| {
+            let [low, high] = [low, high].map(|end| significant(end, 6));
+            format!(" (95 % {low} to {high})")
+        });
+        let (names, mean) = (level.levels.join(", "), significant(level.mean, 6));
+        common.print(format!("at {names}: {mean}{interval}"))?;
+    }
+    print_aliases(common, report)?;
     if let Some(fit) = &report.random_batches {
         print_batches(common, fit)?;
     }
@@ -188,8 +248,11 @@ pub(super) fn print(common: &Common, report: &Report<'_>) -> anyhow::Result<()> 
             format!("cannot be told from {}", step.rivals.join(", "))
         };
         common.print(format!(
-            "a hidden interaction may be {} ({:.4}, AICc {:.2} to {:.2}): {rivals}",
-            step.added, step.coef, step.aicc[0], step.aicc[1]
+            "a hidden interaction may be {} ({}, AICc {:.2} to {:.2}): {rivals}",
+            step.added,
+            significant(step.coef, 5),
+            step.aicc[0],
+            step.aicc[1]
         ))?;
     }
     if let Some(b) = &report.box_cox {
@@ -207,19 +270,31 @@ pub(super) fn print(common: &Common, report: &Report<'_>) -> anyhow::Result<()> 
     if let Some(spread) = &report.spread {
         let bartlett = spread.bartlett.as_ref().and_then(|b| b.p);
         let levene = spread.levene.as_ref().and_then(|l| l.p);
+        let levene = match (spread.levene_groups, spread.groups) {
+            (0 | 1, _) => {
+                "Levene's test cannot be made: it needs two settings with three runs or more"
+                    .to_owned()
+            }
+            (tested, all) if tested < all => {
+                format!(
+                    "Levene p {} ({tested} settings, pairs left out)",
+                    probability(levene)
+                )
+            }
+            _ => format!("Levene p {}", probability(levene)),
+        };
         common.print(format!(
-            "equal scatter: Bartlett p {}, Levene p {}",
-            probability(bartlett),
-            probability(levene)
+            "equal scatter: Bartlett p {}, {levene}",
+            probability(bartlett)
         ))?;
     }
     if let Some(comparison) = &report.gaussian_process {
         let polynomial = comparison.polynomial_leave_one_out_rmse;
         common.print(format!(
-            "rows left out are predicted to {:.4} by a Gaussian process and to {} by the \
+            "rows left out are predicted to {} by a Gaussian process and to {} by the \
              polynomial; the {} is better",
-            comparison.process_leave_one_out_rmse,
-            polynomial.map_or_else(|| "-".to_owned(), |p| format!("{p:.4}")),
+            significant(comparison.process_leave_one_out_rmse, 4),
+            counted(polynomial, 4),
             comparison.better
         ))?;
     }

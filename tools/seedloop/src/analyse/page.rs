@@ -3,7 +3,8 @@
 use std::fmt::Write as _;
 
 use super::Report;
-use super::text::{fixed, summary};
+use super::text::{counted, fixed, summary};
+use command_line::significant;
 use report::Svg;
 
 /// The tables as a page without scripts.
@@ -27,15 +28,15 @@ pub(super) fn page(report: &Report<'_>, orders: &str, charts: &[(String, Svg)]) 
     for case in &fit.cases {
         let _ = writeln!(
             cases,
-            "<tr><td>{}</td><td>{}</td><td>{:.4}</td><td>{:.4}</td><td>{:.4}</td><td>{}</td>\
+            "<tr><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{:.4}</td><td>{}</td>\
              <td>{}</td></tr>",
             case.run,
             case.actual,
-            case.fitted,
-            case.residual,
+            significant(case.fitted, 6),
+            significant(case.residual, 4),
             case.leverage,
             fixed(case.studentized_external, 3),
-            fixed(case.cooks_d, 4)
+            counted(case.cooks_d, 4)
         );
     }
     let mut warnings = String::new();
