@@ -109,6 +109,30 @@ fn a_target_that_the_surface_only_touches_has_its_point() {
     assert!(crossed.exists && !crossed.tangent);
 }
 
+/// A quadratic fitted to a plane has curvatures of rounding only, 1e-60. The foot of (0.4, 0.3) on x + z = 1 is (0.55, 0.45).
+#[test]
+fn the_nearest_solution_of_a_plane_is_its_foot() {
+    let f = factors(&["x", "z"]);
+    let quadratic = Model::quadratic(&f).expect("symbols");
+    let fitted = fit(&f, &quadratic, &grid(&|x, z| x + z)).expect("nine runs");
+    let near = |value| {
+        Some(response_surface::Measured {
+            value,
+            sd: None,
+            n: None,
+        })
+    };
+    let request = SolutionRequest {
+        near: vec![near(0.4), near(0.3)],
+        ..SolutionRequest::for_target(1.0)
+    };
+    let found = solutions(&fitted, &request).expect("degree two");
+    let nearest = found.nearest.get("coded").expect("a nearest point");
+    for (x, expected) in nearest.coded.iter().zip([0.55, 0.45]) {
+        assert!((x - expected).abs() < 1e-12, "{nearest:?}");
+    }
+}
+
 /// In the half fraction D = ABC every two-factor interaction stands for another (AB for CD) and each main effect for
 /// a product of three: coefficients of 1 in the alias matrix, exact but for rounding. A full factorial has none but the
 /// squares, which are constant over two levels.

@@ -166,8 +166,6 @@ pub(crate) fn nearest(
 /// that lies in the box is taken.
 fn nearest_zero(quadratic: &Quadratic, metric: &Metric) -> Option<Vec<f64>> {
     let k = metric.centre.len();
-    // What putting a point back onto a bound, by 1e-9 at most, can change.
-    let off = 1e-8 * (quadratic.linear.amax() + quadratic.hessian.amax());
     let mut best: Option<(f64, Vec<f64>)> = None;
     for face in faces(k) {
         for free in zeros_on_face(quadratic, metric, &face) {
@@ -176,9 +174,6 @@ fn nearest_zero(quadratic: &Quadratic, metric: &Metric) -> Option<Vec<f64>> {
             }
             let clamped: Vec<f64> = free.iter().map(|x| x.clamp(-1.0, 1.0)).collect();
             let point = point_on_face(&face, &clamped);
-            if quadratic.value(&point).abs() > off {
-                continue;
-            }
             let distance = metric.squared(&point);
             if best.as_ref().is_none_or(|(least, _)| distance < *least) {
                 best = Some((distance, point));
