@@ -10,7 +10,7 @@ mod terms;
 mod typed;
 mod warnings;
 
-pub use anova::{AnovaRow, SequentialModel};
+pub use anova::{AnovaRow, OrderRow, SequentialModel};
 pub use cases::Case;
 pub use information::Information;
 pub use lack_of_fit::{LackOfFit, PureError};
@@ -136,6 +136,9 @@ pub struct Fit {
     pub ss_sequential: NamedValues<f64>,
     /// The same by degree.
     pub sequential_model_ss: SequentialModel,
+    /// The same with tests: blocks, then each order, against the residuals.
+    #[serde(default)]
+    pub by_order: Vec<OrderRow>,
     /// Inverse of X'WX in coded units, columns in the order of `terms`, (p, p).
     pub xtx_inverse: Vec<Vec<f64>>,
     /// Variance inflation factor of each term.
@@ -253,6 +256,7 @@ fn assemble(
             .and_then(|pure| lack_of_fit::lack_of_fit(sums.sse, df_resid, pure)),
         ss_sequential: anova::sequential(matrix, &solved),
         sequential_model_ss: anova::sequential_by_degree(matrix, model, &solved, &sums),
+        by_order: anova::by_order(matrix, model, &solved, &sums, df_resid),
         vif: terms::variance_inflation(matrix, &solved),
         coef_natural_units: terms_natural
             .iter()
