@@ -78,7 +78,7 @@ fn range_upper_tail(w: f64, k: usize) -> f64 {
         let density = (-0.5 * z * z).exp() / (2.0 * std::f64::consts::PI).sqrt();
         density * all.powf(others) * less
     };
-    (k as f64 * integral(-8.5, 8.5 + w.min(9.0), 14, &value)).min(1.0)
+    (k as f64 * integral(-8.5, 8.5 + w.min(9.0), 24, &value)).min(1.0)
 }
 
 /// The integral of a smooth function by Gauss's rule in equal panels.
