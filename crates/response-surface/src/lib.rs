@@ -63,6 +63,7 @@ pub mod solutions;
 mod spread;
 mod studentized_range;
 mod tolerance;
+mod transform;
 mod wide;
 mod within;
 
@@ -97,3 +98,4 @@ pub use solutions::{Measured, SolutionRequest, Solutions, solutions};
 pub use spread::{Spread, spread};
 pub use studentized_range::{studentized_range_quantile, studentized_range_upper_tail};
 pub use tolerance::{Tolerance, tolerance_factor};
+pub use transform::Transform;

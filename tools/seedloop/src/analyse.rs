@@ -13,10 +13,10 @@ use anyhow::ensure;
 use clap::ValueEnum;
 use command_line::{Common, DONE, Header, write_new};
 use response_surface::{
-    BoxCox, Categorical, CategoricalModel, Fit, GroupRow, InteractionStep, Model, NamedValues,
-    Observations, Orders, Pareto, RandomBlocks, ReductionRule, ReductionStep, Regime, Saturated,
-    Spread, Weighting, aliases, box_cox, fit_weighted, interaction_search, orders, pareto, reduce,
-    saturated, spread,
+    BoxCox, Categorical, CategoricalModel, Contrasts, Fit, GroupRow, InteractionStep, Model,
+    NamedValues, Observations, Orders, Pareto, RandomBlocks, ReductionRule, ReductionStep, Regime,
+    Saturated, Spread, Transform, Weighting, aliases, box_cox, contrasts, fit_weighted,
+    interaction_search, orders, pareto, reduce, saturated, spread,
 };
 use serde::Serialize;
 
@@ -50,6 +50,11 @@ pub(crate) struct Arguments {
     /// response is 0 where all factors are
     #[arg(long, default_value = "quadratic")]
     model: String,
+
+    /// Fits a function of the response instead, ln, log10, sqrt, inverse or power:P; predictions and intervals are told in
+    /// the unit of the response as well
+    #[arg(long, value_name = "FUNCTION", conflicts_with_all = ["sd", "n", "groups"])]
+    transform: Option<Transform>,
 
     /// Column of the standard deviation of replicates within a row
     #[arg(long, value_name = "COLUMN")]
@@ -171,8 +176,10 @@ struct Report<'a> {
     /// Version, seed, inputs.
     #[serde(flatten)]
     header: Header,
-    /// Name of the column of the response.
+    /// Name of the column of the response, or the function of it that was fitted.
     response: &'a str,
+    /// The function of the response that was fitted; null for the response itself.
+    transform: Option<Transform>,
     /// What the columns of the factors held.
     columns_hold: Coding,
     /// The fit.
@@ -182,6 +189,8 @@ struct Report<'a> {
     pareto: Option<Pareto>,
     /// All columns as effects; null without dummy columns.
     saturated: Option<Saturated>,
+    /// Lenth's margins of a model that leaves no degrees of freedom; null for any other.
+    contrasts: Option<Contrasts>,
     /// Models of growing order, and the suggested one; null with named levels.
     orders: Option<Orders>,
     /// The factors with named levels.
@@ -261,9 +270,11 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
     let report = Report {
         header: Header::new(None, inputs(arguments))?,
         response: &data.response,
+        transform: arguments.transform,
         columns_hold: data.coding,
         fit: &fit,
         pareto: pareto(&fit),
+        contrasts: contrasts(&fit),
         saturated,
         // Orders over the columns of named levels would have their powers.
         orders: match &named {
@@ -281,7 +292,7 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
             None => Some(aliases(&fit, &observations)?),
             Some(_) => None,
         },
-        level_means: levels::means(&fit, &data.categories),
+        level_means: levels::means(&fit, &data.categories, arguments.transform),
         random_batches: extras::batches(&data, &model, weighting)?,
         interaction_search: match &arguments.dummies[..] {
             [] => None,
@@ -300,6 +311,9 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
     // Files first: they do not depend on who reads standard output.
     write(arguments, &report, &orders)?;
     common.emit_json(&report)?;
+    if arguments.transform.is_some() {
+        common.print(format!("response: {}", report.response))?;
+    }
     common.print(summary(&fit, report.saturated.as_ref()).trim_end())?;
     if !orders.is_empty() {
         common.print(format!("\n{}", orders.trim_end()))?;

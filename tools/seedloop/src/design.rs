@@ -10,7 +10,7 @@ use anyhow::{Context as _, ensure};
 use clap::ValueEnum;
 use command_line::{Common, DONE, Header, significant, write_new};
 use experiment_design::Design;
-use experiment_design::table::factors_from_csv;
+use experiment_design::table::{factors_from_csv, text_of_bytes};
 use response_surface::{Evaluation, Model, evaluate};
 use serde_json::json;
 
@@ -155,9 +155,9 @@ enum Axial {
 /// Files that cannot be read or written, factors or counts that the design does not exist for.
 pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
     let path = &arguments.factors;
-    let text =
-        fs::read_to_string(path).with_context(|| format!("cannot read {}", path.display()))?;
-    let factors = factors_from_csv(&text).with_context(|| path.display().to_string())?;
+    let bytes = fs::read(path).with_context(|| format!("cannot read {}", path.display()))?;
+    let factors =
+        factors_from_csv(&text_of_bytes(&bytes)).with_context(|| path.display().to_string())?;
     let Made { mut design, facts } = make::make(arguments, &factors)?;
     if arguments.foldover {
         ensure!(

@@ -10,6 +10,8 @@ mod apparatus;
 mod batch;
 #[path = "command/calibration.rs"]
 mod calibration;
+#[path = "command/comparisons.rs"]
+mod comparisons;
 #[path = "command/design_run.rs"]
 mod design_run;
 #[path = "command/diagnosis.rs"]

@@ -5,8 +5,8 @@ use std::path::PathBuf;
 
 use anyhow::{Context as _, bail, ensure};
 use experiment_design::Factor;
-use experiment_design::table::{Row, Table, factors_from_csv};
-use response_surface::{Categorical, Cell, Model, Observations};
+use experiment_design::table::{Row, Table, factors_from_csv, text_of_bytes};
+use response_surface::{Categorical, Cell, Model, Observations, Transform};
 use serde::Serialize;
 
 use super::Arguments;
@@ -56,8 +56,8 @@ pub(super) fn factor_file(argument: &str) -> Option<PathBuf> {
 pub(super) fn read(arguments: &Arguments) -> anyhow::Result<Data> {
     let path = &arguments.data;
     let place = || path.display().to_string();
-    let text = fs::read_to_string(path).with_context(|| format!("cannot read {}", place()))?;
-    let table = Table::parse(&text).with_context(place)?;
+    let bytes = fs::read(path).with_context(|| format!("cannot read {}", place()))?;
+    let table = Table::parse(&text_of_bytes(&bytes)).with_context(place)?;
     let given = match &arguments.factors {
         Some(list) => given_factors(list)?,
         None => Vec::new(),
@@ -94,6 +94,7 @@ pub(super) fn read(arguments: &Arguments) -> anyhow::Result<Data> {
         coding,
         dummies: optional_columns(&table, &arguments.dummies).with_context(place)?,
         response,
+        transform: arguments.transform,
         sd: named_column(&table, arguments.sd.as_deref()).with_context(place)?,
         n: named_column(&table, arguments.n.as_deref()).with_context(place)?,
     };
@@ -135,7 +136,10 @@ pub(super) fn read(arguments: &Arguments) -> anyhow::Result<Data> {
         coding,
         cells,
         categories,
-        response: table.header()[response].clone(),
+        response: match arguments.transform {
+            None => table.header()[response].clone(),
+            Some(transform) => transform.of(&table.header()[response]),
+        },
     })
 }
 
@@ -188,6 +192,8 @@ struct Cells<'a> {
     dummies: Vec<usize>,
     /// Column of the mean.
     response: usize,
+    /// The function of the mean that is fitted.
+    transform: Option<Transform>,
     /// Column of the standard deviation.
     sd: Option<usize>,
     /// Column of the number of replicates.
@@ -224,6 +230,16 @@ impl Cells<'_> {
             row.line(),
             self.table.header()[self.response]
         );
+        let mean = match self.transform {
+            None => mean,
+            Some(transform) => transform.forward(mean).with_context(|| {
+                let (line, name) = (row.line(), &self.table.header()[self.response]);
+                let (what, domain) = (transform.of(name), transform.domain());
+                format!(
+                    "line {line}, column '{name}': {what} needs values {domain}, this one is {mean}"
+                )
+            })?,
+        };
         Ok(Cell {
             coded,
             mean,
@@ -286,8 +302,8 @@ fn optional_columns(table: &Table, names: &[String]) -> anyhow::Result<Vec<usize
 fn given_factors(argument: &str) -> anyhow::Result<Vec<(String, Option<Factor>)>> {
     if let Some(path) = factor_file(argument) {
         let place = path.display().to_string();
-        let text = fs::read_to_string(&path).with_context(|| format!("cannot read {place}"))?;
-        let factors = factors_from_csv(&text).context(place)?;
+        let bytes = fs::read(&path).with_context(|| format!("cannot read {place}"))?;
+        let factors = factors_from_csv(&text_of_bytes(&bytes)).context(place)?;
         return Ok(factors
             .into_iter()
             .map(|f| (f.symbol().to_owned(), Some(f)))

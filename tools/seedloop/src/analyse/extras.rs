@@ -4,8 +4,8 @@ use anyhow::ensure;
 use command_line::{Common, significant};
 use experiment_design::Factor;
 use response_surface::{
-    Fit, GaussianProcess, GroupSum, Model, NamedValues, Observations, RandomBlocks, Regime,
-    RidgePoint, Weighting, gaussian_process, random_blocks, regime, ridge_path,
+    Contrasts, Fit, GaussianProcess, GroupSum, Model, NamedValues, Observations, RandomBlocks,
+    Regime, RidgePoint, Weighting, gaussian_process, random_blocks, regime, ridge_path,
 };
 use serde::Serialize;
 
@@ -157,6 +157,34 @@ pub(super) fn split_regimes(
     Ok(boundary)
 }
 
+/// Prints the contrasts of a saturated model, largest first, against Lenth's margins.
+fn print_contrasts(common: &Common, found: &Contrasts) -> anyhow::Result<()> {
+    let lenth = &found.lenth;
+    let order = if found.orthogonal {
+        ""
+    } else {
+        " (each after the terms before it)"
+    };
+    common.print(format!(
+        "\nsaturated model, contrasts{order}; Lenth: PSE {}, ME {}, SME {}",
+        significant(lenth.pse, 4),
+        counted(lenth.me, 4),
+        counted(lenth.sme, 4)
+    ))?;
+    for point in found.half_normal.iter().rev() {
+        let above = |margin: Option<f64>| margin.is_some_and(|margin| point.abs_effect > margin);
+        let verdict = match (above(lenth.sme), above(lenth.me)) {
+            (true, _) => "  above SME",
+            (_, true) => "  above ME",
+            _ => "",
+        };
+        let value = found.contrasts.get(&point.factor).copied().unwrap_or(0.0);
+        let value = significant(value, 5);
+        common.print(format!("{:<10} {value:>12}{verdict}", point.factor))?;
+    }
+    Ok(())
+}
+
 /// Least size of an alias coefficient that is printed; all are in the JSON.
 const SMALLEST_ALIAS: f64 = 0.05;
 /// Most terms left out that are printed behind one term, the largest first.
@@ -235,7 +263,13 @@ pub(super) fn print(common: &Common, report: &Report<'_>) -> anyhow::Result<()> 
             format!(" (95 % {low} to {high})")
         });
         let (names, mean) = (level.levels.join(", "), significant(level.mean, 6));
-        common.print(format!("at {names}: {mean}{interval}"))?;
+        let original = level.original;
+        let original =
+            original.map_or_else(String::new, |original| format!("; {}", original.words()));
+        common.print(format!("at {names}: {mean}{interval}{original}"))?;
+    }
+    if let Some(found) = &report.contrasts {
+        print_contrasts(common, found)?;
     }
     print_aliases(common, report)?;
     if let Some(fit) = &report.random_batches {

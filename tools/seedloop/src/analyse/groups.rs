@@ -5,8 +5,8 @@ use std::fs;
 
 use anyhow::{Context as _, ensure};
 use command_line::{DONE, Header, significant};
-use experiment_design::table::Table;
-use response_surface::{OneWay, one_way_decimals};
+use experiment_design::table::{Table, text_of_bytes};
+use response_surface::{OneWay, PairDifference, one_way_decimals};
 use serde::Serialize;
 
 use super::Arguments;
@@ -25,6 +25,8 @@ struct Report {
     /// The analysis.
     #[serde(flatten)]
     analysis: OneWay,
+    /// All pairs of groups at once; null without replicates or scatter, and for more than 30 groups.
+    pairs: Option<Vec<PairDifference>>,
 }
 
 /// Reads, compares, prints.
@@ -33,9 +35,8 @@ struct Report {
 /// Files that cannot be read or written, columns that are missing, fewer than two groups.
 pub(super) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
     let place = || arguments.data.display().to_string();
-    let text =
-        fs::read_to_string(&arguments.data).with_context(|| format!("cannot read {}", place()))?;
-    let table = Table::parse(&text).with_context(place)?;
+    let bytes = fs::read(&arguments.data).with_context(|| format!("cannot read {}", place()))?;
+    let table = Table::parse(&text_of_bytes(&bytes)).with_context(place)?;
     let named = arguments.factors.as_deref().unwrap_or_default();
     ensure!(
         !named.contains(','),
@@ -75,11 +76,29 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
         "within  {:>16.8e} {:>6}",
         analysis.within_ss, analysis.within_df
     );
+    let pairs = analysis.pairs();
+    if pairs.is_some() {
+        let _ = writeln!(
+            text,
+            "pairs, Tukey: difference, 95 % interval and p for all pairs at once"
+        );
+    }
+    for pair in pairs.iter().flatten() {
+        let [low, high] = pair.simultaneous95.map(|end| significant(end, 5));
+        let _ = writeln!(
+            text,
+            "{:<24} {:>11}  {low} to {high}  p {}",
+            format!("{} - {}", pair.group, pair.less),
+            significant(pair.difference, 5),
+            probability(Some(pair.p))
+        );
+    }
     common.emit_json(&Report {
         header: Header::new(None, [&arguments.data])?,
         response: table.header()[response].clone(),
         groups: table.header()[group].clone(),
         analysis,
+        pairs,
     })?;
     common.print(text.trim_end())?;
     Ok(DONE)

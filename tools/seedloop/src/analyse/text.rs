@@ -117,25 +117,29 @@ fn stationary(text: &mut String, fit: &Fit) {
 }
 
 /// A line of the analysis of variance: name, sum of squares, dof, F, p.
-type Source = (&'static str, f64, usize, Option<f64>, Option<f64>);
+type Source = (String, f64, usize, Option<f64>, Option<f64>);
 
 /// The lines of the analysis of variance that belong to no single term.
 fn sources(fit: &Fit) -> Vec<Source> {
-    let mut lines: Vec<Source> = vec![
-        (
-            "model",
-            fit.model.ss,
-            fit.model.df,
-            fit.model.f,
-            fit.model.p,
-        ),
-        ("residual", fit.sse, fit.df_resid, None, None),
-    ];
+    let mut lines: Vec<Source> = Vec::new();
+    for row in fit.by_order.iter().filter(|_| fit.by_order.len() > 1) {
+        let (test, name) = (&row.test, &row.order);
+        lines.push((
+            format!("{name}, after those above"),
+            row.ss,
+            test.df1,
+            test.f,
+            test.p,
+        ));
+    }
+    let model = &fit.model;
+    lines.push(("model".to_owned(), model.ss, model.df, model.f, model.p));
+    lines.push(("residual".to_owned(), fit.sse, fit.df_resid, None, None));
     if let Some(lack) = &fit.lack_of_fit {
-        lines.push(("lack of fit", lack.ss, lack.df, lack.f, lack.p));
+        lines.push(("lack of fit".to_owned(), lack.ss, lack.df, lack.f, lack.p));
     }
     if let Some(pure) = &fit.pure_error {
-        lines.push(("pure error", pure.ss, pure.df, None, None));
+        lines.push(("pure error".to_owned(), pure.ss, pure.df, None, None));
     }
     if let Some(replicates) = &fit.replicates {
         let (ss, df) = (
@@ -144,10 +148,10 @@ fn sources(fit: &Fit) -> Vec<Source> {
         );
         let test = fit.lack_of_fit_all_repeats.as_ref();
         let (f, p) = (test.and_then(|t| t.f), test.and_then(|t| t.p));
-        lines.push(("replicates (F: misfit to all)", ss, df, f, p));
+        lines.push(("replicates (F: misfit to all)".to_owned(), ss, df, f, p));
     }
     let intercept = usize::from(fit.formula.has_intercept());
-    lines.push(("total", fit.sst, fit.n - intercept, None, None));
+    lines.push(("total".to_owned(), fit.sst, fit.n - intercept, None, None));
     lines
 }
 

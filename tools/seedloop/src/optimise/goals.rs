@@ -4,7 +4,9 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, ensure};
 use command_line::{Common, DONE, Header, NOT_MET, significant};
-use response_surface::{Aim, Compromise, Fit, Goal, Prediction, ScatterGoal, compromises};
+use response_surface::{
+    Aim, Compromise, Fit, Goal, Prediction, ScatterGoal, Transform, compromises,
+};
 use serde::Serialize;
 
 use super::Arguments;
@@ -37,8 +39,10 @@ struct Report {
 pub(super) fn run(arguments: &Arguments, first: Read) -> anyhow::Result<u8> {
     let Read {
         fit: first,
+        transform,
         mut warnings,
     } = first;
+    untransformed(&arguments.analysis, transform)?;
     let text = arguments.goal.as_deref().unwrap_or_default();
     let mut files = vec![arguments.analysis.clone()];
     let mut goals = vec![goal(text, &first)?];
@@ -53,6 +57,7 @@ pub(super) fn run(arguments: &Arguments, first: Read) -> anyhow::Result<u8> {
             continue;
         }
         let other = read(Path::new(file), arguments)?;
+        untransformed(Path::new(file), other.transform)?;
         goals.push(goal(text, &other.fit)?);
         fits.push(other.fit);
         warnings.extend(other.warnings);
@@ -82,6 +87,18 @@ pub(super) fn run(arguments: &Arguments, first: Read) -> anyhow::Result<u8> {
     common.emit_json(&report)?;
     describe(common, &fits, &report)?;
     Ok(if exists { DONE } else { NOT_MET })
+}
+
+/// Refuses an analysis of a function of the response: a goal is worth what the response itself is.
+fn untransformed(file: &Path, transform: Option<Transform>) -> anyhow::Result<()> {
+    match transform {
+        None => Ok(()),
+        Some(transform) => anyhow::bail!(
+            "{} is the analysis of a function of the response ({transform}), and --goal is for the response itself: ask \
+             for a --target, or analyse without --transform",
+            file.display()
+        ),
+    }
 }
 
 /// Prints the settings, and the errors that their intervals are made with.

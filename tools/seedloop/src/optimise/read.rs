@@ -6,7 +6,7 @@ use std::path::Path;
 use anyhow::{Context as _, ensure};
 use command_line::significant;
 use experiment_design::Factor;
-use response_surface::{Categorical, Fit};
+use response_surface::{Categorical, Fit, Transform};
 use serde::Deserialize;
 
 use super::Arguments;
@@ -20,6 +20,8 @@ const BEYOND: f64 = 0.1;
 pub(super) struct Read {
     /// The fit.
     pub(super) fit: Fit,
+    /// The function of the response that was fitted.
+    pub(super) transform: Option<Transform>,
     /// Warnings in words.
     pub(super) warnings: Vec<String>,
 }
@@ -30,6 +32,9 @@ struct Named {
     /// The factors; missing in analyses of older versions.
     #[serde(default)]
     categories: Vec<Categorical>,
+    /// The function of the response that was fitted; missing in analyses of older versions.
+    #[serde(default)]
+    transform: Option<Transform>,
 }
 
 /// Reads an analysis at the levels chosen, with other bounds where given.
@@ -42,6 +47,7 @@ pub(super) fn read(path: &Path, arguments: &Arguments) -> anyhow::Result<Read> {
     })?;
     let named: Named = serde_json::from_str(&text).with_context(|| place.to_string())?;
     let data = ranges_of_data(&fit);
+    let transform = named.transform;
     let fit = at_levels(fit, named.categories, &arguments.level)?;
     let mut factors = fit.factors.clone();
     for part in bounds {
@@ -74,7 +80,11 @@ pub(super) fn read(path: &Path, arguments: &Arguments) -> anyhow::Result<Read> {
             .common
             .log(|| format!("warning: {place}: {warning}"));
     }
-    Ok(Read { fit, warnings })
+    Ok(Read {
+        fit,
+        transform,
+        warnings,
+    })
 }
 
 /// Least and greatest value of each factor in the data, units of the factors; the columns of named levels are

@@ -11,6 +11,15 @@ use super::{CONFIDENCE, Report};
 /// Prints the answer.
 pub(super) fn describe(common: &Common, fit: &Fit, report: &Report) -> anyhow::Result<()> {
     let solutions = &report.solutions;
+    if let Some(original) = &report.original {
+        let [low, high] = original.reachable.map(end);
+        common.print(format!(
+            "in the unit of the response: target {}, surface within the ranges {low} to {high}; all below is the fitted \
+             function of it ({})",
+            value(original.target),
+            original.transform
+        ))?;
+    }
     reach(common, fit, solutions)?;
     branches(common, fit, solutions)?;
     nearest(common, fit, report)?;
@@ -24,6 +33,14 @@ pub(super) fn describe(common: &Common, fit: &Fit, report: &Report) -> anyhow::R
         bootstrapped(common, drawn)?;
     }
     at_point(common, fit, report)?;
+    if let Some(at) = report.original.as_ref().and_then(|o| o.at.as_ref()) {
+        let [low, high] = at.pi95.map(end);
+        let [least, most] = at.tolerance.map(end);
+        common.print(format!(
+            "  in the unit of the response: {}, prediction {low} to {high}, tolerance {least} to {most}",
+            at.median.words()
+        ))?;
+    }
     match &report.confirmation {
         Some(confirmation) => confirmed(common, confirmation),
         None => Ok(()),
@@ -83,6 +100,11 @@ pub(super) fn point(fit: &Fit, values: &[f64]) -> String {
 /// A value of the response or of a factor.
 fn value(value: f64) -> String {
     significant(value, 6)
+}
+
+/// An end of an interval in the unit of the response, which may be open.
+fn end(value: Option<f64>) -> String {
+    value.map_or_else(|| "-".to_owned(), |v| significant(v, 6))
 }
 
 /// What the surface reaches, and whether that includes the target.
