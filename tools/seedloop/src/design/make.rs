@@ -203,7 +203,7 @@ fn optimal(
         .context("no second stage near the target; is it within reach of the surface?")?;
     Ok(Made {
         design,
-        facts: json!({ "near_target": arguments.target, "added_runs": runs }),
+        facts: json!({ "near_target": arguments.target, "added_runs": runs, "error": error }),
     })
 }
 
