@@ -216,7 +216,7 @@ fn effect_that_retuning_imitates_but_for_a_thousandth_is_not_testable() {
     for unit in [1e-4, 1.0, 1e4] {
         for (left, testable) in [(1e-3, false), (1e-2, true)] {
             let mut file = with_effect(0, 0.0, 2);
-            let whole = diagnosed(file.clone()).candidates["slip"].clone();
+            let whole = diagnosed(file.clone()).candidates["slip"];
             let share = 1.0 - whole.absorbed_fraction.unwrap();
             let imitated: f64 = 1.0 / left - 1.0;
             // Slip has `share` of its square outside re-tuning; a multiple of a declared column hides that.

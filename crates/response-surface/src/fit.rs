@@ -225,6 +225,7 @@ fn assemble(
     let covariance = matrix.model_block(&solved.xtx_inverse);
     let terms_natural = natural_terms(factors, model, &coefficients, &covariance, mse, df_resid);
     let replicates = replicates::replicates(data, &matrix.weights, &terms, sums.sse, df_resid);
+    let explained = |left: Option<f64>| Some(1.0 - ratio(left?, sums.sst)?);
     let mut fit = Fit {
         factors: factors.to_vec(),
         formula: model.clone(),
@@ -240,13 +241,9 @@ fn assemble(
         sst: sums.sst,
         ssr: sums.sst - sums.sse,
         r2: ratio(sums.sst - sums.sse, sums.sst),
-        adj_r2: mse
-            .and_then(|mse| ratio(mse * sums.df_total as f64, sums.sst))
-            .map(|q| 1.0 - q),
+        adj_r2: explained(mse.map(|mse| mse * sums.df_total as f64)),
         press,
-        pred_r2: press
-            .and_then(|press| ratio(press, sums.sst))
-            .map(|q| 1.0 - q),
+        pred_r2: explained(press),
         cv_pct: mse.and_then(|mse| ratio(100.0 * mse.sqrt(), sums.mean)),
         adeq_precision: mse.and_then(|mse| cases::adequate_precision(&cases, p, mse)),
         model: anova::model_row(&sums, df_resid),
@@ -438,7 +435,8 @@ fn check_scales(factors: &[Factor], model: &Model) -> Result<(), Error> {
         let power = powers.max().unwrap_or(0);
         let half = factor.half_range();
         let ratios = [half, 1.0 / half, factor.mid() / half];
-        let beyond = |ratio: &f64| !(ratio.abs().powi(i32::from(power)) <= Observations::LARGEST);
+        let largest = |ratio: &f64| ratio.abs().powi(i32::from(power));
+        let beyond = |ratio: &f64| ratio.is_nan() || largest(ratio) > Observations::LARGEST;
         if ratios.iter().any(beyond) {
             return Err(Error::FactorScale {
                 symbol: factor.symbol().to_owned(),

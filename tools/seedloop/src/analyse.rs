@@ -1,5 +1,6 @@
 //! `seedloop analyse`: fits a model to the table of an experiment.
 
+mod beside;
 mod charts;
 mod data;
 mod extras;
@@ -10,6 +11,7 @@ mod text;
 use std::path::PathBuf;
 
 use anyhow::ensure;
+use beside::beside;
 use clap::ValueEnum;
 use command_line::{Common, DONE, Header, write_new};
 use response_surface::{
@@ -263,62 +265,102 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
             Some(saturated(&columns, &observations)?)
         }
     };
-    let common = &arguments.common;
-    for warning in &fit.warnings {
-        common.log(|| format!("warning: {warning}"));
-    }
+    let fits = Fits {
+        fit: &fit,
+        model: &model,
+        observations: &observations,
+        weighting,
+        is_named: named.is_some(),
+    };
     let report = Report {
+        level_tests,
+        saturated,
+        reduction,
+        regime: boundary,
+        ..report(arguments, &data, &fits)?
+    };
+    tell(arguments, &report)
+}
+
+/// A fit with what it was made from.
+struct Fits<'a> {
+    /// The fit.
+    fit: &'a Fit,
+    /// Its model.
+    model: &'a Model,
+    /// Its observations.
+    observations: &'a Observations,
+    /// What its weights were taken from.
+    weighting: Weighting,
+    /// Whether some of its columns are those of named levels: orders and powers over them mean nothing.
+    is_named: bool,
+}
+
+/// The report of a fit.
+fn report<'a>(
+    arguments: &Arguments,
+    data: &'a Data,
+    fits: &Fits<'a>,
+) -> anyhow::Result<Report<'a>> {
+    let Fits {
+        fit,
+        model,
+        observations,
+        weighting,
+        is_named,
+    } = *fits;
+    let search = || interaction_search(&data.factors, observations, weighting, arguments.alpha);
+    let screened = !arguments.dummies.is_empty();
+    let unnamed = !is_named;
+    Ok(Report {
         header: Header::new(None, inputs(arguments))?,
         response: &data.response,
         transform: arguments.transform,
         columns_hold: data.coding,
-        fit: &fit,
-        pareto: pareto(&fit),
-        contrasts: contrasts(&fit),
-        saturated,
-        // Orders over the columns of named levels would have their powers.
-        orders: match &named {
-            None => Some(orders(&data.factors, &observations, weighting)?),
-            Some(_) => None,
-        },
+        fit,
+        pareto: pareto(fit),
+        contrasts: contrasts(fit),
+        saturated: None,
+        orders: unnamed
+            .then(|| orders(&data.factors, observations, weighting))
+            .transpose()?,
         categories: data.categories.clone(),
-        level_tests,
-        spread: spread(&observations),
-        box_cox: box_cox(&data.factors, &model, &observations, weighting)?,
-        reduction,
+        level_tests: None,
+        spread: spread(observations),
+        box_cox: box_cox(&data.factors, model, observations, weighting)?,
+        reduction: Vec::new(),
         dfbetas: (fit.n <= 1000).then(|| (0..fit.n).map(|i| fit.dfbetas(i)).collect()),
-        ridge: named.is_none().then(|| Ridge::of(&fit)).flatten(),
-        aliases: match &named {
-            None => Some(aliases(&fit, &observations)?),
-            Some(_) => None,
-        },
-        level_means: levels::means(&fit, &data.categories, arguments.transform),
-        random_batches: extras::batches(&data, &model, weighting)?,
-        interaction_search: match &arguments.dummies[..] {
-            [] => None,
-            _ => Some(interaction_search(
-                &data.factors,
-                &observations,
-                weighting,
-                arguments.alpha,
-            )?),
-        },
-        gaussian_process: extras::comparison(arguments, &data.factors, &observations, &fit)?,
-        regime: boundary,
+        ridge: unnamed.then(|| Ridge::of(fit)).flatten(),
+        aliases: unnamed.then(|| aliases(fit, observations)).transpose()?,
+        level_means: levels::means(fit, &data.categories, arguments.transform),
+        random_batches: extras::batches(data, model, weighting)?,
+        interaction_search: screened.then(search).transpose()?,
+        gaussian_process: extras::comparison(arguments, &data.factors, observations, fit)?,
+        regime: None,
         warning_texts: fit.warnings.iter().map(ToString::to_string).collect(),
-    };
+    })
+}
+
+/// Writes the files asked for and prints the analysis.
+fn tell(arguments: &Arguments, report: &Report<'_>) -> anyhow::Result<u8> {
+    let common = &arguments.common;
+    for warning in &report.warning_texts {
+        common.log(|| format!("warning: {warning}"));
+    }
     let orders = report.orders.as_ref().map(orders_text).unwrap_or_default();
+    let mut text = summary(report.fit, report.saturated.as_ref());
+    if report.transform.is_some() {
+        text.insert_str(0, &format!("response: {}\n", report.response));
+    }
+    for part in [orders, beside(report)] {
+        if !part.is_empty() {
+            text = format!("{}\n\n{part}", text.trim_end());
+        }
+    }
     // Files first: they do not depend on who reads standard output.
-    write(arguments, &report, &orders)?;
-    common.emit_json(&report)?;
-    if arguments.transform.is_some() {
-        common.print(format!("response: {}", report.response))?;
-    }
-    common.print(summary(&fit, report.saturated.as_ref()).trim_end())?;
-    if !orders.is_empty() {
-        common.print(format!("\n{}", orders.trim_end()))?;
-    }
-    extras::print(common, &report)?;
+    write(arguments, report, &text)?;
+    common.emit_json(report)?;
+    common.print(text.trim_end())?;
     Ok(DONE)
 }
 
@@ -363,14 +405,14 @@ fn fitted(
 }
 
 /// Writes page and charts where asked for.
-fn write(arguments: &Arguments, report: &Report<'_>, orders: &str) -> anyhow::Result<()> {
+fn write(arguments: &Arguments, report: &Report<'_>, text: &str) -> anyhow::Result<()> {
     let common = &arguments.common;
     if arguments.html.is_none() && arguments.plots.is_none() {
         return Ok(());
     }
     let charts = charts::all(report)?;
     if let Some(file) = &arguments.html {
-        let page = page(report, orders, &charts);
+        let page = page(report, text, &charts);
         write_new(file, page.as_bytes(), common.overwrite())?;
     }
     if let Some(folder) = &arguments.plots {

@@ -92,7 +92,7 @@ impl Matrix {
             row
         };
         let rows: Vec<Vec<f64>> = cells.iter().map(row).collect();
-        let beyond = |x: &&f64| !(x.abs() <= Observations::LARGEST);
+        let beyond = |x: &&f64| x.is_nan() || x.abs() > Observations::LARGEST;
         let far = rows.iter().enumerate();
         let mut far = far.filter_map(|(i, row)| Some((i, *row.iter().find(beyond)?)));
         if let Some((i, value)) = far.next() {

@@ -113,20 +113,7 @@ pub(super) fn read(arguments: &Arguments) -> anyhow::Result<Data> {
     let mut categories = Vec::with_capacity(arguments.categories.len());
     for name in &arguments.categories {
         let given = labels(Some(name), "level")?;
-        let mut levels = given.clone();
-        levels.sort();
-        levels.dedup();
-        ensure!(
-            levels.len() > 1,
-            "{}: the factor '{name}' never varies: it is '{}' in all rows; leave it out",
-            place(),
-            levels.concat()
-        );
-        let category = Categorical::new(name, levels)?;
-        for (cell, level) in cells.iter_mut().zip(&given) {
-            cell.coded.extend(category.coded(level).unwrap_or_default());
-        }
-        categories.push(category);
+        categories.push(add_category(name, &given, &mut cells).with_context(place)?);
     }
     Ok(Data {
         regimes: labels(arguments.regime_column(), "regime")?,
@@ -141,6 +128,23 @@ pub(super) fn read(arguments: &Arguments) -> anyhow::Result<Data> {
             Some(transform) => transform.of(&table.header()[response]),
         },
     })
+}
+
+/// A factor with the levels given for each cell; its columns join those of the cells.
+fn add_category(name: &str, given: &[String], cells: &mut [Cell]) -> anyhow::Result<Categorical> {
+    let mut levels = given.to_vec();
+    levels.sort();
+    levels.dedup();
+    ensure!(
+        levels.len() > 1,
+        "the factor '{name}' never varies: it is '{}' in all rows; leave it out",
+        levels.concat()
+    );
+    let category = Categorical::new(name, levels)?;
+    for (cell, level) in cells.iter_mut().zip(given) {
+        cell.coded.extend(category.coded(level).unwrap_or_default());
+    }
+    Ok(category)
 }
 
 /// Texts of a column, none of them empty; nothing where no column is named.

@@ -3,12 +3,12 @@
 use std::fmt::Write as _;
 
 use super::Report;
-use super::text::{counted, fixed, summary};
+use super::text::{counted, fixed};
 use command_line::significant;
 use report::Svg;
 
-/// The tables as a page without scripts.
-pub(super) fn page(report: &Report<'_>, orders: &str, charts: &[(String, Svg)]) -> String {
+/// The analysis as a page without scripts: its text, the rows and the charts.
+pub(super) fn page(report: &Report<'_>, text: &str, charts: &[(String, Svg)]) -> String {
     let fit = report.fit;
     let escaped = |text: &str| {
         text.replace('&', "&amp;")
@@ -16,10 +16,7 @@ pub(super) fn page(report: &Report<'_>, orders: &str, charts: &[(String, Svg)]) 
             .replace('>', "&gt;")
     };
     let response = escaped(report.response);
-    let body = escaped(&format!(
-        "{}\n{orders}",
-        summary(fit, report.saturated.as_ref())
-    ));
+    let body = escaped(text);
     let mut pictures = String::new();
     for (name, chart) in charts {
         let _ = writeln!(pictures, "<h2>{}</h2>\n{}", escaped(name), chart.as_str());

@@ -1,5 +1,7 @@
 //! The answer in words.
 
+use std::fmt::Write as _;
+
 use command_line::{Common, significant};
 use experiment_design::Factor;
 use response_surface::distribution::t_two_sided_quantile;
@@ -76,11 +78,15 @@ pub(super) fn error(fit: &Fit, error: Option<ErrorVariance>) -> String {
     }
     let limit = t_two_sided_quantile(0.05, error.df as f64);
     let limit = limit.map_or_else(|| "-".to_owned(), |t| significant(t, 4));
-    text += &format!("; with so few every interval is wide (Student's t {limit})");
+    let _ = write!(
+        text,
+        "; with so few every interval is wide (Student's t {limit})"
+    );
     let residual = fit.error_variance(ErrorSource::Residual);
     if let Some(residual) = residual.filter(|residual| residual.df > error.df) {
         let sd = significant(residual.variance.sqrt(), 4);
-        text += &format!(
+        let _ = write!(
+            text,
             ": the residuals have {}, sd {sd}; where the model fits, take them with --error residual",
             of_freedom(residual.df)
         );

@@ -72,7 +72,7 @@ fn a_transformed_response_is_told_in_its_own_unit() {
     assert_error(&refused, &["line 3", "'y'", "-3", "zero or above"]);
 }
 
-/// R's TukeyHSD of PlantGrowth: trt2 against trt1, p 0.0120064.
+/// R's `TukeyHSD` of `PlantGrowth`: trt2 against trt1, p 0.0120064.
 #[test]
 fn pairs_of_groups_follow_the_one_way_analysis() {
     let folder = tempdir().unwrap();
@@ -166,16 +166,16 @@ fn a_level_that_looks_like_a_formula_is_harmless_in_a_table() {
         design.contains(",'=HYPERLINK(A1)\n") && !design.contains(",=HYPERLINK"),
         "{design}"
     );
-    let mut with_response = String::new();
-    for (i, line) in design.lines().enumerate() {
+    let line = |(i, line): (usize, &str)| {
         let response = if i == 0 {
             "y".to_owned()
         } else {
             (i * i % 7).to_string()
         };
-        with_response += &format!("{line},{response}\n");
-    }
-    fs::write(path("r.csv"), with_response).unwrap();
+        format!("{line},{response}\n")
+    };
+    let with_response: Vec<String> = design.lines().enumerate().map(line).collect();
+    fs::write(path("r.csv"), with_response.concat()).unwrap();
     let report = json(&run(
         &folder,
         "analyse r.csv --factors A --categories wall --response y --model A+wall --json=-",

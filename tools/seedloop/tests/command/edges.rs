@@ -169,11 +169,11 @@ fn an_error_of_few_degrees_of_freedom_is_told() {
 /// In the half fraction D = ABC a main effect stands for the product of the three others.
 #[test]
 fn the_aliases_of_a_fraction_are_told_with_its_analysis() {
-    let mut content = String::from("A,B,C,D,y\n");
-    for bits in 0..8 {
+    let row = |bits: i32| {
         let [a, b, c] = [0, 1, 2].map(|j| if bits >> j & 1 == 1 { 1 } else { -1 });
-        content += &format!("{a},{b},{c},{},{}\n", a * b * c, 3 * a + b + (bits % 3));
-    }
+        format!("{a},{b},{c},{},{}\n", a * b * c, 3 * a + b + (bits % 3))
+    };
+    let content = format!("A,B,C,D,y\n{}", (0..8).map(row).collect::<String>());
     let folder = table(&content);
     let output = analyse(
         &folder,
