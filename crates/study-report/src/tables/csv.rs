@@ -136,10 +136,10 @@ mod tests {
     }
 
     #[test]
-    fn texts_with_commas_quotes_and_line_ends_are_quoted_and_others_are_not() {
-        let texts = ["plain", "a, b", "say \"no\"", "two\nlines"];
+    fn texts_stand_as_the_reader_of_tables_takes_them() {
+        let texts = ["plain", "a, b", "say \"no\"", "two\nlines", "=A1"];
         let found = line(texts.into_iter().map(Field::from).collect());
-        assert_eq!(found, "plain,\"a, b\",\"say \"\"no\"\"\",\"two\nlines\"");
+        assert_eq!(found, "plain,\"a, b\",\"say \"\"no\"\"\",two lines,'=A1");
     }
 
     #[test]
