@@ -58,12 +58,20 @@ impl Transform {
     /// interval is open there. Quantiles go over as they are, so an interval of the mean becomes one of the median.
     pub fn back_interval(self, [low, high]: [f64; 2]) -> [Option<f64>; 2] {
         let ends = [self.back(low), self.back(high)];
-        let falls = match self {
+        if self.falls() {
+            [ends[1], ends[0]]
+        } else {
+            ends
+        }
+    }
+
+    /// Whether the function falls where the response rises.
+    pub fn falls(self) -> bool {
+        match self {
             Self::Inverse => true,
             Self::Power(power) => power < 0.0,
             _ => false,
-        };
-        if falls { [ends[1], ends[0]] } else { ends }
+        }
     }
 
     /// Slope of the function at a response, unit of the fit per unit of the response; none outside its domain.

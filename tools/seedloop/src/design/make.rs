@@ -247,7 +247,9 @@ struct Fitted {
 
 /// Points along the path of steepest ascent or descent.
 fn path(arguments: &Arguments, factors: &[Factor]) -> anyhow::Result<Made> {
-    let (fit, _) = analysis(arguments, factors)?;
+    let (fit, transform) = analysis(arguments, factors)?;
+    // Up is where the response rises, be it where its function falls.
+    let falls = transform.is_some_and(Transform::falls);
     let step = arguments.step;
     ensure!(
         step > 0.0 && step <= 10.0,
@@ -259,7 +261,7 @@ fn path(arguments: &Arguments, factors: &[Factor]) -> anyhow::Result<Made> {
         "--runs is {runs}; a path has 1 to 100 points"
     );
     let radii: Vec<f64> = (0..=runs).map(|i| step * i as f64).collect();
-    let points = ridge_path(&fit, &radii, !arguments.descend)?;
+    let points = ridge_path(&fit, &radii, arguments.descend == falls)?;
     let rows = points.iter().map(|point| point.coded.clone()).collect();
     Ok(Made {
         design: Design::new(DesignKind::SteepestAscent, factors, Vec::new(), rows)?,

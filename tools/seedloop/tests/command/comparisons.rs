@@ -64,6 +64,16 @@ fn a_transformed_response_is_told_in_its_own_unit() {
         &run(&folder, "optimise a.json --goal max"),
         &["--goal", "ln"],
     );
+    // dist rises with speed and 1/dist falls: the path up goes to higher speeds.
+    let words = "analyse d.csv --factors speed --response y --model linear --transform inverse --json i.json";
+    assert_code(&run(&folder, words), 0);
+    fs::write(folder.path().join("f.csv"), "symbol,low,high\nspeed,4,25\n").unwrap();
+    let words = "design steepest --factors f.csv --analysis i.json --out p.csv --json=-";
+    let path = json(&run(&folder, words));
+    assert!(
+        path["runs"][1]["coded"][0].as_f64().unwrap() > 0.0,
+        "{path}"
+    );
     let negative = table("x,y\n1,2\n2,-3\n3,4\n");
     let refused = run(
         &negative,
