@@ -68,8 +68,8 @@ impl Common {
     /// Numbers keep their full precision; what is not finite becomes `null`.
     ///
     /// # Errors
-    /// Results that have no form in JSON, a file that exists or cannot be written, a closed
-    /// standard output.
+    /// Results that have no form in JSON, a file that exists or cannot be written, a standard
+    /// output that takes nothing.
     pub fn emit_json(&self, results: &impl Serialize) -> anyhow::Result<()> {
         let Some(file) = &self.json else {
             return Ok(());
@@ -124,10 +124,10 @@ impl Common {
         }
     }
 
-    /// Writes a line of results on standard output, unless JSON goes there.
+    /// Writes a line of results on standard output, unless JSON goes there or nobody reads it any more.
     ///
     /// # Errors
-    /// A closed standard output.
+    /// A standard output that takes nothing, such as a file on a full disk.
     pub fn print(&self, text: impl Display) -> anyhow::Result<()> {
         if self.json_on_stdout() {
             return Ok(());
@@ -136,11 +136,14 @@ impl Common {
     }
 }
 
-/// Writes to standard output at once.
+/// Writes to standard output at once. A reader that has closed it, such as `head`, has what it wanted.
 fn write_stdout(text: &str) -> anyhow::Result<()> {
     let mut stdout = std::io::stdout().lock();
-    stdout
+    let outcome = stdout
         .write_all(text.as_bytes())
-        .and_then(|()| stdout.flush())
-        .context("cannot write to standard output")
+        .and_then(|()| stdout.flush());
+    match outcome {
+        Err(error) if error.kind() == std::io::ErrorKind::BrokenPipe => Ok(()),
+        outcome => outcome.context("cannot write to standard output"),
+    }
 }

@@ -13,27 +13,16 @@ pub const ERROR: u8 = 2;
 
 /// Turns the outcome of a command into its exit code.
 ///
-/// An error is written once on standard error, with its causes, as `error: what: why`. A reader
-/// that closes the pipe early, such as `head`, has what it wanted: that is no error.
+/// An error is written once on standard error, with its causes, as `error: what: why`.
 pub fn finish(outcome: anyhow::Result<u8>) -> ExitCode {
     match outcome {
         Ok(code) => ExitCode::from(code),
-        Err(error) if is_broken_pipe(&error) => ExitCode::from(DONE),
         Err(error) => {
             // Nothing is left to do about a closed standard error.
             let _ = writeln!(std::io::stderr(), "error: {}", describe(&error));
             ExitCode::from(ERROR)
         }
     }
-}
-
-/// Returns whether an error came from a closed pipe.
-fn is_broken_pipe(error: &anyhow::Error) -> bool {
-    error.chain().any(|cause| {
-        cause
-            .downcast_ref::<std::io::Error>()
-            .is_some_and(|error| error.kind() == std::io::ErrorKind::BrokenPipe)
-    })
 }
 
 /// Writes an error with its causes; a cause that the text before already tells is left out.
@@ -53,7 +42,7 @@ fn describe(error: &anyhow::Error) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::{DONE, ERROR, NOT_MET, describe, finish, is_broken_pipe};
+    use super::{DONE, ERROR, NOT_MET, describe, finish};
     use anyhow::anyhow;
     use std::process::ExitCode;
 
@@ -69,20 +58,10 @@ mod tests {
     }
 
     #[test]
-    fn a_broken_pipe_is_recognised_under_its_context() {
-        let pipe = std::io::Error::from(std::io::ErrorKind::BrokenPipe);
-        assert!(is_broken_pipe(&anyhow::Error::new(pipe).context("writing")));
-        let other = std::io::Error::from(std::io::ErrorKind::NotFound);
-        assert!(!is_broken_pipe(&anyhow::Error::new(other)));
-    }
-
-    #[test]
     fn outcomes_end_with_their_exit_codes() {
         assert_eq!(finish(Ok(DONE)), ExitCode::from(0));
         assert_eq!(finish(Ok(NOT_MET)), ExitCode::from(1));
         assert_eq!(finish(Err(anyhow!("bad input"))), ExitCode::from(2));
         assert_eq!(ERROR, 2);
-        let pipe = std::io::Error::from(std::io::ErrorKind::BrokenPipe);
-        assert_eq!(finish(Err(pipe.into())), ExitCode::from(0));
     }
 }

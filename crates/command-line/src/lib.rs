@@ -29,16 +29,19 @@
 //! ```
 //!
 //! Invariants: standard output carries results only, standard error the rest; a file is written
-//! whole or not at all, and no file is overwritten unless the user says so.
+//! whole or not at all, and no file is overwritten unless the user says so; a reader that closes standard
+//! output early, such as `head`, stops neither the work nor the files that were asked for.
 
 mod common;
 mod exit;
 mod header;
+mod numbers;
 mod words;
 mod write;
 
 pub use common::Common;
 pub use exit::{DONE, ERROR, NOT_MET, finish};
 pub use header::{Header, file_sha256};
+pub use numbers::significant;
 pub use words::arguments;
 pub use write::{Overwrite, write_new};

@@ -1,12 +1,15 @@
 //! Tables as CSV text: factors, designs, and measured data.
 //!
-//! Comma separated, first line the column names, fields quoted with `"` where they hold a comma.
-//! Lines that start with `#` and empty lines are skipped. Numbers are written with as many digits
+//! Comma separated, first line the column names, fields quoted with `"` where they hold a comma. Tables that are read may
+//! have semicolons or tabs instead, and then decimal commas. Lines that start with `#` and empty lines are skipped.
+//! Text that a spreadsheet would run as a formula is written with an apostrophe before it, and read without. Numbers are written with as many digits
 //! as they need to be read back bit for bit.
 
+mod dialect;
 mod read;
 mod write;
 
+pub use dialect::text_of_bytes;
 pub use read::{Row, Table};
 pub use write::{csv_field, design_to_csv, factors_to_csv};
 

@@ -7,8 +7,14 @@ use crate::problem::Problem;
 /// Expected score of the largest amplitude below which a candidate is not testable.
 const SMALLEST_DETECTABILITY: f64 = 3.0;
 
-/// Candidates whose largest physical amplitude would be seen; one without a limit would, where its sensitivity
-/// stands out of its own noise and is not absorbed wholly.
+/// Size of an effect without a largest amplitude at which it is judged: that of 80 standard errors of the values, before
+/// re-tuning. Chosen by us: an effect larger than that is no residual to be explained, and one that must be larger to be
+/// seen rests on the last digits of the slopes, because re-tuning absorbs more than 99.86 % of it. At twice the
+/// value the limit is 99.96 %.
+const UNLIMITED_SIZE: f64 = 80.0;
+
+/// Candidates whose largest physical amplitude would be seen; one without a limit is judged at a size that no residual
+/// has.
 ///
 /// The noise of a sensitivity lengthens it: what is asked of the largest amplitude is the expected score, without
 /// that noise. A candidate whose sensitivity is no more than noise would otherwise look like one of random shape,
@@ -17,11 +23,16 @@ pub(crate) fn testable(problem: &Problem, nominal: &Fit) -> Vec<usize> {
     let seen = |j: &usize| {
         let ends = problem.candidates[*j].range().into_iter();
         let mut ends = ends.filter(|end| *end != 0.0);
+        let [length, _] = nominal.whole_and_noise(problem, *j);
         ends.any(|end| {
-            if end.is_infinite() {
-                return nominal.expected_score(problem, *j, end.signum()).is_some();
-            }
-            let score = nominal.expected_score(problem, *j, end);
+            let amplitude = if end.is_finite() {
+                end
+            } else {
+                end.signum() * UNLIMITED_SIZE / length
+            };
+            // An effect that does nothing has no amplitude of that size.
+            let score = Some(amplitude).filter(|a| a.is_finite());
+            let score = score.and_then(|a| nominal.expected_score(problem, *j, a));
             score.is_some_and(|score| score >= SMALLEST_DETECTABILITY)
         })
     };

@@ -78,17 +78,19 @@ fn none(d: &Diagnosis) -> String {
 
 /// Effects are named.
 fn named(d: &Diagnosis) -> String {
+    // Amplitudes of one fit: an effect that is named beside another has its own share only there.
     let amplitudes: Vec<String> = d
         .effects
         .iter()
-        .filter_map(|name| {
-            let c = d.candidates.get(name)?;
-            Some(format!(
-                "{name} ({:.4} +- {:.4} alone)",
-                c.amplitude?, c.se?
-            ))
+        .map(|name| match d.amplitudes.get(name) {
+            Some([amplitude, se]) => format!("{name} ({amplitude:.4} +- {se:.4})"),
+            None => name.clone(),
         })
         .collect();
+    let (verb, other) = match d.effects.len() {
+        1 => ("is", "no other effect"),
+        _ => ("are", "no other effects"),
+    };
     let predicted = d.before_after.as_ref().and_then(|b| b.unused.as_ref());
     let predicted = predicted.map(|u| [u.whitened_mse.before, u.whitened_mse.after]);
     let (by, last_word) = if d.runs_on_unused.is_some() {
@@ -107,7 +109,7 @@ fn named(d: &Diagnosis) -> String {
         None => "; no unused conditions were given to check it".to_owned(),
     };
     format!(
-        "{} is missing: no other effect of the library does nearly as well, what remains is \
+        "{} {verb} missing: {other} of the library do nearly as well, what remains is \
          noise, and an unknown effect is far less likely{check}. The library may lack the true \
          cause{last_word}.",
         listed(&amplitudes, "and")

@@ -209,6 +209,44 @@ fn effect_that_retuning_imitates_is_not_testable_rather_than_absent() {
     assert_eq!(d.candidates["slip"].z, None);
 }
 
+/// An effect that re-tuning imitates but for a thousandth of its sum of squares would have to be a hundred standard errors
+/// large before it is seen at three: nothing can be said about it, in whatever unit its amplitude is. At a hundredth it can.
+#[test]
+fn effect_that_retuning_imitates_but_for_a_thousandth_is_not_testable() {
+    for unit in [1e-4, 1.0, 1e4] {
+        for (left, testable) in [(1e-3, false), (1e-2, true)] {
+            let mut file = with_effect(0, 0.0, 2);
+            let whole = diagnosed(file.clone()).candidates["slip"];
+            let share = 1.0 - whole.absorbed_fraction.unwrap();
+            let imitated: f64 = 1.0 / left - 1.0;
+            // Slip has `share` of its square outside re-tuning; a multiple of a declared column hides that.
+            let norm = |column: &dyn Fn(usize) -> f64| {
+                (0..2 * CONDITIONS).map(|i| column(i).powi(2)).sum::<f64>()
+            };
+            let slip = norm(&|i| file.sensitivities_library[i][0]) * share;
+            let declared = norm(&|i| file.sensitivities_declared[i][0]);
+            let scale = (imitated * slip / declared).sqrt();
+            for (l, s) in file
+                .sensitivities_library
+                .iter_mut()
+                .zip(&file.sensitivities_declared)
+            {
+                l[0] = (l[0] + scale * s[0]) * unit;
+            }
+            let d = diagnosed(file);
+            let absorbed = d.candidates["slip"].absorbed_fraction.unwrap();
+            assert!(
+                absorbed > 1.0 - 2.0 * left && absorbed < 1.0 - 0.3 * left,
+                "{absorbed}"
+            );
+            assert_eq!(
+                d.candidates["slip"].testable, testable,
+                "{unit}: {absorbed}"
+            );
+        }
+    }
+}
+
 /// With |u| known from the se, an effect with `|u| a_max` below 3 is not testable.
 #[test]
 fn effect_smaller_than_the_noise_is_not_testable() {
@@ -333,7 +371,7 @@ fn observable_that_was_not_measured_is_left_out() {
     assert_eq!(diagnosed(file).structured_residual.df, all - 1);
 }
 
-/// Two true effects at once: both are found, none alone is adequate.
+/// Two true effects at once: both are found, none alone is adequate, and their amplitudes are told as they are together.
 #[test]
 fn two_missing_effects_are_found_together() {
     let mut file = with_effect(0, 1.2, 7);
@@ -347,6 +385,19 @@ fn two_missing_effects_are_found_together() {
     let d = diagnosed(file);
     assert_eq!(d.verdict, Verdict::Named, "{}", d.summary);
     assert_eq!(d.effects, ["slip", "cohesion"]);
+    // Alone, each carries part of the other; together they are the truth within three standard errors.
+    for name in ["slip", "cohesion"] {
+        let [amplitude, se] = d.amplitudes[name];
+        assert!(
+            (amplitude - 1.2).abs() < 3.0 * se,
+            "{name} {amplitude} +- {se}"
+        );
+        let told = format!("{name} ({amplitude:.4} +- {se:.4})");
+        assert!(d.summary().contains(&told), "{told} in: {}", d.summary());
+        let alone = d.candidates[name].amplitude.unwrap();
+        assert!((alone - amplitude).abs() > 1e-3, "the two overlap: {alone}");
+    }
+    assert!(d.summary().contains(" are missing: "), "{}", d.summary());
 }
 
 /// The unused conditions carry the opposite of the effect: the naming is taken back.

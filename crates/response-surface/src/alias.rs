@@ -2,8 +2,60 @@
 
 use experiment_design::Design;
 
+use crate::fit::Matrix;
 use crate::least_squares::least_squares;
-use crate::{Error, NamedValues};
+use crate::{Error, Fit, Model, NamedValues, Observations};
+
+/// Greatest number of factors for which products of three are looked at.
+const MOST_FACTORS: usize = 10;
+
+/// What terms left out of a fit do to those in it, over the rows of these data.
+///
+/// The outer name is the term left out, the inner one a term of the fit: the expected coefficient of a term is its own
+/// plus the sum of these times the coefficients of the terms left out. Main effects, two-factor interactions, squares,
+/// and (for up to ten factors) products of three are looked at; one that blurs nothing has no entry.
+///
+/// # Formula
+/// A = (X1'WX1)^-1 X1'WX2, X1 the terms of the fit, X2 those left out, coded, W the weights `[Myers2016]`.
+///
+/// # Errors
+/// Those of [`crate::fit_weighted`] for data that do not belong to the fit.
+pub fn aliases(fit: &Fit, data: &Observations) -> Result<NamedValues<NamedValues<f64>>, Error> {
+    let data = data.first_columns(fit.factors.len());
+    let matrix = Matrix::new(&fit.formula, &data, fit.weighting)?;
+    Ok(of_matrix(&fit.formula, &matrix, &data, &fit.xtx_inverse))
+}
+
+/// As [`aliases`], of a model matrix with the inverse of its X'WX.
+pub(crate) fn of_matrix(
+    model: &Model,
+    matrix: &Matrix,
+    data: &Observations,
+    inverse: &[Vec<f64>],
+) -> NamedValues<NamedValues<f64>> {
+    let k = model.symbols().len();
+    let wider = Model::of_degree(if k > MOST_FACTORS { 2 } else { 3 }, model.symbols());
+    let left_out = wider.terms().iter().filter(|term| {
+        let crossed = term.degree() == 2 || term.powers().iter().all(|power| *power <= 1);
+        crossed && !model.terms().contains(term)
+    });
+    let blurs = |term: &crate::Term| {
+        let mut products = vec![0.0; matrix.names.len()];
+        for ((cell, row), weight) in data.cells().iter().zip(&matrix.rows).zip(&matrix.weights) {
+            let value = weight * term.value(&cell.coded[..k]);
+            products
+                .iter_mut()
+                .zip(row)
+                .for_each(|(p, x)| *p += x * value);
+        }
+        let amount =
+            |line: &Vec<f64>| -> f64 { line.iter().zip(&products).map(|(c, p)| c * p).sum() };
+        let parts = matrix.names.iter().cloned().zip(inverse.iter().map(amount));
+        let parts: NamedValues<f64> = parts.filter(|(_, amount)| amount.abs() > 1e-9).collect();
+        (!parts.is_empty()).then(|| (model.name(term), parts))
+    };
+    left_out.filter_map(blurs).collect()
+}
 
 /// Alias coefficients of all two-factor interactions on the columns of a design.
 ///

@@ -128,6 +128,12 @@ impl CategoricalModel {
             factors.extend(own);
         }
         let written = Model::parse(formula, &symbols)?;
+        if !categorical.is_empty() && !written.has_intercept() {
+            // The columns of levels are deviations from a mean that would then be held at zero.
+            return Err(Error::NoIntercept {
+                what: "a model with named levels needs its intercept, the mean over the levels",
+            });
+        }
         let powered = |term: &Term| term.powers()[k..].iter().any(|power| *power > 1);
         if let Some(term) = written.terms().iter().find(|term| powered(term))
             && !ORDERS.contains(&formula.trim())
@@ -275,6 +281,9 @@ mod tests {
         );
         assert_eq!(read("B + wall").unwrap().model.terms().len(), 4);
         assert!(matches!(read("B + wall^2"), Err(Error::BadTerm { .. })));
+        assert_eq!(read("B*wall").unwrap().model.terms().len(), 6);
+        // Deviations about a mean of zero would be another model than the means of the levels.
+        assert!(matches!(read("0 + wall"), Err(Error::NoIntercept { .. })));
         assert!(Categorical::new("wall", vec!["steel".to_owned()]).is_err());
         let twice = vec!["steel".to_owned(), "steel".to_owned()];
         assert!(Categorical::new("wall", twice).is_err());

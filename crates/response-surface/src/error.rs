@@ -11,8 +11,8 @@ pub enum Error {
     Design(#[from] experiment_design::Error),
     /// A part of a model formula cannot be read.
     #[error(
-        "'{part}' in the model formula is not a term; terms are 1, B, B:E or B^2 with the factors \
-         {symbols} and powers up to {most_power}, joined by '+'"
+        "'{part}' in the model formula cannot be read; terms are 1, B, B:E or B^2 with the factors {symbols} and \
+         powers up to {most_power}, joined by '+' or crossed as in B*E and (B + E)^2"
     )]
     BadTerm {
         /// The part as given.
@@ -28,6 +28,14 @@ pub enum Error {
         /// Name of the term.
         term: String,
     },
+    /// A formula has more terms than can be meant.
+    #[error("the model formula '{formula}' has more than {most} terms; cross fewer factors")]
+    TooManyTerms {
+        /// The formula as given.
+        formula: String,
+        /// Most terms that it may have.
+        most: usize,
+    },
     /// A model without intercept is asked for where it makes no sense.
     #[error("{what}; leave the 0 out of the formula")]
     NoIntercept {
@@ -41,6 +49,21 @@ pub enum Error {
         model: String,
         /// Symbols of the factors given, comma separated.
         given: String,
+    },
+    /// The powers of a factor in its unit are no numbers.
+    #[error(
+        "the factor '{symbol}' runs from {low:e} to {high:e}: its power {power} in the model is beyond the numbers \
+         that can be squared; give it in another unit"
+    )]
+    FactorScale {
+        /// Symbol of the factor.
+        symbol: String,
+        /// Low end of its range.
+        low: f64,
+        /// High end of its range.
+        high: f64,
+        /// Its greatest power in the model.
+        power: u8,
     },
     /// There are fewer observations than terms.
     #[error("{observations} observations cannot estimate {terms} terms; drop terms or add runs")]

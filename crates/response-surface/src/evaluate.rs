@@ -8,7 +8,7 @@ use statrs::function::beta::checked_beta_reg;
 use crate::distribution::t_two_sided_quantile;
 use crate::fit::{Matrix, ratio};
 use crate::least_squares::{basis, least_squares};
-use crate::{Error, Model, NamedValues, Observations, Weighting};
+use crate::{Error, Model, NamedValues, Observations, Term, Weighting};
 
 /// Random points of the box at which the variance of the prediction is taken.
 const POINTS: usize = 4000;
@@ -43,8 +43,8 @@ pub struct Evaluation {
     /// Coefficients of two-factor interactions, squares and products of three that are not in the
     /// model on its terms; none of them if all are zero.
     pub alias: NamedValues<NamedValues<f64>>,
-    /// Variance of the prediction over that of a run at shares 0, 0.05, ... 1 of the box (fraction
-    /// of design space).
+    /// Variance of the prediction over that of a run at shares 0, 0.05, ... 0.95 of the box (fraction of design space),
+    /// from 4000 random points, and the greatest behind them, that of `g_pct`.
     pub variance_by_share: Vec<f64>,
 }
 
@@ -58,7 +58,7 @@ pub struct Efficiency {
     /// 100 p / (n greatest variance over the box), the greatest over the runs, the corners and
     /// random points.
     pub g_pct: f64,
-    /// Mean over the box of the variance of the prediction over that of a run.
+    /// Mean over the box of the variance of the prediction over that of a run, exact.
     pub mean_variance: f64,
 }
 
@@ -112,9 +112,10 @@ pub fn evaluate(design: &Design, model: &Model, seed: u64) -> Result<Evaluation,
     evaluation.vif = crate::fit::variance_inflation(&matrix, &solved);
     evaluation.leverage.clone_from(&solved.leverages);
     let covariance = matrix.model_block(&solved.xtx_inverse);
-    let variances = box_variances(model, &covariance, seed);
+    let (variances, corners) = box_variances(model, &covariance, seed);
     let greatest = variances
         .iter()
+        .chain(&corners)
         .chain(&solved.leverages)
         .fold(0.0_f64, |m, v| m.max(*v));
     let log_det: f64 = (0..p)
@@ -129,12 +130,13 @@ pub fn evaluate(design: &Design, model: &Model, seed: u64) -> Result<Evaluation,
         d_pct: 100.0 * (log_det / terms).exp() / runs,
         a_pct: 100.0 * terms / (runs * trace),
         g_pct: 100.0 * terms / (runs * greatest),
-        mean_variance: variances.iter().sum::<f64>() / variances.len() as f64,
+        mean_variance: mean_variance(model, &covariance),
     });
     let place = |i: usize| ((variances.len() - 1) * i) / 20;
-    evaluation.variance_by_share = (0..=20).map(|i| variances[place(i)]).collect();
+    let shares = (0..20).map(|i| variances[place(i)]);
+    evaluation.variance_by_share = shares.chain([greatest]).collect();
     evaluation.power = powers(model, &matrix, &solved.xtx_inverse, n - p);
-    evaluation.alias = aliases(model, &matrix, &data, k)?;
+    evaluation.alias = crate::alias::of_matrix(model, &matrix, &data, &solved.xtx_inverse);
     Ok(evaluation)
 }
 
@@ -157,27 +159,52 @@ fn greatest_correlation(matrix: &Matrix) -> Option<f64> {
     greatest
 }
 
-/// Variances of the prediction at random points and the corners of the box, ascending.
-fn box_variances(model: &Model, covariance: &[Vec<f64>], seed: u64) -> Vec<f64> {
+/// Mean over the box of the variance of the prediction over that of a run.
+///
+/// # Formula
+/// `trace(C M)`, C the inverse of X'X and M the moments of the box, the means of the products of two terms over it:
+/// a power `x^e` has the mean `1 / (e + 1)` over -1..+1 for even e and 0 for odd e.
+///
+/// # Source
+/// `[Myers2016, chapter 8]`.
+fn mean_variance(model: &Model, covariance: &[Vec<f64>]) -> f64 {
+    let of_power = |power: u8| match power % 2 {
+        0 => 1.0 / f64::from(power + 1),
+        _ => 0.0,
+    };
+    let moment = |a: &Term, b: &Term| -> f64 {
+        let powers = a.powers().iter().zip(b.powers());
+        powers.map(|(a, b)| of_power(a + b)).product()
+    };
+    let terms = model.terms().iter();
+    let line = |(a, line): (&Term, &Vec<f64>)| -> f64 {
+        let pairs = terms.clone().zip(line);
+        pairs.map(|(b, c)| c * moment(a, b)).sum()
+    };
+    terms.clone().zip(covariance).map(line).sum()
+}
+
+/// Variances of the prediction at random points, ascending, and at the corners of the box.
+fn box_variances(model: &Model, covariance: &[Vec<f64>], seed: u64) -> (Vec<f64>, Vec<f64>) {
     let k = model.symbols().len();
-    let mut stream = Stream::new(seed, "variance over the box");
-    let mut points: Vec<Vec<f64>> = (0..POINTS)
-        .map(|_| (0..k).map(|_| stream.between(-1.0, 1.0)).collect())
-        .collect();
-    if k <= 10 {
-        let corner = |bits: usize| (0..k).map(move |j| if bits >> j & 1 == 1 { 1.0 } else { -1.0 });
-        points.extend((0..1 << k).map(|bits| corner(bits).collect::<Vec<f64>>()));
-    }
-    let variance = |x: &Vec<f64>| {
+    let variance = |x: &Vec<f64>| -> f64 {
         let row = model.row(x);
         let lines = covariance.iter().zip(&row);
         lines
             .map(|(line, a)| a * line.iter().zip(&row).map(|(c, b)| c * b).sum::<f64>())
             .sum()
     };
-    let mut variances: Vec<f64> = points.iter().map(variance).collect();
+    let mut stream = Stream::new(seed, "variance over the box");
+    let mut point = || -> Vec<f64> { (0..k).map(|_| stream.between(-1.0, 1.0)).collect() };
+    let mut variances: Vec<f64> = (0..POINTS).map(|_| variance(&point())).collect();
     variances.sort_by(f64::total_cmp);
-    variances
+    let corner = |bits: usize| {
+        let end = |j: usize| if bits >> j & 1 == 1 { 1.0 } else { -1.0 };
+        (0..k).map(end).collect()
+    };
+    let corners = if k <= 10 { 1 << k } else { 0 };
+    let corners = (0..corners).map(|bits| variance(&corner(bits))).collect();
+    (variances, corners)
 }
 
 /// Power of each term for 1, 2, 3 standard deviations; empty without residual degrees of freedom.
@@ -220,35 +247,6 @@ pub(crate) fn noncentral_tail(f: f64, df: f64, lambda: f64) -> f64 {
     sum.clamp(0.0, 1.0)
 }
 
-/// What terms left out of the model do to those in it.
-fn aliases(
-    model: &Model,
-    matrix: &Matrix,
-    data: &Observations,
-    k: usize,
-) -> Result<NamedValues<NamedValues<f64>>, Error> {
-    let wider = Model::of_degree(3, model.symbols());
-    let left_out = wider.terms().iter().filter(|term| {
-        let crossed = term.degree() == 2 || term.powers().iter().all(|power| *power <= 1);
-        crossed && !model.terms().contains(term)
-    });
-    let mut found = Vec::new();
-    for term in left_out.take(200) {
-        let values: Vec<f64> = data
-            .cells()
-            .iter()
-            .map(|c| term.value(&c.coded[..k]))
-            .collect();
-        let solved = least_squares(&matrix.rows, &matrix.names, &values, &matrix.weights)?;
-        let parts = matrix.names.iter().cloned().zip(solved.coefficients);
-        let parts: NamedValues<f64> = parts.filter(|(_, c)| c.abs() > 1e-9).collect();
-        if !parts.is_empty() {
-            found.push((model.name(term), parts));
-        }
-    }
-    Ok(found.into_iter().collect())
-}
-
 #[cfg(test)]
 mod tests {
     use super::{evaluate, noncentral_tail};
@@ -280,8 +278,36 @@ mod tests {
                 .iter()
                 .all(|(name, parts)| name.ends_with('2') && parts.len() == 1)
         );
-        // Mean of (1 + x1^2 + x2^2 + x3^2) / 8 over the box is 2/8; the corners add 8 of 4008.
-        assert!((efficiency.mean_variance - 0.25).abs() < 0.01);
+        // Mean of (1 + x1^2 + x2^2 + x3^2) / 8 over the box is 2/8.
+        assert!((efficiency.mean_variance - 0.25).abs() < 1e-14);
+    }
+
+    /// The mean variance against the integral of x'Cx over the box by Gauss's rule with three nodes a factor, exact for
+    /// the fourth powers of a quadratic (rounding: 1e-12 of the mean).
+    #[test]
+    fn the_mean_variance_is_the_integral_over_the_box() {
+        let f = factors("AB");
+        // Without symmetry all moments count.
+        let design = experiment_design::latin_hypercube(&f, 12, 1).unwrap();
+        let model = Model::quadratic(&f).unwrap();
+        let got = evaluate(&design, &model, 1).unwrap();
+        let cells = design.coded_rows().into_iter();
+        let cells = cells.map(|x| crate::Cell::single(x.clone(), x[0]));
+        let data = crate::Observations::from_cells(cells.collect()).unwrap();
+        let fit = crate::fit(&f, &model, &data).unwrap();
+        let node = 0.6_f64.sqrt();
+        let rule = [(-node, 5.0 / 18.0), (0.0, 8.0 / 18.0), (node, 5.0 / 18.0)];
+        let each = |(x, u): (f64, f64)| {
+            rule.map(|(y, v)| u * v * fit.leverage(&[x, y]))
+                .iter()
+                .sum::<f64>()
+        };
+        let integral: f64 = rule.map(each).iter().sum();
+        let mean = got.efficiency.unwrap().mean_variance;
+        assert!(
+            (mean / integral - 1.0).abs() < 1e-12,
+            "{mean} against {integral}"
+        );
     }
 
     /// In a Plackett-Burman design of 12 runs interactions alias with +-1/3; a Box-Behnken design

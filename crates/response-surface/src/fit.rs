@@ -10,7 +10,7 @@ mod terms;
 mod typed;
 mod warnings;
 
-pub use anova::{AnovaRow, SequentialModel};
+pub use anova::{AnovaRow, OrderRow, SequentialModel};
 pub use cases::Case;
 pub use information::Information;
 pub use lack_of_fit::{LackOfFit, PureError};
@@ -136,6 +136,9 @@ pub struct Fit {
     pub ss_sequential: NamedValues<f64>,
     /// The same by degree.
     pub sequential_model_ss: SequentialModel,
+    /// The same with tests: blocks, then each order, against the residuals.
+    #[serde(default)]
+    pub by_order: Vec<OrderRow>,
     /// Inverse of X'WX in coded units, columns in the order of `terms`, (p, p).
     pub xtx_inverse: Vec<Vec<f64>>,
     /// Variance inflation factor of each term.
@@ -172,7 +175,7 @@ pub fn fit(factors: &[Factor], model: &Model, data: &Observations) -> Result<Fit
 /// `[Myers2016, chapter 2]`.
 ///
 /// # Errors
-/// [`Error::FactorMismatch`], [`Error::Length`] (fewer coded values than factors),
+/// [`Error::FactorMismatch`], [`Error::FactorScale`], [`Error::Length`] (fewer coded values than factors),
 /// [`Error::TooFewObservations`], [`Error::AliasedTerms`]; [`Error::BadObservation`] for inverse
 /// variance weights without positive sd.
 pub fn fit_weighted(
@@ -182,6 +185,7 @@ pub fn fit_weighted(
     weighting: Weighting,
 ) -> Result<Fit, Error> {
     check_symbols(factors, model)?;
+    check_scales(factors, model)?;
     let data = &data.first_columns(factors.len());
     let matrix = Matrix::new(model, data, weighting)?;
     let solved = least_squares(
@@ -221,6 +225,7 @@ fn assemble(
     let covariance = matrix.model_block(&solved.xtx_inverse);
     let terms_natural = natural_terms(factors, model, &coefficients, &covariance, mse, df_resid);
     let replicates = replicates::replicates(data, &matrix.weights, &terms, sums.sse, df_resid);
+    let explained = |left: Option<f64>| Some(1.0 - ratio(left?, sums.sst)?);
     let mut fit = Fit {
         factors: factors.to_vec(),
         formula: model.clone(),
@@ -236,13 +241,9 @@ fn assemble(
         sst: sums.sst,
         ssr: sums.sst - sums.sse,
         r2: ratio(sums.sst - sums.sse, sums.sst),
-        adj_r2: mse
-            .and_then(|mse| ratio(mse * sums.df_total as f64, sums.sst))
-            .map(|q| 1.0 - q),
+        adj_r2: explained(mse.map(|mse| mse * sums.df_total as f64)),
         press,
-        pred_r2: press
-            .and_then(|press| ratio(press, sums.sst))
-            .map(|q| 1.0 - q),
+        pred_r2: explained(press),
         cv_pct: mse.and_then(|mse| ratio(100.0 * mse.sqrt(), sums.mean)),
         adeq_precision: mse.and_then(|mse| cases::adequate_precision(&cases, p, mse)),
         model: anova::model_row(&sums, df_resid),
@@ -252,6 +253,7 @@ fn assemble(
             .and_then(|pure| lack_of_fit::lack_of_fit(sums.sse, df_resid, pure)),
         ss_sequential: anova::sequential(matrix, &solved),
         sequential_model_ss: anova::sequential_by_degree(matrix, model, &solved, &sums),
+        by_order: anova::by_order(matrix, model, &solved, &sums, df_resid),
         vif: terms::variance_inflation(matrix, &solved),
         coef_natural_units: terms_natural
             .iter()
@@ -424,6 +426,27 @@ fn check_symbols(factors: &[Factor], model: &Model) -> Result<(), Error> {
         model: model.symbols().join(", "),
         given: given.join(", "),
     })
+}
+
+/// Refuses a range in whose unit the coefficients, or their variances, would be no numbers.
+fn check_scales(factors: &[Factor], model: &Model) -> Result<(), Error> {
+    for (j, factor) in factors.iter().enumerate() {
+        let powers = model.terms().iter().map(|term| term.powers()[j]);
+        let power = powers.max().unwrap_or(0);
+        let half = factor.half_range();
+        let ratios = [half, 1.0 / half, factor.mid() / half];
+        let largest = |ratio: &f64| ratio.abs().powi(i32::from(power));
+        let beyond = |ratio: &f64| ratio.is_nan() || largest(ratio) > Observations::LARGEST;
+        if ratios.iter().any(beyond) {
+            return Err(Error::FactorScale {
+                symbol: factor.symbol().to_owned(),
+                low: factor.low(),
+                high: factor.high(),
+                power,
+            });
+        }
+    }
+    Ok(())
 }
 
 /// The degrees of freedom as a number; none if there are none.

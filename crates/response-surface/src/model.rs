@@ -5,11 +5,8 @@ use std::fmt;
 use experiment_design::Factor;
 use serde::{Deserialize, Serialize};
 
-use crate::Error;
 use crate::wide::Wide;
-
-/// Greatest power of one factor in a term.
-const MOST_POWER: u8 = 12;
+use crate::{Error, formula};
 
 /// A product of powers of the coded factors; all powers zero is the intercept.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -94,14 +91,15 @@ impl TryFrom<ModelText> for Model {
 }
 
 impl Model {
-    /// Reads `mean`, `linear`, `2fi`, `quadratic`, `cubic`, or a formula such as
-    /// `1 + B + E + B:E + B^2`.
+    /// Reads `mean`, `linear`, `2fi`, `quadratic`, `cubic`, or a formula such as `1 + B + E + B:E + B^2`, with the
+    /// operators of R: `B*E` is `B + E + B:E`, `(B + E + F)^2` all main effects and products of two, `B/E` is
+    /// `B + B:E`, `I(B^2)` is `B^2`, and `- B:E` takes a term away.
     ///
-    /// The intercept is part of the model unless the formula has a `0`. The order of the terms is that of [`Model`],
-    /// whatever the order in the formula.
+    /// The intercept is part of the model unless the formula has `0 +` or `- 1`; the response is then 0 where all
+    /// **coded** values are. The order of the terms is that of [`Model`], whatever the order in the formula.
     ///
     /// # Errors
-    /// [`Error::BadTerm`], [`Error::DuplicateTerm`], or [`Error::Design`] for repeated symbols.
+    /// [`Error::BadTerm`], [`Error::DuplicateTerm`], [`Error::TooManyTerms`], or [`Error::Design`] for repeated symbols.
     pub fn parse(formula: &str, factors: &[Factor]) -> Result<Self, Error> {
         experiment_design::check_factors(factors)?;
         let symbols = factors.iter().map(|f| f.symbol().to_owned()).collect();
@@ -138,13 +136,9 @@ impl Model {
             "quadratic" => up_to(2, &|_| true),
             "cubic" => up_to(3, &|_| true),
             formula => {
-                let parts = formula.split('+').filter(|part| {
-                    let zero = part.trim() == "0";
-                    through_zero |= zero;
-                    !zero
-                });
-                let parts = parts.map(|part| parse_term(part, &symbols));
-                parts.collect::<Result<_, _>>()?
+                let parsed = formula::parse(formula, &symbols)?;
+                through_zero = parsed.through_zero;
+                parsed.terms
             }
         };
         let intercept = Term {
@@ -158,13 +152,7 @@ impl Model {
         if !through_zero && !terms.contains(&intercept) {
             terms.push(intercept);
         }
-        let model = Self::from_terms(symbols, terms);
-        match model.terms.windows(2).find(|pair| pair[0] == pair[1]) {
-            Some(pair) => Err(Error::DuplicateTerm {
-                term: model.name(&pair[0]),
-            }),
-            None => Ok(model),
-        }
+        Ok(Self::from_terms(symbols, terms))
     }
 
     /// A model of terms in any order.
@@ -331,37 +319,6 @@ fn terms_up_to(degree: usize, k: usize) -> Vec<Term> {
     terms
 }
 
-/// Reads one term of a formula.
-fn parse_term(part: &str, symbols: &[String]) -> Result<Term, Error> {
-    let bad = || Error::BadTerm {
-        part: part.trim().to_owned(),
-        symbols: symbols.join(", "),
-        most_power: MOST_POWER,
-    };
-    let mut powers = vec![0_u8; symbols.len()];
-    if part.trim() == "1" {
-        return Ok(Term { powers });
-    }
-    for factor in part.split(':') {
-        let (symbol, power) = factor.split_once('^').unwrap_or((factor, "1"));
-        let place = symbols
-            .iter()
-            .position(|s| s == symbol.trim())
-            .ok_or_else(bad)?;
-        let power: u8 = power
-            .trim()
-            .parse()
-            .ok()
-            .filter(|&p| p > 0)
-            .ok_or_else(bad)?;
-        powers[place] = powers[place]
-            .checked_add(power)
-            .filter(|&sum| sum <= MOST_POWER)
-            .ok_or_else(bad)?;
-    }
-    Ok(Term { powers })
-}
-
 #[cfg(test)]
 mod tests {
     use super::Model;
@@ -397,9 +354,7 @@ mod tests {
     #[test]
     fn formulas_that_cannot_be_meant_are_refused() {
         let f = factors(&["B", "E"]);
-        for formula in [
-            "B + G", "B*E", "B^0", "B^13", "", "B + ", "2 + B", "B^-1", "B:",
-        ] {
+        for formula in ["B + G", "B^0", "B^13", "", "B + ", "2 + B", "B^-1", "B:"] {
             let error = Model::parse(formula, &f).unwrap_err();
             assert!(matches!(error, Error::BadTerm { .. }), "{formula}: {error}");
         }

@@ -30,6 +30,8 @@ pub(crate) fn natural_terms(
                 .or_insert_with(|| vec![Wide::ZERO; coefficients.len()])[j] += amount;
         }
     }
+    // What only zeros contribute to is no term, such as the intercept of a model through the natural zero.
+    map.retain(|_, parts| parts.iter().any(|part| *part != Wide::ZERO));
     let wide = |values: &[f64]| -> Vec<Wide> { values.iter().map(|&v| Wide::from(v)).collect() };
     let covariance: Vec<Vec<Wide>> = covariance.iter().map(|line| wide(line)).collect();
     let row = |parts: &[Wide]| {

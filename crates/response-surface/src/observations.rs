@@ -70,14 +70,24 @@ type Group<'a> = (&'a [f64], Vec<f64>);
 pub struct Observations {
     /// The cells in their order.
     cells: Vec<Cell>,
+    /// Names of the blocks 1, 2, ...; empty where blocks have numbers only.
+    block_names: Vec<String>,
 }
 
 impl Observations {
+    /// Greatest size of a response or its standard deviation, unit of the response. Sums of squares reach the
+    /// number of rows times its square, and ratios of them the square of that over rounding; numbers end at 1.8e308.
+    pub const LARGEST: f64 = 1e140;
+    /// Least size that the greatest response may have, unit of the response, unless all are zero: squares of smaller
+    /// ones lose their digits or are zero.
+    pub const SMALLEST: f64 = 1e-140;
+
     /// Takes cells as they are.
     ///
     /// # Errors
     /// [`Error::Length`] without cells or with rows of different length;
-    /// [`Error::BadObservation`] for values that are not finite, a negative sd, or n = 0.
+    /// [`Error::BadObservation`] for values that are not finite, a negative sd, or n = 0, and for responses whose
+    /// squares are no numbers: beyond [`Observations::LARGEST`], or all below [`Observations::SMALLEST`].
     pub fn from_cells(cells: Vec<Cell>) -> Result<Self, Error> {
         let Some(first) = cells.first() else {
             return Err(Error::Length {
@@ -97,7 +107,35 @@ impl Observations {
             }
             check_cell(i + 1, cell)?;
         }
-        Ok(Self { cells })
+        let sizes = cells.iter().map(|cell| cell.mean.abs()).enumerate();
+        let greatest = sizes.max_by(|a, b| a.1.total_cmp(&b.1));
+        if let Some((i, _)) = greatest.filter(|(_, size)| *size > 0.0 && *size < Self::SMALLEST) {
+            return Err(Error::BadObservation {
+                row: i + 1,
+                what: "the greatest mean",
+                value: cells[i].mean,
+                way_out: "squares of responses below 1e-140 are zero here; give them in a smaller unit",
+            });
+        }
+        Ok(Self {
+            cells,
+            block_names: Vec::new(),
+        })
+    }
+
+    /// The same observations with names for the blocks 1, 2, ..., which the terms of a fit then bear.
+    #[must_use]
+    pub fn with_block_names(self, names: Vec<String>) -> Self {
+        Self {
+            block_names: names,
+            ..self
+        }
+    }
+
+    /// Name of a block: as given, or its number.
+    pub(crate) fn block_name(&self, block: usize) -> String {
+        let named = block.checked_sub(1).and_then(|i| self.block_names.get(i));
+        named.cloned().unwrap_or_else(|| block.to_string())
     }
 
     /// Groups single runs into cells by equal coded settings and block, in order of first
@@ -176,7 +214,10 @@ impl Observations {
         for cell in &mut cells {
             cell.coded.truncate(n);
         }
-        Self { cells }
+        Self {
+            cells,
+            block_names: self.block_names.clone(),
+        }
     }
 
     /// Mean number of runs per cell.
@@ -209,8 +250,47 @@ fn check_cell(row: usize, cell: &Cell) -> Result<(), Error> {
     if let Some(sd) = cell.sd.filter(|sd| !(sd.is_finite() && *sd >= 0.0)) {
         return refuse("the standard deviation", sd, "it must be zero or positive");
     }
+    let beyond = |size: &f64| size.abs() > Observations::LARGEST;
+    let spread = cell.sd.map(|sd| ("the standard deviation", sd));
+    let sizes = [Some(("the mean", cell.mean)), spread];
+    if let Some((what, value)) = sizes.into_iter().flatten().find(|(_, size)| beyond(size)) {
+        return refuse(
+            what,
+            value,
+            "squares of numbers beyond 1e140 are no numbers here; give it in a larger unit",
+        );
+    }
     if cell.n == 0 {
         return refuse("the number of replicates", 0.0, "it must be at least 1");
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Cell, Observations};
+    use crate::Error;
+
+    /// Squares of 1e160 are infinite and those of 1e-170 zero: either would leave NaN in every table. Zero itself is a
+    /// response like any other.
+    #[test]
+    fn responses_whose_squares_are_no_numbers_are_refused_with_their_row() {
+        let cells = |responses: &[f64]| {
+            let cell = |y: &f64| Cell::single(vec![0.5], *y);
+            Observations::from_cells(responses.iter().map(cell).collect())
+        };
+        let row = |responses: &[f64]| match cells(responses) {
+            Err(Error::BadObservation { row, .. }) => Some(row),
+            _ => None,
+        };
+        assert_eq!(row(&[1.0, 2.0, -1e160]), Some(3));
+        assert_eq!(row(&[1e-170, -3e-170, 0.0]), Some(2));
+        assert!(cells(&[1e-170, 1.0]).is_ok() && cells(&[0.0, 0.0]).is_ok());
+        let wide = Cell {
+            sd: Some(1e150),
+            n: 3,
+            ..Cell::single(vec![0.5], 1.0)
+        };
+        assert!(Observations::from_cells(vec![wide]).is_err());
+    }
 }

@@ -41,7 +41,7 @@ pub struct OneWay {
 ///
 /// # Errors
 /// [`Error::Length`] for lists of different length, no runs, or fewer than two groups;
-/// [`Error::BadObservation`] for a response that is not finite.
+/// [`Error::BadObservation`] for a response that is not finite or whose square is no number.
 pub fn one_way(groups: &[String], responses: &[f64]) -> Result<OneWay, Error> {
     let wide = |(i, &y): (usize, &f64)| {
         if y.is_finite() {
@@ -99,6 +99,15 @@ fn of_wide(groups: &[String], responses: &[Wide]) -> Result<OneWay, Error> {
             what: "groups",
             expected: 2,
             given: named.len(),
+        });
+    }
+    let beyond = |y: &Wide| y.rounded().abs() > crate::Observations::LARGEST;
+    if let Some(i) = responses.iter().position(beyond) {
+        return Err(Error::BadObservation {
+            row: i + 1,
+            what: "the response",
+            value: responses[i].rounded(),
+            way_out: "squares of numbers beyond 1e140 are no numbers here; give it in a larger unit",
         });
     }
     let lists: Vec<&[Wide]> = named.iter().map(|(_, list)| &list[..]).collect();

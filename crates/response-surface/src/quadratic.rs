@@ -68,6 +68,14 @@ impl Quadratic {
         self.constant + self.linear.dot(&x) + 0.5 * (&self.hessian * &x).dot(&x)
     }
 
+    /// Rounding of a value over the box: 1e-14 of the sum of the sizes of all terms. Two values no farther apart are
+    /// taken as equal; the sums of a fit leave about a tenth of it.
+    pub(crate) fn rounding(&self) -> f64 {
+        let size = |x: &[f64]| x.iter().map(|x| x.abs()).sum::<f64>();
+        let terms = size(self.linear.as_slice()) + size(self.hessian.as_slice());
+        1e-14 * (self.constant.abs() + terms)
+    }
+
     /// Gradient at a coded point.
     pub(crate) fn gradient(&self, x: &[f64]) -> DVector<f64> {
         &self.linear + &self.hessian * DVector::from_column_slice(x)

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::distribution::{normal_quantile, t_two_sided_quantile};
 use crate::fit::ratio;
-use crate::{Error, NamedValues, Observations};
+use crate::{Error, Fit, NamedValues, Observations};
 
 /// All columns of a saturated design as effects.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -47,6 +47,52 @@ pub struct Lenth {
     pub t_sme: Option<f64>,
     /// Effects over the pseudo standard error.
     pub t_ratio: NamedValues<Option<f64>>,
+}
+
+/// The contrasts of a saturated model: a fit that leaves no degrees of freedom.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Contrasts {
+    /// Size of the column's share of the response after the columns before it, with the sign of its coefficient, unit of
+    /// the response: `sqrt(SS / n)`. For orthogonal two-level columns it is the coefficient.
+    pub contrasts: NamedValues<f64>,
+    /// Whether the columns are orthogonal; otherwise the contrasts depend on the order of the model.
+    pub orthogonal: bool,
+    /// Lenth's margins of the contrasts.
+    pub lenth: Lenth,
+    /// Contrasts by size with their half-normal quantiles.
+    pub half_normal: Vec<HalfNormalPoint>,
+}
+
+/// Lenth's margins of a saturated fit, from the contrasts that its orthogonal triangle gives, which have one variance and
+/// no correlation in any design; none unless the fit has no residual degrees of freedom and three terms or more beside
+/// intercept and blocks.
+///
+/// # Source
+/// `[Lenth1989]`; contrasts: `[Golub2013, section 5.3]`.
+pub fn contrasts(fit: &Fit) -> Option<Contrasts> {
+    let blocks = fit.p - fit.formula.terms().len();
+    let columns = fit.ss_sequential.iter().skip(blocks);
+    let mut orthogonal = true;
+    let mut found = Vec::new();
+    for (name, ss) in columns {
+        let row = fit.terms.get(name)?;
+        let last = row.ss_partial.unwrap_or(*ss);
+        orthogonal &= (last - ss).abs() <= 1e-9 * fit.sst;
+        found.push((
+            name.to_owned(),
+            (ss / fit.n as f64).sqrt().copysign(row.coef),
+        ));
+    }
+    if fit.df_resid > 0 || found.len() < 3 {
+        return None;
+    }
+    let (columns, values): (Vec<String>, Vec<f64>) = found.iter().cloned().unzip();
+    Some(Contrasts {
+        orthogonal,
+        lenth: lenth(&columns, &values),
+        half_normal: half_normal(&columns, &values),
+        contrasts: found.into_iter().collect(),
+    })
 }
 
 /// A point of the half-normal plot.

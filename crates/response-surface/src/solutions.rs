@@ -75,6 +75,10 @@ pub struct Solutions {
     pub target_se: Option<f64>,
     /// Whether the surface meets the target within the ranges of the factors.
     pub exists: bool,
+    /// Whether the target is the least or the greatest value there, to rounding: the set is then a point or an edge of
+    /// the surface, and any larger or smaller target has no solution.
+    #[serde(default)]
+    pub tangent: bool,
     /// What the surface reaches within the ranges of the factors.
     pub reachable: BoxExtremes,
     /// The part of each range on which there are solutions; none if there is no solution.
@@ -110,7 +114,11 @@ pub fn solutions(fit: &Fit, request: &SolutionRequest) -> Result<Solutions, Erro
     let target_se = check(fit, request)?;
     let error = chosen_error(fit, request.error)?;
     let reachable = crate::extremes::box_extremes(&quadratic, &fit.factors);
-    let target = request.target;
+    let rounding = quadratic.rounding();
+    let touches = |end: &f64| (request.target - end).abs() <= rounding;
+    let ends = [reachable.min.value, reachable.max.value];
+    let touched = ends.into_iter().find(touches);
+    let target = touched.unwrap_or(request.target);
     let exists = reachable.min.value <= target && target <= reachable.max.value;
     let membership = error.and_then(|error| {
         let t_limit = t_two_sided_quantile(0.05, error.df as f64)?;
@@ -124,14 +132,15 @@ pub fn solutions(fit: &Fit, request: &SolutionRequest) -> Result<Solutions, Erro
         })
     });
     let nearest = if exists {
-        nearest::all_metrics(fit, &quadratic, request, membership.as_ref())
+        nearest::all_metrics(fit, &quadratic, target, request, membership.as_ref())
     } else {
         NamedValues::default()
     };
     Ok(Solutions {
-        target,
+        target: request.target,
         target_se,
         exists,
+        tangent: touched.is_some(),
         factor_ranges: exists.then(|| range::factor_ranges(fit, &quadratic, target)),
         branches: if exists {
             branches::branches(fit, &quadratic, target)

@@ -12,7 +12,12 @@ pub struct Spread {
     pub groups: usize,
     /// Bartlett's test; none for fewer than two groups or a group without scatter.
     pub bartlett: Option<Bartlett>,
-    /// Levene's test with distances from the medians (Brown and Forsythe).
+    /// Number of settings with three runs or more, which Levene's test is made over.
+    #[serde(default)]
+    pub levene_groups: usize,
+    /// Levene's test with distances from the medians (Brown and Forsythe); none for fewer than two settings with three
+    /// runs or more. Two runs lie equally far from their median, so pairs have no scatter of distances whatever
+    /// their variance is: over pairs F would be infinite, and pairs among larger groups would make it too large.
     pub levene: Option<FTest>,
 }
 
@@ -20,7 +25,7 @@ pub struct Spread {
 /// are then not known; Bartlett's test on the given standard deviations is part of the fit).
 ///
 /// # Source
-/// `[Bartlett1937]`; `[BrownForsythe1974]`.
+/// `[Bartlett1937]`; `[BrownForsythe1974]`; distances that are equal by their making: `[HinesHines2000]`.
 pub fn spread(data: &Observations) -> Option<Spread> {
     let cells = data.cells();
     if cells.iter().any(|cell| cell.n > 1) {
@@ -40,10 +45,14 @@ pub fn spread(data: &Observations) -> Option<Spread> {
         (group.len() - 1, squares / (group.len() - 1) as f64)
     };
     let variances: Vec<(usize, f64)> = groups.iter().map(variance).collect();
+    let bartlett = bartlett_of(&variances);
+    let all = groups.len();
+    let larger: Vec<Vec<f64>> = groups.into_iter().filter(|group| group.len() > 2).collect();
     Some(Spread {
-        groups: groups.len(),
-        bartlett: bartlett_of(&variances),
-        levene: levene(&groups),
+        groups: all,
+        bartlett,
+        levene_groups: larger.len(),
+        levene: levene(&larger),
     })
 }
 

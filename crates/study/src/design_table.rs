@@ -17,7 +17,7 @@ use crate::problem::{Problem, Problems};
 use campaign::{Campaign, RunRequest, Simulator};
 use columns::Columns;
 use experiment_design::Factor;
-use experiment_design::table::{Table, factors_from_csv};
+use experiment_design::table::{Table, factors_from_csv, text_of_bytes};
 use rows::Asked;
 use run_store::{Record, Store};
 use scene::{Override, Scene};
@@ -252,8 +252,9 @@ fn factors_of(choices: &DesignChoices) -> Result<BTreeMap<String, Factor>, Error
 
 /// The text of a file.
 fn text_of(path: &Path) -> Result<String, Error> {
-    std::fs::read_to_string(path).map_err(|source| Error::Read {
+    let bytes = std::fs::read(path).map_err(|source| Error::Read {
         path: path.to_owned(),
         source,
-    })
+    })?;
+    Ok(text_of_bytes(&bytes))
 }

@@ -1,5 +1,6 @@
 //! `seedloop analyse`: fits a model to the table of an experiment.
 
+mod beside;
 mod charts;
 mod data;
 mod extras;
@@ -10,16 +11,18 @@ mod text;
 use std::path::PathBuf;
 
 use anyhow::ensure;
+use beside::beside;
 use clap::ValueEnum;
 use command_line::{Common, DONE, Header, write_new};
 use response_surface::{
-    BoxCox, Categorical, CategoricalModel, Fit, GroupRow, InteractionStep, Model, NamedValues,
-    Observations, Orders, Pareto, RandomBlocks, ReductionRule, ReductionStep, Regime, Saturated,
-    Spread, Weighting, box_cox, fit_weighted, interaction_search, orders, pareto, reduce,
-    saturated, spread,
+    BoxCox, Categorical, CategoricalModel, Contrasts, Fit, GroupRow, InteractionStep, Model,
+    NamedValues, Observations, Orders, Pareto, RandomBlocks, ReductionRule, ReductionStep, Regime,
+    Saturated, Spread, Transform, Weighting, aliases, box_cox, contrasts, fit_weighted,
+    interaction_search, orders, pareto, reduce, saturated, spread,
 };
 use serde::Serialize;
 
+use crate::levels::{self, LevelMean};
 use data::{Coding, Data, factor_file, read};
 use extras::{Comparison, Ridge};
 use page::page;
@@ -38,16 +41,22 @@ pub(crate) struct Arguments {
 
     /// Factors: B,E,F with ranges where known (B=0.30:0.42,E=0.01:0.18), or a file
     /// symbol,name,unit,low,high
-    #[arg(long, value_name = "LIST|FILE")]
-    factors: String,
+    #[arg(long, value_name = "LIST|FILE", required_unless_present = "categories")]
+    factors: Option<String>,
 
     /// Column of the response, with or without its unit (`theta` finds `theta_deg`)
     #[arg(long, value_name = "COLUMN")]
     response: String,
 
-    /// linear, 2fi, quadratic, or a formula such as "1 + B + B:E + B^2"
+    /// linear, 2fi, quadratic, or a formula such as "1 + B + B:E + B^2", "B*E" or "(B + E + F)^2"; with "0 +" the
+    /// response is 0 where all factors are
     #[arg(long, default_value = "quadratic")]
     model: String,
+
+    /// Fits a function of the response instead, ln, log10, sqrt, inverse or power:P; predictions and intervals are told in
+    /// the unit of the response as well
+    #[arg(long, value_name = "FUNCTION", conflicts_with_all = ["sd", "n", "groups"])]
+    transform: Option<Transform>,
 
     /// Column of the standard deviation of replicates within a row
     #[arg(long, value_name = "COLUMN")]
@@ -57,11 +66,11 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "COLUMN")]
     n: Option<String>,
 
-    /// Column of the block
+    /// Column of the block (numbers or names)
     #[arg(long, value_name = "COLUMN")]
     block: Option<String>,
 
-    /// Columns of factors with named levels (wall,operator), besides --factors
+    /// Columns of factors with named levels (wall,operator), alone or besides --factors
     #[arg(
         long,
         value_name = "LIST",
@@ -169,8 +178,10 @@ struct Report<'a> {
     /// Version, seed, inputs.
     #[serde(flatten)]
     header: Header,
-    /// Name of the column of the response.
+    /// Name of the column of the response, or the function of it that was fitted.
     response: &'a str,
+    /// The function of the response that was fitted; null for the response itself.
+    transform: Option<Transform>,
     /// What the columns of the factors held.
     columns_hold: Coding,
     /// The fit.
@@ -180,6 +191,8 @@ struct Report<'a> {
     pareto: Option<Pareto>,
     /// All columns as effects; null without dummy columns.
     saturated: Option<Saturated>,
+    /// Lenth's margins of a model that leaves no degrees of freedom; null for any other.
+    contrasts: Option<Contrasts>,
     /// Models of growing order, and the suggested one; null with named levels.
     orders: Option<Orders>,
     /// The factors with named levels.
@@ -200,6 +213,10 @@ struct Report<'a> {
     ridge: Option<Ridge>,
     /// The fit with batches drawn at random, if asked for.
     random_batches: Option<RandomBlocks>,
+    /// What terms left out add to the expected coefficients of those fitted, by term left out; null with named levels.
+    aliases: Option<NamedValues<NamedValues<f64>>>,
+    /// Predicted response at the levels of the named factors, the others in the middle of their ranges.
+    level_means: Vec<LevelMean>,
     /// Two-factor interactions that may stand behind a screening design; null without `--dummies`.
     interaction_search: Option<Vec<InteractionStep>>,
     /// The alternative, if asked for.
@@ -223,6 +240,7 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
     let boundary = extras::split_regimes(arguments, &mut data)?;
     let (named, mut model) = asked_model(arguments, &mut data)?;
     let observations = Observations::from_cells(data.cells.clone())?;
+    let observations = observations.with_block_names(data.block_names.clone());
     let weighting = match arguments.weights {
         Weights::Counts => Weighting::Counts,
         Weights::Equal => Weighting::Equal,
@@ -247,45 +265,102 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
             Some(saturated(&columns, &observations)?)
         }
     };
-    let common = &arguments.common;
-    for warning in &fit.warnings {
-        common.log(|| format!("warning: {warning}"));
-    }
+    let fits = Fits {
+        fit: &fit,
+        model: &model,
+        observations: &observations,
+        weighting,
+        is_named: named.is_some(),
+    };
     let report = Report {
+        level_tests,
+        saturated,
+        reduction,
+        regime: boundary,
+        ..report(arguments, &data, &fits)?
+    };
+    tell(arguments, &report)
+}
+
+/// A fit with what it was made from.
+struct Fits<'a> {
+    /// The fit.
+    fit: &'a Fit,
+    /// Its model.
+    model: &'a Model,
+    /// Its observations.
+    observations: &'a Observations,
+    /// What its weights were taken from.
+    weighting: Weighting,
+    /// Whether some of its columns are those of named levels: orders and powers over them mean nothing.
+    is_named: bool,
+}
+
+/// The report of a fit.
+fn report<'a>(
+    arguments: &Arguments,
+    data: &'a Data,
+    fits: &Fits<'a>,
+) -> anyhow::Result<Report<'a>> {
+    let Fits {
+        fit,
+        model,
+        observations,
+        weighting,
+        is_named,
+    } = *fits;
+    let search = || interaction_search(&data.factors, observations, weighting, arguments.alpha);
+    let screened = !arguments.dummies.is_empty();
+    let unnamed = !is_named;
+    Ok(Report {
         header: Header::new(None, inputs(arguments))?,
         response: &data.response,
+        transform: arguments.transform,
         columns_hold: data.coding,
-        fit: &fit,
-        pareto: pareto(&fit),
-        saturated,
-        // Orders over the columns of named levels would have their powers.
-        orders: match &named {
-            None => Some(orders(&data.factors, &observations, weighting)?),
-            Some(_) => None,
-        },
+        fit,
+        pareto: pareto(fit),
+        contrasts: contrasts(fit),
+        saturated: None,
+        orders: unnamed
+            .then(|| orders(&data.factors, observations, weighting))
+            .transpose()?,
         categories: data.categories.clone(),
-        level_tests,
-        spread: spread(&observations),
-        box_cox: box_cox(&data.factors, &model, &observations, weighting)?,
-        reduction,
+        level_tests: None,
+        spread: spread(observations),
+        box_cox: box_cox(&data.factors, model, observations, weighting)?,
+        reduction: Vec::new(),
         dfbetas: (fit.n <= 1000).then(|| (0..fit.n).map(|i| fit.dfbetas(i)).collect()),
-        ridge: named.is_none().then(|| Ridge::of(&fit)).flatten(),
-        random_batches: extras::batches(&data, &model, weighting)?,
-        interaction_search: match &arguments.dummies[..] {
-            [] => None,
-            _ => Some(interaction_search(
-                &data.factors,
-                &observations,
-                weighting,
-                arguments.alpha,
-            )?),
-        },
-        gaussian_process: extras::comparison(arguments, &data.factors, &observations, &fit)?,
-        regime: boundary,
+        ridge: unnamed.then(|| Ridge::of(fit)).flatten(),
+        aliases: unnamed.then(|| aliases(fit, observations)).transpose()?,
+        level_means: levels::means(fit, &data.categories, arguments.transform),
+        random_batches: extras::batches(data, model, weighting)?,
+        interaction_search: screened.then(search).transpose()?,
+        gaussian_process: extras::comparison(arguments, &data.factors, observations, fit)?,
+        regime: None,
         warning_texts: fit.warnings.iter().map(ToString::to_string).collect(),
-    };
-    write(arguments, &report)?;
-    common.emit_json(&report)?;
+    })
+}
+
+/// Writes the files asked for and prints the analysis.
+fn tell(arguments: &Arguments, report: &Report<'_>) -> anyhow::Result<u8> {
+    let common = &arguments.common;
+    for warning in &report.warning_texts {
+        common.log(|| format!("warning: {warning}"));
+    }
+    let orders = report.orders.as_ref().map(orders_text).unwrap_or_default();
+    let mut text = summary(report.fit, report.saturated.as_ref());
+    if report.transform.is_some() {
+        text.insert_str(0, &format!("response: {}\n", report.response));
+    }
+    for part in [orders, beside(report)] {
+        if !part.is_empty() {
+            text = format!("{}\n\n{part}", text.trim_end());
+        }
+    }
+    // Files first: they do not depend on who reads standard output.
+    write(arguments, report, &text)?;
+    common.emit_json(report)?;
+    common.print(text.trim_end())?;
     Ok(DONE)
 }
 
@@ -329,21 +404,15 @@ fn fitted(
     Ok(reduce(factors, model, observations, weighting, rule)?)
 }
 
-/// Prints the analysis, and writes page and charts where asked for.
-fn write(arguments: &Arguments, report: &Report<'_>) -> anyhow::Result<()> {
+/// Writes page and charts where asked for.
+fn write(arguments: &Arguments, report: &Report<'_>, text: &str) -> anyhow::Result<()> {
     let common = &arguments.common;
-    let orders = report.orders.as_ref().map(orders_text).unwrap_or_default();
-    common.print(summary(report.fit, report.saturated.as_ref()).trim_end())?;
-    if !orders.is_empty() {
-        common.print(format!("\n{}", orders.trim_end()))?;
-    }
-    extras::print(common, report)?;
     if arguments.html.is_none() && arguments.plots.is_none() {
         return Ok(());
     }
     let charts = charts::all(report)?;
     if let Some(file) = &arguments.html {
-        let page = page(report, &orders, &charts);
+        let page = page(report, text, &charts);
         write_new(file, page.as_bytes(), common.overwrite())?;
     }
     if let Some(folder) = &arguments.plots {
@@ -355,6 +424,7 @@ fn write(arguments: &Arguments, report: &Report<'_>) -> anyhow::Result<()> {
 /// The files that the analysis was made from.
 fn inputs(arguments: &Arguments) -> Vec<PathBuf> {
     let mut inputs = vec![arguments.data.clone()];
-    inputs.extend(factor_file(&arguments.factors));
+    let factors = arguments.factors.as_deref();
+    inputs.extend(factors.and_then(factor_file));
     inputs
 }

@@ -8,9 +8,9 @@ use std::path::PathBuf;
 
 use anyhow::{Context as _, ensure};
 use clap::ValueEnum;
-use command_line::{Common, DONE, Header, write_new};
+use command_line::{Common, DONE, Header, significant, write_new};
 use experiment_design::Design;
-use experiment_design::table::factors_from_csv;
+use experiment_design::table::{factors_from_csv, text_of_bytes};
 use response_surface::{Evaluation, Model, evaluate};
 use serde_json::json;
 
@@ -155,9 +155,9 @@ enum Axial {
 /// Files that cannot be read or written, factors or counts that the design does not exist for.
 pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
     let path = &arguments.factors;
-    let text =
-        fs::read_to_string(path).with_context(|| format!("cannot read {}", path.display()))?;
-    let factors = factors_from_csv(&text).with_context(|| path.display().to_string())?;
+    let bytes = fs::read(path).with_context(|| format!("cannot read {}", path.display()))?;
+    let factors =
+        factors_from_csv(&text_of_bytes(&bytes)).with_context(|| path.display().to_string())?;
     let Made { mut design, facts } = make::make(arguments, &factors)?;
     if arguments.foldover {
         ensure!(
@@ -187,6 +187,7 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
         });
     }
     let runs = design.runs().len();
+    common.emit_json(&report(arguments, &design, &facts, evaluation.as_ref())?)?;
     common.print(format!(
         "{runs} runs written to {}",
         arguments.out.display()
@@ -194,7 +195,6 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
     if let Some(evaluation) = &evaluation {
         describe(common, evaluation)?;
     }
-    common.emit_json(&report(arguments, &design, &facts, evaluation.as_ref())?)?;
     Ok(DONE)
 }
 
@@ -232,8 +232,11 @@ fn describe(common: &Common, evaluation: &Evaluation) -> anyhow::Result<()> {
     ))?;
     if let Some(e) = &evaluation.efficiency {
         common.print(format!(
-            "  efficiency % D {:.2}, A {:.2}, G {:.2}; mean variance of the prediction {:.4}",
-            e.d_pct, e.a_pct, e.g_pct, e.mean_variance
+            "  efficiency % D {:.2}, A {:.2}, G {:.2}; mean variance of the prediction {}",
+            e.d_pct,
+            e.a_pct,
+            e.g_pct,
+            significant(e.mean_variance, 5)
         ))?;
     }
     for (term, [one, two, three]) in evaluation.power.iter() {

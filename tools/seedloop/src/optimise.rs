@@ -1,6 +1,8 @@
 //! `seedloop optimise`: where a fitted surface meets a target.
 
 mod goals;
+mod read;
+mod scale;
 mod words;
 
 use std::path::PathBuf;
@@ -14,6 +16,7 @@ use response_surface::{
     Confirmation, ErrorSource, Fit, Measured, NamedValues, Prediction, Propagation,
     SolutionRequest, Solutions, Tolerance, confirm, solutions,
 };
+use scale::{InUnit, Scale};
 use serde::Serialize;
 
 /// Confidence of the tolerance interval: as customary.
@@ -127,6 +130,8 @@ struct Report {
     header: Header,
     /// Symbols of the factors, in the order of all points.
     factors: Vec<String>,
+    /// Values in the unit of the response, where a function of it was fitted; all others are those of the function.
+    original: Option<InUnit>,
     /// The solutions.
     #[serde(flatten)]
     solutions: Solutions,
@@ -144,6 +149,8 @@ struct Report {
     bootstrap: Vec<Bootstrap>,
     /// The verdict on the confirmation runs.
     confirmation: Option<Confirmation>,
+    /// What to bear in mind, such as bounds beyond the data.
+    warnings: Vec<String>,
 }
 
 /// Reads the analysis and answers.
@@ -152,10 +159,16 @@ struct Report {
 /// Files that cannot be read, a target or measured values that cannot be meant.
 pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
     let path = &arguments.analysis;
-    let fit = goals::read(path, arguments)?;
+    let read = read::read(path, arguments)?;
     let Some(target) = arguments.target else {
-        return goals::run(arguments, fit);
+        return goals::run(arguments, read);
     };
+    let read::Read {
+        fit,
+        transform,
+        warnings,
+    } = read;
+    let scale = Scale(transform);
     let error = arguments.error.map(|kind| match kind {
         ErrorKind::Residual => ErrorSource::Residual,
         ErrorKind::RepeatedRows => ErrorSource::RepeatedRows,
@@ -163,8 +176,8 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
         ErrorKind::AllRepeats => ErrorSource::AllRepeats,
     });
     let request = SolutionRequest {
-        target,
-        target_sd: arguments.target_sd,
+        target: scale.of("the target", target)?,
+        target_sd: scale.sd(target, arguments.target_sd)?,
         target_n: arguments.target_n,
         near: measured(&fit, &arguments.near)?,
         error,
@@ -173,7 +186,11 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
     let at = predicted(&fit, &arguments.at, &solutions)?;
     let confirmation = match (&arguments.confirm[..], &at) {
         ([], _) | (_, None) => None,
-        (runs, Some(at)) => Some(confirm(&fit, &at.natural, runs, solutions.error)?),
+        (runs, Some(at)) => {
+            let runs = runs.iter().map(|y| scale.of("a confirmation run", *y));
+            let runs: Vec<f64> = runs.collect::<anyhow::Result<_>>()?;
+            Some(confirm(&fit, &at.natural, &runs, solutions.error)?)
+        }
     };
     let tolerance = match &at {
         Some(at) => fit.tolerance(&at.natural, solutions.error, arguments.content, CONFIDENCE)?,
@@ -194,6 +211,8 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
     let report = Report {
         header: Header::new(seed, [path])?,
         factors: fit.factors.iter().map(|f| f.symbol().to_owned()).collect(),
+        original: transform
+            .map(|t| InUnit::new(t, target, &solutions, at.as_ref(), tolerance.as_ref())),
         solutions,
         at,
         tolerance,
@@ -202,10 +221,11 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
         most_robust: scatter.most_robust,
         bootstrap,
         confirmation,
+        warnings,
     };
     let common = &arguments.common;
-    words::describe(common, &fit, &report)?;
     common.emit_json(&report)?;
+    words::describe(common, &fit, &report)?;
     Ok(code)
 }
 

@@ -10,10 +10,14 @@ mod apparatus;
 mod batch;
 #[path = "command/calibration.rs"]
 mod calibration;
+#[path = "command/comparisons.rs"]
+mod comparisons;
 #[path = "command/design_run.rs"]
 mod design_run;
 #[path = "command/diagnosis.rs"]
 mod diagnosis;
+#[path = "command/edges.rs"]
+mod edges;
 #[path = "command/help.rs"]
 mod help;
 #[path = "command/own_program.rs"]

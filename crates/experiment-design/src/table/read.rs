@@ -1,5 +1,6 @@
 //! Reading CSV text.
 
+use super::dialect;
 use crate::Error;
 
 /// A table of text fields with named columns.
@@ -35,23 +36,48 @@ impl Row {
 }
 
 impl Table {
-    /// Reads a table from CSV text.
+    /// Reads a table from CSV text, separated by commas, or by semicolons or tabs where the header line has them; a first
+    /// line `sep=;` names another separator. Without commas as separators, numbers may have decimal commas, unless any number
+    /// of the table has a point.
     ///
     /// # Errors
     /// [`Error::EmptyTable`], [`Error::FieldCount`], [`Error::OpenQuote`].
     pub fn parse(text: &str) -> Result<Self, Error> {
         let text = text.strip_prefix('\u{feff}').unwrap_or(text);
         let mut rows = Vec::new();
+        let mut separator = None;
         for (i, line) in text.lines().enumerate() {
             if line.trim().is_empty() || line.starts_with('#') {
                 continue;
             }
+            if separator.is_none()
+                && let Some(named) = dialect::named_separator(line)
+            {
+                separator = Some(named);
+                continue;
+            }
             let line_number = i + 1;
-            let fields = split(line).ok_or(Error::OpenQuote { line: line_number })?;
+            let by = *separator.get_or_insert_with(|| dialect::separator(line));
+            let fields = split(line, by).ok_or(Error::OpenQuote { line: line_number })?;
+            let fields = fields
+                .iter()
+                .map(|field| dialect::as_meant(field).to_owned());
             rows.push(Row {
                 line: line_number,
-                fields,
+                fields: fields.collect(),
             });
+        }
+        let pointed = |row: &Row| {
+            row.fields
+                .iter()
+                .any(|field| dialect::has_decimal_point(field))
+        };
+        if separator.is_some_and(|c| c != ',') && !rows.iter().skip(1).any(pointed) {
+            for field in rows.iter_mut().skip(1).flat_map(|row| &mut row.fields) {
+                if let Some(number) = dialect::with_decimal_point(field) {
+                    *field = number;
+                }
+            }
         }
         if rows.is_empty() {
             return Err(Error::EmptyTable { what: "header" });
@@ -187,9 +213,9 @@ impl Table {
     }
 }
 
-/// Splits a line at commas outside quotes; a doubled quote inside quotes is a quote. None if a
+/// Splits a line at separators outside quotes; a doubled quote inside quotes is a quote. None if a
 /// quote stays open.
-fn split(line: &str) -> Option<Vec<String>> {
+fn split(line: &str, separator: char) -> Option<Vec<String>> {
     let mut fields = vec![String::new()];
     let mut quoted = false;
     let mut characters = line.chars().peekable();
@@ -201,7 +227,7 @@ fn split(line: &str) -> Option<Vec<String>> {
                 field.push('"');
             }
             '"' => quoted = !quoted,
-            ',' if !quoted => fields.push(String::new()),
+            c if c == separator && !quoted => fields.push(String::new()),
             c => field.push(c),
         }
     }

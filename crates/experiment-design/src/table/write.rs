@@ -2,6 +2,7 @@
 
 use std::fmt::Write as _;
 
+use super::dialect;
 use crate::{Design, Factor};
 
 /// Factors as `symbol,name,unit,low,high`.
@@ -57,10 +58,11 @@ fn rounded(value: f64) -> f64 {
     }
 }
 
-/// A field as it stands in CSV text: in quotes if it needs them; line breaks become spaces.
+/// A field as it stands in CSV text: in quotes if it needs them; line breaks become spaces, and text that a spreadsheet
+/// would run as a formula gets an apostrophe before it.
 pub fn csv_field(field: &str) -> String {
-    let field = field.replace(['\n', '\r'], " ");
-    if field.contains([',', '"']) {
+    let field = dialect::harmless(field.replace(['\n', '\r'], " "));
+    if field.contains([',', '"', ';', '\t']) {
         format!("\"{}\"", field.replace('"', "\"\""))
     } else {
         field

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::matrix::Matrix;
-use super::{positive_df, ratio};
+use super::{FTest, f_test, positive_df, ratio};
 use crate::distribution::f_upper_tail;
 use crate::least_squares::LeastSquares;
 use crate::{Model, NamedValues};
@@ -42,6 +42,17 @@ pub struct SequentialModel {
     pub higher: Option<f64>,
     /// What is left.
     pub residual: f64,
+}
+
+/// What a group of terms adds to those before it, against the residuals.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct OrderRow {
+    /// `blocks`, `linear`, `two-factor`, `quadratic` or `higher`.
+    pub order: String,
+    /// Sum of squares, squared unit of the response.
+    pub ss: f64,
+    /// Its mean square against that of the residuals of the whole model.
+    pub test: FTest,
 }
 
 /// The sums that everything else is made of.
@@ -138,4 +149,39 @@ pub(crate) fn sequential_by_degree(
         higher: group(&|powers| degree(powers) > 2),
         residual: sums.sse,
     }
+}
+
+/// The same groups, each of one or more columns, with their tests: blocks, main effects, products of two, squares, higher.
+pub(crate) fn by_order(
+    matrix: &Matrix,
+    model: &Model,
+    solved: &LeastSquares,
+    sums: &Sums,
+    df_resid: usize,
+) -> Vec<OrderRow> {
+    let order_of = |j: usize| -> usize {
+        if j < matrix.first() {
+            return 0;
+        }
+        let powers = model.terms()[j - matrix.n_blocks].powers();
+        let degree: u8 = powers.iter().sum();
+        match degree {
+            0 | 1 => 1,
+            2 => 2 + usize::from(powers.contains(&2)),
+            _ => 4,
+        }
+    };
+    let names = ["blocks", "linear", "two-factor", "quadratic", "higher"];
+    let mse = ratio(sums.sse, df_resid as f64);
+    let row = |(order, name): (usize, &str)| {
+        let columns = (matrix.intercept..matrix.names.len()).filter(|&j| order_of(j) == order);
+        let added: Vec<f64> = columns.map(|j| solved.sequential_ss[j]).collect();
+        let (ss, df) = (added.iter().sum::<f64>(), added.len());
+        (df > 0).then(|| OrderRow {
+            order: name.to_owned(),
+            ss,
+            test: f_test(ss / df as f64, df, mse.unwrap_or(f64::NAN), df_resid),
+        })
+    };
+    names.into_iter().enumerate().filter_map(row).collect()
 }

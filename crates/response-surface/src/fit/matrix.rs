@@ -73,7 +73,9 @@ impl Matrix {
                 what: "a model with blocks needs its intercept",
             });
         }
-        let block_names = blocks.iter().map(|block| format!("block {block}"));
+        let block_names = blocks
+            .iter()
+            .map(|&block| format!("block {}", data.block_name(block)));
         let mut names = model.names();
         names.splice(intercept..intercept, block_names);
         let contrast = |cell: usize, column: usize| match cell {
@@ -89,11 +91,23 @@ impl Matrix {
             row.splice(intercept..intercept, contrasts(cell));
             row
         };
+        let rows: Vec<Vec<f64>> = cells.iter().map(row).collect();
+        let beyond = |x: &&f64| x.is_nan() || x.abs() > Observations::LARGEST;
+        let far = rows.iter().enumerate();
+        let mut far = far.filter_map(|(i, row)| Some((i, *row.iter().find(beyond)?)));
+        if let Some((i, value)) = far.next() {
+            return Err(Error::BadObservation {
+                row: i + 1,
+                what: "a product of its coded settings",
+                value,
+                way_out: "squares of numbers beyond 1e140 are no numbers here; give the range of the factor",
+            });
+        }
         Ok(Self {
             names,
             n_blocks: blocks.len(),
             intercept,
-            rows: cells.iter().map(row).collect(),
+            rows,
             response: cells.iter().map(|cell| cell.mean).collect(),
             weights: weights(data, weighting)?,
             two_level: cells

@@ -110,7 +110,8 @@ impl fmt::Display for Warning {
             Self::Hierarchy { missing } => {
                 write!(
                     out,
-                    "the model has products without their terms {}",
+                    "the model has products without their terms {}: what it fits depends on where the ranges of the \
+                     factors have their middle",
                     missing.join(", ")
                 )
             }

@@ -16,6 +16,10 @@ use crate::{Fit, NamedValues};
 /// are equally near otherwise; it moves them by about 1e-7.
 const FREE_WEIGHT: f64 = 1e-7;
 
+/// Share by which a point of the set one rounding further in must be nearer than an extreme to be taken for another
+/// extreme: more than the root of the rounding, about 1e-7, can bring.
+const NEARER: f64 = 1e-5;
+
 /// A solution and its distance from given values.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Nearest {
@@ -102,11 +106,12 @@ pub(crate) fn metrics(fit: &Fit, request: &SolutionRequest) -> Vec<NamedMetric> 
 pub(crate) fn all_metrics(
     fit: &Fit,
     quadratic: &Quadratic,
+    target: f64,
     request: &SolutionRequest,
     membership: Option<&Membership>,
 ) -> NamedValues<Nearest> {
     let found = metrics(fit, request).into_iter().filter_map(|metric| {
-        let nearest = nearest(fit, quadratic, request.target, &metric.near, &metric.scale)?;
+        let nearest = nearest(fit, quadratic, target, &metric.near, &metric.scale)?;
         let given_others = membership.map(|m| m.given_others(&nearest.coded));
         let nearest = Nearest {
             given_others,
@@ -137,7 +142,8 @@ pub(crate) fn nearest(
         constant: quadratic.constant - target,
         ..quadratic.clone()
     };
-    let coded = nearest_zero(&shifted, &metric)?;
+    let coded = nearest_zero(&shifted, &metric)
+        .or_else(|| touching(&shifted, &metric, quadratic.rounding()))?;
     let solution = fit.natural(&coded);
     let squared = |j: usize| Some(((solution[j] - near[j]?.value) / scale[j]?).powi(2));
     let at_bound = factors.zip(&coded).filter(|(_, x)| x.abs() >= 1.0);
@@ -175,6 +181,27 @@ fn nearest_zero(quadratic: &Quadratic, metric: &Metric) -> Option<Vec<f64>> {
         }
     }
     best.map(|(_, point)| point)
+}
+
+/// The point nearest to the centre at which a quadratic that nowhere changes its sign in the box is zero to rounding;
+/// none if it stays away from zero.
+///
+/// The zeros are extremes. A single one is found as such; of many, as along the bottom of a valley, the nearest is that of
+/// the set one rounding further in, which lies within the root of the rounding of it.
+fn touching(quadratic: &Quadratic, metric: &Metric, rounding: f64) -> Option<Vec<f64>> {
+    let span = crate::extremes::span(quadratic);
+    let ends = [(span.lowest, span.min, 1.0), (span.highest, span.max, -1.0)];
+    let (extreme, value, inward) = ends
+        .into_iter()
+        .find(|(_, value, _)| value.abs() <= rounding)?;
+    let inside = Quadratic {
+        constant: quadratic.constant - value - inward * rounding,
+        ..quadratic.clone()
+    };
+    let nearby = nearest_zero(&inside, metric);
+    let distance = |x: &[f64]| metric.squared(x).sqrt();
+    let nearer = |x: &Vec<f64>| distance(x) < (1.0 - NEARER) * distance(&extreme);
+    Some(nearby.filter(nearer).unwrap_or(extreme))
 }
 
 /// Candidates on one face: the free coordinates of its zeros that are stationary in distance.
@@ -220,10 +247,17 @@ fn stationary_zeros(quadratic: &Quadratic, centre: &[f64], roots: &[f64]) -> Vec
         nalgebra::DMatrix::from_fn(m, m, |i, j| quadratic.hessian[(i, j)] * scale[i] * scale[j]);
     let eigen = SymmetricEigen::new(scaled);
     let gradient = quadratic.gradient(centre).component_mul(&scale);
+    // A curvature that bends the surface over the box by less than its rounding puts the poles beyond all digits.
+    let reach = (0..m).fold(0.0_f64, |reach, i| {
+        reach.max(roots[i] * (1.0 + centre[i].abs()))
+    });
+    let counts = |d: &f64| d.abs() * reach > 1e-15 * gradient.amax();
+    let curvatures = eigen.eigenvalues.iter();
+    let curvatures = curvatures.map(|d| if counts(d) { *d } else { 0.0 });
     let secular = Secular {
         offset: quadratic.value(centre),
         slopes: eigen.eigenvectors.tr_mul(&gradient).as_slice().to_vec(),
-        curvatures: eigen.eigenvalues.as_slice().to_vec(),
+        curvatures: curvatures.collect(),
     };
     let point = |z: Vec<f64>| -> Vec<f64> {
         let z = &eigen.eigenvectors * DVector::from_vec(z);

@@ -80,7 +80,13 @@ fn miss_on_slice(quadratic: &Quadratic, target: f64, j: usize, x: f64) -> f64 {
         .map(|i| (i == j).then_some(x))
         .collect();
     let reached = span(&quadratic.on_face(&face));
-    (reached.min - target).max(target - reached.max)
+    let miss = (reached.min - target).max(target - reached.max);
+    // A surface that only touches the target does so to rounding.
+    if miss.abs() <= quadratic.rounding() {
+        0.0
+    } else {
+        miss
+    }
 }
 
 /// Maximal intervals of -1..+1 on which a continuous function is zero or negative.

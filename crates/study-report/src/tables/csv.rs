@@ -1,5 +1,7 @@
 //! A table as comma-separated values [RFC 4180], full precision; an empty field is undefined.
 
+use experiment_design::table::csv_field;
+
 /// One field.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum Field {
@@ -54,20 +56,11 @@ impl Field {
     /// what is not finite is empty.
     fn written(&self) -> String {
         match self {
-            Self::Text(text) => quoted(text),
+            Self::Text(text) => csv_field(text),
             Self::Number(value) if value.is_finite() => format!("{value:?}"),
             Self::Number(_) | Self::Empty => String::new(),
             Self::Count(value) => value.to_string(),
         }
-    }
-}
-
-/// A text in quotation marks where it holds a comma, a quotation mark or a line end.
-fn quoted(text: &str) -> String {
-    if text.contains([',', '"', '\n', '\r']) {
-        format!("\"{}\"", text.replace('"', "\"\""))
-    } else {
-        text.to_owned()
     }
 }
 
@@ -120,7 +113,7 @@ impl CsvTable {
 
     /// The whole file.
     pub(crate) fn text(&self) -> String {
-        let head: Vec<String> = self.columns.iter().map(|c| quoted(c)).collect();
+        let head: Vec<String> = self.columns.iter().map(|c| csv_field(c)).collect();
         let mut text = head.join(",");
         for row in &self.rows {
             text.push('\n');
@@ -143,10 +136,10 @@ mod tests {
     }
 
     #[test]
-    fn texts_with_commas_quotes_and_line_ends_are_quoted_and_others_are_not() {
-        let texts = ["plain", "a, b", "say \"no\"", "two\nlines"];
+    fn texts_stand_as_the_reader_of_tables_takes_them() {
+        let texts = ["plain", "a, b", "say \"no\"", "two\nlines", "=A1"];
         let found = line(texts.into_iter().map(Field::from).collect());
-        assert_eq!(found, "plain,\"a, b\",\"say \"\"no\"\"\",\"two\nlines\"");
+        assert_eq!(found, "plain,\"a, b\",\"say \"\"no\"\"\",two lines,'=A1");
     }
 
     #[test]

@@ -51,7 +51,7 @@ pub(super) fn all(report: &Report<'_>) -> anyhow::Result<Vec<Named>> {
     }
     if report.categories.is_empty() {
         surfaces(fit, report.response, "", &mut charts)?;
-    } else {
+    } else if fit.factors.len() > of_levels(&report.categories) {
         for (name, fit) in at_levels(fit, &report.categories)? {
             surfaces(&fit, report.response, &format!("-{name}"), &mut charts)?;
         }
@@ -81,18 +81,7 @@ fn surfaces(
 
 /// The surface at every combination of named levels, with its name.
 fn at_levels(fit: &Fit, categories: &[Categorical]) -> anyhow::Result<Vec<(String, Fit)>> {
-    let mut combinations = vec![Vec::new()];
-    for category in categories {
-        let with = |chosen: &Vec<(Categorical, String)>| -> Vec<Vec<(Categorical, String)>> {
-            let each = category.levels().iter();
-            let one = |level: &String| {
-                let next = (category.clone(), level.clone());
-                [&chosen[..], &[next]].concat()
-            };
-            each.map(one).collect()
-        };
-        combinations = combinations.iter().flat_map(with).collect();
-    }
+    let combinations = levels::combinations(categories);
     let mut found = Vec::with_capacity(combinations.len());
     for chosen in combinations {
         let safe = |text: &str| text.replace(|c: char| !c.is_alphanumeric(), "_");
@@ -100,6 +89,11 @@ fn at_levels(fit: &Fit, categories: &[Categorical]) -> anyhow::Result<Vec<(Strin
         found.push((names.join("-"), levels::held(fit, &chosen)?));
     }
     Ok(found)
+}
+
+/// Number of columns that stand for named levels.
+fn of_levels(categories: &[Categorical]) -> usize {
+    categories.iter().map(|c| c.levels().len() - 1).sum()
 }
 
 /// Writes the charts as SVG and PNG into a folder.
@@ -193,8 +187,7 @@ fn diagnostics(report: &Report<'_>, charts: &mut Vec<Named>) -> anyhow::Result<(
         view(order.clone(), &|c| c.run as f64).draw()?,
     ));
     // The columns of named levels stand behind the other factors.
-    let of_levels: usize = report.categories.iter().map(|c| c.levels().len() - 1).sum();
-    let numeric = fit.factors.len() - of_levels;
+    let numeric = fit.factors.len() - of_levels(&report.categories);
     for (j, factor) in fit.factors[..numeric].iter().enumerate() {
         let axis = AxisTitle::new(factor.symbol(), factor.unit().trim_start_matches('1'));
         let chart = view(axis, &|c| factor.natural(c.coded[j]));

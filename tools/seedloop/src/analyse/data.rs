@@ -5,8 +5,8 @@ use std::path::PathBuf;
 
 use anyhow::{Context as _, bail, ensure};
 use experiment_design::Factor;
-use experiment_design::table::{Row, Table, factors_from_csv};
-use response_surface::{Categorical, Cell};
+use experiment_design::table::{Row, Table, factors_from_csv, text_of_bytes};
+use response_surface::{Categorical, Cell, Model, Observations, Transform};
 use serde::Serialize;
 
 use super::Arguments;
@@ -40,6 +40,8 @@ pub(super) struct Data {
     pub(super) categories: Vec<Categorical>,
     /// Names of the batch of each row, if a column is named.
     pub(super) batches: Vec<String>,
+    /// Names of the blocks 1, 2, ...; empty where they are numbers.
+    pub(super) block_names: Vec<String>,
 }
 
 /// The file of the factors, if the argument is one.
@@ -54,9 +56,12 @@ pub(super) fn factor_file(argument: &str) -> Option<PathBuf> {
 pub(super) fn read(arguments: &Arguments) -> anyhow::Result<Data> {
     let path = &arguments.data;
     let place = || path.display().to_string();
-    let text = fs::read_to_string(path).with_context(|| format!("cannot read {}", place()))?;
-    let table = Table::parse(&text).with_context(place)?;
-    let given = given_factors(&arguments.factors)?;
+    let bytes = fs::read(path).with_context(|| format!("cannot read {}", place()))?;
+    let table = Table::parse(&text_of_bytes(&bytes)).with_context(place)?;
+    let given = match &arguments.factors {
+        Some(list) => given_factors(list)?,
+        None => Vec::new(),
+    };
     let mut columns = Vec::with_capacity(given.len());
     for (symbol, _) in &given {
         columns.push(table.column(symbol).with_context(place)?);
@@ -76,15 +81,22 @@ pub(super) fn read(arguments: &Arguments) -> anyhow::Result<Data> {
             None => seen_factor(&table, &symbol, column, coding).with_context(place)?,
         });
     }
+    if coding == Coding::Natural && arguments.categories.is_empty() {
+        let model = Model::parse(&arguments.model, &factors)?;
+        if !model.has_intercept() {
+            // The response is zero where the factors are, not in the middle of their ranges.
+            factors = factors.iter().map(about_zero).collect::<Result<_, _>>()?;
+        }
+    }
     let cells = Cells {
         table: &table,
         factors: columns.into_iter().zip(factors.clone()).collect(),
         coding,
         dummies: optional_columns(&table, &arguments.dummies).with_context(place)?,
         response,
+        transform: arguments.transform,
         sd: named_column(&table, arguments.sd.as_deref()).with_context(place)?,
         n: named_column(&table, arguments.n.as_deref()).with_context(place)?,
-        block: named_column(&table, arguments.block.as_deref()).with_context(place)?,
     };
     ensure!(
         cells.sd.is_none() || cells.n.is_some(),
@@ -97,33 +109,42 @@ pub(super) fn read(arguments: &Arguments) -> anyhow::Result<Data> {
         .collect::<Result<Vec<_>, _>>();
     let mut cells = cells.with_context(place)?;
     let labels = |name: Option<&str>, what: &str| labels(&table, name, what).with_context(place);
+    let block_names = number_blocks(&mut cells, &labels(arguments.block.as_deref(), "block")?);
     let mut categories = Vec::with_capacity(arguments.categories.len());
     for name in &arguments.categories {
         let given = labels(Some(name), "level")?;
-        let mut levels = given.clone();
-        levels.sort();
-        levels.dedup();
-        ensure!(
-            levels.len() > 1,
-            "{}: the factor '{name}' never varies: it is '{}' in all rows; leave it out",
-            place(),
-            levels.concat()
-        );
-        let category = Categorical::new(name, levels)?;
-        for (cell, level) in cells.iter_mut().zip(&given) {
-            cell.coded.extend(category.coded(level).unwrap_or_default());
-        }
-        categories.push(category);
+        categories.push(add_category(name, &given, &mut cells).with_context(place)?);
     }
     Ok(Data {
         regimes: labels(arguments.regime_column(), "regime")?,
         batches: labels(arguments.batch.as_deref(), "batch")?,
+        block_names,
         factors,
         coding,
         cells,
         categories,
-        response: table.header()[response].clone(),
+        response: match arguments.transform {
+            None => table.header()[response].clone(),
+            Some(transform) => transform.of(&table.header()[response]),
+        },
     })
+}
+
+/// A factor with the levels given for each cell; its columns join those of the cells.
+fn add_category(name: &str, given: &[String], cells: &mut [Cell]) -> anyhow::Result<Categorical> {
+    let mut levels = given.to_vec();
+    levels.sort();
+    levels.dedup();
+    ensure!(
+        levels.len() > 1,
+        "the factor '{name}' never varies: it is '{}' in all rows; leave it out",
+        levels.concat()
+    );
+    let category = Categorical::new(name, levels)?;
+    for (cell, level) in cells.iter_mut().zip(given) {
+        cell.coded.extend(category.coded(level).unwrap_or_default());
+    }
+    Ok(category)
 }
 
 /// Texts of a column, none of them empty; nothing where no column is named.
@@ -175,12 +196,12 @@ struct Cells<'a> {
     dummies: Vec<usize>,
     /// Column of the mean.
     response: usize,
+    /// The function of the mean that is fitted.
+    transform: Option<Transform>,
     /// Column of the standard deviation.
     sd: Option<usize>,
     /// Column of the number of replicates.
     n: Option<usize>,
-    /// Column of the block.
-    block: Option<usize>,
 }
 
 impl Cells<'_> {
@@ -197,25 +218,65 @@ impl Cells<'_> {
         for &column in &self.dummies {
             coded.push(self.table.number(row, column)?);
         }
-        let count = |column: Option<usize>| match column {
-            Some(column) => {
-                let name = &self.table.header()[column];
-                anyhow::Ok(self.table.count(row, name)?.unwrap_or(1))
-            }
-            None => Ok(1),
+        let n = match self.n {
+            Some(column) => self.table.count(row, &self.table.header()[column])?,
+            None => None,
         };
         let sd = self
             .sd
             .map(|column| self.table.optional_number(row, column))
             .transpose()?;
+        let mean = self.table.number(row, self.response)?;
+        ensure!(
+            mean.abs() <= Observations::LARGEST,
+            "line {}, column '{}': {mean:e} is beyond 1e140, and its square is no number here; give the response in a \
+             larger unit",
+            row.line(),
+            self.table.header()[self.response]
+        );
+        let mean = match self.transform {
+            None => mean,
+            Some(transform) => transform.forward(mean).with_context(|| {
+                let (line, name) = (row.line(), &self.table.header()[self.response]);
+                let (what, domain) = (transform.of(name), transform.domain());
+                format!(
+                    "line {line}, column '{name}': {what} needs values {domain}, this one is {mean}"
+                )
+            })?,
+        };
         Ok(Cell {
             coded,
-            mean: self.table.number(row, self.response)?,
+            mean,
             sd: sd.flatten(),
-            n: count(self.n)?,
-            block: count(self.block)?,
+            n: n.unwrap_or(1),
+            block: 1,
         })
     }
+}
+
+/// Numbers the blocks of the cells by their labels, and gives the names behind the numbers; labels that are whole
+/// numbers are taken as they are, and then there are no names.
+fn number_blocks(cells: &mut [Cell], labels: &[String]) -> Vec<String> {
+    let number = |label: &String| label.parse().ok().filter(|n: &usize| *n >= 1);
+    if let Some(numbers) = labels.iter().map(number).collect::<Option<Vec<_>>>() {
+        for (cell, number) in cells.iter_mut().zip(numbers) {
+            cell.block = number;
+        }
+        return Vec::new();
+    }
+    let mut names = labels.to_vec();
+    names.sort();
+    names.dedup();
+    for (cell, label) in cells.iter_mut().zip(labels) {
+        cell.block = 1 + names.binary_search(label).unwrap_or(0);
+    }
+    names
+}
+
+/// The factor over a range whose middle is zero and that holds its own, so that coded zero is its zero.
+fn about_zero(factor: &Factor) -> Result<Factor, experiment_design::Error> {
+    let end = factor.low().abs().max(factor.high().abs());
+    Factor::new(factor.symbol(), factor.name(), factor.unit(), -end, end)
 }
 
 /// A coded value freed of the rounding of its range: 0.5 rather than 0.5000000000000002.
@@ -245,8 +306,8 @@ fn optional_columns(table: &Table, names: &[String]) -> anyhow::Result<Vec<usize
 fn given_factors(argument: &str) -> anyhow::Result<Vec<(String, Option<Factor>)>> {
     if let Some(path) = factor_file(argument) {
         let place = path.display().to_string();
-        let text = fs::read_to_string(&path).with_context(|| format!("cannot read {place}"))?;
-        let factors = factors_from_csv(&text).context(place)?;
+        let bytes = fs::read(&path).with_context(|| format!("cannot read {place}"))?;
+        let factors = factors_from_csv(&text_of_bytes(&bytes)).context(place)?;
         return Ok(factors
             .into_iter()
             .map(|f| (f.symbol().to_owned(), Some(f)))

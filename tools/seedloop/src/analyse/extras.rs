@@ -1,17 +1,15 @@
 //! What an analysis tells beside the fit: ridge paths, the rival surface, regimes.
 
 use anyhow::ensure;
-use command_line::Common;
 use experiment_design::Factor;
 use response_surface::{
-    Fit, GaussianProcess, GroupSum, Model, NamedValues, Observations, RandomBlocks, Regime,
-    RidgePoint, Weighting, gaussian_process, random_blocks, regime, ridge_path,
+    Fit, GaussianProcess, Model, Observations, RandomBlocks, Regime, RidgePoint, Weighting,
+    gaussian_process, random_blocks, regime, ridge_path,
 };
 use serde::Serialize;
 
+use super::Arguments;
 use super::data::Data;
-use super::text::{fixed, probability};
-use super::{Arguments, Report};
 
 /// Radii of the ridge paths, coded.
 const RADII: [f64; 9] = [0.0, 0.25, 0.5, 0.75, 1.0, 1.25, 1.5, 1.75, 2.0];
@@ -41,13 +39,13 @@ impl Ridge {
 #[derive(Debug, Serialize)]
 pub(super) struct Comparison {
     /// The process.
-    process: GaussianProcess,
+    pub(super) process: GaussianProcess,
     /// Root of the mean squared error of rows left out, process, unit of the response.
-    process_leave_one_out_rmse: f64,
+    pub(super) process_leave_one_out_rmse: f64,
     /// The same of the polynomial; null where a row is fitted exactly.
-    polynomial_leave_one_out_rmse: Option<f64>,
+    pub(super) polynomial_leave_one_out_rmse: Option<f64>,
     /// Which of the two predicts left-out rows better. The analysis stays that of the polynomial.
-    better: &'static str,
+    pub(super) better: &'static str,
 }
 
 /// Fits the model with random batches where a column of them is named.
@@ -69,28 +67,6 @@ pub(super) fn batches(
     let observations = Observations::from_cells(cells)?;
     let fit = random_blocks(&data.factors, model, &observations, weighting)?;
     Ok(Some(fit))
-}
-
-/// Prints the fit with random batches.
-fn print_batches(common: &Common, fit: &RandomBlocks) -> anyhow::Result<()> {
-    common.print(format!(
-        "\n{} batches drawn at random: sd of batches {:.5}, of observations {:.5}",
-        fit.blocks, fit.block_sd, fit.residual_sd
-    ))?;
-    common.print(format!(
-        "{:<10} {:>11} {:>10} {:>8} {:>9}",
-        "term", "coef", "se", "dof", "p"
-    ))?;
-    for (name, row) in fit.terms.iter() {
-        common.print(format!(
-            "{name:<10} {:>11.5} {:>10.5} {:>8} {:>9}",
-            row.coef,
-            row.se,
-            fixed(row.df, 2),
-            probability(row.p)
-        ))?;
-    }
-    Ok(())
 }
 
 /// Fits the process if asked for.
@@ -153,86 +129,4 @@ pub(super) fn split_regimes(
     data.batches
         .retain(|_| places.next().copied().unwrap_or(true));
     Ok(boundary)
-}
-
-/// Prints what was asked for beside the fit.
-pub(super) fn print(common: &Common, report: &Report<'_>) -> anyhow::Result<()> {
-    if !report.reduction.is_empty() {
-        let dropped: Vec<&str> = report
-            .reduction
-            .iter()
-            .map(|s| s.dropped.as_str())
-            .collect();
-        common.print(format!("dropped in this order: {}", dropped.join(", ")))?;
-    }
-    for (name, row) in report.level_tests.iter().flat_map(NamedValues::iter) {
-        let text = |sum: &GroupSum| {
-            let p = probability(sum.test.as_ref().and_then(|t| t.p));
-            format!("SS {:.4} p {p}", sum.ss)
-        };
-        common.print(format!(
-            "{name:<12} dof {:>2}  Type I {}, II {}, III {}",
-            row.df,
-            text(&row.type_i),
-            text(&row.type_ii),
-            text(&row.type_iii)
-        ))?;
-    }
-    if let Some(fit) = &report.random_batches {
-        print_batches(common, fit)?;
-    }
-    for step in report.interaction_search.iter().flatten() {
-        let rivals = if step.rivals.is_empty() {
-            "no other does as well".to_owned()
-        } else {
-            format!("cannot be told from {}", step.rivals.join(", "))
-        };
-        common.print(format!(
-            "a hidden interaction may be {} ({:.4}, AICc {:.2} to {:.2}): {rivals}",
-            step.added, step.coef, step.aicc[0], step.aicc[1]
-        ))?;
-    }
-    if let Some(b) = &report.box_cox {
-        let [low, high] = b.interval95;
-        let verdict = if b.keeps_the_response {
-            "1 is in it"
-        } else {
-            "1 is not in it"
-        };
-        common.print(format!(
-            "Box-Cox power {:.2}, 95 % {low:.2} to {high:.2}: {verdict}",
-            b.best
-        ))?;
-    }
-    if let Some(spread) = &report.spread {
-        let bartlett = spread.bartlett.as_ref().and_then(|b| b.p);
-        let levene = spread.levene.as_ref().and_then(|l| l.p);
-        common.print(format!(
-            "equal scatter: Bartlett p {}, Levene p {}",
-            probability(bartlett),
-            probability(levene)
-        ))?;
-    }
-    if let Some(comparison) = &report.gaussian_process {
-        let polynomial = comparison.polynomial_leave_one_out_rmse;
-        common.print(format!(
-            "rows left out are predicted to {:.4} by a Gaussian process and to {} by the \
-             polynomial; the {} is better",
-            comparison.process_leave_one_out_rmse,
-            polynomial.map_or_else(|| "-".to_owned(), |p| format!("{p:.4}")),
-            comparison.better
-        ))?;
-    }
-    if let Some(regime) = &report.regime {
-        common.print(format!(
-            "regime '{}': {} rows, {} others left out; {:.0} % of the box; boundary right for \
-             {:.0} % of rows left out",
-            regime.name,
-            regime.inside,
-            regime.outside,
-            100.0 * regime.box_fraction,
-            100.0 * regime.leave_one_out_accuracy
-        ))?;
-    }
-    Ok(())
 }

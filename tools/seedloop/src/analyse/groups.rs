@@ -1,15 +1,16 @@
 //! `seedloop analyse --groups`: one-way analysis of variance.
 
+use std::fmt::Write as _;
 use std::fs;
 
 use anyhow::{Context as _, ensure};
-use command_line::{DONE, Header};
-use experiment_design::table::Table;
-use response_surface::{OneWay, one_way_decimals};
+use command_line::{DONE, Header, significant};
+use experiment_design::table::{Table, text_of_bytes};
+use response_surface::{OneWay, PairDifference, one_way_decimals};
 use serde::Serialize;
 
 use super::Arguments;
-use super::text::{fixed, probability};
+use super::text::{counted, probability};
 
 /// The comparison as it stands in JSON.
 #[derive(Debug, Serialize)]
@@ -24,6 +25,8 @@ struct Report {
     /// The analysis.
     #[serde(flatten)]
     analysis: OneWay,
+    /// All pairs of groups at once; null without replicates or scatter, and for more than 30 groups.
+    pairs: Option<Vec<PairDifference>>,
 }
 
 /// Reads, compares, prints.
@@ -32,14 +35,14 @@ struct Report {
 /// Files that cannot be read or written, columns that are missing, fewer than two groups.
 pub(super) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
     let place = || arguments.data.display().to_string();
-    let text =
-        fs::read_to_string(&arguments.data).with_context(|| format!("cannot read {}", place()))?;
-    let table = Table::parse(&text).with_context(place)?;
+    let bytes = fs::read(&arguments.data).with_context(|| format!("cannot read {}", place()))?;
+    let table = Table::parse(&text_of_bytes(&bytes)).with_context(place)?;
+    let named = arguments.factors.as_deref().unwrap_or_default();
     ensure!(
-        !arguments.factors.contains(','),
+        !named.contains(','),
         "--groups takes one column; --factors names several"
     );
-    let group = table.column(&arguments.factors).with_context(place)?;
+    let group = table.column(named).with_context(place)?;
     let response = table.column(&arguments.response).with_context(place)?;
     let labels: Vec<String> = table
         .rows()
@@ -55,25 +58,48 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
     let analysis = one_way_decimals(&labels, &values).with_context(place)?;
     let common = &arguments.common;
     let means = analysis.means.iter().zip(analysis.counts.values());
+    let mut text = String::new();
     for ((name, mean), n) in means {
-        common.print(format!("{name:<12} n {n:>6}  mean {mean:.6}"))?;
+        let mean = significant(*mean, 7);
+        let _ = writeln!(text, "{name:<12} n {n:>6}  mean {mean}");
     }
-    common.print(format!(
+    let _ = writeln!(
+        text,
         "between {:>16.8e} {:>6}  F {}  p {}",
         analysis.between_ss,
         analysis.between_df,
-        fixed(analysis.f, 6),
+        counted(analysis.f, 7),
         probability(analysis.p)
-    ))?;
-    common.print(format!(
+    );
+    let _ = writeln!(
+        text,
         "within  {:>16.8e} {:>6}",
         analysis.within_ss, analysis.within_df
-    ))?;
+    );
+    let pairs = analysis.pairs();
+    if pairs.is_some() {
+        let _ = writeln!(
+            text,
+            "pairs, Tukey: difference, 95 % interval and p for all pairs at once"
+        );
+    }
+    for pair in pairs.iter().flatten() {
+        let [low, high] = pair.simultaneous95.map(|end| significant(end, 5));
+        let _ = writeln!(
+            text,
+            "{:<24} {:>11}  {low} to {high}  p {}",
+            format!("{} - {}", pair.group, pair.less),
+            significant(pair.difference, 5),
+            probability(Some(pair.p))
+        );
+    }
     common.emit_json(&Report {
         header: Header::new(None, [&arguments.data])?,
         response: table.header()[response].clone(),
         groups: table.header()[group].clone(),
         analysis,
+        pairs,
     })?;
+    common.print(text.trim_end())?;
     Ok(DONE)
 }

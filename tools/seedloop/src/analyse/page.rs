@@ -3,11 +3,12 @@
 use std::fmt::Write as _;
 
 use super::Report;
-use super::text::{fixed, summary};
+use super::text::{counted, fixed};
+use command_line::significant;
 use report::Svg;
 
-/// The tables as a page without scripts.
-pub(super) fn page(report: &Report<'_>, orders: &str, charts: &[(String, Svg)]) -> String {
+/// The analysis as a page without scripts: its text, the rows and the charts.
+pub(super) fn page(report: &Report<'_>, text: &str, charts: &[(String, Svg)]) -> String {
     let fit = report.fit;
     let escaped = |text: &str| {
         text.replace('&', "&amp;")
@@ -15,10 +16,7 @@ pub(super) fn page(report: &Report<'_>, orders: &str, charts: &[(String, Svg)]) 
             .replace('>', "&gt;")
     };
     let response = escaped(report.response);
-    let body = escaped(&format!(
-        "{}\n{orders}",
-        summary(fit, report.saturated.as_ref())
-    ));
+    let body = escaped(text);
     let mut pictures = String::new();
     for (name, chart) in charts {
         let _ = writeln!(pictures, "<h2>{}</h2>\n{}", escaped(name), chart.as_str());
@@ -27,15 +25,15 @@ pub(super) fn page(report: &Report<'_>, orders: &str, charts: &[(String, Svg)]) 
     for case in &fit.cases {
         let _ = writeln!(
             cases,
-            "<tr><td>{}</td><td>{}</td><td>{:.4}</td><td>{:.4}</td><td>{:.4}</td><td>{}</td>\
+            "<tr><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{:.4}</td><td>{}</td>\
              <td>{}</td></tr>",
             case.run,
             case.actual,
-            case.fitted,
-            case.residual,
+            significant(case.fitted, 6),
+            significant(case.residual, 4),
             case.leverage,
             fixed(case.studentized_external, 3),
-            fixed(case.cooks_d, 4)
+            counted(case.cooks_d, 4)
         );
     }
     let mut warnings = String::new();

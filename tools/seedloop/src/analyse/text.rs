@@ -2,6 +2,8 @@
 
 use std::fmt::Write as _;
 
+use command_line::significant;
+use experiment_design::Factor;
 use response_surface::fit::FTest;
 use response_surface::{Fit, NamedValues, Orders, Saturated, StationaryKind};
 
@@ -9,30 +11,37 @@ use response_surface::{Fit, NamedValues, Orders, Saturated, StationaryKind};
 pub(super) fn summary(fit: &Fit, saturated: Option<&Saturated>) -> String {
     // Writing to a string cannot fail.
     let mut text = String::new();
+    let names = fit.terms.names().map(|name| name.chars().count());
+    let width = names.max().unwrap_or(0).max(10);
+    // The sums of squares of all lines stand in one column.
+    let wide = width + 24;
     let _ = writeln!(text, "model: {}", fit.formula);
+    if !fit.formula.has_intercept() {
+        let _ = writeln!(text, "{}", where_zero(fit));
+    }
     let _ = writeln!(
         text,
-        "{:<10} {:>11} {:>10} {:>10} {:>4} {:>10} {:>9} {:>9} {:>7}",
+        "{:<width$} {:>12} {:>10} {:>11} {:>4} {:>10} {:>9} {:>9} {:>7}",
         "term", "coef", "se", "SS", "dof", "F", "p", "p(rep)", "%"
     );
     for (name, row) in fit.terms.iter() {
         let against = |r: &response_surface::fit::Replicates| r.tests.get(name)?.p;
         let _ = writeln!(
             text,
-            "{name:<10} {:>11.5} {:>10} {:>10} {:>4} {:>10} {:>9} {:>9} {:>7}",
-            row.coef,
-            fixed(row.se, 5),
-            fixed(row.ss_partial, 4),
+            "{name:<width$} {:>12} {:>10} {:>11} {:>4} {:>10} {:>9} {:>9} {:>7}",
+            significant(row.coef, 6),
+            counted(row.se, 4),
+            counted(row.ss_partial, 5),
             1,
-            fixed(row.f, 2),
+            counted(row.f, 4),
             probability(row.p),
             probability(fit.replicates.as_ref().and_then(against)),
             fixed(row.contribution_pct, 3),
         );
     }
     for (name, ss, dof, f, p) in sources(fit) {
-        let (f, p) = (fixed(f, 2), probability(p));
-        let _ = writeln!(text, "{name:<33} {ss:>10.4} {dof:>4} {f:>10} {p:>9}");
+        let (ss, f, p) = (significant(ss, 5), counted(f, 4), probability(p));
+        let _ = writeln!(text, "{name:<wide$} {ss:>11} {dof:>4} {f:>10} {p:>9}");
     }
     for (name, value) in figures(fit).iter() {
         let _ = writeln!(text, "{name:<20} {value}");
@@ -41,13 +50,15 @@ pub(super) fn summary(fit: &Fit, saturated: Option<&Saturated>) -> String {
     stationary(&mut text, fit);
     if let Some(saturated) = saturated {
         let lenth = &saturated.lenth;
-        let (me, sme) = (fixed(lenth.me, 4), fixed(lenth.sme, 4));
-        let _ = writeln!(text, "Lenth: PSE {:.4}, ME {me}, SME {sme}", lenth.pse);
+        let (me, sme) = (counted(lenth.me, 4), counted(lenth.sme, 4));
+        let pse = significant(lenth.pse, 4);
+        let _ = writeln!(text, "Lenth: PSE {pse}, ME {me}, SME {sme}");
         for point in saturated.half_normal.iter().rev() {
             let _ = writeln!(
                 text,
-                "{:<10} |effect| {:.4}",
-                point.factor, point.abs_effect
+                "{:<10} |effect| {}",
+                point.factor,
+                significant(point.abs_effect, 5)
             );
         }
     }
@@ -65,10 +76,10 @@ fn natural(text: &mut String, fit: &Fit) {
         let [low, high] = row.ci95.map_or([None; 2], |ends| ends.map(Some));
         let _ = writeln!(
             text,
-            "{name:<10} {:>14.6} {:>14} {:>14}",
-            row.coef,
-            fixed(low, 6),
-            fixed(high, 6)
+            "{name:<10} {:>14} {:>14} {:>14}",
+            significant(row.coef, 7),
+            counted(low, 7),
+            counted(high, 7)
         );
     }
 }
@@ -90,7 +101,7 @@ fn stationary(text: &mut String, fit: &Fit) {
     };
     let pairs = fit.factors.iter().zip(point);
     let place: Vec<String> = pairs
-        .map(|(f, x)| format!("{} = {x:.5}", f.symbol()))
+        .map(|(f, x)| format!("{} = {}", f.symbol(), significant(*x, 6)))
         .collect();
     let side = if canonical.inside_box == Some(true) {
         "inside the ranges"
@@ -101,30 +112,34 @@ fn stationary(text: &mut String, fit: &Fit) {
         text,
         "stationary point: {kind} at {}, value {}, {reach:.2} half-ranges from the middle, {side}",
         place.join(", "),
-        fixed(canonical.value, 4)
+        counted(canonical.value, 6)
     );
 }
 
 /// A line of the analysis of variance: name, sum of squares, dof, F, p.
-type Source = (&'static str, f64, usize, Option<f64>, Option<f64>);
+type Source = (String, f64, usize, Option<f64>, Option<f64>);
 
 /// The lines of the analysis of variance that belong to no single term.
 fn sources(fit: &Fit) -> Vec<Source> {
-    let mut lines: Vec<Source> = vec![
-        (
-            "model",
-            fit.model.ss,
-            fit.model.df,
-            fit.model.f,
-            fit.model.p,
-        ),
-        ("residual", fit.sse, fit.df_resid, None, None),
-    ];
+    let mut lines: Vec<Source> = Vec::new();
+    for row in fit.by_order.iter().filter(|_| fit.by_order.len() > 1) {
+        let (test, name) = (&row.test, &row.order);
+        lines.push((
+            format!("{name}, after those above"),
+            row.ss,
+            test.df1,
+            test.f,
+            test.p,
+        ));
+    }
+    let model = &fit.model;
+    lines.push(("model".to_owned(), model.ss, model.df, model.f, model.p));
+    lines.push(("residual".to_owned(), fit.sse, fit.df_resid, None, None));
     if let Some(lack) = &fit.lack_of_fit {
-        lines.push(("lack of fit", lack.ss, lack.df, lack.f, lack.p));
+        lines.push(("lack of fit".to_owned(), lack.ss, lack.df, lack.f, lack.p));
     }
     if let Some(pure) = &fit.pure_error {
-        lines.push(("pure error", pure.ss, pure.df, None, None));
+        lines.push(("pure error".to_owned(), pure.ss, pure.df, None, None));
     }
     if let Some(replicates) = &fit.replicates {
         let (ss, df) = (
@@ -133,10 +148,10 @@ fn sources(fit: &Fit) -> Vec<Source> {
         );
         let test = fit.lack_of_fit_all_repeats.as_ref();
         let (f, p) = (test.and_then(|t| t.f), test.and_then(|t| t.p));
-        lines.push(("replicates (F: misfit to all)", ss, df, f, p));
+        lines.push(("replicates (F: misfit to all)".to_owned(), ss, df, f, p));
     }
     let intercept = usize::from(fit.formula.has_intercept());
-    lines.push(("total", fit.sst, fit.n - intercept, None, None));
+    lines.push(("total".to_owned(), fit.sst, fit.n - intercept, None, None));
     lines
 }
 
@@ -146,16 +161,33 @@ fn figures(fit: &Fit) -> NamedValues<String> {
         ("R2", fit.r2, 4),
         ("adjusted R2", fit.adj_r2, 4),
         ("predicted R2", fit.pred_r2, 4),
-        ("PRESS", fit.press, 4),
         ("CV %", fit.cv_pct, 2),
         ("adequate precision", fit.adeq_precision, 2),
         ("AICc", fit.information.as_ref().and_then(|i| i.aicc), 3),
         ("BIC", fit.information.as_ref().map(|i| i.bic), 3),
     ];
+    let figures = figures.into_iter();
     figures
-        .into_iter()
         .map(|(name, v, digits)| (name.to_owned(), fixed(v, digits)))
+        .chain([("PRESS".to_owned(), counted(fit.press, 5))])
         .collect()
+}
+
+/// Where a model without intercept is zero.
+fn where_zero(fit: &Fit) -> String {
+    let at = |f: &Factor| format!("{} = {}", f.symbol(), significant(f.mid(), 6));
+    let place: Vec<String> = fit.factors.iter().map(at).collect();
+    let place = place.join(", ");
+    if fit.factors.iter().all(|f| f.mid() == 0.0) {
+        format!("through zero: the response is 0 at {place}")
+    } else {
+        format!("through zero: the response is 0 in the middle of the ranges, at {place}")
+    }
+}
+
+/// A number with as many digits that matter, or `-`.
+pub(super) fn counted(value: Option<f64>, digits: usize) -> String {
+    value.map_or_else(|| "-".to_owned(), |v| significant(v, digits))
 }
 
 /// A number with a fixed number of decimals, or `-`.
@@ -174,20 +206,20 @@ pub(super) fn probability(value: Option<f64>) -> String {
 /// The sequence of orders as text.
 pub(super) fn orders_text(orders: &Orders) -> String {
     let mut text = format!(
-        "{:<10} {:>3} {:>11} {:>9} {:>9} {:>9} {:>8} {:>8} {:>8} {:>9}\n",
+        "{:<10} {:>3} {:>11} {:>9} {:>9} {:>10} {:>8} {:>8} {:>8} {:>9}\n",
         "order", "p", "added SS", "p added", "p misfit", "sd", "R2", "adj", "pred", "AICc"
     );
     for order in &orders.orders {
         let p = |test: &Option<FTest>| probability(test.as_ref().and_then(|t| t.p));
         let _ = writeln!(
             text,
-            "{:<10} {:>3} {:>11.4} {:>9} {:>9} {:>9} {:>8} {:>8} {:>8} {:>9}{}",
+            "{:<10} {:>3} {:>11} {:>9} {:>9} {:>10} {:>8} {:>8} {:>8} {:>9}{}",
             order.order,
             order.p,
-            order.added_ss,
+            significant(order.added_ss, 5),
             p(&order.added),
             p(&order.lack_of_fit),
-            fixed(order.root_mse, 4),
+            counted(order.root_mse, 4),
             fixed(order.r2, 4),
             fixed(order.adj_r2, 4),
             fixed(order.pred_r2, 4),

@@ -1,7 +1,7 @@
 //! A design at every combination of named levels.
 
 use anyhow::{Context as _, ensure};
-use experiment_design::table::design_to_csv;
+use experiment_design::table::{csv_field, design_to_csv};
 use experiment_design::{Design, Run};
 use response_surface::Categorical;
 
@@ -79,9 +79,9 @@ pub(super) fn table(design: &Design, combinations: &[Combination], cells: usize)
         + "\n";
     for (line, run) in lines.zip(design.runs()) {
         let levels = combinations[(run.cell - 1) / cells].iter();
-        let fields = [line]
+        let fields = [line.to_owned()]
             .into_iter()
-            .chain(levels.map(|(_, level)| level.as_str()));
+            .chain(levels.map(|(_, level)| csv_field(level)));
         out += &(fields.collect::<Vec<_>>().join(",") + "\n");
     }
     out

@@ -4,7 +4,7 @@ use std::fs;
 use std::path::Path;
 
 use anyhow::{Context as _, ensure};
-use experiment_design::table::design_from_csv;
+use experiment_design::table::{design_from_csv, text_of_bytes};
 use experiment_design::{
     AxialDistance, Criterion, Design, DesignKind, Factor, Fraction, augmented_design,
     augmented_near, box_behnken, box_behnken_in_blocks, central_composite,
@@ -12,7 +12,8 @@ use experiment_design::{
     in_blocks, latin_hypercube, plackett_burman, plackett_burman_with_runs,
 };
 use response_surface::distribution::t_two_sided_quantile;
-use response_surface::{Fit, Model, ridge_path};
+use response_surface::{Fit, Model, Transform, ridge_path};
+use serde::Deserialize;
 use serde_json::{Value, json};
 
 use super::{Arguments, Axial, Kind};
@@ -170,8 +171,9 @@ fn optimal(
         return Ok(augmented_design(factors, criterion, &[], runs, seed, &row)?.into());
     };
     let place = file.display();
-    let text = fs::read_to_string(file).with_context(|| format!("cannot read {place}"))?;
-    let given = design_from_csv(&text, factors).with_context(|| place.to_string())?;
+    let bytes = fs::read(file).with_context(|| format!("cannot read {place}"))?;
+    let given =
+        design_from_csv(&text_of_bytes(&bytes), factors).with_context(|| place.to_string())?;
     let given = given.coded_rows();
     let runs = arguments
         .runs
@@ -179,7 +181,16 @@ fn optimal(
     let Some(target) = arguments.target else {
         return Ok(augmented_design(factors, criterion, &given, runs, seed, &row)?.into());
     };
-    let fit = analysis(arguments, factors)?;
+    let (fit, transform) = analysis(arguments, factors)?;
+    let target = match transform {
+        None => target,
+        Some(transform) => transform.forward(target).with_context(|| {
+            let domain = transform.domain();
+            format!(
+                "--target is {target}; the analysis is of {transform}, so that it must be {domain}"
+            )
+        })?,
+    };
     let error = fit
         .best_error_variance()
         .context("the analysis has no error variance; replicate runs of the first stage")?;
@@ -192,12 +203,12 @@ fn optimal(
         .context("no second stage near the target; is it within reach of the surface?")?;
     Ok(Made {
         design,
-        facts: json!({ "near_target": target, "added_runs": runs }),
+        facts: json!({ "near_target": arguments.target, "added_runs": runs, "error": error }),
     })
 }
 
 /// The analysis named, over the given factors.
-fn analysis(arguments: &Arguments, factors: &[Factor]) -> anyhow::Result<Fit> {
+fn analysis(arguments: &Arguments, factors: &[Factor]) -> anyhow::Result<(Fit, Option<Transform>)> {
     let file: &Path = arguments
         .analysis
         .as_deref()
@@ -221,12 +232,24 @@ fn analysis(arguments: &Arguments, factors: &[Factor]) -> anyhow::Result<Fit> {
             new.high()
         );
     }
-    fit.within(factors).with_context(|| place.to_string())
+    let scale: Fitted = serde_json::from_str(&text).with_context(|| place.to_string())?;
+    let fit = fit.within(factors).with_context(|| place.to_string())?;
+    Ok((fit, scale.transform))
+}
+
+/// What an analysis tells about the scale of its response.
+#[derive(Deserialize)]
+struct Fitted {
+    /// The function of the response that was fitted; missing in analyses of older versions.
+    #[serde(default)]
+    transform: Option<Transform>,
 }
 
 /// Points along the path of steepest ascent or descent.
 fn path(arguments: &Arguments, factors: &[Factor]) -> anyhow::Result<Made> {
-    let fit = analysis(arguments, factors)?;
+    let (fit, transform) = analysis(arguments, factors)?;
+    // Up is where the response rises, be it where its function falls.
+    let falls = transform.is_some_and(Transform::falls);
     let step = arguments.step;
     ensure!(
         step > 0.0 && step <= 10.0,
@@ -238,7 +261,7 @@ fn path(arguments: &Arguments, factors: &[Factor]) -> anyhow::Result<Made> {
         "--runs is {runs}; a path has 1 to 100 points"
     );
     let radii: Vec<f64> = (0..=runs).map(|i| step * i as f64).collect();
-    let points = ridge_path(&fit, &radii, !arguments.descend)?;
+    let points = ridge_path(&fit, &radii, arguments.descend == falls)?;
     let rows = points.iter().map(|point| point.coded.clone()).collect();
     Ok(Made {
         design: Design::new(DesignKind::SteepestAscent, factors, Vec::new(), rows)?,

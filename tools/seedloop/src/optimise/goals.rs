@@ -1,16 +1,16 @@
 //! `seedloop optimise --goal`: one setting for one or several responses.
 
-use std::fs;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, ensure};
-use command_line::{DONE, Header, NOT_MET};
-use experiment_design::Factor;
-use response_surface::{Aim, Categorical, Compromise, Fit, Goal, ScatterGoal, compromises};
-use serde::{Deserialize, Serialize};
+use command_line::{Common, DONE, Header, NOT_MET, significant};
+use response_surface::{
+    Aim, Compromise, Fit, Goal, Prediction, ScatterGoal, Transform, compromises,
+};
+use serde::Serialize;
 
 use super::Arguments;
-use crate::levels;
+use super::read::{Read, read};
 
 /// The answer as it stands in JSON.
 #[derive(Debug, Serialize)]
@@ -28,85 +28,21 @@ struct Report {
     exists: bool,
     /// The settings, best first.
     compromises: Vec<Compromise>,
-}
-
-/// What an analysis tells about factors with named levels.
-#[derive(Debug, Deserialize)]
-struct Named {
-    /// The factors; missing in analyses of older versions.
-    #[serde(default)]
-    categories: Vec<Categorical>,
-}
-
-/// Reads an analysis at the levels chosen, with other bounds where given.
-pub(super) fn read(path: &Path, arguments: &Arguments) -> anyhow::Result<Fit> {
-    let bounds = &arguments.bounds;
-    let place = path.display();
-    let text = fs::read_to_string(path).with_context(|| format!("cannot read {place}"))?;
-    let fit: Fit = serde_json::from_str(&text).with_context(|| {
-        format!("{place} is no analysis; write one with seedloop analyse --json")
-    })?;
-    let named: Named = serde_json::from_str(&text).with_context(|| place.to_string())?;
-    let fit = at_levels(fit, named.categories, &arguments.level)?;
-    if bounds.is_empty() {
-        return Ok(fit);
-    }
-    let mut factors = fit.factors.clone();
-    for part in bounds {
-        let form = || format!("'{part}' is no bound; write B=0.30:0.36");
-        let (symbol, range) = part.split_once('=').with_context(form)?;
-        let (low, high) = range.split_once(':').with_context(form)?;
-        let number = |text: &str| text.trim().parse::<f64>().ok().with_context(form);
-        let symbol = symbol.trim();
-        let factor = factors
-            .iter_mut()
-            .find(|f| f.symbol() == symbol)
-            .with_context(|| format!("there is no factor '{symbol}' in {place}"))?;
-        *factor = Factor::new(
-            symbol,
-            factor.name(),
-            factor.unit(),
-            number(low)?,
-            number(high)?,
-        )?;
-    }
-    Ok(fit.within(&factors)?)
-}
-
-/// The fit at the levels chosen, one for every factor with named levels.
-fn at_levels(fit: Fit, categories: Vec<Categorical>, chosen: &[String]) -> anyhow::Result<Fit> {
-    let mut pairs = Vec::new();
-    for part in chosen {
-        let (symbol, level) = part
-            .split_once('=')
-            .with_context(|| format!("'{part}' is no level; write wall=steel"))?;
-        ensure!(
-            categories.iter().any(|c| c.symbol() == symbol),
-            "the analysis has no factor '{symbol}' with named levels"
-        );
-        pairs.push((symbol, level));
-    }
-    if categories.is_empty() {
-        return Ok(fit);
-    }
-    let mut held = Vec::new();
-    for category in categories {
-        let symbol = category.symbol();
-        let levels = category.levels().join(", ");
-        let level = pairs.iter().find(|(s, _)| *s == symbol);
-        let (_, level) = level.with_context(|| {
-            format!("choose the level of '{symbol}' with --level {symbol}=...; it has {levels}")
-        })?;
-        held.push((category.clone(), (*level).to_owned()));
-    }
-    levels::held(&fit, &held)
+    /// What to bear in mind, such as bounds beyond the data.
+    warnings: Vec<String>,
 }
 
 /// Answers for one or several responses.
 ///
 /// # Errors
 /// Goals and files that cannot be read, responses over different factors.
-pub(super) fn run(arguments: &Arguments, first: Fit) -> anyhow::Result<u8> {
+pub(super) fn run(arguments: &Arguments, first: Read) -> anyhow::Result<u8> {
+    let Read {
+        fit: first,
+        transform,
+        mut warnings,
+    } = first;
+    untransformed(&arguments.analysis, transform)?;
     let text = arguments.goal.as_deref().unwrap_or_default();
     let mut files = vec![arguments.analysis.clone()];
     let mut goals = vec![goal(text, &first)?];
@@ -120,9 +56,11 @@ pub(super) fn run(arguments: &Arguments, first: Fit) -> anyhow::Result<u8> {
             scatter.push(scatter_goal(arguments, text, &fits[0])?);
             continue;
         }
-        let fit = read(Path::new(file), arguments)?;
-        goals.push(goal(text, &fit)?);
-        fits.push(fit);
+        let other = read(Path::new(file), arguments)?;
+        untransformed(Path::new(file), other.transform)?;
+        goals.push(goal(text, &other.fit)?);
+        fits.push(other.fit);
+        warnings.extend(other.warnings);
         files.push(PathBuf::from(file));
     }
     ensure!(
@@ -135,51 +73,68 @@ pub(super) fn run(arguments: &Arguments, first: Fit) -> anyhow::Result<u8> {
         .iter()
         .map(|f| f.symbol().to_owned())
         .collect();
-    let common = &arguments.common;
-    if found.is_empty() {
-        common.print(
-            "no setting within the bounds is worth anything for all responses; widen the goals",
-        )?;
-    }
-    for compromise in &found {
-        let point: Vec<String> = symbols
-            .iter()
-            .zip(&compromise.natural)
-            .map(|(s, v)| format!("{s} = {v:.5}"))
-            .collect();
-        let values: Vec<String> = compromise
-            .predictions
-            .iter()
-            .map(|p| {
-                let interval = p
-                    .ci95
-                    .map_or_else(String::new, |[a, b]| format!(" ({a:.4} to {b:.4})"));
-                format!("{:.4}{interval}", p.mean)
-            })
-            .collect();
-        let handed: Vec<String> = compromise
-            .transmitted_sd
-            .iter()
-            .map(|sd| format!("; transmitted sd {sd:.4}"))
-            .collect();
-        common.print(format!(
-            "desirability {:.4} at {}: {}{}",
-            compromise.desirability,
-            point.join(", "),
-            values.join("; "),
-            handed.concat()
-        ))?;
-    }
     let exists = !found.is_empty();
-    common.emit_json(&Report {
+    let report = Report {
         header: Header::new(None, &files)?,
         factors: symbols,
         goals,
         scatter_goals: scatter,
         exists,
         compromises: found,
-    })?;
+        warnings,
+    };
+    let common = &arguments.common;
+    common.emit_json(&report)?;
+    describe(common, &fits, &report)?;
     Ok(if exists { DONE } else { NOT_MET })
+}
+
+/// Refuses an analysis of a function of the response: a goal is worth what the response itself is.
+fn untransformed(file: &Path, transform: Option<Transform>) -> anyhow::Result<()> {
+    match transform {
+        None => Ok(()),
+        Some(transform) => anyhow::bail!(
+            "{} is the analysis of a function of the response ({transform}), and --goal is for the response itself: ask \
+             for a --target, or analyse without --transform",
+            file.display()
+        ),
+    }
+}
+
+/// Prints the settings, and the errors that their intervals are made with.
+fn describe(common: &Common, fits: &[Fit], report: &Report) -> anyhow::Result<()> {
+    if !report.exists {
+        common.print(
+            "no setting within the bounds is worth anything for all responses; widen the goals",
+        )?;
+    }
+    for compromise in &report.compromises {
+        let point = super::words::point(&fits[0], &compromise.natural);
+        let value = |p: &Prediction| {
+            let interval = p.ci95.map_or_else(String::new, |[low, high]| {
+                format!(" ({} to {})", significant(low, 6), significant(high, 6))
+            });
+            format!("{}{interval}", significant(p.mean, 6))
+        };
+        let values: Vec<String> = compromise.predictions.iter().map(value).collect();
+        let handed = |sd: &f64| format!("; transmitted sd {}", significant(*sd, 4));
+        let handed: String = compromise.transmitted_sd.iter().map(handed).collect();
+        common.print(format!(
+            "desirability {:.4} at {point}: {}{handed}",
+            compromise.desirability,
+            values.join("; ")
+        ))?;
+    }
+    for (i, fit) in fits.iter().enumerate().filter(|_| report.exists) {
+        let which = if fits.len() > 1 {
+            format!("response {}: ", i + 1)
+        } else {
+            String::new()
+        };
+        let error = super::words::error(fit, fit.best_error_variance());
+        common.print(format!("{which}{error}"))?;
+    }
+    Ok(())
 }
 
 /// Reads the goal of the scatter that the factors hand on to the first response.

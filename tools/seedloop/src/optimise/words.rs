@@ -1,19 +1,32 @@
 //! The answer in words.
 
-use command_line::Common;
+use std::fmt::Write as _;
+
+use command_line::{Common, significant};
 use experiment_design::Factor;
+use response_surface::distribution::t_two_sided_quantile;
 use response_surface::solutions::{Bootstrap, Region};
-use response_surface::{Confirmation, Fit, NamedValues, Solutions};
+use response_surface::{Confirmation, ErrorSource, ErrorVariance, Fit, NamedValues, Solutions};
 
 use super::{CONFIDENCE, Report};
 
 /// Prints the answer.
 pub(super) fn describe(common: &Common, fit: &Fit, report: &Report) -> anyhow::Result<()> {
     let solutions = &report.solutions;
+    if let Some(original) = &report.original {
+        let [low, high] = original.reachable.map(end);
+        common.print(format!(
+            "in the unit of the response: target {}, surface within the ranges {low} to {high}; all below is the fitted \
+             function of it ({})",
+            value(original.target),
+            original.transform
+        ))?;
+    }
     reach(common, fit, solutions)?;
     branches(common, fit, solutions)?;
     nearest(common, fit, report)?;
     if let Some(region) = &solutions.region {
+        common.print(error(fit, solutions.error))?;
         common.print(region_text(region))?;
     } else {
         common.print("no region: there is no error variance (no replicates, no residual dof)")?;
@@ -22,27 +35,91 @@ pub(super) fn describe(common: &Common, fit: &Fit, report: &Report) -> anyhow::R
         bootstrapped(common, drawn)?;
     }
     at_point(common, fit, report)?;
+    if let Some(at) = report.original.as_ref().and_then(|o| o.at.as_ref()) {
+        let [low, high] = at.pi95.map(end);
+        let [least, most] = at.tolerance.map(end);
+        common.print(format!(
+            "  in the unit of the response: {}, prediction {low} to {high}, tolerance {least} to {most}",
+            at.median.words()
+        ))?;
+    }
     match &report.confirmation {
         Some(confirmation) => confirmed(common, confirmation),
         None => Ok(()),
     }
 }
 
+/// Degrees of freedom below which an error is called poor: Student's limit is then 3.18 or more, against 1.96.
+const FEW: usize = 4;
+
+/// Which error variance the intervals are made with, and whether another is better known.
+pub(super) fn error(fit: &Fit, error: Option<ErrorVariance>) -> String {
+    let Some(error) = error else {
+        return "no error variance: there are no intervals".to_owned();
+    };
+    let name = |source: ErrorSource| match source {
+        ErrorSource::Residual => "the residuals of the fit",
+        ErrorSource::RepeatedRows => "repeated settings",
+        ErrorSource::Replicates => "replicates within rows",
+        ErrorSource::AllRepeats => "all repeats",
+    };
+    let of_freedom = |df: usize| match df {
+        1 => "1 degree of freedom".to_owned(),
+        df => format!("{df} degrees of freedom"),
+    };
+    let sd = significant(error.variance.sqrt(), 4);
+    let mut text = format!(
+        "error: {}, sd {sd} with {}",
+        name(error.source),
+        of_freedom(error.df)
+    );
+    if error.df >= FEW {
+        return text;
+    }
+    let limit = t_two_sided_quantile(0.05, error.df as f64);
+    let limit = limit.map_or_else(|| "-".to_owned(), |t| significant(t, 4));
+    let _ = write!(
+        text,
+        "; with so few every interval is wide (Student's t {limit})"
+    );
+    let residual = fit.error_variance(ErrorSource::Residual);
+    if let Some(residual) = residual.filter(|residual| residual.df > error.df) {
+        let sd = significant(residual.variance.sqrt(), 4);
+        let _ = write!(
+            text,
+            ": the residuals have {}, sd {sd}; where the model fits, take them with --error residual",
+            of_freedom(residual.df)
+        );
+    }
+    text
+}
+
 /// A point in natural units.
-fn point(fit: &Fit, values: &[f64]) -> String {
+pub(super) fn point(fit: &Fit, values: &[f64]) -> String {
     let pairs = fit.factors.iter().zip(values);
     let texts: Vec<String> = pairs
-        .map(|(f, v)| format!("{} = {v:.5}", f.symbol()))
+        .map(|(f, v)| format!("{} = {}", f.symbol(), significant(*v, 6)))
         .collect();
     texts.join(", ")
+}
+
+/// A value of the response or of a factor.
+fn value(value: f64) -> String {
+    significant(value, 6)
+}
+
+/// An end of an interval in the unit of the response, which may be open.
+fn end(value: Option<f64>) -> String {
+    value.map_or_else(|| "-".to_owned(), |v| significant(v, 6))
 }
 
 /// What the surface reaches, and whether that includes the target.
 fn reach(common: &Common, fit: &Fit, solutions: &Solutions) -> anyhow::Result<()> {
     let (min, max) = (&solutions.reachable.min, &solutions.reachable.max);
     common.print(format!(
-        "surface within the ranges: {:.4} to {:.4}",
-        min.value, max.value
+        "surface within the ranges: {} to {}",
+        value(min.value),
+        value(max.value)
     ))?;
     if !solutions.exists {
         let closest = if solutions.target < min.value {
@@ -51,17 +128,22 @@ fn reach(common: &Common, fit: &Fit, solutions: &Solutions) -> anyhow::Result<()
             max
         };
         common.print(format!(
-            "no solution: the closest value to {} is {:.4} at {}; widen the ranges there",
+            "no solution: the closest value to {} is {} at {}; widen the ranges there",
             solutions.target,
-            closest.value,
+            value(closest.value),
             point(fit, &closest.natural)
         ))?;
+    }
+    if solutions.tangent {
+        common.print(
+            "the target is an end of what the surface reaches: it touches it and does not cross it",
+        )?;
     }
     for (symbol, range) in solutions.factor_ranges.iter().flat_map(NamedValues::iter) {
         let pieces: Vec<String> = range
             .pieces
             .iter()
-            .map(|piece| format!("{:.5} to {:.5}", piece.low, piece.high))
+            .map(|piece| format!("{} to {}", value(piece.low), value(piece.high)))
             .collect();
         common.print(format!(
             "{symbol} on the solution set: {}",
@@ -83,7 +165,7 @@ fn branches(common: &Common, fit: &Fit, solutions: &Solutions) -> anyhow::Result
     ))?;
     for (i, part) in parts.iter().enumerate() {
         let range = |(f, [low, high]): (&Factor, &[f64; 2])| {
-            format!("{} {low:.5} to {high:.5}", f.symbol())
+            format!("{} {} to {}", f.symbol(), value(*low), value(*high))
         };
         let ranges: Vec<String> = fit.factors.iter().zip(&part.ranges).map(range).collect();
         common.print(format!(
@@ -100,30 +182,30 @@ fn branches(common: &Common, fit: &Fit, solutions: &Solutions) -> anyhow::Result
 fn nearest(common: &Common, fit: &Fit, report: &Report) -> anyhow::Result<()> {
     for (metric, nearest) in report.solutions.nearest.iter() {
         common.print(format!(
-            "nearest by {metric}: {}; distance {:.4}",
+            "nearest by {metric}: {}; distance {}",
             point(fit, &nearest.solution),
-            nearest.distance
+            significant(nearest.distance, 4)
         ))?;
         for (symbol, given) in nearest.given_others.iter().flat_map(NamedValues::iter) {
-            let (low, high) = (given.natural.low, given.natural.high);
+            let (low, high) = (value(given.natural.low), value(given.natural.high));
             let below = if given.open_below { " (bound)" } else { "" };
             let above = if given.open_above { " (bound)" } else { "" };
             common.print(format!(
-                "  {symbol} given the others, 95 %: {low:.5}{below} to {high:.5}{above}"
+                "  {symbol} given the others, 95 %: {low}{below} to {high}{above}"
             ))?;
         }
         if let Some(scatter) = report.propagation_nearest.get(metric) {
             common.print(format!(
-                "  the scatter of the factors hands on an sd of {:.4}",
-                scatter.transmitted_sd
+                "  the scatter of the factors hands on an sd of {}",
+                significant(scatter.transmitted_sd, 4)
             ))?;
         }
     }
     if let Some(robust) = &report.most_robust {
         common.print(format!(
-            "solution of least transmitted scatter: {}; it hands on an sd of {:.4}",
+            "solution of least transmitted scatter: {}; it hands on an sd of {}",
             point(fit, &robust.solution),
-            robust.transmitted_sd
+            significant(robust.transmitted_sd, 4)
         ))?;
     }
     Ok(())
@@ -163,7 +245,7 @@ fn bootstrapped(common: &Common, drawn: &Bootstrap) -> anyhow::Result<()> {
         100.0 * drawn.no_solution
     ))?;
     for (symbol, factor) in drawn.factors.iter() {
-        let [low, high] = factor.quantiles95;
+        let [low, high] = factor.quantiles95.map(value);
         let ends = [(factor.at_low, "low"), (factor.at_high, "high")];
         let held = ends.into_iter().filter(|(share, _)| *share > 0.0);
         let bounds: Vec<String> = held
@@ -171,8 +253,8 @@ fn bootstrapped(common: &Common, drawn: &Bootstrap) -> anyhow::Result<()> {
             .collect();
         let bounds = bounds.concat();
         common.print(format!(
-            "  {symbol}: median {:.5}, 95 % {low:.5} to {high:.5}{bounds}",
-            factor.median
+            "  {symbol}: median {}, 95 % {low} to {high}{bounds}",
+            value(factor.median)
         ))?;
     }
     Ok(())
@@ -183,41 +265,42 @@ fn at_point(common: &Common, fit: &Fit, report: &Report) -> anyhow::Result<()> {
     let Some(at) = &report.at else {
         return Ok(());
     };
-    common.print(format!("at {}: {:.4}", point(fit, &at.natural), at.mean))?;
+    common.print(format!(
+        "at {}: {}",
+        point(fit, &at.natural),
+        value(at.mean)
+    ))?;
     if at.extrapolated {
         common.print("  beyond the ranges of the factors: the model was not made there")?;
     }
-    if let Some([low, high]) = at.ci95 {
-        common.print(format!(
-            "  95 % confidence of the mean: {low:.4} to {high:.4}"
-        ))?;
+    if let Some([low, high]) = at.ci95.map(|ends| ends.map(value)) {
+        common.print(format!("  95 % confidence of the mean: {low} to {high}"))?;
     }
-    if let Some([low, high]) = at.pi95 {
+    if let Some([low, high]) = at.pi95.map(|ends| ends.map(value)) {
         let runs = fit.runs_of_unit_weight();
         let of = if runs > 1.0 {
             format!("mean of {runs:.3} runs")
         } else {
             "run".to_owned()
         };
-        common.print(format!(
-            "  95 % prediction of a {of}: {low:.4} to {high:.4}"
-        ))?;
+        common.print(format!("  95 % prediction of a {of}: {low} to {high}"))?;
     }
     if let Some(tolerance) = &report.tolerance {
-        let [low, high] = tolerance.interval;
+        let [low, high] = tolerance.interval.map(value);
         common.print(format!(
-            "  tolerance, {} % of all runs with {} % confidence: {low:.4} to {high:.4}",
+            "  tolerance, {} % of all runs with {} % confidence: {low} to {high}",
             100.0 * tolerance.content,
             100.0 * CONFIDENCE
         ))?;
     }
     if let Some(scatter) = &report.propagation {
-        let total = scatter
-            .total_sd
-            .map_or_else(String::new, |sd| format!(", with that of runs {sd:.4}"));
+        let total = scatter.total_sd.map_or_else(String::new, |sd| {
+            format!(", with that of runs {}", significant(sd, 4))
+        });
         common.print(format!(
-            "  the scatter of the factors hands on an sd of {:.4}{total}, and shifts the mean by {:.4}",
-            scatter.transmitted_sd, scatter.shift
+            "  the scatter of the factors hands on an sd of {}{total}, and shifts the mean by {}",
+            significant(scatter.transmitted_sd, 4),
+            significant(scatter.shift, 4)
         ))?;
     }
     Ok(())
@@ -234,9 +317,11 @@ fn confirmed(common: &Common, confirmation: &Confirmation) -> anyhow::Result<()>
     let interval = confirmation
         .pi95_mean
         .map_or_else(String::new, |[low, high]| {
-            format!(" (95 % prediction interval of the mean {low:.4} to {high:.4})")
+            let (low, high) = (value(low), value(high));
+            format!(" (95 % prediction interval of the mean {low} to {high})")
         });
     common.print(format!(
-        "{n} confirmation runs, mean {mean:.4}{interval}: {verdict}"
+        "{n} confirmation runs, mean {}{interval}: {verdict}",
+        value(*mean)
     ))
 }

@@ -1,0 +1,223 @@
+//! What an analysis tells beside the tables of the fit, in words.
+
+use std::fmt::Write as _;
+
+use command_line::significant;
+use response_surface::{Contrasts, GroupSum, NamedValues, RandomBlocks, Spread};
+
+use super::Report;
+use super::text::{counted, fixed, probability};
+
+/// Least size of an alias coefficient that is printed; all are in the JSON.
+const SMALLEST_ALIAS: f64 = 0.05;
+/// Most terms left out that are printed behind one term, the largest first.
+const MOST_ALIASES: usize = 8;
+
+/// All of it as text. Writing to a string cannot fail.
+pub(super) fn beside(report: &Report<'_>) -> String {
+    let mut text = String::new();
+    levels(&mut text, report);
+    if let Some(found) = &report.contrasts {
+        contrasts(&mut text, found);
+    }
+    aliases(&mut text, report);
+    if let Some(fit) = &report.random_batches {
+        batches(&mut text, fit);
+    }
+    interactions(&mut text, report);
+    if let Some(b) = &report.box_cox {
+        let ([low, high], best) = (b.interval95, b.best);
+        let verdict = if b.keeps_the_response {
+            "1 is in it"
+        } else {
+            "1 is not in it"
+        };
+        let _ = writeln!(
+            text,
+            "Box-Cox power {best:.2}, 95 % {low:.2} to {high:.2}: {verdict}"
+        );
+    }
+    if let Some(spread) = &report.spread {
+        scatter(&mut text, spread);
+    }
+    rivals(&mut text, report);
+    text
+}
+
+/// Terms that went, tests of named factors and the response at their levels.
+fn levels(text: &mut String, report: &Report<'_>) {
+    if !report.reduction.is_empty() {
+        let dropped = report.reduction.iter().map(|step| step.dropped.as_str());
+        let dropped: Vec<&str> = dropped.collect();
+        let _ = writeln!(text, "dropped in this order: {}", dropped.join(", "));
+    }
+    for (name, row) in report.level_tests.iter().flat_map(NamedValues::iter) {
+        let of = |sum: &GroupSum| {
+            let p = probability(sum.test.as_ref().and_then(|t| t.p));
+            format!("SS {} p {p}", significant(sum.ss, 5))
+        };
+        let _ = writeln!(
+            text,
+            "{name:<12} dof {:>2}  Type I {}, II {}, III {}",
+            row.df,
+            of(&row.type_i),
+            of(&row.type_ii),
+            of(&row.type_iii)
+        );
+    }
+    for level in &report.level_means {
+        let interval = level.ci95.map_or_else(String::new, |[low, high]| {
+            let [low, high] = [low, high].map(|end| significant(end, 6));
+            format!(" (95 % {low} to {high})")
+        });
+        let original = level.original;
+        let original = original.map_or_else(String::new, |o| format!("; {}", o.words()));
+        let (names, mean) = (level.levels.join(", "), significant(level.mean, 6));
+        let _ = writeln!(text, "at {names}: {mean}{interval}{original}");
+    }
+}
+
+/// The contrasts of a saturated model, largest first, against Lenth's margins.
+fn contrasts(text: &mut String, found: &Contrasts) {
+    let lenth = &found.lenth;
+    let order = if found.orthogonal {
+        ""
+    } else {
+        " (each after the terms before it)"
+    };
+    let _ = writeln!(
+        text,
+        "saturated model, contrasts{order}; Lenth: PSE {}, ME {}, SME {}",
+        significant(lenth.pse, 4),
+        counted(lenth.me, 4),
+        counted(lenth.sme, 4)
+    );
+    for point in found.half_normal.iter().rev() {
+        let above = |margin: Option<f64>| margin.is_some_and(|margin| point.abs_effect > margin);
+        let verdict = match (above(lenth.sme), above(lenth.me)) {
+            (true, _) => "  above SME",
+            (_, true) => "  above ME",
+            _ => "",
+        };
+        let value = found.contrasts.get(&point.factor).copied().unwrap_or(0.0);
+        let value = significant(value, 5);
+        let _ = writeln!(text, "{:<10} {value:>12}{verdict}", point.factor);
+    }
+}
+
+/// What terms left out add to each term of the fit.
+fn aliases(text: &mut String, report: &Report<'_>) {
+    let all = || report.aliases.iter().flat_map(NamedValues::iter);
+    let mut lines = String::new();
+    for term in report.fit.terms.names() {
+        let behind = all().filter_map(|(left_out, parts)| Some((left_out, *parts.get(term)?)));
+        let behind = behind.filter(|(_, amount)| amount.abs() >= SMALLEST_ALIAS);
+        let mut behind: Vec<(&str, f64)> = behind.collect();
+        if behind.is_empty() {
+            continue;
+        }
+        behind.sort_by(|a, b| b.1.abs().total_cmp(&a.1.abs()));
+        let _ = write!(lines, "  {term}");
+        for (left_out, amount) in behind.iter().take(MOST_ALIASES) {
+            let sign = if *amount < 0.0 { '-' } else { '+' };
+            let size = amount.abs();
+            let _ = if (size - 1.0).abs() < 1e-9 {
+                write!(lines, " {sign} {left_out}")
+            } else {
+                write!(lines, " {sign} {size:.3} {left_out}")
+            };
+        }
+        let more = behind.len().saturating_sub(MOST_ALIASES);
+        let _ = match more {
+            0 => writeln!(lines),
+            more => writeln!(lines, " and {more} more"),
+        };
+    }
+    if !lines.is_empty() {
+        let _ = write!(
+            text,
+            "aliases: the expected coefficient of a term is the sum of its own and of these left out, coded\n{lines}"
+        );
+    }
+}
+
+/// The fit with random batches.
+fn batches(text: &mut String, fit: &RandomBlocks) {
+    let _ = writeln!(
+        text,
+        "{} batches drawn at random: sd of batches {}, of observations {}",
+        fit.blocks,
+        significant(fit.block_sd, 5),
+        significant(fit.residual_sd, 5)
+    );
+    let [term, coef, se, dof, p] = ["term", "coef", "se", "dof", "p"];
+    let _ = writeln!(text, "{term:<10} {coef:>12} {se:>10} {dof:>8} {p:>9}");
+    for (name, row) in fit.terms.iter() {
+        let _ = writeln!(
+            text,
+            "{name:<10} {:>12} {:>10} {:>8} {:>9}",
+            significant(row.coef, 6),
+            significant(row.se, 4),
+            fixed(row.df, 2),
+            probability(row.p)
+        );
+    }
+}
+
+/// Interactions that may hide in a screening design.
+fn interactions(text: &mut String, report: &Report<'_>) {
+    for step in report.interaction_search.iter().flatten() {
+        let rivals = if step.rivals.is_empty() {
+            "no other does as well".to_owned()
+        } else {
+            format!("cannot be told from {}", step.rivals.join(", "))
+        };
+        let ([before, after], coef) = (step.aicc, significant(step.coef, 5));
+        let _ = writeln!(
+            text,
+            "a hidden interaction may be {} ({coef}, AICc {before:.2} to {after:.2}): {rivals}",
+            step.added
+        );
+    }
+}
+
+/// Tests that all settings scatter alike.
+fn scatter(text: &mut String, spread: &Spread) {
+    let bartlett = probability(spread.bartlett.as_ref().and_then(|b| b.p));
+    let p = probability(spread.levene.as_ref().and_then(|l| l.p));
+    let levene = match (spread.levene_groups, spread.groups) {
+        (0 | 1, _) => {
+            "Levene's test cannot be made: it needs two settings with three runs or more".to_owned()
+        }
+        (tested, all) if tested < all => {
+            format!("Levene p {p} ({tested} settings, pairs left out)")
+        }
+        _ => format!("Levene p {p}"),
+    };
+    let _ = writeln!(text, "equal scatter: Bartlett p {bartlett}, {levene}");
+}
+
+/// The rival surface and the regime.
+fn rivals(text: &mut String, report: &Report<'_>) {
+    if let Some(comparison) = &report.gaussian_process {
+        let _ = writeln!(
+            text,
+            "rows left out are predicted to {} by a Gaussian process and to {} by the polynomial; the {} is better",
+            significant(comparison.process_leave_one_out_rmse, 4),
+            counted(comparison.polynomial_leave_one_out_rmse, 4),
+            comparison.better
+        );
+    }
+    if let Some(regime) = &report.regime {
+        let percent = |share: f64| 100.0 * share;
+        let _ = writeln!(
+            text,
+            "regime '{}': {} rows, {} others left out; {:.0} % of the box; boundary right for {:.0} % of rows left out",
+            regime.name,
+            regime.inside,
+            regime.outside,
+            percent(regime.box_fraction),
+            percent(regime.leave_one_out_accuracy)
+        );
+    }
+}

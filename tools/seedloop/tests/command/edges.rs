@@ -1,0 +1,283 @@
+//! `design`, `analyse` and `optimise` at the edge of what can be meant, and with a reader that goes away.
+
+use crate::{assert_code, assert_error, json, seedloop, text};
+use serde_json::Value;
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Output};
+use tempfile::{TempDir, tempdir};
+
+/// A folder with a table in it.
+fn table(content: &str) -> TempDir {
+    let folder = tempdir().unwrap();
+    fs::write(folder.path().join("d.csv"), content).unwrap();
+    folder
+}
+
+/// `analyse d.csv` with more words, separated by spaces.
+fn analyse(folder: &TempDir, words: &str) -> Output {
+    let words: Vec<&str> = words.split_whitespace().collect();
+    let all = [&["analyse", "d.csv"], &words[..]].concat();
+    seedloop(folder.path(), &all)
+}
+
+/// `optimise a.json` with more words, separated by spaces.
+fn optimise(folder: &TempDir, words: &str) -> Output {
+    let words: Vec<&str> = words.split_whitespace().collect();
+    let all = [&["optimise", "a.json"], &words[..]].concat();
+    seedloop(folder.path(), &all)
+}
+
+/// A line through the origin in natural units: the slope is sum x y / sum x^2, whatever range codes it (rounding: 1e-12).
+/// In coded columns zero is the middle of the range, and the answer says so.
+#[test]
+fn zero_is_that_of_the_columns() {
+    let folder = table("x,y\n1,2.1\n2,4.1\n4,8.3\n6,12.4\n");
+    let slope = (2.1 + 8.2 + 33.2 + 74.4) / 57.0;
+    for factors in ["x", "x=1:6", "x=0:5"] {
+        let words = format!("--factors {factors} --response y --model 0+x --json");
+        let report = json(&analyse(&folder, &words));
+        let got = report["coef_natural_units"]["x"].as_f64().unwrap();
+        assert!(
+            (got - slope).abs() < 1e-12,
+            "{factors}: {got} is not {slope}"
+        );
+        assert_eq!(report["coef_natural_units"]["1"], Value::Null);
+    }
+    let said = analyse(&folder, "--factors x --response y --model 0+x");
+    assert!(text(&said.stdout).contains("the response is 0 at x = 0\n"));
+    let coded = table("x,x_natural,y\n-1,10,-2\n0,20,0.1\n1,30,2\n");
+    let said = analyse(&coded, "--factors x --response y --model 0+x");
+    assert!(text(&said.stdout).contains("in the middle of the ranges, at x = 20.0000"));
+    let walls = table("x,wall,y\n1,a,2\n2,a,4\n1,b,3\n2,b,5\n");
+    let refused = analyse(
+        &walls,
+        "--factors x --categories wall --response y --model 0+x+wall",
+    );
+    assert_error(&refused, &["named levels", "intercept"]);
+}
+
+#[test]
+fn levenes_test_of_pairs_is_not_made_and_that_is_said() {
+    let folder = table("A,y\n-1,3.1\n-1,3.4\n0,2.2\n0,2.9\n1,4.0\n1,5.3\n");
+    let output = analyse(
+        &folder,
+        "--factors A --response y --model linear --json a.json",
+    );
+    assert_code(&output, 0);
+    let said = text(&output.stdout);
+    assert!(said.contains("Levene's test cannot be made"), "{said}");
+    let report: Value = read(folder.path(), "a.json");
+    assert_eq!(report["spread"]["levene"], Value::Null);
+    assert!(report["spread"]["bartlett"]["p"].is_number());
+}
+
+/// The JSON of a file.
+fn read(folder: &Path, name: &str) -> Value {
+    serde_json::from_slice(&fs::read(folder.join(name)).unwrap()).unwrap()
+}
+
+/// Runs the command with a standard output that nobody reads.
+fn unread(folder: &TempDir, words: &str) -> i32 {
+    let (reader, writer) = std::io::pipe().unwrap();
+    drop(reader);
+    let mut command = Command::new(env!("CARGO_BIN_EXE_seedloop"));
+    command
+        .current_dir(folder.path())
+        .args(words.split_whitespace());
+    let status = command.stdout(writer).status().unwrap();
+    status.code().unwrap()
+}
+
+/// `| head -1` takes one line and goes; the files asked for are written all the same, and the exit code stays that of the
+/// answer: a target out of reach is 1.
+#[test]
+fn files_are_written_though_nobody_reads_the_text() {
+    let folder = table("A,B,y\n0,0,1\n0,1,2\n1,0,3.1\n1,1,4.3\n0.5,0.5,2.4\n0.5,0.5,2.6\n");
+    let written = |name: &str| folder.path().join(name).is_file();
+    let words = "analyse d.csv --factors A,B --response y --model 2fi --json a.json --html a.html --plots plots";
+    assert_eq!(unread(&folder, words), 0);
+    assert!(written("a.json") && written("a.html") && written("plots/pareto.svg"));
+    assert_eq!(
+        unread(&folder, "optimise a.json --target 2 --json o.json"),
+        0
+    );
+    assert_eq!(
+        unread(&folder, "optimise a.json --target 99 --json p.json"),
+        1
+    );
+    assert_eq!(
+        unread(&folder, "optimise a.json --goal max --json g.json"),
+        0
+    );
+    assert!(written("o.json") && written("p.json") && written("g.json"));
+    fs::write(
+        folder.path().join("f.csv"),
+        "symbol,low,high\nA,0,1\nB,0,1\n",
+    )
+    .unwrap();
+    let words = "design full --factors f.csv --out full.csv --json d.json";
+    assert_eq!(unread(&folder, words), 0);
+    assert!(written("full.csv") && written("d.json"));
+    let words = "analyse d.csv --groups --factors A --response y --json q.json";
+    assert_eq!(unread(&folder, words), 0);
+    assert!(written("q.json"));
+}
+
+#[test]
+fn responses_whose_squares_are_no_numbers_are_refused_with_line_and_column() {
+    let folder = table("# note\nx,y\n1,1\n2,2.5e165\n3,4\n");
+    let output = analyse(&folder, "--factors x --response y --model linear");
+    assert_error(&output, &["d.csv", "line 4", "'y'", "larger unit"]);
+    let groups = analyse(&folder, "--groups --factors x --response y");
+    assert_error(&groups, &["d.csv", "larger unit"]);
+    let tiny = table("x,y\n1e-200,1\n2e-200,2.5\n3e-200,4\n");
+    let output = analyse(&tiny, "--factors x --response y --model linear");
+    assert_error(&output, &["'x'", "1e-200", "another unit"]);
+}
+
+/// One pair of repeats is an error of one degree of freedom (t 12.7): the answer says so and names the better known one.
+#[test]
+fn an_error_of_few_degrees_of_freedom_is_told() {
+    let folder = table("A,y\n-1,1\n-0.5,1.6\n0,2.2\n0,2.0\n0.5,2.4\n1,3.1\n0.8,2.9\n");
+    let output = analyse(
+        &folder,
+        "--factors A --response y --model linear --json a.json",
+    );
+    assert_code(&output, 0);
+    let said = optimise(&folder, "--target 2");
+    let said = text(&said.stdout);
+    assert!(
+        said.contains("all repeats, sd 0.1414 with 1 degree of freedom"),
+        "{said}"
+    );
+    assert!(said.contains("Student's t 12.71"), "{said}");
+    assert!(
+        said.contains("the residuals have 5") && said.contains("--error residual"),
+        "{said}"
+    );
+    let said = optimise(&folder, "--target 2 --error residual");
+    let said = text(&said.stdout);
+    assert!(
+        said.contains("the residuals of the fit, sd") && !said.contains("so few"),
+        "{said}"
+    );
+    let goal = optimise(&folder, "--goal max");
+    assert!(text(&goal.stdout).contains("with 1 degree of freedom"));
+}
+
+/// In the half fraction D = ABC a main effect stands for the product of the three others.
+#[test]
+fn the_aliases_of_a_fraction_are_told_with_its_analysis() {
+    let row = |bits: i32| {
+        let [a, b, c] = [0, 1, 2].map(|j| if bits >> j & 1 == 1 { 1 } else { -1 });
+        format!("{a},{b},{c},{},{}\n", a * b * c, 3 * a + b + (bits % 3))
+    };
+    let content = format!("A,B,C,D,y\n{}", (0..8).map(row).collect::<String>());
+    let folder = table(&content);
+    let output = analyse(
+        &folder,
+        "--factors A,B,C,D --response y --model linear --json a.json",
+    );
+    assert_code(&output, 0);
+    let said = text(&output.stdout);
+    assert!(
+        said.contains("\n  A + BCD\n") && said.contains("\n  D + ABC\n"),
+        "{said}"
+    );
+    let amount = &read(folder.path(), "a.json")["aliases"]["BCD"];
+    assert!(
+        (amount["A"].as_f64().unwrap() - 1.0).abs() < 1e-12,
+        "{amount}"
+    );
+}
+
+/// Two walls and two named blocks, balanced: the level means are those of the rows, the difference of the blocks is 1.
+#[test]
+fn named_blocks_and_named_levels_alone_are_analysed() {
+    let folder = table(
+        "wall,day,y\nsteel,mon,1.0\nsteel,tue,2.1\nglass,mon,3.0\nglass,tue,3.9\n\
+         steel,mon,1.2\nsteel,tue,2.1\nglass,mon,2.8\nglass,tue,3.9\n",
+    );
+    let output = analyse(
+        &folder,
+        "--categories wall --block day --response y --model wall --json a.json --plots plots",
+    );
+    assert_code(&output, 0);
+    let report = read(folder.path(), "a.json");
+    let coef = |name: &str| report["terms"][name]["coef"].as_f64().unwrap();
+    assert!((coef("block mon") + 0.5).abs() < 1e-12);
+    let means = report["level_means"].as_array().unwrap();
+    assert_eq!(means[0]["levels"], serde_json::json!(["glass"]));
+    assert!((means[0]["mean"].as_f64().unwrap() - 3.4).abs() < 1e-12);
+    assert!((means[1]["mean"].as_f64().unwrap() - 1.6).abs() < 1e-12);
+    let said = text(&output.stdout);
+    assert!(said.contains("at glass: 3.40000 (95 % "), "{said}");
+    let refused = optimise(&folder, "--target 2 --level wall=steel");
+    assert_error(&refused, &["named levels only"]);
+    let nothing = analyse(&folder, "--response y");
+    assert_code(&nothing, 2);
+}
+
+/// Bounds at ten times the data are told on standard error and in the JSON; those of a design are not.
+#[test]
+fn bounds_far_beyond_the_data_are_told() {
+    let folder = table("x,y\n1,2.1\n2,4.1\n4,8.3\n6,12.4\n");
+    let output = analyse(
+        &folder,
+        "--factors x --response y --model linear --json a.json",
+    );
+    assert_code(&output, 0);
+    let far = optimise(&folder, "--target 20 --bounds x=1:60 --json=-");
+    assert_code(&far, 0);
+    let warning = json(&far)["warnings"][0].as_str().unwrap().to_owned();
+    assert!(
+        warning.contains("beyond the data") && warning.contains("--bounds x=1:6"),
+        "{warning}"
+    );
+    assert!(text(&far.stderr).contains(&warning));
+    let near = optimise(&folder, "--target 5 --bounds x=1.5:6.2 --json=-");
+    assert_eq!(json(&near)["warnings"], serde_json::json!([]));
+    let goal = optimise(&folder, "--goal max --bounds x=-60:6 --json=-");
+    assert_eq!(json(&goal)["warnings"].as_array().unwrap().len(), 1);
+}
+
+/// Digits that matter are printed at every size: fixed decimals would give 0.00000 for 1e-7.
+#[test]
+fn small_and_large_numbers_are_printed_with_their_digits() {
+    let folder = table("x,y\n1e-7,1e-7\n2e-7,2.1e-7\n3e-7,2.9e-7\n4e-7,4.2e-7\n");
+    let output = analyse(
+        &folder,
+        "--factors x --response y --model linear --json a.json",
+    );
+    let said = text(&output.stdout);
+    assert!(
+        said.contains("2.55000e-7") && said.contains("1.040000"),
+        "{said}"
+    );
+    let said = optimise(&folder, "--target 2.55e-7");
+    let said = text(&said.stdout);
+    assert!(said.contains("x = 2.50000e-7"), "{said}");
+}
+
+/// R's operators: A*B is both factors and their product.
+#[test]
+fn a_formula_may_cross_factors() {
+    let folder = table("A,B,y\n-1,-1,1\n-1,1,2\n1,-1,3\n1,1,7\n0,0,3\n0,0,3.4\n");
+    let formula = |model: &str| {
+        let words = [
+            "analyse",
+            "d.csv",
+            "--factors",
+            "A,B",
+            "--response",
+            "y",
+            "--json=-",
+            "--model",
+            model,
+        ];
+        json(&seedloop(folder.path(), &words))["terms"].clone()
+    };
+    assert_eq!(formula("A*B"), formula("1 + A + B + A:B"));
+    assert_eq!(formula("(A + B)^2 - A:B"), formula("A + B"));
+}
