@@ -20,6 +20,7 @@ mod flow;
 mod frame;
 mod health;
 mod interactions;
+mod limits;
 mod motion;
 mod named_setting;
 mod obstacles;
