@@ -25,18 +25,7 @@ pub enum Overwrite {
 pub fn write_new(path: &Path, bytes: &[u8], overwrite: Overwrite) -> anyhow::Result<()> {
     let cannot_write = || format!("cannot write {}", path.display());
     let folder = folder_of(path);
-    if !folder.is_dir() {
-        bail!(
-            "cannot write {}: the folder {} does not exist; create it first",
-            path.display(),
-            folder.display()
-        );
-    }
-    match fs::symlink_metadata(path) {
-        Ok(_) if overwrite == Overwrite::Refuse => return Err(exists(path)),
-        Ok(entry) if entry.is_dir() => bail!("cannot write {}: it is a folder", path.display()),
-        _ => {}
-    }
+    require_place(path, overwrite)?;
     let aside = Aside::write(path, bytes).with_context(cannot_write)?;
     match aside.take_name(path, overwrite) {
         Err(error) if error.kind() == ErrorKind::AlreadyExists => return Err(exists(path)),
@@ -48,6 +37,64 @@ pub fn write_new(path: &Path, bytes: &[u8], overwrite: Overwrite) -> anyhow::Res
         let _ = folder.sync_all();
     }
     Ok(())
+}
+
+/// Tries whether a file could be written, and leaves nothing: to be asked before long work.
+///
+/// # Errors
+/// As [`write_new`], but for a disk that will be full by then.
+pub fn try_new(path: &Path, overwrite: Overwrite) -> anyhow::Result<()> {
+    require_place(path, overwrite)?;
+    let aside = Aside::write(path, &[]);
+    aside.with_context(|| format!("cannot write {}", path.display()))?;
+    Ok(())
+}
+
+/// Tries whether files could be written into a folder, which is made with those above it where it is missing; leaves nothing:
+/// to be asked before long work.
+///
+/// # Errors
+/// A path on which something else than a folder lies, or a folder that takes no files.
+pub fn try_folder(folder: &Path) -> anyhow::Result<()> {
+    let is_there = |path: &&Path| fs::symlink_metadata(path).is_ok();
+    let named = |path: &Path| !path.as_os_str().is_empty();
+    let above = folder.ancestors().filter(|path| named(path)).find(is_there);
+    let above = above.unwrap_or(Path::new("."));
+    if !above.is_dir() {
+        bail!(
+            "cannot write into {}: {} is no folder; give another name",
+            folder.display(),
+            above.display()
+        );
+    }
+    let aside = Aside::write(&above.join("seedloop"), &[]);
+    aside.with_context(|| format!("cannot write into {}", above.display()))?;
+    Ok(())
+}
+
+/// Refuses a name for a file whose folder is missing, or that something has which is not to be replaced.
+fn require_place(path: &Path, overwrite: Overwrite) -> anyhow::Result<()> {
+    let folder = folder_of(path);
+    if !folder.is_dir() {
+        bail!(
+            "cannot write {}: the folder {} does not exist; create it first",
+            path.display(),
+            folder.display()
+        );
+    }
+    match fs::symlink_metadata(path) {
+        Ok(entry) if entry.is_dir() => bail!(
+            "cannot write {}: it is a folder; give the name of a file",
+            path.display()
+        ),
+        Ok(_) if overwrite == Overwrite::Refuse => Err(exists(path)),
+        // A device or a pipe would be gone behind the file.
+        Ok(entry) if !entry.is_file() && !entry.is_symlink() => bail!(
+            "cannot write {}: it is no plain file; give another name",
+            path.display()
+        ),
+        _ => Ok(()),
+    }
 }
 
 /// Returns the folder that holds a file.
@@ -88,8 +135,10 @@ impl Aside {
                 outcome => outcome?,
             };
             let aside = Self { path: aside };
-            file.write_all(bytes)?;
-            file.sync_all()?;
+            if !bytes.is_empty() {
+                file.write_all(bytes)?;
+                file.sync_all()?;
+            }
             return Ok(aside);
         }
         Err(io::Error::from(ErrorKind::AlreadyExists))

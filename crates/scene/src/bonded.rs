@@ -169,6 +169,20 @@ impl BondedSeeds {
         self.bonds.step(world)
     }
 
+    /// Bonds that have broken, by their number.
+    pub(crate) fn broken(&self) -> Vec<usize> {
+        self.bonds.broken()
+    }
+
+    /// Breaks bonds by their number, and no others.
+    ///
+    /// # Errors
+    ///
+    /// A number that no bond has, in words.
+    pub(crate) fn set_broken(&mut self, broken: &[usize]) -> Result<(), String> {
+        self.bonds.set_broken(broken).map_err(|e| e.to_string())
+    }
+
     /// Number of bonds that have broken.
     pub(crate) fn n_broken(&self) -> usize {
         self.bonds.n_broken()

@@ -373,8 +373,16 @@ impl Scene {
     }
 }
 
+/// Most digits of a number that a message tells one by one.
+const MOST_DIGITS: usize = 24;
+
 /// The refusal of a value.
 pub(crate) fn bad(name: &str, value: String, requirement: &str) -> Error {
+    let (number, unit) = value.split_once(' ').unwrap_or((&value, ""));
+    let value = match number.parse::<f64>() {
+        Ok(parsed) if number.len() > MOST_DIGITS => format!("{parsed:e} {unit}").trim().into(),
+        _ => value,
+    };
     Error::BadValue {
         name: name.into(),
         value,

@@ -95,6 +95,7 @@ struct Report {
 /// A table or scene that cannot be read, a test that does not come to its end.
 pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
     let common = &arguments.common;
+    common.try_outputs([])?;
     let report = match (&arguments.scene, &arguments.data) {
         (Some(file), _) => simulated(arguments, file)?,
         (None, Some(file)) => measured(arguments.test, file)?,

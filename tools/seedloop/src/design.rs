@@ -154,6 +154,7 @@ enum Axial {
 /// # Errors
 /// Files that cannot be read or written, factors or counts that the design does not exist for.
 pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
+    arguments.common.try_outputs([&arguments.out])?;
     let path = &arguments.factors;
     let text =
         fs::read_to_string(path).with_context(|| format!("cannot read {}", path.display()))?;

@@ -6,13 +6,14 @@ mod state_file;
 
 use anyhow::{Context as _, ensure};
 use base64::Engine as _;
-use command_line::{Common, DONE, Header, NOT_MET, write_new};
+use command_line::{Common, DONE, Header, NOT_MET, try_folder, write_new};
 use report::{Refusal, Report};
 use run_store::{Lookup, Record, Store};
 use scene::{Override, Scene};
 use scene_simulator::{ParameterFile, RunDetails};
 use single_run::SingleRun;
 use state_file::StateFile;
+use crate::stop::Stop;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
@@ -117,7 +118,7 @@ struct Outcome {
 /// A scene that cannot be read or run, files that exist or cannot be written.
 pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
     let common = &arguments.common;
-    refuse_existing(arguments)?;
+    try_outputs(arguments)?;
     let set = [arguments.set.as_slice(), &arguments.further].concat();
     let (scene, changes) = read_scene(&arguments.scene, arguments.set_file.as_deref(), &set)?;
     let mut inputs = vec![arguments.scene.clone()];
@@ -130,8 +131,10 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
     );
     let header = Header::new(arguments.seed, inputs)?;
     let single = SingleRun::new(scene, arguments.seed)?;
-    let outcome = match find_or_run(arguments, &single) {
-        Ok(outcome) => outcome,
+    let stop = Stop::new(kept(arguments))?;
+    let outcome = match stop.result(find_or_run(arguments, &single, &stop)) {
+        Ok(Ok(outcome)) => outcome,
+        Ok(Err(code)) => return Ok(code),
         Err(error) if is_refusal(&error) => {
             let reason = format!("{error:#}");
             // The reason of a refusal is told even when the log is quiet.
@@ -151,6 +154,19 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
     Ok(DONE)
 }
 
+/// What is kept of a run that is stopped, and how to go on.
+fn kept(arguments: &Arguments) -> String {
+    arguments.out.as_ref().map_or_else(
+        || "nothing is kept; with --out DIR a run can go on later".to_owned(),
+        |folder| {
+            format!(
+                "the state of the run is kept in {}; the same command with --resume goes on",
+                folder.display()
+            )
+        },
+    )
+}
+
 /// Whether an error is an answer (exit 1) and not a fault of the input (exit 2).
 fn is_refusal(error: &anyhow::Error) -> bool {
     matches!(
@@ -161,8 +177,8 @@ fn is_refusal(error: &anyhow::Error) -> bool {
     )
 }
 
-/// Refuses output files that exist before the work is done.
-fn refuse_existing(arguments: &Arguments) -> anyhow::Result<()> {
+/// Tries whether the results can be written, before the work is done.
+fn try_outputs(arguments: &Arguments) -> anyhow::Result<()> {
     if let Some(frame) = &arguments.frame {
         ensure!(
             frame
@@ -172,20 +188,18 @@ fn refuse_existing(arguments: &Arguments) -> anyhow::Result<()> {
             frame.display()
         );
     }
-    let common = &arguments.common;
-    let json = common.json.as_ref().filter(|_| !common.json_on_stdout());
-    for file in arguments.frame.iter().chain(json) {
-        ensure!(
-            common.force || !file.exists(),
-            "{} exists: say --force to overwrite it, or give another name",
-            file.display()
-        );
+    if let Some(folder) = &arguments.out {
+        try_folder(folder)?;
     }
-    Ok(())
+    arguments.common.try_outputs(&arguments.frame)
 }
 
 /// Finds the record of the run, or runs and keeps it.
-fn find_or_run(arguments: &Arguments, single: &SingleRun) -> anyhow::Result<Outcome> {
+fn find_or_run(
+    arguments: &Arguments,
+    single: &SingleRun,
+    stop: &Stop,
+) -> anyhow::Result<Outcome> {
     let common = &arguments.common;
     let store = arguments
         .out
@@ -224,7 +238,7 @@ fn find_or_run(arguments: &Arguments, single: &SingleRun) -> anyhow::Result<Outc
     let (scene, seed) = (single.scene(), arguments.seed);
     common.log(|| format!("running {} seeds, seed {seed}", scene.seed_count()));
     let folder = arguments.out.as_deref();
-    let mut state = StateFile::new(folder, blank.key(), arguments.keep_every);
+    let mut state = StateFile::new(folder, blank.key(), arguments.keep_every, stop.flag());
     let left = if arguments.resume {
         let left = state.left()?;
         for warning in left.warnings {
