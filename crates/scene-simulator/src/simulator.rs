@@ -81,7 +81,7 @@ impl SceneSimulator {
         for scene in models.values() {
             for mesh in scene.mesh_files() {
                 let file = scene.folder.join(mesh);
-                let bytes = std::fs::read(&file).map_err(|source| Error::Mesh {
+                let bytes = input_file::read(&file).map_err(|source| Error::Mesh {
                     file: scene.file.clone(),
                     mesh: mesh.to_owned(),
                     source,

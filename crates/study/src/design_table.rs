@@ -252,7 +252,7 @@ fn factors_of(choices: &DesignChoices) -> Result<BTreeMap<String, Factor>, Error
 
 /// The text of a file.
 fn text_of(path: &Path) -> Result<String, Error> {
-    std::fs::read_to_string(path).map_err(|source| Error::Read {
+    input_file::read_text(path).map_err(|source| Error::Read {
         path: path.to_owned(),
         source,
     })

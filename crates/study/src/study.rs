@@ -71,7 +71,7 @@ impl Study {
     /// [`Error::Read`] for a file that cannot be read, [`Error::Problems`] with everything that is wrong, each with file,
     /// line where it is known, key, value and the way out.
     pub fn read(path: &Path, profile: Option<&str>) -> Result<Self, Error> {
-        let text = std::fs::read_to_string(path).map_err(|source| Error::Read {
+        let text = input_file::read_text(path).map_err(|source| Error::Read {
             path: path.to_owned(),
             source,
         })?;

@@ -136,7 +136,7 @@ fn test_of(kind: Kind) -> Test {
 /// Reads a table.
 fn measured(kind: Kind, file: &Path) -> anyhow::Result<Report> {
     let name = file.display().to_string();
-    let text = std::fs::read_to_string(file).with_context(|| format!("cannot read {name}"))?;
+    let text = input_file::read_text(file).with_context(|| format!("cannot read {name}"))?;
     let test = test_of(kind);
     Ok(Report {
         header: Header::new(None, [file])?,

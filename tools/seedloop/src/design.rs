@@ -3,7 +3,6 @@
 mod categories;
 mod make;
 
-use std::fs;
 use std::path::PathBuf;
 
 use anyhow::{Context as _, ensure};
@@ -157,7 +156,7 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
     arguments.common.try_outputs([&arguments.out])?;
     let path = &arguments.factors;
     let text =
-        fs::read_to_string(path).with_context(|| format!("cannot read {}", path.display()))?;
+        input_file::read_text(path).with_context(|| format!("cannot read {}", path.display()))?;
     let factors = factors_from_csv(&text).with_context(|| path.display().to_string())?;
     let Made { mut design, facts } = make::make(arguments, &factors)?;
     if arguments.foldover {

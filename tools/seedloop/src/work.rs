@@ -7,7 +7,6 @@ use campaign::Simulator;
 use command_line::{Common, DONE, NOT_MET, Overwrite, write_new};
 use run_store::Store;
 use serde::{Deserialize, Serialize};
-use std::fs;
 use std::path::{Path, PathBuf};
 use study::{DesignChoices, DesignTable, Study};
 
@@ -72,7 +71,7 @@ impl Job {
 pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
     let common = &arguments.common;
     let name = arguments.job.display();
-    let text = fs::read_to_string(&arguments.job).with_context(|| format!("cannot read {name}"))?;
+    let text = input_file::read_text(&arguments.job).with_context(|| format!("cannot read {name}"))?;
     let job: Job =
         serde_json::from_str(&text).with_context(|| format!("{name} is no job of --runner"))?;
     let kept = "finished runs are kept; the command that submitted the task does the others";

@@ -1,6 +1,5 @@
 //! Reading the table of an experiment.
 
-use std::fs;
 use std::path::PathBuf;
 
 use anyhow::{Context as _, bail, ensure};
@@ -54,7 +53,7 @@ pub(super) fn factor_file(argument: &str) -> Option<PathBuf> {
 pub(super) fn read(arguments: &Arguments) -> anyhow::Result<Data> {
     let path = &arguments.data;
     let place = || path.display().to_string();
-    let text = fs::read_to_string(path).with_context(|| format!("cannot read {}", place()))?;
+    let text = input_file::read_text(path).with_context(|| format!("cannot read {}", place()))?;
     let table = Table::parse(&text).with_context(place)?;
     let given = given_factors(&arguments.factors)?;
     let mut columns = Vec::with_capacity(given.len());
@@ -245,7 +244,7 @@ fn optional_columns(table: &Table, names: &[String]) -> anyhow::Result<Vec<usize
 fn given_factors(argument: &str) -> anyhow::Result<Vec<(String, Option<Factor>)>> {
     if let Some(path) = factor_file(argument) {
         let place = path.display().to_string();
-        let text = fs::read_to_string(&path).with_context(|| format!("cannot read {place}"))?;
+        let text = input_file::read_text(&path).with_context(|| format!("cannot read {place}"))?;
         let factors = factors_from_csv(&text).context(place)?;
         return Ok(factors
             .into_iter()

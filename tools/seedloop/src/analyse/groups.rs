@@ -1,6 +1,5 @@
 //! `seedloop analyse --groups`: one-way analysis of variance.
 
-use std::fs;
 
 use anyhow::{Context as _, ensure};
 use command_line::{DONE, Header};
@@ -33,7 +32,7 @@ struct Report {
 pub(super) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
     let place = || arguments.data.display().to_string();
     let text =
-        fs::read_to_string(&arguments.data).with_context(|| format!("cannot read {}", place()))?;
+        input_file::read_text(&arguments.data).with_context(|| format!("cannot read {}", place()))?;
     let table = Table::parse(&text).with_context(place)?;
     ensure!(
         !arguments.factors.contains(','),

@@ -87,7 +87,7 @@ impl StateFile {
         let mut left = Left::default();
         let mut newest = None;
         for (number, path) in self.present() {
-            let bytes = std::fs::read(path)
+            let bytes = input_file::read(path)
                 .with_context(|| format!("{} (remove it to start the run anew)", path.display()))?;
             let read = unseal_text(&self.key, &bytes).and_then(|json| {
                 serde_json::from_slice::<Progress>(json).map_err(|why| why.to_string())
