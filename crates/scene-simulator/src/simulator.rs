@@ -160,6 +160,9 @@ impl SceneSimulator {
         for (name, value) in &request.condition {
             set_condition(&mut scene, name, *value)?;
         }
+        if !request.condition.is_empty() {
+            scene.check().map_err(SimulatorError::other)?;
+        }
         for (name, amplitude) in &request.effects {
             effect_library::apply(&mut scene, name, *amplitude, &self.fillings)
                 .map_err(SimulatorError::other)?;

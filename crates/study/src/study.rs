@@ -351,6 +351,7 @@ impl Checker<'_> {
             scenes_known: false,
             complete: false,
             tables: &[],
+            fillings: None,
         };
         let all = file.parameters.iter();
         let parameters = all
@@ -433,6 +434,7 @@ impl Checker<'_> {
             scenes_known: scenes.by_name.len() == self.file.scenes.len(),
             complete: measured_well,
             tables: &tables,
+            fillings: measured_well.then_some(&scenes.fillings),
         };
         let problems = &mut self.problems;
         let all = self.file.parameters.iter();
