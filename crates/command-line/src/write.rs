@@ -69,8 +69,31 @@ pub fn try_folder(folder: &Path) -> anyhow::Result<()> {
     }
     let aside = Aside::write(&above.join("seedloop"), &[]);
     aside.with_context(|| format!("cannot write into {}", above.display()))?;
+    if above == folder {
+        sweep(folder);
+    }
     Ok(())
 }
+
+/// Removes what processes that were killed have left of files on their way into a folder: those that nobody has locked. Where
+/// locks are not supported nothing is removed.
+fn sweep(folder: &Path) {
+    let entries = fs::read_dir(folder).into_iter().flatten().flatten();
+    for path in entries.map(|entry| entry.path()) {
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        let is_aside = name.starts_with('.') && name.ends_with(PART);
+        if is_aside
+            && fs::symlink_metadata(&path).is_ok_and(|entry| entry.is_file())
+            && File::open(&path).is_ok_and(|file| file.try_lock().is_ok())
+        {
+            // What stays is in nobody's way.
+            let _ = fs::remove_file(&path);
+        }
+    }
+}
+
+/// End of the name of a file on its way.
+const PART: &str = ".part";
 
 /// Refuses a name for a file whose folder is missing, or that something has which is not to be replaced.
 fn require_place(path: &Path, overwrite: Overwrite) -> anyhow::Result<()> {
@@ -117,6 +140,8 @@ fn exists(path: &Path) -> anyhow::Error {
 struct Aside {
     /// Where it lies.
     path: PathBuf,
+    /// The file, locked until it has its name.
+    _file: File,
 }
 
 impl Aside {
@@ -128,18 +153,23 @@ impl Aside {
         for attempt in 0_u32.. {
             let mut hidden = std::ffi::OsString::from(".");
             hidden.push(name);
-            hidden.push(format!(".{}-{attempt}.part", std::process::id()));
+            hidden.push(format!(".{}-{attempt}{PART}", std::process::id()));
             let aside = folder_of(path).join(hidden);
             let mut file = match OpenOptions::new().write(true).create_new(true).open(&aside) {
                 Err(error) if error.kind() == ErrorKind::AlreadyExists => continue,
                 outcome => outcome?,
             };
-            let aside = Self { path: aside };
-            if !bytes.is_empty() {
-                file.write_all(bytes)?;
-                file.sync_all()?;
-            }
-            return Ok(aside);
+            // Tells those who sweep that its writer lives; where there are no locks nobody sweeps.
+            let _ = file.lock();
+            let written = file.write_all(bytes).and_then(|()| match bytes {
+                [] => Ok(()),
+                _ => file.sync_all(),
+            });
+            let aside = Self {
+                path: aside,
+                _file: file,
+            };
+            return written.map(|()| aside);
         }
         Err(io::Error::from(ErrorKind::AlreadyExists))
     }

@@ -169,6 +169,11 @@ impl BondedSeeds {
         self.bonds.step(world)
     }
 
+    /// Kind of each seed.
+    pub(crate) fn kinds(&self) -> Vec<usize> {
+        self.seeds.iter().map(|seed| seed.0).collect()
+    }
+
     /// Bonds that have broken, by their number.
     pub(crate) fn broken(&self) -> Vec<usize> {
         self.bonds.broken()

@@ -171,7 +171,10 @@ impl<'a> Running<'a> {
             }
             built.world.insert(&inside)?;
         }
-        let kinds = &built.world.bodies().template;
+        let kinds = match &built.bonds {
+            Some(bonds) => &bonds.kinds(),
+            None => &built.world.bodies().template,
+        };
         if left.frames.iter().any(|(_, frame)| !frame.is_of(kinds)) {
             return Err(Error::NotKept {
                 file: scene.file.clone(),

@@ -85,7 +85,7 @@ fn settings_that_no_run_can_have_are_refused_with_their_limit() {
 fn many_seeds_are_refused_however_they_are_stated() {
     let told = beads("seed.0.count", &u64::MAX.to_string()).unwrap_err();
     assert!(told.to_string().contains("count"), "{told}");
-    let text = BEADS.replace("count = 40", "total_mass = \"1000 t\"");
+    let text = BEADS.replace("count = 40", "total_mass = \"1e6 kg\"");
     let read = |text: &str| Scene::from_text(text, "beads.toml", Path::new("."), &[]);
     let told = read(&text).unwrap_err().to_string();
     assert!(told.contains("total_mass of seed 'bead'"), "{told}");

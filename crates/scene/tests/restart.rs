@@ -33,7 +33,7 @@ fn heap() -> Scene {
         ("apparatus.lift_speed", "200 mm/s"),
         ("seed.0.count", "24"),
         ("protocol.settle_limit", "0.2 s"),
-        ("time_s", "1 s"),
+        ("time_s", "1"),
     ])
 }
 
@@ -46,7 +46,7 @@ fn box_collapse() -> Scene {
         ("apparatus.lift_speed", "200 mm/s"),
         ("seed.0.count", "24"),
         ("protocol.settle_limit", "0.2 s"),
-        ("time_s", "1 s"),
+        ("time_s", "1"),
     ])
 }
 
@@ -61,7 +61,7 @@ fn bonded() -> Scene {
         ("protocol.settle_limit", "0.12 s"),
         ("time_s", "0.08"),
     ]);
-    let stress = || "20 kPa".parse().expect("a stress");
+    let stress = || "1 Pa".parse().expect("a stress");
     scene.model.bonds = Some(BondedSettings {
         normal_stiffness_n_m3: 3e8,
         shear_stiffness_n_m3: 1.2e8,

@@ -133,6 +133,11 @@ impl DesignTable {
         &self.runs
     }
 
+    /// The scenes that are run.
+    pub fn scenes(&self) -> impl Iterator<Item = &Scene> {
+        self.models.values()
+    }
+
     /// What is asked of the simulator, in the order of the runs.
     pub fn requests(&self) -> Vec<RunRequest> {
         self.runs.iter().map(|run| run.request.clone()).collect()

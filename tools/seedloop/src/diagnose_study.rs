@@ -7,6 +7,7 @@ mod report;
 use crate::calibrate::{of_study, progress_lines, refuse_used_folder};
 use crate::diagnose::{evidence_text, exit_code};
 use crate::runner::Runner;
+use crate::enter::{enter, require_memory, work_of};
 use crate::stop::Stop;
 use anyhow::Context as _;
 use calibration::{DiagnosisStage, ResidualStudy};
@@ -78,6 +79,13 @@ pub(crate) fn run(path: &Path, options: &Options, common: &Common) -> anyhow::Re
     }
     try_folder(&folder)?;
     refuse_used_folder(&folder, options.resume, common)?;
+    require_memory(study.models.values(), common.threads())?;
+    let work = work_of(
+        "diagnose",
+        &study.inputs,
+        &(&study.profile, options.seed, &at),
+    );
+    let _owner = enter(&folder, &work, common)?;
     common.log(|| planned.trim_end().to_owned());
     let progress = progress_lines(common);
     let stop = Stop::of_runs(&folder)?;

@@ -2,6 +2,7 @@
 
 use crate::calibrate::{duration, progress_lines, refuse_used_folder};
 use crate::runner::{Retries, Runner, runner_settings, whole};
+use crate::enter::{enter, require_memory, work_of};
 use crate::stop::Stop;
 use crate::work::Job;
 use anyhow::Context as _;
@@ -142,6 +143,9 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
         return Ok(DONE);
     }
     refuse_used_folder(&folder, arguments.resume, common)?;
+    require_memory(table.scenes(), common.threads())?;
+    let work = work_of("run", &header.inputs, &(&arguments.set, &arguments.bind, arguments.seed));
+    let _owner = enter(&folder, &work, common)?;
     common.log(|| told);
     let store = Store::open(&runs)?;
     let (progress, stop) = (progress_lines(common), Stop::of_runs(&folder)?);

@@ -13,6 +13,7 @@ use scene::{Override, Scene};
 use scene_simulator::{ParameterFile, RunDetails};
 use single_run::SingleRun;
 use state_file::StateFile;
+use crate::enter::{keep_run, require_memory};
 use crate::stop::Stop;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
@@ -130,6 +131,7 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
             .map(|mesh| scene.folder.join(mesh)),
     );
     let header = Header::new(arguments.seed, inputs)?;
+    require_memory([&scene], 1)?;
     let single = SingleRun::new(scene, arguments.seed)?;
     let stop = Stop::new(kept(arguments))?;
     let outcome = match stop.result(find_or_run(arguments, &single, &stop)) {
@@ -207,6 +209,10 @@ fn find_or_run(
         .map(|folder| Store::open(folder.join("runs")));
     let store = store.transpose()?;
     let blank = single.blank_record()?;
+    let _keeper = match &store {
+        Some(store) => Some(keep_run(store, blank.key())?),
+        None => None,
+    };
     if let Some(store) = &store {
         match store.get(blank.key())? {
             Lookup::Found(record) if arguments.resume => {

@@ -16,6 +16,8 @@ mod design_run;
 mod diagnosis;
 #[path = "command/help.rs"]
 mod help;
+#[path = "command/interrupted.rs"]
+mod interrupted;
 #[path = "command/own_program.rs"]
 mod own_program;
 #[path = "command/residual.rs"]
