@@ -4,6 +4,7 @@ use campaign::{Campaign, RunOutcome, RunRequest, Silent, Simulator, SimulatorErr
 use run_store::{Disk, Fault, Lookup, Observation, Record, Store};
 use std::path::Path;
 use std::sync::Mutex;
+use std::time::Duration;
 
 /// A simulator in closed form that writes down what it was asked.
 #[derive(Debug, Default)]
@@ -31,6 +32,9 @@ impl Simulator for Square {
         ))
     }
 }
+
+/// The process of a claim that was not given back lives on here, so that its time must run out: short against the test.
+const LIFE: Duration = Duration::from_millis(50);
 
 /// Four runs.
 fn requests() -> Vec<RunRequest> {
@@ -73,7 +77,7 @@ fn any_operation_may_go_wrong() {
             let result = Store::open_on(place.path(), Disk::with_fault(fault, operation))
                 .map_err(|error| error.to_string())
                 .and_then(|store| {
-                    let campaign = Campaign::new(&store, 1, &Silent);
+                    let campaign = Campaign::new(&store, 1, &Silent).with_claim_life(LIFE);
                     let done = campaign.run_all(&first, &requests());
                     done.map_err(|error| error.to_string())
                 });
@@ -87,7 +91,8 @@ fn any_operation_may_go_wrong() {
             // The next call on a sound disk, as after a restart.
             let again = Square::default();
             let store = Store::open(place.path()).expect("opens");
-            let records = Campaign::new(&store, 1, &Silent).run_all(&again, &requests());
+            let records = Campaign::new(&store, 1, &Silent).with_claim_life(LIFE);
+            let records = records.run_all(&again, &requests());
             assert_eq!(records.expect("a sound disk"), whole, "{at}");
             let asked = again.asked.into_inner().expect("no panic");
             let twice = asked.iter().filter(|seed| before.contains(seed)).count();

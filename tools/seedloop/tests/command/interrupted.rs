@@ -81,7 +81,7 @@ fn a_program_of_the_user_is_not_left_behind() {
     let study = study.replace("[\"python3\", \"run.py\"]", "[\"sh\", \"run.sh\"]");
     fs::write(folder.path().join("study.toml"), study).unwrap();
     fs::create_dir(folder.path().join("mill")).unwrap();
-    let script = "echo $$ > ../../../process-$$\n(sleep 3; touch ../../../lived) & sleep 60\n";
+    let script = "echo $$ > ../../../../process-$$\n(sleep 3; touch ../../../../lived) & sleep 60\n";
     fs::write(folder.path().join("mill/run.sh"), script).unwrap();
     let words = ["calibrate", "study.toml", "--out", "out/mill", "--threads", "1"];
     let child = start(folder.path(), &words);

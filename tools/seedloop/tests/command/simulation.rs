@@ -97,6 +97,7 @@ fn a_record_is_kept_and_taken_again_on_resume_only() {
         "results",
         "--set",
         "time_s=0.2",
+        "frames=2",
     ];
     let first = scene.simulate(&[&run[..], &["--json", "first.json"]].concat());
     assert_code(&first, 0);
