@@ -168,7 +168,9 @@ impl Bonds {
     /// Bonds that have broken, by their number in the order in which they were given.
     pub fn broken(&self) -> Vec<usize> {
         let all = self.links.iter().enumerate();
-        all.filter(|(_, link)| link.broken).map(|(k, _)| k).collect()
+        all.filter(|(_, link)| link.broken)
+            .map(|(k, _)| k)
+            .collect()
     }
 
     /// Breaks bonds by their number, and mends all others: with the bodies where they were, what goes on from a kept state.

@@ -221,7 +221,11 @@ mod tests {
         });
         let error = shell_within(&script, &limits).unwrap_err();
         assert!(error.contains("stopped"), "{error}");
-        assert!(begin.elapsed() < Duration::from_secs(1), "{:?}", begin.elapsed());
+        assert!(
+            begin.elapsed() < Duration::from_secs(1),
+            "{:?}",
+            begin.elapsed()
+        );
         raise.join().unwrap();
         std::thread::sleep(Duration::from_millis(1300));
         assert!(!mark.exists(), "the child lived on");

@@ -23,7 +23,8 @@ pub fn open(path: &Path) -> Result<File> {
         return Err(Error::new(ErrorKind::IsADirectory, what));
     }
     if !meta.is_file() {
-        let what = "it is no plain file but a pipe, socket or device; write its content into a file";
+        let what =
+            "it is no plain file but a pipe, socket or device; write its content into a file";
         return Err(Error::new(ErrorKind::InvalidInput, what));
     }
     if meta.len() > MOST_BYTES {
@@ -100,8 +101,14 @@ mod tests {
     fn a_file_that_is_too_large_is_refused_before_it_is_read() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("large");
-        File::create(&path).unwrap().set_len(MOST_BYTES + 1).unwrap();
+        File::create(&path)
+            .unwrap()
+            .set_len(MOST_BYTES + 1)
+            .unwrap();
         let told = read(&path).unwrap_err().to_string();
-        assert!(told.contains("2147483649") && told.contains("2147483648"), "{told}");
+        assert!(
+            told.contains("2147483649") && told.contains("2147483648"),
+            "{told}"
+        );
     }
 }

@@ -474,8 +474,14 @@ fn numbers_whose_squares_are_not_finite_are_refused_with_their_place() {
     let mut file = design();
     file.residual_obs_minus_sim[2] = Some(-1e308);
     let residual = Problem::try_from(file).unwrap_err().to_string();
-    for (told, place) in [(slope, "sensitivities_library[3][1]"), (residual, "residual")] {
-        assert!(told.contains(place) && told.contains("1e308") && told.contains("1e100"), "{told}");
+    for (told, place) in [
+        (slope, "sensitivities_library[3][1]"),
+        (residual, "residual"),
+    ] {
+        assert!(
+            told.contains(place) && told.contains("1e308") && told.contains("1e100"),
+            "{told}"
+        );
     }
 }
 

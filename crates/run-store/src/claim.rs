@@ -121,7 +121,9 @@ impl Seen {
             (work.name, now.saturating_sub(since))
         };
         Holder {
-            work: owner.as_ref().and_then(|owner| owner.work.clone().map(time)),
+            work: owner
+                .as_ref()
+                .and_then(|owner| owner.work.clone().map(time)),
             process: owner.map(|owner| (owner.host, owner.process)),
         }
     }

@@ -71,7 +71,11 @@ fn scene(apparatus: &str, set: &[(&str, &str)]) -> Scene {
 fn shown(apparatus: &str, observable: &str) -> f64 {
     let scenes = BTreeMap::from([("test".to_owned(), scene(apparatus, &[]))]);
     let simulator = SceneSimulator::new(scenes, BTreeMap::new()).unwrap();
-    assert!(simulator.version().ends_with(REVISION), "{}", simulator.version());
+    assert!(
+        simulator.version().ends_with(REVISION),
+        "{}",
+        simulator.version()
+    );
     let outcome = simulator.run(&RunRequest::new("test", 3)).unwrap();
     outcome.observables[observable].mean
 }
@@ -97,14 +101,25 @@ fn the_revision_belongs_to_the_numbers() {
                 front = \"glass\"\nboard = \"glass\"\nboard_angle = \"-20 deg\"\nboard_length = \"8 mm\"";
     let heap = "kind = \"heap\"\ninner_diameter = \"20 mm\"\nheight = \"40 mm\"\nlift_speed = \"100 mm/s\"\n\
                 floor = \"glass\"\ncylinder = \"glass\"";
-    let bench = |kind: &str, further: &str| format!("kind = \"{kind}\"\nplate = \"glass\"\nseed = \"grain\"\nrepeats = 2\n{further}");
+    let bench = |kind: &str, further: &str| {
+        format!("kind = \"{kind}\"\nplate = \"glass\"\nseed = \"grain\"\nrepeats = 2\n{further}")
+    };
     let found = [
-        ("drop", shown(&bench("drop", "height = \"50 mm\""), "shown_restitution")),
-        ("slider", shown(&bench("slider", ""), "shown_static_friction")),
+        (
+            "drop",
+            shown(&bench("drop", "height = \"50 mm\""), "shown_restitution"),
+        ),
+        (
+            "slider",
+            shown(&bench("slider", ""), "shown_static_friction"),
+        ),
         ("tilt", shown(&bench("tilt", ""), "shown_rolling_friction")),
         ("turning plate", moved(drum, &[])),
         ("heap", moved(heap, &[])),
-        ("rolling spring", moved(heap, &[("model.rolling_law", "spring-dashpot")])),
+        (
+            "rolling spring",
+            moved(heap, &[("model.rolling_law", "spring-dashpot")]),
+        ),
         ("cohesion", moved(heap, &[("model.bond_number", "2.0")])),
     ];
     let pinned = [
@@ -119,7 +134,9 @@ fn the_revision_belongs_to_the_numbers() {
     let others: Vec<String> = found
         .into_iter()
         .zip(pinned)
-        .filter(|((_, found), pinned)| (found - pinned).abs() > ROUNDING * f64::max(pinned.abs(), LEAST))
+        .filter(|((_, found), pinned)| {
+            (found - pinned).abs() > ROUNDING * f64::max(pinned.abs(), LEAST)
+        })
         .map(|((name, found), pinned)| format!("{name}: {found:.9e} and not {pinned:.9e}"))
         .collect();
     assert!(

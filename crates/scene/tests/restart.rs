@@ -3,7 +3,8 @@
 mod coarse;
 
 use scene::{
-    BondedSettings, Ending, FillingLibrary, Keeper, Progress, RunResult, Scene, StopFlag, run, run_on,
+    BondedSettings, Ending, FillingLibrary, Keeper, Progress, RunResult, Scene, StopFlag, run,
+    run_on,
 };
 use std::sync::atomic::AtomicBool;
 
@@ -27,27 +28,33 @@ fn drum_with_factory() -> Scene {
 
 /// A few coarse seeds in a cylinder that is lifted; all rest after some 0.6 s.
 fn heap() -> Scene {
-    coarse::of_file("heap.toml", &[
-        ("apparatus.inner_diameter", "24 mm"),
-        ("apparatus.height", "40 mm"),
-        ("apparatus.lift_speed", "200 mm/s"),
-        ("seed.0.count", "24"),
-        ("protocol.settle_limit", "0.2 s"),
-        ("time_s", "1"),
-    ])
+    coarse::of_file(
+        "heap.toml",
+        &[
+            ("apparatus.inner_diameter", "24 mm"),
+            ("apparatus.height", "40 mm"),
+            ("apparatus.lift_speed", "200 mm/s"),
+            ("seed.0.count", "24"),
+            ("protocol.settle_limit", "0.2 s"),
+            ("time_s", "1"),
+        ],
+    )
 }
 
 /// A few coarse seeds in a box whose gate is lifted.
 fn box_collapse() -> Scene {
-    coarse::of_file("box.toml", &[
-        ("apparatus.length", "30 mm"),
-        ("apparatus.height", "40 mm"),
-        ("apparatus.width", "24 mm"),
-        ("apparatus.lift_speed", "200 mm/s"),
-        ("seed.0.count", "24"),
-        ("protocol.settle_limit", "0.2 s"),
-        ("time_s", "1"),
-    ])
+    coarse::of_file(
+        "box.toml",
+        &[
+            ("apparatus.length", "30 mm"),
+            ("apparatus.height", "40 mm"),
+            ("apparatus.width", "24 mm"),
+            ("apparatus.lift_speed", "200 mm/s"),
+            ("seed.0.count", "24"),
+            ("protocol.settle_limit", "0.2 s"),
+            ("time_s", "1"),
+        ],
+    )
 }
 
 /// Seeds whose bonds are so weak that some break in the fall, and others later.

@@ -229,7 +229,9 @@ impl Resolver<'_> {
     fn check_numbers(&self, entry: &ParameterEntry, limits: [f64; 2], problems: &mut Problems) {
         let (low, high, [least, most]) = (entry.low, entry.high, limits);
         if !(-MOST <= least && least < most && most <= MOST) {
-            let problem = format!("{least:e} to {most:e} must be two numbers that rise, of a size of 1e15 at most");
+            let problem = format!(
+                "{least:e} to {most:e} must be two numbers that rise, of a size of 1e15 at most"
+            );
             problems.add(self.wrong(entry, "limits", problem));
         }
         if !(low.is_finite() && high.is_finite() && low < high) {
@@ -297,9 +299,8 @@ impl Resolver<'_> {
                     continue;
                 };
                 let name = &self.models.models[model].name;
-                let problem = format!(
-                    "= {value} is where {name} cannot be built: {error}; narrow the range"
-                );
+                let problem =
+                    format!("= {value} is where {name} cannot be built: {error}; narrow the range");
                 problems.add(self.wrong(entry, key, problem));
             }
         }

@@ -3,8 +3,8 @@
 mod report;
 mod text;
 
-use crate::runner::{Retries, Runner, whole};
 use crate::enter::{enter, require_memory, work_of};
+use crate::runner::{Retries, Runner, whole};
 use crate::stop::Stop;
 use crate::work::Job;
 use anyhow::Context as _;
@@ -70,7 +70,11 @@ pub(crate) fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<u8> 
     try_folder(&folder)?;
     refuse_used_folder(&folder, arguments.resume, common)?;
     require_memory(study.models.values(), common.threads())?;
-    let work = work_of("calibrate", &study.inputs, &(&study.profile, arguments.seed));
+    let work = work_of(
+        "calibrate",
+        &study.inputs,
+        &(&study.profile, arguments.seed),
+    );
     let _owner = enter(&folder, &work, common)?;
     common.log(|| plan.trim_end().to_owned());
     let retries = arguments.retries.number;

@@ -6,8 +6,8 @@ mod report;
 
 use crate::calibrate::{of_study, progress_lines, refuse_used_folder};
 use crate::diagnose::{evidence_text, exit_code};
-use crate::runner::Runner;
 use crate::enter::{enter, require_memory, work_of};
+use crate::runner::Runner;
 use crate::stop::Stop;
 use anyhow::Context as _;
 use calibration::{DiagnosisStage, ResidualStudy};

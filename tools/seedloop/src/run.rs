@@ -1,8 +1,8 @@
 //! `seedloop run DESIGN.csv --scene SCENE.toml`: a design table as a campaign.
 
 use crate::calibrate::{duration, progress_lines, refuse_used_folder};
-use crate::runner::{Retries, Runner, runner_settings, whole};
 use crate::enter::{enter, require_memory, work_of};
+use crate::runner::{Retries, Runner, runner_settings, whole};
 use crate::stop::Stop;
 use crate::work::Job;
 use anyhow::Context as _;
@@ -144,7 +144,11 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
     }
     refuse_used_folder(&folder, arguments.resume, common)?;
     require_memory(table.scenes(), common.threads())?;
-    let work = work_of("run", &header.inputs, &(&arguments.set, &arguments.bind, arguments.seed));
+    let work = work_of(
+        "run",
+        &header.inputs,
+        &(&arguments.set, &arguments.bind, arguments.seed),
+    );
     let _owner = enter(&folder, &work, common)?;
     common.log(|| told);
     let store = Store::open(&runs)?;

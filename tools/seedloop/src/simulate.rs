@@ -4,6 +4,8 @@ mod report;
 mod single_run;
 mod state_file;
 
+use crate::enter::{keep_run, require_memory};
+use crate::stop::Stop;
 use anyhow::{Context as _, ensure};
 use base64::Engine as _;
 use command_line::{Common, DONE, Header, NOT_MET, try_folder, write_new};
@@ -13,8 +15,6 @@ use scene::{Override, Scene};
 use scene_simulator::{ParameterFile, RunDetails};
 use single_run::SingleRun;
 use state_file::StateFile;
-use crate::enter::{keep_run, require_memory};
-use crate::stop::Stop;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
@@ -197,11 +197,7 @@ fn try_outputs(arguments: &Arguments) -> anyhow::Result<()> {
 }
 
 /// Finds the record of the run, or runs and keeps it.
-fn find_or_run(
-    arguments: &Arguments,
-    single: &SingleRun,
-    stop: &Stop,
-) -> anyhow::Result<Outcome> {
+fn find_or_run(arguments: &Arguments, single: &SingleRun, stop: &Stop) -> anyhow::Result<Outcome> {
     let common = &arguments.common;
     let store = arguments
         .out

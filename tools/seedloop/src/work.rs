@@ -71,7 +71,8 @@ impl Job {
 pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
     let common = &arguments.common;
     let name = arguments.job.display();
-    let text = input_file::read_text(&arguments.job).with_context(|| format!("cannot read {name}"))?;
+    let text =
+        input_file::read_text(&arguments.job).with_context(|| format!("cannot read {name}"))?;
     let job: Job =
         serde_json::from_str(&text).with_context(|| format!("{name} is no job of --runner"))?;
     let kept = "finished runs are kept; the command that submitted the task does the others";

@@ -135,7 +135,11 @@ impl Drum {
         if let Some(every) = self.reverse_every
             && every.si() < 0.1
         {
-            return bad("apparatus.reverse_every", every.to_string(), "at least 0.1 s");
+            return bad(
+                "apparatus.reverse_every",
+                every.to_string(),
+                "at least 0.1 s",
+            );
         }
         if let Some(Ripple { share, cycles }) = self.ripple {
             if !(0.0..=1.0).contains(&share) {

@@ -21,7 +21,9 @@ pub(crate) fn of_file(name: &str, changes: &[(&str, &str)]) -> Scene {
         ("seed.0.filling.sphere_radius", "0.8 mm"),
         ("seed.0.filling.sphere_count", "20"),
     ];
-    let all: Vec<_> = coarse.iter().chain(changes)
+    let all: Vec<_> = coarse
+        .iter()
+        .chain(changes)
         .map(|&(name, value)| Override {
             name: name.into(),
             value: value.into(),

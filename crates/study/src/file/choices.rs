@@ -22,10 +22,7 @@ pub(super) fn choices(fields: &Fields<'_>, of_command: bool, problems: &mut Prob
         if found.runs == Some(0) {
             problems.add(budget.wrong("runs", "must be 1 or more"));
         }
-        if found
-            .core_hours
-            .is_some_and(|h| !(h > 0.0 && h <= MOST))
-        {
+        if found.core_hours.is_some_and(|h| !(h > 0.0 && h <= MOST)) {
             problems.add(budget.wrong("core_hours", "must be above 0, at most 1e15"));
         }
         if found.runs.is_some() && found.core_hours.is_some() {

@@ -234,7 +234,11 @@ fn limits_that_the_scene_refuses_are_told() {
 #[test]
 fn numbers_that_no_quantity_has_are_refused() {
     for (from, to, words) in [
-        ("mean = 33.1", "mean = -1.0", vec!["angle_deg", "0 to 90 deg"]),
+        (
+            "mean = 33.1",
+            "mean = -1.0",
+            vec!["angle_deg", "0 to 90 deg"],
+        ),
         ("mean = 33.1", "mean = 1e308", vec!["0 to 90 deg"]),
         ("sd = 0.8", "sd = 1e308", vec!["above 0, at most 1e15"]),
         ("n = 10", "n = 1e300", vec!["1 or more, at most 1e15"]),
@@ -260,7 +264,15 @@ fn numbers_that_no_quantity_has_are_refused() {
 fn a_range_at_whose_end_a_scene_cannot_be_built_is_refused() {
     let diameter = "[[parameter]]\nsymbol = \"D\"\nsets = [\"seed.0.sphere\"]\nunit = \"mm\"\nlow = 5.0\nhigh = 59.0\n";
     let message = wrong(&with(diameter));
-    tells(&message, &["[[parameter]] D: high", "cannot be built", "do not fit", "narrow the range"]);
+    tells(
+        &message,
+        &[
+            "[[parameter]] D: high",
+            "cannot be built",
+            "do not fit",
+            "narrow the range",
+        ],
+    );
 }
 
 #[test]

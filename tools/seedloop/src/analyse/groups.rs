@@ -1,6 +1,5 @@
 //! `seedloop analyse --groups`: one-way analysis of variance.
 
-
 use anyhow::{Context as _, ensure};
 use command_line::{DONE, Header};
 use experiment_design::table::Table;
@@ -31,8 +30,8 @@ struct Report {
 /// Files that cannot be read or written, columns that are missing, fewer than two groups.
 pub(super) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
     let place = || arguments.data.display().to_string();
-    let text =
-        input_file::read_text(&arguments.data).with_context(|| format!("cannot read {}", place()))?;
+    let text = input_file::read_text(&arguments.data)
+        .with_context(|| format!("cannot read {}", place()))?;
     let table = Table::parse(&text).with_context(place)?;
     ensure!(
         !arguments.factors.contains(','),

@@ -221,7 +221,10 @@ fn a_scene_is_exported_for_lammps_paraview_and_fluid_solvers() {
     assert_eq!(bodies.lines().count(), seeds + 1, "one line a seed");
     assert_error(&export("lammps", &[]), &["exists", "--force"]);
 
-    assert_code(&export("vtk", &["--set", "time_s=0.2", "--set", "frames=2"]), 0);
+    assert_code(
+        &export("vtk", &["--set", "time_s=0.2", "--set", "frames=2"]),
+        0,
+    );
     let list = fs::read_to_string(scene.path("vtk/frames.pvd")).unwrap();
     let frame = fs::read_to_string(scene.path("vtk/frames_0000.vtp")).unwrap();
     assert!(list.contains("frames_0000.vtp"), "{list}");
@@ -232,7 +235,10 @@ fn a_scene_is_exported_for_lammps_paraview_and_fluid_solvers() {
         );
     }
 
-    assert_code(&export("csv", &["--set", "time_s=0.2", "--set", "frames=2"]), 0);
+    assert_code(
+        &export("csv", &["--set", "time_s=0.2", "--set", "frames=2"]),
+        0,
+    );
     let table = fs::read_to_string(scene.path("csv/frames_0000.csv")).unwrap();
     let mut rows = table.lines();
     assert_eq!(

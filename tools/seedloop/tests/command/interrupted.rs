@@ -51,9 +51,20 @@ fn a_run_ends_at_once_with_its_state_kept() {
                 floor = \"tough_resin\"\ncylinder = \"clear_resin\"\n";
     let drum = "kind = \"drum\"\ninner_diameter = \"70 mm\"\nwidth = \"14 mm\"\nspeed = \"20 rpm\"\n\
                 shell = \"tough_resin\"\ncover = \"clear_resin\"\n";
-    for (apparatus, signal, code) in [(drum, "-TERM", 143), (drum, "-INT", 130), (heap, "-TERM", 143)] {
+    for (apparatus, signal, code) in [
+        (drum, "-TERM", 143),
+        (drum, "-INT", 130),
+        (heap, "-TERM", 143),
+    ] {
         let scene = TinyScene::changed(drum, apparatus);
-        let words = ["simulate", "tiny.toml", "time_s=9000", "frames=8000", "--out", "out"];
+        let words = [
+            "simulate",
+            "tiny.toml",
+            "time_s=9000",
+            "frames=8000",
+            "--out",
+            "out",
+        ];
         let words = [&words[..], &["--keep-every", "0"]].concat();
         let child = start(&scene.path(""), &words);
         wait_for(|| !names(&scene.path("out"), ".state-2.json").is_empty());
@@ -62,14 +73,21 @@ fn a_run_ends_at_once_with_its_state_kept() {
         assert!(time < Duration::from_secs(2), "{time:?}");
         let log = text(&output.stderr);
         let told = log.lines().last().unwrap();
-        assert!(told.contains("stopped by") && told.contains("--resume"), "{log}");
+        assert!(
+            told.contains("stopped by") && told.contains("--resume"),
+            "{log}"
+        );
         assert!(!names(&scene.path("out"), ".state.json").is_empty());
         assert!(names(&scene.path("out"), ".part").is_empty());
         let child = start(&scene.path(""), &[&words[..], &["--resume"]].concat());
         std::thread::sleep(Duration::from_millis(700));
         let (output, _) = end(child, signal);
         assert_code(&output, code);
-        assert!(text(&output.stderr).contains("goes on from"), "{}", text(&output.stderr));
+        assert!(
+            text(&output.stderr).contains("goes on from"),
+            "{}",
+            text(&output.stderr)
+        );
     }
 }
 
@@ -81,9 +99,17 @@ fn a_program_of_the_user_is_not_left_behind() {
     let study = study.replace("[\"python3\", \"run.py\"]", "[\"sh\", \"run.sh\"]");
     fs::write(folder.path().join("study.toml"), study).unwrap();
     fs::create_dir(folder.path().join("mill")).unwrap();
-    let script = "echo $$ > ../../../../process-$$\n(sleep 3; touch ../../../../lived) & sleep 60\n";
+    let script =
+        "echo $$ > ../../../../process-$$\n(sleep 3; touch ../../../../lived) & sleep 60\n";
     fs::write(folder.path().join("mill/run.sh"), script).unwrap();
-    let words = ["calibrate", "study.toml", "--out", "out/mill", "--threads", "1"];
+    let words = [
+        "calibrate",
+        "study.toml",
+        "--out",
+        "out/mill",
+        "--threads",
+        "1",
+    ];
     let child = start(folder.path(), &words);
     let began = || {
         let entries = fs::read_dir(folder.path()).unwrap();
@@ -94,10 +120,19 @@ fn a_program_of_the_user_is_not_left_behind() {
     let (output, time) = end(child, "-TERM");
     assert_code(&output, 143);
     assert!(time < Duration::from_secs(2), "{time:?}");
-    assert!(text(&output.stderr).contains("stopped by SIGTERM: finished runs are kept in out/mill/runs"));
-    assert!(names(&folder.path().join("out/mill/work"), "").is_empty(), "the folder of the run stayed");
+    assert!(
+        text(&output.stderr)
+            .contains("stopped by SIGTERM: finished runs are kept in out/mill/runs")
+    );
+    assert!(
+        names(&folder.path().join("out/mill/work"), "").is_empty(),
+        "the folder of the run stayed"
+    );
     std::thread::sleep(Duration::from_millis(3300));
-    assert!(!folder.path().join("lived").exists(), "a child of the program lived on");
+    assert!(
+        !folder.path().join("lived").exists(),
+        "a child of the program lived on"
+    );
 }
 
 /// While a table is run, the same table may be run beside it, and another one in the same folder is refused in words.
@@ -111,8 +146,21 @@ fn a_folder_in_use_is_refused_to_other_work() {
     table("speeds.csv", 20);
     table("others.csv", 50);
     let run = |table: &str| {
-        let words = ["run", table, "--scene", "tiny.toml", "--set", "time_s=0.2", "--set", "frames=2"];
-        let words = [&words[..], &["--out", "results", "--resume", "--threads", "1"]].concat();
+        let words = [
+            "run",
+            table,
+            "--scene",
+            "tiny.toml",
+            "--set",
+            "time_s=0.2",
+            "--set",
+            "frames=2",
+        ];
+        let words = [
+            &words[..],
+            &["--out", "results", "--resume", "--threads", "1"],
+        ]
+        .concat();
         start(&scene.path(""), &words)
     };
     let first = run("speeds.csv");
@@ -122,9 +170,17 @@ fn a_folder_in_use_is_refused_to_other_work() {
     assert_error(&other, &["results", &process, "other input", "--out"]);
     let same = run("speeds.csv").wait_with_output().unwrap();
     assert_code(&same, 0);
-    assert!(text(&same.stderr).contains("the runs are shared"), "{}", text(&same.stderr));
+    assert!(
+        text(&same.stderr).contains("the runs are shared"),
+        "{}",
+        text(&same.stderr)
+    );
     assert_code(&first.wait_with_output().unwrap(), 0);
-    assert_eq!(names(&scene.path("results/runs"), ".json").len(), 12, "each run once");
+    assert_eq!(
+        names(&scene.path("results/runs"), ".json").len(),
+        12,
+        "each run once"
+    );
     assert!(names(&scene.path("results/runs"), ".claim").is_empty());
     assert_code(&run("others.csv").wait_with_output().unwrap(), 0);
 }
@@ -135,9 +191,18 @@ fn results_are_tried_before_the_run() {
     let scene = TinyScene::new();
     fs::create_dir(scene.path("folder.json")).unwrap();
     for (words, told) in [
-        (vec!["--json", "no/where.json"], "the folder no does not exist"),
-        (vec!["--frame", "no/where.png"], "the folder no does not exist"),
-        (vec!["--json", "folder.json", "--force"], "folder.json: it is a folder"),
+        (
+            vec!["--json", "no/where.json"],
+            "the folder no does not exist",
+        ),
+        (
+            vec!["--frame", "no/where.png"],
+            "the folder no does not exist",
+        ),
+        (
+            vec!["--json", "folder.json", "--force"],
+            "folder.json: it is a folder",
+        ),
         (vec!["--frame", "a.png", "--json", "a.png"], "two results"),
         (vec!["--out", "tiny.toml/out"], "tiny.toml is no folder"),
         (vec!["--json", "/dev/full", "--force"], "/dev/full"),
@@ -157,7 +222,8 @@ fn results_are_tried_before_the_run() {
 fn leftovers_are_swept() {
     let scene = TinyScene::new();
     fs::create_dir(scene.path("out")).unwrap();
-    let [dead, living] = [".a.json.1-0.part", ".b.json.1-0.part"].map(|name| scene.path("out").join(name));
+    let [dead, living] =
+        [".a.json.1-0.part", ".b.json.1-0.part"].map(|name| scene.path("out").join(name));
     fs::write(&dead, "half").unwrap();
     let held = fs::File::create(&living).unwrap();
     held.lock().unwrap();
@@ -180,7 +246,10 @@ fn a_pipe_is_refused_as_input() {
         &["run", "pipe", "--scene", "tiny.toml"],
         &["simulate", "tiny.toml", "--set-file", "pipe"],
     ] {
-        assert_error(&crate::seedloop(&scene.path(""), words), &["pipe", "no plain file"]);
+        assert_error(
+            &crate::seedloop(&scene.path(""), words),
+            &["pipe", "no plain file"],
+        );
     }
 }
 
@@ -188,7 +257,12 @@ fn a_pipe_is_refused_as_input() {
 #[test]
 fn a_run_that_takes_more_memory_than_there_is_is_refused() {
     let scene = TinyScene::new();
-    let words = ["seed.0.count=100000", "time_s=86000", "--set", "protocol.frame_interval=0.02 s"];
+    let words = [
+        "seed.0.count=100000",
+        "time_s=86000",
+        "--set",
+        "protocol.frame_interval=0.02 s",
+    ];
     let words = [&words[..], &["--set", "frames=4000000"]].concat();
     assert_error(&scene.simulate(&words), &["GiB", "fewer seeds or frames"]);
 }

@@ -146,7 +146,14 @@ fn a_record_is_kept_and_taken_again_on_resume_only() {
 fn the_same_seed_gives_the_same_numbers() {
     let scene = TinyScene::new();
     let run = |seed: &str| {
-        let words = ["time_s=0.2", "frames=2", "--seed", seed, "--json", "--quiet"];
+        let words = [
+            "time_s=0.2",
+            "frames=2",
+            "--seed",
+            seed,
+            "--json",
+            "--quiet",
+        ];
         json(&scene.simulate(&words))["observables"].clone()
     };
     let first = run("1");
@@ -310,7 +317,11 @@ fn how_a_path_is_typed_changes_no_result() {
         assert_eq!(run(other)["record"], first["record"], "{other}");
     }
     let text = fs::read_to_string(&whole).unwrap();
-    fs::write(&whole, text.replace("/cotton_flat.stl", "/./cotton_flat.stl")).unwrap();
+    fs::write(
+        &whole,
+        text.replace("/cotton_flat.stl", "/./cotton_flat.stl"),
+    )
+    .unwrap();
     let same = run("tiny.toml");
     assert_eq!(same["observables"], first["observables"]);
     assert_eq!(same["timing"]["steps"], first["timing"]["steps"]);

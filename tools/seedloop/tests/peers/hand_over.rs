@@ -33,7 +33,13 @@ fn hand_over(format: &str, variable: &str) {
             "--set",
             "settle_limit=0.05 s",
         ])
-        .args(["--set", "frame_interval=0.02 s", "--set", "frames=2", "--out"])
+        .args([
+            "--set",
+            "frame_interval=0.02 s",
+            "--set",
+            "frames=2",
+            "--out",
+        ])
         .arg(&deck)
         .output()
         .expect("the command starts");
