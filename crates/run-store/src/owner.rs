@@ -78,9 +78,8 @@ impl Store {
                 let keeper = ClaimKeeper::start(Some(claim), Arc::clone(folder), key, work);
                 Ok(Entry::Ours(keeper))
             }
-            Ok(Attempt::NotNeeded) => Ok(Entry::Ours(ClaimKeeper::idle())),
             // A file system that takes no claims hinders no work.
-            Err(_) => Ok(Entry::Ours(ClaimKeeper::idle())),
+            Ok(Attempt::NotNeeded) | Err(_) => Ok(Entry::Ours(ClaimKeeper::idle())),
         }
     }
 }

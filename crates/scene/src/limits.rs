@@ -136,7 +136,7 @@ impl Scene {
 impl Protocol {
     /// What a time step (s) must be, where it is none that the run can have; none where it can.
     pub(crate) fn limit_of_step(&self, step: f64) -> Option<String> {
-        if !(step <= SERIES_INTERVAL) {
+        if step.is_nan() || step > SERIES_INTERVAL {
             return Some("at most 20 ms, the time after which the bed is looked at".into());
         }
         let time = self.settle_limit.si() + self.rotation_limit.si();

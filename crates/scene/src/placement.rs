@@ -108,7 +108,7 @@ pub(crate) fn place(
     let count: usize = kinds.iter().map(|k| k.1).sum();
     let [low, high] = room.apparatus.room();
     let across = (high - low).max() / (2.0 * thickest);
-    if !(across <= MOST_ACROSS) {
+    if across.is_nan() || across > MOST_ACROSS {
         return Err(Error::BadValue {
             name: "size of the apparatus over that of the seeds".into(),
             value: format!("{across:.0}"),

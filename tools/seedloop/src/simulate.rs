@@ -11,7 +11,7 @@ use base64::Engine as _;
 use command_line::{Common, DONE, Header, NOT_MET, try_folder, write_new};
 use report::{Refusal, Report};
 use run_store::{Lookup, Record, Store};
-use scene::{Override, Scene};
+use scene::{Override, Progress, Scene};
 use scene_simulator::{ParameterFile, RunDetails};
 use single_run::SingleRun;
 use state_file::StateFile;
@@ -241,36 +241,21 @@ fn find_or_run(arguments: &Arguments, single: &SingleRun, stop: &Stop) -> anyhow
     common.log(|| format!("running {} seeds, seed {seed}", scene.seed_count()));
     let folder = arguments.out.as_deref();
     let mut state = StateFile::new(folder, blank.key(), arguments.keep_every, stop.flag());
-    let left = if arguments.resume {
-        let left = state.left()?;
-        for warning in left.warnings {
-            common.log(|| format!("warning: {warning}"));
-        }
-        left.progress
-    } else {
-        ensure!(
-            common.force || !state.exists(),
-            "{} has the state of this run, which was stopped: say --resume to go on from it, or --force \
-             to run anew",
-            state.name()
-        );
-        None
-    };
+    let left = left_before(arguments, &mut state)?;
     if let Some(left) = &left {
         common.log(|| format!("goes on from {:.2} s of the run", left.time()));
     }
     let continued = left.is_some();
-    let mut record = single.run(blank, arguments.common.threads(), left, &mut state);
-    if continued {
-        let way_out = || {
-            format!(
-                "the run went on from {}; remove it to start anew",
-                state.name()
-            )
-        };
-        record = record.with_context(way_out);
-    }
-    let record = record?;
+    let record = single.run(blank, common.threads(), left, &mut state);
+    let way_out = || {
+        let from = state.name();
+        format!("the run went on from {from}; remove it to start anew")
+    };
+    let record = if continued {
+        record.with_context(way_out)
+    } else {
+        record
+    }?;
     if let Some(store) = &store {
         store.put(&record)?;
         state.remove()?;
@@ -280,6 +265,28 @@ fn find_or_run(arguments: &Arguments, single: &SingleRun, stop: &Stop) -> anyhow
         record,
         reused: false,
     })
+}
+
+/// The state from which a run goes on; none where it begins anew.
+///
+/// # Errors
+/// A state that the user did not speak of, or that cannot be read.
+fn left_before(arguments: &Arguments, state: &mut StateFile) -> anyhow::Result<Option<Progress>> {
+    let common = &arguments.common;
+    if arguments.resume {
+        let left = state.left()?;
+        for warning in left.warnings {
+            common.log(|| format!("warning: {warning}"));
+        }
+        return Ok(left.progress);
+    }
+    ensure!(
+        common.force || !state.exists(),
+        "{} has the state of this run, which was stopped: say --resume to go on from it, or --force \
+         to run anew",
+        state.name()
+    );
+    Ok(None)
 }
 
 /// Writes the last frame, which the record holds as text.

@@ -118,11 +118,7 @@ impl State {
         ENDED_BY_SIGNAL.saturating_add(signal)
     }
 
-    /// Ends the process.
-    #[expect(
-        clippy::exit,
-        reason = "a run that does not break off in time; what is written is written whole or not at all"
-    )]
+    /// Ends the process: for a run that does not break off in time. What is written is written whole or not at all.
     fn end(&self) {
         exit(self.tell().into());
     }
