@@ -72,7 +72,9 @@ impl TaskFiles {
 /// Writes a file aside, forces it to the disk, and renames it over its name.
 pub(crate) fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), Error> {
     let aside = path.with_added_extension(ASIDE_ENDING);
-    let mut file = File::create(&aside).map_err(io("create", &aside))?;
+    // What was left behind, or a link that somebody planted, is not written through.
+    let _ = std::fs::remove_file(&aside);
+    let mut file = File::create_new(&aside).map_err(io("create", &aside))?;
     file.write_all(bytes)
         .and_then(|()| file.sync_all())
         .map_err(io("write", &aside))?;

@@ -3,6 +3,7 @@
 use campaign::{Campaign, Pace, Progress, Simulator};
 use run_store::{Lookup, Record, Store};
 use std::path::Path;
+use std::sync::atomic::AtomicBool;
 
 use crate::Error;
 use crate::files::{TaskFiles, write_json};
@@ -11,7 +12,8 @@ use crate::task::{RunFailure, Task, TaskReport, TaskRun};
 /// Does the runs of a task file, and leaves a report beside it; `threads` at a time, or as many as the task says where
 /// it is 0.
 ///
-/// Runs that have a record are found. A run that fails is part of the report.
+/// Runs that have a record are found. A run that fails is part of the report. Once `stop` is true no further run begins, and no
+/// report is left: the task is then one that was lost.
 ///
 /// # Errors
 ///
@@ -24,6 +26,7 @@ pub fn run_task(
     store: &Store,
     threads: usize,
     progress: &dyn Progress,
+    stop: Option<&AtomicBool>,
 ) -> Result<TaskReport, Error> {
     let task = Task::read(task_file)?;
     let report_file = TaskFiles::of(task_file).report();
@@ -55,8 +58,12 @@ pub fn run_task(
         .sum();
     let requests: Vec<_> = task.runs.iter().map(|run| run.request.clone()).collect();
     let pace = Pace::new();
-    let results = Campaign::new(store, threads, progress)
-        .with_pace(&pace)
+    let campaign = Campaign::new(store, threads, progress).with_pace(&pace);
+    let campaign = match stop {
+        Some(stop) => campaign.with_stop(stop),
+        None => campaign,
+    };
+    let results = campaign
         .run_each(simulator, &requests)
         .map_err(|source| Error::Campaign {
             path: task_file.to_owned(),

@@ -33,6 +33,14 @@ pub enum Error {
         /// Number of bodies.
         count: usize,
     },
+    /// A bond that does not exist.
+    #[error("there is no bond {bond} of {count}")]
+    NoSuchBond {
+        /// Its number.
+        bond: usize,
+        /// Number of bonds.
+        count: usize,
+    },
     /// A length that decides which spheres are bonded makes no sense.
     #[error("the largest gap of bonded spheres is {gap} m; it must be 0 m or more")]
     Gap {
@@ -155,6 +163,33 @@ impl Bonds {
             bodies.torque[i] += load.moment + arm_i.cross(&load.force);
             bodies.torque[j] -= load.moment + arm_j.cross(&load.force);
         }
+    }
+
+    /// Bonds that have broken, by their number in the order in which they were given.
+    pub fn broken(&self) -> Vec<usize> {
+        let all = self.links.iter().enumerate();
+        all.filter(|(_, link)| link.broken)
+            .map(|(k, _)| k)
+            .collect()
+    }
+
+    /// Breaks bonds by their number, and mends all others: with the bodies where they were, what goes on from a kept state.
+    ///
+    /// # Errors
+    ///
+    /// A number that no bond has.
+    pub fn set_broken(&mut self, broken: &[usize]) -> Result<(), Error> {
+        let count = self.links.len();
+        if let Some(&bond) = broken.iter().find(|bond| **bond >= count) {
+            return Err(Error::NoSuchBond { bond, count });
+        }
+        for link in &mut self.links {
+            link.broken = false;
+        }
+        for &bond in broken {
+            self.links[bond].broken = true;
+        }
+        Ok(())
     }
 
     /// Number of bonds that hold.

@@ -61,7 +61,8 @@ impl<'a> Campaign<'a> {
         }
     }
 
-    /// Honours a flag: once it is true no further run begins, running ones are finished.
+    /// Honours a flag: once it is true no further run begins. Running ones are finished where the simulator does not honour the
+    /// flag as well; one that it breaks off counts as not done.
     #[must_use]
     pub fn with_stop(mut self, stop: &'a AtomicBool) -> Self {
         self.stop = Some(stop);

@@ -123,7 +123,12 @@ impl Campaign<'_> {
 
     /// Whether no further run may begin.
     fn must_stop(&self, board: &Board) -> bool {
-        board.broken || self.stop.is_some_and(|flag| flag.load(Ordering::SeqCst))
+        board.broken || self.is_stopped()
+    }
+
+    /// Whether someone wants the campaign to end.
+    fn is_stopped(&self) -> bool {
+        self.stop.is_some_and(|flag| flag.load(Ordering::SeqCst))
     }
 
     /// Does a job, unless another campaign does it.
@@ -155,6 +160,8 @@ impl Campaign<'_> {
                 board.reused += 1;
                 Ok(record)
             }
+            // Broken off by the flag: not done, and no failure of its own.
+            Outcome::Ran(Err(Failure::Simulator(_)), _) if self.is_stopped() => return,
             Outcome::Ran(result, time_s) => {
                 hall.pace.add(job.cost, time_s);
                 result

@@ -1,5 +1,6 @@
 //! The flags that every command has.
 
+use std::collections::BTreeSet;
 use std::fmt::Display;
 use std::io::Write as _;
 use std::num::NonZeroUsize;
@@ -8,7 +9,7 @@ use std::path::{Path, PathBuf};
 use anyhow::Context as _;
 use serde::Serialize;
 
-use crate::write::{Overwrite, write_new};
+use crate::write::{Overwrite, try_new, write_new};
 
 /// More threads than any one machine has; a larger number is a slip of the finger.
 const MOST_THREADS: usize = 1024;
@@ -84,20 +85,28 @@ impl Common {
         write_new(file, text.as_bytes(), self.overwrite())
     }
 
-    /// Refuses a file for the results that [`Self::emit_json`] would refuse: to be asked before long work.
+    /// Tries whether the results can be written: these files and that of [`Self::emit_json`]. To be asked before long work.
     ///
     /// # Errors
-    /// A file that exists and may not be overwritten.
-    pub fn refuse_existing_json(&self) -> anyhow::Result<()> {
-        let Some(file) = self.json.as_ref().filter(|_| !self.json_on_stdout()) else {
-            return Ok(());
-        };
-        self.protect_input(file)?;
-        anyhow::ensure!(
-            self.force || !file.exists(),
-            "{} exists: say --force to overwrite it, or give another name",
-            file.display()
-        );
+    /// A folder that is missing, a file that exists and may not be overwritten or that cannot be written, two results in one
+    /// file.
+    pub fn try_outputs<'f>(
+        &'f self,
+        files: impl IntoIterator<Item = &'f PathBuf>,
+    ) -> anyhow::Result<()> {
+        let json = self.json.as_ref().filter(|_| !self.json_on_stdout());
+        if let Some(file) = json {
+            self.protect_input(file)?;
+        }
+        let mut tried = BTreeSet::new();
+        for file in files.into_iter().chain(json) {
+            anyhow::ensure!(
+                tried.insert(file),
+                "{} is to take two results: give each a file of its own",
+                file.display()
+            );
+            try_new(file, self.overwrite())?;
+        }
         Ok(())
     }
 

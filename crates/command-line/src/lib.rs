@@ -44,4 +44,4 @@ pub use exit::{DONE, ERROR, NOT_MET, finish};
 pub use header::{Header, file_sha256};
 pub use numbers::significant;
 pub use words::arguments;
-pub use write::{Overwrite, write_new};
+pub use write::{Overwrite, try_folder, try_new, write_new};

@@ -25,18 +25,7 @@ pub enum Overwrite {
 pub fn write_new(path: &Path, bytes: &[u8], overwrite: Overwrite) -> anyhow::Result<()> {
     let cannot_write = || format!("cannot write {}", path.display());
     let folder = folder_of(path);
-    if !folder.is_dir() {
-        bail!(
-            "cannot write {}: the folder {} does not exist; create it first",
-            path.display(),
-            folder.display()
-        );
-    }
-    match fs::symlink_metadata(path) {
-        Ok(_) if overwrite == Overwrite::Refuse => return Err(exists(path)),
-        Ok(entry) if entry.is_dir() => bail!("cannot write {}: it is a folder", path.display()),
-        _ => {}
-    }
+    require_place(path, overwrite)?;
     let aside = Aside::write(path, bytes).with_context(cannot_write)?;
     match aside.take_name(path, overwrite) {
         Err(error) if error.kind() == ErrorKind::AlreadyExists => return Err(exists(path)),
@@ -48,6 +37,87 @@ pub fn write_new(path: &Path, bytes: &[u8], overwrite: Overwrite) -> anyhow::Res
         let _ = folder.sync_all();
     }
     Ok(())
+}
+
+/// Tries whether a file could be written, and leaves nothing: to be asked before long work.
+///
+/// # Errors
+/// As [`write_new`], but for a disk that will be full by then.
+pub fn try_new(path: &Path, overwrite: Overwrite) -> anyhow::Result<()> {
+    require_place(path, overwrite)?;
+    let aside = Aside::write(path, &[]);
+    aside.with_context(|| format!("cannot write {}", path.display()))?;
+    Ok(())
+}
+
+/// Tries whether files could be written into a folder, which is made with those above it where it is missing; leaves nothing:
+/// to be asked before long work.
+///
+/// # Errors
+/// A path on which something else than a folder lies, or a folder that takes no files.
+pub fn try_folder(folder: &Path) -> anyhow::Result<()> {
+    let is_there = |path: &&Path| fs::symlink_metadata(path).is_ok();
+    let named = |path: &Path| !path.as_os_str().is_empty();
+    let above = folder.ancestors().filter(|path| named(path)).find(is_there);
+    let above = above.unwrap_or(Path::new("."));
+    if !above.is_dir() {
+        bail!(
+            "cannot write into {}: {} is no folder; give another name",
+            folder.display(),
+            above.display()
+        );
+    }
+    let aside = Aside::write(&above.join("seedloop"), &[]);
+    aside.with_context(|| format!("cannot write into {}", above.display()))?;
+    if above == folder {
+        sweep(folder);
+    }
+    Ok(())
+}
+
+/// Removes what processes that were killed have left of files on their way into a folder: those that nobody has locked. Where
+/// locks are not supported nothing is removed.
+fn sweep(folder: &Path) {
+    let entries = fs::read_dir(folder).into_iter().flatten().flatten();
+    for path in entries.map(|entry| entry.path()) {
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        let is_aside = name.starts_with('.') && name.ends_with(PART);
+        if is_aside
+            && fs::symlink_metadata(&path).is_ok_and(|entry| entry.is_file())
+            && File::open(&path).is_ok_and(|file| file.try_lock().is_ok())
+        {
+            // What stays is in nobody's way.
+            let _ = fs::remove_file(&path);
+        }
+    }
+}
+
+/// End of the name of a file on its way.
+const PART: &str = ".part";
+
+/// Refuses a name for a file whose folder is missing, or that something has which is not to be replaced.
+fn require_place(path: &Path, overwrite: Overwrite) -> anyhow::Result<()> {
+    let folder = folder_of(path);
+    if !folder.is_dir() {
+        bail!(
+            "cannot write {}: the folder {} does not exist; create it first",
+            path.display(),
+            folder.display()
+        );
+    }
+    match fs::symlink_metadata(path) {
+        Ok(entry) if entry.is_dir() => bail!(
+            "cannot write {}: it is a folder; give the name of a file",
+            path.display()
+        ),
+        Ok(_) if overwrite == Overwrite::Refuse => Err(exists(path)),
+        // A device or a pipe would be gone behind the file.
+        Ok(entry) if !entry.is_file() && !entry.is_symlink() => bail!(
+            "cannot write {}: it is no plain file; give another name",
+            path.display()
+        ),
+        _ => Ok(()),
+    }
 }
 
 /// Returns the folder that holds a file.
@@ -70,6 +140,8 @@ fn exists(path: &Path) -> anyhow::Error {
 struct Aside {
     /// Where it lies.
     path: PathBuf,
+    /// The file, locked until it has its name.
+    _file: File,
 }
 
 impl Aside {
@@ -81,16 +153,23 @@ impl Aside {
         for attempt in 0_u32.. {
             let mut hidden = std::ffi::OsString::from(".");
             hidden.push(name);
-            hidden.push(format!(".{}-{attempt}.part", std::process::id()));
+            hidden.push(format!(".{}-{attempt}{PART}", std::process::id()));
             let aside = folder_of(path).join(hidden);
             let mut file = match OpenOptions::new().write(true).create_new(true).open(&aside) {
                 Err(error) if error.kind() == ErrorKind::AlreadyExists => continue,
                 outcome => outcome?,
             };
-            let aside = Self { path: aside };
-            file.write_all(bytes)?;
-            file.sync_all()?;
-            return Ok(aside);
+            // Tells those who sweep that its writer lives; where there are no locks nobody sweeps.
+            let _ = file.lock();
+            let written = file.write_all(bytes).and_then(|()| match bytes {
+                [] => Ok(()),
+                _ => file.sync_all(),
+            });
+            let aside = Self {
+                path: aside,
+                _file: file,
+            };
+            return written.map(|()| aside);
         }
         Err(io::Error::from(ErrorKind::AlreadyExists))
     }

@@ -13,7 +13,7 @@ use std::path::Path;
 ///
 /// A file that cannot be read, text of another form, a missing column, a cell that is no number.
 pub fn read_positions(path: &Path) -> Result<Vec<Moment>, Error> {
-    let bytes = std::fs::read(path).map_err(|source| Error::Read {
+    let bytes = input_file::read(path).map_err(|source| Error::Read {
         path: path.to_owned(),
         source,
     })?;

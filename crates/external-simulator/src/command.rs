@@ -3,7 +3,7 @@
 use crate::bed::{Bed, Drive, Took, no_surface, timing};
 use crate::drum::{DrumDescription, DrumOfRun, in_order};
 use crate::folder::{Keep, RunFolder};
-use crate::process::{Failure, LOG, Process, end_of_log};
+use crate::process::{Failure, LOG, Limits, Process, end_of_log};
 use crate::template::Template;
 use crate::{Error, results};
 use campaign::{RunOutcome, RunRequest, Simulator, SimulatorError};
@@ -16,6 +16,8 @@ use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 /// Revision of what is done around the command: raised when the same files give other numbers.
@@ -90,6 +92,8 @@ pub struct CommandSimulator {
     template: Template,
     /// Scenes under their conditions, by the name of the model.
     models: BTreeMap<String, CommandModel>,
+    /// Raised by someone who wants running runs to end.
+    stop: Arc<AtomicBool>,
 }
 
 impl CommandSimulator {
@@ -150,7 +154,15 @@ impl CommandSimulator {
             settings,
             template,
             models,
+            stop: Arc::default(),
         })
+    }
+
+    /// Honours a flag: once it is true a running program is ended soon, with all that it started, and its run has no result.
+    #[must_use]
+    pub fn with_stop(mut self, stop: &Arc<AtomicBool>) -> Self {
+        self.stop = Arc::clone(stop);
+        self
     }
 
     /// The model of a request and all values by name, as text.
@@ -203,10 +215,13 @@ impl CommandSimulator {
             .iter()
             .map(|(name, value)| (variable(name), value.clone()))
             .collect();
-        let limit = Duration::from_secs_f64(settings.wall_limit_s);
+        let limits = Limits {
+            wall: Duration::from_secs_f64(settings.wall_limit_s),
+            stop: Arc::clone(&self.stop),
+        };
         let begin = Instant::now();
         let arguments = arguments(&settings.command, values);
-        let (process, _) = Process::start(&arguments, &environment, folder, limit, false)?;
+        let (process, _) = Process::start(&arguments, &environment, folder, &limits, false)?;
         process.wait()?;
         let took = Took {
             wall_s: begin.elapsed().as_secs_f64(),
@@ -295,9 +310,12 @@ impl Simulator for CommandSimulator {
         let settings = &self.settings;
         let folder = RunFolder::make(&settings.work, record.key(), settings.keep);
         let folder = folder.map_err(failed)?;
-        let outcome = self
-            .run_in(&folder.path, request, model, &values)
-            .map_err(|failure| failed(folder.failed(&failure)))?;
+        let outcome = self.run_in(&folder.path, request, model, &values);
+        if outcome.is_err() && self.stop.load(Ordering::SeqCst) {
+            folder.stopped();
+            return Err(failed("the run was stopped".into()));
+        }
+        let outcome = outcome.map_err(|failure| failed(folder.failed(&failure)))?;
         folder.succeeded();
         Ok(outcome)
     }

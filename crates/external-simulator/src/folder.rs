@@ -59,6 +59,11 @@ impl RunFolder {
         }
     }
 
+    /// The run was stopped: nothing in its folder is of use.
+    pub(crate) fn stopped(self) {
+        let _ = fs::remove_dir_all(&self.path);
+    }
+
     /// A failure with the folder in which its log and files are.
     pub(crate) fn failed(&self, failure: &str) -> Failure {
         format!(

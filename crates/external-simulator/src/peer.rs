@@ -3,7 +3,7 @@
 use crate::bed::{Bed, Drive, Took};
 use crate::deck::Deck;
 use crate::folder::{Keep, RunFolder};
-use crate::process::Failure;
+use crate::process::{Failure, Limits};
 use crate::session::{Session, version_line};
 use campaign::{RunOutcome, RunRequest, Simulator, SimulatorError};
 use exchange::{lammps, liggghts};
@@ -15,6 +15,8 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 use std::fs;
 use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 /// Revision of what is done around the decks: raised when the same scene and seed give other numbers.
@@ -91,6 +93,8 @@ pub struct PeerSimulator {
     settings: PeerSettings,
     /// What the code says of itself.
     code: String,
+    /// Raised by someone who wants running runs to end.
+    stop: Arc<AtomicBool>,
 }
 
 impl PeerSimulator {
@@ -110,7 +114,15 @@ impl PeerSimulator {
             scenes,
             settings,
             code,
+            stop: Arc::default(),
         })
+    }
+
+    /// Honours a flag: once it is true a running code is ended soon, and its run has no result.
+    #[must_use]
+    pub fn with_stop(mut self, stop: &Arc<AtomicBool>) -> Self {
+        self.stop = Arc::clone(stop);
+        self
     }
 
     /// The scenes.
@@ -127,9 +139,12 @@ impl PeerSimulator {
                 .map_err(|error| format!("cannot write {}: {error}", path.display()))?;
         }
         let settings = &self.settings;
-        let limit = Duration::from_secs_f64(settings.wall_limit_s);
+        let limits = Limits {
+            wall: Duration::from_secs_f64(settings.wall_limit_s),
+            stop: Arc::clone(&self.stop),
+        };
         let (command, environment) = (&settings.command, &settings.environment);
-        let mut session = Session::start(command, environment, &folder.path, limit)?;
+        let mut session = Session::start(command, environment, &folder.path, &limits)?;
         session.run(&deck.start())?;
         let mut bed = Bed::new(Drive {
             camera: DrumCamera::of(scene),
@@ -211,6 +226,10 @@ impl Simulator for PeerSimulator {
         let folder = folder.map_err(failed)?;
         let deck = Deck::of(&scene, settings.peer, self.scenes.fillings(), request.seed)?;
         let done = self.run_in(&folder, &scene, &deck);
+        if done.is_err() && self.stop.load(Ordering::SeqCst) {
+            folder.stopped();
+            return Err(failed("the run was stopped".into()));
+        }
         let Done { bed, state, took } = done.map_err(|failure| failed(folder.failed(&failure)))?;
         let outcome = bed.outcome(state, deck.frame_every, took);
         if outcome.is_ok() {

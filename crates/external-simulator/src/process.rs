@@ -5,6 +5,8 @@ use std::io;
 use std::os::unix::process::CommandExt as _;
 use std::path::{Path, PathBuf};
 use std::process::{Child, ChildStdin, Command, ExitStatus, Stdio};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
@@ -24,8 +26,17 @@ pub(crate) struct Process {
     folder: PathBuf,
     /// When it began.
     begin: Instant,
+    /// When it is ended before its own end.
+    limits: Limits,
+}
+
+/// When a program is ended before its own end.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Limits {
     /// How long it may take.
-    limit: Duration,
+    pub(crate) wall: Duration,
+    /// Raised by someone who wants it to end.
+    pub(crate) stop: Arc<AtomicBool>,
 }
 
 /// Why a program gave no result; the end of its log is part of it.
@@ -39,7 +50,7 @@ impl Process {
         arguments: &[String],
         environment: &[(String, String)],
         folder: &Path,
-        limit: Duration,
+        limits: &Limits,
         input: bool,
     ) -> Result<(Self, Option<ChildStdin>), Failure> {
         let Some((program, rest)) = arguments.split_first() else {
@@ -63,7 +74,7 @@ impl Process {
             child,
             folder: folder.to_owned(),
             begin: Instant::now(),
-            limit,
+            limits: limits.clone(),
         };
         Ok((process, stdin))
     }
@@ -107,13 +118,17 @@ impl Process {
         status.map_err(|error| format!("the program cannot be watched: {error}"))
     }
 
-    /// Fails where the program took too long; it is then ended.
+    /// Fails where the program took too long or is to end; it is then ended.
     fn check_time(&mut self) -> Result<(), Failure> {
-        if self.begin.elapsed() < self.limit {
+        if self.limits.stop.load(Ordering::SeqCst) {
+            self.end();
+            return Err("the program was ended: the run was stopped".into());
+        }
+        if self.begin.elapsed() < self.limits.wall {
             return Ok(());
         }
         self.end();
-        let limit = self.limit.as_secs_f64();
+        let limit = self.limits.wall.as_secs_f64();
         Err(self.told(&format!(
             "was ended: it took longer than the wall limit of {limit} s"
         )))
@@ -167,15 +182,53 @@ pub(crate) fn end_of_log(log: &Path) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::Process;
+    use super::{Limits, Process};
+    use std::sync::atomic::Ordering;
     use std::time::{Duration, Instant};
 
     fn shell(script: &str, limit_s: f64) -> Result<(), String> {
+        shell_within(script, &within(limit_s))
+    }
+
+    fn shell_within(script: &str, limits: &Limits) -> Result<(), String> {
         let folder = tempfile::tempdir().unwrap();
         let arguments = ["sh", "-c", script].map(str::to_owned);
-        let limit = Duration::from_secs_f64(limit_s);
-        let (process, _) = Process::start(&arguments, &[], folder.path(), limit, false)?;
+        let (process, _) = Process::start(&arguments, &[], folder.path(), limits, false)?;
         process.wait()
+    }
+
+    fn within(limit_s: f64) -> Limits {
+        let wall = Duration::from_secs_f64(limit_s);
+        Limits {
+            wall,
+            ..Limits::default()
+        }
+    }
+
+    /// A program that would take a minute ends with its child well within the two seconds that a stopped command has: it is
+    /// looked at five times a second. The child would write its file after 1 s.
+    #[test]
+    fn a_program_is_ended_with_its_children_when_the_flag_is_raised() {
+        let folder = tempfile::tempdir().unwrap();
+        let mark = folder.path().join("mark");
+        let script = format!("(sleep 1; touch {}) & sleep 60", mark.display());
+        let limits = within(60.0);
+        let stop = limits.stop.clone();
+        let begin = Instant::now();
+        let raise = std::thread::spawn(move || {
+            std::thread::sleep(Duration::from_millis(100));
+            stop.store(true, Ordering::SeqCst);
+        });
+        let error = shell_within(&script, &limits).unwrap_err();
+        assert!(error.contains("stopped"), "{error}");
+        assert!(
+            begin.elapsed() < Duration::from_secs(1),
+            "{:?}",
+            begin.elapsed()
+        );
+        raise.join().unwrap();
+        std::thread::sleep(Duration::from_millis(1300));
+        assert!(!mark.exists(), "the child lived on");
     }
 
     #[test]
@@ -207,8 +260,8 @@ mod tests {
     #[test]
     fn a_program_that_is_not_there_is_told_with_the_way_out() {
         let folder = tempfile::tempdir().unwrap();
-        let limit = Duration::from_secs(1);
-        let error = Process::start(&["no-such-code".into()], &[], folder.path(), limit, false);
+        let limits = within(1.0);
+        let error = Process::start(&["no-such-code".into()], &[], folder.path(), &limits, false);
         let error = error.map(|_| ()).unwrap_err();
         assert!(
             error.contains("no-such-code") && error.contains("install it"),

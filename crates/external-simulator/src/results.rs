@@ -21,7 +21,7 @@ pub(crate) struct Results {
 /// A file that is missing or no JSON, a value that is neither a finite number nor such a table, in words.
 pub(crate) fn read(path: &Path) -> Result<Results, String> {
     let name = path.display();
-    let bytes = std::fs::read(path).map_err(|error| match error.kind() {
+    let bytes = input_file::read(path).map_err(|error| match error.kind() {
         std::io::ErrorKind::NotFound => format!("the program left no {name}"),
         _ => format!("cannot read {name}: {error}"),
     })?;

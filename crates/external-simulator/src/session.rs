@@ -1,7 +1,7 @@
 //! LAMMPS or LIGGGHTS as a partner in a conversation: it reads its script line by line, so that it goes on for as long as the
 //! bed asks for, and not for a time that was guessed before.
 
-use crate::process::{Failure, Process};
+use crate::process::{Failure, Limits, Process};
 use exchange::{Moment, dump};
 use std::fs::{self, File};
 use std::io::{Read as _, Seek as _, SeekFrom, Write as _};
@@ -35,9 +35,9 @@ impl Session {
         command: &[String],
         environment: &[(String, String)],
         folder: &Path,
-        limit: Duration,
+        limits: &Limits,
     ) -> Result<Self, Failure> {
-        let (process, input) = Process::start(command, environment, folder, limit, true)?;
+        let (process, input) = Process::start(command, environment, folder, limits, true)?;
         Ok(Self {
             process,
             input: input.ok_or("the program takes no input")?,
@@ -100,8 +100,11 @@ pub(crate) fn version_line(
     folder: &Path,
     name: &str,
 ) -> Result<String, Failure> {
-    let limit = Duration::from_mins(1);
-    let (process, input) = Process::start(command, environment, folder, limit, true)?;
+    let limits = Limits {
+        wall: Duration::from_mins(1),
+        ..Limits::default()
+    };
+    let (process, input) = Process::start(command, environment, folder, &limits, true)?;
     drop(input);
     process.wait()?;
     let log = folder.join(crate::process::LOG);

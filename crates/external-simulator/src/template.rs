@@ -62,7 +62,7 @@ impl Template {
             if file.is_dir() {
                 self.read_into(top, &path)?;
             } else {
-                let content = fs::read(&file).map_err(told(&file))?;
+                let content = input_file::read(&file).map_err(told(&file))?;
                 let runs = is_program(&file).map_err(told(&file))?;
                 self.files.insert(path, (content, runs));
             }

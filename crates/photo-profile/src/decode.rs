@@ -78,7 +78,7 @@ pub fn read_frames(path: &Path) -> Result<Vec<DynamicImage>, Error> {
 
 /// The bytes of a file.
 fn read_bytes(path: &Path) -> Result<Vec<u8>, Error> {
-    std::fs::read(path).map_err(|source| Error::Read {
+    input_file::read(path).map_err(|source| Error::Read {
         path: path.to_path_buf(),
         source,
     })

@@ -516,6 +516,26 @@ fn numbers_that_are_not_finite_are_refused_with_their_place() {
     );
 }
 
+/// The square of 1e308 is not finite: it ended as a covariance that is not positive definite, or as an answer.
+#[test]
+fn numbers_whose_squares_are_not_finite_are_refused_with_their_place() {
+    let mut file = design();
+    file.sensitivities_library[3][1] = 1e308;
+    let slope = Problem::try_from(file).unwrap_err().to_string();
+    let mut file = design();
+    file.residual_obs_minus_sim[2] = Some(-1e308);
+    let residual = Problem::try_from(file).unwrap_err().to_string();
+    for (told, place) in [
+        (slope, "sensitivities_library[3][1]"),
+        (residual, "residual"),
+    ] {
+        assert!(
+            told.contains(place) && told.contains("1e308") && told.contains("1e100"),
+            "{told}"
+        );
+    }
+}
+
 #[test]
 fn wrong_lengths_and_unknown_names_are_refused() {
     let mut file = design();

@@ -2,14 +2,15 @@
 
 use serde::{Deserialize, Serialize};
 use std::fmt;
-use std::fs::{File, OpenOptions};
+use std::fs::OpenOptions;
 use std::hash::{BuildHasher as _, RandomState};
-use std::io::{ErrorKind, Read as _, Seek as _, Write as _};
+use std::io::{ErrorKind, Seek as _};
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
+use crate::disk::Disk;
 use crate::error::io;
 use crate::folder::{Folder, Lock, modified, open_plain, try_lock};
 use crate::machine::has_ended;
@@ -46,6 +47,15 @@ pub enum Attempt {
 pub struct Holder {
     /// Host and number of the process; none where the claim does not tell.
     process: Option<(String, u32)>,
+    /// What it works on, and for how long; none where the claim does not tell.
+    work: Option<(String, Duration)>,
+}
+
+impl Holder {
+    /// Whether it works on this.
+    pub(crate) fn does(&self, work: &str) -> bool {
+        self.work.as_ref().is_some_and(|(known, _)| known == work)
+    }
 }
 
 impl fmt::Display for Holder {
@@ -53,6 +63,10 @@ impl fmt::Display for Holder {
         match &self.process {
             Some((host, process)) => write!(f, "process {process} on {host}"),
             None => write!(f, "an unknown process"),
+        }?;
+        match &self.work {
+            Some((_, time)) => write!(f, ", for {} min", time.as_secs() / 60),
+            None => Ok(()),
         }
     }
 }
@@ -70,6 +84,18 @@ struct Owner {
     token: String,
     /// Time without renewal after which it is dead, s.
     life_s: f64,
+    /// What it works on; none of a single run of a list.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    work: Option<Work>,
+}
+
+/// What the owner of a claim works on.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+struct Work {
+    /// The work.
+    name: String,
+    /// When it began by the clock of the file system, s since 1970.
+    since_s: u64,
 }
 
 /// A claim file as it was found.
@@ -87,10 +113,19 @@ impl Seen {
         serde_json::from_slice(&self.bytes).ok()
     }
 
-    /// Who holds it, for people.
-    fn holder(&self) -> Holder {
-        let process = self.owner().map(|owner| (owner.host, owner.process));
-        Holder { process }
+    /// Who holds it at a time since 1970, for people.
+    fn holder(&self, now: Duration) -> Holder {
+        let owner = self.owner();
+        let time = |work: Work| {
+            let since = Duration::from_secs(work.since_s);
+            (work.name, now.saturating_sub(since))
+        };
+        Holder {
+            work: owner
+                .as_ref()
+                .and_then(|owner| owner.work.clone().map(time)),
+            process: owner.map(|owner| (owner.host, owner.process)),
+        }
     }
 }
 
@@ -134,12 +169,14 @@ impl Claim {
             Err(why) if why.kind() == ErrorKind::NotFound => return Ok(false),
             Err(why) => return Err(io("open", &path)(why)),
         };
-        if read(&mut file).map_err(io("read", &path))? != self.bytes {
+        let disk = &self.folder.disk;
+        let known = disk.read(&mut file, LONGEST_CLAIM);
+        if known.map_err(io("read", &path))? != self.bytes {
             return Ok(false);
         }
         // The same bytes once more: readers see no change, and the file system sets the time by its own clock.
         file.rewind()
-            .and_then(|()| file.write_all(&self.bytes))
+            .and_then(|()| disk.write(&mut file, &self.bytes))
             .map_err(io("write", &path))?;
         *self.renewed.lock().unwrap_or_else(PoisonError::into_inner) = now;
         Ok(true)
@@ -171,9 +208,10 @@ impl Claim {
 
     /// Removes the file if it is still that of this claim.
     fn remove(&self, path: &Path) {
-        if matches!(look(path), Ok(Some(seen)) if seen.bytes == self.bytes) {
+        let disk = &self.folder.disk;
+        if matches!(look(disk, path), Ok(Some(seen)) if seen.bytes == self.bytes) {
             // A claim that stays is dead in its time.
-            let _ = std::fs::remove_file(path);
+            let _ = disk.remove(path);
         }
     }
 }
@@ -187,16 +225,39 @@ impl Drop for Claim {
 impl Folder {
     /// Tries to claim a run; `life` is that of the new claim.
     pub(crate) fn claim(self: &Arc<Self>, key: &str, life: Duration) -> Result<Attempt, Error> {
+        self.try_claim(key, life, None)
+    }
+
+    /// The same, with what is worked on.
+    pub(crate) fn claim_for(
+        self: &Arc<Self>,
+        key: &str,
+        life: Duration,
+        work: &str,
+    ) -> Result<Attempt, Error> {
+        self.try_claim(key, life, Some(work))
+    }
+
+    /// Tries to claim a run.
+    fn try_claim(
+        self: &Arc<Self>,
+        key: &str,
+        life: Duration,
+        work: Option<&str>,
+    ) -> Result<Attempt, Error> {
         let path = names::claim(&self.path, key);
-        let mut holder = Holder { process: None };
+        let mut holder = Holder {
+            process: None,
+            work: None,
+        };
         for _ in 0..ATTEMPTS {
-            if let Some(seen) = look(&path)? {
-                holder = seen.holder();
+            if let Some(seen) = look(&self.disk, &path)? {
+                holder = seen.holder(self.now()?);
                 if !self.is_dead(&seen, life)? || !self.bury(key, &seen)? {
                     return Ok(Attempt::Taken(holder));
                 }
             }
-            if let Some(claim) = self.make_claim(key, life)? {
+            if let Some(claim) = self.make_claim(key, life, work)? {
                 return Ok(Attempt::Won(claim));
             }
         }
@@ -205,7 +266,7 @@ impl Folder {
 
     /// Removes a claim whose process is no more, or that was not renewed for `age`, longer than any claim lives.
     pub(crate) fn sweep_claim(&self, key: &str, age: Duration) -> Result<(), Error> {
-        if let Some(seen) = look(&names::claim(&self.path, key))?
+        if let Some(seen) = look(&self.disk, &names::claim(&self.path, key))?
             && (self.has_lost_its_process(&seen) || self.is_older(&seen, age)?)
         {
             self.bury(key, &seen)?;
@@ -260,31 +321,43 @@ impl Folder {
         if try_lock(&file) == Lock::Busy {
             return Ok(false);
         }
-        match look(&path)? {
+        match look(&self.disk, &path)? {
             None => return Ok(true),
             Some(now) if now != *dead => return Ok(false),
             Some(_) => {}
         }
         let grave = self.aside(key);
-        match std::fs::rename(&path, &grave) {
+        match self.disk.rename(&path, &grave) {
             Err(why) if why.kind() == ErrorKind::NotFound => return Ok(true),
             renamed => renamed.map_err(io("rename", &path))?,
         }
-        let buried = matches!(look(&grave), Ok(Some(moved)) if moved == *dead);
+        let buried = matches!(look(&self.disk, &grave), Ok(Some(moved)) if moved == *dead);
         if !buried {
-            let _ = std::fs::hard_link(&grave, &path);
+            let _ = self.disk.link(&grave, &path);
         }
         // The name is open no more when it goes: a shared folder would keep it under another one.
         drop(file);
-        let _ = std::fs::remove_file(&grave);
+        let _ = self.disk.remove(&grave);
         Ok(buried)
     }
 
     /// Makes a claim where there is none: written aside, then linked to its name, which fails if there is one. None
     /// when another was faster, or must be tried again.
-    fn make_claim(self: &Arc<Self>, key: &str, life: Duration) -> Result<Option<Claim>, Error> {
+    fn make_claim(
+        self: &Arc<Self>,
+        key: &str,
+        life: Duration,
+        work: Option<&str>,
+    ) -> Result<Option<Claim>, Error> {
         let path = names::claim(&self.path, key);
         let aside = self.aside(key);
+        let work = match work {
+            Some(name) => Some(Work {
+                name: name.to_owned(),
+                since_s: self.now()?.as_secs(),
+            }),
+            None => None,
+        };
         let owner = Owner {
             host: self.machine.host.clone(),
             process_space: self.machine.process_space.clone(),
@@ -292,25 +365,26 @@ impl Folder {
             // The name of the aside file is used once; the random part tells two that share it all the same.
             token: format!("{:016x}", RandomState::new().hash_one(&aside)),
             life_s: life.as_secs_f64(),
+            work,
         };
         let bytes = serde_json::to_vec(&owner).map_err(|source| Error::Unwritable {
             key: key.to_owned(),
             source,
         })?;
         let now = Instant::now();
-        write_new(&aside, &bytes).map_err(io("create", &aside))?;
-        let linked = std::fs::hard_link(&aside, &path);
-        let _ = std::fs::remove_file(&aside);
+        write_new(&self.disk, &aside, &bytes).map_err(io("create", &aside))?;
+        let linked = self.disk.link(&aside, &path);
+        let _ = self.disk.remove(&aside);
         let made = match linked {
             Ok(()) => true,
             // An answer that got lost on its way from a file server is asked for again, and then the link exists.
             Err(why) if why.kind() == ErrorKind::AlreadyExists => {
-                matches!(look(&path), Ok(Some(seen)) if seen.bytes == bytes)
+                matches!(look(&self.disk, &path), Ok(Some(seen)) if seen.bytes == bytes)
             }
             // Another process that opened the store has swept the aside file.
             Err(why) if why.kind() == ErrorKind::NotFound => false,
             // A file system without links.
-            Err(_) => match write_new(&path, &bytes) {
+            Err(_) => match write_new(&self.disk, &path, &bytes) {
                 Ok(()) => true,
                 Err(why) if why.kind() == ErrorKind::AlreadyExists => false,
                 Err(why) => return Err(io("create", &path)(why)),
@@ -328,30 +402,23 @@ impl Folder {
 }
 
 /// Writes a file that does not exist yet.
-fn write_new(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
-    let mut file = OpenOptions::new().write(true).create_new(true).open(path)?;
-    let written = file.write_all(bytes);
+fn write_new(disk: &Disk, path: &Path, bytes: &[u8]) -> std::io::Result<()> {
+    let mut file = disk.create(path)?;
+    let written = disk.write(&mut file, bytes);
     if written.is_err() {
-        let _ = std::fs::remove_file(path);
+        let _ = disk.remove(path);
     }
     written
 }
 
 /// Looks at a claim file; none where there is none.
-fn look(path: &Path) -> Result<Option<Seen>, Error> {
+fn look(disk: &Disk, path: &Path) -> Result<Option<Seen>, Error> {
     let mut file = match open_plain(path, OpenOptions::new().read(true)) {
         Ok(file) => file,
         Err(why) if why.kind() == ErrorKind::NotFound => return Ok(None),
         Err(why) => return Err(io("open", path)(why)),
     };
-    let bytes = read(&mut file).map_err(io("read", path))?;
+    let bytes = (disk.read(&mut file, LONGEST_CLAIM)).map_err(io("read", path))?;
     let modified = modified(&file).map_err(io("read the time of", path))?;
     Ok(Some(Seen { bytes, modified }))
-}
-
-/// Reads the content of a claim.
-fn read(file: &mut File) -> std::io::Result<Vec<u8>> {
-    let mut bytes = Vec::new();
-    file.take(LONGEST_CLAIM).read_to_end(&mut bytes)?;
-    Ok(bytes)
 }

@@ -1,12 +1,13 @@
 //! The folder of a store: its files, its clock, and what dead writers left in it.
 
 use std::fs::{File, OpenOptions, TryLockError};
-use std::io::{ErrorKind, Write as _};
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant, UNIX_EPOCH};
 
+use crate::disk::Disk;
 use crate::error::io;
 use crate::machine::{Machine, has_ended};
 use crate::{Error, names};
@@ -28,16 +29,19 @@ pub(crate) struct Folder {
     pub(crate) path: PathBuf,
     /// This machine.
     pub(crate) machine: Machine,
+    /// What its files are written with.
+    pub(crate) disk: Disk,
     /// Last look at the clock of the file system: its time, and when the look was.
     clock: Mutex<Option<(Duration, Instant)>>,
 }
 
 impl Folder {
     /// Makes the folder where it is missing, and sweeps away what dead writers left.
-    pub(crate) fn open(path: &Path) -> Result<Self, Error> {
+    pub(crate) fn open(path: &Path, disk: Disk) -> Result<Self, Error> {
         std::fs::create_dir_all(path).map_err(io("make folder", path))?;
         let folder = Self {
             path: path.to_owned(),
+            disk,
             machine: Machine::this(),
             clock: Mutex::default(),
         };
@@ -87,26 +91,23 @@ impl Folder {
     /// Writes aside and renames, once.
     fn write_once(&self, key: &str, bytes: &[u8]) -> Result<(), Error> {
         let aside = self.aside(key);
-        let mut file = OpenOptions::new()
-            .write(true)
-            .create_new(true)
-            .open(&aside)
-            .map_err(io("create", &aside))?;
+        let mut file = self.disk.create(&aside).map_err(io("create", &aside))?;
         // Where locks are not supported nobody can sweep the file either.
         let _ = file.lock();
         let target = names::record(&self.path, key);
-        let written = file
-            .write_all(bytes)
-            .and_then(|()| file.sync_all())
+        let disk = &self.disk;
+        let written = disk
+            .write(&mut file, bytes)
+            .and_then(|()| disk.sync(&file))
             .map_err(io("write", &aside))
-            .and_then(|()| std::fs::rename(&aside, &target).map_err(io("rename", &aside)));
+            .and_then(|()| disk.rename(&aside, &target).map_err(io("rename", &aside)));
         if written.is_err() {
-            let _ = std::fs::remove_file(&aside);
+            let _ = disk.remove(&aside);
             return written;
         }
         // The name is safe once the folder is on the disk; some systems cannot force a folder.
         if let Ok(folder) = File::open(&self.path) {
-            let _ = folder.sync_all();
+            let _ = disk.sync(&folder);
         }
         Ok(())
     }
@@ -121,13 +122,9 @@ impl Folder {
             return Ok(time + look.elapsed());
         }
         let path = self.aside("clock");
-        let file = OpenOptions::new()
-            .write(true)
-            .create_new(true)
-            .open(&path)
-            .map_err(io("create", &path))?;
+        let file = self.disk.create(&path).map_err(io("create", &path))?;
         let time = modified(&file).map_err(io("read the time of", &path));
-        let _ = std::fs::remove_file(&path);
+        let _ = self.disk.remove(&path);
         let time = time?;
         // Taken late rather than early: a claim then seems younger than it is, never older.
         *last = Some((time, Instant::now()));
@@ -150,7 +147,7 @@ impl Folder {
         };
         if dead {
             // A failure leaves a hidden file behind, which no reader minds.
-            let _ = std::fs::remove_file(path);
+            let _ = self.disk.remove(path);
         }
     }
 }
@@ -211,7 +208,7 @@ fn without_links(_options: &mut OpenOptions) {}
 
 #[cfg(test)]
 mod tests {
-    use super::{FOREIGN_AGE, Folder, modified};
+    use super::{Disk, FOREIGN_AGE, Folder, modified};
     use std::fs::File;
     use std::path::{Path, PathBuf};
     use std::time::Duration;
@@ -230,7 +227,7 @@ mod tests {
     #[test]
     fn opening_sweeps_what_dead_writers_left_and_nothing_else() {
         let place = tempfile::tempdir().unwrap();
-        let folder = Folder::open(place.path()).unwrap();
+        let folder = Folder::open(place.path(), Disk::default()).unwrap();
         let of = |machine: &str, process: u32, number: u64| {
             crate::names::aside(place.path(), "key", machine, process, number)
         };
@@ -247,7 +244,7 @@ mod tests {
         leave(&abroad, FOREIGN_AGE.mul_f64(0.999));
         leave(&old, FOREIGN_AGE.mul_f64(1.001));
         leave(&nobody, now);
-        Folder::open(place.path()).unwrap();
+        Folder::open(place.path(), Disk::default()).unwrap();
         let left = |paths: &[&PathBuf]| paths.iter().map(|p| p.exists()).collect::<Vec<_>>();
         assert_eq!(left(&[&locked, &writing, &abroad, &nobody]), [true; 4]);
         assert_eq!(left(&[&unlocked, &old]), [false; 2]);
@@ -258,7 +255,7 @@ mod tests {
     #[test]
     fn a_lock_does_not_keep_the_file_of_a_dead_writer() {
         let place = tempfile::tempdir().unwrap();
-        let folder = Folder::open(place.path()).unwrap();
+        let folder = Folder::open(place.path(), Disk::default()).unwrap();
         let mut child = std::process::Command::new("true").spawn().unwrap();
         child.wait().unwrap();
         let machine = folder.machine.label();
@@ -266,7 +263,7 @@ mod tests {
         leave(&path, Duration::ZERO).lock().unwrap();
         let file = File::open(&path).unwrap();
         file.lock().unwrap();
-        Folder::open(place.path()).unwrap();
+        Folder::open(place.path(), Disk::default()).unwrap();
         assert!(!path.exists(), "it is still there");
     }
 
@@ -275,7 +272,7 @@ mod tests {
     #[test]
     fn the_clock_is_that_of_the_file_system() {
         let place = tempfile::tempdir().unwrap();
-        let folder = Folder::open(place.path()).unwrap();
+        let folder = Folder::open(place.path(), Disk::default()).unwrap();
         let written = || modified(&File::create(place.path().join("file")).unwrap()).unwrap();
         for _ in 0..3 {
             let before = written();

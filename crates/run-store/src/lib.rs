@@ -28,10 +28,12 @@
 
 mod canonical;
 mod claim;
+mod disk;
 mod error;
 mod folder;
 mod machine;
 mod names;
+mod owner;
 mod record;
 mod record_file;
 mod sealed;
@@ -40,7 +42,9 @@ mod store;
 
 pub use canonical::{SCHEMA, canonical_json, run_key};
 pub use claim::{Attempt, CLAIM_LIFE, Claim, Holder};
+pub use disk::{Disk, Fault};
 pub use error::Error;
+pub use owner::{ClaimKeeper, Entry};
 pub use record::{Observation, Record};
 pub use sealed::{seal, seal_text, unseal, unseal_text};
 pub use set_aside::set_file_aside;

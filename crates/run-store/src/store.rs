@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
+use crate::disk::Disk;
 use crate::error::io;
 use crate::folder::Folder;
 use crate::set_aside::set_aside;
@@ -58,9 +59,23 @@ impl Store {
     ///
     /// [`Error::Io`] when the folder cannot be made or read.
     pub fn open(folder: impl AsRef<Path>) -> Result<Self, Error> {
+        Self::open_on(folder, Disk::default())
+    }
+
+    /// [`Store::open`] on a disk that may have a fault. For tests.
+    ///
+    /// # Errors
+    ///
+    /// As [`Store::open`].
+    pub fn open_on(folder: impl AsRef<Path>, disk: Disk) -> Result<Self, Error> {
         Ok(Self {
-            place: Place::Folder(Arc::new(Folder::open(folder.as_ref())?)),
+            place: Place::Folder(Arc::new(Folder::open(folder.as_ref(), disk)?)),
         })
+    }
+
+    /// Operations of the disk so far; none of a store in memory.
+    pub fn operations(&self) -> Option<u64> {
+        self.shared_folder().map(|folder| folder.disk.operations())
     }
 
     /// A store in memory: for simulators so cheap that a file would cost more than a run, such as those in closed form.
@@ -74,6 +89,14 @@ impl Store {
     pub fn folder(&self) -> Option<&Path> {
         match &self.place {
             Place::Folder(folder) => Some(&folder.path),
+            Place::Memory(_) => None,
+        }
+    }
+
+    /// The folder of the store with its claims; none of one in memory.
+    pub(crate) fn shared_folder(&self) -> Option<&Arc<Folder>> {
+        match &self.place {
+            Place::Folder(folder) => Some(folder),
             Place::Memory(_) => None,
         }
     }
@@ -99,7 +122,7 @@ impl Store {
         };
         let mut attempt = 1;
         let bytes = loop {
-            match read(&path) {
+            match read(&folder.disk, &path) {
                 Ok(Some(bytes)) => break bytes,
                 Ok(None) => return Ok(damaged("it is no file".to_owned())),
                 Err(why) if path.is_symlink() => return Ok(damaged(why.to_string())),
@@ -208,9 +231,10 @@ fn check_key(key: &str) -> Result<(), Error> {
 }
 
 /// Reads a file; none where the path is something else.
-fn read(path: &Path) -> std::io::Result<Option<Vec<u8>>> {
+fn read(disk: &Disk, path: &Path) -> std::io::Result<Option<Vec<u8>>> {
     if std::fs::metadata(path)?.is_file() {
-        return std::fs::read(path).map(Some);
+        let mut file = std::fs::File::open(path)?;
+        return disk.read(&mut file, u64::MAX).map(Some);
     }
     Ok(None)
 }

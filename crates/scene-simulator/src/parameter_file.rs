@@ -88,7 +88,7 @@ impl ParameterFile {
     /// A file that cannot be read, text that is no parameter file, a number that cannot be meant, two parameters
     /// that set one path.
     pub fn read(path: &Path) -> Result<Self, Error> {
-        let text = std::fs::read_to_string(path).map_err(|source| Error::Read {
+        let text = input_file::read_text(path).map_err(|source| Error::Read {
             path: path.to_owned(),
             source,
         })?;

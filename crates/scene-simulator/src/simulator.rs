@@ -6,12 +6,13 @@ use crate::outcome::outcome_after;
 use crate::{Binding, Effort, Error};
 use campaign::{RunOutcome, RunRequest, Simulator, SimulatorError};
 use quantity::AngularSpeed;
-use scene::{FillingLibrary, NumberChange, RunResult, Scene, run};
+use scene::{FillingLibrary, NumberChange, RunResult, Scene, StopFlag, run_on};
 use serde_json::{Value, json};
 use sha2::{Digest as _, Sha256};
 use std::collections::{BTreeMap, VecDeque};
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
+use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, Mutex};
 use std::time::Instant;
 
@@ -42,6 +43,8 @@ pub struct SceneSimulator {
     moved: Mutex<VecDeque<(String, Arc<Moved>)>>,
     /// How often a run that diverges is tried again, each time with half the time step.
     retries: u32,
+    /// Raised by someone who wants running runs to end.
+    stop: Arc<AtomicBool>,
 }
 
 /// What moved.
@@ -78,7 +81,7 @@ impl SceneSimulator {
         for scene in models.values() {
             for mesh in scene.mesh_files() {
                 let file = scene.folder.join(mesh);
-                let bytes = std::fs::read(&file).map_err(|source| Error::Mesh {
+                let bytes = input_file::read(&file).map_err(|source| Error::Mesh {
                     file: scene.file.clone(),
                     mesh: mesh.to_owned(),
                     source,
@@ -110,6 +113,7 @@ impl SceneSimulator {
             fillings: FillingLibrary::default(),
             moved: Mutex::default(),
             retries: USUAL_RETRIES,
+            stop: Arc::default(),
         })
     }
 
@@ -118,6 +122,13 @@ impl SceneSimulator {
     #[must_use]
     pub fn with_retries(mut self, retries: u32) -> Self {
         self.retries = retries;
+        self
+    }
+
+    /// Honours a flag: once it is true a running run ends soon, without a result.
+    #[must_use]
+    pub fn with_stop(mut self, stop: &Arc<AtomicBool>) -> Self {
+        self.stop = Arc::clone(stop);
         self
     }
 
@@ -148,6 +159,9 @@ impl SceneSimulator {
         };
         for (name, value) in &request.condition {
             set_condition(&mut scene, name, *value)?;
+        }
+        if !request.condition.is_empty() {
+            scene.check().map_err(SimulatorError::other)?;
         }
         for (name, amplitude) in &request.effects {
             effect_library::apply(&mut scene, name, *amplitude, &self.fillings)
@@ -256,7 +270,8 @@ impl SceneSimulator {
         let mut scene = scene.clone();
         let mut retried = Vec::new();
         loop {
-            let error = match run(&scene, &self.fillings, seed) {
+            let keeper = &mut StopFlag(&self.stop);
+            let error = match run_on(&scene, &self.fillings, seed, 1, None, keeper) {
                 Ok(result) => return Ok(Moved { result, retried }),
                 Err(error) => error,
             };

@@ -300,6 +300,15 @@ impl Apparatus {
         }
     }
 
+    /// The speed with its unit, for messages.
+    pub(crate) fn speed_text(&self) -> String {
+        match self {
+            Self::Drum(drum) => drum.speed.to_string(),
+            Self::Metering(device) => device.speed.to_string(),
+            _ => "0".to_owned(),
+        }
+    }
+
     /// Sets the speed; nothing happens where nothing turns.
     pub fn set_speed(&mut self, speed: quantity::AngularSpeed) {
         match self {

@@ -169,6 +169,25 @@ impl BondedSeeds {
         self.bonds.step(world)
     }
 
+    /// Kind of each seed.
+    pub(crate) fn kinds(&self) -> Vec<usize> {
+        self.seeds.iter().map(|seed| seed.0).collect()
+    }
+
+    /// Bonds that have broken, by their number.
+    pub(crate) fn broken(&self) -> Vec<usize> {
+        self.bonds.broken()
+    }
+
+    /// Breaks bonds by their number, and no others.
+    ///
+    /// # Errors
+    ///
+    /// A number that no bond has, in words.
+    pub(crate) fn set_broken(&mut self, broken: &[usize]) -> Result<(), String> {
+        self.bonds.set_broken(broken).map_err(|e| e.to_string())
+    }
+
     /// Number of bonds that have broken.
     pub(crate) fn n_broken(&self) -> usize {
         self.bonds.n_broken()

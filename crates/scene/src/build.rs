@@ -126,7 +126,7 @@ pub(crate) fn assemble(
     let bonds = match (parts, settings) {
         (Some(parts), Some(settings)) => {
             let (bonds, longest) = parts.bond(settings, &world)?;
-            time_steps = time_steps.at_most(scene, longest);
+            time_steps = time_steps.at_most(scene, longest)?;
             world.set_time_step(time_steps.settling)?;
             Some(bonds)
         }

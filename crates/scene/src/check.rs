@@ -24,6 +24,7 @@ impl Scene {
         let mut found = Vec::new();
         self.check_protocol(&mut found);
         self.check_steps(&mut found);
+        self.check_limits(&mut found);
         self.check_model(&mut found);
         self.check_camera(&mut found);
         self.check_seeds(&mut found);
@@ -85,8 +86,9 @@ impl Scene {
             require(holds, name, roughness.to_string(), "1 nm to 1 mm");
         }
         let gravity = model.gravity_m_s2;
-        let holds = gravity > 0.0 && gravity <= 1000.0;
-        let requirement = "above 0, at most 1000";
+        // Lower, and nothing falls in the time of a run.
+        let holds = (1e-3..=1000.0).contains(&gravity);
+        let requirement = "0.001 to 1000";
         require(
             holds,
             "model.gravity_m_s2",
@@ -381,8 +383,16 @@ impl Scene {
     }
 }
 
+/// Most digits of a number that a message tells one by one.
+const MOST_DIGITS: usize = 24;
+
 /// The refusal of a value.
 pub(crate) fn bad(name: &str, value: String, requirement: &str) -> Error {
+    let (number, unit) = value.split_once(' ').unwrap_or((&value, ""));
+    let value = match number.parse::<f64>() {
+        Ok(parsed) if number.len() > MOST_DIGITS => format!("{parsed:e} {unit}").trim().into(),
+        _ => value,
+    };
     Error::BadValue {
         name: name.into(),
         value,

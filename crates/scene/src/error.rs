@@ -168,6 +168,14 @@ pub enum Error {
         /// Why.
         reason: String,
     },
+    /// A run was told to end before its end.
+    #[error("{file}: the run was stopped at {time:.2} s")]
+    Stopped {
+        /// The scene.
+        file: String,
+        /// How far it was, s.
+        time: f64,
+    },
     /// A run has left what can be believed.
     #[error("{file}: the run is stopped: {source}")]
     Unhealthy {

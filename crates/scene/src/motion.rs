@@ -1,5 +1,6 @@
 //! The time of a run: settling, the drive, the series that tells when the bed is steady, frames.
 
+use crate::bonded::BondedSeeds;
 use crate::build::Built;
 use crate::factory::Factory;
 use crate::start_slope::start_slope;
@@ -9,6 +10,7 @@ use dem_solver::{Motion, Snapshot, Template, World};
 use nalgebra::{Rotation3, Vector3};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::{PI, TAU};
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Time between the values of the series that decide whether the run is steady, s.
 pub(crate) const SERIES_INTERVAL: f64 = 0.02;
@@ -59,6 +61,9 @@ pub struct Progress {
     series: Vec<SeriesPoint>,
     /// Frames, each with the number of values of the series before it.
     frames: Vec<(usize, Frame)>,
+    /// Bonds that have broken, by their number; none where seeds are rigid.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    broken: Vec<usize>,
 }
 
 impl Progress {
@@ -82,6 +87,11 @@ pub trait Keeper {
     ///
     /// A state that cannot be kept, in words.
     fn keep(&mut self, progress: &Progress) -> Result<(), String>;
+
+    /// Whether the run is to end here, with its state kept.
+    fn is_stopped(&self) -> bool {
+        false
+    }
 }
 
 /// Keeps nothing.
@@ -98,14 +108,32 @@ impl Keeper for NoKeeper {
     }
 }
 
+/// Keeps nothing, and ends the run when a flag is raised.
+#[derive(Debug, Clone, Copy)]
+pub struct StopFlag<'a>(pub &'a AtomicBool);
+
+impl Keeper for StopFlag<'_> {
+    fn is_due(&mut self) -> bool {
+        false
+    }
+
+    fn keep(&mut self, _: &Progress) -> Result<(), String> {
+        Ok(())
+    }
+
+    fn is_stopped(&self) -> bool {
+        self.0.load(Ordering::SeqCst)
+    }
+}
+
 /// A run between its start and its end.
 pub(crate) struct Running<'a> {
     /// The scene.
     scene: &'a Scene,
     /// The world and what belongs to it.
     pub(crate) built: Built,
-    /// Time of the world when the drive started, s.
-    drive_since: Option<f64>,
+    /// Time of the world when the drive started, or the wall began to rise, s.
+    pub(crate) drive_since: Option<f64>,
     /// Time of one swing of the bed as it lay then, s.
     swing: Option<f64>,
     /// The bed since then.
@@ -143,7 +171,10 @@ impl<'a> Running<'a> {
             }
             built.world.insert(&inside)?;
         }
-        let kinds = &built.world.bodies().template;
+        let kinds = match &built.bonds {
+            Some(bonds) => &bonds.kinds(),
+            None => &built.world.bodies().template,
+        };
         if left.frames.iter().any(|(_, frame)| !frame.is_of(kinds)) {
             return Err(Error::NotKept {
                 file: scene.file.clone(),
@@ -151,6 +182,13 @@ impl<'a> Running<'a> {
             });
         }
         built.world.resume(left.world)?;
+        if let Some(bonds) = &mut built.bonds {
+            let known = bonds.set_broken(&left.broken);
+            known.map_err(|reason| Error::NotKept {
+                file: scene.file.clone(),
+                reason,
+            })?;
+        }
         if let (Some(since), Some(surroundings)) = (left.drive_since, &mut built.surroundings) {
             surroundings.start(since);
         }
@@ -164,15 +202,15 @@ impl<'a> Running<'a> {
         })
     }
 
-    /// Whether the drive runs already.
+    /// Whether the drive runs already, or the wall is on its way.
     pub(crate) fn is_driven(&self) -> bool {
         self.drive_since.is_some()
     }
 
-    /// Lets a keeper have the state, if it wants it.
-    fn offer(&self, keeper: &mut dyn Keeper) -> Result<(), Error> {
-        // What bonds have gone through is not part of a state.
-        if self.built.bonds.is_some() || !keeper.is_due() {
+    /// Lets a keeper have the state, if it wants it, and end the run.
+    pub(crate) fn offer(&self, keeper: &mut dyn Keeper) -> Result<(), Error> {
+        let stopped = keeper.is_stopped();
+        if !keeper.is_due() && !stopped {
             return Ok(());
         }
         let progress = Progress {
@@ -181,11 +219,19 @@ impl<'a> Running<'a> {
             swing: self.swing,
             series: self.series.clone(),
             frames: self.frames.clone(),
+            broken: (self.built.bonds.as_ref()).map_or_else(Vec::new, BondedSeeds::broken),
         };
         keeper.keep(&progress).map_err(|reason| Error::NotKept {
             file: self.scene.file.clone(),
             reason,
-        })
+        })?;
+        if stopped {
+            return Err(Error::Stopped {
+                file: self.scene.file.clone(),
+                time: self.built.world.time(),
+            });
+        }
+        Ok(())
     }
 }
 

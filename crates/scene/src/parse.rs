@@ -213,7 +213,7 @@ impl Scene {
 
 /// Text of a file.
 fn text_of(path: &Path) -> Result<String, Error> {
-    std::fs::read_to_string(path).map_err(|source| Error::Read {
+    input_file::read_text(path).map_err(|source| Error::Read {
         path: path.to_owned(),
         source,
     })

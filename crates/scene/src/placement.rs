@@ -9,6 +9,10 @@ use random_stream::Stream;
 /// Orientations tried at a place before it is left empty.
 pub(crate) const TRIES: usize = 60;
 
+/// Most seeds side by side across the apparatus: our choice, a hundred times the study's, far from a grid that cannot be
+/// gone through.
+const MOST_ACROSS: f64 = 3000.0;
+
 /// A body's outline: all points within `radius` of a segment along its x axis.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Capsule {
@@ -102,6 +106,15 @@ pub(crate) fn place(
     let largest = capsules.iter().fold(0.0_f64, |m, c| m.max(c.reach()));
     let thickest = capsules.iter().fold(0.0_f64, |m, c| m.max(c.radius));
     let count: usize = kinds.iter().map(|k| k.1).sum();
+    let [low, high] = room.apparatus.room();
+    let across = (high - low).max() / (2.0 * thickest);
+    if across.is_nan() || across > MOST_ACROSS {
+        return Err(Error::BadValue {
+            name: "size of the apparatus over that of the seeds".into(),
+            value: format!("{across:.0}"),
+            requirement: format!("at most {MOST_ACROSS}: take a smaller apparatus or larger seeds"),
+        });
+    }
     // At 2.5 radii the offsets of two round bodies cannot bring them together.
     let mut spacing = f64::max(2.0 * largest, 2.5 * thickest);
     let mut places = 0;
@@ -276,7 +289,7 @@ fn ticks(reach: f64, spacing: f64) -> Vec<f64> {
     }
     #[expect(
         clippy::cast_possible_truncation,
-        reason = "bounded by the apparatus: below 1e6"
+        reason = "bounded by MOST_ACROSS: below 1e6"
     )]
     let n = (2.0 * reach / spacing).min(1e6) as i32 + 1;
     let start = -0.5 * spacing * f64::from(n - 1);

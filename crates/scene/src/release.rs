@@ -1,7 +1,9 @@
 //! Heap and box collapse: fill, settle, lift a wall, wait for rest, read the slope.
 
 use crate::build::Built;
-use crate::motion::{NoKeeper, Running, SERIES_INTERVAL, advance, rest_energy, settle, snapshot};
+use crate::motion::{
+    Keeper, Progress, Running, SERIES_INTERVAL, advance, rest_energy, settle, snapshot,
+};
 use crate::outline::{FLANK, Outline, TOE, TOP, View};
 use crate::{Apparatus, Error, Frame, Further, Scene, SeedBody};
 use clump::Sphere;
@@ -20,19 +22,20 @@ pub(crate) struct Released {
     pub(crate) rested: bool,
 }
 
-/// Runs a release from its start.
-pub(crate) fn release(scene: &Scene, built: Built) -> Result<Released, Error> {
-    let mut running = Running::new(scene, built, None)?;
-    settle(&mut running, &mut NoKeeper)?;
-    let mut built = running.built;
-    for mesh in &built.meshes {
-        built.world.set_mesh_motion(&mesh.name, &mesh.motion)?;
+/// Runs a release from its start, or from where it was left.
+pub(crate) fn release(
+    scene: &Scene,
+    built: Built,
+    left: Option<Progress>,
+    keeper: &mut dyn Keeper,
+) -> Result<Released, Error> {
+    let mut running = Running::new(scene, built, left)?;
+    if !running.is_driven() {
+        settle(&mut running, keeper)?;
+        lift(&mut running)?;
     }
-    let start = built.world.time();
-    if let Some(surroundings) = &mut built.surroundings {
-        surroundings.start(start);
-    }
-    let rest = rest_energy(scene, &built.world);
+    let start = running.drive_since.unwrap_or(0.0);
+    let rest = rest_energy(scene, &running.built.world);
     // The wall must be out of the way before rest can mean anything.
     let lifted = match &scene.apparatus {
         Apparatus::Heap(heap) => heap.height.si() / heap.lift_speed.si(),
@@ -41,11 +44,13 @@ pub(crate) fn release(scene: &Scene, built: Built) -> Result<Released, Error> {
     };
     let limit = scene.protocol.rotation_limit.si();
     let mut rested = false;
-    while !rested && built.world.time() - start < limit {
-        advance(scene, &mut built, SERIES_INTERVAL)?;
-        let time = built.world.time() - start;
-        rested = time > lifted && built.world.kinetic_energy() < rest;
+    while !rested && running.built.world.time() - start < limit {
+        running.offer(keeper)?;
+        advance(scene, &mut running.built, SERIES_INTERVAL)?;
+        let world = &running.built.world;
+        rested = world.time() - start > lifted && world.kinetic_energy() < rest;
     }
+    let built = running.built;
     let frame = snapshot(&built, built.world.time() - start);
     let further = observables(scene, &frame, &built.bodies);
     Ok(Released {
@@ -54,6 +59,20 @@ pub(crate) fn release(scene: &Scene, built: Built) -> Result<Released, Error> {
         further,
         rested,
     })
+}
+
+/// Sets the wall in motion.
+fn lift(running: &mut Running<'_>) -> Result<(), Error> {
+    let built = &mut running.built;
+    for mesh in &built.meshes {
+        built.world.set_mesh_motion(&mesh.name, &mesh.motion)?;
+    }
+    let start = built.world.time();
+    if let Some(surroundings) = &mut built.surroundings {
+        surroundings.start(start);
+    }
+    running.drive_since = Some(start);
+    Ok(())
 }
 
 /// Slope, height and extent.

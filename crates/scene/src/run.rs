@@ -130,12 +130,13 @@ pub fn run(scene: &Scene, library: &FillingLibrary, seed: u64) -> Result<RunResu
 /// [`run`] with the steps spread over at most so many threads (one for each 500 bodies), from where a run
 /// of the same scene and seed was left, with its state kept on the way.
 ///
-/// The result is the same to the last bit for any number of threads, and as that of a run that was never left. The
-/// runs of a heap, of a box and of a bench test start anew and are not kept.
+/// The result is the same to the last bit for any number of threads, and as that of a run that was never left. A bench
+/// test starts anew and is not kept.
 ///
 /// # Errors
 ///
-/// As [`run`]; threads that cannot be had; a state that is of another scene, or that cannot be kept.
+/// As [`run`]; threads that cannot be had; a state that is of another scene, or that cannot be kept; a keeper that ends
+/// the run.
 pub fn run_on(
     scene: &Scene,
     library: &FillingLibrary,
@@ -149,7 +150,7 @@ pub fn run_on(
     }
     let built = build(scene, library, seed)?.on_threads(scene, threads)?;
     if scene.apparatus.is_release() {
-        return released(scene, built);
+        return released(scene, built, left, keeper);
     }
     let mut running = Running::new(scene, built, left)?;
     if !running.is_driven() {
@@ -274,8 +275,13 @@ impl RunResult {
 }
 
 /// The result of a release in the form of a run.
-fn released(scene: &Scene, built: Built) -> Result<RunResult, Error> {
-    let result = crate::release::release(scene, built)?;
+fn released(
+    scene: &Scene,
+    built: Built,
+    left: Option<Progress>,
+    keeper: &mut dyn Keeper,
+) -> Result<RunResult, Error> {
+    let result = crate::release::release(scene, built, left, keeper)?;
     let Built { world, bodies, .. } = result.built;
     Ok(RunResult {
         series: Vec::new(),

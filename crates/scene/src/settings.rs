@@ -299,9 +299,9 @@ impl Scene {
         let mut counts: Vec<usize> = self.seed.iter().map(|s| self.count_of(s)).collect();
         let mut rests = Vec::new();
         for (k, count) in counts.iter_mut().enumerate() {
-            let exact = *count * total;
-            rests.push((exact % before, k));
-            *count = exact / before;
+            let exact = *count as u128 * total as u128;
+            rests.push((exact % before as u128, k));
+            *count = usize::try_from(exact / before as u128).unwrap_or(usize::MAX);
         }
         let given: usize = counts.iter().sum();
         rests.sort_by(|a, b| b.0.cmp(&a.0).then(a.1.cmp(&b.1)));

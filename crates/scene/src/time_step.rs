@@ -86,7 +86,23 @@ impl TimeSteps {
             },
         };
         steps.resolve_vibrations(scene)?;
-        Ok(steps.halved(scene))
+        let steps = steps.halved(scene);
+        steps.suit_times(scene)?;
+        Ok(steps)
+    }
+
+    /// Refuses steps longer than the time between two looks at the bed, and ones so short that the run would not end.
+    fn suit_times(self, scene: &Scene) -> Result<(), Error> {
+        for step in [self.settling, self.flow] {
+            if let Some(limit) = scene.protocol.limit_of_step(step) {
+                return Err(Error::BadValue {
+                    name: "the time step, which follows from material.*.shear_modulus, seeds and model,".into(),
+                    value: format!("{step:.1e} s"),
+                    requirement: limit,
+                });
+            }
+        }
+        Ok(())
     }
 
     /// The steps, halved as often as the protocol says.
@@ -99,12 +115,19 @@ impl TimeSteps {
     }
 
     /// The steps, each at most a length (s), which is halved as they are.
-    pub(crate) fn at_most(self, scene: &Scene, longest: f64) -> Self {
+    ///
+    /// # Errors
+    ///
+    /// Steps so short that the run would not end.
+    pub(crate) fn at_most(self, scene: &Scene, longest: f64) -> Result<Self, Error> {
         let longest = longest * 0.5_f64.powf(f64::from(scene.protocol.halvings));
-        Self {
+        let steps = Self {
             settling: self.settling.min(longest),
             flow: self.flow.min(longest),
-        }
+        };
+        let suited = steps.suit_times(scene);
+        suited.map_err(|error| error.in_file(&scene.file))?;
+        Ok(steps)
     }
 
     /// Refuses a vibration with fewer than 20 steps in a swing.

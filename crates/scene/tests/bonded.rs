@@ -11,6 +11,7 @@ fn drum() -> Scene {
         ("seed.0.count", "4"),
         ("seed.1.count", "1"),
         ("protocol.frames", "2"),
+        ("protocol.frame_interval", "0.02 s"),
         ("protocol.settle_limit", "0.12 s"),
         ("time_s", "0.04"),
     ])

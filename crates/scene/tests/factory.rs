@@ -12,6 +12,7 @@ fn drum() -> Scene {
         ("seed.0.count", "50"),
         ("seed.1.count", "6"),
         ("protocol.frames", "2"),
+        ("protocol.frame_interval", "0.04 s"),
         ("time_s", "0.1"),
     ]);
     scene.protocol.insertion_rate = Some("300 1/s".parse().expect("a rate"));

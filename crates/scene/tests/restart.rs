@@ -2,7 +2,11 @@
 
 mod coarse;
 
-use scene::{Ending, FillingLibrary, Keeper, Progress, RunResult, Scene, run, run_on};
+use scene::{
+    BondedSettings, Ending, FillingLibrary, Keeper, Progress, RunResult, Scene, StopFlag, run,
+    run_on,
+};
+use std::sync::atomic::AtomicBool;
 
 /// Few coarse seeds in a slice of the study's drum, for a second.
 fn drum() -> Scene {
@@ -19,6 +23,60 @@ fn drum() -> Scene {
 fn drum_with_factory() -> Scene {
     let mut scene = drum();
     scene.protocol.insertion_rate = Some("300 1/s".parse().expect("a rate"));
+    scene
+}
+
+/// A few coarse seeds in a cylinder that is lifted; all rest after some 0.6 s.
+fn heap() -> Scene {
+    coarse::of_file(
+        "heap.toml",
+        &[
+            ("apparatus.inner_diameter", "24 mm"),
+            ("apparatus.height", "40 mm"),
+            ("apparatus.lift_speed", "200 mm/s"),
+            ("seed.0.count", "24"),
+            ("protocol.settle_limit", "0.2 s"),
+            ("time_s", "1"),
+        ],
+    )
+}
+
+/// A few coarse seeds in a box whose gate is lifted.
+fn box_collapse() -> Scene {
+    coarse::of_file(
+        "box.toml",
+        &[
+            ("apparatus.length", "30 mm"),
+            ("apparatus.height", "40 mm"),
+            ("apparatus.width", "24 mm"),
+            ("apparatus.lift_speed", "200 mm/s"),
+            ("seed.0.count", "24"),
+            ("protocol.settle_limit", "0.2 s"),
+            ("time_s", "1"),
+        ],
+    )
+}
+
+/// Seeds whose bonds are so weak that some break in the fall, and others later.
+fn bonded() -> Scene {
+    let mut scene = coarse::drum(&[
+        ("apparatus.inner_diameter", "40 mm"),
+        ("seed.0.count", "4"),
+        ("seed.1.count", "1"),
+        ("protocol.frames", "2"),
+        ("protocol.frame_interval", "0.02 s"),
+        ("protocol.settle_limit", "0.12 s"),
+        ("time_s", "0.08"),
+    ]);
+    let stress = || "1 Pa".parse().expect("a stress");
+    scene.model.bonds = Some(BondedSettings {
+        normal_stiffness_n_m3: 3e8,
+        shear_stiffness_n_m3: 1.2e8,
+        radius: "0.8 mm".parse().expect("a length"),
+        largest_gap: "0.25 mm".parse().expect("a length"),
+        damping_ratio: 0.3,
+        strength: Some([stress(), stress()]),
+    });
     scene
 }
 
@@ -55,14 +113,45 @@ fn all_of(result: &RunResult) -> String {
 /// text, read and continued: every digit is that of the run that was never stopped.
 #[test]
 fn a_run_that_was_stopped_goes_on_with_the_same_bits() {
-    goes_on_with_the_same_bits(&drum());
-    goes_on_with_the_same_bits(&drum_with_factory());
+    goes_on_with_the_same_bits(&drum(), &[5, 40, 60]);
+    goes_on_with_the_same_bits(&drum_with_factory(), &[5, 40, 60]);
 }
 
-fn goes_on_with_the_same_bits(scene: &Scene) {
+/// The same for a wall that is lifted: while the seeds fall, when it has just begun to rise, and while it is on its way.
+#[test]
+fn a_release_that_was_stopped_goes_on_with_the_same_bits() {
+    goes_on_with_the_same_bits(&heap(), &[3, 11, 20]);
+    goes_on_with_the_same_bits(&box_collapse(), &[3, 11, 20]);
+}
+
+/// The same for bonds that break: those that are broken stay so.
+#[test]
+fn bonded_seeds_that_were_stopped_go_on_with_the_same_bits() {
+    let broken = |result: &RunResult| {
+        let mut all = result.further.iter();
+        all.find(|f| f.name == "broken_bonds").map(|f| f.values[0])
+    };
+    let result = run(&bonded(), &FillingLibrary::default(), 3).expect("runs");
+    assert!(broken(&result) > Some(0.0), "{:?}", broken(&result));
+    goes_on_with_the_same_bits(&bonded(), &[4, 8]);
+}
+
+/// A raised flag ends a run at the next look at the bed.
+#[test]
+fn a_run_ends_when_its_flag_is_raised() {
+    let raised = AtomicBool::new(true);
+    let library = FillingLibrary::default();
+    for scene in [drum(), heap()] {
+        let told = run_on(&scene, &library, 3, 1, None, &mut StopFlag(&raised));
+        let told = told.unwrap_err().to_string();
+        assert!(told.contains("was stopped at 0.02 s"), "{told}");
+    }
+}
+
+fn goes_on_with_the_same_bits(scene: &Scene, stops: &[usize]) {
     let library = FillingLibrary::default();
     let whole = all_of(&run(scene, &library, 3).expect("runs"));
-    for intervals in [5, 40, 60] {
+    for &intervals in stops {
         let mut stop = StopAfter {
             left: intervals,
             text: None,

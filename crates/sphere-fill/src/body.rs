@@ -7,7 +7,7 @@ use nalgebra::Vector3;
 use trimesh::{SignedDistance, TriMesh, VolumeMoments};
 
 /// Most spheres of a filling: beyond, a file or a simulation is not what was meant.
-const MOST_SPHERES: usize = 200_000;
+pub(crate) const MOST_SPHERES: usize = 200_000;
 
 /// A closed body with its distance field.
 #[derive(Debug)]

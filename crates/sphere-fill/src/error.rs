@@ -51,6 +51,16 @@ pub enum Error {
         /// Largest number allowed.
         limit: usize,
     },
+    /// More was asked for than is done.
+    #[error("{what} {value:e} is asked for; the most is {most}")]
+    TooMuch {
+        /// What.
+        what: &'static str,
+        /// The value.
+        value: f64,
+        /// The most.
+        most: f64,
+    },
     /// The number of spheres asked for was not reached.
     #[error(
         "{asked} spheres of radius {} mm were asked for in {mesh}, {reached} were placed; raise the \

@@ -1,7 +1,14 @@
 //! What to fill a body with.
 
+use crate::body::MOST_SPHERES;
 use crate::{Error, Target};
 use serde::{Deserialize, Serialize};
+
+/// Greatest effort: a quarter of an hour for 150 spheres. Our choice.
+const MOST_EFFORT: f64 = 1000.0;
+
+/// Most spheres on the axis of a body, each of which is as deep as the body there: some seconds. Our choice.
+const MOST_ON_AXIS: usize = 10_000;
 
 /// How spheres are placed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
@@ -67,16 +74,34 @@ impl FillSettings {
     ///
     /// # Errors
     ///
-    /// A radius, effort or roughness that is not positive and finite; a count of 0.
+    /// A radius, effort or roughness that is not positive and finite; a count of 0; more effort or spheres than is
+    /// done.
     pub fn check(&self) -> Result<(), Error> {
         positive("the sphere radius in m", self.radius)?;
         positive("the effort", self.effort)?;
+        at_most("effort", self.effort, MOST_EFFORT)?;
         positive("the roughness in m", self.roughness.unwrap_or(1.0))?;
+        let most = match self.method {
+            Method::Favier => MOST_ON_AXIS,
+            _ => MOST_SPHERES,
+        };
+        for (what, count) in [("count", self.count), ("max-spheres", self.max_spheres)] {
+            at_most(what, count.unwrap_or(1) as f64, most as f64)?;
+        }
         self.target.map_or(Ok(()), |target| target.check())?;
         if self.count == Some(0) || self.max_spheres == Some(0) {
             return Err(Error::NoSpheresAsked);
         }
         Ok(())
+    }
+}
+
+/// Refuses what asks for more than is done.
+fn at_most(what: &'static str, value: f64, most: f64) -> Result<(), Error> {
+    if value <= most {
+        Ok(())
+    } else {
+        Err(Error::TooMuch { what, value, most })
     }
 }
 

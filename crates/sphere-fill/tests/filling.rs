@@ -373,3 +373,30 @@ fn a_plate_of_one_sphere_thickness_is_filled_with_a_layer() {
     assert!(filling.report.max_protrusion < 1e-2 * radius);
     assert!(filling.report.max_overlap < 1e-3 * radius);
 }
+
+/// More than is done is refused before anything is searched; the most of each is accepted. A search of an effort of 1e6 takes
+/// days, and each sphere on the axis of a body a millisecond.
+#[test]
+fn more_work_than_is_done_is_refused() {
+    let base = FillSettings::new(RADIUS);
+    let favier = FillSettings {
+        method: Method::Favier,
+        ..base
+    };
+    let effort = |effort| FillSettings { effort, ..base };
+    let count = |base: FillSettings, count| FillSettings {
+        count: Some(count),
+        ..base
+    };
+    for (settings, word) in [
+        (effort(1e6), "effort 1e6"),
+        (count(base, 200_001), "the most is 200000"),
+        (count(favier, 1_000_000), "the most is 10000"),
+    ] {
+        let told = settings.check().unwrap_err().to_string();
+        assert!(told.contains(word), "{told}");
+    }
+    for settings in [effort(1000.0), count(base, 200_000), count(favier, 10_000)] {
+        settings.check().unwrap();
+    }
+}

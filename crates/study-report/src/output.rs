@@ -69,7 +69,9 @@ fn write_parts(folder: &Path, pictures: &[NamedPicture], tables: &[CsvTable]) ->
 pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), Error> {
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     let aside = path.with_file_name(format!(".{name}.{}.aside", std::process::id()));
-    let written = File::create(&aside)
+    // What a process of this number left behind, or a link that somebody planted, is not written through.
+    let _ = std::fs::remove_file(&aside);
+    let written = File::create_new(&aside)
         .and_then(|mut file| file.write_all(bytes).and_then(|()| file.sync_all()))
         .and_then(|()| std::fs::rename(&aside, path));
     if written.is_err() {

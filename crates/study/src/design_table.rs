@@ -133,6 +133,11 @@ impl DesignTable {
         &self.runs
     }
 
+    /// The scenes that are run.
+    pub fn scenes(&self) -> impl Iterator<Item = &Scene> {
+        self.models.values()
+    }
+
     /// What is asked of the simulator, in the order of the runs.
     pub fn requests(&self) -> Vec<RunRequest> {
         self.runs.iter().map(|run| run.request.clone()).collect()
@@ -252,7 +257,7 @@ fn factors_of(choices: &DesignChoices) -> Result<BTreeMap<String, Factor>, Error
 
 /// The text of a file.
 fn text_of(path: &Path) -> Result<String, Error> {
-    let bytes = std::fs::read(path).map_err(|source| Error::Read {
+    let bytes = input_file::read(path).map_err(|source| Error::Read {
         path: path.to_owned(),
         source,
     })?;

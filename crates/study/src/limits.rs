@@ -10,6 +10,28 @@ const MOST_FRICTION: f64 = 2.0;
 /// material reaches. Our choice.
 const RESTITUTION: [f64; 2] = [0.001, 0.999];
 
+/// Largest size of a number in a study file. Squares and products of such numbers are still finite, and no quantity of
+/// seeds comes near it in any unit. Our choice.
+pub(crate) const MOST: f64 = 1e15;
+
+/// Most runs that one key of `[design]` can ask for: our choice, a hundred times the usual.
+pub(crate) const MOST_RUNS: usize = 1000;
+
+/// Longest time of a run of a program of the user, s: a year.
+pub(crate) const MOST_TIME_S: f64 = 3.2e7;
+
+/// Between which values the mean of an observable can lie, by its name, with its unit.
+pub(crate) fn range_of(observable: &str) -> ([f64; 2], &'static str) {
+    match observable {
+        // The slope of a surface, always that of the side that stands higher.
+        "angle_deg" | "angle_of_repose_deg" => ([0.0, 90.0], " deg"),
+        "fill_level" => ([0.0, 1.0], ""),
+        _ if observable.ends_with("_deg") => ([-360.0, 360.0], " deg"),
+        _ if observable.starts_with("shown_") => ([0.0, MOST], ""),
+        _ => ([-MOST, MOST], ""),
+    }
+}
+
 /// The limits of a setting by the last word of its path; none where nothing is known of it.
 pub(crate) fn physical_limits(path: &str) -> Option<[f64; 2]> {
     match path.rsplit('.').next() {
@@ -21,7 +43,15 @@ pub(crate) fn physical_limits(path: &str) -> Option<[f64; 2]> {
 
 #[cfg(test)]
 mod tests {
-    use super::physical_limits;
+    use super::{physical_limits, range_of};
+
+    /// An inclination is between level and upright; of a name that says nothing nothing is known.
+    #[test]
+    fn angles_have_a_range_by_their_name() {
+        assert_eq!(range_of("angle_deg"), ([0.0, 90.0], " deg"));
+        assert_eq!(range_of("toe_position_deg"), ([-360.0, 360.0], " deg"));
+        assert_eq!(range_of("flow_g_s").0, [-1e15, 1e15]);
+    }
 
     #[test]
     fn only_what_is_known_has_limits_of_its_own() {

@@ -3,13 +3,13 @@
 use crate::defaults::Defaults;
 use crate::document::{Document, below};
 use crate::file::ParameterEntry;
-use crate::limits::physical_limits;
+use crate::limits::{MOST, physical_limits};
 use crate::problem::{Problem, Problems};
 use crate::scenes::Models;
 use crate::setting::{change, leaf, number, paths, table_of};
 use calibration::{MOST_PARAMETERS, Parameter};
 use experiment_design::Factor;
-use scene::Scene;
+use scene::{FillingLibrary, Scene};
 use toml::Table;
 
 /// Refuses counts, symbols and paths that stand there twice.
@@ -62,6 +62,8 @@ pub(crate) struct Resolver<'a> {
     pub(crate) complete: bool,
     /// Settings of each scene, in the order of the file.
     pub(crate) tables: &'a [(&'a Scene, Table)],
+    /// Bodies of the seeds; none where a program of the user knows them.
+    pub(crate) fillings: Option<&'a FillingLibrary>,
 }
 
 impl Resolver<'_> {
@@ -90,6 +92,9 @@ impl Resolver<'_> {
         self.check_numbers(entry, limits, problems);
         if problems.count() == before {
             self.check_ends(entry, limits, problems);
+        }
+        if problems.count() == before {
+            self.check_builds(entry, problems);
         }
         let start = entry.start.or_else(|| {
             let value = standing?;
@@ -223,8 +228,10 @@ impl Resolver<'_> {
     /// Refuses numbers that are out of order.
     fn check_numbers(&self, entry: &ParameterEntry, limits: [f64; 2], problems: &mut Problems) {
         let (low, high, [least, most]) = (entry.low, entry.high, limits);
-        if !(least.is_finite() && most.is_finite() && least < most) {
-            let problem = format!("{least} to {most} must be two finite numbers that rise");
+        if !(-MOST <= least && least < most && most <= MOST) {
+            let problem = format!(
+                "{least:e} to {most:e} must be two numbers that rise, of a size of 1e15 at most"
+            );
             problems.add(self.wrong(entry, "limits", problem));
         }
         if !(low.is_finite() && high.is_finite() && low < high) {
@@ -242,10 +249,10 @@ impl Resolver<'_> {
             }
         }
         if let Some(prior) = entry.prior
-            && !(prior.mean.is_finite() && prior.sd.is_finite() && prior.sd > 0.0)
+            && !(prior.mean.abs() <= MOST && prior.sd > 0.0 && prior.sd <= MOST)
         {
             let problem = format!(
-                "{} +- {} needs a finite mean and an sd above 0",
+                "{:e} +- {:e} needs a mean of a size of 1e15 at most and an sd above 0, at most 1e15",
                 prior.mean, prior.sd
             );
             problems.add(self.wrong(entry, "prior", problem));
@@ -271,6 +278,30 @@ impl Resolver<'_> {
                     );
                     problems.add(self.wrong(entry, "limits", problem));
                 }
+            }
+        }
+    }
+}
+
+impl Resolver<'_> {
+    /// Refuses a range at whose ends a measured scene cannot be built, such as seeds that do not fit any more; contacts
+    /// build nothing.
+    fn check_builds(&self, entry: &ParameterEntry, problems: &mut Problems) {
+        let Some(fillings) = self.fillings else {
+            return;
+        };
+        if entry.sets.iter().all(|path| path.starts_with("contact.")) {
+            return;
+        }
+        for model in 0..self.models.models.len() {
+            for (key, value) in [("low", entry.low), ("high", entry.high)] {
+                let Some(Err(error)) = self.models.built_at(model, entry, value, fillings) else {
+                    continue;
+                };
+                let name = &self.models.models[model].name;
+                let problem =
+                    format!("= {value} is where {name} cannot be built: {error}; narrow the range");
+                problems.add(self.wrong(entry, key, problem));
             }
         }
     }

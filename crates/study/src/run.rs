@@ -9,6 +9,7 @@ use campaign::{Campaign, Executor, Pace, Progress};
 use run_store::{Lookup, Record, Store};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
@@ -23,8 +24,9 @@ pub struct RunSettings<'a> {
     pub folder: PathBuf,
     /// Hears of each run.
     pub progress: &'a dyn Progress,
-    /// Once it is true no further run begins.
-    pub stop: &'a AtomicBool,
+    /// Once it is true no further run begins, and [`run_diagnosis`] breaks running ones off, see
+    /// [`StudySimulator::with_stop`].
+    pub stop: &'a Arc<AtomicBool>,
     /// How often [`run_diagnosis`] tries a run again that diverges, see [`StudySimulator::with_retries`].
     pub retries: u32,
     /// Does the runs in place of the threads of this process.
@@ -157,7 +159,9 @@ pub fn run_diagnosis(
 ) -> Result<DiagnosisResult, Error> {
     let begin = Instant::now();
     let simulator = study.simulator(&settings.folder)?;
-    let simulator = simulator.with_retries(settings.retries);
+    let simulator = simulator
+        .with_retries(settings.retries)
+        .with_stop(settings.stop);
     let store = Store::open(settings.folder.join("runs"))?;
     let pace = Pace::new();
     let campaign = settings.campaign(&store, &pace);

@@ -165,22 +165,40 @@ impl Models {
     /// Whether a run of a model depends on a parameter: at its two ends of the range the scene differs in what can
     /// matter.
     pub(crate) fn depends_on(&self, model: usize, entry: &ParameterEntry) -> bool {
-        let Some(scene) = self.scenes.get(model) else {
-            return false;
+        let at = |value| {
+            let scene = self.at(model, entry, value)?;
+            // A value that the scene refuses is told elsewhere.
+            Some(scene.ok().map(|scene| scene.reduced()))
         };
+        at(entry.low) != at(entry.high)
+    }
+
+    /// Whether a model can be built at a value of a parameter; none where it has none of its settings.
+    pub(crate) fn built_at(
+        &self,
+        model: usize,
+        entry: &ParameterEntry,
+        value: f64,
+        fillings: &FillingLibrary,
+    ) -> Option<Result<(), scene::Error>> {
+        let scene = self.at(model, entry, value)?;
+        Some(scene.and_then(|scene| scene.build_check(fillings)))
+    }
+
+    /// The scene of a model at a value of a parameter; none where it has none of its settings.
+    fn at(
+        &self,
+        model: usize,
+        entry: &ParameterEntry,
+        value: f64,
+    ) -> Option<Result<Scene, scene::Error>> {
+        let scene = self.scenes.get(model)?;
         let table = table_of(scene);
-        let of_scene: Vec<&String> = entry
-            .sets
-            .iter()
-            .filter(|p| leaf(&table, p).is_some())
+        let of_scene = entry.sets.iter().filter(|p| leaf(&table, p).is_some());
+        let changes: Vec<Override> = of_scene
+            .map(|path| change(path, value, entry.unit.as_deref()))
             .collect();
-        let at = |value: f64| {
-            let change = |path: &&String| change(path, value, entry.unit.as_deref());
-            let changes: Vec<Override> = of_scene.iter().map(change).collect();
-            scene.with(&changes).ok().map(|scene| scene.reduced())
-        };
-        // A value that the scene refuses is told elsewhere.
-        !of_scene.is_empty() && at(entry.low) != at(entry.high)
+        (!changes.is_empty()).then(|| scene.with(&changes))
     }
 }
 

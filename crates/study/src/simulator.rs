@@ -5,6 +5,8 @@ use external_simulator::{CommandSimulator, PeerSimulator};
 use scene::FillingLibrary;
 use scene_simulator::SceneSimulator;
 use serde_json::Value;
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 
 /// The simulator of a study.
 #[derive(Debug)]
@@ -34,6 +36,16 @@ impl StudySimulator {
         match self {
             Self::Own(scenes) => Self::Own(scenes.with_retries(retries)),
             other => other,
+        }
+    }
+
+    /// Honours a flag: once it is true running runs end soon, without a result, and so do the programs that do them.
+    #[must_use]
+    pub fn with_stop(self, stop: &Arc<AtomicBool>) -> Self {
+        match self {
+            Self::Own(scenes) => Self::Own(scenes.with_stop(stop)),
+            Self::Peer(peer) => Self::Peer(peer.with_stop(stop)),
+            Self::Command(command) => Self::Command(command.with_stop(stop)),
         }
     }
 

@@ -80,7 +80,7 @@ type Values = BTreeMap<String, (String, f64)>;
 
 /// Those of a `result.json`.
 fn of_result(file: &Path) -> Result<Values, Error> {
-    let bytes = std::fs::read(file).map_err(|source| Error::Read {
+    let bytes = input_file::read(file).map_err(|source| Error::Read {
         path: file.to_owned(),
         source,
     })?;

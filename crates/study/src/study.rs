@@ -71,7 +71,7 @@ impl Study {
     /// [`Error::Read`] for a file that cannot be read, [`Error::Problems`] with everything that is wrong, each with file,
     /// line where it is known, key, value and the way out.
     pub fn read(path: &Path, profile: Option<&str>) -> Result<Self, Error> {
-        let text = std::fs::read_to_string(path).map_err(|source| Error::Read {
+        let text = input_file::read_text(path).map_err(|source| Error::Read {
             path: path.to_owned(),
             source,
         })?;
@@ -351,6 +351,7 @@ impl Checker<'_> {
             scenes_known: false,
             complete: false,
             tables: &[],
+            fillings: None,
         };
         let all = file.parameters.iter();
         let parameters = all
@@ -433,6 +434,7 @@ impl Checker<'_> {
             scenes_known: scenes.by_name.len() == self.file.scenes.len(),
             complete: measured_well,
             tables: &tables,
+            fillings: measured_well.then_some(&scenes.fillings),
         };
         let problems = &mut self.problems;
         let all = self.file.parameters.iter();

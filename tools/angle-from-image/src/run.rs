@@ -18,7 +18,7 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
     let settings = arguments.settings();
     settings.check()?;
     let files = picture_files(&arguments.photos)?;
-    refuse_existing(arguments, files.len())?;
+    try_outputs(arguments, files.len())?;
     let mut images = Vec::new();
     for file in &files {
         arguments
@@ -77,11 +77,10 @@ fn read(file: &Path) -> anyhow::Result<ReadFile> {
     })
 }
 
-/// Refuses overlays that are no PNG, and overlays and JSON that exist, before any work is done.
+/// Refuses overlays that are no PNG, and overlays and JSON that cannot be written, before any work is done.
 ///
 /// How many frames an animation has is not known here; a later overlay that exists stops the run.
-fn refuse_existing(arguments: &Arguments, n_files: usize) -> anyhow::Result<()> {
-    let common = &arguments.common;
+fn try_outputs(arguments: &Arguments, n_files: usize) -> anyhow::Result<()> {
     if let Some(out) = &arguments.overlay {
         anyhow::ensure!(
             out.extension()
@@ -90,21 +89,15 @@ fn refuse_existing(arguments: &Arguments, n_files: usize) -> anyhow::Result<()> 
             out.display()
         );
     }
-    let json = common.json.iter().filter(|_| !common.json_on_stdout());
     let overlays = arguments.overlay.iter().flat_map(|out| {
         let several = (1..=n_files).map(|number| numbered(out, number));
         several
             .filter(move |_| n_files > 1)
             .chain((n_files == 1).then(|| out.clone()))
     });
-    for file in overlays.chain(json.cloned()) {
-        anyhow::ensure!(
-            common.force || !file.exists(),
-            "{} exists: say --force to overwrite it, or give another name",
-            file.display()
-        );
-    }
-    Ok(())
+    arguments
+        .common
+        .try_outputs(&overlays.collect::<Vec<PathBuf>>())
 }
 
 /// The picture, straightened where corners are given.

@@ -39,7 +39,8 @@ fn run(arguments: &Arguments) -> anyhow::Result<u8> {
         (None, Some(asked)) => Some(choose_format(Some(asked), "".as_ref())?),
         (None, None) => None,
     };
-    refuse_existing(arguments)?;
+    let outputs = [&arguments.out, &arguments.preview, &arguments.html];
+    common.try_outputs(outputs.into_iter().flatten())?;
     let start = Instant::now();
     let read = read_body(arguments)?;
     let header = Header::new(
@@ -175,19 +176,6 @@ fn settings_of(arguments: &Arguments, radius: &str) -> anyhow::Result<FillSettin
     };
     settings.check()?;
     Ok(settings)
-}
-
-/// Refuses output files that exist before the work is done.
-fn refuse_existing(arguments: &Arguments) -> anyhow::Result<()> {
-    let outputs = [&arguments.out, &arguments.preview, &arguments.html];
-    for file in outputs.into_iter().flatten() {
-        anyhow::ensure!(
-            arguments.common.force || !file.exists(),
-            "{} exists: say --force to overwrite it, or give another name",
-            file.display()
-        );
-    }
-    Ok(())
 }
 
 /// Whether an error is an answer (exit 1) and not a fault of the input (exit 2).

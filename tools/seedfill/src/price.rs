@@ -181,7 +181,7 @@ impl Timing {
     /// Reads the JSON that `seedloop simulate --json FILE` wrote.
     fn read(file: &Path) -> anyhow::Result<Self> {
         let name = file.display();
-        let text = std::fs::read_to_string(file).with_context(|| format!("cannot read {name}"))?;
+        let text = input_file::read_text(file).with_context(|| format!("cannot read {name}"))?;
         let run: serde_json::Value =
             serde_json::from_str(&text).with_context(|| format!("{name} is no JSON"))?;
         let number = |key: &str| {

@@ -14,7 +14,7 @@ use trimesh::LengthUnit;
 /// A file that cannot be read, a line without four finite numbers, a radius that is not positive.
 pub(crate) fn read_spheres(file: &Path, unit: LengthUnit) -> anyhow::Result<Vec<Sphere>> {
     let text =
-        std::fs::read_to_string(file).with_context(|| format!("cannot read {}", file.display()))?;
+        input_file::read_text(file).with_context(|| format!("cannot read {}", file.display()))?;
     let mut spheres = Vec::new();
     for (index, line) in text.lines().enumerate() {
         let line = line.trim();

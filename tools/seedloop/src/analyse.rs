@@ -13,7 +13,7 @@ use std::path::PathBuf;
 use anyhow::ensure;
 use beside::beside;
 use clap::ValueEnum;
-use command_line::{Common, DONE, Header, write_new};
+use command_line::{Common, DONE, Header, try_folder, write_new};
 use response_surface::{
     BoxCox, Categorical, CategoricalModel, Contrasts, Fit, GroupRow, InteractionStep, Model,
     NamedValues, Observations, Orders, Pareto, RandomBlocks, ReductionRule, ReductionStep, Regime,
@@ -233,6 +233,8 @@ struct Report<'a> {
 /// Files that cannot be read or written, columns that are missing, terms that the runs cannot
 /// separate.
 pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
+    arguments.common.try_outputs(&arguments.html)?;
+    arguments.plots.as_deref().map_or(Ok(()), try_folder)?;
     if arguments.groups {
         return groups::run(arguments);
     }

@@ -95,6 +95,7 @@ struct Report {
 /// A table or scene that cannot be read, a test that does not come to its end.
 pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
     let common = &arguments.common;
+    common.try_outputs([])?;
     let report = match (&arguments.scene, &arguments.data) {
         (Some(file), _) => simulated(arguments, file)?,
         (None, Some(file)) => measured(arguments.test, file)?,
@@ -135,7 +136,7 @@ fn test_of(kind: Kind) -> Test {
 /// Reads a table.
 fn measured(kind: Kind, file: &Path) -> anyhow::Result<Report> {
     let name = file.display().to_string();
-    let text = std::fs::read_to_string(file).with_context(|| format!("cannot read {name}"))?;
+    let text = input_file::read_text(file).with_context(|| format!("cannot read {name}"))?;
     let test = test_of(kind);
     Ok(Report {
         header: Header::new(None, [file])?,

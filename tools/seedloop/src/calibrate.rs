@@ -3,12 +3,13 @@
 mod report;
 mod text;
 
+use crate::enter::{enter, require_memory, work_of};
 use crate::runner::{Retries, Runner, whole};
-use crate::stop::{self, result_or_stopped};
+use crate::stop::Stop;
 use crate::work::Job;
 use anyhow::Context as _;
 use campaign::{Executor, LineProgress};
-use command_line::{Common, DONE, NOT_MET, Overwrite};
+use command_line::{Common, DONE, NOT_MET, Overwrite, try_folder};
 use std::path::{Path, PathBuf};
 use study::{RunSettings, Study, plan_study, run_study, write_hand_over, write_result};
 
@@ -56,7 +57,7 @@ pub(crate) struct Arguments {
 /// Bad input, runs that failed, files that cannot be written.
 pub(crate) fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<u8> {
     let study = Study::read(&arguments.study, arguments.profile.as_deref())?;
-    common.refuse_existing_json()?;
+    common.try_outputs([])?;
     let out = arguments.out.clone();
     let folder = out.unwrap_or_else(|| PathBuf::from("out").join(study.folder_name()));
     let price = plan_study(&study, arguments.seed, &folder)?;
@@ -66,11 +67,21 @@ pub(crate) fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<u8> 
         common.emit_json(&price)?;
         return Ok(DONE);
     }
+    try_folder(&folder)?;
     refuse_used_folder(&folder, arguments.resume, common)?;
+    require_memory(study.models.values(), common.threads())?;
+    let work = work_of(
+        "calibrate",
+        &study.inputs,
+        &(&study.profile, arguments.seed),
+    );
+    let _owner = enter(&folder, &work, common)?;
     common.log(|| plan.trim_end().to_owned());
     let retries = arguments.retries.number;
+    let stop = Stop::of_runs(&folder)?;
     let simulator = study.simulator(&folder)?.with_retries(retries);
-    let (progress, stop) = (progress_lines(common), stop::flag()?);
+    let simulator = simulator.with_stop(stop.flag());
+    let progress = progress_lines(common);
     let job = |folder: &Path| of_study(&study, folder, retries);
     let executor = (arguments.runner).executor(job, &folder, &study.file.runner, common)?;
     let settings = RunSettings {
@@ -78,13 +89,13 @@ pub(crate) fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<u8> 
         threads: common.threads(),
         folder: folder.clone(),
         progress: &progress,
-        stop: &stop,
+        stop: stop.flag(),
         retries,
         executor: executor.as_ref().map(|e| e as &dyn Executor),
     };
     let announce = |stage: &str| common.log(|| format!("== {stage}"));
     let done = run_study(&study, &simulator, &settings, &announce);
-    let mut result = match result_or_stopped(done, &folder)? {
+    let mut result = match stop.result(done)? {
         Ok(result) => result,
         Err(code) => return Ok(code),
     };

@@ -3,7 +3,6 @@
 mod categories;
 mod make;
 
-use std::fs;
 use std::path::PathBuf;
 
 use anyhow::{Context as _, ensure};
@@ -154,8 +153,10 @@ enum Axial {
 /// # Errors
 /// Files that cannot be read or written, factors or counts that the design does not exist for.
 pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
+    arguments.common.try_outputs([&arguments.out])?;
     let path = &arguments.factors;
-    let bytes = fs::read(path).with_context(|| format!("cannot read {}", path.display()))?;
+    let bytes =
+        input_file::read(path).with_context(|| format!("cannot read {}", path.display()))?;
     let factors =
         factors_from_csv(&text_of_bytes(&bytes)).with_context(|| path.display().to_string())?;
     let Made { mut design, facts } = make::make(arguments, &factors)?;

@@ -72,6 +72,7 @@ struct Report<'a> {
 /// A file that cannot be read, or holds neither a problem nor a study; runs that failed.
 pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
     let (path, common) = (&arguments.file, &arguments.common);
+    common.try_outputs([])?;
     let is_study = path
         .extension()
         .is_some_and(|end| end.eq_ignore_ascii_case("toml"));

@@ -6,12 +6,13 @@ mod report;
 
 use crate::calibrate::{of_study, progress_lines, refuse_used_folder};
 use crate::diagnose::{evidence_text, exit_code};
+use crate::enter::{enter, require_memory, work_of};
 use crate::runner::Runner;
-use crate::stop::{self, result_or_stopped};
+use crate::stop::Stop;
 use anyhow::Context as _;
 use calibration::{DiagnosisStage, ResidualStudy};
 use campaign::Executor;
-use command_line::{Common, DONE, NOT_MET};
+use command_line::{Common, DONE, NOT_MET, try_folder};
 use residual_diagnosis::Diagnosis;
 use serde::Serialize;
 use std::fmt::Write as _;
@@ -64,7 +65,6 @@ pub(crate) fn run(path: &Path, options: &Options, common: &Common) -> anyhow::Re
         Some(file) => study.values_from(file)?,
         None => study.start_values(),
     };
-    common.refuse_existing_json()?;
     let folder = options
         .out
         .clone()
@@ -77,9 +77,18 @@ pub(crate) fn run(path: &Path, options: &Options, common: &Common) -> anyhow::Re
         common.emit_json(&study.problem)?;
         return Ok(DONE);
     }
+    try_folder(&folder)?;
     refuse_used_folder(&folder, options.resume, common)?;
+    require_memory(study.models.values(), common.threads())?;
+    let work = work_of(
+        "diagnose",
+        &study.inputs,
+        &(&study.profile, options.seed, &at),
+    );
+    let _owner = enter(&folder, &work, common)?;
     common.log(|| planned.trim_end().to_owned());
-    let (progress, stop) = (progress_lines(common), stop::flag()?);
+    let progress = progress_lines(common);
+    let stop = Stop::of_runs(&folder)?;
     let job = |folder: &Path| of_study(&study, folder, options.retries);
     let executor = (options.runner).executor(job, &folder, &study.file.runner, common)?;
     let settings = RunSettings {
@@ -87,12 +96,12 @@ pub(crate) fn run(path: &Path, options: &Options, common: &Common) -> anyhow::Re
         threads: common.threads(),
         folder: folder.clone(),
         progress: &progress,
-        stop: &stop,
+        stop: stop.flag(),
         retries: options.retries,
         executor: executor.as_ref().map(|e| e as &dyn Executor),
     };
     let done = run_diagnosis(&study, &at, &settings);
-    let result = match result_or_stopped(done, &folder)? {
+    let result = match stop.result(done)? {
         Ok(result) => result,
         Err(code) => return Ok(code),
     };

@@ -3,7 +3,7 @@
 use crate::simulate::read_scene;
 use anyhow::{Context as _, ensure};
 use clap::ValueEnum;
-use command_line::{Common, DONE, Header, write_new};
+use command_line::{Common, DONE, Header, try_folder, write_new};
 use exchange::vtk::File;
 use exchange::{csv, edem, lammps, liggghts, vtk};
 use scene::{FillingLibrary, starting_frame};
@@ -72,6 +72,8 @@ struct Report {
 /// A scene that cannot be read, run or written in the format, files that exist.
 pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
     let common = &arguments.common;
+    common.try_outputs([])?;
+    try_folder(&arguments.out)?;
     let (scene, _) = read_scene(
         &arguments.scene,
         arguments.set_file.as_deref(),

@@ -2,7 +2,7 @@
 
 use anyhow::Context as _;
 use clap::ValueEnum;
-use command_line::{Common, DONE, write_new};
+use command_line::{Common, DONE, try_folder, write_new};
 use serde::Serialize;
 use std::path::PathBuf;
 use study::Starter;
@@ -48,6 +48,8 @@ struct Report {
 /// Files that exist, a folder that cannot be made or written.
 pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
     let (folder, common) = (&arguments.out, &arguments.common);
+    common.try_outputs([])?;
+    try_folder(folder)?;
     let files = match arguments.kind {
         Kind::Drum => Starter::Drum,
         Kind::Heap => Starter::Heap,

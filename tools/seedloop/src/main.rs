@@ -7,6 +7,7 @@ mod design;
 mod diagnose;
 mod diagnose_problem;
 mod diagnose_study;
+mod enter;
 mod export;
 mod init;
 mod levels;

@@ -158,6 +158,7 @@ struct Report {
 /// # Errors
 /// Files that cannot be read, a target or measured values that cannot be meant.
 pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
+    arguments.common.try_outputs([])?;
     let path = &arguments.analysis;
     let read = read::read(path, arguments)?;
     let Some(target) = arguments.target else {

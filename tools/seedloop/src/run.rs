@@ -1,12 +1,13 @@
 //! `seedloop run DESIGN.csv --scene SCENE.toml`: a design table as a campaign.
 
 use crate::calibrate::{duration, progress_lines, refuse_used_folder};
+use crate::enter::{enter, require_memory, work_of};
 use crate::runner::{Retries, Runner, runner_settings, whole};
-use crate::stop::{self, result_or_stopped};
+use crate::stop::Stop;
 use crate::work::Job;
 use anyhow::Context as _;
 use campaign::Campaign;
-use command_line::{Common, DONE, Header, NOT_MET, Overwrite, write_new};
+use command_line::{Common, DONE, Header, NOT_MET, Overwrite, try_folder, write_new};
 use run_store::{Observation, Record, Store};
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -124,7 +125,8 @@ struct RunReport {
 /// Files that cannot be read or written, a table that cannot be meant.
 pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
     let common = &arguments.common;
-    common.refuse_existing_json()?;
+    common.try_outputs([])?;
+    try_folder(&folder(arguments))?;
     let table = DesignTable::read(&choices(arguments))?;
     let simulator = table.simulator()?.with_retries(arguments.retries.number);
     let folder = folder(arguments);
@@ -141,10 +143,18 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
         return Ok(DONE);
     }
     refuse_used_folder(&folder, arguments.resume, common)?;
+    require_memory(table.scenes(), common.threads())?;
+    let work = work_of(
+        "run",
+        &header.inputs,
+        &(&arguments.set, &arguments.bind, arguments.seed),
+    );
+    let _owner = enter(&folder, &work, common)?;
     common.log(|| told);
     let store = Store::open(&runs)?;
-    let (progress, flag) = (progress_lines(common), stop::flag()?);
-    let campaign = Campaign::new(&store, common.threads(), &progress).with_stop(&flag);
+    let (progress, stop) = (progress_lines(common), Stop::of_runs(&folder)?);
+    let simulator = simulator.with_stop(stop.flag());
+    let campaign = Campaign::new(&store, common.threads(), &progress).with_stop(stop.flag());
     let settings = runner_settings(arguments.runner_settings.as_deref())?;
     let job = |folder: &Path| job(arguments, folder);
     let executor = arguments.runner.executor(job, &folder, &settings, common)?;
@@ -152,7 +162,7 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
         Some(executor) => campaign.with_executor(executor),
         None => campaign,
     };
-    let outcomes = match result_or_stopped(table.run(&campaign, &simulator), &folder)? {
+    let outcomes = match stop.result(table.run(&campaign, &simulator))? {
         Ok(outcomes) => outcomes,
         Err(code) => return Ok(code),
     };

@@ -4,12 +4,14 @@ mod report;
 mod single_run;
 mod state_file;
 
+use crate::enter::{keep_run, require_memory};
+use crate::stop::Stop;
 use anyhow::{Context as _, ensure};
 use base64::Engine as _;
-use command_line::{Common, DONE, Header, NOT_MET, write_new};
+use command_line::{Common, DONE, Header, NOT_MET, try_folder, write_new};
 use report::{Refusal, Report};
 use run_store::{Lookup, Record, Store};
-use scene::{Override, Scene};
+use scene::{Override, Progress, Scene};
 use scene_simulator::{ParameterFile, RunDetails};
 use single_run::SingleRun;
 use state_file::StateFile;
@@ -117,7 +119,7 @@ struct Outcome {
 /// A scene that cannot be read or run, files that exist or cannot be written.
 pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
     let common = &arguments.common;
-    refuse_existing(arguments)?;
+    try_outputs(arguments)?;
     let set = [arguments.set.as_slice(), &arguments.further].concat();
     let (scene, changes) = read_scene(&arguments.scene, arguments.set_file.as_deref(), &set)?;
     let mut inputs = vec![arguments.scene.clone()];
@@ -129,9 +131,12 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
             .map(|mesh| scene.folder.join(mesh)),
     );
     let header = Header::new(arguments.seed, inputs)?;
+    require_memory([&scene], 1)?;
     let single = SingleRun::new(scene, arguments.seed)?;
-    let outcome = match find_or_run(arguments, &single) {
-        Ok(outcome) => outcome,
+    let stop = Stop::new(kept(arguments))?;
+    let outcome = match stop.result(find_or_run(arguments, &single, &stop)) {
+        Ok(Ok(outcome)) => outcome,
+        Ok(Err(code)) => return Ok(code),
         Err(error) if is_refusal(&error) => {
             let reason = format!("{error:#}");
             // The reason of a refusal is told even when the log is quiet.
@@ -151,6 +156,19 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
     Ok(DONE)
 }
 
+/// What is kept of a run that is stopped, and how to go on.
+fn kept(arguments: &Arguments) -> String {
+    arguments.out.as_ref().map_or_else(
+        || "nothing is kept; with --out DIR a run can go on later".to_owned(),
+        |folder| {
+            format!(
+                "the state of the run is kept in {}; the same command with --resume goes on",
+                folder.display()
+            )
+        },
+    )
+}
+
 /// Whether an error is an answer (exit 1) and not a fault of the input (exit 2).
 fn is_refusal(error: &anyhow::Error) -> bool {
     matches!(
@@ -161,8 +179,8 @@ fn is_refusal(error: &anyhow::Error) -> bool {
     )
 }
 
-/// Refuses output files that exist before the work is done.
-fn refuse_existing(arguments: &Arguments) -> anyhow::Result<()> {
+/// Tries whether the results can be written, before the work is done.
+fn try_outputs(arguments: &Arguments) -> anyhow::Result<()> {
     if let Some(frame) = &arguments.frame {
         ensure!(
             frame
@@ -172,20 +190,14 @@ fn refuse_existing(arguments: &Arguments) -> anyhow::Result<()> {
             frame.display()
         );
     }
-    let common = &arguments.common;
-    let json = common.json.as_ref().filter(|_| !common.json_on_stdout());
-    for file in arguments.frame.iter().chain(json) {
-        ensure!(
-            common.force || !file.exists(),
-            "{} exists: say --force to overwrite it, or give another name",
-            file.display()
-        );
+    if let Some(folder) = &arguments.out {
+        try_folder(folder)?;
     }
-    Ok(())
+    arguments.common.try_outputs(&arguments.frame)
 }
 
 /// Finds the record of the run, or runs and keeps it.
-fn find_or_run(arguments: &Arguments, single: &SingleRun) -> anyhow::Result<Outcome> {
+fn find_or_run(arguments: &Arguments, single: &SingleRun, stop: &Stop) -> anyhow::Result<Outcome> {
     let common = &arguments.common;
     let store = arguments
         .out
@@ -193,6 +205,10 @@ fn find_or_run(arguments: &Arguments, single: &SingleRun) -> anyhow::Result<Outc
         .map(|folder| Store::open(folder.join("runs")));
     let store = store.transpose()?;
     let blank = single.blank_record()?;
+    let _keeper = match &store {
+        Some(store) => Some(keep_run(store, blank.key())?),
+        None => None,
+    };
     if let Some(store) = &store {
         match store.get(blank.key())? {
             Lookup::Found(record) if arguments.resume => {
@@ -224,37 +240,22 @@ fn find_or_run(arguments: &Arguments, single: &SingleRun) -> anyhow::Result<Outc
     let (scene, seed) = (single.scene(), arguments.seed);
     common.log(|| format!("running {} seeds, seed {seed}", scene.seed_count()));
     let folder = arguments.out.as_deref();
-    let mut state = StateFile::new(folder, blank.key(), arguments.keep_every);
-    let left = if arguments.resume {
-        let left = state.left()?;
-        for warning in left.warnings {
-            common.log(|| format!("warning: {warning}"));
-        }
-        left.progress
-    } else {
-        ensure!(
-            common.force || !state.exists(),
-            "{} has the state of this run, which was stopped: say --resume to go on from it, or --force \
-             to run anew",
-            state.name()
-        );
-        None
-    };
+    let mut state = StateFile::new(folder, blank.key(), arguments.keep_every, stop.flag());
+    let left = left_before(arguments, &mut state)?;
     if let Some(left) = &left {
         common.log(|| format!("goes on from {:.2} s of the run", left.time()));
     }
     let continued = left.is_some();
-    let mut record = single.run(blank, arguments.common.threads(), left, &mut state);
-    if continued {
-        let way_out = || {
-            format!(
-                "the run went on from {}; remove it to start anew",
-                state.name()
-            )
-        };
-        record = record.with_context(way_out);
-    }
-    let record = record?;
+    let record = single.run(blank, common.threads(), left, &mut state);
+    let way_out = || {
+        let from = state.name();
+        format!("the run went on from {from}; remove it to start anew")
+    };
+    let record = if continued {
+        record.with_context(way_out)
+    } else {
+        record
+    }?;
     if let Some(store) = &store {
         store.put(&record)?;
         state.remove()?;
@@ -264,6 +265,28 @@ fn find_or_run(arguments: &Arguments, single: &SingleRun) -> anyhow::Result<Outc
         record,
         reused: false,
     })
+}
+
+/// The state from which a run goes on; none where it begins anew.
+///
+/// # Errors
+/// A state that the user did not speak of, or that cannot be read.
+fn left_before(arguments: &Arguments, state: &mut StateFile) -> anyhow::Result<Option<Progress>> {
+    let common = &arguments.common;
+    if arguments.resume {
+        let left = state.left()?;
+        for warning in left.warnings {
+            common.log(|| format!("warning: {warning}"));
+        }
+        return Ok(left.progress);
+    }
+    ensure!(
+        common.force || !state.exists(),
+        "{} has the state of this run, which was stopped: say --resume to go on from it, or --force \
+         to run anew",
+        state.name()
+    );
+    Ok(None)
 }
 
 /// Writes the last frame, which the record holds as text.

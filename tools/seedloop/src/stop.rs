@@ -1,73 +1,125 @@
-//! Ctrl-C ends a loop of runs cleanly.
+//! Ctrl-C and SIGTERM end a command within two seconds, and what is done is kept.
 
 use anyhow::Context as _;
-use command_line::NOT_MET;
+use signal_hook::consts::{SIGINT, SIGTERM};
+use signal_hook::iterator::Signals;
 use std::io::Write as _;
 use std::path::Path;
 use std::process::exit;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU8, Ordering};
+use std::time::Duration;
 
-/// The exit code of a process that Ctrl-C ended at once, as shells have it: 128 and the number of the signal.
-const ENDED_AT_ONCE: i32 = 130;
+/// The exit code of a process that a signal ended is this and the number of the signal, as shells have it.
+const ENDED_BY_SIGNAL: u8 = 128;
 
-/// The flag that Ctrl-C raises: no further run begins, and running ones are finished and kept. A second Ctrl-C
-/// ends the process at once.
-///
-/// # Errors
-/// A system that does not let the process listen.
-pub(crate) fn flag() -> anyhow::Result<Arc<AtomicBool>> {
-    let flag = Arc::new(AtomicBool::new(false));
-    let raised = Arc::clone(&flag);
-    ctrlc::set_handler(move || raise(&raised)).context("cannot listen to Ctrl-C")?;
-    Ok(flag)
+/// Time in which the runs break off and the command ends in order; then it ends at once. Batch systems and service managers wait
+/// longer; two seconds in all are our choice.
+const PATIENCE: Duration = Duration::from_millis(1700);
+
+/// What a command does when it is told to end.
+#[derive(Debug)]
+pub(crate) struct Stop {
+    /// Raised by the first signal: no further run begins, and running ones break off.
+    flag: Arc<AtomicBool>,
+    /// What the watcher shares with the command.
+    state: Arc<State>,
 }
 
-/// Raises the flag; ends the process where it is raised already.
-#[expect(
-    clippy::exit,
-    reason = "the second Ctrl-C: the user does not want to wait for the running runs"
-)]
-fn raise(flag: &AtomicBool) {
-    if flag.swap(true, Ordering::SeqCst) {
-        exit(ENDED_AT_ONCE);
+/// What the watcher shares with the command.
+#[derive(Debug)]
+struct State {
+    /// Number of the signal; 0 before it.
+    signal: AtomicU8,
+    /// Set once the user knows what is kept.
+    told: AtomicBool,
+    /// What is kept, and how to go on: the end of a sentence.
+    kept: String,
+}
+
+impl Stop {
+    /// Listens to Ctrl-C and SIGTERM. `kept` is the end of a sentence: what is kept, and how to go on.
+    ///
+    /// # Errors
+    /// A system that does not let the process listen.
+    pub(crate) fn new(kept: String) -> anyhow::Result<Self> {
+        let mut signals =
+            Signals::new([SIGINT, SIGTERM]).context("cannot listen to Ctrl-C and SIGTERM")?;
+        let stop = Self {
+            flag: Arc::default(),
+            state: Arc::new(State {
+                signal: AtomicU8::new(0),
+                told: AtomicBool::new(false),
+                kept,
+            }),
+        };
+        let (flag, state) = (Arc::clone(&stop.flag), Arc::clone(&stop.state));
+        std::thread::spawn(move || {
+            for signal in &mut signals {
+                if flag.load(Ordering::SeqCst) {
+                    state.end();
+                }
+                let number = u8::try_from(signal).unwrap_or_default();
+                state.signal.store(number, Ordering::SeqCst);
+                flag.store(true, Ordering::SeqCst);
+                let state = Arc::clone(&state);
+                std::thread::spawn(move || {
+                    std::thread::sleep(PATIENCE);
+                    state.end();
+                });
+            }
+        });
+        Ok(stop)
     }
-    // A closed standard error is no reason to go on.
-    let _ = writeln!(
-        std::io::stderr(),
-        "stopping: the running runs are finished and kept; Ctrl-C again ends at once"
-    );
+
+    /// The same for a loop of runs whose records are in a folder.
+    ///
+    /// # Errors
+    /// As [`Stop::new`].
+    pub(crate) fn of_runs(folder: &Path) -> anyhow::Result<Self> {
+        let runs = folder.join("runs");
+        Self::new(format!(
+            "finished runs are kept in {}; the same command with --resume goes on",
+            runs.display()
+        ))
+    }
+
+    /// The flag that the first signal raises.
+    pub(crate) fn flag(&self) -> &Arc<AtomicBool> {
+        &self.flag
+    }
+
+    /// The result of what was done, or the exit code where a signal ended it, after saying what is kept.
+    ///
+    /// # Errors
+    /// The error of what was done, where no signal came.
+    pub(crate) fn result<T, E>(&self, result: Result<T, E>) -> Result<Result<T, u8>, E> {
+        match result {
+            Ok(result) => Ok(Ok(result)),
+            Err(_) if self.flag.load(Ordering::SeqCst) => Ok(Err(self.state.tell())),
+            Err(error) => Err(error),
+        }
+    }
 }
 
-/// The result of a loop, or the exit code of one that was stopped, after saying what is kept in the folder.
-///
-/// # Errors
-/// Any other error of the loop.
-pub(crate) fn result_or_stopped<T>(
-    result: Result<T, study::Error>,
-    folder: &Path,
-) -> anyhow::Result<Result<T, u8>> {
-    let error = match result {
-        Ok(result) => return Ok(Ok(result)),
-        Err(error) => error,
-    };
-    let Some(campaign::Error::Stopped { n_done, n_runs }) = of_campaign(&error) else {
-        return Err(error.into());
-    };
-    // Told even when the log is quiet: it is the answer.
-    let _ = writeln!(
-        std::io::stderr(),
-        "stopped: {n_done} of {n_runs} runs of this list are kept in {}; the same command with --resume goes on",
-        folder.join("runs").display()
-    );
-    Ok(Err(NOT_MET))
-}
+impl State {
+    /// Says once what is kept, also when the log is quiet: it is the answer. Gives the exit code.
+    fn tell(&self) -> u8 {
+        let signal = self.signal.load(Ordering::SeqCst);
+        if !self.told.swap(true, Ordering::SeqCst) {
+            let name = if i32::from(signal) == SIGTERM {
+                "SIGTERM"
+            } else {
+                "Ctrl-C"
+            };
+            // A closed standard error is no reason to go on.
+            let _ = writeln!(std::io::stderr(), "stopped by {name}: {}", self.kept);
+        }
+        ENDED_BY_SIGNAL.saturating_add(signal)
+    }
 
-/// The error of the runs in an error of a study.
-fn of_campaign(error: &study::Error) -> Option<&campaign::Error> {
-    match error {
-        study::Error::Calibration(calibration::Error::Campaign(source))
-        | study::Error::Campaign(source) => Some(source),
-        _ => None,
+    /// Ends the process: for a run that does not break off in time. What is written is written whole or not at all.
+    fn end(&self) {
+        exit(self.tell().into());
     }
 }

@@ -48,6 +48,7 @@ struct Report {
 /// A name that no check has, a check that cannot be done, a file that exists or cannot be written.
 pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
     let common = &arguments.common;
+    common.try_outputs(&arguments.out)?;
     let rows = verification::run(&arguments.only, |name| {
         common.log(|| format!("checking {name}"));
     })?;

@@ -1,12 +1,12 @@
 //! `seedloop work JOB.json TASK.json`: the runs of one task of a batch system.
 
+use crate::stop::Stop;
 use anyhow::Context as _;
 use batch_runner::run_task;
 use campaign::Simulator;
 use command_line::{Common, DONE, NOT_MET, Overwrite, write_new};
 use run_store::Store;
 use serde::{Deserialize, Serialize};
-use std::fs;
 use std::path::{Path, PathBuf};
 use study::{DesignChoices, DesignTable, Study};
 
@@ -71,9 +71,12 @@ impl Job {
 pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
     let common = &arguments.common;
     let name = arguments.job.display();
-    let text = fs::read_to_string(&arguments.job).with_context(|| format!("cannot read {name}"))?;
+    let text =
+        input_file::read_text(&arguments.job).with_context(|| format!("cannot read {name}"))?;
     let job: Job =
         serde_json::from_str(&text).with_context(|| format!("{name} is no job of --runner"))?;
+    let kept = "finished runs are kept; the command that submitted the task does the others";
+    let stop = Stop::new(kept.to_owned())?;
     let (simulator, folder): (Box<dyn Simulator>, PathBuf) = match job {
         Job::Study {
             retries,
@@ -83,6 +86,7 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
         } => {
             let study = Study::read(&study, profile.as_deref())?;
             let simulator = study.simulator(&folder)?.with_retries(retries);
+            let simulator = simulator.with_stop(stop.flag());
             (Box::new(simulator), folder)
         }
         Job::Design {
@@ -91,12 +95,24 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
             folder,
         } => {
             let table = DesignTable::read(&choices)?;
-            (Box::new(table.simulator()?.with_retries(retries)), folder)
+            let simulator = table.simulator()?.with_retries(retries);
+            (Box::new(simulator.with_stop(stop.flag())), folder)
         }
     };
     let store = Store::open(folder.join("runs"))?;
     let progress = crate::calibrate::progress_lines(common);
-    let report = run_task(&arguments.task, &*simulator, &store, 0, &progress)?;
+    let report = run_task(
+        &arguments.task,
+        &*simulator,
+        &store,
+        0,
+        &progress,
+        Some(stop.flag()),
+    );
+    let report = match stop.result(report)? {
+        Ok(report) => report,
+        Err(code) => return Ok(code),
+    };
     for failure in &report.failures {
         common.log(|| format!("failed: {}", failure.reason));
     }

@@ -20,6 +20,8 @@ mod diagnosis;
 mod edges;
 #[path = "command/help.rs"]
 mod help;
+#[path = "command/interrupted.rs"]
+mod interrupted;
 #[path = "command/own_program.rs"]
 mod own_program;
 #[path = "command/residual.rs"]

@@ -53,7 +53,7 @@ fn work(notes: &str, store: &str, task: &Path) -> Result<(), Box<dyn Error>> {
         records: Some(store.into()),
         version: VERSION.into(),
     };
-    run_task(task, &simulator, &Store::open(store)?, 0, &Silent)?;
+    run_task(task, &simulator, &Store::open(store)?, 0, &Silent, None)?;
     Ok(())
 }
 

@@ -10,6 +10,8 @@ use crate::problem_file::CovarianceInput;
 /// Two mirror entries may differ by this share of the geometric mean of their variances: more
 /// than the rounding of printed numbers is a mistake.
 const SYMMETRY_TOLERANCE: f64 = 1e-6;
+/// Largest size of a number: its square is finite, and the sum of as many as there are in a file.
+const MOST: f64 = 1e100;
 /// An eigenvalue of the prior precision above minus this share of the largest counts as 0.
 const PRIOR_TOLERANCE: f64 = 1e-12;
 
@@ -185,24 +187,24 @@ pub(super) fn check_length(
 
 /// Refuses what is not finite.
 pub(super) fn check_finite(value: f64, what: impl Fn() -> String) -> Result<(), Error> {
-    if value.is_finite() {
+    if value.abs() <= MOST {
         return Ok(());
     }
     Err(Error::OutOfRange {
         what: what(),
         value,
-        range: "finite",
+        range: "a number of a size of 1e100 at most, so that its square is one too",
     })
 }
 
 /// Refuses what is not finite and above 0.
 pub(super) fn check_positive(value: f64, what: &str) -> Result<(), Error> {
-    if value.is_finite() && value > 0.0 {
+    if value > 0.0 && value <= MOST {
         return Ok(());
     }
     Err(Error::OutOfRange {
         what: what.to_owned(),
         value,
-        range: "finite and above 0",
+        range: "above 0, and 1e100 at most",
     })
 }

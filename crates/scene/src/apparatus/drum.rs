@@ -131,10 +131,15 @@ impl Drum {
                 "between -90 deg and 90 deg",
             );
         }
+        // The speed is set anew every 0.02 s: five times in the shortest turn.
         if let Some(every) = self.reverse_every
-            && every.si() <= 0.0
+            && every.si() < 0.1
         {
-            return bad("apparatus.reverse_every", every.to_string(), "above 0 s");
+            return bad(
+                "apparatus.reverse_every",
+                every.to_string(),
+                "at least 0.1 s",
+            );
         }
         if let Some(Ripple { share, cycles }) = self.ripple {
             if !(0.0..=1.0).contains(&share) {

@@ -5,16 +5,25 @@ use std::path::Path;
 
 /// The study's drum, 14 mm wide, with seeds of 20 and 16 spheres of 0.8 mm, and further changes.
 pub(crate) fn drum(changes: &[(&str, &str)]) -> Scene {
-    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fixtures/cotton/drum.toml");
     let coarse = [
         ("apparatus.width", "14 mm"),
-        ("seed.0.filling.sphere_radius", "0.8 mm"),
-        ("seed.0.filling.sphere_count", "20"),
         ("seed.1.filling.sphere_radius", "0.8 mm"),
         ("seed.1.filling.sphere_count", "16"),
     ];
-    let all = coarse.iter().chain(changes);
-    let all: Vec<_> = all
+    of_file("drum.toml", &[&coarse, changes].concat())
+}
+
+/// Another scene of the study's seeds; the first kind has 20 spheres of 0.8 mm.
+pub(crate) fn of_file(name: &str, changes: &[(&str, &str)]) -> Scene {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fixtures/cotton");
+    let file = folder.join(name);
+    let coarse = [
+        ("seed.0.filling.sphere_radius", "0.8 mm"),
+        ("seed.0.filling.sphere_count", "20"),
+    ];
+    let all: Vec<_> = coarse
+        .iter()
+        .chain(changes)
         .map(|&(name, value)| Override {
             name: name.into(),
             value: value.into(),

@@ -5,6 +5,7 @@ use super::simulator::simulator;
 use super::{Budget, Choices, CompareEntry, SimulatorEntry};
 use crate::document::Fields;
 use crate::keys;
+use crate::limits::{MOST, MOST_RUNS};
 use crate::problem::Problems;
 use calibration::LoopSettings;
 use std::collections::BTreeMap;
@@ -21,11 +22,8 @@ pub(super) fn choices(fields: &Fields<'_>, of_command: bool, problems: &mut Prob
         if found.runs == Some(0) {
             problems.add(budget.wrong("runs", "must be 1 or more"));
         }
-        if found
-            .core_hours
-            .is_some_and(|h| !(h.is_finite() && h > 0.0))
-        {
-            problems.add(budget.wrong("core_hours", "must be above 0"));
+        if found.core_hours.is_some_and(|h| !(h > 0.0 && h <= MOST)) {
+            problems.add(budget.wrong("core_hours", "must be above 0, at most 1e15"));
         }
         if found.runs.is_some() && found.core_hours.is_some() {
             problems.add(budget.wrong("core_hours", "stands beside 'runs': keep one of both"));
@@ -129,34 +127,25 @@ fn design(fields: &Fields<'_>, problems: &mut Problems) -> Table {
     kept
 }
 
-/// The first setting of the loop that is too small, with what it must be.
-fn out_of_range(settings: &LoopSettings) -> Option<(&'static str, &'static str)> {
+/// The first setting of the loop that is too small or too large, with what it must be.
+fn out_of_range(settings: &LoopSettings) -> Option<(&'static str, String)> {
     let alpha = settings.screening_alpha;
-    let demands = [
-        (settings.replicates >= 1, "replicates", "must be 1 or more"),
-        (
-            alpha > 0.0 && alpha < 1.0,
-            "screening_alpha",
-            "must lie between 0 and 1",
-        ),
-        (
-            settings.screening_least >= 1,
-            "screening_least",
-            "must be 1 or more",
-        ),
-        (
-            settings.confirmation_runs >= 1,
-            "confirmation_runs",
-            "must be 1 or more",
-        ),
-        (settings.check_runs >= 1, "check_runs", "must be 1 or more"),
-        (settings.most_boxes >= 1, "most_boxes", "must be 1 or more"),
-        (
-            settings.diagnosis_replicates >= 2,
-            "diagnosis_replicates",
-            "must be 2 or more: they give the noise of the simulator",
-        ),
+    if !(alpha > 0.0 && alpha < 1.0) {
+        return Some(("screening_alpha", "must lie between 0 and 1".into()));
+    }
+    let counts = [
+        ("replicates", settings.replicates, 1),
+        ("centre_points", settings.centre_points, 0),
+        ("screening_least", settings.screening_least, 1),
+        ("before_runs", settings.before_runs, 0),
+        ("confirmation_runs", settings.confirmation_runs, 1),
+        ("check_runs", settings.check_runs, 1),
+        ("most_confirmations", settings.most_confirmations, 0),
+        ("most_boxes", settings.most_boxes, 1),
+        // They give the noise of the simulator.
+        ("diagnosis_replicates", settings.diagnosis_replicates, 2),
     ];
-    let wrong = demands.into_iter().find(|(holds, ..)| !holds);
-    wrong.map(|(_, key, problem)| (key, problem))
+    let is_wrong = |(_, count, least): &(&str, usize, usize)| !(*least..=MOST_RUNS).contains(count);
+    let (key, _, least) = counts.into_iter().find(is_wrong)?;
+    Some((key, format!("must be {least} to {MOST_RUNS}")))
 }

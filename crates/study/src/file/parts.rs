@@ -7,6 +7,7 @@ use super::{
 };
 use crate::document::{Document, Fields, below};
 use crate::keys;
+use crate::limits::{MOST, range_of};
 use crate::problem::Problems;
 use calibration::Prior;
 use std::collections::BTreeMap;
@@ -271,17 +272,22 @@ fn value(fields: &Fields<'_>, key: &str, problems: &mut Problems) -> Option<Meas
             problems.add(value.wrong(key, problem));
         }
     };
-    demand("mean", mean.is_none_or(f64::is_finite), "must be finite");
+    let ([least, most], unit) = range_of(key);
+    demand(
+        "mean",
+        mean.is_none_or(|mean| (least..=most).contains(&mean)),
+        &format!("must be {least} to {most}{unit}"),
+    );
     demand(
         "sd",
-        sd.is_none_or(|sd| sd.is_finite() && sd > 0.0),
-        "must be above 0: the standard deviation of the single values; where only one was read, the error of the \
-         reading",
+        sd.is_none_or(|sd| sd > 0.0 && sd <= MOST),
+        "must be above 0, at most 1e15: the standard deviation of the single values; where only one was read, the \
+         error of the reading",
     );
     demand(
         "n",
-        n.is_none_or(|n| n.is_finite() && n >= 1.0),
-        "must be 1 or more: the number of independent values behind the mean",
+        n.is_none_or(|n| (1.0..=MOST).contains(&n)),
+        "must be 1 or more, at most 1e15: the number of independent values behind the mean",
     );
     Some(MeasuredValue {
         mean: mean?,

@@ -4,13 +4,14 @@ use super::parts::NUMBER;
 use super::photo::max_angle_error;
 use crate::document::Fields;
 use crate::keys;
+use crate::limits::MOST_TIME_S;
 use crate::problem::Problems;
 use external_simulator::{DrumDescription, Keep, Peer, ResultFiles};
 use photo_profile::MAX_ANGLE_ERROR;
 use quantity::Time;
 use serde::Serialize;
 use std::collections::BTreeMap;
-use std::path::PathBuf;
+use std::path::{Component, PathBuf};
 
 /// Who does the runs of a study.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
@@ -129,7 +130,7 @@ fn command(fields: &Fields<'_>, problems: &mut Problems) -> SimulatorEntry {
     let results = match fields.table("results", problems) {
         Some(table) => {
             table.check_keys(&keys::RESULTS, problems);
-            let mut path = |key: &str| table.optional(key, "a path", problems);
+            let mut path = |key: &str| inside(&table, key, problems);
             ResultFiles {
                 observables: path("observables"),
                 positions: path("positions"),
@@ -160,14 +161,26 @@ fn command(fields: &Fields<'_>, problems: &mut Problems) -> SimulatorEntry {
     })
 }
 
+/// A path in the folder of a run.
+fn inside(table: &Fields<'_>, key: &str, problems: &mut Problems) -> Option<PathBuf> {
+    let path: Option<PathBuf> = table.optional(key, "a path", problems);
+    let path = path?;
+    let leads_inside = |part| matches!(part, Component::Normal(_) | Component::CurDir);
+    if !path.components().all(leads_inside) {
+        let problem = "leads out of the folder of the run: name what the program leaves there";
+        problems.add(table.wrong(key, problem));
+    }
+    Some(path)
+}
+
 /// A time above 0 with its unit, s.
 fn time(fields: &Fields<'_>, key: &str, default: f64, problems: &mut Problems) -> f64 {
     let Some(text) = fields.optional::<String>(key, "a time such as \"30 min\"", problems) else {
         return default;
     };
     match Time::parse(&text) {
-        Ok(time) if time.si() > 0.0 => return time.si(),
-        Ok(_) => problems.add(fields.wrong(key, "must be above 0")),
+        Ok(time) if time.si() > 0.0 && time.si() <= MOST_TIME_S => return time.si(),
+        Ok(_) => problems.add(fields.wrong(key, "must be above 0, at most a year")),
         Err(error) => problems.add(fields.wrong(key, format!(": {error}"))),
     }
     default

@@ -51,7 +51,7 @@ fn coded_values_count_where_the_natural_ones_are_missing() {
 #[test]
 fn columns_are_settings_by_path_short_name_and_unit() {
     let table = format!(
-        "rpm,{FRICTION},camera.roll [deg],protocol.rotation_limit,protocol.frames\n20,0.4,3,0.5 s,7\n20,0.4,3,0.1 min,7\n"
+        "rpm,{FRICTION},camera.roll [deg],protocol.rotation_limit,protocol.frames\n20,0.4,3,1.5 s,7\n20,0.4,3,0.1 min,7\n"
     );
     let folder = Folder::new(&table);
     let scenes = folder.scenes();
@@ -69,7 +69,7 @@ fn columns_are_settings_by_path_short_name_and_unit() {
         .iter()
         .map(|s| s.protocol.rotation_limit.si())
         .collect();
-    assert_eq!(limits, [0.5, 6.0]);
+    assert_eq!(limits, [1.5, 6.0]);
 }
 
 /// Two laws at two walls: four scenes for six rows, and numbers go with each.

@@ -230,6 +230,51 @@ fn limits_that_the_scene_refuses_are_told() {
     );
 }
 
+/// An angle of repose is between level and upright; squares of larger numbers than 1e15 need not be finite.
+#[test]
+fn numbers_that_no_quantity_has_are_refused() {
+    for (from, to, words) in [
+        (
+            "mean = 33.1",
+            "mean = -1.0",
+            vec!["angle_deg", "0 to 90 deg"],
+        ),
+        ("mean = 33.1", "mean = 1e308", vec!["0 to 90 deg"]),
+        ("sd = 0.8", "sd = 1e308", vec!["above 0, at most 1e15"]),
+        ("n = 10", "n = 1e300", vec!["1 or more, at most 1e15"]),
+        ("[0.0, 1.5]", "[0.0, 1e308]", vec!["limits", "1e15"]),
+        ("mean = 0.4, sd", "mean = 1e308, sd", vec!["prior", "1e15"]),
+    ] {
+        tells(&wrong(&changed(from, to)), &words);
+    }
+    for (key, value, words) in [
+        ("replicates", "1000000000", "1 to 1000"),
+        ("before_runs", "1000000000", "0 to 1000"),
+        ("check_runs", "1001", "1 to 1000"),
+        ("most_boxes", "10000000000000", "1 to 1000"),
+    ] {
+        let study = with(&format!("[design]\n{key} = {value}"));
+        tells(&wrong(&study), &[key, value, words]);
+    }
+}
+
+/// Peas of 59 mm do not fit into a drum that is 20 mm wide: that is told when the study is read, and not when the
+/// design comes to the end of the range.
+#[test]
+fn a_range_at_whose_end_a_scene_cannot_be_built_is_refused() {
+    let diameter = "[[parameter]]\nsymbol = \"D\"\nsets = [\"seed.0.sphere\"]\nunit = \"mm\"\nlow = 5.0\nhigh = 59.0\n";
+    let message = wrong(&with(diameter));
+    tells(
+        &message,
+        &[
+            "[[parameter]] D: high",
+            "cannot be built",
+            "do not fit",
+            "narrow the range",
+        ],
+    );
+}
+
 #[test]
 fn a_unit_that_does_not_fit_the_setting_is_refused() {
     let more = |unit: &str| {

@@ -1,6 +1,5 @@
 //! Reading the table of an experiment.
 
-use std::fs;
 use std::path::PathBuf;
 
 use anyhow::{Context as _, bail, ensure};
@@ -56,7 +55,7 @@ pub(super) fn factor_file(argument: &str) -> Option<PathBuf> {
 pub(super) fn read(arguments: &Arguments) -> anyhow::Result<Data> {
     let path = &arguments.data;
     let place = || path.display().to_string();
-    let bytes = fs::read(path).with_context(|| format!("cannot read {}", place()))?;
+    let bytes = input_file::read(path).with_context(|| format!("cannot read {}", place()))?;
     let table = Table::parse(&text_of_bytes(&bytes)).with_context(place)?;
     let given = match &arguments.factors {
         Some(list) => given_factors(list)?,
@@ -306,7 +305,7 @@ fn optional_columns(table: &Table, names: &[String]) -> anyhow::Result<Vec<usize
 fn given_factors(argument: &str) -> anyhow::Result<Vec<(String, Option<Factor>)>> {
     if let Some(path) = factor_file(argument) {
         let place = path.display().to_string();
-        let bytes = fs::read(&path).with_context(|| format!("cannot read {place}"))?;
+        let bytes = input_file::read(&path).with_context(|| format!("cannot read {place}"))?;
         let factors = factors_from_csv(&text_of_bytes(&bytes)).context(place)?;
         return Ok(factors
             .into_iter()

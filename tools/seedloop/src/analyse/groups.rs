@@ -1,7 +1,6 @@
 //! `seedloop analyse --groups`: one-way analysis of variance.
 
 use std::fmt::Write as _;
-use std::fs;
 
 use anyhow::{Context as _, ensure};
 use command_line::{DONE, Header, significant};
@@ -35,7 +34,8 @@ struct Report {
 /// Files that cannot be read or written, columns that are missing, fewer than two groups.
 pub(super) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
     let place = || arguments.data.display().to_string();
-    let bytes = fs::read(&arguments.data).with_context(|| format!("cannot read {}", place()))?;
+    let bytes =
+        input_file::read(&arguments.data).with_context(|| format!("cannot read {}", place()))?;
     let table = Table::parse(&text_of_bytes(&bytes)).with_context(place)?;
     let named = arguments.factors.as_deref().unwrap_or_default();
     ensure!(

@@ -1,6 +1,5 @@
 //! The design that the arguments ask for.
 
-use std::fs;
 use std::path::Path;
 
 use anyhow::{Context as _, ensure};
@@ -171,7 +170,7 @@ fn optimal(
         return Ok(augmented_design(factors, criterion, &[], runs, seed, &row)?.into());
     };
     let place = file.display();
-    let bytes = fs::read(file).with_context(|| format!("cannot read {place}"))?;
+    let bytes = input_file::read(file).with_context(|| format!("cannot read {place}"))?;
     let given =
         design_from_csv(&text_of_bytes(&bytes), factors).with_context(|| place.to_string())?;
     let given = given.coded_rows();
@@ -214,7 +213,7 @@ fn analysis(arguments: &Arguments, factors: &[Factor]) -> anyhow::Result<(Fit, O
         .as_deref()
         .context("this needs --analysis ANALYSIS.json, written by seedloop analyse --json")?;
     let place = file.display();
-    let text = fs::read_to_string(file).with_context(|| format!("cannot read {place}"))?;
+    let text = input_file::read_text(file).with_context(|| format!("cannot read {place}"))?;
     let fit: Fit = serde_json::from_str(&text).with_context(|| {
         format!("{place} is no analysis; write one with seedloop analyse --json")
     })?;

@@ -97,8 +97,8 @@ fn of_folder(folder: &Path, table: &PowerTable, seed: u64) -> anyhow::Result<Opt
     if !path.is_file() {
         return Ok(None);
     }
-    let text = std::fs::read_to_string(&path)
-        .with_context(|| format!("cannot read {}", path.display()))?;
+    let text =
+        input_file::read_text(&path).with_context(|| format!("cannot read {}", path.display()))?;
     let file: ProblemFile = serde_json::from_str(&text)
         .with_context(|| format!("{} is not a problem file", path.display()))?;
     let values = file.residual_obs_minus_sim.iter().flatten().count();

@@ -1,6 +1,5 @@
 //! Reading an analysis, at the levels and within the bounds that are asked for.
 
-use std::fs;
 use std::path::Path;
 
 use anyhow::{Context as _, ensure};
@@ -41,7 +40,7 @@ struct Named {
 pub(super) fn read(path: &Path, arguments: &Arguments) -> anyhow::Result<Read> {
     let bounds = &arguments.bounds;
     let place = path.display();
-    let text = fs::read_to_string(path).with_context(|| format!("cannot read {place}"))?;
+    let text = input_file::read_text(path).with_context(|| format!("cannot read {place}"))?;
     let fit: Fit = serde_json::from_str(&text).with_context(|| {
         format!("{place} is no analysis; write one with seedloop analyse --json")
     })?;

@@ -7,12 +7,14 @@ use command_line::{Overwrite, write_new};
 use run_store::{seal_text, set_file_aside, unseal_text};
 use scene::{Keeper, Progress};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 /// Ends of the names of the two files, behind the key of the run.
 const ENDS: [&str; 2] = [".state.json", ".state-2.json"];
 
-/// The files, and when one was written last.
+/// The files, when one was written last, and whether the run is to end.
 #[derive(Debug)]
 pub(super) struct StateFile {
     /// Key of the run.
@@ -25,6 +27,8 @@ pub(super) struct StateFile {
     every: Duration,
     /// When the state was written last.
     last: Instant,
+    /// Raised when the run is to end.
+    stop: Arc<AtomicBool>,
 }
 
 /// The state that a run has left behind.
@@ -38,13 +42,19 @@ pub(super) struct Left {
 
 impl StateFile {
     /// The files of a run, one of which is written once in so many seconds.
-    pub(super) fn new(folder: Option<&Path>, key: &str, every_s: f64) -> Self {
+    pub(super) fn new(
+        folder: Option<&Path>,
+        key: &str,
+        every_s: f64,
+        stop: &Arc<AtomicBool>,
+    ) -> Self {
         Self {
             key: key.to_owned(),
             paths: folder.map(|folder| ENDS.map(|end| folder.join(format!("{key}{end}")))),
             next: 0,
             every: Duration::try_from_secs_f64(every_s).unwrap_or(Duration::MAX),
             last: Instant::now(),
+            stop: Arc::clone(stop),
         }
     }
 
@@ -77,7 +87,7 @@ impl StateFile {
         let mut left = Left::default();
         let mut newest = None;
         for (number, path) in self.present() {
-            let bytes = std::fs::read(path)
+            let bytes = input_file::read(path)
                 .with_context(|| format!("{} (remove it to start the run anew)", path.display()))?;
             let read = unseal_text(&self.key, &bytes).and_then(|json| {
                 serde_json::from_slice::<Progress>(json).map_err(|why| why.to_string())
@@ -121,6 +131,10 @@ impl StateFile {
 impl Keeper for StateFile {
     fn is_due(&mut self) -> bool {
         self.paths.is_some() && self.last.elapsed() >= self.every
+    }
+
+    fn is_stopped(&self) -> bool {
+        self.stop.load(Ordering::SeqCst)
     }
 
     fn keep(&mut self, progress: &Progress) -> Result<(), String> {

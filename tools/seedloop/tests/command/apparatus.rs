@@ -88,7 +88,7 @@ fn a_tilted_drum_with_lifters_and_a_ramp_runs() {
     );
     let scene = TinyScene::changed(DRUM, &more);
     // A bed deep enough that its surface can be read between the lifters.
-    let settings = ["--set", "time_s=0.3", "--set", "seed.0.count=60"];
+    let settings = ["time_s=0.3", "frames=2", "seed.0.count=60"];
     let output = scene.simulate(&[&settings[..], &["--json", "--quiet"]].concat());
     assert_code(&output, 0);
     let fill = json(&output)["observables"]["fill_level_by_position"]["mean"]
@@ -142,7 +142,7 @@ fn a_wall_from_a_mesh_takes_part() {
         facet(a, c, d)
     );
     fs::write(scene.path("baffle.stl"), text).unwrap();
-    let output = scene.simulate(&["--set", "time_s=0.2", "--json", "--quiet"]);
+    let output = scene.simulate(&["time_s=0.2", "frames=2", "--json", "--quiet"]);
     assert_code(&output, 0);
     let inputs = json(&output)["inputs"].as_object().unwrap().len();
     assert_eq!(inputs, 4, "the scene, two seeds and the wall");
@@ -221,7 +221,10 @@ fn a_scene_is_exported_for_lammps_paraview_and_fluid_solvers() {
     assert_eq!(bodies.lines().count(), seeds + 1, "one line a seed");
     assert_error(&export("lammps", &[]), &["exists", "--force"]);
 
-    assert_code(&export("vtk", &["--set", "time_s=0.1"]), 0);
+    assert_code(
+        &export("vtk", &["--set", "time_s=0.2", "--set", "frames=2"]),
+        0,
+    );
     let list = fs::read_to_string(scene.path("vtk/frames.pvd")).unwrap();
     let frame = fs::read_to_string(scene.path("vtk/frames_0000.vtp")).unwrap();
     assert!(list.contains("frames_0000.vtp"), "{list}");
@@ -232,7 +235,10 @@ fn a_scene_is_exported_for_lammps_paraview_and_fluid_solvers() {
         );
     }
 
-    assert_code(&export("csv", &["--set", "time_s=0.1"]), 0);
+    assert_code(
+        &export("csv", &["--set", "time_s=0.2", "--set", "frames=2"]),
+        0,
+    );
     let table = fs::read_to_string(scene.path("csv/frames_0000.csv")).unwrap();
     let mut rows = table.lines();
     assert_eq!(

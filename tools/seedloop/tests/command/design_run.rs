@@ -152,7 +152,8 @@ fn a_run_that_fails_is_told_and_the_others_are_kept() {
     let scene = TinyScene::new();
     let table = "seed.0.count,seed.1.count\n34,6\n1,1\n";
     fs::write(scene.path("few.csv"), table).unwrap();
-    let words = "run few.csv --scene tiny.toml --set time_s=0.1 --out results --json=-";
+    let words =
+        "run few.csv --scene tiny.toml --set time_s=0.2 --set frames=2 --out results --json=-";
     let output = words_in(&scene.path(""), words);
     assert_code(&output, 1);
     assert!(text(&output.stderr).contains("no result: line 3, seed 2: none of the"));
@@ -204,7 +205,7 @@ fn a_stopped_table_goes_on() {
     let interrupt = Command::new("kill").args(["-INT", &pid]).status().unwrap();
     assert!(interrupt.success());
     let output = child.wait_with_output().unwrap();
-    assert_code(&output, 1);
+    assert_code(&output, 130);
     assert!(text(&output.stderr).contains("--resume"));
     let finished = kept();
     assert!((1..12).contains(&finished), "{finished} of 12");

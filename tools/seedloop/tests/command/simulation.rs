@@ -97,6 +97,7 @@ fn a_record_is_kept_and_taken_again_on_resume_only() {
         "results",
         "--set",
         "time_s=0.2",
+        "frames=2",
     ];
     let first = scene.simulate(&[&run[..], &["--json", "first.json"]].concat());
     assert_code(&first, 0);
@@ -145,7 +146,14 @@ fn a_record_is_kept_and_taken_again_on_resume_only() {
 fn the_same_seed_gives_the_same_numbers() {
     let scene = TinyScene::new();
     let run = |seed: &str| {
-        let words = ["--set", "time_s=0.1", "--seed", seed, "--json", "--quiet"];
+        let words = [
+            "time_s=0.2",
+            "frames=2",
+            "--seed",
+            seed,
+            "--json",
+            "--quiet",
+        ];
         json(&scene.simulate(&words))["observables"].clone()
     };
     let first = run("1");
@@ -181,7 +189,9 @@ fn a_surface_that_cannot_be_measured_is_a_refusal() {
         "--set",
         "seed.1.count=1",
         "--set",
-        "time_s=0.1",
+        "time_s=0.2",
+        "--set",
+        "frames=2",
         "--json",
     ]);
     assert_code(&output, 1);
@@ -287,4 +297,32 @@ fn calibrated_values_are_taken_from_a_file() {
     fs::write(scene.path("peas.toml"), &file[2]).unwrap();
     let output = scene.simulate(&["--set-file", "peas.toml"]);
     crate::assert_error(&output, &["peas.toml", "tiny.toml", "pea-pea"]);
+}
+
+/// However a path is typed, the run is the same one: by its key where the scene says the same, and by its numbers where the scene
+/// names a mesh in another way.
+#[test]
+fn how_a_path_is_typed_changes_no_result() {
+    let scene = TinyScene::new();
+    fs::create_dir(scene.path("below")).unwrap();
+    let whole = scene.path("tiny.toml");
+    let run = |file: &str| {
+        let words = ["simulate", file, "time_s=0.2", "frames=2", "--json"];
+        let output = crate::seedloop(&scene.path(""), &words);
+        assert_code(&output, 0);
+        json(&output)
+    };
+    let first = run("tiny.toml");
+    for other in ["./tiny.toml", "below/../tiny.toml", whole.to_str().unwrap()] {
+        assert_eq!(run(other)["record"], first["record"], "{other}");
+    }
+    let text = fs::read_to_string(&whole).unwrap();
+    fs::write(
+        &whole,
+        text.replace("/cotton_flat.stl", "/./cotton_flat.stl"),
+    )
+    .unwrap();
+    let same = run("tiny.toml");
+    assert_eq!(same["observables"], first["observables"]);
+    assert_eq!(same["timing"]["steps"], first["timing"]["steps"]);
 }

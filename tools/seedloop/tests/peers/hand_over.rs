@@ -29,11 +29,17 @@ fn hand_over(format: &str, variable: &str) {
         .arg(&parameters)
         .args([
             "--set",
-            "rotation_limit=0.02 s",
+            "rotation_limit=0.04 s",
             "--set",
             "settle_limit=0.05 s",
         ])
-        .args(["--set", "frame_interval=0.01 s", "--out"])
+        .args([
+            "--set",
+            "frame_interval=0.02 s",
+            "--set",
+            "frames=2",
+            "--out",
+        ])
         .arg(&deck)
         .output()
         .expect("the command starts");

@@ -1,0 +1,114 @@
+//! Files that a user names, read only where they are plain files of a size that can be meant.
+//!
+//! A pipe would be waited for, a device such as `/dev/zero` never ends, and a folder has no content: each is an error that says
+//! so. Links are followed, since a user may keep his data elsewhere.
+
+use std::fs::File;
+use std::io::{Error, ErrorKind, Read as _, Result};
+use std::path::Path;
+
+/// Largest file that is read, bytes (2 GiB): our choice, ten times the largest mesh of a scanner that we know.
+pub const MOST_BYTES: u64 = 1 << 31;
+
+/// Opens a plain file.
+///
+/// # Errors
+///
+/// A file that is missing or closed to us; a folder, pipe, socket or device; more than [`MOST_BYTES`].
+pub fn open(path: &Path) -> Result<File> {
+    // Looked at before it is opened: opening a pipe waits for a writer.
+    let meta = std::fs::metadata(path)?;
+    if meta.is_dir() {
+        let what = "it is a folder; give the name of a file";
+        return Err(Error::new(ErrorKind::IsADirectory, what));
+    }
+    if !meta.is_file() {
+        let what =
+            "it is no plain file but a pipe, socket or device; write its content into a file";
+        return Err(Error::new(ErrorKind::InvalidInput, what));
+    }
+    if meta.len() > MOST_BYTES {
+        let what = format!("it has {} bytes; at most {MOST_BYTES} are read", meta.len());
+        return Err(Error::new(ErrorKind::FileTooLarge, what));
+    }
+    File::open(path)
+}
+
+/// Reads a plain file.
+///
+/// # Errors
+///
+/// As [`open`]; a disk that cannot be read.
+pub fn read(path: &Path) -> Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    // A file may grow while it is read.
+    open(path)?.take(MOST_BYTES).read_to_end(&mut bytes)?;
+    Ok(bytes)
+}
+
+/// Reads a plain file of UTF-8 text.
+///
+/// # Errors
+///
+/// As [`read`]; bytes that are no text.
+pub fn read_text(path: &Path) -> Result<String> {
+    String::from_utf8(read(path)?).map_err(|error| {
+        let at = error.utf8_error().valid_up_to();
+        let what = format!("it is no UTF-8 text: byte {at} is no part of a character");
+        Error::new(ErrorKind::InvalidData, what)
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{MOST_BYTES, read, read_text};
+    use std::fs::File;
+    use std::path::Path;
+
+    /// Content comes back as it was written, also through a link; what is no text is told with the place.
+    #[test]
+    fn a_plain_file_is_read() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("a.txt");
+        std::fs::write(&file, "seed").unwrap();
+        assert_eq!(read(&file).unwrap(), b"seed");
+        let link = folder.path().join("link");
+        std::os::unix::fs::symlink(&file, &link).unwrap();
+        assert_eq!(read_text(&link).unwrap(), "seed");
+        std::fs::write(&file, b"see\xff").unwrap();
+        assert!(read_text(&file).unwrap_err().to_string().contains("byte 3"));
+    }
+
+    /// None of these is read, and none is waited for: a pipe without a writer would hang here.
+    #[test]
+    fn what_is_no_plain_file_is_refused() {
+        let folder = tempfile::tempdir().unwrap();
+        let pipe = folder.path().join("pipe");
+        let mode = rustix::fs::Mode::RUSR | rustix::fs::Mode::WUSR;
+        rustix::fs::mkfifoat(rustix::fs::CWD, &pipe, mode).unwrap();
+        for (path, word) in [
+            (pipe.as_path(), "pipe"),
+            (Path::new("/dev/zero"), "device"),
+            (folder.path(), "folder"),
+        ] {
+            let told = read(path).unwrap_err().to_string();
+            assert!(told.contains(word), "{}: {told}", path.display());
+        }
+    }
+
+    /// A file without content on the disk that calls itself one byte too long.
+    #[test]
+    fn a_file_that_is_too_large_is_refused_before_it_is_read() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("large");
+        File::create(&path)
+            .unwrap()
+            .set_len(MOST_BYTES + 1)
+            .unwrap();
+        let told = read(&path).unwrap_err().to_string();
+        assert!(
+            told.contains("2147483649") && told.contains("2147483648"),
+            "{told}"
+        );
+    }
+}
