@@ -8,7 +8,7 @@ use std::path::Path;
 
 /// The revision for which the numbers below hold. A change of any of them is a change of the physics: old records then lie, and
 /// the revision in `simulator.rs` must be raised with the numbers here.
-const REVISION: &str = "physics 10";
+const REVISION: &str = "physics 11";
 
 /// Numbers are told with nine digits. Processors without the same vector registers round otherwise; over these few contacts that
 /// stays below this share, and no law, step or seed of randomness can be changed by so little.
@@ -27,12 +27,7 @@ const SCENE: &str = r#"
     density = "1250 kg/m3"
     count = 6
     material = "seed"
-    [[seed]]
-    name = "grain"
-    ellipsoid = ["6 mm", "4 mm", "3 mm"]
-    mass = "60 mg"
-    count = 4
-    material = "seed"
+    GRAIN
     [material.seed]
     poisson_ratio = 0.3
     shear_modulus = "2 MPa"
@@ -54,9 +49,21 @@ const SCENE: &str = r#"
     frames = 2
 "#;
 
-/// The scene in an apparatus.
-fn scene(apparatus: &str, set: &[(&str, &str)]) -> Scene {
-    let text = SCENE.replace("APPARATUS", apparatus);
+/// The flat grain.
+const GRAIN: &str = r#"
+    [[seed]]
+    name = "grain"
+    ellipsoid = ["6 mm", "4 mm", "3 mm"]
+    mass = "60 mg"
+    count = 4
+    material = "seed"
+"#;
+
+/// The scene in an apparatus, with other seeds beside the beads.
+fn scene_with(others: &str, apparatus: &str, set: &[(&str, &str)]) -> Scene {
+    let text = SCENE
+        .replace("APPARATUS", apparatus)
+        .replace("GRAIN", others);
     let set: Vec<Override> = set
         .iter()
         .map(|(name, value)| Override {
@@ -65,6 +72,11 @@ fn scene(apparatus: &str, set: &[(&str, &str)]) -> Scene {
         })
         .collect();
     Scene::from_text(&text, "revision.toml", Path::new("."), &set).expect("a scene")
+}
+
+/// The scene in an apparatus.
+fn scene(apparatus: &str, set: &[(&str, &str)]) -> Scene {
+    scene_with(GRAIN, apparatus, set)
 }
 
 /// What a bench test shows, by the simulator that writes the records.
@@ -81,8 +93,8 @@ fn shown(apparatus: &str, observable: &str) -> f64 {
 }
 
 /// Sum of all coordinates (m) and speeds (m/s) at the end of a run, which every force on the way has moved.
-fn moved(apparatus: &str, set: &[(&str, &str)]) -> f64 {
-    let result = run(&scene(apparatus, set), &FillingLibrary::default(), 3);
+fn moved(scene: &Scene) -> f64 {
+    let result = run(scene, &FillingLibrary::default(), 3);
     let result = result.expect("runs");
     let last = result.frames.last().expect("a frame");
     let places: f64 = last.position.iter().map(|p| p.x + p.y + p.z).sum();
@@ -111,13 +123,17 @@ fn the_revision_belongs_to_the_numbers() {
             shown(&bench("slider", ""), "shown_static_friction"),
         ),
         ("tilt", shown(&bench("tilt", ""), "shown_rolling_friction")),
-        ("turning plate", moved(drum, &[])),
-        ("heap", moved(heap, &[])),
+        ("turning plate", moved(&scene(drum, &[]))),
+        ("heap", moved(&scene(heap, &[]))),
+        ("beads alone", moved(&scene_with("", heap, &[]))),
         (
             "rolling spring",
-            moved(heap, &[("model.rolling_law", "spring-dashpot")]),
+            moved(&scene(heap, &[("model.rolling_law", "spring-dashpot")])),
         ),
-        ("cohesion", moved(heap, &[("model.bond_number", "2.0")])),
+        (
+            "cohesion",
+            moved(&scene(heap, &[("model.bond_number", "2.0")])),
+        ),
     ];
     let pinned = [
         6.086062327e-1,
@@ -125,6 +141,7 @@ fn the_revision_belongs_to_the_numbers() {
         3.320451987e-1,
         -1.420403722e-1,
         7.591251583e-2,
+        -1.288765163e-2,
         9.341680822e-2,
         3.981447482e-4,
     ];
