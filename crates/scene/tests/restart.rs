@@ -136,6 +136,29 @@ fn bonded_seeds_that_were_stopped_go_on_with_the_same_bits() {
     goes_on_with_the_same_bits(&bonded(), &[4, 8]);
 }
 
+/// Bonds that had broken when the run was left hold no more, even where those of the scene that goes on cannot break.
+#[test]
+fn broken_bonds_stay_broken() {
+    let library = FillingLibrary::default();
+    let mut stop = StopAfter {
+        left: 8,
+        text: None,
+    };
+    let _ = run_on(&bonded(), &library, 3, 1, None, &mut stop);
+    let left = serde_json::from_str(&stop.text.expect("a state was kept")).expect("reads back");
+    let mut strong = bonded();
+    if let Some(bonds) = &mut strong.model.bonds {
+        bonds.strength = None;
+    }
+    let mut never = StopAfter {
+        left: usize::MAX,
+        text: None,
+    };
+    let result = run_on(&strong, &library, 3, 1, Some(left), &mut never).expect("goes on");
+    let broken = result.further.iter().find(|f| f.name == "broken_bonds");
+    assert!(broken.expect("counted").values[0] > 0.0);
+}
+
 /// A raised flag ends a run at the next look at the bed.
 #[test]
 fn a_run_ends_when_its_flag_is_raised() {
