@@ -147,6 +147,16 @@ calibrate-liggghts:
     bash fixtures/peers-study/calibrate.sh liggghts
 
 # Installs what is missing; apt-get may need root. Finished runs in FOLDER are found again.
+# mesh, obj, picture, scene, study, table, problem, positions, record, state or quantity; finds go to out/fuzz/READER.
+# Give a reader of files inputs that a coverage-guided fuzzer makes (seconds).
+[group('trials of the instruments')]
+fuzz READER SECONDS="60":
+    RUSTFLAGS="--cfg fuzzing -Cpasses=sancov-module -Cllvm-args=-sanitizer-coverage-level=4 -Cllvm-args=-sanitizer-coverage-inline-8bit-counters -Cllvm-args=-sanitizer-coverage-pc-table -Cllvm-args=-sanitizer-coverage-trace-compares" \
+        cargo build --release --locked --manifest-path tools/fuzz/Cargo.toml --target x86_64-unknown-linux-gnu --target-dir target/fuzz
+    mkdir -p out/fuzz/{{READER}}/inputs
+    READER={{READER}} TMPDIR=/dev/shm target/fuzz/x86_64-unknown-linux-gnu/release/fuzz -max_total_time={{SECONDS}} -timeout=10 \
+        -rss_limit_mb=4096 -artifact_prefix=out/fuzz/{{READER}}/ out/fuzz/{{READER}}/inputs tools/fuzz/seeds/{{READER}}
+
 # Hide one effect at a time in data of LAMMPS and LIGGGHTS, diagnose them here, and print the tables (hours).
 [group('trials of the instruments')]
 other-code FOLDER="out/other-code" *CAMPAIGNS:

@@ -14,7 +14,7 @@ use run_store::{Lookup, Record, Store};
 use scene::{Override, Progress, Scene};
 use scene_simulator::{ParameterFile, RunDetails};
 use single_run::SingleRun;
-use state_file::StateFile;
+use state_file::{StateFile, state_files};
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
@@ -133,7 +133,11 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
     let header = Header::new(arguments.seed, inputs)?;
     require_memory([&scene], 1)?;
     let single = SingleRun::new(scene, arguments.seed)?;
-    let stop = Stop::new(kept(arguments))?;
+    let files = match &arguments.out {
+        Some(folder) => Some(state_files(folder, single.blank_record()?.key())),
+        None => None,
+    };
+    let stop = Stop::new(move || kept(files.as_ref()))?;
     let outcome = match stop.result(find_or_run(arguments, &single, &stop)) {
         Ok(Ok(outcome)) => outcome,
         Ok(Err(code)) => return Ok(code),
@@ -156,17 +160,19 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
     Ok(DONE)
 }
 
-/// What is kept of a run that is stopped, and how to go on.
-fn kept(arguments: &Arguments) -> String {
-    arguments.out.as_ref().map_or_else(
-        || "nothing is kept; with --out DIR a run can go on later".to_owned(),
-        |folder| {
-            format!(
-                "the state of the run is kept in {}; the same command with --resume goes on",
-                folder.display()
-            )
-        },
-    )
+/// What is kept of a run that is stopped, whose states these files hold, and how to go on.
+fn kept(states: Option<&[PathBuf; 2]>) -> String {
+    let Some(states) = states else {
+        return "nothing is kept; with --out DIR a run can go on later".to_owned();
+    };
+    match states.iter().find(|file| file.exists()) {
+        Some(file) => format!(
+            "the state of the run is kept in {}; the same command with --resume goes on",
+            file.parent().unwrap_or(file).display()
+        ),
+        // While a run is set up, and while the frames of one that has come to its end are read, there is no state.
+        None => "no state of the run is kept; the same command begins it anew".to_owned(),
+    }
 }
 
 /// Whether an error is an answer (exit 1) and not a fault of the input (exit 2).
@@ -306,4 +312,20 @@ fn write_frame(arguments: &Arguments, record: &Record) -> anyhow::Result<()> {
 fn place(store: &Store) -> String {
     let folder = store.folder();
     folder.map_or_else(String::new, |folder| folder.display().to_string())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{kept, state_files};
+
+    /// A state is promised where one is, and only there.
+    #[test]
+    fn what_is_told_to_be_kept_is_there() {
+        let folder = tempfile::tempdir().unwrap();
+        let files = state_files(folder.path(), "key");
+        assert!(kept(Some(&files)).contains("begins it anew"));
+        std::fs::write(&files[1], "state").unwrap();
+        assert!(kept(Some(&files)).contains("--resume goes on"));
+        assert!(kept(None).contains("with --out DIR"));
+    }
 }

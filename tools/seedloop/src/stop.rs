@@ -33,16 +33,25 @@ struct State {
     signal: AtomicU8,
     /// Set once the user knows what is kept.
     told: AtomicBool,
-    /// What is kept, and how to go on: the end of a sentence.
-    kept: String,
+    /// Tells what is kept, and how to go on: the end of a sentence.
+    kept: Told,
+}
+
+/// Tells something at the moment at which it is asked.
+struct Told(Box<dyn Fn() -> String + Send + Sync>);
+
+impl std::fmt::Debug for Told {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_tuple("Told").field(&(self.0)()).finish()
+    }
 }
 
 impl Stop {
-    /// Listens to Ctrl-C and SIGTERM. `kept` is the end of a sentence: what is kept, and how to go on.
+    /// Listens to Ctrl-C and SIGTERM. `kept` tells, when the command ends, the end of a sentence: what is kept, and how to go on.
     ///
     /// # Errors
     /// A system that does not let the process listen.
-    pub(crate) fn new(kept: String) -> anyhow::Result<Self> {
+    pub(crate) fn new(kept: impl Fn() -> String + Send + Sync + 'static) -> anyhow::Result<Self> {
         let mut signals =
             Signals::new([SIGINT, SIGTERM]).context("cannot listen to Ctrl-C and SIGTERM")?;
         let stop = Self {
@@ -50,7 +59,7 @@ impl Stop {
             state: Arc::new(State {
                 signal: AtomicU8::new(0),
                 told: AtomicBool::new(false),
-                kept,
+                kept: Told(Box::new(kept)),
             }),
         };
         let (flag, state) = (Arc::clone(&stop.flag), Arc::clone(&stop.state));
@@ -78,10 +87,11 @@ impl Stop {
     /// As [`Stop::new`].
     pub(crate) fn of_runs(folder: &Path) -> anyhow::Result<Self> {
         let runs = folder.join("runs");
-        Self::new(format!(
+        let told = format!(
             "finished runs are kept in {}; the same command with --resume goes on",
             runs.display()
-        ))
+        );
+        Self::new(move || told.clone())
     }
 
     /// The flag that the first signal raises.
@@ -113,7 +123,7 @@ impl State {
                 "Ctrl-C"
             };
             // A closed standard error is no reason to go on.
-            let _ = writeln!(std::io::stderr(), "stopped by {name}: {}", self.kept);
+            let _ = writeln!(std::io::stderr(), "stopped by {name}: {}", (self.kept.0)());
         }
         ENDED_BY_SIGNAL.saturating_add(signal)
     }

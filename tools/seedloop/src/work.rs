@@ -76,7 +76,7 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
     let job: Job =
         serde_json::from_str(&text).with_context(|| format!("{name} is no job of --runner"))?;
     let kept = "finished runs are kept; the command that submitted the task does the others";
-    let stop = Stop::new(kept.to_owned())?;
+    let stop = Stop::new(move || kept.to_owned())?;
     let (simulator, folder): (Box<dyn Simulator>, PathBuf) = match job {
         Job::Study {
             retries,

@@ -40,6 +40,11 @@ pub(super) struct Left {
     pub(super) warnings: Vec<String>,
 }
 
+/// The two files of a run of a key in a folder.
+pub(super) fn state_files(folder: &Path, key: &str) -> [PathBuf; 2] {
+    ENDS.map(|end| folder.join(format!("{key}{end}")))
+}
+
 impl StateFile {
     /// The files of a run, one of which is written once in so many seconds.
     pub(super) fn new(
@@ -50,7 +55,7 @@ impl StateFile {
     ) -> Self {
         Self {
             key: key.to_owned(),
-            paths: folder.map(|folder| ENDS.map(|end| folder.join(format!("{key}{end}")))),
+            paths: folder.map(|folder| state_files(folder, key)),
             next: 0,
             every: Duration::try_from_secs_f64(every_s).unwrap_or(Duration::MAX),
             last: Instant::now(),
