@@ -26,7 +26,7 @@ pub enum Error {
         way_out: String,
     },
     /// A number is NaN, infinite or outside its range.
-    #[error("{what} is {value:e}, it must be {range}")]
+    #[error("{what} is {value:?}, it must be {range}")]
     OutOfRange {
         /// Key of the number, with its place.
         what: String,
