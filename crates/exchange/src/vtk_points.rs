@@ -153,7 +153,11 @@ pub(crate) fn read_legacy(text: &str, file: &str) -> Result<Moment, Error> {
         words = match *keyword {
             "POINTS" => {
                 n = count(0)?;
-                arrays.add(("points", 3, *line), 3 * n, rest.get(2..).unwrap_or(&[]))?
+                arrays.add(
+                    ("points", 3, *line),
+                    n.saturating_mul(3),
+                    rest.get(2..).unwrap_or(&[]),
+                )?
             }
             "POINT_DATA" | "CELL_DATA" => {
                 of_points = *keyword == "POINT_DATA";
@@ -165,13 +169,15 @@ pub(crate) fn read_legacy(text: &str, file: &str) -> Result<Moment, Error> {
                 let after = table.map_or(2, |at| at + 2);
                 arrays.add(
                     (word(0), components, *line),
-                    components * n,
+                    components.saturating_mul(n),
                     rest.get(after..).unwrap_or(&[]),
                 )?
             }
-            "VECTORS" if of_points => {
-                arrays.add((word(0), 3, *line), 3 * n, rest.get(2..).unwrap_or(&[]))?
-            }
+            "VECTORS" if of_points => arrays.add(
+                (word(0), 3, *line),
+                n.saturating_mul(3),
+                rest.get(2..).unwrap_or(&[]),
+            )?,
             "FIELD" if of_points => {
                 let mut after = rest.get(2..).unwrap_or(&[]);
                 for _ in 0..count(1)? {
@@ -314,5 +320,15 @@ mod tests {
         assert!(message.contains("1 of 2 numbers"), "{message}");
         let message = told(&LEGACY.replace("radius", "mass"));
         assert!(message.contains("'radius' or 'diameter'"), "{message}");
+    }
+
+    /// A number of points whose coordinates are more than there are numbers for a computer to count: 3 n wraps to 2 here, and two
+    /// numbers follow. The array ends too early all the same.
+    #[test]
+    fn more_points_than_can_be_counted_are_refused() {
+        let n = usize::MAX / 3 + 1;
+        let text = format!("# vtk\nbed\nASCII\nDATASET POLYDATA\nPOINTS {n} float\n0 0\n");
+        let error = read_legacy(&text, "bed.vtk").unwrap_err().to_string();
+        assert!(error.contains("'points' ends after 2"), "{error}");
     }
 }
