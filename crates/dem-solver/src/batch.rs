@@ -231,21 +231,13 @@ impl Batch {
         if self.n == 0 {
             return;
         }
-        // A copy on the stack lets the compiler see that nothing else changes the law.
-        let law = interactions[self.interaction];
         let (input, output, n) = (&*self.input, &mut *self.output, self.n);
-        // Two loops of the same law: without further laws the first is half as long.
-        if law == law.plain() {
-            simd.vectorize(
-                #[inline(always)]
-                || compute(&law.plain(), input, output, n, time_step),
-            );
-        } else {
-            simd.vectorize(
-                #[inline(always)]
-                || compute(&law, input, output, n, time_step),
-            );
-        }
+        by_law(
+            simd,
+            interactions[self.interaction],
+            #[inline(always)]
+            |law| compute(law, input, output, n, time_step),
+        );
         let output = &*self.output;
         for k in 0..self.n {
             sink.take(&ContactLoad {
@@ -259,6 +251,23 @@ impl Batch {
             };
         }
         self.n = 0;
+    }
+}
+
+/// Gives an interaction to a loop over contacts, in vector registers. The loop is compiled twice: without further laws it
+/// is half as long. The copy of the interaction lets the compiler see that nothing else changes it.
+#[inline(always)]
+pub(crate) fn by_law<S: Simd>(simd: S, law: Interaction, mut run: impl FnMut(&Interaction)) {
+    if law == law.plain() {
+        simd.vectorize(
+            #[inline(always)]
+            || run(&law.plain()),
+        );
+    } else {
+        simd.vectorize(
+            #[inline(always)]
+            || run(&law),
+        );
     }
 }
 

@@ -618,7 +618,7 @@ impl World {
         }
     }
 
-    /// What the force loops need; for the plain reference.
+    /// What the force loops need beside bodies and lists.
     pub(crate) fn context(&self) -> Context<'_> {
         Context {
             templates: &self.templates,
@@ -665,31 +665,23 @@ impl World {
         if self.templates.iter().all(|template| template.is_sphere) {
             Sphere::copy_all(bodies, &self.templates, &mut self.spheres);
         }
-        let (level, grid) = (self.level, &self.grid);
-        let context = Context {
-            templates: &self.templates,
-            interactions: &self.interactions,
-            n_materials: self.n_materials,
-            slack: self.slack,
-            time_step: self.settings.time_step,
-            liquid: self.liquid.shares(),
-            spheres: &self.spheres,
-        };
+        let (mut parts, mut workspaces) = (take(&mut self.parts), take(&mut self.workspaces));
+        let (level, grid, context) = (self.level, &self.grid, self.context());
         let around = (&context, self.walls.as_slice(), margin);
         let search = |(piece, workspace): (&mut [Part], &mut Workspace)| {
             for part in piece {
                 part.search(level, grid, bodies, radii, around, workspace);
             }
         };
-        let (parts, workspaces) = (&mut self.parts, &mut self.workspaces);
         let piece = parts.len() / workspaces.len();
         match &self.pool {
-            None => search((parts, &mut workspaces[0])),
+            None => search((&mut parts, &mut workspaces[0])),
             Some(pool) => pool.install(|| {
                 let pieces = parts.par_chunks_mut(piece).zip(workspaces.par_iter_mut());
                 pieces.for_each(search);
             }),
         }
+        (self.parts, self.workspaces) = (parts, workspaces);
         // A bridge may pass from a triangle to one that is not listed: that must stay beyond its reach.
         let at_triangles = margin + f64::from(self.slack.reach);
         self.mesh_walls

@@ -9,7 +9,7 @@
     reason = "the hot loops are vectorised only when inlined"
 )]
 
-use crate::batch::{Column, ContactLoad, ROOM, Sink, read, write};
+use crate::batch::{Column, ContactLoad, ROOM, Sink, by_law, read, write};
 use crate::bodies::Bodies;
 use crate::contact::{Interaction, Memory, Mover, SpherePair};
 use crate::lanes::make_room;
@@ -298,22 +298,14 @@ impl SphereBatch {
         if self.n == 0 {
             return;
         }
-        // A copy on the stack lets the compiler see that nothing else changes the law.
-        let law = context.interactions[self.interaction];
         let (input, output, n) = (&*self.input, &mut *self.output, self.n);
         let time_step = context.time_step;
-        // Two loops of the same law: without further laws the first is half as long.
-        if law == law.plain() {
-            simd.vectorize(
-                #[inline(always)]
-                || compute(&law.plain(), input, output, n, time_step),
-            );
-        } else {
-            simd.vectorize(
-                #[inline(always)]
-                || compute(&law, input, output, n, time_step),
-            );
-        }
+        by_law(
+            simd,
+            context.interactions[self.interaction],
+            #[inline(always)]
+            |law| compute(law, input, output, n, time_step),
+        );
         let output = &*self.output;
         for k in 0..n {
             let pair = self.pair[k] as usize;
