@@ -98,9 +98,10 @@ pub struct TimingDetails {
     pub cpu_s: Option<f64>,
     /// Time of filling the meshes, s; none where it was not measured.
     pub filling_s: Option<f64>,
-    /// Time of a step, us; none where the run was continued, since its times are those of the last part alone.
+    /// Time of a step, us; none where the run was continued, since its times are those of the last part alone, and where
+    /// attempts broke off, whose time counts.
     pub us_per_step: Option<f64>,
-    /// Spheres times steps over the time; none where the run was continued.
+    /// Spheres times steps over the time; likewise.
     pub sphere_steps_per_s: Option<f64>,
     /// Whether the run went on from a state that an earlier process had left.
     pub continued: bool,
@@ -134,7 +135,6 @@ impl RunDetails {
         scene: &Scene,
         result: &RunResult,
         effort: Effort,
-        retried: &[String],
         (image, position): (&[f64], &[f64]),
     ) -> Result<Self, Error> {
         let filling = result.filling_angles.iter().map(|a| a.to_degrees());
@@ -176,7 +176,7 @@ impl RunDetails {
                 time_s: result.series.iter().map(|p| p.time_s).collect(),
                 centre_of_mass_deg: result.series.iter().map(|p| p.centre_of_mass_deg).collect(),
             },
-            timing: TimingDetails::new(result, effort, retried),
+            timing: TimingDetails::new(result, effort),
             last_frame_png_base64: picture(scene, result)?,
         })
     }
@@ -184,10 +184,11 @@ impl RunDetails {
 
 impl TimingDetails {
     /// What a run cost.
-    fn new(result: &RunResult, effort: Effort, retried: &[String]) -> Self {
+    fn new(result: &RunResult, effort: Effort) -> Self {
         let Effort { wall_s, .. } = effort;
         let steps = result.n_steps as f64;
-        let rate = |value: f64| (!effort.continued).then_some(value);
+        let whole = !effort.continued && result.broken_off.is_empty();
+        let rate = |value: f64| whole.then_some(value);
         Self {
             time_step_s: result.time_step,
             settling_time_step_s: result.settling_time_step,
@@ -202,7 +203,7 @@ impl TimingDetails {
             sphere_steps_per_s: rate(result.n_spheres as f64 * steps / wall_s.max(1e-9)),
             continued: effort.continued,
             only_seen: effort.only_seen,
-            retried: retried.to_vec(),
+            retried: result.broken_off.clone(),
         }
     }
 }

@@ -35,16 +35,6 @@ pub struct Effort {
 ///
 /// A drum in which no frame could be measured, a frame that cannot be drawn.
 pub fn outcome_of(scene: &Scene, result: &RunResult, effort: Effort) -> Result<RunOutcome, Error> {
-    outcome_after(scene, result, effort, &[])
-}
-
-/// [`outcome_of`] a run that came to its end after attempts that broke off.
-pub(crate) fn outcome_after(
-    scene: &Scene,
-    result: &RunResult,
-    effort: Effort,
-    retried: &[String],
-) -> Result<RunOutcome, Error> {
     let times: Vec<f64> = result.frames.iter().map(|f| f.time).collect();
     let surface = SurfaceReadings::of(&result.readings, interval_of(&times));
     if matches!(scene.apparatus, Apparatus::Drum(_)) && surface.image.is_empty() {
@@ -54,7 +44,6 @@ pub(crate) fn outcome_after(
         scene,
         result,
         effort,
-        retried,
         (&surface.image, &surface.position),
     )?;
     Ok(RunOutcome {

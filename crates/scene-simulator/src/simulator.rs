@@ -2,11 +2,13 @@
 
 use crate::binding::present_paths;
 use crate::cost::expected_cost;
-use crate::outcome::outcome_after;
+use crate::outcome::outcome_of;
 use crate::{Binding, Effort, Error};
 use campaign::{RunOutcome, RunRequest, Simulator, SimulatorError};
 use quantity::AngularSpeed;
-use scene::{FillingLibrary, NumberChange, RunResult, Scene, StopFlag, run_on};
+use scene::{
+    FillingLibrary, NumberChange, RunResult, Scene, StopFlag, USUAL_RETRIES, run_retrying,
+};
 use serde_json::{Value, json};
 use sha2::{Digest as _, Sha256};
 use std::collections::{BTreeMap, VecDeque};
@@ -18,9 +20,6 @@ use std::time::Instant;
 
 /// Revision of the physics: raised when the same scene and seed give other or further numbers.
 const REVISION: u32 = 11;
-
-/// How often a run that diverges is tried again where nobody says: each time costs twice as much as the one before.
-pub const USUAL_RETRIES: u32 = 1;
 
 /// Runs whose frames are kept in memory: some megabytes each for a thousand seeds.
 const REMEMBERED: usize = 256;
@@ -40,20 +39,11 @@ pub struct SceneSimulator {
     /// Bodies made so far.
     fillings: FillingLibrary,
     /// The last runs by what moved the seeds: a scene without its camera, and the seed.
-    moved: Mutex<VecDeque<(String, Arc<Moved>)>>,
+    moved: Mutex<VecDeque<(String, Arc<RunResult>)>>,
     /// How often a run that diverges is tried again, each time with half the time step.
     retries: u32,
     /// Raised by someone who wants running runs to end.
     stop: Arc<AtomicBool>,
-}
-
-/// What moved.
-#[derive(Debug)]
-struct Moved {
-    /// The run.
-    result: RunResult,
-    /// Why attempts with longer steps broke off.
-    retried: Vec<String>,
 }
 
 /// A scene that requests can name.
@@ -231,7 +221,7 @@ impl SceneSimulator {
     /// Runs a scene; where the same seeds moved before under another camera, their frames are seen again.
     ///
     /// Returns the run, and whether it was only seen.
-    fn run_or_see(&self, scene: &Scene, seed: u64) -> Result<(Arc<Moved>, bool), SimulatorError> {
+    fn run_or_see(&self, scene: &Scene, seed: u64) -> Result<(Arc<RunResult>, bool), SimulatorError> {
         let mut blind = serde_json::to_value(scene).map_err(SimulatorError::other)?;
         if let Some(settings) = blind.as_object_mut() {
             settings.remove("camera");
@@ -246,14 +236,12 @@ impl SceneSimulator {
             Some(result)
         });
         if let Some(result) = known {
-            let seen = result.result.seen_in(scene);
-            let seen = Moved {
-                result: seen.map_err(SimulatorError::other)?,
-                retried: result.retried.clone(),
-            };
+            let seen = result.seen_in(scene).map_err(SimulatorError::other)?;
             return Ok((Arc::new(seen), true));
         }
-        let result = Arc::new(self.attempts(scene, seed)?);
+        let keeper = &mut StopFlag(&self.stop);
+        let result = run_retrying(scene, &self.fillings, seed, 1, None, keeper, self.retries);
+        let result = Arc::new(result.map_err(SimulatorError::other)?);
         if let Ok(mut moved) = self.moved.lock() {
             moved.push_back((key, Arc::clone(&result)));
             if moved.len() > REMEMBERED {
@@ -261,33 +249,6 @@ impl SceneSimulator {
             }
         }
         Ok((result, false))
-    }
-}
-
-impl SceneSimulator {
-    /// Runs a scene; where it diverges, again with half the time step, as often as is allowed.
-    fn attempts(&self, scene: &Scene, seed: u64) -> Result<Moved, SimulatorError> {
-        let mut scene = scene.clone();
-        let mut retried = Vec::new();
-        loop {
-            let keeper = &mut StopFlag(&self.stop);
-            let error = match run_on(&scene, &self.fillings, seed, 1, None, keeper) {
-                Ok(result) => return Ok(Moved { result, retried }),
-                Err(error) => error,
-            };
-            if !error.is_divergence() || scene.protocol.halvings >= self.retries {
-                if retried.is_empty() {
-                    return Err(SimulatorError::other(error));
-                }
-                let reason = format!(
-                    "{error}; with the longer steps that were tried before: {}",
-                    retried.join("; ")
-                );
-                return Err(SimulatorError::Failed { reason });
-            }
-            retried.push(error.to_string());
-            scene.protocol.halvings += 1;
-        }
     }
 }
 
@@ -312,8 +273,7 @@ impl Simulator for SceneSimulator {
             only_seen,
             ..Effort::default()
         };
-        outcome_after(&scene, &result.result, effort, &result.retried)
-            .map_err(SimulatorError::other)
+        outcome_of(&scene, &result, effort).map_err(SimulatorError::other)
     }
 
     fn expected_cost(&self, request: &RunRequest) -> f64 {

@@ -213,6 +213,7 @@ pub(crate) fn run_bench(
         n_spheres: last.map_or(0, |r| r.n_spheres),
         census: last.map_or_else(Census::default, |r| r.census),
         bodies: vec![parts.body],
+        broken_off: scene.protocol.broken_off.clone(),
     }))
 }
 

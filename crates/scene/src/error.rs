@@ -184,6 +184,14 @@ pub enum Error {
         /// What was found, where and when, and the way out.
         source: dem_solver::Error,
     },
+    /// A run has left what can be believed at each time step that was tried.
+    #[error("{last}; with the longer steps that were tried before: {}", before.join("; "))]
+    Diverged {
+        /// What the last attempt, with the shortest step, says.
+        last: Box<Error>,
+        /// What those before it say.
+        before: Vec<String>,
+    },
     /// The solver stopped.
     #[error(transparent)]
     Solver(#[from] dem_solver::Error),
@@ -208,6 +216,7 @@ impl Error {
     pub fn is_divergence(&self) -> bool {
         match self {
             Self::Unhealthy { source, .. } | Self::Solver(source) => source.is_divergence(),
+            Self::Diverged { .. } => true,
             _ => false,
         }
     }

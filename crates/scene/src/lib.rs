@@ -29,6 +29,7 @@ mod parse;
 mod placement;
 mod reduce;
 mod release;
+mod retry;
 mod run;
 mod seed;
 mod settings;
@@ -52,6 +53,7 @@ pub use named_setting::{NamedSetting, SettingKind};
 pub use obstacles::{VibrationSettings, WallSettings};
 pub use parse::{NumberChange, Override, setting_at};
 pub use release::read_pile;
+pub use retry::{USUAL_RETRIES, run_retrying};
 pub use run::{
     Ending, Further, Regime, RunResult, run, run_on, running_world, settled_world, starting_frame,
 };

@@ -64,12 +64,20 @@ pub struct Progress {
     /// Bonds that have broken, by their number; none where seeds are rigid.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     broken: Vec<usize>,
+    /// Why attempts with longer steps broke off before.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    broken_off: Vec<String>,
 }
 
 impl Progress {
     /// Time of the world, s.
     pub fn time(&self) -> f64 {
         self.world.time()
+    }
+
+    /// Why attempts with longer steps broke off before.
+    pub(crate) fn broken_off(&self) -> &[String] {
+        &self.broken_off
     }
 }
 
@@ -91,6 +99,17 @@ pub trait Keeper {
     /// Whether the run is to end here, with its state kept.
     fn is_stopped(&self) -> bool {
         false
+    }
+
+    /// Hears that an attempt has left what can be believed, and that the run begins anew with half the step. No state kept
+    /// before counts any longer.
+    ///
+    /// # Errors
+    ///
+    /// States that cannot be given up, in words.
+    fn begin_anew(&mut self, why: &str) -> Result<(), String> {
+        let _ = why;
+        Ok(())
     }
 }
 
@@ -220,6 +239,7 @@ impl<'a> Running<'a> {
             series: self.series.clone(),
             frames: self.frames.clone(),
             broken: (self.built.bonds.as_ref()).map_or_else(Vec::new, BondedSeeds::broken),
+            broken_off: self.scene.protocol.broken_off.clone(),
         };
         keeper.keep(&progress).map_err(|reason| Error::NotKept {
             file: self.scene.file.clone(),

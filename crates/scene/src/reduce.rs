@@ -43,7 +43,7 @@ impl Scene {
         }
         scene.protocol.session = None;
         // A fixed step rules all phases, and a share that is that of the settling seeds says nothing.
-        let steps = scene.protocol;
+        let steps = scene.protocol.clone();
         if steps.time_step.is_some() || steps.flow_step_share == Some(steps.step_share) {
             scene.protocol.flow_step_share = None;
         }
@@ -83,7 +83,7 @@ impl Scene {
         self.wall.clear();
         self.surroundings = SurroundingsSettings::default();
         self.model.bonds = None;
-        let steps = self.protocol;
+        let steps = self.protocol.clone();
         self.protocol = Protocol {
             time_step: steps.time_step,
             step_share: steps.step_share,

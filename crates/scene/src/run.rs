@@ -116,6 +116,8 @@ pub struct RunResult {
     pub census: Census,
     /// The bodies of the seeds, by kind.
     pub bodies: Vec<Arc<SeedBody>>,
+    /// Why attempts with longer time steps broke off, each with half the step of the one before.
+    pub broken_off: Vec<String>,
 }
 
 /// Runs a scene with a seed of its randomness.
@@ -198,6 +200,7 @@ pub fn run_on(
         n_spheres: n_spheres(scene, &bodies),
         census: world.census(),
         bodies,
+        broken_off: scene.protocol.broken_off.clone(),
     })
 }
 
@@ -300,6 +303,7 @@ fn released(
         n_spheres: n_spheres(scene, &bodies),
         census: world.census(),
         bodies,
+        broken_off: scene.protocol.broken_off.clone(),
     })
 }
 

@@ -180,7 +180,7 @@ impl LiquidSettings {
 }
 
 /// What is done and when.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Protocol {
     /// Time step of the solver, at most what `step_share` allows; chosen by the two shares where
@@ -193,10 +193,10 @@ pub struct Protocol {
     /// Time step while the drive runs, likewise; `step_share` where absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub flow_step_share: Option<f64>,
-    /// How often the time steps that follow from all this are halved, as after a run that diverged. It is no part of a scene
-    /// file, nor of what a run is known by.
+    /// Why attempts at the run broke off; the time steps that follow from all this are halved once for each. It is no part of
+    /// a scene file, nor of what a run is known by.
     #[serde(skip)]
-    pub halvings: u32,
+    pub broken_off: Vec<String>,
     /// Seeds a second that appear above the bottom of the apparatus until all are there; all are there from the
     /// start where absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -237,7 +237,7 @@ impl Default for Protocol {
             time_step: None,
             step_share: hard_contact::STEP_SHARE,
             flow_step_share: None,
-            halvings: 0,
+            broken_off: Vec::new(),
             insertion_rate: None,
             settle_limit: seconds(0.8),
             start_slope: None,

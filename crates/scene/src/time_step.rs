@@ -105,9 +105,9 @@ impl TimeSteps {
         Ok(())
     }
 
-    /// The steps, halved as often as the protocol says.
+    /// The steps, halved once for each attempt that broke off.
     fn halved(self, scene: &Scene) -> Self {
-        let factor = 0.5_f64.powf(f64::from(scene.protocol.halvings));
+        let factor = halving(scene);
         Self {
             settling: factor * self.settling,
             flow: factor * self.flow,
@@ -120,7 +120,7 @@ impl TimeSteps {
     ///
     /// Steps so short that the run would not end.
     pub(crate) fn at_most(self, scene: &Scene, longest: f64) -> Result<Self, Error> {
-        let longest = longest * 0.5_f64.powf(f64::from(scene.protocol.halvings));
+        let longest = longest * halving(scene);
         let steps = Self {
             settling: self.settling.min(longest),
             flow: self.flow.min(longest),
@@ -149,6 +149,12 @@ impl TimeSteps {
         }
         Ok(())
     }
+}
+
+/// By how much attempts that broke off have shortened the steps.
+fn halving(scene: &Scene) -> f64 {
+    let attempts = scene.protocol.broken_off.iter();
+    attempts.fold(1.0, |factor, _| 0.5 * factor)
 }
 
 /// Longest time step with which the viscous forces of the bridges of liquid are stable, s; without end where there are none.

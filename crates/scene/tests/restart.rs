@@ -4,7 +4,7 @@ mod coarse;
 
 use scene::{
     BondedSettings, Ending, FillingLibrary, Keeper, Progress, RunResult, Scene, StopFlag, run,
-    run_on,
+    run_on, run_retrying,
 };
 use std::sync::atomic::AtomicBool;
 
@@ -192,6 +192,68 @@ fn goes_on_with_the_same_bits(scene: &Scene, stops: &[usize]) {
             "stopped after {intervals} intervals"
         );
     }
+}
+
+/// Hears of attempts that broke off, and stops the run after so many intervals of the one after them.
+#[derive(Default)]
+struct StopInRetry {
+    /// Intervals of the last attempt that are left; none where the run is not stopped.
+    left: Option<usize>,
+    /// Why attempts broke off.
+    broken_off: Vec<String>,
+    /// The state as it would stand in a file.
+    text: Option<String>,
+}
+
+impl Keeper for StopInRetry {
+    fn is_due(&mut self) -> bool {
+        let counts = !self.broken_off.is_empty();
+        let Some(left) = self.left.as_mut().filter(|_| counts) else {
+            return false;
+        };
+        *left -= 1;
+        *left == 0
+    }
+
+    fn keep(&mut self, progress: &Progress) -> Result<(), String> {
+        self.text = serde_json::to_string(progress).ok();
+        Err("stopped here".into())
+    }
+
+    fn begin_anew(&mut self, why: &str) -> Result<(), String> {
+        self.broken_off.push(why.to_owned());
+        Ok(())
+    }
+}
+
+/// With one step for a hard contact the seeds fly apart, and half of it brings the run to its end. Stopped in that second
+/// attempt and continued, the run keeps the half step and the reason of the first attempt: every digit is that of
+/// the run that was never stopped. Where no other attempt is allowed, the reason of the first stands alone.
+#[test]
+fn a_run_that_was_stopped_in_its_second_attempt_goes_on_with_the_half_step() {
+    let mut scene = drum();
+    scene.protocol.step_share = 1.0;
+    let library = FillingLibrary::default();
+    let go = |left, keeper: &mut StopInRetry, retries| {
+        run_retrying(&scene, &library, 3, 1, left, keeper, retries)
+    };
+    let mut heard = StopInRetry::default();
+    let whole = go(None, &mut heard, 3).expect("runs with a shorter step");
+    assert!(!heard.broken_off.is_empty());
+    assert_eq!(whole.broken_off, heard.broken_off);
+    let alone = go(None, &mut StopInRetry::default(), 0).unwrap_err();
+    assert_eq!(alone.to_string(), heard.broken_off[0]);
+    let mut stop = StopInRetry {
+        left: Some(20),
+        ..StopInRetry::default()
+    };
+    let stopped = go(None, &mut stop, 3).unwrap_err();
+    assert!(stopped.to_string().contains("stopped here"), "{stopped}");
+    let left = serde_json::from_str(&stop.text.expect("a state was kept")).expect("reads back");
+    let continued = go(Some(left), &mut StopInRetry::default(), 3).expect("goes on");
+    assert_eq!(continued.broken_off, whole.broken_off);
+    assert_eq!(continued.time_step, whole.time_step);
+    assert!(all_of(&continued) == all_of(&whole));
 }
 
 /// A state of another scene is refused, not continued.

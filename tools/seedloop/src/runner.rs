@@ -5,7 +5,7 @@ use anyhow::Context as _;
 use batch_runner::{BatchRunner, BatchSettings};
 use clap::ValueEnum;
 use command_line::Common;
-use scene_simulator::USUAL_RETRIES;
+use scene::USUAL_RETRIES;
 use std::fs;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};

@@ -5,6 +5,7 @@ mod single_run;
 mod state_file;
 
 use crate::enter::{keep_run, require_memory};
+use crate::runner::Retries;
 use crate::stop::Stop;
 use anyhow::{Context as _, ensure};
 use base64::Engine as _;
@@ -55,6 +56,9 @@ pub(crate) struct Arguments {
     /// Keeps the state of the running run in DIR once in so many seconds
     #[arg(long, value_name = "SECONDS", default_value_t = 60.0, requires = "out", value_parser = seconds)]
     keep_every: f64,
+
+    #[command(flatten)]
+    retries: Retries,
 
     /// Writes what the camera saw last
     #[arg(long, value_name = "FILE.png")]
@@ -246,13 +250,14 @@ fn find_or_run(arguments: &Arguments, single: &SingleRun, stop: &Stop) -> anyhow
     let (scene, seed) = (single.scene(), arguments.seed);
     common.log(|| format!("running {} seeds, seed {seed}", scene.seed_count()));
     let folder = arguments.out.as_deref();
-    let mut state = StateFile::new(folder, blank.key(), arguments.keep_every, stop.flag());
+    let mut state = StateFile::new(folder, blank.key(), arguments.keep_every, stop.flag(), common);
     let left = left_before(arguments, &mut state)?;
     if let Some(left) = &left {
         common.log(|| format!("goes on from {:.2} s of the run", left.time()));
     }
     let continued = left.is_some();
-    let record = single.run(blank, common.threads(), left, &mut state);
+    let limits = (common.threads(), arguments.retries.number);
+    let record = single.run(blank, limits, left, &mut state);
     let way_out = || {
         let from = state.name();
         format!("the run went on from {from}; remove it to start anew")
@@ -277,7 +282,7 @@ fn find_or_run(arguments: &Arguments, single: &SingleRun, stop: &Stop) -> anyhow
 ///
 /// # Errors
 /// A state that the user did not speak of, or that cannot be read.
-fn left_before(arguments: &Arguments, state: &mut StateFile) -> anyhow::Result<Option<Progress>> {
+fn left_before(arguments: &Arguments, state: &mut StateFile<'_>) -> anyhow::Result<Option<Progress>> {
     let common = &arguments.common;
     if arguments.resume {
         let left = state.left()?;

@@ -131,6 +131,18 @@ impl Report {
                  protocol.rotation_limit"
             ));
         }
+        let broken_off = self.timing.retried.len();
+        if broken_off > 0 {
+            warnings.push(format!(
+                "the bed left what can be believed at {}: the values are those of a step of {:.4} ms",
+                if broken_off == 1 {
+                    "the usual time step".to_owned()
+                } else {
+                    format!("the {broken_off} longer time steps tried before")
+                },
+                1e3 * self.timing.time_step_s
+            ));
+        }
         let refused = self.frames.refused;
         if refused > 0 {
             warnings.push(format!(

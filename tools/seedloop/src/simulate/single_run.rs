@@ -2,7 +2,7 @@
 
 use campaign::{RunRequest, Simulator as _};
 use run_store::Record;
-use scene::{Keeper, Progress, Scene};
+use scene::{Keeper, Progress, Scene, run_retrying};
 use scene_simulator::{Effort, SceneSimulator, outcome_of};
 use std::collections::BTreeMap;
 use std::time::Instant;
@@ -50,15 +50,15 @@ impl SingleRun {
         Ok(Record::new(&version, inputs, self.request.seed)?)
     }
 
-    /// Runs the scene on at most so many threads, on from where it was left; the time of filling the
-    /// meshes is kept apart from that of the steps.
+    /// Runs the scene on at most so many threads, on from where it was left, and anew with half the step where it diverges,
+    /// at most so often; the time of filling the meshes is kept apart from that of the steps.
     ///
     /// # Errors
     /// A scene that cannot be built, a solver that stops, frames without a surface.
     pub(super) fn run(
         &self,
         blank: Record,
-        threads: usize,
+        (threads, retries): (usize, u32),
         left: Option<Progress>,
         keeper: &mut dyn Keeper,
     ) -> anyhow::Result<Record> {
@@ -71,7 +71,8 @@ impl SingleRun {
         let filling_s = begin.elapsed().as_secs_f64();
         let (begin, cpu_before) = (Instant::now(), cpu_seconds());
         let continued = left.is_some();
-        let result = scene::run_on(scene, library, self.request.seed, threads, left, keeper)?;
+        let seed = self.request.seed;
+        let result = run_retrying(scene, library, seed, threads, left, keeper, retries)?;
         let effort = Effort {
             wall_s: begin.elapsed().as_secs_f64(),
             cpu_s: cpu_seconds()

@@ -3,7 +3,7 @@
 //! Each has a digest. A newest one that is damaged costs the time since the one before, and no result.
 
 use anyhow::Context as _;
-use command_line::{Overwrite, write_new};
+use command_line::{Common, Overwrite, write_new};
 use run_store::{seal_text, set_file_aside, unseal_text};
 use scene::{Keeper, Progress};
 use std::path::{Path, PathBuf};
@@ -16,7 +16,9 @@ const ENDS: [&str; 2] = [".state.json", ".state-2.json"];
 
 /// The files, when one was written last, and whether the run is to end.
 #[derive(Debug)]
-pub(super) struct StateFile {
+pub(super) struct StateFile<'a> {
+    /// Where warnings go.
+    common: &'a Common,
     /// Key of the run.
     key: String,
     /// The files; none where the run keeps no record either.
@@ -45,15 +47,17 @@ pub(super) fn state_files(folder: &Path, key: &str) -> [PathBuf; 2] {
     ENDS.map(|end| folder.join(format!("{key}{end}")))
 }
 
-impl StateFile {
+impl<'a> StateFile<'a> {
     /// The files of a run, one of which is written once in so many seconds.
     pub(super) fn new(
         folder: Option<&Path>,
         key: &str,
         every_s: f64,
         stop: &Arc<AtomicBool>,
+        common: &'a Common,
     ) -> Self {
         Self {
+            common,
             key: key.to_owned(),
             paths: folder.map(|folder| state_files(folder, key)),
             next: 0,
@@ -133,9 +137,15 @@ impl StateFile {
     }
 }
 
-impl Keeper for StateFile {
+impl Keeper for StateFile<'_> {
     fn is_due(&mut self) -> bool {
         self.paths.is_some() && self.last.elapsed() >= self.every
+    }
+
+    fn begin_anew(&mut self, why: &str) -> Result<(), String> {
+        self.common
+            .log(|| format!("warning: {why}; the run begins anew with half the time step"));
+        self.remove().map_err(|e| format!("{e:#}"))
     }
 
     fn is_stopped(&self) -> bool {
