@@ -229,6 +229,12 @@ two-rulers *ARGS:
 step-study FOLDER="out/time-step" RUNS="4":
     cargo run --release --locked -p study --example time_step -- {{FOLDER}} {{RUNS}}
 
+# Count the runs of coarse seeds at high friction that throw a seed out, and show that runs that did and were done again with half
+# the step leave the means where they are (20 minutes of one core).
+[group('studies of the bed')]
+divergence:
+    cargo test --release --locked -p scene-simulator --test divergence -- --ignored --nocapture
+
 # RUNS runs at each of four frictions and three speeds (20 minutes for 20). Finished runs in FOLDER are found again.
 # Show whether the standard error that a run states is the scatter of many runs.
 [group('studies of the bed')]
@@ -297,6 +303,12 @@ slurm-test:
 batch-scaling *ARGS:
     cargo build --release --locked -p batch-runner --examples
     crates/batch-runner/slurm-test/scaling.sh "$@"
+
+# Measure what it costs to keep the record of a run, by 1000 runs that compute nothing.
+[group('speed')]
+record-cost FOLDER="out/record-cost":
+    rm -rf {{FOLDER}}
+    cargo run --release --locked -p campaign --example record_cost -- {{FOLDER}}
 
 # Run all that must pass before a change is merged.
 [group('build and check')]

@@ -51,7 +51,7 @@ pub use frame::{Frame, FrameReading, drum_picture, read_frame};
 pub use motion::{Keeper, NoKeeper, Progress, SeriesPoint, StopFlag};
 pub use named_setting::{NamedSetting, SettingKind};
 pub use obstacles::{VibrationSettings, WallSettings};
-pub use parse::{NumberChange, Override, setting_at};
+pub use parse::{NumberChange, Override, like_names, setting_at};
 pub use release::read_pile;
 pub use retry::{USUAL_RETRIES, run_retrying};
 pub use run::{

@@ -140,6 +140,13 @@ mod tests {
             scene.named_setting("poisson_ratio"),
             Err(Error::AmbiguousSetting { .. })
         ));
+        // A setting that the file leaves out has a short name too, and a misspelt one is told with those like it, not with all.
+        assert_eq!(found("flow_step_share").0, "protocol.flow_step_share");
+        let told = scene.named_setting("static_frction").unwrap_err();
+        let told = told.to_string();
+        let first = told.split("like name: ").nth(1).unwrap();
+        assert!(first.starts_with("contact."), "{told}");
+        assert_eq!(first.split(", ").count(), 8, "{told}");
         let names = scene.setting_names();
         assert!(names.contains(&friction) && names.contains(&"time_step_s".to_owned()));
         assert!(!names.contains(&"rpm".to_owned()), "{names:?}");

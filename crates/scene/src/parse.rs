@@ -33,6 +33,9 @@ const FLOW_STEP_SHARE: &str = "protocol.flow_step_share";
 /// The switch among them.
 const COVERS_AT_REST: &str = "apparatus.covers_at_rest";
 
+/// Settings named in a message about a name that is none.
+const LIKE_NAMES: usize = 8;
+
 /// Short names that stand for a setting with its unit: (name, path, unit).
 pub(crate) const SHORT_NAMES: [(&str, &str, &str); 3] = [
     ("rpm", "apparatus.speed", "rpm"),
@@ -265,7 +268,7 @@ fn apply(table: &mut Table, change: &Override, file: &str) -> Result<(), Error> 
     let unknown = || Error::UnknownSetting {
         name: change.name.clone(),
         file: file.into(),
-        near: leaves(table).join(", "),
+        near: like_names(&leaves(table), &change.name),
     };
     let found = setting_at(table, &path).map(|old| like(old, &text));
     let Some(value) = found else {
@@ -279,8 +282,11 @@ fn apply(table: &mut Table, change: &Override, file: &str) -> Result<(), Error> 
 
 /// The path that a whole or short name stands for.
 pub(crate) fn whole_path(table: &Table, name: &str, file: &str) -> Result<String, Error> {
-    let all = leaves(table);
-    if LEFT_OUT.contains(&name) || all.iter().any(|path| path == name) {
+    let mut all = leaves(table);
+    all.extend(LEFT_OUT.map(str::to_owned));
+    all.sort();
+    all.dedup();
+    if all.iter().any(|path| path == name) {
         return Ok(name.to_owned());
     }
     let ending = format!(".{name}");
@@ -291,25 +297,34 @@ pub(crate) fn whole_path(table: &Table, name: &str, file: &str) -> Result<String
         .collect();
     match fits.as_slice() {
         [path] => Ok(path.clone()),
-        [] => {
-            let last = name.rsplit('.').next().unwrap_or(name);
-            let near: Vec<_> = all.iter().filter(|p| p.contains(last)).cloned().collect();
-            let near = if near.is_empty() {
-                all.join(", ")
-            } else {
-                near.join(", ")
-            };
-            Err(Error::UnknownSetting {
-                name: name.into(),
-                file: file.into(),
-                near,
-            })
-        }
+        [] => Err(Error::UnknownSetting {
+            name: name.into(),
+            file: file.into(),
+            near: like_names(&all, name),
+        }),
         _ => Err(Error::AmbiguousSetting {
             name: name.into(),
             candidates: fits.join(", "),
         }),
     }
+}
+
+/// The eight settings whose last word is most like that of a name, as a list for a message.
+pub fn like_names(all: &[String], name: &str) -> String {
+    let last = |path: &str| path.rsplit('.').next().unwrap_or(path).to_owned();
+    let wanted = last(name);
+    let likeness = |path: &String| {
+        let word = last(path);
+        let holds = f64::from(u8::from(word.contains(&wanted)));
+        holds + strsim::jaro_winkler(&word, &wanted)
+    };
+    let mut nearest: Vec<_> = all.iter().map(|path| (likeness(path), path)).collect();
+    nearest.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let names = nearest.into_iter().take(LIKE_NAMES);
+    names
+        .map(|(_, path)| path.clone())
+        .collect::<Vec<_>>()
+        .join(", ")
 }
 
 /// Text as a value of the kind that stands there now.

@@ -9,7 +9,7 @@ use crate::scenes::Models;
 use crate::setting::{change, leaf, number, paths, table_of};
 use calibration::{MOST_PARAMETERS, Parameter};
 use experiment_design::Factor;
-use scene::{FillingLibrary, Scene};
+use scene::{FillingLibrary, Scene, like_names};
 use toml::Table;
 
 /// Refuses counts, symbols and paths that stand there twice.
@@ -171,12 +171,10 @@ impl Resolver<'_> {
 
     /// Settings with a like name.
     fn near(&self, path: &str) -> String {
-        let last = path.rsplit('.').next().unwrap_or(path);
         let mut all: Vec<String> = self.tables.iter().flat_map(|(_, t)| paths(t)).collect();
         all.sort();
         all.dedup();
-        let like: Vec<String> = all.iter().filter(|p| p.ends_with(last)).cloned().collect();
-        if like.is_empty() { all } else { like }.join(", ")
+        like_names(&all, path)
     }
 
     /// The number that stands in the first scene that has one of the settings; refuses settings that are no number
