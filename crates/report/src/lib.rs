@@ -21,7 +21,8 @@
 //!
 //! Invariants:
 //! - No number that is not finite gets into a picture: it is refused with its place in the input.
-//! - Every text is escaped; no script, font, style or picture is fetched from anywhere.
+//! - Every text is escaped; no script, font, style or picture is fetched from anywhere. The policy of a page names its
+//!   style and its scripts by their digests, and browsers run nothing else.
 //! - The same input gives the same bytes: there is no clock and no randomness.
 
 mod chart;
@@ -55,6 +56,9 @@ pub use chart::surface::Surface;
 pub use chart::timeseries::{TimeSeries, TimeSpan};
 pub use chart::{AxisTitle, Level};
 pub use error::Error;
+pub use html::explorer::{
+    ExploredPrediction, ExploredSurface, ExploredTarget, Explorer, NamedPlace, SliderParameter,
+};
 pub use html::table::{Alignment, Column, Table};
 pub use html::viewer::{SphereViewer, ViewerSphere};
 pub use html::{Fact, Report, Verdict};
