@@ -9,6 +9,7 @@
 
 mod answer;
 mod error;
+mod exploration;
 mod input;
 mod measurement_rows;
 mod numbers;
@@ -32,5 +33,6 @@ mod unit_of_name;
 
 pub use answer::{Answer, answer};
 pub use error::Error;
+pub use exploration::{Slid, explored_surface};
 pub use input::{ComparedValue, DiagnosisInput, ReportInput};
 pub use output::{write, write_diagnosis, write_whole};

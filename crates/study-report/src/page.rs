@@ -3,6 +3,7 @@
 mod closing_section;
 pub(crate) mod diagnosis_page;
 mod diagnosis_section;
+mod explorer_section;
 mod knowledge_section;
 mod opening_section;
 mod residual_parts;
@@ -74,6 +75,7 @@ pub(crate) fn study_page(
         pictures,
     };
     opening_section::add(&mut page)?;
+    explorer_section::add(&mut page)?;
     knowledge_section::add(&mut page)?;
     run_section::add(&mut page)?;
     diagnosis_section::add(&mut page)?;

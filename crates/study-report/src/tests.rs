@@ -92,6 +92,7 @@ fn every_part_appears_once_and_in_its_order() {
     let page = page(&full);
     let expected = [
         "Result",
+        "Try other parameters",
         "What the measurements fix",
         "Joint estimate",
         "Runs at the estimate",
