@@ -26,6 +26,8 @@ mod test_residual;
 #[cfg(test)]
 mod test_scene;
 #[cfg(test)]
+mod test_study;
+#[cfg(test)]
 mod test_surfaces;
 #[cfg(test)]
 mod tests;

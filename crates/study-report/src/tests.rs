@@ -1,5 +1,7 @@
 //! The report as a whole: every part with its numbers at their place.
 
+mod browser;
+mod explorer;
 mod files;
 
 use crate::page::study_page;
