@@ -168,6 +168,38 @@ impl Report {
         self.push_figure(&markup, caption)
     }
 
+    /// Adds charts of which the reader chooses one, each with its name and its caption; without scripts and on paper all
+    /// are there.
+    pub fn choice(&mut self, what: &str, charts: &[(String, &Svg, String)]) -> &mut Self {
+        let what = escaped(what);
+        self.push(format_args!("<div class=\"choice\" data-what=\"{what}\">"));
+        for (name, chart, caption) in charts {
+            self.push(format_args!("<div data-name=\"{}\">", escaped(name)));
+            self.figure(chart, caption);
+            self.push(format_args!("</div>"));
+        }
+        self.need(Script::Choice);
+        self.push(format_args!("</div>"));
+        self
+    }
+
+    /// Begins a part that is folded up under its summary. It opens where a link leads to its `id`, small letters, digits
+    /// and hyphens, once in a page; with scripts over the place from which it was called.
+    pub fn begin_fold(&mut self, id: &str, summary: &str) -> &mut Self {
+        let (id, summary) = (escaped(id), escaped(summary));
+        self.need(Script::Fold);
+        self.push(format_args!(
+            "<details id=\"{id}\"><summary>{summary}</summary>"
+        ));
+        self
+    }
+
+    /// Ends what [`Report::begin_fold`] began.
+    pub fn end_fold(&mut self) -> &mut Self {
+        self.push(format_args!("</details>"));
+        self
+    }
+
     /// Adds a picture given as the bytes of a PNG file; `description` is for readers who cannot
     /// see it.
     ///

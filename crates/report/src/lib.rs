@@ -45,6 +45,7 @@ mod ticks;
 pub use chart::bars_with_target::{Bar, BarsWithTarget, Target};
 pub use chart::contour::{Contour, MarkedPoint};
 pub use chart::cube::{Cube, CubeEdge};
+pub use chart::design_runs::DesignRun;
 pub use chart::half_normal::{Effect, HalfNormal};
 pub use chart::line_series::{LineSeries, Series, SeriesPoint};
 pub use chart::pareto::Pareto;

@@ -13,6 +13,10 @@ pub(crate) enum Script {
     Viewer,
     /// Sliders over response surfaces.
     Explorer,
+    /// One of several charts at a time.
+    Choice,
+    /// Folded parts that open over the place from which they are called.
+    Fold,
 }
 
 impl Script {
@@ -21,6 +25,8 @@ impl Script {
         match self {
             Self::Viewer => include_str!("viewer.js"),
             Self::Explorer => include_str!("explorer.js"),
+            Self::Choice => include_str!("choice.js"),
+            Self::Fold => include_str!("fold.js"),
         }
     }
 }
@@ -75,7 +81,7 @@ mod tests {
             digest(""),
             "'sha256-47DEQpj8HBSa+/TImW+5JCeuQeRkm5NMpJWZG3hSuFU='"
         );
-        let scripts = [Script::Viewer, Script::Explorer];
+        let scripts = [Script::Viewer, Script::Explorer, Script::Choice, Script::Fold];
         let policy = policy("p {}", &scripts);
         let page = elements(&scripts);
         let texts = page
