@@ -6,7 +6,9 @@ use crate::joint_fit::{JointFit, Minimum, Whitening};
 use crate::region::Region;
 use crate::samples::{Asked, Runner, Sample, Samples, Wanted, first_seed, observables, wanted};
 use crate::surface::{Degree, Surface, of_regime, too_few, usual_regime};
-use crate::{CalibrationProblem, Error, LeftOut, Measurement, ModelSurfaces, SearchBox, SurfaceDesign};
+use crate::{
+    CalibrationProblem, Error, LeftOut, Measurement, ModelSurfaces, SearchBox, SurfaceDesign,
+};
 use response_surface::{Model, Observations};
 use std::collections::{BTreeMap, BTreeSet};
 

@@ -374,7 +374,10 @@ impl Canvas {
 
     /// Ends what `begin_link` began.
     pub(crate) fn end_link(&mut self, link: &str) {
-        self.push(format_args!("</{}>", if link.is_empty() { "g" } else { "a" }));
+        self.push(format_args!(
+            "</{}>",
+            if link.is_empty() { "g" } else { "a" }
+        ));
     }
 
     /// Many small marks in one element.

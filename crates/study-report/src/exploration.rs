@@ -93,7 +93,12 @@ fn axis(fit: &Fit, shown: &Prediction, measured: Option<ExploredTarget>) -> [f64
 /// All surfaces of a calibration over its parameters; none where no surface could be analysed.
 pub(crate) fn of_calibration(input: &ReportInput<'_>) -> Option<Explorer> {
     let found = input.calibration;
-    let fits = || found.surfaces.iter().flat_map(|s| s.fits.values().flatten());
+    let fits = || {
+        found
+            .surfaces
+            .iter()
+            .flat_map(|s| s.fits.values().flatten())
+    };
     let ranges = |symbol: &str| {
         let factors = fits().flat_map(|fit| &fit.factors);
         let own: Vec<_> = factors.filter(|f| f.symbol() == symbol).collect();
@@ -142,12 +147,7 @@ fn places(input: &ReportInput<'_>, moved: &[(usize, [f64; 2])]) -> Vec<NamedPlac
         ("start".to_owned(), of(&|j| Some(found.parameters[j].start))),
     ];
     let others = found.solutions.separate.iter().enumerate().skip(1);
-    all.extend(others.map(|(k, at)| {
-        (
-            format!("solution {}", k + 1),
-            of(&|j| at.get(j).copied()),
-        )
-    }));
+    all.extend(others.map(|(k, at)| (format!("solution {}", k + 1), of(&|j| at.get(j).copied()))));
     let reached = |values: &[f64]| {
         let ends = moved.iter().zip(values);
         ends.clone()

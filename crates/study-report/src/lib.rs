@@ -8,6 +8,7 @@
 //! on the page and an empty field in a table; what is not there leaves no heading.
 
 mod answer;
+mod design_points;
 mod error;
 mod exploration;
 mod input;

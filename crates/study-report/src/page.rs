@@ -1,6 +1,7 @@
 //! The report: what came out, how it was found, and how far it can be trusted.
 
 mod closing_section;
+mod design_run_section;
 pub(crate) mod diagnosis_page;
 mod diagnosis_section;
 mod explorer_section;
@@ -83,6 +84,7 @@ pub(crate) fn study_page(
     screening_section::add(&mut page)?;
     search_section::add(&mut page)?;
     seed_section::add(&mut page)?;
+    design_run_section::add(&mut page)?;
     closing_section::add(&mut page)?;
     Ok(page.report.html())
 }

@@ -3,6 +3,7 @@
 mod browser;
 mod explorer;
 mod files;
+mod runs;
 
 use crate::page::study_page;
 use crate::pictures::{NamedPicture, pictures, png};
@@ -103,6 +104,7 @@ fn every_part_appears_once_and_in_its_order() {
         "Screening",
         "How it was found",
         "Seeds as bodies of spheres",
+        "Runs of the designs",
         "Cost",
         "Inputs and settings",
     ];

@@ -81,7 +81,12 @@ mod tests {
             digest(""),
             "'sha256-47DEQpj8HBSa+/TImW+5JCeuQeRkm5NMpJWZG3hSuFU='"
         );
-        let scripts = [Script::Viewer, Script::Explorer, Script::Choice, Script::Fold];
+        let scripts = [
+            Script::Viewer,
+            Script::Explorer,
+            Script::Choice,
+            Script::Fold,
+        ];
         let policy = policy("p {}", &scripts);
         let page = elements(&scripts);
         let texts = page

@@ -373,7 +373,12 @@ fn runs_at_one_place_stand_side_by_side_and_open_their_part_of_the_page() {
     };
     let elements = read(&chart.draw().unwrap());
     // Both axes have these ticks, the upright one first.
-    let tick = |text| texts(&elements, text).iter().map(|t| t.number("x")).fold(0.0, f64::max);
+    let tick = |text| {
+        texts(&elements, text)
+            .iter()
+            .map(|t| t.number("x"))
+            .fold(0.0, f64::max)
+    };
     let middle = 0.5 * (tick("0.4") + tick("0.6"));
     let links: Vec<usize> = (0..elements.len())
         .filter(|i| elements[*i].name == "a")
@@ -412,15 +417,24 @@ fn runs_beyond_the_limits_are_named_at_every_number_of_runs() {
         let elements = read(&residuals(n).draw().unwrap());
         let names = elements.iter().filter(|e| e.name == "text");
         let names = names.map(|e| e.text.clone());
-        names.filter(|text| text.starts_with('r') && text.len() < 4).collect()
+        names
+            .filter(|text| text.starts_with('r') && text.len() < 4)
+            .collect()
     };
-    assert_eq!(named(10).len(), 10 + 1, "ten runs and the title of the axis");
+    assert_eq!(
+        named(10).len(),
+        10 + 1,
+        "ten runs and the title of the axis"
+    );
     assert_eq!(named(200), ["r7", "run"]);
     let elements = read(&residuals(200).draw().unwrap());
     assert_eq!(texts(&elements, "upper").len(), 1);
     let mut short = residuals(10);
     short.names.pop();
-    assert!(matches!(short.draw(), Err(Error::Length { field: "names", .. })));
+    assert!(matches!(
+        short.draw(),
+        Err(Error::Length { field: "names", .. })
+    ));
 }
 
 /// The limit of the plot stands at its value with its name, and the axis reaches it.

@@ -1,10 +1,10 @@
 //! One example of every chart, with markup in every text.
 
 use report::{
-    AxisTitle, Bar, BarsWithTarget, Comparison, Contour, DesignRun, Effect, Error, HalfNormal, Level,
-    LineSeries, MarkedPoint, Pareto, PredictedAgainstMeasured, ResidualCondition, ResidualPanel,
-    Residuals, Role, Scatter, Series, SeriesPoint, StackedBar, StackedBars, Svg, Target, TimeSeries,
-    TimeSpan,
+    AxisTitle, Bar, BarsWithTarget, Comparison, Contour, DesignRun, Effect, Error, HalfNormal,
+    Level, LineSeries, MarkedPoint, Pareto, PredictedAgainstMeasured, ResidualCondition,
+    ResidualPanel, Residuals, Role, Scatter, Series, SeriesPoint, StackedBar, StackedBars, Svg,
+    Target, TimeSeries, TimeSpan,
 };
 
 /// A text that breaks a page if it is not escaped.
@@ -89,7 +89,9 @@ pub(crate) fn scatter(values: &[f64]) -> Scatter {
     Scatter {
         x: title(),
         y: title(),
-        points: points.map(|(index, &value)| [index as f64, value]).collect(),
+        points: points
+            .map(|(index, &value)| [index as f64, value])
+            .collect(),
         names: vec![HOSTILE.into(); values.len()],
         marked: vec![MarkedPoint {
             name: HOSTILE.into(),

@@ -76,7 +76,10 @@ fn hold(study: &Example, page: &str, point: [f64; 3]) {
     let fits = study.calibration.surfaces.iter();
     let fits: Vec<_> = fits.flat_map(|s| s.fits.values().flatten()).collect();
     let shown = ["data-mean", "data-mean95", "data-new95"].map(|name| attribute(page, name));
-    assert!(shown.iter().all(|rows| rows.len() == fits.len()), "{shown:?}");
+    assert!(
+        shown.iter().all(|rows| rows.len() == fits.len()),
+        "{shown:?}"
+    );
     for (row, fit) in fits.iter().enumerate() {
         let own = fit.factors.iter().map(|f| {
             let j = ["F", "E", "G"].iter().position(|s| *s == f.symbol());

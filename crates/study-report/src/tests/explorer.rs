@@ -48,13 +48,7 @@ fn predicted(surface: &Value, at: &[f64]) -> [f64; 5] {
         surface["t_limit"].as_f64().unwrap(),
     );
     let [narrow, wide] = [leverage, 1.0 + leverage].map(|share| t * (s2 * share).sqrt());
-    [
-        mean,
-        mean - narrow,
-        mean + narrow,
-        mean - wide,
-        mean + wide,
-    ]
+    [mean, mean - narrow, mean + narrow, mean - wide, mean + wide]
 }
 
 /// Points of a study: values of the sliders F, E and G.
@@ -127,10 +121,7 @@ fn a_name_that_ends_a_script_stays_text_in_page_and_data() {
     let page = page(&study());
     assert!(!page.contains("<script>alert"), "a name became a script");
     assert!(!page.contains("<!-- &"), "a name became a comment");
-    assert_eq!(
-        data(&page, "surfaces")[0]["parameters"][0]["name"],
-        HOSTILE
-    );
+    assert_eq!(data(&page, "surfaces")[0]["parameters"][0]["name"], HOSTILE);
     let ends = page.matches("</script>").count();
     assert_eq!(ends, page.matches("<script").count());
 }
