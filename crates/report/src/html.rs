@@ -158,6 +158,7 @@ impl Report {
     pub fn table(&mut self, table: &Table) -> &mut Self {
         self.tables += 1;
         let markup = table.markup(self.tables);
+        self.need(Script::Tables);
         self.push(format_args!("{markup}"));
         self
     }
@@ -256,6 +257,7 @@ impl Report {
         self.tables += 1;
         let markup = explorer.markup(self.tables, caption);
         self.need(Script::Explorer);
+        self.need(Script::Tables);
         self.push(format_args!("{markup}"));
         Ok(self)
     }

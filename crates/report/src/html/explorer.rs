@@ -137,7 +137,7 @@ impl Explorer {
             "<div class=\"explorer\">\n{}\n<div class=\"table\"><table>\n<caption><b>Table {number}.</b> {}</caption>\n\
              <thead><tr><th scope=\"col\">observable</th><th scope=\"col\" class=\"right\">predicted</th>\
              <th scope=\"col\" class=\"right\">95 % of the mean</th>\
-             <th scope=\"col\" class=\"right\">95 % of a new one</th><th scope=\"col\">picture</th>\
+             <th scope=\"col\" class=\"right\">95 % of a new one</th><th scope=\"col\" class=\"picture\">picture</th>\
              <th scope=\"col\" class=\"right\">measured</th><th scope=\"col\">inside</th>\
              <th scope=\"col\" class=\"right\">z</th></tr></thead>\n<tbody>\n",
             data_element("surfaces", self),

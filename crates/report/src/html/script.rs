@@ -11,6 +11,8 @@ use std::fmt::Write as _;
 pub(crate) enum Script {
     /// Spheres that can be turned.
     Viewer,
+    /// Tables that are sorted and copied.
+    Tables,
     /// Sliders over response surfaces.
     Explorer,
     /// One of several charts at a time.
@@ -24,6 +26,7 @@ impl Script {
     fn text(self) -> &'static str {
         match self {
             Self::Viewer => include_str!("viewer.js"),
+            Self::Tables => include_str!("tables.js"),
             Self::Explorer => include_str!("explorer.js"),
             Self::Choice => include_str!("choice.js"),
             Self::Fold => include_str!("fold.js"),
@@ -83,6 +86,7 @@ mod tests {
         );
         let scripts = [
             Script::Viewer,
+            Script::Tables,
             Script::Explorer,
             Script::Choice,
             Script::Fold,

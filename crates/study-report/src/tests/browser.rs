@@ -113,6 +113,7 @@ fn the_page_in_a_browser() {
         hold(&study, &seen.text, point);
     }
     a_slider_moves_the_numbers(&study, &folder);
+    tables_are_sorted_and_copied(&folder);
     the_page_loads_fast_and_fits_a_phone(&folder);
     without_scripts_the_pictures_are_there(&folder);
     let pdf = folder.join("report.pdf");
@@ -139,6 +140,40 @@ fn a_slider_moves_the_numbers(study: &Example, folder: &Path) {
     );
     let address = page_with(folder, "moved.html", &script);
     hold(study, &chromium(&["--dump-dom", &address]).text, point);
+}
+
+/// A table of numbers is sorted rising, falling and back by clicks on its heading, what is undefined last; the copy has a
+/// point and a hyphen for the machine, quotes where a field needs them, and nothing that a spreadsheet would run.
+fn tables_are_sorted_and_copied(folder: &Path) {
+    let script = "const box = document.querySelector('.table'); const table = box.querySelector('table'); \
+        const values = ['−1.5 ± 0.2°', '–', '10', '3.2e−7', '2']; \
+        const body = table.tBodies[0]; const heading = table.tHead.rows[0].cells[0]; \
+        const column = () => [...body.rows].map((row) => row.cells[0].textContent).join('|'); \
+        [...body.rows].forEach((row, i) => { row.cells[0].textContent = values[i]; }); \
+        const told = [column()]; \
+        for (let i = 0; i < 3; i += 1) { heading.click(); told.push(column()); } \
+        body.rows[0].cells[1].textContent = '=A1'; body.rows[1].cells[1].textContent = 'a, \"b\"'; \
+        let copied = ''; \
+        Object.defineProperty(navigator, 'clipboard', { value: { writeText: async (text) => { copied = text; } } }); \
+        box.querySelector('button').click(); told.push(copied.split('\\n').slice(1, 3).join('|')); \
+        document.body.dataset.told = JSON.stringify(told);";
+    let address = page_with(folder, "sorted.html", script);
+    let seen = chromium(&["--dump-dom", &address]);
+    let told = seen.text.split("data-told=\"").nth(1).unwrap();
+    let told = told.split("\">").next().unwrap().replace("&quot;", "\"");
+    let told: Vec<String> = serde_json::from_str(&told).unwrap();
+    // The first table has four rows.
+    let asked = "−1.5 ± 0.2°|–|10|3.2e−7";
+    let expected = [
+        asked,
+        "−1.5 ± 0.2°|3.2e−7|10|–",
+        "10|3.2e−7|−1.5 ± 0.2°|–",
+        asked,
+    ];
+    assert_eq!(told[..4], expected);
+    let (first, second) = told[4].split_once('|').unwrap();
+    assert!(first.starts_with("-1.5 ± 0.2°,'=A1,fit,"), "{first}");
+    assert!(second.starts_with("–,\"a, \"\"b\"\"\",fit,"), "{second}");
 }
 
 /// The load event comes within a second, and in a frame of 390 px nothing reaches beyond its width.
