@@ -123,6 +123,12 @@ impl Report {
         self
     }
 
+    /// Adds a text whose lines and columns stand as they are.
+    pub fn verbatim(&mut self, text: &str) -> &mut Self {
+        self.push(format_args!("<pre>{}</pre>", escaped(text)));
+        self
+    }
+
     /// Adds a list of short statements.
     pub fn list(&mut self, items: &[&str]) -> &mut Self {
         self.push(format_args!("<ul>"));
