@@ -385,7 +385,7 @@ impl Canvas {
         let mut path = String::new();
         for place in places {
             let [x, y] = [place.x, place.y].map(|value| self.number(value));
-            path.push_str(&format!("M{x} {y}h.01"));
+            path.extend(["M", x.as_str(), " ", y.as_str(), "h.01"]);
         }
         self.push(format_args!(
             "<path d=\"{path}\" fill=\"none\" stroke=\"{colour}\" stroke-width=\"6\" stroke-linecap=\"round\" \

@@ -38,8 +38,8 @@ pub fn explored_surface(slid: Slid<'_>) -> Option<ExploredSurface> {
         unit: slid.unit.to_owned(),
         decimals: decimals(&shown),
         parameters: slid.sliders,
-        middle: of_factors(|f| f.mid()).collect(),
-        half: of_factors(|f| f.half_range()).collect(),
+        middle: of_factors(experiment_design::Factor::mid).collect(),
+        half: of_factors(experiment_design::Factor::half_range).collect(),
         powers: fit
             .formula
             .terms()

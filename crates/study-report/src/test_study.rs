@@ -56,8 +56,10 @@ impl Simulator for Laboratory {
         };
         let [angle, toe] = drum(at, rpm);
         let angle = seen(angle, 0.25, "deg");
-        let mut outcome = RunOutcome::default();
-        outcome.details = details(angle.mean, request.seed % 4 == 0);
+        let outcome = RunOutcome {
+            details: details(angle.mean, request.seed.is_multiple_of(4)),
+            ..RunOutcome::default()
+        };
         Ok(outcome
             .with_observable("angle_deg", angle)
             .with_observable("toe_height_mm", seen(toe, 0.05, "mm")))

@@ -87,7 +87,11 @@ fn verdict(page: &mut report::Report, report: &Report<'_>) {
 /// Sliders over the polynomial; nothing where factors have named levels, whose columns are no settings.
 fn explorer(page: &mut report::Report, report: &Report<'_>) -> Result<(), report::Error> {
     let fit = report.fit;
-    let begin: Vec<f64> = fit.factors.iter().map(|f| f.mid()).collect();
+    let begin: Vec<f64> = fit
+        .factors
+        .iter()
+        .map(experiment_design::Factor::mid)
+        .collect();
     let surface = explored_surface(Slid {
         name: report.response.to_owned(),
         unit: "",
