@@ -18,14 +18,13 @@ struct Seen {
 /// Runs Chromium without a window until it ends by itself.
 fn chromium(arguments: &[&str]) -> Seen {
     let profile = tempfile::tempdir().unwrap();
-    let program = std::env::var("CHROMIUM").unwrap_or_else(|_| "chromium".into());
-    let output = Command::new(&program)
+    let output = Command::new("chromium")
         .args(["--headless=new", "--no-sandbox", "--disable-gpu"])
         .args(["--enable-logging=stderr", "--window-size=1200,900"])
         .arg(format!("--user-data-dir={}", profile.path().display()))
         .args(arguments)
         .output()
-        .unwrap_or_else(|e| panic!("{program}: {e}; `just browser-test` installs it"));
+        .unwrap_or_else(|e| panic!("chromium: {e}; `just browser-test` installs it"));
     let log = String::from_utf8_lossy(&output.stderr).into_owned();
     assert!(output.status.success(), "{log}");
     Seen {
