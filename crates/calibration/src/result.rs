@@ -124,6 +124,8 @@ pub struct ModelSurfaces {
     pub left_out: Vec<LeftOut>,
     /// The points, natural values, (runs, parameters of the model).
     pub points: Vec<Vec<f64>>,
+    /// Keys of the records of the runs, in the order of the points.
+    pub keys: Vec<String>,
     /// Values by observable, in the order of the points.
     pub values: BTreeMap<String, Vec<f64>>,
     /// Analysis of each observable; none where the runs are too few for it.

@@ -6,7 +6,9 @@ use crate::joint_fit::{JointFit, Minimum, Whitening};
 use crate::region::Region;
 use crate::samples::{Asked, Runner, Sample, Samples, Wanted, first_seed, observables, wanted};
 use crate::surface::{Degree, Surface, of_regime, too_few, usual_regime};
-use crate::{Error, LeftOut, Measurement, ModelSurfaces, SearchBox, SurfaceDesign};
+use crate::{
+    CalibrationProblem, Error, LeftOut, Measurement, ModelSurfaces, SearchBox, SurfaceDesign,
+};
 use response_surface::{Model, Observations};
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -324,6 +326,7 @@ impl<'a> Search<'a> {
                 n_runs: used.len(),
                 left_out,
                 points: used.iter().map(|s| own(&s.at)).collect(),
+                keys: used.iter().map(|s| s.key.clone()).collect(),
                 values: surface
                     .observables
                     .iter()
@@ -333,7 +336,7 @@ impl<'a> Search<'a> {
                     .observables
                     .iter()
                     .map(|name| {
-                        let fit = analysis(surface, &symbols, &used, &found.region, name);
+                        let fit = analysis(surface, problem, &used, &found.region, name);
                         (name.clone(), fit)
                     })
                     .collect(),
@@ -413,15 +416,18 @@ fn acts(fit: &JointFit<'_>, j: usize, at: &[f64]) -> bool {
 /// The full analysis of one observable; none where the runs do not allow it.
 fn analysis(
     surface: &Surface,
-    symbols: &[String],
+    problem: &CalibrationProblem,
     samples: &[&Sample],
     region: &Region,
     name: &str,
 ) -> Option<response_surface::Fit> {
-    let ranges = surface.parameters.iter().zip(symbols);
-    let factors = ranges
-        .map(|(&j, symbol)| {
-            experiment_design::Factor::new(symbol, "", "1", region.low[j], region.high[j])
+    let factors = surface
+        .parameters
+        .iter()
+        .map(|&j| {
+            let p = &problem.parameters[j];
+            let [low, high] = [region.low[j], region.high[j]];
+            experiment_design::Factor::new(&p.symbol, &p.name, &p.unit, low, high)
         })
         .collect::<Result<Vec<_>, _>>()
         .ok()?;

@@ -3,6 +3,7 @@
 pub(crate) mod bars_with_target;
 pub(crate) mod contour;
 pub(crate) mod cube;
+pub(crate) mod design_runs;
 pub(crate) mod half_normal;
 pub(crate) mod line_series;
 pub(crate) mod pareto;

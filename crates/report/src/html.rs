@@ -1,5 +1,7 @@
 //! The report: one page that opens without a network.
 
+pub(crate) mod explorer;
+mod script;
 pub(crate) mod table;
 pub(crate) mod viewer;
 
@@ -8,16 +10,12 @@ use std::fmt::Write as _;
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 
+use self::script::Script;
 use crate::escape::escaped;
-use crate::{Error, SphereViewer, Svg, Table};
+use crate::{Error, Explorer, SphereViewer, Svg, Table};
 
 /// Style sheet.
 const STYLE: &str = include_str!("html/style.css");
-/// Script of the sphere viewer.
-const VIEWER_SCRIPT: &str = include_str!("html/viewer.js");
-/// Only what stands in the page itself may be used; browsers refuse everything else.
-const POLICY: &str = "default-src 'none'; img-src data:; style-src 'unsafe-inline'; \
-                      script-src 'unsafe-inline'";
 
 /// How a statement is coloured.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -80,8 +78,8 @@ pub struct Report {
     figures: usize,
     /// Number of tables so far.
     tables: usize,
-    /// Number of viewers so far.
-    viewers: usize,
+    /// Scripts that something in the page needs, each once.
+    scripts: Vec<Script>,
 }
 
 impl Report {
@@ -94,7 +92,7 @@ impl Report {
             provenance: Vec::new(),
             figures: 0,
             tables: 0,
-            viewers: 0,
+            scripts: Vec::new(),
         }
     }
 
@@ -122,6 +120,12 @@ impl Report {
     /// Adds a paragraph.
     pub fn paragraph(&mut self, text: &str) -> &mut Self {
         self.push(format_args!("<p>{}</p>", escaped(text)));
+        self
+    }
+
+    /// Adds a text whose lines and columns stand as they are.
+    pub fn verbatim(&mut self, text: &str) -> &mut Self {
+        self.push(format_args!("<pre>{}</pre>", escaped(text)));
         self
     }
 
@@ -160,6 +164,7 @@ impl Report {
     pub fn table(&mut self, table: &Table) -> &mut Self {
         self.tables += 1;
         let markup = table.markup(self.tables);
+        self.need(Script::Tables);
         self.push(format_args!("{markup}"));
         self
     }
@@ -168,6 +173,38 @@ impl Report {
     pub fn figure(&mut self, chart: &Svg, caption: &str) -> &mut Self {
         let markup = chart.as_str().trim_end().to_owned();
         self.push_figure(&markup, caption)
+    }
+
+    /// Adds charts of which the reader chooses one, each with its name and its caption; without scripts and on paper all
+    /// are there.
+    pub fn choice(&mut self, what: &str, charts: &[(String, &Svg, String)]) -> &mut Self {
+        let what = escaped(what);
+        self.push(format_args!("<div class=\"choice\" data-what=\"{what}\">"));
+        for (name, chart, caption) in charts {
+            self.push(format_args!("<div data-name=\"{}\">", escaped(name)));
+            self.figure(chart, caption);
+            self.push(format_args!("</div>"));
+        }
+        self.need(Script::Choice);
+        self.push(format_args!("</div>"));
+        self
+    }
+
+    /// Begins a part that is folded up under its summary. It opens where a link leads to its `id`, small letters, digits
+    /// and hyphens, once in a page; with scripts over the place from which it was called.
+    pub fn begin_fold(&mut self, id: &str, summary: &str) -> &mut Self {
+        let (id, summary) = (escaped(id), escaped(summary));
+        self.need(Script::Fold);
+        self.push(format_args!(
+            "<details id=\"{id}\"><summary>{summary}</summary>"
+        ));
+        self
+    }
+
+    /// Ends what [`Report::begin_fold`] began.
+    pub fn end_fold(&mut self) -> &mut Self {
+        self.push(format_args!("</details>"));
+        self
     }
 
     /// Adds a picture given as the bytes of a PNG file; `description` is for readers who cannot
@@ -212,8 +249,23 @@ impl Report {
         viewer.check()?;
         let image = png_element(viewer.picture, viewer.description)?;
         let markup = viewer.markup(&image);
-        self.viewers += 1;
+        self.need(Script::Viewer);
         Ok(self.push_figure(&markup, caption))
+    }
+
+    /// Adds predictions of surfaces, with a slider for each of their parameters where scripts run; without them
+    /// and on paper it is a table of the predictions at the place where the sliders begin.
+    ///
+    /// # Errors
+    /// [`Error`] as [`Explorer::check`] gives it.
+    pub fn explorer(&mut self, explorer: &Explorer, caption: &str) -> Result<&mut Self, Error> {
+        explorer.check()?;
+        self.tables += 1;
+        let markup = explorer.markup(self.tables, caption);
+        self.need(Script::Explorer);
+        self.need(Script::Tables);
+        self.push(format_args!("{markup}"));
+        Ok(self)
     }
 
     /// Adds a line to the footer: version, seed, checksum of an input.
@@ -235,19 +287,16 @@ impl Report {
         for line in &self.provenance {
             append(&mut footer, format_args!("<p>{}</p>", escaped(line)));
         }
-        let script = if self.viewers > 0 {
-            format!("<script>\n{VIEWER_SCRIPT}</script>\n")
-        } else {
-            String::new()
-        };
+        let policy = script::policy(STYLE, &self.scripts);
+        let scripts = script::elements(&self.scripts);
         let body = &self.body;
         format!(
             "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
              <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
-             <meta http-equiv=\"Content-Security-Policy\" content=\"{POLICY}\">\n\
-             <title>{title}</title>\n<style>\n{STYLE}</style>\n</head>\n<body>\n<main>\n\
+             <meta http-equiv=\"Content-Security-Policy\" content=\"{policy}\">\n\
+             <title>{title}</title>\n<style>{STYLE}</style>\n</head>\n<body>\n<main>\n\
              <h1>{title}</h1>\n{contents}{body}{end}</main>\n<footer>\n{footer}</footer>\n\
-             {script}</body>\n</html>\n"
+             {scripts}</body>\n</html>\n"
         )
     }
 
@@ -275,6 +324,13 @@ impl Report {
              </figure>"
         ));
         self
+    }
+
+    /// Notes that a script is needed.
+    fn need(&mut self, script: Script) {
+        if !self.scripts.contains(&script) {
+            self.scripts.push(script);
+        }
     }
 
     /// Adds markup.

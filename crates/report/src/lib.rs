@@ -21,7 +21,8 @@
 //!
 //! Invariants:
 //! - No number that is not finite gets into a picture: it is refused with its place in the input.
-//! - Every text is escaped; no script, font, style or picture is fetched from anywhere.
+//! - Every text is escaped; no script, font, style or picture is fetched from anywhere. The policy of a page names its
+//!   style and its scripts by their digests, and browsers run nothing else.
 //! - The same input gives the same bytes: there is no clock and no randomness.
 
 mod chart;
@@ -44,6 +45,7 @@ mod ticks;
 pub use chart::bars_with_target::{Bar, BarsWithTarget, Target};
 pub use chart::contour::{Contour, MarkedPoint};
 pub use chart::cube::{Cube, CubeEdge};
+pub use chart::design_runs::DesignRun;
 pub use chart::half_normal::{Effect, HalfNormal};
 pub use chart::line_series::{LineSeries, Series, SeriesPoint};
 pub use chart::pareto::Pareto;
@@ -55,6 +57,9 @@ pub use chart::surface::Surface;
 pub use chart::timeseries::{TimeSeries, TimeSpan};
 pub use chart::{AxisTitle, Level};
 pub use error::Error;
+pub use html::explorer::{
+    ExploredPrediction, ExploredSurface, ExploredTarget, Explorer, NamedPlace, SliderParameter,
+};
 pub use html::table::{Alignment, Column, Table};
 pub use html::viewer::{SphereViewer, ViewerSphere};
 pub use html::{Fact, Report, Verdict};

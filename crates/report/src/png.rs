@@ -81,6 +81,8 @@ mod tests {
             x: AxisTitle::new("a", ""),
             y: AxisTitle::new("b", ""),
             points: vec![[0.0, 1.0], [1.0, 2.0]],
+            names: Vec::new(),
+            marked: Vec::new(),
             line: None,
             levels: Vec::new(),
         };

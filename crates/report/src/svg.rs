@@ -362,6 +362,37 @@ impl Canvas {
         ));
     }
 
+    /// Begins what a click on opens `link`, a part of the page; only a group with a name where the link is empty.
+    pub(crate) fn begin_link(&mut self, link: &str, name: &str) {
+        let (link, name) = (escaped(link), escaped(name));
+        if link.is_empty() {
+            self.push(format_args!("<g><title>{name}</title>"));
+        } else {
+            self.push(format_args!("<a href=\"{link}\"><title>{name}</title>"));
+        }
+    }
+
+    /// Ends what `begin_link` began.
+    pub(crate) fn end_link(&mut self, link: &str) {
+        self.push(format_args!(
+            "</{}>",
+            if link.is_empty() { "g" } else { "a" }
+        ));
+    }
+
+    /// Many small marks in one element.
+    pub(crate) fn dots(&mut self, places: &[Point], colour: &str) {
+        let mut path = String::new();
+        for place in places {
+            let [x, y] = [place.x, place.y].map(|value| self.number(value));
+            path.extend(["M", x.as_str(), " ", y.as_str(), "h.01"]);
+        }
+        self.push(format_args!(
+            "<path d=\"{path}\" fill=\"none\" stroke=\"{colour}\" stroke-width=\"6\" stroke-linecap=\"round\" \
+             stroke-opacity=\"0.55\"/>"
+        ));
+    }
+
     /// Begins a part of which only what lies in `area` is seen; coordinates stay the same.
     pub(crate) fn begin_clip(&mut self, area: &Rect) {
         let [x, y, width, height] =

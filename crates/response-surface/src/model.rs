@@ -228,6 +228,23 @@ impl Model {
         }
     }
 
+    /// A term as it is printed, by its name: `F²`, `FE`, `mu² e`; the name itself where it is that of no term.
+    pub fn printed(&self, name: &str) -> String {
+        let Some(term) = self.terms.iter().find(|term| self.name(term) == name) else {
+            return name.to_owned();
+        };
+        let powers = self.symbols.iter().zip(&term.powers);
+        let factors: Vec<String> = powers
+            .filter(|(_, power)| **power > 0)
+            .map(|(symbol, power)| format!("{symbol}{}", raised(*power)))
+            .collect();
+        let letters = self.symbols.iter().all(|symbol| symbol.len() == 1);
+        match factors.as_slice() {
+            [] => "1".to_owned(),
+            factors => factors.join(if letters { "" } else { " " }),
+        }
+    }
+
     /// Names of all terms.
     pub fn names(&self) -> Vec<String> {
         self.terms.iter().map(|term| self.name(term)).collect()
@@ -297,6 +314,17 @@ impl fmt::Display for Model {
         let zero = if self.has_intercept() { "" } else { "0 + " };
         write!(formatter, "{zero}{}", terms.join(" + "))
     }
+}
+
+/// A power as it stands raised behind its symbol; nothing for the first.
+fn raised(power: u8) -> String {
+    const DIGITS: [char; 10] = ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹'];
+    if power == 1 {
+        return String::new();
+    }
+    let digits = power.to_string();
+    let digits = digits.chars().filter_map(|d| d.to_digit(10));
+    digits.filter_map(|d| DIGITS.get(d as usize)).collect()
 }
 
 /// All terms of k factors up to a degree.
@@ -378,6 +406,19 @@ mod tests {
         let model = Model::parse("cubic", &factors(&["A", "B", "C"])).unwrap();
         assert_eq!(model.terms().len(), 20);
         assert_eq!(model.names()[10..12], ["ABC", "A2B"]);
+    }
+
+    #[test]
+    fn squares_are_printed_as_squares() {
+        let model = Model::parse("quadratic", &factors(&["B", "E"])).unwrap();
+        let printed = |model: &Model| -> Vec<String> {
+            let names = model.names();
+            names.iter().map(|name| model.printed(name)).collect()
+        };
+        assert_eq!(printed(&model), ["1", "B", "E", "BE", "B²", "E²"]);
+        let long = Model::parse("mu + e2 + mu^2:e2 + mu^12", &factors(&["mu", "e2"])).unwrap();
+        assert_eq!(printed(&long), ["1", "mu", "e2", "mu² e2", "mu¹²"]);
+        assert_eq!(model.printed("block 2"), "block 2");
     }
 
     #[test]

@@ -30,6 +30,18 @@ pub struct Prediction {
 }
 
 impl Fit {
+    /// The part of the inverse of X'WX that belongs to the terms of the model, blocks left out, (terms, terms): the
+    /// covariance of their coefficients over the variance of a cell mean.
+    pub fn inverse_of_terms(&self) -> Vec<Vec<f64>> {
+        let terms = self.formula.terms().len();
+        let blocks = self.p - terms;
+        // Columns: intercept, blocks, the other terms.
+        let place = |i: usize| if i == 0 { 0 } else { i + blocks };
+        let entry = |i: usize, j: usize| self.xtx_inverse[place(i)][place(j)];
+        let line = |i| (0..terms).map(|j| entry(i, j)).collect();
+        (0..terms).map(line).collect()
+    }
+
     /// Predicts at a natural point with the residuals as error.
     ///
     /// # Formula

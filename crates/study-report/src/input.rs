@@ -31,7 +31,7 @@ pub struct ReportInput<'a> {
     pub scenes: &'a BTreeMap<String, Scene>,
     /// Bodies of the seeds of these scenes; one that is missing is filled anew.
     pub fillings: &'a FillingLibrary,
-    /// Records of the runs behind the comparisons, by key; a picture whose record is missing is left out.
+    /// Records of the runs behind the comparisons and the surfaces, by key; a picture whose record is missing is left out.
     pub records: &'a BTreeMap<String, Record>,
 }
 

@@ -8,7 +8,9 @@
 //! on the page and an empty field in a table; what is not there leaves no heading.
 
 mod answer;
+mod design_points;
 mod error;
+mod exploration;
 mod input;
 mod measurement_rows;
 mod numbers;
@@ -25,6 +27,8 @@ mod test_residual;
 #[cfg(test)]
 mod test_scene;
 #[cfg(test)]
+mod test_study;
+#[cfg(test)]
 mod test_surfaces;
 #[cfg(test)]
 mod tests;
@@ -32,5 +36,6 @@ mod unit_of_name;
 
 pub use answer::{Answer, answer};
 pub use error::Error;
+pub use exploration::{Slid, explored_surface};
 pub use input::{ComparedValue, DiagnosisInput, ReportInput};
 pub use output::{write, write_diagnosis, write_whole};

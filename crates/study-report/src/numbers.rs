@@ -77,7 +77,7 @@ pub(crate) fn p_in_words(p: Option<f64>) -> String {
 const EXACT: f64 = 1e-9;
 
 /// Decimals that show two digits of a standard error, 0 to 9; none for one that is not a size.
-fn decimals_of(se: f64) -> Option<usize> {
+pub(crate) fn decimals_of(se: f64) -> Option<usize> {
     if !(se.is_finite() && se > EXACT) {
         return None;
     }

@@ -46,7 +46,7 @@ fn write_parts(folder: &Path, pictures: &[NamedPicture], tables: &[CsvTable]) ->
         let path = folder.join(part);
         std::fs::create_dir_all(&path).map_err(refused(&path))?;
     }
-    for named in pictures {
+    for named in pictures.iter().filter(|named| named.is_file) {
         let path = folder.join("pictures").join(named.file_name());
         match &named.picture {
             Picture::Chart(svg) => write_whole(&path, svg.as_str().as_bytes())?,

@@ -1,8 +1,10 @@
 //! The report: what came out, how it was found, and how far it can be trusted.
 
 mod closing_section;
+mod design_run_section;
 pub(crate) mod diagnosis_page;
 mod diagnosis_section;
+mod explorer_section;
 mod knowledge_section;
 mod opening_section;
 mod residual_parts;
@@ -74,6 +76,7 @@ pub(crate) fn study_page(
         pictures,
     };
     opening_section::add(&mut page)?;
+    explorer_section::add(&mut page)?;
     knowledge_section::add(&mut page)?;
     run_section::add(&mut page)?;
     diagnosis_section::add(&mut page)?;
@@ -81,6 +84,7 @@ pub(crate) fn study_page(
     screening_section::add(&mut page)?;
     search_section::add(&mut page)?;
     seed_section::add(&mut page)?;
+    design_run_section::add(&mut page)?;
     closing_section::add(&mut page)?;
     Ok(page.report.html())
 }

@@ -1,5 +1,6 @@
 //! The pictures of the report, by name; the same are written as files.
 
+pub(crate) mod design_run_pictures;
 pub(crate) mod measurement_charts;
 pub(crate) mod photographs;
 pub(crate) mod residual_charts;
@@ -29,6 +30,8 @@ pub(crate) struct NamedPicture {
     pub(crate) name: String,
     /// Contents.
     pub(crate) picture: Picture,
+    /// Whether it is written as a file as well.
+    pub(crate) is_file: bool,
 }
 
 impl NamedPicture {
@@ -37,6 +40,7 @@ impl NamedPicture {
         Self {
             name: name.into(),
             picture: Picture::Chart(svg),
+            is_file: true,
         }
     }
 
@@ -45,6 +49,15 @@ impl NamedPicture {
         Self {
             name: name.into(),
             picture: Picture::Png(bytes),
+            is_file: true,
+        }
+    }
+
+    /// The same, but only in the page: there may be hundreds.
+    fn only_in_page(self) -> Self {
+        Self {
+            is_file: false,
+            ..self
         }
     }
 
@@ -100,6 +113,7 @@ pub(crate) fn pictures(input: &ReportInput<'_>) -> Result<Vec<NamedPicture>, Err
         all.extend(screening_charts::charts(number, screening)?);
     }
     all.extend(surface_charts::charts(input)?);
+    all.extend(design_run_pictures::pictures(input)?);
     all.extend(photographs::frames(input)?);
     all.extend(run_charts::series(input)?);
     if let DiagnosisStage::Done(study) = &input.calibration.diagnosis {

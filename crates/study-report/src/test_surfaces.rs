@@ -62,6 +62,7 @@ pub(crate) fn surfaces() -> Vec<ModelSurfaces> {
         n_runs: rows.len(),
         left_out: Vec::new(),
         points: natural(rows),
+        keys: (0..rows.len()).map(|k| format!("{model}-{k}")).collect(),
         values: BTreeMap::new(),
         fits: BTreeMap::new(),
     };

@@ -1,6 +1,9 @@
 //! The report as a whole: every part with its numbers at their place.
 
+mod browser;
+mod explorer;
 mod files;
+mod runs;
 
 use crate::page::study_page;
 use crate::pictures::{NamedPicture, pictures, png};
@@ -92,6 +95,7 @@ fn every_part_appears_once_and_in_its_order() {
     let page = page(&full);
     let expected = [
         "Result",
+        "Try other parameters",
         "What the measurements fix",
         "Joint estimate",
         "Runs at the estimate",
@@ -100,6 +104,7 @@ fn every_part_appears_once_and_in_its_order() {
         "Screening",
         "How it was found",
         "Seeds as bodies of spheres",
+        "Runs of the designs",
         "Cost",
         "Inputs and settings",
     ];

@@ -26,7 +26,7 @@ pub struct StudyResult {
     pub inputs: BTreeMap<String, String>,
     /// What the calibration found.
     pub calibration: Calibration,
-    /// The records of the runs behind its measurements, by key; no part of the JSON.
+    /// The records of the runs behind its measurements and its surfaces, by key; no part of the JSON.
     pub records: BTreeMap<String, Record>,
     /// Published values beside it.
     pub compare: Vec<ComparedValue>,

@@ -134,12 +134,13 @@ pub fn run_study(
     })
 }
 
-/// The records behind the measurements of a calibration, by key.
+/// The records behind the measurements of a calibration and behind the surfaces of its last box, by key.
 fn records_of(store: &Store, calibration: &Calibration) -> Result<BTreeMap<String, Record>, Error> {
     let rows = calibration.before.iter().chain(&calibration.fit);
     let rows = rows.chain(&calibration.check).chain(&calibration.show);
     let mut records = BTreeMap::new();
-    for key in rows.flat_map(|row| &row.keys) {
+    let keys = rows.flat_map(|row| &row.keys);
+    for key in keys.chain(calibration.surfaces.iter().flat_map(|s| &s.keys)) {
         if let Lookup::Found(record) = store.get(key)? {
             records.insert(key.clone(), record);
         }

@@ -414,7 +414,7 @@ fn write(arguments: &Arguments, report: &Report<'_>, text: &str) -> anyhow::Resu
     }
     let charts = charts::all(report)?;
     if let Some(file) = &arguments.html {
-        let page = page(report, text, &charts);
+        let page = page(report, text, &charts)?;
         write_new(file, page.as_bytes(), common.overwrite())?;
     }
     if let Some(folder) = &arguments.plots {

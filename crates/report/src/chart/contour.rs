@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::chart::design_runs::{self, DesignRun};
 use crate::chart::{AxisTitle, Level};
 use crate::check::Field;
 use crate::geometry::{Point, Rect, at};
@@ -55,6 +56,8 @@ pub struct Contour {
     pub region: Vec<f64>,
     /// Named points.
     pub points: Vec<MarkedPoint>,
+    /// Runs behind the response; empty for none.
+    pub runs: Vec<DesignRun>,
 }
 
 impl Contour {
@@ -87,11 +90,13 @@ impl Contour {
         for point in &self.points {
             names.reserve_marker(plot.place(point.x, point.y));
         }
+        design_runs::reserve(&plot, &mut names, &self.runs);
         self.draw_points(&mut canvas, &plot, &mut names);
         draw_level_names(&mut canvas, &lines, &mut names);
         canvas.end_clip();
         plot.draw_axes(&mut canvas);
         draw_frame(&mut canvas, &plot.area);
+        design_runs::draw(&mut canvas, &plot, &self.runs);
         self.draw_bar(&mut canvas, &plot, &levels, range);
         let [z, x, y] = [&self.response, &self.x, &self.y].map(|title| title.text(""));
         canvas.finish(CHART, &format!("Contours of {z} over {x} and {y}"))
@@ -112,7 +117,8 @@ impl Contour {
         }
         Field::new(CHART, "target").finite(self.target.iter().map(|target| target.value))?;
         Field::new(CHART, "x of point").finite(self.points.iter().map(|point| point.x))?;
-        Field::new(CHART, "y of point").finite(self.points.iter().map(|point| point.y))
+        Field::new(CHART, "y of point").finite(self.points.iter().map(|point| point.y))?;
+        Field::new(CHART, "place of a run").finite(self.runs.iter().flat_map(|run| [run.x, run.y]))
     }
 
     /// What the marks mean.
@@ -132,14 +138,16 @@ impl Contour {
                 name: &self.region_name,
             });
         }
+        entries.extend(design_runs::legend_entry(&self.runs));
         entries
     }
 
     /// Plans the axes: the grid fills the plot, and a point outside of the grid widens it.
     fn plot(&self, outside: Outside) -> Plot {
         let points = |place: fn(&MarkedPoint) -> f64| self.points.iter().map(place);
-        let x = widened(&self.x_values, points(|point| point.x));
-        let y = widened(&self.y_values, points(|point| point.y));
+        let runs = |place: fn(&DesignRun) -> f64| self.runs.iter().map(place);
+        let x = widened(&self.x_values, points(|p| p.x).chain(runs(|run| run.x)));
+        let y = widened(&self.y_values, points(|p| p.y).chain(runs(|run| run.y)));
         let bare = |plan: AxisPlan| AxisPlan {
             grid: Grid::Lines,
             ..plan

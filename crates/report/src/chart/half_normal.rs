@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::chart::AxisTitle;
+use crate::chart::{AxisTitle, Level};
 use crate::check::Field;
 use crate::geometry::{Point, at};
 use crate::label_places::LabelPlaces;
@@ -52,6 +52,8 @@ pub struct HalfNormal {
     pub standard_error: Option<f64>,
     /// Absolute effects above this are named, in the unit of the effects.
     pub named_above: f64,
+    /// Named limits of absolute effects, in the unit of the effects.
+    pub limits: Vec<Level>,
 }
 
 impl HalfNormal {
@@ -64,6 +66,7 @@ impl HalfNormal {
         Field::new(CHART, "effect").finite(self.effects.iter().map(|effect| effect.value))?;
         Field::new(CHART, "standard error").not_negative(self.standard_error)?;
         Field::new(CHART, "named_above").not_negative([self.named_above])?;
+        Field::new(CHART, "limit").not_negative(self.limits.iter().map(|limit| limit.value))?;
         let entries = self.legend();
         let top = 8.0 + legend_height(&entries, WIDTH - 80.0) + 8.0;
         let outside = Outside {
@@ -123,11 +126,9 @@ impl HalfNormal {
 
     /// Plans the axes.
     fn plot(&self, outside: Outside) -> Plot {
-        let largest = self
-            .effects
-            .iter()
-            .map(|effect| effect.value.abs())
-            .fold(0.0, f64::max);
+        let sizes = self.effects.iter().map(|effect| effect.value.abs());
+        let limits = self.limits.iter().map(|limit| limit.value);
+        let largest = sizes.chain(limits).fold(0.0, f64::max);
         let high = if largest > 0.0 { 1.08 * largest } else { 1.0 };
         let count = self.effects.len() as f64;
         let right = 1.12 * half_normal_quantile((count - 0.5) / count);
@@ -162,6 +163,12 @@ impl HalfNormal {
         let mut names = LabelPlaces::new(plot.area);
         for &place in &places {
             names.reserve_marker(place);
+        }
+        for limit in &self.limits {
+            let y = plot.y.pixel(limit.value);
+            let ends = [at(plot.area.left, y), at(plot.area.right, y)];
+            canvas.line(ends[0], ends[1], &Stroke::dashed(VERMILION, 1.2));
+            names.write_on_level(canvas, y, &limit.name);
         }
         for (effect, &place) in sorted.iter().zip(&places).rev() {
             let colour = if effect.value < 0.0 { VERMILION } else { BLUE };

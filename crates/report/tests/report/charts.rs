@@ -1,8 +1,8 @@
 //! Charts: well formed, within their paper, and with every number at its pixel.
 
 use report::{
-    AxisTitle, Comparison, Contour, Cube, CubeEdge, Error, Level, LineSeries,
-    PredictedAgainstMeasured, Role, Series, SeriesPoint, Svg,
+    AxisTitle, Comparison, Contour, Cube, CubeEdge, DesignRun, Error, Level, LineSeries,
+    PredictedAgainstMeasured, Role, Scatter, Series, SeriesPoint, Svg,
 };
 
 use crate::examples;
@@ -285,6 +285,7 @@ fn bold_contour_runs_where_the_surface_has_the_target() {
         target: Some(Level::new("target", 4.0)),
         region: vec![],
         points: vec![],
+        runs: vec![],
         ..examples::contour(&[0.0; 4])
     };
     let elements = read(&chart.draw().unwrap());
@@ -347,4 +348,108 @@ fn lists_that_do_not_match_are_refused() {
             ..
         })
     ));
+}
+
+/// Five runs at the place (0.5, 0.5) differ in a factor that is not shown: four stand side by side 10 px apart, one in
+/// the next row, around that place; each opens its part of the page.
+#[test]
+fn runs_at_one_place_stand_side_by_side_and_open_their_part_of_the_page() {
+    let axis = vec![0.0, 0.5, 1.0];
+    let run = |number: usize| DesignRun {
+        name: format!("run {number}"),
+        x: 0.5,
+        y: 0.5,
+        link: format!("#run-{number}"),
+    };
+    let chart = Contour {
+        x_values: axis.clone(),
+        y_values: axis.clone(),
+        values: vec![0.0, 1.0, 2.0, 0.0, 1.0, 2.0, 0.0, 1.0, 2.0],
+        points: vec![],
+        region: vec![],
+        runs: (1..=5).map(run).collect(),
+        x: AxisTitle::new("x", ""),
+        ..examples::contour(&[0.0; 4])
+    };
+    let elements = read(&chart.draw().unwrap());
+    // Both axes have these ticks, the upright one first.
+    let tick = |text| {
+        texts(&elements, text)
+            .iter()
+            .map(|t| t.number("x"))
+            .fold(0.0, f64::max)
+    };
+    let middle = 0.5 * (tick("0.4") + tick("0.6"));
+    let links: Vec<usize> = (0..elements.len())
+        .filter(|i| elements[*i].name == "a")
+        .collect();
+    assert_eq!(links.len(), 5);
+    for (number, &link) in (1..).zip(&links) {
+        assert_eq!(
+            elements[link].attribute("href").unwrap(),
+            format!("#run-{number}")
+        );
+        assert_eq!(elements[link + 1].text, format!("run {number}"));
+        let path = elements[link + 2].attribute("d").unwrap();
+        let corner = path.trim_start_matches('M').split(' ').next().unwrap();
+        // The corner of a mark of 4 px is 3.6 px left of its middle.
+        let across = corner.parse::<f64>().unwrap() + 3.6 - middle;
+        let wanted = [-15.0, -5.0, 5.0, 15.0, -15.0][number - 1];
+        assert!((across - wanted).abs() < 0.03, "{across} {wanted}");
+    }
+}
+
+/// Up to 40 runs have their numbers; of more only those beyond the limits, so that the numbers stay legible.
+#[test]
+fn runs_beyond_the_limits_are_named_at_every_number_of_runs() {
+    let residuals = |n: usize| Scatter {
+        x: AxisTitle::new("run", ""),
+        y: AxisTitle::new("t", ""),
+        points: (0..n)
+            .map(|i| [i as f64, if i == 7 { 4.5 } else { 0.3 }])
+            .collect(),
+        names: (0..n).map(|i| format!("r{i}")).collect(),
+        marked: vec![],
+        line: None,
+        levels: vec![Level::new("upper", 3.6), Level::new("lower", -3.6)],
+    };
+    let named = |n: usize| -> Vec<String> {
+        let elements = read(&residuals(n).draw().unwrap());
+        let names = elements.iter().filter(|e| e.name == "text");
+        let names = names.map(|e| e.text.clone());
+        names
+            .filter(|text| text.starts_with('r') && text.len() < 4)
+            .collect()
+    };
+    assert_eq!(
+        named(10).len(),
+        10 + 1,
+        "ten runs and the title of the axis"
+    );
+    assert_eq!(named(200), ["r7", "run"]);
+    let elements = read(&residuals(200).draw().unwrap());
+    assert_eq!(texts(&elements, "upper").len(), 1);
+    let mut short = residuals(10);
+    short.names.pop();
+    assert!(matches!(
+        short.draw(),
+        Err(Error::Length { field: "names", .. })
+    ));
+}
+
+/// The limit of the plot stands at its value with its name, and the axis reaches it.
+#[test]
+fn limits_of_effects_are_drawn_and_named() {
+    let mut chart = examples::half_normal(&[0.2, -0.4, 1.0]);
+    chart.size = AxisTitle::new("|effect|", "");
+    chart.limits = vec![Level::new("margin", 2.0)];
+    let elements = read(&chart.draw().unwrap());
+    assert_eq!(texts(&elements, "margin").len(), 1);
+    let tick = texts(&elements, "2.0")[0].number("y");
+    let lines = elements.iter().filter(|e| e.name == "line");
+    let mut dashed = lines.filter(|e| e.attribute("stroke-dasharray").is_some());
+    assert!(
+        dashed.any(|e| (e.number("y1") - tick).abs() < 0.02 && e.attribute("y1") == e.attribute("y2")),
+        "no line at {tick}"
+    );
 }

@@ -1,10 +1,10 @@
 //! One example of every chart, with markup in every text.
 
 use report::{
-    AxisTitle, Bar, BarsWithTarget, Comparison, Contour, Effect, Error, HalfNormal, Level,
-    LineSeries, MarkedPoint, Pareto, PredictedAgainstMeasured, ResidualCondition, ResidualPanel,
-    Residuals, Role, Series, SeriesPoint, StackedBar, StackedBars, Svg, Target, TimeSeries,
-    TimeSpan,
+    AxisTitle, Bar, BarsWithTarget, Comparison, Contour, DesignRun, Effect, Error, HalfNormal,
+    Level, LineSeries, MarkedPoint, Pareto, PredictedAgainstMeasured, ResidualCondition,
+    ResidualPanel, Residuals, Role, Scatter, Series, SeriesPoint, StackedBar, StackedBars, Svg,
+    Target, TimeSeries, TimeSpan,
 };
 
 /// A text that breaks a page if it is not escaped.
@@ -53,6 +53,7 @@ pub(crate) fn half_normal(values: &[f64]) -> HalfNormal {
         effects,
         standard_error: Some(0.4),
         named_above: 0.5,
+        limits: vec![Level::new(HOSTILE, 0.5)],
     }
 }
 
@@ -73,6 +74,32 @@ pub(crate) fn contour(values: &[f64]) -> Contour {
             x: 0.5,
             y: 0.5,
         }],
+        runs: vec![DesignRun {
+            name: HOSTILE.into(),
+            x: 0.5,
+            y: 0.5,
+            link: "#section-1".into(),
+        }],
+    }
+}
+
+/// These values over 0, 1, 2 and so on, each with a name.
+pub(crate) fn scatter(values: &[f64]) -> Scatter {
+    let points = values.iter().enumerate();
+    Scatter {
+        x: title(),
+        y: title(),
+        points: points
+            .map(|(index, &value)| [index as f64, value])
+            .collect(),
+        names: vec![HOSTILE.into(); values.len()],
+        marked: vec![MarkedPoint {
+            name: HOSTILE.into(),
+            x: 0.5,
+            y: 0.5,
+        }],
+        line: Some([0.0, 1.0]),
+        levels: vec![Level::new(HOSTILE, 2.0), Level::new("b", -1.0)],
     }
 }
 
@@ -181,6 +208,7 @@ pub(crate) fn all(values: &[f64]) -> Vec<(&'static str, Result<Svg, Error>)> {
         ("half-normal", half_normal(values).draw()),
         ("stacked-bars", stacked_bars(values).draw()),
         ("contour", contour(values).draw()),
+        ("scatter", scatter(values).draw()),
         ("predicted", predicted(values).draw()),
         ("residuals", residuals(values).draw()),
         ("lines", lines(values).draw()),

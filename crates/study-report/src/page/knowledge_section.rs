@@ -6,6 +6,7 @@ use crate::numbers::{
     DASH, counted, digits, digits_or_dash, fixed, fixed_or_dash, in_unit, p_in_words, signed,
     with_error,
 };
+use crate::pictures::chart;
 use crate::pictures::solution_charts::{MISFIT, pair_name, pairs};
 use calibration::{Estimate, FitTest, JointEstimate, OpenCombination};
 use report::{Column, Table};
@@ -174,13 +175,25 @@ fn solutions(page: &mut Page<'_>) -> Result<(), Error> {
         "Root of the sum of squares of z over the last box, by the surfaces of the measurements of the fit and the \
          priors; high walls are cut. A valley is a combination that is left open.",
     );
-    for [a, b] in pairs(page.input) {
-        let [x, y] = [&found.parameters[a], &found.parameters[b]];
-        let caption = format!(
-            "Points of the set of solutions: {} against {}, drawn evenly from the box.",
-            y.symbol, x.symbol
-        );
-        page.chart(&pair_name([a, b]), &caption);
+    let all = pairs(page.input).into_iter();
+    let charts: Vec<_> = all
+        .filter_map(|[a, b]| {
+            let svg = chart(page.pictures, &pair_name([a, b]))?;
+            let [x, y] = [&found.parameters[a], &found.parameters[b]];
+            let others = if found.parameters.len() > 2 {
+                "; the other parameters are free, within the set"
+            } else {
+                ""
+            };
+            let caption = format!(
+                "Points of the set of solutions: {} against {}, drawn evenly from the box{others}.",
+                y.symbol, x.symbol
+            );
+            Some((format!("{} and {}", x.symbol, y.symbol), svg, caption))
+        })
+        .collect();
+    if !charts.is_empty() {
+        page.report.choice("Pair of parameters:", &charts);
     }
     Ok(())
 }

@@ -20,7 +20,7 @@ pub(super) fn add(page: &mut Page<'_>) -> Result<(), Error> {
     table(page)?;
     for (number, (model, _)) in check_runs(page.input).into_iter().enumerate() {
         let at = place(&model.scene, &model.condition);
-        let reading = if shows_drum(page.input, model) {
+        let reading = if shows_drum(page.input, &model.name) {
             " It was read again by the code that reads photos: drum (blue), surface points that count (green) and do \
              not (magenta), fitted line (orange)."
         } else {

@@ -65,7 +65,8 @@ fn of_observable(page: &mut Page<'_>, number: usize, quantity: &str, screening: 
         &half_normal_name(number, quantity),
         &format!(
             "Half-normal plot of all columns for the {words}. The line has the slope of Lenth's pseudo standard \
-             error; columns beyond his margin of error are named."
+             error; columns beyond his margin of error are named (5 %; the simultaneous margin allows for all columns \
+             together)."
         ),
     );
 }

@@ -64,7 +64,8 @@ fn of_observable(
         ),
         Some(shown) => format!(
             "Fitted {words} over the two parameters that move it most{}. Bold: points that give the measured value. \
-             Shaded: points that are not told from it.",
+             Shaded: points that are not told from it. Squares: runs of the design; those of one place differ in other \
+             parameters, and a click opens them.",
             held(page, fit, shown)
         ),
     };
@@ -82,12 +83,15 @@ fn held(page: &Page<'_>, fit: &Fit, shown: [usize; 2]) -> String {
         .zip(values)
         .enumerate()
         .filter(|(k, _)| !shown.contains(k))
-        .map(|(_, (f, value))| format!("{} = {}", f.symbol(), digits(value)))
+        .map(|(_, (f, value))| {
+            let value = in_unit(&digits(value), f.unit());
+            format!("{} = {value}", f.symbol())
+        })
         .collect();
     if held.is_empty() {
         String::new()
     } else {
-        format!(", at {}", held.join(", "))
+        format!(", with {} held there", held.join(", "))
     }
 }
 
@@ -104,7 +108,7 @@ fn equation(words: &str, unit: &str, fit: &Fit) -> String {
         let name = if name == "1" {
             String::new()
         } else {
-            format!(" {name}")
+            format!(" {}", fit.formula.printed(name))
         };
         format!("{sign}{}{name}", digits(row.coef.abs()))
     };
@@ -175,7 +179,7 @@ fn anova(page: &mut Page<'_>, words: &str, unit: &str, fit: &Fit) -> Result<(), 
     let dash = || DASH.to_owned();
     for (name, row) in fit.terms.iter() {
         table.row([
-            name.to_owned(),
+            fit.formula.printed(name),
             digits(row.coef),
             row.se.map_or_else(dash, digits),
             row.ss_partial.map_or_else(dash, digits),

@@ -4,7 +4,6 @@ use super::NamedPicture;
 use super::run_charts::check_runs;
 use crate::run_details::RunDetails;
 use crate::{Error, ReportInput};
-use calibration::Model;
 use frame_render::{ObjectView, RenderSphere, render_object};
 use image::{DynamicImage, ImageFormat, RgbImage};
 use photo_profile::{Settings, measure_image, overlay_gray};
@@ -102,7 +101,7 @@ pub(crate) fn frames(input: &ReportInput<'_>) -> Result<Vec<NamedPicture>, Error
         let mut frames = records.iter().filter_map(|r| RunDetails::of(r).last_frame);
         if let Some(frame) = frames.next() {
             let name = frame_name(number);
-            let bytes = if shows_drum(input, model) {
+            let bytes = if shows_drum(input, &model.name) {
                 with_reading(&name, &frame)?
             } else {
                 frame
@@ -114,13 +113,13 @@ pub(crate) fn frames(input: &ReportInput<'_>) -> Result<Vec<NamedPicture>, Error
 }
 
 /// Whether the camera of a model looks into a drum, so that the reader of drum photos reads its frames.
-pub(crate) fn shows_drum(input: &ReportInput<'_>, model: &Model) -> bool {
-    let scene = input.scenes.get(&model.name);
+pub(crate) fn shows_drum(input: &ReportInput<'_>, model: &str) -> bool {
+    let scene = input.scenes.get(model);
     scene.is_some_and(|scene| matches!(scene.apparatus, Apparatus::Drum(_)))
 }
 
 /// A frame with the line that the reader of photos fits to it; the frame as it is where he refuses it.
-fn with_reading(name: &str, frame: &[u8]) -> Result<Vec<u8>, Error> {
+pub(super) fn with_reading(name: &str, frame: &[u8]) -> Result<Vec<u8>, Error> {
     let picture = image::load_from_memory_with_format(frame, ImageFormat::Png)
         .map_err(|e| picture_error(name, &e.to_string()))?
         .into_luma8();

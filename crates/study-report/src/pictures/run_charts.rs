@@ -49,7 +49,7 @@ pub(super) fn series(input: &ReportInput<'_>) -> Result<Vec<NamedPicture>, Error
 }
 
 /// The series of a run; nothing where it kept none.
-fn series_of(record: &Record) -> Option<TimeSeries> {
+pub(super) fn series_of(record: &Record) -> Option<TimeSeries> {
     let run = RunDetails::of(record);
     let n = run.times_s.len();
     if n < 2 || run.centre_of_mass_deg.len() != n {

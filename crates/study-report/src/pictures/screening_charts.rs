@@ -38,6 +38,13 @@ pub(super) fn charts(number: usize, model: &ModelScreening) -> Result<Vec<NamedP
                 effects: effects.map(|(name, e)| Effect::new(name, *e)).collect(),
                 standard_error: Some(all.lenth.pse),
                 named_above: all.lenth.me.unwrap_or(0.0),
+                limits: [
+                    ("margin of error", all.lenth.me),
+                    ("simultaneous margin of error", all.lenth.sme),
+                ]
+                .into_iter()
+                .filter_map(|(name, limit)| Some(Level::new(name, limit?)))
+                .collect(),
             };
             let name = half_normal_name(number, quantity);
             charts.push(NamedPicture::chart(name, chart.draw()?));

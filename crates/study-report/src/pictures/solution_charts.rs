@@ -12,8 +12,8 @@ use response_surface::Fit;
 const NODES: usize = 121;
 /// Roots of the sum of squares above this are drawn alike, so that the contours show the valley and not its walls.
 const WALL: f64 = 9.0;
-/// Most pairs that are drawn: all of four parameters.
-const MOST_PAIRS: usize = 6;
+/// Most pairs that are written as files: all of four parameters.
+const MOST_FILES: usize = 6;
 
 /// Name of the contours of the misfit.
 pub(crate) const MISFIT: &str = "solutions-misfit";
@@ -23,7 +23,7 @@ pub(crate) fn pair_name([a, b]: [usize; 2]) -> String {
     format!("solutions-{}-{}", a + 1, b + 1)
 }
 
-/// The pairs of parameters that are drawn: those with the largest correlations, in the order of the parameters.
+/// All pairs of parameters, those with the largest correlations first.
 pub(crate) fn pairs(input: &ReportInput<'_>) -> Vec<[usize; 2]> {
     let found = input.calibration;
     let n = found.parameters.len();
@@ -35,8 +35,6 @@ pub(crate) fn pairs(input: &ReportInput<'_>) -> Vec<[usize; 2]> {
         row.and_then(|row| row.get(*b)).map_or(0.0, |r| r.abs())
     };
     all.sort_by(|p, q| size(q).total_cmp(&size(p)));
-    all.truncate(MOST_PAIRS);
-    all.sort_unstable();
     all
 }
 
@@ -47,7 +45,7 @@ pub(super) fn charts(input: &ReportInput<'_>) -> Result<Vec<NamedPicture>, Error
         charts.push(NamedPicture::chart(MISFIT, svg));
     }
     let found = input.calibration;
-    for [a, b] in pairs(input) {
+    for (place, [a, b]) in pairs(input).into_iter().enumerate() {
         let point = |p: &Vec<f64>| Some([*p.get(a)?, *p.get(b)?]);
         let points: Vec<[f64; 2]> = found.solutions.points.iter().filter_map(point).collect();
         if points.len() < 2 {
@@ -57,10 +55,17 @@ pub(super) fn charts(input: &ReportInput<'_>) -> Result<Vec<NamedPicture>, Error
             x: title(&found.parameters[a]),
             y: title(&found.parameters[b]),
             points,
+            names: Vec::new(),
+            marked: named_points(input, [a, b]),
             line: None,
             levels: Vec::new(),
         };
-        charts.push(NamedPicture::chart(pair_name([a, b]), chart.draw()?));
+        let drawn = NamedPicture::chart(pair_name([a, b]), chart.draw()?);
+        charts.push(if place < MOST_FILES {
+            drawn
+        } else {
+            drawn.only_in_page()
+        });
     }
     Ok(charts)
 }
@@ -126,6 +131,7 @@ fn misfit(input: &ReportInput<'_>) -> Result<Option<Svg>, Error> {
         region_name: String::new(),
         region: Vec::new(),
         points: marked_points(input),
+        runs: Vec::new(),
         x_values,
         y_values,
     };
@@ -154,16 +160,32 @@ fn equations<'a>(input: &'a ReportInput<'a>) -> Option<Vec<Equation<'a>>> {
     numbers.map(equation).collect()
 }
 
+/// The estimate and the other separate solutions, with their names.
+fn solutions(input: &ReportInput<'_>) -> Vec<(String, Vec<f64>)> {
+    let found = input.calibration;
+    let estimate = found.parameters.iter().map(|p| p.value).collect();
+    let others = found.solutions.separate.iter().enumerate().skip(1);
+    let others = others.map(|(k, at)| (format!("solution {}", k + 1), at.clone()));
+    std::iter::once(("estimate".into(), estimate))
+        .chain(others)
+        .collect()
+}
+
+/// The same in the plane of two parameters.
+fn named_points(input: &ReportInput<'_>, [a, b]: [usize; 2]) -> Vec<MarkedPoint> {
+    let point = |(name, at): (String, Vec<f64>)| {
+        let (x, y) = (*at.get(a)?, *at.get(b)?);
+        Some(MarkedPoint { name, x, y })
+    };
+    solutions(input).into_iter().filter_map(point).collect()
+}
+
 /// The estimate, the start and the other separate solutions, where the picture has room for them.
 fn marked_points(input: &ReportInput<'_>) -> Vec<MarkedPoint> {
     let found = input.calibration;
-    let of = |value: fn(&Estimate) -> f64| found.parameters.iter().map(value).collect();
-    let mut points: Vec<(String, Vec<f64>)> = vec![
-        ("estimate".into(), of(|p| p.value)),
-        ("start".into(), of(|p| p.start)),
-    ];
-    let others = found.solutions.separate.iter().enumerate().skip(1);
-    points.extend(others.map(|(k, at)| (format!("solution {}", k + 1), at.clone())));
+    let mut points = solutions(input);
+    let start = found.parameters.iter().map(|p| p.start).collect();
+    points.push(("start".into(), start));
     let Some(last) = found.boxes.last() else {
         return Vec::new();
     };

@@ -1,11 +1,12 @@
 //! Response surfaces with what was measured: a curve over one parameter, contours over the two strongest.
 
 use super::{NamedPicture, plain_name};
+use crate::design_points::{DesignPoint, design_points};
 use crate::numbers::{observable, shown_unit};
 use crate::{Error, ReportInput};
 use calibration::{Measurement, ModelSurfaces};
 use experiment_design::Factor;
-use report::{AxisTitle, Contour, Level, LineSeries, MarkedPoint, Series, SeriesPoint};
+use report::{AxisTitle, Contour, DesignRun, Level, LineSeries, MarkedPoint, Series, SeriesPoint};
 use response_surface::Fit;
 use std::collections::BTreeMap;
 
@@ -35,7 +36,10 @@ pub(super) fn charts(input: &ReportInput<'_>) -> Result<Vec<NamedPicture>, Error
                 measured: measured(input, &surfaces.model, quantity),
             };
             let svg = match strongest_two(fit) {
-                Some(places) => shown.contour(places).draw()?,
+                Some(places) => {
+                    let runs = design_runs(number, surfaces, fit, places);
+                    shown.contour(places, runs).draw()?
+                }
                 None => shown.curve(surfaces).draw()?,
             };
             charts.push(NamedPicture::chart(surface_name(number, quantity), svg));
@@ -156,7 +160,7 @@ impl Shown<'_> {
     }
 
     /// Contours over two parameters, the others at the estimate.
-    fn contour(&self, [across, up]: [usize; 2]) -> Contour {
+    fn contour(&self, [across, up]: [usize; 2], runs: Vec<DesignRun>) -> Contour {
         let fit = self.fit;
         let [x, y] = [&fit.factors[across], &fit.factors[up]];
         let x_values = evenly(x.low(), x.high(), NODES);
@@ -186,6 +190,7 @@ impl Shown<'_> {
             region_name,
             region,
             points: marked_points(self.input, [x, y]),
+            runs,
         }
     }
 
@@ -205,6 +210,29 @@ pub(crate) fn title(factor: &Factor) -> AxisTitle {
         name => format!("{}: {name}", factor.symbol()),
     };
     AxisTitle::new(name, shown_unit(factor.unit()))
+}
+
+/// The points of the design in the plane of two factors; each opens its runs.
+fn design_runs(
+    number: usize,
+    surfaces: &ModelSurfaces,
+    fit: &Fit,
+    shown: [usize; 2],
+) -> Vec<DesignRun> {
+    let place = |k: usize| {
+        let symbol = fit.factors[k].symbol();
+        surfaces.symbols.iter().position(|known| known == symbol)
+    };
+    let [Some(x), Some(y)] = shown.map(place) else {
+        return Vec::new();
+    };
+    let run = |point: &DesignPoint<'_>| DesignRun {
+        name: point.name(&surfaces.symbols),
+        x: point.settings[x],
+        y: point.settings[y],
+        link: format!("#{}", point.id(number)),
+    };
+    design_points(surfaces).iter().map(run).collect()
 }
 
 /// Mean and standard deviation (0 for a single run) of the values at each level, in rising order of the level.

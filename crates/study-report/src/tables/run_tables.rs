@@ -94,7 +94,10 @@ struct Run<'a> {
 /// Every run behind the surfaces of the last box and behind the comparisons.
 pub(super) fn runs(input: &ReportInput<'_>) -> CsvTable {
     let mut all = surface_runs(input);
-    all.extend(input.records.values().map(of_record));
+    let of_surfaces: BTreeSet<&str> = all.iter().map(|run| run.key).collect();
+    let others = input.records.iter();
+    let others = others.filter(|(key, _)| !of_surfaces.contains(key.as_str()));
+    all.extend(others.map(|(_, record)| of_record(record)));
     let symbols = input.calibration.parameters.iter();
     let symbols: Vec<(&str, &str)> = symbols
         .map(|p| (p.symbol.as_str(), p.unit.as_str()))
@@ -143,13 +146,14 @@ fn surface_runs<'a>(input: &ReportInput<'a>) -> Vec<Run<'a>> {
                 .zip(point.iter().copied());
             let values = s.values.iter();
             let values = values.filter_map(|(name, v)| Some((name.as_str(), *v.get(k)?)));
+            let key = s.keys.get(k).map_or("", String::as_str);
             runs.push(Run {
                 stage: "surface",
                 model: &s.model,
-                seed: None,
+                seed: input.records.get(key).map(Record::seed),
                 parameters: at.collect(),
                 observables: values.collect(),
-                key: "",
+                key,
             });
         }
     }

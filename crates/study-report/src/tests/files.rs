@@ -7,7 +7,7 @@ use crate::{DiagnosisInput, write, write_diagnosis};
 use std::collections::BTreeMap;
 
 /// The lines of a table on disk.
-fn table(folder: &std::path::Path, name: &str) -> Vec<String> {
+pub(super) fn table(folder: &std::path::Path, name: &str) -> Vec<String> {
     let text = std::fs::read_to_string(folder.join("tables").join(name)).unwrap();
     text.lines().map(String::from).collect()
 }

@@ -12,9 +12,9 @@ use report::{
     AxisTitle, Effect, HalfNormal, Level, LineSeries, Pareto, PngPrinter, Scatter, Series,
     SeriesPoint, Svg,
 };
-use response_surface::distribution::normal_quantile;
-use response_surface::fit::Case;
-use response_surface::{Categorical, Fit, RidgePoint};
+use response_surface::distribution::{chi_squared_quantile, normal_quantile, t_two_sided_quantile};
+use response_surface::fit::{Case, TermRow};
+use response_surface::{BoxCox, Categorical, Fit, Lenth, RidgePoint};
 
 use super::Report;
 use super::extras::Ridge;
@@ -36,18 +36,7 @@ pub(super) fn all(report: &Report<'_>) -> anyhow::Result<Vec<Named>> {
     effects(report, &mut charts)?;
     diagnostics(report, &mut charts)?;
     if let Some(profile) = &report.box_cox {
-        let points = profile.lambda.iter().zip(&profile.ln_sse);
-        let points = points.map(|(x, y)| SeriesPoint::new(*x, *y, 0.0)).collect();
-        let chart = LineSeries {
-            x: AxisTitle::new("power of the response", ""),
-            y: AxisTitle::new("ln of the residual sum of squares", ""),
-            series: vec![Series {
-                name: "Box-Cox profile".to_owned(),
-                points,
-            }],
-            levels: Vec::new(),
-        };
-        charts.push(("box-cox".to_owned(), chart.draw()?));
+        charts.push(("box-cox".to_owned(), powers(profile, fit.n).draw()?));
     }
     if report.categories.is_empty() {
         surfaces(fit, report.response, "", &mut charts)?;
@@ -57,6 +46,40 @@ pub(super) fn all(report: &Report<'_>) -> anyhow::Result<Vec<Named>> {
         }
     }
     Ok(charts)
+}
+
+/// The profile of the power of the response with the limit of its 95 % interval, the interval there, and the response
+/// itself: powers below the limit are not told from the best one `[BoxCox1964]`.
+fn powers(profile: &BoxCox, n: usize) -> LineSeries {
+    let points = profile.lambda.iter().zip(&profile.ln_sse);
+    let points: Vec<SeriesPoint> = points.map(|(x, y)| SeriesPoint::new(*x, *y, 0.0)).collect();
+    let least = points.iter().map(|p| p.y).fold(f64::INFINITY, f64::min);
+    let limit = chi_squared_quantile(0.05, 1.0).map(|rise| least + rise / n as f64);
+    let [low, high] = profile.interval95;
+    let mut series = vec![Series {
+        name: format!("Box-Cox profile, best {:.2}", profile.best),
+        points: points.clone(),
+    }];
+    if let Some(limit) = limit {
+        series.push(Series {
+            name: format!("95 % interval, {low:.2} to {high:.2}"),
+            points: [low, high].map(|x| SeriesPoint::new(x, limit, 0.0)).into(),
+        });
+    }
+    let itself = points.iter().find(|p| p.x == 1.0);
+    series.extend(itself.map(|p| Series {
+        name: "the response itself".to_owned(),
+        points: vec![*p],
+    }));
+    LineSeries {
+        x: AxisTitle::new("power of the response", ""),
+        y: AxisTitle::new("ln of the residual sum of squares", ""),
+        series,
+        levels: limit
+            .map(|at| Level::new("limit, 95 %", at))
+            .into_iter()
+            .collect(),
+    }
 }
 
 /// Charts of the surface; their names end with `suffix`.
@@ -117,7 +140,7 @@ fn effects(report: &Report<'_>, charts: &mut Vec<Named>) -> anyhow::Result<()> {
     if let Some(pareto) = &report.pareto {
         let signed = |(name, t): (&str, &f64)| {
             let sign = pareto.sign.get(name).copied().unwrap_or(1);
-            Effect::new(name, t * f64::from(sign))
+            Effect::new(report.fit.formula.printed(name), t * f64::from(sign))
         };
         let limit = |name: &str, value: Option<f64>| value.map(|value| Level::new(name, value));
         let limits = [
@@ -131,30 +154,57 @@ fn effects(report: &Report<'_>, charts: &mut Vec<Named>) -> anyhow::Result<()> {
         };
         charts.push(("pareto".to_owned(), chart.draw()?));
     }
-    let (effects, named_above): (Vec<Effect>, f64) = if let Some(s) = &report.saturated {
-        let list = s.effects.iter().map(|(name, e)| Effect::new(name, *e));
-        (list.collect(), s.lenth.me.unwrap_or(0.0))
-    } else {
-        let terms = report.fit.terms.iter();
-        let tested = terms.filter(|(_, row)| row.ss_partial.is_some());
-        let list = tested.map(|(name, row)| Effect::new(name, row.coef));
-        (list.collect(), 0.0)
-    };
-    if !effects.is_empty() {
-        let quantity = if report.saturated.is_some() {
-            "|effect|"
-        } else {
-            "|coefficient|, coded"
-        };
-        let chart = HalfNormal {
-            size: AxisTitle::new(quantity, ""),
-            effects,
-            standard_error: None,
-            named_above,
-        };
+    let chart = half_normal(report);
+    if !chart.effects.is_empty() {
         charts.push(("half-normal".to_owned(), chart.draw()?));
     }
     Ok(())
+}
+
+/// Half-normal plot with its limits: of all columns against Lenth's margins, of the terms as t where the residuals have
+/// degrees of freedom, of their coefficients otherwise.
+fn half_normal(report: &Report<'_>) -> HalfNormal {
+    let fit = report.fit;
+    let lenth = |found: &Lenth| {
+        let limits = [
+            ("margin of error", found.me),
+            ("simultaneous margin of error", found.sme),
+        ];
+        let limit = |(name, at): (&str, Option<f64>)| Some(Level::new(name, at?));
+        (
+            Some(found.pse),
+            limits.into_iter().filter_map(limit).collect::<Vec<_>>(),
+        )
+    };
+    let terms = || fit.terms.iter().filter(|(_, row)| row.ss_partial.is_some());
+    let printed = |name: &str| fit.formula.printed(name);
+    let tested =
+        |(name, row): (&str, &TermRow)| Some(Effect::new(printed(name), row.coef / row.se?));
+    let (quantity, effects, (standard_error, limits)): (&str, Vec<Effect>, _) =
+        if let Some(s) = &report.saturated {
+            let list = s.effects.iter().map(|(name, e)| Effect::new(name, *e));
+            ("|effect|", list.collect(), lenth(&s.lenth))
+        } else if let Some(t) = fit.t_crit_975 {
+            let limit = Level::new("t, 5 %", t);
+            (
+                "|t|",
+                terms().filter_map(tested).collect(),
+                (Some(1.0), vec![limit]),
+            )
+        } else {
+            let list = terms().map(|(name, row)| Effect::new(printed(name), row.coef));
+            ("|coefficient|, coded", list.collect(), (None, Vec::new()))
+        };
+    HalfNormal {
+        size: AxisTitle::new(quantity, ""),
+        named_above: limits.first().map_or(0.0, |limit| limit.value),
+        effects: effects
+            .into_iter()
+            .filter(|e| e.value.is_finite())
+            .collect(),
+        standard_error: standard_error.filter(|se| se.is_finite()),
+        limits,
+    }
 }
 
 /// Residuals in the usual views.
@@ -169,12 +219,15 @@ fn diagnostics(report: &Report<'_>, charts: &mut Vec<Named>) -> anyhow::Result<(
         return Ok(());
     }
     let residual = AxisTitle::new("external studentised residual", "");
+    let runs = || studentised.iter().map(|(case, _)| case.run.to_string());
     let view = |x: AxisTitle, f: &dyn Fn(&Case) -> f64| Scatter {
         x,
         y: residual.clone(),
         points: studentised.iter().map(|(case, t)| [f(case), *t]).collect(),
+        names: runs().collect(),
+        marked: Vec::new(),
         line: Some([0.0, 0.0]),
-        levels: Vec::new(),
+        levels: outlier_limits(fit),
     };
     let fitted = AxisTitle::new(format!("fitted {response}"), "");
     charts.push((
@@ -193,8 +246,8 @@ fn diagnostics(report: &Report<'_>, charts: &mut Vec<Named>) -> anyhow::Result<(
         let chart = view(axis, &|c| factor.natural(c.coded[j]));
         charts.push((format!("residuals-{}", factor.symbol()), chart.draw()?));
     }
-    let mut sorted: Vec<f64> = studentised.iter().map(|(_, t)| *t).collect();
-    sorted.sort_by(f64::total_cmp);
+    let mut sorted: Vec<(&Case, f64)> = studentised.clone();
+    sorted.sort_by(|a, b| a.1.total_cmp(&b.1));
     let n = sorted.len() as f64;
     let quantile = |i: usize| normal_quantile((i as f64 + 0.5) / n).unwrap_or(0.0);
     let normal = Scatter {
@@ -203,8 +256,13 @@ fn diagnostics(report: &Report<'_>, charts: &mut Vec<Named>) -> anyhow::Result<(
         points: sorted
             .iter()
             .enumerate()
-            .map(|(i, t)| [quantile(i), *t])
+            .map(|(i, (_, t))| [quantile(i), *t])
             .collect(),
+        names: sorted
+            .iter()
+            .map(|(case, _)| case.run.to_string())
+            .collect(),
+        marked: Vec::new(),
         line: Some([0.0, 1.0]),
         levels: Vec::new(),
     };
@@ -213,11 +271,27 @@ fn diagnostics(report: &Report<'_>, charts: &mut Vec<Named>) -> anyhow::Result<(
         x: AxisTitle::new(response, ""),
         y: fitted,
         points: fit.cases.iter().map(|c| [c.actual, c.fitted]).collect(),
+        names: fit.cases.iter().map(|c| c.run.to_string()).collect(),
+        marked: Vec::new(),
         line: Some([0.0, 1.0]),
         levels: Vec::new(),
     };
     charts.push(("fitted-actual".to_owned(), comparison.draw()?));
     influence(fit, &order, charts)
+}
+
+/// Limits beyond which the largest of all residuals lies by chance in 5 % of the fits (Bonferroni), none without degrees
+/// of freedom `[Belsley1980, section 2.1]`.
+fn outlier_limits(fit: &Fit) -> Vec<Level> {
+    let df = fit.df_resid.saturating_sub(1);
+    let limit = (df > 0).then(|| t_two_sided_quantile(0.05 / fit.n as f64, df as f64));
+    let Some(t) = limit.flatten() else {
+        return Vec::new();
+    };
+    vec![
+        Level::new("outlier, 5 % of all runs", t),
+        Level::new("", -t),
+    ]
 }
 
 /// What single rows do to the fit.
@@ -240,6 +314,13 @@ fn influence(fit: &Fit, order: &AxisTitle, charts: &mut Vec<Named>) -> anyhow::R
                 .iter()
                 .filter_map(|c| Some([c.run as f64, value(c)?]))
                 .collect(),
+            names: fit
+                .cases
+                .iter()
+                .filter(|c| value(c).is_some())
+                .map(|c| c.run.to_string())
+                .collect(),
+            marked: Vec::new(),
             line: None,
             levels: Vec::new(),
         };

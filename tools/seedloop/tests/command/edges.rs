@@ -281,3 +281,27 @@ fn a_formula_may_cross_factors() {
     assert_eq!(formula("A*B"), formula("1 + A + B + A:B"));
     assert_eq!(formula("(A + B)^2 - A:B"), formula("A + B"));
 }
+
+/// The page of an analysis begins with its verdict, has the squares as squares, the factors that a picture holds, the
+/// data of its sliders, and no script that its policy does not name.
+#[test]
+fn the_page_of_an_analysis_begins_with_its_verdict() {
+    let rows = [
+        "-1,-1", "-1,1", "1,-1", "1,1", "-1,0", "1,0", "0,-1", "0,1", "0,0", "0,0",
+    ];
+    let value = |k: usize| 5.0 + [0.1, 3.0, 1.2, 4.4, 0.9, 2.1, 3.3, 1.8, 2.0, 2.2][k];
+    let lines: Vec<String> = (0..10)
+        .map(|k| format!("{},{},{}", rows[k], k % 3, value(k)))
+        .collect();
+    let folder = table(&format!("A,B,C,y\n{}\n", lines.join("\n")));
+    let words = "analyse d.csv --coded --factors A,B --response y --model quadratic --html a.html";
+    assert_eq!(unread(&folder, words), 0);
+    let page = std::fs::read_to_string(folder.path().join("a.html")).unwrap();
+    let place = |text: &str| page.find(text).unwrap_or_else(|| panic!("no {text}"));
+    assert!(place("class=\"verdict") < place("<table>"));
+    assert!(place("class=\"surfaces\"") < place("<svg"));
+    assert!(page.contains("<td>A²</td>") && !page.contains("<td>A2</td>"));
+    assert!(page.contains("outlier, 5 % of all runs") && page.contains("95 % interval, "));
+    assert!(page.contains("script-src &#39;sha256-") || page.contains("script-src 'sha256-"));
+    assert!(!page.contains("unsafe-inline"));
+}

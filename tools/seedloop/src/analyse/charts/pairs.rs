@@ -1,6 +1,10 @@
 //! Charts over pairs of factors.
 
-use report::{AxisTitle, Contour, Cube, CubeEdge, LineSeries, Series, SeriesPoint, Surface, Svg};
+use command_line::significant;
+use report::{
+    AxisTitle, Contour, Cube, CubeEdge, DesignRun, LineSeries, Series, SeriesPoint, Surface, Svg,
+};
+use response_surface::fit::Case;
 use response_surface::{ErrorSource, Fit};
 
 use super::{LINE, Named};
@@ -47,6 +51,7 @@ pub(super) fn draw(fit: &Fit, response: &str, charts: &mut Vec<Named>) -> anyhow
                     region_name: String::new(),
                     region: Vec::new(),
                     points: Vec::new(),
+                    runs: runs_of(fit, [i, j]),
                 };
                 charts.push((format!("contour-{name}"), contour.draw()?));
                 let surface = Surface {
@@ -66,6 +71,24 @@ pub(super) fn draw(fit: &Fit, response: &str, charts: &mut Vec<Named>) -> anyhow
         }
     }
     Ok(())
+}
+
+/// The rows of the data in the plane of two factors.
+fn runs_of(fit: &Fit, [i, j]: [usize; 2]) -> Vec<DesignRun> {
+    let run = |case: &Case| {
+        let natural = fit.natural(&case.coded);
+        let settings = fit.factors.iter().zip(&natural);
+        let settings: Vec<String> = settings
+            .map(|(f, x)| format!("{} = {}", f.symbol(), significant(*x, 4)))
+            .collect();
+        DesignRun {
+            name: format!("Run {}: {}", case.run, settings.join(", ")),
+            x: natural[i],
+            y: natural[j],
+            link: String::new(),
+        }
+    };
+    fit.cases.iter().map(run).collect()
 }
 
 /// The response at the corners of every three factors, the others in the middle.

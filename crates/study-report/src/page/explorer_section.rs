@@ -1,0 +1,30 @@
+//! What the surfaces predict at other parameters.
+
+use super::Page;
+use crate::Error;
+use crate::exploration::of_calibration;
+
+/// Adds the section; nothing where no surface could be analysed.
+pub(super) fn add(page: &mut Page<'_>) -> Result<(), Error> {
+    let Some(explorer) = of_calibration(page.input) else {
+        return Ok(());
+    };
+    page.report.section("Try other parameters").paragraph(
+        "What the fitted surfaces of the last box predict. Move a parameter, and the predictions follow; without scripts \
+         they are those at the estimate. No run is made.",
+    );
+    let rounds = &page.input.calibration.confirmations;
+    if rounds.iter().any(|round| !round.confirmed) {
+        page.report.paragraph(
+            "Fresh runs contradicted a surface, and the estimate was corrected by them: these predictions are those of the \
+             surfaces before that.",
+        );
+    }
+    page.report.explorer(
+        &explorer,
+        "Predictions of the surfaces with 95 % intervals of the mean (dark) and of a new observation (light), beside what \
+         was measured ± its standard error (band: 95 %). Inside: the measured mean lies in the interval of a new \
+         observation. z is measured minus predicted in standard errors of both means.",
+    )?;
+    Ok(())
+}
