@@ -20,7 +20,7 @@ const MOST_SEEDS: usize = 1_000_000;
 /// lie at the shell.
 const MOST_ACCELERATION: f64 = 1000.0;
 
-/// Memory of a seed in the solver, with its share of the contacts, B (docs/benchmarks.md: 113 MiB for 19 200 seeds).
+/// Memory of a seed in the solver, with its share of the contacts, B (docs/benchmarks.md: 106 MiB for 19 200 seeds).
 const BYTES_OF_SEED: f64 = 6e3;
 
 /// Memory of a seed in a frame, B: kind, place, turn, velocity and spin.

@@ -126,7 +126,7 @@ fn seeds_too_small_for_the_apparatus_are_refused() {
     assert!(told.to_string().contains("at most 3000"), "{told}");
 }
 
-/// The drum of the study with 16 times its seeds takes 113 MiB (docs/benchmarks.md); the estimate is of that order, and grows
+/// The drum of the study with 16 times its seeds takes 106 MiB (docs/benchmarks.md); the estimate is of that order, and grows
 /// with the frames that are kept.
 #[test]
 fn memory_is_estimated_to_its_order() {
