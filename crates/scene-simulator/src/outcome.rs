@@ -40,12 +40,7 @@ pub fn outcome_of(scene: &Scene, result: &RunResult, effort: Effort) -> Result<R
     if matches!(scene.apparatus, Apparatus::Drum(_)) && surface.image.is_empty() {
         return Err(no_surface(result).into());
     }
-    let details = RunDetails::new(
-        scene,
-        result,
-        effort,
-        (&surface.image, &surface.position),
-    )?;
+    let details = RunDetails::new(scene, result, effort, (&surface.image, &surface.position))?;
     Ok(RunOutcome {
         observables: observables(result, &surface),
         regime: regime_of(result),

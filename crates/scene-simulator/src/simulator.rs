@@ -221,7 +221,11 @@ impl SceneSimulator {
     /// Runs a scene; where the same seeds moved before under another camera, their frames are seen again.
     ///
     /// Returns the run, and whether it was only seen.
-    fn run_or_see(&self, scene: &Scene, seed: u64) -> Result<(Arc<RunResult>, bool), SimulatorError> {
+    fn run_or_see(
+        &self,
+        scene: &Scene,
+        seed: u64,
+    ) -> Result<(Arc<RunResult>, bool), SimulatorError> {
         let mut blind = serde_json::to_value(scene).map_err(SimulatorError::other)?;
         if let Some(settings) = blind.as_object_mut() {
             settings.remove("camera");

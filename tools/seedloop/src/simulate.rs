@@ -250,7 +250,13 @@ fn find_or_run(arguments: &Arguments, single: &SingleRun, stop: &Stop) -> anyhow
     let (scene, seed) = (single.scene(), arguments.seed);
     common.log(|| format!("running {} seeds, seed {seed}", scene.seed_count()));
     let folder = arguments.out.as_deref();
-    let mut state = StateFile::new(folder, blank.key(), arguments.keep_every, stop.flag(), common);
+    let mut state = StateFile::new(
+        folder,
+        blank.key(),
+        arguments.keep_every,
+        stop.flag(),
+        common,
+    );
     let left = left_before(arguments, &mut state)?;
     if let Some(left) = &left {
         common.log(|| format!("goes on from {:.2} s of the run", left.time()));
@@ -282,7 +288,10 @@ fn find_or_run(arguments: &Arguments, single: &SingleRun, stop: &Stop) -> anyhow
 ///
 /// # Errors
 /// A state that the user did not speak of, or that cannot be read.
-fn left_before(arguments: &Arguments, state: &mut StateFile<'_>) -> anyhow::Result<Option<Progress>> {
+fn left_before(
+    arguments: &Arguments,
+    state: &mut StateFile<'_>,
+) -> anyhow::Result<Option<Progress>> {
     let common = &arguments.common;
     if arguments.resume {
         let left = state.left()?;
