@@ -229,7 +229,7 @@ two-rulers *ARGS:
 step-study FOLDER="out/time-step" RUNS="4":
     cargo run --release --locked -p study --example time_step -- {{FOLDER}} {{RUNS}}
 
-# Count the runs of coarse seeds at high friction that throw a seed out, and show that runs that did and were done again with half
+# Count the runs of coarse seeds at high friction that throw a seed out, and test whether runs that did and were done again with half
 # the step leave the means where they are (20 minutes of one core).
 [group('studies of the bed')]
 divergence:
