@@ -107,8 +107,8 @@ impl SceneSimulator {
         })
     }
 
-    /// Sets how often a run that diverges is tried again, each time with half the time step: [`USUAL_RETRIES`] where it is not
-    /// set. What a run shows does not depend on its step as long as it comes to its end, and its record says what was tried.
+    /// Sets how often a run that diverges is tried again, each time with half the time step, as [`run_retrying`] does:
+    /// [`USUAL_RETRIES`] where it is not set. Its record says what was tried.
     #[must_use]
     pub fn with_retries(mut self, retries: u32) -> Self {
         self.retries = retries;

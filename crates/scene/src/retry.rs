@@ -9,8 +9,9 @@ pub const USUAL_RETRIES: u32 = 1;
 
 /// [`run_on`]; a run that diverges begins anew with half the time step, at most `retries` times.
 ///
-/// What a run shows does not depend on its step as long as it comes to its end; the result says what each attempt that
-/// broke off was stopped for. A state that was `left` knows the attempts before it.
+/// The result says what each attempt that broke off was stopped for. It stands beside results of the longer step as long as what a
+/// run shows does not depend on the step there: so it is for the seeds of docs/time-step.md, not for every bed. A state that
+/// was `left` knows the attempts before it.
 ///
 /// # Errors
 ///

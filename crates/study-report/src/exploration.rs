@@ -12,7 +12,7 @@ use response_surface::{Fit, Prediction};
 
 /// A surface for the sliders: what it is of, the sliders of its factors, and the place where they begin.
 #[derive(Debug, Clone)]
-pub struct Slid<'a> {
+pub struct SurfaceWithSliders<'a> {
     /// What is predicted.
     pub name: String,
     /// Its unit; empty for a plain number.
@@ -30,7 +30,7 @@ pub struct Slid<'a> {
 /// A fit with the numbers that its predictions need; none where it does not predict at that place.
 ///
 /// The predictions are those of [`Fit::predict`]: the error is that of the residuals.
-pub fn explored_surface(slid: Slid<'_>) -> Option<ExploredSurface> {
+pub fn explored_surface(slid: SurfaceWithSliders<'_>) -> Option<ExploredSurface> {
     let fit = slid.fit;
     let shown = fit.predict(&slid.begin).ok()?;
     let of_factors = |of: fn(&experiment_design::Factor) -> f64| fit.factors.iter().map(of);
@@ -177,7 +177,7 @@ fn surfaces(input: &ReportInput<'_>, moved: &[(usize, [f64; 2])]) -> Vec<Explore
         let sliders: Vec<usize> = factors.map(|f| slider(f.symbol())).collect::<Option<_>>()?;
         let value = |slider: &usize| found.parameters[moved[*slider].0].value;
         let target = measured(input, &surfaces.model, quantity);
-        explored_surface(Slid {
+        explored_surface(SurfaceWithSliders {
             name: name(input, &surfaces.model, quantity, target),
             unit: observable(quantity).1,
             fit,

@@ -36,6 +36,6 @@ mod unit_of_name;
 
 pub use answer::{Answer, answer};
 pub use error::Error;
-pub use exploration::{Slid, explored_surface};
+pub use exploration::{SurfaceWithSliders, explored_surface};
 pub use input::{ComparedValue, DiagnosisInput, ReportInput};
 pub use output::{write, write_diagnosis, write_whole};

@@ -95,16 +95,26 @@ fn condition(path: &str, value: &str) -> BTreeMap<String, String> {
     BTreeMap::from([(path.to_owned(), value.to_owned())])
 }
 
-/// What was measured; the order of the file is not that of the report.
-fn measurements() -> Vec<Measurement> {
-    let measured = |model, observable: &str, role, mean, sd| Measurement {
+/// A measured mean of ten values.
+pub(crate) fn measured(
+    model: usize,
+    observable: &str,
+    role: Role,
+    mean: f64,
+    sd: f64,
+) -> Measurement {
+    Measurement {
         model,
         observable: observable.into(),
         role,
         mean,
         sd,
         n: 10.0,
-    };
+    }
+}
+
+/// What was measured; the order of the file is not that of the report.
+fn measurements() -> Vec<Measurement> {
     vec![
         measured(2, "angle_deg", Role::Check, 35.2, 0.9),
         measured(0, "shown_static_friction", Role::Fit, 0.56, 0.03),

@@ -1,12 +1,10 @@
 //! A whole study of a drum with a closed form, for the tests: three parameters, known truth, records with a series and,
 //! in a few of them, a frame.
 
-use crate::test_input::Example;
+use crate::test_input::{Example, measured};
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
-use calibration::{
-    CalibrationProblem, LoopSettings, Measurement, Model, Parameter, Role, calibrate,
-};
+use calibration::{CalibrationProblem, LoopSettings, Model, Parameter, Role, calibrate};
 use campaign::{Campaign, RunOutcome, RunRequest, Silent, Simulator, SimulatorError};
 use random_stream::Stream;
 use run_store::{Lookup, Observation, Store};
@@ -105,14 +103,6 @@ fn problem() -> CalibrationProblem {
             BTreeMap::from([("apparatus.speed".into(), speed.into())])
         },
         parameters: parameters.to_vec(),
-    };
-    let measured = |model, observable: &str, role, mean, sd| Measurement {
-        model,
-        observable: observable.into(),
-        role,
-        mean,
-        sd,
-        n: 10.0,
     };
     let [slow, fast] = [drum(TRUTH, 15.0), drum(TRUTH, 30.0)];
     CalibrationProblem {

@@ -50,7 +50,7 @@
     row.dataset.mean95 = told.mean95 || "";
     row.dataset.new95 = told.new95 || "";
     const [low, high] = surface.axis;
-    const width = 200;
+    const width = row.querySelector("svg").viewBox.baseVal.width;
     const place = (value) => Math.min(width, Math.max(0, width * (value - low) / (high - low)));
     for (const name of ["mean95", "new95"]) {
       const [from, to] = told[name] || [told.mean, told.mean];

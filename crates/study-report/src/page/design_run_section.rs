@@ -4,7 +4,8 @@ use super::Page;
 use crate::Error;
 use crate::design_points::{DesignPoint, design_points};
 use crate::numbers::{DASH, counted, digits, digits_or_dash, in_unit, observable};
-use crate::pictures::design_run_pictures::{frame_name, series_name};
+use crate::pictures;
+use crate::pictures::design_run_pictures::{MOST_BYTES, frame_name, last_frame, series_name};
 use crate::pictures::photographs::shows_drum;
 use calibration::ModelSurfaces;
 use report::{Column, Table};
@@ -103,11 +104,20 @@ fn pictures(
     run: usize,
 ) -> Result<(), Error> {
     let reading = if shows_drum(page.input, &model.model) {
-        ", with the line that the reader of photos fitted (orange)"
+        ", with the line fitted to its surface (orange)"
     } else {
         ""
     };
     let words = format!("Last frame of run {}", run + 1);
+    if pictures::png(page.pictures, &frame_name(number, run)).is_none()
+        && last_frame(page.input, model, run).is_some()
+    {
+        page.report.paragraph(&format!(
+            "The last frame of run {} is kept in its record alone: more than {} MB of frames would make this page slow.",
+            run + 1,
+            MOST_BYTES / 1_000_000
+        ));
+    }
     page.png(
         &frame_name(number, run),
         &words,

@@ -5,9 +5,10 @@ use super::photographs::{shows_drum, with_reading};
 use super::run_charts::series_of;
 use crate::run_details::RunDetails;
 use crate::{Error, ReportInput};
+use calibration::ModelSurfaces;
 
 /// Most bytes of frames in a page: with more it would open slowly.
-const MOST_BYTES: usize = 6_000_000;
+pub(crate) const MOST_BYTES: usize = 6_000_000;
 
 /// Name of the series of a run, by the numbers of its model and of itself.
 pub(crate) fn series_name(model: usize, run: usize) -> String {
@@ -17,6 +18,16 @@ pub(crate) fn series_name(model: usize, run: usize) -> String {
 /// Name of its last frame.
 pub(crate) fn frame_name(model: usize, run: usize) -> String {
     format!("design-run-{}-{}-frame", model + 1, run + 1)
+}
+
+/// The last frame of a run behind surfaces as a PNG picture, where its record keeps one.
+pub(crate) fn last_frame(
+    input: &ReportInput<'_>,
+    surfaces: &ModelSurfaces,
+    run: usize,
+) -> Option<Vec<u8>> {
+    let record = input.records.get(surfaces.keys.get(run)?)?;
+    RunDetails::of(record).last_frame
 }
 
 /// Series and frames of all runs behind the surfaces whose records are there; frames as long as there is room.
@@ -32,7 +43,7 @@ pub(super) fn pictures(input: &ReportInput<'_>) -> Result<Vec<NamedPicture>, Err
                 let chart = NamedPicture::chart(series_name(model, run), chart.draw()?);
                 all.push(chart.only_in_page());
             }
-            let Some(frame) = RunDetails::of(record).last_frame else {
+            let Some(frame) = last_frame(input, surfaces, run) else {
                 continue;
             };
             if bytes + frame.len() > MOST_BYTES {

@@ -3,6 +3,7 @@
 use super::{page, rows};
 use crate::design_points::design_points;
 use crate::numbers::digits;
+use crate::page::study_page;
 use crate::test_input::Example;
 use crate::test_study::study;
 use crate::tests::files::table;
@@ -141,4 +142,22 @@ fn every_pair_of_parameters_and_every_square_is_shown() {
     assert!(rows(&page, "F2").is_empty());
     let held = digits(study.calibration.parameters[2].value);
     assert!(page.contains(&format!("with G = {held} mm held there")));
+}
+
+/// A page without room for a frame says in which record it is; one with all frames says nothing of the kind.
+#[test]
+fn a_frame_for_which_there_is_no_room_is_told() {
+    let study = study();
+    let told = "is kept in its record alone";
+    assert!(!page(&study).contains(told));
+    let without = study_page(&study.input(), &[]).unwrap();
+    let with_frame =
+        |record: &run_store::Record| !record.details()["last_frame_png_base64"].is_null();
+    let surfaces = study.calibration.surfaces.iter();
+    let frames = surfaces
+        .flat_map(|s| &s.keys)
+        .filter(|key| study.records.get(*key).is_some_and(with_frame));
+    let frames = frames.count();
+    assert!(frames > 0);
+    assert_eq!(without.matches(told).count(), frames);
 }

@@ -3,7 +3,7 @@
 use command_line::significant;
 use report::{Column, Explorer, Fact, NamedPlace, SliderParameter, Svg, Table, Verdict};
 use response_surface::Fit;
-use study_report::{Slid, explored_surface};
+use study_report::{SurfaceWithSliders, explored_surface};
 
 use super::Report;
 use super::text::{counted, fixed, probability};
@@ -92,7 +92,7 @@ fn explorer(page: &mut report::Report, report: &Report<'_>) -> Result<(), report
         .iter()
         .map(experiment_design::Factor::mid)
         .collect();
-    let surface = explored_surface(Slid {
+    let surface = explored_surface(SurfaceWithSliders {
         name: report.response.to_owned(),
         unit: "",
         fit,
