@@ -103,7 +103,8 @@ fn every_parameter_has_a_slider_over_the_ranges_of_the_runs() {
             (slider.symbol.as_str(), slider.name.as_str()),
             (p.symbol.as_str(), p.name.as_str())
         );
-        assert!(slider.low <= last.low[j] && slider.high >= last.high[j]);
+        assert!((last.low[j]..=last.high[j]).contains(&p.value));
+        assert_eq!([slider.low, slider.high], [last.low[j], last.high[j]]);
         assert_eq!(explorer.places[0].values[j], p.value);
     }
     assert_eq!(explorer.places[0].name, "estimate");
