@@ -3,14 +3,21 @@
 //! The one rule for all who choose or foretell a time step: the runs of a scene and the price of a
 //! filling.
 
+mod bodies;
+
+pub use bodies::duration_between;
+
 /// Speed of a hard contact: a fall across half of a drum of 0.1 m, m/s.
 ///
 /// Twice the speed shortens the step by 13 %.
 pub const SPEED: f64 = 1.0;
 
 /// Longest time step while seeds fall into place, as a share of the duration of a hard contact, where
-/// a scene does not say otherwise: at 0.40 single seeds were thrown out (docs/time-step.md).
+/// a scene does not say otherwise (docs/time-step.md).
 pub const STEP_SHARE: f64 = 0.36;
+
+/// Duration of the collision of a sphere times speed over deepest overlap, `[Hertz1881]`.
+const DURATION: f64 = 2.9432;
 
 /// Duration of an elastic collision with a fixed plane at [`SPEED`], s.
 ///
@@ -26,7 +33,7 @@ pub const STEP_SHARE: f64 = 0.36;
 /// Duration of an elastic collision `[Hertz1881]`.
 pub fn duration(mass: f64, radius: f64, young: f64) -> f64 {
     let base = 15.0 * mass / (16.0 * radius.sqrt() * young);
-    2.9432 * base.powf(0.4) * SPEED.powf(-0.2)
+    DURATION * base.powf(0.4) * SPEED.powf(-0.2)
 }
 
 /// Deepest overlap of that collision, m; arguments as in [`duration`].

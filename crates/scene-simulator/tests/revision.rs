@@ -8,7 +8,7 @@ use std::path::Path;
 
 /// The revision for which the numbers below hold. A change of any of them is a change of the physics: old records then lie, and
 /// the revision in `simulator.rs` must be raised with the numbers here.
-const REVISION: &str = "physics 11";
+const REVISION: &str = "physics 12";
 
 /// Numbers are told with nine digits. Processors without the same vector registers round otherwise; over these few contacts that
 /// stays below this share, and no law, step or seed of randomness can be changed by so little.
@@ -136,9 +136,9 @@ fn the_revision_belongs_to_the_numbers() {
         ),
     ];
     let pinned = [
-        6.086062327e-1,
+        6.086703318e-1,
         3.000000000e-1,
-        3.320451987e-1,
+        3.320516003e-1,
         -1.420403722e-1,
         7.591251583e-2,
         -1.288765163e-2,

@@ -18,6 +18,16 @@ const ROLLING_SPRING: f64 = 0.6;
 /// 0.30 with 0.97.
 const STICKING: [f64; 3] = [0.35, 0.5, 0.7];
 
+/// Share of the longest stable time step that a bed at rest takes: of any seeds, and of single spheres with a rolling
+/// friction of type A.
+///
+/// Beads of 0.02 MPa stand 1.7 deg too low at 1.4, beads of 0.25 MPa are right at 1.25; with rolling friction they stand 1.1 deg
+/// too low at 1.25 and are right at 0.7. Packings with rolling friction are right at 0.9.
+const AT_REST: [f64; 2] = [1.0, 0.7];
+
+/// Contacts of a seed in a bed: as many as spheres of one size can touch one of them.
+const CONTACTS_AT_REST: f64 = 12.0;
+
 /// Share of the time step at which viscous bridges become unstable. A dashpot of c between a mass m and the world is stable up to
 /// `2 m / c`; between bodies of one mass, with twelve of them on each, up to `m / (12 c)`, and less beside the springs of
 /// the contacts.
@@ -40,7 +50,7 @@ impl TimeSteps {
     ///
     /// # Errors
     ///
-    /// A fixed step that does not resolve a hard contact, a vibration that the steps do not
+    /// A fixed step that is longer than the longest, seeds too soft to bear their bed, a vibration that the steps do not
     /// resolve, materials that cannot be meant.
     pub(crate) fn of(scene: &Scene, bodies: &[Arc<SeedBody>]) -> Result<Self, Error> {
         Self::chosen(scene, bodies).map_err(|error| error.in_file(&scene.file))
@@ -54,17 +64,24 @@ impl TimeSteps {
             RollingLaw::SpringDashpot => ROLLING_SPRING,
         };
         let duration = stiffer * sticking(scene) * hardest_contact(scene, bodies)?;
-        let share = protocol.step_share;
+        let at_rest = limit_at_rest(scene, bodies)?;
         let viscous = viscous_limit(scene, bodies);
-        let longest = (share * duration).min(viscous);
+        let longest_of = |share: f64| {
+            let at_rest = at_rest * (share / hard_contact::STEP_SHARE).min(1.0);
+            (share * duration).min(at_rest).min(viscous)
+        };
+        let share = protocol.step_share;
+        let longest = longest_of(share);
         let steps = match protocol.time_step {
             Some(step) if step.si() > longest => {
-                let reason = if longest < viscous {
+                let reason = if longest == viscous {
+                    "what the viscosity of model.liquid allows".into()
+                } else if longest < share * duration {
+                    "what soft contacts under the weight of the bed allow".into()
+                } else {
                     format!(
                         "a share of {share} (protocol.step_share) of a hard contact of these seeds"
                     )
-                } else {
-                    "what the viscosity of model.liquid allows".into()
                 };
                 return Err(Error::BadValue {
                     name: "protocol.time_step".into(),
@@ -82,7 +99,7 @@ impl TimeSteps {
             },
             None => Self {
                 settling: longest,
-                flow: (protocol.flow_step_share.unwrap_or(share) * duration).min(viscous),
+                flow: longest_of(protocol.flow_step_share.unwrap_or(share)),
             },
         };
         steps.resolve_vibrations(scene)?;
@@ -182,6 +199,74 @@ fn viscous_limit(scene: &Scene, bodies: &[Arc<SeedBody>]) -> f64 {
     limits.fold(f64::INFINITY, f64::min)
 }
 
+/// Longest time step of a bed at rest, s, for [`hard_contact::STEP_SHARE`]; without end where seeds are bonded.
+///
+/// In a bed of soft seeds the contacts are nearly as stiff at rest as in a hard contact, and each seed has many: the
+/// bed then swings too fast for the step, slides where it should stick and stands too low, without a seed that flies off. The
+/// torque of a rolling friction of type A, which changes its sign with the spin, drives the swing.
+///
+/// # Formula
+///
+/// `dt = 2 X / w` with `w² = 12 k_t / (2/7 m)`: what is stable for a sphere held at twelve contacts. `k_t = 8 G* sqrt(R d)` is
+/// their stiffness along the surface at the overlap d under the weight of as many seeds as lie above each other,
+/// `N^(1/3) m g = 4/3 E* sqrt(R) d^(3/2)`; R = half of the largest radius. X is 1, or 0.7 for seeds of one sphere with a
+/// rolling friction of type A (docs/time-step.md).
+fn limit_at_rest(scene: &Scene, bodies: &[Arc<SeedBody>]) -> Result<f64, Error> {
+    if scene.model.bonds.is_some() {
+        return Ok(f64::INFINITY);
+    }
+    let counts = scene.seed.iter().map(|seed| scene.count_of(seed) as f64);
+    let above = counts.sum::<f64>().cbrt();
+    let mut least = f64::INFINITY;
+    for (seed, body) in scene.seed.iter().zip(bodies) {
+        let material = material_of(scene, &seed.material, &seed.name)?;
+        let moduli = effective_moduli(&material, &material);
+        let (mass, radius) = (body.clump.mass(), 0.5 * largest_radius(body));
+        let weight = above * mass * scene.model.gravity_m_s2;
+        let overlap = (0.75 * weight / (moduli.young * radius.sqrt())).powf(2.0 / 3.0);
+        if overlap > 2.0 * radius {
+            let least = material.shear_modulus * (0.5 * overlap / radius).powf(1.5);
+            return Err(Error::BadValue {
+                name: format!("material.{}.shear_modulus", seed.material),
+                value: format!("{} Pa", material.shear_modulus),
+                requirement: format!(
+                    "at least {least:.1e} Pa: the weight of the bed would press spheres of seed '{}' by more than their radius",
+                    seed.name
+                ),
+            });
+        }
+        let tangential = 8.0 * moduli.shear * (radius * overlap).sqrt();
+        let frequency = (CONTACTS_AT_REST * tangential / (2.0 / 7.0 * mass)).sqrt();
+        let [share, of_rolling] = AT_REST;
+        let share = if body.outer.spheres().len() == 1 && rolls_with_constant_torque(scene, seed) {
+            of_rolling
+        } else {
+            share
+        };
+        least = least.min(2.0 * share / frequency);
+    }
+    Ok(least)
+}
+
+/// Whether anything that a seed touches hinders its rolling by a torque of type A.
+fn rolls_with_constant_torque(scene: &Scene, seed: &SeedSettings) -> bool {
+    let hindered = |[a, b]: &[&str; 2]| {
+        let contact = scene.contact_of(a, b);
+        contact.is_some_and(|contact| contact.rolling_friction.get() > 0.0)
+    };
+    scene.model.rolling_law == RollingLaw::ConstantTorque
+        && scene
+            .touching_pairs()
+            .iter()
+            .any(|pair| pair.contains(&seed.material.as_str()) && hindered(pair))
+}
+
+/// Radius of the largest sphere at the surface of a seed, m.
+fn largest_radius(body: &SeedBody) -> f64 {
+    let radii = body.outer.spheres().iter().map(|s| s.radius);
+    radii.fold(0.0, f64::max)
+}
+
 /// Mass that a contact of a seed feels, kg: that at its tip, or of its lightest sphere where seeds are bonded.
 fn lightest_mass(scene: &Scene, body: &SeedBody) -> f64 {
     if scene.model.bonds.is_none() {
@@ -212,29 +297,34 @@ fn sticking(scene: &Scene) -> f64 {
     (1.0 - fall * (greatest - free)).clamp(least, 1.0)
 }
 
-/// Duration of the hardest contact of any seed with any material, s.
-///
-/// # Formula
-///
-/// The least [duration](hard_contact::duration) of a collision of the largest sphere at the surface with
-/// the [mass felt at the tip](clump::Clump::mass_felt_at_tip), or of the lightest sphere where seeds are bonded.
+/// Duration of the hardest contact of any seed with any material, s: the least [of two seeds or of a seed with a
+/// wall](hard_contact::duration_between), or of the lightest sphere where seeds are bonded.
 pub(crate) fn hardest_contact(scene: &Scene, bodies: &[Arc<SeedBody>]) -> Result<f64, Error> {
+    let kinds: Vec<_> = scene.seed.iter().zip(bodies).collect();
     let mut least = f64::INFINITY;
-    for (seed, body) in scene.seed.iter().zip(bodies) {
-        let outer = body.outer.spheres().iter();
-        let largest = outer.map(|s| s.radius).fold(0.0, f64::max);
-        let mut stiffest = 0.0_f64;
-        let seeds = scene.seed.iter().map(|s| s.material.as_str());
-        for name in scene.wall_materials().into_iter().chain(seeds) {
+    for (number, (seed, body)) in kinds.iter().enumerate() {
+        let young = |name: &str| {
             let pair = format!("{}-{name}", seed.material);
-            let moduli = effective_moduli(
-                &material_of(scene, &seed.material, &pair)?,
-                &material_of(scene, name, &pair)?,
-            );
-            stiffest = stiffest.max(moduli.young);
+            let materials = [
+                material_of(scene, &seed.material, &pair)?,
+                material_of(scene, name, &pair)?,
+            ];
+            Ok::<f64, Error>(effective_moduli(&materials[0], &materials[1]).young)
+        };
+        let mut met = Vec::new();
+        for wall in scene.wall_materials() {
+            met.push((None, young(wall)?));
         }
-        let mass = lightest_mass(scene, body);
-        least = least.min(hard_contact::duration(mass, largest, stiffest));
+        for (other, met_body) in &kinds[number..] {
+            met.push((Some(&met_body.outer), young(&other.material)?));
+        }
+        for (other, young) in met {
+            least = least.min(if scene.model.bonds.is_some() {
+                hard_contact::duration(lightest_mass(scene, body), largest_radius(body), young)
+            } else {
+                hard_contact::duration_between(&body.outer, other, young)
+            });
+        }
     }
     Ok(least)
 }

@@ -101,21 +101,28 @@ fn many_seeds_are_refused_however_they_are_stated() {
     assert_eq!(scene.seed_count(), usize::MAX, "40 of 40 shares of it");
 }
 
-/// A step that follows from the materials: of shells as soft as 1 Pa it is longer than the time after which the bed is looked at, and
-/// the run never moved; of a share of next to nothing it never ends.
+/// What follows from the materials: beads of 1 Pa would sink into each other under the weight of their bed, a share of next to
+/// nothing of a hard contact never ends, and the step of soft boulders is longer than the time after which the bed is looked at.
 #[test]
-fn an_automatic_step_that_no_run_can_have_is_refused() {
-    for (name, value, word) in [
-        ("material.glass.shear_modulus", "1 Pa", "at most 20 ms"),
-        ("protocol.step_share", "1e-300", "1e10 steps"),
-    ] {
-        let scene = beads(name, value).unwrap();
-        let told = run(&scene, &FillingLibrary::default(), 1).unwrap_err();
+fn what_no_run_can_have_is_refused_before_it() {
+    let refused = |scene: &Scene, words: [&str; 3]| {
+        let told = run(scene, &FillingLibrary::default(), 1).unwrap_err();
         let told = told.to_string();
-        for word in ["beads.toml", "shear_modulus", word] {
-            assert!(told.contains(word), "{name} = {value}: {told}");
+        for word in words {
+            assert!(told.contains(word), "{word}: {told}");
         }
-    }
+    };
+    let soft = beads("material.glass.shear_modulus", "1 Pa").unwrap();
+    refused(&soft, ["beads.toml", "shear_modulus", "at least 2.6e2 Pa"]);
+    let endless = beads("protocol.step_share", "1e-300").unwrap();
+    refused(&endless, ["beads.toml", "shear_modulus", "1e10 steps"]);
+    let text = BEADS
+        .replace("\"4 mm\"", "\"40 cm\"")
+        .replace("\"40 mm\"", "\"4 m\"")
+        .replace("\"12 mm\"", "\"1.2 m\"")
+        .replace("\"1 MPa\"", "\"0.02 MPa\"");
+    let boulders = Scene::from_text(&text, "beads.toml", Path::new("."), &[]).unwrap();
+    refused(&boulders, ["beads.toml", "shear_modulus", "at most 20 ms"]);
 }
 
 /// Grains of 1 um in a drum of 40 mm would have 1e9 places in one layer of the grid on which they are laid.

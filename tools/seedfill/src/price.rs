@@ -22,10 +22,6 @@ const PACKED_RUN: &str = "docs/benchmarks.md, seeds-1200";
 /// Overlap of two spheres (over the smallest radius) from which a filling counts as overlapping.
 const OVERLAPPING: f64 = 0.01;
 
-/// Overlapping spheres at the surface up to which the time step is known to hold: 25 did, 50 not
-/// (docs/benchmarks.md, what a filling costs).
-const TOO_SMOOTH: usize = 25;
-
 /// Time step and cost that a filling implies; what is not known is none.
 #[derive(Debug, Serialize)]
 pub(crate) struct Price {
@@ -40,8 +36,6 @@ pub(crate) struct Price {
     density_kg_m3: Option<f64>,
     /// Longest step that a scene takes by default.
     time_step_s: Option<f64>,
-    /// Whether that step may be too long: it was, for 50 overlapping spheres and more.
-    time_step_doubtful: bool,
     /// That step over the duration of a hard contact.
     step_share: f64,
     /// Of the smallest sphere at the density of the seed; a yardstick only.
@@ -60,8 +54,8 @@ pub(crate) struct Price {
 impl Price {
     /// Works out time step and cost.
     ///
-    /// The time step is that of `protocol.step_share` in a scene: 0.36 of the
-    /// [duration](hard_contact::duration) of a hard contact at the tip. The cost is seeds x cost of a
+    /// The time step is that of a scene that says nothing else: 0.36 of the duration of a hard contact
+    /// [with its like or a wall](hard_contact::duration_between). The cost is seeds x cost of a
     /// seed and step / time step, the cost of a step as in [`relative_cost`].
     ///
     /// # Errors
@@ -95,7 +89,6 @@ impl Price {
             wall_poisson_ratio: wall.poisson_ratio,
             density_kg_m3: density,
             time_step_s,
-            time_step_doubtful: relative_cost > 1.0 && outer_spheres > TOO_SMOOTH,
             step_share: hard_contact::STEP_SHARE,
             rayleigh_time_step_s: density.map(|rho| rayleigh_time_step(smallest, rho, &material)),
             relative_cost,
@@ -119,12 +112,7 @@ impl Price {
                 step * 1e3,
                 self.step_share
             );
-            let doubt = if self.time_step_doubtful {
-                "; too long for so many overlapping spheres: lower protocol.step_share"
-            } else {
-                ""
-            };
-            lines.push(("time step", text + doubt));
+            lines.push(("time step", text));
         }
         if let Some(step) = self.rayleigh_time_step_s {
             lines.push(("Rayleigh time step", format!("{:.4} ms", step * 1e3)));
@@ -143,16 +131,14 @@ impl Price {
     }
 }
 
-/// Longest step of a seed of a mass (kg) with the stiffer of some materials, s.
+/// Longest step of a seed of a mass (kg) that meets its like and a wall, s.
 fn time_step(filling: &Filling, mass: f64, others: &[Material; 2]) -> anyhow::Result<f64> {
     let body = filling.clump(mass, InertiaSource::Mesh)?;
     let outer = body.without_hidden_spheres();
-    let radii = outer.spheres().iter().map(|s| s.radius);
-    let largest = radii.fold(0.0, f64::max);
-    let moduli = others.map(|other| effective_moduli(&others[0], &other).young);
-    let stiffest = moduli[0].max(moduli[1]);
-    let duration = hard_contact::duration(body.mass_felt_at_tip(), largest, stiffest);
-    Ok(hard_contact::STEP_SHARE * duration)
+    let [seed, wall] = others.map(|other| effective_moduli(&others[0], &other).young);
+    let with_seed = hard_contact::duration_between(&outer, Some(&outer), seed);
+    let with_wall = hard_contact::duration_between(&outer, None, wall);
+    Ok(hard_contact::STEP_SHARE * with_seed.min(with_wall))
 }
 
 /// Cost of a step of a filling over that of a packing.
