@@ -63,21 +63,19 @@ impl TimeSteps {
             RollingLaw::ConstantTorque => 1.0,
             RollingLaw::SpringDashpot => ROLLING_SPRING,
         };
-        let duration = stiffer * sticking(scene) * hardest_contact(scene, bodies)?;
-        let at_rest = limit_at_rest(scene, bodies)?;
-        let viscous = viscous_limit(scene, bodies);
-        let longest_of = |share: f64| {
-            let at_rest = at_rest * (share / hard_contact::STEP_SHARE).min(1.0);
-            (share * duration).min(at_rest).min(viscous)
-        };
+        let hard = stiffer * sticking(scene) * hardest_contact(scene, bodies)?;
+        let duration = hard.min(limit_at_rest(scene, bodies)? / hard_contact::STEP_SHARE);
         let share = protocol.step_share;
-        let longest = longest_of(share);
+        let viscous = viscous_limit(scene, bodies);
+        let longest = (share * duration).min(viscous);
         let steps = match protocol.time_step {
             Some(step) if step.si() > longest => {
                 let reason = if longest == viscous {
                     "what the viscosity of model.liquid allows".into()
-                } else if longest < share * duration {
-                    "what soft contacts under the weight of the bed allow".into()
+                } else if duration < hard {
+                    format!(
+                        "what soft contacts under the weight of the bed allow at protocol.step_share = {share}"
+                    )
                 } else {
                     format!(
                         "a share of {share} (protocol.step_share) of a hard contact of these seeds"
@@ -99,7 +97,7 @@ impl TimeSteps {
             },
             None => Self {
                 settling: longest,
-                flow: longest_of(protocol.flow_step_share.unwrap_or(share)),
+                flow: (protocol.flow_step_share.unwrap_or(share) * duration).min(viscous),
             },
         };
         steps.resolve_vibrations(scene)?;
@@ -199,7 +197,8 @@ fn viscous_limit(scene: &Scene, bodies: &[Arc<SeedBody>]) -> f64 {
     limits.fold(f64::INFINITY, f64::min)
 }
 
-/// Longest time step of a bed at rest, s, for [`hard_contact::STEP_SHARE`]; without end where seeds are bonded.
+/// Longest time step of a bed at rest, s, for a share of [`hard_contact::STEP_SHARE`]; without end where seeds are bonded, and on
+/// the bench, where there is no bed.
 ///
 /// In a bed of soft seeds the contacts are nearly as stiff at rest as in a hard contact, and each seed has many: the
 /// bed then swings too fast for the step, slides where it should stick and stands too low, without a seed that flies off. The
@@ -212,7 +211,7 @@ fn viscous_limit(scene: &Scene, bodies: &[Arc<SeedBody>]) -> f64 {
 /// `N^(1/3) m g = 4/3 E* sqrt(R) d^(3/2)`; R = half of the largest radius. X is 1, or 0.7 for seeds of one sphere with a
 /// rolling friction of type A (docs/time-step.md).
 fn limit_at_rest(scene: &Scene, bodies: &[Arc<SeedBody>]) -> Result<f64, Error> {
-    if scene.model.bonds.is_some() {
+    if scene.model.bonds.is_some() || scene.apparatus.is_bench_test() {
         return Ok(f64::INFINITY);
     }
     let counts = scene.seed.iter().map(|seed| scene.count_of(seed) as f64);

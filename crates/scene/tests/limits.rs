@@ -120,7 +120,7 @@ fn what_no_run_can_have_is_refused_before_it() {
         .replace("\"4 mm\"", "\"40 cm\"")
         .replace("\"40 mm\"", "\"4 m\"")
         .replace("\"12 mm\"", "\"1.2 m\"")
-        .replace("\"1 MPa\"", "\"0.02 MPa\"");
+        .replace("\"1 MPa\"", "\"0.03 MPa\"");
     let boulders = Scene::from_text(&text, "beads.toml", Path::new("."), &[]).unwrap();
     refused(&boulders, ["beads.toml", "shear_modulus", "at most 20 ms"]);
 }
