@@ -229,8 +229,8 @@ two-rulers *ARGS:
 step-study FOLDER="out/time-step" RUNS="4":
     cargo run --release --locked -p study --example time_step -- {{FOLDER}} {{RUNS}}
 
-# Count the runs of coarse seeds at high friction that throw a seed out, and test whether half of the default step shows the same
-# of packed seeds (20 minutes of one core).
+# Count the runs of coarse seeds at high friction and of ellipsoids that throw a seed out, and test whether shorter steps than the
+# default show the same of packed seeds and of soft beads (40 minutes of one core).
 [group('studies of the bed')]
 divergence:
     cargo test --release --locked -p scene-simulator --test divergence -- --ignored --nocapture

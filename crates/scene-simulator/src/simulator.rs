@@ -200,22 +200,23 @@ impl SceneSimulator {
         Ok(all)
     }
 
-    /// SHA-256 of the meshes of a scene by their paths as it writes them.
+    /// The scene with its meshes by name and content, `seed.stl sha256:...`, wherever and however their paths are written.
     ///
     /// # Errors
     ///
     /// A mesh that no scene had at the start.
-    fn mesh_digests(&self, scene: &Scene) -> Result<BTreeMap<String, &str>, SimulatorError> {
-        let digest = |mesh: &Path| {
-            let written = mesh.display().to_string();
-            match self.meshes.get(&scene.folder.join(mesh)) {
-                Some(digest) => Ok((written, digest.as_str())),
-                None => Err(refused(format!(
-                    "mesh '{written}' was not read at the start"
-                ))),
-            }
-        };
-        scene.mesh_files().into_iter().map(digest).collect()
+    fn by_content(&self, mut scene: Scene) -> Result<Scene, SimulatorError> {
+        let folder = scene.folder.clone();
+        let of_seeds = scene.seed.iter_mut().filter_map(|s| s.mesh.as_mut());
+        for mesh in of_seeds.chain(scene.wall.iter_mut().map(|w| &mut w.mesh)) {
+            let Some(digest) = self.meshes.get(&folder.join(&*mesh)) else {
+                let told = format!("mesh '{}' was not read at the start", mesh.display());
+                return Err(refused(told));
+            };
+            let name = mesh.file_name().unwrap_or_default().to_string_lossy();
+            *mesh = format!("{name} sha256:{digest}").into();
+        }
+        Ok(scene)
     }
 
     /// Runs a scene; where the same seeds moved before under another camera, their frames are seen again.
@@ -262,10 +263,9 @@ impl Simulator for SceneSimulator {
     }
 
     fn inputs(&self, request: &RunRequest) -> Result<Value, SimulatorError> {
-        let scene = self.scene_as_run(request)?;
-        let meshes = self.mesh_digests(&scene)?;
+        let scene = self.by_content(self.scene_as_run(request)?)?;
         let settings = serde_json::to_value(&scene).map_err(SimulatorError::other)?;
-        Ok(json!({ "scene": settings, "meshes": meshes }))
+        Ok(json!({ "scene": settings }))
     }
 
     fn run(&self, request: &RunRequest) -> Result<RunOutcome, SimulatorError> {

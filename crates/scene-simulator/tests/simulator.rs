@@ -184,6 +184,16 @@ fn the_inputs_follow_the_own_meshes() {
     assert_ne!(a1, a2);
     assert_eq!(b1, b2);
     assert_ne!(b1, b3);
+    // The same file by another path.
+    let mut typed = of("a");
+    for seed in &mut typed.seed {
+        let mesh = seed.mesh.as_mut().expect("a mesh");
+        *mesh = Path::new("..").join("scenes").join(&*mesh);
+    }
+    let models = BTreeMap::from([("a".to_owned(), typed)]);
+    let simulator = SceneSimulator::new(models, BTreeMap::new()).unwrap();
+    let same = simulator.inputs(&RunRequest::new("a", 1)).unwrap();
+    assert_eq!(&same, a3, "same bytes, path typed otherwise");
 }
 
 /// A path that no scene has, one that holds no number, and one without its unit are told before any request; symbols,
