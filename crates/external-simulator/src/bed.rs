@@ -290,6 +290,7 @@ pub(crate) fn timing(took: Took, spheres: usize) -> TimingDetails {
         wall_s: took.wall_s,
         cpu_s: None,
         filling_s: None,
+        phases: None,
         us_per_step: (steps > 0.0).then(|| took.wall_s * 1e6 / steps),
         sphere_steps_per_s: (steps > 0.0).then(|| spheres as f64 * steps / took.wall_s.max(1e-9)),
         continued: false,

@@ -3,7 +3,7 @@
 use crate::{Effort, Error};
 use image::{DynamicImage, ImageFormat, RgbImage};
 use run_store::Record;
-use scene::{Ending, FrameReading, RunResult, Scene, drum_picture, error_of_mean};
+use scene::{Ending, FrameReading, PhaseTimes, RunResult, Scene, drum_picture, error_of_mean};
 use serde::{Deserialize, Serialize};
 use std::io::Cursor;
 use surface_profile::summarise;
@@ -103,6 +103,9 @@ pub struct TimingDetails {
     pub us_per_step: Option<f64>,
     /// Spheres times steps over the time; likewise.
     pub sphere_steps_per_s: Option<f64>,
+    /// Where that time went, by the clock; of the last attempt, and none where another program ran.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub phases: Option<PhaseTimes>,
     /// Whether the run went on from a state that an earlier process had left.
     pub continued: bool,
     /// Whether the seeds had moved before, and the time is that of the pictures alone.
@@ -201,6 +204,10 @@ impl TimingDetails {
             filling_s: effort.filling_s,
             us_per_step: rate(wall_s * 1e6 / steps.max(1.0)),
             sphere_steps_per_s: rate(result.n_spheres as f64 * steps / wall_s.max(1e-9)),
+            phases: Some(PhaseTimes {
+                building_s: result.phases.building_s + effort.filling_s.unwrap_or(0.0),
+                ..result.phases
+            }),
             continued: effort.continued,
             only_seen: effort.only_seen,
             retried: result.broken_off.clone(),

@@ -12,6 +12,7 @@ mod tilt;
 
 use crate::apparatus::{Apparatus, BenchTest};
 use crate::interactions::interactions;
+use crate::phase_times::{PhaseTimes, Stopwatch};
 use crate::run::{Ending, RunResult};
 use crate::time_step::TimeSteps;
 use crate::{Error, FillingLibrary, Further, Scene, SeedBody, SeedSettings};
@@ -169,7 +170,9 @@ pub(crate) fn run_bench(
     let Some(test) = scene.apparatus.bench_test() else {
         return Ok(None);
     };
+    let mut watch = Stopwatch::start();
     let parts = BenchParts::new(scene, library, test)?;
+    let building_s = watch.lap();
     let (name, repeats) = match &scene.apparatus {
         Apparatus::Drop(test) => (
             "shown_restitution",
@@ -214,6 +217,11 @@ pub(crate) fn run_bench(
         census: last.map_or_else(Census::default, |r| r.census),
         bodies: vec![parts.body],
         broken_off: scene.protocol.broken_off.clone(),
+        phases: PhaseTimes {
+            building_s,
+            measuring_s: watch.lap(),
+            ..PhaseTimes::default()
+        },
     }))
 }
 

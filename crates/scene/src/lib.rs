@@ -26,6 +26,7 @@ mod named_setting;
 mod obstacles;
 mod outline;
 mod parse;
+mod phase_times;
 mod placement;
 mod reduce;
 mod release;
@@ -52,6 +53,7 @@ pub use motion::{Keeper, NoKeeper, Progress, SeriesPoint, StopFlag};
 pub use named_setting::{NamedSetting, SettingKind};
 pub use obstacles::{VibrationSettings, WallSettings};
 pub use parse::{NumberChange, Override, like_names, setting_at};
+pub use phase_times::{PhaseTimes, TimeSpent};
 pub use release::read_pile;
 pub use retry::{USUAL_RETRIES, run_retrying};
 pub use run::{

@@ -3,6 +3,7 @@
 use crate::bonded::BondedSeeds;
 use crate::build::Built;
 use crate::factory::Factory;
+use crate::phase_times::Stopwatch;
 use crate::start_slope::start_slope;
 use crate::steady::{SteadyRule, SteadyState, swing_time};
 use crate::{Error, Frame, Scene};
@@ -352,6 +353,8 @@ pub(crate) struct Rotation {
     pub(crate) frames: Vec<Frame>,
     /// What is kept, and whether it is steady.
     pub(crate) state: SteadyState,
+    /// Time by the clock before the bed was steady, s; that of this process.
+    pub(crate) start_up_s: f64,
 }
 
 /// Turns the drive until the bed is steady and the wanted number of frames lies behind the start-up, or the limit is
@@ -383,6 +386,9 @@ pub(crate) fn rotate(
         .unwrap_or_else(|| swing_of(scene, &running.built));
     running.swing = Some(swing);
     let rule = steady_rule(scene, swing);
+    // What the clock showed after each value of the series that this process adds.
+    let mut watch = Stopwatch::start();
+    let (before, mut laps) = (running.series.len(), Vec::new());
     loop {
         running.offer(keeper)?;
         let Running {
@@ -399,6 +405,7 @@ pub(crate) fn rotate(
         let time = built.world.time() - start;
         let now = snapshot(built, time);
         series.push(series_point(scene, built, &now, share.unwrap_or(1.0)));
+        laps.push(watch.lap());
         let over = time >= protocol.rotation_limit.si();
         if series.len().is_multiple_of(every) {
             frames.push((series.len(), now));
@@ -418,6 +425,7 @@ pub(crate) fn rotate(
                 series: std::mem::take(series),
                 frames: last.into_iter().map(|f| f.1).collect(),
                 state,
+                start_up_s: laps.iter().take(state.cut.saturating_sub(before)).sum(),
             });
         }
     }

@@ -5,6 +5,7 @@ use crate::motion::{
     Keeper, Progress, Running, SERIES_INTERVAL, advance, rest_energy, settle, snapshot,
 };
 use crate::outline::{FLANK, Outline, TOE, TOP, View};
+use crate::phase_times::Stopwatch;
 use crate::{Apparatus, Error, Frame, Further, Scene, SeedBody};
 use clump::Sphere;
 use std::sync::Arc;
@@ -20,6 +21,8 @@ pub(crate) struct Released {
     pub(crate) further: Vec<Further>,
     /// Whether they rested before the limit.
     pub(crate) rested: bool,
+    /// Times by the clock of settling, of running out and of reading the pile, s.
+    pub(crate) laps_s: [f64; 3],
 }
 
 /// Runs a release from its start, or from where it was left.
@@ -29,11 +32,13 @@ pub(crate) fn release(
     left: Option<Progress>,
     keeper: &mut dyn Keeper,
 ) -> Result<Released, Error> {
+    let mut watch = Stopwatch::start();
     let mut running = Running::new(scene, built, left)?;
     if !running.is_driven() {
         settle(&mut running, keeper)?;
         lift(&mut running)?;
     }
+    let settling = watch.lap();
     let start = running.drive_since.unwrap_or(0.0);
     let rest = rest_energy(scene, &running.built.world);
     // The wall must be out of the way before rest can mean anything.
@@ -50,6 +55,7 @@ pub(crate) fn release(
         let world = &running.built.world;
         rested = world.time() - start > lifted && world.kinetic_energy() < rest;
     }
+    let measuring = watch.lap();
     let built = running.built;
     let frame = snapshot(&built, built.world.time() - start);
     let further = observables(scene, &frame, &built.bodies);
@@ -58,6 +64,7 @@ pub(crate) fn release(
         frame,
         further,
         rested,
+        laps_s: [settling, measuring, watch.lap()],
     })
 }
 

@@ -10,6 +10,7 @@ use crate::motion::{
     snapshot, start_drive,
 };
 use crate::obstacles::mesh_walls;
+use crate::phase_times::{PhaseTimes, Stopwatch};
 use crate::steady::SteadyState;
 use crate::{Error, FillingLibrary, Frame, FrameReading, Scene, SeedBody, read_frame};
 use dem_solver::{Census, Placement, World};
@@ -118,6 +119,8 @@ pub struct RunResult {
     pub bodies: Vec<Arc<SeedBody>>,
     /// Why attempts with longer time steps broke off, each with half the step of the one before.
     pub broken_off: Vec<String>,
+    /// Where the time went; that of the last attempt.
+    pub phases: PhaseTimes,
 }
 
 /// Runs a scene with a seed of its randomness.
@@ -147,22 +150,31 @@ pub fn run_on(
     left: Option<Progress>,
     keeper: &mut dyn Keeper,
 ) -> Result<RunResult, Error> {
+    let mut watch = Stopwatch::start();
     if let Some(tested) = run_bench(scene, library, seed)? {
         return Ok(tested);
     }
     let built = build(scene, library, seed)?.on_threads(scene, threads)?;
+    let mut phases = PhaseTimes {
+        building_s: watch.lap(),
+        ..PhaseTimes::default()
+    };
     if scene.apparatus.is_release() {
-        return released(scene, built, left, keeper);
+        return released(scene, (built, phases), left, keeper);
     }
     let mut running = Running::new(scene, built, left)?;
     if !running.is_driven() {
         settle(&mut running, keeper)?;
     }
+    phases.settling_s = watch.lap();
     let Rotation {
         series,
         frames,
         state,
+        start_up_s,
     } = rotate(&mut running, keeper)?;
+    phases.start_up_s = start_up_s;
+    phases.measuring_s = watch.lap() - start_up_s;
     let built = running.built;
     let settling_time_step = built.time_steps.settling;
     let Built {
@@ -173,6 +185,7 @@ pub fn run_on(
     } = built;
     let readings = readings_of(scene, &bodies, &frames)?;
     let filling_angles = filling_angles(scene, &bodies, &frames)?;
+    phases.reading_s = watch.lap();
     let steady = &series[state.cut..];
     let evidence = evidence(scene, steady, &readings);
     let motion = BedMotion::of(&evidence);
@@ -201,6 +214,7 @@ pub fn run_on(
         census: world.census(),
         bodies,
         broken_off: scene.protocol.broken_off.clone(),
+        phases,
     })
 }
 
@@ -269,9 +283,14 @@ impl RunResult {
     ///
     /// Frames that cannot be drawn.
     pub fn seen_in(&self, scene: &Scene) -> Result<Self, Error> {
+        let mut watch = Stopwatch::start();
         Ok(Self {
             readings: readings_of(scene, &self.bodies, &self.frames)?,
             filling_angles: filling_angles(scene, &self.bodies, &self.frames)?,
+            phases: PhaseTimes {
+                reading_s: watch.lap(),
+                ..PhaseTimes::default()
+            },
             ..self.clone()
         })
     }
@@ -280,11 +299,12 @@ impl RunResult {
 /// The result of a release in the form of a run.
 fn released(
     scene: &Scene,
-    built: Built,
+    (built, mut phases): (Built, PhaseTimes),
     left: Option<Progress>,
     keeper: &mut dyn Keeper,
 ) -> Result<RunResult, Error> {
     let result = crate::release::release(scene, built, left, keeper)?;
+    [phases.settling_s, phases.measuring_s, phases.reading_s] = result.laps_s;
     let Built { world, bodies, .. } = result.built;
     Ok(RunResult {
         series: Vec::new(),
@@ -304,6 +324,7 @@ fn released(
         census: world.census(),
         bodies,
         broken_off: scene.protocol.broken_off.clone(),
+        phases,
     })
 }
 

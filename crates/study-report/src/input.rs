@@ -3,7 +3,7 @@
 use calibration::{Calibration, CalibrationProblem, Parameter, ResidualStudy};
 use residual_diagnosis::TrialRow;
 use run_store::Record;
-use scene::{FillingLibrary, Scene};
+use scene::{FillingLibrary, Scene, TimeSpent};
 use std::collections::BTreeMap;
 
 /// Everything that the report of a calibration shows.
@@ -33,6 +33,8 @@ pub struct ReportInput<'a> {
     pub fillings: &'a FillingLibrary,
     /// Records of the runs behind the comparisons and the surfaces, by key; a picture whose record is missing is left out.
     pub records: &'a BTreeMap<String, Record>,
+    /// What it cost.
+    pub spent: TimeSpent,
 }
 
 /// A value that somebody else gave, beside what was found here.
@@ -71,10 +73,8 @@ pub struct DiagnosisInput<'a> {
     pub not_applicable: &'a BTreeMap<String, String>,
     /// Largest number of runs of the plan.
     pub planned_runs: usize,
-    /// Wall time of the whole diagnosis, s; small where records were found again.
-    pub wall_s: f64,
-    /// Time of one core that all runs took, those found again included, s.
-    pub core_s: f64,
+    /// What it cost.
+    pub spent: TimeSpent,
     /// The study of the residual.
     pub study: &'a ResidualStudy,
     /// What the rules say of drawn campaigns at these conditions, with this library and noise; empty where nothing

@@ -113,6 +113,19 @@ fn every_part_appears_once_and_in_its_order() {
     assert!(page.contains("The set of solutions") && page.contains("Beside values of others"));
 }
 
+/// The shares of the runs' time are of 100 s; 98 s of one core and 54 s of this call are told beside them.
+#[test]
+fn where_the_time_went_is_told() {
+    let page = page(&example());
+    for told in [
+        "All runs took 98 s of one core, and this call 54 s.",
+        "building 2 %, settling 13 %, start-up 35 %, measuring 41 %, reading pictures 9 %.",
+        "For 10 s a thread of this call computed no run",
+    ] {
+        assert!(page.contains(told), "{told}");
+    }
+}
+
 #[test]
 fn parameters_correlations_and_open_combinations_are_told() {
     let page = page(&example());

@@ -34,6 +34,7 @@ mod run;
 mod scenes;
 mod setting;
 mod simulator;
+mod spent;
 mod start;
 mod study;
 

@@ -130,7 +130,7 @@ fn most_runs(budget: Budget, runs: usize, core_s: f64) -> Option<usize> {
 
 /// Time of one core, s. Where the system told no time of the processor, the wall time stands for it: a run of a study is
 /// one thread.
-fn of_core(timing: &TimingDetails) -> f64 {
+pub(crate) fn of_core(timing: &TimingDetails) -> f64 {
     timing.cpu_s.unwrap_or(timing.wall_s)
 }
 
@@ -150,21 +150,11 @@ pub(crate) fn mean_core_seconds(store: &Store, keys: &[String]) -> Result<Option
     Ok((n > 0).then(|| sum / f64::from(n)))
 }
 
-/// Time of one core that the runs in a store took, s. What is no record is left out.
-pub(crate) fn core_seconds(store: &Store) -> Result<f64, Error> {
-    let mut sum = 0.0;
-    for key in store.keys()? {
-        if let Lookup::Found(record) = store.get(&key)? {
-            sum += RunDetails::of(&record).map_or(0.0, |details| of_core(&details.timing));
-        }
-    }
-    Ok(sum)
-}
-
 #[cfg(test)]
 mod tests {
-    use super::{SECONDS_PER_COST, core_seconds, most_runs, of};
+    use super::{SECONDS_PER_COST, most_runs, of};
     use crate::Budget;
+    use crate::spent::{Spending, core_seconds};
     use calibration::PlannedStage;
     use campaign::{RunOutcome, RunRequest, Simulator, SimulatorError};
     use run_store::{Record, Store};
@@ -217,10 +207,24 @@ mod tests {
                 "time_step_s": 1e-4, "settling_time_step_s": 1e-4, "steps": 1, "bodies": 1, "spheres": 1,
                 "threads": 1, "wall_s": 6.5, "cpu_s": 6.0, "filling_s": null, "us_per_step": null,
                 "sphere_steps_per_s": null, "continued": false, "only_seen": false,
+                "phases": {
+                    "building_s": 0.5, "settling_s": 1.0, "start_up_s": 2.0, "measuring_s": 1.75, "reading_s": 0.75,
+                },
             },
         });
         let record = record.with_details(details);
+        let spending = Spending::begin(&store).unwrap();
         store.put(&record).unwrap();
+        // A thousand threads of which the run kept one busy for 6 s: what they waited rises with the call.
+        let [busy, many, others] = [Some(1), Some(1_000_000), None].map(|n| spending.end(n).unwrap());
+        assert_eq!((busy.core_s, busy.waiting_s), (6.0, Some(0.0)));
+        assert_eq!((busy.phases.total_s(), busy.phases.reading_s), (6.0, 0.75));
+        let waited = many.waiting_s.unwrap();
+        assert!((waited - (1e6 * many.wall_s - 6.0)).abs() < 1e-6, "{many:?}");
+        assert_eq!(others.waiting_s, None);
+        let again = Spending::begin(&store).unwrap().end(Some(1)).unwrap();
+        assert_eq!(again.core_s, 6.0);
+        assert_eq!(again.waiting_s, Some(again.wall_s), "no run of this call");
         let price = of(&Three, &stages, budget, Some(&store)).unwrap();
         assert!(price.measured);
         assert_eq!((price.runs, price.core_s), (10, 60.0));
@@ -229,13 +233,13 @@ mod tests {
             price.most_runs, guess.most_runs,
             "a budget does not follow the pace"
         );
-        assert_eq!(core_seconds(&store).unwrap(), 6.0);
+        assert_eq!(core_seconds(&store).unwrap().0, 6.0);
         // A damaged record is none, and costs no answer.
         let file = folder.path().join(format!("{}.json", record.key()));
         let text = std::fs::read_to_string(&file).unwrap();
         std::fs::write(&file, text.replace("6.0", "7.0")).unwrap();
         assert!(!of(&Three, &stages, budget, Some(&store)).unwrap().measured);
-        assert_eq!(core_seconds(&store).unwrap(), 0.0);
+        assert_eq!(core_seconds(&store).unwrap().0, 0.0);
         assert!(file.exists(), "it is left to the run that needs it");
     }
 

@@ -5,6 +5,7 @@ use crate::defaults::DefaultUsed;
 use crate::next::NextRow;
 use calibration::{Calibration, DiagnosisStage};
 use run_store::Record;
+use scene::TimeSpent;
 use serde::{Serialize, Serializer};
 use std::collections::BTreeMap;
 
@@ -34,10 +35,8 @@ pub struct StudyResult {
     pub defaults: Vec<DefaultUsed>,
     /// Effects that a measured scene cannot carry, with the reason.
     pub not_applicable: BTreeMap<String, String>,
-    /// Time of one core that all runs took whose records are in the folder, s.
-    pub core_s: f64,
-    /// Wall time of this call, s; small where records were found again.
-    pub wall_s: f64,
+    /// What its runs and this call cost.
+    pub spent: TimeSpent,
 }
 
 /// What a study cost.
@@ -45,10 +44,8 @@ pub struct StudyResult {
 struct Cost<'a> {
     /// Different runs of all stages; one that two stages ask for counts in both.
     runs: usize,
-    /// Time of one core, s.
-    core_s: f64,
-    /// Wall time, s.
-    wall_s: f64,
+    #[serde(flatten)]
+    spent: TimeSpent,
     /// By stage.
     stages: &'a [calibration::StageCost],
 }
@@ -99,8 +96,7 @@ impl Serialize for StudyResult {
             not_applicable: &self.not_applicable,
             cost: Cost {
                 runs: stages.iter().map(|s| s.runs).sum(),
-                core_s: self.core_s,
-                wall_s: self.wall_s,
+                spent: self.spent,
                 stages,
             },
         };
@@ -131,8 +127,7 @@ pub struct DiagnosisResult {
     pub defaults: Vec<DefaultUsed>,
     /// Effects that a measured scene cannot carry, with the reason.
     pub not_applicable: BTreeMap<String, String>,
-    /// Time of one core that all runs took whose records are in the folder, s.
-    pub core_s: f64,
-    /// Wall time of this call, s.
-    pub wall_s: f64,
+    /// What its runs and this call cost.
+    #[serde(flatten)]
+    pub spent: TimeSpent,
 }

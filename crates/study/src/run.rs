@@ -3,6 +3,7 @@
 use crate::compare::compare;
 use crate::next;
 use crate::price::{self, Price};
+use crate::spent::Spending;
 use crate::{DiagnosisResult, Error, Study, StudyResult, StudySimulator};
 use calibration::{Calibration, LoopSettings};
 use campaign::{Campaign, Executor, Pace, Progress};
@@ -11,7 +12,6 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
-use std::time::Instant;
 
 /// How a study is run.
 #[derive(Clone)]
@@ -105,8 +105,8 @@ pub fn run_study(
     settings: &RunSettings<'_>,
     announce: &dyn Fn(&str),
 ) -> Result<StudyResult, Error> {
-    let begin = Instant::now();
     let store = Store::open(settings.folder.join("runs"))?;
+    let spending = Spending::begin(&store)?;
     let pace = Pace::new();
     let campaign = settings.campaign(&store, &pace);
     let with_seed = study.settings_with(settings.seed);
@@ -129,8 +129,7 @@ pub fn run_study(
         not_applicable: study.not_applicable.clone(),
         records: records_of(&store, &calibration)?,
         calibration,
-        core_s: price::core_seconds(&store)?,
-        wall_s: begin.elapsed().as_secs_f64(),
+        spent: spending.end(settings.own_threads())?,
     })
 }
 
@@ -158,12 +157,12 @@ pub fn run_diagnosis(
     at: &[f64],
     settings: &RunSettings<'_>,
 ) -> Result<DiagnosisResult, Error> {
-    let begin = Instant::now();
     let simulator = study.simulator(&settings.folder)?;
     let simulator = simulator
         .with_retries(settings.retries)
         .with_stop(settings.stop);
     let store = Store::open(settings.folder.join("runs"))?;
+    let spending = Spending::begin(&store)?;
     let pace = Pace::new();
     let campaign = settings.campaign(&store, &pace);
     let within = study.settings_with(settings.seed);
@@ -186,12 +185,16 @@ pub fn run_diagnosis(
         next,
         defaults: study.defaults.clone(),
         not_applicable: study.not_applicable.clone(),
-        core_s: price::core_seconds(&store)?,
-        wall_s: begin.elapsed().as_secs_f64(),
+        spent: spending.end(settings.own_threads())?,
     })
 }
 
 impl<'a> RunSettings<'a> {
+    /// Threads of this process that do runs; none where others do them.
+    fn own_threads(&self) -> Option<usize> {
+        self.executor.is_none().then_some(self.threads)
+    }
+
     /// A campaign of these settings.
     fn campaign(&self, store: &'a Store, pace: &'a Pace) -> Campaign<'a> {
         let campaign = Campaign::new(store, self.threads, self.progress)

@@ -4,6 +4,7 @@ use super::Page;
 use crate::Error;
 use crate::numbers::fixed;
 use report::{Column, Report, Table};
+use scene::TimeSpent;
 use serde_json::Value;
 use std::collections::BTreeMap;
 
@@ -46,6 +47,29 @@ pub(super) fn inputs(report: &mut Report, inputs: &BTreeMap<String, String>) {
     }
 }
 
+/// What was spent, in sentences.
+pub(super) fn spent(spent: &TimeSpent) -> String {
+    let mut text = format!(
+        "All runs took {} s of one core, and this call {} s.",
+        fixed(spent.core_s, 0),
+        fixed(spent.wall_s, 0)
+    );
+    let total = spent.phases.total_s();
+    if total > 0.0 {
+        let share =
+            |(name, time): (&str, f64)| format!("{name} {} %", fixed(100.0 * time / total, 0));
+        let shares = spent.phases.named().map(share).join(", ");
+        text += &format!(" Of the time of the runs: {shares}.");
+    }
+    if let Some(waiting) = spent.waiting_s {
+        text += &format!(
+            " For {} s a thread of this call computed no run: it waited for the last of a stage, or surfaces were fitted.",
+            fixed(waiting, 0)
+        );
+    }
+    text
+}
+
 /// Runs and time by stage; nothing where no stage is told.
 fn cost(page: &mut Page<'_>) -> Result<(), Error> {
     let cost = &page.input.calibration.cost;
@@ -73,6 +97,7 @@ fn cost(page: &mut Page<'_>) -> Result<(), Error> {
     let wall_s: f64 = cost.iter().map(|c| c.wall_s).sum();
     table.row(["all stages".to_owned(), runs.to_string(), fixed(wall_s, 1)])?;
     page.table(&table);
+    page.report.paragraph(&spent(&page.input.spent));
     Ok(())
 }
 

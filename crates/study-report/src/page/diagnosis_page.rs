@@ -1,6 +1,6 @@
 //! The report of a diagnosis: the answer first, then what it rests on.
 
-use super::closing_section::{defaults, inputs};
+use super::closing_section::{defaults, inputs, spent};
 use super::residual_parts::answer_colour;
 use super::{chart, residual_section};
 use crate::numbers::{counted, digits, fixed, listed};
@@ -185,10 +185,9 @@ fn closing(report: &mut Report, input: &DiagnosisInput<'_>) {
             .list(&lines);
     }
     report.paragraph(&format!(
-        "At most {} runs were planned. All runs took {} s of one core, and this call {} s.",
+        "At most {} runs were planned. {}",
         input.planned_runs,
-        fixed(input.core_s, 0),
-        fixed(input.wall_s, 0),
+        spent(&input.spent),
     ));
     defaults(report, input.defaults);
     report.provenance(&format!(

@@ -1,7 +1,7 @@
 //! The files of a report: whole, repeatable, in full precision.
 
 use super::headings;
-use crate::test_input::example;
+use crate::test_input::{example, spent};
 use crate::test_residual::twins;
 use crate::{DiagnosisInput, write, write_diagnosis};
 use std::collections::BTreeMap;
@@ -113,8 +113,7 @@ fn a_diagnosis_alone_has_a_page_with_the_same_section() {
         defaults: &defaults,
         not_applicable: &reasons,
         planned_runs: 77,
-        wall_s: 12.0,
-        core_s: 20.0,
+        spent: spent(),
         study: &study,
         trials: &[],
     };
@@ -129,7 +128,7 @@ fn a_diagnosis_alone_has_a_page_with_the_same_section() {
     assert_eq!(headings(&page), expected);
     assert!(page.contains("wind: no air") && page.contains("effects: all"));
     assert!(page.contains(
-        "At most 77 runs were planned. All runs took 20 s of one core, and this call 12 s."
+        "At most 77 runs were planned. All runs took 98 s of one core, and this call 54 s."
     ));
     assert!(folder.path().join("tables/diagnosis_models.csv").is_file());
     assert!(

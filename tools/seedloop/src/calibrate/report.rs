@@ -46,6 +46,7 @@ pub(crate) fn write(
         scenes: &study.models,
         fillings: simulator.fillings().unwrap_or(&none),
         records: &result.records,
+        spent: result.spent,
     };
     study_report::write(folder, &input)
         .with_context(|| format!("cannot write the report into {}", folder.display()))

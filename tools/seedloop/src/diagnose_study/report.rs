@@ -35,8 +35,7 @@ pub(super) fn write(
         defaults: &defaults,
         not_applicable: &result.not_applicable,
         planned_runs: runs_needed(&done.plan),
-        wall_s: result.wall_s,
-        core_s: result.core_s,
+        spent: result.spent,
         study: done,
         trials: &known_truth(done, result.seed)?,
     };

@@ -214,6 +214,14 @@ impl Report {
             ),
         );
         text.push('\n');
+        if let Some(phases) = &timing.phases {
+            let named = phases.named();
+            let took = named.iter().filter(|(_, time)| *time > 0.0);
+            let took: Vec<String> = took
+                .map(|(name, time)| format!("{name} {time:.2} s"))
+                .collect();
+            add(&mut text, format_args!("{}\n", took.join(", ")));
+        }
         text
     }
 }
