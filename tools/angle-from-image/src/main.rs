@@ -1,11 +1,12 @@
 //! Reads the angle of repose from photos and frames.
 //!
-//! Thin: arguments in, [`photo_profile`] does the work, text, JSON and overlays out.
+//! Thin: arguments in, [`photo_profile`] does the work, text, JSON, tables and overlays out.
 
 mod arguments;
 mod results;
 mod run;
 mod summary;
+mod table;
 
 use clap::Parser as _;
 use std::process::ExitCode;

@@ -17,6 +17,8 @@ pub(crate) struct ImageResult {
     pub(crate) file: String,
     /// Number of the frame in an animated file, from 0; none for a still picture.
     pub(crate) frame: Option<usize>,
+    /// Time of the picture by its place in the order of all, from 0, s; none without `--fps`.
+    pub(crate) time_s: Option<f64>,
     /// SHA-256 of the file; none where it could not be read.
     pub(crate) sha256: Option<String>,
     /// `ok`, `refused`, or `error` for a file that could not be read.
@@ -149,6 +151,7 @@ impl ImageResult {
         Self {
             file: origin.file,
             frame: origin.frame,
+            time_s: None,
             sha256: Some(origin.sha256),
             verdict,
             reason,

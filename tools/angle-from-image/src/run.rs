@@ -3,6 +3,7 @@
 use crate::arguments::Arguments;
 use crate::results::{ImageResult, Origin, Output};
 use crate::summary::Summary;
+use crate::table::csv;
 use anyhow::Context as _;
 use command_line::{DONE, ERROR, Header, NOT_MET, file_sha256, write_new};
 use image::{DynamicImage, ImageFormat};
@@ -18,7 +19,7 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
     let settings = arguments.settings();
     settings.check()?;
     let files = picture_files(&arguments.photos)?;
-    try_outputs(arguments, files.len())?;
+    try_outputs(arguments, &files)?;
     let mut images = Vec::new();
     for file in &files {
         arguments
@@ -58,6 +59,11 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
             images.push(result);
         }
     }
+    if let Some(rate) = arguments.fps {
+        for (place, image) in images.iter_mut().enumerate() {
+            image.time_s = Some(place as f64 / rate);
+        }
+    }
     report(arguments, images)
 }
 
@@ -77,10 +83,11 @@ fn read(file: &Path) -> anyhow::Result<ReadFile> {
     })
 }
 
-/// Refuses overlays that are no PNG, and overlays and JSON that cannot be written, before any work is done.
+/// Refuses overlays that are no PNG, results in the place of a picture to be read, and results that cannot be written,
+/// before any work is done.
 ///
 /// How many frames an animation has is not known here; a later overlay that exists stops the run.
-fn try_outputs(arguments: &Arguments, n_files: usize) -> anyhow::Result<()> {
+fn try_outputs(arguments: &Arguments, files: &[PathBuf]) -> anyhow::Result<()> {
     if let Some(out) = &arguments.overlay {
         anyhow::ensure!(
             out.extension()
@@ -89,15 +96,26 @@ fn try_outputs(arguments: &Arguments, n_files: usize) -> anyhow::Result<()> {
             out.display()
         );
     }
+    let n_files = files.len();
     let overlays = arguments.overlay.iter().flat_map(|out| {
         let several = (1..=n_files).map(|number| numbered(out, number));
         several
             .filter(move |_| n_files > 1)
             .chain((n_files == 1).then(|| out.clone()))
     });
-    arguments
-        .common
-        .try_outputs(&overlays.collect::<Vec<PathBuf>>())
+    let outputs: Vec<PathBuf> = overlays.chain(arguments.csv.clone()).collect();
+    let inputs: Vec<PathBuf> = files.iter().filter_map(|f| f.canonicalize().ok()).collect();
+    for out in &outputs {
+        let onto = out
+            .canonicalize()
+            .is_ok_and(|place| inputs.contains(&place));
+        anyhow::ensure!(
+            !onto,
+            "{} is a picture to be read and is not replaced by results: give another name",
+            out.display()
+        );
+    }
+    arguments.common.try_outputs(&outputs)
 }
 
 /// The picture, straightened where corners are given.
@@ -158,6 +176,14 @@ fn report(arguments: &Arguments, images: Vec<ImageResult>) -> anyhow::Result<u8>
         skipped: skipped.iter().map(|f| f.display().to_string()).collect(),
         summary,
     };
+    if let Some(file) = &arguments.csv {
+        let text = csv(
+            &output.images,
+            arguments.settings().mode,
+            arguments.fps.is_some(),
+        );
+        write_new(file, text.as_bytes(), arguments.common.overwrite())?;
+    }
     arguments.common.emit_json(&output)?;
     let summary = &output.summary;
     Ok(if summary.unread == output.images.len() {

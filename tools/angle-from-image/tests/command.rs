@@ -340,6 +340,80 @@ fn pictures_at_a_rate_tell_avalanches() {
     assert_eq!(output.status.code(), Some(2));
 }
 
+/// A measured, a refused and an unread picture at 4 a second: a row each, times of 0, 0.25 and 0.5 s, the numbers of the JSON
+/// to the bit and reasons in words. A heap has columns of its own.
+#[test]
+fn a_table_has_a_row_for_every_picture() {
+    let folder = folder("table");
+    std::fs::copy(photo(GOOD), folder.join("a.bmp")).unwrap();
+    std::fs::copy(photo(REFUSED), folder.join("b.jpg")).unwrap();
+    std::fs::write(folder.join("c.png"), "no picture").unwrap();
+    let table = folder.join("angles.csv");
+    let words = [folder.to_str().unwrap(), "--fps", "4", "--json", "--csv"];
+    let output = run(&[&words[..], &[table.to_str().unwrap()]].concat());
+    assert_eq!(output.status.code(), Some(1), "{}", text(&output.stderr));
+    let json: Value = serde_json::from_slice(&output.stdout).unwrap();
+    let rows = table_of(&table);
+    assert_eq!(rows.len(), 3);
+    for (k, (verdict, reason)) in [("ok", ""), ("refused", "no drum"), ("error", "decode")]
+        .into_iter()
+        .enumerate()
+    {
+        let (row, image) = (&rows[k], &json["images"][k]);
+        assert_eq!(row["verdict"], verdict);
+        assert!(row["reason"].contains(reason), "{row:?}");
+        assert_eq!(row["time_s"].parse::<f64>().unwrap(), k as f64 * 0.25);
+        assert_eq!(image["time_s"].as_f64(), Some(k as f64 * 0.25));
+        for (column, key) in [
+            ("angle_deg", "angle_deg"),
+            ("standard_error_deg", "angle_se_deg"),
+        ] {
+            assert_eq!(row[column].parse().ok(), image[key].as_f64(), "{column}");
+        }
+    }
+    let heap = folder.join("heap.png");
+    let scene = photo_profile::synthetic::HeapScene::default();
+    scene.draw().save(&heap).unwrap();
+    let heaps = folder.join("heaps.csv");
+    let words = [heap.to_str().unwrap(), "--mode", "heap", "--json", "--csv"];
+    let output = run(&[&words[..], &[heaps.to_str().unwrap()]].concat());
+    let json: Value = serde_json::from_slice(&output.stdout).unwrap();
+    let rows = table_of(&heaps);
+    assert_eq!(
+        rows[0]["left_deg"].parse().ok(),
+        json["heap"]["left_deg"].as_f64()
+    );
+    assert!(!rows[0].contains_key("chord_deg") && !rows[0].contains_key("time_s"));
+    let onto = run(&[
+        heap.to_str().unwrap(),
+        "--force",
+        "--csv",
+        heap.to_str().unwrap(),
+    ]);
+    assert_eq!(onto.status.code(), Some(2), "a picture is not replaced");
+    assert!(text(&onto.stderr).contains("is a picture to be read"));
+}
+
+/// The rows of a table by the names of their columns; no cell of these tables holds a quotation mark.
+fn table_of(file: &Path) -> Vec<std::collections::BTreeMap<String, String>> {
+    let text = std::fs::read_to_string(file).unwrap();
+    let cells = |line: &str| -> Vec<String> {
+        let mut quoted = false;
+        let parted = line.split(|c| {
+            quoted ^= c == '"';
+            c == ',' && !quoted
+        });
+        parted
+            .map(|cell| cell.trim_matches('"').to_owned())
+            .collect()
+    };
+    let mut lines = text.lines();
+    let head = cells(lines.next().unwrap());
+    lines
+        .map(|line| head.iter().cloned().zip(cells(line)).collect())
+        .collect()
+}
+
 /// A microscope writes TIFF and a browser WebP: both keep every pixel here, so each gives the angle of the PNG to the bit. What
 /// is left out of a folder is named.
 #[test]
