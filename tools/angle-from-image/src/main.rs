@@ -2,6 +2,7 @@
 //!
 //! Thin: arguments in, [`photo_profile`] does the work, text, JSON, tables and overlays out.
 
+mod advice;
 mod arguments;
 mod results;
 mod run;

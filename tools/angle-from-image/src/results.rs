@@ -1,5 +1,6 @@
 //! What the command says: JSON and text.
 
+use crate::advice::advice;
 use crate::summary::Summary;
 use command_line::Header;
 use photo_profile::{DrumPixels, HeapReading, PhotoReading, Refusal, Settings, Verdict};
@@ -25,6 +26,10 @@ pub(crate) struct ImageResult {
     pub(crate) verdict: &'static str,
     /// Why it was refused or not read.
     pub(crate) reason: Option<String>,
+    /// How to go on with a refused picture.
+    pub(crate) advice: Option<String>,
+    /// The flag to go on with, where one is known.
+    pub(crate) advice_flag: Option<String>,
     /// Which slope `angle_deg` is.
     pub(crate) definition: Definition,
     /// The angle by the chosen definition, degrees.
@@ -70,6 +75,8 @@ pub(crate) struct ImageResult {
     pub(crate) channel: Option<String>,
     /// The drum circle, px, y down.
     pub(crate) drum: Option<DrumPixels>,
+    /// The best circle of a search that found no drum, px, y down.
+    pub(crate) drum_candidate: Option<DrumPixels>,
     /// Flanks and apex of a heap; none for a drum.
     pub(crate) heap: Option<HeapResult>,
     /// Surface points that count, px, y down.
@@ -145,6 +152,7 @@ impl ImageResult {
             Verdict::Ok => ("ok", None),
             Verdict::Refused { reason } => ("refused", Some(reason.to_string())),
         };
+        let advice = advice(reading);
         let pairs = |points: &[photo_profile::PixelPoint]| -> Vec<[f64; 2]> {
             points.iter().map(|p| [p.x, p.y]).collect()
         };
@@ -155,6 +163,8 @@ impl ImageResult {
             sha256: Some(origin.sha256),
             verdict,
             reason,
+            advice_flag: advice.as_ref().and_then(|a| a.flag.clone()),
+            advice: advice.map(|a| a.words),
             definition: settings.definition,
             angle_deg: degrees(chosen),
             angle_se_deg: degrees(error),
@@ -183,6 +193,7 @@ impl ImageResult {
             high_side: angle.map(|a| a.high_side),
             channel: Some(reading.channel.to_string()),
             drum: reading.drum,
+            drum_candidate: reading.glimpse.circle,
             heap: heap.map(HeapResult::new),
             surface: pairs(&reading.used),
             surface_rejected: pairs(&reading.rejected),
@@ -230,11 +241,15 @@ impl ImageResult {
                     self.quality
                 )
             }
-            _ => format!(
-                "{name}: {}: {}",
-                self.verdict,
-                self.reason.as_deref().unwrap_or("no reason")
-            ),
+            _ => {
+                let advice = self.advice.iter().map(|words| format!("; {words}"));
+                format!(
+                    "{name}: {}: {}{}",
+                    self.verdict,
+                    self.reason.as_deref().unwrap_or("no reason"),
+                    advice.collect::<String>()
+                )
+            }
         }
     }
 }

@@ -9,13 +9,14 @@ use surface_profile::{Definition, HighSide};
 type Column = (&'static str, fn(&ImageResult) -> String);
 
 /// Columns of every table, before those of the mode.
-const FIRST: [Column; 8] = [
+const FIRST: [Column; 9] = [
     ("file", |i| csv_field(&i.file)),
     ("frame", |i| {
         i.frame.map_or_else(String::new, |f| f.to_string())
     }),
     ("verdict", |i| i.verdict.to_owned()),
     ("reason", |i| csv_field(i.reason.as_deref().unwrap_or(""))),
+    ("advice", |i| csv_field(i.advice.as_deref().unwrap_or(""))),
     ("angle_deg", |i| number(i.angle_deg)),
     ("standard_error_deg", |i| number(i.angle_se_deg)),
     ("interval_low_deg", |i| {

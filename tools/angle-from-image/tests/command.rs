@@ -414,6 +414,73 @@ fn table_of(file: &Path) -> Vec<std::collections::BTreeMap<String, String>> {
         .collect()
 }
 
+/// A binarised bed in a tenth of a drum whose rim does not show, 30 degrees steep: refused for want of a drum, with a flag in
+/// the message that, pasted, gives the drawn angle within its interval. Coarse grains in a drum that shows: the
+/// flag allows for their error. A blank picture has words only.
+#[test]
+fn a_refusal_names_the_flag_to_go_on_with() {
+    use photo_profile::synthetic::Scene;
+    let folder = folder("advice");
+    let low = Scene {
+        size: 400,
+        radius: 172.0,
+        height: -0.7,
+        inclination: 30.0_f64.to_radians(),
+        grain: [12.0, 7.0],
+        bed: 0.0,
+        air: 255.0,
+        outside: 255.0,
+        rim: 255.0,
+        rim_width: 0.0,
+        ..Scene::default()
+    };
+    let coarse = Scene {
+        grain: [30.0, 20.0],
+        inclination: 30.0_f64.to_radians(),
+        ..Scene::default()
+    };
+    for (name, scene, more, reason) in [
+        ("low.png", low, [].as_slice(), "no drum"),
+        (
+            "coarse.png",
+            coarse,
+            &["--max-error-deg", "0.1"],
+            "too rough",
+        ),
+    ] {
+        let file = folder.join(name);
+        let mut picture = scene.draw();
+        for pixel in picture.pixels_mut().filter(|_| name == "low.png") {
+            pixel.0[0] = if pixel.0[0] < 128 { 0 } else { 255 };
+        }
+        picture.save(&file).unwrap();
+        let words = [&[file.to_str().unwrap(), "--json"], more].concat();
+        let refused: Value = serde_json::from_slice(&run(&words).stdout).unwrap();
+        assert!(
+            refused["reason"].as_str().unwrap().contains(reason),
+            "{refused}"
+        );
+        let flag = refused["advice_flag"].as_str().unwrap();
+        let said = text(&run(&[&[file.to_str().unwrap()], more].concat()).stdout);
+        assert!(said.contains(flag), "{said}");
+        let pasted: Vec<&str> = [file.to_str().unwrap(), "--json"]
+            .into_iter()
+            .chain(flag.split(' '))
+            .collect();
+        let output = run(&pasted);
+        let json: Value = serde_json::from_slice(&output.stdout).unwrap();
+        assert_eq!(output.status.code(), Some(0), "{flag}: {}", json["reason"]);
+        let ends = [0, 1].map(|k| json["angle_interval_deg"][k].as_f64().unwrap());
+        assert!(ends[0] < 30.0 && 30.0 < ends[1], "{ends:?} by {flag}");
+    }
+    let blank = folder.join("blank.png");
+    image::GrayImage::from_pixel(300, 200, image::Luma([99]))
+        .save(&blank)
+        .unwrap();
+    let said = text(&run(&[blank.to_str().unwrap()]).stdout);
+    assert!(said.contains("--drum CX,CY,R"), "{said}");
+}
+
 /// A microscope writes TIFF and a browser WebP: both keep every pixel here, so each gives the angle of the PNG to the bit. What
 /// is left out of a folder is named.
 #[test]
