@@ -25,6 +25,10 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "FILE")]
     pub(crate) csv: Option<PathBuf>,
 
+    /// Write a page that opens without a network: a summary, and every picture with what was found in it
+    #[arg(long, value_name = "FILE")]
+    pub(crate) html: Option<PathBuf>,
+
     /// Which slope is the angle: least-squares line through the whole free surface, tangent of
     /// the central fifth of the drum diameter, or rim to rim
     #[arg(long, value_enum, default_value_t = DefinitionName::Line)]

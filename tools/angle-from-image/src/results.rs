@@ -213,12 +213,17 @@ impl ImageResult {
         }
     }
 
-    /// The line for people.
-    pub(crate) fn text(&self) -> String {
-        let name = match self.frame {
+    /// The file, with the frame of an animation.
+    pub(crate) fn name(&self) -> String {
+        match self.frame {
             Some(frame) => format!("{} frame {frame}", self.file),
             None => self.file.clone(),
-        };
+        }
+    }
+
+    /// The line for people.
+    pub(crate) fn text(&self) -> String {
+        let name = self.name();
         let by = self.channel.as_deref().filter(|channel| *channel != "luma");
         let by = by.map_or(String::new(), |channel| format!(", bed told by {channel}"));
         match (self.angle_deg, self.angle_se_deg, self.high_side) {

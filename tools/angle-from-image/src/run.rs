@@ -1,6 +1,7 @@
 //! From arguments to results.
 
 use crate::arguments::Arguments;
+use crate::page::{jpeg, page, side};
 use crate::results::{ImageResult, Origin, Output};
 use crate::summary::Summary;
 use crate::table::csv;
@@ -8,8 +9,8 @@ use anyhow::Context as _;
 use command_line::{DONE, ERROR, Header, NOT_MET, file_sha256, write_new};
 use image::{DynamicImage, ImageFormat};
 use photo_profile::{
-    PhotoPixels, PhotoReading, Settings, measure_photo, overlay, picture_files, read_frames,
-    rectify, skipped_files,
+    PhotoPixels, PhotoReading, Settings, marked, measure_photo, overlay, picture_files,
+    read_frames, rectify, skipped_files,
 };
 use std::io::Cursor;
 use std::path::{Path, PathBuf};
@@ -21,6 +22,7 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
     let files = picture_files(&arguments.photos)?;
     try_outputs(arguments, &files)?;
     let mut images = Vec::new();
+    let mut shown = Vec::new();
     for file in &files {
         arguments
             .common
@@ -32,11 +34,13 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
                 let result = ImageResult::unread(file, format!("{error:#}"), &settings);
                 arguments.common.print(result.text())?;
                 images.push(result);
+                shown.push(None);
                 continue;
             }
             Err(error) => return Err(error),
         };
         let animated = read.frames.len() > 1;
+        let side = side(files.len().max(read.frames.len()));
         let several = animated || files.len() > 1;
         for (number, frame) in read.frames.into_iter().enumerate() {
             let picture = straightened(frame, arguments)?;
@@ -48,6 +52,9 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
                     out.clone()
                 };
                 draw(&out, &picture, &reading, arguments)?;
+            }
+            if arguments.html.is_some() {
+                shown.push(Some(jpeg(&marked(&picture, &reading, &settings, side))?));
             }
             let origin = Origin {
                 file: file.display().to_string(),
@@ -64,7 +71,7 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
             image.time_s = Some(place as f64 / rate);
         }
     }
-    report(arguments, images)
+    report(arguments, images, &shown)
 }
 
 /// A file as it was read.
@@ -103,7 +110,10 @@ fn try_outputs(arguments: &Arguments, files: &[PathBuf]) -> anyhow::Result<()> {
             .filter(move |_| n_files > 1)
             .chain((n_files == 1).then(|| out.clone()))
     });
-    let outputs: Vec<PathBuf> = overlays.chain(arguments.csv.clone()).collect();
+    let outputs: Vec<PathBuf> = overlays
+        .chain(arguments.csv.clone())
+        .chain(arguments.html.clone())
+        .collect();
     let inputs: Vec<PathBuf> = files.iter().filter_map(|f| f.canonicalize().ok()).collect();
     for out in &outputs {
         let onto = out
@@ -149,8 +159,12 @@ fn numbered(out: &Path, number: usize) -> PathBuf {
     out.with_file_name(format!("{stem}-{number:03}.png"))
 }
 
-/// Writes the summary and the JSON; returns the exit code.
-fn report(arguments: &Arguments, images: Vec<ImageResult>) -> anyhow::Result<u8> {
+/// Writes the summary and the files that are asked for; returns the exit code. `shown` holds the pictures of the page.
+fn report(
+    arguments: &Arguments,
+    images: Vec<ImageResult>,
+    shown: &[Option<Vec<u8>>],
+) -> anyhow::Result<u8> {
     let summary = Summary::new(&images, arguments.fps.map(f64::recip));
     if images.len() > 1 {
         arguments.common.print(summary.text())?;
@@ -182,6 +196,10 @@ fn report(arguments: &Arguments, images: Vec<ImageResult>) -> anyhow::Result<u8>
             arguments.settings().mode,
             arguments.fps.is_some(),
         );
+        write_new(file, text.as_bytes(), arguments.common.overwrite())?;
+    }
+    if let Some(file) = &arguments.html {
+        let text = page(&output, shown, arguments.settings().mode)?;
         write_new(file, text.as_bytes(), arguments.common.overwrite())?;
     }
     arguments.common.emit_json(&output)?;

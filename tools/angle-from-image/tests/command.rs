@@ -481,6 +481,57 @@ fn a_refusal_names_the_flag_to_go_on_with() {
     assert!(said.contains("--drum CX,CY,R"), "{said}");
 }
 
+/// A page of a measured, a refused and an unread file, whose names are markup: everything is in the page, nothing is markup
+/// but the page's own, each picture that was read shows the blue circle that was found (2 px round the drum, blurred by
+/// JPEG), and a refused one says how to go on before it says why.
+#[test]
+fn a_page_shows_every_picture_and_how_to_go_on() {
+    use base64::Engine as _;
+    let folder = folder("page");
+    let names = ["a<img src=x onerror=y>&\".bmp", "b.jpg", "c.png"];
+    std::fs::copy(photo(GOOD), folder.join(names[0])).unwrap();
+    std::fs::copy(photo(REFUSED), folder.join(names[1])).unwrap();
+    std::fs::write(folder.join(names[2]), "no picture").unwrap();
+    let page = folder.join("page.html");
+    let output = run(&[
+        folder.to_str().unwrap(),
+        "--quiet",
+        "--html",
+        page.to_str().unwrap(),
+    ]);
+    assert_eq!(output.status.code(), Some(1), "{}", text(&output.stderr));
+    let page = std::fs::read_to_string(&page).unwrap();
+    assert!(page.contains("http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'"));
+    for outside in ["http:", "https:", "url(", "<img src=x", "<link"] {
+        let own = page.replace("http://www.w3.org/2000/svg", "");
+        assert!(!own.contains(outside), "{outside}");
+    }
+    assert!(page.contains("a&lt;img src=x onerror=y&gt;&amp;"));
+    assert!(page.contains("1 measured, 1 refused, 1 not read."));
+    let place = |words: &str| {
+        page.find(words)
+            .unwrap_or_else(|| panic!("{words} is missing"))
+    };
+    assert!(
+        place("How to go on") < place("<pre>--drum ")
+            && place("<pre>--drum ") < place("Refused: no drum")
+    );
+    assert!(place("Not read: cannot decode") < place("</span> Measured pictures"));
+    let pictures: Vec<&str> = page.split("data:image/jpeg;base64,").skip(1).collect();
+    assert_eq!(pictures.len(), 2);
+    for picture in pictures {
+        let data = picture.split('"').next().unwrap();
+        let bytes = base64::engine::general_purpose::STANDARD
+            .decode(data)
+            .unwrap();
+        let drawn = image::load_from_memory(&bytes).unwrap().to_rgb8();
+        let is_blue = |p: &&image::Rgb<u8>| p.0[2] > 180 && p.0[0] < 120 && p.0[1] < 170;
+        let blue = drawn.pixels().filter(is_blue).count();
+        assert!(blue > 500, "{blue} blue pixels of the circle");
+        assert!(drawn.width().max(drawn.height()) <= 800);
+    }
+}
+
 /// A microscope writes TIFF and a browser WebP: both keep every pixel here, so each gives the angle of the PNG to the bit. What
 /// is left out of a folder is named.
 #[test]
