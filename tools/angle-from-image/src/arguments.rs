@@ -67,6 +67,10 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "DEG", default_value_t = 3.0)]
     pub(crate) max_error_deg: f64,
 
+    /// Put the points of the surface (px) into the JSON
+    #[arg(long)]
+    pub(crate) points: bool,
+
     /// Pictures a second, where they follow each other at one rate: each then has a time, and the angle also tells how
     /// long it is correlated with itself, or its avalanches
     #[arg(long, value_name = "RATE", value_parser = rate)]

@@ -79,14 +79,38 @@ pub(crate) struct ImageResult {
     pub(crate) drum_candidate: Option<DrumPixels>,
     /// Flanks and apex of a heap; none for a drum.
     pub(crate) heap: Option<HeapResult>,
-    /// Surface points that count, px, y down.
-    pub(crate) surface: Vec<[f64; 2]>,
-    /// Surface points set aside, px, y down.
-    pub(crate) surface_rejected: Vec<[f64; 2]>,
+    /// Points of the surface, with `--points`.
+    #[serde(flatten)]
+    pub(crate) points: Option<Points>,
     /// Whether the points lie in the picture straightened by the corners.
     pub(crate) rectified: bool,
     /// Trust in the reading, 0 to 1.
     pub(crate) quality: f64,
+}
+
+/// Points of the surface, px, y down.
+#[derive(Debug, Clone, Serialize)]
+pub(crate) struct Points {
+    /// Points that count.
+    pub(crate) surface: Vec<[f64; 2]>,
+    /// Points set aside.
+    pub(crate) surface_rejected: Vec<[f64; 2]>,
+    /// Points of the boundary in a refused picture.
+    pub(crate) surface_refused: Vec<[f64; 2]>,
+}
+
+impl Points {
+    /// The points of a reading.
+    pub(crate) fn new(reading: &PhotoReading) -> Self {
+        let pairs = |points: &[photo_profile::PixelPoint]| -> Vec<[f64; 2]> {
+            points.iter().map(|p| [p.x, p.y]).collect()
+        };
+        Self {
+            surface: pairs(&reading.used),
+            surface_rejected: pairs(&reading.rejected),
+            surface_refused: pairs(&reading.glimpse.boundary),
+        }
+    }
 }
 
 /// Flanks and apex of a heap.
@@ -153,9 +177,6 @@ impl ImageResult {
             Verdict::Refused { reason } => ("refused", Some(reason.to_string())),
         };
         let advice = advice(reading);
-        let pairs = |points: &[photo_profile::PixelPoint]| -> Vec<[f64; 2]> {
-            points.iter().map(|p| [p.x, p.y]).collect()
-        };
         Self {
             file: origin.file,
             frame: origin.frame,
@@ -195,8 +216,7 @@ impl ImageResult {
             drum: reading.drum,
             drum_candidate: reading.glimpse.circle,
             heap: heap.map(HeapResult::new),
-            surface: pairs(&reading.used),
-            surface_rejected: pairs(&reading.rejected),
+            points: None,
             rectified,
             quality: reading.quality,
         }

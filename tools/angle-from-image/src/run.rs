@@ -2,7 +2,7 @@
 
 use crate::arguments::Arguments;
 use crate::page::{jpeg, page, side};
-use crate::results::{ImageResult, Origin, Output};
+use crate::results::{ImageResult, Origin, Output, Points};
 use crate::summary::Summary;
 use crate::table::csv;
 use anyhow::Context as _;
@@ -61,7 +61,9 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
                 frame: animated.then_some(number),
                 sha256: read.sha256.clone(),
             };
-            let result = ImageResult::new(origin, &reading, &settings, arguments.corners.is_some());
+            let mut result =
+                ImageResult::new(origin, &reading, &settings, arguments.corners.is_some());
+            result.points = arguments.points.then(|| Points::new(&reading));
             arguments.common.print(result.text())?;
             images.push(result);
         }

@@ -93,11 +93,6 @@ fn json_has_the_promised_keys() {
     for key in ["cx", "cy", "r"] {
         assert!(image["drum"][key].is_f64(), "drum {key}");
     }
-    assert!(
-        image["surface"].as_array().unwrap().len() > 100,
-        "surface points"
-    );
-    assert_eq!(image["surface"][0].as_array().unwrap().len(), 2);
     let refused = &json["images"][1];
     assert_eq!(refused["verdict"], "refused");
     assert!(
@@ -120,6 +115,34 @@ fn json_has_the_promised_keys() {
     for key in ["sd_deg", "se_deg"] {
         assert!(summary[key].is_null(), "{key} of one picture");
     }
+}
+
+/// A picture has hundreds of points of 2 numbers, told twice: without them its JSON is smaller by far more than 20 kB, and below
+/// 8 kB, which is some 100 lines with a name. The points of a refused surface come with the others.
+#[test]
+fn points_are_in_the_json_on_request() {
+    let good = photo(GOOD);
+    let words = [good.to_str().unwrap(), "--json"];
+    let plain = run(&words).stdout;
+    let full = run(&[&words[..], &["--points"]].concat()).stdout;
+    assert!(
+        plain.len() < 8000 && full.len() > plain.len() + 20_000,
+        "{} {}",
+        plain.len(),
+        full.len()
+    );
+    let [plain, full] = [plain, full].map(|json| serde_json::from_slice::<Value>(&json).unwrap());
+    assert!(plain["surface"].is_null() && plain["images"][0]["surface"].is_null());
+    let surface = full["surface"].as_array().unwrap();
+    assert!(surface.len() > 100, "surface points");
+    assert_eq!(surface[0].as_array().unwrap().len(), 2);
+    assert_eq!(full["images"][0]["surface"], full["surface"]);
+    assert_eq!(plain["angle_deg"], full["angle_deg"]);
+    let strict = [&words[..], &["--points", "--max-error-deg", "0.1"]].concat();
+    let refused: Value = serde_json::from_slice(&run(&strict).stdout).unwrap();
+    assert_eq!(refused["verdict"], "refused");
+    assert_eq!(refused["surface"].as_array().unwrap().len(), 0);
+    assert!(refused["surface_refused"].as_array().unwrap().len() > 100);
 }
 
 #[test]
