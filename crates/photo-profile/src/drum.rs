@@ -26,6 +26,8 @@ const RADIUS_LIMITS: [f64; 2] = [0.12, 0.6];
 /// Least part of the circle that must show an edge: the bed's side alone, of a bed that fills a
 /// sixth of a drum whose background has the tone of the air.
 const LEAST_COVER: f64 = 0.25;
+/// Least part of a circle that makes it worth a look where there is no drum: in grey noise edges show on 0.09 and less.
+const LEAST_CANDIDATE: f64 = 0.15;
 /// Largest flattening: 0.025 tilts an angle of 40 degrees by up to 0.7 degrees.
 const MOST_FLATTENING: f64 = 0.025;
 
@@ -38,19 +40,28 @@ pub(crate) struct FoundDrum {
     pub(crate) rim: Option<Rim>,
 }
 
+/// Why no drum was found, and what came nearest to one.
+#[derive(Debug, Clone)]
+pub(crate) struct NotFound {
+    /// The reason.
+    pub(crate) reason: Refusal,
+    /// The best circle; none where no part of a circle shows.
+    pub(crate) candidate: Option<DrumPixels>,
+}
+
 /// Finds the circle of the drum.
-pub(crate) fn find_drum(picture: &PhotoPixels) -> Result<FoundDrum, Refusal> {
+pub(crate) fn find_drum(picture: &PhotoPixels) -> Result<FoundDrum, NotFound> {
     let longer = picture.width().max(picture.height());
     let factor = longer.div_ceil(SEARCH_SIZE).max(1);
     let edges = find_edges(&picture.shrunk(factor).blurred(std::f64::consts::SQRT_2));
-    let no_drum = |covered| Refusal::NoDrum {
-        covered,
-        least: LEAST_COVER,
+    let no_drum = |covered, candidate| NotFound {
+        reason: Refusal::NoDrum {
+            covered,
+            least: LEAST_COVER,
+        },
+        candidate,
     };
-    let found = search(&edges, picture, factor).ok_or(no_drum(0.0))?;
-    if found.covered < LEAST_COVER {
-        return Err(no_drum(found.covered));
-    }
+    let found = search(&edges, picture, factor).ok_or(no_drum(0.0, None))?;
     let scale = factor as f64;
     let shift = 0.5 * (scale - 1.0);
     let start = Circle {
@@ -58,31 +69,45 @@ pub(crate) fn find_drum(picture: &PhotoPixels) -> Result<FoundDrum, Refusal> {
         y: found.circle.y * scale + shift,
         r: found.circle.r * scale,
     };
-    let rim = Rim::find(picture, start, scale).ok_or(no_drum(found.covered))?;
-    if rim.shown < LEAST_COVER {
-        return Err(no_drum(rim.shown));
+    let seen = Some(in_pixels(start)).filter(|_| found.covered >= LEAST_CANDIDATE);
+    if found.covered < LEAST_COVER {
+        return Err(no_drum(found.covered, seen));
     }
+    let rim = Rim::find(picture, start, scale).ok_or(no_drum(found.covered, seen))?;
+    if rim.shown < LEAST_COVER {
+        let seen = seen.filter(|_| rim.shown >= LEAST_CANDIDATE);
+        return Err(no_drum(rim.shown, seen));
+    }
+    let circle = in_pixels(rim.circle);
+    let not_round = |reason| NotFound {
+        reason,
+        candidate: Some(circle),
+    };
     if rim.is_broken() {
-        return Err(Refusal::BrokenRim {
+        return Err(not_round(Refusal::BrokenRim {
             shown: rim.shown,
             elsewhere: rim.elsewhere,
-        });
+        }));
     }
     if rim.flattening > MOST_FLATTENING {
-        return Err(Refusal::TiltedView {
+        return Err(not_round(Refusal::TiltedView {
             flattening: rim.flattening,
             most: MOST_FLATTENING,
-        });
+        }));
     }
-    let circle = DrumPixels {
-        cx: rim.circle.x,
-        cy: rim.circle.y,
-        r: rim.circle.r,
-    };
     Ok(FoundDrum {
         circle,
         rim: Some(rim),
     })
+}
+
+/// A circle as a caller gives it.
+fn in_pixels(circle: Circle) -> DrumPixels {
+    DrumPixels {
+        cx: circle.x,
+        cy: circle.y,
+        r: circle.r,
+    }
 }
 
 /// A circle and the part of its way round on which an edge shows.

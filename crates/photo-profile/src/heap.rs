@@ -1,6 +1,7 @@
 //! The outline of a heap seen from the side.
 
 use crate::channel::channel_below_sky;
+use crate::measure::Unfit;
 use crate::tone::{BedShare, air_and_bed};
 use crate::{Channel, PhotoPixels, PixelPoint, Refusal, Settings};
 use serde::Serialize;
@@ -53,7 +54,7 @@ pub(crate) struct FoundHeap {
 }
 
 /// Finds the outline of a heap and measures it.
-pub(crate) fn read_heap(picture: &PhotoPixels, settings: &Settings) -> Result<FoundHeap, Refusal> {
+pub(crate) fn read_heap(picture: &PhotoPixels, settings: &Settings) -> Result<FoundHeap, Unfit> {
     let factor = picture.width().div_ceil(MOST_COLUMNS).max(1);
     #[expect(
         clippy::cast_possible_truncation,
@@ -66,7 +67,7 @@ pub(crate) fn read_heap(picture: &PhotoPixels, settings: &Settings) -> Result<Fo
     let bed = air_and_bed(small.values(), n_sky(&small), settings.foreground)?;
     let share = PhotoPixels::from_values(small.width(), bed.share.clone())
         .blurred((SMOOTHING * small.width() as f64).max(0.8));
-    let outline = outline(&share)?;
+    let (outline, cut) = outline(&share);
     let (sin, cos) = settings.camera_roll.sin_cos();
     // Level coordinates, y up.
     let level: Vec<SurfacePoint> = outline
@@ -76,12 +77,19 @@ pub(crate) fn read_heap(picture: &PhotoPixels, settings: &Settings) -> Result<Fo
             y: -i * sin - j * cos,
         })
         .collect();
-    let heap = measure_heap(&level).map_err(Refusal::Surface)?;
     let scale = factor as f64;
     let to_picture = |p: &SurfacePoint| PixelPoint {
         x: (p.x * cos - p.y * sin + 0.5) * scale - 0.5,
         y: (-p.x * sin - p.y * cos + 0.5) * scale - 0.5,
     };
+    let unfit = |reason| Unfit {
+        boundary: level.iter().map(to_picture).collect(),
+        ..Unfit::from(reason)
+    };
+    if cut * 20 > share.width() {
+        return Err(unfit(Refusal::HeapCut));
+    }
+    let heap = measure_heap(&level).map_err(|e| unfit(Refusal::Surface(e)))?;
     let pick = |wanted: bool| {
         let flagged = level.iter().zip(&heap.used);
         flagged
@@ -98,8 +106,9 @@ pub(crate) fn read_heap(picture: &PhotoPixels, settings: &Settings) -> Result<Fo
     })
 }
 
-/// The highest place of bed in each column: (column, row) of the half share.
-fn outline(share: &PhotoPixels) -> Result<Vec<(f64, f64)>, Refusal> {
+/// The highest place of bed in each column, (column, row) of the half share, and the number of columns in which it lies at
+/// the upper border.
+fn outline(share: &PhotoPixels) -> (Vec<(f64, f64)>, usize) {
     let (width, height) = (share.width(), share.height());
     let value = |i: usize, j: usize| f64::from(share.values()[j * width + i]);
     let mut points = Vec::new();
@@ -116,10 +125,7 @@ fn outline(share: &PhotoPixels) -> Result<Vec<(f64, f64)>, Refusal> {
         let part = ((0.5 - above) / (here - above)).clamp(0.0, 1.0);
         points.push((i as f64, (j - 1) as f64 + part));
     }
-    if cut * 20 > width {
-        return Err(Refusal::HeapCut);
-    }
-    Ok(points)
+    (points, cut)
 }
 
 /// The heap in pixels of the picture.

@@ -2,14 +2,14 @@
 
 use crate::agreement::agreement;
 use crate::channel::channel_of_disc;
-use crate::drum::{FoundDrum, find_drum};
+use crate::drum::{FoundDrum, NotFound, find_drum};
 use crate::heap::read_heap;
 use crate::tone::{BedShare, bed_share};
 use crate::uncertainty::widened;
 use crate::view::{DiscView, REACH};
 use crate::{
-    Channel, DrumPixels, Error, Foreground, Mode, PhotoPixels, PhotoReading, PixelPoint, Refusal,
-    Settings, Verdict,
+    Channel, DrumPixels, Error, Foreground, Glimpse, Mode, PhotoPixels, PhotoReading, PixelPoint,
+    Refusal, Settings, Verdict,
 };
 use image::GrayImage;
 use std::path::Path;
@@ -58,10 +58,10 @@ pub fn measure_photo(picture: &PhotoPixels, settings: &Settings) -> Result<Photo
         return Ok(PhotoReading::refused(reason, settings.drum));
     }
     if settings.mode == Mode::Heap {
-        return Ok(read_heap(picture, settings).map_or_else(
-            |reason| PhotoReading::refused(reason, None),
-            PhotoReading::heap,
-        ));
+        return Ok(match read_heap(picture, settings) {
+            Ok(found) => PhotoReading::heap(found),
+            Err(unfit) => unfit.reading(None),
+        });
     }
     Ok(read_drum(picture, settings))
 }
@@ -73,7 +73,13 @@ fn read_drum(picture: &PhotoPixels, settings: &Settings) -> PhotoReading {
     }
     let by = |channel| match find_drum(&picture.channel(channel)) {
         Ok(drum) => read_disc(picture, &drum, settings),
-        Err(reason) => PhotoReading::refused(reason, None),
+        Err(NotFound { reason, candidate }) => PhotoReading {
+            glimpse: Glimpse {
+                circle: candidate,
+                ..Glimpse::default()
+            },
+            ..PhotoReading::refused(reason, None)
+        },
     };
     let mut told = by(Channel::Luma);
     if picture.has_colour() {
@@ -100,7 +106,8 @@ fn read_disc(picture: &PhotoPixels, found: &FoundDrum, settings: &Settings) -> P
         // Where the bed ends is told also where its surface has no angle.
         Ok(disc) => PhotoReading {
             ends: shell_ends(&disc.field, disc.level, &disc.circle),
-            ..read_surface_of(&disc, found, settings).unwrap_or_else(refused)
+            ..read_surface_of(&disc, found, settings)
+                .unwrap_or_else(|unfit| unfit.reading(Some(found.circle)))
         },
     };
     PhotoReading { channel, ..reading }
@@ -159,7 +166,7 @@ fn read_surface_of(
     disc: &Disc,
     found: &FoundDrum,
     settings: &Settings,
-) -> Result<PhotoReading, Refusal> {
+) -> Result<PhotoReading, Unfit> {
     let drum = found.circle;
     let Disc {
         view,
@@ -170,10 +177,21 @@ fn read_surface_of(
         circle,
     } = disc;
     let level = *level;
-    let points = free_surface(field, level, circle, REACH).map_err(Refusal::Surface)?;
-    let mut surface = read_surface(&points, circle).map_err(Refusal::Surface)?;
+    let points =
+        free_surface(field, level, circle, REACH).map_err(|e| Unfit::from(Refusal::Surface(e)))?;
+    let boundary = || points.iter().map(|p| view.to_picture(p)).collect();
+    let mut surface = read_surface(&points, circle).map_err(|e| Unfit {
+        boundary: boundary(),
+        ..Unfit::from(Refusal::Surface(e))
+    })?;
+    let line = surface.line_ends.map(|p| view.to_picture(&p));
+    let unfit = |reason| Unfit {
+        reason,
+        boundary: boundary(),
+        line: Some(line),
+    };
     let agreement = agreement(view, bed, &points, &surface);
-    agreement.check()?;
+    agreement.check().map_err(unfit)?;
     surface.angle = widened(
         [field, plain],
         level,
@@ -184,13 +202,13 @@ fn read_surface_of(
     );
     let error = surface.angle.standard_error;
     if surface.roughness > MOST_ROUGHNESS * drum.r || error > settings.max_angle_error {
-        return Err(Refusal::TooRough {
+        return Err(unfit(Refusal::TooRough {
             roughness: surface.roughness / drum.r,
             most: MOST_ROUGHNESS,
             error: error.to_degrees(),
             most_error: settings.max_angle_error.to_degrees(),
             line: surface.angle.line.to_degrees(),
-        });
+        }));
     }
     let trust = Trust {
         step: agreement.step,
@@ -201,12 +219,48 @@ fn read_surface_of(
     if let (Some(ends), Some(rim)) = (result.chord_ends, &found.rim)
         && rim.hides_oddly(ends)
     {
-        return Err(Refusal::BrokenRim {
+        return Err(unfit(Refusal::BrokenRim {
             shown: rim.shown,
             elsewhere: rim.elsewhere,
-        });
+        }));
     }
     Ok(result)
+}
+
+/// A boundary that is not measured.
+#[derive(Debug)]
+pub(crate) struct Unfit {
+    /// Why not.
+    pub(crate) reason: Refusal,
+    /// Its points, px.
+    pub(crate) boundary: Vec<PixelPoint>,
+    /// Ends of the line through them: high, low, px.
+    pub(crate) line: Option<[PixelPoint; 2]>,
+}
+
+impl From<Refusal> for Unfit {
+    /// Nothing but the reason.
+    fn from(reason: Refusal) -> Self {
+        Self {
+            reason,
+            boundary: Vec::new(),
+            line: None,
+        }
+    }
+}
+
+impl Unfit {
+    /// The refused reading.
+    fn reading(self, drum: Option<DrumPixels>) -> PhotoReading {
+        PhotoReading {
+            glimpse: Glimpse {
+                circle: None,
+                boundary: self.boundary,
+                line: self.line,
+            },
+            ..PhotoReading::refused(self.reason, drum)
+        }
+    }
 }
 
 /// What the mask tells beside the surface.
@@ -272,6 +326,7 @@ fn reading(
         drum: Some(drum),
         used,
         rejected,
+        glimpse: Glimpse::default(),
         line_ends: Some(surface.line_ends.map(|p| view.to_picture(&p))),
         mid_ends: Some(surface.mid_ends.map(|p| view.to_picture(&p))),
         chord_ends: Some(surface.chord_ends.map(|p| view.to_picture(&p))),

@@ -1,47 +1,64 @@
 //! The picture with what was found drawn over it.
 
-use crate::digits::dots;
-use crate::{PhotoReading, PixelPoint, Settings};
+use crate::font::{dots, lines};
+use crate::{DrumPixels, PhotoReading, PixelPoint, Settings, Verdict};
 use image::{DynamicImage, GrayImage, Rgb, RgbImage};
 
 /// Colour of the drum circle: blue.
 const DRUM: Rgb<u8> = Rgb([40, 120, 255]);
 /// Colour of surface points that count: green.
 const USED: Rgb<u8> = Rgb([0, 200, 60]);
-/// Colour of surface points set aside: magenta.
+/// Colour of surface points set aside and of the boundary in a refused picture: magenta.
 const REJECTED: Rgb<u8> = Rgb([230, 0, 200]);
 /// Colour of the line and of the angle: orange.
 const LINE: Rgb<u8> = Rgb([255, 130, 0]);
 /// Longer side of the overlay at most, px.
 const MOST_SIDE: u32 = 1600;
+/// Dots of a row of text, the gap to the next one included.
+const ROW: u32 = 7;
 
 /// Draws the drum circle (blue), the surface points that count (green) and those set aside
 /// (magenta), the chosen line or the flanks of a heap (orange) and the angle in degrees over the picture.
 ///
-/// A picture longer than 1600 px is scaled down. A refused reading shows the drum, if any.
+/// A refused reading shows what was found: the drum, or the best circle of a search that found none (dashed), the
+/// boundary and the line through it (magenta), and below the picture the reason in words. A picture longer than 1600 px
+/// is scaled down.
 pub fn overlay(picture: &DynamicImage, reading: &PhotoReading, settings: &Settings) -> RgbImage {
+    let seen = marked(picture, reading, settings, MOST_SIDE);
+    match &reading.verdict {
+        Verdict::Ok => seen,
+        Verdict::Refused { reason } => with_words(&seen, &format!("refused: {reason}")),
+    }
+}
+
+/// The picture as in [`overlay`], without words, scaled down to a longer side of at most `most_side`, px.
+pub fn marked(
+    picture: &DynamicImage,
+    reading: &PhotoReading,
+    settings: &Settings,
+    most_side: u32,
+) -> RgbImage {
     let longer = picture.width().max(picture.height());
-    let scale = f64::from(MOST_SIDE.min(longer)) / f64::from(longer.max(1));
-    let canvas = if longer > MOST_SIDE {
-        picture.thumbnail(MOST_SIDE, MOST_SIDE).to_rgb8()
+    let most_side = most_side.max(1);
+    let scale = f64::from(most_side.min(longer)) / f64::from(longer.max(1));
+    let canvas = if longer > most_side {
+        picture.thumbnail(most_side, most_side).to_rgb8()
     } else {
         picture.to_rgb8()
     };
     let mut pen = Pen { canvas, scale };
     if let Some(drum) = reading.drum {
-        let n = 3000;
-        for k in 0..n {
-            let (sin, cos) = (std::f64::consts::TAU * f64::from(k) / f64::from(n)).sin_cos();
-            pen.dot(
-                PixelPoint {
-                    x: drum.cx + drum.r * cos,
-                    y: drum.cy + drum.r * sin,
-                },
-                DRUM,
-            );
-        }
+        pen.circle(drum, false);
     }
-    for (points, colour) in [(&reading.used, USED), (&reading.rejected, REJECTED)] {
+    if let Some(circle) = reading.glimpse.circle {
+        pen.circle(circle, true);
+    }
+    let all = [
+        (&reading.used, USED),
+        (&reading.rejected, REJECTED),
+        (&reading.glimpse.boundary, REJECTED),
+    ];
+    for (points, colour) in all {
         for p in points {
             pen.dot(*p, colour);
         }
@@ -53,12 +70,35 @@ pub fn overlay(picture: &DynamicImage, reading: &PhotoReading, settings: &Settin
     };
     let flanks = reading.heap.iter().flat_map(|heap| heap.lines);
     for [from, to] in ends.into_iter().chain(flanks) {
-        pen.line(from, to);
+        pen.line(from, to, LINE);
+    }
+    if let Some([from, to]) = reading.glimpse.line {
+        pen.line(from, to, REJECTED);
     }
     let angle = reading.angle.map(|angle| angle.by(settings.definition));
     if let Some(angle) = angle.or(reading.heap.as_ref().map(|heap| heap.mean)) {
         let degrees = angle.to_degrees();
-        pen.text(&format!("{degrees:.2}\u{b0}"));
+        let size = pen.canvas.width().max(200) / 200;
+        pen.text(&format!("{degrees:.2}\u{b0}"), (0, size));
+    }
+    pen.canvas
+}
+
+/// A picture with words on a black strip below it.
+fn with_words(picture: &RgbImage, words: &str) -> RgbImage {
+    let (width, height) = picture.dimensions();
+    let size = (width / 320).max(2);
+    let across = (width / size).saturating_sub(2) / 4;
+    let lines = lines(words, usize::try_from(across).unwrap_or(usize::MAX));
+    let rows = u32::try_from(lines.len()).unwrap_or(0);
+    let strip = size * (ROW * rows + 2);
+    let mut canvas = RgbImage::new(width, height + strip);
+    image::imageops::replace(&mut canvas, picture, 0, 0);
+    let mut pen = Pen { canvas, scale: 1.0 };
+    let mut top = height;
+    for line in lines {
+        pen.text(&line, (top, size));
+        top += size * ROW;
     }
     pen.canvas
 }
@@ -81,6 +121,19 @@ struct Pen {
 }
 
 impl Pen {
+    /// A circle of the drum, in dashes where it is a guess.
+    fn circle(&mut self, drum: DrumPixels, dashed: bool) {
+        let n = 3000;
+        for k in (0..n).filter(|k| !dashed || k % 50 < 30) {
+            let (sin, cos) = (std::f64::consts::TAU * f64::from(k) / f64::from(n)).sin_cos();
+            let place = PixelPoint {
+                x: drum.cx + drum.r * cos,
+                y: drum.cy + drum.r * sin,
+            };
+            self.dot(place, DRUM);
+        }
+    }
+
     /// A dot of two by two pixels at a place of the picture; outside nothing.
     fn dot(&mut self, place: PixelPoint, colour: Rgb<u8>) {
         let (x, y) = (place.x * self.scale, place.y * self.scale);
@@ -104,7 +157,7 @@ impl Pen {
     }
 
     /// A straight line between two places of the picture, dashed to leave the points visible.
-    fn line(&mut self, from: PixelPoint, to: PixelPoint) {
+    fn line(&mut self, from: PixelPoint, to: PixelPoint, colour: Rgb<u8>) {
         let n = ((to.x - from.x).hypot(to.y - from.y) * self.scale)
             .ceil()
             .clamp(1.0, 1e5);
@@ -116,32 +169,39 @@ impl Pen {
                     x: from.x + t * (to.x - from.x),
                     y: from.y + t * (to.y - from.y),
                 };
-                self.dot(place, LINE);
+                self.dot(place, colour);
             }
             k += 1.0;
         }
     }
 
-    /// Text at the upper left corner, on black.
-    fn text(&mut self, text: &str) {
-        let size = f64::from(self.canvas.width().max(200) / 200);
+    /// A line of text at the left border, on black; it begins at `top` and its dots have the edge `size`, px of the
+    /// canvas.
+    fn text(&mut self, text: &str, (top, size): (u32, u32)) {
+        let [top, size] = [top, size].map(f64::from);
         let columns = text.chars().count() as f64 * 4.0 + 1.0;
         let mut block = |column: f64, row: f64, colour| {
             let mut k = 0.0;
             while k < size * size {
                 let (dx, dy) = (k % size, (k / size).floor());
-                self.paint((column + 1.0) * size + dx, (row + 1.0) * size + dy, colour);
+                self.paint(
+                    (column + 1.0) * size + dx,
+                    top + (row + 1.0) * size + dy,
+                    colour,
+                );
                 k += 1.0;
             }
         };
-        for k in 0..7_u32 {
+        for k in 0..ROW {
             let mut column = 0.0;
             while column < columns {
                 block(column, f64::from(k), Rgb([0, 0, 0]));
                 column += 1.0;
             }
         }
-        for (i, rows) in text.chars().filter_map(dots).enumerate() {
+        let shown = text.chars().enumerate();
+        let shown = shown.filter_map(|(i, c)| Some((i, dots(c)?)));
+        for (i, rows) in shown {
             for (row, bits) in rows.iter().enumerate() {
                 for bit in 0..3_u32 {
                     if bits >> (2 - bit) & 1 == 1 {

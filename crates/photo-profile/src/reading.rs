@@ -161,6 +161,17 @@ pub struct BedEnds {
     pub top: f64,
 }
 
+/// What was found in a refused picture: to be looked at, no measurement.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Glimpse {
+    /// The best circle of a search that found no drum, px; none where no part of a circle shows.
+    pub circle: Option<DrumPixels>,
+    /// Points of the boundary that was found, px.
+    pub boundary: Vec<PixelPoint>,
+    /// Ends of the line through the boundary: high, low, px.
+    pub line: Option<[PixelPoint; 2]>,
+}
+
 /// The reading of one picture.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PhotoReading {
@@ -182,6 +193,8 @@ pub struct PhotoReading {
     pub used: Vec<PixelPoint>,
     /// Surface points set aside, px.
     pub rejected: Vec<PixelPoint>,
+    /// What was found all the same; nothing where the picture was measured.
+    pub glimpse: Glimpse,
     /// Ends of the least-squares line on the drum circle: high, low, px.
     pub line_ends: Option<[PixelPoint; 2]>,
     /// Ends of the tangent of the middle: high, low, px.
@@ -224,6 +237,7 @@ impl PhotoReading {
             drum,
             used: Vec::new(),
             rejected: Vec::new(),
+            glimpse: Glimpse::default(),
             line_ends: None,
             mid_ends: None,
             chord_ends: None,
@@ -245,6 +259,7 @@ impl PhotoReading {
             quality: (2.0 * found.used.len() as f64 / n).clamp(0.0, 1.0),
             used: found.used,
             rejected: found.rejected,
+            glimpse: Glimpse::default(),
             heap: Some(found.heap),
             line_ends: None,
             mid_ends: None,

@@ -207,25 +207,26 @@ impl Report {
         self
     }
 
-    /// Adds a picture given as the bytes of a PNG file; `description` is for readers who cannot
+    /// Adds a picture given as the bytes of a PNG or JPEG file; `description` is for readers who cannot
     /// see it.
     ///
     /// # Errors
-    /// [`Error::TooFew`] for bytes that do not begin as a PNG file does.
+    /// [`Error::TooFew`] for bytes that do not begin as such a file does.
     pub fn picture(
         &mut self,
-        png: &[u8],
+        bytes: &[u8],
         description: &str,
         caption: &str,
     ) -> Result<&mut Self, Error> {
-        let image = png_element(png, description)?;
+        let image = image_element(bytes, description)?;
         Ok(self.push_figure(&image, caption))
     }
 
-    /// Adds several pictures side by side under one caption; a description and PNG bytes each.
+    /// Adds several pictures side by side under one caption; a description and the bytes of a PNG or JPEG file
+    /// each.
     ///
     /// # Errors
-    /// [`Error::TooFew`] without a picture or for bytes that do not begin as a PNG file does.
+    /// [`Error::TooFew`] without a picture or for bytes that do not begin as such a file does.
     pub fn pictures(
         &mut self,
         pictures: &[(&str, &[u8])],
@@ -234,7 +235,7 @@ impl Report {
         crate::check::Field::new("report", "pictures").at_least(1, pictures.len())?;
         let mut markup = String::from("<div class=\"strip\">");
         for (description, png) in pictures {
-            markup.push_str(&png_element(png, description)?);
+            markup.push_str(&image_element(png, description)?);
         }
         markup.push_str("</div>");
         Ok(self.push_figure(&markup, caption))
@@ -247,7 +248,7 @@ impl Report {
     /// [`Error`] as [`SphereViewer::check`] gives it.
     pub fn viewer(&mut self, viewer: &SphereViewer<'_>, caption: &str) -> Result<&mut Self, Error> {
         viewer.check()?;
-        let image = png_element(viewer.picture, viewer.description)?;
+        let image = image_element(viewer.picture, viewer.description)?;
         let markup = viewer.markup(&image);
         self.need(Script::Viewer);
         Ok(self.push_figure(&markup, caption))
@@ -346,25 +347,28 @@ fn append(target: &mut String, markup: std::fmt::Arguments<'_>) {
 }
 
 /// An `img` element that holds the picture itself.
-fn png_element(png: &[u8], description: &str) -> Result<String, Error> {
-    const SIGNATURE: [u8; 8] = [0x89, b'P', b'N', b'G', 0x0d, 0x0a, 0x1a, 0x0a];
-    let matching = png
-        .iter()
-        .zip(SIGNATURE)
-        .take_while(|(byte, wanted)| *byte == wanted)
-        .count();
-    if matching < SIGNATURE.len() {
-        let (chart, field) = ("report", "signature bytes of a PNG picture");
-        return Err(Error::TooFew {
-            chart,
-            field,
-            count: matching,
-            least: SIGNATURE.len(),
-        });
-    }
-    let data = STANDARD.encode(png);
+fn image_element(bytes: &[u8], description: &str) -> Result<String, Error> {
+    const PNG: &[u8] = &[0x89, b'P', b'N', b'G', 0x0d, 0x0a, 0x1a, 0x0a];
+    const JPEG: &[u8] = &[0xff, 0xd8, 0xff];
+    let kind = if bytes.starts_with(JPEG) {
+        "jpeg"
+    } else {
+        let pairs = bytes.iter().zip(PNG);
+        let matching = pairs.take_while(|(byte, wanted)| byte == wanted).count();
+        if matching < PNG.len() {
+            let (chart, field) = ("report", "signature bytes of a PNG or JPEG picture");
+            return Err(Error::TooFew {
+                chart,
+                field,
+                count: matching,
+                least: PNG.len(),
+            });
+        }
+        "png"
+    };
+    let data = STANDARD.encode(bytes);
     let description = escaped(description);
     Ok(format!(
-        "<img alt=\"{description}\" src=\"data:image/png;base64,{data}\">"
+        "<img alt=\"{description}\" src=\"data:image/{kind};base64,{data}\">"
     ))
 }

@@ -21,6 +21,14 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "OUT.png")]
     pub(crate) overlay: Option<PathBuf>,
 
+    /// Write a table as CSV, one row a picture, refused ones with their reason
+    #[arg(long, value_name = "FILE")]
+    pub(crate) csv: Option<PathBuf>,
+
+    /// Write a page that opens without a network: a summary, and every picture with what was found in it
+    #[arg(long, value_name = "FILE")]
+    pub(crate) html: Option<PathBuf>,
+
     /// Which slope is the angle: least-squares line through the whole free surface, tangent of
     /// the central fifth of the drum diameter, or rim to rim
     #[arg(long, value_enum, default_value_t = DefinitionName::Line)]
@@ -59,8 +67,12 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "DEG", default_value_t = 3.0)]
     pub(crate) max_error_deg: f64,
 
-    /// Pictures a second, where they follow each other at one rate: the angle then also tells how long it is correlated
-    /// with itself, or its avalanches
+    /// Put the points of the surface (px) into the JSON
+    #[arg(long)]
+    pub(crate) points: bool,
+
+    /// Pictures a second, where they follow each other at one rate: each then has a time, and the angle also tells how
+    /// long it is correlated with itself, or its avalanches
     #[arg(long, value_name = "RATE", value_parser = rate)]
     pub(crate) fps: Option<f64>,
 

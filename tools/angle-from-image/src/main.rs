@@ -1,11 +1,14 @@
 //! Reads the angle of repose from photos and frames.
 //!
-//! Thin: arguments in, [`photo_profile`] does the work, text, JSON and overlays out.
+//! Thin: arguments in, [`photo_profile`] does the work, text, JSON, tables, pages and overlays out.
 
+mod advice;
 mod arguments;
+mod page;
 mod results;
 mod run;
 mod summary;
+mod table;
 
 use clap::Parser as _;
 use std::process::ExitCode;

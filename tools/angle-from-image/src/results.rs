@@ -1,5 +1,6 @@
 //! What the command says: JSON and text.
 
+use crate::advice::advice;
 use crate::summary::Summary;
 use command_line::Header;
 use photo_profile::{DrumPixels, HeapReading, PhotoReading, Refusal, Settings, Verdict};
@@ -17,12 +18,18 @@ pub(crate) struct ImageResult {
     pub(crate) file: String,
     /// Number of the frame in an animated file, from 0; none for a still picture.
     pub(crate) frame: Option<usize>,
+    /// Time of the picture by its place in the order of all, from 0, s; none without `--fps`.
+    pub(crate) time_s: Option<f64>,
     /// SHA-256 of the file; none where it could not be read.
     pub(crate) sha256: Option<String>,
     /// `ok`, `refused`, or `error` for a file that could not be read.
     pub(crate) verdict: &'static str,
     /// Why it was refused or not read.
     pub(crate) reason: Option<String>,
+    /// How to go on with a refused picture.
+    pub(crate) advice: Option<String>,
+    /// The flag to go on with, where one is known.
+    pub(crate) advice_flag: Option<String>,
     /// Which slope `angle_deg` is.
     pub(crate) definition: Definition,
     /// The angle by the chosen definition, degrees.
@@ -68,16 +75,42 @@ pub(crate) struct ImageResult {
     pub(crate) channel: Option<String>,
     /// The drum circle, px, y down.
     pub(crate) drum: Option<DrumPixels>,
+    /// The best circle of a search that found no drum, px, y down.
+    pub(crate) drum_candidate: Option<DrumPixels>,
     /// Flanks and apex of a heap; none for a drum.
     pub(crate) heap: Option<HeapResult>,
-    /// Surface points that count, px, y down.
-    pub(crate) surface: Vec<[f64; 2]>,
-    /// Surface points set aside, px, y down.
-    pub(crate) surface_rejected: Vec<[f64; 2]>,
+    /// Points of the surface, with `--points`.
+    #[serde(flatten)]
+    pub(crate) points: Option<Points>,
     /// Whether the points lie in the picture straightened by the corners.
     pub(crate) rectified: bool,
     /// Trust in the reading, 0 to 1.
     pub(crate) quality: f64,
+}
+
+/// Points of the surface, px, y down.
+#[derive(Debug, Clone, Serialize)]
+pub(crate) struct Points {
+    /// Points that count.
+    pub(crate) surface: Vec<[f64; 2]>,
+    /// Points set aside.
+    pub(crate) surface_rejected: Vec<[f64; 2]>,
+    /// Points of the boundary in a refused picture.
+    pub(crate) surface_refused: Vec<[f64; 2]>,
+}
+
+impl Points {
+    /// The points of a reading.
+    pub(crate) fn new(reading: &PhotoReading) -> Self {
+        let pairs = |points: &[photo_profile::PixelPoint]| -> Vec<[f64; 2]> {
+            points.iter().map(|p| [p.x, p.y]).collect()
+        };
+        Self {
+            surface: pairs(&reading.used),
+            surface_rejected: pairs(&reading.rejected),
+            surface_refused: pairs(&reading.glimpse.boundary),
+        }
+    }
 }
 
 /// Flanks and apex of a heap.
@@ -143,15 +176,16 @@ impl ImageResult {
             Verdict::Ok => ("ok", None),
             Verdict::Refused { reason } => ("refused", Some(reason.to_string())),
         };
-        let pairs = |points: &[photo_profile::PixelPoint]| -> Vec<[f64; 2]> {
-            points.iter().map(|p| [p.x, p.y]).collect()
-        };
+        let advice = advice(reading);
         Self {
             file: origin.file,
             frame: origin.frame,
+            time_s: None,
             sha256: Some(origin.sha256),
             verdict,
             reason,
+            advice_flag: advice.as_ref().and_then(|a| a.flag.clone()),
+            advice: advice.map(|a| a.words),
             definition: settings.definition,
             angle_deg: degrees(chosen),
             angle_se_deg: degrees(error),
@@ -180,9 +214,9 @@ impl ImageResult {
             high_side: angle.map(|a| a.high_side),
             channel: Some(reading.channel.to_string()),
             drum: reading.drum,
+            drum_candidate: reading.glimpse.circle,
             heap: heap.map(HeapResult::new),
-            surface: pairs(&reading.used),
-            surface_rejected: pairs(&reading.rejected),
+            points: None,
             rectified,
             quality: reading.quality,
         }
@@ -199,12 +233,17 @@ impl ImageResult {
         }
     }
 
-    /// The line for people.
-    pub(crate) fn text(&self) -> String {
-        let name = match self.frame {
+    /// The file, with the frame of an animation.
+    pub(crate) fn name(&self) -> String {
+        match self.frame {
             Some(frame) => format!("{} frame {frame}", self.file),
             None => self.file.clone(),
-        };
+        }
+    }
+
+    /// The line for people.
+    pub(crate) fn text(&self) -> String {
+        let name = self.name();
         let by = self.channel.as_deref().filter(|channel| *channel != "luma");
         let by = by.map_or(String::new(), |channel| format!(", bed told by {channel}"));
         match (self.angle_deg, self.angle_se_deg, self.high_side) {
@@ -227,11 +266,15 @@ impl ImageResult {
                     self.quality
                 )
             }
-            _ => format!(
-                "{name}: {}: {}",
-                self.verdict,
-                self.reason.as_deref().unwrap_or("no reason")
-            ),
+            _ => {
+                let advice = self.advice.iter().map(|words| format!("; {words}"));
+                format!(
+                    "{name}: {}: {}{}",
+                    self.verdict,
+                    self.reason.as_deref().unwrap_or("no reason"),
+                    advice.collect::<String>()
+                )
+            }
         }
     }
 }

@@ -1,14 +1,16 @@
 //! From arguments to results.
 
 use crate::arguments::Arguments;
-use crate::results::{ImageResult, Origin, Output};
+use crate::page::{jpeg, page, side};
+use crate::results::{ImageResult, Origin, Output, Points};
 use crate::summary::Summary;
+use crate::table::csv;
 use anyhow::Context as _;
 use command_line::{DONE, ERROR, Header, NOT_MET, file_sha256, write_new};
 use image::{DynamicImage, ImageFormat};
 use photo_profile::{
-    PhotoPixels, PhotoReading, Settings, measure_photo, overlay, picture_files, read_frames,
-    rectify, skipped_files,
+    PhotoPixels, PhotoReading, Settings, marked, measure_photo, overlay, picture_files,
+    read_frames, rectify, skipped_files,
 };
 use std::io::Cursor;
 use std::path::{Path, PathBuf};
@@ -18,8 +20,9 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
     let settings = arguments.settings();
     settings.check()?;
     let files = picture_files(&arguments.photos)?;
-    try_outputs(arguments, files.len())?;
+    try_outputs(arguments, &files)?;
     let mut images = Vec::new();
+    let mut shown = Vec::new();
     for file in &files {
         arguments
             .common
@@ -31,11 +34,13 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
                 let result = ImageResult::unread(file, format!("{error:#}"), &settings);
                 arguments.common.print(result.text())?;
                 images.push(result);
+                shown.push(None);
                 continue;
             }
             Err(error) => return Err(error),
         };
         let animated = read.frames.len() > 1;
+        let side = side(files.len().max(read.frames.len()));
         let several = animated || files.len() > 1;
         for (number, frame) in read.frames.into_iter().enumerate() {
             let picture = straightened(frame, arguments)?;
@@ -48,17 +53,27 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
                 };
                 draw(&out, &picture, &reading, arguments)?;
             }
+            if arguments.html.is_some() {
+                shown.push(Some(jpeg(&marked(&picture, &reading, &settings, side))?));
+            }
             let origin = Origin {
                 file: file.display().to_string(),
                 frame: animated.then_some(number),
                 sha256: read.sha256.clone(),
             };
-            let result = ImageResult::new(origin, &reading, &settings, arguments.corners.is_some());
+            let mut result =
+                ImageResult::new(origin, &reading, &settings, arguments.corners.is_some());
+            result.points = arguments.points.then(|| Points::new(&reading));
             arguments.common.print(result.text())?;
             images.push(result);
         }
     }
-    report(arguments, images)
+    if let Some(rate) = arguments.fps {
+        for (place, image) in images.iter_mut().enumerate() {
+            image.time_s = Some(place as f64 / rate);
+        }
+    }
+    report(arguments, images, &shown)
 }
 
 /// A file as it was read.
@@ -77,10 +92,11 @@ fn read(file: &Path) -> anyhow::Result<ReadFile> {
     })
 }
 
-/// Refuses overlays that are no PNG, and overlays and JSON that cannot be written, before any work is done.
+/// Refuses overlays that are no PNG, results in the place of a picture to be read, and results that cannot be written,
+/// before any work is done.
 ///
 /// How many frames an animation has is not known here; a later overlay that exists stops the run.
-fn try_outputs(arguments: &Arguments, n_files: usize) -> anyhow::Result<()> {
+fn try_outputs(arguments: &Arguments, files: &[PathBuf]) -> anyhow::Result<()> {
     if let Some(out) = &arguments.overlay {
         anyhow::ensure!(
             out.extension()
@@ -89,15 +105,29 @@ fn try_outputs(arguments: &Arguments, n_files: usize) -> anyhow::Result<()> {
             out.display()
         );
     }
+    let n_files = files.len();
     let overlays = arguments.overlay.iter().flat_map(|out| {
         let several = (1..=n_files).map(|number| numbered(out, number));
         several
             .filter(move |_| n_files > 1)
             .chain((n_files == 1).then(|| out.clone()))
     });
-    arguments
-        .common
-        .try_outputs(&overlays.collect::<Vec<PathBuf>>())
+    let outputs: Vec<PathBuf> = overlays
+        .chain(arguments.csv.clone())
+        .chain(arguments.html.clone())
+        .collect();
+    let inputs: Vec<PathBuf> = files.iter().filter_map(|f| f.canonicalize().ok()).collect();
+    for out in &outputs {
+        let onto = out
+            .canonicalize()
+            .is_ok_and(|place| inputs.contains(&place));
+        anyhow::ensure!(
+            !onto,
+            "{} is a picture to be read and is not replaced by results: give another name",
+            out.display()
+        );
+    }
+    arguments.common.try_outputs(&outputs)
 }
 
 /// The picture, straightened where corners are given.
@@ -131,8 +161,12 @@ fn numbered(out: &Path, number: usize) -> PathBuf {
     out.with_file_name(format!("{stem}-{number:03}.png"))
 }
 
-/// Writes the summary and the JSON; returns the exit code.
-fn report(arguments: &Arguments, images: Vec<ImageResult>) -> anyhow::Result<u8> {
+/// Writes the summary and the files that are asked for; returns the exit code. `shown` holds the pictures of the page.
+fn report(
+    arguments: &Arguments,
+    images: Vec<ImageResult>,
+    shown: &[Option<Vec<u8>>],
+) -> anyhow::Result<u8> {
     let summary = Summary::new(&images, arguments.fps.map(f64::recip));
     if images.len() > 1 {
         arguments.common.print(summary.text())?;
@@ -158,6 +192,18 @@ fn report(arguments: &Arguments, images: Vec<ImageResult>) -> anyhow::Result<u8>
         skipped: skipped.iter().map(|f| f.display().to_string()).collect(),
         summary,
     };
+    if let Some(file) = &arguments.csv {
+        let text = csv(
+            &output.images,
+            arguments.settings().mode,
+            arguments.fps.is_some(),
+        );
+        write_new(file, text.as_bytes(), arguments.common.overwrite())?;
+    }
+    if let Some(file) = &arguments.html {
+        let text = page(&output, shown, arguments.settings().mode)?;
+        write_new(file, text.as_bytes(), arguments.common.overwrite())?;
+    }
     arguments.common.emit_json(&output)?;
     let summary = &output.summary;
     Ok(if summary.unread == output.images.len() {

@@ -11,11 +11,11 @@ use surface_profile::{
 #[derive(Debug, Clone, Copy, Serialize)]
 pub(crate) struct Spread {
     /// Mean.
-    mean: f64,
+    pub(crate) mean: f64,
     /// Standard deviation between pictures; none of one.
-    sd: Option<f64>,
+    pub(crate) sd: Option<f64>,
     /// Standard error of the mean, correlation between neighbours counted; none of one.
-    se: Option<f64>,
+    pub(crate) se: Option<f64>,
     /// Number of independent pictures that would tell as much.
     n_effective: f64,
 }
@@ -59,7 +59,7 @@ impl TooRough {
     }
 
     /// The sentence for people.
-    fn text(&self) -> String {
+    pub(crate) fn text(&self) -> String {
         let Self {
             n,
             mean_deg,

@@ -128,6 +128,12 @@ fn pictures_come_back_byte_for_byte() {
         .strip_prefix("data:image/png;base64,")
         .unwrap();
     assert_eq!(STANDARD.decode(data).unwrap(), PNG);
+    let jpeg = [0xff, 0xd8, 0xff, 0xe0, 7];
+    let mut report = Report::new("t");
+    report.picture(&jpeg, "d", "c").unwrap();
+    let source = format!("src=\"data:image/jpeg;base64,{}\"", STANDARD.encode(jpeg));
+    assert!(report.html().contains(&source), "a JPEG under its name");
+    assert!(report.picture(b"GIF89a", "d", "c").is_err(), "no GIF");
 }
 
 #[test]

@@ -1,0 +1,355 @@
+//! The results as one page that opens without a network: a summary, then every picture with what was found in it.
+
+use crate::results::{ImageResult, Output};
+use crate::summary::Spread;
+use anyhow::Context as _;
+use image::RgbImage;
+use image::codecs::jpeg::JpegEncoder;
+use photo_profile::Mode;
+use report::{
+    AxisTitle, Column, Fact, Level, LineSeries, Report, Series, SeriesPoint, Table, Verdict,
+};
+use surface_profile::Definition;
+
+/// Up to so many pictures are shown large.
+const FEW: usize = 60;
+/// Longer side of a picture in a page of few and of many pictures, px.
+const SIDES: [u32; 2] = [800, 400];
+/// Quality of the pictures, 1 to 100: a line of two pixels stays sharp.
+const QUALITY: u8 = 85;
+/// Standard errors in half of the 95 % interval.
+const HALF_INTERVAL: f64 = 1.96;
+
+/// Longer side of the pictures in a page of at least so many, px.
+pub(crate) fn side(n_pictures: usize) -> u32 {
+    SIDES[usize::from(n_pictures > FEW)]
+}
+
+/// A picture as it goes into the page.
+pub(crate) fn jpeg(picture: &RgbImage) -> anyhow::Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    JpegEncoder::new_with_quality(&mut bytes, QUALITY)
+        .encode_image(picture)
+        .context("cannot draw a picture of the page")?;
+    Ok(bytes)
+}
+
+/// The page; `shown` holds for each picture its overlay as JPEG, none for one that could not be read.
+pub(crate) fn page(
+    output: &Output,
+    shown: &[Option<Vec<u8>>],
+    mode: Mode,
+) -> anyhow::Result<String> {
+    let all: Vec<Shown<'_>> = output
+        .images
+        .iter()
+        .zip(shown)
+        .enumerate()
+        .map(|(place, (image, jpeg))| Shown {
+            number: place + 1,
+            image,
+            jpeg: jpeg.as_deref(),
+        })
+        .collect();
+    let mut page = Report::new(match all.len() {
+        1 => "Angle of repose from a picture".to_owned(),
+        n => format!("Angle of repose from {n} pictures"),
+    });
+    summary(&mut page, output, &all, mode)?;
+    let (measured, others): (Vec<&Shown<'_>>, Vec<_>) =
+        all.iter().partition(|s| s.image.angle_deg.is_some());
+    if !others.is_empty() {
+        page.section("Pictures without an angle");
+        for shown in others {
+            shown.without_angle(&mut page)?;
+        }
+    }
+    if !measured.is_empty() {
+        page.section("Measured pictures");
+        page.paragraph(&format!("{}.", legend(mode)));
+        for shown in measured {
+            shown.measured(&mut page)?;
+        }
+    }
+    page.provenance(&format!("angle-from-image {}.", output.header.version));
+    for (file, hash) in &output.header.inputs {
+        page.provenance(&format!("{file}: SHA-256 {hash}"));
+    }
+    Ok(page.html())
+}
+
+/// What the colours of a measured picture are.
+fn legend(mode: Mode) -> &'static str {
+    match mode {
+        Mode::Drum => {
+            "Blue: the drum. Green: points of the surface that count; magenta: set aside. Orange: the line whose slope is \
+             the angle"
+        }
+        Mode::Heap => {
+            "Green: points of the flanks that count; magenta: points that do not. Orange: the lines of the flanks"
+        }
+    }
+}
+
+/// One picture with its number.
+struct Shown<'a> {
+    /// Place in the order of all, from 1; also in the names of overlays.
+    number: usize,
+    /// Its result.
+    image: &'a ImageResult,
+    /// What was found in it, as JPEG.
+    jpeg: Option<&'a [u8]>,
+}
+
+impl Shown<'_> {
+    /// The file, with the frame of an animation.
+    fn name(&self) -> String {
+        self.image.name()
+    }
+
+    /// A refused or unread picture: first how to go on, then why.
+    fn without_angle(&self, page: &mut Report) -> anyhow::Result<()> {
+        let image = self.image;
+        page.subsection(&format!("{}. {}", self.number, self.name()));
+        if let Some(words) = &image.advice {
+            page.verdict(Verdict::Note, "How to go on", &sentence(words));
+        }
+        if let Some(flag) = &image.advice_flag {
+            page.verbatim(flag);
+        }
+        let reason = image.reason.as_deref().unwrap_or("no reason");
+        let verdict = if image.sha256.is_some() {
+            "Refused"
+        } else {
+            "Not read"
+        };
+        page.paragraph(&format!("{verdict}: {reason}."));
+        if let Some(jpeg) = self.jpeg {
+            let caption = "Blue: the drum, dashed where it is a guess. Magenta: the boundary that was found, and its line.";
+            page.picture(
+                jpeg,
+                &format!("Refused picture {}", self.number),
+                &format!("{}. {caption}", self.name()),
+            )?;
+        }
+        Ok(())
+    }
+
+    /// A measured picture.
+    fn measured(&self, page: &mut Report) -> anyhow::Result<()> {
+        if let Some(jpeg) = self.jpeg {
+            let caption = format!("{}. {}.", self.number, self.image.text());
+            page.picture(jpeg, &format!("Measured picture {}", self.number), &caption)?;
+        }
+        Ok(())
+    }
+}
+
+/// Words as a sentence of their own.
+fn sentence(words: &str) -> String {
+    let mut letters = words.chars();
+    let first = letters.next().map(char::to_uppercase);
+    first
+        .into_iter()
+        .flatten()
+        .chain(letters)
+        .collect::<String>()
+        + "."
+}
+
+/// The first section: verdict, means, course over the pictures and the list of all.
+fn summary(
+    page: &mut Report,
+    output: &Output,
+    all: &[Shown<'_>],
+    mode: Mode,
+) -> anyhow::Result<()> {
+    let summary = &output.summary;
+    page.section("Summary");
+    let told = [
+        (summary.n, "measured"),
+        (summary.refused, "refused"),
+        (summary.unread, "not read"),
+    ];
+    let told = told.iter().filter(|(n, _)| *n > 0);
+    let told: Vec<String> = told.map(|(n, what)| format!("{n} {what}")).collect();
+    let (verdict, reason) = match (summary.n, summary.refused + summary.unread) {
+        (_, 0) => (
+            Verdict::Good,
+            "Look at the pictures before you believe a number.",
+        ),
+        (0, _) => (Verdict::Bad, "Each picture below says first how to go on."),
+        _ => (
+            Verdict::Caution,
+            "Each picture without an angle says first how to go on.",
+        ),
+    };
+    page.verdict(verdict, &sentence(&told.join(", ")), reason);
+    let facts = facts(output, mode);
+    if !facts.is_empty() {
+        page.facts(&facts);
+    }
+    if let Some(rough) = &summary.too_rough {
+        page.paragraph(&format!("{}.", rough.text().trim()));
+    }
+    if all.len() > 1 {
+        if let Some(chart) = course(all, summary.mean_deg) {
+            let caption =
+                "The angle of each picture that has one, with its 95 % interval, and the mean.";
+            page.figure(&chart.draw()?, caption);
+        }
+        page.table(&list(all)?);
+        if let Some(table) = observables(output)? {
+            page.table(&table);
+        }
+    }
+    if !output.skipped.is_empty() {
+        page.paragraph(&format!(
+            "Skipped, as no pictures by their names: {}.",
+            output.skipped.join(", ")
+        ));
+    }
+    Ok(())
+}
+
+/// The angle with its error, or the mean of several, and which slope it is.
+fn facts(output: &Output, mode: Mode) -> Vec<Fact> {
+    let slope = match (mode, output.images.first()) {
+        (Mode::Heap, _) => "both flanks, their mean",
+        (Mode::Drum, image) => definition(image.map(|i| i.definition).unwrap_or_default()),
+    };
+    let slope = Fact::new("The angle is that of", slope);
+    let summary = &output.summary;
+    if let [image] = output.images.as_slice() {
+        let Some((angle, error)) = image.angle_deg.zip(image.angle_se_deg) else {
+            return Vec::new();
+        };
+        let mut facts = vec![Fact::new("Angle", with_error(angle, Some(error)))];
+        if let Some([low, high]) = image.angle_interval_deg {
+            let interval = format!("{low:.2} to {high:.2}\u{b0}");
+            facts.push(Fact::new("95 % interval", interval));
+        }
+        facts.push(slope);
+        return facts;
+    }
+    let Some(mean) = summary.mean_deg else {
+        return Vec::new();
+    };
+    let mut facts = vec![Fact::new("Mean angle", with_error(mean, summary.se_deg))];
+    if let Some(sd) = summary.sd_deg {
+        let name = "Standard deviation between pictures";
+        facts.push(Fact::new(name, format!("{sd:.2}\u{b0}")));
+    }
+    if let Some(n) = summary.n_effective {
+        facts.push(Fact::new("Independent pictures", format!("{n:.1}")));
+    }
+    facts.push(slope);
+    facts
+}
+
+/// A definition in words.
+fn definition(definition: Definition) -> &'static str {
+    match definition {
+        Definition::Line => "the line through the whole surface",
+        Definition::Mid => "the central fifth of the drum",
+        Definition::Chord => "the chord from rim to rim",
+    }
+}
+
+/// An angle with its standard error, degrees.
+fn with_error(angle: f64, error: Option<f64>) -> String {
+    match error {
+        Some(error) => format!("{angle:.2} \u{b1} {error:.2}\u{b0}"),
+        None => format!("{angle:.2}\u{b0}, error unknown"),
+    }
+}
+
+/// The angle over the pictures, or over time where it is known; none of fewer than two.
+fn course(all: &[Shown<'_>], mean: Option<f64>) -> Option<LineSeries> {
+    let points = all.iter().filter_map(|shown| {
+        let image = shown.image;
+        let x = image.time_s.unwrap_or(shown.number as f64);
+        let error = HALF_INTERVAL * image.angle_se_deg?;
+        Some(SeriesPoint::new(x, image.angle_deg?, error))
+    });
+    let points: Vec<SeriesPoint> = points.collect();
+    let finite = |p: &SeriesPoint| p.x.is_finite() && p.y.is_finite() && p.error.is_finite();
+    if points.len() < 2 || !points.iter().all(finite) {
+        return None;
+    }
+    let timed = all.iter().any(|shown| shown.image.time_s.is_some());
+    let x = if timed {
+        AxisTitle::new("Time", "s")
+    } else {
+        AxisTitle::new("Picture", "")
+    };
+    Some(LineSeries {
+        x,
+        y: AxisTitle::new("Angle", "\u{b0}"),
+        series: vec![Series {
+            name: "angle".to_owned(),
+            points,
+        }],
+        levels: mean
+            .map(|mean| Level::new("mean", mean))
+            .into_iter()
+            .collect(),
+    })
+}
+
+/// All pictures as a table.
+fn list(all: &[Shown<'_>]) -> anyhow::Result<Table> {
+    let timed = all.iter().any(|shown| shown.image.time_s.is_some());
+    let mut columns = vec![Column::number("No."), Column::text("Picture")];
+    if timed {
+        columns.push(Column::number("Time, s"));
+    }
+    columns.extend([
+        Column::number("Angle, \u{b0}"),
+        Column::number("Standard error, \u{b0}"),
+        Column::text("Verdict"),
+    ]);
+    let mut table = Table::new("All pictures in their order.", columns)?;
+    let number = |value: Option<f64>| value.map_or_else(String::new, |v| format!("{v:.2}"));
+    for shown in all {
+        let image = shown.image;
+        let mut row = vec![shown.number.to_string(), shown.name()];
+        if timed {
+            row.push(image.time_s.map_or_else(String::new, |t| format!("{t:.3}")));
+        }
+        row.extend([
+            number(image.angle_deg),
+            number(image.angle_se_deg),
+            image.verdict.to_owned(),
+        ]);
+        table.row(row)?;
+    }
+    Ok(table)
+}
+
+/// What the pictures tell together beside the angle; none of a heap.
+fn observables(output: &Output) -> anyhow::Result<Option<Table>> {
+    let found = &output.summary.observables;
+    if found.is_empty() {
+        return Ok(None);
+    }
+    let mut table = Table::new(
+        "All that the pictures tell, by the names that studies use; the unit is the end of the name.",
+        vec![
+            Column::text("Name"),
+            Column::number("Mean"),
+            Column::number("Standard error"),
+            Column::number("Standard deviation"),
+        ],
+    )?;
+    let number = |value: Option<f64>| value.map_or_else(String::new, |v| format!("{v:.4}"));
+    for (name, Spread { mean, sd, se, .. }) in found {
+        table.row([
+            (*name).to_owned(),
+            number(Some(*mean)),
+            number(*se),
+            number(*sd),
+        ])?;
+    }
+    Ok(Some(table))
+}
