@@ -277,11 +277,12 @@ rigid-or-bonded *ARGS:
     cargo run --release --locked -p scene --example rigid_or_bonded -- "$@"
 
 # Installs the Debian package where it is missing; apt-get may need root.
-# Open the report of a closed-form study in Chromium and hold its numbers to the fits; the page stays in out/browser-test (seconds).
+# Open the report of a closed-form study and the page of a watched campaign in Chromium; the report stays in out/browser-test (seconds).
 [group('build and check')]
 browser-test:
     command -v chromium > /dev/null || apt-get install --yes --no-install-recommends chromium
     cargo test --release --locked -p study-report --lib browser -- --ignored
+    cargo test --release --locked -p campaign-watch --lib browser -- --ignored
 
 # Measure what a step of the solver costs, on the default set of scenes.
 [group('speed')]

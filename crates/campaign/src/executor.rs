@@ -4,7 +4,7 @@ use run_store::Store;
 
 use crate::{RunRequest, SimulatorError};
 
-/// A run that has no record yet.
+/// A run of a list, as an executor is to do it or a listener hears of it.
 #[derive(Debug, Clone, Copy)]
 pub struct PendingRun<'a> {
     /// What is asked for.

@@ -19,14 +19,7 @@ impl Campaign<'_> {
         self.tell(jobs, board, pace);
         let numbers: Vec<usize> = board.waiting.drain(..).collect();
         let waiting: Vec<&Job> = numbers.iter().filter_map(|i| jobs.get(*i)).collect();
-        let pending: Vec<PendingRun<'_>> = waiting
-            .iter()
-            .map(|job| PendingRun {
-                request: &job.request,
-                key: job.blank.key(),
-                cost: job.cost,
-            })
-            .collect();
+        let pending: Vec<PendingRun<'_>> = waiting.iter().map(|job| job.pending()).collect();
         board.waiting.extend(&numbers);
         let stopped = || self.stop.is_some_and(|flag| flag.load(Ordering::SeqCst));
         executor.execute(&pending, self.store, &stopped, &mut |event| {

@@ -47,6 +47,7 @@ mod handover;
 mod jobs;
 mod pace;
 mod progress;
+mod progress_folder;
 mod records;
 mod request;
 mod runner;
@@ -58,6 +59,10 @@ pub use error::{Error, in_full};
 pub use executor::{Executor, ExecutorError, PendingRun, RunEvent};
 pub use pace::Pace;
 pub use progress::{LineProgress, Progress, ProgressState, Silent};
+pub use progress_folder::{
+    CampaignPlan, CampaignState, MeasuredMean, ParameterName, PlannedList, PlannedRun,
+    ProgressFolder, StagePlan,
+};
 pub use request::{RunOutcome, RunRequest};
 pub use runner::Campaign;
 pub use simulator::{Simulator, SimulatorError};

@@ -4,11 +4,15 @@ use std::fmt;
 use std::io::Write;
 use std::sync::{Mutex, PoisonError};
 
+use crate::PendingRun;
+
 /// How far a list of runs is, and the loop that it belongs to.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ProgressState {
     /// Runs of the list that are over: reused, finished or failed.
     pub done: usize,
+    /// Runs of the list that gave no result.
+    pub failed: usize,
     /// Runs of the list whose record was in the store, or came there from another campaign.
     pub reused: usize,
     /// Different runs of the list.
@@ -42,6 +46,11 @@ impl fmt::Display for ProgressState {
 
 /// A listener; called by one thread at a time.
 pub trait Progress: Sync {
+    /// Hears which different runs a list has, before its first update.
+    fn planned(&self, runs: &[PendingRun<'_>]) {
+        let _ = runs;
+    }
+
     /// Hears how far the campaign is: once at the start and after each run.
     fn update(&self, state: &ProgressState);
 
@@ -115,6 +124,7 @@ mod tests {
     fn line_says_how_far_and_how_long_in_readable_units() {
         let mut state = ProgressState {
             done: 3,
+            failed: 0,
             reused: 1,
             total: 9,
             running: 2,

@@ -10,7 +10,7 @@ use crate::board::{Failure, lock};
 use crate::claims::Keeper;
 use crate::jobs::{Job, JobList};
 use crate::workers::Hall;
-use crate::{Error, Executor, Pace, Progress, RunRequest, Simulator};
+use crate::{Error, Executor, Pace, PendingRun, Progress, RunRequest, Simulator};
 
 /// Runs lists of requests against a store.
 #[derive(Clone, Copy)]
@@ -179,6 +179,8 @@ impl<'a> Campaign<'a> {
         let own = Pace::new();
         let pace = self.pace.unwrap_or(&own);
         let mut board = self.look_up(jobs)?;
+        let pending: Vec<PendingRun<'_>> = jobs.iter().map(Job::pending).collect();
+        self.progress.planned(&pending);
         if let Some(executor) = self.executor {
             self.have_done(executor, jobs, &mut board, pace)?;
             return Ok(board.results);

@@ -236,6 +236,12 @@ impl Campaign<'_> {
         let workload = board.workload(jobs, pace.seconds_per_cost(), self.threads);
         self.progress.update(&ProgressState {
             done: board.results.iter().flatten().count(),
+            failed: board
+                .results
+                .iter()
+                .flatten()
+                .filter(|r| r.is_err())
+                .count(),
             reused: board.reused,
             total: jobs.len(),
             running: board.running.len(),

@@ -3,7 +3,7 @@
 /// Text in which markup has no meaning, for element content and for quoted attributes.
 ///
 /// Control characters that XML forbids are replaced by U+FFFD.
-pub(crate) fn escaped(text: &str) -> String {
+pub fn escaped(text: &str) -> String {
     let mut result = String::with_capacity(text.len() + 16);
     for character in text.chars() {
         match character {

@@ -57,6 +57,7 @@ pub use chart::surface::Surface;
 pub use chart::timeseries::{TimeSeries, TimeSpan};
 pub use chart::{AxisTitle, Level};
 pub use error::Error;
+pub use escape::escaped;
 pub use html::explorer::{
     ExploredPrediction, ExploredSurface, ExploredTarget, Explorer, NamedPlace, SliderParameter,
 };

@@ -39,6 +39,7 @@ mod record_file;
 mod sealed;
 mod set_aside;
 mod store;
+mod view;
 
 pub use canonical::{SCHEMA, canonical_json, run_key};
 pub use claim::{Attempt, CLAIM_LIFE, Claim, Holder};
@@ -49,3 +50,4 @@ pub use record::{Observation, Record};
 pub use sealed::{seal, seal_text, unseal, unseal_text};
 pub use set_aside::set_file_aside;
 pub use store::{Lookup, Store};
+pub use view::{FolderView, read_record, record_path};

@@ -90,16 +90,17 @@ pub(crate) fn is_beside_records(path: &Path) -> bool {
     let Some(name) = path.file_name() else {
         return false;
     };
-    if name.as_encoded_bytes().starts_with(b".") {
-        return true;
-    }
-    let set_aside = name.to_str().and_then(|name| {
-        let (record, rest) = name.split_once(DAMAGED_ENDING)?;
-        key_of(Path::new(record))?;
-        let number = rest.strip_prefix('-').unwrap_or("2");
-        Some((rest.is_empty() || rest.starts_with('-')) && number.parse::<usize>().is_ok())
-    });
-    set_aside == Some(true)
+    name.as_encoded_bytes().starts_with(b".") || damaged_name(path).is_some()
+}
+
+/// The name of a record that was set aside.
+pub(crate) fn damaged_name(path: &Path) -> Option<&str> {
+    let name = name(path)?;
+    let (record, rest) = name.split_once(DAMAGED_ENDING)?;
+    key_of(Path::new(record))?;
+    let number = rest.strip_prefix('-').unwrap_or("2");
+    let fits = (rest.is_empty() || rest.starts_with('-')) && number.parse::<usize>().is_ok();
+    fits.then_some(name)
 }
 
 #[cfg(test)]

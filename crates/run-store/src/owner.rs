@@ -15,6 +15,11 @@ const RENEWALS: u32 = 6;
 /// What stands for the folder itself among the claims.
 const FOLDER: &[u8] = b"the folder of the store";
 
+/// The key under which the folder itself is claimed.
+pub(crate) fn folder_key() -> String {
+    hexadecimal(FOLDER)
+}
+
 /// What came of asking for a folder, or for one run in it, for longer.
 #[derive(Debug)]
 pub enum Entry {
@@ -46,7 +51,7 @@ impl Store {
     ///
     /// [`Error::Io`] when the folder cannot be read.
     pub fn enter(&self, work: &str) -> Result<Entry, Error> {
-        self.ask(&hexadecimal(FOLDER), work, true)
+        self.ask(&folder_key(), work, true)
     }
 
     /// Asks for one run, so that no other process does it meanwhile.

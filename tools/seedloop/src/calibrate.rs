@@ -6,9 +6,10 @@ mod text;
 use crate::enter::{enter, require_memory, work_of};
 use crate::runner::{Retries, Runner, whole};
 use crate::stop::Stop;
+use crate::watched;
 use crate::work::Job;
 use anyhow::Context as _;
-use campaign::{Executor, LineProgress};
+use campaign::{Executor, LineProgress, ProgressFolder};
 use command_line::{Common, DONE, NOT_MET, Overwrite, try_folder};
 use std::path::{Path, PathBuf};
 use study::{RunSettings, Study, plan_study, run_study, write_hand_over, write_result};
@@ -81,7 +82,9 @@ pub(crate) fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<u8> 
     let stop = Stop::of_runs(&folder)?;
     let simulator = study.simulator(&folder)?.with_retries(retries);
     let simulator = simulator.with_stop(stop.flag());
-    let progress = progress_lines(common);
+    let lines = progress_lines(common);
+    let told = watched::of_calibration(&study, &price);
+    let progress = ProgressFolder::new(&folder, told, &lines);
     let job = |folder: &Path| of_study(&study, folder, retries);
     let executor = (arguments.runner).executor(job, &folder, &study.file.runner, common)?;
     let settings = RunSettings {
@@ -93,7 +96,10 @@ pub(crate) fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<u8> 
         retries,
         executor: executor.as_ref().map(|e| e as &dyn Executor),
     };
-    let announce = |stage: &str| common.log(|| format!("== {stage}"));
+    let announce = |stage: &str| {
+        progress.announce(stage);
+        common.log(|| format!("== {stage}"));
+    };
     let done = run_study(&study, &simulator, &settings, &announce);
     let mut result = match stop.result(done)? {
         Ok(result) => result,
@@ -103,6 +109,7 @@ pub(crate) fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<u8> 
         .with_context(|| format!("cannot write the results into {}", folder.display()))?;
     write_result(&folder.join("result.json"), &result)?;
     report::write(&folder, &study, &simulator, &result)?;
+    progress.end(watched::FINISHED);
     common.print(text::result(&result, &folder, &files).trim_end())?;
     common.emit_json(&result)?;
     Ok(if result.calibration.met {

@@ -9,9 +9,10 @@ use crate::diagnose::{evidence_text, exit_code};
 use crate::enter::{enter, require_memory, work_of};
 use crate::runner::Runner;
 use crate::stop::Stop;
+use crate::watched;
 use anyhow::Context as _;
 use calibration::{DiagnosisStage, ResidualStudy};
-use campaign::Executor;
+use campaign::{Executor, ProgressFolder};
 use command_line::{Common, DONE, NOT_MET, try_folder};
 use residual_diagnosis::Diagnosis;
 use serde::Serialize;
@@ -87,7 +88,9 @@ pub(crate) fn run(path: &Path, options: &Options, common: &Common) -> anyhow::Re
     );
     let _owner = enter(&folder, &work, common)?;
     common.log(|| planned.trim_end().to_owned());
-    let progress = progress_lines(common);
+    let lines = progress_lines(common);
+    let progress = ProgressFolder::new(&folder, watched::of_diagnosis(&study, runs), &lines);
+    progress.announce(watched::DIAGNOSIS);
     let stop = Stop::of_runs(&folder)?;
     let job = |folder: &Path| of_study(&study, folder, options.retries);
     let executor = (options.runner).executor(job, &folder, &study.file.runner, common)?;
@@ -122,6 +125,7 @@ pub(crate) fn run(path: &Path, options: &Options, common: &Common) -> anyhow::Re
             (None, NOT_MET)
         }
     };
+    progress.end(watched::FINISHED);
     for warning in done.iter().flat_map(|d| &d.warnings) {
         common.log(|| format!("warning: {warning}"));
     }

@@ -17,6 +17,8 @@ mod runner;
 mod simulate;
 mod stop;
 mod verify;
+mod watch;
+mod watched;
 mod work;
 
 use clap::{Parser, Subcommand};
@@ -56,6 +58,8 @@ enum Command {
         #[command(flatten)]
         common: Common,
     },
+    /// Shows a campaign while it runs, in a browser on this machine: stages, runs, charts, latest frames
+    Watch(watch::Arguments),
     /// Tells which effect, if any, a residual that re-tuning cannot remove speaks for
     Diagnose(diagnose::Arguments),
     /// Reads bench measurements, or does the same test with the solver
@@ -79,6 +83,7 @@ fn main() -> ExitCode {
         Command::Optimise(arguments) => optimise::run(arguments),
         Command::Init(arguments) => init::run(arguments),
         Command::Calibrate { arguments, common } => calibrate::run(arguments, common),
+        Command::Watch(arguments) => watch::run(arguments),
         Command::Diagnose(arguments) => diagnose::run(arguments),
         Command::BenchTest(arguments) => bench_test::run(arguments),
         Command::Export(arguments) => export::run(arguments),

@@ -4,9 +4,10 @@ use crate::calibrate::{duration, progress_lines, refuse_used_folder};
 use crate::enter::{enter, require_memory, work_of};
 use crate::runner::{Retries, Runner, runner_settings, whole};
 use crate::stop::Stop;
+use crate::watched;
 use crate::work::Job;
 use anyhow::Context as _;
-use campaign::Campaign;
+use campaign::{Campaign, ProgressFolder};
 use command_line::{Common, DONE, Header, NOT_MET, Overwrite, try_folder, write_new};
 use run_store::{Observation, Record, Store};
 use serde::Serialize;
@@ -152,7 +153,10 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
     let _owner = enter(&folder, &work, common)?;
     common.log(|| told);
     let store = Store::open(&runs)?;
-    let (progress, stop) = (progress_lines(common), Stop::of_runs(&folder)?);
+    let (lines, stop) = (progress_lines(common), Stop::of_runs(&folder)?);
+    let name = arguments.design.file_stem().unwrap_or_default();
+    let told = watched::of_design(&name.to_string_lossy());
+    let progress = ProgressFolder::new(&folder, told, &lines);
     let simulator = simulator.with_stop(stop.flag());
     let campaign = Campaign::new(&store, common.threads(), &progress).with_stop(stop.flag());
     let settings = runner_settings(arguments.runner_settings.as_deref())?;
@@ -170,6 +174,7 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
     let text = table.results_csv(&outcomes);
     // The folder was asked for: what lies in it may be renewed.
     write_new(&file, text.as_bytes(), Overwrite::Allow)?;
+    progress.end(watched::FINISHED);
     let failed = tell_failures(table.runs(), &outcomes)?;
     let file = file.display().to_string();
     common.print(format!(
