@@ -21,7 +21,7 @@ const STICKING: [f64; 3] = [0.35, 0.5, 0.7];
 /// Share of the longest stable time step that a bed at rest takes: of any seeds, and of single spheres with a rolling
 /// friction of type A.
 ///
-/// Beads of 0.02 MPa stand 1.7 deg too low at 1.4, beads of 0.25 MPa are right at 1.25; with rolling friction they stand 1.1 deg
+/// Beads of 20 kPa stand 1.7 deg too low at 1.4, beads of 250 kPa are right at 1.25; with rolling friction they stand 1.1 deg
 /// too low at 1.25 and are right at 0.7. Packings with rolling friction are right at 0.9.
 const AT_REST: [f64; 2] = [1.0, 0.7];
 

@@ -10,7 +10,7 @@ const MEETINGS: u32 = 200;
 
 /// How much longer the contact of the hardest meeting counts: seeds seldom meet so.
 ///
-/// Ellipsoids of 20 and 50 overlapping spheres of 0.25 MPa flew off at a step of 0.6 of the contact of that meeting and not at 0.5;
+/// Ellipsoids of 20 and 50 overlapping spheres of a quarter of a megapascal flew off at a step of 0.6 of the contact of that meeting and not at 0.5;
 /// the study's packings, whose spheres touch few at a time, hold at 0.54 (docs/time-step.md).
 const SELDOM: f64 = 1.6;
 
@@ -26,7 +26,7 @@ const HALVINGS: u32 = 40;
 /// `t_c = min(t(m_tip, R_max), 1.6 t_all)`: the [`duration`] of a collision of the largest sphere with a flat wall, with the
 /// [mass felt at the tip](Clump::mass_felt_at_tip), or the least of 200 meetings in which all spheres count that touch. In a
 /// meeting the bodies come together along the line of their centres until the springs hold the energy of the motion,
-/// `sum_ij 8/15 E* sqrt(R_ij) d_ij^(5/2) = m_e v²/2`, with d_ij the overlap of two spheres and R_ij their effective radius.
+/// `sum_ij 8/15 E* sqrt(R_ij) d_ij^(5/2) = m_e v²/2`, with `d_ij` the overlap of two spheres and `R_ij` their effective radius.
 /// The stiffness is then `k = sum_ij 2 E* sqrt(R_ij d_ij)`. One pair collides for `2.9432 sqrt(15/8) sqrt(m_e/k)`, which is
 /// taken for any number of them.
 ///

@@ -49,25 +49,25 @@ pub(super) fn inputs(report: &mut Report, inputs: &BTreeMap<String, String>) {
 
 /// What was spent, in sentences.
 pub(super) fn spent(spent: &TimeSpent) -> String {
-    let mut text = format!(
+    let mut sentences = vec![format!(
         "All runs took {} s of one core, and this call {} s.",
         fixed(spent.core_s, 0),
         fixed(spent.wall_s, 0)
-    );
+    )];
     let total = spent.phases.total_s();
     if total > 0.0 {
         let share =
             |(name, time): (&str, f64)| format!("{name} {} %", fixed(100.0 * time / total, 0));
         let shares = spent.phases.named().map(share).join(", ");
-        text += &format!(" Of the time of the runs: {shares}.");
+        sentences.push(format!("Of the time of the runs: {shares}."));
     }
     if let Some(waiting) = spent.waiting_s {
-        text += &format!(
-            " For {} s a thread of this call computed no run: it waited for the last of a stage, or surfaces were fitted.",
+        sentences.push(format!(
+            "For {} s a thread of this call computed no run: it waited for the last of a stage, or surfaces were fitted.",
             fixed(waiting, 0)
-        );
+        ));
     }
-    text
+    sentences.join(" ")
 }
 
 /// Runs and time by stage; nothing where no stage is told.
