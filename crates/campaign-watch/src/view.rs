@@ -1,11 +1,12 @@
 //! The parts of the page: each is markup made of what the folder shows, with every text escaped.
 
-use report::escaped;
+use campaign::time_in_words;
+use report::{counted, escaped};
 use std::fmt::Write as _;
 
 use crate::charts::{MOST_CHARTS, Shown, plain_unit, shown};
 use crate::folder::{AskedRun, Snapshot};
-use crate::number::{counted, short, span};
+use crate::number::short;
 
 /// Time without a word and without a claim after which a campaign counts as gone, s: twice the life of a claim.
 const SILENCE_S: f64 = 120.0;
@@ -98,11 +99,11 @@ fn status(snapshot: &Snapshot<'_>) -> String {
         } else {
             0.0
         };
-        fact("Time so far", span(state.elapsed_s + age));
+        fact("Time so far", time_in_words(state.elapsed_s + age));
         if is_open {
             let left = state.left_s.map_or_else(
                 || "not known yet".to_owned(),
-                |left| format!("about {}", span(left - age)),
+                |left| format!("about {}", time_in_words(left - age)),
             );
             fact("Time left, whole loop", left);
         }
@@ -144,7 +145,7 @@ fn headline(snapshot: &Snapshot<'_>) -> (&'static str, String, String) {
     if !is_alive(snapshot) {
         let reason = format!(
             "No sign of life for {}: the same command with --resume goes on.",
-            span(age.as_secs_f64())
+            time_in_words(age.as_secs_f64())
         );
         return ("bad", "Not running".to_owned(), reason);
     }

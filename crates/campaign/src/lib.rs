@@ -58,7 +58,7 @@ mod workers;
 pub use error::{Error, in_full};
 pub use executor::{Executor, ExecutorError, PendingRun, RunEvent};
 pub use pace::Pace;
-pub use progress::{LineProgress, Progress, ProgressState, Silent};
+pub use progress::{LineProgress, Progress, ProgressState, Silent, time_in_words};
 pub use progress_folder::{
     CampaignPlan, CampaignState, MeasuredMean, ParameterName, PlannedList, PlannedRun,
     ProgressFolder, StagePlan,

@@ -29,7 +29,7 @@ pub struct ProgressState {
 impl fmt::Display for ProgressState {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let left = match self.left_s {
-            Some(left) => format!("about {} left", span(left)),
+            Some(left) => format!("about {} left", time_in_words(left)),
             None => "time left not known yet".to_owned(),
         };
         write!(
@@ -39,7 +39,7 @@ impl fmt::Display for ProgressState {
             self.total,
             self.reused,
             self.running,
-            span(self.elapsed_s)
+            time_in_words(self.elapsed_s)
         )
     }
 }
@@ -105,8 +105,9 @@ impl Progress for LineProgress {
     }
 }
 
-/// A time in the unit that reads best.
-fn span(seconds: f64) -> String {
+/// A time, s, in the unit that reads best; one below 0 is 0.
+pub fn time_in_words(seconds: f64) -> String {
+    let seconds = seconds.max(0.0);
     if seconds < 90.0 {
         format!("{seconds:.0} s")
     } else if seconds < 5400.0 {
@@ -118,7 +119,13 @@ fn span(seconds: f64) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::ProgressState;
+    use super::{ProgressState, time_in_words};
+
+    #[test]
+    fn times_have_the_unit_that_reads_best() {
+        let told = [89.0, 90.0, 5399.0, 7200.0, -1.0].map(time_in_words);
+        assert_eq!(told, ["89 s", "2 min", "90 min", "2.0 h", "0 s"]);
+    }
 
     #[test]
     fn line_says_how_far_and_how_long_in_readable_units() {

@@ -27,6 +27,7 @@
 
 mod chart;
 mod check;
+mod counted;
 mod error;
 mod escape;
 mod geometry;
@@ -56,6 +57,7 @@ pub use chart::stacked_bars::{StackedBar, StackedBars};
 pub use chart::surface::Surface;
 pub use chart::timeseries::{TimeSeries, TimeSpan};
 pub use chart::{AxisTitle, Level};
+pub use counted::counted;
 pub use error::Error;
 pub use escape::escaped;
 pub use html::explorer::{

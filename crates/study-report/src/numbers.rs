@@ -143,11 +143,6 @@ pub(crate) fn listed(names: &[String]) -> String {
     }
 }
 
-/// One of two words by a count.
-pub(crate) fn counted(n: usize, one: &str, many: &str) -> String {
-    format!("{n} {}", if n == 1 { one } else { many })
-}
-
 #[cfg(test)]
 mod tests {
     use super::{digits, fixed, fixed_or_dash, p_value, signed, with_error};

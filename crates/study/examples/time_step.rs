@@ -1,10 +1,11 @@
-//! What the time step does to the angle of a drum, by friction and filling.
+//! What the time step does to the angle of a drum, by friction and filling, and to that of soft beads.
 //!
 //! `cargo run --release -p study --example time_step -- FOLDER [RUNS]`
 //!
 //! Runs the study's drum, cut to 100 mm and 320 seeds, with RUNS seeds (default 4) at each friction, filling and step and prints
 //! means with standard errors over the runs that came to their end. Too long a step throws seeds out, which ends a run: the
-//! table says how many were left, and the reasons go to standard error. Finished runs are kept in FOLDER and found again.
+//! table says how many were left, and the reasons go to standard error. Before it stands a table of soft beads, whose step follows
+//! from their bed at rest, with 2 RUNS seeds. Finished runs are kept in FOLDER and found again.
 
 #![expect(clippy::print_stdout, reason = "the table is the purpose")]
 #![expect(
@@ -18,11 +19,12 @@ mod small_drum;
 use campaign::{Campaign, RunRequest, Silent};
 use records::{folder_and_runs, mean_and_error};
 use run_store::{Record, Store};
-use scene::Scene;
+use scene::{Override, Scene};
 use scene_simulator::{Binding, RunDetails, SceneSimulator};
 use small_drum::small_drum;
 use std::collections::BTreeMap;
 use std::error::Error;
+use std::path::Path;
 
 /// Time steps as shares of a hard contact; the first is the reference.
 const SHARES: [f64; 5] = [0.09, 0.30, 0.36, 0.42, 0.50];
@@ -41,6 +43,17 @@ const FILLINGS: [(&str, &str, Option<&str>, bool); 4] = [
         false,
     ),
     ("smooth", "fixtures/cotton/measured.toml", None, true),
+];
+
+/// Shares of soft beads; the first is the reference.
+const SHARES_OF_BEADS: [f64; 3] = [0.12, DEFAULT_SHARE, 0.72];
+
+/// Soft beads: shear modulus and rolling friction, of type A.
+const BEADS: [[&str; 2]; 4] = [
+    ["0.25 MPa", "0.1"],
+    ["0.25 MPa", "0"],
+    ["0.02 MPa", "0.1"],
+    ["0.02 MPa", "0"],
 ];
 
 /// Spheres of a seed.
@@ -68,18 +81,66 @@ fn step_of(records: &[Record]) -> Result<String, Box<dyn Error>> {
     Ok(format!("{:.3}", 1e3 * step))
 }
 
-fn main() -> Result<(), Box<dyn Error>> {
-    let (folder, runs) = folder_and_runs("time_step", 4)?;
-    let mut scenes = BTreeMap::new();
-    for (name, file, spheres, _) in FILLINGS {
-        scenes.insert(name.to_owned(), scene(file, spheres)?);
+/// A drum of soft beads.
+fn beads([modulus, rolling]: [&str; 2]) -> Result<Scene, scene::Error> {
+    let changes = [
+        ("model.rolling_law", "constant-torque"),
+        ("material.bead.shear_modulus", modulus),
+        ("material.wall.shear_modulus", modulus),
+        ("contact.bead-bead.rolling_friction", rolling),
+        ("contact.bead-wall.rolling_friction", rolling),
+    ];
+    let changes = changes.map(|(name, value)| Override {
+        name: name.to_owned(),
+        value: value.to_owned(),
+    });
+    Scene::read(Path::new("fixtures/other-code/drum.toml"), &changes)
+}
+
+/// The records of so many seeds of a model with these parameters; why a run is missing goes to standard error.
+fn records_of(
+    campaign: &Campaign<'_>,
+    simulator: &SceneSimulator,
+    model: &str,
+    parameters: &[(&str, f64)],
+    runs: u64,
+) -> Result<Vec<Record>, Box<dyn Error>> {
+    let request = |seed| {
+        let begun = RunRequest::new(model, seed);
+        let all = parameters.iter();
+        all.fold(begun, |request, (path, value)| {
+            request.with_parameter(path, *value)
+        })
+    };
+    let requests: Vec<_> = (1..=runs).map(request).collect();
+    let results = campaign.run_each(simulator, &requests)?;
+    let mut records = Vec::new();
+    for (seed, result) in (1..=runs).zip(results) {
+        match result {
+            Ok(record) => records.push(record),
+            Err(reason) => eprintln!("{model}, {parameters:?}, seed {seed}: {reason}"),
+        }
     }
-    let paths = [FRICTION, STEPS[0], STEPS[1]];
-    let bindings = paths.map(|path| (path.to_owned(), Binding::of_path(path)));
-    let simulator = SceneSimulator::new(scenes, bindings.into())?;
-    let store = Store::open(folder)?;
-    let threads = std::thread::available_parallelism().map_or(1, usize::from);
-    let campaign = Campaign::new(&store, threads, &Silent);
+    Ok(records)
+}
+
+/// An angle with its error, and how many runs were left where some are missing.
+fn angle(records: &[Record], runs: u64) -> Result<String, Box<dyn Error>> {
+    let angle = mean_and_error(records, "angle_deg", 2);
+    let left = records.len();
+    Ok(if u64::try_from(left)? == runs {
+        angle
+    } else {
+        format!("{angle} ({left} of {runs})")
+    })
+}
+
+/// The table of seeds by filling and friction.
+fn table_of_seeds(
+    campaign: &Campaign<'_>,
+    simulator: &SceneSimulator,
+    runs: u64,
+) -> Result<(), Box<dyn Error>> {
     let shares = SHARES.map(|share| format!("{share:.2}"));
     println!(
         "| filling | friction | step at {DEFAULT_SHARE}, ms | {} | shell slip at {DEFAULT_SHARE} |",
@@ -94,31 +155,9 @@ fn main() -> Result<(), Box<dyn Error>> {
                     cells.push("not run".to_owned());
                     continue;
                 }
-                let request = |seed| {
-                    RunRequest::new(filling, seed)
-                        .with_parameter(FRICTION, friction)
-                        .with_parameter(STEPS[0], share)
-                        .with_parameter(STEPS[1], share)
-                };
-                let requests: Vec<_> = (1..=runs).map(request).collect();
-                let results = campaign.run_each(&simulator, &requests)?;
-                let mut records = Vec::new();
-                for (seed, result) in (1..=runs).zip(results) {
-                    match result {
-                        Ok(record) => records.push(record),
-                        Err(reason) => {
-                            eprintln!("{filling}, {friction}, {share}, seed {seed}: {reason}");
-                        }
-                    }
-                }
-                let angle = mean_and_error(&records, "angle_deg", 2);
-                let left = records.len();
-                let all = u64::try_from(left)? == runs;
-                cells.push(if all {
-                    angle
-                } else {
-                    format!("{angle} ({left} of {runs})")
-                });
+                let parameters = [(FRICTION, friction), (STEPS[0], share), (STEPS[1], share)];
+                let records = records_of(campaign, simulator, filling, &parameters, runs)?;
+                cells.push(angle(&records, runs)?);
                 if share == DEFAULT_SHARE {
                     step = step_of(&records)?;
                     slip = mean_and_error(&records, "shell_slip", 2);
@@ -131,4 +170,51 @@ fn main() -> Result<(), Box<dyn Error>> {
         }
     }
     Ok(())
+}
+
+/// The table of soft beads.
+fn table_of_beads(
+    campaign: &Campaign<'_>,
+    simulator: &SceneSimulator,
+    runs: u64,
+) -> Result<(), Box<dyn Error>> {
+    let shares = SHARES_OF_BEADS.map(|share| format!("{share:.2}"));
+    println!(
+        "| shear modulus, rolling friction | {} |",
+        shares.join(" | ")
+    );
+    println!("|---|{}", "--:|".repeat(SHARES_OF_BEADS.len()));
+    for bead in BEADS {
+        let model = bead.join(", ");
+        let mut cells = Vec::new();
+        for share in SHARES_OF_BEADS {
+            let records = records_of(campaign, simulator, &model, &[(STEPS[0], share)], runs)?;
+            cells.push(angle(&records, runs)?);
+        }
+        println!("| {model} | {} |", cells.join(" | "));
+    }
+    Ok(())
+}
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let (folder, runs) = folder_and_runs("time_step", 4)?;
+    let mut scenes = BTreeMap::new();
+    for (name, file, spheres, _) in FILLINGS {
+        scenes.insert(name.to_owned(), scene(file, spheres)?);
+    }
+    let paths = [FRICTION, STEPS[0], STEPS[1]];
+    let bindings = paths.map(|path| (path.to_owned(), Binding::of_path(path)));
+    let seeds = SceneSimulator::new(scenes, bindings.into())?;
+    let mut scenes = BTreeMap::new();
+    for bead in BEADS {
+        scenes.insert(bead.join(", "), beads(bead)?);
+    }
+    let share = (STEPS[0].to_owned(), Binding::of_path(STEPS[0]));
+    let soft = SceneSimulator::new(scenes, [share].into())?;
+    let store = Store::open(folder)?;
+    let threads = std::thread::available_parallelism().map_or(1, usize::from);
+    let campaign = Campaign::new(&store, threads, &Silent);
+    table_of_beads(&campaign, &soft, 2 * runs)?;
+    println!();
+    table_of_seeds(&campaign, &seeds, runs)
 }

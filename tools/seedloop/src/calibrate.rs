@@ -14,7 +14,7 @@ use command_line::{Common, DONE, NOT_MET, Overwrite, try_folder};
 use std::path::{Path, PathBuf};
 use study::{RunSettings, Study, plan_study, run_study, write_hand_over, write_result};
 
-pub(crate) use text::{duration, plan};
+pub(crate) use text::plan;
 
 /// Calibrates the parameters of a study on its measurements: screening, surfaces, solutions, check, diagnosis
 #[derive(clap::Args, Debug)]

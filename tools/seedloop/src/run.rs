@@ -1,13 +1,13 @@
 //! `seedloop run DESIGN.csv --scene SCENE.toml`: a design table as a campaign.
 
-use crate::calibrate::{duration, progress_lines, refuse_used_folder};
+use crate::calibrate::{progress_lines, refuse_used_folder};
 use crate::enter::{enter, require_memory, work_of};
 use crate::runner::{Retries, Runner, runner_settings, whole};
 use crate::stop::Stop;
 use crate::watched;
 use crate::work::Job;
 use anyhow::Context as _;
-use campaign::{Campaign, ProgressFolder};
+use campaign::{Campaign, ProgressFolder, time_in_words};
 use command_line::{Common, DONE, Header, NOT_MET, Overwrite, try_folder, write_new};
 use run_store::{Observation, Record, Store};
 use serde::Serialize;
@@ -233,7 +233,7 @@ fn folder(arguments: &Arguments) -> PathBuf {
 
 /// What would be run, in words.
 fn plan_text(plan: &DesignPlan, threads: usize) -> String {
-    let wall = duration(plan.core_s / threads.max(1) as f64);
+    let wall = time_in_words(plan.core_s / threads.max(1) as f64);
     let guess = if plan.measured {
         ""
     } else {
@@ -244,7 +244,7 @@ fn plan_text(plan: &DesignPlan, threads: usize) -> String {
         plan.runs,
         plan.rows,
         plan.kept,
-        duration(plan.core_s)
+        time_in_words(plan.core_s)
     )
 }
 

@@ -3,12 +3,12 @@
 use super::Page;
 use crate::Error;
 use crate::design_points::{DesignPoint, design_points};
-use crate::numbers::{DASH, counted, digits, digits_or_dash, in_unit, observable};
+use crate::numbers::{DASH, digits, digits_or_dash, in_unit, observable};
 use crate::pictures;
 use crate::pictures::design_run_pictures::{MOST_BYTES, frame_name, last_frame, series_name};
 use crate::pictures::photographs::shows_drum;
 use calibration::ModelSurfaces;
-use report::{Column, Table};
+use report::{Column, Table, counted};
 
 /// Adds the section; nothing without surfaces.
 pub(super) fn add(page: &mut Page<'_>) -> Result<(), Error> {

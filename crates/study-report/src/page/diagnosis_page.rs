@@ -3,12 +3,12 @@
 use super::closing_section::{defaults, inputs, spent};
 use super::residual_parts::answer_colour;
 use super::{chart, residual_section};
-use crate::numbers::{counted, digits, fixed, listed};
+use crate::numbers::{digits, fixed, listed};
 use crate::output::DIAGNOSIS;
 use crate::pictures::NamedPicture;
 use crate::{DiagnosisInput, Error};
 use calibration::ResidualStudy;
-use report::{Column, Fact, Report, Table};
+use report::{Column, Fact, Report, Table, counted};
 use residual_diagnosis::{NearestEffect, TrialRow, Truth};
 
 /// Makes the page as HTML.

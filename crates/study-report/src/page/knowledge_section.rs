@@ -3,13 +3,12 @@
 use super::Page;
 use crate::Error;
 use crate::numbers::{
-    DASH, counted, digits, digits_or_dash, fixed, fixed_or_dash, in_unit, p_in_words, signed,
-    with_error,
+    DASH, digits, digits_or_dash, fixed, fixed_or_dash, in_unit, p_in_words, signed, with_error,
 };
 use crate::pictures::chart;
 use crate::pictures::solution_charts::{MISFIT, pair_name, pairs};
 use calibration::{Estimate, FitTest, JointEstimate, OpenCombination};
-use report::{Column, Table};
+use report::{Column, Table, counted};
 
 /// Weights below this are not named: such a parameter moves by less than a tenth of the length of the combination.
 const NAMED_WEIGHT: f64 = 0.1;

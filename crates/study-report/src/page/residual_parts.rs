@@ -1,12 +1,12 @@
 //! Parts that all sections on residuals share: verdict, errors, parameters, candidates.
 
 use crate::numbers::{
-    DASH, counted, digits, digits_or_dash, fixed, fixed_or_dash, listed, observable, p_in_words,
-    p_value, with_error,
+    DASH, digits, digits_or_dash, fixed, fixed_or_dash, listed, observable, p_in_words, p_value,
+    with_error,
 };
 use crate::residual::{models, stages};
 use calibration::ResidualStudy;
-use report::{Column, Report, Table, Verdict};
+use report::{Column, Report, Table, Verdict, counted};
 use residual_diagnosis::Verdict as Diagnosed;
 
 /// The colour of a verdict: green where an answer was found, also where it is "nothing".

@@ -2,13 +2,11 @@
 
 use super::{chart, residual_parts};
 use crate::Error;
-use crate::numbers::{
-    DASH, counted, fixed, listed, observable, signed, with_decimals_of, with_error,
-};
+use crate::numbers::{DASH, fixed, listed, observable, signed, with_decimals_of, with_error};
 use crate::pictures::{NamedPicture, plain_name};
 use crate::residual::{self, StageErrors};
 use calibration::ResidualStudy;
-use report::{Column, Report, Table};
+use report::{Column, Report, Table, counted};
 
 /// Adds everything that the study of a residual says; `name` is that of its charts.
 pub(super) fn add(

@@ -2,9 +2,9 @@
 
 use super::Page;
 use crate::Error;
-use crate::numbers::{counted, digits, observable, signed, with_error};
+use crate::numbers::{digits, observable, signed, with_error};
 use calibration::{ConfirmationRound, Estimate};
-use report::{Column, Table};
+use report::{Column, Table, counted};
 
 /// Adds the section.
 pub(super) fn add(page: &mut Page<'_>) -> Result<(), Error> {

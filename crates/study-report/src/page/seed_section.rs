@@ -2,12 +2,12 @@
 
 use super::Page;
 use crate::Error;
-use crate::numbers::{counted, fixed, listed};
+use crate::numbers::{fixed, listed};
 use crate::pictures::photographs::{
     FilledSeed, SPHERE_COLOUR, filled_seeds, seed_picture_name, spheres_picture_name,
 };
 use crate::pictures::png;
-use report::{Column, SphereViewer, Table, ViewerSphere};
+use report::{Column, SphereViewer, Table, ViewerSphere, counted};
 
 /// Adds the section; nothing without seeds.
 pub(super) fn add(page: &mut Page<'_>) -> Result<(), Error> {

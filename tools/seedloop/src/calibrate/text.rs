@@ -1,6 +1,7 @@
 //! What a calibration says on standard output.
 
 use calibration::{Comparison, Estimate};
+use campaign::time_in_words;
 use std::collections::BTreeMap;
 use std::fmt::{Arguments, Write as _};
 use std::path::{Path, PathBuf};
@@ -88,13 +89,13 @@ fn priced(text: &mut String, price: &Price, threads: usize) {
             &stage.stage,
             stage.runs,
             stage.at_most_further,
-            &duration(stage.core_s),
+            &time_in_words(stage.core_s),
         );
     }
-    let wall = duration(price.core_s / threads.max(1) as f64);
+    let wall = time_in_words(price.core_s / threads.max(1) as f64);
     let time = format!(
         "{} of one core, about {wall} on {threads}",
-        duration(price.core_s)
+        time_in_words(price.core_s)
     );
     line("all", price.runs, price.at_most_further, &time);
     if !price.measured {
@@ -105,15 +106,6 @@ fn priced(text: &mut String, price: &Price, threads: usize) {
             text,
             format_args!("  the budget ends the loop after {most} runs\n"),
         );
-    }
-}
-
-/// A time in words.
-pub(crate) fn duration(seconds: f64) -> String {
-    match seconds {
-        s if s < 90.0 => format!("{s:.0} s"),
-        s if s < 5400.0 => format!("{:.0} min", s / 60.0),
-        s => format!("{:.1} h", s / 3600.0),
     }
 }
 
