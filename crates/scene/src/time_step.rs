@@ -21,8 +21,9 @@ const STICKING: [f64; 3] = [0.35, 0.5, 0.7];
 /// Share of the longest stable time step that a bed at rest takes: of any seeds, and of single spheres with a rolling
 /// friction of type A.
 ///
-/// Beads of 20 kPa stand 1.7 deg too low at 1.4, beads of 250 kPa are right at 1.25; with rolling friction they stand 1.1 deg
-/// too low at 1.25 and are right at 0.7. Packings with rolling friction are right at 0.9.
+/// Twice as much throws beads of 250 kPa out of their drum; they are right at 1, and with rolling friction at 0.7. Beads of 20 kPa
+/// with rolling friction stand 0.5 deg too low at 0.7, and 3 deg at 1.4 (docs/time-step.md). Packings with rolling friction are right
+/// at 0.9.
 const AT_REST: [f64; 2] = [1.0, 0.7];
 
 /// Contacts of a seed in a bed: as many as spheres of one size can touch one of them.
