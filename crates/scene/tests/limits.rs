@@ -128,7 +128,7 @@ fn what_no_run_can_have_is_refused_before_it() {
 
 /// Beads of 20 kPa: the step is that of a sphere of 2/7 of its mass at twelve contacts under the weight of 40^(1/3) beads, by its
 /// swing time over pi, and 0.7 of it with rolling friction of type A. The moduli are those of two equal bodies,
-/// E* = G / (1 - nu) and G* = G / (4 - 2 nu). Beads of 100 MPa take 0.36 of a hard contact, which is shorter than that.
+/// E* = G / (1 - nu) and G* = G / (4 - 2 nu). Stiff beads of 1e8 Pa take 0.36 of a hard contact, which is shorter.
 #[test]
 fn soft_beads_take_the_step_of_a_bed_at_rest() {
     let (mass, radius) = (1250.0 * 4.0 / 3.0 * PI * 8e-9, 1e-3_f64);
