@@ -241,14 +241,14 @@ fn best_cut(view: &DiscView, levels: &[f32]) -> Option<(Cut, f64)> {
         .copied()
         .collect();
     let classes = gray_classes(levels, &cells);
+    let places: Vec<(f64, f64)> = cells.iter().map(|k| view.position(*k)).collect();
     let radius = 0.5 * view.n as f64 * view.cell * REACH;
     let (mut best, mut cut) = (1e-6, None);
     for i_direction in 0..N_DIRECTIONS {
         let direction = (f64::from(i_direction) * 5.0 - 80.0).to_radians();
         let (nx, ny) = (-direction.sin(), direction.cos());
         let mut counts = [[0.0_f64; N_CLASSES]; N_OFFSETS];
-        for (k, class) in cells.iter().zip(&classes) {
-            let (x, y) = view.position(*k);
+        for ((x, y), class) in places.iter().zip(&classes) {
             let height = 0.5 * ((x * nx + y * ny) / radius + 1.0) * N_OFFSETS as f64;
             #[expect(
                 clippy::cast_possible_truncation,

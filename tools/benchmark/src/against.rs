@@ -1,6 +1,7 @@
-//! This build of the solver against another one, block by block.
+//! This build against another one, block by block.
 
 use crate::arguments::Arguments;
+use crate::doors::{self, Call, Subject};
 use crate::measure::{median, processor_seconds};
 use crate::scenes::BenchmarkScene;
 use crate::{seed_drum, sphere_drum};
@@ -17,47 +18,48 @@ const BLOCK_STEPS: usize = 40;
 /// Odd factor that spreads the bits of a number.
 const SPREAD: u64 = 0x9E37_79B9_7F4A_7C15;
 
-/// Two builds on one scene; each unit is in the name.
+/// Two builds on one scene or call; each unit is in the name.
 #[derive(Debug, Serialize)]
 pub(crate) struct AgainstRow {
     scene: String,
     /// Pairs of blocks.
     pairs: usize,
+    /// Steps of a block, or calls.
     block_steps: usize,
-    /// Median over the blocks of this build.
+    /// A step or a call, median over the blocks of this build.
     us_per_step_here: f64,
-    /// Median over the blocks of the other build.
+    /// The same of the other build.
     us_per_step_there: f64,
     /// Median over the pairs of the time here over the time there.
     ratio: f64,
     /// Lower and upper quartile of the same.
     ratio_quartiles: [f64; 2],
-    /// Whether both worlds are the same at the end, to the last bit.
+    /// Whether both give the same at the end, to the last bit.
     same_bits: bool,
 }
 
-/// Measures all scenes.
+/// Measures all.
 pub(crate) fn compare(
     arguments: &Arguments,
     other: &Path,
-    scenes: &[BenchmarkScene],
+    subjects: &[Subject],
 ) -> anyhow::Result<Vec<AgainstRow>> {
-    let rows = scenes.iter().map(|scene| {
+    let rows = subjects.iter().map(|subject| {
         arguments
             .common
-            .log(|| format!("measuring {scene} against {}", other.display()));
-        row(arguments, other, *scene)
+            .log(|| format!("measuring {subject} against {}", other.display()));
+        row(arguments, other, *subject)
     });
     rows.collect()
 }
 
-/// Measures a scene: after one block each to warm up, the builds take their blocks in turn, and take
+/// Measures one: after one block each to warm up, the builds take their blocks in turn, and take
 /// turns in who is first. Each runs in a process of its own: beside the one that keeps the books, a child was four
 /// percent faster.
-fn row(arguments: &Arguments, other: &Path, scene: BenchmarkScene) -> anyhow::Result<AgainstRow> {
+fn row(arguments: &Arguments, other: &Path, subject: Subject) -> anyhow::Result<AgainstRow> {
     let program = std::env::current_exe().context("cannot find this program")?;
-    let mut here = Build::start(arguments, &program, scene)?;
-    let mut there = Build::start(arguments, other, scene)?;
+    let mut here = Build::start(arguments, &program, subject)?;
+    let mut there = Build::start(arguments, other, subject)?;
     let mut pairs = Vec::new();
     for block in 0..=arguments.blocks {
         let pair = if block % 2 == 0 {
@@ -74,9 +76,12 @@ fn row(arguments: &Arguments, other: &Path, scene: BenchmarkScene) -> anyhow::Re
     let mut ratios: Vec<f64> = pairs.iter().map(|pair| pair[0] / pair[1]).collect();
     ratios.sort_by(f64::total_cmp);
     Ok(AgainstRow {
-        scene: scene.to_string(),
+        scene: subject.to_string(),
         pairs: pairs.len(),
-        block_steps: BLOCK_STEPS,
+        block_steps: match subject {
+            Subject::Door(door) => door.block_calls(),
+            Subject::Scene(_) => BLOCK_STEPS,
+        },
         us_per_step_here: of(|pair| pair[0]),
         us_per_step_there: of(|pair| pair[1]),
         ratio: median(&ratios),
@@ -85,48 +90,88 @@ fn row(arguments: &Arguments, other: &Path, scene: BenchmarkScene) -> anyhow::Re
     })
 }
 
-/// The flowing scene.
-fn world(arguments: &Arguments, scene: BenchmarkScene) -> anyhow::Result<World> {
-    match scene {
-        BenchmarkScene::Seeds(count) => seed_drum::flowing(arguments, count),
-        BenchmarkScene::Spheres(count) => {
-            sphere_drum::flowing(arguments, count)?.world(sphere_drum::TIME_STEP)
-        }
+/// What a block repeats.
+enum Work {
+    /// A step of the flowing scene.
+    Step(Box<World>),
+    /// A call, how often a block makes it, and what the last one gave.
+    Call(Call, usize, String),
+}
+
+impl Work {
+    /// Prepares it.
+    fn prepare(arguments: &Arguments, subject: Subject) -> anyhow::Result<Self> {
+        Ok(match subject {
+            Subject::Scene(BenchmarkScene::Seeds(count)) => {
+                Self::Step(Box::new(seed_drum::flowing(arguments, count)?))
+            }
+            Subject::Scene(BenchmarkScene::Spheres(count)) => {
+                let drum = sphere_drum::flowing(arguments, count)?;
+                Self::Step(Box::new(drum.world(sphere_drum::TIME_STEP)?))
+            }
+            Subject::Door(door) => Self::Call(
+                doors::prepare(arguments, door)?,
+                door.block_calls(),
+                String::new(),
+            ),
+        })
+    }
+
+    /// Runs a block; the time of a step or a call on the processor, us.
+    fn timed(&mut self) -> anyhow::Result<f64> {
+        let start = processor_seconds()?;
+        let times = match self {
+            Self::Step(world) => {
+                for _ in 0..BLOCK_STEPS {
+                    world.step()?;
+                }
+                BLOCK_STEPS as f64
+            }
+            Self::Call(call, calls, result) => {
+                for _ in 0..*calls {
+                    *result = call()?;
+                }
+                *calls as f64
+            }
+        };
+        Ok((processor_seconds()? - start) / times * 1e6)
+    }
+
+    /// A text that two builds share only if their results are the same.
+    fn fingerprint(&self) -> String {
+        let mixed = match self {
+            Self::Step(world) => fingerprint(world),
+            Self::Call(_, _, result) => result.bytes().map(u64::from).fold(0, mixed),
+        };
+        format!("{mixed:016x}")
     }
 }
 
-/// Runs a block; the time of a step on the processor, us.
-fn timed(world: &mut World) -> anyhow::Result<f64> {
-    let start = processor_seconds()?;
-    for _ in 0..BLOCK_STEPS {
-        world.step()?;
-    }
-    Ok((processor_seconds()? - start) / BLOCK_STEPS as f64 * 1e6)
-}
-
-/// A text that two worlds share only if their bodies stand and move alike.
-fn fingerprint(world: &World) -> String {
+/// A number that two worlds share only if their bodies stand and move alike.
+fn fingerprint(world: &World) -> u64 {
     let bodies = world.bodies();
     let vectors = [&bodies.position, &bodies.velocity, &bodies.spin];
     let vectors = vectors.into_iter().flatten().flat_map(|v| v.iter());
     let turns = bodies.orientation.iter().flat_map(|q| q.coords.iter());
-    let mixed = vectors.chain(turns).fold(0_u64, |sum, x| {
-        // An odd factor loses nothing; it spreads each bit over those above, the rotation brings them down.
-        (sum ^ x.to_bits()).wrapping_mul(SPREAD).rotate_left(29)
-    });
-    format!("{mixed:016x}")
+    vectors.chain(turns).map(|x| x.to_bits()).fold(0, mixed)
+}
+
+/// A further number taken up. An odd factor loses nothing; it spreads each bit over those above, the rotation brings them
+/// down.
+fn mixed(sum: u64, bits: u64) -> u64 {
+    (sum ^ bits).wrapping_mul(SPREAD).rotate_left(29)
 }
 
 /// Serves --against: a block for each line on standard input, at its end the fingerprint.
-pub(crate) fn serve(arguments: &Arguments, scene: BenchmarkScene) -> anyhow::Result<()> {
-    let mut world = world(arguments, scene)?;
+pub(crate) fn serve(arguments: &Arguments, subject: Subject) -> anyhow::Result<()> {
+    let mut work = Work::prepare(arguments, subject)?;
     let mut out = std::io::stdout();
     for line in std::io::stdin().lines() {
         line.context("cannot read standard input")?;
-        writeln!(out, "{}", timed(&mut world)?)?;
+        writeln!(out, "{}", work.timed()?)?;
         out.flush()?;
     }
-    writeln!(out, "{}", fingerprint(&world))?;
+    writeln!(out, "{}", work.fingerprint())?;
     Ok(())
 }
 
@@ -138,11 +183,11 @@ struct Build {
 }
 
 impl Build {
-    /// Starts it on a scene.
-    fn start(arguments: &Arguments, program: &Path, scene: BenchmarkScene) -> anyhow::Result<Self> {
+    /// Starts it.
+    fn start(arguments: &Arguments, program: &Path, subject: Subject) -> anyhow::Result<Self> {
         let mut command = Command::new(program);
         command
-            .arg(scene.to_string())
+            .arg(subject.to_string())
             .arg("--on-demand")
             .args(["--seed", &arguments.seed.to_string()])
             .arg("--drum")
@@ -188,7 +233,7 @@ impl Build {
 
 /// The rows as a Markdown table.
 pub(crate) fn table(rows: &[AgainstRow]) -> String {
-    let head = "| scene | pairs of blocks | us per step here | us per step there | here over there (quartiles) \
+    let head = "| step or call of | pairs of blocks | us here | us there | here over there (quartiles) \
         | same bits |\n|---|---|---|---|---|---|";
     let lines = rows.iter().map(|row| {
         format!(

@@ -1,10 +1,11 @@
 //! What the command can be asked.
 
+use crate::doors::{Door, Subject};
 use crate::scenes::BenchmarkScene;
 use clap::Parser;
 use std::path::PathBuf;
 
-/// Measures what a step of the solver costs
+/// Measures what a step of the solver costs, and a call of the other instruments
 ///
 /// Cost is time on the processor, as the kernel counts it: other work on the machine does not
 /// count. Each scene is measured in the flowing state, in blocks of steps; the figure is the median
@@ -17,10 +18,10 @@ use std::path::PathBuf;
 )]
 pub(crate) struct Arguments {
     /// Scenes: seeds-N (the drum of the study, its length in proportion to N) or spheres-N (plain
-    /// spheres) [default: seeds 300, 1200, 4800 and spheres 2000, 10000, 100000; with --peers the
+    /// spheres); or calls: frame (drawn and read), photo-12mp, seedfill, analyse [default: seeds 300, 1200, 4800 and spheres 2000, 10000, 100000; with --peers the
     /// spheres alone, with --scaling seeds 1200 and 4800, with --against seeds 1200]
-    #[arg(value_name = "SCENE")]
-    scene: Vec<BenchmarkScene>,
+    #[arg(value_name = "WHAT")]
+    subject: Vec<Subject>,
 
     /// Add the large scenes to the default set: seeds-19200 and spheres-1000000
     #[arg(long)]
@@ -58,7 +59,7 @@ pub(crate) struct Arguments {
     pub(crate) against: Option<PathBuf>,
 
     /// Wait for a line before each block: what --against starts
-    #[arg(long, hide = true, requires = "scene")]
+    #[arg(long, hide = true, requires = "subject")]
     pub(crate) on_demand: bool,
 
     /// Rounds of all codes with --peers
@@ -92,13 +93,14 @@ pub(crate) struct Arguments {
 impl Arguments {
     /// The scenes asked for, or the default set.
     pub(crate) fn scenes(&self) -> Vec<BenchmarkScene> {
-        if !self.scene.is_empty() {
-            return self.scene.clone();
+        if !self.subject.is_empty() {
+            let scenes = self.subject.iter().filter_map(|subject| match subject {
+                Subject::Scene(scene) => Some(*scene),
+                Subject::Door(_) => None,
+            });
+            return scenes.collect();
         }
         let mut all = vec![];
-        if self.against.is_some() {
-            return vec![BenchmarkScene::Seeds(1200)];
-        }
         if self.scaling {
             return vec![BenchmarkScene::Seeds(1200), BenchmarkScene::Seeds(4800)];
         }
@@ -109,6 +111,35 @@ impl Arguments {
         all.extend([2000, 10_000, 100_000].map(BenchmarkScene::Spheres));
         all.extend(self.large.then_some(BenchmarkScene::Spheres(1_000_000)));
         all
+    }
+
+    /// What is compared with another build.
+    pub(crate) fn subjects(&self) -> Vec<Subject> {
+        if self.subject.is_empty() {
+            return vec![Subject::Scene(BenchmarkScene::Seeds(1200))];
+        }
+        self.subject.clone()
+    }
+
+    /// The calls asked for.
+    ///
+    /// # Errors
+    ///
+    /// Calls beside scenes, or where only scenes can be compared.
+    pub(crate) fn doors(&self) -> anyhow::Result<Vec<Door>> {
+        let doors = self.subject.iter().filter_map(|subject| match subject {
+            Subject::Door(door) => Some(*door),
+            Subject::Scene(_) => None,
+        });
+        let doors: Vec<Door> = doors.collect();
+        if let [first, ..] = doors.as_slice() {
+            anyhow::ensure!(
+                doors.len() == self.subject.len() && !self.peers && !self.scaling,
+                "{} is a call, the others are steps of the solver: measure calls by themselves, without --peers and --scaling",
+                first.name()
+            );
+        }
+        Ok(doors)
     }
 }
 

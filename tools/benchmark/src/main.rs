@@ -1,9 +1,10 @@
-//! Measures what a step of the solver costs, and of other solvers on the same scenes.
+//! Measures what a step of the solver and a call of the instruments costs, and other solvers on the same scenes.
 
 mod against;
 mod arguments;
 mod contacts;
 mod deck;
+mod doors;
 mod measure;
 mod peers;
 mod scaling;
@@ -38,21 +39,32 @@ fn main() -> ExitCode {
 /// Measures what was asked for, prints the table.
 fn run(arguments: &Arguments) -> anyhow::Result<u8> {
     let header = Header::new(arguments.seed, [&arguments.drum])?;
+    let subjects = arguments.subjects();
+    if let Some(other) = &arguments.against {
+        let rows = against::compare(arguments, other, &subjects)?;
+        arguments.common.print(against::table(&rows))?;
+        arguments.common.emit_json(&Summary { header, rows })?;
+        return Ok(DONE);
+    }
+    if let (true, [subject]) = (arguments.on_demand, subjects.as_slice()) {
+        against::serve(arguments, *subject)?;
+        return Ok(DONE);
+    }
+    let doors = arguments.doors()?;
+    if !doors.is_empty() {
+        let rows = doors
+            .into_iter()
+            .map(|door| doors::measure(arguments, door));
+        let rows = rows.collect::<anyhow::Result<Vec<_>>>()?;
+        arguments.common.print(doors::table(&rows))?;
+        arguments.common.emit_json(&Summary { header, rows })?;
+        return Ok(DONE);
+    }
     let scenes = arguments.scenes();
     if arguments.scaling {
         let rows = scaling::compare(arguments, &scenes)?;
         arguments.common.print(scaling::table(&rows))?;
         arguments.common.emit_json(&Summary { header, rows })?;
-        return Ok(DONE);
-    }
-    if let Some(other) = &arguments.against {
-        let rows = against::compare(arguments, other, &scenes)?;
-        arguments.common.print(against::table(&rows))?;
-        arguments.common.emit_json(&Summary { header, rows })?;
-        return Ok(DONE);
-    }
-    if let (true, [scene]) = (arguments.on_demand, scenes.as_slice()) {
-        against::serve(arguments, *scene)?;
         return Ok(DONE);
     }
     let rows = match scenes.as_slice() {

@@ -99,7 +99,7 @@ pub(crate) fn processor_seconds() -> anyhow::Result<f64> {
 }
 
 /// Largest resident memory of this process so far, MiB.
-fn peak_memory_mib() -> anyhow::Result<f64> {
+pub(crate) fn peak_memory_mib() -> anyhow::Result<f64> {
     let file = "/proc/self/status";
     let text = std::fs::read_to_string(file).with_context(|| format!("cannot read {file}"))?;
     let line = text.lines().find_map(|line| line.strip_prefix("VmHWM:"));
