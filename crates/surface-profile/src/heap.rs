@@ -1,11 +1,9 @@
-//! The angle of repose of a heap: both flanks and the apex.
+//! The angle of repose of a heap: both flanks, the apex and the base.
 
-use crate::correlation::correlation_factor;
-use crate::line::direction;
-use crate::line_error::{TAU_PART, widening};
+use crate::heap_flank::{HeapFlank, flank};
+use crate::line::Line;
 use crate::median::median;
 use crate::{Error, SurfacePoint};
-use serde::{Deserialize, Serialize};
 
 /// A flank is fitted between these parts of the height: the foot spreads, the apex is round.
 const FLANK: [f64; 2] = [0.2, 0.8];
@@ -15,34 +13,24 @@ const OTHER_FLANK: [f64; 2] = [0.25, 0.75];
 const FOOT: f64 = 0.1;
 /// The apex lies in the middle of what stands above this part of the height.
 const CROWN: f64 = 0.9;
-/// Fewest points on a flank.
-const FEWEST: usize = 12;
+/// Fewest points on a flank, and on the base beside it.
+pub(crate) const FEWEST: usize = 12;
 /// Least height of a heap, parts of the width of the outline.
 const LEAST_HEIGHT: f64 = 0.05;
-/// Points beyond so many robust standard deviations from the line of a flank are outliers.
+/// Points beyond so many robust standard deviations from the line of the base are none of it.
 const CUT_IN_SD: f64 = 4.0;
-/// No point nearer to the line than this part of the height is an outlier.
-const LEAST_CUT: f64 = 0.02;
-/// Largest root mean square distance from the line of a flank, parts of the height.
-const MOST_ROUGHNESS: f64 = 0.08;
-
-/// Largest difference between the inclinations of the upper and the lower half of a flank, rad:
-/// 13 degrees. The outline of a ball or of a drum has 17.
-const MOST_BEND: f64 = 0.23;
-
-/// Steepest flank, rad: 70 degrees. Powders that cling stand at 60; beyond is a wall.
-const STEEPEST: f64 = 1.222;
-
-/// One flank of a heap.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct HeapFlank {
-    /// Inclination from the horizontal, 0 to pi/2, rad.
-    pub inclination: f64,
-    /// Standard error of the inclination; 1.96 of it are half of the 95 % interval, rad.
-    pub standard_error: f64,
-    /// Ends of the fitted line: upper, lower.
-    pub ends: [SurfacePoint; 2],
-}
+/// No point nearer to that line than this part of the height is left out.
+const LEAST_CUT: f64 = 0.002;
+/// Rounds of leaving out.
+const MOST_CUTS: usize = 30;
+/// Largest median distance of the base from its line, parts of the height: more is no table.
+const MOST_BASE_ROUGHNESS: f64 = 0.03;
+/// The ends of an outline are this part of its points, on either side.
+const END: f64 = 0.05;
+/// Part of the height by which the outline of a heap never falls within [`WALL_RUN`]: a stuck grain is smaller.
+const WALL_FALL: f64 = 0.2;
+/// Run of a wall, parts of the height: with its fall 79 degrees.
+const WALL_RUN: f64 = 0.04;
 
 /// The flanks and the apex of a heap.
 #[derive(Debug, Clone, PartialEq)]
@@ -57,214 +45,265 @@ pub struct HeapAngle {
     pub rounding: f64,
     /// Height of the outline from foot to top, unit of the points.
     pub height: f64,
+    /// Where the outline comes down to the base: left, right.
+    pub feet: [SurfacePoint; 2],
+    /// Inclination of the base beside the heap, positive when it rises to the right, rad; none where the base does not show
+    /// on both sides.
+    pub base: Option<f64>,
     /// For each point given, whether it counts.
     pub used: Vec<bool>,
 }
 
 impl HeapAngle {
-    /// Mean inclination of both flanks, rad.
+    /// Mean inclination of both flanks, rad. A base or a camera that leans adds to one flank what it takes from the other.
     pub fn mean(&self) -> f64 {
         0.5 * (self.left.inclination + self.right.inclination)
     }
 
-    /// Standard error of the mean inclination, rad.
+    /// Standard error of the mean inclination, rad: that of the two lines, or half of the difference of the flanks once what
+    /// the base leans is taken off, whichever is larger.
+    ///
+    /// # Formula
+    /// Two values with a difference d have a mean with the standard error `|d| / 2`.
     pub fn standard_error(&self) -> f64 {
-        0.5 * self.left.standard_error.hypot(self.right.standard_error)
+        let lines = 0.5 * self.left.standard_error.hypot(self.right.standard_error);
+        let lean = self.base.unwrap_or(0.0);
+        let difference = (self.left.inclination - lean) - (self.right.inclination + lean);
+        lines.max(0.5 * difference.abs())
     }
 }
 
 /// Measures a heap by its outline, seen from the side.
 ///
 /// # Formula
-/// Height H: from the 5 % to the 99 % quantile of the heights. Flank: the points from the apex
-/// outwards to where the outline first comes below 0.1 H, of them those between 0.2 H and 0.8 H;
+/// Height H: from the base to the 99 % quantile of the heights. The base is the line through what lies outside the feet
+/// where that is straight on both sides, which may lean, and the 5 % quantile of the heights otherwise. Flank: the points from
+/// the apex outwards to where the outline first comes below 0.1 H, of them those between 0.2 H and 0.8 H;
 /// principal axis `[Pearson1901]`, outliers beyond 4 robust standard deviations set aside.
 /// Standard error: `sqrt(s^2 tau / Suu)` as in [`crate::measure`] with two fitted parameters, and the
 /// change of the inclination when the flank ends a twentieth of the height earlier on either side:
-/// where a foot and a round top begin is a choice.
+/// where a foot and a round top begin is a choice. The lower and the upper half of a flank have inclinations of their own.
 ///
 /// # Errors
 /// [`Error::NotFinitePoint`], [`Error::TooFewPoints`], [`Error::NoHeap`] for an outline without
-/// height, with a flank that is missing, does not fall outwards, is a wall, is bent, or is too rough to be
-/// a line.
+/// height, with a flank that is missing, does not fall outwards, is a wall or ends in one, is bent like a ball or a spire, or
+/// is too rough to be a line.
 pub fn measure_heap(points: &[SurfacePoint]) -> Result<HeapAngle, Error> {
-    if let Some(index) = points
-        .iter()
-        .position(|p| !(p.x.is_finite() && p.y.is_finite()))
-    {
-        let SurfacePoint { x, y } = points[index];
-        return Err(Error::NotFinitePoint { index, x, y });
-    }
-    let least = 4 * FEWEST;
-    if points.len() < least {
-        let n = points.len();
-        return Err(Error::TooFewPoints { n, least });
-    }
+    check(points)?;
     let mut order: Vec<usize> = (0..points.len()).collect();
     order.sort_by(|a, b| points[*a].x.total_cmp(&points[*b].x));
-    let mut heights: Vec<f64> = points.iter().map(|p| p.y).collect();
-    heights.sort_by(f64::total_cmp);
-    let base = heights[heights.len() / 20];
-    let top = heights[heights.len() * 99 / 100];
-    let height = top - base;
-    let width = points[order[order.len() - 1]].x - points[order[0]].x;
-    if height <= LEAST_HEIGHT * width {
-        return Err(Error::NoHeap {
-            what: "the outline is flat",
-        });
-    }
-    let level = |p: &SurfacePoint| (p.y - base) / height;
-    let mut crown: Vec<f64> = points
-        .iter()
-        .filter(|p| level(p) >= CROWN)
-        .map(|p| p.x)
-        .collect();
-    let middle = median(&mut crown);
-    let split = order.partition_point(|k| points[*k].x < middle);
-    let outwards = [
-        order[..split].iter().rev().copied().collect::<Vec<usize>>(),
-        order[split..].to_vec(),
-    ];
+    // What lies outside the feet may show a base that leans; the heap then stands on that.
+    let over = |base: Base| Outline::over(points, &order, base);
+    let beside = |base: Base| over(base).ok().and_then(|outline| outline.base_line());
+    let level = Base::quantile(points);
+    let base = beside(Base::between_ends(points, &order)).or_else(|| beside(level));
+    let outline = over(base.unwrap_or(level))?;
+    outline.check_walls()?;
     let mut used = vec![false; points.len()];
-    let mut flanks = Vec::new();
-    for (indices, side) in outwards.iter().zip([-1.0, 1.0]) {
-        let members: Vec<usize> = indices
-            .iter()
-            .copied()
-            .take_while(|k| level(&points[*k]) >= FOOT)
-            .filter(|k| (FLANK[0]..=FLANK[1]).contains(&level(&points[*k])))
-            .collect();
-        let others = members.iter().copied();
-        let others = others
-            .filter(|k| (OTHER_FLANK[0]..=OTHER_FLANK[1]).contains(&level(&points[*k])))
-            .collect();
-        let mut found = flank(points, members, (side, height), &mut used)?;
-        let mut aside = vec![false; points.len()];
-        if let Ok(other) = flank(points, others, (side, height), &mut aside) {
-            let change = other.inclination - found.inclination;
-            found.standard_error = found.standard_error.hypot(change);
-        }
-        flanks.push(found);
-    }
-    let apex = meeting(&flanks[0], &flanks[1]);
+    let left = outline.flank(0, &mut used)?;
+    let right = outline.flank(1, &mut used)?;
+    let apex = meeting(&left, &right);
     Ok(HeapAngle {
-        left: flanks[0],
-        right: flanks[1],
+        left,
+        right,
+        rounding: apex.y - outline.base.at(apex.x) - outline.height,
         apex,
-        rounding: apex.y - top,
-        height,
+        height: outline.height,
+        feet: outline.feet(),
+        base: base.map(|line| line.slope.atan()),
         used,
     })
 }
 
-/// The line through the members of one flank; side is -1 for the left one.
-fn flank(
-    points: &[SurfacePoint],
-    mut members: Vec<usize>,
-    (side, height): (f64, f64),
-    used: &mut [bool],
-) -> Result<HeapFlank, Error> {
-    let no_heap = |what| Err(Error::NoHeap { what });
-    for _ in 0..10 {
-        if members.len() < FEWEST {
-            return no_heap("a flank is missing");
-        }
-        let line = Line::through(points, &members);
-        let mut sizes: Vec<f64> = members
-            .iter()
-            .map(|k| line.off(&points[*k]).abs())
-            .collect();
-        let cut = (CUT_IN_SD * 1.4826 * median(&mut sizes)).max(LEAST_CUT * height);
-        let before = members.len();
-        members.retain(|k| line.off(&points[*k]).abs() <= cut);
-        if members.len() == before {
-            break;
-        }
+/// Refuses points that are not finite, and too few.
+fn check(points: &[SurfacePoint]) -> Result<(), Error> {
+    let finite = |p: &SurfacePoint| p.x.is_finite() && p.y.is_finite();
+    if let Some(index) = points.iter().position(|p| !finite(p)) {
+        let SurfacePoint { x, y } = points[index];
+        return Err(Error::NotFinitePoint { index, x, y });
     }
-    let (upper, lower) = members.split_at(members.len() / 2);
-    let halves = [upper, lower].map(|half| Line::through(points, half).inclination);
-    if (halves[0] - halves[1]).abs() > MOST_BEND {
-        return no_heap("a flank is bent, as the outline of a ball or a drum is");
+    let (n, least) = (points.len(), 4 * FEWEST);
+    if n < least {
+        return Err(Error::TooFewPoints { n, least });
     }
-    let line = Line::through(points, &members);
-    let fall = -side * line.inclination;
-    if fall <= 0.0 {
-        return no_heap("a flank does not fall outwards");
-    }
-    if fall > STEEPEST {
-        return no_heap("a flank is steeper than 70 degrees, as a wall is");
-    }
-    let residuals: Vec<f64> = members.iter().map(|k| line.off(&points[*k])).collect();
-    let n = residuals.len() as f64;
-    let mean_square = residuals.iter().map(|r| r * r).sum::<f64>() / n;
-    if mean_square.sqrt() > MOST_ROUGHNESS * height {
-        return no_heap("a flank is too rough for a line");
-    }
-    let along: Vec<f64> = members.iter().map(|k| line.along(&points[*k])).collect();
-    let tau = correlation_factor(&residuals, 2.0);
-    let freedom = (n / tau - 2.0).max(3.0);
-    let variance = mean_square * (n / tau / freedom).max(1.0);
-    let suu: f64 = along.iter().map(|u| u * u).sum();
-    for k in &members {
-        used[*k] = true;
-    }
-    let (low, high) = along
-        .iter()
-        .fold((0.0, 0.0), |b: (f64, f64), u| (b.0.min(*u), b.1.max(*u)));
-    let ends = [line.place(low), line.place(high)];
-    Ok(HeapFlank {
-        inclination: fall,
-        standard_error: (variance * tau / suu).sqrt() * widening((TAU_PART * freedom).max(3.0)),
-        ends: if ends[0].y > ends[1].y {
-            ends
-        } else {
-            [ends[1], ends[0]]
-        },
-    })
+    Ok(())
 }
 
-/// A straight line through the centroid of points.
-struct Line {
-    /// Centroid.
-    centre: SurfacePoint,
-    /// Inclination, positive when it rises to the right, rad.
-    inclination: f64,
+/// What a heap stands on.
+#[derive(Debug, Clone, Copy)]
+struct Base {
+    /// Height at x = 0.
+    height: f64,
+    /// Rise over run.
+    slope: f64,
 }
 
-impl Line {
-    /// The principal axis of the members.
-    fn through(points: &[SurfacePoint], members: &[usize]) -> Self {
-        let n = members.len().max(1) as f64;
-        let centre = SurfacePoint {
-            x: members.iter().map(|k| points[*k].x).sum::<f64>() / n,
-            y: members.iter().map(|k| points[*k].y).sum::<f64>() / n,
-        };
-        let places = members.iter().map(|k| (points[*k].x, points[*k].y));
+impl Base {
+    /// A level base at the 5 % quantile of the heights.
+    fn quantile(points: &[SurfacePoint]) -> Self {
+        let mut heights: Vec<f64> = points.iter().map(|p| p.y).collect();
+        heights.sort_by(f64::total_cmp);
         Self {
-            centre,
-            inclination: direction(places).unwrap_or(0.0),
+            height: heights[heights.len() / 20],
+            slope: 0.0,
         }
     }
 
-    /// Distance of a point from the line, positive above.
-    fn off(&self, p: &SurfacePoint) -> f64 {
-        let (sin, cos) = self.inclination.sin_cos();
-        (p.y - self.centre.y) * cos - (p.x - self.centre.x) * sin
-    }
-
-    /// Place of a point along the line.
-    fn along(&self, p: &SurfacePoint) -> f64 {
-        let (sin, cos) = self.inclination.sin_cos();
-        (p.x - self.centre.x) * cos + (p.y - self.centre.y) * sin
-    }
-
-    /// The point at a place along the line.
-    fn place(&self, along: f64) -> SurfacePoint {
-        let (sin, cos) = self.inclination.sin_cos();
-        SurfacePoint {
-            x: self.centre.x + along * cos,
-            y: self.centre.y + along * sin,
+    /// The line between the middles of the two ends of an outline.
+    fn between_ends(points: &[SurfacePoint], order: &[usize]) -> Self {
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "a part of the number of points"
+        )]
+        let n = (END * order.len() as f64).ceil() as usize;
+        let [left, right] = [&order[..n], &order[order.len() - n..]].map(|end| SurfacePoint {
+            x: median(&mut end.iter().map(|k| points[*k].x).collect::<Vec<f64>>()),
+            y: median(&mut end.iter().map(|k| points[*k].y).collect::<Vec<f64>>()),
+        });
+        let slope = (right.y - left.y) / (right.x - left.x).max(f64::MIN_POSITIVE);
+        Self {
+            height: left.y - slope * left.x,
+            slope,
         }
+    }
+
+    /// Its height at a place.
+    fn at(&self, x: f64) -> f64 {
+        self.height + self.slope * x
+    }
+}
+
+/// An outline over a base.
+struct Outline<'a> {
+    /// The points.
+    points: &'a [SurfacePoint],
+    /// What they stand on.
+    base: Base,
+    /// Height of the top over it, unit of the points.
+    height: f64,
+    /// Points from the apex to the left, and to the right.
+    outwards: [Vec<usize>; 2],
+    /// How many of them lie before the foot.
+    before_foot: [usize; 2],
+}
+
+impl<'a> Outline<'a> {
+    /// Parts an outline at its apex and its feet; `order` is that of x.
+    fn over(points: &'a [SurfacePoint], order: &[usize], base: Base) -> Result<Self, Error> {
+        let over = |p: &SurfacePoint| p.y - base.at(p.x);
+        let mut heights: Vec<f64> = points.iter().map(over).collect();
+        heights.sort_by(f64::total_cmp);
+        let height = heights[heights.len() * 99 / 100];
+        let width = points[order[order.len() - 1]].x - points[order[0]].x;
+        if height <= LEAST_HEIGHT * width {
+            return Err(Error::NoHeap {
+                what: "the outline is flat",
+            });
+        }
+        let crown = points.iter().filter(|p| over(p) >= CROWN * height);
+        let middle = median(&mut crown.map(|p| p.x).collect::<Vec<f64>>());
+        let split = order.partition_point(|k| points[*k].x < middle);
+        let outwards = [
+            order[..split].iter().rev().copied().collect::<Vec<usize>>(),
+            order[split..].to_vec(),
+        ];
+        let before_foot = [0, 1].map(|side: usize| {
+            let foot = |k: &usize| over(&points[*k]) < FOOT * height;
+            let outwards = &outwards[side];
+            outwards.iter().position(foot).unwrap_or(outwards.len())
+        });
+        Ok(Self {
+            points,
+            base,
+            height,
+            outwards,
+            before_foot,
+        })
+    }
+
+    /// Height of a point over the base, parts of the height of the heap.
+    fn level(&self, k: usize) -> f64 {
+        (self.points[k].y - self.base.at(self.points[k].x)) / self.height
+    }
+
+    /// The line of the base beside the feet; none where too little of it shows on a side, or it is not straight.
+    fn base_line(&self) -> Option<Base> {
+        let mut sides =
+            [0, 1].map(|side: usize| self.outwards[side][self.before_foot[side]..].to_vec());
+        // A foot spreads over the base: what stands over the line is taken off until nothing is.
+        for _ in 0..MOST_CUTS {
+            if sides.iter().any(|side| side.len() < FEWEST) {
+                return None;
+            }
+            let all = sides.concat();
+            let line = Line::through(self.points, &all);
+            let off = |k: &usize| line.off(&self.points[*k]).abs();
+            let typical = median(&mut all.iter().map(off).collect::<Vec<f64>>());
+            let cut = (CUT_IN_SD * 1.4826 * typical).max(LEAST_CUT * self.height);
+            for side in &mut sides {
+                side.retain(|k| off(k) <= cut);
+            }
+            if sides.iter().map(Vec::len).sum::<usize>() == all.len() {
+                let slope = line.inclination.tan();
+                return (typical <= MOST_BASE_ROUGHNESS * self.height).then_some(Base {
+                    height: line.centre.y - slope * line.centre.x,
+                    slope,
+                });
+            }
+        }
+        None
+    }
+
+    /// Refuses an outline that falls like a wall between apex and foot: a box, a beaker, or a heap that leans on one.
+    fn check_walls(&self) -> Result<(), Error> {
+        let [run, fall] = [WALL_RUN, WALL_FALL].map(|part| part * self.height);
+        for (outwards, before) in self.outwards.iter().zip(self.before_foot) {
+            // One point beyond the foot: a wall ends on it.
+            let side = &outwards[..outwards.len().min(before + 1)];
+            for (place, &k) in side.iter().enumerate() {
+                let from = self.points[k];
+                let near = |j: &&usize| (self.points[**j].x - from.x).abs() <= run;
+                let next = side.get(place + 1).into_iter();
+                let falls = |j: &usize| from.y - self.points[*j].y > fall;
+                if side[place..].iter().take_while(near).chain(next).any(falls) {
+                    return Err(Error::NoHeap {
+                        what: "the outline falls like a wall",
+                    });
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Fits one flank, 0 for the left one.
+    fn flank(&self, side: usize, used: &mut [bool]) -> Result<HeapFlank, Error> {
+        let members = |[low, high]: [f64; 2]| -> Vec<usize> {
+            let before_foot = &self.outwards[side][..self.before_foot[side]];
+            let inside = |k: &usize| (low..=high).contains(&self.level(*k));
+            before_foot.iter().copied().filter(inside).collect()
+        };
+        let place = ([-1.0, 1.0][side], self.height);
+        let mut found = flank(self.points, members(FLANK), place, used)?;
+        let mut aside = vec![false; self.points.len()];
+        if let Ok(other) = flank(self.points, members(OTHER_FLANK), place, &mut aside) {
+            let change = other.inclination - found.inclination;
+            found.standard_error = found.standard_error.hypot(change);
+        }
+        Ok(found)
+    }
+
+    /// The last points before the feet, moved down to the base.
+    fn feet(&self) -> [SurfacePoint; 2] {
+        [0, 1].map(|side: usize| {
+            let last = self.before_foot[side].saturating_sub(1);
+            let k = self.outwards[side].get(last).copied().unwrap_or(0);
+            let x = self.points[k].x;
+            SurfacePoint {
+                x,
+                y: self.base.at(x),
+            }
+        })
     }
 }
 
@@ -323,6 +362,78 @@ mod tests {
             (heap.left.inclination.to_degrees() - 30.0).abs() < 1e-6,
             "{heap:?}"
         );
+    }
+
+    /// The same outline on a base that leans by 5 degrees, as under a camera that does: the lean comes back (to 0.01
+    /// degrees: a point of each foot lies nearer to the base than what is left out), one flank has it
+    /// more and the other less, and the mean stays.
+    #[test]
+    fn a_leaning_base_turns_both_flanks_and_not_their_mean() {
+        let lean = 5.0_f64.to_radians();
+        let mut points = outline();
+        for p in &mut points {
+            let (x, y) = (p.x, p.y);
+            p.x = x * lean.cos() - y * lean.sin();
+            p.y = x * lean.sin() + y * lean.cos();
+        }
+        let heap = measure_heap(&points).unwrap();
+        assert!((heap.base.unwrap() - lean).abs() < 2e-4, "{heap:?}");
+        assert!(
+            (heap.left.inclination.to_degrees() - 35.0).abs() < 1e-9,
+            "{heap:?}"
+        );
+        assert!(
+            (heap.right.inclination.to_degrees() - 35.0).abs() < 1e-9,
+            "{heap:?}"
+        );
+    }
+
+    /// Flanks of 30 and 40 degrees have a mean that is known to 5: each may be the angle of repose.
+    #[test]
+    fn flanks_that_differ_widen_the_interval_of_their_mean() {
+        let heap = measure_heap(&outline()).unwrap();
+        assert!(
+            (heap.standard_error().to_degrees() - 5.0).abs() < 0.01,
+            "{heap:?}"
+        );
+    }
+
+    /// A foot that spreads: the flanks fall by 40 degrees down to 0.5 of the height and by 20 below. Top and toe tell both; the
+    /// halves of the flank share no slope, so that each is exact but for the point at the break.
+    #[test]
+    fn a_spread_foot_is_told_by_toe_and_top() {
+        let slopes = [40.0_f64, 20.0].map(|d| d.to_radians().tan());
+        let run = 50.0 / slopes[0];
+        let points: Vec<SurfacePoint> = (-600..=600)
+            .map(|k| {
+                let x = f64::from(k) * 0.5;
+                let beyond = (x.abs() - run).max(0.0);
+                let y = 100.0 - slopes[0] * x.abs().min(run) - slopes[1] * beyond;
+                SurfacePoint { x, y: y.max(0.0) }
+            })
+            .collect();
+        let heap = measure_heap(&points).unwrap();
+        for flank in [heap.left, heap.right] {
+            let (top, toe) = (flank.top.to_degrees(), flank.toe.to_degrees());
+            assert!((toe - 20.0).abs() < 0.1, "toe {toe}");
+            assert!(top > 30.0 && top < 40.0, "top {top}");
+            assert!(flank.inclination.to_degrees() > 22.0, "{flank:?}");
+        }
+    }
+
+    /// A cube seen over an edge: two slopes of 30 degrees, and walls below them.
+    #[test]
+    fn slopes_that_end_in_walls_are_no_heap() {
+        let cube: Vec<SurfacePoint> = (-400..=400)
+            .map(|k| {
+                let x = f64::from(k);
+                let top = 240.0 - x.abs() * 30.0_f64.to_radians().tan();
+                let y = if x.abs() <= 200.0 { top } else { 0.0 };
+                SurfacePoint { x, y }
+            })
+            .collect();
+        let error = measure_heap(&cube).unwrap_err();
+        assert!(error.to_string().contains("wall"), "{error}");
     }
 
     /// The upper half of a circle rises to 90 degrees at its ends.

@@ -34,6 +34,7 @@ mod field;
 mod frame;
 mod geometry;
 mod heap;
+mod heap_flank;
 mod line;
 mod line_error;
 mod median;
@@ -50,7 +51,8 @@ pub use discs::{DensitySettings, Disc, density_of_discs, profile_from_discs};
 pub use error::Error;
 pub use field::Field;
 pub use geometry::{DrumCircle, SurfacePoint};
-pub use heap::{HeapAngle, HeapFlank, measure_heap};
+pub use heap::{HeapAngle, measure_heap};
+pub use heap_flank::HeapFlank;
 pub use median::median;
 pub use series::{SeriesSummary, summarise};
 pub use series_times::{

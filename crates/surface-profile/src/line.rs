@@ -1,5 +1,7 @@
 //! The least-squares line.
 
+use crate::SurfacePoint;
+
 /// Direction of the line that minimises the sum of squared normal distances.
 ///
 /// # Formula
@@ -26,4 +28,49 @@ pub(crate) fn direction(points: impl Iterator<Item = (f64, f64)> + Clone) -> Opt
         syy += (py - y) * (py - y);
     }
     (sxx + syy > 0.0).then(|| 0.5 * (2.0 * sxy).atan2(sxx - syy))
+}
+
+/// A straight line through the centroid of points.
+pub(crate) struct Line {
+    /// Centroid.
+    pub(crate) centre: SurfacePoint,
+    /// Inclination, positive when it rises to the right, rad.
+    pub(crate) inclination: f64,
+}
+
+impl Line {
+    /// The principal axis of the members.
+    pub(crate) fn through(points: &[SurfacePoint], members: &[usize]) -> Self {
+        let n = members.len().max(1) as f64;
+        let centre = SurfacePoint {
+            x: members.iter().map(|k| points[*k].x).sum::<f64>() / n,
+            y: members.iter().map(|k| points[*k].y).sum::<f64>() / n,
+        };
+        let places = members.iter().map(|k| (points[*k].x, points[*k].y));
+        Self {
+            centre,
+            inclination: direction(places).unwrap_or(0.0),
+        }
+    }
+
+    /// Distance of a point from the line, positive above.
+    pub(crate) fn off(&self, p: &SurfacePoint) -> f64 {
+        let (sin, cos) = self.inclination.sin_cos();
+        (p.y - self.centre.y) * cos - (p.x - self.centre.x) * sin
+    }
+
+    /// Place of a point along the line.
+    pub(crate) fn along(&self, p: &SurfacePoint) -> f64 {
+        let (sin, cos) = self.inclination.sin_cos();
+        (p.x - self.centre.x) * cos + (p.y - self.centre.y) * sin
+    }
+
+    /// The point at a place along the line.
+    pub(crate) fn place(&self, along: f64) -> SurfacePoint {
+        let (sin, cos) = self.inclination.sin_cos();
+        SurfacePoint {
+            x: self.centre.x + along * cos,
+            y: self.centre.y + along * sin,
+        }
+    }
 }

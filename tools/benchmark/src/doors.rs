@@ -1,0 +1,244 @@
+//! What is measured beside the solver: reading a picture, filling a mesh, analysing a table.
+
+use crate::arguments::Arguments;
+use crate::measure::{median, peak_memory_mib, processor_seconds};
+use crate::scenes::BenchmarkScene;
+use crate::seed_drum;
+use anyhow::Context as _;
+use experiment_design::{AxialDistance, Factor, central_composite};
+use image::{DynamicImage, imageops};
+use photo_profile::{PhotoPixels, Settings, measure_photo, synthetic};
+use response_surface::{Cell, Model, Observations, Weighting, box_cox, fit};
+use serde::{Deserialize, Serialize};
+use std::fmt;
+use std::path::Path;
+use std::str::FromStr;
+
+/// Seeds of the drum whose frame is read.
+const SEEDS_OF_FRAME: usize = 300;
+/// Mesh that is filled, in mm.
+const MESH: &str = "fixtures/stl/cotton_ellipsoidal.stl";
+/// Radius of the spheres in it, m: that of the study.
+const RADIUS: f64 = 0.45e-3;
+/// Sides of the photo, px: 12 megapixels.
+const PHOTO: [u32; 2] = [4000, 3000];
+
+/// One of them.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Door {
+    /// A frame of the drum of seeds is drawn and read.
+    Frame,
+    /// A photo of 12 megapixels is read.
+    Photo12Mp,
+    /// A mesh is read and filled with spheres.
+    Seedfill,
+    /// A central composite design of five factors is analysed.
+    Analyse,
+}
+
+impl Door {
+    /// All of them.
+    pub(crate) const ALL: [Self; 4] = [Self::Frame, Self::Photo12Mp, Self::Seedfill, Self::Analyse];
+
+    /// Calls of a block: the kernel counts the time of a process in steps of some milliseconds.
+    pub(crate) fn block_calls(self) -> usize {
+        match self {
+            Self::Frame | Self::Photo12Mp | Self::Seedfill => 1,
+            Self::Analyse => 50,
+        }
+    }
+
+    /// Its name.
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Self::Frame => "frame",
+            Self::Photo12Mp => "photo-12mp",
+            Self::Seedfill => "seedfill",
+            Self::Analyse => "analyse",
+        }
+    }
+}
+
+/// What can be measured.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Subject {
+    /// A step of a scene.
+    Scene(BenchmarkScene),
+    /// A call of something beside the solver.
+    Door(Door),
+}
+
+impl fmt::Display for Subject {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Scene(scene) => scene.fmt(f),
+            Self::Door(door) => f.write_str(door.name()),
+        }
+    }
+}
+
+impl FromStr for Subject {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        if let Some(door) = Door::ALL.into_iter().find(|door| door.name() == text) {
+            return Ok(Self::Door(door));
+        }
+        let doors = || Door::ALL.map(Door::name).join(", ");
+        text.parse()
+            .map(Self::Scene)
+            .map_err(|e| format!("{e}, or one of {}", doors()))
+    }
+}
+
+/// What one call does; it gives its result as text, which two builds share only if they agree to the last bit.
+pub(crate) type Call = Box<dyn FnMut() -> anyhow::Result<String>>;
+
+/// Makes all that a call does not have to make itself.
+pub(crate) fn prepare(arguments: &Arguments, door: Door) -> anyhow::Result<Call> {
+    match door {
+        Door::Frame => frame(arguments),
+        Door::Photo12Mp => Ok(photo()),
+        Door::Seedfill => Ok(Box::new(filled)),
+        Door::Analyse => analysis(),
+    }
+}
+
+/// Drawing and reading a frame of a flowing drum.
+fn frame(arguments: &Arguments) -> anyhow::Result<Call> {
+    let drum = seed_drum::start(arguments, SEEDS_OF_FRAME)?;
+    let (frame, bodies, scene) = (drum.frame(), drum.bodies, drum.scene);
+    Ok(Box::new(move || {
+        let reading = scene::read_frame(&scene, &bodies, &frame)?;
+        Ok(format!("{reading:?}"))
+    }))
+}
+
+/// Reading a photo of coarse grains, once it is decoded.
+fn photo() -> Call {
+    let [width, height] = PHOTO;
+    let drawn = synthetic::Scene {
+        size: height,
+        radius: 0.45 * f64::from(height),
+        grain: [40.0, 25.0],
+        noise: 4.0,
+        ..synthetic::Scene::default()
+    };
+    let mut wide = image::GrayImage::from_pixel(width, height, image::Luma([20]));
+    imageops::replace(&mut wide, &drawn.draw(), i64::from((width - height) / 2), 0);
+    let picture = DynamicImage::from(wide);
+    Box::new(move || {
+        let pixels = PhotoPixels::from_picture(&picture);
+        let reading = measure_photo(&pixels, &Settings::default())?;
+        Ok(format!("{reading:?}"))
+    })
+}
+
+/// Reading and filling a mesh.
+fn filled() -> anyhow::Result<String> {
+    let read = trimesh::read_mesh(Path::new(MESH), trimesh::LengthUnit::Millimetre)?;
+    let filling = sphere_fill::fill(&read.mesh, &sphere_fill::FillSettings::new(RADIUS))?;
+    Ok(format!("{:?}", filling.spheres))
+}
+
+/// Fitting a quadratic model in five factors, its intervals and the Box-Cox plot.
+fn analysis() -> anyhow::Result<Call> {
+    let factors = ["A", "B", "C", "D", "E"].map(Factor::coded_only);
+    let factors = factors.into_iter().collect::<Result<Vec<_>, _>>()?;
+    let design = central_composite(&factors, AxialDistance::Rotatable, 6)?;
+    let response = |x: &[f64]| {
+        let wave: f64 = x
+            .iter()
+            .zip(1..)
+            .map(|(x, k)| (x * f64::from(k)).sin())
+            .sum();
+        40.0 + 3.0 * x[0] - 2.0 * x[1] * x[2] + x[3] * x[3] + 0.1 * wave
+    };
+    let cells = design.coded_rows().into_iter();
+    let cells = cells
+        .map(|x| Cell::single(x.clone(), response(&x)))
+        .collect();
+    let data = Observations::from_cells(cells)?;
+    Ok(Box::new(move || {
+        let model = Model::quadratic(&factors)?;
+        let fitted = fit(&factors, &model, &data)?;
+        let transform = box_cox(&factors, &model, &data, Weighting::Counts)?;
+        Ok(format!("{fitted:?} {transform:?}"))
+    }))
+}
+
+/// Cost of a call; each unit is in the name.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub(crate) struct DoorRow {
+    door: String,
+    /// Time on the processor of a call in each block.
+    ms_per_call_blocks: Vec<f64>,
+    /// Their median.
+    ms_per_call: f64,
+    /// Of the process so far.
+    peak_memory_mib: f64,
+}
+
+/// Measures blocks of calls, after one that warms up.
+pub(crate) fn measure(arguments: &Arguments, door: Door) -> anyhow::Result<DoorRow> {
+    arguments
+        .common
+        .log(|| format!("measuring {}", door.name()));
+    let mut call =
+        prepare(arguments, door).with_context(|| format!("cannot prepare {}", door.name()))?;
+    let mut blocks = Vec::new();
+    for number in 0..=arguments.blocks {
+        let start = processor_seconds()?;
+        for _ in 0..door.block_calls() {
+            call()?;
+        }
+        let taken = (processor_seconds()? - start) * 1e3;
+        blocks.extend((number > 0).then_some(taken / door.block_calls() as f64));
+    }
+    Ok(DoorRow {
+        door: door.name().into(),
+        ms_per_call: median(&blocks),
+        ms_per_call_blocks: blocks,
+        peak_memory_mib: peak_memory_mib()?,
+    })
+}
+
+/// The rows as a Markdown table.
+pub(crate) fn table(rows: &[DoorRow]) -> String {
+    let head = "| call | blocks | CPU-ms per call (least to most) | peak memory so far (MiB) |\n|---|--:|--:|--:|";
+    let lines = rows.iter().map(|row| {
+        let least = row
+            .ms_per_call_blocks
+            .iter()
+            .copied()
+            .fold(f64::INFINITY, f64::min);
+        let most = row.ms_per_call_blocks.iter().copied().fold(0.0, f64::max);
+        format!(
+            "| {} | {} | {:.2} ({least:.2} to {most:.2}) | {:.0} |",
+            row.door,
+            row.ms_per_call_blocks.len(),
+            row.ms_per_call,
+            row.peak_memory_mib
+        )
+    });
+    let lines: Vec<_> = std::iter::once(head.to_owned()).chain(lines).collect();
+    lines.join("\n")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Door, Subject};
+    use crate::scenes::BenchmarkScene;
+
+    #[test]
+    fn a_name_is_a_door_or_a_scene_and_a_wrong_one_is_told_both() {
+        assert_eq!("photo-12mp".parse(), Ok(Subject::Door(Door::Photo12Mp)));
+        let scene = Subject::Scene(BenchmarkScene::Seeds(1200));
+        assert_eq!("seeds-1200".parse(), Ok(scene));
+        let told = "photo-12".parse::<Subject>().unwrap_err();
+        assert!(
+            told.contains("seeds-N") && told.contains("photo-12mp"),
+            "{told}"
+        );
+    }
+}
