@@ -1,5 +1,7 @@
 //! Where the seeds start: at random, without touching each other or a wall.
 
+mod insertion;
+
 use crate::{Apparatus, Error};
 use clump::Clump;
 use dem_solver::Placement;
@@ -89,7 +91,8 @@ pub(crate) struct Room<'a> {
 ///
 /// Places are the points of a cubic grid, filled from the bottom up, with a small random offset;
 /// at each the orientation is drawn until the body is clear of walls and of bodies placed before.
-/// The grid is made finer until all bodies have a place.
+/// The grid is made finer until all bodies have a place. Where no grid has enough, as with bodies of unlike sizes, they are
+/// inserted one after another at random places, the largest first.
 ///
 /// # Errors
 ///
@@ -133,6 +136,11 @@ pub(crate) fn place(
         places = places.max(placed.len());
         spacing *= 0.97;
     }
+    let placed = insertion::insert(room, &capsules, kinds, seed);
+    if placed.len() == count {
+        return Ok(placed);
+    }
+    let places = places.max(placed.len());
     Err(Error::TooManySeeds { count, places })
 }
 

@@ -254,3 +254,38 @@ fn a_dry_build_tells_too_many_seeds() {
         "{error}"
     );
 }
+
+/// Balls of 8 and 4 mm that fill a quarter of the drum are more than a grid of 8 mm has places for. They start all the same, none
+/// touching another or a wall, and at the same places for the same seed. More than balls can fill are refused.
+#[test]
+fn balls_of_unlike_sizes_have_room_between_each_other() {
+    let large = "sphere = \"8 mm\"\nmass = \"0.3 g\"\ncount = 60";
+    let small = |count: usize| {
+        format!(
+            "{large}\n[[seed]]\nname = \"lentil\"\nmaterial = \"pea\"\nsphere = \"4 mm\"\nmass = \"0.04 g\"\ncount = {count}"
+        )
+    };
+    let library = FillingLibrary::default();
+    let scene = read(&small(120)).unwrap();
+    let (frame, ..) = starting_frame(&scene, &library, 3).unwrap();
+    assert_eq!(frame.position.len(), 180);
+    let radius = |i: usize| [4e-3, 2e-3][frame.kind[i]];
+    for (i, a) in frame.position.iter().enumerate() {
+        let out = a.xy().norm() + radius(i) < 30e-3 && a.z.abs() + radius(i) < 15e-3;
+        assert!(out, "body {i} at {a} is in a wall");
+        for (j, b) in frame.position.iter().enumerate().skip(i + 1) {
+            let gap = (a - b).norm() - radius(i) - radius(j);
+            assert!(gap > 0.0, "bodies {i} and {j} overlap by {} m", -gap);
+        }
+    }
+    let (again, ..) = starting_frame(&scene, &library, 3).unwrap();
+    assert_eq!(frame, again);
+    let error = read(&small(3000))
+        .unwrap()
+        .build_check(&library)
+        .unwrap_err();
+    assert!(
+        matches!(error, scene::Error::TooManySeeds { .. }),
+        "{error}"
+    );
+}
