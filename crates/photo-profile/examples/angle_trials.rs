@@ -50,62 +50,93 @@ fn main() {
     }
 }
 
-/// Measures heaps and prints their row: both flanks of each count as one picture.
+/// Measures heaps and prints their rows: both flanks of each count as one picture.
 fn heaps(each: u64) {
-    let settings = Settings {
-        mode: Mode::Heap,
-        ..Settings::default()
-    };
+    heap_rows("heap", each, plain_heap);
+    heap_rows("heap in a hard picture", each, hard_heap);
+}
+
+/// A part of 1 that fills it evenly as the number of the picture grows.
+fn part(number: u64, step: f64) -> f64 {
+    (number as f64 * step).fract()
+}
+
+/// A bumpy heap on a table of its tone or of another.
+fn plain_heap(number: u64) -> HeapScene {
+    let part = |step: f64| part(number, step);
+    let dark = number.is_multiple_of(2);
+    HeapScene {
+        flanks: [0.35 + 0.5 * part(0.754_878), 0.35 + 0.5 * part(0.569_840)],
+        tones: if dark {
+            [60.0, 210.0, 40.0]
+        } else {
+            [200.0, 30.0, 120.0]
+        },
+        apex: [0.4 + 0.2 * part(0.682_328), 0.2],
+        rounding: 0.02 * part(0.317),
+        bumps: 0.006 * part(0.414),
+        blur: 0.7 + 2.0 * part(0.732),
+        noise: 10.0 * part(0.236),
+        seed: number,
+        ..HeapScene::default()
+    }
+}
+
+/// The same on a white table, with a foot that spreads or by a camera above it, leaning, with dust and more noise.
+fn hard_heap(number: u64) -> HeapScene {
+    let part = |step: f64| part(number, step);
+    let above = number.is_multiple_of(3);
+    let flank = 0.4 + 0.4 * part(0.754_878);
+    HeapScene {
+        flanks: [flank; 2],
+        tones: [70.0, 200.0, 200.0],
+        apex: [0.5, 0.2],
+        noise: 5.0 + 15.0 * part(0.236),
+        spread: if above { 0.0 } else { 0.4 * part(0.618) },
+        elevation: if above { 0.2 * part(0.141) } else { 0.0 },
+        lean: 0.12 * (part(0.271) - 0.5),
+        specks: 20,
+        ..plain_heap(number)
+    }
+}
+
+/// Measures heaps of one kind, where roll and elevation of the camera are known.
+fn heap_rows(name: &str, each: u64, draw: impl Fn(u64) -> HeapScene) {
     let mut outcomes = Vec::new();
     let mut against_straight = Vec::new();
     for seed in 0..each {
-        let part = |step: f64| (seed as f64 * step).fract();
-        let dark = seed % 2 == 0;
-        let scene = HeapScene {
-            flanks: [0.35 + 0.5 * part(0.754_878), 0.35 + 0.5 * part(0.569_840)],
-            tones: if dark {
-                [60.0, 210.0, 40.0]
-            } else {
-                [200.0, 30.0, 120.0]
-            },
-            apex: [0.4 + 0.2 * part(0.682_328), 0.2],
-            rounding: 0.02 * part(0.317),
-            bumps: 0.006 * part(0.414),
-            blur: 0.7 + 2.0 * part(0.732),
-            noise: 10.0 * part(0.236),
-            seed,
-            ..HeapScene::default()
+        let scene = draw(seed);
+        let settings = Settings {
+            mode: Mode::Heap,
+            camera_roll: scene.lean,
+            camera_elevation: scene.elevation,
+            ..Settings::default()
         };
         let reading = measure_image(&scene.draw(), &settings);
-        match reading.ok().and_then(|r| r.heap) {
-            None => outcomes.push(Outcome::Refused("heap".to_owned())),
-            Some(heap) => {
-                let Ok(truth) = measure_heap(&scene.outline()) else {
-                    continue;
-                };
-                let none = [f64::NAN; 2];
-                for (angle, truth, straight, error) in [
-                    (
-                        heap.left,
-                        truth.left.inclination,
-                        scene.flanks[0],
-                        heap.left_standard_error,
-                    ),
-                    (
-                        heap.right,
-                        truth.right.inclination,
-                        scene.flanks[1],
-                        heap.right_standard_error,
-                    ),
-                ] {
-                    let pair = |truth: f64| [(angle - truth).to_degrees(), error.to_degrees()];
-                    outcomes.push(Outcome::Measured([pair(truth), none, none]));
-                    against_straight.push(Outcome::Measured([pair(straight), none, none]));
-                }
-            }
+        let Some(heap) = reading.ok().and_then(|r| r.heap) else {
+            outcomes.push(Outcome::Refused("heap".to_owned()));
+            continue;
+        };
+        let level = HeapScene {
+            lean: 0.0,
+            elevation: 0.0,
+            ..scene
+        };
+        let Ok(truth) = measure_heap(&level.outline()) else {
+            continue;
+        };
+        let flanks = [
+            (heap.left, truth.left, heap.left_standard_error),
+            (heap.right, truth.right, heap.right_standard_error),
+        ];
+        for ((angle, truth, error), straight) in flanks.into_iter().zip(scene.flanks) {
+            let none = [f64::NAN; 2];
+            let pair = |truth: f64| [(angle - truth).to_degrees(), error.to_degrees()];
+            outcomes.push(Outcome::Measured([pair(truth.inclination), none, none]));
+            against_straight.push(Outcome::Measured([pair(straight), none, none]));
         }
     }
-    row("heap, a flank each", "heap", &outcomes);
+    row(&format!("{name}, a flank each"), "heap", &outcomes);
     row(
         "the same, to the flank far from the top",
         "heap",

@@ -4,8 +4,10 @@ use crate::channel::channel_below_sky;
 use crate::measure::Unfit;
 use crate::tone::{BedShare, air_and_bed};
 use crate::{Channel, PhotoPixels, PixelPoint, Refusal, Settings};
+use image::{GrayImage, Luma};
+use imageproc::region_labelling::{Connectivity, connected_components};
 use serde::Serialize;
-use surface_profile::{HeapAngle, SurfacePoint, measure_heap};
+use surface_profile::{HeapAngle, HeapFlank, SurfacePoint, measure_heap};
 
 /// Columns of the outline at most.
 const MOST_COLUMNS: usize = 1000;
@@ -13,10 +15,17 @@ const MOST_COLUMNS: usize = 1000;
 const SMOOTHING: f64 = 0.004;
 /// Part of the picture's height, from above, that must be air.
 const SKY: f64 = 0.06;
+/// The lower edge of a heap may hang below its feet by this part of its height: a camera 10 degrees above the foot of a heap of
+/// 30 degrees shows 0.3, one that looks from above 1.
+const MOST_BULGE: f64 = 0.6;
+/// Fewest columns of a lower edge.
+const FEWEST_EDGE: usize = 24;
+/// Step of a numeric derivative, rad.
+const STEP: f64 = 1e-4;
 /// A heap that comes nearer to the upper border than this part of the height is cut.
 const CLEAR_OF_TOP: f64 = 0.01;
 
-/// A heap in a picture.
+/// A heap in a picture. Where the camera is said to look down, all inclinations are those of the cone that looks so.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct HeapReading {
     /// Inclination of the left flank, rad.
@@ -37,6 +46,14 @@ pub struct HeapReading {
     pub rounding: f64,
     /// Ends of the lines of the left and the right flank, upper and lower, px.
     pub lines: [[PixelPoint; 2]; 2],
+    /// Inclinations of the upper halves of the left and the right flank, rad.
+    pub tops: [f64; 2],
+    /// Inclinations of the lower halves, rad.
+    pub toes: [f64; 2],
+    /// Inclination of the base beside the heap, positive when it rises to the right, rad; none where it does not show.
+    pub base: Option<f64>,
+    /// How far above the foot the camera stands by the bulge of the heap's lower edge, rad; none where that edge does not show.
+    pub elevation_seen: Option<f64>,
 }
 
 /// A heap and the points of its outline that count and that do not, px.
@@ -67,6 +84,7 @@ pub(crate) fn read_heap(picture: &PhotoPixels, settings: &Settings) -> Result<Fo
     let bed = air_and_bed(small.values(), n_sky(&small), settings.foreground)?;
     let share = PhotoPixels::from_values(small.width(), bed.share.clone())
         .blurred((SMOOTHING * small.width() as f64).max(0.8));
+    let share = largest_part(share);
     let (outline, cut) = outline(&share);
     let (sin, cos) = settings.camera_roll.sin_cos();
     // Level coordinates, y up.
@@ -90,6 +108,13 @@ pub(crate) fn read_heap(picture: &PhotoPixels, settings: &Settings) -> Result<Fo
         return Err(unfit(Refusal::HeapCut));
     }
     let heap = measure_heap(&level).map_err(|e| unfit(Refusal::Surface(e)))?;
+    let edge = LowerEdge::of(&share, (sin, cos));
+    if let Some(edge) = edge.filter(|edge| edge.bulge > MOST_BULGE * heap.height) {
+        return Err(unfit(Refusal::HeapFromAbove {
+            bulge: edge.bulge / heap.height,
+            most: MOST_BULGE,
+        }));
+    }
     let pick = |wanted: bool| {
         let flagged = level.iter().zip(&heap.used);
         flagged
@@ -100,10 +125,103 @@ pub(crate) fn read_heap(picture: &PhotoPixels, settings: &Settings) -> Result<Fo
     Ok(FoundHeap {
         used: pick(true),
         rejected: pick(false),
-        heap: reading(&heap, scale, to_picture),
+        heap: reading(&heap, edge, settings.camera_elevation, scale, to_picture),
         bed,
         channel,
     })
+}
+
+/// The share of bed in the largest connected part of it alone: dust, noise and what else stands about are no heap.
+fn largest_part(share: PhotoPixels) -> PhotoPixels {
+    let (width, height) = (share.width(), share.height());
+    let levels = share
+        .values()
+        .iter()
+        .map(|v| if *v >= 0.5 { 255 } else { 0 });
+    let sides = [width, height].map(|side| u32::try_from(side).unwrap_or(0));
+    let Some(mask) = GrayImage::from_raw(sides[0], sides[1], levels.collect()) else {
+        return share;
+    };
+    let parts = connected_components(&mask, Connectivity::Four, Luma([0]));
+    let mut sizes = vec![0_usize; width * height + 1];
+    for part in parts.pixels() {
+        sizes[part.0[0] as usize] += 1;
+    }
+    sizes[0] = 0;
+    let largest = (0..sizes.len())
+        .max_by_key(|part| sizes[*part])
+        .unwrap_or(0);
+    let kept = share.values().iter().zip(parts.pixels());
+    // The half-shaded border belongs to the part, for places between pixels.
+    let kept = kept.map(|(value, part)| {
+        let other = part.0[0] != 0 && part.0[0] as usize != largest;
+        if other { 0.0 } else { value.min(1.0) }
+    });
+    PhotoPixels::from_values(width, kept.collect())
+}
+
+/// The lower edge of a heap.
+#[derive(Debug, Clone, Copy)]
+struct LowerEdge {
+    /// By how much it hangs below the outermost places of the heap, cells.
+    bulge: f64,
+    /// Half of the distance of these places, cells.
+    half_width: f64,
+}
+
+impl LowerEdge {
+    /// The edge; none where it does not show: where the bed reaches the lower border of the picture, as it does on a table of
+    /// its tone.
+    fn of(share: &PhotoPixels, (sin, cos): (f64, f64)) -> Option<Self> {
+        let (width, height) = (share.width(), share.height());
+        let level = |i: usize, j: usize| {
+            let (column, row) = (i as f64, j as f64);
+            (column * cos - row * sin, -column * sin - row * cos)
+        };
+        let columns = (0..width).filter_map(|i| {
+            let is_bed = |j: &usize| share.values()[j * width + i] >= 0.5;
+            let top = (0..height).find(is_bed)?;
+            Some((i, top, (0..height).rev().find(is_bed)?))
+        });
+        let columns: Vec<(usize, usize, usize)> = columns.collect();
+        let open = columns.iter().filter(|(.., bottom)| bottom + 2 >= height);
+        if columns.len() < FEWEST_EDGE || 10 * open.count() >= columns.len() {
+            return None;
+        }
+        let end = |&(i, top, bottom): &(usize, usize, usize)| {
+            let ((x, y), (_, low)) = (level(i, top), level(i, bottom));
+            (x, 0.5 * (y + low))
+        };
+        let (left, right) = (end(columns.first()?), end(columns.last()?));
+        let slope = (right.1 - left.1) / (right.0 - left.0);
+        let hangs = columns.iter().map(|&(i, _, bottom)| {
+            let (x, y) = level(i, bottom);
+            left.1 + slope * (x - left.0) - y
+        });
+        let mut hangs: Vec<f64> = hangs.collect();
+        hangs.sort_by(f64::total_cmp);
+        // The deepest fiftieth may be a shadow.
+        let deepest = hangs[hangs.len() * 49 / 50];
+        Some(Self {
+            bulge: deepest.max(0.0),
+            half_width: 0.5 * (right.0 - left.0),
+        })
+    }
+
+    /// How far above the base the camera stands that sees a round base so, rad.
+    fn elevation(&self) -> f64 {
+        (self.bulge / self.half_width).min(1.0).asin()
+    }
+}
+
+/// Inclination of a cone whose outline is seen at an inclination, rad.
+///
+/// # Formula
+/// `tan theta = sqrt(tan^2 alpha + sin^2 e) / cos e` for parallel rays from an elevation e above the base: the outline of the
+/// cone `z = -r tan theta` is `Z = -|X| sqrt(tan^2 theta cos^2 e - sin^2 e)`.
+fn of_cone(seen: f64, elevation: f64) -> f64 {
+    let (sin, cos) = elevation.sin_cos();
+    (seen.tan().hypot(sin) / cos).atan()
 }
 
 /// The highest place of bed in each column, (column, row) of the half share, and the number of columns in which it lies at
@@ -131,9 +249,28 @@ fn outline(share: &PhotoPixels) -> (Vec<(f64, f64)>, usize) {
 /// The heap in pixels of the picture.
 fn reading(
     heap: &HeapAngle,
+    edge: Option<LowerEdge>,
+    elevation: f64,
     scale: f64,
     to_picture: impl Fn(&SurfacePoint) -> PixelPoint,
 ) -> HeapReading {
+    let cone = |seen: f64| of_cone(seen, elevation);
+    let of_flank = |flank: HeapFlank| {
+        // A small difference of the outline, as it is one of the cone.
+        let part = (cone(flank.inclination + STEP) - cone(flank.inclination - STEP)) / (2.0 * STEP);
+        HeapFlank {
+            inclination: cone(flank.inclination),
+            standard_error: part * flank.standard_error,
+            top: cone(flank.top),
+            toe: cone(flank.toe),
+            ..flank
+        }
+    };
+    let heap = HeapAngle {
+        left: of_flank(heap.left),
+        right: of_flank(heap.right),
+        ..heap.clone()
+    };
     HeapReading {
         left: heap.left.inclination,
         left_standard_error: heap.left.standard_error,
@@ -144,5 +281,9 @@ fn reading(
         apex: to_picture(&heap.apex),
         rounding: heap.rounding * scale,
         lines: [heap.left, heap.right].map(|flank| flank.ends.map(|p| to_picture(&p))),
+        tops: [heap.left.top, heap.right.top],
+        toes: [heap.left.toe, heap.right.toe],
+        base: heap.base,
+        elevation_seen: edge.map(|edge| edge.elevation()),
     }
 }

@@ -134,6 +134,16 @@ pub enum Refusal {
     /// The heap reaches out of the picture.
     #[error("no air above: the heap reaches the upper border of the picture")]
     HeapCut,
+    /// The heap is seen from above.
+    #[error(
+        "the heap is seen from above: its lower edge hangs below its feet by {bulge:.2} of its height, at most {most} may be"
+    )]
+    HeapFromAbove {
+        /// How far it hangs, parts of the height.
+        bulge: f64,
+        /// Largest part.
+        most: f64,
+    },
     /// The ruler itself refused the surface.
     #[error("no surface: {0}")]
     Surface(surface_profile::Error),

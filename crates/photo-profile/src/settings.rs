@@ -55,6 +55,8 @@ pub struct Settings {
     /// Largest standard error with which the angle of a drum's bed may be known from one picture, rad: 3 degrees by
     /// default. Coarse beds have larger ones; the mean of many pictures can still be known well.
     pub max_angle_error: f64,
+    /// How far above the foot of a heap the camera looks down on it, rad: 0 from the side.
+    pub camera_elevation: f64,
 }
 
 /// Largest standard error of an angle from one picture where nothing else is said, rad.
@@ -69,6 +71,7 @@ impl Default for Settings {
             mode: Mode::default(),
             foreground: Foreground::default(),
             max_angle_error: MAX_ANGLE_ERROR,
+            camera_elevation: 0.0,
         }
     }
 }
@@ -78,7 +81,7 @@ impl Settings {
     ///
     /// # Errors
     /// [`Error::BadSetting`] for a drum that is not finite or smaller than 16 px in radius, for a roll beyond
-    /// 45 degrees and for a largest error outside 0.1 to 30 degrees.
+    /// 45 degrees, for a largest error outside 0.1 to 30 degrees and for an elevation outside 0 to 30 degrees or without a heap.
     pub fn check(&self) -> Result<(), Error> {
         if let Some(drum) = self.drum {
             if !(drum.r.is_finite() && drum.r >= 16.0) {
@@ -111,6 +114,20 @@ impl Settings {
                 name: "largest error of the angle",
                 value: self.max_angle_error,
                 limit: "0.00175 to 0.524 rad (0.1 to 30 degrees)",
+            });
+        }
+        if !(0.0..=30.0).contains(&self.camera_elevation.to_degrees()) {
+            return Err(Error::BadSetting {
+                name: "camera elevation",
+                value: self.camera_elevation,
+                limit: "0 to 0.524 rad (30 degrees)",
+            });
+        }
+        if self.camera_elevation > 0.0 && self.mode != Mode::Heap {
+            return Err(Error::BadSetting {
+                name: "camera elevation",
+                value: self.camera_elevation,
+                limit: "0 but for a heap: a drum is seen along its axis",
             });
         }
         Ok(())

@@ -45,8 +45,6 @@ pub struct HeapAngle {
     pub rounding: f64,
     /// Height of the outline from foot to top, unit of the points.
     pub height: f64,
-    /// Where the outline comes down to the base: left, right.
-    pub feet: [SurfacePoint; 2],
     /// Inclination of the base beside the heap, positive when it rises to the right, rad; none where the base does not show
     /// on both sides.
     pub base: Option<f64>,
@@ -109,7 +107,6 @@ pub fn measure_heap(points: &[SurfacePoint]) -> Result<HeapAngle, Error> {
         rounding: apex.y - outline.base.at(apex.x) - outline.height,
         apex,
         height: outline.height,
-        feet: outline.feet(),
         base: base.map(|line| line.slope.atan()),
         used,
     })
@@ -291,19 +288,6 @@ impl<'a> Outline<'a> {
             found.standard_error = found.standard_error.hypot(change);
         }
         Ok(found)
-    }
-
-    /// The last points before the feet, moved down to the base.
-    fn feet(&self) -> [SurfacePoint; 2] {
-        [0, 1].map(|side: usize| {
-            let last = self.before_foot[side].saturating_sub(1);
-            let k = self.outwards[side].get(last).copied().unwrap_or(0);
-            let x = self.points[k].x;
-            SurfacePoint {
-                x,
-                y: self.base.at(x),
-            }
-        })
     }
 }
 

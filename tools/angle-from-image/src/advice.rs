@@ -63,6 +63,9 @@ pub(crate) fn advice(reading: &PhotoReading) -> Option<Advice> {
             error,
             ..
         } => too_rough(*roughness <= *most, *error),
+        Refusal::HeapFromAbove { .. } => Advice::words(
+            "take the picture from the side, with the camera as high as the foot of the heap",
+        ),
         Refusal::HeapCut => Advice::words("take the picture with air above the heap"),
         Refusal::Surface(surface_profile::Error::NoHeap { .. }) => Advice::words(
             "take the heap from the side, on its base, before a plain background; for a drum leave --mode heap out",

@@ -47,6 +47,15 @@ pub(crate) struct Arguments {
     )]
     pub(crate) camera_roll_deg: f64,
 
+    /// How far above the foot of a heap the camera stands, degrees: from there a heap looks flatter than it is
+    #[arg(
+        long,
+        value_name = "DEG",
+        default_value_t = 0.0,
+        allow_hyphen_values = true
+    )]
+    pub(crate) camera_elevation_deg: f64,
+
     /// Corners of a square in the plane of the drum's end, to take the perspective out: upper
     /// left, upper right, lower right, lower left, px; results are then in the straightened
     /// picture
@@ -137,6 +146,7 @@ impl Arguments {
                 ForegroundName::Light => Foreground::Light,
             },
             max_angle_error: self.max_error_deg.to_radians(),
+            camera_elevation: self.camera_elevation_deg.to_radians(),
         }
     }
 }

@@ -128,7 +128,22 @@ pub(crate) struct HeapResult {
     pub(crate) apex: [f64; 2],
     /// By how much the top of the heap stays below that point, px.
     pub(crate) rounding_px: f64,
+    /// Inclination of the upper half of the left flank, degrees.
+    pub(crate) left_top_deg: f64,
+    /// Of its lower half, degrees.
+    pub(crate) left_toe_deg: f64,
+    /// Inclination of the upper half of the right flank, degrees.
+    pub(crate) right_top_deg: f64,
+    /// Of its lower half, degrees.
+    pub(crate) right_toe_deg: f64,
+    /// Inclination of the base, positive when it rises to the right, degrees; none where it does not show.
+    pub(crate) base_deg: Option<f64>,
+    /// How far above the foot the camera stands by the lower edge of the heap, degrees; none where that does not show.
+    pub(crate) elevation_seen_deg: Option<f64>,
 }
+
+/// Difference of the halves of a flank that is told in words, degrees; a fifth of it for the base.
+const WORTH_TELLING_DEG: f64 = 5.0;
 
 impl HeapResult {
     /// The result of a reading.
@@ -140,7 +155,38 @@ impl HeapResult {
             right_se_deg: heap.right_standard_error.to_degrees(),
             apex: [heap.apex.x, heap.apex.y],
             rounding_px: heap.rounding,
+            left_top_deg: heap.tops[0].to_degrees(),
+            left_toe_deg: heap.toes[0].to_degrees(),
+            right_top_deg: heap.tops[1].to_degrees(),
+            right_toe_deg: heap.toes[1].to_degrees(),
+            base_deg: heap.base.map(f64::to_degrees),
+            elevation_seen_deg: heap.elevation_seen.map(f64::to_degrees),
         }
+    }
+}
+
+impl HeapResult {
+    /// Both flanks, and what of bent flanks, base and camera is large enough to ask about.
+    fn text(&self) -> String {
+        let mut text = format!(", left {:.2}, right {:.2}", self.left_deg, self.right_deg);
+        let bends = [
+            ("left", self.left_toe_deg, self.left_top_deg),
+            ("right", self.right_toe_deg, self.right_top_deg),
+        ];
+        for (side, toe, top) in bends {
+            if (toe - top).abs() > WORTH_TELLING_DEG {
+                text +=
+                    &format!(", {side} flank bent from {top:.1} at the top to {toe:.1} at the toe");
+            }
+        }
+        if let Some(base) = self.base_deg.filter(|b| b.abs() > 0.2 * WORTH_TELLING_DEG) {
+            text +=
+                &format!(", base leaning by {base:.1} (where it is the camera, --camera-roll-deg)");
+        }
+        if let Some(seen) = self.elevation_seen_deg.filter(|e| *e > WORTH_TELLING_DEG) {
+            text += &format!(", lower edge as from {seen:.0} above (--camera-elevation-deg)");
+        }
+        text
     }
 }
 
@@ -258,9 +304,7 @@ impl ImageResult {
                 )
             }
             (Some(angle), Some(error), None) => {
-                let flanks = self.heap.map_or(String::new(), |h| {
-                    format!(", left {:.2}, right {:.2}", h.left_deg, h.right_deg)
-                });
+                let flanks = self.heap.as_ref().map_or(String::new(), HeapResult::text);
                 format!(
                     "{name}: {angle:.2} deg (se {error:.2}){flanks}{by}, quality {:.2}",
                     self.quality

@@ -54,7 +54,7 @@ const DRUM: [Column; 19] = [
 ];
 
 /// Columns of a heap.
-const HEAP: [Column; 7] = [
+const HEAP: [Column; 13] = [
     ("left_deg", |i| number(i.heap.map(|h| h.left_deg))),
     ("left_standard_error_deg", |i| {
         number(i.heap.map(|h| h.left_se_deg))
@@ -66,6 +66,14 @@ const HEAP: [Column; 7] = [
     ("apex_x_px", |i| number(i.heap.map(|h| h.apex[0]))),
     ("apex_y_px", |i| number(i.heap.map(|h| h.apex[1]))),
     ("rounding_px", |i| number(i.heap.map(|h| h.rounding_px))),
+    ("left_top_deg", |i| number(i.heap.map(|h| h.left_top_deg))),
+    ("left_toe_deg", |i| number(i.heap.map(|h| h.left_toe_deg))),
+    ("right_top_deg", |i| number(i.heap.map(|h| h.right_top_deg))),
+    ("right_toe_deg", |i| number(i.heap.map(|h| h.right_toe_deg))),
+    ("base_deg", |i| number(i.heap.and_then(|h| h.base_deg))),
+    ("elevation_seen_deg", |i| {
+        number(i.heap.and_then(|h| h.elevation_seen_deg))
+    }),
 ];
 
 /// Columns of every table, after those of the mode.

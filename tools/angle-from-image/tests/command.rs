@@ -200,6 +200,49 @@ fn a_heap_gives_both_flanks_and_a_drum_none() {
     assert_eq!(output.status.code(), Some(1), "{}", text(&output.stdout));
 }
 
+/// A heap whose foot spreads, by a camera 12 degrees above it that leans by 2: the words name bend, lean and elevation with the
+/// flags that take them off, and with these flags the mean of the upper halves comes back (a drawn heap of 32.1 degrees; half a pixel over half a flank is 0.3).
+#[test]
+fn what_a_heap_shows_of_its_foot_and_its_camera_is_told() {
+    let folder = folder("leaning heap");
+    let (spread, above) = (folder.join("spread.png"), folder.join("above.png"));
+    let plain = photo_profile::synthetic::HeapScene {
+        tones: [60.0, 210.0, 210.0],
+        rounding: 0.005,
+        ..photo_profile::synthetic::HeapScene::default()
+    };
+    let with_foot = photo_profile::synthetic::HeapScene {
+        spread: 0.5,
+        ..plain
+    };
+    with_foot.draw().save(&spread).unwrap();
+    let from_above = photo_profile::synthetic::HeapScene {
+        lean: 2.0_f64.to_radians(),
+        elevation: 12.0_f64.to_radians(),
+        ..plain
+    };
+    from_above.draw().save(&above).unwrap();
+    let (spread, above) = (spread.to_str().unwrap(), above.to_str().unwrap());
+    let output = run(&[spread, "--mode", "heap"]);
+    let told = text(&output.stdout);
+    assert!(told.contains("left flank bent from"), "{told}");
+    let output = run(&[above, "--mode", "heap"]);
+    let told = text(&output.stdout);
+    assert!(told.contains("--camera-elevation-deg"), "{told}");
+    let flags = ["--camera-elevation-deg", "12", "--camera-roll-deg", "2"];
+    let output = run(&[&[above, "--mode", "heap", "--json"][..], &flags].concat());
+    let json: Value = serde_json::from_slice(&output.stdout).unwrap();
+    let mean = json["angle_deg"].as_f64().unwrap();
+    assert!((mean - 32.09).abs() < 0.3, "{mean}");
+    let seen = json["heap"]["elevation_seen_deg"].as_f64().unwrap();
+    assert!((seen - 12.0).abs() < 1.0, "{seen}");
+    // A drum is seen along its axis.
+    let output = run(&[above, "--camera-elevation-deg", "12"]);
+    assert_eq!(output.status.code(), Some(2));
+    let told = text(&output.stderr);
+    assert!(told.contains("camera elevation"), "{told}");
+}
+
 #[test]
 fn what_cannot_be_read_or_meant_exits_2() {
     let folder = folder("unreadable");
