@@ -26,6 +26,10 @@ pub struct CorrelationTime {
 pub struct Avalanches {
     /// By how much the angle falls in each, unit of the angles.
     pub sizes: Vec<f64>,
+    /// Angle at which each begins: that of maximum stability, unit of the angles.
+    pub start_angles: Vec<f64>,
+    /// Angle at which each comes to rest: that of repose, unit of the angles.
+    pub stop_angles: Vec<f64>,
     /// Times from the start of each but the last to the start of the next, unit of the interval.
     pub waiting_times: Vec<f64>,
 }
@@ -85,7 +89,12 @@ pub fn avalanches(angles: &[f64], interval: f64) -> Option<Avalanches> {
     }
     let starts = falls.windows(2);
     Some(Avalanches {
-        sizes: falls.iter().map(|f| f.size).collect(),
+        sizes: falls
+            .iter()
+            .map(|f| angles[f.start] - angles[f.end])
+            .collect(),
+        start_angles: falls.iter().map(|f| angles[f.start]).collect(),
+        stop_angles: falls.iter().map(|f| angles[f.end]).collect(),
         waiting_times: starts
             .map(|w| (w[1].start - w[0].start) as f64 * interval)
             .collect(),
@@ -126,8 +135,8 @@ fn falls_faster(steps: &[f64]) -> bool {
 struct Fall {
     /// Number of the value at its top.
     start: usize,
-    /// Difference of its ends.
-    size: f64,
+    /// Number of the value at its bottom.
+    end: usize,
 }
 
 /// All whole falls between turning points that are at least so much apart.
@@ -147,8 +156,7 @@ fn falls(values: &[f64], least: f64) -> Vec<Fall> {
             low = k;
         } else if value - values[low] >= least {
             if let Some(start) = top.take() {
-                let size = values[start] - values[low];
-                found.push(Fall { start, size });
+                found.push(Fall { start, end: low });
             }
             (rising, high) = (true, k);
         }
@@ -199,6 +207,13 @@ mod tests {
             assert!(
                 size < 9.0 + 3.0 * noise && size > 9.0 - 1.2 * missed - 3.0 * noise,
                 "{size} deg at {interval} s"
+            );
+            // It begins at 39 and comes to rest at 30, each known to the same.
+            let (start, stop) = (mean(&found.start_angles), mean(&found.stop_angles));
+            let known = 0.6 * missed + 3.0 * noise;
+            assert!(
+                (start - 39.0).abs() < known && (stop - 30.0).abs() < known,
+                "{start} to {stop} deg"
             );
             let n = found.waiting_times.len() as f64;
             assert!(

@@ -185,6 +185,8 @@ fn of_time(images: &[ImageResult], interval: f64) -> Vec<(&'static str, Spread)>
     let all = [
         ("angle_correlation_time_s", memory),
         ("avalanche_size_deg", of_falls(|f| &f.sizes)),
+        ("avalanche_start_deg", of_falls(|f| &f.start_angles)),
+        ("avalanche_stop_deg", of_falls(|f| &f.stop_angles)),
         ("avalanche_waiting_time_s", of_falls(|f| &f.waiting_times)),
     ];
     let told = all.into_iter();

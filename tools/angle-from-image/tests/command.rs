@@ -400,6 +400,8 @@ fn pictures_at_a_rate_tell_avalanches() {
         (mean("avalanche_waiting_time_s") - 0.4).abs() < 0.01,
         "{told}"
     );
+    assert!((mean("avalanche_start_deg") - 37.0).abs() < 0.3, "{told}");
+    assert!((mean("avalanche_stop_deg") - 30.0).abs() < 0.3, "{told}");
     assert!(told["shape_4"]["mean"].is_f64(), "{told}");
     assert!(observables(&[])["avalanche_size_deg"].is_null());
     let output = run(&[folder.to_str().unwrap(), "--fps", "0"]);
