@@ -139,6 +139,8 @@ pub struct CandidateEntry {
 pub struct PhotoOptions {
     /// Angle of the true horizontal in the pictures, counter-clockwise positive, rad.
     pub roll_rad: f64,
+    /// How far above the foot of a heap the camera stands, rad.
+    pub elevation_rad: f64,
     /// Largest standard error with which the angle may be known from one picture, rad; 3 degrees where absent.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub max_angle_error_rad: Option<f64>,

@@ -153,6 +153,7 @@ impl<'a> Reader<'a> {
                 mode: if shown.heap { Mode::Heap } else { Mode::Drum },
                 foreground: options.foreground,
                 max_angle_error: options.max_angle_error_rad.unwrap_or(MAX_ANGLE_ERROR),
+                camera_elevation: options.elevation_rad,
             },
             speed_scale: scale.filter(|_| asked && !shown.heap),
             pictures: 0,

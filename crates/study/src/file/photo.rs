@@ -19,6 +19,8 @@ pub(super) fn photo_options(fields: &Fields<'_>, problems: &mut Problems) -> Pho
         ));
     }
     let roll: Option<Angle> = fields.optional("roll", "an angle such as \"0.4 deg\"", problems);
+    let elevation: Option<Angle> =
+        fields.optional("elevation", "an angle such as \"8 deg\"", problems);
     let max_angle_error_rad = max_angle_error(fields, problems);
     let drum = fields.optional("drum", "three numbers [cx, cy, r] in px", problems);
     let corners: Option<String> = fields.optional("corners", "a text", problems);
@@ -53,6 +55,7 @@ pub(super) fn photo_options(fields: &Fields<'_>, problems: &mut Problems) -> Pho
         pair_interval_s,
         also,
         roll_rad: roll.map_or(0.0, Angle::si),
+        elevation_rad: elevation.map_or(0.0, Angle::si),
         max_angle_error_rad,
         drum,
         corners,
