@@ -14,7 +14,6 @@ mod table;
 
 use anyhow::Context as _;
 use arguments::Arguments;
-use clap::Parser as _;
 use command_line::{DONE, Header};
 use measure::Row;
 use scenes::BenchmarkScene;
@@ -31,7 +30,7 @@ struct Summary<R> {
 }
 
 fn main() -> ExitCode {
-    let arguments = Arguments::parse_from(command_line::arguments());
+    let arguments: Arguments = command_line::parse();
     command_line::finish(run(&arguments))
 }
 
