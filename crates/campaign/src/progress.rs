@@ -92,7 +92,7 @@ impl Progress for Silent {
 
 /// Least time between two lines of a list in a file, its first and last aside. Our choice: a campaign of a day leaves some
 /// hundreds.
-const LEAST_PAUSE: Duration = Duration::from_secs(300);
+const LEAST_PAUSE: Duration = Duration::from_mins(5);
 
 /// Marks of the bar.
 const BAR: usize = 20;

@@ -282,7 +282,8 @@ pub fn cell_name(row: usize, column: usize) -> String {
     let mut rest = column + 1;
     while rest > 0 {
         // Columns count with the 26 letters and no zero: Z is followed by AA.
-        letters.push(char::from(b'A' + ((rest - 1) % 26) as u8));
+        let letter = u8::try_from((rest - 1) % 26).unwrap_or_default();
+        letters.push(char::from(b'A' + letter));
         rest = (rest - 1) / 26;
     }
     let letters: String = letters.into_iter().rev().collect();

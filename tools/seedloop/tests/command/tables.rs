@@ -44,7 +44,7 @@ fn measured(folder: &Path, response: impl Fn(f64, f64, f64) -> f64, scale: f64) 
             .collect();
         let scatter = 0.01 * f64::from(i32::try_from((7 * i) % 5).unwrap() - 2);
         let value = scale * (response(coded[0], coded[1], coded[2]) + scatter);
-        table += &format!("{line},{value}\n");
+        table.extend([line, ",", &value.to_string(), "\n"]);
     }
     table
 }
@@ -238,21 +238,18 @@ fn coefficients_that_are_rounding_are_shown_as_zero() {
     let folder = tempdir().unwrap();
     let here = folder.path();
     let data = measured(here, |b, e, _| 36.0 + 3.0 * b - e, 1.0);
-    let exact: String = data
-        .lines()
-        .enumerate()
-        .map(|(i, line)| {
-            let (design, _) = line.rsplit_once(',').unwrap();
-            if i == 0 {
-                return format!("{line}\n");
-            }
-            let fields: Vec<f64> = design
-                .split(',')
-                .map(|field| field.parse().unwrap())
-                .collect();
-            format!("{design},{}\n", 36.1 + 3.3 * fields[4] - 1.7 * fields[5])
-        })
-        .collect();
+    let exact = data.lines().enumerate().map(|(i, line)| {
+        let (design, _) = line.rsplit_once(',').unwrap();
+        if i == 0 {
+            return line.to_owned();
+        }
+        let fields: Vec<f64> = design
+            .split(',')
+            .map(|field| field.parse().unwrap())
+            .collect();
+        format!("{design},{}", 36.1 + 3.3 * fields[4] - 1.7 * fields[5])
+    });
+    let exact = exact.collect::<Vec<_>>().join("\n");
     fs::write(here.join("data.csv"), exact).unwrap();
     let output = words_in(
         here,
