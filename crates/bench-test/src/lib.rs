@@ -16,24 +16,18 @@ pub use summary::{Summary, summarise};
 #[non_exhaustive]
 pub enum Error {
     /// A column is missing.
-    #[error("{file}: no column '{column}'; the columns of this test are {known}")]
+    #[error("no column '{column}'; the columns of this test are {known}")]
     NoColumn {
-        /// The file.
-        file: String,
         /// The column.
         column: &'static str,
         /// What the test reads.
         known: &'static str,
     },
     /// A cell holds no number that can be meant.
-    #[error("{file}: line {line}, column '{column}': '{text}' must be {requirement}")]
+    #[error("{place}: '{text}' must be {requirement}")]
     Cell {
-        /// The file.
-        file: String,
-        /// The line, from 1.
-        line: usize,
-        /// The column.
-        column: &'static str,
+        /// Where it stands, in words.
+        place: String,
         /// The text.
         text: String,
         /// What it must be.

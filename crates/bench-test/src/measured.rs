@@ -1,6 +1,6 @@
 //! Tables of bench measurements.
 //!
-//! A table is CSV with a header; lines that begin with `#` and empty lines are left out. Columns:
+//! Columns:
 //!
 //! | test | columns | coefficient |
 //! |---|---|---|
@@ -11,6 +11,7 @@
 //! Sources: `[CottonStudy, eq. 1 and section 2.2]`.
 
 use crate::Error;
+use experiment_design::table::Table;
 
 /// A bench test.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -49,53 +50,33 @@ impl Test {
     }
 }
 
-/// The coefficients of a table, one a line; `file` is named in messages.
+/// The coefficients of a table, one a row.
 ///
 /// # Errors
 ///
 /// A missing column, a cell that is no number in its range.
-pub fn coefficients(test: Test, text: &str, file: &str) -> Result<Vec<f64>, Error> {
+pub fn coefficients(test: Test, table: &Table) -> Result<Vec<f64>, Error> {
     let (columns, known) = test.columns();
-    let mut lines = text
-        .lines()
-        .enumerate()
-        .filter(|(_, line)| !line.trim().is_empty() && !line.starts_with('#'));
-    let header: Vec<&str> = lines.next().map_or_else(Vec::new, |(_, line)| {
-        line.split(',').map(str::trim).collect()
-    });
     let mut places = Vec::new();
     for &column in columns {
-        let place = header.iter().position(|h| *h == column);
-        places.push(place.ok_or_else(|| Error::NoColumn {
-            file: file.to_owned(),
-            column,
-            known,
-        })?);
+        let place = table.header().iter().position(|name| name == column);
+        places.push(place.ok_or(Error::NoColumn { column, known })?);
     }
     let mut values = Vec::new();
-    for (number, line) in lines {
-        let cells: Vec<&str> = line.split(',').map(str::trim).collect();
+    for row in table.rows() {
+        let refused = |k: usize, requirement| Error::Cell {
+            place: table.place(row, places[k]),
+            text: row.text(places[k]).to_owned(),
+            requirement,
+        };
         let cell = |k: usize| -> Result<f64, Error> {
-            let text = cells.get(places[k]).copied().unwrap_or("");
             let (high, requirement) = match (test, k) {
                 (Test::Tilt, _) => (90.0, "an angle from 0 to below 90"),
                 _ => (f64::MAX, "a number of 0 or more"),
             };
-            let value = text.parse().ok().filter(|v: &f64| (0.0..high).contains(v));
-            value.ok_or_else(|| Error::Cell {
-                file: file.to_owned(),
-                line: number + 1,
-                column: columns[k],
-                text: text.to_owned(),
-                requirement,
-            })
-        };
-        let refused = |k: usize, requirement| Error::Cell {
-            file: file.to_owned(),
-            line: number + 1,
-            column: columns[k],
-            text: cells.get(places[k]).copied().unwrap_or("").to_owned(),
-            requirement,
+            let value = row.text(places[k]).parse().ok();
+            let value = value.filter(|v: &f64| (0.0..high).contains(v));
+            value.ok_or_else(|| refused(k, requirement))
         };
         values.push(match test {
             Test::Drop => {
@@ -121,26 +102,31 @@ pub fn coefficients(test: Test, text: &str, file: &str) -> Result<Vec<f64>, Erro
 #[cfg(test)]
 mod tests {
     use super::{Test, coefficients};
+    use experiment_design::table::Table;
+
+    fn of(test: Test, text: &str) -> Result<Vec<f64>, crate::Error> {
+        coefficients(test, &Table::parse(text).unwrap())
+    }
 
     #[test]
     fn each_table_gives_its_coefficient() {
         let drop = "# a comment\nseed,drop_height_mm,rebound_height_mm\n1,400,4\n2,400,16\n";
-        assert_eq!(coefficients(Test::Drop, drop, "t.csv").unwrap(), [0.1, 0.2]);
+        assert_eq!(of(Test::Drop, drop).unwrap(), [0.1, 0.2]);
         let slider = "pull_force_n,normal_force_n\n0.32,1\n";
-        assert_eq!(coefficients(Test::Slider, slider, "t.csv").unwrap(), [0.32]);
-        let tilt = coefficients(Test::Tilt, "angle_deg\n45\n", "t.csv").unwrap();
+        assert_eq!(of(Test::Slider, slider).unwrap(), [0.32]);
+        let tilt = of(Test::Tilt, "angle_deg\n45\n").unwrap();
         assert!((tilt[0] - 1.0).abs() < 1e-15, "{tilt:?}");
     }
 
     #[test]
     fn wrong_tables_are_refused_with_their_place() {
         let refused = |test, text: &str, words: &[&str]| {
-            let message = coefficients(test, text, "t.csv").unwrap_err().to_string();
+            let message = of(test, text).unwrap_err().to_string();
             for word in words {
                 assert!(message.contains(word), "'{word}' is not in '{message}'");
             }
         };
-        refused(Test::Tilt, "angle\n1\n", &["t.csv", "angle_deg"]);
+        refused(Test::Tilt, "angle\n1\n", &["angle_deg"]);
         refused(Test::Tilt, "angle_deg\n95\n", &["line 2", "'95'"]);
         let higher = "drop_height_mm,rebound_height_mm\n100,120\n";
         refused(Test::Drop, higher, &["line 2", "'120'", "drop height"]);

@@ -15,6 +15,7 @@ use crate::{
     LoopSettings, PlannedStage, Role, StageCost, planned,
 };
 use campaign::{Campaign, RunOutcome, RunRequest, Simulator, SimulatorError};
+use quantity::significant;
 use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
@@ -177,7 +178,7 @@ fn states(problem: &CalibrationProblem, runs: &BTreeMap<usize, Samples>) -> Vec<
         }
         let shown = |group: &Vec<&Sample>| -> String {
             let names = observables(problem, model).into_iter();
-            let each = names.map(|name| format!("{name} {:.4}", mean(group, &name)));
+            let each = names.map(|name| format!("{name} {}", significant(mean(group, &name), 5)));
             each.collect::<Vec<_>>().join(", ")
         };
         let each: Vec<String> = regimes

@@ -9,6 +9,7 @@ use crate::surface::{Degree, Surface, of_regime, too_few, usual_regime};
 use crate::{
     CalibrationProblem, Error, LeftOut, Measurement, ModelSurfaces, SearchBox, SurfaceDesign,
 };
+use quantity::significant;
 use response_surface::{Model, Observations};
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -276,9 +277,10 @@ impl<'a> Search<'a> {
             centre[j] = face + x.signum() * way * half[j];
             half[j] *= way.max(1.0);
             moved.push(format!(
-                "{} {} {face:.4}",
+                "{} {} {}",
                 parameter.symbol,
-                if x > 0.0 { "above" } else { "below" }
+                if x > 0.0 { "above" } else { "below" },
+                significant(face, 4)
             ));
         }
         if moved.is_empty() {

@@ -3,6 +3,7 @@
 use crate::calibrate::Estimated;
 use crate::confirmation::Confirmed;
 use crate::{CalibrationProblem, Comparison};
+use quantity::significant;
 
 /// Chance of a misfit below which measurements that hold one by one contradict each other together.
 const CONTRADICTION: f64 = 0.01;
@@ -145,11 +146,11 @@ fn name(row: &Comparison) -> String {
         format!(" at {}", condition.join(", "))
     };
     format!(
-        "{} of {}{at} (measured {:.4}, simulated {:.4}, {:.1} standard errors apart)",
+        "{} of {}{at} (measured {}, simulated {}, {:.1} standard errors apart)",
         row.observable,
         row.scene,
-        row.measured.mean,
-        row.simulated.mean,
+        significant(row.measured.mean, 5),
+        significant(row.simulated.mean, 5),
         row.z.abs()
     )
 }

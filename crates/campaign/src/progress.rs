@@ -2,7 +2,8 @@
 
 use std::fmt;
 use std::io::Write;
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, Instant};
 
 use crate::PendingRun;
 
@@ -26,12 +27,33 @@ pub struct ProgressState {
     pub left_s: Option<f64>,
 }
 
-impl fmt::Display for ProgressState {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let left = match self.left_s {
+impl ProgressState {
+    /// The time to the end of the loop, in words.
+    fn left(&self) -> String {
+        match self.left_s {
             Some(left) => format!("about {} left", time_in_words(left)),
             None => "time left not known yet".to_owned(),
-        };
+        }
+    }
+
+    /// The state in few words, so that it has room beside a bar in a line of 80 characters.
+    fn short(&self) -> String {
+        let Self {
+            done,
+            total,
+            running,
+            ..
+        } = self;
+        format!(
+            "{done}/{total} runs, {running} running; whole loop: {}",
+            self.left()
+        )
+    }
+}
+
+impl fmt::Display for ProgressState {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let left = self.left();
         write!(
             f,
             "{}/{} runs of this list ({} reused, {} running); whole loop: {} elapsed, {left}",
@@ -68,24 +90,62 @@ impl Progress for Silent {
     fn update(&self, _state: &ProgressState) {}
 }
 
-/// A listener that writes one line per finished run.
+/// Least time between two lines of a list in a file, its first and last aside. Our choice: a campaign of a day leaves some
+/// hundreds.
+const LEAST_PAUSE: Duration = Duration::from_mins(5);
+
+/// Marks of the bar.
+const BAR: usize = 20;
+
+/// A listener that tells in lines how far a campaign is.
 pub struct LineProgress {
-    /// Where the lines go, such as standard error.
-    output: Mutex<Box<dyn Write + Send>>,
+    /// What was written so far, and where to.
+    output: Mutex<Output>,
+}
+
+/// Where lines go.
+struct Output {
+    /// Such as standard error.
+    to: Box<dyn Write + Send>,
+    /// Whether one line with a bar is drawn anew, as only a terminal can.
+    redraws: bool,
+    /// When the last line of the list was written, and whether it had an estimate of the time left; none before its first.
+    last: Option<(Instant, bool)>,
 }
 
 impl LineProgress {
-    /// Writes its lines to `output`; a failure to write is ignored, the runs matter more.
+    /// Writes its lines to `output`, such as a file: the first and the last of each list, the first with an estimate of the
+    /// time left, and one in five minutes between. A failure to write is ignored, the runs matter more.
     pub fn new(output: impl Write + Send + 'static) -> Self {
+        Self::with(output, false)
+    }
+
+    /// Draws one line with a bar on a terminal, anew for each run.
+    pub fn on_terminal(terminal: impl Write + Send + 'static) -> Self {
+        Self::with(terminal, true)
+    }
+
+    /// Writes its lines to `output`.
+    fn with(output: impl Write + Send + 'static, redraws: bool) -> Self {
         Self {
-            output: Mutex::new(Box::new(output)),
+            output: Mutex::new(Output {
+                to: Box::new(output),
+                redraws,
+                last: None,
+            }),
         }
     }
 
-    /// Writes one line.
-    fn line(&self, text: fmt::Arguments<'_>) {
-        let mut output = self.output.lock().unwrap_or_else(PoisonError::into_inner);
-        let _ = writeln!(output, "{text}").and_then(|()| output.flush());
+    /// What is known of the lines so far, which no panic leaves half written.
+    fn lock(&self) -> MutexGuard<'_, Output> {
+        self.output.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl Output {
+    /// Writes at once.
+    fn write(&mut self, text: fmt::Arguments<'_>) {
+        let _ = self.to.write_fmt(text).and_then(|()| self.to.flush());
     }
 }
 
@@ -95,13 +155,37 @@ impl fmt::Debug for LineProgress {
     }
 }
 
+/// Goes to the start of the line and clears it, as terminals understand it.
+const CLEAR: &str = "\r\u{1b}[2K";
+
 impl Progress for LineProgress {
+    fn planned(&self, _runs: &[PendingRun<'_>]) {
+        self.lock().last = None;
+    }
+
     fn update(&self, state: &ProgressState) {
-        self.line(format_args!("{state}"));
+        let mut output = self.lock();
+        let ends = state.done == state.total;
+        if output.redraws {
+            let end = if ends { "\n" } else { "\r" };
+            let marks = (BAR * state.done).checked_div(state.total).unwrap_or(BAR);
+            let bar = format!("{}{}", "#".repeat(marks), "-".repeat(BAR - marks));
+            output.write(format_args!("{CLEAR}[{bar}] {}{end}", state.short()));
+            return;
+        }
+        let estimated = state.left_s.is_some();
+        let is_due =
+            |(last, had): (Instant, bool)| last.elapsed() >= LEAST_PAUSE || estimated != had;
+        if ends || output.last.is_none_or(is_due) {
+            output.last = Some((Instant::now(), estimated));
+            output.write(format_args!("{state}\n"));
+        }
     }
 
     fn warning(&self, text: &str) {
-        self.line(format_args!("warning: {text}"));
+        let mut output = self.lock();
+        let clear = if output.redraws { CLEAR } else { "" };
+        output.write(format_args!("{clear}warning: {text}\n"));
     }
 }
 
@@ -119,7 +203,73 @@ pub fn time_in_words(seconds: f64) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::{ProgressState, time_in_words};
+    use super::{LineProgress, Progress, ProgressState, time_in_words};
+    use std::io::Write;
+    use std::sync::{Arc, Mutex};
+
+    /// What was written, for the test to read.
+    #[derive(Clone, Default)]
+    struct Kept(Arc<Mutex<Vec<u8>>>);
+
+    impl Write for Kept {
+        fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
+            self.0.lock().unwrap().write(bytes)
+        }
+
+        fn flush(&mut self) -> std::io::Result<()> {
+            Ok(())
+        }
+    }
+
+    /// What a listener writes of a list of four runs that ends, and of a warning in its middle.
+    fn written(listener: impl Fn(Kept) -> LineProgress) -> String {
+        let kept = Kept::default();
+        let lines = listener(kept.clone());
+        lines.planned(&[]);
+        for done in 0..=4 {
+            lines.update(&ProgressState {
+                done,
+                failed: 0,
+                reused: 0,
+                total: 4,
+                running: 2,
+                elapsed_s: 60.0,
+                left_s: (done > 0).then_some(30.0),
+            });
+            if done == 2 {
+                lines.warning("a disk is slow");
+            }
+        }
+        let bytes = kept.0.lock().unwrap().clone();
+        String::from_utf8(bytes).unwrap()
+    }
+
+    /// Runs that follow each other within the pause fill no file: the first and the last line stand, the first that tells the time left, and every warning. No
+    /// control characters go into a file.
+    #[test]
+    fn a_file_gets_the_first_and_the_last_line_of_a_list() {
+        let text = written(LineProgress::new);
+        let starts: Vec<&str> = text.lines().map(|line| &line[..4]).collect();
+        assert_eq!(starts, ["0/4 ", "1/4 ", "warn", "4/4 "]);
+        assert!(!text.contains(['\r', '\u{1b}']));
+    }
+
+    /// On a terminal one line is drawn anew for each run, no longer than 80 characters, and stays when the list ends; a warning
+    /// takes its place.
+    #[test]
+    fn a_terminal_shows_one_line_with_a_bar() {
+        let text = written(LineProgress::on_terminal);
+        assert_eq!(
+            text.matches('\n').count(),
+            2,
+            "the warning and the end: {text:?}"
+        );
+        let half = "[##########----------] 2/4 runs, 2 running; whole loop: about 30 s left\r";
+        assert!(text.contains(half) && half.len() <= 80, "{text:?}");
+        assert!(text.ends_with(
+            "[####################] 4/4 runs, 2 running; whole loop: about 30 s left\n"
+        ));
+    }
 
     #[test]
     fn times_have_the_unit_that_reads_best() {

@@ -4,7 +4,6 @@
 //! the exit code, and hands the outcome to [`finish`]:
 //!
 //! ```no_run
-//! use clap::Parser as _;
 //! use std::process::ExitCode;
 //!
 //! /// Counts what must be counted.
@@ -23,7 +22,7 @@
 //! }
 //!
 //! fn main() -> ExitCode {
-//!     let arguments = Arguments::parse_from(command_line::arguments());
+//!     let arguments: Arguments = command_line::parse();
 //!     command_line::finish(run(&arguments))
 //! }
 //! ```
@@ -34,14 +33,14 @@
 
 mod common;
 mod exit;
+mod generate;
 mod header;
-mod numbers;
 mod words;
 mod write;
 
 pub use common::Common;
 pub use exit::{DONE, ERROR, NOT_MET, finish};
+pub use generate::parse;
 pub use header::{Header, file_sha256};
-pub use numbers::significant;
-pub use words::arguments;
+pub use quantity::significant;
 pub use write::{Overwrite, try_folder, try_new, write_new};

@@ -3,12 +3,12 @@
 use std::ffi::{OsStr, OsString};
 use std::path::Path;
 
-/// Returns the words of the command line, to be handed to `parse_from`.
+/// Returns the words of the command line, to be parsed.
 ///
 /// `--json` may take a file name, so `angle-from-image --json photo.jpg` would lose its photo to
 /// it. A word after `--json` that names an existing file or folder and does not end in `.json`
 /// is an input: `--json` then means standard output.
-pub fn arguments() -> impl Iterator<Item = OsString> {
+pub(crate) fn arguments() -> impl Iterator<Item = OsString> {
     let words: Vec<OsString> = std::env::args_os().collect();
     separate_json(words, |word| Path::new(word).exists()).into_iter()
 }

@@ -151,25 +151,21 @@ pub enum Error {
         count: usize,
     },
     /// A field is not a finite number.
-    #[error(
-        "line {line}, column '{column}': '{text}' is not a finite number; correct it, or leave the row out"
-    )]
+    #[error("{place}: '{text}' is not a finite number; correct it, or leave the row out")]
     BadNumber {
-        /// Line number, from 1.
-        line: usize,
-        /// Column name.
-        column: String,
+        /// Where it stands, in words.
+        place: String,
         /// The field as read.
         text: String,
     },
     /// Coded and natural values of a factor do not belong together.
     #[error(
-        "line {line}: the coded and the natural value of '{symbol}' do not agree with its range; \
+        "{place}: the coded and the natural value of '{symbol}' do not agree with its range; \
          the natural value should be {expected}, it is {given}"
     )]
     CodingMismatch {
-        /// Line number, from 1.
-        line: usize,
+        /// Where the row stands, in words.
+        place: String,
         /// Symbol of the factor.
         symbol: String,
         /// Natural value that belongs to the coded one, unit of the factor.

@@ -1,4 +1,4 @@
-//! Tables as CSV text: factors, designs, and measured data.
+//! Tables: factors, designs, and measured data, as CSV text or the cells of a sheet.
 //!
 //! Comma separated, first line the column names, fields quoted with `"` where they hold a comma. Tables that are read may
 //! have semicolons or tabs instead, and then decimal commas. Lines that start with `#` and empty lines are skipped.
@@ -10,7 +10,7 @@ mod read;
 mod write;
 
 pub use dialect::text_of_bytes;
-pub use read::{Row, Table};
+pub use read::{Row, Table, cell_name};
 pub use write::{csv_field, design_to_csv, factors_to_csv};
 
 use crate::{Design, DesignKind, Error, Factor, Run, check_factors};
@@ -22,7 +22,14 @@ use crate::{Design, DesignKind, Error, Factor, Run, check_factors};
 /// Those of [`Table::parse`], [`Factor::new`] and [`check_factors`]; [`Error::MissingColumn`];
 /// [`Error::BadNumber`].
 pub fn factors_from_csv(text: &str) -> Result<Vec<Factor>, Error> {
-    let table = Table::parse(text)?;
+    factors_from_table(&Table::parse(text)?)
+}
+
+/// Reads factors from a table as [`factors_from_csv`].
+///
+/// # Errors
+/// Those of [`Factor::new`] and [`check_factors`]; [`Error::MissingColumn`]; [`Error::BadNumber`].
+pub fn factors_from_table(table: &Table) -> Result<Vec<Factor>, Error> {
     let symbol = table.column("symbol")?;
     let (low, high) = (table.column("low")?, table.column("high")?);
     let (name, unit) = (table.column("name").ok(), table.column("unit").ok());
@@ -49,8 +56,15 @@ pub fn factors_from_csv(text: &str) -> Result<Vec<Factor>, Error> {
 /// Those of [`Table::parse`]; [`Error::MissingColumn`]; [`Error::BadNumber`];
 /// [`Error::CodingMismatch`].
 pub fn design_from_csv(text: &str, factors: &[Factor]) -> Result<Design, Error> {
+    design_from_table(&Table::parse(text)?, factors)
+}
+
+/// Reads a design from a table as [`design_from_csv`].
+///
+/// # Errors
+/// [`Error::MissingColumn`]; [`Error::BadNumber`]; [`Error::CodingMismatch`].
+pub fn design_from_table(table: &Table, factors: &[Factor]) -> Result<Design, Error> {
     check_factors(factors)?;
-    let table = Table::parse(text)?;
     let columns = factors
         .iter()
         .map(|factor| Ok((factor, table.column(factor.symbol())?)))
@@ -60,7 +74,7 @@ pub fn design_from_csv(text: &str, factors: &[Factor]) -> Result<Design, Error> 
         let mut coded = Vec::with_capacity(factors.len());
         for &(factor, column) in &columns {
             let x = table.number(row, column)?;
-            check_natural(&table, row, factor, x)?;
+            check_natural(table, row, factor, x)?;
             coded.push(x);
         }
         runs.push(Run {
@@ -84,7 +98,7 @@ fn check_natural(table: &Table, row: &Row, factor: &Factor, coded: f64) -> Resul
         return Ok(());
     }
     Err(Error::CodingMismatch {
-        line: row.line(),
+        place: table.place_of_row(row),
         symbol: factor.symbol().to_owned(),
         expected,
         given,
@@ -125,7 +139,7 @@ mod tests {
         let text = "run,B,E,F,B_natural\n1,-1,0,0,0.31\n";
         let error = design_from_csv(text, &study_factors()).unwrap_err();
         assert!(
-            matches!(error, Error::CodingMismatch { line: 2, .. }),
+            matches!(&error, Error::CodingMismatch { place, .. } if place == "line 2"),
             "{error}"
         );
     }

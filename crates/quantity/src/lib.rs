@@ -1,4 +1,4 @@
-//! Lengths, angles, speeds and other scalars read with their unit and checked.
+//! Lengths, angles, speeds and other scalars read with their unit and checked; numbers printed with the digits that matter.
 //!
 //! A file says `radius = "0.45 mm"`; the code holds 0.00045 m. A bare number, a unit of the wrong
 //! kind and a value that cannot be meant are errors that name the way out.
@@ -18,6 +18,7 @@
 mod dimensional;
 mod error;
 mod scalar;
+mod significant;
 mod unit;
 
 pub use dimensional::{
@@ -25,4 +26,5 @@ pub use dimensional::{
 };
 pub use error::Error;
 pub use scalar::{Fraction, FrictionCoefficient, PoissonRatio, PositiveCount, Restitution};
+pub use significant::significant;
 pub use unit::Kind;

@@ -1,5 +1,6 @@
 //! The verdict in plain language, with what cannot be told.
 
+use quantity::significant;
 use std::fmt::Write as _;
 
 use crate::diagnosis::{Diagnosis, Verdict};
@@ -58,7 +59,10 @@ fn none(d: &Diagnosis) -> String {
         .candidates
         .iter()
         .filter(|(_, c)| c.testable)
-        .filter_map(|(name, c)| c.smallest_detectable.map(|a| format!("{name} {a:.3}")))
+        .filter_map(|(name, c)| {
+            c.smallest_detectable
+                .map(|a| format!("{name} {}", significant(a, 3)))
+        })
         .collect();
     let mut text = "No missing effect at this precision: the residual is no more than noise and \
                     re-tuning."
@@ -83,7 +87,10 @@ fn named(d: &Diagnosis) -> String {
         .effects
         .iter()
         .map(|name| match d.amplitudes.get(name) {
-            Some([amplitude, se]) => format!("{name} ({amplitude:.4} +- {se:.4})"),
+            Some([amplitude, se]) => {
+                let (amplitude, se) = (significant(*amplitude, 4), significant(*se, 3));
+                format!("{name} ({amplitude} +- {se})")
+            }
             None => name.clone(),
         })
         .collect();

@@ -17,14 +17,14 @@ use crate::problem::{Problem, Problems};
 use campaign::{Campaign, RunRequest, Simulator};
 use columns::Columns;
 use experiment_design::Factor;
-use experiment_design::table::{Table, factors_from_csv, text_of_bytes};
+use experiment_design::table::{Table, factors_from_table};
 use rows::Asked;
 use run_store::{Record, Store};
 use scene::{Override, Scene};
 use scene_simulator::{Binding, SceneSimulator};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 pub use plan::DesignPlan;
 
@@ -97,16 +97,7 @@ impl DesignTable {
         let mut problems = Problems::default();
         let scene = scene_of(choices, &mut problems)?;
         let factors = factors_of(choices)?;
-        let text = text_of(&choices.design)?;
-        let file = choices.design.display().to_string();
-        let table = Table::parse(&text).map_err(|error| Error::Problems {
-            list: vec![Problem {
-                file: file.clone(),
-                line: None,
-                what: "as a table:".to_owned(),
-                problem: error.to_string(),
-            }],
-        })?;
+        let table = table_file::read(&choices.design)?;
         let columns = Columns::read(choices, &table, &scene, &factors, &mut problems);
         let Asked {
             models,
@@ -201,8 +192,8 @@ impl DesignTable {
     /// The files that the runs follow from: table, scene, meshes, factors.
     pub fn input_files(&self) -> Vec<PathBuf> {
         let choices = &self.choices;
-        let mut files = vec![choices.design.clone(), choices.scene.clone()];
-        files.extend(choices.factors.clone());
+        let mut files = vec![table_file::file_of(&choices.design), choices.scene.clone()];
+        files.extend(choices.factors.as_deref().map(table_file::file_of));
         for scene in self.models.values() {
             for mesh in scene.mesh_files() {
                 let file = scene.folder.join(mesh);
@@ -243,23 +234,15 @@ fn factors_of(choices: &DesignChoices) -> Result<BTreeMap<String, Factor>, Error
     let Some(path) = &choices.factors else {
         return Ok(BTreeMap::new());
     };
-    let factors = factors_from_csv(&text_of(path)?).map_err(|error| Error::Problems {
-        list: vec![Problem {
-            file: path.display().to_string(),
-            line: None,
-            what: "as a table of factors:".to_owned(),
-            problem: error.to_string(),
-        }],
-    })?;
+    let factors =
+        factors_from_table(&table_file::read(path)?).map_err(|error| Error::Problems {
+            list: vec![Problem {
+                file: path.display().to_string(),
+                line: None,
+                what: "as a table of factors:".to_owned(),
+                problem: error.to_string(),
+            }],
+        })?;
     let by_symbol = factors.into_iter().map(|f| (f.symbol().to_owned(), f));
     Ok(by_symbol.collect())
-}
-
-/// The text of a file.
-fn text_of(path: &Path) -> Result<String, Error> {
-    let bytes = input_file::read(path).map_err(|source| Error::Read {
-        path: path.to_owned(),
-        source,
-    })?;
-    Ok(text_of_bytes(&bytes))
 }

@@ -47,6 +47,9 @@ pub enum Error {
         /// Why.
         reason: String,
     },
+    /// A table is refused.
+    #[error(transparent)]
+    Table(#[from] table_file::Error),
     /// A scene is refused.
     #[error(transparent)]
     Scene(#[from] scene::Error),

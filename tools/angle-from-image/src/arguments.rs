@@ -11,7 +11,10 @@ use surface_profile::Definition;
 /// was refused or one of several files could not be read, with the reason; 2: an error, or nothing
 /// could be read.
 #[derive(Debug, clap::Parser)]
-#[command(version)]
+#[command(
+    version,
+    after_help = "Example:\n  angle-from-image frames/ --csv angles.xlsx --html angles.html"
+)]
 pub(crate) struct Arguments {
     /// Photos (PNG, JPEG, BMP, GIF, TIFF, WebP, animated PNG and GIF) or folders of them
     #[arg(required = true, value_name = "PHOTO")]
@@ -21,7 +24,8 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "OUT.png")]
     pub(crate) overlay: Option<PathBuf>,
 
-    /// Write a table as CSV, one row a picture, refused ones with their reason
+    /// Write a table, one row a picture, refused ones with their reason: CSV, or an Excel workbook for a name that ends in
+    /// .xlsx
     #[arg(long, value_name = "FILE")]
     pub(crate) csv: Option<PathBuf>,
 

@@ -10,10 +10,9 @@ mod run;
 mod summary;
 mod table;
 
-use clap::Parser as _;
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    let arguments = arguments::Arguments::parse_from(command_line::arguments());
+    let arguments = command_line::parse::<arguments::Arguments>();
     command_line::finish(run::run(&arguments))
 }

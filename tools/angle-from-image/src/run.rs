@@ -198,7 +198,8 @@ fn report(
             arguments.settings().mode,
             arguments.fps.is_some(),
         );
-        write_new(file, text.as_bytes(), arguments.common.overwrite())?;
+        let bytes = table_file::bytes_for(file, &text)?;
+        write_new(file, &bytes, arguments.common.overwrite())?;
     }
     if let Some(file) = &arguments.html {
         let text = page(&output, shown, arguments.settings().mode)?;

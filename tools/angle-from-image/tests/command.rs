@@ -63,6 +63,64 @@ fn a_good_photo_gives_its_angle_and_exit_code_0() {
     assert!(output.stderr.is_empty(), "quiet says nothing");
 }
 
+/// The table of the same pictures as CSV and as workbook holds the same fields; a name that is no table of ours is CSV.
+#[test]
+fn the_table_may_be_a_workbook() {
+    let folder = folder("workbook");
+    let (good, refused) = (photo(GOOD), photo(REFUSED));
+    let tables = ["angles.csv", "angles.xlsx"].map(|name| {
+        let file = folder.join(name);
+        let output = run(&[
+            good.to_str().unwrap(),
+            refused.to_str().unwrap(),
+            "--csv",
+            file.to_str().unwrap(),
+        ]);
+        assert_eq!(output.status.code(), Some(1), "one is refused");
+        table_file::read(&file).unwrap()
+    });
+    assert!(
+        std::fs::read(folder.join("angles.xlsx"))
+            .unwrap()
+            .starts_with(b"PK")
+    );
+    assert_eq!(tables[0].header(), tables[1].header());
+    for (row, expected) in tables[1].rows().iter().zip(tables[0].rows()) {
+        for (column, name) in tables[0].header().iter().enumerate() {
+            let (found, expected) = (row.text(column), expected.text(column));
+            let alike = found == expected || found.parse::<f64>() == expected.parse::<f64>();
+            assert!(alike, "{name}: {found} is not {expected}");
+        }
+    }
+}
+
+/// The completion and the man page know the flags, and the example of the help is understood: the folder that it names is
+/// missing, but no word of it is wrong.
+#[test]
+fn completion_man_page_and_example_fit_the_flags() {
+    for kind in [
+        "complete-bash",
+        "complete-zsh",
+        "complete-fish",
+        "complete-powershell",
+        "man",
+    ] {
+        let output = run(&["--generate", kind]);
+        assert_eq!(output.status.code(), Some(0), "{kind}");
+        assert!(text(&output.stdout).contains("overlay"), "{kind}");
+    }
+    let help = text(&run(&["--help"]).stdout);
+    let (_, example) = help.split_once("Example:\n  angle-from-image ").unwrap();
+    let words: Vec<&str> = example.trim().split(' ').collect();
+    let output = run(&words);
+    let told = text(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{told}");
+    assert!(
+        told.contains("frames") && !told.contains("Usage:"),
+        "{told}"
+    );
+}
+
 /// Scripts rely on these keys.
 #[test]
 fn json_has_the_promised_keys() {

@@ -15,7 +15,6 @@ mod table;
 
 use anyhow::Context as _;
 use arguments::Arguments;
-use clap::Parser as _;
 use command_line::{DONE, Header};
 use measure::Row;
 use scenes::BenchmarkScene;
@@ -32,7 +31,7 @@ struct Summary<R> {
 }
 
 fn main() -> ExitCode {
-    let arguments = Arguments::parse_from(command_line::arguments());
+    let arguments: Arguments = command_line::parse();
     command_line::finish(run(&arguments))
 }
 

@@ -36,6 +36,9 @@ fuzz_target!(|bytes: &[u8]| match READER.as_str() {
         let _ = experiment_design::table::Table::parse(&text);
         let _ = experiment_design::table::factors_from_csv(&text);
     }
+    "workbook" => {
+        let _ = table_file::read(&on_disk(bytes, "xlsx"));
+    }
     "problem" => {
         let file = serde_json::from_slice::<residual_diagnosis::ProblemFile>(bytes);
         let _ = file.map(residual_diagnosis::Problem::try_from);

@@ -10,7 +10,6 @@ mod summary;
 mod target;
 
 use arguments::{Arguments, MethodName, length_in_metres};
-use clap::Parser as _;
 use clump::Sphere;
 use clump_exchange::Format;
 use command_line::{DONE, Header, NOT_MET, write_new};
@@ -26,7 +25,7 @@ use target::target_of;
 use trimesh::{CheckedMesh, MeshReport};
 
 fn main() -> ExitCode {
-    let arguments = Arguments::parse_from(command_line::arguments());
+    let arguments: Arguments = command_line::parse();
     command_line::finish(run(&arguments))
 }
 

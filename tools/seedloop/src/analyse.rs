@@ -30,12 +30,16 @@ use text::{orders_text, summary};
 
 /// Fits a model to the table of an experiment: coefficients, analysis of variance, diagnostics
 #[derive(clap::Args, Debug)]
+#[command(
+    after_help = "Example:\n  seedloop analyse results.xlsx --factors B=0.30:0.42,E=0.01:0.18 --response angle_deg --json analysis.json"
+)]
 #[expect(
     clippy::struct_excessive_bools,
     reason = "each is a flag of the command line"
 )]
 pub(crate) struct Arguments {
-    /// Table of the experiment, one row per run or per cell of replicates
+    /// Table of the experiment, one row per run or per cell of replicates: CSV or an Excel workbook (book.xlsx#Runs names a
+    /// sheet)
     #[arg(value_name = "DATA.csv")]
     data: PathBuf,
 
@@ -48,7 +52,7 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "COLUMN")]
     response: String,
 
-    /// linear, 2fi, quadratic, or a formula such as "1 + B + B:E + B^2", "B*E" or "(B + E + F)^2"; with "0 +" the
+    /// mean, linear, 2fi, quadratic, cubic, or a formula such as "1 + B + B:E + B^2", "B*E" or "(B + E + F)^2"; with "0 +" the
     /// response is 0 where all factors are
     #[arg(long, default_value = "quadratic")]
     model: String,
@@ -425,8 +429,7 @@ fn write(arguments: &Arguments, report: &Report<'_>, text: &str) -> anyhow::Resu
 
 /// The files that the analysis was made from.
 fn inputs(arguments: &Arguments) -> Vec<PathBuf> {
-    let mut inputs = vec![arguments.data.clone()];
-    let factors = arguments.factors.as_deref();
-    inputs.extend(factors.and_then(factor_file));
-    inputs
+    let factors = arguments.factors.as_deref().and_then(factor_file);
+    let tables = [arguments.data.clone()].into_iter().chain(factors);
+    tables.map(|table| table_file::file_of(&table)).collect()
 }

@@ -5,7 +5,7 @@ use anyhow::{Context as _, ensure};
 use bench_test::measured::{Test, coefficients};
 use bench_test::{Summary, summarise};
 use clap::ValueEnum;
-use command_line::{Common, DONE, Header};
+use command_line::{Common, DONE, Header, significant};
 use quantity::Length;
 use scene::{Apparatus, Drop, FillingLibrary, RunResult, Slider, Tilt};
 use serde::Serialize;
@@ -24,13 +24,14 @@ enum Kind {
 
 /// Reads bench measurements, or does the same test with the solver, and prints the coefficient
 #[derive(clap::Args, Debug)]
+#[command(after_help = "Example:\n  seedloop bench-test tilt angles.csv")]
 pub(crate) struct Arguments {
     /// Which test
     #[arg(value_enum)]
     test: Kind,
 
     /// Measurements with the columns `drop_height_mm,rebound_height_mm` (drop),
-    /// `pull_force_n,normal_force_n` (slider) or `angle_deg` (tilt)
+    /// `pull_force_n,normal_force_n` (slider) or `angle_deg` (tilt): CSV or an Excel workbook
     #[arg(
         value_name = "DATA.csv",
         required_unless_present = "scene",
@@ -103,16 +104,16 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
     };
     let s = &report.summary;
     common.print(format!(
-        "{} {} {:.4} (sd {:.4}, n {}, 95 % interval {:.4} to {:.4}, range {:.4} to {:.4})",
+        "{} {} {} (sd {}, n {}, 95 % interval {} to {}, range {} to {})",
         report.origin,
         report.coefficient,
-        s.mean,
-        s.sd,
+        significant(s.mean, 4),
+        significant(s.sd, 3),
         s.n,
-        s.interval[0],
-        s.interval[1],
-        s.min,
-        s.max
+        significant(s.interval[0], 4),
+        significant(s.interval[1], 4),
+        significant(s.min, 4),
+        significant(s.max, 4)
     ))?;
     if let Some(put_in) = report.put_in {
         common.print(format!("put into the contact of each sphere: {put_in}"))?;
@@ -135,16 +136,16 @@ fn test_of(kind: Kind) -> Test {
 
 /// Reads a table.
 fn measured(kind: Kind, file: &Path) -> anyhow::Result<Report> {
-    let name = file.display().to_string();
-    let text = input_file::read_text(file).with_context(|| format!("cannot read {name}"))?;
+    let table = table_file::read(file)?;
     let test = test_of(kind);
+    let coefficients = coefficients(test, &table).with_context(|| file.display().to_string())?;
     Ok(Report {
-        header: Header::new(None, [file])?,
+        header: Header::new(None, [table_file::file_of(file)])?,
         origin: "measured",
         coefficient: test.coefficient(),
         put_in: None,
         slid: 0,
-        summary: summarise(&coefficients(test, &text, &name)?)?,
+        summary: summarise(&coefficients)?,
     })
 }
 

@@ -11,10 +11,14 @@ use crate::work::Job;
 use anyhow::Context as _;
 use campaign::{Executor, LineProgress, ProgressFolder};
 use command_line::{Common, DONE, NOT_MET, Overwrite, try_folder};
+use std::io::IsTerminal as _;
 use std::path::{Path, PathBuf};
 use study::{RunSettings, Study, plan_study, run_study, write_hand_over, write_result};
 
 pub(crate) use text::plan;
+
+/// The example of the help.
+pub(crate) const EXAMPLE: &str = "Example:\n  seedloop calibrate study.toml --plan";
 
 /// Calibrates the parameters of a study on its measurements: screening, surfaces, solutions, check, diagnosis
 #[derive(clap::Args, Debug)]
@@ -154,9 +158,12 @@ pub(crate) fn refuse_used_folder(
 
 /// Where the progress of the runs is told.
 pub(crate) fn progress_lines(common: &Common) -> LineProgress {
+    let errors = std::io::stderr();
     if common.quiet {
         LineProgress::new(std::io::sink())
+    } else if errors.is_terminal() {
+        LineProgress::on_terminal(errors)
     } else {
-        LineProgress::new(std::io::stderr())
+        LineProgress::new(errors)
     }
 }

@@ -9,7 +9,7 @@ use anyhow::{Context as _, ensure};
 use clap::ValueEnum;
 use command_line::{Common, DONE, Header, significant, write_new};
 use experiment_design::Design;
-use experiment_design::table::{factors_from_csv, text_of_bytes};
+use experiment_design::table::factors_from_table;
 use response_surface::{Evaluation, Model, evaluate};
 use serde_json::json;
 
@@ -17,12 +17,16 @@ use make::Made;
 
 /// Writes a design of experiments as a table of runs
 #[derive(clap::Args, Debug)]
+#[command(
+    after_help = "Example:\n  seedloop design bbd --factors factors.csv --seed 1 --out design.xlsx"
+)]
 pub(crate) struct Arguments {
     /// Kind of design
     #[arg(value_enum)]
     kind: Kind,
 
-    /// Table of the factors: symbol,name,unit,low,high
+    /// Table of the factors: symbol,name,unit,low,high. Every table is CSV or an Excel workbook; book.xlsx#Factors names
+    /// a sheet
     #[arg(long, value_name = "FACTORS.csv")]
     factors: PathBuf,
 
@@ -104,7 +108,7 @@ pub(crate) struct Arguments {
     #[arg(long = "category", value_name = "NAME=LEVELS")]
     categories: Vec<String>,
 
-    /// File of the design
+    /// File of the design; DESIGN.xlsx is written as an Excel workbook
     #[arg(long, value_name = "DESIGN.csv")]
     out: PathBuf,
 
@@ -155,10 +159,8 @@ enum Axial {
 pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
     arguments.common.try_outputs([&arguments.out])?;
     let path = &arguments.factors;
-    let bytes =
-        input_file::read(path).with_context(|| format!("cannot read {}", path.display()))?;
-    let factors =
-        factors_from_csv(&text_of_bytes(&bytes)).with_context(|| path.display().to_string())?;
+    let table = table_file::read(path)?;
+    let factors = factors_from_table(&table).with_context(|| path.display().to_string())?;
     let Made { mut design, facts } = make::make(arguments, &factors)?;
     if arguments.foldover {
         ensure!(
@@ -176,11 +178,9 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
     }
     let evaluation = judge(arguments, &design)?;
     let common = &arguments.common;
-    write_new(
-        &arguments.out,
-        categories::table(&design, &combinations, cells).as_bytes(),
-        common.overwrite(),
-    )?;
+    let table = categories::table(&design, &combinations, cells);
+    let bytes = table_file::bytes_for(&arguments.out, &table)?;
+    write_new(&arguments.out, &bytes, common.overwrite())?;
     let reach = design.reach();
     if reach > 1.0 {
         common.log(|| {
@@ -255,7 +255,7 @@ fn report(
     facts: &serde_json::Value,
     evaluation: Option<&Evaluation>,
 ) -> anyhow::Result<serde_json::Value> {
-    let header = Header::new(arguments.seed, [&arguments.factors])?;
+    let header = Header::new(arguments.seed, [table_file::file_of(&arguments.factors)])?;
     let rows = design.runs().iter().enumerate().map(|(i, run)| {
         json!({
             "run": i + 1,

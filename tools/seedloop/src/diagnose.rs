@@ -3,7 +3,7 @@
 use crate::runner::{Retries, Runner};
 use crate::{diagnose_problem, diagnose_study};
 use anyhow::ensure;
-use command_line::{Common, DONE, Header, NOT_MET};
+use command_line::{Common, DONE, Header, NOT_MET, significant};
 use residual_diagnosis::{CandidateResult, Diagnosis, Unseen, Verdict};
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -12,6 +12,7 @@ use std::path::PathBuf;
 
 /// Tells which effect, if any, a residual that re-tuning cannot remove speaks for
 #[derive(clap::Args, Debug)]
+#[command(after_help = "Example:\n  seedloop diagnose study.toml --resume")]
 pub(crate) struct Arguments {
     /// A study (.toml), as for calibrate: seedloop runs its own simulations.
     /// Or a problem (.json): residual, covariances and sensitivities from any simulator
@@ -194,11 +195,7 @@ fn numbers_of(c: &CandidateResult) -> [Option<f64>; 6] {
 
 /// A number with four digits that matter.
 fn short(x: f64) -> String {
-    if x == 0.0 || (1e-3..1e5).contains(&x.abs()) {
-        format!("{x:.4}")
-    } else {
-        format!("{x:.3e}")
-    }
+    significant(x, 4)
 }
 
 /// Appends to a text.

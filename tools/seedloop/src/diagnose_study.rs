@@ -13,7 +13,7 @@ use crate::watched;
 use anyhow::Context as _;
 use calibration::{DiagnosisStage, ResidualStudy};
 use campaign::{Executor, ProgressFolder};
-use command_line::{Common, DONE, NOT_MET, try_folder};
+use command_line::{Common, DONE, NOT_MET, significant, try_folder};
 use residual_diagnosis::Diagnosis;
 use serde::Serialize;
 use std::fmt::Write as _;
@@ -148,7 +148,10 @@ fn found_text(study: &Study, done: &ResidualStudy) -> String {
         let (symbol, name) = (&parameter.symbol, &parameter.name);
         add(
             &mut out,
-            format_args!("  {symbol}: {name}, from {:.4}\n", parameter.start),
+            format_args!(
+                "  {symbol}: {name}, from {}\n",
+                significant(parameter.start, 5)
+            ),
         );
     }
     out.push('\n');

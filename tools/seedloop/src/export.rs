@@ -27,6 +27,7 @@ enum Format {
 
 /// Writes a scene as a deck for LAMMPS or LIGGGHTS, as a table for EDEM, or the frames of a run for `ParaView` or a fluid solver
 #[derive(clap::Args, Debug)]
+#[command(after_help = "Example:\n  seedloop export liggghts drum.toml --out deck")]
 pub(crate) struct Arguments {
     /// Format
     #[arg(value_enum)]

@@ -20,6 +20,7 @@ enum Kind {
 
 /// Writes a commented study and its scene to start from
 #[derive(clap::Args, Debug)]
+#[command(after_help = "Example:\n  seedloop init drum --out my-drum")]
 pub(crate) struct Arguments {
     /// What the study measures in
     #[arg(value_enum)]

@@ -27,7 +27,11 @@ use std::process::ExitCode;
 
 /// Calibrates the contact parameters of seeds: simulation, designs, surfaces, diagnosis
 #[derive(Parser, Debug)]
-#[command(version, propagate_version = true)]
+#[command(
+    version,
+    propagate_version = true,
+    after_help = "Example:\n  seedloop init drum --out my-drum"
+)]
 struct Cli {
     /// What to do.
     #[command(subcommand)]
@@ -50,6 +54,7 @@ enum Command {
     /// Writes a commented study and its scene to start from
     Init(init::Arguments),
     /// Calibrates the parameters of a study on its measurements: screening, surfaces, solutions, check, diagnosis
+    #[command(after_help = calibrate::EXAMPLE)]
     Calibrate {
         /// The study and where its results go.
         #[command(flatten)]
@@ -64,7 +69,7 @@ enum Command {
     Diagnose(diagnose::Arguments),
     /// Reads bench measurements, or does the same test with the solver
     BenchTest(bench_test::Arguments),
-    /// Writes a scene as a deck for LAMMPS, or its frames for `ParaView`
+    /// Writes a scene as a deck for LAMMPS or LIGGGHTS, a table for EDEM, or its frames for `ParaView`
     Export(export::Arguments),
     /// Checks the solver against mechanics and prints the table
     Verify(verify::Arguments),
@@ -74,7 +79,7 @@ enum Command {
 }
 
 fn main() -> ExitCode {
-    let cli = Cli::parse_from(command_line::arguments());
+    let cli: Cli = command_line::parse();
     command_line::finish(match &cli.command {
         Command::Simulate(arguments) => simulate::run(arguments),
         Command::Design(arguments) => design::run(arguments),

@@ -24,6 +24,7 @@ const CONFIDENCE: f64 = 0.95;
 
 /// Finds where a fitted surface meets a target: the whole set, its region, the nearest solutions
 #[derive(clap::Args, Debug)]
+#[command(after_help = "Example:\n  seedloop optimise analysis.json --target 36")]
 pub(crate) struct Arguments {
     /// Analysis written by `seedloop analyse --json FILE`
     #[arg(value_name = "ANALYSIS.json")]

@@ -18,10 +18,14 @@ use study::{DesignChoices, DesignPlan, DesignRun, DesignTable};
 
 /// Runs every row of a design table and writes the results beside it, ready for `seedloop analyse`
 #[derive(clap::Args, Debug)]
+#[command(
+    after_help = "Example:\n  seedloop run design.xlsx --scene drum.toml --bind B=contact.seed-steel.static_friction --plan"
+)]
 pub(crate) struct Arguments {
     /// Table of the runs, as `seedloop design` writes it. A column named by a setting sets it
     /// (rpm, contact.seed-seed.static_friction, `apparatus.speed [rpm]`); `replicates` and
-    /// `seed` say how often a row is run and with which first seed
+    /// `seed` say how often a row is run and with which first seed. An Excel workbook gives results.xlsx beside
+    /// results.csv
     #[arg(value_name = "DESIGN.csv")]
     design: PathBuf,
 
@@ -174,6 +178,14 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
     let text = table.results_csv(&outcomes);
     // The folder was asked for: what lies in it may be renewed.
     write_new(&file, text.as_bytes(), Overwrite::Allow)?;
+    if table_file::is_workbook_name(&table_file::file_of(&arguments.design)) {
+        let file = file.with_extension("xlsx");
+        write_new(
+            &file,
+            &table_file::bytes_for(&file, &text)?,
+            Overwrite::Allow,
+        )?;
+    }
     progress.end(watched::FINISHED);
     let failed = tell_failures(table.runs(), &outcomes)?;
     let file = file.display().to_string();
@@ -195,17 +207,29 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
 /// What the jobs of the table work on; all paths from the root.
 fn job(arguments: &Arguments, folder: &Path) -> anyhow::Result<Job> {
     let mut choices = choices(arguments);
-    for path in [&mut choices.design, &mut choices.scene] {
-        *path = whole(path)?;
-    }
-    if let Some(factors) = &mut choices.factors {
-        *factors = whole(factors)?;
+    choices.scene = whole(&choices.scene)?;
+    for table in [&mut choices.design]
+        .into_iter()
+        .chain(&mut choices.factors)
+    {
+        *table = whole_table(table)?;
     }
     Ok(Job::Design {
         retries: arguments.retries.number,
         choices,
         folder: folder.to_owned(),
     })
+}
+
+/// The path of a table from the root, with the sheet that it names.
+fn whole_table(table: &Path) -> anyhow::Result<PathBuf> {
+    let file = table_file::file_of(table);
+    let mut path = whole(&file)?.into_os_string();
+    let sheet = table.as_os_str().as_encoded_bytes();
+    if let Some(sheet) = sheet.strip_prefix(file.as_os_str().as_encoded_bytes()) {
+        path.push(String::from_utf8_lossy(sheet).as_ref());
+    }
+    Ok(path.into())
 }
 
 /// What the runs follow from.
@@ -225,8 +249,8 @@ fn choices(arguments: &Arguments) -> DesignChoices {
 /// The folder of the results.
 fn folder(arguments: &Arguments) -> PathBuf {
     let own = || {
-        let stem = arguments.design.file_stem().unwrap_or_default();
-        PathBuf::from("out").join(stem)
+        let file = table_file::file_of(&arguments.design);
+        PathBuf::from("out").join(file.file_stem().unwrap_or_default())
     };
     arguments.out.clone().unwrap_or_else(own)
 }

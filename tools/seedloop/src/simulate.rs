@@ -21,6 +21,7 @@ use std::path::{Path, PathBuf};
 
 /// Runs one scene and prints what it shows
 #[derive(clap::Args, Debug)]
+#[command(after_help = "Example:\n  seedloop simulate drum.toml --set rpm=20 --frame drum.png")]
 pub(crate) struct Arguments {
     /// Scene file
     #[arg(value_name = "SCENE.toml")]

@@ -7,6 +7,7 @@ use verification::{Row, page};
 
 /// Checks the solver against mechanics and prints the table; exit code 1 if a row fails
 #[derive(clap::Args, Debug)]
+#[command(after_help = "Example:\n  seedloop verify --only restitution-trap")]
 pub(crate) struct Arguments {
     /// Only the check of this name; may be given several times
     #[arg(long, value_name = "NAME")]

@@ -8,6 +8,7 @@ use std::path::PathBuf;
 
 /// Shows a campaign while it runs, in a browser on this machine: stages, runs, charts, latest frames
 #[derive(clap::Args, Debug)]
+#[command(after_help = "Example:\n  seedloop watch out/my-drum")]
 pub(crate) struct Arguments {
     /// Result folder of calibrate, diagnose or run; nothing in it is changed
     #[arg(value_name = "FOLDER")]

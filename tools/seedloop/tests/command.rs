@@ -30,6 +30,8 @@ mod residual;
 mod simulation;
 #[path = "command/statistics.rs"]
 mod statistics;
+#[path = "command/tables.rs"]
+mod tables;
 #[path = "command/tiny_scene.rs"]
 mod tiny_scene;
 #[path = "command/watch.rs"]

@@ -1,4 +1,4 @@
-//! Reading CSV text.
+//! Tables of text fields, from CSV text or from the cells of a sheet.
 
 use super::dialect;
 use crate::Error;
@@ -12,19 +12,30 @@ pub struct Table {
     header: Vec<String>,
     /// Rows, each with as many fields as the header.
     rows: Vec<Row>,
+    /// The sheet of a workbook that the table stands in; none for text.
+    sheet: Option<Sheet>,
+}
+
+/// Where in a workbook a table stands.
+#[derive(Debug, Clone, PartialEq, Eq)]
+struct Sheet {
+    /// Name of the sheet.
+    name: String,
+    /// Column of the sheet in which the first column of the table stands, from 0.
+    first_column: usize,
 }
 
 /// A row of a table.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Row {
-    /// Line in the text, from 1.
+    /// Line in the text or row of the sheet, from 1.
     line: usize,
     /// The fields without their quotes.
     fields: Vec<String>,
 }
 
 impl Row {
-    /// Line in the text, from 1.
+    /// Line in the text or row of the sheet, from 1.
     pub fn line(&self) -> usize {
         self.line
     }
@@ -79,6 +90,29 @@ impl Table {
                 }
             }
         }
+        Self::of_rows(rows, None)
+    }
+
+    /// A table from the rows of a sheet, the first of them the column names: each row with its number in the sheet, from 1,
+    /// and its cells as text. `first_column` is the column of the sheet, from 0, in which they begin.
+    ///
+    /// # Errors
+    /// [`Error::EmptyTable`], [`Error::FieldCount`].
+    pub fn of_cells(
+        sheet: &str,
+        first_column: usize,
+        rows: impl IntoIterator<Item = (usize, Vec<String>)>,
+    ) -> Result<Self, Error> {
+        let rows = rows.into_iter().map(|(line, fields)| Row { line, fields });
+        let sheet = Sheet {
+            name: sheet.to_owned(),
+            first_column,
+        };
+        Self::of_rows(rows.collect(), Some(sheet))
+    }
+
+    /// A table from its rows, the first of them the column names.
+    fn of_rows(mut rows: Vec<Row>, sheet: Option<Sheet>) -> Result<Self, Error> {
         if rows.is_empty() {
             return Err(Error::EmptyTable { what: "header" });
         }
@@ -99,11 +133,41 @@ impl Table {
                 header_line,
                 header,
                 rows,
+                sheet,
             }),
         }
     }
 
-    /// Line of the header in the text, from 1.
+    /// Where a field stands, in words: its line and column, or its sheet and cell.
+    pub fn place(&self, row: &Row, column: usize) -> String {
+        format!(
+            "{}, {}",
+            self.place_of_row(row),
+            self.place_in_row(row, column)
+        )
+    }
+
+    /// Where a row stands, in words.
+    pub fn place_of_row(&self, row: &Row) -> String {
+        match &self.sheet {
+            None => format!("line {}", row.line),
+            Some(sheet) => format!("sheet '{}', row {}", sheet.name, row.line),
+        }
+    }
+
+    /// The place of a field in its row, in words: its column, and its cell in a sheet.
+    pub fn place_in_row(&self, row: &Row, column: usize) -> String {
+        let name = self.header.get(column).map_or("", String::as_str);
+        self.sheet.as_ref().map_or_else(
+            || format!("column '{name}'"),
+            |sheet| {
+                let cell = cell_name(row.line, sheet.first_column + column);
+                format!("cell {cell}, column '{name}'")
+            },
+        )
+    }
+
+    /// Line of the header in the text or its row in the sheet, from 1.
     pub fn header_line(&self) -> usize {
         self.header_line
     }
@@ -206,11 +270,24 @@ impl Table {
     /// The error of a field that is not the number it should be.
     fn bad_number(&self, row: &Row, column: usize) -> Error {
         Error::BadNumber {
-            line: row.line,
-            column: self.header.get(column).cloned().unwrap_or_default(),
+            place: self.place(row, column),
             text: row.text(column).to_owned(),
         }
     }
+}
+
+/// The name of a cell as spreadsheets show it, B7: `row` from 1, `column` from 0.
+pub fn cell_name(row: usize, column: usize) -> String {
+    let mut letters = Vec::new();
+    let mut rest = column + 1;
+    while rest > 0 {
+        // Columns count with the 26 letters and no zero: Z is followed by AA.
+        let letter = u8::try_from((rest - 1) % 26).unwrap_or_default();
+        letters.push(char::from(b'A' + letter));
+        rest = (rest - 1) / 26;
+    }
+    let letters: String = letters.into_iter().rev().collect();
+    format!("{letters}{row}")
 }
 
 /// Splits a line at separators outside quotes; a doubled quote inside quotes is a quote. None if a
@@ -236,8 +313,35 @@ fn split(line: &str, separator: char) -> Option<Vec<String>> {
 
 #[cfg(test)]
 mod tests {
-    use super::Table;
+    use super::{Table, cell_name};
     use crate::Error;
+
+    /// Columns of a spreadsheet are A to Z, AA to ZZ, AAA to XFD, which is the last of 16 384.
+    #[test]
+    fn cells_have_the_names_of_spreadsheets() {
+        for (column, name) in [
+            (0, "A7"),
+            (25, "Z7"),
+            (26, "AA7"),
+            (701, "ZZ7"),
+            (16_383, "XFD7"),
+        ] {
+            assert_eq!(cell_name(7, column), name);
+        }
+    }
+
+    /// The table begins in column C of the sheet: its second column is D.
+    #[test]
+    fn a_field_of_a_sheet_is_told_with_its_cell() {
+        let row = |line, fields: [&str; 2]| (line, fields.map(str::to_owned).to_vec());
+        let rows = [row(3, ["B", "theta_deg"]), row(7, ["1", "about 36"])];
+        let table = Table::of_cells("Runs", 2, rows).unwrap();
+        let told = table.number(&table.rows()[0], 1).unwrap_err().to_string();
+        assert!(
+            told.contains("sheet 'Runs', row 7, cell D7, column 'theta_deg': 'about 36'"),
+            "{told}"
+        );
+    }
 
     #[test]
     fn a_name_finds_its_column_with_a_unit_but_not_its_standard_deviation() {

@@ -60,10 +60,15 @@
     }
     const target = surface.measured;
     const isInside = target && told.new95 && told.new95[0] <= target.mean && target.mean <= told.new95[1];
-    cell("inside").textContent = target && told.new95 ? (isInside ? "yes" : "no") : DASH;
+    // A table without measurements has no columns for them.
+    if (cell("inside")) {
+      cell("inside").textContent = target && told.new95 ? (isInside ? "yes" : "no") : DASH;
+    }
     const z = target && told.seMean !== null
       ? (target.mean - told.mean) / Math.hypot(target.se, told.seMean) : NaN;
-    cell("z").textContent = Number.isFinite(z) ? signed((z > 0 ? "+" : "") + z.toFixed(1)) : DASH;
+    if (cell("z")) {
+      cell("z").textContent = Number.isFinite(z) ? signed((z > 0 ? "+" : "") + z.toFixed(1)) : DASH;
+    }
     row.classList.toggle("outside", Boolean(target && told.new95 && !isInside));
     return told.beyond;
   };

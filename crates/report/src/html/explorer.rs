@@ -133,18 +133,22 @@ impl Explorer {
 
     /// The table of the predictions where the sliders begin, with the data for the script.
     pub(crate) fn markup(&self, number: usize, caption: &str) -> String {
+        let is_measured = self
+            .surfaces
+            .iter()
+            .any(|surface| surface.measured.is_some());
+        let measured = if is_measured { MEASURED } else { "" };
         let mut markup = format!(
             "<div class=\"explorer\">\n{}\n<div class=\"table\"><table>\n<caption><b>Table {number}.</b> {}</caption>\n\
              <thead><tr><th scope=\"col\">observable</th><th scope=\"col\" class=\"right\">predicted</th>\
              <th scope=\"col\" class=\"right\">95 % of the mean</th>\
              <th scope=\"col\" class=\"right\">95 % of a new one</th><th scope=\"col\" class=\"picture\">picture</th>\
-             <th scope=\"col\" class=\"right\">measured</th><th scope=\"col\">inside</th>\
-             <th scope=\"col\" class=\"right\">z</th></tr></thead>\n<tbody>\n",
+             {measured}</tr></thead>\n<tbody>\n",
             data_element("surfaces", self),
             escaped(caption)
         );
         for surface in &self.surfaces {
-            markup.push_str(&surface.row());
+            markup.push_str(&surface.row(is_measured));
         }
         markup.push_str("</tbody></table></div></div>");
         markup
@@ -179,8 +183,9 @@ impl ExploredSurface {
         field("interval").finite(ends.into_iter().flatten().flatten())
     }
 
-    /// The row of the table. The script fills the cells with a class anew.
-    fn row(&self) -> String {
+    /// The row of the table, with what was measured where the table has columns for it. The script fills the cells with a class
+    /// anew.
+    fn row(&self, is_measured: bool) -> String {
         let shown = &self.prediction;
         let ends = |ends: Option<[f64; 2]>| match ends {
             Some([low, high]) => {
@@ -189,6 +194,22 @@ impl ExploredSurface {
             }
             None => DASH.into(),
         };
+        let mut row = format!("<tr><td>{}</td>", escaped(&self.name));
+        let mean = self.in_unit(&self.number(shown.mean));
+        row.push_str(&cell("right mean", &escaped(&mean)));
+        row.push_str(&cell("right mean95", &escaped(&ends(shown.mean95))));
+        row.push_str(&cell("right new95", &escaped(&ends(shown.new95))));
+        row.push_str(&cell("picture", &self.picture()));
+        if is_measured {
+            row.push_str(&self.measured_cells());
+        }
+        row.push_str("</tr>\n");
+        row
+    }
+
+    /// The cells of what was measured, beside the prediction.
+    fn measured_cells(&self) -> String {
+        let shown = &self.prediction;
         let measured = self.measured.as_ref().map_or_else(
             || DASH.into(),
             |m| self.in_unit(&format!("{} ± {}", self.number(m.mean), self.number(m.se))),
@@ -201,19 +222,13 @@ impl ExploredSurface {
         let z = self.measured.as_ref().zip(shown.se_mean);
         let z = z.map(|(m, se)| (m.mean - shown.mean) / m.se.hypot(se));
         let z = z.filter(|z| z.is_finite());
-        let cell = |class: &str, text: &str| format!("<td class=\"{class}\">{text}</td>");
-        let mut row = format!("<tr><td>{}</td>", escaped(&self.name));
-        let mean = self.in_unit(&self.number(shown.mean));
-        row.push_str(&cell("right mean", &escaped(&mean)));
-        row.push_str(&cell("right mean95", &escaped(&ends(shown.mean95))));
-        row.push_str(&cell("right new95", &escaped(&ends(shown.new95))));
-        row.push_str(&cell("picture", &self.picture()));
-        row.push_str(&cell("right", &escaped(&measured)));
-        row.push_str(&cell("inside", inside));
         let z = z.map_or_else(|| DASH.into(), signed);
-        row.push_str(&cell("right z", &z));
-        row.push_str("</tr>\n");
-        row
+        [
+            cell("right", &escaped(&measured)),
+            cell("inside", inside),
+            cell("right z", &z),
+        ]
+        .concat()
     }
 
     /// Intervals, mean and measured band along the axis of the surface.
@@ -270,6 +285,15 @@ impl ExploredSurface {
         }
     }
 }
+
+/// A cell of the table.
+fn cell(class: &str, text: &str) -> String {
+    format!("<td class=\"{class}\">{text}</td>")
+}
+
+/// Heads of the columns of what was measured.
+const MEASURED: &str = "<th scope=\"col\" class=\"right\">measured</th><th scope=\"col\">inside</th>\
+     <th scope=\"col\" class=\"right\">z</th>";
 
 /// What stands for nothing.
 const DASH: &str = "–";
@@ -354,6 +378,18 @@ mod tests {
                 .markup(1, "")
                 .contains("<td class=\"inside\">no</td>")
         );
+    }
+
+    /// Where nothing was measured the columns for it would hold dashes alone; heads and cells stay alike in number.
+    #[test]
+    fn without_measurements_there_are_no_columns_for_them() {
+        let mut unmeasured = explorer();
+        unmeasured.surfaces[0].measured = None;
+        for (explorer, columns) in [(explorer(), 8), (unmeasured, 5)] {
+            let markup = explorer.markup(1, "");
+            assert_eq!(markup.matches("<th ").count(), columns, "{markup}");
+            assert_eq!(markup.matches("<td").count(), columns, "{markup}");
+        }
     }
 
     #[test]

@@ -162,8 +162,8 @@ impl<'a> Reader<'a> {
             file: self.choices.design.display().to_string(),
             line: Some(row.line()),
             what: format!(
-                "column '{}': '{}'",
-                self.table.header()[column],
+                "{}: '{}'",
+                self.table.place_in_row(row, column),
                 row.text(column)
             ),
             problem,

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use anyhow::{Context as _, bail, ensure};
 use experiment_design::Factor;
-use experiment_design::table::{Row, Table, factors_from_csv, text_of_bytes};
+use experiment_design::table::{Row, Table, factors_from_table};
 use response_surface::{Categorical, Cell, Model, Observations, Transform};
 use serde::Serialize;
 
@@ -45,18 +45,21 @@ pub(super) struct Data {
 
 /// The file of the factors, if the argument is one.
 pub(super) fn factor_file(argument: &str) -> Option<PathBuf> {
-    let path = PathBuf::from(argument);
-    path.extension()
-        .is_some_and(|end| end.eq_ignore_ascii_case("csv"))
-        .then_some(path)
+    table_file::is_table(argument).then(|| PathBuf::from(argument))
 }
 
 /// Reads the table.
 pub(super) fn read(arguments: &Arguments) -> anyhow::Result<Data> {
+    if let Some((_, terms)) = arguments.model.split_once('~') {
+        bail!(
+            "--model '{}': only the terms stand in a model here, the response in --response; write --model '{}'",
+            arguments.model,
+            terms.trim()
+        );
+    }
     let path = &arguments.data;
     let place = || path.display().to_string();
-    let bytes = input_file::read(path).with_context(|| format!("cannot read {}", place()))?;
-    let table = Table::parse(&text_of_bytes(&bytes)).with_context(place)?;
+    let table = table_file::read(path)?;
     let given = match &arguments.factors {
         Some(list) => given_factors(list)?,
         None => Vec::new(),
@@ -153,10 +156,10 @@ fn labels(table: &Table, name: Option<&str>, what: &str) -> anyhow::Result<Vec<S
     };
     let column = table.column(name)?;
     for row in table.rows() {
-        let line = row.line();
         ensure!(
             !row.text(column).is_empty(),
-            "line {line}, column '{name}' names no {what}; fill it, or leave the row out"
+            "{}: it names no {what}; fill it, or leave the row out",
+            table.place(row, column)
         );
     }
     let texts = table.rows().iter().map(|row| row.text(column).to_owned());
@@ -228,19 +231,16 @@ impl Cells<'_> {
         let mean = self.table.number(row, self.response)?;
         ensure!(
             mean.abs() <= Observations::LARGEST,
-            "line {}, column '{}': {mean:e} is beyond 1e140, and its square is no number here; give the response in a \
-             larger unit",
-            row.line(),
-            self.table.header()[self.response]
+            "{}: {mean:e} is beyond 1e140, and its square is no number here; give the response in a larger unit",
+            self.table.place(row, self.response)
         );
         let mean = match self.transform {
             None => mean,
             Some(transform) => transform.forward(mean).with_context(|| {
-                let (line, name) = (row.line(), &self.table.header()[self.response]);
-                let (what, domain) = (transform.of(name), transform.domain());
-                format!(
-                    "line {line}, column '{name}': {what} needs values {domain}, this one is {mean}"
-                )
+                let place = self.table.place(row, self.response);
+                let what = transform.of(&self.table.header()[self.response]);
+                let domain = transform.domain();
+                format!("{place}: {what} needs values {domain}, this one is {mean}")
             })?,
         };
         Ok(Cell {
@@ -305,8 +305,7 @@ fn optional_columns(table: &Table, names: &[String]) -> anyhow::Result<Vec<usize
 fn given_factors(argument: &str) -> anyhow::Result<Vec<(String, Option<Factor>)>> {
     if let Some(path) = factor_file(argument) {
         let place = path.display().to_string();
-        let bytes = input_file::read(&path).with_context(|| format!("cannot read {place}"))?;
-        let factors = factors_from_csv(&text_of_bytes(&bytes)).context(place)?;
+        let factors = factors_from_table(&table_file::read(&path)?).context(place)?;
         return Ok(factors
             .into_iter()
             .map(|f| (f.symbol().to_owned(), Some(f)))
@@ -314,6 +313,15 @@ fn given_factors(argument: &str) -> anyhow::Result<Vec<(String, Option<Factor>)>
     }
     let mut given = Vec::new();
     for part in argument.split(',').map(str::trim) {
+        let symbol = part
+            .split_once('=')
+            .map_or(part, |(symbol, _)| symbol)
+            .trim();
+        ensure!(
+            !symbol.contains(char::is_whitespace),
+            "the factor '{symbol}' has a blank in its name, and could not stand in a formula; rename its column, such as {}",
+            symbol.split_whitespace().collect::<Vec<_>>().join("_")
+        );
         let Some((symbol, range)) = part.split_once('=') else {
             given.push((part.to_owned(), None));
             continue;

@@ -4,7 +4,6 @@ use std::fmt::Write as _;
 
 use anyhow::{Context as _, ensure};
 use command_line::{DONE, Header, significant};
-use experiment_design::table::{Table, text_of_bytes};
 use response_surface::{OneWay, PairDifference, one_way_decimals};
 use serde::Serialize;
 
@@ -34,9 +33,7 @@ struct Report {
 /// Files that cannot be read or written, columns that are missing, fewer than two groups.
 pub(super) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
     let place = || arguments.data.display().to_string();
-    let bytes =
-        input_file::read(&arguments.data).with_context(|| format!("cannot read {}", place()))?;
-    let table = Table::parse(&text_of_bytes(&bytes)).with_context(place)?;
+    let table = table_file::read(&arguments.data)?;
     let named = arguments.factors.as_deref().unwrap_or_default();
     ensure!(
         !named.contains(','),
@@ -94,7 +91,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
         );
     }
     common.emit_json(&Report {
-        header: Header::new(None, [&arguments.data])?,
+        header: Header::new(None, [table_file::file_of(&arguments.data)])?,
         response: table.header()[response].clone(),
         groups: table.header()[group].clone(),
         analysis,

@@ -6,7 +6,7 @@ use response_surface::Fit;
 use study_report::{SurfaceWithSliders, explored_surface};
 
 use super::Report;
-use super::text::{counted, fixed, probability};
+use super::text::{counted, fixed, free_of_rounding, largest_coded, probability};
 
 /// Level below which a test counts.
 const LEVEL: f64 = 0.05;
@@ -144,10 +144,11 @@ fn terms(fit: &Fit) -> Result<Table, report::Error> {
         .chain(columns)
         .collect();
     let mut table = Table::new("Terms in coded units, partial sums of squares.", columns)?;
+    let largest = largest_coded(fit);
     for (name, row) in fit.terms.iter() {
         table.row([
             fit.formula.printed(name),
-            significant(row.coef, 6),
+            significant(free_of_rounding(row, 1.0, largest), 6),
             counted(row.se, 4),
             counted(row.ss_partial, 5),
             counted(row.f, 4),

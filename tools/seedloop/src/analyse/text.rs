@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use command_line::significant;
 use experiment_design::Factor;
-use response_surface::fit::FTest;
+use response_surface::fit::{FTest, TermRow};
 use response_surface::{Fit, NamedValues, Orders, Saturated, StationaryKind};
 
 /// The analysis as text.
@@ -24,14 +24,15 @@ pub(super) fn summary(fit: &Fit, saturated: Option<&Saturated>) -> String {
         "{:<width$} {:>12} {:>10} {:>11} {:>4} {:>10} {:>9} {:>9} {:>7}",
         "term", "coef", "se", "SS", "dof", "F", "p", "p(rep)", "%"
     );
+    let largest = largest_coded(fit);
     for (name, row) in fit.terms.iter() {
         let against = |r: &response_surface::fit::Replicates| r.tests.get(name)?.p;
         let _ = writeln!(
             text,
             "{name:<width$} {:>12} {:>10} {:>11} {:>4} {:>10} {:>9} {:>9} {:>7}",
-            significant(row.coef, 6),
+            significant(free_of_rounding(row, 1.0, largest), 6),
             counted(row.se, 4),
-            counted(row.ss_partial, 5),
+            counted(row.ss_partial.map(|ss| free_square(ss, fit.sst)), 5),
             1,
             counted(row.f, 4),
             probability(row.p),
@@ -40,7 +41,11 @@ pub(super) fn summary(fit: &Fit, saturated: Option<&Saturated>) -> String {
         );
     }
     for (name, ss, dof, f, p) in sources(fit) {
-        let (ss, f, p) = (significant(ss, 5), counted(f, 4), probability(p));
+        let (ss, f, p) = (
+            significant(free_square(ss, fit.sst), 5),
+            counted(f, 4),
+            probability(p),
+        );
         let _ = writeln!(text, "{name:<wide$} {ss:>11} {dof:>4} {f:>10} {p:>9}");
     }
     for (name, value) in figures(fit).iter() {
@@ -72,16 +77,78 @@ fn natural(text: &mut String, fit: &Fit) {
         "\n{:<10} {:>14} {:>14} {:>14}  (natural units, 95 %)",
         "term", "coef", "from", "to"
     );
-    for (name, row) in fit.terms_natural.iter() {
-        let [low, high] = row.ci95.map_or([None; 2], |ends| ends.map(Some));
+    let reaches: Vec<f64> = fit
+        .terms_natural
+        .iter()
+        .map(|(name, _)| natural_reach(fit, name))
+        .collect();
+    let rows = fit.terms_natural.iter().zip(&reaches);
+    let sizes = rows.map(|((_, row), reach)| (row.coef * reach).abs());
+    let largest = sizes.fold(0.0, f64::max);
+    for ((name, row), reach) in fit.terms_natural.iter().zip(&reaches) {
+        let shown = free_of_rounding(row, *reach, largest);
+        let end = |end: f64| {
+            Some(if (end - row.coef).abs() * reach < OF_LARGEST * largest {
+                shown
+            } else {
+                end
+            })
+        };
+        let [low, high] = row.ci95.map_or([None; 2], |ends| ends.map(end));
         let _ = writeln!(
             text,
             "{name:<10} {:>14} {:>14} {:>14}",
-            significant(row.coef, 7),
+            significant(shown, 7),
             counted(low, 7),
             counted(high, 7)
         );
     }
+}
+
+/// Share of its standard error below which a coefficient is shown as 0: chance brings one so near to 0 once in a million.
+const OF_ERROR: f64 = 1e-6;
+
+/// Share of the largest term below which a coefficient is shown as 0: what is left of terms of order 1 that cancel, whose
+/// rounding is some 1e-16 each and grows with the condition of the columns.
+const OF_LARGEST: f64 = 1e-12;
+
+/// A coefficient as it is shown: 0 for one that is rounding. `reach` is the greatest value of its column in the ranges, and
+/// `largest` the greatest product of a coefficient and its reach.
+pub(super) fn free_of_rounding(row: &TermRow, reach: f64, largest: f64) -> f64 {
+    let size = row.coef.abs();
+    let beside_error = row.se.is_some_and(|se| size < OF_ERROR * se);
+    if beside_error || size * reach < OF_LARGEST * largest {
+        return 0.0;
+    }
+    row.coef
+}
+
+/// A sum of squares as it is shown: 0 for one that is rounding beside the total.
+fn free_square(ss: f64, total: f64) -> f64 {
+    if ss < OF_LARGEST * OF_LARGEST * total {
+        0.0
+    } else {
+        ss
+    }
+}
+
+/// The greatest coefficient in coded units, whose columns reach 1.
+pub(super) fn largest_coded(fit: &Fit) -> f64 {
+    let sizes = fit.terms.iter().map(|(_, row)| row.coef.abs());
+    sizes.fold(0.0, f64::max)
+}
+
+/// The greatest value of the column of a term in natural units, over the ranges of the factors. Of a term that the natural
+/// form alone has it is not known, and taken as 1.
+fn natural_reach(fit: &Fit, name: &str) -> f64 {
+    let mut terms = fit.formula.terms().iter();
+    let term = terms.find(|term| fit.formula.name(term) == name);
+    term.map_or(1.0, |term| {
+        let powers = fit.factors.iter().zip(term.powers());
+        powers
+            .map(|(f, power)| f.low().abs().max(f.high().abs()).powi(i32::from(*power)))
+            .product()
+    })
 }
 
 /// Adds the stationary point with its kind and its distance from the data.
@@ -216,7 +283,13 @@ pub(super) fn orders_text(orders: &Orders) -> String {
             "{:<10} {:>3} {:>11} {:>9} {:>9} {:>10} {:>8} {:>8} {:>8} {:>9}{}",
             order.order,
             order.p,
-            significant(order.added_ss, 5),
+            significant(
+                free_square(
+                    order.added_ss,
+                    orders.orders.iter().map(|o| o.added_ss).sum()
+                ),
+                5
+            ),
             p(&order.added),
             p(&order.lack_of_fit),
             counted(order.root_mse, 4),

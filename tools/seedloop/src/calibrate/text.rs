@@ -2,6 +2,7 @@
 
 use calibration::{Comparison, Estimate};
 use campaign::time_in_words;
+use command_line::significant;
 use std::collections::BTreeMap;
 use std::fmt::{Arguments, Write as _};
 use std::path::{Path, PathBuf};
@@ -39,11 +40,15 @@ pub(crate) fn plan(study: &Study, price: &Price, threads: usize) -> String {
     }
     for series in &study.photos {
         for (name, value) in &series.values {
-            let (mean, sd, n) = (value.mean, value.sd, value.n);
+            let (mean, sd, n) = (
+                significant(value.mean, 5),
+                significant(value.sd, 3),
+                value.n,
+            );
             let files = series.files.len();
             add(
                 &mut text,
-                format_args!("  photos ({files}): {name} {mean:.4} sd {sd:.4} n {n:.1}\n"),
+                format_args!("  photos ({files}): {name} {mean} sd {sd} n {n:.1}\n"),
             );
         }
         for remark in &series.remarks {
@@ -147,15 +152,16 @@ pub(super) fn result(result: &StudyResult, folder: &Path, files: &[PathBuf]) -> 
 pub(crate) fn parameters(estimates: &[Estimate]) -> String {
     let width = estimates.iter().map(|e| e.name.chars().count());
     let width = width.max().unwrap_or(0).max(4);
+    let units = estimates.iter().map(|e| e.unit.chars().count());
+    let unit_width = units.max().unwrap_or(0).max(4);
     let mut text = format!(
-        "{:<8} {:<width$} {:>10} {:>10}  {:<22} fixed by\n",
-        "symbol", "name", "value", "se", "95 % interval"
+        "{:<8} {:<width$} {:>11} {:>10}  {:<24} {:<unit_width$}  fixed by\n",
+        "symbol", "name", "value", "se", "95 % interval", "unit"
     );
     for e in estimates {
-        let se = e.se.map_or_else(|| "-".to_owned(), |se| format!("{se:.4}"));
-        let [low, high] = e.interval95;
-        let interval = format!("{low:.4} to {high:.4}");
-        let unit = if e.unit == "1" { "" } else { e.unit.as_str() };
+        let se = e.se.map_or_else(|| "-".to_owned(), |se| significant(se, 3));
+        let [low, high] = e.interval95.map(|end| significant(end, 4));
+        let interval = format!("{low} to {high}");
         let fixed = if e.fixed_by_data {
             "the data"
         } else {
@@ -165,12 +171,13 @@ pub(crate) fn parameters(estimates: &[Estimate]) -> String {
         add(
             &mut text,
             format_args!(
-                "{:<8} {:<width$} {:>10.4} {se:>10}  {interval:<22} {fixed}{limit} {unit}",
-                e.symbol, e.name, e.value
+                "{:<8} {:<width$} {:>11} {se:>10}  {interval:<24} {:<unit_width$}  {fixed}{limit}\n",
+                e.symbol,
+                e.name,
+                significant(e.value, 5),
+                e.unit
             ),
         );
-        text.truncate(text.trim_end().len());
-        text.push('\n');
     }
     text
 }
@@ -186,8 +193,8 @@ fn comparisons(role: &str, rows: &[Comparison]) -> String {
     );
     for row in rows {
         let se = row.measured.sd / row.measured.n.sqrt();
-        let measured = format!("{:.4} +- {se:.4}", row.measured.mean);
-        let simulated = format!("{:.4} +- {:.4}", row.simulated.mean, row.simulated.se);
+        let measured = with_error(row.measured.mean, se);
+        let simulated = with_error(row.simulated.mean, row.simulated.se);
         let holds = match (role, row.holds) {
             ("show", _) => "",
             (_, true) => "  holds",
@@ -203,6 +210,11 @@ fn comparisons(role: &str, rows: &[Comparison]) -> String {
         );
     }
     text
+}
+
+/// A value with its error.
+fn with_error(value: f64, error: f64) -> String {
+    format!("{} +- {}", significant(value, 5), significant(error, 3))
 }
 
 /// A condition in words.
@@ -223,8 +235,8 @@ fn compared(rows: &[ComparedValue]) -> String {
     let mut text = format!("\n{:<44} {:>18} {:>18}\n", "published", "published", "here");
     for row in rows {
         let with = |value: f64, error: Option<f64>| match error {
-            Some(error) => format!("{value:.4} +- {error:.4}"),
-            None => format!("{value:.4}"),
+            Some(error) => with_error(value, error),
+            None => significant(value, 5),
         };
         let published = with(row.published, row.published_sd);
         let here = row

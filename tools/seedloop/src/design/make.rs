@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use anyhow::{Context as _, ensure};
-use experiment_design::table::{design_from_csv, text_of_bytes};
+use experiment_design::table::design_from_table;
 use experiment_design::{
     AxialDistance, Criterion, Design, DesignKind, Factor, Fraction, augmented_design,
     augmented_near, box_behnken, box_behnken_in_blocks, central_composite,
@@ -170,9 +170,8 @@ fn optimal(
         return Ok(augmented_design(factors, criterion, &[], runs, seed, &row)?.into());
     };
     let place = file.display();
-    let bytes = input_file::read(file).with_context(|| format!("cannot read {place}"))?;
-    let given =
-        design_from_csv(&text_of_bytes(&bytes), factors).with_context(|| place.to_string())?;
+    let table = table_file::read(file)?;
+    let given = design_from_table(&table, factors).with_context(|| place.to_string())?;
     let given = given.coded_rows();
     let runs = arguments
         .runs

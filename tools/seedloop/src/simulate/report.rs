@@ -2,7 +2,7 @@
 
 use super::Outcome;
 use anyhow::Context as _;
-use command_line::Header;
+use command_line::{Header, significant};
 use run_store::Observation;
 use scene::{Override, Scene};
 use scene_simulator::{FrameDetails, RunDetails, TimingDetails};
@@ -134,13 +134,13 @@ impl Report {
         let broken_off = self.timing.retried.len();
         if broken_off > 0 {
             warnings.push(format!(
-                "the bed left what can be believed at {}: the values are those of a step of {:.4} ms",
+                "the bed left what can be believed at {}: the values are those of a step of {} ms",
                 if broken_off == 1 {
                     "the usual time step".to_owned()
                 } else {
                     format!("the {broken_off} longer time steps tried before")
                 },
-                1e3 * self.timing.time_step_s
+                significant(1e3 * self.timing.time_step_s, 4)
             ));
         }
         let refused = self.frames.refused;
@@ -159,10 +159,11 @@ impl Report {
             "observable", "mean", "sd", "n"
         );
         for (name, o) in &self.observables {
-            let sd = o.sd.map_or_else(|| "-".to_owned(), |sd| format!("{sd:.4}"));
+            let mean = significant(o.mean, 6);
+            let sd = o.sd.map_or_else(|| "-".to_owned(), |sd| significant(sd, 4));
             add(
                 &mut text,
-                format_args!("{name:<32}{:>12.4}{sd:>12}{:>6}  {}\n", o.mean, o.n, o.unit),
+                format_args!("{name:<32}{mean:>12}{sd:>12}{:>6}  {}\n", o.n, o.unit),
             );
         }
         text.push('\n');
@@ -172,7 +173,10 @@ impl Report {
                 add(&mut text, format_args!(", {motion}"));
             }
             if let Some(froude) = self.froude_number {
-                add(&mut text, format_args!(", Froude number {froude:.4}"));
+                add(
+                    &mut text,
+                    format_args!(", Froude number {}", significant(froude, 4)),
+                );
             }
             if let (Some(true), Some(time)) = (self.steady, self.start_up_s) {
                 add(
@@ -208,9 +212,9 @@ impl Report {
         add(
             &mut text,
             format_args!(
-                "time step {:.4} ms while settling, {:.4} ms after",
-                timing.settling_time_step_s * 1e3,
-                timing.time_step_s * 1e3
+                "time step {} ms while settling, {} ms after",
+                significant(timing.settling_time_step_s * 1e3, 4),
+                significant(timing.time_step_s * 1e3, 4)
             ),
         );
         text.push('\n');

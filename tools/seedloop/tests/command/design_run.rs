@@ -46,6 +46,51 @@ fn run(folder: &Path, words: &[&str]) -> Output {
     seedloop(folder, &[&run[..], &BINDS, words].concat())
 }
 
+/// A design in a workbook is run as that of its CSV, and its results are a workbook as well; a cell that cannot be meant is
+/// told with its name.
+#[test]
+fn a_design_in_a_workbook_is_run() {
+    let folder = folder();
+    let here = folder.path();
+    let design = fs::read_to_string(here.join("design.csv")).unwrap();
+    let short: Vec<&str> = design.lines().take(3).collect();
+    let workbook = |name: &str, csv: &str| {
+        let file = here.join(name);
+        fs::write(&file, table_file::bytes_for(&file, csv).unwrap()).unwrap();
+    };
+    workbook("short.xlsx", &short.join("\n"));
+    let words = [
+        "run",
+        "short.xlsx#Sheet1",
+        "--scene",
+        "ball.toml",
+        "--out",
+        "short",
+    ];
+    assert_code(&seedloop(here, &[&words[..], &BINDS].concat()), 0);
+    let [csv, xlsx] = ["csv", "xlsx"]
+        .map(|end| table_file::read(&here.join(format!("short/results.{end}"))).unwrap());
+    assert_eq!((csv.header(), csv.rows().len()), (xlsx.header(), 2));
+    for (row, expected) in xlsx.rows().iter().zip(csv.rows()) {
+        for column in 0..csv.header().len() {
+            assert_eq!(
+                row.text(column),
+                expected.text(column),
+                "{}",
+                csv.header()[column]
+            );
+        }
+    }
+    let natural = short[2].rsplit_once(',').unwrap().0;
+    workbook(
+        "wrong.xlsx",
+        &format!("{}\n{}\n{natural},steep\n", short[0], short[1]),
+    );
+    let words = ["run", "wrong.xlsx", "--scene", "ball.toml", "--plan"];
+    let says = ["wrong.xlsx", "line 3", "cell H3", "B_natural", "'steep'"];
+    assert_error(&seedloop(here, &[&words[..], &BINDS].concat()), &says);
+}
+
 /// Names of the records, and when each was written.
 fn records(folder: &Path) -> Vec<(String, SystemTime)> {
     let entries = fs::read_dir(folder.join("results/runs")).unwrap();

@@ -42,6 +42,68 @@ fn help_names_every_command_and_each_has_its_own_help_and_version() {
     }
 }
 
+/// The example in the help of every command is one that the command takes: in an empty folder its files are missing, but no
+/// word of it is wrong. Those that need no file are done.
+#[test]
+fn every_help_has_an_example_that_is_understood() {
+    for command in [&[][..]]
+        .into_iter()
+        .chain(COMMANDS.iter().map(std::slice::from_ref))
+    {
+        let folder = tempfile::tempdir().unwrap();
+        let help = seedloop(folder.path(), &[command, &["--help"]].concat());
+        let help = text(&help.stdout);
+        let (_, example) = help
+            .split_once("Example:\n  seedloop ")
+            .unwrap_or_else(|| panic!("{help}"));
+        let words: Vec<&str> = example.trim().split(' ').collect();
+        if let Some(command) = command.first() {
+            assert_eq!(words.first(), Some(command));
+        }
+        let output = seedloop(folder.path(), &words);
+        let told = text(&output.stderr);
+        assert!(!told.contains("Usage:"), "{example}: {told}");
+        let is_done = ["init", "verify"].contains(&words[0]);
+        assert_code(&output, if is_done { 0 } else { 2 });
+    }
+}
+
+/// A shell that reads the completion knows the commands and their flags; the man page holds them and the examples.
+#[test]
+fn completions_and_the_man_page_know_every_command() {
+    let here = Path::new(".");
+    for kind in [
+        "complete-bash",
+        "complete-zsh",
+        "complete-fish",
+        "complete-powershell",
+        "man",
+    ] {
+        let output = seedloop(here, &["--generate", kind]);
+        assert_code(&output, 0);
+        // Roff writes a hyphen with a backslash.
+        let told = text(&output.stdout).replace('\\', "");
+        for word in COMMANDS.iter().chain(&["replicates", "resume"]) {
+            assert!(told.contains(word), "{kind} has no {word}");
+        }
+    }
+    let page = seedloop(here, &["--generate", "man"]);
+    let page = text(&page.stdout);
+    assert!(
+        page.contains(".TH seedloop 1") && !page.contains("EXTRA"),
+        "{page}"
+    );
+    assert_eq!(page.matches("Example:").count(), COMMANDS.len() + 1);
+    assert_error(
+        &seedloop(here, &["--generate", "tcsh"]),
+        &["tcsh", "complete-bash"],
+    );
+    assert_error(
+        &seedloop(here, &["verify", "--generate", "man"]),
+        &["--generate"],
+    );
+}
+
 #[test]
 fn version_is_that_of_the_workspace() {
     let version = seedloop(Path::new("."), &["--version"]);

@@ -1,0 +1,33 @@
+//! Why a file gives no table.
+
+use std::path::PathBuf;
+
+/// Why a file gives no table, or a table no file.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// The file cannot be read.
+    #[error("cannot read {}: {source}", path.display())]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        source: std::io::Error,
+    },
+    /// The text is no table.
+    #[error("{}: {source}", path.display())]
+    Table {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        source: experiment_design::Error,
+    },
+    /// The workbook cannot be read or written.
+    #[error("{}: {what}", path.display())]
+    Workbook {
+        /// The file.
+        path: PathBuf,
+        /// Why, and the way out.
+        what: String,
+    },
+}
