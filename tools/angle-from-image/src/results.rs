@@ -168,25 +168,34 @@ impl HeapResult {
 impl HeapResult {
     /// Both flanks, and what of bent flanks, base and camera is large enough to ask about.
     fn text(&self) -> String {
-        let mut text = format!(", left {:.2}, right {:.2}", self.left_deg, self.right_deg);
+        let mut told = vec![format!(
+            "left {:.2}, right {:.2}",
+            self.left_deg, self.right_deg
+        )];
         let bends = [
             ("left", self.left_toe_deg, self.left_top_deg),
             ("right", self.right_toe_deg, self.right_top_deg),
         ];
         for (side, toe, top) in bends {
             if (toe - top).abs() > WORTH_TELLING_DEG {
-                text +=
-                    &format!(", {side} flank bent from {top:.1} at the top to {toe:.1} at the toe");
+                let bend =
+                    format!("{side} flank bent from {top:.1} at the top to {toe:.1} at the toe");
+                told.push(bend);
             }
         }
-        if let Some(base) = self.base_deg.filter(|b| b.abs() > 0.2 * WORTH_TELLING_DEG) {
-            text +=
-                &format!(", base leaning by {base:.1} (where it is the camera, --camera-roll-deg)");
+        let leans = |base: &f64| base.abs() > 0.2 * WORTH_TELLING_DEG;
+        if let Some(base) = self.base_deg.filter(leans) {
+            told.push(format!(
+                "base leaning by {base:.1} (where it is the camera, --camera-roll-deg)"
+            ));
         }
-        if let Some(seen) = self.elevation_seen_deg.filter(|e| *e > WORTH_TELLING_DEG) {
-            text += &format!(", lower edge as from {seen:.0} above (--camera-elevation-deg)");
+        let is_above = |seen: &f64| *seen > WORTH_TELLING_DEG;
+        if let Some(seen) = self.elevation_seen_deg.filter(is_above) {
+            told.push(format!(
+                "lower edge as from {seen:.0} above (--camera-elevation-deg)"
+            ));
         }
-        text
+        told.join(", ")
     }
 }
 
@@ -304,7 +313,10 @@ impl ImageResult {
                 )
             }
             (Some(angle), Some(error), None) => {
-                let flanks = self.heap.as_ref().map_or(String::new(), HeapResult::text);
+                let flanks = self
+                    .heap
+                    .as_ref()
+                    .map_or(String::new(), |h| format!(", {}", h.text()));
                 format!(
                     "{name}: {angle:.2} deg (se {error:.2}){flanks}{by}, quality {:.2}",
                     self.quality
