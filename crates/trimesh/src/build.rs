@@ -1,12 +1,15 @@
 //! From loose triangles to a checked mesh.
 
 use crate::crossings::Crossings;
+use crate::crumbs::cut_crumbs;
+use crate::holes::{close_holes, rims_of, width_of};
 use crate::mesh::area_vector;
 use crate::orientation::{Edges, turn_outward};
 use crate::report::suspect_unit;
-use crate::small_holes::close_small_holes;
-use crate::weld::{Welded, weld};
-use crate::{BoundingBox, Error, LengthUnit, MeshReport, Topology, TriMesh, Warning};
+use crate::weld::{Welded, joined, weld};
+use crate::{
+    BoundingBox, Changes, Error, LengthUnit, MeshReport, Repair, Topology, TriMesh, Warning,
+};
 use nalgebra::{Matrix3, Vector3};
 use rustc_hash::{FxBuildHasher, FxHashSet};
 
@@ -34,8 +37,8 @@ pub struct CheckedMesh {
 }
 
 impl TriMesh {
-    /// Makes a mesh of loose triangles: joins vertices, drops faulty triangles, closes small
-    /// holes, turns outward.
+    /// Makes a mesh of loose triangles: joins vertices, drops faulty triangles, cuts crumbs
+    /// away, closes small holes, turns outward.
     ///
     /// Corner coordinates are in `unit`; `source` names them in messages. An open mesh is
     /// accepted with a warning (see [`TriMesh::require_closed`]).
@@ -48,7 +51,7 @@ impl TriMesh {
         unit: LengthUnit,
         source: &str,
     ) -> Result<CheckedMesh, Error> {
-        build(soup.to_vec(), unit, source, Vec::new())
+        build(soup.to_vec(), unit, source, &Repair::default(), Vec::new())
     }
 }
 
@@ -57,6 +60,7 @@ pub(crate) fn build(
     mut soup: Vec<[Vector3<f64>; 3]>,
     unit: LengthUnit,
     source: &str,
+    repair: &Repair,
     mut warnings: Vec<Warning>,
 ) -> Result<CheckedMesh, Error> {
     into_metres(&mut soup, unit, source)?;
@@ -66,17 +70,17 @@ pub(crate) fn build(
     let (degenerate_dropped, duplicates_dropped) = drop_faulty(&mut welded, source)?;
     refuse_flat(&welded.vertices, source)?;
     drop_unused(&mut welded.vertices, &mut welded.triangles);
-    let mut edges = Edges::new(&welded.triangles);
-    let holes_closed = close_small_holes(&mut welded, &edges);
-    if holes_closed > 0 {
-        edges = Edges::new(&welded.triangles);
-    }
+    let (edges, changes) = mend(&mut welded, repair);
+    let rims = rims_of(&welded.triangles, &edges);
+    let widths = rims.iter().map(|rim| width_of(rim, &welded.vertices));
     let turned = turn_outward(&welded.vertices, &mut welded.triangles, &edges);
     let crossings = Crossings::new(&welded.vertices, &welded.triangles);
     let middle = |edge: &[usize; 2]| (welded.vertices[edge[0]] + welded.vertices[edge[1]]) * 0.5;
     let topology = Topology {
         open_edges: edges.open.len(),
         first_open_edge: edges.open.first().map(middle),
+        holes: rims.len(),
+        widest_hole: widths.fold(0.0, f64::max),
         non_manifold_edges: edges.crowded.len(),
         first_non_manifold_edge: edges.crowded.first().map(middle),
         shells: turned.shells,
@@ -99,12 +103,57 @@ pub(crate) fn build(
         degenerate_dropped,
         duplicates_dropped,
         triangles_turned: turned.count,
-        holes_closed,
+        changes,
     };
-    let mut report = report_of(&mesh, unit, &counts);
+    let mut report = report_of(&mesh, unit, counts);
     warnings.append(&mut report.warnings);
     report.warnings = warnings;
     Ok(CheckedMesh { mesh, report })
+}
+
+/// Joins open edges, cuts crumbs away and closes holes, as far as that is allowed.
+fn mend(welded: &mut Welded, repair: &Repair) -> (Edges, Changes) {
+    let mut changes = Changes::default();
+    let mut edges = Edges::new(&welded.triangles);
+    if let Some(distance) = repair.join.filter(|_| !edges.open.is_empty()) {
+        changes.joined = join_rims(welded, &edges, distance);
+        edges = Edges::new(&welded.triangles);
+    }
+    if !edges.open.is_empty() || !edges.crowded.is_empty() {
+        cut_crumbs(welded, repair.crumbs, &mut changes);
+        drop_unused(&mut welded.vertices, &mut welded.triangles);
+        edges = Edges::new(&welded.triangles);
+    }
+    if !edges.open.is_empty() {
+        close_holes(welded, &edges, repair.close_holes, &mut changes);
+        let area_of = |t: &[usize; 3]| area_vector(&t.map(|i| welded.vertices[i])).norm();
+        let whole: f64 = welded.triangles.iter().map(area_of).sum();
+        changes.lid_share = changes.lids.iter().map(|lid| lid.area).sum::<f64>() / whole;
+        edges = Edges::new(&welded.triangles);
+    }
+    (edges, changes)
+}
+
+/// Joins vertices on open edges that lie near to each other; gives their number.
+fn join_rims(welded: &mut Welded, edges: &Edges, distance: f64) -> usize {
+    let mut at_rims = edges.open.concat();
+    at_rims.sort_unstable();
+    at_rims.dedup();
+    let names = joined(&welded.vertices, at_rims.into_iter(), distance);
+    welded
+        .triangles
+        .iter_mut()
+        .flatten()
+        .for_each(|i| *i = names[*i]);
+    welded
+        .triangles
+        .retain(|t| t[0] != t[1] && t[1] != t[2] && t[2] != t[0]);
+    drop_repeated(&mut welded.triangles);
+    names
+        .iter()
+        .enumerate()
+        .filter(|(i, name)| i != *name)
+        .count()
 }
 
 /// Drops degenerate and repeated triangles; gives their numbers.
@@ -133,8 +182,8 @@ struct Repairs {
     duplicates_dropped: usize,
     /// Triangles turned to face outward.
     triangles_turned: usize,
-    /// Small holes closed.
-    holes_closed: usize,
+    /// What else was repaired.
+    changes: Changes,
 }
 
 /// Checks that all is finite and converts to metres.
@@ -233,7 +282,7 @@ fn refuse_flat(vertices: &[Vector3<f64>], source: &str) -> Result<(), Error> {
 }
 
 /// Collects figures and warnings.
-fn report_of(mesh: &TriMesh, unit: LengthUnit, repairs: &Repairs) -> MeshReport {
+fn report_of(mesh: &TriMesh, unit: LengthUnit, repairs: Repairs) -> MeshReport {
     let topology = mesh.topology();
     let bounding_box = mesh.bounding_box();
     let counted = [
@@ -243,7 +292,7 @@ fn report_of(mesh: &TriMesh, unit: LengthUnit, repairs: &Repairs) -> MeshReport 
         ),
         (repairs.duplicates_dropped, Warning::DuplicatesDropped),
         (repairs.triangles_turned, Warning::Turned),
-        (repairs.holes_closed, Warning::HolesClosed),
+        (repairs.changes.joined, Warning::Joined),
         (topology.open_edges, Warning::OpenEdges),
         (topology.non_manifold_edges, Warning::NonManifoldEdges),
     ];
@@ -256,6 +305,7 @@ fn report_of(mesh: &TriMesh, unit: LengthUnit, repairs: &Repairs) -> MeshReport 
             .filter(|(n, _)| *n > 0)
             .map(|(n, warning)| warning(*n)),
     );
+    warnings.extend(told_changes(&repairs.changes));
     if !topology.orientable {
         warnings.push(Warning::NotOrientable);
     }
@@ -281,7 +331,8 @@ fn report_of(mesh: &TriMesh, unit: LengthUnit, repairs: &Repairs) -> MeshReport 
         degenerate_dropped: repairs.degenerate_dropped,
         duplicates_dropped: repairs.duplicates_dropped,
         triangles_turned: repairs.triangles_turned,
-        holes_closed: repairs.holes_closed,
+        holes_closed: repairs.changes.lids.len(),
+        changes: repairs.changes,
         bounding_box,
         area: (0..mesh.triangles.len())
             .map(|t| area_vector(&mesh.corners(t)).norm())
@@ -289,4 +340,24 @@ fn report_of(mesh: &TriMesh, unit: LengthUnit, repairs: &Repairs) -> MeshReport 
         volume: topology.watertight().then(|| mesh.moments().volume),
         warnings,
     }
+}
+
+/// What was cut away and what was closed, as warnings.
+fn told_changes(changes: &Changes) -> Vec<Warning> {
+    let mut told = Vec::new();
+    if changes.triangles_cut > 0 {
+        told.push(Warning::CrumbsCut {
+            pieces: changes.pieces_cut,
+            triangles: changes.triangles_cut,
+            share: changes.cut_share,
+        });
+    }
+    if let Some(widest) = changes.lids.first() {
+        told.push(Warning::HolesClosed {
+            holes: changes.lids.len(),
+            widest: widest.width,
+            share: changes.lid_share,
+        });
+    }
+    told
 }

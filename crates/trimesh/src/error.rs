@@ -18,16 +18,22 @@ pub enum Error {
         /// File.
         file: String,
     },
-    /// Neither a binary nor an ASCII STL.
+    /// A text that is neither STL nor OBJ.
     #[error(
-        "{file} is no STL, OBJ or PLY: {bytes} bytes are not 84 + 50 n of a binary STL, no text \
-         `solid` ... `facet` was found, it does not begin with `ply`, and no line `v x y z` was found"
+        "{file} is a text, but no STL, OBJ or PLY: it begins with `{start}`, not with `solid` and \
+         `facet` or with `ply`, and no line `v x y z` was found; export the scan as a mesh"
     )]
-    NotStl {
+    NotMesh {
         /// File.
         file: String,
-        /// Its length, bytes.
-        bytes: u64,
+        /// Its first line, shortened.
+        start: String,
+    },
+    /// A text in two-byte characters.
+    #[error("{file} is a text in UTF-16: save it as UTF-8, or export the mesh as binary STL")]
+    Utf16 {
+        /// File.
+        file: String,
     },
     /// A binary file whose length does not fit its triangle count.
     #[error(
@@ -101,13 +107,18 @@ pub enum Error {
     /// The surface has a hole.
     #[error(
         "{file} is not closed: {open_edges} edges belong to one triangle only, the first at \
-         ({x:.6}, {y:.6}, {z:.6}) mm; close the holes in the scanning software"
+         ({x:.6}, {y:.6}, {z:.6}) mm; holes: {holes}, the widest {widest_mm:.4} mm across; close them \
+         (seedfill: --close-holes, and --join where parts lie loosely side by side)"
     )]
     Open {
         /// File.
         file: String,
         /// Edges with one triangle.
         open_edges: usize,
+        /// Holes whose rim is a simple loop.
+        holes: usize,
+        /// Diagonal of the box round the widest, mm.
+        widest_mm: f64,
         /// Middle of the first such edge, mm.
         x: f64,
         /// See `x`.
@@ -118,7 +129,8 @@ pub enum Error {
     /// An edge belongs to more than two triangles.
     #[error(
         "{file}: {edges} edges belong to more than two triangles, the first at \
-         ({x:.6}, {y:.6}, {z:.6}) mm; separate the touching parts"
+         ({x:.6}, {y:.6}, {z:.6}) mm; separate the \
+         touching parts (crumbs of a small share of the area are cut away: seedfill: --crumbs)"
     )]
     NonManifold {
         /// File.

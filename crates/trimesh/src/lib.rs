@@ -1,8 +1,8 @@
 //! Triangle meshes: reading, checking, volume, inertia, inside test.
 //!
 //! A scan comes as an STL, OBJ or PLY file without units, often with faults. [`read_mesh`] reads
-//! it in a declared unit, joins vertices, closes small holes, turns the triangles outward and
-//! reports all that it did.
+//! it in a declared unit, joins vertices, cuts crumbs away, closes small holes, turns the triangles
+//! outward and reports all that it did; [`Repair`] says how much of that is allowed.
 //! A [`TriMesh`] is always in metres.
 //!
 //! ```
@@ -25,8 +25,11 @@ mod bounding_tree;
 mod build;
 mod closest_point;
 mod crossings;
+mod crumbs;
 mod error;
+mod holes;
 mod length_unit;
+mod lid;
 mod mesh;
 mod moments;
 mod obj;
@@ -34,11 +37,11 @@ mod orientation;
 mod ply;
 mod polygon;
 mod read;
+mod repair;
 mod report;
 mod sampling;
 pub mod shapes;
 mod signed_distance;
-mod small_holes;
 mod soup;
 mod stl;
 mod weld;
@@ -52,7 +55,8 @@ pub use error::Error;
 pub use length_unit::LengthUnit;
 pub use mesh::{BoundingBox, Topology, TriMesh};
 pub use moments::VolumeMoments;
-pub use read::{parse_mesh, read_mesh};
+pub use read::{parse_mesh, read_mesh, read_mesh_with};
+pub use repair::{Changes, Lid, Repair};
 pub use report::{MeshReport, Warning};
 pub use sampling::SurfaceSample;
 pub use signed_distance::{SignedDistance, SurfacePoint};

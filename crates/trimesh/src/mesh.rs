@@ -49,6 +49,10 @@ pub struct Topology {
     pub open_edges: usize,
     /// Middle of the first open edge, m.
     pub first_open_edge: Option<Vector3<f64>>,
+    /// Holes whose rim is a simple loop.
+    pub holes: usize,
+    /// Diagonal of the box round the widest of them, m.
+    pub widest_hole: f64,
     /// Edges that belong to more than two triangles.
     pub non_manifold_edges: usize,
     /// Middle of the first such edge, m.
@@ -151,6 +155,8 @@ impl TriMesh {
             return Err(Error::Open {
                 file,
                 open_edges,
+                holes: topology.holes,
+                widest_mm: topology.widest_hole * 1e3,
                 x,
                 y,
                 z,

@@ -9,14 +9,17 @@ const SHELLS_TESTED: usize = 32;
 /// Vertices of one shell that are tested for lying inside another.
 const VERTICES_TESTED: usize = 24;
 
-/// Mark of a side beyond which there is no single triangle.
+/// Mark of a side beyond which there is no triangle.
 const NONE: u32 = u32::MAX;
+
+/// Mark of a side beyond which there are several triangles.
+const SEVERAL: u32 = u32::MAX - 1;
 
 /// What lies beyond each side of each triangle.
 #[derive(Debug, Clone)]
 pub(crate) struct Edges {
     /// Per triangle and side: twice the triangle beyond, plus one if both run the same way (a
-    /// fault); or [`NONE`].
+    /// fault); or [`NONE`] or [`SEVERAL`].
     beyond: Vec<[u32; 3]>,
     /// Edges with one triangle.
     pub(crate) open: Vec<[usize; 2]>,
@@ -57,7 +60,12 @@ impl Edges {
                         edges.beyond[t][k] = 2 * b.triangle + same;
                         edges.beyond[u][l] = 2 * a.triangle + same;
                     }
-                    _ => edges.crowded.push(edge),
+                    _ => {
+                        for side in group {
+                            edges.beyond[side.triangle as usize][side.place as usize / 2] = SEVERAL;
+                        }
+                        edges.crowded.push(edge);
+                    }
                 }
             }
         }
@@ -67,13 +75,18 @@ impl Edges {
     /// Triangle beyond a side, if the side has exactly one.
     pub(crate) fn beyond(&self, triangle: usize, side: usize) -> Option<usize> {
         let code = self.beyond[triangle][side];
-        (code != NONE).then_some(code as usize / 2)
+        (code < SEVERAL).then_some(code as usize / 2)
+    }
+
+    /// Whether nothing lies beyond a side.
+    pub(crate) fn is_open(&self, triangle: usize, side: usize) -> bool {
+        self.beyond[triangle][side] == NONE
     }
 
     /// Triangles beyond all sides, and whether they run the same way.
     fn around(&self, triangle: usize) -> impl Iterator<Item = (usize, bool)> {
         let codes = self.beyond[triangle];
-        let found = codes.into_iter().filter(|&code| code != NONE);
+        let found = codes.into_iter().filter(|&code| code < SEVERAL);
         found.map(|code| (code as usize / 2, code % 2 == 1))
     }
 }

@@ -1,6 +1,6 @@
 //! What was found and repaired while a mesh was read.
 
-use crate::{BoundingBox, LengthUnit};
+use crate::{BoundingBox, Changes, LengthUnit};
 use serde::{Serialize, Serializer};
 
 /// Longest seed that raises no question, m.
@@ -39,8 +39,26 @@ pub enum Warning {
     DuplicatesDropped(usize),
     /// Triangles were turned to face outward.
     Turned(usize),
-    /// Small holes were closed.
-    HolesClosed(usize),
+    /// Vertices on open edges were joined.
+    Joined(usize),
+    /// Loose pieces and triangles at edges of more than two were cut away.
+    CrumbsCut {
+        /// Loose pieces.
+        pieces: usize,
+        /// Triangles.
+        triangles: usize,
+        /// Their share of the area.
+        share: f64,
+    },
+    /// Holes were closed by flat lids.
+    HolesClosed {
+        /// Number of holes.
+        holes: usize,
+        /// Width of the widest, m.
+        widest: f64,
+        /// Share of the area that the lids have.
+        share: f64,
+    },
     /// The surface has holes.
     OpenEdges(usize),
     /// Edges have more than two triangles.
@@ -97,7 +115,27 @@ impl std::fmt::Display for Warning {
             ),
             Self::TrailingBytes(n) => write!(f, "{n} bytes after the last triangle left aside"),
             Self::NoEnd => write!(f, "the text ends without endsolid: it may be cut off"),
-            Self::HolesClosed(n) => write!(f, "{n} small holes closed"),
+            Self::Joined(n) => write!(f, "{n} vertices on open edges joined with others"),
+            Self::CrumbsCut {
+                pieces,
+                triangles,
+                share,
+            } => write!(
+                f,
+                "{triangles} triangles in {pieces} loose pieces or at shared edges cut away: {:.4} % of the area",
+                share * 100.0
+            ),
+            Self::HolesClosed {
+                holes,
+                widest,
+                share,
+            } => write!(
+                f,
+                "{holes} {} closed, the widest {:.4} mm across; the lids are {:.3} % of the area",
+                if *holes == 1 { "hole" } else { "holes" },
+                widest * 1e3,
+                share * 100.0
+            ),
             Self::DegenerateDropped(n) => write!(f, "{n} degenerate triangles dropped"),
             Self::DuplicatesDropped(n) => write!(f, "{n} repeated triangles dropped"),
             Self::Turned(n) => write!(f, "{n} triangles turned to face outward"),
@@ -157,8 +195,10 @@ pub struct MeshReport {
     pub duplicates_dropped: usize,
     /// Triangles turned to face outward.
     pub triangles_turned: usize,
-    /// Small holes that were closed.
+    /// Holes that were closed.
     pub holes_closed: usize,
+    /// What else was changed so that the mesh bounds a body, and where.
+    pub changes: Changes,
     /// Box along the axes, m.
     pub bounding_box: BoundingBox,
     /// Surface area, m².

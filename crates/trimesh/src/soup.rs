@@ -1,7 +1,7 @@
 //! Loose triangles as a file gives them, before any check.
 
 use crate::build::build;
-use crate::{CheckedMesh, Error, LengthUnit, Warning};
+use crate::{CheckedMesh, Error, LengthUnit, Repair, Warning};
 use nalgebra::Vector3;
 use std::path::Path;
 
@@ -16,8 +16,13 @@ pub(crate) struct Soup {
 
 impl Soup {
     /// Makes the mesh.
-    pub(crate) fn check(self, unit: LengthUnit, file: &str) -> Result<CheckedMesh, Error> {
-        build(self.triangles, unit, file, self.warnings)
+    pub(crate) fn check(
+        self,
+        unit: LengthUnit,
+        file: &str,
+        repair: &Repair,
+    ) -> Result<CheckedMesh, Error> {
+        build(self.triangles, unit, file, repair, self.warnings)
     }
 }
 

@@ -8,7 +8,7 @@ mod ascii;
 mod binary;
 
 use crate::soup::Soup;
-use crate::{CheckedMesh, Error, LengthUnit};
+use crate::{CheckedMesh, Error, LengthUnit, Repair};
 use std::path::Path;
 
 /// Reads and checks an STL file whose numbers are in `unit`.
@@ -29,7 +29,7 @@ pub fn read_stl(path: &Path, unit: LengthUnit) -> Result<CheckedMesh, Error> {
 pub fn parse_stl(bytes: Vec<u8>, unit: LengthUnit, file: &str) -> Result<CheckedMesh, Error> {
     let soup = stl_soup(&bytes, file)?;
     drop(bytes);
-    soup.check(unit, file)
+    soup.check(unit, file, &Repair::default())
 }
 
 /// Loose triangles of the bytes of an STL file.
@@ -44,10 +44,30 @@ pub(crate) fn stl_soup(bytes: &[u8], file: &str) -> Result<Soup, Error> {
         // Four characters of a text read as a count take gigabytes: what fits is no text.
         Some(n) if binary::length_for(n) <= length => binary::triangles(bytes, n, file),
         _ if ascii::looks_like_text(bytes) => ascii::triangles(bytes, file),
-        Some(n) if !ascii::is_plain_text(bytes) => binary::triangles(bytes, n, file),
-        _ => Err(Error::NotStl {
-            file: file.to_owned(),
-            bytes: length,
-        }),
+        // Fewer than 84 bytes declare nothing.
+        declared if !ascii::is_plain_text(bytes) => {
+            binary::triangles(bytes, declared.unwrap_or(0), file)
+        }
+        _ => Err(other_text(bytes, file)),
+    }
+}
+
+/// The refusal of a text, with its beginning.
+fn other_text(bytes: &[u8], file: &str) -> Error {
+    const SHOWN: usize = 40;
+    let file = file.to_owned();
+    if ascii::is_utf16(bytes) {
+        return Error::Utf16 { file };
+    }
+    let start = String::from_utf8_lossy(&bytes[..bytes.len().min(8 * SHOWN)]).into_owned();
+    let line = start.lines().map(str::trim).find(|line| !line.is_empty());
+    Error::NotMesh {
+        file,
+        start: line
+            .unwrap_or_default()
+            .chars()
+            .filter(|c| !c.is_control())
+            .take(SHOWN)
+            .collect(),
     }
 }

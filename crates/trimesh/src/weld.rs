@@ -1,5 +1,6 @@
 //! Joining the corners of separate triangles to shared vertices.
 
+use crate::BoundingBox;
 use nalgebra::Vector3;
 use rustc_hash::{FxHashMap, FxHasher};
 use std::hash::{Hash as _, Hasher as _};
@@ -9,9 +10,10 @@ const LAST: u32 = u32::MAX;
 
 /// Corners closer than this part of the mesh's diagonal are one vertex.
 ///
-/// Single-precision coordinates repeat to about 6e-8 of their size, and printed ones to the
-/// digits printed; a scan's shortest edges are about 1e-3 of the diagonal. 1e-6 lies between;
-/// doubling it changes nothing for either.
+/// The corners of one vertex are mostly equal to the last bit, wherever the mesh lies: each is
+/// the same point, rounded alike. Programs that compute them anew differ by about 6e-8 of the
+/// size; a scan's shortest edges are about 1e-3 of the diagonal. 1e-6 lies between; doubling it
+/// changes nothing for either.
 const RELATIVE_TOLERANCE: f64 = 1e-6;
 
 /// Vertices and the triangles that use them.
@@ -27,14 +29,9 @@ pub(crate) struct Welded {
 /// Corners are sorted into cubes much larger than the tolerance, so nearly always one cube has
 /// to be searched; only a corner near a cube's face looks next door.
 pub(crate) fn weld(soup: &[[Vector3<f64>; 3]]) -> Welded {
-    let tolerance = tolerance_of(soup);
-    let mut cubes = Cubes {
-        tolerance,
-        side: 64.0 * tolerance,
-        first: FxHashMap::default(),
-        next: Vec::new(),
-        vertices: Vec::new(),
-    };
+    let bounds = BoundingBox::of(soup.iter().flatten());
+    let tolerance = (RELATIVE_TOLERANCE * bounds.size().norm()).max(f64::MIN_POSITIVE);
+    let mut cubes = Cubes::new(bounds.low, tolerance);
     let mut triangles = Vec::with_capacity(soup.len());
     for corners in soup {
         triangles.push([0, 1, 2].map(|k| cubes.index_of(&corners[k])));
@@ -45,8 +42,32 @@ pub(crate) fn weld(soup: &[[Vector3<f64>; 3]]) -> Welded {
     }
 }
 
+/// Joins some of the vertices that lie within a distance (m) of each other; the first one stays.
+///
+/// Gives the name of each vertex after that, in the old numbers.
+pub(crate) fn joined(
+    vertices: &[Vector3<f64>],
+    some: impl Iterator<Item = usize>,
+    distance: f64,
+) -> Vec<usize> {
+    let bounds = BoundingBox::of(vertices.iter());
+    let mut cubes = Cubes::new(bounds.low, distance);
+    let mut names: Vec<usize> = (0..vertices.len()).collect();
+    let mut first_met = Vec::new();
+    for vertex in some {
+        let index = cubes.index_of(&vertices[vertex]);
+        if index == first_met.len() {
+            first_met.push(vertex);
+        }
+        names[vertex] = first_met[index];
+    }
+    names
+}
+
 /// Vertices by the cube that holds them.
 struct Cubes {
+    /// Where the cubes begin, m: near the vertices, so that no cube has a large number.
+    origin: Vector3<f64>,
     /// Joining distance, m.
     tolerance: f64,
     /// Side of a cube, m.
@@ -61,11 +82,24 @@ struct Cubes {
 }
 
 impl Cubes {
+    /// No vertices yet.
+    fn new(origin: Vector3<f64>, tolerance: f64) -> Self {
+        Self {
+            origin,
+            tolerance,
+            side: 64.0 * tolerance,
+            first: FxHashMap::default(),
+            next: Vec::new(),
+            vertices: Vec::new(),
+        }
+    }
+
     /// Vertex that a corner is, a new one if no other is near.
     fn index_of(&mut self, corner: &Vector3<f64>) -> usize {
-        let own = cube_of(corner, self.side);
-        let low = cube_of(&corner.add_scalar(-self.tolerance), self.side);
-        let high = cube_of(&corner.add_scalar(self.tolerance), self.side);
+        let place = corner - self.origin;
+        let own = cube_of(&place, self.side);
+        let low = cube_of(&place.add_scalar(-self.tolerance), self.side);
+        let high = cube_of(&place.add_scalar(self.tolerance), self.side);
         for x in low[0]..=high[0] {
             for y in low[1]..=high[1] {
                 for z in low[2]..=high[2] {
@@ -105,29 +139,15 @@ fn hash_of(cube: [i64; 3]) -> u64 {
     hasher.finish()
 }
 
-/// Joining distance, m: relative to the diagonal, but not below single-precision rounding.
-fn tolerance_of(soup: &[[Vector3<f64>; 3]]) -> f64 {
-    let corners = || soup.iter().flatten();
-    let low = corners().fold(Vector3::repeat(f64::INFINITY), |m, c| m.inf(c));
-    let high = corners().fold(Vector3::repeat(f64::NEG_INFINITY), |m, c| m.sup(c));
-    let rounding = 2.0 * f64::from(f32::EPSILON) * low.amax().max(high.amax());
-    (RELATIVE_TOLERANCE * (high - low).norm())
-        .max(rounding)
-        .max(f64::MIN_POSITIVE)
-}
-
-/// Cube that holds a point. The tolerance bounds the quotient to about 1e8: no overflow.
+/// Cube that holds a point. A quotient is below 1e6 unless the mesh has no extent.
 fn cube_of(point: &Vector3<f64>, cube: f64) -> [i64; 3] {
-    #[expect(
-        clippy::cast_possible_truncation,
-        reason = "a float cast saturates, and the quotient is below 1e8"
-    )]
+    #[expect(clippy::cast_possible_truncation, reason = "a float cast saturates")]
     [0, 1, 2].map(|k| (point[k] / cube).floor() as i64)
 }
 
 #[cfg(test)]
 mod tests {
-    use super::weld;
+    use super::{joined, weld};
     use nalgebra::Vector3;
 
     fn square(z_of_second: f64) -> Vec<[Vector3<f64>; 3]> {
@@ -152,5 +172,26 @@ mod tests {
     fn corners_join_within_a_millionth_of_the_diagonal() {
         assert_eq!(weld(&square(1.3e-6)).vertices.len(), 4);
         assert_eq!(weld(&square(1.5e-6)).vertices.len(), 5);
+    }
+
+    /// Far from the origin the same corners join, and no others: coordinates of single precision
+    /// are there 2⁻⁴ apart, ten thousand times the tolerance, and equal to the last bit.
+    #[test]
+    fn corners_join_by_the_size_of_the_mesh_wherever_it_lies() {
+        for (z, vertices) in [(0.0, 4), (0.0625, 5)] {
+            let far = square(z)
+                .iter()
+                .map(|t| t.map(|c| c.add_scalar(1e6)))
+                .collect::<Vec<_>>();
+            assert_eq!(weld(&far).vertices.len(), vertices);
+        }
+    }
+
+    /// Of four points in a row the ends are not asked for; the middle ones lie 0.1 apart.
+    #[test]
+    fn only_the_vertices_asked_for_join() {
+        let row = [0.0, 0.05, 0.15, 0.2].map(|x| Vector3::new(x, 0.0, 0.0));
+        assert_eq!(joined(&row, [1, 2].into_iter(), 0.11), [0, 1, 1, 3]);
+        assert_eq!(joined(&row, [1, 2].into_iter(), 0.09), [0, 1, 2, 3]);
     }
 }

@@ -188,3 +188,71 @@ fn small_holes_are_closed_and_large_ones_left() {
         (0, false)
     );
 }
+
+/// The body of a unit ball below the height z has the volume π (2/3 + z − z³/3); its facets and the
+/// saw teeth of the rim, which the lid joins, take 1 %.
+#[test]
+fn an_open_bottom_is_closed_flat_only_when_it_is_asked_for() {
+    let ball = trimesh::shapes::ellipsoid([1.0; 3], 60).unwrap();
+    let kept = (0..ball.triangles().len()).map(|t| ball.corners(t));
+    let height = |t: &[nalgebra::Vector3<f64>; 3]| (t[0] + t[1] + t[2]).z / 3.0;
+    let mut obj = String::new();
+    for corners in kept.filter(|t| height(t) < 0.6) {
+        for c in corners {
+            obj.extend([format!("v {} {} {}\n", c.x, c.y, c.z)]);
+        }
+        obj += "f -3 -2 -1\n";
+    }
+    let folder = std::env::temp_dir().join(format!("open-ball-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).unwrap();
+    let file = folder.join("open.obj");
+    std::fs::write(&file, obj).unwrap();
+    let closed = |width_mm: f64| {
+        let repair = trimesh::Repair {
+            close_holes: Some(width_mm * 1e-3),
+            ..trimesh::Repair::default()
+        };
+        trimesh::read_mesh_with(&file, MM, &repair).unwrap()
+    };
+    let (narrow, wide) = (closed(1.0), closed(2.5));
+    std::fs::remove_dir_all(&folder).unwrap();
+    let message = narrow.mesh.require_closed().unwrap_err().to_string();
+    assert!(message.contains("holes: 1, the widest 2.2"), "{message}");
+    wide.mesh.require_closed().unwrap();
+    let exact = std::f64::consts::PI * (2.0 / 3.0 + 0.6 - 0.6_f64.powi(3) / 3.0) * 1e-9;
+    let volume = wide.report.volume.unwrap() / exact;
+    assert!((volume - 1.0).abs() < 0.01, "{volume}");
+    // The lid is the disc of radius 0.8.
+    let lid = wide.report.changes.lids[0].area / (std::f64::consts::PI * 0.64e-6);
+    assert!((lid - 1.0).abs() < 0.05, "{lid}");
+}
+
+/// A flap and a closed crumb on edges of a ball are cut away and told; what is larger than the
+/// share is not, and nothing of the ball itself is lost.
+#[test]
+fn crumbs_on_shared_edges_are_cut_away_below_their_share() {
+    let ball = trimesh::shapes::ellipsoid([4e-3, 3e-3, 2e-3], 60).unwrap();
+    let soup: Vec<_> = (0..ball.triangles().len())
+        .map(|t| ball.corners(t))
+        .collect();
+    let with = |height: f64| {
+        let [a, b, _] = ball.corners(5000);
+        let [c, d, _] = ball.corners(9000);
+        let tip = |p: nalgebra::Vector3<f64>| p * (1.0 + height);
+        let crumb = [
+            [c, d, tip(c)],
+            [d, tip(d), tip(c)],
+            [c, tip(c), tip(d)],
+            [c, tip(d), d],
+        ];
+        let soup = [&soup[..], &[[a, b, tip(a)]], &crumb].concat();
+        trimesh::TriMesh::from_triangles(&soup, LengthUnit::Metre, "ball").unwrap()
+    };
+    let small = with(0.05);
+    small.mesh.require_closed().unwrap();
+    let changes = &small.report.changes;
+    assert_eq!((changes.pieces_cut, changes.triangles_cut), (2, 5));
+    assert!(changes.cut_share > 0.0 && changes.cut_share < 1e-3);
+    assert!((small.report.volume.unwrap() / ball.moments().volume - 1.0).abs() < 1e-12);
+    assert!(with(3.0).mesh.require_closed().is_err());
+}

@@ -185,7 +185,23 @@ fn damaged_files_are_refused_with_file_and_place() {
         ("huge count", huge, "declares 4294967295 triangles"),
         ("count 0", binary(&[], b""), "no triangle"),
         ("short", b"solid".to_vec(), "no STL, OBJ or PLY"),
-        ("prose", vec![b'x'; 5000], "no STL"),
+        ("prose", vec![b'x'; 5000], "it begins with `xxxx"),
+        // Letters beyond ASCII where a binary file has its count, and an escape character.
+        (
+            "foreign text",
+            [&[b'a'; 79][..], b"\x1b\xa1\xcb\xab\\", &[b'b'; 300]].concat(),
+            "is a text, but no STL",
+        ),
+        (
+            "a text of two-byte characters",
+            "\u{feff}solid seed, written wide "
+                .repeat(9)
+                .encode_utf16()
+                .flat_map(u16::to_le_bytes)
+                .collect(),
+            "UTF-16",
+        ),
+        ("a few bytes", vec![0x01; 20], "takes 84 bytes, but has 20"),
         ("random", vec![0x01; 700], "declares"),
         ("text cut off", half.into_bytes(), "end of file"),
         (

@@ -5,7 +5,7 @@ use clap::Parser;
 use clump_exchange::Format;
 use sphere_fill::Method;
 use std::path::PathBuf;
-use trimesh::LengthUnit;
+use trimesh::{LengthUnit, Repair};
 
 /// Fills a closed mesh (STL, OBJ, PLY) with spheres
 ///
@@ -38,6 +38,25 @@ pub(crate) struct Arguments {
     /// Of several bodies take the largest with its cavities, leave the others out
     #[arg(long)]
     pub(crate) largest_body: bool,
+
+    /// Close holes up to this width (diagonal of the box round the rim) with flat lids
+    /// [default: 3 % of the diagonal of the mesh]
+    #[arg(long, value_name = "LENGTH", allow_hyphen_values = true)]
+    pub(crate) close_holes: Option<String>,
+
+    /// Join vertices on open edges that lie this near to each other, as along cracks
+    #[arg(long, value_name = "LENGTH", allow_hyphen_values = true)]
+    pub(crate) join: Option<String>,
+
+    /// Cut away loose pieces, and triangles at edges of more than two, of together at most this
+    /// percentage of the area
+    #[arg(
+        long,
+        value_name = "PERCENT",
+        default_value_t = 0.1,
+        allow_hyphen_values = true
+    )]
+    pub(crate) crumbs: f64,
 
     /// How spheres are placed
     #[arg(long, value_enum, default_value = "pack")]
@@ -150,6 +169,29 @@ pub(crate) struct Arguments {
 }
 
 impl Arguments {
+    /// What may be changed in the mesh.
+    ///
+    /// # Errors
+    ///
+    /// A length that is none, a share that is no percentage below 50.
+    pub(crate) fn repair(&self) -> anyhow::Result<Repair> {
+        let length = |flag: &str, text: &Option<String>| {
+            let text = text.as_deref();
+            text.map(|text| length_in_metres(flag, text, self.unit))
+                .transpose()
+        };
+        anyhow::ensure!(
+            (0.0..50.0).contains(&self.crumbs),
+            "--crumbs {}: it must be a percentage of the area from 0 to below 50",
+            self.crumbs
+        );
+        Ok(Repair {
+            join: length("join", &self.join)?,
+            close_holes: length("close-holes", &self.close_holes)?,
+            crumbs: self.crumbs / 100.0,
+        })
+    }
+
     /// Mass of a seed of a volume (m³), kg, if mass or density are given.
     pub(crate) fn mass_of(&self, volume: f64) -> Option<f64> {
         self.mass.or(self.density.map(|density| density * volume))

@@ -39,6 +39,7 @@ fn run(arguments: &Arguments) -> anyhow::Result<u8> {
         (None, None) => None,
     };
     let outputs = [&arguments.out, &arguments.preview, &arguments.html];
+    arguments.repair()?;
     common.try_outputs(outputs.into_iter().flatten())?;
     let start = Instant::now();
     let read = read_body(arguments)?;
@@ -108,7 +109,8 @@ fn run(arguments: &Arguments) -> anyhow::Result<u8> {
 
 /// Reads the mesh; of several bodies the largest, if that is asked for.
 fn read_body(arguments: &Arguments) -> anyhow::Result<CheckedMesh> {
-    let mut read = trimesh::read_mesh(&arguments.mesh, arguments.unit)?;
+    let repair = arguments.repair()?;
+    let mut read = trimesh::read_mesh_with(&arguments.mesh, arguments.unit, &repair)?;
     if arguments.largest_body && read.mesh.topology().shells > 1 {
         let body = read.mesh.largest_body()?;
         read.mesh = body.mesh;
@@ -119,6 +121,7 @@ fn read_body(arguments: &Arguments) -> anyhow::Result<CheckedMesh> {
             duplicates_dropped: read.report.duplicates_dropped,
             triangles_turned: read.report.triangles_turned,
             holes_closed: read.report.holes_closed,
+            changes: read.report.changes,
             unit: read.report.unit,
             ..body.report
         };

@@ -46,6 +46,13 @@ struct MeshSummary {
     duplicates_dropped: usize,
     triangles_turned: usize,
     holes_closed: usize,
+    /// Width of the widest hole that was closed; 0 if none was.
+    widest_hole_closed: f64,
+    lid_share_of_area: f64,
+    vertices_joined: usize,
+    pieces_cut: usize,
+    triangles_cut: usize,
+    cut_share_of_area: f64,
     warnings: Vec<Warning>,
 }
 
@@ -122,6 +129,12 @@ impl Summary {
                 duplicates_dropped: mesh.duplicates_dropped,
                 triangles_turned: mesh.triangles_turned,
                 holes_closed: mesh.holes_closed,
+                widest_hole_closed: mesh.changes.lids.first().map_or(0.0, |lid| lid.width) / metre,
+                lid_share_of_area: mesh.changes.lid_share,
+                vertices_joined: mesh.changes.joined,
+                pieces_cut: mesh.changes.pieces_cut,
+                triangles_cut: mesh.changes.triangles_cut,
+                cut_share_of_area: mesh.changes.cut_share,
                 warnings: mesh.warnings.clone(),
             },
             fit: fit_in(&filling.report, metre),

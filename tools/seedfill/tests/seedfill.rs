@@ -404,3 +404,50 @@ fn usage_that_cannot_be_meant_ends_with_code_2() {
         assert!(message.contains(part), "{words:?}: {message}");
     }
 }
+
+/// A cap is missing, as where a scan stood on a table: refused with the width of the hole, filled when
+/// holes of that width may be closed, and the change is told in JSON and on the page.
+#[test]
+fn a_hole_is_closed_when_it_is_asked_for_and_told() {
+    let folder = tempfile::tempdir().unwrap();
+    let whole = std::fs::read(fixture("cotton_flat.stl")).unwrap();
+    let number =
+        |record: &[u8], k: usize| f32::from_le_bytes(record[4 * k..4 * k + 4].try_into().unwrap());
+    // All corners of a kept triangle lie below x = 3 mm; the seed reaches 4.63 mm.
+    let records = whole[84..].chunks_exact(50);
+    let kept: Vec<&[u8]> = records
+        .filter(|r| [3, 6, 9].iter().all(|&k| number(r, k) < 3.0))
+        .collect();
+    let count = u32::try_from(kept.len()).unwrap().to_le_bytes();
+    let (file, page) = (
+        folder.path().join("cap.stl"),
+        folder.path().join("cap.html"),
+    );
+    std::fs::write(&file, [&whole[..80], &count, &kept.concat()].concat()).unwrap();
+    let words = [path_text(&file), "--radius", "0.8", "--json", "--quiet"];
+    let refused = seedfill(&words);
+    let message = text(&refused.stderr);
+    assert_eq!(refused.status.code(), Some(2));
+    assert!(
+        message.contains("holes: 1, the widest") && message.contains("--close-holes"),
+        "{message}"
+    );
+    let more = ["--close-holes", "6", "--html", path_text(&page)];
+    let output = seedfill(&[&words[..], &more].concat());
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    let mesh = json_of(&output)["mesh"].clone();
+    assert_eq!(mesh["holes_closed"], 1);
+    let width = mesh["widest_hole_closed"].as_f64().unwrap();
+    assert!(width > 3.0 && width < 6.0, "{width}");
+    let page = std::fs::read_to_string(&page).unwrap();
+    assert!(page.contains("1 hole closed, the widest"));
+    for flag in ["--close-holes", "--join", "--crumbs"] {
+        let wrong = seedfill(&[&words[..], &[flag, "-1"]].concat());
+        assert_eq!(wrong.status.code(), Some(2));
+        assert!(
+            text(&wrong.stderr).contains(flag),
+            "{}",
+            text(&wrong.stderr)
+        );
+    }
+}

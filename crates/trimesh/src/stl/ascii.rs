@@ -19,12 +19,19 @@ pub(super) fn looks_like_text(bytes: &[u8]) -> bool {
     start.trim_ascii_start().starts_with(b"solid") && (has(b"facet") || has(b"endsolid"))
 }
 
-/// Whether the file begins with printable characters only.
+/// Whether the file begins as a text: at most one control character in a hundred, and none of
+/// value 0 but in UTF-16, which begins with its byte-order mark.
+///
+/// A tenth or more of the bytes of a binary mesh are control characters.
 pub(super) fn is_plain_text(bytes: &[u8]) -> bool {
-    without_mark(bytes)
-        .iter()
-        .take(SNIFFED)
-        .all(|&byte| byte >= b' ' || byte.is_ascii_whitespace())
+    let start = &without_mark(bytes)[..without_mark(bytes).len().min(SNIFFED)];
+    let odd = |byte: &&u8| **byte < b' ' && !byte.is_ascii_whitespace();
+    is_utf16(bytes) || !start.contains(&0) && 100 * start.iter().filter(odd).count() <= start.len()
+}
+
+/// Whether the file begins with the byte-order mark of UTF-16.
+pub(super) fn is_utf16(bytes: &[u8]) -> bool {
+    bytes.starts_with(b"\xFF\xFE") || bytes.starts_with(b"\xFE\xFF")
 }
 
 /// Reads the triangles of all solids.

@@ -30,7 +30,7 @@ pub(super) fn triangles(bytes: &[u8], declared: u32, file: &str) -> Result<Soup,
     let records = bytes.get(HEADER + 4..).unwrap_or_default();
     let whole = records.len() / RECORD;
     let declared_whole = declared as usize;
-    if declared_whole > whole {
+    if declared_whole > whole || bytes.len() < HEADER + 4 {
         return Err(Error::LengthMismatch {
             file: file.to_owned(),
             declared,
