@@ -167,6 +167,8 @@ struct LowerEdge {
     bulge: f64,
     /// Half of the distance of these places, cells.
     half_width: f64,
+    /// Inclination of the line between them, positive when it rises to the right, rad.
+    lean: f64,
 }
 
 impl LowerEdge {
@@ -205,6 +207,7 @@ impl LowerEdge {
         Some(Self {
             bulge: deepest.max(0.0),
             half_width: 0.5 * (right.0 - left.0),
+            lean: slope.atan(),
         })
     }
 
@@ -269,6 +272,8 @@ fn reading(
     let heap = HeapAngle {
         left: of_flank(heap.left),
         right: of_flank(heap.right),
+        // Where no table shows beside the heap, its lower edge tells how it leans.
+        base: heap.base.or(edge.map(|edge| edge.lean)),
         ..heap.clone()
     };
     HeapReading {

@@ -152,6 +152,7 @@ fn a_camera_above_the_foot_is_told_and_taken_off() {
     let elevation = 10.0_f64.to_radians();
     let scene = HeapScene {
         elevation,
+        lean: 0.02,
         tones: [60.0, 210.0, 210.0],
         rounding: 0.005,
         ..HeapScene::default()
@@ -165,6 +166,12 @@ fn a_camera_above_the_foot_is_told_and_taken_off() {
             < 1.0,
         "{seen:?}"
     );
+    // The ends of that edge tell the lean, which makes the flanks differ and does not widen the interval of their mean.
+    assert!(
+        (seen.base.unwrap() - 0.02).to_degrees().abs() < 0.2,
+        "{seen:?}"
+    );
+    assert!(seen.standard_error.to_degrees() < 0.3, "{seen:?}");
     let known = Settings {
         camera_elevation: elevation,
         ..HEAP

@@ -138,6 +138,8 @@ pub(crate) struct HeapResult {
     pub(crate) right_toe_deg: f64,
     /// Inclination of the base, positive when it rises to the right, degrees; none where it does not show.
     pub(crate) base_deg: Option<f64>,
+    /// How far above the foot the camera was said to stand, degrees.
+    pub(crate) camera_elevation_deg: f64,
     /// How far above the foot the camera stands by the lower edge of the heap, degrees; none where that does not show.
     pub(crate) elevation_seen_deg: Option<f64>,
 }
@@ -147,7 +149,7 @@ const WORTH_TELLING_DEG: f64 = 5.0;
 
 impl HeapResult {
     /// The result of a reading.
-    fn new(heap: &HeapReading) -> Self {
+    fn new(heap: &HeapReading, settings: &Settings) -> Self {
         Self {
             left_deg: heap.left.to_degrees(),
             left_se_deg: heap.left_standard_error.to_degrees(),
@@ -160,6 +162,7 @@ impl HeapResult {
             right_top_deg: heap.tops[1].to_degrees(),
             right_toe_deg: heap.toes[1].to_degrees(),
             base_deg: heap.base.map(f64::to_degrees),
+            camera_elevation_deg: settings.camera_elevation.to_degrees(),
             elevation_seen_deg: heap.elevation_seen.map(f64::to_degrees),
         }
     }
@@ -189,7 +192,7 @@ impl HeapResult {
                 "base leaning by {base:.1} (where it is the camera, --camera-roll-deg)"
             ));
         }
-        let is_above = |seen: &f64| *seen > WORTH_TELLING_DEG;
+        let is_above = |seen: &f64| seen - self.camera_elevation_deg > WORTH_TELLING_DEG;
         if let Some(seen) = self.elevation_seen_deg.filter(is_above) {
             told.push(format!(
                 "lower edge as from {seen:.0} above (--camera-elevation-deg)"
@@ -270,7 +273,7 @@ impl ImageResult {
             channel: Some(reading.channel.to_string()),
             drum: reading.drum,
             drum_candidate: reading.glimpse.circle,
-            heap: heap.map(HeapResult::new),
+            heap: heap.map(|heap| HeapResult::new(heap, settings)),
             points: None,
             rectified,
             quality: reading.quality,

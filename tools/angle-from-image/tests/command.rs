@@ -294,6 +294,12 @@ fn what_a_heap_shows_of_its_foot_and_its_camera_is_told() {
     assert!((mean - 32.09).abs() < 0.3, "{mean}");
     let seen = json["heap"]["elevation_seen_deg"].as_f64().unwrap();
     assert!((seen - 12.0).abs() < 1.0, "{seen}");
+    let output = run(&[&[above, "--mode", "heap"][..], &flags].concat());
+    let told = text(&output.stdout);
+    assert!(
+        !told.contains("--camera-"),
+        "nothing is left to take off: {told}"
+    );
     // A drum is seen along its axis.
     let output = run(&[above, "--camera-elevation-deg", "12"]);
     assert_eq!(output.status.code(), Some(2));
