@@ -410,7 +410,12 @@ fn advice(purpose: Purpose, first: Option<&PlannedExperiment>, reached: bool) ->
         Purpose::SettleParameters => "to have more observations than parameters",
     };
     let Some(first) = first else {
-        return if reached {
+        return if reached && matches!(purpose, Purpose::SeeSuspect | Purpose::TellSuspects) {
+            // A suspect that is seen well and not named leaves something that the library lacks.
+            format!(
+                "these measurements suffice {what}: another observable or scene may show what is missing beside it"
+            )
+        } else if reached {
             "nothing needs to be measured".to_owned()
         } else {
             format!(
@@ -426,4 +431,18 @@ fn advice(purpose: Purpose, first: Option<&PlannedExperiment>, reached: bool) ->
          effects differ, or measure more precisely (more frames and simulator runs)"
     };
     format!("measure at {} {what}{rest}", first.experiment)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Purpose, advice};
+
+    /// Something is missing that the suspect does not explain: that nothing needs to be measured would be no answer.
+    #[test]
+    fn a_suspect_that_is_seen_well_is_not_the_end() {
+        let told = advice(Purpose::SeeSuspect, None, true);
+        assert!(told.contains("another observable"), "{told}");
+        let told = advice(Purpose::FreeEffect, None, true);
+        assert_eq!(told, "nothing needs to be measured");
+    }
 }
