@@ -12,7 +12,12 @@ use trimesh::{LengthUnit, Repair};
 /// Bare lengths are in the unit of the mesh; a unit may be written behind them (0.45mm).
 /// Exit code: 0 filled; 1 refused (radius does not fit, count, roughness or target not reached); 2 error.
 #[derive(Debug, Parser)]
-#[command(name = "seedfill", version, about)]
+#[command(
+    name = "seedfill",
+    version,
+    about,
+    after_help = "Example:\n  seedfill seed.stl --radius 0.45 --mass 94.5e-6 --out seed.csv --preview seed.png"
+)]
 pub(crate) struct Arguments {
     /// Mesh to fill: STL, OBJ or PLY, binary or text
     #[arg(value_name = "MESH.stl")]

@@ -451,3 +451,22 @@ fn a_hole_is_closed_when_it_is_asked_for_and_told() {
         );
     }
 }
+
+/// The example of the help, word for word, on a mesh of that name: it fills, and both files are there.
+#[test]
+fn the_example_of_the_help_runs() {
+    let help = text(&seedfill(&["--help"]).stdout);
+    let (_, example) = help.split_once("Example:\n  seedfill ").unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::copy(fixture("cotton_flat.stl"), folder.path().join("seed.stl")).unwrap();
+    let output = Command::new(env!("CARGO_BIN_EXE_seedfill"))
+        .args(["--effort", "0.05"])
+        .args(example.trim().split(' '))
+        .current_dir(folder.path())
+        .output()
+        .unwrap();
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    for file in ["seed.csv", "seed.png"] {
+        assert!(folder.path().join(file).exists(), "{file}");
+    }
+}
