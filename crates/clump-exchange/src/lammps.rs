@@ -8,10 +8,20 @@ use crate::rows::joined;
 /// `fix rigid/small ... mol`), and Masses: the mass shared in proportion to sphere volume.
 ///
 /// The body lies in its principal frame: LAMMPS (22 Jul 2025) takes the three products of inertia
-/// in the order yz, xz, xy where its manual says xy, xz, yz; here all three are 0.
+/// in the order yz, xz, xy where its manual says xy, xz, yz; here all three are 0. `create_atoms` takes neither mass nor inertia
+/// from the file, and the body then has the inertia of its separate spheres; the first line says so.
 pub(crate) fn text(body: &Body<'_>) -> String {
     let n = body.spheres.len();
-    let mut text = format!("# {} of {n} spheres, SI units\n\n{n} atoms\n", body.word());
+    let how = match body.mass {
+        Some(_) => {
+            "; insert it by fix deposit or fix pour (create_atoms leaves out mass and inertia)"
+        }
+        None => "",
+    };
+    let mut text = format!(
+        "# {} of {n} spheres, SI units{how}\n\n{n} atoms\n",
+        body.word()
+    );
     let (spheres, moments) = in_principal_frame(body);
     if let Some(mass) = body.mass {
         let [xx, yy, zz]: [f64; 3] = (moments * (mass / body.volume)).into();

@@ -126,6 +126,12 @@ fn the_lammps_molecule_has_the_mass_and_inertia_of_the_seed() {
     }
     assert_eq!(found[3..], [0.0; 3]);
     assert!(!write(Format::Lammps, &body(None)).contains("inertia"));
+    let first = write(Format::Lammps, &body(Some(1e-4)));
+    let first = first.lines().next().unwrap();
+    assert!(
+        first.starts_with("# ") && first.contains("fix deposit"),
+        "{first}"
+    );
 }
 
 /// In the EDEM table the products of inertia vanish and the centre of mass is the origin: what
