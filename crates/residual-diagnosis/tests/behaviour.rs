@@ -392,7 +392,12 @@ fn two_missing_effects_are_found_together() {
             (amplitude - 1.2).abs() < 3.0 * se,
             "{name} {amplitude} +- {se}"
         );
-        let told = format!("{name} ({amplitude:.4} +- {se:.4})");
+        // Four digits of the amplitude, three of its error.
+        let [a, e] = [
+            quantity::significant(amplitude, 4),
+            quantity::significant(se, 3),
+        ];
+        let told = format!("{name} ({a} +- {e})");
         assert!(d.summary().contains(&told), "{told} in: {}", d.summary());
         let alone = d.candidates[name].amplitude.unwrap();
         assert!((alone - amplitude).abs() > 1e-3, "the two overlap: {alone}");
