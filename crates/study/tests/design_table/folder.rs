@@ -119,6 +119,16 @@ impl Folder {
                 let lines: Vec<String> = list.iter().map(ToString::to_string).collect();
                 lines.join("\n")
             }
+            // A file that is no table, in the words that the command prints: an error and its causes.
+            Err(Error::Table(error)) => {
+                let mut told = error.to_string();
+                let mut next = std::error::Error::source(&error);
+                while let Some(cause) = next {
+                    told = format!("{told}\n{cause}");
+                    next = cause.source();
+                }
+                told
+            }
             other => format!("no list of problems: {other:?}"),
         }
     }
