@@ -13,10 +13,10 @@
 //! the mask is smoothed over 0.03 drum radii and its half-of-bulk contour is the free surface. The
 //! surface must agree with the picture (a step along it, bed below and air above), or it is
 //! refused. The standard errors hold roughness, drum circle, threshold, light and camera tilt.
-//! A heap has its own path from the same tones: the highest bed in each column, then
+//! A heap has its own path from the same tones: the highest place of the largest part in each column, then
 //! [`surface_profile::measure_heap`].
 //!
-//! `imageproc` straightens oblique pictures. Its edge finder, Hough lines, threshold and
+//! `imageproc` straightens oblique pictures and finds the largest part of a heap's picture. Its edge finder, Hough lines, threshold and
 //! morphology are not used: the first is not mirror-symmetric, the second counts in degrees, the
 //! third overflows on large pictures, and the fourth moves a surface by whole pixels.
 //!

@@ -17,12 +17,8 @@ const CROWN: f64 = 0.9;
 pub(crate) const FEWEST: usize = 12;
 /// Least height of a heap, parts of the width of the outline.
 const LEAST_HEIGHT: f64 = 0.05;
-/// Points beyond so many robust standard deviations from the line of the base are none of it.
-const CUT_IN_SD: f64 = 4.0;
-/// No point nearer to that line than this part of the height is left out.
+/// No point nearer to the line of the base than this part of the height is left out.
 const LEAST_CUT: f64 = 0.002;
-/// Rounds of leaving out.
-const MOST_CUTS: usize = 30;
 /// Largest median distance of the base from its line, parts of the height: more is no table.
 const MOST_BASE_ROUGHNESS: f64 = 0.03;
 /// The ends of an outline are this part of its points, on either side.
@@ -226,30 +222,21 @@ impl<'a> Outline<'a> {
 
     /// The line of the base beside the feet; none where too little of it shows on a side, or it is not straight.
     fn base_line(&self) -> Option<Base> {
-        let mut sides =
-            [0, 1].map(|side: usize| self.outwards[side][self.before_foot[side]..].to_vec());
-        // A foot spreads over the base: what stands over the line is taken off until nothing is.
-        for _ in 0..MOST_CUTS {
-            if sides.iter().any(|side| side.len() < FEWEST) {
-                return None;
-            }
-            let all = sides.concat();
-            let line = Line::through(self.points, &all);
-            let off = |k: &usize| line.off(&self.points[*k]).abs();
-            let typical = median(&mut all.iter().map(off).collect::<Vec<f64>>());
-            let cut = (CUT_IN_SD * 1.4826 * typical).max(LEAST_CUT * self.height);
-            for side in &mut sides {
-                side.retain(|k| off(k) <= cut);
-            }
-            if sides.iter().map(Vec::len).sum::<usize>() == all.len() {
-                let slope = line.inclination.tan();
-                return (typical <= MOST_BASE_ROUGHNESS * self.height).then_some(Base {
-                    height: line.centre.y - slope * line.centre.x,
-                    slope,
-                });
-            }
+        let [left, right] =
+            [0, 1].map(|side: usize| &self.outwards[side][self.before_foot[side]..]);
+        // A foot spreads over the base: what stands over the line is an outlier of it.
+        let (line, base) = Line::near(self.points, [left, right].concat(), LEAST_CUT * self.height);
+        let on_base = |side: &[usize]| side.iter().filter(|k| base.contains(k)).count();
+        if on_base(left) < FEWEST || on_base(right) < FEWEST {
+            return None;
         }
-        None
+        let off = |k: &usize| line.off(&self.points[*k]).abs();
+        let typical = median(&mut base.iter().map(off).collect::<Vec<f64>>());
+        let slope = line.inclination.tan();
+        (typical <= MOST_BASE_ROUGHNESS * self.height).then_some(Base {
+            height: line.centre.y - slope * line.centre.x,
+            slope,
+        })
     }
 
     /// Refuses an outline that falls like a wall between apex and foot: a box, a beaker, or a heap that leans on one.

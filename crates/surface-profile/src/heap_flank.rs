@@ -4,12 +4,9 @@ use crate::correlation::correlation_factor;
 use crate::heap::FEWEST;
 use crate::line::Line;
 use crate::line_error::{TAU_PART, widening};
-use crate::median::median;
 use crate::{Error, SurfacePoint};
 use serde::{Deserialize, Serialize};
 
-/// Points beyond so many robust standard deviations from the line of a flank are outliers.
-const CUT_IN_SD: f64 = 4.0;
 /// No point nearer to the line than this part of the height is an outlier.
 const LEAST_CUT: f64 = 0.02;
 /// Largest root mean square distance from the line of a flank, parts of the height.
@@ -41,28 +38,15 @@ pub struct HeapFlank {
 /// The line through the members of one flank, from the top down; side is -1 for the left one.
 pub(crate) fn flank(
     points: &[SurfacePoint],
-    mut members: Vec<usize>,
+    members: Vec<usize>,
     (side, height): (f64, f64),
     used: &mut [bool],
 ) -> Result<HeapFlank, Error> {
     let no_heap = |what| Err(Error::NoHeap { what });
-    for _ in 0..10 {
-        if members.len() < FEWEST {
-            return no_heap("a flank is missing");
-        }
-        let line = Line::through(points, &members);
-        let mut sizes: Vec<f64> = members
-            .iter()
-            .map(|k| line.off(&points[*k]).abs())
-            .collect();
-        let cut = (CUT_IN_SD * 1.4826 * median(&mut sizes)).max(LEAST_CUT * height);
-        let before = members.len();
-        members.retain(|k| line.off(&points[*k]).abs() <= cut);
-        if members.len() == before {
-            break;
-        }
+    let (line, members) = Line::near(points, members, LEAST_CUT * height);
+    if members.len() < FEWEST {
+        return no_heap("a flank is missing");
     }
-    let line = Line::through(points, &members);
     let fall = -side * line.inclination;
     if fall <= 0.0 {
         return no_heap("a flank does not fall outwards");

@@ -1,6 +1,12 @@
 //! The least-squares line.
 
 use crate::SurfacePoint;
+use crate::median::median;
+
+/// Points beyond so many robust standard deviations from a line are outliers.
+const CUT_IN_SD: f64 = 4.0;
+/// Standard deviation of normal values over the median of their sizes.
+const NORMAL: f64 = 1.4826;
 
 /// Direction of the line that minimises the sum of squared normal distances.
 ///
@@ -50,6 +56,27 @@ impl Line {
         Self {
             centre,
             inclination: direction(places).unwrap_or(0.0),
+        }
+    }
+
+    /// The line through those of the members that lie near it, and these: beyond four robust standard deviations, and beyond
+    /// `least` (unit of the points), a point is an outlier and left out, until none is.
+    pub(crate) fn near(
+        points: &[SurfacePoint],
+        mut members: Vec<usize>,
+        least: f64,
+    ) -> (Self, Vec<usize>) {
+        // Each round leaves out a point or is the last.
+        loop {
+            let line = Self::through(points, &members);
+            let off = |k: &usize| line.off(&points[*k]).abs();
+            let typical = median(&mut members.iter().map(off).collect::<Vec<f64>>());
+            let cut = (CUT_IN_SD * NORMAL * typical).max(least);
+            let before = members.len();
+            members.retain(|k| off(k) <= cut);
+            if members.len() == before {
+                return (line, members);
+            }
         }
     }
 

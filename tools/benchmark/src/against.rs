@@ -1,7 +1,7 @@
 //! This build against another one, block by block.
 
 use crate::arguments::Arguments;
-use crate::doors::{self, Call, Subject};
+use crate::instruments::{self, Call, Subject};
 use crate::measure::{median, processor_seconds};
 use crate::scenes::BenchmarkScene;
 use crate::{seed_drum, sphere_drum};
@@ -79,7 +79,7 @@ fn row(arguments: &Arguments, other: &Path, subject: Subject) -> anyhow::Result<
         scene: subject.to_string(),
         pairs: pairs.len(),
         block_steps: match subject {
-            Subject::Door(door) => door.block_calls(),
+            Subject::Instrument(instrument) => instrument.block_calls(),
             Subject::Scene(_) => BLOCK_STEPS,
         },
         us_per_step_here: of(|pair| pair[0]),
@@ -109,9 +109,9 @@ impl Work {
                 let drum = sphere_drum::flowing(arguments, count)?;
                 Self::Step(Box::new(drum.world(sphere_drum::TIME_STEP)?))
             }
-            Subject::Door(door) => Self::Call(
-                doors::prepare(arguments, door)?,
-                door.block_calls(),
+            Subject::Instrument(instrument) => Self::Call(
+                instruments::prepare(arguments, instrument)?,
+                instrument.block_calls(),
                 String::new(),
             ),
         })

@@ -1,6 +1,6 @@
 //! What the command can be asked.
 
-use crate::doors::{Door, Subject};
+use crate::instruments::{Instrument, Subject};
 use crate::scenes::BenchmarkScene;
 use clap::Parser;
 use std::path::PathBuf;
@@ -96,7 +96,7 @@ impl Arguments {
         if !self.subject.is_empty() {
             let scenes = self.subject.iter().filter_map(|subject| match subject {
                 Subject::Scene(scene) => Some(*scene),
-                Subject::Door(_) => None,
+                Subject::Instrument(_) => None,
             });
             return scenes.collect();
         }
@@ -126,20 +126,20 @@ impl Arguments {
     /// # Errors
     ///
     /// Calls beside scenes, or where only scenes can be compared.
-    pub(crate) fn doors(&self) -> anyhow::Result<Vec<Door>> {
-        let doors = self.subject.iter().filter_map(|subject| match subject {
-            Subject::Door(door) => Some(*door),
+    pub(crate) fn instruments(&self) -> anyhow::Result<Vec<Instrument>> {
+        let instruments = self.subject.iter().filter_map(|subject| match subject {
+            Subject::Instrument(instrument) => Some(*instrument),
             Subject::Scene(_) => None,
         });
-        let doors: Vec<Door> = doors.collect();
-        if let [first, ..] = doors.as_slice() {
+        let instruments: Vec<Instrument> = instruments.collect();
+        if let [first, ..] = instruments.as_slice() {
             anyhow::ensure!(
-                doors.len() == self.subject.len() && !self.peers && !self.scaling,
+                instruments.len() == self.subject.len() && !self.peers && !self.scaling,
                 "{} is a call, the others are steps of the solver: measure calls by themselves, without --peers and --scaling",
                 first.name()
             );
         }
-        Ok(doors)
+        Ok(instruments)
     }
 }
 

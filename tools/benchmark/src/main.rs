@@ -4,7 +4,7 @@ mod against;
 mod arguments;
 mod contacts;
 mod deck;
-mod doors;
+mod instruments;
 mod measure;
 mod peers;
 mod scaling;
@@ -49,13 +49,13 @@ fn run(arguments: &Arguments) -> anyhow::Result<u8> {
         against::serve(arguments, *subject)?;
         return Ok(DONE);
     }
-    let doors = arguments.doors()?;
-    if !doors.is_empty() {
-        let rows = doors
+    let instruments = arguments.instruments()?;
+    if !instruments.is_empty() {
+        let rows = instruments
             .into_iter()
-            .map(|door| doors::measure(arguments, door));
+            .map(|instrument| instruments::measure(arguments, instrument));
         let rows = rows.collect::<anyhow::Result<Vec<_>>>()?;
-        arguments.common.print(doors::table(&rows))?;
+        arguments.common.print(instruments::table(&rows))?;
         arguments.common.emit_json(&Summary { header, rows })?;
         return Ok(DONE);
     }

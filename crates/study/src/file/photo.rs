@@ -19,8 +19,7 @@ pub(super) fn photo_options(fields: &Fields<'_>, problems: &mut Problems) -> Pho
         ));
     }
     let roll: Option<Angle> = fields.optional("roll", "an angle such as \"0.4 deg\"", problems);
-    let elevation: Option<Angle> =
-        fields.optional("elevation", "an angle such as \"8 deg\"", problems);
+    let elevation_rad = angle_within(fields, "elevation", [0.0, 30.0], problems);
     let max_angle_error_rad = max_angle_error(fields, problems);
     let drum = fields.optional("drum", "three numbers [cx, cy, r] in px", problems);
     let corners: Option<String> = fields.optional("corners", "a text", problems);
@@ -55,7 +54,7 @@ pub(super) fn photo_options(fields: &Fields<'_>, problems: &mut Problems) -> Pho
         pair_interval_s,
         also,
         roll_rad: roll.map_or(0.0, Angle::si),
-        elevation_rad: elevation.map_or(0.0, Angle::si),
+        elevation_rad: elevation_rad.unwrap_or(0.0),
         max_angle_error_rad,
         drum,
         corners,
@@ -65,14 +64,23 @@ pub(super) fn photo_options(fields: &Fields<'_>, problems: &mut Problems) -> Pho
 
 /// Largest standard error with which the angle may be known from one picture, rad.
 pub(super) fn max_angle_error(fields: &Fields<'_>, problems: &mut Problems) -> Option<f64> {
-    let key = "max_angle_error";
-    let error: Option<Angle> = fields.optional(key, "an angle such as \"3 deg\"", problems);
-    let error = error.map(Angle::si);
-    let possible = |error: &f64| (0.1..=30.0).contains(&error.to_degrees());
-    if error.is_some_and(|error| !possible(&error)) {
-        problems.add(fields.wrong(key, "must be 0.1 to 30 degrees"));
+    angle_within(fields, "max_angle_error", [0.1, 30.0], problems)
+}
+
+/// An angle between two limits (degrees), rad.
+fn angle_within(
+    fields: &Fields<'_>,
+    key: &str,
+    [low, high]: [f64; 2],
+    problems: &mut Problems,
+) -> Option<f64> {
+    let angle: Option<Angle> = fields.optional(key, "an angle such as \"3 deg\"", problems);
+    let angle = angle.map(Angle::si);
+    let possible = |angle: &f64| (low..=high).contains(&angle.to_degrees());
+    if angle.is_some_and(|angle| !possible(&angle)) {
+        problems.add(fields.wrong(key, format!("must be {low} to {high} degrees")));
     }
-    error.filter(possible)
+    angle.filter(possible)
 }
 
 /// A time between pictures, s.

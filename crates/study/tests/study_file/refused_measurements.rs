@@ -108,4 +108,17 @@ fn reading_options_that_cannot_be_meant_are_refused() {
         &wrong(&study),
         &["definition", "roll", "corners", "foreground", "rol"],
     );
+    let angle = "angle_deg = { mean = 35.1, sd = 0.8, n = 10 }";
+    let steep = changed(angle, "photos = \".\"\nphoto = { elevation = \"40 deg\" }");
+    tells(&wrong(&steep), &["elevation", "0 to 30 degrees"]);
+    // The camera looks along the axis of a drum; the value arrives where the picture is read.
+    let photo = fixture("photos/granudrum_mccA_15rpm_avg.bmp");
+    let drum = changed(
+        angle,
+        &format!("photos = [{photo:?}]\nphoto = {{ elevation = \"10 deg\" }}"),
+    );
+    tells(
+        &wrong(&drum),
+        &["camera elevation", "a drum is seen along its axis"],
+    );
 }

@@ -25,7 +25,7 @@ const PHOTO: [u32; 2] = [4000, 3000];
 
 /// One of them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Door {
+pub(crate) enum Instrument {
     /// A frame of the drum of seeds is drawn and read.
     Frame,
     /// A photo of 12 megapixels is read.
@@ -36,7 +36,7 @@ pub(crate) enum Door {
     Analyse,
 }
 
-impl Door {
+impl Instrument {
     /// All of them.
     pub(crate) const ALL: [Self; 4] = [Self::Frame, Self::Photo12Mp, Self::Seedfill, Self::Analyse];
 
@@ -65,14 +65,14 @@ pub(crate) enum Subject {
     /// A step of a scene.
     Scene(BenchmarkScene),
     /// A call of something beside the solver.
-    Door(Door),
+    Instrument(Instrument),
 }
 
 impl fmt::Display for Subject {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Scene(scene) => scene.fmt(f),
-            Self::Door(door) => f.write_str(door.name()),
+            Self::Instrument(instrument) => f.write_str(instrument.name()),
         }
     }
 }
@@ -81,13 +81,16 @@ impl FromStr for Subject {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        if let Some(door) = Door::ALL.into_iter().find(|door| door.name() == text) {
-            return Ok(Self::Door(door));
+        if let Some(instrument) = Instrument::ALL
+            .into_iter()
+            .find(|instrument| instrument.name() == text)
+        {
+            return Ok(Self::Instrument(instrument));
         }
-        let doors = || Door::ALL.map(Door::name).join(", ");
+        let instruments = || Instrument::ALL.map(Instrument::name).join(", ");
         text.parse()
             .map(Self::Scene)
-            .map_err(|e| format!("{e}, or one of {}", doors()))
+            .map_err(|e| format!("{e}, or one of {}", instruments()))
     }
 }
 
@@ -95,12 +98,12 @@ impl FromStr for Subject {
 pub(crate) type Call = Box<dyn FnMut() -> anyhow::Result<String>>;
 
 /// Makes all that a call does not have to make itself.
-pub(crate) fn prepare(arguments: &Arguments, door: Door) -> anyhow::Result<Call> {
-    match door {
-        Door::Frame => frame(arguments),
-        Door::Photo12Mp => Ok(photo()),
-        Door::Seedfill => Ok(Box::new(filled)),
-        Door::Analyse => analysis(),
+pub(crate) fn prepare(arguments: &Arguments, instrument: Instrument) -> anyhow::Result<Call> {
+    match instrument {
+        Instrument::Frame => frame(arguments),
+        Instrument::Photo12Mp => Ok(photo()),
+        Instrument::Seedfill => Ok(Box::new(filled)),
+        Instrument::Analyse => analysis(),
     }
 }
 
@@ -169,8 +172,8 @@ fn analysis() -> anyhow::Result<Call> {
 
 /// Cost of a call; each unit is in the name.
 #[derive(Debug, Clone, Serialize, Deserialize)]
-pub(crate) struct DoorRow {
-    door: String,
+pub(crate) struct InstrumentRow {
+    instrument: String,
     /// Time on the processor of a call in each block.
     ms_per_call_blocks: Vec<f64>,
     /// Their median.
@@ -180,23 +183,26 @@ pub(crate) struct DoorRow {
 }
 
 /// Measures blocks of calls, after one that warms up.
-pub(crate) fn measure(arguments: &Arguments, door: Door) -> anyhow::Result<DoorRow> {
+pub(crate) fn measure(
+    arguments: &Arguments,
+    instrument: Instrument,
+) -> anyhow::Result<InstrumentRow> {
     arguments
         .common
-        .log(|| format!("measuring {}", door.name()));
-    let mut call =
-        prepare(arguments, door).with_context(|| format!("cannot prepare {}", door.name()))?;
+        .log(|| format!("measuring {}", instrument.name()));
+    let mut call = prepare(arguments, instrument)
+        .with_context(|| format!("cannot prepare {}", instrument.name()))?;
     let mut blocks = Vec::new();
     for number in 0..=arguments.blocks {
         let start = processor_seconds()?;
-        for _ in 0..door.block_calls() {
+        for _ in 0..instrument.block_calls() {
             call()?;
         }
         let taken = (processor_seconds()? - start) * 1e3;
-        blocks.extend((number > 0).then_some(taken / door.block_calls() as f64));
+        blocks.extend((number > 0).then_some(taken / instrument.block_calls() as f64));
     }
-    Ok(DoorRow {
-        door: door.name().into(),
+    Ok(InstrumentRow {
+        instrument: instrument.name().into(),
         ms_per_call: median(&blocks),
         ms_per_call_blocks: blocks,
         peak_memory_mib: peak_memory_mib()?,
@@ -204,7 +210,7 @@ pub(crate) fn measure(arguments: &Arguments, door: Door) -> anyhow::Result<DoorR
 }
 
 /// The rows as a Markdown table.
-pub(crate) fn table(rows: &[DoorRow]) -> String {
+pub(crate) fn table(rows: &[InstrumentRow]) -> String {
     let head = "| call | blocks | CPU-ms per call (least to most) | peak memory so far (MiB) |\n|---|--:|--:|--:|";
     let lines = rows.iter().map(|row| {
         let least = row
@@ -215,7 +221,7 @@ pub(crate) fn table(rows: &[DoorRow]) -> String {
         let most = row.ms_per_call_blocks.iter().copied().fold(0.0, f64::max);
         format!(
             "| {} | {} | {:.2} ({least:.2} to {most:.2}) | {:.0} |",
-            row.door,
+            row.instrument,
             row.ms_per_call_blocks.len(),
             row.ms_per_call,
             row.peak_memory_mib
@@ -227,12 +233,15 @@ pub(crate) fn table(rows: &[DoorRow]) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::{Door, Subject};
+    use super::{Instrument, Subject};
     use crate::scenes::BenchmarkScene;
 
     #[test]
-    fn a_name_is_a_door_or_a_scene_and_a_wrong_one_is_told_both() {
-        assert_eq!("photo-12mp".parse(), Ok(Subject::Door(Door::Photo12Mp)));
+    fn a_name_is_an_instrument_or_a_scene_and_a_wrong_one_is_told_both() {
+        assert_eq!(
+            "photo-12mp".parse(),
+            Ok(Subject::Instrument(Instrument::Photo12Mp))
+        );
         let scene = Subject::Scene(BenchmarkScene::Seeds(1200));
         assert_eq!("seeds-1200".parse(), Ok(scene));
         let told = "photo-12".parse::<Subject>().unwrap_err();
