@@ -24,6 +24,8 @@ pub enum DesignKind {
     FullFactorial,
     /// A regular fraction of all combinations of two levels.
     FractionalFactorial,
+    /// Mirrored pairs of runs with one factor in its middle, for many factors at three levels.
+    DefinitiveScreening,
     /// One point in each of n equal slices of every factor.
     LatinHypercube,
     /// Runs chosen for a small determinant of the coefficients' covariance.
@@ -118,6 +120,24 @@ impl Design {
             dummies,
             runs,
         })
+    }
+
+    /// Coded runs of an earlier design as block 1, and those added to them as block 2; all in block 1 without earlier ones.
+    ///
+    /// # Errors
+    /// As [`Design::new`].
+    pub fn in_stages(
+        kind: DesignKind,
+        factors: &[Factor],
+        given: &[Vec<f64>],
+        added: Vec<Vec<f64>>,
+    ) -> Result<Self, Error> {
+        let first = given.len();
+        let rows: Vec<Vec<f64>> = given.iter().cloned().chain(added).collect();
+        let blocks: Vec<usize> = (0..rows.len())
+            .map(|i| 1 + usize::from(first > 0 && i >= first))
+            .collect();
+        Self::new(kind, factors, Vec::new(), rows)?.blocked(&blocks)
     }
 
     /// How the runs were chosen.

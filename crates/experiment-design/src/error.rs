@@ -84,6 +84,12 @@ pub enum Error {
         /// What is wrong with it, and the way out.
         reason: &'static str,
     },
+    /// No run can keep all constraints.
+    #[error(
+        "no point within the ranges and levels was found that keeps all constraints; widen the ranges, or take a \
+         constraint away"
+    )]
+    NoRoom,
     /// A count is out of its range.
     #[error("the number of {what} is {given}; it must lie in {least} to {most}")]
     CountOutOfRange {

@@ -2,8 +2,8 @@
 //!
 //! A [`Factor`] maps its natural range low..high onto the coded range -1..+1. A [`Design`] is a
 //! list of runs in coded variables: Plackett-Burman for screening, Box-Behnken and central
-//! composite for a response surface, two-level factorials and their fractions, and the Latin
-//! hypercube. [`table`] writes and reads them as CSV text; this crate touches no files.
+//! composite for a response surface, definitive screening between the two, factorials and their
+//! fractions, the Latin hypercube, and designs that are optimal for a model within a [`Region`]. [`table`] writes and reads them as CSV text; this crate touches no files.
 //!
 //! ```
 //! use experiment_design::{Factor, box_behnken};
@@ -23,6 +23,8 @@
 
 mod box_behnken;
 mod central_composite;
+mod conference;
+mod definitive_screening;
 mod design;
 mod error;
 mod factor;
@@ -33,18 +35,21 @@ mod hadamard;
 mod latin_hypercube;
 mod optimal;
 mod plackett_burman;
+mod region;
 mod second_stage;
 pub mod table;
 
 pub use box_behnken::{box_behnken, box_behnken_in_blocks};
 pub use central_composite::{AxialDistance, central_composite, central_composite_in_blocks};
+pub use definitive_screening::definitive_screening;
 pub use design::{Design, DesignKind, Run};
 pub use error::Error;
 pub use factor::{Factor, check_factors};
 pub use fraction_generators::{fraction_with_generators, in_blocks};
 pub use fractional_factorial::{Fraction, fractional_factorial};
-pub use full_factorial::full_factorial;
+pub use full_factorial::{full_factorial, mixed_factorial};
 pub use latin_hypercube::latin_hypercube;
-pub use optimal::{Criterion, augmented_design, optimal_design};
+pub use optimal::{Criterion, augmented_design, optimal_design, optimal_rows};
 pub use plackett_burman::{plackett_burman, plackett_burman_with_runs};
+pub use region::{Constraint, Coordinate, Region};
 pub use second_stage::augmented_near;

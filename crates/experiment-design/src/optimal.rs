@@ -1,26 +1,20 @@
 //! Designs that are optimal for a given model.
 
+mod criterion;
+
 use random_stream::Stream;
 
-use crate::{Design, DesignKind, Error, Factor, check_factors};
+pub use criterion::Criterion;
+pub(crate) use criterion::Target;
+
+use crate::{Design, DesignKind, Error, Factor, Region, check_factors};
 
 /// Random starts of the exchange; the best of ten is rarely beaten by more than 1 %.
 const STARTS: usize = 10;
 /// Passes over all coordinates per start; the exchange stops by itself long before.
 pub(crate) const PASSES: usize = 50;
-/// The levels a coordinate may take; enough for quadratic models on a box.
+/// The levels from which coordinates of the whole box start; enough for quadratic models.
 const LEVELS: [f64; 3] = [-1.0, 0.0, 1.0];
-/// Added to the diagonal of X'X, relative to the runs, so that a poor start has a finite value.
-const RIDGE: f64 = 1e-8;
-
-/// What an optimal design makes small.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Criterion {
-    /// Determinant of (X'X)^-1: the volume of the confidence region of the coefficients (D).
-    Determinant,
-    /// Mean over the box of x'(X'X)^-1 x: the variance of the prediction (I).
-    MeanVariance,
-}
 
 /// A design of `n_runs` runs on the levels -1, 0, +1 that is nearly optimal for a model.
 ///
@@ -57,43 +51,42 @@ pub fn augmented_design(
     seed: u64,
     row: &dyn Fn(&[f64]) -> Vec<f64>,
 ) -> Result<Design, Error> {
-    optimal_within(factors, criterion, given, n_runs, seed, row)
+    check_factors(factors)?;
+    let region = Region::cube(factors.len());
+    let rows = optimal_rows(&region, criterion, given, n_runs, seed, row)?;
+    let kind = match (given.is_empty(), criterion) {
+        (false, _) => DesignKind::Augmented,
+        (true, Criterion::Determinant) => DesignKind::DOptimal,
+        (true, Criterion::MeanVariance) => DesignKind::IOptimal,
+    };
+    Design::in_stages(kind, factors, given, rows)
 }
 
-/// Given runs as block 1 and added ones as block 2.
-pub(crate) fn stacked(
-    factors: &[Factor],
-    given: &[Vec<f64>],
-    added: Vec<Vec<f64>>,
-    kind: DesignKind,
-) -> Result<Design, Error> {
-    let first = given.len();
-    let rows: Vec<Vec<f64>> = given.iter().cloned().chain(added).collect();
-    let blocks: Vec<usize> = (0..rows.len())
-        .map(|i| 1 + usize::from(first > 0 && i >= first))
-        .collect();
-    Design::new(kind, factors, Vec::new(), rows)?.blocked(&blocks)
-}
-
-/// The exchange behind the designs on three levels.
-fn optimal_within(
-    factors: &[Factor],
+/// Runs, added to given ones, that are nearly optimal for a model within a region; all rows are in the coordinates of the
+/// region.
+///
+/// Coordinates move to the ends and the middle of what the constraints leave of their range, or to their levels; under
+/// constraints whole runs move to the corners of the region and the middles between them as well.
+///
+/// # Errors
+/// As [`augmented_design`].
+pub fn optimal_rows(
+    region: &Region,
     criterion: Criterion,
     given: &[Vec<f64>],
     n_runs: usize,
     seed: u64,
     row: &dyn Fn(&[f64]) -> Vec<f64>,
-) -> Result<Design, Error> {
-    check_factors(factors)?;
-    let k = factors.len();
+) -> Result<Vec<Vec<f64>>, Error> {
+    let k = region.len();
     if let Some(i) = given.iter().position(|x| x.len() != k) {
         return Err(Error::BadRun {
             run: i + 1,
             columns: k,
         });
     }
-    let terms = row(&vec![0.0; k]).len();
-    let least = terms.saturating_sub(given.len());
+    let target = Target::new(region, criterion, given, seed, row);
+    let least = target.terms().saturating_sub(given.len());
     if !(least..=500).contains(&n_runs) {
         return Err(Error::CountOutOfRange {
             what: "runs of the optimal design (at least one per term)",
@@ -103,53 +96,58 @@ fn optimal_within(
         });
     }
     let mut stream = Stream::new(seed, "optimal design");
-    let moments = box_moments(k, row, seed);
-    let fixed = information(given, row, terms);
-    let cost = |rows: &[Vec<f64>]| {
-        let mut sum = information(rows, row, terms);
-        for (entry, more) in sum.iter_mut().flatten().zip(fixed.iter().flatten()) {
-            *entry += more;
-        }
-        match criterion {
-            Criterion::Determinant => log_determinant_cost(&sum),
-            Criterion::MeanVariance => variance_cost(&sum, &moments),
-        }
+    let random = |_| {
+        let mut row = || (0..k).map(|_| LEVELS[stream.below(LEVELS.len())]).collect();
+        (0..n_runs).map(|_| row()).collect()
     };
+    let starts: Vec<Vec<Vec<f64>>> = if region.is_cube() {
+        (0..STARTS).map(random).collect()
+    } else {
+        let points = region.sample(STARTS * n_runs, seed);
+        points.chunks(n_runs.max(1)).map(<[_]>::to_vec).collect()
+    };
+    let candidates = region.candidates();
     let mut best: Option<(f64, Vec<Vec<f64>>)> = None;
-    for _ in 0..STARTS {
-        let level = |stream: &mut Stream| LEVELS[stream.below(LEVELS.len())];
-        let mut rows: Vec<Vec<f64>> = (0..n_runs)
-            .map(|_| (0..k).map(|_| level(&mut stream)).collect())
-            .collect();
-        let reached = exchange(&mut rows, &cost);
+    for mut rows in starts {
+        let reached = exchange(&mut rows, region, &candidates, &target);
         if best.as_ref().is_none_or(|(least, _)| reached < *least) {
             best = Some((reached, rows));
         }
     }
     let (_, mut rows) = best.unwrap_or_default();
     rows.sort_by(|a, b| a.partial_cmp(b).unwrap_or(std::cmp::Ordering::Equal));
-    let kind = match (given.is_empty(), criterion) {
-        (false, _) => DesignKind::Augmented,
-        (true, Criterion::Determinant) => DesignKind::DOptimal,
-        (true, Criterion::MeanVariance) => DesignKind::IOptimal,
-    };
-    stacked(factors, given, rows, kind)
+    Ok(rows)
 }
 
-/// Sets each coordinate to its best level until a pass changes nothing; returns the cost.
-fn exchange(rows: &mut [Vec<f64>], cost: &dyn Fn(&[Vec<f64>]) -> f64) -> f64 {
-    let mut reached = cost(rows);
+/// Sets each run to its best candidate and each coordinate to its best value until a pass changes nothing; returns the cost.
+fn exchange(
+    rows: &mut [Vec<f64>],
+    region: &Region,
+    candidates: &[Vec<f64>],
+    target: &Target,
+) -> f64 {
+    let mut reached = target.cost(rows);
+    // Rounding must not make two equal values alternate for ever.
+    let better = |value: f64, reached: f64| value < reached - 1e-12 * reached.abs();
     for _ in 0..PASSES {
         let before = reached;
         for i in 0..rows.len() {
+            for candidate in candidates {
+                let kept = std::mem::replace(&mut rows[i], candidate.clone());
+                let value = target.cost(rows);
+                if better(value, reached) {
+                    reached = value;
+                } else {
+                    rows[i] = kept;
+                }
+            }
             for j in 0..rows[i].len() {
                 let mut kept = rows[i][j];
-                for level in LEVELS {
-                    rows[i][j] = level;
-                    let value = cost(rows);
-                    // Rounding must not make two equal levels alternate for ever.
-                    if value < reached - 1e-12 * reached.abs() {
-                        (reached, kept) = (value, level);
+                for value in region.values(&rows[i], j) {
+                    rows[i][j] = value;
+                    let cost = target.cost(rows);
+                    if better(cost, reached) {
+                        (reached, kept) = (cost, value);
                     }
                 }
                 rows[i][j] = kept;
@@ -162,99 +160,10 @@ fn exchange(rows: &mut [Vec<f64>], cost: &dyn Fn(&[Vec<f64>]) -> f64) -> f64 {
     reached
 }
 
-/// X'X with a slight ridge, (terms, terms).
-pub(crate) fn information(
-    rows: &[Vec<f64>],
-    row: &dyn Fn(&[f64]) -> Vec<f64>,
-    terms: usize,
-) -> Vec<Vec<f64>> {
-    let mut sum = vec![vec![0.0; terms]; terms];
-    for (i, line) in sum.iter_mut().enumerate() {
-        line[i] = RIDGE * rows.len() as f64;
-    }
-    for x in rows.iter().map(|x| row(x)) {
-        for (line, a) in sum.iter_mut().zip(&x) {
-            for (entry, b) in line.iter_mut().zip(&x) {
-                *entry += a * b;
-            }
-        }
-    }
-    sum
-}
-
-/// Lower Cholesky factor of a symmetric positive definite matrix.
-fn cholesky(matrix: &[Vec<f64>]) -> Vec<Vec<f64>> {
-    let n = matrix.len();
-    let mut factor = vec![vec![0.0; n]; n];
-    for i in 0..n {
-        for j in 0..=i {
-            let sum: f64 = (0..j).map(|m| factor[i][m] * factor[j][m]).sum();
-            factor[i][j] = if i == j {
-                (matrix[i][i] - sum).max(f64::MIN_POSITIVE).sqrt()
-            } else {
-                (matrix[i][j] - sum) / factor[j][j]
-            };
-        }
-    }
-    factor
-}
-
-/// ln det (X'X)^-1.
-pub(crate) fn log_determinant_cost(information: &[Vec<f64>]) -> f64 {
-    let factor = cholesky(information);
-    -2.0 * (0..factor.len()).map(|i| factor[i][i].ln()).sum::<f64>()
-}
-
-/// Trace of (X'X)^-1 M, M the mean of x x' over the box.
-pub(crate) fn variance_cost(information: &[Vec<f64>], moments: &[Vec<f64>]) -> f64 {
-    let factor = cholesky(information);
-    let n = factor.len();
-    // Columns of the inverse factor: (X'X)^-1 = L^-T L^-1.
-    let mut inverse = vec![vec![0.0; n]; n];
-    for j in 0..n {
-        inverse[j][j] = 1.0 / factor[j][j];
-        for i in j + 1..n {
-            let sum: f64 = (j..i).map(|m| factor[i][m] * inverse[m][j]).sum();
-            inverse[i][j] = -sum / factor[i][i];
-        }
-    }
-    let mut trace = 0.0;
-    for line in &inverse {
-        for (a, moment) in line.iter().zip(moments) {
-            trace += a * line.iter().zip(moment).map(|(b, m)| b * m).sum::<f64>();
-        }
-    }
-    trace
-}
-
-/// Mean of x x' over the box from a Latin hypercube and its mirror images of signs, exact for
-/// odd powers and good to about 1 % for even ones, which is enough to rank designs.
-pub(crate) fn box_moments(k: usize, row: &dyn Fn(&[f64]) -> Vec<f64>, seed: u64) -> Vec<Vec<f64>> {
-    const POINTS: usize = 512;
-    let mut stream = Stream::new(seed, "moments of the box");
-    let mut columns: Vec<Vec<f64>> = Vec::with_capacity(k);
-    for _ in 0..k {
-        let middle = |i: usize| 2.0 * (i as f64 + 0.5) / POINTS as f64 - 1.0;
-        let mut column: Vec<f64> = (0..POINTS).map(middle).collect();
-        stream.shuffle(&mut column);
-        columns.push(column);
-    }
-    let point = |i: usize, sign: f64| columns.iter().map(|c| sign * c[i]).collect::<Vec<f64>>();
-    let rows: Vec<Vec<f64>> = (0..POINTS)
-        .flat_map(|i| [point(i, 1.0), point(i, -1.0)])
-        .collect();
-    let terms = row(&vec![0.0; k]).len();
-    let mut moments = information(&rows, row, terms);
-    for entry in moments.iter_mut().flatten() {
-        *entry /= rows.len() as f64;
-    }
-    moments
-}
-
 #[cfg(test)]
 mod tests {
-    use super::{Criterion, augmented_design, information, log_determinant_cost, optimal_design};
-    use crate::{Error, Factor, full_factorial};
+    use super::{Criterion, Target, augmented_design, optimal_design, optimal_rows};
+    use crate::{Constraint, Coordinate, Error, Factor, Region, full_factorial};
 
     fn factors(k: usize) -> Vec<Factor> {
         (0..k)
@@ -272,8 +181,11 @@ mod tests {
     fn linear_model_gets_an_orthogonal_two_level_design() {
         let design = optimal_design(&factors(3), Criterion::Determinant, 8, 3, &linear).unwrap();
         let full = full_factorial(&factors(3), 0).unwrap();
-        let cost = |rows: &[Vec<f64>]| log_determinant_cost(&information(rows, &linear, 4));
-        let (got, best) = (cost(&design.coded_rows()), cost(&full.coded_rows()));
+        let target = Target::new(&Region::cube(3), Criterion::Determinant, &[], 1, &linear);
+        let (got, best) = (
+            target.cost(&design.coded_rows()),
+            target.cost(&full.coded_rows()),
+        );
         assert!((got - best).abs() < 1e-9, "{got} against {best}");
     }
 
@@ -322,5 +234,49 @@ mod tests {
             error,
             Err(Error::CountOutOfRange { least: 4, .. })
         ));
+    }
+
+    /// A plane over a triangle (x + y <= 0 in the square): a D-optimal design of a linear model puts a third of its runs
+    /// on each corner of the triangle.
+    #[test]
+    fn a_plane_over_a_triangle_is_measured_at_its_corners() {
+        let constraint = Constraint {
+            weights: vec![1.0, 1.0],
+            bound: 0.0,
+        };
+        let region = Region::new(vec![Coordinate::Range; 2], vec![constraint]).unwrap();
+        let rows = optimal_rows(&region, Criterion::Determinant, &[], 9, 1, &linear).unwrap();
+        for corner in [[-1.0, -1.0], [-1.0, 1.0], [1.0, -1.0]] {
+            let count = rows.iter().filter(|row| **row == corner).count();
+            assert_eq!(count, 3, "{rows:?}");
+        }
+    }
+
+    /// Two slanted constraints meet at (0, 0.5): moves along the axes cannot reach that corner, moves to corners do. With
+    /// x + y <= 0.5 and y - x <= 0.5 a plane of 12 runs has no run off the corners of the region.
+    #[test]
+    fn corners_where_two_constraints_meet_are_reached() {
+        let limit = |x: f64| Constraint {
+            weights: vec![x, 1.0],
+            bound: 0.5,
+        };
+        let constraints = vec![limit(1.0), limit(-1.0)];
+        let region = Region::new(vec![Coordinate::Range; 2], constraints).unwrap();
+        let rows = optimal_rows(&region, Criterion::Determinant, &[], 12, 1, &linear).unwrap();
+        assert!(rows.contains(&vec![0.0, 0.5]), "{rows:?}");
+        let corners = region.corners();
+        assert_eq!(corners.len(), 5);
+        assert!(rows.iter().all(|row| corners.contains(row)), "{rows:?}");
+    }
+
+    /// Four levels in a line: a quadratic in one factor takes its ends and one of the two middle levels, a third each.
+    #[test]
+    fn a_factor_of_levels_takes_no_other_value() {
+        let levels = vec![-1.0, -0.4, 0.1, 1.0];
+        let region = Region::new(vec![Coordinate::Levels(levels)], Vec::new()).unwrap();
+        let row = |x: &[f64]| vec![1.0, x[0], x[0] * x[0]];
+        let rows = optimal_rows(&region, Criterion::Determinant, &[], 9, 1, &row).unwrap();
+        let taken: Vec<f64> = rows.iter().map(|x| x[0]).collect();
+        assert_eq!(taken, [-1.0, -1.0, -1.0, 0.1, 0.1, 0.1, 1.0, 1.0, 1.0]);
     }
 }

@@ -2,10 +2,8 @@
 
 use random_stream::Stream;
 
-use crate::optimal::{
-    PASSES, box_moments, information, log_determinant_cost, stacked, variance_cost,
-};
-use crate::{Criterion, Design, DesignKind, Error, Factor, check_factors};
+use crate::optimal::{PASSES, Target};
+use crate::{Criterion, Design, DesignKind, Error, Factor, Region, check_factors};
 
 /// As [`crate::augmented_design`], the added runs taken from the points that `allowed` lets pass among a
 /// grid of levels -1, -1/2, 0, 1/2, +1: the second stage of an experiment near a contour.
@@ -44,7 +42,8 @@ pub fn augmented_near(
     };
     let count = (0..k).fold(1, |count, _| count * levels);
     let candidates: Vec<Vec<f64>> = (0..count).map(point).filter(|x| allowed(x)).collect();
-    let terms = row(&vec![0.0; k]).len();
+    let target = Target::new(&Region::cube(k), criterion, given, seed, row);
+    let terms = target.terms();
     if candidates.is_empty() || given.len() + n_runs < terms || n_runs > 500 {
         return Err(Error::CountOutOfRange {
             what: "points of the grid near the contour, and runs of both stages together",
@@ -54,25 +53,16 @@ pub fn augmented_near(
         });
     }
     let mut stream = Stream::new(seed, "second stage");
-    let moments = box_moments(k, row, seed);
-    let cost = |rows: &[Vec<f64>]| {
-        let all: Vec<Vec<f64>> = given.iter().chain(rows).cloned().collect();
-        let information = information(&all, row, terms);
-        match criterion {
-            Criterion::Determinant => log_determinant_cost(&information),
-            Criterion::MeanVariance => variance_cost(&information, &moments),
-        }
-    };
     let mut rows: Vec<Vec<f64>> = (0..n_runs)
         .map(|_| candidates[stream.below(candidates.len())].clone())
         .collect();
-    let mut reached = cost(&rows);
+    let mut reached = target.cost(&rows);
     for _ in 0..PASSES {
         let before = reached;
         for i in 0..rows.len() {
             for candidate in &candidates {
                 let kept = std::mem::replace(&mut rows[i], candidate.clone());
-                let value = cost(&rows);
+                let value = target.cost(&rows);
                 if value < reached - 1e-12 * reached.abs() {
                     reached = value;
                 } else {
@@ -84,7 +74,7 @@ pub fn augmented_near(
             break;
         }
     }
-    stacked(factors, given, rows, DesignKind::Augmented)
+    Design::in_stages(DesignKind::Augmented, factors, given, rows)
 }
 
 #[cfg(test)]

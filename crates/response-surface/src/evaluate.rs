@@ -43,8 +43,8 @@ pub struct Evaluation {
     /// Coefficients of two-factor interactions, squares and products of three that are not in the
     /// model on its terms; none of them if all are zero.
     pub alias: NamedValues<NamedValues<f64>>,
-    /// Variance of the prediction over that of a run at shares 0, 0.05, ... 0.95 of the box (fraction of design space),
-    /// from 4000 random points, and the greatest behind them, that of `g_pct`.
+    /// Variance of the prediction over that of a run at shares 0, 0.05, ... 0.95 of the box or region (fraction of design
+    /// space), from 4000 random points of the box or those of the region, and the greatest behind them, that of `g_pct`.
     pub variance_by_share: Vec<f64>,
 }
 
@@ -55,11 +55,19 @@ pub struct Efficiency {
     pub d_pct: f64,
     /// 100 p / (n trace (X'X)^-1).
     pub a_pct: f64,
-    /// 100 p / (n greatest variance over the box), the greatest over the runs, the corners and
-    /// random points.
+    /// 100 p / (n greatest variance), the greatest over the runs, the corners of the box and the random points.
     pub g_pct: f64,
-    /// Mean over the box of the variance of the prediction over that of a run, exact.
+    /// Mean of the variance of the prediction over that of a run: exact over a box, else the mean over the points given.
     pub mean_variance: f64,
+}
+
+/// Over which settings predictions are judged.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Over<'a> {
+    /// The box -1 to +1 of all columns; where its variance is taken at random points, they are of this seed.
+    Box(u64),
+    /// Points that are evenly spread over another region, coded.
+    Points(&'a [Vec<f64>]),
 }
 
 /// Evaluates a design for a model.
@@ -73,9 +81,17 @@ pub struct Efficiency {
 /// `[Myers2016, chapter 8]`.
 ///
 /// # Errors
-/// Those of [`crate::fit_weighted`] but for aliased terms, which are named in the result.
-pub fn evaluate(design: &Design, model: &Model, seed: u64) -> Result<Evaluation, Error> {
+/// Those of [`crate::fit_weighted`] but for aliased terms, which are named in the result; [`Error::Length`] for a region
+/// without points.
+pub fn evaluate(design: &Design, model: &Model, over: Over<'_>) -> Result<Evaluation, Error> {
     let k = design.factors().len();
+    if over == Over::Points(&[]) {
+        return Err(Error::Length {
+            what: "points of the region",
+            expected: POINTS,
+            given: 0,
+        });
+    }
     let cells = design.runs().iter().map(|run| crate::Cell {
         block: run.block,
         ..crate::Cell::single(run.coded[..k].to_vec(), 0.0)
@@ -112,7 +128,7 @@ pub fn evaluate(design: &Design, model: &Model, seed: u64) -> Result<Evaluation,
     evaluation.vif = crate::fit::variance_inflation(&matrix, &solved);
     evaluation.leverage.clone_from(&solved.leverages);
     let covariance = matrix.model_block(&solved.xtx_inverse);
-    let (variances, corners) = box_variances(model, &covariance, seed);
+    let (variances, corners) = variances(model, &covariance, over);
     let greatest = variances
         .iter()
         .chain(&corners)
@@ -130,7 +146,10 @@ pub fn evaluate(design: &Design, model: &Model, seed: u64) -> Result<Evaluation,
         d_pct: 100.0 * (log_det / terms).exp() / runs,
         a_pct: 100.0 * terms / (runs * trace),
         g_pct: 100.0 * terms / (runs * greatest),
-        mean_variance: mean_variance(model, &covariance),
+        mean_variance: match over {
+            Over::Box(_) => mean_variance(model, &covariance),
+            Over::Points(_) => variances.iter().sum::<f64>() / variances.len() as f64,
+        },
     });
     let place = |i: usize| ((variances.len() - 1) * i) / 20;
     let shares = (0..20).map(|i| variances[place(i)]);
@@ -184,8 +203,8 @@ fn mean_variance(model: &Model, covariance: &[Vec<f64>]) -> f64 {
     terms.clone().zip(covariance).map(line).sum()
 }
 
-/// Variances of the prediction at random points, ascending, and at the corners of the box.
-fn box_variances(model: &Model, covariance: &[Vec<f64>], seed: u64) -> (Vec<f64>, Vec<f64>) {
+/// Variances of the prediction at points of the box or region, ascending, and at the corners of the box.
+fn variances(model: &Model, covariance: &[Vec<f64>], over: Over<'_>) -> (Vec<f64>, Vec<f64>) {
     let k = model.symbols().len();
     let variance = |x: &Vec<f64>| -> f64 {
         let row = model.row(x);
@@ -194,17 +213,24 @@ fn box_variances(model: &Model, covariance: &[Vec<f64>], seed: u64) -> (Vec<f64>
             .map(|(line, a)| a * line.iter().zip(&row).map(|(c, b)| c * b).sum::<f64>())
             .sum()
     };
-    let mut stream = Stream::new(seed, "variance over the box");
-    let mut point = || -> Vec<f64> { (0..k).map(|_| stream.between(-1.0, 1.0)).collect() };
-    let mut variances: Vec<f64> = (0..POINTS).map(|_| variance(&point())).collect();
-    variances.sort_by(f64::total_cmp);
     let corner = |bits: usize| {
         let end = |j: usize| if bits >> j & 1 == 1 { 1.0 } else { -1.0 };
         (0..k).map(end).collect()
     };
-    let corners = if k <= 10 { 1 << k } else { 0 };
-    let corners = (0..corners).map(|bits| variance(&corner(bits))).collect();
-    (variances, corners)
+    let (mut variances, corners): (Vec<f64>, usize) = match over {
+        Over::Points(points) => (points.iter().map(variance).collect(), 0),
+        Over::Box(seed) => {
+            let mut stream = Stream::new(seed, "variance over the box");
+            let mut point = || -> Vec<f64> { (0..k).map(|_| stream.between(-1.0, 1.0)).collect() };
+            let variances = (0..POINTS).map(|_| variance(&point())).collect();
+            (variances, if k <= 10 { 1 << k } else { 0 })
+        }
+    };
+    variances.sort_by(f64::total_cmp);
+    (
+        variances,
+        (0..corners).map(|bits| variance(&corner(bits))).collect(),
+    )
 }
 
 /// Power of each term for 1, 2, 3 standard deviations; empty without residual degrees of freedom.
@@ -249,7 +275,7 @@ pub(crate) fn noncentral_tail(f: f64, df: f64, lambda: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::{evaluate, noncentral_tail};
+    use super::{Over, evaluate, noncentral_tail};
     use crate::Model;
     use experiment_design::{Factor, box_behnken, full_factorial, plackett_burman};
 
@@ -265,7 +291,7 @@ mod tests {
     fn a_full_factorial_is_fully_efficient() {
         let f = factors("ABC");
         let design = full_factorial(&f, 0).unwrap();
-        let got = evaluate(&design, &Model::linear(&f).unwrap(), 1).unwrap();
+        let got = evaluate(&design, &Model::linear(&f).unwrap(), Over::Box(1)).unwrap();
         let efficiency = got.efficiency.unwrap();
         for value in [efficiency.d_pct, efficiency.a_pct, efficiency.g_pct] {
             assert!((value - 100.0).abs() < 1e-9, "{value}");
@@ -278,8 +304,14 @@ mod tests {
                 .iter()
                 .all(|(name, parts)| name.ends_with('2') && parts.len() == 1)
         );
-        // Mean of (1 + x1^2 + x2^2 + x3^2) / 8 over the box is 2/8.
+        // Mean of (1 + x1^2 + x2^2 + x3^2) / 8 over the box is 2/8; at the corners, where predictions are worst, it is 4/8,
+        // and in the middle 1/8.
         assert!((efficiency.mean_variance - 0.25).abs() < 1e-14);
+        let points = [vec![1.0, -1.0, 1.0], vec![0.0; 3]];
+        let over = Over::Points(&points);
+        let got = evaluate(&design, &Model::linear(&f).unwrap(), over).unwrap();
+        assert!((got.efficiency.unwrap().mean_variance - 2.5 / 8.0).abs() < 1e-14);
+        assert!(evaluate(&design, &Model::linear(&f).unwrap(), Over::Points(&[])).is_err());
     }
 
     /// The mean variance against the integral of x'Cx over the box by Gauss's rule with three nodes a factor, exact for
@@ -290,7 +322,7 @@ mod tests {
         // Without symmetry all moments count.
         let design = experiment_design::latin_hypercube(&f, 12, 1).unwrap();
         let model = Model::quadratic(&f).unwrap();
-        let got = evaluate(&design, &model, 1).unwrap();
+        let got = evaluate(&design, &model, Over::Box(1)).unwrap();
         let cells = design.coded_rows().into_iter();
         let cells = cells.map(|x| crate::Cell::single(x.clone(), x[0]));
         let data = crate::Observations::from_cells(cells.collect()).unwrap();
@@ -318,14 +350,14 @@ mod tests {
         let pb = evaluate(
             &plackett_burman(&f).unwrap(),
             &Model::linear(&f).unwrap(),
-            1,
+            Over::Box(1),
         )
         .unwrap();
         let third = pb.alias.get("AB").unwrap().get("C").unwrap().abs();
         assert!((third - 1.0 / 3.0).abs() < 1e-12);
         let f = factors("ABC");
         let cubic = Model::parse("cubic", &f).unwrap();
-        let bbd = evaluate(&box_behnken(&f, 5).unwrap(), &cubic, 1).unwrap();
+        let bbd = evaluate(&box_behnken(&f, 5).unwrap(), &cubic, Over::Box(1)).unwrap();
         assert!(
             bbd.aliased
                 .iter()

@@ -74,7 +74,7 @@ pub use categorical::{Categorical, CategoricalModel, GroupRow, GroupSum};
 pub use confirm::{Confirmation, confirm};
 pub use desirability::{Aim, Compromise, Goal, ScatterGoal, compromises};
 pub use error::Error;
-pub use evaluate::{Efficiency, Evaluation, evaluate};
+pub use evaluate::{Efficiency, Evaluation, Over, evaluate};
 pub use extremes::{BoxExtremes, Extreme};
 pub use fit::{ErrorSource, ErrorVariance, Fit, Weighting, fit, fit_weighted};
 pub use gaussian_process::{GaussianProcess, gaussian_process};

@@ -109,7 +109,8 @@ def simulate(
 def design(kind: str, factors: Table, **flags: Any) -> dict[str, list[Any]]:
     """Make a design of experiments (`seedloop design`).
 
-    kind: ``pb``, ``bbd``, ``ccd``, ``full``, ``fraction``, ``lhs``, ``d-optimal``, ``i-optimal``, ``steepest``.
+    kind: ``pb``, ``bbd``, ``ccd``, ``full``, ``fraction``, ``dsd``, ``lhs``, ``d-optimal``, ``i-optimal``,
+    ``steepest``.
     factors: a table with the columns symbol, name, unit, low, high: a CSV file, a dict of columns, a list of dicts, or a
     data frame.
 

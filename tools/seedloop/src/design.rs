@@ -1,19 +1,24 @@
 //! `seedloop design`: writes a design of experiments.
 
 mod categories;
+mod limits;
 mod make;
+mod optimal;
 
 use std::path::PathBuf;
 
 use anyhow::{Context as _, ensure};
 use clap::ValueEnum;
 use command_line::{Common, DONE, Header, significant, write_new};
-use experiment_design::Design;
 use experiment_design::table::factors_from_table;
-use response_surface::{Evaluation, Model, evaluate};
+use experiment_design::{Coordinate, Design, Region};
+use response_surface::{Categorical, CategoricalModel, Evaluation, Over, evaluate};
 use serde_json::json;
 
 use make::Made;
+
+/// Points of a region at which predictions are judged.
+const POINTS: usize = 4000;
 
 /// Writes a design of experiments as a table of runs
 #[derive(clap::Args, Debug)]
@@ -30,7 +35,7 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "FACTORS.csv")]
     factors: PathBuf,
 
-    /// Centre runs [default: 5 for bbd and ccd, otherwise 0]
+    /// Centre runs [default: 5 for bbd and ccd, 1 for dsd, otherwise 0]
     #[arg(long, value_name = "N")]
     centre: Option<usize>,
 
@@ -99,14 +104,28 @@ pub(crate) struct Arguments {
     halvings: usize,
 
     /// Model that d-optimal and i-optimal are made for, and every design is judged by: linear, 2fi,
-    /// quadratic or a formula [default: linear for pb and fraction, 2fi for full, or quadratic]
+    /// quadratic or a formula [default: linear for pb, fraction and dsd, 2fi for full, or quadratic]
     #[arg(long)]
     model: Option<String>,
 
-    /// A factor with named levels, wall=steel:glass; the design is repeated at every combination of
-    /// levels. May be given several times
+    /// A factor with named levels, wall=steel:glass; optimal designs choose the level of each run, the others are repeated at
+    /// every combination of levels. May be given several times
     #[arg(long = "category", value_name = "NAME=LEVELS")]
     categories: Vec<String>,
+
+    /// A factor that takes these values alone, B=0.30:0.36:0.42, in its unit (d-optimal, i-optimal, full). May be given
+    /// several times
+    #[arg(long, value_name = "FACTOR=VALUES")]
+    levels: Vec<String>,
+
+    /// A limit that every run must keep, "2*B + E <= 0.5", in the units of the factors (d-optimal, i-optimal). May be given
+    /// several times
+    #[arg(long = "constraint", value_name = "INEQUALITY")]
+    constraints: Vec<String>,
+
+    /// Columns of dsd that no factor takes, for the error of the main effects; two add four runs [default: 2]
+    #[arg(long, value_name = "N")]
+    fake_factors: Option<usize>,
 
     /// File of the design; DESIGN.xlsx is written as an Excel workbook
     #[arg(long, value_name = "DESIGN.csv")]
@@ -125,10 +144,12 @@ enum Kind {
     Bbd,
     /// Central composite, for a quadratic in 2 to 8 factors
     Ccd,
-    /// All combinations of two levels
+    /// All combinations of two levels, or of those of --levels
     Full,
     /// A regular fraction of them
     Fraction,
+    /// Definitive screening, three levels of 3 to 30 factors
+    Dsd,
     /// Latin hypercube
     Lhs,
     /// Least determinant of the covariance of the coefficients
@@ -161,7 +182,13 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
     let path = &arguments.factors;
     let table = table_file::read(path)?;
     let factors = factors_from_table(&table).with_context(|| path.display().to_string())?;
-    let Made { mut design, facts } = make::make(arguments, &factors)?;
+    let named = categories::named(arguments, &factors)?;
+    let Made {
+        mut design,
+        of_cells,
+        region,
+        facts,
+    } = make::make(arguments, &factors, &named)?;
     if arguments.foldover {
         ensure!(
             matches!(arguments.kind, Kind::Pb | Kind::Fraction),
@@ -169,16 +196,25 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
         );
         design = design.folded_over();
     }
-    let combinations = categories::combinations(arguments, &design)?;
-    let cells = design.runs().iter().map(|run| run.cell).max().unwrap_or(1);
-    design = categories::crossed(&design, &combinations)?;
+    let of_cells = if let Some(of_cells) = of_cells {
+        of_cells
+    } else {
+        let combinations = categories::combinations(&named);
+        let (crossed, of_cells) = categories::crossed(&design, &combinations)?;
+        design = crossed;
+        of_cells
+    };
     design = design.replicated(arguments.replicates)?;
     if let Some(seed) = arguments.seed {
         design = design.randomised(seed);
     }
-    let evaluation = judge(arguments, &design)?;
+    let levels = Levels {
+        named: &named,
+        of_cells: &of_cells,
+    };
+    let evaluation = judge(arguments, &design, &levels, region)?;
     let common = &arguments.common;
-    let table = categories::table(&design, &combinations, cells);
+    let table = categories::table(&design, &named, &of_cells);
     let bytes = table_file::bytes_for(&arguments.out, &table)?;
     write_new(&arguments.out, &bytes, common.overwrite())?;
     let reach = design.reach();
@@ -199,18 +235,54 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
     Ok(DONE)
 }
 
-/// Judges the design by its model; none for a path and for very many runs.
-fn judge(arguments: &Arguments, design: &Design) -> anyhow::Result<Option<Evaluation>> {
+/// The named factors, and their levels in each cell.
+struct Levels<'a> {
+    /// The factors.
+    named: &'a [Categorical],
+    /// A level of each, by cell.
+    of_cells: &'a [categories::Combination],
+}
+
+/// Judges the design by its model, over the region where runs may lie; none for a path and for very many runs.
+fn judge(
+    arguments: &Arguments,
+    design: &Design,
+    levels: &Levels<'_>,
+    region: Option<Region>,
+) -> anyhow::Result<Option<Evaluation>> {
     if arguments.kind == Kind::Steepest || design.runs().len() > 20_000 {
         return Ok(None);
     }
     let formula = arguments.model.as_deref().unwrap_or(match arguments.kind {
-        Kind::Pb | Kind::Fraction => "linear",
+        Kind::Pb | Kind::Fraction | Kind::Dsd => "linear",
         Kind::Full => "2fi",
         _ => "quadratic",
     });
-    let model = Model::parse(formula, design.factors())?;
-    Ok(Some(evaluate(design, &model, arguments.seed.unwrap_or(1))?))
+    let Levels { named, of_cells } = *levels;
+    let model = CategoricalModel::parse(formula, design.factors(), named)?;
+    let expanded = categories::expanded(design, &model, named, of_cells)?;
+    let seed = arguments.seed.unwrap_or(1);
+    let region = match region {
+        None if !named.is_empty() => {
+            let ranges = vec![Coordinate::Range; design.factors().len()];
+            Some(Region::new(
+                optimal::with_levels(ranges, named),
+                Vec::new(),
+            )?)
+        }
+        region => region,
+    };
+    let k = design.factors().len();
+    let points = region.map(|region| {
+        let points = region.sample(POINTS, seed).into_iter();
+        let column = |x: Vec<f64>| {
+            let chosen = optimal::levels_at(&x[k..], named);
+            categories::columns(&x[..k], named, &chosen)
+        };
+        points.map(column).collect::<Vec<_>>()
+    });
+    let over = points.as_deref().map_or(Over::Box(seed), Over::Points);
+    Ok(Some(evaluate(&expanded, &model.model, over)?))
 }
 
 /// Prints what the design can tell.

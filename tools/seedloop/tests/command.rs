@@ -14,6 +14,8 @@ mod calibration;
 mod comparisons;
 #[path = "command/design_run.rs"]
 mod design_run;
+#[path = "command/designs.rs"]
+mod designs;
 #[path = "command/diagnosis.rs"]
 mod diagnosis;
 #[path = "command/edges.rs"]

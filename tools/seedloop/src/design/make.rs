@@ -3,24 +3,27 @@
 use std::path::Path;
 
 use anyhow::{Context as _, ensure};
-use experiment_design::table::design_from_table;
 use experiment_design::{
-    AxialDistance, Criterion, Design, DesignKind, Factor, Fraction, augmented_design,
-    augmented_near, box_behnken, box_behnken_in_blocks, central_composite,
-    central_composite_in_blocks, fraction_with_generators, fractional_factorial, full_factorial,
-    in_blocks, latin_hypercube, plackett_burman, plackett_burman_with_runs,
+    AxialDistance, Coordinate, Criterion, Design, DesignKind, Factor, Fraction, Region,
+    box_behnken, box_behnken_in_blocks, central_composite, central_composite_in_blocks,
+    definitive_screening, fraction_with_generators, fractional_factorial, full_factorial,
+    in_blocks, latin_hypercube, mixed_factorial, plackett_burman, plackett_burman_with_runs,
 };
-use response_surface::distribution::t_two_sided_quantile;
-use response_surface::{Fit, Model, Transform, ridge_path};
+use response_surface::{Categorical, Fit, Transform, ridge_path};
 use serde::Deserialize;
 use serde_json::{Value, json};
 
-use super::{Arguments, Axial, Kind};
+use super::categories::Combination;
+use super::{Arguments, Axial, Kind, limits, optimal};
 
 /// A design and what there is to say about it.
 pub(super) struct Made {
     /// The runs in standard order, not replicated.
     pub(super) design: Design,
+    /// The levels of the named factors in each cell, where the design chose them.
+    pub(super) of_cells: Option<Vec<Combination>>,
+    /// Where runs may lie, the named factors behind the others, where that is less than the box.
+    pub(super) region: Option<Region>,
     /// Resolution, aliases, blocks and the like.
     pub(super) facts: Value,
 }
@@ -29,13 +32,19 @@ impl From<Design> for Made {
     fn from(design: Design) -> Self {
         Self {
             design,
+            of_cells: None,
+            region: None,
             facts: Value::Null,
         }
     }
 }
 
 /// Makes the design.
-pub(super) fn make(arguments: &Arguments, factors: &[Factor]) -> anyhow::Result<Made> {
+pub(super) fn make(
+    arguments: &Arguments,
+    factors: &[Factor],
+    named: &[Categorical],
+) -> anyhow::Result<Made> {
     check(arguments)?;
     let seed = arguments.seed.unwrap_or(1);
     let centre = |default: usize| arguments.centre.unwrap_or(default);
@@ -61,7 +70,18 @@ pub(super) fn make(arguments: &Arguments, factors: &[Factor]) -> anyhow::Result<
                 .map_or(axial(arguments.axial), AxialDistance::At);
             central_composite(factors, distance, centre(5))?.into()
         }
-        Kind::Full => blocked(arguments, full_factorial(factors, centre(0))?, json!({}))?,
+        Kind::Full if arguments.levels.is_empty() => {
+            blocked(arguments, full_factorial(factors, centre(0))?, json!({}))?
+        }
+        Kind::Full => {
+            let ends = |coordinate| match coordinate {
+                Coordinate::Range => vec![-1.0, 1.0],
+                Coordinate::Levels(levels) => levels,
+            };
+            let levels = limits::coordinates(arguments, factors)?;
+            let levels: Vec<Vec<f64>> = levels.into_iter().map(ends).collect();
+            mixed_factorial(factors, &levels, centre(0))?.into()
+        }
         Kind::Fraction => {
             let fraction = if arguments.generators.is_empty() {
                 fractional_factorial(factors, arguments.halvings, centre(0))?
@@ -77,19 +97,45 @@ pub(super) fn make(arguments: &Arguments, factors: &[Factor]) -> anyhow::Result<
                 .context("lhs needs --runs N; 10 per factor are a start")?;
             latin_hypercube(factors, runs, seed)?.into()
         }
-        Kind::DOptimal => optimal(arguments, factors, Criterion::Determinant, seed)?,
-        Kind::IOptimal => optimal(arguments, factors, Criterion::MeanVariance, seed)?,
+        Kind::Dsd => {
+            let fake = arguments.fake_factors.unwrap_or(2);
+            definitive_screening(factors, fake, centre(1))?.into()
+        }
+        Kind::DOptimal => optimal::make(arguments, factors, named, Criterion::Determinant)?,
+        Kind::IOptimal => optimal::make(arguments, factors, named, Criterion::MeanVariance)?,
         Kind::Steepest => path(arguments, factors)?,
     })
 }
 
 /// Refuses arguments that the kind does not take.
 fn check(arguments: &Arguments) -> anyhow::Result<()> {
-    use Kind::{Bbd, Ccd, DOptimal, Fraction, Full, IOptimal, Lhs, Pb, Steepest};
+    use Kind::{Bbd, Ccd, DOptimal, Dsd, Fraction, Full, IOptimal, Lhs, Pb, Steepest};
     let kind = arguments.kind;
+    let is_optimal = matches!(kind, DOptimal | IOptimal);
     ensure!(
-        matches!(kind, Bbd | Ccd | Full | Fraction) || arguments.centre.is_none(),
-        "--centre is for bbd, ccd, full and fraction"
+        matches!(kind, Bbd | Ccd | Full | Fraction | Dsd) || arguments.centre.is_none(),
+        "--centre is for bbd, ccd, full, fraction and dsd"
+    );
+    ensure!(
+        kind == Dsd || arguments.fake_factors.is_none(),
+        "--fake-factors is for dsd"
+    );
+    ensure!(
+        is_optimal || kind == Full || arguments.levels.is_empty(),
+        "--levels is for d-optimal, i-optimal and full"
+    );
+    ensure!(
+        arguments.levels.is_empty() || arguments.blocks.is_empty(),
+        "--blocks parts factorials of two levels; leave --levels out"
+    );
+    ensure!(
+        is_optimal || arguments.constraints.is_empty(),
+        "--constraint is for d-optimal and i-optimal"
+    );
+    ensure!(
+        arguments.target.is_none()
+            || (arguments.levels.is_empty() && arguments.categories.is_empty()),
+        "--target takes runs from a grid of the ranges; leave --levels and --category out"
     );
     ensure!(
         matches!(kind, Pb | Lhs | DOptimal | IOptimal | Steepest) || arguments.runs.is_none(),
@@ -114,7 +160,7 @@ fn check(arguments: &Arguments) -> anyhow::Result<()> {
         "--blocks orthogonal sets the axial distance itself; leave --alpha out"
     );
     ensure!(
-        matches!(kind, DOptimal | IOptimal) || arguments.augment.is_none(),
+        is_optimal || arguments.augment.is_none(),
         "--augment is for d-optimal and i-optimal"
     );
     ensure!(
@@ -127,7 +173,10 @@ fn check(arguments: &Arguments) -> anyhow::Result<()> {
 /// Parts a two-level design into blocks where asked for.
 fn blocked(arguments: &Arguments, design: Design, mut facts: Value) -> anyhow::Result<Made> {
     if arguments.blocks.is_empty() {
-        return Ok(Made { design, facts });
+        return Ok(Made {
+            facts,
+            ..design.into()
+        });
     }
     let (design, confounded) = in_blocks(&design, &arguments.blocks)?;
     let words = confounded.join(", ");
@@ -135,7 +184,10 @@ fn blocked(arguments: &Arguments, design: Design, mut facts: Value) -> anyhow::R
         .common
         .log(|| format!("confounded with blocks: {words}"));
     facts["confounded_with_blocks"] = json!(confounded);
-    Ok(Made { design, facts })
+    Ok(Made {
+        facts,
+        ..design.into()
+    })
 }
 
 /// Tells what a fraction costs.
@@ -154,59 +206,11 @@ fn told(arguments: &Arguments, fraction: &Fraction) -> Value {
     })
 }
 
-/// An optimal design for the model asked for.
-fn optimal(
+/// The analysis named, over the given factors.
+pub(super) fn analysis(
     arguments: &Arguments,
     factors: &[Factor],
-    criterion: Criterion,
-    seed: u64,
-) -> anyhow::Result<Made> {
-    let formula = arguments.model.as_deref().unwrap_or("quadratic");
-    let model = Model::parse(formula, factors)?;
-    let terms = model.terms().len();
-    let row = |coded: &[f64]| model.row(coded);
-    let Some(file) = &arguments.augment else {
-        let runs = arguments.runs.unwrap_or(terms + 5);
-        return Ok(augmented_design(factors, criterion, &[], runs, seed, &row)?.into());
-    };
-    let place = file.display();
-    let table = table_file::read(file)?;
-    let given = design_from_table(&table, factors).with_context(|| place.to_string())?;
-    let given = given.coded_rows();
-    let runs = arguments
-        .runs
-        .context("--augment needs --runs N, the number of runs to add")?;
-    let Some(target) = arguments.target else {
-        return Ok(augmented_design(factors, criterion, &given, runs, seed, &row)?.into());
-    };
-    let (fit, transform) = analysis(arguments, factors)?;
-    let target = match transform {
-        None => target,
-        Some(transform) => transform.forward(target).with_context(|| {
-            let domain = transform.domain();
-            format!(
-                "--target is {target}; the analysis is of {transform}, so that it must be {domain}"
-            )
-        })?,
-    };
-    let error = fit
-        .best_error_variance()
-        .context("the analysis has no error variance; replicate runs of the first stage")?;
-    let limit = t_two_sided_quantile(0.05, error.df as f64).unwrap_or(2.0);
-    let near = |x: &[f64]| {
-        let se = (error.variance * fit.leverage(x)).sqrt();
-        (fit.value(x) - target).abs() < limit * se
-    };
-    let design = augmented_near(factors, criterion, &given, runs, seed, &row, &near)
-        .context("no second stage near the target; is it within reach of the surface?")?;
-    Ok(Made {
-        design,
-        facts: json!({ "near_target": arguments.target, "added_runs": runs, "error": error }),
-    })
-}
-
-/// The analysis named, over the given factors.
-fn analysis(arguments: &Arguments, factors: &[Factor]) -> anyhow::Result<(Fit, Option<Transform>)> {
+) -> anyhow::Result<(Fit, Option<Transform>)> {
     let file: &Path = arguments
         .analysis
         .as_deref()
@@ -262,8 +266,8 @@ fn path(arguments: &Arguments, factors: &[Factor]) -> anyhow::Result<Made> {
     let points = ridge_path(&fit, &radii, arguments.descend == falls)?;
     let rows = points.iter().map(|point| point.coded.clone()).collect();
     Ok(Made {
-        design: Design::new(DesignKind::SteepestAscent, factors, Vec::new(), rows)?,
         facts: json!({ "path": points }),
+        ..Design::new(DesignKind::SteepestAscent, factors, Vec::new(), rows)?.into()
     })
 }
 
