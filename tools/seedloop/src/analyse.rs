@@ -6,6 +6,7 @@ mod data;
 mod extras;
 mod groups;
 mod page;
+mod predict;
 mod text;
 
 use std::path::PathBuf;
@@ -17,7 +18,7 @@ use command_line::{Common, DONE, Header, try_folder, write_new};
 use response_surface::{
     BoxCox, Categorical, CategoricalModel, Contrasts, Fit, GroupRow, InteractionStep, Model,
     NamedValues, Observations, Orders, Pareto, RandomBlocks, ReductionRule, ReductionStep, Regime,
-    Saturated, Spread, Transform, Weighting, aliases, box_cox, contrasts, fit_weighted,
+    Saturated, Sobol, Spread, Transform, Weighting, aliases, box_cox, contrasts, fit_weighted,
     interaction_search, orders, pareto, reduce, saturated, spread,
 };
 use serde::Serialize;
@@ -26,6 +27,7 @@ use crate::levels::{self, LevelMean};
 use data::{Coding, Data, factor_file, read};
 use extras::{Comparison, Ridge};
 use page::page;
+use predict::{Predicted, predictions};
 use text::{orders_text, summary};
 
 /// Fits a model to the table of an experiment: coefficients, analysis of variance, diagnostics
@@ -115,6 +117,15 @@ pub(crate) struct Arguments {
     /// Fits a Gaussian process as well and compares it by leaving cells out
     #[arg(long)]
     gaussian_process: bool,
+
+    /// Predicts at each row of another table, whose columns hold what those of the data hold: mean and a single run with 95 %
+    /// intervals, by the polynomial and by the Gaussian process where it is asked for
+    #[arg(long, value_name = "POINTS.csv", conflicts_with = "groups")]
+    predict: Option<PathBuf>,
+
+    /// Tells which share of the variance of the surface over the ranges each factor makes, alone and in all (Sobol indices)
+    #[arg(long, conflicts_with = "groups")]
+    sensitivity: bool,
 
     /// Takes only the rows of this regime for the surface, and fits the boundary to the others
     #[arg(long, value_name = "COLUMN=NAME", value_parser = regime_argument)]
@@ -225,6 +236,10 @@ struct Report<'a> {
     interaction_search: Option<Vec<InteractionStep>>,
     /// The alternative, if asked for.
     gaussian_process: Option<Comparison>,
+    /// What both models say about the rows of the table of `--predict`, in its order; empty without.
+    predictions: Vec<Predicted>,
+    /// Shares of the variance of the surface; null without `--sensitivity` and for a surface that does not vary.
+    sobol: Option<Sobol>,
     /// The boundary of the regime, if asked for.
     regime: Option<Regime>,
     /// The warnings in words.
@@ -318,7 +333,16 @@ fn report<'a>(
     let search = || interaction_search(&data.factors, observations, weighting, arguments.alpha);
     let screened = !arguments.dummies.is_empty();
     let unnamed = !is_named;
+    let gaussian_process = extras::comparison(arguments, &data.factors, observations, fit)?;
+    let process = gaussian_process.as_ref().map(|c| &c.process);
+    let predictions = match &arguments.predict {
+        None => Vec::new(),
+        Some(path) => predictions(path, data, fit, process, arguments.transform)?,
+    };
     Ok(Report {
+        predictions,
+        sobol: extras::shares(arguments, data, fit)?,
+        gaussian_process,
         header: Header::new(None, inputs(arguments))?,
         response: &data.response,
         transform: arguments.transform,
@@ -341,7 +365,6 @@ fn report<'a>(
         level_means: levels::means(fit, &data.categories, arguments.transform),
         random_batches: extras::batches(data, model, weighting)?,
         interaction_search: screened.then(search).transpose()?,
-        gaussian_process: extras::comparison(arguments, &data.factors, observations, fit)?,
         regime: None,
         warning_texts: fit.warnings.iter().map(ToString::to_string).collect(),
     })
@@ -358,7 +381,7 @@ fn tell(arguments: &Arguments, report: &Report<'_>) -> anyhow::Result<u8> {
     if report.transform.is_some() {
         text.insert_str(0, &format!("response: {}\n", report.response));
     }
-    for part in [orders, beside(report)] {
+    for part in [orders, beside(report), predict::text(&report.predictions)] {
         if !part.is_empty() {
             text = format!("{}\n\n{part}", text.trim_end());
         }
@@ -430,6 +453,10 @@ fn write(arguments: &Arguments, report: &Report<'_>, text: &str) -> anyhow::Resu
 /// The files that the analysis was made from.
 fn inputs(arguments: &Arguments) -> Vec<PathBuf> {
     let factors = arguments.factors.as_deref().and_then(factor_file);
-    let tables = [arguments.data.clone()].into_iter().chain(factors);
+    let points = arguments.predict.clone();
+    let tables = [arguments.data.clone()]
+        .into_iter()
+        .chain(factors)
+        .chain(points);
     tables.map(|table| table_file::file_of(&table)).collect()
 }

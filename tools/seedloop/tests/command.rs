@@ -32,6 +32,8 @@ mod residual;
 mod simulation;
 #[path = "command/statistics.rs"]
 mod statistics;
+#[path = "command/surfaces.rs"]
+mod surfaces;
 #[path = "command/tables.rs"]
 mod tables;
 #[path = "command/tiny_scene.rs"]

@@ -3,7 +3,9 @@
 use std::fmt::Write as _;
 
 use command_line::significant;
-use response_surface::{Contrasts, GroupSum, NamedValues, RandomBlocks, Spread};
+use response_surface::{
+    Contrasts, FactorShare, GroupSum, NamedValues, RandomBlocks, Share, Sobol, Spread,
+};
 
 use super::Report;
 use super::text::{counted, fixed, probability};
@@ -40,8 +42,46 @@ pub(super) fn beside(report: &Report<'_>) -> String {
     if let Some(spread) = &report.spread {
         scatter(&mut text, spread);
     }
+    if let Some(sobol) = &report.sobol {
+        shares(&mut text, sobol);
+    }
     rivals(&mut text, report);
     text
+}
+
+/// Shares of the variance of the surface, largest total first; pairs that make less than noise are left to the JSON.
+fn shares(text: &mut String, sobol: &Sobol) {
+    let _ = writeln!(
+        text,
+        "shares of the variance of the surface over the ranges, % (in brackets what noise alone would make)"
+    );
+    let of = |share: Share| {
+        let noise = fixed(share.by_noise.map(|noise| 100.0 * noise), 1);
+        // Rounding may leave a share of nothing below zero.
+        format!("{:>5.1} ({noise})", (100.0 * share.share).max(0.0))
+    };
+    let heard = |share: &Share| share.share > share.by_noise.unwrap_or(0.0) && share.share > 5e-4;
+    let mut factors: Vec<(&str, &FactorShare)> = sobol.factors.iter().collect();
+    factors.sort_by(|a, b| b.1.total.share.total_cmp(&a.1.total.share));
+    let pairs = sobol.pairs.iter().filter(|(_, share)| heard(share));
+    let mut pairs: Vec<(&str, &Share)> = pairs.collect();
+    pairs.sort_by(|a, b| b.1.share.total_cmp(&a.1.share));
+    let names = factors
+        .iter()
+        .map(|(name, _)| name)
+        .chain(pairs.iter().map(|(name, _)| name));
+    let width = names.map(|name| name.len()).max().unwrap_or(0);
+    for (symbol, share) in factors {
+        let (first, total) = (of(share.first), of(share.total));
+        let _ = writeln!(text, "  {symbol:<width$}  alone {first:<14} in all {total}");
+    }
+    for (pair, share) in pairs {
+        let _ = writeln!(
+            text,
+            "  {pair:<width$}  together, beyond both alone {}",
+            of(*share)
+        );
+    }
 }
 
 /// Terms that went, tests of named factors and the response at their levels.

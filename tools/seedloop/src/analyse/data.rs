@@ -367,7 +367,7 @@ fn coding(arguments: &Arguments, table: &Table, columns: &[usize]) -> anyhow::Re
 }
 
 /// Name of the column of natural values beside that of a factor.
-fn natural_name(symbol: &str) -> String {
+pub(super) fn natural_name(symbol: &str) -> String {
     format!("{symbol}_natural")
 }
 

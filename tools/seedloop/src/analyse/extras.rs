@@ -3,7 +3,7 @@
 use anyhow::ensure;
 use experiment_design::Factor;
 use response_surface::{
-    Fit, GaussianProcess, Model, Observations, RandomBlocks, Regime, RidgePoint, Weighting,
+    Fit, GaussianProcess, Model, Observations, RandomBlocks, Regime, RidgePoint, Sobol, Weighting,
     gaussian_process, random_blocks, regime, ridge_path,
 };
 use serde::Serialize;
@@ -97,6 +97,22 @@ pub(super) fn comparison(
         better,
         process,
     }))
+}
+
+/// The shares of the factors in the variance of the surface, if asked for.
+pub(super) fn shares(
+    arguments: &Arguments,
+    data: &Data,
+    fit: &Fit,
+) -> anyhow::Result<Option<Sobol>> {
+    if !arguments.sensitivity {
+        return Ok(None);
+    }
+    ensure!(
+        fit.formula.has_intercept(),
+        "--sensitivity needs a model with its intercept: one through zero is no surface over the ranges"
+    );
+    Ok(fit.sobol(&data.categories)?)
 }
 
 /// Keeps the rows of the regime asked for, and fits its boundary to the others.
