@@ -22,6 +22,7 @@
 //! same mesh, settings and seed give the same spheres. No clock is read: work is counted.
 
 mod body;
+mod connectivity;
 mod count_search;
 mod distance_grid;
 mod distance_transform;
@@ -33,10 +34,12 @@ mod fit_report;
 mod greedy;
 mod holes;
 mod lattice;
+mod near_pairs;
 mod neighbours;
 mod pack;
 mod pack_hops;
 mod pack_search;
+mod pieces;
 mod placement;
 mod relaxation;
 mod settings;
@@ -50,6 +53,7 @@ mod touching;
 mod union_moments;
 
 pub use body::Body;
+pub use connectivity::{Connectivity, SpherePair, neck_radius};
 pub use distance_transform::DistanceTransform;
 pub use error::Error;
 pub use favier::Favier;

@@ -120,6 +120,16 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "FORMAT", value_parser = format_named)]
     pub(crate) format: Option<Format>,
 
+    /// Write the pairs of spheres that bonds join, with distance, gap and radius of the neck; spheres are
+    /// numbered from 0 as in --out
+    #[arg(long, value_name = "FILE.csv")]
+    pub(crate) bonds: Option<PathBuf>,
+
+    /// Largest gap of two spheres that counts as contact and is bonded
+    /// [default: 1 % of the smallest radius]
+    #[arg(long, value_name = "LENGTH", allow_hyphen_values = true)]
+    pub(crate) bond_gap: Option<String>,
+
     /// Draw spheres and mesh to a picture
     #[arg(long, value_name = "FILE.png")]
     pub(crate) preview: Option<PathBuf>,

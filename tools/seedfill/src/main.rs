@@ -1,6 +1,8 @@
 //! Fills a closed mesh with spheres.
 
 mod arguments;
+mod connections;
+mod outputs;
 mod page;
 mod preview;
 mod price;
@@ -11,16 +13,14 @@ mod target;
 
 use arguments::{Arguments, MethodName, length_in_metres};
 use clump::Sphere;
-use clump_exchange::Format;
-use command_line::{DONE, Header, NOT_MET, write_new};
+use command_line::{DONE, Header, NOT_MET};
 use price::Price;
-use sphere_file::{choose_format, sphere_text};
-use sphere_fill::{Error, FillSettings, fill, measure};
+use sphere_fill::{Connectivity, Error, FillSettings, fill, measure};
 use sphere_table::read_spheres;
 use std::io::Write as _;
 use std::process::ExitCode;
 use std::time::Instant;
-use summary::{Refusal, Summary};
+use summary::{Measured, Refusal, Summary};
 use target::target_of;
 use trimesh::{CheckedMesh, MeshReport};
 
@@ -33,14 +33,9 @@ fn main() -> ExitCode {
 fn run(arguments: &Arguments) -> anyhow::Result<u8> {
     let common = &arguments.common;
     let task = task_of(arguments)?;
-    let format = match (&arguments.out, arguments.format) {
-        (Some(file), asked) => Some(choose_format(asked, file)?),
-        (None, Some(asked)) => Some(choose_format(Some(asked), "".as_ref())?),
-        (None, None) => None,
-    };
-    let outputs = [&arguments.out, &arguments.preview, &arguments.html];
+    let bond_gap = connections::bond_gap(arguments, task.smallest_radius())?;
     arguments.repair()?;
-    common.try_outputs(outputs.into_iter().flatten())?;
+    outputs::try_all(arguments)?;
     let start = Instant::now();
     let read = read_body(arguments)?;
     let header = Header::new(
@@ -79,31 +74,18 @@ fn run(arguments: &Arguments) -> anyhow::Result<u8> {
         Err(error) => return Err(error.into()),
     };
     let elapsed_s = start.elapsed().as_secs_f64();
+    let connectivity = Connectivity::new(&filling.spheres, bond_gap);
     let price = Price::new(arguments, &filling)?;
-    let summary = Summary::new(header, arguments, &read.report, &filling, price, elapsed_s);
-    let name = arguments
-        .mesh
-        .file_stem()
-        .map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
-    let mass = arguments.mass_of(filling.mesh_moments.volume);
-    let text = |format: Format| sphere_text(format, &filling, &name, arguments.unit, mass);
-    match (&arguments.out, format) {
-        (Some(file), Some(format)) => {
-            write_new(file, text(format).as_bytes(), common.overwrite())?;
-            common.print(summary.text())?;
-        }
-        (None, Some(format)) => common.print(text(format).trim_end())?,
-        _ => common.print(summary.text())?,
+    let measured = Measured {
+        mesh: &read.report,
+        filling: &filling,
+        connectivity: &connectivity,
+    };
+    let summary = Summary::new(header, arguments, &measured, price, elapsed_s);
+    for warning in summary.warnings() {
+        common.log(|| format!("warning: {warning}"));
     }
-    if let Some(file) = &arguments.preview {
-        let picture = preview::picture(&filling, &read.mesh)?;
-        write_new(file, &picture, common.overwrite())?;
-    }
-    if let Some(file) = &arguments.html {
-        let page = page::page(&summary, &filling, &read.mesh)?;
-        write_new(file, page.as_bytes(), common.overwrite())?;
-    }
-    common.emit_json(&summary)?;
+    outputs::write(arguments, &read.mesh, &measured, &summary)?;
     Ok(DONE)
 }
 
@@ -133,6 +115,19 @@ fn read_body(arguments: &Arguments) -> anyhow::Result<CheckedMesh> {
 enum Task {
     Fill(FillSettings),
     Measure(Vec<Sphere>),
+}
+
+impl Task {
+    /// Radius of the smallest sphere given, or of the smallest allowed, m.
+    fn smallest_radius(&self) -> f64 {
+        match self {
+            Self::Fill(settings) => settings.radius,
+            Self::Measure(spheres) => spheres
+                .iter()
+                .map(|s| s.radius)
+                .fold(f64::INFINITY, f64::min),
+        }
+    }
 }
 
 /// What the arguments ask for.

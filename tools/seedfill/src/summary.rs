@@ -1,11 +1,12 @@
 //! The result as JSON and as text.
 
 use crate::arguments::{Arguments, MethodName};
+use crate::connections::Connections;
 use crate::price::Price;
 use clump::Sphere;
 use command_line::Header;
 use serde::Serialize;
-use sphere_fill::{Filling, FitReport};
+use sphere_fill::{Connectivity, Filling, FitReport};
 use trimesh::{LengthUnit, MeshReport, Warning};
 
 /// Everything that `--json` tells. Lengths without a unit in their key are in `unit`.
@@ -25,6 +26,9 @@ pub(crate) struct Summary {
     radius_mm: f64,
     mesh: MeshSummary,
     fit: FitSummary,
+    connections: Connections,
+    /// What the user should know of the spheres; of the mesh: `mesh.warnings`.
+    warnings: Vec<String>,
     mass_kg: Option<f64>,
     fraction_density_kg_m3: Option<f64>,
     price: Price,
@@ -77,6 +81,13 @@ struct FitSummary {
     inertia_error_percent: [f64; 3],
 }
 
+/// What a summary is made of.
+pub(crate) struct Measured<'a> {
+    pub(crate) mesh: &'a MeshReport,
+    pub(crate) filling: &'a Filling,
+    pub(crate) connectivity: &'a Connectivity,
+}
+
 /// A refusal as JSON.
 #[derive(Debug, Serialize)]
 pub(crate) struct Refusal {
@@ -93,13 +104,14 @@ impl Summary {
     pub(crate) fn new(
         header: Header,
         arguments: &Arguments,
-        mesh: &MeshReport,
-        filling: &Filling,
+        measured: &Measured<'_>,
         price: Price,
         elapsed_s: f64,
     ) -> Self {
+        let (mesh, filling) = (measured.mesh, measured.filling);
         let unit = arguments.unit;
         let metre = unit.in_metres();
+        let connections = Connections::new(measured.connectivity, filling.spheres.len(), unit);
         let volume = filling.mesh_moments.volume;
         let mass_kg = arguments.mass_of(volume);
         Self {
@@ -138,6 +150,8 @@ impl Summary {
                 warnings: mesh.warnings.clone(),
             },
             fit: fit_in(&filling.report, metre),
+            warnings: connections.warning().into_iter().collect(),
+            connections,
             mass_kg,
             fraction_density_kg_m3: mass_kg.map(|mass| filling.fraction_density(mass)),
             price,
@@ -148,7 +162,12 @@ impl Summary {
 
     /// Short text for people.
     pub(crate) fn text(&self) -> String {
-        let lines = [self.fit_lines(), self.price_lines()].concat();
+        let lines = [
+            self.fit_lines(),
+            self.connections.lines(),
+            self.price_lines(),
+        ]
+        .concat();
         let rows = lines
             .iter()
             .map(|(name, value)| format!("\n{name:<23} {value}"));
@@ -203,9 +222,19 @@ impl Summary {
         lines
     }
 
+    /// Names and values of pieces and contacts.
+    pub(crate) fn connection_lines(&self) -> Vec<(&'static str, String)> {
+        self.connections.lines()
+    }
+
     /// What the user should know of the mesh.
-    pub(crate) fn warnings(&self) -> &[Warning] {
+    pub(crate) fn mesh_warnings(&self) -> &[Warning] {
         &self.mesh.warnings
+    }
+
+    /// What the user should know of the spheres.
+    pub(crate) fn warnings(&self) -> &[String] {
+        &self.warnings
     }
 
     /// Where the result comes from.

@@ -1,5 +1,7 @@
 //! The command as users and scripts call it.
 
+mod connections;
+
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
