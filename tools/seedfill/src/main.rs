@@ -2,6 +2,7 @@
 
 mod arguments;
 mod connections;
+mod moments;
 mod outputs;
 mod page;
 mod preview;
@@ -78,6 +79,7 @@ fn run(arguments: &Arguments) -> anyhow::Result<u8> {
     let price = Price::new(arguments, &filling)?;
     let measured = Measured {
         mesh: &read.report,
+        shape: &read.mesh.shape()?,
         filling: &filling,
         connectivity: &connectivity,
     };

@@ -2,12 +2,13 @@
 
 use crate::arguments::{Arguments, MethodName};
 use crate::connections::Connections;
+use crate::moments::{Moments, Shape};
 use crate::price::Price;
 use clump::Sphere;
 use command_line::Header;
 use serde::Serialize;
 use sphere_fill::{Connectivity, Filling, FitReport};
-use trimesh::{LengthUnit, MeshReport, Warning};
+use trimesh::{BodyShape, LengthUnit, MeshReport, Warning};
 
 /// Everything that `--json` tells. Lengths without a unit in their key are in `unit`.
 #[derive(Debug, Serialize)]
@@ -25,7 +26,9 @@ pub(crate) struct Summary {
     radius: f64,
     radius_mm: f64,
     mesh: MeshSummary,
+    shape: Shape,
     fit: FitSummary,
+    moments: Moments,
     connections: Connections,
     /// What the user should know of the spheres; of the mesh: `mesh.warnings`.
     warnings: Vec<String>,
@@ -84,6 +87,7 @@ struct FitSummary {
 /// What a summary is made of.
 pub(crate) struct Measured<'a> {
     pub(crate) mesh: &'a MeshReport,
+    pub(crate) shape: &'a BodyShape,
     pub(crate) filling: &'a Filling,
     pub(crate) connectivity: &'a Connectivity,
 }
@@ -149,7 +153,9 @@ impl Summary {
                 cut_share_of_area: mesh.changes.cut_share,
                 warnings: mesh.warnings.clone(),
             },
+            shape: Shape::new(measured.shape, unit),
             fit: fit_in(&filling.report, metre),
+            moments: Moments::new(filling, mass_kg, unit),
             warnings: connections.warning().into_iter().collect(),
             connections,
             mass_kg,
@@ -163,7 +169,9 @@ impl Summary {
     /// Short text for people.
     pub(crate) fn text(&self) -> String {
         let lines = [
+            self.shape_lines(),
             self.fit_lines(),
+            self.moment_lines(),
             self.connections.lines(),
             self.price_lines(),
         ]
@@ -190,7 +198,6 @@ impl Summary {
     /// Names and values of the fit.
     pub(crate) fn fit_lines(&self) -> Vec<(&'static str, String)> {
         let (fit, unit) = (&self.fit, self.unit);
-        let [i, j, k] = fit.inertia_error_percent;
         let length = |value: f64| format!("{value:.4} {unit}");
         vec![
             (
@@ -207,7 +214,6 @@ impl Summary {
             ("surface error, largest", length(fit.surface_hausdorff)),
             ("roughness, rms", length(fit.roughness_rms)),
             ("centroid offset", length(fit.centroid_offset)),
-            ("inertia error", format!("{i:.2}, {j:.2}, {k:.2} %")),
         ]
     }
 
@@ -220,6 +226,16 @@ impl Summary {
         }
         lines.extend(self.price.lines());
         lines
+    }
+
+    /// Names and values of the shape of the mesh.
+    pub(crate) fn shape_lines(&self) -> Vec<(&'static str, String)> {
+        self.shape.lines(self.unit)
+    }
+
+    /// Names and values of moments and axes.
+    pub(crate) fn moment_lines(&self) -> Vec<(&'static str, String)> {
+        self.moments.lines(self.unit)
     }
 
     /// Names and values of pieces and contacts.

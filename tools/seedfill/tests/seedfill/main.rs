@@ -1,6 +1,7 @@
 //! The command as users and scripts call it.
 
 mod connections;
+mod shape;
 
 use serde_json::Value;
 use std::path::{Path, PathBuf};
