@@ -7,6 +7,7 @@ mod outputs;
 mod page;
 mod preview;
 mod price;
+mod shapes;
 mod sphere_file;
 mod sphere_table;
 mod summary;
@@ -19,6 +20,7 @@ use price::Price;
 use sphere_fill::{Connectivity, Error, FillSettings, fill, measure};
 use sphere_table::read_spheres;
 use std::io::Write as _;
+use std::path::Path;
 use std::process::ExitCode;
 use std::time::Instant;
 use summary::{Measured, Refusal, Summary};
@@ -30,18 +32,30 @@ fn main() -> ExitCode {
     command_line::finish(run(&arguments))
 }
 
-/// Reads, fills, writes.
+/// Fills one mesh, or tells the shapes of several.
 fn run(arguments: &Arguments) -> anyhow::Result<u8> {
+    match (&arguments.shapes, arguments.mesh.as_slice()) {
+        (Some(file), _) => shapes::run(arguments, file),
+        (None, [mesh]) => fill_one(arguments, mesh),
+        (None, meshes) => anyhow::bail!(
+            "{} meshes are given: fill them one by one, or ask for a table of all with --shapes FILE.csv",
+            meshes.len()
+        ),
+    }
+}
+
+/// Reads, fills, writes.
+fn fill_one(arguments: &Arguments, mesh: &Path) -> anyhow::Result<u8> {
     let common = &arguments.common;
     let task = task_of(arguments)?;
     let bond_gap = connections::bond_gap(arguments, task.smallest_radius())?;
     arguments.repair()?;
     outputs::try_all(arguments)?;
     let start = Instant::now();
-    let read = read_body(arguments)?;
+    let read = read_body(arguments, mesh)?;
     let header = Header::new(
         arguments.seed,
-        [Some(&arguments.mesh), arguments.spheres.as_ref()]
+        [Some(mesh), arguments.spheres.as_deref()]
             .into_iter()
             .flatten(),
     )?;
@@ -53,7 +67,7 @@ fn run(arguments: &Arguments) -> anyhow::Result<u8> {
         format!("mesh read in {}; {what}", arguments.unit)
     });
     for warning in &read.report.warnings {
-        common.log(|| format!("warning: {}: {warning}", arguments.mesh.display()));
+        common.log(|| format!("warning: {}: {warning}", mesh.display()));
     }
     let filled = match task {
         Task::Fill(settings) => fill(&read.mesh, &settings),
@@ -92,9 +106,9 @@ fn run(arguments: &Arguments) -> anyhow::Result<u8> {
 }
 
 /// Reads the mesh; of several bodies the largest, if that is asked for.
-fn read_body(arguments: &Arguments) -> anyhow::Result<CheckedMesh> {
+fn read_body(arguments: &Arguments, file: &Path) -> anyhow::Result<CheckedMesh> {
     let repair = arguments.repair()?;
-    let mut read = trimesh::read_mesh_with(&arguments.mesh, arguments.unit, &repair)?;
+    let mut read = trimesh::read_mesh_with(file, arguments.unit, &repair)?;
     if arguments.largest_body && read.mesh.topology().shells > 1 {
         let body = read.mesh.largest_body()?;
         read.mesh = body.mesh;

@@ -6,21 +6,21 @@ use sphere_fill::Filling;
 use trimesh::{BodyShape, LengthUnit, VolumeMoments};
 
 /// Size and shape of the mesh; lengths, area and volume in the unit of the mesh.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Serialize)]
 pub(crate) struct Shape {
-    pub(crate) volume: f64,
-    pub(crate) area: f64,
-    pub(crate) equivalent_diameter: f64,
+    volume: f64,
+    area: f64,
+    equivalent_diameter: f64,
     /// Edges of the smallest box in any direction: longest, intermediate, shortest.
-    pub(crate) longest: f64,
-    pub(crate) intermediate: f64,
-    pub(crate) shortest: f64,
+    longest: f64,
+    intermediate: f64,
+    shortest: f64,
     /// Intermediate over longest.
-    pub(crate) elongation: f64,
+    elongation: f64,
     /// Shortest over intermediate.
-    pub(crate) flatness: f64,
+    flatness: f64,
     /// After Wadell.
-    pub(crate) sphericity: f64,
+    sphericity: f64,
 }
 
 impl Shape {
@@ -38,6 +38,21 @@ impl Shape {
             flatness: shape.flatness,
             sphericity: shape.sphericity,
         }
+    }
+
+    /// All numbers in the order of the fields.
+    pub(crate) fn numbers(&self) -> [f64; 9] {
+        [
+            self.volume,
+            self.area,
+            self.equivalent_diameter,
+            self.longest,
+            self.intermediate,
+            self.shortest,
+            self.elongation,
+            self.flatness,
+            self.sphericity,
+        ]
     }
 
     /// Names and values for people.

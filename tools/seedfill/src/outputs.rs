@@ -7,6 +7,7 @@ use crate::summary::{Measured, Summary};
 use crate::{page, preview};
 use clump_exchange::Format;
 use command_line::write_new;
+use std::path::Path;
 use trimesh::TriMesh;
 
 /// Tries whether all files that are asked for can be written.
@@ -46,8 +47,10 @@ pub(crate) fn write(
     summary: &Summary,
 ) -> anyhow::Result<()> {
     let (common, filling) = (&arguments.common, measured.filling);
-    let mesh_file = arguments.mesh.file_stem();
-    let name = mesh_file.map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
+    let file = Path::new(mesh.source());
+    let name = file
+        .file_stem()
+        .map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
     let mass = arguments.mass_of(filling.mesh_moments.volume);
     let text = |format: Format| sphere_text(format, filling, &name, arguments.unit, mass);
     match (&arguments.out, format_of(arguments)?) {

@@ -2,6 +2,7 @@
 
 mod connections;
 mod shape;
+mod shapes;
 
 use serde_json::Value;
 use std::path::{Path, PathBuf};
