@@ -51,6 +51,7 @@ mod surface_gap;
 mod target;
 mod touching;
 mod union_moments;
+mod union_surface;
 
 pub use body::Body;
 pub use connectivity::{Connectivity, SpherePair, neck_radius};
@@ -66,3 +67,4 @@ pub use settings::{FillSettings, Method};
 pub use smooth::Smooth;
 pub use surface::Surface;
 pub use target::Target;
+pub use union_surface::union_surface;

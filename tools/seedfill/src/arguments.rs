@@ -26,7 +26,7 @@ pub(crate) struct Arguments {
 
     /// Write a table of the shapes of all meshes (CSV, or a workbook .xlsx): volume, area, lengths,
     /// elongation, flatness, sphericity; with --radius also the spheres of each filling
-    #[arg(long, value_name = "FILE.csv", conflicts_with_all = ["spheres", "out", "format", "bonds", "bond_gap", "preview", "html", "mass", "density", "timing"])]
+    #[arg(long, value_name = "FILE.csv", conflicts_with_all = ["spheres", "out", "format", "bonds", "bond_gap", "union", "preview", "html", "mass", "density", "timing"])]
     pub(crate) shapes: Option<PathBuf>,
 
     /// Radius of the spheres (pack, lattice), or of the smallest allowed (all others)
@@ -135,6 +135,20 @@ pub(crate) struct Arguments {
     /// [default: 1 % of the smallest radius]
     #[arg(long, value_name = "LENGTH", allow_hyphen_values = true)]
     pub(crate) bond_gap: Option<String>,
+
+    /// Write the surface of the union of the spheres, closed, in the unit and frame of the mesh
+    #[arg(long, value_name = "FILE.stl")]
+    pub(crate) union: Option<PathBuf>,
+
+    /// Cell of that surface; a quarter of the error in volume at half of it
+    /// [default: smallest radius / 6]
+    #[arg(
+        long,
+        value_name = "LENGTH",
+        allow_hyphen_values = true,
+        requires = "union"
+    )]
+    pub(crate) union_cell: Option<String>,
 
     /// Draw spheres and mesh to a picture
     #[arg(long, value_name = "FILE.png")]

@@ -12,6 +12,7 @@ mod sphere_file;
 mod sphere_table;
 mod summary;
 mod target;
+mod union_file;
 
 use arguments::{Arguments, MethodName, length_in_metres};
 use clump::Sphere;
@@ -26,6 +27,7 @@ use std::time::Instant;
 use summary::{Measured, Refusal, Summary};
 use target::target_of;
 use trimesh::{CheckedMesh, MeshReport};
+use union_file::UnionFile;
 
 fn main() -> ExitCode {
     let arguments: Arguments = command_line::parse();
@@ -49,6 +51,7 @@ fn fill_one(arguments: &Arguments, mesh: &Path) -> anyhow::Result<u8> {
     let common = &arguments.common;
     let task = task_of(arguments)?;
     let bond_gap = connections::bond_gap(arguments, task.smallest_radius())?;
+    union_file::cell_of(arguments)?;
     arguments.repair()?;
     outputs::try_all(arguments)?;
     let start = Instant::now();
@@ -97,7 +100,8 @@ fn fill_one(arguments: &Arguments, mesh: &Path) -> anyhow::Result<u8> {
         filling: &filling,
         connectivity: &connectivity,
     };
-    let summary = Summary::new(header, arguments, &measured, price, elapsed_s);
+    let surface = UnionFile::new(arguments, &filling)?;
+    let summary = Summary::new(header, arguments, &measured, price, elapsed_s).with(surface);
     for warning in summary.warnings() {
         common.log(|| format!("warning: {warning}"));
     }

@@ -20,6 +20,7 @@ pub(crate) fn try_all(arguments: &Arguments) -> anyhow::Result<()> {
     let files = [
         &arguments.out,
         &arguments.bonds,
+        &arguments.union,
         &arguments.preview,
         &arguments.html,
     ];
@@ -64,6 +65,9 @@ pub(crate) fn write(
     if let Some(file) = &arguments.bonds {
         let table = bond_table(filling, measured.connectivity, arguments.unit);
         write_new(file, table.as_bytes(), common.overwrite())?;
+    }
+    if let (Some(file), Some(surface)) = (&arguments.union, summary.union_file()) {
+        write_new(file, &surface.bytes, common.overwrite())?;
     }
     if let Some(file) = &arguments.preview {
         let picture = preview::picture(filling, mesh)?;

@@ -4,6 +4,7 @@ use crate::arguments::{Arguments, MethodName};
 use crate::connections::Connections;
 use crate::moments::{Moments, Shape};
 use crate::price::Price;
+use crate::union_file::UnionFile;
 use clump::Sphere;
 use command_line::Header;
 use serde::Serialize;
@@ -30,6 +31,8 @@ pub(crate) struct Summary {
     fit: FitSummary,
     moments: Moments,
     connections: Connections,
+    /// What `--union` writes.
+    union_surface: Option<UnionFile>,
     /// What the user should know of the spheres; of the mesh: `mesh.warnings`.
     warnings: Vec<String>,
     mass_kg: Option<f64>,
@@ -158,6 +161,7 @@ impl Summary {
             moments: Moments::new(filling, mass_kg, unit),
             warnings: connections.warning().into_iter().collect(),
             connections,
+            union_surface: None,
             mass_kg,
             fraction_density_kg_m3: mass_kg.map(|mass| filling.fraction_density(mass)),
             price,
@@ -166,13 +170,26 @@ impl Summary {
         }
     }
 
+    /// With what is known of the surface of the spheres.
+    pub(crate) fn with(self, union_surface: Option<UnionFile>) -> Self {
+        Self {
+            union_surface,
+            ..self
+        }
+    }
+
+    /// The surface of the spheres, where it is asked for.
+    pub(crate) fn union_file(&self) -> Option<&UnionFile> {
+        self.union_surface.as_ref()
+    }
+
     /// Short text for people.
     pub(crate) fn text(&self) -> String {
         let lines = [
             self.shape_lines(),
             self.fit_lines(),
             self.moment_lines(),
-            self.connections.lines(),
+            self.connection_lines(),
             self.price_lines(),
         ]
         .concat();
@@ -240,7 +257,9 @@ impl Summary {
 
     /// Names and values of pieces and contacts.
     pub(crate) fn connection_lines(&self) -> Vec<(&'static str, String)> {
-        self.connections.lines()
+        let mut lines = self.connections.lines();
+        lines.extend(self.union_surface.as_ref().map(UnionFile::line));
+        lines
     }
 
     /// What the user should know of the mesh.

@@ -3,6 +3,7 @@
 mod connections;
 mod shape;
 mod shapes;
+mod union;
 
 use serde_json::Value;
 use std::path::{Path, PathBuf};
