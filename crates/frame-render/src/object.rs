@@ -228,8 +228,13 @@ fn camera_axes(toward_camera: [f64; 3]) -> Result<Matrix3<f64>, Error> {
 struct Coat {
     /// Width and height, samples.
     samples: u32,
-    /// Row by row.
-    layers: Vec<Option<Layer>>,
+    /// Distance of the nearest triangle toward the camera, samples; row by row.
+    near: Vec<f64>,
+    /// Place of its normal; without meaning where nothing is near.
+    owner: Vec<u32>,
+    /// Unit normals of the triangles that look at the camera, in camera axes: kept once for each triangle, since
+    /// a picture has millions of samples.
+    normals: Vec<Vector3<f64>>,
 }
 
 /// One sample of the coat.
@@ -248,7 +253,9 @@ impl Coat {
         let size = if triangles.is_empty() { 0 } else { side * side };
         let mut coat = Self {
             samples: frame.samples,
-            layers: vec![None; size],
+            near: vec![f64::NEG_INFINITY; size],
+            owner: vec![0; size],
+            normals: Vec::new(),
         };
         for triangle in triangles {
             coat.add(triangle.map(|corner| frame.place(corner)));
@@ -259,14 +266,16 @@ impl Coat {
     /// What the coat shows at a sample, if anything.
     fn layer(&self, column: u32, row: u32) -> Option<Layer> {
         let place = row as usize * self.samples as usize + column as usize;
-        self.layers.get(place).copied().flatten()
+        let near = *self.near.get(place)?;
+        let normal = *self.normals.get(self.owner[place] as usize)?;
+        (near > f64::NEG_INFINITY).then_some(Layer { near, normal })
     }
 
     /// Draws one triangle by its plane and its three edge functions.
     #[expect(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
-        reason = "clamped to the picture just before"
+        reason = "clamped to the picture just before; a mesh has fewer than 2^32 triangles"
     )]
     fn add(&mut self, corners: [Vector3<f64>; 3]) {
         let [a, b, c] = corners;
@@ -275,6 +284,8 @@ impl Coat {
         if normal.z <= 0.0 {
             return;
         }
+        let own = self.normals.len() as u32;
+        self.normals.push(normal.normalize());
         let middle = f64::from(self.samples - 1) / 2.0;
         let last = f64::from(self.samples - 1);
         let range = |values: [f64; 3]| {
@@ -296,13 +307,9 @@ impl Coat {
                 }
                 let near = a.z - (normal.x * (x - a.x) + normal.y * (y - a.y)) / normal.z;
                 let place = row as usize * self.samples as usize + column as usize;
-                if let Some(slot) = self.layers.get_mut(place)
-                    && slot.is_none_or(|layer| near > layer.near)
-                {
-                    *slot = Some(Layer {
-                        near,
-                        normal: normal.normalize(),
-                    });
+                if near > self.near[place] {
+                    self.near[place] = near;
+                    self.owner[place] = own;
                 }
             }
         }

@@ -51,6 +51,18 @@ pub enum Error {
         /// Largest number allowed.
         limit: usize,
     },
+    /// The cells of the surface of the union are too many.
+    #[error(
+        "cells of {} mm are too many for the surface of the union: take at least {} mm",
+        shown(*cell_mm),
+        shown(*least_mm)
+    )]
+    CellTooSmall {
+        /// Edge length of a cell, mm.
+        cell_mm: f64,
+        /// Least edge length, mm.
+        least_mm: f64,
+    },
     /// More was asked for than is done.
     #[error("{what} {value:e} is asked for; the most is {most}")]
     TooMuch {

@@ -1,6 +1,7 @@
 //! How well the spheres stand for the body.
 
 use crate::Body;
+use crate::near_pairs::near_pairs;
 use crate::surface_gap::{Gaps, gaps_at};
 use clump::Sphere;
 use serde::Serialize;
@@ -72,19 +73,9 @@ impl FitReport {
     }
 }
 
-/// Largest overlap of two spheres, m, by a sweep along x.
+/// Largest overlap of two spheres, m.
 fn max_overlap(spheres: &[Sphere]) -> f64 {
-    let mut order: Vec<&Sphere> = spheres.iter().collect();
-    order.sort_by(|a, b| a.centre.x.total_cmp(&b.centre.x));
-    let largest = spheres.iter().fold(0.0, |m: f64, s| m.max(s.radius));
     let mut most = 0.0_f64;
-    for (place, a) in order.iter().enumerate() {
-        for b in &order[place + 1..] {
-            if b.centre.x - a.centre.x > a.radius + largest {
-                break;
-            }
-            most = most.max(a.radius + b.radius - (a.centre - b.centre).norm());
-        }
-    }
+    near_pairs(spheres, 0.0, |_, _, gap| most = most.max(-gap));
     most
 }

@@ -22,6 +22,7 @@
 //! same mesh, settings and seed give the same spheres. No clock is read: work is counted.
 
 mod body;
+mod connectivity;
 mod count_search;
 mod distance_grid;
 mod distance_transform;
@@ -33,10 +34,12 @@ mod fit_report;
 mod greedy;
 mod holes;
 mod lattice;
+mod near_pairs;
 mod neighbours;
 mod pack;
 mod pack_hops;
 mod pack_search;
+mod pieces;
 mod placement;
 mod relaxation;
 mod settings;
@@ -48,8 +51,10 @@ mod surface_gap;
 mod target;
 mod touching;
 mod union_moments;
+mod union_surface;
 
 pub use body::Body;
+pub use connectivity::{Connectivity, SpherePair, neck_radius};
 pub use distance_transform::DistanceTransform;
 pub use error::Error;
 pub use favier::Favier;
@@ -62,3 +67,4 @@ pub use settings::{FillSettings, Method};
 pub use smooth::Smooth;
 pub use surface::Surface;
 pub use target::Target;
+pub use union_surface::union_surface;

@@ -21,6 +21,7 @@
 //! shell is not searched for.
 
 mod bodies;
+mod body_shape;
 mod bounding_tree;
 mod build;
 mod closest_point;
@@ -36,12 +37,14 @@ mod obj;
 mod orientation;
 mod ply;
 mod polygon;
+mod principal;
 mod read;
 mod repair;
 mod report;
 mod sampling;
 pub mod shapes;
 mod signed_distance;
+mod smallest_box;
 mod soup;
 mod stl;
 mod weld;
@@ -49,12 +52,14 @@ mod winding;
 mod words;
 
 pub use bodies::Shell;
+pub use body_shape::BodyShape;
 pub use build::CheckedMesh;
 pub use closest_point::nearest_on_triangle;
 pub use error::Error;
 pub use length_unit::LengthUnit;
 pub use mesh::{BoundingBox, Topology, TriMesh};
 pub use moments::VolumeMoments;
+pub use principal::PrincipalAxes;
 pub use read::{parse_mesh, read_mesh, read_mesh_with};
 pub use repair::{Changes, Lid, Repair};
 pub use report::{MeshReport, Warning};

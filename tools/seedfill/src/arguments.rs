@@ -10,7 +10,8 @@ use trimesh::{LengthUnit, Repair};
 /// Fills a closed mesh (STL, OBJ, PLY) with spheres
 ///
 /// Bare lengths are in the unit of the mesh; a unit may be written behind them (0.45mm).
-/// Exit code: 0 filled; 1 refused (radius does not fit, count, roughness or target not reached); 2 error.
+/// Exit code: 0 filled; 1 refused (radius does not fit, count, roughness or target not reached; with --shapes some
+/// meshes); 2 error.
 #[derive(Debug, Parser)]
 #[command(
     name = "seedfill",
@@ -19,16 +20,21 @@ use trimesh::{LengthUnit, Repair};
     after_help = "Example:\n  seedfill seed.stl --radius 0.45 --mass 94.5e-6 --out seed.csv --preview seed.png"
 )]
 pub(crate) struct Arguments {
-    /// Mesh to fill: STL, OBJ or PLY, binary or text
-    #[arg(value_name = "MESH.stl")]
-    pub(crate) mesh: PathBuf,
+    /// Mesh to fill: STL, OBJ or PLY, binary or text; several with --shapes
+    #[arg(value_name = "MESH.stl", required = true)]
+    pub(crate) mesh: Vec<PathBuf>,
+
+    /// Write a table of the shapes of all meshes (CSV, or a workbook .xlsx): volume, area, lengths,
+    /// elongation, flatness, sphericity; with --radius also the spheres of each filling
+    #[arg(long, value_name = "FILE.csv", conflicts_with_all = ["spheres", "out", "format", "bonds", "bond_gap", "union", "preview", "html", "mass", "density", "timing"])]
+    pub(crate) shapes: Option<PathBuf>,
 
     /// Radius of the spheres (pack, lattice), or of the smallest allowed (all others)
     #[arg(
         long,
         value_name = "LENGTH",
         allow_hyphen_values = true,
-        required_unless_present = "spheres"
+        required_unless_present_any = ["spheres", "shapes"]
     )]
     pub(crate) radius: Option<String>,
 
@@ -119,6 +125,30 @@ pub(crate) struct Arguments {
     /// csv, vtk: unit of the mesh; liggghts, yade, lammps, edem, pfc: metres
     #[arg(long, value_name = "FORMAT", value_parser = format_named)]
     pub(crate) format: Option<Format>,
+
+    /// Write the pairs of spheres that bonds join, with distance, gap and radius of the neck; spheres are
+    /// numbered from 0 as in --out
+    #[arg(long, value_name = "FILE.csv")]
+    pub(crate) bonds: Option<PathBuf>,
+
+    /// Largest gap of two spheres that counts as contact and is bonded
+    /// [default: 1 % of the smallest radius]
+    #[arg(long, value_name = "LENGTH", allow_hyphen_values = true)]
+    pub(crate) bond_gap: Option<String>,
+
+    /// Write the surface of the union of the spheres, closed, in the unit and frame of the mesh
+    #[arg(long, value_name = "FILE.stl")]
+    pub(crate) union: Option<PathBuf>,
+
+    /// Cell of that surface; a quarter of the error in volume at half of it
+    /// [default: smallest radius / 6]
+    #[arg(
+        long,
+        value_name = "LENGTH",
+        allow_hyphen_values = true,
+        requires = "union"
+    )]
+    pub(crate) union_cell: Option<String>,
 
     /// Draw spheres and mesh to a picture
     #[arg(long, value_name = "FILE.png")]

@@ -1,51 +1,64 @@
 //! Fills a closed mesh with spheres.
 
 mod arguments;
+mod connections;
+mod moments;
+mod outputs;
 mod page;
 mod preview;
 mod price;
+mod shapes;
 mod sphere_file;
 mod sphere_table;
 mod summary;
 mod target;
+mod union_file;
 
 use arguments::{Arguments, MethodName, length_in_metres};
 use clump::Sphere;
-use clump_exchange::Format;
-use command_line::{DONE, Header, NOT_MET, write_new};
+use command_line::{DONE, Header, NOT_MET};
 use price::Price;
-use sphere_file::{choose_format, sphere_text};
-use sphere_fill::{Error, FillSettings, fill, measure};
+use sphere_fill::{Connectivity, Error, FillSettings, fill, measure};
 use sphere_table::read_spheres;
 use std::io::Write as _;
+use std::path::Path;
 use std::process::ExitCode;
 use std::time::Instant;
-use summary::{Refusal, Summary};
+use summary::{Measured, Refusal, Summary};
 use target::target_of;
 use trimesh::{CheckedMesh, MeshReport};
+use union_file::UnionFile;
 
 fn main() -> ExitCode {
     let arguments: Arguments = command_line::parse();
     command_line::finish(run(&arguments))
 }
 
-/// Reads, fills, writes.
+/// Fills one mesh, or tells the shapes of several.
 fn run(arguments: &Arguments) -> anyhow::Result<u8> {
+    match (&arguments.shapes, arguments.mesh.as_slice()) {
+        (Some(file), _) => shapes::run(arguments, file),
+        (None, [mesh]) => fill_one(arguments, mesh),
+        (None, meshes) => anyhow::bail!(
+            "{} meshes are given: fill them one by one, or ask for a table of all with --shapes FILE.csv",
+            meshes.len()
+        ),
+    }
+}
+
+/// Reads, fills, writes.
+fn fill_one(arguments: &Arguments, mesh: &Path) -> anyhow::Result<u8> {
     let common = &arguments.common;
     let task = task_of(arguments)?;
-    let format = match (&arguments.out, arguments.format) {
-        (Some(file), asked) => Some(choose_format(asked, file)?),
-        (None, Some(asked)) => Some(choose_format(Some(asked), "".as_ref())?),
-        (None, None) => None,
-    };
-    let outputs = [&arguments.out, &arguments.preview, &arguments.html];
+    let bond_gap = connections::bond_gap(arguments, task.smallest_radius())?;
+    union_file::cell_of(arguments)?;
     arguments.repair()?;
-    common.try_outputs(outputs.into_iter().flatten())?;
+    outputs::try_all(arguments)?;
     let start = Instant::now();
-    let read = read_body(arguments)?;
+    let read = read_body(arguments, mesh)?;
     let header = Header::new(
         arguments.seed,
-        [Some(&arguments.mesh), arguments.spheres.as_ref()]
+        [Some(mesh), arguments.spheres.as_deref()]
             .into_iter()
             .flatten(),
     )?;
@@ -57,7 +70,7 @@ fn run(arguments: &Arguments) -> anyhow::Result<u8> {
         format!("mesh read in {}; {what}", arguments.unit)
     });
     for warning in &read.report.warnings {
-        common.log(|| format!("warning: {}: {warning}", arguments.mesh.display()));
+        common.log(|| format!("warning: {}: {warning}", mesh.display()));
     }
     let filled = match task {
         Task::Fill(settings) => fill(&read.mesh, &settings),
@@ -79,38 +92,27 @@ fn run(arguments: &Arguments) -> anyhow::Result<u8> {
         Err(error) => return Err(error.into()),
     };
     let elapsed_s = start.elapsed().as_secs_f64();
+    let connectivity = Connectivity::new(&filling.spheres, bond_gap);
     let price = Price::new(arguments, &filling)?;
-    let summary = Summary::new(header, arguments, &read.report, &filling, price, elapsed_s);
-    let name = arguments
-        .mesh
-        .file_stem()
-        .map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
-    let mass = arguments.mass_of(filling.mesh_moments.volume);
-    let text = |format: Format| sphere_text(format, &filling, &name, arguments.unit, mass);
-    match (&arguments.out, format) {
-        (Some(file), Some(format)) => {
-            write_new(file, text(format).as_bytes(), common.overwrite())?;
-            common.print(summary.text())?;
-        }
-        (None, Some(format)) => common.print(text(format).trim_end())?,
-        _ => common.print(summary.text())?,
+    let measured = Measured {
+        mesh: &read.report,
+        shape: &read.mesh.shape()?,
+        filling: &filling,
+        connectivity: &connectivity,
+    };
+    let surface = UnionFile::new(arguments, &filling)?;
+    let summary = Summary::new(header, arguments, &measured, price, elapsed_s).with(surface);
+    for warning in summary.warnings() {
+        common.log(|| format!("warning: {warning}"));
     }
-    if let Some(file) = &arguments.preview {
-        let picture = preview::picture(&filling, &read.mesh)?;
-        write_new(file, &picture, common.overwrite())?;
-    }
-    if let Some(file) = &arguments.html {
-        let page = page::page(&summary, &filling, &read.mesh)?;
-        write_new(file, page.as_bytes(), common.overwrite())?;
-    }
-    common.emit_json(&summary)?;
+    outputs::write(arguments, &read.mesh, &measured, &summary)?;
     Ok(DONE)
 }
 
 /// Reads the mesh; of several bodies the largest, if that is asked for.
-fn read_body(arguments: &Arguments) -> anyhow::Result<CheckedMesh> {
+fn read_body(arguments: &Arguments, file: &Path) -> anyhow::Result<CheckedMesh> {
     let repair = arguments.repair()?;
-    let mut read = trimesh::read_mesh_with(&arguments.mesh, arguments.unit, &repair)?;
+    let mut read = trimesh::read_mesh_with(file, arguments.unit, &repair)?;
     if arguments.largest_body && read.mesh.topology().shells > 1 {
         let body = read.mesh.largest_body()?;
         read.mesh = body.mesh;
@@ -133,6 +135,19 @@ fn read_body(arguments: &Arguments) -> anyhow::Result<CheckedMesh> {
 enum Task {
     Fill(FillSettings),
     Measure(Vec<Sphere>),
+}
+
+impl Task {
+    /// Radius of the smallest sphere given, or of the smallest allowed, m.
+    fn smallest_radius(&self) -> f64 {
+        match self {
+            Self::Fill(settings) => settings.radius,
+            Self::Measure(spheres) => spheres
+                .iter()
+                .map(|s| s.radius)
+                .fold(f64::INFINITY, f64::min),
+        }
+    }
 }
 
 /// What the arguments ask for.

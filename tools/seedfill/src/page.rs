@@ -18,14 +18,24 @@ pub(crate) fn page(summary: &Summary, filling: &Filling, mesh: &TriMesh) -> anyh
     let fact = |(name, value): &(&str, String)| Fact::new(*name, value.clone());
     let facts = |lines: &[(&str, String)]| lines.iter().map(fact).collect::<Vec<_>>();
     let mut report = Report::new(format!("Filling of {}", mesh.source()));
-    report.section("Fit").facts(&facts(&summary.fit_lines()));
-    report
-        .section("Price")
-        .facts(&facts(&summary.price_lines()));
-    if !summary.warnings().is_empty() {
-        let warnings: Vec<String> = summary.warnings().iter().map(ToString::to_string).collect();
-        let warnings: Vec<&str> = warnings.iter().map(String::as_str).collect();
-        report.section("What was found in the mesh").list(&warnings);
+    for (title, lines) in [
+        ("Shape of the mesh", summary.shape_lines()),
+        ("Fit", summary.fit_lines()),
+        ("Moments and axes", summary.moment_lines()),
+        ("Pieces and contacts", summary.connection_lines()),
+        ("Price", summary.price_lines()),
+    ] {
+        report.section(title).facts(&facts(&lines));
+    }
+    let of_mesh = summary.mesh_warnings().iter().map(ToString::to_string);
+    for (title, warnings) in [
+        ("What to know of the spheres", summary.warnings().to_vec()),
+        ("What was found in the mesh", of_mesh.collect()),
+    ] {
+        if !warnings.is_empty() {
+            let warnings: Vec<&str> = warnings.iter().map(String::as_str).collect();
+            report.section(title).list(&warnings);
+        }
     }
     let drawn = picture(filling, mesh)?;
     let (coloured, scale) = deviation_picture(filling, mesh)?;

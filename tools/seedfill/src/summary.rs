@@ -1,12 +1,15 @@
 //! The result as JSON and as text.
 
 use crate::arguments::{Arguments, MethodName};
+use crate::connections::Connections;
+use crate::moments::{Moments, Shape};
 use crate::price::Price;
+use crate::union_file::UnionFile;
 use clump::Sphere;
 use command_line::Header;
 use serde::Serialize;
-use sphere_fill::{Filling, FitReport};
-use trimesh::{LengthUnit, MeshReport, Warning};
+use sphere_fill::{Connectivity, Filling, FitReport};
+use trimesh::{BodyShape, LengthUnit, MeshReport, Warning};
 
 /// Everything that `--json` tells. Lengths without a unit in their key are in `unit`.
 #[derive(Debug, Serialize)]
@@ -24,7 +27,14 @@ pub(crate) struct Summary {
     radius: f64,
     radius_mm: f64,
     mesh: MeshSummary,
+    shape: Shape,
     fit: FitSummary,
+    moments: Moments,
+    connections: Connections,
+    /// What `--union` writes.
+    union_surface: Option<UnionFile>,
+    /// What the user should know of the spheres; of the mesh: `mesh.warnings`.
+    warnings: Vec<String>,
     mass_kg: Option<f64>,
     fraction_density_kg_m3: Option<f64>,
     price: Price,
@@ -77,6 +87,14 @@ struct FitSummary {
     inertia_error_percent: [f64; 3],
 }
 
+/// What a summary is made of.
+pub(crate) struct Measured<'a> {
+    pub(crate) mesh: &'a MeshReport,
+    pub(crate) shape: &'a BodyShape,
+    pub(crate) filling: &'a Filling,
+    pub(crate) connectivity: &'a Connectivity,
+}
+
 /// A refusal as JSON.
 #[derive(Debug, Serialize)]
 pub(crate) struct Refusal {
@@ -93,13 +111,14 @@ impl Summary {
     pub(crate) fn new(
         header: Header,
         arguments: &Arguments,
-        mesh: &MeshReport,
-        filling: &Filling,
+        measured: &Measured<'_>,
         price: Price,
         elapsed_s: f64,
     ) -> Self {
+        let (mesh, filling) = (measured.mesh, measured.filling);
         let unit = arguments.unit;
         let metre = unit.in_metres();
+        let connections = Connections::new(measured.connectivity, filling.spheres.len(), unit);
         let volume = filling.mesh_moments.volume;
         let mass_kg = arguments.mass_of(volume);
         Self {
@@ -137,7 +156,12 @@ impl Summary {
                 cut_share_of_area: mesh.changes.cut_share,
                 warnings: mesh.warnings.clone(),
             },
+            shape: Shape::new(measured.shape, unit),
             fit: fit_in(&filling.report, metre),
+            moments: Moments::new(filling, mass_kg, unit),
+            warnings: connections.warning().into_iter().collect(),
+            connections,
+            union_surface: None,
             mass_kg,
             fraction_density_kg_m3: mass_kg.map(|mass| filling.fraction_density(mass)),
             price,
@@ -146,9 +170,29 @@ impl Summary {
         }
     }
 
+    /// With what is known of the surface of the spheres.
+    pub(crate) fn with(self, union_surface: Option<UnionFile>) -> Self {
+        Self {
+            union_surface,
+            ..self
+        }
+    }
+
+    /// The surface of the spheres, where it is asked for.
+    pub(crate) fn union_file(&self) -> Option<&UnionFile> {
+        self.union_surface.as_ref()
+    }
+
     /// Short text for people.
     pub(crate) fn text(&self) -> String {
-        let lines = [self.fit_lines(), self.price_lines()].concat();
+        let lines = [
+            self.shape_lines(),
+            self.fit_lines(),
+            self.moment_lines(),
+            self.connection_lines(),
+            self.price_lines(),
+        ]
+        .concat();
         let rows = lines
             .iter()
             .map(|(name, value)| format!("\n{name:<23} {value}"));
@@ -171,7 +215,6 @@ impl Summary {
     /// Names and values of the fit.
     pub(crate) fn fit_lines(&self) -> Vec<(&'static str, String)> {
         let (fit, unit) = (&self.fit, self.unit);
-        let [i, j, k] = fit.inertia_error_percent;
         let length = |value: f64| format!("{value:.4} {unit}");
         vec![
             (
@@ -188,7 +231,6 @@ impl Summary {
             ("surface error, largest", length(fit.surface_hausdorff)),
             ("roughness, rms", length(fit.roughness_rms)),
             ("centroid offset", length(fit.centroid_offset)),
-            ("inertia error", format!("{i:.2}, {j:.2}, {k:.2} %")),
         ]
     }
 
@@ -203,9 +245,31 @@ impl Summary {
         lines
     }
 
+    /// Names and values of the shape of the mesh.
+    pub(crate) fn shape_lines(&self) -> Vec<(&'static str, String)> {
+        self.shape.lines(self.unit)
+    }
+
+    /// Names and values of moments and axes.
+    pub(crate) fn moment_lines(&self) -> Vec<(&'static str, String)> {
+        self.moments.lines(self.unit)
+    }
+
+    /// Names and values of pieces and contacts.
+    pub(crate) fn connection_lines(&self) -> Vec<(&'static str, String)> {
+        let mut lines = self.connections.lines();
+        lines.extend(self.union_surface.as_ref().map(UnionFile::line));
+        lines
+    }
+
     /// What the user should know of the mesh.
-    pub(crate) fn warnings(&self) -> &[Warning] {
+    pub(crate) fn mesh_warnings(&self) -> &[Warning] {
         &self.mesh.warnings
+    }
+
+    /// What the user should know of the spheres.
+    pub(crate) fn warnings(&self) -> &[String] {
+        &self.warnings
     }
 
     /// Where the result comes from.

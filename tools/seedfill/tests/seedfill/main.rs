@@ -1,5 +1,10 @@
 //! The command as users and scripts call it.
 
+mod connections;
+mod shape;
+mod shapes;
+mod union;
+
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
