@@ -101,18 +101,18 @@ mod tests {
         assert_eq!(rows, expected.map(|row| row.to_vec()));
     }
 
-    /// Two by three levels make six runs, each once; two levels everywhere are the full factorial.
+    /// Three by two levels make six runs, each once; two levels everywhere are the full factorial.
     #[test]
     fn levels_are_combined_in_standard_order() {
         let factors = ["A", "B"].map(|s| Factor::coded_only(s).unwrap());
         let ends = vec![-1.0, 1.0];
-        let design = mixed_factorial(&factors, &[ends.clone(), vec![-1.0, 0.2, 1.0]], 0).unwrap();
+        let design = mixed_factorial(&factors, &[vec![-1.0, 0.2, 1.0], ends.clone()], 0).unwrap();
         let expected = [
             [-1.0, -1.0],
+            [0.2, -1.0],
             [1.0, -1.0],
-            [-1.0, 0.2],
-            [1.0, 0.2],
             [-1.0, 1.0],
+            [0.2, 1.0],
             [1.0, 1.0],
         ];
         assert_eq!(design.coded_rows(), expected.map(|row| row.to_vec()));

@@ -415,4 +415,17 @@ mod tests {
             Err(Error::NoRoom)
         );
     }
+
+    /// A corner that holds a fifth of a millionth of the box (x + y + z + u >= 3.9: 0.1^4 / 4! of 2^4): no random point
+    /// finds it, steps across the plane do.
+    #[test]
+    fn a_region_in_a_far_corner_is_found() {
+        let constraint = Constraint {
+            weights: vec![-1.0; 4],
+            bound: -3.9,
+        };
+        let region = Region::new(vec![Coordinate::Range; 4], vec![constraint]).unwrap();
+        assert!(region.holds(region.inside()));
+        assert_eq!(region.corners().len(), 5);
+    }
 }

@@ -3,13 +3,10 @@
 use argmin::core::{CostFunction, Error, Executor, State};
 use argmin::solver::neldermead::NelderMead;
 
-/// Spread of the values of the simplex at which a descent ends.
+/// Spread of the values of the simplex at which the search ends.
 const TOLERANCE: f64 = 1e-10;
-/// Most steps of a descent.
+/// Most steps.
 const STEPS: u64 = 2000;
-/// Most descents, each from where the one before ended.
-const DESCENTS: usize = 10;
-
 /// A function as argmin takes it.
 struct Function<'a>(&'a dyn Fn(&[f64]) -> f64);
 
@@ -26,50 +23,39 @@ impl CostFunction for Function<'_> {
 /// elsewhere.
 ///
 /// # Source
-/// The simplex of `[NelderMead1965]`, started again at its end with sides of `side` until that gains nothing.
+/// The simplex of `[NelderMead1965]`, with sides of `side` at first.
 pub(crate) fn minimum(
     start: &[f64],
     side: f64,
     function: &dyn Fn(&[f64]) -> f64,
 ) -> (f64, Vec<f64>) {
-    let mut best = (function(start), start.to_vec());
-    for _ in 0..DESCENTS {
-        let corner = |j: usize| {
-            let moved = |by: f64| {
-                let mut at = best.1.clone();
-                at[j] += by;
-                at
-            };
-            // Away from a wall of infinite values.
-            let ahead = moved(side);
-            if function(&ahead).is_finite() {
-                ahead
-            } else {
-                moved(-side)
-            }
+    let corner = |j: usize| {
+        let moved = |by: f64| {
+            let mut at = start.to_vec();
+            at[j] += by;
+            at
         };
-        let simplex = std::iter::once(best.1.clone()).chain((0..start.len()).map(corner));
-        let found = NelderMead::new(simplex.collect())
-            .with_sd_tolerance(TOLERANCE)
-            .and_then(|solver| {
-                let executor = Executor::new(Function(function), solver);
-                executor.configure(|state| state.max_iters(STEPS)).run()
-            });
-        // It fails where the function is infinite all round, and then the start is the answer.
-        let Ok(found) = found else { break };
-        let value = found.state().get_best_cost();
-        let Some(place) = found.state().get_best_param() else {
-            break;
-        };
-        let gain = best.0 - value;
-        if gain > 0.0 {
-            best = (value, place.clone());
+        // Away from a wall of infinite values.
+        let ahead = moved(side);
+        if function(&ahead).is_finite() {
+            ahead
+        } else {
+            moved(-side)
         }
-        if gain.is_nan() || gain < 1e-8 {
-            break;
-        }
-    }
-    best
+    };
+    let simplex = std::iter::once(start.to_vec()).chain((0..start.len()).map(corner));
+    let found = NelderMead::new(simplex.collect())
+        .with_sd_tolerance(TOLERANCE)
+        .and_then(|solver| {
+            let executor = Executor::new(Function(function), solver);
+            executor.configure(|state| state.max_iters(STEPS)).run()
+        });
+    // It fails where the function is infinite all round, and then the start is the answer.
+    let best = found.ok().and_then(|found| {
+        let state = found.state();
+        Some((state.get_best_cost(), state.get_best_param()?.clone()))
+    });
+    best.unwrap_or_else(|| (function(start), start.to_vec()))
 }
 
 #[cfg(test)]
