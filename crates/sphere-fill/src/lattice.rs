@@ -35,6 +35,7 @@ impl Place for Lattice {
             grid: &grid,
             distance: &body.distance,
             radius: settings.radius,
+            thin: false,
         };
         let mut centres = within_tolerance(&wall, &found);
         if let Some(asked) = settings.count {

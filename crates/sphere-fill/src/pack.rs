@@ -53,11 +53,12 @@ pub struct Pack;
 impl Place for Pack {
     fn place(&self, body: &Body<'_>, settings: &FillSettings) -> Result<Vec<Sphere>, Error> {
         let grid = body.grid(settings);
-        let thin = body.inscribed_radius < THIN * settings.radius;
+        let thin = is_thin(body, settings);
         let exact = Wall::Exact {
             grid: &grid,
             distance: &body.distance,
             radius: settings.radius,
+            thin,
         };
         let room = Room {
             wall: if thin { exact } else { Wall::Grid(&grid) },
@@ -95,6 +96,11 @@ impl Place for Pack {
         }
         Ok(in_metres(&centres, settings.radius))
     }
+}
+
+/// Whether the body is thin for spheres of this radius.
+fn is_thin(body: &Body<'_>, settings: &FillSettings) -> bool {
+    body.inscribed_radius < THIN * settings.radius
 }
 
 /// Spheres of centres in radii.
@@ -147,6 +153,7 @@ fn finish(
         grid,
         distance: &body.distance,
         radius: settings.radius,
+        thin: is_thin(body, settings),
     };
     // A spread filling has room to spare: keeping a little less of it makes the end easy.
     let room = Room {

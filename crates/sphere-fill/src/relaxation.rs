@@ -33,6 +33,8 @@ pub(crate) enum Wall<'a> {
         distance: &'a SignedDistance,
         /// Sphere radius, m.
         radius: f64,
+        /// Whether the body is so thin that a sphere may touch two walls that face each other.
+        thin: bool,
     },
 }
 
@@ -45,6 +47,7 @@ impl Wall<'_> {
                 grid,
                 distance,
                 radius,
+                ..
             } => {
                 let rough = grid.at(point);
                 // The grid is right to a few per cent near one radius from the wall.
@@ -58,6 +61,48 @@ impl Wall<'_> {
                 }
             }
         }
+    }
+}
+
+impl Wall<'_> {
+    /// The wall that faces the nearest one, seen from a point inside a thin body: signed distance to its plane and the
+    /// gradient, radii.
+    ///
+    /// The nearest distance alone has a ridge between two walls, where its gradient jumps: spheres that both walls squeeze
+    /// would never leave. With both walls the energy is smooth there, and they slide to where the body is thicker.
+    fn facing(&self, point: &Vector3<f64>, nearest: &Distance) -> Option<Distance> {
+        let Self::Exact {
+            distance,
+            radius,
+            thin: true,
+            ..
+        } = self
+        else {
+            return None;
+        };
+        if nearest.value >= 0.0 {
+            return None;
+        }
+        let beyond = point - nearest.gradient * DEPTH;
+        let found = distance.nearest(&(beyond * *radius));
+        Some(Distance {
+            value: (point - found.point / *radius).dot(&found.outward),
+            gradient: found.outward,
+        })
+    }
+
+    /// Energy of a centre and its gradient, radii² and radii.
+    fn push(&self, centre: &Vector3<f64>) -> (f64, Vector3<f64>) {
+        let of = |distance: &Distance| {
+            let overlap = (distance.value + DEPTH).max(0.0);
+            (overlap * overlap, distance.gradient * (2.0 * overlap))
+        };
+        let nearest = self.at(centre);
+        let (energy, gradient) = of(&nearest);
+        let Some((more, slope)) = self.facing(centre, &nearest).as_ref().map(of) else {
+            return (energy, gradient);
+        };
+        (energy + more, gradient + slope)
     }
 }
 
@@ -124,7 +169,7 @@ pub(crate) fn relax(room: &Room<'_>, start: Vec<Vector3<f64>>, stop: Stop) -> Re
 
 /// Energy that each sphere has a part in, radii².
 pub(crate) fn energy_of_each(room: &Room<'_>, centres: &[Vector3<f64>]) -> Vec<f64> {
-    let wall = |centre| (room.wall.at(centre).value + DEPTH).max(0.0).powi(2);
+    let wall = |centre| room.wall.push(centre).0;
     let mut energies: Vec<f64> = centres.iter().map(wall).collect();
     let mut neighbours = Neighbours::default();
     for &(i, j) in neighbours.within(centres, room.spacing) {
@@ -260,10 +305,9 @@ fn evaluate(
 ) -> f64 {
     let mut energy = 0.0;
     for (centre, slope) in centres.iter().zip(gradient.iter_mut()) {
-        let distance = room.wall.at(centre);
-        let overlap = (distance.value + DEPTH).max(0.0);
-        energy += overlap * overlap;
-        *slope = distance.gradient * (2.0 * overlap);
+        let (of_wall, push) = room.wall.push(centre);
+        energy += of_wall;
+        *slope = push;
     }
     let spacing = room.spacing;
     for &(i, j) in neighbours.within(centres, spacing) {

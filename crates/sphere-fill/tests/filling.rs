@@ -374,6 +374,71 @@ fn a_plate_of_one_sphere_thickness_is_filled_with_a_layer() {
     assert!(filling.report.max_overlap < 1e-3 * radius);
 }
 
+/// A lens of two caps, `width` across and `thickness` in the middle, m.
+fn lens(width: f64, thickness: f64) -> TriMesh {
+    let (a, h) = (width / 2.0, thickness / 2.0);
+    let curvature = (a * a + h * h) / (2.0 * h);
+    let (rings, sectors) = (24, 72);
+    let point = |i: u32, j: u32, side: f64| {
+        let r = a * f64::from(i) / f64::from(rings);
+        let turn = std::f64::consts::TAU * f64::from(j % sectors) / f64::from(sectors);
+        let z = (curvature * curvature - r * r).sqrt() - (curvature - h);
+        let z = if i == rings { 0.0 } else { side * z };
+        Vector3::new(r * turn.cos(), r * turn.sin(), z)
+    };
+    let mut triangles = Vec::new();
+    for (side, i, j) in [1.0, -1.0]
+        .into_iter()
+        .flat_map(|side| (0..rings).flat_map(move |i| (0..sectors).map(move |j| (side, i, j))))
+    {
+        let [p, q, u, v] =
+            [(i, j), (i + 1, j), (i + 1, j + 1), (i, j + 1)].map(|(i, j)| point(i, j, side));
+        let mut add = |a, b, c| triangles.push(if side > 0.0 { [a, b, c] } else { [c, b, a] });
+        add(p, q, u);
+        if i > 0 {
+            add(p, u, v);
+        }
+    }
+    let read = TriMesh::from_triangles(&triangles, LengthUnit::Metre, "lens");
+    read.expect("a closed lens").mesh
+}
+
+/// Thin lenses, where each sphere touches both caps: the centres of spheres of radius r lie in a disc around the middle, in
+/// which the distance to the caps is r, and the spheres pack as circles do in a circle of that radius and r. So many fit as
+/// `[Graham1998]` gives for the ratio of the radii, and every lesser count fits too.
+#[test]
+fn a_thin_lens_holds_as_many_spheres_as_circles_fit_in_a_circle() {
+    // Least ratio of the radii for 1, 2, ... circles.
+    let least = [1.0, 2.0, 2.155, 2.414, 2.701, 3.0, 3.0, 3.304, 3.613, 3.813];
+    for (width, thickness, radius, expected) in [
+        (8e-3, 1.0e-3, 0.45e-3, 9),
+        (8e-3, 1.0e-3, 0.47e-3, 7),
+        (8e-3, 0.95e-3, 0.47e-3, 1),
+    ] {
+        let (a, h) = (width / 2.0, thickness / 2.0);
+        let curvature: f64 = (a * a + h * h) / (2.0 * h);
+        let disc = ((curvature - radius).powi(2) - (curvature - h).powi(2)).sqrt();
+        let ratio = (disc + radius) / radius;
+        let by_circles = least.iter().filter(|least| **least <= ratio).count();
+        assert_eq!(by_circles, expected, "the case itself, ratio {ratio}");
+        let mesh = lens(width, thickness);
+        let settings = FillSettings::new(radius);
+        let filling = fill(&mesh, &settings).unwrap();
+        assert_eq!(
+            filling.spheres.len(),
+            expected,
+            "{width} {thickness} {radius}"
+        );
+        assert_packed(&mesh, &filling.spheres);
+        for count in 1..expected {
+            let count = Some(count);
+            let fewer = fill(&mesh, &FillSettings { count, ..settings }).unwrap();
+            assert_eq!(Some(fewer.spheres.len()), count);
+            assert_packed(&mesh, &fewer.spheres);
+        }
+    }
+}
+
 /// More than is done is refused before anything is searched; the most of each is accepted. A search of an effort of 1e6 takes
 /// days, and each sphere on the axis of a body a millisecond.
 #[test]

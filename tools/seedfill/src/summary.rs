@@ -106,6 +106,25 @@ pub(crate) struct Refusal {
     pub(crate) mesh_warnings: Vec<Warning>,
 }
 
+/// Share of the volume below which a filling with equal spheres is told to be sparse, chosen by us: half of that of a dense
+/// random packing, 0.64.
+const SPARSE: f64 = 0.32;
+
+/// Says that equal spheres reach little of the volume, with the ways out.
+fn sparse(arguments: &Arguments, report: &FitReport) -> Option<String> {
+    let equal = matches!(arguments.method, MethodName::Pack | MethodName::Lattice);
+    let placed_all = arguments.spheres.is_none() && arguments.count.is_none();
+    let limited = arguments.max_spheres.is_some();
+    let share = report.union_fraction;
+    (equal && placed_all && !limited && share < SPARSE).then(|| {
+        format!(
+            "the spheres reach {:.0} % of the volume: the body is thin, or small, for this radius; take a smaller --radius, \
+             or spheres that follow the surface (--method surface or smooth)",
+            100.0 * share
+        )
+    })
+}
+
 impl Summary {
     /// Converts all figures to the unit of the mesh.
     pub(crate) fn new(
@@ -159,7 +178,10 @@ impl Summary {
             shape: Shape::new(measured.shape, unit),
             fit: fit_in(&filling.report, metre),
             moments: Moments::new(filling, mass_kg, unit),
-            warnings: connections.warning().into_iter().collect(),
+            warnings: [sparse(arguments, &filling.report), connections.warning()]
+                .into_iter()
+                .flatten()
+                .collect(),
             connections,
             union_surface: None,
             mass_kg,
