@@ -145,13 +145,8 @@ fn corners(set: &[usize], k: usize) -> Vec<Vec<f64>> {
 #[cfg(test)]
 mod tests {
     use super::{box_behnken, box_behnken_in_blocks};
-    use crate::{Error, Factor};
-
-    fn factors(k: usize) -> Vec<Factor> {
-        (0..k)
-            .map(|i| Factor::coded_only(&format!("x{i}")).unwrap())
-            .collect()
-    }
+    use crate::Error;
+    use crate::factor::coded_factors;
 
     /// The published run counts, and the moments that make the quadratic estimable with equal
     /// precision: every factor has the same sum of squares, every pair the same sum of products
@@ -165,7 +160,7 @@ mod tests {
             (6, 48, 24.0),
             (7, 56, 24.0),
         ] {
-            let rows = box_behnken(&factors(k), 3).unwrap().coded_rows();
+            let rows = box_behnken(&coded_factors(k), 3).unwrap().coded_rows();
             assert_eq!(rows.len(), n + 3, "{k} factors");
             let moment = |f: &dyn Fn(&[f64]) -> f64| rows.iter().map(|r| f(r)).sum::<f64>();
             let pair = moment(&|r| r[0] * r[0] * r[1] * r[1]);
@@ -190,7 +185,7 @@ mod tests {
     #[test]
     fn blocks_are_orthogonal_to_the_quadratic() {
         for (k, n_blocks, centre) in [(4, 3, 3), (5, 2, 6), (6, 2, 6), (7, 2, 6)] {
-            let design = box_behnken_in_blocks(&factors(k), centre).unwrap();
+            let design = box_behnken_in_blocks(&coded_factors(k), centre).unwrap();
             for block in 1..=n_blocks {
                 let rows: Vec<&[f64]> = design
                     .runs()
@@ -209,14 +204,14 @@ mod tests {
                 }
             }
         }
-        assert!(box_behnken_in_blocks(&factors(3), 6).is_err());
-        assert!(box_behnken_in_blocks(&factors(5), 5).is_err());
+        assert!(box_behnken_in_blocks(&coded_factors(3), 6).is_err());
+        assert!(box_behnken_in_blocks(&coded_factors(5), 5).is_err());
     }
 
     #[test]
     fn other_numbers_of_factors_are_refused_with_a_way_out() {
         for k in [1, 2, 8] {
-            let error = box_behnken(&factors(k), 3).unwrap_err();
+            let error = box_behnken(&coded_factors(k), 3).unwrap_err();
             assert!(matches!(error, Error::FactorCount { .. }));
             assert!(error.to_string().contains("central composite"), "{error}");
         }

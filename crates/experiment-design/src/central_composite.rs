@@ -119,13 +119,7 @@ fn cube(factors: &[Factor]) -> Result<Vec<Vec<f64>>, Error> {
 #[cfg(test)]
 mod tests {
     use super::{AxialDistance, central_composite, central_composite_in_blocks};
-    use crate::Factor;
-
-    fn factors(k: usize) -> Vec<Factor> {
-        (0..k)
-            .map(|i| Factor::coded_only(&format!("x{i}")).unwrap())
-            .collect()
-    }
+    use crate::factor::coded_factors;
 
     /// Rotatability of second order needs `sum x_i^4 = 3 sum x_i^2 x_j^2` `[Box1957]`;
     /// tolerance: rounding of alpha^4, 1e-12 relative.
@@ -133,13 +127,14 @@ mod tests {
     fn rotatable_designs_have_the_moments_of_rotatability() {
         for k in 2..=8 {
             for axial in [AxialDistance::Rotatable, AxialDistance::RotatableInscribed] {
-                let design = central_composite(&factors(k), axial, 2).unwrap();
+                let design = central_composite(&coded_factors(k), axial, 2).unwrap();
                 let rows = design.coded_rows();
                 let fourth: f64 = rows.iter().map(|r| r[0].powi(4)).sum();
                 let mixed: f64 = rows.iter().map(|r| (r[0] * r[1]).powi(2)).sum();
                 assert!((fourth / (3.0 * mixed) - 1.0).abs() < 1e-12, "{k} factors");
             }
-            let inscribed = central_composite(&factors(k), AxialDistance::RotatableInscribed, 1);
+            let inscribed =
+                central_composite(&coded_factors(k), AxialDistance::RotatableInscribed, 1);
             assert_eq!(inscribed.unwrap().reach(), 1.0);
         }
     }
@@ -149,7 +144,7 @@ mod tests {
     #[test]
     fn blocks_are_orthogonal_to_the_quadratic() {
         for k in 2..=8 {
-            let design = central_composite_in_blocks(&factors(k), 4, 2).unwrap();
+            let design = central_composite_in_blocks(&coded_factors(k), 4, 2).unwrap();
             let share = |block: usize| {
                 let runs: Vec<_> = design.runs().iter().filter(|r| r.block == block).collect();
                 let squares: f64 = runs.iter().map(|r| r.coded[0].powi(2)).sum();
@@ -157,15 +152,15 @@ mod tests {
             };
             assert!((share(1) / share(2) - 1.0).abs() < 1e-12, "{k} factors");
         }
-        assert!(central_composite(&factors(3), AxialDistance::At(-1.0), 1).is_err());
+        assert!(central_composite(&coded_factors(3), AxialDistance::At(-1.0), 1).is_err());
     }
 
     #[test]
     fn face_centred_design_of_three_factors_has_fifteen_cells_on_three_levels() {
-        let design = central_composite(&factors(3), AxialDistance::Face, 1).unwrap();
+        let design = central_composite(&coded_factors(3), AxialDistance::Face, 1).unwrap();
         assert_eq!(design.runs().len(), 15);
         assert_eq!(design.reach(), 1.0);
-        assert!(central_composite(&factors(9), AxialDistance::Face, 1).is_err());
-        assert!(central_composite(&factors(1), AxialDistance::Face, 1).is_err());
+        assert!(central_composite(&coded_factors(9), AxialDistance::Face, 1).is_err());
+        assert!(central_composite(&coded_factors(1), AxialDistance::Face, 1).is_err());
     }
 }

@@ -66,20 +66,15 @@ pub fn definitive_screening(
 #[cfg(test)]
 mod tests {
     use super::definitive_screening;
-    use crate::{Error, Factor};
-
-    fn factors(k: usize) -> Vec<Factor> {
-        (0..k)
-            .map(|i| Factor::coded_only(&format!("x{i}")).unwrap())
-            .collect()
-    }
+    use crate::Error;
+    use crate::factor::coded_factors;
 
     /// Six factors without fake ones take 13 runs `[JonesNachtsheim2011]`, five as many as six; two fake factors add
     /// four runs.
     #[test]
     fn run_counts_are_those_of_the_source() {
         let runs = |k: usize, fake: usize| {
-            let design = definitive_screening(&factors(k), fake, 1).unwrap();
+            let design = definitive_screening(&coded_factors(k), fake, 1).unwrap();
             design.runs().len()
         };
         assert_eq!([runs(4, 0), runs(5, 0), runs(6, 0)], [9, 13, 13]);
@@ -94,7 +89,7 @@ mod tests {
     #[test]
     fn main_effects_are_free_of_all_terms_of_second_order() {
         for k in 3..=30 {
-            let rows = definitive_screening(&factors(k), 2, 1)
+            let rows = definitive_screening(&coded_factors(k), 2, 1)
                 .unwrap()
                 .coded_rows();
             let sum = |f: &dyn Fn(&Vec<f64>) -> f64| rows.iter().map(f).sum::<f64>();
@@ -115,12 +110,12 @@ mod tests {
     #[test]
     fn what_cannot_be_made_is_refused() {
         for (k, fake) in [(2, 2), (31, 2), (3, 40)] {
-            let error = definitive_screening(&factors(k), fake, 1);
+            let error = definitive_screening(&coded_factors(k), fake, 1);
             assert!(
                 matches!(error, Err(Error::FactorCount { .. })),
                 "{k}, {fake}"
             );
         }
-        assert!(definitive_screening(&factors(4), 2, 0).is_err());
+        assert!(definitive_screening(&coded_factors(4), 2, 0).is_err());
     }
 }

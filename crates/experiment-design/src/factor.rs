@@ -179,6 +179,13 @@ fn check_symbol(symbol: &str) -> Result<(), Error> {
     })
 }
 
+/// Factors x0, x1, ... that are their own coded values, for tests.
+#[cfg(test)]
+pub(crate) fn coded_factors(k: usize) -> Vec<Factor> {
+    let factor = |i| Factor::coded_only(&format!("x{i}")).expect("a symbol");
+    (0..k).map(factor).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::{Factor, check_factors};

@@ -49,7 +49,7 @@ pub use fraction_generators::{fraction_with_generators, in_blocks};
 pub use fractional_factorial::{Fraction, fractional_factorial};
 pub use full_factorial::{full_factorial, mixed_factorial};
 pub use latin_hypercube::latin_hypercube;
-pub use optimal::{Criterion, augmented_design, optimal_design, optimal_rows};
+pub use optimal::{Criterion, optimal_design, optimal_rows};
 pub use plackett_burman::{plackett_burman, plackett_burman_with_runs};
 pub use region::{Constraint, Coordinate, Region};
 pub use second_stage::augmented_near;

@@ -7,7 +7,7 @@ use random_stream::Stream;
 pub use criterion::Criterion;
 pub(crate) use criterion::Target;
 
-use crate::{Design, DesignKind, Error, Factor, Region, check_factors};
+use crate::{Design, Error, Factor, Region, check_factors};
 
 /// Random starts of the exchange; the best of ten is rarely beaten by more than 1 %.
 const STARTS: usize = 10;
@@ -25,8 +25,7 @@ const LEVELS: [f64; 3] = [-1.0, 0.0, 1.0];
 /// Coordinate exchange: `[Meyer1995]`.
 ///
 /// # Errors
-/// [`Error::CountOutOfRange`] for fewer runs than terms or more than 500; those of
-/// [`check_factors`].
+/// Those of [`optimal_rows`] and [`check_factors`].
 pub fn optimal_design(
     factors: &[Factor],
     criterion: Criterion,
@@ -34,32 +33,10 @@ pub fn optimal_design(
     seed: u64,
     row: &dyn Fn(&[f64]) -> Vec<f64>,
 ) -> Result<Design, Error> {
-    augmented_design(factors, criterion, &[], n_runs, seed, row)
-}
-
-/// Adds `n_runs` runs on the levels -1, 0, +1 to given coded runs so that all of them together are
-/// nearly optimal for a model. The given runs come first, in block 1; the added ones are block 2.
-/// Without given runs it is [`optimal_design`].
-///
-/// # Errors
-/// As [`optimal_design`], for all runs together; [`Error::BadRun`] for a given run of wrong length.
-pub fn augmented_design(
-    factors: &[Factor],
-    criterion: Criterion,
-    given: &[Vec<f64>],
-    n_runs: usize,
-    seed: u64,
-    row: &dyn Fn(&[f64]) -> Vec<f64>,
-) -> Result<Design, Error> {
     check_factors(factors)?;
     let region = Region::cube(factors.len());
-    let rows = optimal_rows(&region, criterion, given, n_runs, seed, row)?;
-    let kind = match (given.is_empty(), criterion) {
-        (false, _) => DesignKind::Augmented,
-        (true, Criterion::Determinant) => DesignKind::DOptimal,
-        (true, Criterion::MeanVariance) => DesignKind::IOptimal,
-    };
-    Design::in_stages(kind, factors, given, rows)
+    let rows = optimal_rows(&region, criterion, &[], n_runs, seed, row)?;
+    Design::new(criterion.kind(), factors, Vec::new(), rows)
 }
 
 /// Runs, added to given ones, that are nearly optimal for a model within a region; all rows are in the coordinates of the
@@ -69,7 +46,8 @@ pub fn augmented_design(
 /// constraints whole runs move to the corners of the region and the middles between them as well.
 ///
 /// # Errors
-/// As [`augmented_design`].
+/// [`Error::CountOutOfRange`] for fewer runs than terms, the given ones counted, or more than 500;
+/// [`Error::BadRun`] for a given run of wrong length.
 pub fn optimal_rows(
     region: &Region,
     criterion: Criterion,
@@ -162,14 +140,9 @@ fn exchange(
 
 #[cfg(test)]
 mod tests {
-    use super::{Criterion, Target, augmented_design, optimal_design, optimal_rows};
-    use crate::{Constraint, Coordinate, Error, Factor, Region, full_factorial};
-
-    fn factors(k: usize) -> Vec<Factor> {
-        (0..k)
-            .map(|i| Factor::coded_only(&format!("x{i}")).unwrap())
-            .collect()
-    }
+    use super::{Criterion, Target, optimal_design, optimal_rows};
+    use crate::factor::coded_factors;
+    use crate::{Constraint, Coordinate, Error, Region, full_factorial};
 
     fn linear(x: &[f64]) -> Vec<f64> {
         std::iter::once(1.0).chain(x.iter().copied()).collect()
@@ -179,8 +152,9 @@ mod tests {
     /// (Hadamard's bound): the exchange must reach their determinant to rounding.
     #[test]
     fn linear_model_gets_an_orthogonal_two_level_design() {
-        let design = optimal_design(&factors(3), Criterion::Determinant, 8, 3, &linear).unwrap();
-        let full = full_factorial(&factors(3), 0).unwrap();
+        let design =
+            optimal_design(&coded_factors(3), Criterion::Determinant, 8, 3, &linear).unwrap();
+        let full = full_factorial(&coded_factors(3), 0).unwrap();
         let target = Target::new(&Region::cube(3), Criterion::Determinant, &[], 1, &linear);
         let (got, best) = (
             target.cost(&design.coded_rows()),
@@ -195,7 +169,7 @@ mod tests {
     fn quadratic_in_one_factor_gets_the_known_shares() {
         let row = |x: &[f64]| vec![1.0, x[0], x[0] * x[0]];
         let middle = |criterion| {
-            let design = optimal_design(&factors(1), criterion, 12, 5, &row).unwrap();
+            let design = optimal_design(&coded_factors(1), criterion, 12, 5, &row).unwrap();
             design
                 .runs()
                 .iter()
@@ -206,22 +180,20 @@ mod tests {
         assert_eq!(middle(Criterion::MeanVariance), 6);
     }
 
-    /// Half a factorial in three factors, augmented by four runs for a linear model with
+    /// Half a factorial in three factors, with four runs added for a linear model with
     /// interactions, must become the full factorial: no other eight runs are orthogonal.
     #[test]
-    fn augmentation_completes_the_factorial() {
-        let half: Vec<Vec<f64>> = full_factorial(&factors(3), 0)
+    fn added_runs_complete_the_factorial() {
+        let half: Vec<Vec<f64>> = full_factorial(&coded_factors(3), 0)
             .unwrap()
             .coded_rows()
             .into_iter()
             .filter(|x| x.iter().product::<f64>() > 0.0)
             .collect();
         let row = |x: &[f64]| vec![1.0, x[0], x[1], x[2], x[0] * x[1], x[0] * x[2], x[1] * x[2]];
-        let both =
-            augmented_design(&factors(3), Criterion::Determinant, &half, 4, 1, &row).unwrap();
-        let mut rows = both.coded_rows();
-        assert_eq!(rows[..4], half[..]);
-        assert_eq!(both.runs()[4].block, 2);
+        let cube = Region::cube(3);
+        let added = optimal_rows(&cube, Criterion::Determinant, &half, 4, 1, &row).unwrap();
+        let mut rows = [half, added].concat();
         rows.sort_by(|a, b| a.partial_cmp(b).unwrap());
         rows.dedup();
         assert_eq!(rows.len(), 8, "{rows:?}");
@@ -229,7 +201,7 @@ mod tests {
 
     #[test]
     fn fewer_runs_than_terms_are_refused() {
-        let error = optimal_design(&factors(3), Criterion::Determinant, 3, 1, &linear);
+        let error = optimal_design(&coded_factors(3), Criterion::Determinant, 3, 1, &linear);
         assert!(matches!(
             error,
             Err(Error::CountOutOfRange { least: 4, .. })

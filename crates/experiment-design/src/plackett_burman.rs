@@ -104,19 +104,14 @@ fn dummy_names(factors: &[Factor], n: usize) -> Vec<String> {
 #[cfg(test)]
 mod tests {
     use super::{plackett_burman, plackett_burman_with_runs};
-    use crate::{Error, Factor};
-
-    fn factors(n: usize) -> Vec<Factor> {
-        (0..n)
-            .map(|i| Factor::coded_only(&format!("x{i}")).unwrap())
-            .collect()
-    }
+    use crate::Error;
+    use crate::factor::coded_factors;
 
     /// Signs are whole numbers, so orthogonality is exact.
     #[test]
     fn columns_are_balanced_and_orthogonal_for_every_published_size() {
         for n in [12, 16, 20, 24, 28, 32, 36, 40, 44, 48] {
-            let rows = plackett_burman_with_runs(&factors(3), n)
+            let rows = plackett_burman_with_runs(&coded_factors(3), n)
                 .unwrap()
                 .coded_rows();
             assert_eq!(rows.len(), n);
@@ -147,7 +142,7 @@ mod tests {
             (39, 40),
             (47, 48),
         ] {
-            let design = plackett_burman(&factors(k)).unwrap();
+            let design = plackett_burman(&coded_factors(k)).unwrap();
             assert_eq!(design.runs().len(), n);
             assert_eq!(design.dummies().len(), n - 1 - k);
         }
@@ -157,7 +152,7 @@ mod tests {
     /// is aliased with a main effect.
     #[test]
     fn fold_over_frees_main_effects_of_two_factor_interactions() {
-        let single = plackett_burman(&factors(6)).unwrap();
+        let single = plackett_burman(&coded_factors(6)).unwrap();
         let double = single.folded_over();
         assert_eq!(double.runs().len(), 24);
         assert_eq!(double.runs()[12].block, 2);
@@ -169,11 +164,11 @@ mod tests {
     #[test]
     fn sizes_beyond_the_published_ones_are_refused_with_a_way_out() {
         assert!(matches!(
-            plackett_burman(&factors(48)),
+            plackett_burman(&coded_factors(48)),
             Err(Error::FactorCount { most: 47, .. })
         ));
-        let error = plackett_burman_with_runs(&factors(3), 18).unwrap_err();
+        let error = plackett_burman_with_runs(&coded_factors(3), 18).unwrap_err();
         assert!(error.to_string().contains("44 or 48"), "{error}");
-        assert!(plackett_burman_with_runs(&factors(12), 12).is_err());
+        assert!(plackett_burman_with_runs(&coded_factors(12), 12).is_err());
     }
 }

@@ -5,11 +5,11 @@ use random_stream::Stream;
 use crate::optimal::{PASSES, Target};
 use crate::{Criterion, Design, DesignKind, Error, Factor, Region, check_factors};
 
-/// As [`crate::augmented_design`], the added runs taken from the points that `allowed` lets pass among a
+/// Adds runs to given ones as [`crate::optimal_rows`] does, as block 2, taken from the points that `allowed` lets pass among a
 /// grid of levels -1, -1/2, 0, 1/2, +1: the second stage of an experiment near a contour.
 ///
 /// # Errors
-/// As [`crate::augmented_design`]; [`Error::CountOutOfRange`] if no point of the grid is allowed.
+/// As [`crate::optimal_rows`]; [`Error::CountOutOfRange`] if no point of the grid is allowed.
 pub fn augmented_near(
     factors: &[Factor],
     criterion: Criterion,
@@ -80,22 +80,17 @@ pub fn augmented_near(
 #[cfg(test)]
 mod tests {
     use super::augmented_near;
-    use crate::{Criterion, Factor, full_factorial};
-
-    fn factors(k: usize) -> Vec<Factor> {
-        (0..k)
-            .map(|i| Factor::coded_only(&format!("x{i}")).unwrap())
-            .collect()
-    }
+    use crate::factor::coded_factors;
+    use crate::{Criterion, full_factorial};
 
     /// Points of the second stage stay where they are allowed.
     #[test]
     fn the_second_stage_keeps_to_its_band() {
-        let given = full_factorial(&factors(2), 1).unwrap().coded_rows();
+        let given = full_factorial(&coded_factors(2), 1).unwrap().coded_rows();
         let row = |x: &[f64]| vec![1.0, x[0], x[1], x[0] * x[1]];
         let near = |x: &[f64]| (x[0] - x[1]).abs() < 0.1;
         let both = augmented_near(
-            &factors(2),
+            &coded_factors(2),
             Criterion::Determinant,
             &given,
             4,

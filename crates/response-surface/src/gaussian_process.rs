@@ -4,14 +4,13 @@ use experiment_design::Factor;
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 use serde::Serialize;
 
+use crate::distribution::normal_quantile;
 use crate::fit::pooled_variance;
 use crate::simplex::minimum;
 use crate::{Error, Model, Observations};
 
 /// Greatest number of cells: the work grows with its cube.
 const MOST_CELLS: usize = 400;
-/// The 97.5 % quantile of the normal distribution.
-const NORMAL_975: f64 = 1.959_963_984_540_054;
 /// Scale lengths searched, coded units.
 const LENGTHS: [f64; 2] = [0.05, 20.0];
 
@@ -255,7 +254,8 @@ impl GaussianProcess {
     /// `mean +- 1.96 se` and `mean +- 1.96 sqrt(se^2 + s_run^2)`, 1.96 the quantile of the normal distribution.
     pub fn prediction(&self, coded: &[f64]) -> ProcessPrediction {
         let (mean, se_mean) = self.predict(coded);
-        let around = |sd: f64| [mean - NORMAL_975 * sd, mean + NORMAL_975 * sd];
+        let quantile = normal_quantile(0.975).unwrap_or(f64::INFINITY);
+        let around = |sd: f64| [mean - quantile * sd, mean + quantile * sd];
         ProcessPrediction {
             mean,
             se_mean,

@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 use serde::Serialize;
 
-use crate::{Categorical, Error, Fit, NamedValues, Term};
+use crate::{Categorical, Error, ErrorSource, Fit, NamedValues, Term};
 
 /// How the variance of the surface over the ranges of the factors is shared.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -30,7 +30,8 @@ pub struct FactorShare {
 pub struct Share {
     /// The share, 0 to 1.
     pub share: f64,
-    /// The share that the errors of the coefficients alone would make on average; none without an error variance.
+    /// The share that the errors of the coefficients alone would make on average, by the residuals; none where none are
+    /// left.
     pub by_noise: Option<f64>,
 }
 
@@ -107,7 +108,7 @@ impl Fit {
         let coefficients = DVector::from_iterator(terms.len(), coefficients);
         let inverse = self.inverse_of_terms();
         let covariance = self
-            .best_error_variance()
+            .error_variance(ErrorSource::Residual)
             .map(|e| DMatrix::from_fn(terms.len(), terms.len(), |i, j| e.variance * inverse[i][j]));
         // Q of the variance that the factors in `set` make.
         let form = |set: &dyn Fn(usize) -> bool| {
@@ -224,7 +225,7 @@ mod tests {
 
     /// Where B does nothing, what it seems to make is noise: over 400 drawn experiments the mean of its total share times
     /// the variance agrees with the mean of what noise is said to make, within four standard errors of the draws (the
-    /// variances are drawn as well, with 7 degrees of freedom or so).
+    /// variances are drawn as well, with 7 degrees of freedom).
     #[test]
     fn what_noise_makes_is_told() {
         let f = factors("AB");

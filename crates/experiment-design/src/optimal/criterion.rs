@@ -2,7 +2,7 @@
 
 use random_stream::Stream;
 
-use crate::Region;
+use crate::{DesignKind, Region};
 
 /// Added to the diagonal of X'X, relative to the runs, so that a poor start has a finite value.
 const RIDGE: f64 = 1e-8;
@@ -16,6 +16,16 @@ pub enum Criterion {
     Determinant,
     /// Mean over the region of x'(X'X)^-1 x: the variance of the prediction (I).
     MeanVariance,
+}
+
+impl Criterion {
+    /// The kind of a design that is made by it.
+    pub fn kind(self) -> DesignKind {
+        match self {
+            Self::Determinant => DesignKind::DOptimal,
+            Self::MeanVariance => DesignKind::IOptimal,
+        }
+    }
 }
 
 /// A criterion with what it needs: the model, the runs that are given, the moments of the region.

@@ -6,6 +6,7 @@ use experiment_design::{Design, Factor, Run};
 use response_surface::{Categorical, CategoricalModel};
 
 use super::Arguments;
+use crate::levels;
 
 /// A level of each named factor, in their order.
 pub(super) type Combination = Vec<String>;
@@ -37,15 +38,8 @@ pub(super) fn named(arguments: &Arguments, factors: &[Factor]) -> anyhow::Result
 
 /// All combinations of levels, the last factor changing fastest; one empty combination without named factors.
 pub(super) fn combinations(named: &[Categorical]) -> Vec<Combination> {
-    let mut all: Vec<Combination> = vec![Vec::new()];
-    for category in named {
-        let each = |chosen: &Combination| -> Vec<Combination> {
-            let with = |level: &String| [&chosen[..], std::slice::from_ref(level)].concat();
-            category.levels().iter().map(with).collect()
-        };
-        all = all.iter().flat_map(each).collect();
-    }
-    all
+    let names = |chosen: levels::Combination| chosen.into_iter().map(|(_, level)| level).collect();
+    levels::combinations(named).into_iter().map(names).collect()
 }
 
 /// The design once for each combination, its cells counted on, and the combination of each cell.

@@ -44,10 +44,10 @@ pub(super) fn make(
         });
     }
     let added = optimal_rows(&region, criterion, &given, runs, seed, &row)?;
-    let kind = match (given.is_empty(), criterion) {
-        (false, _) => DesignKind::Augmented,
-        (true, Criterion::Determinant) => DesignKind::DOptimal,
-        (true, Criterion::MeanVariance) => DesignKind::IOptimal,
+    let kind = if given.is_empty() {
+        criterion.kind()
+    } else {
+        DesignKind::Augmented
     };
     let of_cells = given.iter().chain(&added);
     let of_cells: Vec<Combination> = of_cells.map(|x| levels_at(&x[k..], named)).collect();
