@@ -284,6 +284,13 @@ browser-test:
     cargo test --release --locked -p study-report --lib browser -- --ignored
     cargo test --release --locked -p campaign-watch --lib browser -- --ignored
 
+# Installs the Debian package where it is missing; apt-get may need root.
+# Read films of four kinds that ffmpeg has packed, whole and broken off (seconds).
+[group('build and check')]
+films:
+    command -v ffmpeg > /dev/null || apt-get install --yes --no-install-recommends ffmpeg
+    cargo test --release --locked -p angle-from-image --test command films -- --ignored
+
 # Measure what a step of the solver costs, on the default set of scenes.
 [group('speed')]
 bench *ARGS:

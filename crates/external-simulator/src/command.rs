@@ -376,7 +376,8 @@ fn read_bed(
 fn read_pictures(folder: &Path, pattern: &Path, took: Took) -> Result<RunOutcome, Failure> {
     let mut readings = Vec::new();
     for file in matching(folder, pattern)? {
-        for picture in read_frames(&file).map_err(|error| error.to_string())? {
+        for picture in read_frames(&file).map_err(|error| in_full(&error))? {
+            let picture = picture.map_err(|error| in_full(&error))?;
             let pixels = photo_profile::PhotoPixels::from_picture(&picture);
             let photo = measure_photo(&pixels, &Settings::default());
             let photo = photo.map_err(|error| format!("{}: {error}", file.display()))?;

@@ -1,5 +1,6 @@
 //! Reading a picture file: size checked first, cut files refused, orientation honoured.
 
+use crate::film::{Film, is_film};
 use crate::jpeg_end::reaches_end;
 use crate::pixels::to_level;
 use crate::{Error, PhotoPixels};
@@ -21,13 +22,80 @@ pub fn read_photo(path: &Path) -> Result<DynamicImage, Error> {
     decode(path, &read_bytes(path)?)
 }
 
-/// Reads the frames of an animated PNG or GIF in order, or the one picture of any other file.
+/// The pictures in a file, in order: one of a photo, many of an animation or a film.
+#[derive(Debug)]
+pub struct Frames {
+    /// Where they come from.
+    source: Source,
+}
+
+/// Where pictures come from.
+#[derive(Debug)]
+enum Source {
+    /// Decoded already.
+    Decoded {
+        /// Those left.
+        left: std::vec::IntoIter<DynamicImage>,
+        /// Whether the file is an animation.
+        several: bool,
+    },
+    /// Decoded one behind the other.
+    Film(Film),
+}
+
+impl Frames {
+    /// Whether the file may hold more than one picture.
+    pub fn are_several(&self) -> bool {
+        match &self.source {
+            Source::Decoded { several, .. } => *several,
+            Source::Film(_) => true,
+        }
+    }
+
+    /// Pictures a second that a film states, 1/s; none of all else. A film in slow motion was taken at another rate.
+    pub fn rate(&self) -> Option<f64> {
+        match &self.source {
+            Source::Decoded { .. } => None,
+            Source::Film(film) => Some(film.rate),
+        }
+    }
+}
+
+impl Iterator for Frames {
+    type Item = Result<DynamicImage, Error>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        match &mut self.source {
+            Source::Decoded { left, .. } => left.next().map(Ok),
+            Source::Film(film) => film.next(),
+        }
+    }
+}
+
+/// Opens a file with pictures: the frames of an animated PNG or GIF, those of a film (MP4, MOV, AVI and others, by the
+/// program `ffmpeg`), or the one picture of any other file.
 ///
 /// Each frame is the whole picture as it is seen at its time.
 ///
 /// # Errors
-/// As [`read_photo`]; all frames together count against [`MOST_PIXELS`].
-pub fn read_frames(path: &Path) -> Result<Vec<DynamicImage>, Error> {
+/// As [`read_photo`]; all frames of an animation together count against [`MOST_PIXELS`]. [`Error::Film`] where `ffmpeg` is
+/// missing or fails; each picture of a film may bring it too.
+pub fn read_frames(path: &Path) -> Result<Frames, Error> {
+    Ok(Frames {
+        source: if is_film(path) {
+            Source::Film(Film::open(path)?)
+        } else {
+            let pictures = decoded_frames(path)?;
+            Source::Decoded {
+                several: pictures.len() > 1,
+                left: pictures.into_iter(),
+            }
+        },
+    })
+}
+
+/// The frames of an animation, or the one picture of any other file.
+fn decoded_frames(path: &Path) -> Result<Vec<DynamicImage>, Error> {
     let bytes = read_bytes(path)?;
     let first = decode(path, &bytes)?;
     let failed = |source: image::ImageError| Error::Decode {

@@ -1,5 +1,6 @@
 //! What stops a photo from being read at all.
 
+use crate::PixelRegion;
 use std::path::PathBuf;
 
 /// Why there is no reading; a picture that was read but cannot be measured is a
@@ -31,6 +32,14 @@ pub enum Error {
         /// Why.
         source: image::ImageError,
     },
+    /// The file is no film that can be decoded, or not to its end.
+    #[error("cannot decode the film {}: {reason}", path.display())]
+    Film {
+        /// The file.
+        path: PathBuf,
+        /// Why, in the words of the program that decodes it.
+        reason: String,
+    },
     /// The file ends before the picture does.
     #[error("{} is cut off: the JPEG end marker is missing after {bytes} bytes", path.display())]
     Truncated {
@@ -58,6 +67,41 @@ pub enum Error {
         value: f64,
         /// What is allowed, in words.
         limit: &'static str,
+    },
+    /// A part of the picture that lies outside it, or holds no pixel.
+    #[error(
+        "the region of {} by {} px from ({}, {}) must hold pixels and lie in the picture of {width} by {height} px",
+        region.width, region.height, region.left, region.top
+    )]
+    BadRegion {
+        /// The part.
+        region: PixelRegion,
+        /// Pixels along x of the picture.
+        width: u64,
+        /// Pixels along y.
+        height: u64,
+    },
+    /// A mask that does not fit the picture, or leaves nothing of it.
+    #[error(
+        "the mask of {} by {} px must have the size of the picture, {} by {} px, and white places to look at",
+        mask[0], mask[1], picture[0], picture[1]
+    )]
+    BadMask {
+        /// Pixels of the mask along x and y.
+        mask: [usize; 2],
+        /// Pixels of the picture along x and y.
+        picture: [usize; 2],
+    },
+    /// Two places that tell no horizontal.
+    #[error(
+        "the two places are {length:.0} px apart: a plumb line runs down and a level across within 45 degrees, over at least \
+         {least} px"
+    )]
+    BadMark {
+        /// Their distance, px.
+        length: f64,
+        /// Least distance, px.
+        least: f64,
     },
     /// Corners that span no square seen in perspective.
     #[error(

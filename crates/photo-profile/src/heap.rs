@@ -85,7 +85,13 @@ pub(crate) fn read_heap(picture: &PhotoPixels, settings: &Settings) -> Result<Fo
     let share = PhotoPixels::from_values(small.width(), bed.share.clone())
         .blurred((SMOOTHING * small.width() as f64).max(0.8));
     let share = largest_part(share);
-    let (outline, cut) = outline(&share);
+    let (mut outline, cut) = outline(&share);
+    let scale = factor as f64;
+    let in_picture = |cell: f64| (cell + 0.5) * scale - 0.5;
+    outline.retain(|(i, j)| {
+        let (x, y) = (in_picture(*i), in_picture(*j));
+        !picture.is_hidden_near(PixelPoint { x, y }, 2.0 * scale)
+    });
     let (sin, cos) = settings.camera_roll.sin_cos();
     // Level coordinates, y up.
     let level: Vec<SurfacePoint> = outline
@@ -95,10 +101,9 @@ pub(crate) fn read_heap(picture: &PhotoPixels, settings: &Settings) -> Result<Fo
             y: -i * sin - j * cos,
         })
         .collect();
-    let scale = factor as f64;
     let to_picture = |p: &SurfacePoint| PixelPoint {
-        x: (p.x * cos - p.y * sin + 0.5) * scale - 0.5,
-        y: (-p.x * sin - p.y * cos + 0.5) * scale - 0.5,
+        x: in_picture(p.x * cos - p.y * sin),
+        y: in_picture(-p.x * sin - p.y * cos),
     };
     let unfit = |reason| Unfit {
         boundary: level.iter().map(to_picture).collect(),

@@ -46,9 +46,14 @@ pub fn measure_image(picture: &GrayImage, settings: &Settings) -> Result<PhotoRe
 /// Measures the angle in a picture.
 ///
 /// # Errors
-/// As [`Settings::check`].
+/// As [`Settings::check`], and [`Error::BadRegion`].
 pub fn measure_photo(picture: &PhotoPixels, settings: &Settings) -> Result<PhotoReading, Error> {
     settings.check()?;
+    if let Some(region) = settings.region {
+        region.check(picture)?;
+        let reading = measure_photo(&picture.part(region), &region.settings(settings))?;
+        return Ok(region.in_the_whole(reading));
+    }
     let shorter = u32::try_from(picture.width().min(picture.height())).unwrap_or(u32::MAX);
     if shorter < LEAST_SIDE {
         let reason = Refusal::TooSmall {
@@ -106,7 +111,7 @@ fn read_disc(picture: &PhotoPixels, found: &FoundDrum, settings: &Settings) -> P
         // Where the bed ends is told also where its surface has no angle.
         Ok(disc) => PhotoReading {
             ends: shell_ends(&disc.field, disc.level, &disc.circle),
-            ..read_surface_of(&disc, found, settings)
+            ..read_surface_of(picture, &disc, found, settings)
                 .unwrap_or_else(|unfit| unfit.reading(Some(found.circle)))
         },
     };
@@ -163,6 +168,7 @@ impl Disc {
 
 /// Measures the surface in the disc of a drum.
 fn read_surface_of(
+    picture: &PhotoPixels,
     disc: &Disc,
     found: &FoundDrum,
     settings: &Settings,
@@ -177,8 +183,10 @@ fn read_surface_of(
         circle,
     } = disc;
     let level = *level;
-    let points =
+    let mut points =
         free_surface(field, level, circle, REACH).map_err(|e| Unfit::from(Refusal::Surface(e)))?;
+    // What was put into a hidden place reaches as far as the smoothing.
+    points.retain(|p| !picture.is_hidden_near(view.to_picture(p), 2.0 * SMOOTHING * drum.r));
     let boundary = || points.iter().map(|p| view.to_picture(p)).collect();
     let mut surface = read_surface(&points, circle).map_err(|e| Unfit {
         boundary: boundary(),

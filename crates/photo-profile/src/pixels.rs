@@ -1,6 +1,7 @@
 //! The picture as grey values, and as colours where it has any.
 
-use crate::Channel;
+use crate::mask::Hidden;
+use crate::{Channel, PixelPoint, PixelRegion};
 use image::{DynamicImage, GrayImage, RgbImage};
 use std::borrow::Cow;
 use std::sync::Arc;
@@ -21,6 +22,8 @@ pub struct PhotoPixels {
     values: Vec<f32>,
     /// The same picture in colour; none where it is grey.
     colour: Option<Arc<RgbImage>>,
+    /// Places that show neither bed nor air.
+    hidden: Option<Hidden>,
 }
 
 impl PhotoPixels {
@@ -31,6 +34,7 @@ impl PhotoPixels {
             height: picture.height() as usize,
             values: picture.as_raw().iter().map(|v| f32::from(*v)).collect(),
             colour: None,
+            hidden: None,
         }
     }
 
@@ -69,6 +73,67 @@ impl PhotoPixels {
         }
     }
 
+    /// The picture with a change made to the grey values, and to those of each colour.
+    pub(crate) fn map_channels(mut self, change: impl Fn(&mut [f32])) -> Self {
+        change(&mut self.values);
+        if let Some(colour) = &mut self.colour {
+            let colour = Arc::make_mut(colour);
+            for channel in 0..3 {
+                let mut values: Vec<f32> =
+                    colour.pixels().map(|p| f32::from(p.0[channel])).collect();
+                change(&mut values);
+                for (pixel, value) in colour.pixels_mut().zip(values) {
+                    pixel.0[channel] = to_level(f64::from(value));
+                }
+            }
+        }
+        self
+    }
+
+    /// The picture that knows its hidden places.
+    pub(crate) fn knowing(self, hidden: Hidden) -> Self {
+        Self {
+            hidden: Some(hidden),
+            ..self
+        }
+    }
+
+    /// Whether a place of the picture, or one within `reach` (px) of it, is hidden.
+    pub(crate) fn is_hidden_near(&self, place: PixelPoint, reach: f64) -> bool {
+        let hidden = self.hidden.as_ref();
+        hidden.is_some_and(|hidden| hidden.is_near(place, reach))
+    }
+
+    /// A part of the picture, which holds it.
+    pub(crate) fn part(&self, region: PixelRegion) -> Self {
+        let PixelRegion {
+            left,
+            top,
+            width,
+            height,
+        } = region;
+        let colour = self.colour.as_ref().map(|colour| {
+            let part = image::imageops::crop_imm(&**colour, left, top, width, height);
+            Arc::new(part.to_image())
+        });
+        let [left, top, width, height] = [left, top, width, height].map(|v| v as usize);
+        let rows = self.values.chunks_exact(self.width.max(1));
+        let rows = rows.skip(top).take(height);
+        Self {
+            colour,
+            hidden: self
+                .hidden
+                .as_ref()
+                .map(|h| h.part([left, top, width, height])),
+            ..Self::from_values(
+                width,
+                rows.flat_map(|row| &row[left..][..width])
+                    .copied()
+                    .collect(),
+            )
+        }
+    }
+
     /// Takes grey values of any range, row by row.
     pub(crate) fn from_values(width: usize, values: Vec<f32>) -> Self {
         let height = values.len().checked_div(width).unwrap_or(0);
@@ -77,6 +142,7 @@ impl PhotoPixels {
             height,
             values,
             colour: None,
+            hidden: None,
         }
     }
 
@@ -138,6 +204,7 @@ impl PhotoPixels {
             height,
             values,
             colour: None,
+            hidden: None,
         }
     }
 
@@ -222,6 +289,7 @@ impl PhotoPixels {
             height: self.width,
             values,
             colour: None,
+            hidden: None,
         }
     }
 }

@@ -1,6 +1,6 @@
 //! What a caller may fix beforehand; the default fixes nothing.
 
-use crate::Error;
+use crate::{Error, PixelRegion};
 use serde::{Deserialize, Serialize};
 use surface_profile::Definition;
 
@@ -42,6 +42,8 @@ pub enum Foreground {
 /// Settings of a measurement.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Settings {
+    /// The part of the picture that alone is looked at; all of it otherwise. Results are in the pixels of the whole.
+    pub region: Option<PixelRegion>,
     /// The drum circle where it is known, px; found in the picture otherwise.
     pub drum: Option<DrumPixels>,
     /// Angle of the true horizontal in the picture, counter-clockwise positive, rad.
@@ -65,6 +67,7 @@ pub const MAX_ANGLE_ERROR: f64 = 3.0 * std::f64::consts::PI / 180.0;
 impl Default for Settings {
     fn default() -> Self {
         Self {
+            region: None,
             drum: None,
             camera_roll: 0.0,
             definition: Definition::default(),

@@ -7,6 +7,7 @@ use photo_profile::synthetic::HeapScene;
 use photo_profile::{HeapReading, MAX_ANGLE_ERROR, Mode, Settings, Verdict, measure_image};
 
 const HEAP: Settings = Settings {
+    region: None,
     drum: None,
     camera_roll: 0.0,
     definition: surface_profile::Definition::Line,

@@ -85,7 +85,8 @@ fn try_damaged_files(tries: usize) {
         let bytes = damaged(&wholes[number % wholes.len()], &mut random);
         let path = folder.join("damaged.bin");
         std::fs::write(&path, bytes).unwrap();
-        let Ok(frames) = read_frames(&path) else {
+        let frames = read_frames(&path).and_then(Iterator::collect::<Result<Vec<_>, _>>);
+        let Ok(frames) = frames else {
             errors += 1;
             continue;
         };

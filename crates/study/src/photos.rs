@@ -168,6 +168,7 @@ impl<'a> Reader<'a> {
     fn read_file(&mut self, file: &Path) -> Result<(), String> {
         let refused = |e: photo_profile::Error| format!("cannot be read: {}", in_full(&e));
         for frame in read_frames(file).map_err(refused)? {
+            let frame = frame.map_err(refused)?;
             let pixels = match self.options.corners {
                 Some(corners) => {
                     let corners = corners.map(|[x, y]| PixelPoint { x, y });

@@ -1,6 +1,10 @@
 //! What the command takes.
 
-use photo_profile::{DrumPixels, Foreground, Mode, PixelPoint, Settings};
+use photo_profile::{
+    DrumPixels, Foreground, Mode, PixelPoint, PixelRegion, Settings, roll_by_level,
+    roll_by_plumb_line,
+};
+use std::num::NonZeroUsize;
 use std::path::PathBuf;
 use surface_profile::Definition;
 
@@ -16,7 +20,8 @@ use surface_profile::Definition;
     after_help = "Example:\n  angle-from-image frames/ --csv angles.xlsx --html angles.html"
 )]
 pub(crate) struct Arguments {
-    /// Photos (PNG, JPEG, BMP, GIF, TIFF, WebP, animated PNG and GIF) or folders of them
+    /// Photos (PNG, JPEG, BMP, GIF, TIFF, WebP, animated PNG and GIF), folders of them, or films (MP4, MOV, AVI and others, by
+    /// the program ffmpeg)
     #[arg(required = true, value_name = "PHOTO")]
     pub(crate) photos: Vec<PathBuf>,
 
@@ -42,6 +47,15 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "CX,CY,R", value_parser = drum, allow_hyphen_values = true)]
     pub(crate) drum: Option<DrumPixels>,
 
+    /// The part of the picture that alone is looked at, px: left, top, width, height
+    #[arg(long, value_name = "X,Y,W,H", value_parser = region)]
+    pub(crate) region: Option<PixelRegion>,
+
+    /// A picture of the same size, black where something else than bed and air shows (a clamp, a label), white elsewhere: no
+    /// point of a surface counts there
+    #[arg(long, value_name = "FILE", conflicts_with = "corners")]
+    pub(crate) mask: Option<PathBuf>,
+
     /// Angle of the true horizontal in the picture, degrees, counter-clockwise positive
     #[arg(
         long,
@@ -50,6 +64,14 @@ pub(crate) struct Arguments {
         allow_hyphen_values = true
     )]
     pub(crate) camera_roll_deg: f64,
+
+    /// Two places on a plumb line in the picture, px, that tell the horizontal
+    #[arg(long, value_name = "X,Y;X,Y", value_parser = places, conflicts_with_all = ["camera_roll_deg", "level"])]
+    pub(crate) plumb_line: Option<[PixelPoint; 2]>,
+
+    /// Two places of the same height in the picture, px, that tell the horizontal
+    #[arg(long, value_name = "X,Y;X,Y", value_parser = places, conflicts_with = "camera_roll_deg")]
+    pub(crate) level: Option<[PixelPoint; 2]>,
 
     /// How far above the foot of a heap the camera stands, degrees: from there a heap looks flatter than it is
     #[arg(
@@ -85,9 +107,13 @@ pub(crate) struct Arguments {
     pub(crate) points: bool,
 
     /// Pictures a second, where they follow each other at one rate: each then has a time, and the angle also tells how
-    /// long it is correlated with itself, or its avalanches
+    /// long it is correlated with itself, or its avalanches [default: none; of one film, as it states]
     #[arg(long, value_name = "RATE", value_parser = rate)]
     pub(crate) fps: Option<f64>,
+
+    /// Take each N-th picture only: of several files each N-th file, of one film or animation each N-th picture in it
+    #[arg(long, value_name = "N", default_value = "1")]
+    pub(crate) every: NonZeroUsize,
 
     /// Flags of every command.
     #[command(flatten)]
@@ -130,11 +156,17 @@ pub(crate) enum ForegroundName {
 }
 
 impl Arguments {
-    /// The settings of the measurement.
-    pub(crate) fn settings(&self) -> Settings {
-        Settings {
+    /// The settings of the measurement; marks that tell no horizontal are an error.
+    pub(crate) fn settings(&self) -> Result<Settings, photo_profile::Error> {
+        let camera_roll = match (self.plumb_line, self.level) {
+            (Some(places), _) => roll_by_plumb_line(places)?,
+            (None, Some(places)) => roll_by_level(places)?,
+            (None, None) => self.camera_roll_deg.to_radians(),
+        };
+        let settings = Settings {
+            region: self.region,
             drum: self.drum,
-            camera_roll: self.camera_roll_deg.to_radians(),
+            camera_roll,
             definition: match self.definition {
                 DefinitionName::Chord => Definition::Chord,
                 DefinitionName::Mid => Definition::Mid,
@@ -151,7 +183,9 @@ impl Arguments {
             },
             max_angle_error: self.max_error_deg.to_radians(),
             camera_elevation: self.camera_elevation_deg.to_radians(),
-        }
+        };
+        settings.check()?;
+        Ok(settings)
     }
 }
 
@@ -180,14 +214,39 @@ fn drum(text: &str) -> Result<DrumPixels, String> {
     numbers(text).map(|[cx, cy, r]| DrumPixels { cx, cy, r })
 }
 
-/// Reads X,Y;X,Y;X,Y;X,Y.
-fn corners(text: &str) -> Result<Corners, String> {
+/// Reads X,Y,W,H.
+fn region(text: &str) -> Result<PixelRegion, String> {
+    let parts: Result<Vec<u32>, _> = text.split(',').map(|part| part.trim().parse()).collect();
+    let wrong = || format!("\"{text}\" must be left, top, width and height with commas, whole px");
+    let [left, top, width, height] = parts
+        .ok()
+        .and_then(|parts| parts.try_into().ok())
+        .ok_or_else(wrong)?;
+    Ok(PixelRegion {
+        left,
+        top,
+        width,
+        height,
+    })
+}
+
+/// Reads places X,Y with semicolons between them.
+fn points<const N: usize>(text: &str, what: &str) -> Result<[PixelPoint; N], String> {
     let points: Result<Vec<PixelPoint>, String> = text
         .split(';')
         .map(|pair| numbers(pair).map(|[x, y]| PixelPoint { x, y }))
         .collect();
     points?
         .try_into()
-        .map(Corners)
-        .map_err(|_| format!("\"{text}\" must be four corners X,Y with semicolons, in px"))
+        .map_err(|_| format!("\"{text}\" must be {what} X,Y with semicolons, in px"))
+}
+
+/// Reads X,Y;X,Y;X,Y;X,Y.
+fn corners(text: &str) -> Result<Corners, String> {
+    points(text, "four corners").map(Corners)
+}
+
+/// Reads X,Y;X,Y.
+fn places(text: &str) -> Result<[PixelPoint; 2], String> {
+    points(text, "two places")
 }

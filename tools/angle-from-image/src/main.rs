@@ -6,6 +6,7 @@ mod advice;
 mod arguments;
 mod page;
 mod results;
+mod ruler;
 mod run;
 mod summary;
 mod table;

@@ -344,6 +344,8 @@ pub(crate) struct Output {
     /// Version, seed and inputs.
     #[serde(flatten)]
     pub(crate) header: Header,
+    /// Angle of the true horizontal in the pictures, counter-clockwise positive, as stated or by a mark, degrees.
+    pub(crate) camera_roll_deg: f64,
     /// The picture, when there is one only.
     #[serde(flatten)]
     pub(crate) single: Option<ImageResult>,

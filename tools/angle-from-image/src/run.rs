@@ -1,95 +1,113 @@
 //! From arguments to results.
 
 use crate::arguments::Arguments;
-use crate::page::{jpeg, page, side};
-use crate::results::{ImageResult, Origin, Output, Points};
+use crate::page::page;
+use crate::results::{ImageResult, Output};
+use crate::ruler::{MeasuredPicture, Opened, Ruler};
 use crate::summary::Summary;
 use crate::table::csv;
-use anyhow::Context as _;
-use command_line::{DONE, ERROR, Header, NOT_MET, file_sha256, write_new};
-use image::{DynamicImage, ImageFormat};
-use photo_profile::{
-    PhotoPixels, PhotoReading, Settings, marked, measure_photo, overlay, picture_files,
-    read_frames, rectify, skipped_files,
-};
-use std::io::Cursor;
+use command_line::{DONE, ERROR, Header, NOT_MET, write_new};
+use photo_profile::{Settings, picture_files, skipped_files};
 use std::path::{Path, PathBuf};
 
 /// Measures all pictures and says what came out; returns the exit code.
 pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
-    let settings = arguments.settings();
-    settings.check()?;
-    let files = picture_files(&arguments.photos)?;
+    let settings = arguments.settings()?;
+    let mut files = picture_files(&arguments.photos)?;
+    if files.len() > 1 {
+        files = files.into_iter().step_by(arguments.every.get()).collect();
+    }
     try_outputs(arguments, &files)?;
-    let mut images = Vec::new();
-    let mut shown = Vec::new();
-    for file in &files {
-        arguments
-            .common
-            .log(|| format!("reading {}", file.display()));
-        let read = match read(file) {
-            Ok(read) => read,
-            // One bad file among others must not cost the others.
-            Err(error) if files.len() > 1 => {
-                let result = ImageResult::unread(file, format!("{error:#}"), &settings);
-                arguments.common.print(result.text())?;
-                images.push(result);
-                shown.push(None);
-                continue;
+    let ruler = Ruler::new(arguments, settings, files.len())?;
+    let mut measured = Measured::default();
+    measured.all(&ruler, &files)?;
+    let rate = arguments.fps.or(measured.film_rate);
+    let interval = rate.map(|rate| arguments.every.get() as f64 / rate);
+    if let Some(interval) = interval {
+        for (place, image) in measured.images.iter_mut().enumerate() {
+            image.time_s = Some(place as f64 * interval);
+        }
+    }
+    report(arguments, &settings, measured, interval)
+}
+
+/// What was measured so far.
+#[derive(Default)]
+struct Measured {
+    /// The results.
+    images: Vec<ImageResult>,
+    /// The pictures of the page; none for a file that could not be read, and where no page is asked for.
+    shown: Vec<Option<Vec<u8>>>,
+    /// Pictures a second of the one film, as it states.
+    film_rate: Option<f64>,
+}
+
+impl Measured {
+    /// Measures all files in order, several at a time.
+    fn all(&mut self, ruler: &Ruler<'_>, files: &[PathBuf]) -> anyhow::Result<()> {
+        for some in files.chunks(ruler.at_once()) {
+            for (file, outcome) in some.iter().zip(ruler.open_all(some)) {
+                ruler
+                    .arguments
+                    .common
+                    .log(|| format!("reading {}", file.display()));
+                let before = self.images.len();
+                let outcome = outcome.and_then(|opened| self.take(ruler, opened, files.len()));
+                let Err(error) = outcome else { continue };
+                // One bad file among others must not cost the others, nor the end of a film its beginning.
+                if files.len() == 1 && self.images.len() == before {
+                    return Err(error);
+                }
+                let reason = format!("{error:#}");
+                let result = ImageResult::unread(file, reason, &ruler.settings);
+                ruler.arguments.common.print(result.text())?;
+                self.images.push(result);
+                self.shown.push(None);
             }
-            Err(error) => return Err(error),
-        };
-        let animated = read.frames.len() > 1;
-        let side = side(files.len().max(read.frames.len()));
-        let several = animated || files.len() > 1;
-        for (number, frame) in read.frames.into_iter().enumerate() {
-            let picture = straightened(frame, arguments)?;
-            let reading = measure_photo(&PhotoPixels::from_picture(&picture), &settings)?;
-            if let Some(out) = &arguments.overlay {
-                let out = if several {
-                    numbered(out, images.len() + 1)
-                } else {
-                    out.clone()
-                };
-                draw(&out, &picture, &reading, arguments)?;
+        }
+        Ok(())
+    }
+
+    /// Takes over the pictures of one file.
+    fn take(&mut self, ruler: &Ruler<'_>, opened: Opened, n_files: usize) -> anyhow::Result<()> {
+        match opened {
+            Opened::Read { pictures, several } => pictures
+                .into_iter()
+                .try_for_each(|picture| self.add(ruler, picture, several || n_files > 1)),
+            Opened::Film(mut film) => {
+                self.film_rate = film.rate().filter(|_| n_files == 1);
+                while let Some(pictures) = film.next_pictures(ruler)? {
+                    for picture in pictures {
+                        self.add(ruler, picture, true)?;
+                    }
+                }
+                Ok(())
             }
-            if arguments.html.is_some() {
-                shown.push(Some(jpeg(&marked(&picture, &reading, &settings, side))?));
-            }
-            let origin = Origin {
-                file: file.display().to_string(),
-                frame: animated.then_some(number),
-                sha256: read.sha256.clone(),
+        }
+    }
+
+    /// Says what a picture gave and keeps it; of several, the name of the overlay gets a number.
+    fn add(
+        &mut self,
+        ruler: &Ruler<'_>,
+        picture: MeasuredPicture,
+        several: bool,
+    ) -> anyhow::Result<()> {
+        let common = &ruler.arguments.common;
+        if let (Some(out), Some(png)) = (&ruler.arguments.overlay, picture.overlay) {
+            let number = self.images.len() + 1;
+            let name = if several {
+                numbered(out, number)
+            } else {
+                out.clone()
             };
-            let mut result =
-                ImageResult::new(origin, &reading, &settings, arguments.corners.is_some());
-            result.points = arguments.points.then(|| Points::new(&reading));
-            arguments.common.print(result.text())?;
-            images.push(result);
+            write_new(&name, &png, common.overwrite())?;
         }
+        common.print(picture.result.text())?;
+        self.images.push(picture.result);
+        self.shown.push(picture.shown);
+        Ok(())
     }
-    if let Some(rate) = arguments.fps {
-        for (place, image) in images.iter_mut().enumerate() {
-            image.time_s = Some(place as f64 / rate);
-        }
-    }
-    report(arguments, images, &shown)
-}
-
-/// A file as it was read.
-struct ReadFile {
-    /// Its pictures.
-    frames: Vec<DynamicImage>,
-    /// SHA-256 of the file.
-    sha256: String,
-}
-
-/// Reads the pictures in a file.
-fn read(file: &Path) -> anyhow::Result<ReadFile> {
-    Ok(ReadFile {
-        frames: read_frames(file)?,
-        sha256: file_sha256(file)?,
-    })
 }
 
 /// Refuses overlays that are no PNG, results in the place of a picture to be read, and results that cannot be written,
@@ -130,29 +148,6 @@ fn try_outputs(arguments: &Arguments, files: &[PathBuf]) -> anyhow::Result<()> {
     arguments.common.try_outputs(&outputs)
 }
 
-/// The picture, straightened where corners are given.
-fn straightened(picture: DynamicImage, arguments: &Arguments) -> anyhow::Result<DynamicImage> {
-    Ok(match arguments.corners {
-        Some(corners) => rectify(&picture, corners.0)?,
-        None => picture,
-    })
-}
-
-/// Writes the overlay of one picture.
-fn draw(
-    out: &Path,
-    picture: &DynamicImage,
-    reading: &PhotoReading,
-    arguments: &Arguments,
-) -> anyhow::Result<()> {
-    let settings: Settings = arguments.settings();
-    let mut bytes = Vec::new();
-    overlay(picture, reading, &settings)
-        .write_to(&mut Cursor::new(&mut bytes), ImageFormat::Png)
-        .with_context(|| format!("cannot draw {}", out.display()))?;
-    write_new(out, &bytes, arguments.common.overwrite())
-}
-
 /// The name with a number before its ending: `out.png` becomes `out-003.png`.
 fn numbered(out: &Path, number: usize) -> PathBuf {
     let stem = out
@@ -161,13 +156,15 @@ fn numbered(out: &Path, number: usize) -> PathBuf {
     out.with_file_name(format!("{stem}-{number:03}.png"))
 }
 
-/// Writes the summary and the files that are asked for; returns the exit code. `shown` holds the pictures of the page.
+/// Writes the summary and the files that are asked for; returns the exit code. `interval` is the time between pictures, s.
 fn report(
     arguments: &Arguments,
-    images: Vec<ImageResult>,
-    shown: &[Option<Vec<u8>>],
+    settings: &Settings,
+    measured: Measured,
+    interval: Option<f64>,
 ) -> anyhow::Result<u8> {
-    let summary = Summary::new(&images, arguments.fps.map(f64::recip));
+    let Measured { images, shown, .. } = measured;
+    let summary = Summary::new(&images, interval);
     if images.len() > 1 {
         arguments.common.print(summary.text())?;
     }
@@ -187,22 +184,19 @@ fn report(
     let read = images.iter().filter(|i| i.sha256.is_some());
     let output = Output {
         header: Header::new(None::<u64>, read.map(|i| &i.file))?,
+        camera_roll_deg: settings.camera_roll.to_degrees(),
         single,
         images,
         skipped: skipped.iter().map(|f| f.display().to_string()).collect(),
         summary,
     };
     if let Some(file) = &arguments.csv {
-        let text = csv(
-            &output.images,
-            arguments.settings().mode,
-            arguments.fps.is_some(),
-        );
+        let text = csv(&output.images, settings.mode, interval.is_some());
         let bytes = table_file::bytes_for(file, &text)?;
         write_new(file, &bytes, arguments.common.overwrite())?;
     }
     if let Some(file) = &arguments.html {
-        let text = page(&output, shown, arguments.settings().mode)?;
+        let text = page(&output, &shown, settings.mode)?;
         write_new(file, text.as_bytes(), arguments.common.overwrite())?;
     }
     arguments.common.emit_json(&output)?;

@@ -1,0 +1,81 @@
+//! The horizontal by a mark in the picture.
+
+use crate::{Error, PixelPoint};
+
+/// Shortest mark, px: two ends half a pixel off turn it by half a degree.
+const SHORTEST: f64 = 80.0;
+
+/// Turn of the camera by two places on a plumb line, rad: the angle of the true horizontal in the picture, counter-clockwise
+/// positive.
+///
+/// # Errors
+/// [`Error::BadMark`] for places nearer than 80 px, and for a line more than 45 degrees off upright.
+pub fn roll_by_plumb_line(places: [PixelPoint; 2]) -> Result<f64, Error> {
+    let [a, b] = places;
+    let (upper, lower) = if a.y <= b.y { (a, b) } else { (b, a) };
+    roll(lower.y - upper.y, lower.x - upper.x)
+}
+
+/// Turn of the camera by two places of the same height, such as a bubble level or the edge of a table, rad: the angle of the
+/// true horizontal in the picture, counter-clockwise positive.
+///
+/// # Errors
+/// [`Error::BadMark`] for places nearer than 80 px, and for a line more than 45 degrees off level.
+pub fn roll_by_level(places: [PixelPoint; 2]) -> Result<f64, Error> {
+    let [a, b] = places;
+    let (left, right) = if a.x <= b.x { (a, b) } else { (b, a) };
+    roll(right.x - left.x, left.y - right.y)
+}
+
+/// Turn of a mark that runs `along` its direction in a picture that is level, and `aside`, px.
+fn roll(along: f64, aside: f64) -> Result<f64, Error> {
+    let length = along.hypot(aside);
+    // Also what is no number.
+    if !(length.is_finite() && length >= SHORTEST && aside.abs() <= along) {
+        return Err(Error::BadMark {
+            length,
+            least: SHORTEST,
+        });
+    }
+    Ok(aside.atan2(along))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{roll_by_level, roll_by_plumb_line};
+    use crate::PixelPoint;
+
+    /// A mark of a picture that is turned by an angle about (300, 200), counter-clockwise as it is seen: the angle comes back,
+    /// whichever end is named first, to rounding.
+    #[test]
+    fn a_turned_mark_gives_the_turn() {
+        for turn in [-0.6_f64, -0.02, 0.0, 0.3] {
+            let (sin, cos) = turn.sin_cos();
+            let place = |x: f64, y: f64| PixelPoint {
+                x: 300.0 + x * cos - y * sin,
+                y: 200.0 - x * sin - y * cos,
+            };
+            let level = [place(-70.0, 40.0), place(90.0, 40.0)];
+            let plumb = [place(15.0, 80.0), place(15.0, -60.0)];
+            for (name, found) in [
+                ("level", roll_by_level(level)),
+                ("level", roll_by_level([level[1], level[0]])),
+                ("plumb line", roll_by_plumb_line(plumb)),
+                ("plumb line", roll_by_plumb_line([plumb[1], plumb[0]])),
+            ] {
+                let found = found.unwrap();
+                assert!((found - turn).abs() < 1e-12, "{name}: {found} for {turn}");
+            }
+        }
+    }
+
+    /// A mark of a few pixels tells no angle, and one that lies is no plumb line.
+    #[test]
+    fn a_mark_that_tells_no_horizontal_is_refused() {
+        let places = |x: f64, y: f64| [PixelPoint { x: 0.0, y: 0.0 }, PixelPoint { x, y }];
+        assert!(roll_by_plumb_line(places(0.0, 79.0)).is_err());
+        assert!(roll_by_plumb_line(places(200.0, 100.0)).is_err());
+        assert!(roll_by_level(places(100.0, 200.0)).is_err());
+        assert!(roll_by_level(places(f64::NAN, 0.0)).is_err());
+    }
+}

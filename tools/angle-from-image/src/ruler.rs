@@ -1,0 +1,231 @@
+//! From files to measured pictures, several at a time.
+
+use crate::arguments::Arguments;
+use crate::page::{jpeg, side};
+use crate::results::{ImageResult, Origin, Points};
+use anyhow::Context as _;
+use command_line::file_sha256;
+use image::{DynamicImage, GrayImage, ImageFormat};
+use photo_profile::{
+    Frames, PhotoPixels, Settings, marked, measure_photo, overlay, read_frames, read_photo, rectify,
+};
+use rayon::iter::{
+    IndexedParallelIterator as _, IntoParallelIterator as _, IntoParallelRefIterator as _,
+    ParallelIterator as _,
+};
+use std::io::Cursor;
+use std::iter::StepBy;
+use std::path::{Path, PathBuf};
+
+/// Pictures that are in work for each thread: enough that none waits for the slowest of them.
+const AT_ONCE: usize = 4;
+
+/// Measures pictures as the arguments say.
+pub(crate) struct Ruler<'a> {
+    /// What was asked for.
+    pub(crate) arguments: &'a Arguments,
+    /// How a picture is read.
+    pub(crate) settings: Settings,
+    /// What is hidden in each picture.
+    mask: Option<GrayImage>,
+    /// Files to measure.
+    n_files: usize,
+    /// Threads.
+    pool: rayon::ThreadPool,
+}
+
+/// What one picture gave.
+pub(crate) struct MeasuredPicture {
+    /// The result.
+    pub(crate) result: ImageResult,
+    /// The overlay as PNG, where it is asked for.
+    pub(crate) overlay: Option<Vec<u8>>,
+    /// The picture of the page as JPEG, where it is asked for.
+    pub(crate) shown: Option<Vec<u8>>,
+}
+
+/// A file with pictures.
+pub(crate) enum Opened {
+    /// Photo or animation, measured.
+    Read {
+        /// Its pictures in order.
+        pictures: Vec<MeasuredPicture>,
+        /// Whether it is an animation.
+        several: bool,
+    },
+    /// A film, which comes bit by bit.
+    Film(Box<OpenFilm>),
+}
+
+/// A film and what was taken from it.
+pub(crate) struct OpenFilm {
+    /// Its pictures to measure.
+    frames: StepBy<Frames>,
+    /// Pictures a second, by the file.
+    rate: Option<f64>,
+    /// The file.
+    file: PathBuf,
+    /// SHA-256 of the file.
+    sha256: String,
+    /// Number of the next picture, from 0.
+    next: usize,
+    /// Numbers from one picture to the next.
+    step: usize,
+    /// Why nothing more comes, not told yet.
+    broken: Option<photo_profile::Error>,
+}
+
+impl<'a> Ruler<'a> {
+    /// A ruler for so many files.
+    pub(crate) fn new(
+        arguments: &'a Arguments,
+        settings: Settings,
+        n_files: usize,
+    ) -> anyhow::Result<Self> {
+        let mask = arguments.mask.as_deref().map(read_photo).transpose()?;
+        Ok(Self {
+            arguments,
+            settings,
+            mask: mask.map(DynamicImage::into_luma8),
+            n_files,
+            pool: rayon::ThreadPoolBuilder::new()
+                .num_threads(arguments.common.threads())
+                .build()?,
+        })
+    }
+
+    /// Pictures that are in work together.
+    pub(crate) fn at_once(&self) -> usize {
+        AT_ONCE * self.pool.current_num_threads()
+    }
+
+    /// Opens files, and measures those that are no films.
+    pub(crate) fn open_all(&self, files: &[PathBuf]) -> Vec<anyhow::Result<Opened>> {
+        self.pool
+            .install(|| files.par_iter().map(|file| self.open(file)).collect())
+    }
+
+    /// Opens a file, and measures it where it is no film.
+    fn open(&self, file: &Path) -> anyhow::Result<Opened> {
+        let frames = read_frames(file)?;
+        let (several, rate) = (frames.are_several(), frames.rate());
+        let sha256 = file_sha256(file)?;
+        let step = match self.n_files {
+            1 => self.arguments.every.get(),
+            _ => 1,
+        };
+        let frames = frames.step_by(step);
+        if rate.is_some() {
+            return Ok(Opened::Film(Box::new(OpenFilm {
+                frames,
+                rate,
+                file: file.to_owned(),
+                sha256,
+                next: 0,
+                step,
+                broken: None,
+            })));
+        }
+        let pictures = frames.collect::<Result<Vec<_>, _>>()?;
+        let side = side(self.n_files.max(pictures.len()));
+        let pictures = pictures
+            .into_par_iter()
+            .enumerate()
+            .map(|(place, picture)| {
+                let origin = Origin {
+                    file: file.display().to_string(),
+                    frame: several.then_some(place * step),
+                    sha256: sha256.clone(),
+                };
+                self.measure(picture, origin, side)
+            });
+        Ok(Opened::Read {
+            pictures: pictures.collect::<anyhow::Result<_>>()?,
+            several,
+        })
+    }
+
+    /// Measures one picture; the page shows it with this longer side, px.
+    fn measure(
+        &self,
+        picture: DynamicImage,
+        origin: Origin,
+        side: u32,
+    ) -> anyhow::Result<MeasuredPicture> {
+        let picture = match self.arguments.corners {
+            Some(corners) => rectify(&picture, corners.0)?,
+            None => picture,
+        };
+        let mut pixels = PhotoPixels::from_picture(&picture);
+        if let Some(mask) = &self.mask {
+            pixels = pixels.hiding(mask)?;
+        }
+        let reading = measure_photo(&pixels, &self.settings)?;
+        let draws = self.arguments.overlay.is_some();
+        let drawn = draws.then(|| png(&overlay(&picture, &reading, &self.settings)));
+        let shows = self.arguments.html.is_some();
+        let shown = shows.then(|| jpeg(&marked(&picture, &reading, &self.settings, side)));
+        let rectified = self.arguments.corners.is_some();
+        let mut result = ImageResult::new(origin, &reading, &self.settings, rectified);
+        result.points = self.arguments.points.then(|| Points::new(&reading));
+        Ok(MeasuredPicture {
+            result,
+            overlay: drawn.transpose()?,
+            shown: shown.transpose()?,
+        })
+    }
+}
+
+impl OpenFilm {
+    /// Pictures a second, by the file.
+    pub(crate) fn rate(&self) -> Option<f64> {
+        self.rate
+    }
+
+    /// Measures the next pictures; none at the end. Where the film breaks off, what was whole comes first.
+    pub(crate) fn next_pictures(
+        &mut self,
+        ruler: &Ruler<'_>,
+    ) -> anyhow::Result<Option<Vec<MeasuredPicture>>> {
+        let mut pictures = Vec::new();
+        while self.broken.is_none() && pictures.len() < ruler.at_once() {
+            let picture = match self.frames.next() {
+                Some(Ok(picture)) => picture,
+                Some(Err(error)) => {
+                    self.broken = Some(error);
+                    break;
+                }
+                None => break,
+            };
+            let origin = Origin {
+                file: self.file.display().to_string(),
+                frame: Some(self.next),
+                sha256: self.sha256.clone(),
+            };
+            self.next += self.step;
+            pictures.push((picture, origin));
+        }
+        if pictures.is_empty() {
+            return self
+                .broken
+                .take()
+                .map_or(Ok(None), |error| Err(error.into()));
+        }
+        let side = side(usize::MAX);
+        let measured = ruler.pool.install(|| {
+            let all = pictures.into_par_iter();
+            all.map(|(picture, origin)| ruler.measure(picture, origin, side))
+                .collect::<anyhow::Result<_>>()
+        });
+        measured.map(Some)
+    }
+}
+
+/// A picture as PNG.
+fn png(picture: &image::RgbImage) -> anyhow::Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    picture
+        .write_to(&mut Cursor::new(&mut bytes), ImageFormat::Png)
+        .context("cannot draw an overlay")?;
+    Ok(bytes)
+}

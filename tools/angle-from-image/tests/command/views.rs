@@ -1,0 +1,148 @@
+//! Which part of a picture is looked at, and which way is level in it.
+
+use super::{folder, run, text};
+use image::{GrayImage, Luma, imageops};
+use photo_profile::synthetic::Scene;
+use serde_json::Value;
+use std::path::{Path, PathBuf};
+
+/// A drum of 300 px whose surface stands at an angle, degrees.
+fn drum(angle_deg: f64) -> Scene {
+    Scene {
+        size: 300,
+        radius: 130.0,
+        inclination: angle_deg.to_radians(),
+        blur: 1.0,
+        noise: 4.0,
+        ..Scene::default()
+    }
+}
+
+/// The JSON of one picture with further words.
+fn read(path: &Path, words: &[&str]) -> Value {
+    let output = run(&[&[path.to_str().unwrap(), "--json", "--points"], words].concat());
+    assert!(output.status.code() < Some(2), "{}", text(&output.stderr));
+    serde_json::from_slice(&output.stdout).unwrap()
+}
+
+/// Two drums of 30 and 40 degrees side by side: each region is read as the same pixels in a file of their own, with circle and
+/// points in the pixels of the whole picture, and the circle that was found can be stated: all to rounding.
+#[test]
+fn a_region_is_measured_alone_in_the_pixels_of_the_whole() {
+    let folder = folder("region");
+    let path = folder.join("two.png");
+    let mut both = GrayImage::from_pixel(640, 320, Luma([120]));
+    for (angle, left) in [(30.0, 10), (40.0, 330)] {
+        let alone = drum(angle).draw();
+        alone.save(folder.join(format!("{left}.png"))).unwrap();
+        imageops::replace(&mut both, &alone, left, 10);
+    }
+    both.save(&path).unwrap();
+    for left in [10.0, 330.0] {
+        let alone = read(&folder.join(format!("{left}.png")), &[]);
+        let region = format!("{left},10,300,300");
+        let json = read(&path, &["--region", &region]);
+        let differs = |key: &str| json[key].as_f64().unwrap() - alone[key].as_f64().unwrap();
+        assert!(differs("angle_deg").abs() < 1e-9, "{left}");
+        let moved =
+            |key: &str| json["drum"][key].as_f64().unwrap() - alone["drum"][key].as_f64().unwrap();
+        assert!((moved("cx") - left).abs() < 1e-9 && (moved("cy") - 10.0).abs() < 1e-9);
+        let points = [&json, &alone].map(|json| json["surface"].as_array().unwrap());
+        assert_eq!(points[0].len(), points[1].len());
+        for (point, alone) in points[0].iter().zip(points[1]) {
+            let moved = |axis: usize| point[axis].as_f64().unwrap() - alone[axis].as_f64().unwrap();
+            assert!((moved(0) - left).abs() < 1e-9 && (moved(1) - 10.0).abs() < 1e-9);
+        }
+        let [x, y, r] = ["cx", "cy", "r"].map(|key| json["drum"][key].as_f64().unwrap());
+        let stated = read(
+            &path,
+            &["--region", &region, "--drum", &format!("{x},{y},{r}")],
+        );
+        let off = stated["angle_deg"].as_f64().unwrap() - json["angle_deg"].as_f64().unwrap();
+        assert!(off.abs() < 1e-9, "{off}");
+    }
+    for region in ["600,0,100,100", "0,0,0,10", "5,5,10"] {
+        let output = run(&[path.to_str().unwrap(), "--region", region]);
+        assert_eq!(output.status.code(), Some(2), "{region}");
+    }
+}
+
+/// A bright clamp of an eighth of the drum across the lower half of a surface: it turns the line by degrees. Behind a mask the angle is
+/// the one without it, to 0.3 degrees: an eighth of the points is gone. A mask of another size, or of nothing but black, is an
+/// error.
+#[test]
+fn what_a_mask_hides_does_not_count() {
+    let folder = folder("mask");
+    let (path, mask) = (folder.join("clamp.png"), folder.join("mask.png"));
+    let mut picture = drum(35.0).draw();
+    let mut seen = GrayImage::from_pixel(300, 300, Luma([255]));
+    for y in 150..270 {
+        for x in 60..95 {
+            picture.put_pixel(x, y, Luma([205]));
+            seen.put_pixel(x, y, Luma([0]));
+        }
+    }
+    picture.save(&path).unwrap();
+    seen.save(&mask).unwrap();
+    let without = read(&path, &[]);
+    let off = without["angle_deg"]
+        .as_f64()
+        .map_or(90.0, |a| (a - 35.0).abs());
+    assert!(off > 1.0, "the clamp does no harm: {off}");
+    let json = read(&path, &["--mask", mask.to_str().unwrap()]);
+    let found = json["angle_deg"].as_f64().unwrap();
+    assert!((found - 35.0).abs() < 0.3, "{found}");
+    for point in json["surface"].as_array().unwrap() {
+        let x = point[0].as_f64().unwrap();
+        assert!(
+            !(60.0..95.0).contains(&x),
+            "a point under the mask: {point}"
+        );
+    }
+    for (width, level) in [(299, 255), (300, 0)] {
+        let wrong: PathBuf = folder.join("wrong.png");
+        GrayImage::from_pixel(width, 300, Luma([level]))
+            .save(&wrong)
+            .unwrap();
+        let output = run(&[path.to_str().unwrap(), "--mask", wrong.to_str().unwrap()]);
+        assert_eq!(output.status.code(), Some(2), "{width}");
+        assert!(
+            text(&output.stderr).contains("mask"),
+            "{}",
+            text(&output.stderr)
+        );
+    }
+}
+
+/// A camera turned by 3 degrees shows a surface of 35 degrees at 38; a plumb line (200 px down, 10.481 px aside) or a level
+/// (200 px across, 10.481 px up) tells the turn: atan(10.481 / 200) = 3.000 degrees.
+#[test]
+fn a_plumb_line_or_a_level_tells_the_horizontal() {
+    let path = folder("plumb").join("turned.png");
+    drum(38.0).draw().save(&path).unwrap();
+    let as_is = read(&path, &[])["angle_deg"].as_f64().unwrap();
+    for words in [
+        ["--plumb-line", "50,20;60.481,220"],
+        ["--level", "20,240;220,229.519"],
+        ["--camera-roll-deg", "3"],
+    ] {
+        let json = read(&path, &words);
+        let roll = json["camera_roll_deg"].as_f64().unwrap();
+        assert!((roll - 3.0).abs() < 1e-3, "{words:?}: {roll}");
+        let found = json["angle_deg"].as_f64().unwrap();
+        assert!(
+            (as_is - found - 3.0).abs() < 0.1,
+            "{words:?}: {found} for {as_is}"
+        );
+    }
+    let path = path.to_str().unwrap();
+    for words in [
+        &["--plumb-line", "0,0;200,10"][..],
+        &["--level", "0,0;10,0"],
+        &["--level", "0,0"],
+        &["--level", "0,0;200,0", "--camera-roll-deg", "1"],
+    ] {
+        let output = run(&[&[path], words].concat());
+        assert_eq!(output.status.code(), Some(2), "{words:?}");
+    }
+}
