@@ -6,7 +6,7 @@ use crate::folder::{Keep, RunFolder};
 use crate::process::{Failure, LOG, Limits, Process, end_of_log};
 use crate::template::Template;
 use crate::{Error, results};
-use campaign::{RunOutcome, RunRequest, Simulator, SimulatorError};
+use campaign::{RunOutcome, RunRequest, Simulator, SimulatorError, in_full};
 use exchange::{Moment, read_positions};
 use photo_profile::{Settings, measure_photo, name_order, read_frames};
 use run_store::Record;

@@ -72,6 +72,7 @@ pub use error::Error;
 pub use files::{name_order, picture_files, skipped_files};
 pub use heap::HeapReading;
 pub use level_mark::{roll_by_level, roll_by_plumb_line};
+pub use mask::Mask;
 pub use measure::{measure_file, measure_image, measure_photo};
 pub use overlay::{marked, overlay, overlay_gray};
 pub use pixels::PhotoPixels;

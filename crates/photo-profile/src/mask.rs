@@ -3,10 +3,25 @@
 use crate::pixels::to_f32;
 use crate::{Error, PhotoPixels, PixelPoint};
 use image::GrayImage;
+use std::path::Path;
 use std::sync::Arc;
 
 /// A mask hides where it is darker than this.
 const HALF: u8 = 128;
+
+/// A picture that is black where something else than bed and air shows, white elsewhere.
+#[derive(Debug, Clone)]
+pub struct Mask(GrayImage);
+
+impl Mask {
+    /// Reads a mask from a picture file.
+    ///
+    /// # Errors
+    /// As [`crate::read_photo`].
+    pub fn read(path: &Path) -> Result<Self, Error> {
+        Ok(Self(crate::read_photo(path)?.into_luma8()))
+    }
+}
 
 /// Which pixels are hidden, row by row from the top.
 #[derive(Debug, Clone)]
@@ -67,7 +82,8 @@ impl PhotoPixels {
     ///
     /// # Errors
     /// [`Error::BadMask`] for a mask of another size, and one that hides all.
-    pub fn hiding(self, mask: &GrayImage) -> Result<Self, Error> {
+    pub fn hiding(self, mask: &Mask) -> Result<Self, Error> {
+        let Mask(mask) = mask;
         let sizes = [mask.width() as usize, mask.height() as usize];
         let pixels: Vec<bool> = mask.as_raw().iter().map(|level| *level < HALF).collect();
         if sizes != [self.width(), self.height()] || !pixels.contains(&false) {

@@ -17,6 +17,7 @@ use calibration::{Prior, Role};
 use external_simulator::DrumDescription;
 use serde::Serialize;
 use std::collections::BTreeMap;
+use std::num::NonZeroUsize;
 use std::path::PathBuf;
 use toml::{Table, Value};
 
@@ -144,13 +145,22 @@ pub struct PhotoOptions {
     /// Largest standard error with which the angle may be known from one picture, rad; 3 degrees where absent.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub max_angle_error_rad: Option<f64>,
+    /// The part of each picture that alone is looked at; all of it where absent.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub region: Option<photo_profile::PixelRegion>,
+    /// A picture that is black where something else than bed and air shows, beside the file or with its whole path.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub mask: Option<PathBuf>,
+    /// One picture of so many is taken: of several files one file, of one film or animation one picture in it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub every: Option<NonZeroUsize>,
     /// Centre and radius of the drum, px; found where absent.
     pub drum: Option<[f64; 3]>,
     /// Corners of a square in the plane of the drum's end, px.
     pub corners: Option<[[f64; 2]; 4]>,
     /// Tone of the bed against the air.
     pub foreground: photo_profile::Foreground,
-    /// Time between two pictures that follow each other, s; none where it is not known or not always the same.
+    /// Time between two pictures that follow each other, taken or not, s; none where it is not known or not always the same.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub frame_interval_s: Option<f64>,
     /// Time between the two pictures of a pair, s: the pictures then come in pairs, of which the first is measured and the

@@ -21,7 +21,9 @@ pub(crate) fn of(
         let meshes = scene.mesh_files();
         files.extend(meshes.iter().map(|mesh| scene.folder.join(mesh)));
     }
-    files.extend(checked.photos.iter().flat_map(|p| p.files.clone()));
+    for series in &checked.photos {
+        files.extend(series.files.iter().chain(&series.mask).cloned());
+    }
     if let SimulatorEntry::Command(entry) = &file.simulator
         && let Some(template) = &entry.template
     {

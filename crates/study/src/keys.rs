@@ -79,10 +79,16 @@ pub(crate) const CANDIDATE: [&str; 6] = ["scene", "condition", "observables", "s
 /// Keys of an observable.
 pub(crate) const VALUE: [&str; 3] = ["mean", "sd", "n"];
 /// Keys of `photo`.
-pub(crate) const PHOTO: [&str; 9] = [
+pub(crate) const PHOTO: [&str; 15] = [
     "definition",
     "roll",
+    "plumb_line",
+    "level",
+    "elevation",
     "max_angle_error",
+    "region",
+    "mask",
+    "every",
     "drum",
     "corners",
     "foreground",

@@ -9,7 +9,7 @@ use crate::scenes::{Models, Scenes, condition_text};
 use calibration::{Correlation, Measurement};
 use external_simulator::OBSERVABLES_OF_A_BED;
 use scene::{Apparatus, Scene};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// Measurements, their models, and the photos behind them.
 #[derive(Debug, Default)]
@@ -151,8 +151,7 @@ pub(crate) fn read_photos(
     if entry.photos.is_empty() {
         return None;
     }
-    let paths: Vec<PathBuf> = entry.photos.iter().map(|p| folder.join(p)).collect();
-    match photos::read(&paths, &entry.photo, shown) {
+    match photos::read(folder, &entry.photos, &entry.photo, shown) {
         Ok(series) => Some(series),
         Err(reasons) => {
             let path = below(&entry.path, "photos");

@@ -4,11 +4,12 @@ use crate::file::{MeasuredCorrelation, MeasuredValue, PhotoOptions};
 use crate::photo_values::{SPEED, Wanted, take_over};
 use campaign::in_full;
 use photo_profile::{
-    DrumPixels, MAX_ANGLE_ERROR, Mode, PhotoPixels, PhotoReading, PixelPoint, Settings, Verdict,
-    measure_photo, picture_files, read_frames, rectify, surface_shift,
+    DrumPixels, MAX_ANGLE_ERROR, Mask, Mode, PhotoPixels, PhotoReading, PixelPoint, Settings,
+    Verdict, measure_photo, picture_files, read_frames, rectify, surface_shift,
 };
 use serde::Serialize;
 use std::collections::BTreeMap;
+use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use surface_profile::Definition;
 
@@ -17,6 +18,9 @@ use surface_profile::Definition;
 pub struct PhotoSeries {
     /// The files, in the order in which they were read.
     pub files: Vec<PathBuf>,
+    /// The picture that tells what is hidden in each of them.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub mask: Option<PathBuf>,
     /// Angle of each frame, deg.
     pub angles_deg: Vec<f64>,
     /// Its standard error from that one frame, deg.
@@ -60,16 +64,32 @@ pub(crate) struct Shown<'a> {
 /// reading with n = 1, which leaves out how the angle changes from frame to frame; the shapes of the surface have no such
 /// error and are left out. Where the time between frames is known, the angle tells its avalanches and how long it is
 /// correlated with itself, and pictures that lie close enough the speed of the surface.
+///
+/// Files are found in `folder`.
 pub(crate) fn read(
+    folder: &Path,
     photos: &[PathBuf],
     options: &PhotoOptions,
     shown: Shown<'_>,
 ) -> Result<PhotoSeries, Vec<String>> {
-    let files = picture_files(photos).map_err(|e| vec![in_full(&e)])?;
+    let photos: Vec<PathBuf> = photos.iter().map(|p| folder.join(p)).collect();
+    let mut files = picture_files(&photos).map_err(|e| vec![in_full(&e)])?;
+    let every = options.every.map_or(1, NonZeroUsize::get);
+    let in_file = if files.len() > 1 {
+        files = files.into_iter().step_by(every).collect();
+        1
+    } else {
+        every
+    };
+    let mask_file = options.mask.as_ref().map(|mask| folder.join(mask));
+    let mask = mask_file.as_deref().map(Mask::read).transpose();
+    let mask =
+        mask.map_err(|e| vec![format!("have a mask that cannot be read: {}", in_full(&e))])?;
     let mut reader = Reader::new(options, shown);
+    reader.mask = mask;
     let mut wrong = Vec::new();
     for file in &files {
-        if let Err(reason) = reader.read_file(file) {
+        if let Err(reason) = reader.read_file(file, in_file) {
             wrong.push(format!("photo '{}' {reason}", file.display()));
         }
     }
@@ -91,6 +111,7 @@ pub(crate) fn read(
     let angle = |f: &FrameValues| f.values.first().map_or(f64::NAN, |(_, v)| *v);
     let mut series = PhotoSeries {
         files,
+        mask: mask_file,
         angles_deg: frames.iter().map(angle).collect(),
         angle_se_deg: frames.iter().map(|f| f.error).collect(),
         values: BTreeMap::new(),
@@ -106,9 +127,17 @@ pub(crate) fn read(
     let wanted = Wanted {
         observables: shown.observables,
         also: &options.also,
-        interval: options.frame_interval_s,
+        interval: options
+            .frame_interval_s
+            .map(|interval| interval * every as f64),
     };
     take_over(&frames, &speeds, wanted, &mut series);
+    if series.values.is_empty() && !series.remarks.is_empty() {
+        return Err(vec![format!(
+            "give no value: {}",
+            series.remarks.join("; ")
+        )]);
+    }
     if series.values.is_empty() {
         return Err(vec![format!(
             "show an angle, which this scene does not give; it gives {}",
@@ -126,6 +155,8 @@ struct Reader<'a> {
     settings: Settings,
     /// Radius of the drum over the time between the pictures of a pair, m/s; none where no speed is asked or can be told.
     speed_scale: Option<f64>,
+    /// What is hidden in each picture.
+    mask: Option<Mask>,
     /// Pictures so far.
     pictures: usize,
     /// The last picture that was measured, where the next one may tell how far its surface went.
@@ -142,11 +173,15 @@ impl<'a> Reader<'a> {
     /// A reader that has read nothing.
     fn new(options: &'a PhotoOptions, shown: Shown<'_>) -> Self {
         let asked = shown.observables.contains(&SPEED);
-        let between = options.pair_interval_s.or(options.frame_interval_s);
+        let every = options.every.map_or(1, NonZeroUsize::get) as f64;
+        let frames = options.frame_interval_s.map(|interval| interval * every);
+        let between = options.pair_interval_s.or(frames);
         let scale = between.and_then(|time| Some(shown.radius? / time));
         Self {
             options,
+            mask: None,
             settings: Settings {
+                region: options.region,
                 drum: options.drum.map(|[cx, cy, r]| DrumPixels { cx, cy, r }),
                 camera_roll: options.roll_rad,
                 definition: Definition::Line,
@@ -164,12 +199,12 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// Reads the pictures of one file, or says why one of them cannot be measured.
-    fn read_file(&mut self, file: &Path) -> Result<(), String> {
+    /// Reads one of so many pictures of a file, or says why one of them cannot be measured.
+    fn read_file(&mut self, file: &Path, every: usize) -> Result<(), String> {
         let refused = |e: photo_profile::Error| format!("cannot be read: {}", in_full(&e));
-        for frame in read_frames(file).map_err(refused)? {
+        for frame in read_frames(file).map_err(refused)?.step_by(every) {
             let frame = frame.map_err(refused)?;
-            let pixels = match self.options.corners {
+            let mut pixels = match self.options.corners {
                 Some(corners) => {
                     let corners = corners.map(|[x, y]| PixelPoint { x, y });
                     let flat = rectify(&frame, corners).map_err(refused)?;
@@ -177,6 +212,9 @@ impl<'a> Reader<'a> {
                 }
                 None => PhotoPixels::from_picture(&frame),
             };
+            if let Some(mask) = &self.mask {
+                pixels = pixels.hiding(mask).map_err(refused)?;
+            }
             self.pictures += 1;
             let before = self.before.take();
             self.add_speed(before, &pixels);

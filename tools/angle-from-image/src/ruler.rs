@@ -5,9 +5,9 @@ use crate::page::{jpeg, side};
 use crate::results::{ImageResult, Origin, Points};
 use anyhow::Context as _;
 use command_line::file_sha256;
-use image::{DynamicImage, GrayImage, ImageFormat};
+use image::{DynamicImage, ImageFormat};
 use photo_profile::{
-    Frames, PhotoPixels, Settings, marked, measure_photo, overlay, read_frames, read_photo, rectify,
+    Frames, Mask, PhotoPixels, Settings, marked, measure_photo, overlay, read_frames, rectify,
 };
 use rayon::iter::{
     IndexedParallelIterator as _, IntoParallelIterator as _, IntoParallelRefIterator as _,
@@ -27,7 +27,7 @@ pub(crate) struct Ruler<'a> {
     /// How a picture is read.
     pub(crate) settings: Settings,
     /// What is hidden in each picture.
-    mask: Option<GrayImage>,
+    mask: Option<Mask>,
     /// Files to measure.
     n_files: usize,
     /// Threads.
@@ -82,11 +82,10 @@ impl<'a> Ruler<'a> {
         settings: Settings,
         n_files: usize,
     ) -> anyhow::Result<Self> {
-        let mask = arguments.mask.as_deref().map(read_photo).transpose()?;
         Ok(Self {
             arguments,
             settings,
-            mask: mask.map(DynamicImage::into_luma8),
+            mask: arguments.mask.as_deref().map(Mask::read).transpose()?,
             n_files,
             pool: rayon::ThreadPoolBuilder::new()
                 .num_threads(arguments.common.threads())

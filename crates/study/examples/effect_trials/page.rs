@@ -10,23 +10,21 @@ use std::fmt::Write as _;
 /// What the page shows.
 const HEAD: &str = "# Every effect hidden, by the solver
 
-Measured-like data are made by the solver: drums at several speeds and fills, two heaps, a sled and a tilted plate, as in
-[the study](../../fixtures/cotton/trials.toml). One effect of the library is on in all scenes that can carry it; the
-friction is drawn from its bench values; the runs have other seeds, and the values noise of reading. The diagnosis knows
-the study alone and searches the whole library by simulations of its own. One drum and one heap are kept aside. All
-diagnoses begin with the same runs for the sensitivities, so that the noise of these is common to all rows.
+Measured-like data by the solver: drums at several speeds and fills, two heaps, a sled and a tilted plate
+([study](../../fixtures/cotton/trials.toml)). One effect is on wherever a scene can carry it; the friction is drawn from
+its bench values; seeds and noise of reading are others. The diagnosis knows the study alone and searches the whole library
+by its own simulations. One drum and one heap are kept aside. All diagnoses begin with the same runs for the sensitivities,
+whose noise all rows share.
 
 `size`: the hidden amplitude over the smallest one that these measurements show with a chance of 90 %, by the linear
-model about the start; never more than is physically possible, and none that cannot reach half of the size. `answer`:
-the truth named, in a tie of 2 or 3, in a larger tie (number of effects), another name (`false`), `unknown`, or `none`,
-for each truth in turn. `kept`: whitened mean square on the conditions kept aside, by real runs, before and after the
-best explanation; 1 is noise alone. `ideal`: what a rule could tell that knew the truth's direction, by the linear
-problem of each campaign: the chance to see it behind re-tuning, at the level of a gate; the effect that imitates it best,
-what that one leaves of it in standard deviations, and the chance that the likelihood prefers the truth; the chance that
-the truth is seen and among the three likeliest. The slopes are taken as exact and the effect as growing in proportion, so
-that this bound is generous. `signal` needs no slope: the root of what the structured residual of the data holds beyond its
-degrees of freedom, in standard deviations; a part of that size can be seen by nobody where it is below about 2, whatever
-the slope at the probe has promised.
+model about the start, within what is physically possible; effects that cannot reach half of it are left out. `answer`:
+the truth named, in a tie (number of effects), another name (`false`), `unknown`, or `none`, for each truth in turn. `kept`:
+whitened mean square on the conditions kept aside, by real runs, before and after the best explanation; 1 is noise alone.
+`ideal`: what a rule could tell that knew the truth's direction, by the linear problem of each campaign: the chance to see
+it behind re-tuning; the effect that imitates it best, what that one leaves of it in standard deviations, and the chance that
+the likelihood prefers the truth; the chance that the truth is seen and among the three likeliest. Slopes count as exact
+and effects as proportional, so that this bound is generous. `signal` needs no slope: the root of what the structured
+residual holds beyond its degrees of freedom, in standard deviations; below about 2 nobody can see it.
 ";
 
 /// Bound below which the likelihood errs in more than one case of six.

@@ -5,7 +5,10 @@ use crate::document::Fields;
 use crate::keys;
 use crate::photo_values::NOT_IN_EVERY_RUN;
 use crate::problem::Problems;
+use photo_profile::{PixelPoint, PixelRegion, roll_by_level, roll_by_plumb_line};
 use quantity::{Angle, Time};
+use std::num::NonZeroUsize;
+use std::path::PathBuf;
 
 /// How photos are read.
 pub(super) fn photo_options(fields: &Fields<'_>, problems: &mut Problems) -> PhotoOptions {
@@ -18,23 +21,28 @@ pub(super) fn photo_options(fields: &Fields<'_>, problems: &mut Problems) -> Pho
              write \"line\"",
         ));
     }
-    let roll: Option<Angle> = fields.optional("roll", "an angle such as \"0.4 deg\"", problems);
+    let roll_rad = roll(fields, problems);
     let elevation_rad = angle_within(fields, "elevation", [0.0, 30.0], problems);
     let max_angle_error_rad = max_angle_error(fields, problems);
     let drum = fields.optional("drum", "three numbers [cx, cy, r] in px", problems);
-    let corners: Option<String> = fields.optional("corners", "a text", problems);
-    let corners = corners.and_then(|text| {
-        let found = corners_of(&text);
-        if found.is_none() {
-            let problem = "must be \"X,Y;X,Y;X,Y;X,Y\" in px: upper left, upper right, lower right, lower left";
-            problems.add(fields.wrong("corners", problem));
-        }
-        found
-    });
+    let form = "\"X,Y;X,Y;X,Y;X,Y\" in px: upper left, upper right, lower right, lower left";
+    let corners = places(fields, "corners", form, problems);
+    let form = "four whole numbers [x, y, width, height] in px";
+    let region: Option<[u32; 4]> = fields.optional("region", form, problems);
+    let mask: Option<PathBuf> = fields.optional("mask", "the name of a picture", problems);
+    if corners.is_some() && mask.is_some() {
+        let problem = "lies over the picture as it was taken: leave out corners, or hide nothing";
+        problems.add(fields.wrong("mask", problem));
+    }
+    let every: Option<NonZeroUsize> = fields.optional("every", "a whole number from 1", problems);
     let kinds = "\"auto\", \"dark\" or \"light\"";
     let foreground = fields.optional("foreground", kinds, problems);
     let frame_interval_s = interval(fields, "frame_interval", problems);
     let pair_interval_s = interval(fields, "pair_interval", problems);
+    if every.is_some() && pair_interval_s.is_some() {
+        let problem = "parts the pictures of a pair: leave out one of every and pair_interval";
+        problems.add(fields.wrong("every", problem));
+    }
     let names = "a list of observables";
     let also: Option<Vec<String>> = fields.optional("also", names, problems);
     let also = also.unwrap_or_default();
@@ -53,9 +61,17 @@ pub(super) fn photo_options(fields: &Fields<'_>, problems: &mut Problems) -> Pho
         frame_interval_s,
         pair_interval_s,
         also,
-        roll_rad: roll.map_or(0.0, Angle::si),
+        roll_rad,
         elevation_rad: elevation_rad.unwrap_or(0.0),
         max_angle_error_rad,
+        region: region.map(|[left, top, width, height]| PixelRegion {
+            left,
+            top,
+            width,
+            height,
+        }),
+        mask,
+        every,
         drum,
         corners,
         foreground: foreground.unwrap_or_default(),
@@ -92,13 +108,51 @@ fn interval(fields: &Fields<'_>, key: &str, problems: &mut Problems) -> Option<f
     time.map(Time::si).filter(|time| *time > 0.0)
 }
 
-/// Four corners `X,Y` with semicolons between them.
-fn corners_of(text: &str) -> Option<[[f64; 2]; 4]> {
+/// Tells the turn of the camera by two places.
+type RollBy = fn([PixelPoint; 2]) -> Result<f64, photo_profile::Error>;
+
+/// Angle of the true horizontal in the pictures, rad: stated, or by a mark in them; 0 where neither is.
+fn roll(fields: &Fields<'_>, problems: &mut Problems) -> f64 {
+    let stated: Option<Angle> = fields.optional("roll", "an angle such as \"0.4 deg\"", problems);
+    let mut rolls = vec![stated.map(Angle::si)];
+    let marks: [(&str, RollBy); 2] = [("plumb_line", roll_by_plumb_line), ("level", roll_by_level)];
+    for (key, roll_by) in marks {
+        let ends = places(fields, key, "\"X,Y;X,Y\" in px: two places", problems);
+        let ends = ends.map(|ends: [[f64; 2]; 2]| ends.map(|[x, y]| PixelPoint { x, y }));
+        rolls.push(ends.and_then(|ends| match roll_by(ends) {
+            Ok(roll) => Some(roll),
+            Err(error) => {
+                problems.add(fields.wrong(key, format!("tells no horizontal: {error}")));
+                None
+            }
+        }));
+        if rolls.iter().flatten().count() > 1 {
+            let problem =
+                "says the turn of the camera a second time: give one of roll, plumb_line and level";
+            problems.add(fields.wrong(key, problem));
+            rolls.pop();
+        }
+    }
+    rolls.into_iter().flatten().next().unwrap_or(0.0)
+}
+
+/// So many places `X,Y` with semicolons between them.
+fn places<const N: usize>(
+    fields: &Fields<'_>,
+    key: &str,
+    form: &str,
+    problems: &mut Problems,
+) -> Option<[[f64; 2]; N]> {
+    let text: String = fields.optional(key, "a text", problems)?;
     let point = |pair: &str| -> Option<[f64; 2]> {
         let (x, y) = pair.split_once(',')?;
         let finite = |t: &str| t.trim().parse().ok().filter(|v: &f64| v.is_finite());
         Some([finite(x)?, finite(y)?])
     };
     let all: Option<Vec<_>> = text.split(';').map(point).collect();
-    all?.try_into().ok()
+    let found = all.and_then(|all| all.try_into().ok());
+    if found.is_none() {
+        problems.add(fields.wrong(key, format!("must be {form}")));
+    }
+    found
 }

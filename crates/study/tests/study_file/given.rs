@@ -208,6 +208,50 @@ fn a_folder_of_photos_gives_mean_scatter_and_shape() {
     assert_eq!(study.problem.measurements.len(), 9);
 }
 
+/// Every second of five photos, turned by a mark that leans by atan(10.481 / 200) = 3.000 degrees, a part of each and
+/// behind a mask that hides a corner without drum: angles 3 degrees higher than as they are, to the resampling of a photo. The
+/// surface falls to the right, so that a horizontal turned counter-clockwise brings it nearer to upright by as much.
+#[test]
+fn photos_are_read_as_the_file_says() {
+    let angle = "angle_deg = { mean = 35.1, sd = 0.8, n = 10 }";
+    let as_is = Folder::new(&changed(angle, "photos = \"photos\""));
+    let options =
+        "level = \"20,240;220,229.519\", every = 2, region = [0, 0, 406, 400], mask = \"mask.png\"";
+    let options = format!("photos = \"photos\"\nphoto = {{ {options} }}");
+    let turned = Folder::new(&changed(angle, &options));
+    for folder in [&as_is, &turned] {
+        std::fs::create_dir(folder.path("photos")).unwrap();
+        for (k, rpm) in [15, 15, 45, 45, 15].iter().enumerate() {
+            let to = folder.path(&format!("photos/{k}.bmp"));
+            let from = fixture(&format!("photos/granudrum_mccA_{rpm}rpm_avg.bmp"));
+            std::fs::copy(from, to).unwrap();
+        }
+        let mut mask = image::GrayImage::from_pixel(406, 406, image::Luma([255]));
+        mask.put_pixel(0, 0, image::Luma([0]));
+        mask.save(folder.path("mask.png")).unwrap();
+    }
+    let [as_is, turned] = [as_is, turned].map(|folder| folder.read(None).unwrap());
+    let angles = &as_is.photos[0].angles_deg;
+    assert_eq!(angles.len(), 5);
+    let found = &turned.photos[0].angles_deg;
+    assert_eq!(found.len(), 3);
+    for (found, angle) in found.iter().zip(angles.iter().step_by(2)) {
+        assert!((found - angle - 3.0).abs() < 0.2, "{found} for {angle}");
+    }
+    let reads = |name: &str| turned.inputs.keys().any(|file| file.ends_with(name));
+    assert!(reads("mask.png") && reads("4.bmp") && !reads("3.bmp"));
+}
+
+/// Five copies of one photo have no scatter, and so no error: told as what it is.
+#[test]
+fn copies_of_one_photo_are_told() {
+    let angle = "angle_deg = { mean = 35.1, sd = 0.8, n = 10 }";
+    let photo = fixture("photos/granudrum_mccA_15rpm_avg.bmp");
+    let copies = changed(angle, &format!("photos = [{photo:?}, {photo:?}]"));
+    let problems = Folder::new(&copies).read(None).unwrap_err().to_string();
+    assert!(problems.contains("copies of one photo"), "{problems}");
+}
+
 #[test]
 fn every_file_that_is_read_is_hashed() {
     let study = right(STUDY);

@@ -111,6 +111,21 @@ fn reading_options_that_cannot_be_meant_are_refused() {
     let angle = "angle_deg = { mean = 35.1, sd = 0.8, n = 10 }";
     let steep = changed(angle, "photos = \".\"\nphoto = { elevation = \"40 deg\" }");
     tells(&wrong(&steep), &["elevation", "0 to 30 degrees"]);
+    let twice = changed(
+        angle,
+        "photos = \".\"\nphoto = { roll = \"1 deg\", level = \"0,0;200,0\", plumb_line = \"0,0;200,1\", region = [0, 0, -1, 5], \
+         every = 0, mask = \"no.png\", corners = \"0,0;9,0;9,9;0,9\" }",
+    );
+    tells(
+        &wrong(&twice),
+        &[
+            "level = \"0,0;200,0\" says the turn of the camera a second time",
+            "plumb_line = \"0,0;200,1\" tells no horizontal",
+            "region",
+            "every",
+            "mask",
+        ],
+    );
     // The camera looks along the axis of a drum; the value arrives where the picture is read.
     let photo = fixture("photos/granudrum_mccA_15rpm_avg.bmp");
     let drum = changed(
