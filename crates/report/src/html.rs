@@ -1,6 +1,7 @@
 //! The report: one page that opens without a network.
 
 pub(crate) mod explorer;
+pub(crate) mod pointing;
 mod script;
 pub(crate) mod table;
 pub(crate) mod viewer;
@@ -12,7 +13,7 @@ use base64::engine::general_purpose::STANDARD;
 
 use self::script::Script;
 use crate::escape::escaped;
-use crate::{Error, Explorer, SphereViewer, Svg, Table};
+use crate::{Error, Explorer, PointingPicture, SphereViewer, Svg, Table};
 
 /// Style sheet.
 const STYLE: &str = include_str!("html/style.css");
@@ -251,6 +252,30 @@ impl Report {
         let image = image_element(viewer.picture, viewer.description)?;
         let markup = viewer.markup(&image);
         self.need(Script::Viewer);
+        Ok(self.push_figure(&markup, caption))
+    }
+
+    /// Adds a picture whose places can be pointed at where scripts run.
+    ///
+    /// # Errors
+    /// As [`Report::picture`]; [`Error::OutOfRange`] for a size of 0 pixels.
+    pub fn pointing_picture(
+        &mut self,
+        picture: &PointingPicture<'_>,
+        caption: &str,
+    ) -> Result<&mut Self, Error> {
+        let image = image_element(picture.bytes, picture.description)?;
+        if let Some(index) = picture.size.iter().position(|pixels| *pixels == 0) {
+            return Err(Error::OutOfRange {
+                chart: "picture to point at",
+                field: "size",
+                index,
+                value: 0.0,
+                requirement: "above 0",
+            });
+        }
+        let markup = picture.markup(&image);
+        self.need(Script::Pointing);
         Ok(self.push_figure(&markup, caption))
     }
 

@@ -63,6 +63,7 @@ pub use escape::escaped;
 pub use html::explorer::{
     ExploredPrediction, ExploredSurface, ExploredTarget, Explorer, NamedPlace, SliderParameter,
 };
+pub use html::pointing::{Pointed, PointingPicture, PointingTool};
 pub use html::table::{Alignment, Column, Table};
 pub use html::viewer::{SphereViewer, ViewerSphere};
 pub use html::{Fact, Report, Verdict};

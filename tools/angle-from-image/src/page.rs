@@ -7,7 +7,8 @@ use image::RgbImage;
 use image::codecs::jpeg::JpegEncoder;
 use photo_profile::Mode;
 use report::{
-    AxisTitle, Column, Fact, Level, LineSeries, Report, Series, SeriesPoint, Table, Verdict,
+    AxisTitle, Column, Fact, Level, LineSeries, Pointed, PointingPicture, PointingTool, Report,
+    Series, SeriesPoint, Table, Verdict,
 };
 use surface_profile::Definition;
 
@@ -19,6 +20,35 @@ const SIDES: [u32; 2] = [800, 400];
 const QUALITY: u8 = 85;
 /// Standard errors in half of the 95 % interval.
 const HALF_INTERVAL: f64 = 1.96;
+
+/// What can be told by pointing at it, and how it is stated; last, what holds for a picture that is not straightened.
+const TOOLS: [PointingTool<'static>; 5] = [
+    PointingTool {
+        what: "the drum: three or more places on its rim",
+        flag: "--drum",
+        told: Pointed::Circle,
+    },
+    PointingTool {
+        what: "the part to look at: two opposite corners",
+        flag: "--region",
+        told: Pointed::Rectangle,
+    },
+    PointingTool {
+        what: "a plumb line: two places on it",
+        flag: "--plumb-line",
+        told: Pointed::Places,
+    },
+    PointingTool {
+        what: "a level: two places of one height",
+        flag: "--level",
+        told: Pointed::Places,
+    },
+    PointingTool {
+        what: "a square in the plane of the drum's end: its corners",
+        flag: "--corners",
+        told: Pointed::Square,
+    },
+];
 
 /// Longer side of the pictures in a page of at least so many, px.
 pub(crate) fn side(n_pictures: usize) -> u32 {
@@ -126,11 +156,9 @@ impl Shown<'_> {
         page.paragraph(&format!("{verdict}: {reason}."));
         if let Some(jpeg) = self.jpeg {
             let caption = "Blue: the drum, dashed where it is a guess. Magenta: the boundary that was found, and its line.";
-            page.picture(
-                jpeg,
-                &format!("Refused picture {}", self.number),
-                &format!("{}. {caption}", self.name()),
-            )?;
+            let description = format!("Refused picture {}", self.number);
+            let picture = self.picture(jpeg, &description);
+            page.pointing_picture(&picture, &format!("{}. {caption}", self.name()))?;
         }
         Ok(())
     }
@@ -139,9 +167,25 @@ impl Shown<'_> {
     fn measured(&self, page: &mut Report) -> anyhow::Result<()> {
         if let Some(jpeg) = self.jpeg {
             let caption = format!("{}. {}.", self.number, self.image.text());
-            page.picture(jpeg, &format!("Measured picture {}", self.number), &caption)?;
+            let description = format!("Measured picture {}", self.number);
+            page.pointing_picture(&self.picture(jpeg, &description), &caption)?;
         }
         Ok(())
+    }
+
+    /// The picture to be pointed at. What straightens a picture is told by the one that was taken.
+    fn picture<'a>(&self, bytes: &'a [u8], description: &'a str) -> PointingPicture<'a> {
+        let tools = if self.image.rectified {
+            &TOOLS[..TOOLS.len() - 1]
+        } else {
+            &TOOLS
+        };
+        PointingPicture {
+            bytes,
+            description,
+            size: self.image.picture_size_px,
+            tools,
+        }
     }
 }
 

@@ -22,6 +22,8 @@ pub(crate) struct ImageResult {
     pub(crate) time_s: Option<f64>,
     /// SHA-256 of the file; none where it could not be read.
     pub(crate) sha256: Option<String>,
+    /// Pixels of the picture along x and y; straightened where corners are given.
+    pub(crate) picture_size_px: [u32; 2],
     /// `ok`, `refused`, or `error` for a file that could not be read.
     pub(crate) verdict: &'static str,
     /// Why it was refused or not read.
@@ -217,6 +219,7 @@ impl ImageResult {
     /// The result of one reading.
     pub(crate) fn new(
         origin: Origin,
+        picture_size_px: [u32; 2],
         reading: &PhotoReading,
         settings: &Settings,
         rectified: bool,
@@ -239,6 +242,7 @@ impl ImageResult {
             file: origin.file,
             frame: origin.frame,
             time_s: None,
+            picture_size_px,
             sha256: Some(origin.sha256),
             verdict,
             reason,

@@ -165,7 +165,8 @@ impl<'a> Ruler<'a> {
         let shows = self.arguments.html.is_some();
         let shown = shows.then(|| jpeg(&marked(&picture, &reading, &self.settings, side)));
         let rectified = self.arguments.corners.is_some();
-        let mut result = ImageResult::new(origin, &reading, &self.settings, rectified);
+        let size = [picture.width(), picture.height()];
+        let mut result = ImageResult::new(origin, size, &reading, &self.settings, rectified);
         result.points = self.arguments.points.then(|| Points::new(&reading));
         Ok(MeasuredPicture {
             result,

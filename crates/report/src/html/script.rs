@@ -19,6 +19,8 @@ pub(crate) enum Script {
     Choice,
     /// Folded parts that open over the place from which they are called.
     Fold,
+    /// Pictures whose places are pointed at.
+    Pointing,
 }
 
 impl Script {
@@ -30,6 +32,7 @@ impl Script {
             Self::Explorer => include_str!("explorer.js"),
             Self::Choice => include_str!("choice.js"),
             Self::Fold => include_str!("fold.js"),
+            Self::Pointing => include_str!("pointing.js"),
         }
     }
 }
@@ -90,6 +93,7 @@ mod tests {
             Script::Explorer,
             Script::Choice,
             Script::Fold,
+            Script::Pointing,
         ];
         let policy = policy("p {}", &scripts);
         let page = elements(&scripts);
