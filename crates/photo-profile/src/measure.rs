@@ -9,7 +9,7 @@ use crate::uncertainty::widened;
 use crate::view::{DiscView, REACH};
 use crate::{
     Channel, DrumPixels, Error, Foreground, Glimpse, Mode, PhotoPixels, PhotoReading, PixelPoint,
-    Refusal, Settings, Verdict,
+    PixelRegion, Refusal, Settings, Verdict,
 };
 use image::GrayImage;
 use std::path::Path;
@@ -71,11 +71,74 @@ pub fn measure_photo(picture: &PhotoPixels, settings: &Settings) -> Result<Photo
     Ok(read_drum(picture, settings))
 }
 
-/// Measures a drum by the circle that the luminance shows, or another channel where that one leads nowhere.
+/// Measures the drum that is stated, or the one that the picture shows; of two that can be measured none is meant.
 fn read_drum(picture: &PhotoPixels, settings: &Settings) -> PhotoReading {
     if let Some(circle) = settings.drum {
         return read_disc(picture, &FoundDrum { circle, rim: None }, settings);
     }
+    let reading = search_drum(picture, settings);
+    let (Verdict::Ok, Some(first)) = (&reading.verdict, reading.drum) else {
+        return reading;
+    };
+    match other_drum(picture, first, settings) {
+        Some(second) => PhotoReading {
+            glimpse: Glimpse {
+                circle: Some(second),
+                ..Glimpse::default()
+            },
+            ..PhotoReading::refused(Refusal::TwoDrums { first, second }, Some(first))
+        },
+        None => reading,
+    }
+}
+
+/// A second drum beside the first that can be measured as well, at least half as large.
+fn other_drum(picture: &PhotoPixels, first: DrumPixels, settings: &Settings) -> Option<DrumPixels> {
+    beside(picture, first).into_iter().find_map(|region| {
+        let reading = search_drum(&picture.part(region), &region.settings(settings));
+        let reading = region.in_the_whole(reading);
+        reading
+            .drum
+            .filter(|second| reading.verdict == Verdict::Ok && second.r >= 0.5 * first.r)
+    })
+}
+
+/// The parts of a picture left of, right of, above and below a circle that are as wide as its radius or wider.
+fn beside(picture: &PhotoPixels, circle: DrumPixels) -> Vec<PixelRegion> {
+    let [width, height] = [picture.width(), picture.height()].map(|n| n as f64);
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "clamped to the picture"
+    )]
+    let whole = |v: f64, most: f64| v.round().clamp(0.0, most) as u32;
+    let (left, right) = (
+        whole(circle.cx - circle.r, width),
+        whole(circle.cx + circle.r, width),
+    );
+    let (above, below) = (
+        whole(circle.cy - circle.r, height),
+        whole(circle.cy + circle.r, height),
+    );
+    let (all_columns, all_rows) = (whole(width, width), whole(height, height));
+    let strips = [
+        [0, 0, left, all_rows],
+        [right, 0, all_columns - right, all_rows],
+        [0, 0, all_columns, above],
+        [0, below, all_columns, all_rows - below],
+    ];
+    let strips = strips.map(|[left, top, width, height]| PixelRegion {
+        left,
+        top,
+        width,
+        height,
+    });
+    let wide = |region: &PixelRegion| f64::from(region.width.min(region.height)) >= circle.r;
+    strips.into_iter().filter(wide).collect()
+}
+
+/// Measures a drum by the circle that the luminance shows, or another channel where that one leads nowhere.
+fn search_drum(picture: &PhotoPixels, settings: &Settings) -> PhotoReading {
     let by = |channel| match find_drum(&picture.channel(channel)) {
         Ok(drum) => read_disc(picture, &drum, settings),
         Err(NotFound { reason, candidate }) => PhotoReading {

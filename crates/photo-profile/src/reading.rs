@@ -51,6 +51,17 @@ pub enum Refusal {
         /// Largest value measured, 1.
         most: f64,
     },
+    /// Two drums, and nothing says which is meant.
+    #[error(
+        "two drums with a surface each: about ({:.0}, {:.0}) and ({:.0}, {:.0}) px",
+        first.cx, first.cy, second.cx, second.cy
+    )]
+    TwoDrums {
+        /// The one that shows best, px.
+        first: DrumPixels,
+        /// The other, px.
+        second: DrumPixels,
+    },
     /// Too few pixels across the drum.
     #[error("the picture is too small: {pixels} px on its shorter side, at least {least} needed")]
     TooSmall {

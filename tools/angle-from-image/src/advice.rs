@@ -42,6 +42,13 @@ pub(crate) fn advice(reading: &PhotoReading) -> Option<Advice> {
                 (None, None) => Advice::words(format!("state the drum: {DRUM}{oblique}")),
             }
         }
+        Refusal::TwoDrums { first, second } => {
+            let flag = |c: &DrumPixels| format!("--drum {:.1},{:.1},{:.1}", c.cx, c.cy, c.r);
+            Advice {
+                words: format!("state which one: {} or {}", flag(first), flag(second)),
+                flag: Some(flag(first)),
+            }
+        }
         Refusal::TooSmall { .. } => Advice::words("give the picture in its full size"),
         Refusal::DrumOutside { .. } => Advice::words(format!(
             "state the drum in px of this picture, {DRUM}, or leave --drum out to have it found"

@@ -61,6 +61,18 @@ fn a_region_is_measured_alone_in_the_pixels_of_the_whole() {
         let off = stated["angle_deg"].as_f64().unwrap() - json["angle_deg"].as_f64().unwrap();
         assert!(off.abs() < 1e-9, "{off}");
     }
+    // Which of the two is meant, nothing says; either flag of the advice does.
+    let json = read(&path, &[]);
+    assert_eq!(json["verdict"], "refused");
+    let advice = json["advice"].as_str().unwrap();
+    let mut angles: Vec<f64> = Vec::new();
+    for circle in advice.split("--drum ").skip(1) {
+        let circle = circle.split(' ').next().unwrap();
+        let json = read(&path, &["--drum", circle]);
+        angles.push(json["angle_deg"].as_f64().unwrap());
+    }
+    angles.sort_by(f64::total_cmp);
+    assert!(angles.len() == 2 && (angles[0] - 30.0).abs() < 0.2 && (angles[1] - 40.0).abs() < 0.2);
     for region in ["600,0,100,100", "0,0,0,10", "5,5,10"] {
         let output = run(&[path.to_str().unwrap(), "--region", region]);
         assert_eq!(output.status.code(), Some(2), "{region}");
