@@ -5,6 +5,7 @@ use crate::crumbs::cut_crumbs;
 use crate::holes::{close_holes, rims_of, width_of};
 use crate::mesh::area_vector;
 use crate::orientation::{Edges, turn_outward};
+use crate::rebuild::rebuild;
 use crate::report::suspect_unit;
 use crate::weld::{Welded, joined, weld};
 use crate::{
@@ -108,10 +109,15 @@ pub(crate) fn build(
     let mut report = report_of(&mesh, unit, counts);
     warnings.append(&mut report.warnings);
     report.warnings = warnings;
-    Ok(CheckedMesh { mesh, report })
+    let checked = CheckedMesh { mesh, report };
+    match repair.rebuild {
+        Some(cell) => rebuild(checked, cell),
+        None => Ok(checked),
+    }
 }
 
-/// Joins open edges, cuts crumbs away and closes holes, as far as that is allowed.
+/// Joins open edges, cuts crumbs away and closes holes, as far as that is allowed. Where the surface is made anew, only what is
+/// asked for: lids on loose triangles would undo them, and each crumb encloses something.
 fn mend(welded: &mut Welded, repair: &Repair) -> (Edges, Changes) {
     let mut changes = Changes::default();
     let mut edges = Edges::new(&welded.triangles);
@@ -119,12 +125,13 @@ fn mend(welded: &mut Welded, repair: &Repair) -> (Edges, Changes) {
         changes.joined = join_rims(welded, &edges, distance);
         edges = Edges::new(&welded.triangles);
     }
-    if !edges.open.is_empty() || !edges.crowded.is_empty() {
+    let anew = repair.rebuild.is_some();
+    if !anew && !(edges.open.is_empty() && edges.crowded.is_empty()) {
         cut_crumbs(welded, repair.crumbs, &mut changes);
         drop_unused(&mut welded.vertices, &mut welded.triangles);
         edges = Edges::new(&welded.triangles);
     }
-    if !edges.open.is_empty() {
+    if !edges.open.is_empty() && (!anew || repair.close_holes.is_some()) {
         close_holes(welded, &edges, repair.close_holes, &mut changes);
         let area_of = |t: &[usize; 3]| area_vector(&t.map(|i| welded.vertices[i])).norm();
         let whole: f64 = welded.triangles.iter().map(area_of).sum();

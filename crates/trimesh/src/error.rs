@@ -126,6 +126,21 @@ pub enum Error {
         /// See `x`.
         z: f64,
     },
+    /// Cubes on which a surface cannot be made anew.
+    #[error(
+        "{file} cannot be made anew on cubes of {cell_mm} mm: at least {least_mm:.4} mm are handled, and from about {most_mm:.4} mm on \
+         nothing is left of it"
+    )]
+    RebuildCell {
+        /// File.
+        file: String,
+        /// Edge length asked for, mm.
+        cell_mm: f64,
+        /// Least edge length, mm.
+        least_mm: f64,
+        /// Half of the shortest side of the box, mm.
+        most_mm: f64,
+    },
     /// An edge belongs to more than two triangles.
     #[error(
         "{file}: {edges} edges belong to more than two triangles, the first at \

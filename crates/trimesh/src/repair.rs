@@ -21,6 +21,9 @@ pub struct Repair {
     /// Loose pieces, and triangles at edges of more than two, that together have at most this
     /// share of the area are cut away.
     pub crumbs: f64,
+    /// The surface is made anew on cubes of this edge length, m, round all points that it encloses more than half; none: it
+    /// stays as it is.
+    pub rebuild: Option<f64>,
 }
 
 impl Default for Repair {
@@ -29,6 +32,7 @@ impl Default for Repair {
             join: None,
             close_holes: None,
             crumbs: CRUMBS,
+            rebuild: None,
         }
     }
 }
@@ -44,6 +48,36 @@ pub struct Lid {
     pub area: f64,
     /// Mean of the vertices of the rim, m.
     pub middle: Vector3<f64>,
+}
+
+/// A surface that was made anew.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Rebuilt {
+    /// Edge length of the cubes, m.
+    pub cell: f64,
+    /// Open edges that the surface had.
+    pub open_edges: usize,
+    /// Pairs of its triangles that crossed.
+    pub crossings: usize,
+    /// Volume that it enclosed, m³; none of an open one.
+    pub volume_before: Option<f64>,
+}
+
+impl std::fmt::Display for Rebuilt {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let Self {
+            cell,
+            open_edges,
+            crossings,
+            ..
+        } = self;
+        write!(
+            f,
+            "made anew on cubes of {:.4} mm: {open_edges} open edges and {crossings} crossings are gone, and with them details \
+             finer than that",
+            cell * 1e3
+        )
+    }
 }
 
 /// What was changed in a mesh so that it bounds a body.
@@ -63,4 +97,7 @@ pub struct Changes {
     pub lid_share: f64,
     /// Triangles of the lids: the last ones of the mesh.
     pub lid_triangles: usize,
+    /// How the surface was made anew, if it was.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub rebuilt: Option<Rebuilt>,
 }

@@ -1,6 +1,6 @@
 //! What was found and repaired while a mesh was read.
 
-use crate::{BoundingBox, Changes, LengthUnit};
+use crate::{BoundingBox, Changes, LengthUnit, Rebuilt};
 use serde::{Serialize, Serializer};
 
 /// Longest seed that raises no question, m.
@@ -59,6 +59,8 @@ pub enum Warning {
         /// Share of the area that the lids have.
         share: f64,
     },
+    /// The surface was made anew.
+    Rebuilt(Rebuilt),
     /// The surface has holes.
     OpenEdges(usize),
     /// Edges have more than two triangles.
@@ -90,25 +92,7 @@ impl std::fmt::Display for Warning {
                 longest,
                 unit,
                 likely,
-            } => {
-                let size = longest * 1e3;
-                write!(
-                    f,
-                    "the longest dimension is {size:.4} mm when read in {unit}"
-                )?;
-                match likely {
-                    Some((other, length)) => {
-                        let factor = other.in_metres() / unit.in_metres();
-                        let length = length * 1e3;
-                        write!(
-                            f,
-                            "; a seed is 0.1 to 100 mm: with the unit {other} (factor \
-                             {factor:e}) it would be {length:.2} mm"
-                        )
-                    }
-                    None => write!(f, "; a seed is 0.1 to 100 mm: check the unit"),
-                }
-            }
+            } => tell_unit(f, *longest, *unit, *likely),
             Self::CountCorrected { declared, found } => write!(
                 f,
                 "the header declares {declared} triangles, the file holds {found}: all were read"
@@ -136,6 +120,7 @@ impl std::fmt::Display for Warning {
                 widest * 1e3,
                 share * 100.0
             ),
+            Self::Rebuilt(rebuilt) => rebuilt.fmt(f),
             Self::DegenerateDropped(n) => write!(f, "{n} degenerate triangles dropped"),
             Self::DuplicatesDropped(n) => write!(f, "{n} repeated triangles dropped"),
             Self::Turned(n) => write!(f, "{n} triangles turned to face outward"),
@@ -165,6 +150,32 @@ impl std::fmt::Display for Warning {
                 )
             }
         }
+    }
+}
+
+/// Questions the unit of a size that no seed has.
+fn tell_unit(
+    f: &mut std::fmt::Formatter<'_>,
+    longest: f64,
+    unit: LengthUnit,
+    likely: Option<(LengthUnit, f64)>,
+) -> std::fmt::Result {
+    let size = longest * 1e3;
+    write!(
+        f,
+        "the longest dimension is {size:.4} mm when read in {unit}"
+    )?;
+    match likely {
+        Some((other, length)) => {
+            let factor = other.in_metres() / unit.in_metres();
+            let length = length * 1e3;
+            write!(
+                f,
+                "; a seed is 0.1 to 100 mm: with the unit {other} (factor \
+                 {factor:e}) it would be {length:.2} mm"
+            )
+        }
+        None => write!(f, "; a seed is 0.1 to 100 mm: check the unit"),
     }
 }
 

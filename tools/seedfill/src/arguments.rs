@@ -59,6 +59,11 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "LENGTH", allow_hyphen_values = true)]
     pub(crate) join: Option<String>,
 
+    /// Make the surface anew on cubes of this edge length, round all that it encloses more than half: for scans that cross
+    /// themselves, noise, cracks and wide holes; details finer than that are lost
+    #[arg(long, value_name = "LENGTH")]
+    pub(crate) rebuild: Option<String>,
+
     /// Cut away loose pieces, and triangles at edges of more than two, of together at most this
     /// percentage of the area
     #[arg(
@@ -224,6 +229,7 @@ impl Arguments {
             join: length("join", &self.join)?,
             close_holes: length("close-holes", &self.close_holes)?,
             crumbs: self.crumbs / 100.0,
+            rebuild: length("rebuild", &self.rebuild)?,
         })
     }
 

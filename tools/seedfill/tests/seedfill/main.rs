@@ -172,6 +172,40 @@ fn every_format_has_a_line_with_the_size_of_each_sphere() {
     }
 }
 
+/// A surface that is made anew is told with the length of its cubes, in text and JSON, and fills as before; lengths that are none end
+/// before any work.
+#[test]
+fn a_surface_is_made_anew_on_request() {
+    let mesh = fixture("sphere.stl");
+    let run = |cell: &str| {
+        seedfill(&[
+            path_text(&mesh),
+            "--rebuild",
+            cell,
+            "--radius",
+            "0.5",
+            "--count",
+            "4",
+            "--json",
+        ])
+    };
+    let output = run("0.2mm");
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    assert!(
+        text(&output.stderr).contains("made anew on cubes of 0.2000 mm"),
+        "{}",
+        text(&output.stderr)
+    );
+    let json = json_of(&output);
+    let told = json["mesh"]["warnings"][0].as_str().unwrap();
+    assert!(told.contains("made anew"), "{told}");
+    for cell in ["0", "-1mm", "1nm", "500mm", "x"] {
+        let output = run(cell);
+        assert_eq!(output.status.code(), Some(2), "{cell}");
+        assert!(output.stdout.is_empty(), "{cell}");
+    }
+}
+
 /// The fewest spheres: the target is kept, and half as many do not keep it.
 #[test]
 fn a_target_is_kept_with_few_spheres_or_refused_with_what_was_reached() {
