@@ -126,7 +126,8 @@ fn mend(welded: &mut Welded, repair: &Repair) -> (Edges, Changes) {
         edges = Edges::new(&welded.triangles);
     }
     let anew = repair.rebuild.is_some();
-    if !anew && !(edges.open.is_empty() && edges.crowded.is_empty()) {
+    let is_clean = edges.open.is_empty() && edges.crowded.is_empty();
+    if !(anew || is_clean) {
         cut_crumbs(welded, repair.crumbs, &mut changes);
         drop_unused(&mut welded.vertices, &mut welded.triangles);
         edges = Edges::new(&welded.triangles);

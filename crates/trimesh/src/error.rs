@@ -108,7 +108,7 @@ pub enum Error {
     #[error(
         "{file} is not closed: {open_edges} edges belong to one triangle only, the first at \
          ({x:.6}, {y:.6}, {z:.6}) mm; holes: {holes}, the widest {widest_mm:.4} mm across; close them \
-         (seedfill: --close-holes, and --join where parts lie loosely side by side)"
+         (seedfill: --close-holes, --join where parts lie loosely side by side, --rebuild for all at once)"
     )]
     Open {
         /// File.
@@ -183,8 +183,8 @@ pub enum Error {
     /// The surface cuts itself.
     #[error(
         "{file} cuts itself: {pairs} pairs of triangles cross, the first at ({x:.6}, {y:.6}, {z:.6}) mm, and \
-         {folded_percent:.1} % of the surface does not part inside from outside: repair it in the scanning \
-         software"
+         {folded_percent:.1} % of the surface does not part inside from outside: make it anew \
+         (seedfill: --rebuild), or repair it in the scanning software"
     )]
     CutsItself {
         /// File.

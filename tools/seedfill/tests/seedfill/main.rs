@@ -183,7 +183,7 @@ fn a_surface_is_made_anew_on_request() {
             "--rebuild",
             cell,
             "--radius",
-            "0.5",
+            "0.2",
             "--count",
             "4",
             "--json",
