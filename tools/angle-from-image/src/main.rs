@@ -4,6 +4,7 @@
 
 mod advice;
 mod arguments;
+mod interface;
 mod page;
 mod results;
 mod ruler;

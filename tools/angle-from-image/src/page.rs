@@ -1,5 +1,6 @@
 //! The results as one page that opens without a network: a summary, then every picture with what was found in it.
 
+use crate::interface::Interface;
 use crate::results::{ImageResult, Output};
 use crate::summary::Spread;
 use anyhow::Context as _;
@@ -242,6 +243,11 @@ fn summary(
                 "The angle of each picture that has one, with its 95 % interval, and the mean.";
             page.figure(&chart.draw()?, caption);
         }
+        if let Some(interface) = &summary.interface {
+            let caption = "The mean surface of all measured pictures along the drum, with the standard deviation of its height \
+                           between them as bars.";
+            page.figure(&mean_surface(interface).draw()?, caption);
+        }
         page.table(&list(all)?);
         if let Some(table) = observables(output)? {
             page.table(&table);
@@ -339,6 +345,24 @@ fn course(all: &[Shown<'_>], mean: Option<f64>) -> Option<LineSeries> {
             .into_iter()
             .collect(),
     })
+}
+
+/// The mean surface along the drum.
+fn mean_surface(interface: &Interface) -> LineSeries {
+    let places = interface.x_radii.iter();
+    let heights = interface.mean_radii.iter().zip(&interface.sd_radii);
+    let points = places
+        .zip(heights)
+        .map(|(x, (mean, sd))| SeriesPoint::new(*x, *mean, *sd));
+    LineSeries {
+        x: AxisTitle::new("Place along the drum", "radii"),
+        y: AxisTitle::new("Height over the axis", "radii"),
+        series: vec![Series {
+            name: "surface".to_owned(),
+            points: points.collect(),
+        }],
+        levels: Vec::new(),
+    }
 }
 
 /// All pictures as a table.

@@ -1,6 +1,7 @@
 //! What the command says: JSON and text.
 
 use crate::advice::advice;
+use crate::interface::{Heights, heights};
 use crate::summary::Summary;
 use command_line::Header;
 use photo_profile::{DrumPixels, HeapReading, PhotoReading, Refusal, Settings, Verdict};
@@ -86,6 +87,9 @@ pub(crate) struct ImageResult {
     pub(crate) points: Option<Points>,
     /// Whether the points lie in the picture straightened by the corners.
     pub(crate) rectified: bool,
+    /// Where the surface of a measured drum lies along it.
+    #[serde(skip)]
+    pub(crate) heights: Option<Heights>,
     /// Trust in the reading, 0 to 1.
     pub(crate) quality: f64,
 }
@@ -279,6 +283,7 @@ impl ImageResult {
             drum_candidate: reading.glimpse.circle,
             heap: heap.map(|heap| HeapResult::new(heap, settings)),
             points: None,
+            heights: angle.and_then(|_| heights(reading, settings.camera_roll)),
             rectified,
             quality: reading.quality,
         }

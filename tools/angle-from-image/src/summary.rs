@@ -1,5 +1,6 @@
 //! All pictures together.
 
+use crate::interface::{Heights, Interface};
 use crate::results::ImageResult;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -99,6 +100,8 @@ pub(crate) struct Summary {
     pub(crate) too_rough: Option<TooRough>,
     /// Files that could not be read.
     pub(crate) unread: usize,
+    /// Where the surface of a drum lies along it, and how it fluctuates there; none of fewer than two pictures.
+    pub(crate) interface: Option<Interface>,
     /// All that a drum shows, by the names that studies use, each in the unit at the end of its name or in 1.
     pub(crate) observables: BTreeMap<&'static str, Spread>,
 }
@@ -119,6 +122,10 @@ impl Summary {
             refused: count("refused"),
             too_rough: TooRough::new(images),
             unread: count("error"),
+            interface: {
+                let surfaces: Vec<Heights> = images.iter().filter_map(|i| i.heights).collect();
+                Interface::of(&surfaces)
+            },
             observables: observables(images, interval),
         }
     }
@@ -134,8 +141,12 @@ impl Summary {
             .too_rough
             .as_ref()
             .map_or_else(String::new, TooRough::text);
+        let interface = self
+            .interface
+            .as_ref()
+            .map_or_else(String::new, Interface::text);
         format!(
-            "mean {} deg, sd {}, se {}, {} measured, {} refused{unread}{rough}",
+            "mean {} deg, sd {}, se {}, {} measured, {} refused{unread}{rough}{interface}",
             number(self.mean_deg),
             number(self.sd_deg),
             number(self.se_deg),
