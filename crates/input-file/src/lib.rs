@@ -5,7 +5,7 @@
 
 use std::fs::File;
 use std::io::{Error, ErrorKind, Read as _, Result};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Largest file that is read, bytes (2 GiB): our choice, ten times the largest mesh of a scanner that we know.
 pub const MOST_BYTES: u64 = 1 << 31;
@@ -59,9 +59,31 @@ pub fn read_text(path: &Path) -> Result<String> {
     })
 }
 
+/// What a name is sorted by: stretches of digits count by their value, so that `frame-10` comes
+/// after `frame-9`, and the name itself where these are equal.
+pub fn name_order(path: &Path) -> (Vec<(String, u128)>, PathBuf) {
+    let name = path.to_string_lossy();
+    let mut parts = vec![(String::new(), 0_u128)];
+    let mut in_number = false;
+    for letter in name.chars() {
+        match (letter.to_digit(10), parts.last_mut()) {
+            (Some(digit), Some((_, number))) => {
+                *number = number.saturating_mul(10).saturating_add(u128::from(digit));
+                in_number = true;
+            }
+            (None, Some((text, _))) if !in_number => text.push(letter),
+            _ => {
+                parts.push((letter.to_string(), 0));
+                in_number = false;
+            }
+        }
+    }
+    (parts, path.to_path_buf())
+}
+
 #[cfg(test)]
 mod tests {
-    use super::{MOST_BYTES, read, read_text};
+    use super::{MOST_BYTES, name_order, read, read_text};
     use std::fs::File;
     use std::path::Path;
 
@@ -110,5 +132,12 @@ mod tests {
             told.contains("2147483649") && told.contains("2147483648"),
             "{told}"
         );
+    }
+
+    #[test]
+    fn frames_come_in_the_order_of_their_numbers() {
+        let mut names = ["f10.png", "f9.png", "e.png", "f09.png", "f9b.png"];
+        names.sort_by_cached_key(|name| name_order(Path::new(name)));
+        assert_eq!(names, ["e.png", "f09.png", "f9.png", "f9b.png", "f10.png"]);
     }
 }

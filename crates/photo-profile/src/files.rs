@@ -1,6 +1,7 @@
 //! Which picture files are meant.
 
 use crate::Error;
+use input_file::name_order;
 use std::path::{Path, PathBuf};
 
 /// Name endings of pictures that are taken from a folder.
@@ -64,39 +65,4 @@ fn files_in(folder: &Path) -> Result<(Vec<PathBuf>, Vec<PathBuf>), Error> {
         let ending = path.extension().and_then(|e| e.to_str()).unwrap_or("");
         ENDINGS.contains(&ending.to_lowercase().as_str())
     }))
-}
-
-/// What a name is sorted by: stretches of digits count by their value, so that `frame-10` comes
-/// after `frame-9`, and the name itself where these are equal.
-pub fn name_order(path: &Path) -> (Vec<(String, u128)>, PathBuf) {
-    let name = path.to_string_lossy();
-    let mut parts = vec![(String::new(), 0_u128)];
-    let mut in_number = false;
-    for letter in name.chars() {
-        match (letter.to_digit(10), parts.last_mut()) {
-            (Some(digit), Some((_, number))) => {
-                *number = number.saturating_mul(10).saturating_add(u128::from(digit));
-                in_number = true;
-            }
-            (None, Some((text, _))) if !in_number => text.push(letter),
-            _ => {
-                parts.push((letter.to_string(), 0));
-                in_number = false;
-            }
-        }
-    }
-    (parts, path.to_path_buf())
-}
-
-#[cfg(test)]
-mod tests {
-    use super::name_order;
-    use std::path::Path;
-
-    #[test]
-    fn frames_come_in_the_order_of_their_numbers() {
-        let mut names = ["f10.png", "f9.png", "e.png", "f09.png", "f9b.png"];
-        names.sort_by_cached_key(|name| name_order(Path::new(name)));
-        assert_eq!(names, ["e.png", "f09.png", "f9.png", "f9b.png", "f10.png"]);
-    }
 }

@@ -126,6 +126,18 @@ pub enum Error {
         /// See `x`.
         z: f64,
     },
+    /// A stack of slices whose sizes do not fit.
+    #[error(
+        "{file}: {counts:?} voxels of lengths above 0 were expected, {values} values are there"
+    )]
+    VoxelSizes {
+        /// Folder.
+        file: String,
+        /// Numbers along x, y and z.
+        counts: [usize; 3],
+        /// Values.
+        values: usize,
+    },
     /// Cubes on which a surface cannot be made anew.
     #[error(
         "{file} cannot be made anew on cubes of {cell_mm} mm: at least {least_mm:.4} mm are handled, and from about {most_mm:.4} mm on \

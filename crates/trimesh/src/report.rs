@@ -61,6 +61,8 @@ pub enum Warning {
     },
     /// The surface was made anew.
     Rebuilt(Rebuilt),
+    /// A body reaches the border of a stack of slices with so many voxels, and is cut off there.
+    CutAtBorder(usize),
     /// The surface has holes.
     OpenEdges(usize),
     /// Edges have more than two triangles.
@@ -121,6 +123,7 @@ impl std::fmt::Display for Warning {
                 share * 100.0
             ),
             Self::Rebuilt(rebuilt) => rebuilt.fmt(f),
+            Self::CutAtBorder(n) => write!(f, "cut off at the border of the stack ({n} voxels)"),
             Self::DegenerateDropped(n) => write!(f, "{n} degenerate triangles dropped"),
             Self::DuplicatesDropped(n) => write!(f, "{n} repeated triangles dropped"),
             Self::Turned(n) => write!(f, "{n} triangles turned to face outward"),

@@ -20,7 +20,7 @@ use trimesh::{LengthUnit, Repair};
     after_help = "Example:\n  seedfill seed.stl --radius 0.45 --mass 94.5e-6 --out seed.csv --preview seed.png"
 )]
 pub(crate) struct Arguments {
-    /// Mesh to fill: STL, OBJ or PLY, binary or text; several with --shapes
+    /// Mesh to fill: STL, OBJ or PLY, binary or text; several with --shapes; with --voxel a folder of slices, or a TIFF of many
     #[arg(value_name = "MESH.stl", required = true)]
     pub(crate) mesh: Vec<PathBuf>,
 
@@ -45,6 +45,14 @@ pub(crate) struct Arguments {
     /// Unit of the numbers in the mesh: mm, cm, m or um
     #[arg(long, default_value = "mm", value_name = "UNIT")]
     pub(crate) unit: LengthUnit,
+
+    /// Edge length of a voxel: the body is what is bright in a stack of slices (PNG, TIFF or BMP, 8 or 16 bits)
+    #[arg(long, value_name = "LENGTH", allow_hyphen_values = true)]
+    pub(crate) voxel: Option<String>,
+
+    /// Grey level above which a voxel is bright [default: that which parts the levels best]
+    #[arg(long, value_name = "LEVEL", requires = "voxel", value_parser = level)]
+    pub(crate) voxel_threshold: Option<f64>,
 
     /// Of several bodies take the largest with its cavities, leave the others out
     #[arg(long)]
@@ -237,6 +245,13 @@ impl Arguments {
     pub(crate) fn mass_of(&self, volume: f64) -> Option<f64> {
         self.mass.or(self.density.map(|density| density * volume))
     }
+}
+
+/// Reads a grey level.
+fn level(text: &str) -> Result<f64, String> {
+    let level = text.trim().parse().ok();
+    let level = level.filter(|level: &f64| (0.0..65_535.0).contains(level));
+    level.ok_or_else(|| format!("\"{text}\" must be a grey level from 0 to below 65535"))
 }
 
 /// Names of the methods.

@@ -8,6 +8,7 @@ mod page;
 mod preview;
 mod price;
 mod shapes;
+mod slices;
 mod sphere_file;
 mod sphere_table;
 mod summary;
@@ -21,7 +22,7 @@ use price::Price;
 use sphere_fill::{Connectivity, Error, FillSettings, fill, measure};
 use sphere_table::read_spheres;
 use std::io::Write as _;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Instant;
 use summary::{Measured, Refusal, Summary};
@@ -56,12 +57,9 @@ fn fill_one(arguments: &Arguments, mesh: &Path) -> anyhow::Result<u8> {
     outputs::try_all(arguments)?;
     let start = Instant::now();
     let read = read_body(arguments, mesh)?;
-    let header = Header::new(
-        arguments.seed,
-        [Some(mesh), arguments.spheres.as_deref()]
-            .into_iter()
-            .flatten(),
-    )?;
+    let bodies = inputs(arguments, mesh)?;
+    let inputs = bodies.iter().chain(&arguments.spheres);
+    let header = Header::new(arguments.seed, inputs)?;
     common.log(|| {
         let what = match &task {
             Task::Fill(settings) => format!("sphere radius {:.6} mm", settings.radius * 1e3),
@@ -109,10 +107,32 @@ fn fill_one(arguments: &Arguments, mesh: &Path) -> anyhow::Result<u8> {
     Ok(DONE)
 }
 
+/// The files that a body is read from.
+fn inputs(arguments: &Arguments, body: &Path) -> anyhow::Result<Vec<PathBuf>> {
+    if slices::is_stack(arguments) {
+        slices::files(body)
+    } else {
+        Ok(vec![body.to_owned()])
+    }
+}
+
 /// Reads the mesh; of several bodies the largest, if that is asked for.
 fn read_body(arguments: &Arguments, file: &Path) -> anyhow::Result<CheckedMesh> {
     let repair = arguments.repair()?;
-    let mut read = trimesh::read_mesh_with(file, arguments.unit, &repair)?;
+    let mut read = if slices::is_stack(arguments) {
+        let (read, threshold) = slices::read(arguments, file, &repair)?;
+        arguments
+            .common
+            .log(|| format!("bright is what lies above the grey level {threshold:.1}"));
+        read
+    } else {
+        anyhow::ensure!(
+            !file.is_dir(),
+            "{} is a folder; a stack of slices needs the edge length of a voxel, --voxel LENGTH",
+            file.display()
+        );
+        trimesh::read_mesh_with(file, arguments.unit, &repair)?
+    };
     if arguments.largest_body && read.mesh.topology().shells > 1 {
         let body = read.mesh.largest_body()?;
         read.mesh = body.mesh;

@@ -2,7 +2,7 @@
 
 use crate::arguments::Arguments;
 use crate::moments::Shape;
-use crate::{read_body, settings_of};
+use crate::{inputs, read_body, settings_of};
 use command_line::{DONE, ERROR, Header, NOT_MET, significant, write_new};
 use experiment_design::table::csv_field;
 use serde::Serialize;
@@ -80,7 +80,9 @@ pub(crate) fn run(arguments: &Arguments, file: &PathBuf) -> anyhow::Result<u8> {
         common.overwrite(),
     )?;
     common.print(text(&meshes, unit))?;
-    let readable = arguments.mesh.iter().filter(|mesh| mesh.is_file());
+    let bodies = arguments.mesh.iter();
+    let files = bodies.flat_map(|body| inputs(arguments, body).unwrap_or_default());
+    let readable = files.filter(|file| file.is_file());
     let (unread, bad) = (
         meshes.iter().filter(|row| row.shape.is_none()).count(),
         meshes.iter().filter(|row| row.problem.is_some()).count(),

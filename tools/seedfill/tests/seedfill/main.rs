@@ -4,6 +4,7 @@ mod connections;
 mod programs;
 mod shape;
 mod shapes;
+mod slices;
 mod union;
 
 use serde_json::Value;
