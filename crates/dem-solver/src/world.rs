@@ -39,8 +39,8 @@ pub struct Settings {
     pub time_step: f64,
     /// Gravity, m/s².
     pub gravity: Vector3<f64>,
-    /// Skin of the sphere lists, m. It decides the speed only: 0.6 to 1 of the sphere radius is a flat
-    /// optimum.
+    /// Skin of the sphere lists, m. It decides the speed only: a seventh of the least radius suits bodies of several spheres, 0.6
+    /// to 1 of it single spheres.
     pub skin: f64,
     /// Margin of the bounding spheres, m. It decides the speed only.
     pub margin: f64,

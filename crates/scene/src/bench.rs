@@ -11,6 +11,7 @@ mod slider;
 mod tilt;
 
 use crate::apparatus::{Apparatus, BenchTest};
+use crate::build::PAIR_SKIN;
 use crate::interactions::interactions;
 use crate::phase_times::{PhaseTimes, Stopwatch};
 use crate::run::{Ending, RunResult};
@@ -78,7 +79,7 @@ impl BenchParts {
         Settings {
             time_step: self.time_step,
             gravity: Vector3::zeros(),
-            skin: 0.45 * radius,
+            skin: PAIR_SKIN * radius,
             margin: 4.5 * radius,
         }
     }

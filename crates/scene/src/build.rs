@@ -213,6 +213,14 @@ fn single_spheres(
     Ok(templates)
 }
 
+/// Skin of the lists of bodies of several spheres, parts of the radius of the smallest.
+///
+/// Smooth seeds of overlapping spheres have many pairs nearly in touch: at 0.7 a seed of 25 of them takes three times as long a step as
+/// at 0.15. Separate spheres take equally long from 0.15 to 0.7.
+pub(crate) const PAIR_SKIN: f64 = 0.15;
+/// The same of bodies of one sphere, whose list is one of bodies.
+const BODY_SKIN: f64 = 0.7;
+
 /// Skin and margin of the solver's lists, m; they decide the speed only.
 ///
 /// Seeds of many small spheres have margins of some of these, bodies of few spheres of a part of their own size: a wider
@@ -221,7 +229,11 @@ pub(crate) fn list_distances(templates: &[Template]) -> (f64, f64) {
     let least = |of: fn(&Template) -> f64| templates.iter().map(of).fold(f64::INFINITY, f64::min);
     let radius = least(Template::smallest_radius);
     let margin = (4.5 * radius).min(0.5 * least(Template::bounding_radius));
-    (0.7 * radius, margin)
+    let single = templates
+        .iter()
+        .all(|t| t.bounding_radius() <= t.smallest_radius());
+    let skin = if single { BODY_SKIN } else { PAIR_SKIN };
+    (skin * radius, margin)
 }
 
 /// The world without its walls of triangles.

@@ -13,6 +13,7 @@ mod sphere_file;
 mod sphere_table;
 mod summary;
 mod target;
+mod trial_bed;
 mod union_file;
 
 use arguments::{Arguments, MethodName, length_in_metres};

@@ -1,6 +1,7 @@
 //! What a filling costs in a simulation.
 
 use crate::arguments::Arguments;
+use crate::trial_bed::near_groups;
 use anyhow::Context as _;
 use contact_law::hertz_mindlin::rayleigh_time_step;
 use contact_law::material::effective_moduli;
@@ -79,7 +80,7 @@ impl Price {
         let packed_us = timed.as_ref().map_or(PACKED_US, |run| run.us_per_seed_step);
         let drum_seeds = timed.as_ref().map_or(DRUM_SEEDS, |run| run.bodies);
         let outer_spheres = filling.outer_count()?;
-        let relative_cost = relative_cost(filling, outer_spheres, smallest);
+        let relative_cost = relative_cost(filling, smallest, mass, [material, wall])?;
         let cpu_us_per_seed_step = packed_us * relative_cost;
         Ok(Self {
             outer_spheres,
@@ -141,20 +142,31 @@ fn time_step(filling: &Filling, mass: f64, others: &[Material; 2]) -> anyhow::Re
     Ok(hard_contact::STEP_SHARE * with_seed.min(with_wall))
 }
 
-/// Cost of a step of a filling over that of a packing.
+/// Cost of a step of a filling over that of a packing: 1 for separate spheres.
 ///
-/// Measured once with 1200 seeds in the study's drum (docs/benchmarks.md, what a filling costs): 1
-/// for the 143.7 separate spheres of the study, 1.55 and 2.42 for 10 and 25 overlapping spheres fitted
-/// to the surface, since two smooth seeds touch at many spheres at a time. The line through these two
-/// is taken for all overlapping fillings.
-fn relative_cost(filling: &Filling, outer: usize, smallest: f64) -> f64 {
-    const FIRST: f64 = 0.97;
-    const EACH: f64 = 0.058;
-    if filling.report.max_overlap > OVERLAPPING * smallest {
-        FIRST + EACH * outer as f64
-    } else {
-        1.0
+/// Smooth seeds of overlapping spheres touch at as few places as others, but many of their spheres are nearly in touch, and
+/// these are looked at in each step: the cost grows with the groups of eight such pairs that a seed of a [small bed](near_groups) has. The
+/// line is that through eight fillings in the study's drum, and holds for twelve within 15 % (docs/benchmarks.md, what a filling costs).
+///
+/// # Errors
+///
+/// What the solver refuses.
+fn relative_cost(
+    filling: &Filling,
+    smallest: f64,
+    mass: Option<f64>,
+    materials: [Material; 2],
+) -> anyhow::Result<f64> {
+    const FIRST: f64 = 0.52;
+    const EACH: f64 = 0.13;
+    if filling.report.max_overlap <= OVERLAPPING * smallest {
+        return Ok(1.0);
     }
+    // Seeds of water where none is weighed: the lists depend on the shape.
+    let mass = mass.unwrap_or(1000.0 * filling.mesh_moments.volume);
+    let step = time_step(filling, mass, &materials)?;
+    let body = filling.clump(mass, InertiaSource::Mesh)?;
+    Ok(FIRST + EACH * near_groups(&body, materials, step)?)
 }
 
 /// Measured cost of a run with packed seeds.

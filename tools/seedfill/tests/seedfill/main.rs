@@ -272,7 +272,25 @@ fn the_page_and_the_price_of_a_filling() {
     let number = |key: &str| price[key].as_f64().unwrap();
     let expected = 1200.0 * 0.5e-6 * number("relative_cost") / number("time_step_s");
     assert!((number("cpu_s_per_drum_s") / expected - 1.0).abs() < 1e-12);
-    assert!(number("relative_cost") > 1.0);
+    // Four times as many spheres of the same surface are nearly in touch with more: a step costs more.
+    let many = [
+        path_text(&mesh),
+        "--radius",
+        "0.3",
+        "--method",
+        "surface",
+        "--count",
+        "40",
+        "--mass",
+        "94.5e-6",
+        "--json",
+        "--quiet",
+    ];
+    let dearer = &json_of(&seedfill(&many))["price"]["relative_cost"];
+    assert!(
+        dearer.as_f64().unwrap() > 1.1 * number("relative_cost"),
+        "{dearer}"
+    );
     assert_eq!(price["outer_spheres"], 10);
     let density = price["density_kg_m3"].as_f64().unwrap();
     assert!((density - 94.5e-6 / 93.0e-9).abs() < 0.01, "{density}");
