@@ -11,7 +11,6 @@ mod slider;
 mod tilt;
 
 use crate::apparatus::{Apparatus, BenchTest};
-use crate::build::PAIR_SKIN;
 use crate::interactions::interactions;
 use crate::phase_times::{PhaseTimes, Stopwatch};
 use crate::run::{Ending, RunResult};
@@ -79,7 +78,7 @@ impl BenchParts {
         Settings {
             time_step: self.time_step,
             gravity: Vector3::zeros(),
-            skin: PAIR_SKIN * radius,
+            skin: 0.45 * radius,
             margin: 4.5 * radius,
         }
     }

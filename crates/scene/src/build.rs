@@ -217,7 +217,7 @@ fn single_spheres(
 ///
 /// Smooth seeds of overlapping spheres have many pairs nearly in touch: at 0.7 a seed of 25 of them takes three times as long a step as
 /// at 0.15. Separate spheres take equally long from 0.15 to 0.7.
-pub(crate) const PAIR_SKIN: f64 = 0.15;
+const PAIR_SKIN: f64 = 0.15;
 /// The same of bodies of one sphere, whose list is one of bodies.
 const BODY_SKIN: f64 = 0.7;
 
