@@ -196,6 +196,12 @@ fill-table *MESHES:
     cargo build --release --locked -p seedfill
     python3 tools/seedfill/compare/fill_table.py "${CARGO_TARGET_DIR:-target}/release/seedfill" fixtures/stl/cotton_ellipsoidal.stl fixtures/stl/cotton_flat.stl "$@"
 
+# Measure what a step of the study's drum costs with other fillings, beside the price that seedfill tells (five minutes, alone on the machine).
+[group('speed')]
+filling-cost:
+    cargo build --release --locked -p seedfill -p seedloop
+    python3 tools/seedfill/compare/filling_cost.py "${CARGO_TARGET_DIR:-target}/release" fixtures/cotton/drum.toml fixtures/stl/cotton_ellipsoidal.stl
+
 # Show what seedfill says to broken and odd meshes.
 [group('trials of the instruments')]
 fill-bad-input:
@@ -233,6 +239,11 @@ angle-trials *ARGS:
 [group('studies of the bed')]
 two-rulers *ARGS:
     cargo run --release --locked -p scene --example two_rulers -- "$@"
+
+# Show what faults of a camera do to the angle of a simulated bed (three minutes).
+[group('studies of the bed')]
+error-budget *ARGS:
+    cargo run --release --locked -p scene --example error_budget -- "$@"
 
 # RUNS runs at each friction, filling and step (half an hour for 4). Finished runs in FOLDER are found again.
 # Show what the time step does to the angle of a drum.

@@ -178,6 +178,18 @@ impl Template {
             .map(|sphere| sphere.radius)
             .fold(f64::INFINITY, f64::min)
     }
+
+    /// Whether two of the spheres that take part in the contact search overlap by more than a twentieth of the radius of the
+    /// smaller one: then many of them are nearly in touch with whatever touches the body.
+    pub fn overlaps(&self) -> bool {
+        let spheres = &self.spheres;
+        spheres.iter().enumerate().any(|(i, a)| {
+            spheres[..i].iter().any(|b| {
+                let overlap = a.radius + b.radius - (a.centre - b.centre).norm();
+                overlap > 0.05 * a.radius.min(b.radius)
+            })
+        })
+    }
 }
 
 /// Whether three moments of inertia are one but for rounding.

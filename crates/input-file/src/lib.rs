@@ -59,6 +59,29 @@ pub fn read_text(path: &Path) -> Result<String> {
     })
 }
 
+/// Whether the name of a file ends, behind its last dot, in one of `endings`, written in small letters.
+pub fn has_ending(path: &Path, endings: &[&str]) -> bool {
+    let ending = path.extension().and_then(|e| e.to_str()).unwrap_or("");
+    endings.contains(&ending.to_lowercase().as_str())
+}
+
+/// The files in a folder in [the order of their names](name_order): those with one of these endings, and the others.
+///
+/// # Errors
+///
+/// A folder that cannot be listed.
+pub fn files_in(folder: &Path, endings: &[&str]) -> Result<(Vec<PathBuf>, Vec<PathBuf>)> {
+    let mut all = Vec::new();
+    for entry in std::fs::read_dir(folder)? {
+        let path = entry?.path();
+        if path.is_file() {
+            all.push(path);
+        }
+    }
+    all.sort_by_cached_key(|path| name_order(path));
+    Ok(all.into_iter().partition(|path| has_ending(path, endings)))
+}
+
 /// What a name is sorted by: stretches of digits count by their value, so that `frame-10` comes
 /// after `frame-9`, and the name itself where these are equal.
 pub fn name_order(path: &Path) -> (Vec<(String, u128)>, PathBuf) {

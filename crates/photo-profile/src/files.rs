@@ -1,7 +1,7 @@
 //! Which picture files are meant.
 
 use crate::Error;
-use input_file::name_order;
+use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 
 /// Name endings of pictures that are taken from a folder.
@@ -49,20 +49,18 @@ fn pictures_in(folder: &Path) -> Result<Vec<PathBuf>, Error> {
 
 /// The files in a folder that are pictures by the ending of their names, and the others, in the order of their names.
 fn files_in(folder: &Path) -> Result<(Vec<PathBuf>, Vec<PathBuf>), Error> {
-    let cannot_read = |source| Error::Read {
+    input_file::files_in(folder, &ENDINGS).map_err(|source| Error::Read {
         path: folder.to_path_buf(),
         source,
-    };
-    let mut all = Vec::new();
-    for entry in std::fs::read_dir(folder).map_err(cannot_read)? {
-        let path = entry.map_err(cannot_read)?.path();
-        if path.is_file() {
-            all.push(path);
-        }
+    })
+}
+
+/// One of so many pictures: of several files each `every`-th file, and all pictures in it; of one file all of it. Also the number that
+/// tells which pictures of a file to take, 1 for all.
+pub fn one_of(every: NonZeroUsize, files: Vec<PathBuf>) -> (Vec<PathBuf>, usize) {
+    if files.len() > 1 {
+        (files.into_iter().step_by(every.get()).collect(), 1)
+    } else {
+        (files, every.get())
     }
-    all.sort_by_cached_key(|path| name_order(path));
-    Ok(all.into_iter().partition(|path| {
-        let ending = path.extension().and_then(|e| e.to_str()).unwrap_or("");
-        ENDINGS.contains(&ending.to_lowercase().as_str())
-    }))
 }

@@ -3,6 +3,7 @@
 use crate::Error;
 use image::codecs::pnm::PnmDecoder;
 use image::{DynamicImage, ImageDecoder as _};
+use input_file::has_ending;
 use std::io::{BufRead as _, BufReader, Read as _};
 use std::path::{Path, PathBuf};
 use std::process::{Child, ChildStderr, ChildStdout, Command, Stdio};
@@ -17,8 +18,7 @@ const MOST_TOLD: u64 = 4096;
 
 /// Whether a file is a film by the ending of its name.
 pub(crate) fn is_film(path: &Path) -> bool {
-    let ending = path.extension().and_then(|e| e.to_str()).unwrap_or("");
-    ENDINGS.contains(&ending.to_lowercase().as_str())
+    has_ending(path, &ENDINGS)
 }
 
 /// A film that is being decoded; dropped, it ends the program.
@@ -121,16 +121,13 @@ impl Film {
             source,
         })?;
         let told = self.complaints.take().and_then(|thread| thread.join().ok());
-        let told = told.unwrap_or_default();
-        let told = told.lines().next().unwrap_or("it says nothing").to_owned();
-        if !status.success() {
-            return Err(failed(&self.path, &told));
+        let complaint = told.as_deref().and_then(|told| told.lines().next());
+        if status.success() && complaint.is_none() && self.given > 0 {
+            return Ok(None);
         }
-        if told != "it says nothing" || self.given == 0 {
-            let what = format!("{told} ({} pictures were whole)", self.given);
-            return Err(failed(&self.path, &what));
-        }
-        Ok(None)
+        let told = complaint.unwrap_or("no pictures came");
+        let what = format!("{told} ({} pictures were whole)", self.given);
+        Err(failed(&self.path, &what))
     }
 }
 

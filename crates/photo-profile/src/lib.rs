@@ -69,7 +69,7 @@ mod view;
 pub use channel::Channel;
 pub use decode::{Frames, MOST_PIXELS, read_frames, read_photo};
 pub use error::Error;
-pub use files::{picture_files, skipped_files};
+pub use files::{one_of, picture_files, skipped_files};
 pub use heap::HeapReading;
 pub use level_mark::{roll_by_level, roll_by_plumb_line};
 pub use mask::Mask;

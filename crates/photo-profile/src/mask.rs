@@ -92,19 +92,12 @@ impl PhotoPixels {
                 picture: [self.width(), self.height()],
             });
         }
-        let hidden = Hidden {
-            width: self.width(),
+        let width = self.width();
+        let filled = self.map_channels(|values| fill(values, &pixels, width));
+        Ok(filled.knowing(Hidden {
+            width,
             pixels: Arc::new(pixels),
-        };
-        Ok(self.filled(hidden))
-    }
-
-    /// The picture filled in the hidden places, which it knows from now on.
-    fn filled(self, hidden: Hidden) -> Self {
-        let width = hidden.width;
-        let is_hidden = Arc::clone(&hidden.pixels);
-        self.map_channels(|values| fill(values, &is_hidden, width))
-            .knowing(hidden)
+        }))
     }
 }
 
@@ -130,13 +123,9 @@ fn fill(values: &mut [f32], hidden: &[bool], width: usize) {
 /// Values of a grid of (weight times value, weight), those of weight zero from coarser grids.
 fn pull_push(seen: &[[f64; 2]], width: usize) -> Vec<f64> {
     let height = seen.len() / width;
-    let known = |[sum, weight]: [f64; 2]| sum / weight;
     if width == 1 && height == 1 {
-        return vec![if seen[0][1] > 0.0 {
-            known(seen[0])
-        } else {
-            0.0
-        }];
+        let [sum, weight] = seen[0];
+        return vec![if weight > 0.0 { sum / weight } else { 0.0 }];
     }
     let (columns, rows) = (width.div_ceil(2), height.div_ceil(2));
     let mut coarse = vec![[0.0; 2]; columns * rows];

@@ -8,14 +8,16 @@
 
 #![expect(clippy::print_stdout, reason = "the table is the purpose")]
 
+mod at_speed;
+
+use at_speed::{Outcome, drum_at};
 use image::codecs::jpeg::JpegEncoder;
 use image::imageops::FilterType;
 use image::{DynamicImage, GrayImage, Luma, imageops};
 use photo_profile::{DrumPixels, PhotoPixels, PhotoReading, Settings, measure_photo};
 use quantity::Length;
 use random_stream::Stream;
-use scene::{FillingLibrary, Frame, Override, RunResult, Scene, drum_picture, run};
-use std::error::Error;
+use scene::{Frame, RunResult, Scene, drum_picture};
 use std::path::{Path, PathBuf};
 
 /// Speeds, rpm.
@@ -24,9 +26,6 @@ const SPEEDS: [u32; 4] = [10, 20, 30, 45];
 const FRAMES: usize = 20;
 /// Pixels of the truth over those of the scene.
 const FINE: u32 = 4;
-
-/// A result that can cross threads.
-type Outcome<T> = Result<T, Box<dyn Error + Send + Sync>>;
 
 /// One fault of a camera.
 #[derive(Debug, Clone, Copy)]
@@ -104,22 +103,7 @@ fn main() -> Outcome<()> {
 
 /// The cells of one speed.
 fn column(file: &Path, rpm: u32, frames: usize) -> Outcome<Vec<String>> {
-    let set = |name: &str, value: String| Override {
-        name: name.to_owned(),
-        value,
-    };
-    let changes = [
-        set("rpm", rpm.to_string()),
-        set("frames", frames.to_string()),
-        // The longer step of the study's drum is for 10 rpm.
-        set("protocol.flow_step_share", "0.36".into()),
-        set(
-            "protocol.rotation_limit",
-            format!("{} s", 6.0 + 0.2 * frames as f64),
-        ),
-    ];
-    let scene = Scene::read(file, &changes)?;
-    let result = run(&scene, &FillingLibrary::default(), 1)?;
+    let (scene, result) = drum_at(file, rpm, false, frames)?;
     let mut differences: Vec<Vec<f64>> = vec![Vec::new(); FAULTS.len()];
     let mut stated = Vec::new();
     let mut refused = vec![0_usize; FAULTS.len()];

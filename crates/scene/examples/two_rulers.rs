@@ -11,9 +11,11 @@
 
 #![expect(clippy::print_stdout, reason = "the table is the purpose")]
 
+mod at_speed;
+
+use at_speed::{Outcome, drum_at};
 use quantity::Length;
-use scene::{Apparatus, FillingLibrary, Frame, Override, RunResult, Scene, read_frame, run};
-use std::error::Error;
+use scene::{Frame, RunResult, Scene, read_frame};
 use std::path::PathBuf;
 use surface_profile::{
     DensitySettings, Disc, DrumCircle, bulk_level, density_of_discs, free_surface, measure,
@@ -35,9 +37,6 @@ const FRAMES: usize = 25;
 const FEW_SEEDS: f64 = 0.2;
 /// Part of the drum radius up to which the density is read, as in the profile.
 const REACH: f64 = 0.97;
-
-/// A result that can cross threads.
-type Outcome<T> = Result<T, Box<dyn Error + Send + Sync>>;
 
 fn main() -> Outcome<()> {
     let mut arguments = std::env::args().skip(1);
@@ -68,26 +67,7 @@ fn main() -> Outcome<()> {
 
 /// Runs the drum at one speed and makes its row.
 fn row(file: &std::path::Path, rpm: u32, at_rest: bool, frames: usize) -> Outcome<String> {
-    let set = |name: &str, value: String| Override {
-        name: name.to_owned(),
-        value,
-    };
-    let changes = [
-        set("rpm", rpm.to_string()),
-        set("frames", frames.to_string()),
-        // The longer step of the study's drum is for 10 rpm.
-        set("protocol.flow_step_share", "0.36".into()),
-        set(
-            "protocol.rotation_limit",
-            format!("{} s", 6.0 + 0.2 * frames as f64),
-        ),
-    ];
-    let mut scene = Scene::read(file, &changes)?;
-    let Apparatus::Drum(drum) = &mut scene.apparatus else {
-        return Err("the scene must be a drum".into());
-    };
-    drum.covers_at_rest = at_rest;
-    let result = run(&scene, &FillingLibrary::default(), 1)?;
+    let (scene, result) = drum_at(file, rpm, at_rest, frames)?;
     let mut columns: [Vec<f64>; 9] = Default::default();
     let mut refused = 0;
     for frame in &result.frames {

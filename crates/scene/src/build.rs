@@ -213,29 +213,6 @@ fn single_spheres(
     Ok(templates)
 }
 
-/// Skin of the lists of bodies of several spheres, parts of the radius of the smallest.
-///
-/// Smooth seeds of overlapping spheres have many pairs nearly in touch: at 0.7 a seed of 25 of them takes three times as long a step as
-/// at 0.15. Separate spheres take equally long from 0.15 to 0.7.
-const PAIR_SKIN: f64 = 0.15;
-/// The same of bodies of one sphere, whose list is one of bodies.
-const BODY_SKIN: f64 = 0.7;
-
-/// Skin and margin of the solver's lists, m; they decide the speed only.
-///
-/// Seeds of many small spheres have margins of some of these, bodies of few spheres of a part of their own size: a wider
-/// one lists pairs that do not meet before the next search.
-pub(crate) fn list_distances(templates: &[Template]) -> (f64, f64) {
-    let least = |of: fn(&Template) -> f64| templates.iter().map(of).fold(f64::INFINITY, f64::min);
-    let radius = least(Template::smallest_radius);
-    let margin = (4.5 * radius).min(0.5 * least(Template::bounding_radius));
-    let single = templates
-        .iter()
-        .all(|t| t.bounding_radius() <= t.smallest_radius());
-    let skin = if single { BODY_SKIN } else { PAIR_SKIN };
-    (skin * radius, margin)
-}
-
 /// The world without its walls of triangles.
 fn empty_drive(
     scene: &Scene,
@@ -246,19 +223,14 @@ fn empty_drive(
     time_step: f64,
 ) -> Result<World, Error> {
     let walls = scene.apparatus.walls();
-    let (skin, margin) = list_distances(&templates);
     let still = walls.iter().map(|w| Wall {
         name: w.name.into(),
         shape: w.shape,
         material: index_of(names, &w.material),
         spin: 0.0,
     });
-    let settings = Settings {
-        time_step,
-        gravity: scene.apparatus.gravity(scene.model.gravity_m_s2),
-        skin,
-        margin,
-    };
+    let gravity = scene.apparatus.gravity(scene.model.gravity_m_s2);
+    let settings = Settings::for_templates(time_step, gravity, &templates);
     let interactions = interactions(scene, bodies, names)?;
     Ok(World::new(
         settings,

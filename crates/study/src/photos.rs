@@ -5,7 +5,7 @@ use crate::photo_values::{SPEED, Wanted, take_over};
 use campaign::in_full;
 use photo_profile::{
     DrumPixels, MAX_ANGLE_ERROR, Mask, Mode, PhotoPixels, PhotoReading, PixelPoint, Settings,
-    Verdict, measure_photo, picture_files, read_frames, rectify, surface_shift,
+    Verdict, measure_photo, one_of, picture_files, read_frames, rectify, surface_shift,
 };
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -73,14 +73,9 @@ pub(crate) fn read(
     shown: Shown<'_>,
 ) -> Result<PhotoSeries, Vec<String>> {
     let photos: Vec<PathBuf> = photos.iter().map(|p| folder.join(p)).collect();
-    let mut files = picture_files(&photos).map_err(|e| vec![in_full(&e)])?;
-    let every = options.every.map_or(1, NonZeroUsize::get);
-    let in_file = if files.len() > 1 {
-        files = files.into_iter().step_by(every).collect();
-        1
-    } else {
-        every
-    };
+    let every = options.every.unwrap_or(NonZeroUsize::MIN);
+    let files = picture_files(&photos).map_err(|e| vec![in_full(&e)])?;
+    let (files, in_file) = one_of(every, files);
     let mask_file = options.mask.as_ref().map(|mask| folder.join(mask));
     let mask = mask_file.as_deref().map(Mask::read).transpose();
     let mask =
@@ -129,7 +124,7 @@ pub(crate) fn read(
         also: &options.also,
         interval: options
             .frame_interval_s
-            .map(|interval| interval * every as f64),
+            .map(|interval| interval * every.get() as f64),
     };
     take_over(&frames, &speeds, wanted, &mut series);
     if series.values.is_empty() && !series.remarks.is_empty() {

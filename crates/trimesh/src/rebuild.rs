@@ -64,7 +64,6 @@ pub(crate) fn rebuild(checked: CheckedMesh, cell: f64) -> Result<CheckedMesh, Er
         cell,
         open_edges: topology.open_edges,
         crossings: topology.crossings,
-        volume_before: report.volume,
     };
     let new = build(
         soup,

@@ -59,8 +59,6 @@ pub struct Rebuilt {
     pub open_edges: usize,
     /// Pairs of its triangles that crossed.
     pub crossings: usize,
-    /// Volume that it enclosed, m³; none of an open one.
-    pub volume_before: Option<f64>,
 }
 
 impl std::fmt::Display for Rebuilt {
@@ -69,7 +67,6 @@ impl std::fmt::Display for Rebuilt {
             cell,
             open_edges,
             crossings,
-            ..
         } = self;
         write!(
             f,

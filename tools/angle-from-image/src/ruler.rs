@@ -30,6 +30,8 @@ pub(crate) struct Ruler<'a> {
     mask: Option<Mask>,
     /// Files to measure.
     n_files: usize,
+    /// One picture of so many in a file is taken.
+    step: usize,
     /// Threads.
     pool: rayon::ThreadPool,
 }
@@ -69,24 +71,24 @@ pub(crate) struct OpenFilm {
     sha256: String,
     /// Number of the next picture, from 0.
     next: usize,
-    /// Numbers from one picture to the next.
-    step: usize,
     /// Why nothing more comes, not told yet.
     broken: Option<photo_profile::Error>,
 }
 
 impl<'a> Ruler<'a> {
-    /// A ruler for so many files.
+    /// A ruler for so many files, and for one picture of so many in each.
     pub(crate) fn new(
         arguments: &'a Arguments,
         settings: Settings,
         n_files: usize,
+        step: usize,
     ) -> anyhow::Result<Self> {
         Ok(Self {
             arguments,
             settings,
             mask: arguments.mask.as_deref().map(Mask::read).transpose()?,
             n_files,
+            step,
             pool: rayon::ThreadPoolBuilder::new()
                 .num_threads(arguments.common.threads())
                 .build()?,
@@ -109,11 +111,7 @@ impl<'a> Ruler<'a> {
         let frames = read_frames(file)?;
         let (several, rate) = (frames.are_several(), frames.rate());
         let sha256 = file_sha256(file)?;
-        let step = match self.n_files {
-            1 => self.arguments.every.get(),
-            _ => 1,
-        };
-        let frames = frames.step_by(step);
+        let frames = frames.step_by(self.step);
         if rate.is_some() {
             return Ok(Opened::Film(Box::new(OpenFilm {
                 frames,
@@ -121,7 +119,6 @@ impl<'a> Ruler<'a> {
                 file: file.to_owned(),
                 sha256,
                 next: 0,
-                step,
                 broken: None,
             })));
         }
@@ -133,7 +130,7 @@ impl<'a> Ruler<'a> {
             .map(|(place, picture)| {
                 let origin = Origin {
                     file: file.display().to_string(),
-                    frame: several.then_some(place * step),
+                    frame: several.then_some(place * self.step),
                     sha256: sha256.clone(),
                 };
                 self.measure(picture, origin, side)
@@ -202,7 +199,7 @@ impl OpenFilm {
                 frame: Some(self.next),
                 sha256: self.sha256.clone(),
             };
-            self.next += self.step;
+            self.next += ruler.step;
             pictures.push((picture, origin));
         }
         if pictures.is_empty() {

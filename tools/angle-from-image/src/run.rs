@@ -7,18 +7,15 @@ use crate::ruler::{MeasuredPicture, Opened, Ruler};
 use crate::summary::Summary;
 use crate::table::csv;
 use command_line::{DONE, ERROR, Header, NOT_MET, write_new};
-use photo_profile::{Settings, picture_files, skipped_files};
+use photo_profile::{Settings, one_of, picture_files, skipped_files};
 use std::path::{Path, PathBuf};
 
 /// Measures all pictures and says what came out; returns the exit code.
 pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
     let settings = arguments.settings()?;
-    let mut files = picture_files(&arguments.photos)?;
-    if files.len() > 1 {
-        files = files.into_iter().step_by(arguments.every.get()).collect();
-    }
+    let (files, step) = one_of(arguments.every, picture_files(&arguments.photos)?);
     try_outputs(arguments, &files)?;
-    let ruler = Ruler::new(arguments, settings, files.len())?;
+    let ruler = Ruler::new(arguments, settings, files.len(), step)?;
     let mut measured = Measured::default();
     measured.all(&ruler, &files)?;
     let rate = arguments.fps.or(measured.film_rate);

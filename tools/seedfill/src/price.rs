@@ -146,7 +146,7 @@ fn time_step(filling: &Filling, mass: f64, others: &[Material; 2]) -> anyhow::Re
 ///
 /// Smooth seeds of overlapping spheres touch at as few places as others, but many of their spheres are nearly in touch, and
 /// these are looked at in each step: the cost grows with the groups of eight such pairs that a seed of a [small bed](near_groups) has. The
-/// line is that through eight fillings in the study's drum, and holds for twelve within 15 % (docs/benchmarks.md, what a filling costs).
+/// line is fitted to twelve fillings in the study's drum and holds within 15 % (`just filling-cost`).
 ///
 /// # Errors
 ///
@@ -157,8 +157,8 @@ fn relative_cost(
     mass: Option<f64>,
     materials: [Material; 2],
 ) -> anyhow::Result<f64> {
-    const FIRST: f64 = 0.52;
-    const EACH: f64 = 0.13;
+    const FIRST: f64 = 0.5;
+    const EACH: f64 = 0.165;
     if filling.report.max_overlap <= OVERLAPPING * smallest {
         return Ok(1.0);
     }

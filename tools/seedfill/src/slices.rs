@@ -3,8 +3,7 @@
 use crate::arguments::{Arguments, length_in_metres};
 use anyhow::{Context as _, bail, ensure};
 use image::{DynamicImage, GrayImage};
-use input_file::name_order;
-use std::fs::read_dir;
+use input_file::files_in;
 use std::io::Cursor;
 use std::path::{Path, PathBuf};
 use tiff::decoder::{Decoder, DecodingResult};
@@ -32,20 +31,12 @@ pub(crate) fn files(place: &Path) -> anyhow::Result<Vec<PathBuf>> {
         return Ok(vec![place.to_owned()]);
     }
     let name = place.display();
-    let mut found = Vec::new();
-    for entry in read_dir(place).with_context(|| format!("cannot read {name}"))? {
-        let path = entry.with_context(|| format!("cannot read {name}"))?.path();
-        let ending = path.extension().and_then(|e| e.to_str()).unwrap_or("");
-        if ENDINGS.contains(&ending.to_lowercase().as_str()) {
-            found.push(path);
-        }
-    }
+    let (found, _) = files_in(place, &ENDINGS).with_context(|| format!("cannot read {name}"))?;
     ensure!(
         !found.is_empty(),
         "{name} holds no slice ({})",
         ENDINGS.join(", ")
     );
-    found.sort_by_cached_key(|path| name_order(path));
     Ok(found)
 }
 

@@ -11,10 +11,6 @@ use dem_solver::{
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 use random_stream::Stream;
 
-/// Skin and margin of the lists, radii of the smallest sphere: those of a scene.
-const SKIN: f64 = 0.15;
-/// See [`SKIN`].
-const MARGIN: f64 = 4.5;
 /// Seeds along each side of the block that falls into the drum.
 const SIDE: usize = 4;
 /// Their distance, sizes of a seed (the diameter of the sphere round it).
@@ -40,20 +36,10 @@ pub(crate) fn near_groups(
     time_step: f64,
 ) -> anyhow::Result<f64> {
     let template = Template::new(seed, 0, DashpotMass::Sphere);
-    let outer = seed.without_hidden_spheres();
-    let reach = outer.spheres().iter().map(|s| s.centre.norm() + s.radius);
-    let size = 2.0 * reach.fold(0.0, f64::max);
-    let least = outer
-        .spheres()
-        .iter()
-        .map(|s| s.radius)
-        .fold(f64::INFINITY, f64::min);
-    let settings = Settings {
-        time_step,
-        gravity: Vector3::new(0.0, -9.81, 0.0),
-        skin: SKIN * least,
-        margin: (MARGIN * least).min(0.25 * size),
-    };
+    let size = 2.0 * template.bounding_radius();
+    let templates = vec![template];
+    let gravity = Vector3::new(0.0, -9.81, 0.0);
+    let settings = Settings::for_templates(time_step, gravity, &templates);
     let [seed_material, wall_material] = materials;
     let between = |other| {
         Interaction::new(&InteractionSettings {
@@ -69,13 +55,7 @@ pub(crate) fn near_groups(
     };
     let (same, wall) = (between(seed_material)?, between(wall_material)?);
     let interactions = vec![same, wall, wall, wall];
-    let mut world = World::new(
-        settings,
-        vec![template],
-        interactions,
-        walls(size),
-        &block(size),
-    )?;
+    let mut world = World::new(settings, templates, interactions, walls(size), &block(size))?;
     run(&mut world, TIMES[0])?;
     let mut groups = 0;
     for _ in 0..COUNTS {

@@ -250,43 +250,33 @@ fn the_page_and_the_price_of_a_filling() {
     let timing = r#"{"timing": {"bodies": 1200, "steps": 2000, "cpu_s": 1.2}}"#;
     std::fs::write(&run, timing).unwrap();
     let mesh = fixture("cotton_flat.stl");
-    let output = seedfill(&[
-        path_text(&mesh),
-        "--radius",
-        "0.3",
-        "--method",
-        "surface",
-        "--count",
+    let run_with = |count: &str, more: &[&str]| {
+        let words = [
+            path_text(&mesh),
+            "--radius",
+            "0.3",
+            "--method",
+            "surface",
+            "--count",
+            count,
+            "--mass",
+            "94.5e-6",
+            "--json",
+            "--quiet",
+        ];
+        seedfill(&[&words[..], more].concat())
+    };
+    let output = run_with(
         "10",
-        "--mass",
-        "94.5e-6",
-        "--json",
-        "--quiet",
-        "--html",
-        path_text(&html),
-        "--timing",
-        path_text(&run),
-    ]);
+        &["--html", path_text(&html), "--timing", path_text(&run)],
+    );
     assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
     let price = &json_of(&output)["price"];
     let number = |key: &str| price[key].as_f64().unwrap();
     let expected = 1200.0 * 0.5e-6 * number("relative_cost") / number("time_step_s");
     assert!((number("cpu_s_per_drum_s") / expected - 1.0).abs() < 1e-12);
     // Four times as many spheres of the same surface are nearly in touch with more: a step costs more.
-    let many = [
-        path_text(&mesh),
-        "--radius",
-        "0.3",
-        "--method",
-        "surface",
-        "--count",
-        "40",
-        "--mass",
-        "94.5e-6",
-        "--json",
-        "--quiet",
-    ];
-    let dearer = &json_of(&seedfill(&many))["price"]["relative_cost"];
+    let dearer = &json_of(&run_with("40", &[]))["price"]["relative_cost"];
     assert!(
         dearer.as_f64().unwrap() > 1.1 * number("relative_cost"),
         "{dearer}"

@@ -77,6 +77,19 @@ fn after<'a>(told: &'a str, word: &str) -> &'a str {
     line.unwrap_or_else(|| unreachable!("no {word} in {told}"))
 }
 
+/// Centres and radii in the last moment of a dump of LIGGGHTS or LAMMPS, m.
+fn dumped(file: &Path) -> Vec<[f64; 4]> {
+    let dump = std::fs::read_to_string(file).expect("the dump");
+    let (_, last) = dump
+        .rsplit_once("ITEM: ATOMS id x y z radius")
+        .expect("a moment");
+    let rows = last.lines().skip(1).map(|line| {
+        let [_, x, y, z, radius] = numbers(line);
+        [x, y, z, radius]
+    });
+    rows.collect()
+}
+
 /// Holds spheres to others by their radii and mutual distances, which no motion of the body changes, to a part of the size of
 /// the body (9 mm).
 fn hold(found: &[[f64; 4]], expected: &[[f64; 4]], tolerance: f64) {
@@ -157,13 +170,8 @@ fn liggghts_reads_its_template() {
             "{spin:?}: {turning}"
         );
     }
-    let dump = std::fs::read_to_string(folder.path().join("dump.txt")).unwrap();
-    let (_, last) = dump.rsplit_once("ITEM: ATOMS id x y z radius").unwrap();
-    let found = last.lines().skip(1).map(|line| {
-        let [_, x, y, z, radius] = numbers(line);
-        [x, y, z, radius]
-    });
-    hold(&found.collect::<Vec<_>>(), &spheres(folder.path()), 2e-5);
+    let found = dumped(&folder.path().join("dump.txt"));
+    hold(&found, &spheres(folder.path()), 2e-5);
 }
 
 /// LAMMPS takes the molecule into a rigid body: its mass and its principal moments are those of the seed, and the spheres lie as they
@@ -191,13 +199,8 @@ fn lammps_reads_its_molecule() {
     for (found, expected) in found.iter().zip(moments(&json).0) {
         assert!((found / expected - 1.0).abs() < 1e-9, "{found} {expected}");
     }
-    let atoms = std::fs::read_to_string(folder.path().join("atoms.txt")).unwrap();
-    let (_, last) = atoms.rsplit_once("ITEM: ATOMS id x y z radius").unwrap();
-    let found = last.lines().skip(1).map(|line| {
-        let [_, x, y, z, radius] = numbers(line);
-        [x, y, z, radius]
-    });
-    hold(&found.collect::<Vec<_>>(), &spheres(folder.path()), 1e-9);
+    let found = dumped(&folder.path().join("atoms.txt"));
+    hold(&found, &spheres(folder.path()), 1e-9);
 }
 
 /// YADE takes the file as twelve spheres and as one clump, to 1e-9. It integrates mass and moments of the union on a grid of
