@@ -6,6 +6,9 @@ set positional-arguments
 # Tools that were installed for this checkout only.
 export PATH := justfile_directory() / ".tools/bin" + ":" + env("PATH")
 
+# Where cargo puts programs. The loop is started from there: it ends with 1 for an answer, which `cargo run` would call an error.
+programs := env("CARGO_TARGET_DIR", "target") / "release"
+
 # List the recipes.
 default:
     @just --list
@@ -43,30 +46,38 @@ docs:
 # Called again after a stop it goes on where it was.
 # Calibrate the cotton seeds on their bench tests, with the drum as the check.
 [group('the loop')]
+[no-exit-message]
 calibrate *ARGS:
-    cargo run --release --locked -p seedloop -- calibrate fixtures/cotton/study.toml --resume "$@"
+    cargo build --release --locked -p seedloop
+    @"{{programs}}/seedloop" calibrate fixtures/cotton/study.toml --resume "$@"
 
 # Repeat the published calibration of the cotton seeds at its own levels.
 [group('the loop')]
+[no-exit-message]
 reproduce *ARGS:
-    cargo run --release --locked -p seedloop -- calibrate fixtures/cotton/published.toml --resume "$@"
+    cargo build --release --locked -p seedloop
+    @"{{programs}}/seedloop" calibrate fixtures/cotton/published.toml --resume "$@"
 
 # Look for an effect that was hidden in simulated data of the cotton seeds.
 [group('the loop')]
+[no-exit-message]
 blind *ARGS:
-    cargo run --release --locked -p seedloop -- diagnose fixtures/cotton/blind.toml --resume "$@"
+    cargo build --release --locked -p seedloop
+    @"{{programs}}/seedloop" diagnose fixtures/cotton/blind.toml --resume "$@"
 
 # Find what the model of a study lacks, by simulations of its own.
 [group('the loop')]
+[no-exit-message]
 diagnose *ARGS:
-    cargo run --release --locked -p seedloop -- diagnose "$@"
+    cargo build --release --locked -p seedloop
+    @"{{programs}}/seedloop" diagnose "$@"
 
 # Draw campaigns with known truth, count how often the diagnosis is right, and write the tables to out/trials.md (minutes).
 [group('trials of the instruments')]
 trials NUMBER="200":
     cargo build --release --locked -p residual-diagnosis --example trials
     mkdir -p out
-    "${CARGO_TARGET_DIR:-target}/release/examples/trials" {{NUMBER}} fixtures/diagnosis/drum/problem.json fixtures/diagnosis/library/problem.json fixtures/diagnosis/single/problem.json fixtures/diagnosis/tie/problem.json > out/trials.md
+    "{{programs}}/examples/trials" {{NUMBER}} fixtures/diagnosis/drum/problem.json fixtures/diagnosis/library/problem.json fixtures/diagnosis/single/problem.json fixtures/diagnosis/tie/problem.json > out/trials.md
 
 # Run 2000 whole campaigns in which nothing is hidden, and count those that report something missing (minutes).
 [group('trials of the instruments')]
@@ -85,7 +96,7 @@ next-trials NUMBER="10000":
 effect-trials REPLICATES="2" NOTHING="10" MINUTES="240" FOLDER="out/effect-trials":
     cargo build --release --locked -p study --example effect_trials
     mkdir -p {{FOLDER}}
-    "${CARGO_TARGET_DIR:-target}/release/examples/effect_trials" fixtures/cotton/trials.toml {{FOLDER}} {{REPLICATES}} {{NOTHING}} {{MINUTES}} > {{FOLDER}}/campaigns.md
+    "{{programs}}/examples/effect_trials" fixtures/cotton/trials.toml {{FOLDER}} {{REPLICATES}} {{NOTHING}} {{MINUTES}} > {{FOLDER}}/campaigns.md
     printf '\n`just effect-trials {{REPLICATES}} {{NOTHING}}`, %s.\n' "$(date -I)" >> {{FOLDER}}/campaigns.md
     mkdir -p docs/effect-trials && mv {{FOLDER}}/campaigns.md docs/effect-trials/
 
@@ -165,7 +176,7 @@ other-code FOLDER="out/other-code" *CAMPAIGNS:
     cargo build --release --locked -p seedloop
     cargo build --release --locked -p external-simulator --example read_positions
     PATH=.tools/lammps/bin:$PATH LD_LIBRARY_PATH=.tools/lammps/lib python3 fixtures/other-code/run.py {{FOLDER}} \
-        "${CARGO_TARGET_DIR:-target}/release/seedloop" "${CARGO_TARGET_DIR:-target}/release/examples/read_positions" {{CAMPAIGNS}}
+        "{{programs}}/seedloop" "{{programs}}/examples/read_positions" {{CAMPAIGNS}}
 
 # Installs the Debian package where it is missing; apt-get may need root.
 # Calibrate the friction of beads in a drum of YADE (an hour).
@@ -194,19 +205,19 @@ fill *ARGS:
 [group('trials of the instruments')]
 fill-table *MESHES:
     cargo build --release --locked -p seedfill
-    python3 tools/seedfill/compare/fill_table.py "${CARGO_TARGET_DIR:-target}/release/seedfill" fixtures/stl/cotton_ellipsoidal.stl fixtures/stl/cotton_flat.stl "$@"
+    python3 tools/seedfill/compare/fill_table.py "{{programs}}/seedfill" fixtures/stl/cotton_ellipsoidal.stl fixtures/stl/cotton_flat.stl "$@"
 
 # Measure what a step of the study's drum costs with other fillings, beside the price that seedfill tells (five minutes, alone on the machine).
 [group('speed')]
 filling-cost:
     cargo build --release --locked -p seedfill -p seedloop
-    python3 tools/seedfill/compare/filling_cost.py "${CARGO_TARGET_DIR:-target}/release" fixtures/cotton/drum.toml fixtures/stl/cotton_ellipsoidal.stl
+    python3 tools/seedfill/compare/filling_cost.py "{{programs}}" fixtures/cotton/drum.toml fixtures/stl/cotton_ellipsoidal.stl
 
 # Show what seedfill says to broken and odd meshes.
 [group('trials of the instruments')]
 fill-bad-input:
     cargo build --release --locked -p seedfill
-    python3 tools/seedfill/bad-input/bad_input.py "${CARGO_TARGET_DIR:-target}/release/seedfill"
+    python3 tools/seedfill/bad-input/bad_input.py "{{programs}}/seedfill"
 
 # Feed the mesh readers with damaged files for ten minutes.
 [group('trials of the instruments')]
@@ -217,7 +228,7 @@ fuzz-meshes:
 [group('other codes and clusters')]
 fill-formats:
     cargo build --release --locked -p seedfill
-    python3 tools/seedfill/read-back/read_back.py "${CARGO_TARGET_DIR:-target}/release/seedfill" fixtures/stl/cotton_flat.stl
+    python3 tools/seedfill/read-back/read_back.py "{{programs}}/seedfill" fixtures/stl/cotton_flat.stl
 
 # Read the angle of repose from photos or frames.
 [group('one step of it')]

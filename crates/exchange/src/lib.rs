@@ -2,8 +2,8 @@
 //!
 //! [`lammps`] and [`liggghts`] write a drum as a deck that these run, with every convention converted and the
 //! conversion written into the deck. [`read_positions`] reads what any code gives back as a [`Moment`], so that its bed is
-//! measured with the ruler of this workspace. [`edem`] writes a table of settings. [`vtk`] and [`csv`] write every sphere of every seed, for `ParaView` and for a
-//! fluid solver.
+//! measured with the ruler of this workspace. [`edem`] writes a table of settings. [`vtk`] and
+//! [`csv`] write every sphere of every seed, for `ParaView` and for a fluid solver, [`npz`] the frames as arrays for `NumPy`.
 
 pub mod csv;
 mod drum_deck;
@@ -13,6 +13,7 @@ pub mod fractions;
 pub mod lammps;
 pub mod liggghts;
 mod moment;
+pub mod npz;
 mod positions;
 pub mod vtk;
 mod vtk_points;

@@ -273,6 +273,7 @@ impl Bed {
             },
             timing: timing(took, self.moments.last().map_or(0, |m| m.spheres.len())),
             last_frame_png_base64: picture.transpose()?.map(png_in_base64),
+            last_bodies: None,
         })
     }
 }

@@ -429,6 +429,7 @@ fn details(
         },
         timing: timing(took, 0),
         last_frame_png_base64: None,
+        last_bodies: None,
     };
     serde_json::to_value(details).map_err(|error| error.to_string())
 }

@@ -65,7 +65,7 @@ pub use html::explorer::{
 };
 pub use html::pointing::{Pointed, PointingPicture, PointingTool};
 pub use html::table::{Alignment, Column, Table};
-pub use html::viewer::{SphereViewer, ViewerSphere};
+pub use html::viewer::{SphereViewer, ViewerBody, ViewerKind, ViewerSphere};
 pub use html::{Fact, Report, Verdict};
 pub use png::PngPrinter;
 pub use svg::Svg;

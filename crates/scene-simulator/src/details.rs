@@ -1,6 +1,6 @@
 //! What a record of a run keeps beside its observables.
 
-use crate::{Effort, Error};
+use crate::{BodyDetails, Effort, Error};
 use image::{DynamicImage, ImageFormat, RgbImage};
 use run_store::Record;
 use scene::{Ending, FrameReading, PhaseTimes, RunResult, Scene, drum_picture, error_of_mean};
@@ -39,6 +39,9 @@ pub struct RunDetails {
     pub timing: TimingDetails,
     /// What the camera saw last, as PNG in base 64; none where no camera looks at the seeds.
     pub last_frame_png_base64: Option<String>,
+    /// The seeds in the last frame; none where there is no frame.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub last_bodies: Option<BodyDetails>,
 }
 
 /// Readings of the single frames; the lists of angles leave out frames that could not be measured.
@@ -181,6 +184,10 @@ impl RunDetails {
             },
             timing: TimingDetails::new(result, effort),
             last_frame_png_base64: picture(scene, result)?,
+            last_bodies: result
+                .frames
+                .last()
+                .map(|frame| BodyDetails::of(frame, &result.bodies)),
         })
     }
 }

@@ -11,6 +11,7 @@
 //! - a request that cannot be meant is refused before anything is run.
 
 mod binding;
+mod body_details;
 mod cost;
 mod details;
 mod error;
@@ -20,6 +21,7 @@ mod simulator;
 mod surface;
 
 pub use binding::Binding;
+pub use body_details::BodyDetails;
 pub use cost::SECONDS_PER_COST;
 pub use details::{
     FrameDetails, RunDetails, SeriesDetails, TimingDetails, effective_number, error_over_swings,

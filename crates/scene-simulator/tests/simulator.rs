@@ -335,6 +335,18 @@ fn records_hold_regime_and_typed_details() {
     assert_eq!(details.frames.angles_deg.len(), measured);
     assert_eq!(details.timing.bodies, 56);
     assert!(details.last_frame_png_base64.is_some());
+    let bodies = details.last_bodies.unwrap();
+    // Eight floats a seed, four bytes each, three bytes in four letters.
+    assert_eq!(
+        bodies.seeds_base64.len(),
+        (56 * 8 * 4_usize).div_ceil(3) * 4
+    );
+    assert!(
+        bodies
+            .kinds_base64
+            .iter()
+            .all(|spheres| !spheres.is_empty())
+    );
 
     let details = RunDetails::of(sled).unwrap();
     let shown = sled.observable("shown_static_friction").unwrap();
@@ -344,6 +356,7 @@ fn records_hold_regime_and_typed_details() {
     assert_eq!((details.steady, details.start_up_s), (None, None));
     assert_eq!(details.froude_number, None);
     assert!(details.frames.times_s.is_empty() && details.last_frame_png_base64.is_none());
+    assert_eq!(details.last_bodies, None);
 
     let other = drum.clone().with_details(serde_json::json!({"y": 1.0}));
     let error = RunDetails::of(&other).unwrap_err().to_string();

@@ -1,5 +1,6 @@
 //! The pictures of the report, by name; the same are written as files.
 
+pub(crate) mod beds;
 pub(crate) mod design_run_pictures;
 pub(crate) mod measurement_charts;
 pub(crate) mod photographs;
@@ -115,6 +116,7 @@ pub(crate) fn pictures(input: &ReportInput<'_>) -> Result<Vec<NamedPicture>, Err
     all.extend(surface_charts::charts(input)?);
     all.extend(design_run_pictures::pictures(input)?);
     all.extend(photographs::frames(input)?);
+    all.extend(beds::pictures(input)?);
     all.extend(run_charts::series(input)?);
     if let DiagnosisStage::Done(study) = &input.calibration.diagnosis {
         all.extend(residual_charts::charts(DIAGNOSIS, study)?);

@@ -1,11 +1,22 @@
-//! What the records of single runs keep for the report: series and frames.
+//! What the records of single runs keep for the report: series, frames and seeds.
 
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
+use nalgebra::{Quaternion, UnitQuaternion, Vector3};
+use report::{ViewerBody, ViewerSphere};
 use run_store::Record;
 use serde_json::Value;
 
-/// Series and last frame of a run, as its record keeps them; what is missing is empty.
+/// The seeds of a frame, lengths in m.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Seeds {
+    /// The spheres of each kind, in its own frame.
+    pub(crate) kinds: Vec<Vec<ViewerSphere>>,
+    /// Each seed.
+    pub(crate) bodies: Vec<ViewerBody>,
+}
+
+/// Series, last frame and seeds of a run, as its record keeps them; what is missing is empty.
 #[derive(Debug, Clone)]
 pub(crate) struct RunDetails {
     /// Times of the series, s.
@@ -18,6 +29,8 @@ pub(crate) struct RunDetails {
     pub(crate) frame_times_s: Vec<f64>,
     /// The last frame as PNG.
     pub(crate) last_frame: Option<Vec<u8>>,
+    /// The seeds in the last frame.
+    pub(crate) seeds: Option<Seeds>,
 }
 
 impl RunDetails {
@@ -36,8 +49,63 @@ impl RunDetails {
             start_up_s: details["start_up_s"].as_f64(),
             frame_times_s: numbers("frames", "times_s"),
             last_frame: frame.and_then(|text| STANDARD.decode(text).ok()),
+            seeds: Seeds::of(&details["last_bodies"]),
         }
     }
+}
+
+impl Seeds {
+    /// Reads the seeds of a record; none where it holds none, or not all of them.
+    fn of(details: &Value) -> Option<Self> {
+        let kinds = details["kinds_base64"].as_array()?.iter();
+        let kinds: Option<Vec<_>> = kinds.map(|text| spheres(&floats(text)?)).collect();
+        let kinds = kinds?;
+        let numbers = floats(&details["seeds_base64"])?;
+        let bodies: Option<Vec<_>> = numbers
+            .chunks(8)
+            .map(|one| body(one, kinds.len()))
+            .collect();
+        let bodies = bodies.filter(|bodies| !bodies.is_empty())?;
+        Some(Self { kinds, bodies })
+    }
+}
+
+/// The spheres of a kind.
+fn spheres(numbers: &[f64]) -> Option<Vec<ViewerSphere>> {
+    let sphere = |one: &[f64]| match *one {
+        [x, y, z, radius] => Some(ViewerSphere {
+            centre: [x, y, z],
+            radius,
+        }),
+        _ => None,
+    };
+    numbers.chunks(4).map(sphere).collect()
+}
+
+/// A seed of one of so many kinds.
+fn body(numbers: &[f64], kinds: usize) -> Option<ViewerBody> {
+    let [kind, x, y, z, w, i, j, k] = *numbers else {
+        return None;
+    };
+    Some(ViewerBody {
+        kind: (0..kinds).find(|&known| known as f64 == kind)?,
+        position: Vector3::new(x, y, z),
+        orientation: UnitQuaternion::from_quaternion(Quaternion::new(w, i, j, k)),
+    })
+}
+
+/// 32-bit little-endian floats in base 64.
+fn floats(text: &Value) -> Option<Vec<f64>> {
+    let bytes = STANDARD.decode(text.as_str()?).ok()?;
+    let (numbers, []) = bytes.as_chunks::<4>() else {
+        return None;
+    };
+    Some(
+        numbers
+            .iter()
+            .map(|b| f64::from(f32::from_le_bytes(*b)))
+            .collect(),
+    )
 }
 
 #[cfg(test)]

@@ -78,6 +78,26 @@ pub(crate) fn frame() -> Vec<u8> {
     bytes.into_inner()
 }
 
+/// Two peas of 3 mm, one of them turned: kind, place (m), rotation w, x, y, z.
+pub(crate) const PEAS: [[f32; 8]; 2] = [
+    [0.0, 0.01, -0.04, 0.005, 1.0, 0.0, 0.0, 0.0],
+    [0.0, 0.0, -0.045, -0.005, 0.0, 0.0, 1.0, 0.0],
+];
+
+/// The peas as a record keeps them.
+pub(crate) fn bodies() -> serde_json::Value {
+    json!({
+        "kinds_base64": [floats(&[0.0, 0.0, 0.0, 0.003])],
+        "seeds_base64": floats(PEAS.as_flattened()),
+    })
+}
+
+/// 32-bit floats as a record keeps them.
+fn floats(numbers: &[f32]) -> String {
+    let bytes: Vec<u8> = numbers.iter().flat_map(|x| x.to_le_bytes()).collect();
+    STANDARD.encode(bytes)
+}
+
 /// The record of a run in it that kept a frame and a series.
 pub(crate) fn record() -> Record {
     let inputs = json!({ "model": "drum-30", "parameters": { "F": 0.33, "E": 0.4 } });
@@ -99,5 +119,6 @@ pub(crate) fn record() -> Record {
             },
             "frames": { "times_s": [1.0, 1.4] },
             "last_frame_png_base64": STANDARD.encode(frame()),
+            "last_bodies": bodies(),
         }))
 }

@@ -77,6 +77,7 @@ fn details(angle: f64, with_frame: bool) -> serde_json::Value {
         },
     });
     if with_frame {
+        details["last_bodies"] = crate::test_scene::bodies();
         details["last_frame_png_base64"] = STANDARD.encode(crate::test_scene::frame()).into();
     }
     details

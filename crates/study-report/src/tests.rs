@@ -1,5 +1,6 @@
 //! The report as a whole: every part with its numbers at their place.
 
+mod beds;
 mod browser;
 mod explorer;
 mod files;

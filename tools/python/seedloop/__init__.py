@@ -84,6 +84,7 @@ def simulate(
     scene: Union[PathLike, Mapping[str, Any]],
     settings: Optional[Mapping[str, Any]] = None,
     frame: bool = False,
+    arrays: bool = False,
     **flags: Any,
 ) -> Answer:
     """Run a scene (`seedloop simulate`).
@@ -91,6 +92,10 @@ def simulate(
     scene: a scene file, or its content as a dict; meshes are then looked for from the working directory.
     settings: changes by dotted path or short name, such as ``{"rpm": 20}``.
     frame: also give the last picture of the camera, under ``frame_png`` (bytes of a PNG).
+    arrays: also give the frames as arrays, under ``arrays``, a dict: ``time_s``, shape (frames,); ``position_m`` of the
+    centres of mass, (frames, seeds, 3); ``orientation``, quaternions w, x, y, z, (frames, seeds, 4); ``velocity_m_s`` and
+    ``angular_velocity_rad_s``, (frames, seeds, 3); ``kind`` of each seed, (seeds,); ``spheres_0_m`` and so on, the spheres
+    of each kind at the origin, rows x, y, z, radius; ``picture``, what the camera saw, (frames, height, width, 3), uint8.
 
     Keys: ``observables`` (by name: ``mean``, ``sd``, ``n``, ``unit``), ``regime``, and what the run rests on.
     """
@@ -99,10 +104,15 @@ def simulate(
         flags = {**flags, "set": [*_listed(flags.get("set")), *changes]}
         if frame:
             flags["frame"] = folder.path("frame.png")
+        if arrays:
+            flags["arrays"] = folder.path("arrays.npz")
         with path_of_toml(scene) as path:
             answer = answer_of("seedloop", ["simulate", path], flags, folder)
         if frame and answer.met:
             answer["frame_png"] = Path(flags["frame"]).read_bytes()
+        if arrays and answer.met:
+            with np.load(flags["arrays"]) as content:
+                answer["arrays"] = dict(content)
         return answer
 
 

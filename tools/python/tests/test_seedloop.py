@@ -142,6 +142,25 @@ class Runs(unittest.TestCase):
         self.assertEqual(by_file["observables"], by_dict["observables"])
         self.assertTrue(by_dict["frame_png"].startswith(b"\x89PNG"))
 
+    def test_frames_are_arrays_in_the_drum(self):
+        """Every bead lies in the drum of 60 mm by 16 mm but for an overlap below 1 % of its radius, and the ruler reads the
+        pictures as the run did."""
+        answer = seedloop.simulate(self.scene, {"frames": 3}, arrays=True)
+        arrays = answer["arrays"]
+        position, radius = arrays["position_m"], arrays["spheres_0_m"][0, 3]
+        self.assertEqual(position.shape, (3, 260, 3))
+        self.assertTrue((np.diff(arrays["time_s"]) > 0).all())
+        self.assertTrue(np.allclose(np.linalg.norm(arrays["orientation"], axis=2), 1))
+        self.assertLess(np.hypot(position[..., 0], position[..., 1]).max(), 30e-3 - 0.99 * radius)
+        self.assertLess(np.abs(position[..., 2]).max(), 8e-3 - 0.99 * radius)
+        # A fall through the whole drum ends at 1.1 m/s.
+        self.assertLess(np.abs(arrays["velocity_m_s"]).max(), 1.1)
+        read = [seedloop.read_angle(picture) for picture in arrays["picture"]]
+        angles = [answer["angle_deg"] for answer in read if answer.met]
+        self.assertEqual(len(angles), len(answer["frames"]["angles_deg"]))
+        for angle, told in zip(angles, answer["frames"]["angles_deg"]):
+            self.assertAlmostEqual(angle, told, places=9)
+
     def test_a_setting_that_is_none_is_named(self):
         with self.assertRaisesRegex(seedloop.Error, "no_such_setting"):
             seedloop.simulate(self.scene, {"no_such_setting": 1})

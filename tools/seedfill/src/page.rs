@@ -2,7 +2,7 @@
 
 use crate::preview::{deviation_picture, picture};
 use crate::summary::Summary;
-use report::{Fact, Report, SphereViewer, ViewerSphere};
+use report::{Fact, Report, SphereViewer, ViewerBody, ViewerKind, ViewerSphere};
 use sphere_fill::Filling;
 use trimesh::TriMesh;
 
@@ -55,17 +55,17 @@ pub(crate) fn page(summary: &Summary, filling: &Filling, mesh: &TriMesh) -> anyh
         "The mesh coloured by its gap to the spheres",
         &caption,
     )?;
-    let spheres: Vec<ViewerSphere> = filling
-        .spheres
-        .iter()
-        .map(|sphere| ViewerSphere {
-            centre: sphere.centre.into(),
-            radius: sphere.radius,
-        })
-        .collect();
-    let viewer = SphereViewer {
-        spheres: &spheres,
+    let spheres = filling.spheres.iter().map(|sphere| ViewerSphere {
+        centre: sphere.centre.into(),
+        radius: sphere.radius,
+    });
+    let kind = ViewerKind {
+        spheres: spheres.collect(),
         colour: COLOUR,
+    };
+    let viewer = SphereViewer {
+        kinds: &[kind],
+        bodies: &[ViewerBody::at_origin(0)],
         picture: &drawn,
         description: "The spheres of the filling",
     };

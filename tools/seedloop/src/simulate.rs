@@ -10,6 +10,8 @@ use crate::stop::Stop;
 use anyhow::{Context as _, ensure};
 use base64::Engine as _;
 use command_line::{Common, DONE, Header, NOT_MET, try_folder, write_new};
+use exchange::npz;
+use input_file::has_ending;
 use report::{Refusal, Report};
 use run_store::{Lookup, Record, Store};
 use scene::{Override, Progress, Scene};
@@ -64,6 +66,11 @@ pub(crate) struct Arguments {
     /// Writes what the camera saw last
     #[arg(long, value_name = "FILE.png")]
     frame: Option<PathBuf>,
+
+    /// Writes all frames as arrays for NumPy: places, rotations and velocities of the seeds, their spheres, and what the
+    /// camera saw
+    #[arg(long, value_name = "FILE.npz")]
+    arrays: Option<PathBuf>,
 
     #[command(flatten)]
     common: Common,
@@ -137,6 +144,13 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
     );
     let header = Header::new(arguments.seed, inputs)?;
     require_memory([&scene], 1)?;
+    if let Some(file) = &arguments.arrays {
+        ensure!(
+            !scene.apparatus.is_bench_test(),
+            "--arrays {}: a bench test has no frames; leave it out",
+            file.display()
+        );
+    }
     let single = SingleRun::new(scene, arguments.seed)?;
     let files = match &arguments.out {
         Some(folder) => Some(state_files(folder, single.blank_record()?.key())),
@@ -192,19 +206,31 @@ fn is_refusal(error: &anyhow::Error) -> bool {
 
 /// Tries whether the results can be written, before the work is done.
 fn try_outputs(arguments: &Arguments) -> anyhow::Result<()> {
-    if let Some(frame) = &arguments.frame {
-        ensure!(
-            frame
-                .extension()
-                .is_some_and(|end| end.eq_ignore_ascii_case("png")),
-            "--frame {}: the picture is written as PNG; give a name that ends in .png",
-            frame.display()
-        );
-    }
+    let ends_in = |file: &Option<PathBuf>, ending| {
+        file.as_ref().is_none_or(|file| has_ending(file, &[ending]))
+    };
+    ensure!(
+        ends_in(&arguments.frame, "png"),
+        "--frame {}: the picture is written as PNG; give a name that ends in .png",
+        shown(&arguments.frame)
+    );
+    ensure!(
+        ends_in(&arguments.arrays, "npz"),
+        "--arrays {}: the frames are written as arrays for NumPy; give a name that ends in .npz",
+        shown(&arguments.arrays)
+    );
     if let Some(folder) = &arguments.out {
         try_folder(folder)?;
     }
-    arguments.common.try_outputs(&arguments.frame)
+    arguments
+        .common
+        .try_outputs([&arguments.frame, &arguments.arrays].into_iter().flatten())
+}
+
+/// A file, for messages.
+fn shown(file: &Option<PathBuf>) -> String {
+    file.as_ref()
+        .map_or_else(String::new, |file| file.display().to_string())
 }
 
 /// Finds the record of the run, or runs and keeps it.
@@ -223,6 +249,12 @@ fn find_or_run(arguments: &Arguments, single: &SingleRun, stop: &Stop) -> anyhow
     if let Some(store) = &store {
         match store.get(blank.key())? {
             Lookup::Found(record) if arguments.resume => {
+                ensure!(
+                    arguments.arrays.is_none(),
+                    "{} has the record of this run, which holds its last frame alone: say --force in place of --resume \
+                     to run again for --arrays",
+                    place(store)
+                );
                 return Ok(Outcome {
                     record,
                     reused: true,
@@ -264,20 +296,24 @@ fn find_or_run(arguments: &Arguments, single: &SingleRun, stop: &Stop) -> anyhow
     }
     let continued = left.is_some();
     let limits = (common.threads(), arguments.retries.number);
-    let record = single.run(blank, limits, left, &mut state);
+    let run = single.run(blank, limits, left, &mut state);
     let way_out = || {
         let from = state.name();
         format!("the run went on from {from}; remove it to start anew")
     };
-    let record = if continued {
-        record.with_context(way_out)
+    let (record, result) = if continued {
+        run.with_context(way_out)
     } else {
-        record
+        run
     }?;
     if let Some(store) = &store {
         store.put(&record)?;
         state.remove()?;
         common.log(|| format!("record {} in {}", record.key(), place(store)));
+    }
+    if let Some(file) = &arguments.arrays {
+        let frames = npz::archive(scene, &result.frames, &result.bodies)?;
+        write_new(file, &frames, common.overwrite())?;
     }
     Ok(Outcome {
         record,

@@ -2,20 +2,26 @@
 // Turns every element of class "spheres" into a picture that follows the mouse. Each sphere is a
 // square facing the camera; the fragment shader cuts the ball out of it and sets the depth, so
 // spheres that overlap meet where they should. Without WebGL 2 the picture inside stays.
+// data-kinds: of each kind its spheres (x, y, z, radius); data-bodies: of each body its kind, its
+// place and its turn (w, x, y, z); all as 32-bit floats in base 64. data-colours: of each kind.
 (() => {
   const VERTEX = `#version 300 es
     layout(location = 0) in vec2 corner;
     layout(location = 1) in vec4 sphere;
+    layout(location = 2) in float kind;
+    uniform vec3 colours[8];
     uniform mat3 turn;
     uniform float zoom;
     out vec2 place;
     flat out float radius;
     flat out float middle;
+    flat out vec3 colour;
     void main() {
       vec3 centre = turn * sphere.xyz;
       place = corner;
       radius = sphere.w;
       middle = centre.z;
+      colour = colours[int(kind + 0.5) % 8];
       gl_Position = vec4(zoom * (centre.xy + corner * sphere.w), 0.0, 1.0);
     }`;
   const FRAGMENT = `#version 300 es
@@ -23,7 +29,7 @@
     in vec2 place;
     flat in float radius;
     flat in float middle;
-    uniform vec3 colour;
+    flat in vec3 colour;
     out vec4 result;
     void main() {
       float outside = dot(place, place);
@@ -43,6 +49,35 @@
     const bytes = Uint8Array.from(atob(text), (character) => character.charCodeAt(0));
     const view = new DataView(bytes.buffer);
     return Float32Array.from({ length: bytes.length / 4 }, (_, i) => view.getFloat32(4 * i, true));
+  };
+
+  // The spheres of all bodies where they are, and the kind of each.
+  const placed = (kinds, bodies) => {
+    const counts = [];
+    for (let b = 0; b < bodies.length; b += 8) counts.push(kinds[bodies[b]].length / 4);
+    const total = counts.reduce((sum, n) => sum + n, 0);
+    const [spheres, kindOf] = [new Float32Array(4 * total), new Float32Array(total)];
+    let next = 0;
+    counts.forEach((count, number) => {
+      const [kind, x, y, z, w, i, j, k] = bodies.subarray(8 * number, 8 * number + 8);
+      const own = kinds[kind];
+      for (let from = 0; from < 4 * count; from += 4) {
+        const a = own[from];
+        const b = own[from + 1];
+        const c = own[from + 2];
+        // v + w t + q x t with t = 2 q x v
+        const tx = 2 * (j * c - k * b);
+        const ty = 2 * (k * a - i * c);
+        const tz = 2 * (i * b - j * a);
+        spheres[4 * next] = x + a + w * tx + j * tz - k * ty;
+        spheres[4 * next + 1] = y + b + w * ty + k * tx - i * tz;
+        spheres[4 * next + 2] = z + c + w * tz + i * ty - j * tx;
+        spheres[4 * next + 3] = own[from + 3];
+        kindOf[next] = kind;
+        next += 1;
+      }
+    });
+    return [spheres, kindOf];
   };
 
   const programOf = (gl) => {
@@ -69,7 +104,9 @@
     const gl = canvas.getContext("webgl2", { antialias: true });
     const program = gl && programOf(gl);
     if (!program) return;
-    const spheres = floatsOf(box.dataset.spheres);
+    const kinds = box.dataset.kinds.split(" ").map(floatsOf);
+    const [spheres, kindOf] = placed(kinds, floatsOf(box.dataset.bodies));
+    const colours = box.dataset.colours.split(/[ ,]/).map((part) => part / 255);
     const buffer = (data, slot, size, divisor) => {
       gl.bindBuffer(gl.ARRAY_BUFFER, gl.createBuffer());
       gl.bufferData(gl.ARRAY_BUFFER, data, gl.STATIC_DRAW);
@@ -79,6 +116,7 @@
     };
     buffer(new Float32Array([-1, -1, 1, -1, -1, 1, 1, 1]), 0, 2, 0);
     buffer(spheres, 1, 4, 1);
+    buffer(kindOf, 2, 1, 1);
     const uniform = (name) => gl.getUniformLocation(program, name);
     const view = { ...HOME };
 
@@ -92,7 +130,7 @@
       gl.useProgram(program);
       gl.uniformMatrix3fv(uniform("turn"), false, rotation(view.heading, view.tilt));
       gl.uniform1f(uniform("zoom"), view.zoom);
-      gl.uniform3fv(uniform("colour"), box.dataset.colour.split(",").map((value) => value / 255));
+      gl.uniform3fv(uniform("colours"), colours.slice(0, 24));
       gl.drawArraysInstanced(gl.TRIANGLE_STRIP, 0, 4, spheres.length / 4);
     };
     let waiting = false;

@@ -2,7 +2,9 @@
 
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
-use report::{Column, Error, Fact, Report, SphereViewer, Table, Verdict, ViewerSphere};
+use report::{
+    Column, Error, Fact, Report, SphereViewer, Table, Verdict, ViewerBody, ViewerKind, ViewerSphere,
+};
 
 use crate::examples::{self, HOSTILE};
 use crate::markup::elements;
@@ -19,13 +21,10 @@ fn full_page() -> String {
         .unwrap()
         .row(["x", HOSTILE])
         .unwrap();
-    let spheres = [ViewerSphere {
-        centre: [0.0; 3],
-        radius: 1.0,
-    }];
+    let kinds = [ball([0.0; 3], 1.0)];
     let viewer = SphereViewer {
-        spheres: &spheres,
-        colour: [10, 20, 30],
+        kinds: &kinds,
+        bodies: &[ViewerBody::at_origin(0)],
         picture: PNG,
         description: HOSTILE,
     };
@@ -50,6 +49,14 @@ fn full_page() -> String {
         report.figure(&chart.unwrap(), HOSTILE);
     }
     report.html()
+}
+
+/// A kind of body of one sphere.
+fn ball(centre: [f64; 3], radius: f64) -> ViewerKind {
+    ViewerKind {
+        spheres: vec![ViewerSphere { centre, radius }],
+        colour: [10, 20, 30],
+    }
 }
 
 #[test]
@@ -159,11 +166,19 @@ fn viewer_holds_the_picture_for_browsers_that_cannot_run_it() {
         .position(|e| e.attribute("class") == Some("spheres"))
         .unwrap();
     assert_eq!(elements[viewer + 1].name, "img");
-    let data = STANDARD
-        .decode(elements[viewer].attribute("data-spheres").unwrap())
-        .unwrap();
-    // A unit ball around the origin: centre 0, 0, 0 and radius 1 as 32-bit little-endian floats.
-    assert_eq!(data, [0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0x80, 0x3f]);
+    let numbers = |name: &str| -> Vec<f32> {
+        let bytes = STANDARD.decode(elements[viewer].attribute(name).unwrap());
+        let bytes = bytes.unwrap();
+        let chunks = bytes.chunks(4).map(|b| b.try_into().unwrap());
+        chunks.map(f32::from_le_bytes).collect()
+    };
+    // A unit ball about the origin, of the first kind, neither moved nor turned.
+    assert_eq!(numbers("data-kinds"), [0.0, 0.0, 0.0, 1.0]);
+    assert_eq!(
+        numbers("data-bodies"),
+        [0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0]
+    );
+    assert_eq!(elements[viewer].attribute("data-colours"), Some("10,20,30"));
 }
 
 #[test]
@@ -189,13 +204,10 @@ fn broken_parts_are_refused() {
         (f64::NAN, 0.0),
         (1.0, f64::INFINITY),
     ] {
-        let spheres = [ViewerSphere {
-            centre: [centre; 3],
-            radius,
-        }];
+        let kinds = [ball([centre; 3], radius)];
         let viewer = SphereViewer {
-            spheres: &spheres,
-            colour: [0; 3],
+            kinds: &kinds,
+            bodies: &[ViewerBody::at_origin(0)],
             picture: PNG,
             description: "",
         };

@@ -4,9 +4,11 @@ use super::Page;
 use crate::Error;
 use crate::measurement_rows::{place, role_name, rows};
 use crate::numbers::{DASH, observable, signed, with_error};
+use crate::pictures::beds::{Bed, bed_name, beds};
 use crate::pictures::photographs::{frame_name, shows_drum};
+use crate::pictures::png;
 use crate::pictures::run_charts::{check_runs, series_name};
-use report::{Column, Table};
+use report::{Column, SphereViewer, Table};
 use std::collections::BTreeMap;
 
 /// Adds the section.
@@ -18,6 +20,7 @@ pub(super) fn add(page: &mut Page<'_>) -> Result<(), Error> {
         .section("Runs at the estimate")
         .paragraph("Fresh runs with seeds of their own; no surface and no fit has seen those of role check and show.");
     table(page)?;
+    let beds: BTreeMap<usize, Bed> = beds(page.input).into_iter().collect();
     for (number, (model, _)) in check_runs(page.input).into_iter().enumerate() {
         let at = place(&model.scene, &model.condition);
         let reading = if shows_drum(page.input, &model.name) {
@@ -31,6 +34,16 @@ pub(super) fn add(page: &mut Page<'_>) -> Result<(), Error> {
             &format!("Last frame of a check run: {at}"),
             &format!("Last frame of a check run: {at}.{reading}"),
         )?;
+        if let Some((bed, picture)) = beds.get(&number).zip(png(page.pictures, &bed_name(number))) {
+            let viewer = SphereViewer {
+                kinds: &bed.kinds,
+                bodies: &bed.bodies,
+                picture,
+                description: &format!("The seeds of a check run in space: {at}"),
+            };
+            let caption = format!("The same seeds in space: {at}; turn them with the mouse.");
+            page.report.viewer(&viewer, &caption)?;
+        }
         page.chart(
             &series_name(number),
             &format!(

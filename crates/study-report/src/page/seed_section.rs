@@ -7,7 +7,7 @@ use crate::pictures::photographs::{
     FilledSeed, SPHERE_COLOUR, filled_seeds, seed_picture_name, spheres_picture_name,
 };
 use crate::pictures::png;
-use report::{Column, SphereViewer, Table, ViewerSphere, counted};
+use report::{Column, SphereViewer, Table, ViewerBody, ViewerKind, ViewerSphere, counted};
 
 /// Adds the section; nothing without seeds.
 pub(super) fn add(page: &mut Page<'_>) -> Result<(), Error> {
@@ -43,19 +43,18 @@ fn pictures(page: &mut Page<'_>, number: usize, seed: &FilledSeed) -> Result<(),
     let Some(picture) = png(page.pictures, &spheres_picture_name(number)) else {
         return Ok(());
     };
-    let spheres: Vec<ViewerSphere> = seed
-        .body
-        .spheres
-        .iter()
-        .map(|s| ViewerSphere {
-            centre: s.centre.into(),
-            radius: s.radius,
-        })
-        .collect();
+    let spheres = seed.body.spheres.iter().map(|s| ViewerSphere {
+        centre: s.centre.into(),
+        radius: s.radius,
+    });
+    let kind = ViewerKind {
+        spheres: spheres.collect(),
+        colour: SPHERE_COLOUR,
+    };
     let description = format!("Spheres of seed {}", seed.name);
     let viewer = SphereViewer {
-        spheres: &spheres,
-        colour: SPHERE_COLOUR,
+        kinds: &[kind],
+        bodies: &[ViewerBody::at_origin(0)],
         picture,
         description: &description,
     };

@@ -131,7 +131,7 @@ pub(super) fn with_reading(name: &str, frame: &[u8]) -> Result<Vec<u8>, Error> {
 }
 
 /// A picture as the bytes of a PNG file.
-fn png_bytes(name: &str, picture: RgbImage) -> Result<Vec<u8>, Error> {
+pub(super) fn png_bytes(name: &str, picture: RgbImage) -> Result<Vec<u8>, Error> {
     let mut bytes = Cursor::new(Vec::new());
     DynamicImage::from(picture)
         .write_to(&mut bytes, ImageFormat::Png)
@@ -140,7 +140,7 @@ fn png_bytes(name: &str, picture: RgbImage) -> Result<Vec<u8>, Error> {
 }
 
 /// An error about a picture.
-fn picture_error(name: &str, reason: &str) -> Error {
+pub(super) fn picture_error(name: &str, reason: &str) -> Error {
     Error::Picture {
         name: name.into(),
         reason: reason.into(),

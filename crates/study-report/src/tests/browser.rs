@@ -19,7 +19,11 @@ struct Seen {
 fn chromium(arguments: &[&str]) -> Seen {
     let profile = tempfile::tempdir().unwrap();
     let output = Command::new("chromium")
-        .args(["--headless=new", "--no-sandbox", "--disable-gpu"])
+        .args([
+            "--headless=new",
+            "--no-sandbox",
+            "--enable-unsafe-swiftshader",
+        ])
         .args(["--enable-logging=stderr", "--window-size=1200,900"])
         .arg(format!("--user-data-dir={}", profile.path().display()))
         .args(arguments)
@@ -113,6 +117,7 @@ fn the_page_in_a_browser() {
     }
     a_slider_moves_the_numbers(&study, &folder);
     tables_are_sorted_and_copied(&folder);
+    a_bed_is_drawn_and_turned(&folder);
     the_page_loads_fast_and_fits_a_phone(&folder);
     without_scripts_the_pictures_are_there(&folder);
     let pdf = folder.join("report.pdf");
@@ -173,6 +178,33 @@ fn tables_are_sorted_and_copied(folder: &Path) {
     let (first, second) = told[4].split_once('|').unwrap();
     assert!(first.starts_with("-1.5 ± 0.2°,'=A1,fit,"), "{first}");
     assert!(second.starts_with("–,\"a, \"\"b\"\"\",fit,"), "{second}");
+}
+
+/// The bed of the check shows its two peas and the rims of their drum, in their colours, and other pixels once it is turned. A pea
+/// of 3 mm takes some 0.2 % of a picture of a drum of 100 mm.
+fn a_bed_is_drawn_and_turned(folder: &Path) {
+    let script = "const box = [...document.querySelectorAll('.spheres')].find((b) => b.dataset.colours.includes(' ')); \
+        const canvas = box.querySelector('canvas'); const seen = []; \
+        const look = () => { const flat = document.createElement('canvas'); \
+        flat.width = canvas.width; flat.height = canvas.height; \
+        const context = flat.getContext('2d'); context.drawImage(canvas, 0, 0); \
+        return context.getImageData(0, 0, flat.width, flat.height).data; }; \
+        const turn = (key) => new Promise((done) => { canvas.dispatchEvent(new KeyboardEvent('keydown', { key })); \
+        requestAnimationFrame(() => { seen.push(look()); done(); }); }); \
+        (async () => { await turn('ArrowUp'); await turn('ArrowDown'); let [peas, rims, moved] = [0, 0, 0]; \
+        const [a, b] = seen; \
+        for (let i = 0; i < a.length; i += 4) { const [red, , blue] = [a[i], a[i + 1], a[i + 2]]; \
+        if (red > 1.6 * blue) peas += 1; else if (red < 200 && Math.abs(red - blue) < 4) rims += 1; \
+        if (Math.abs(red - b[i]) > 40) moved += 1; } \
+        document.body.dataset.bed = [peas, rims, moved].map((n) => n / (canvas.width * canvas.height)).join(' '); })();";
+    let address = page_with(folder, "bed.html", script);
+    let seen = chromium(&["--dump-dom", "--virtual-time-budget=3000", &address]);
+    let told = seen.text.split("data-bed=\"").nth(1).expect("a bed");
+    let told = told.split('"').next().unwrap().split(' ');
+    let shares: Vec<f64> = told.map(|x| x.parse().unwrap()).collect();
+    assert!((1e-3..0.02).contains(&shares[0]), "peas: {shares:?}");
+    assert!((5e-3..0.1).contains(&shares[1]), "rims: {shares:?}");
+    assert!(shares[2] > 5e-3, "turned: {shares:?}");
 }
 
 /// The load event comes within a second, and in a frame of 390 px nothing reaches beyond its width.

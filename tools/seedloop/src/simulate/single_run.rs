@@ -2,7 +2,7 @@
 
 use campaign::{RunRequest, Simulator as _};
 use run_store::Record;
-use scene::{Keeper, Progress, Scene, run_retrying};
+use scene::{Keeper, Progress, RunResult, Scene, run_retrying};
 use scene_simulator::{Effort, SceneSimulator, outcome_of};
 use std::collections::BTreeMap;
 use std::time::Instant;
@@ -51,7 +51,7 @@ impl SingleRun {
     }
 
     /// Runs the scene on at most so many threads, on from where it was left, and anew with half the step where it diverges,
-    /// at most so often; the time of filling the meshes is kept apart from that of the steps.
+    /// at most so often; the time of filling the meshes is kept apart from that of the steps. Gives the record and the run.
     ///
     /// # Errors
     /// A scene that cannot be built, a solver that stops, frames without a surface.
@@ -61,7 +61,7 @@ impl SingleRun {
         (threads, retries): (usize, u32),
         left: Option<Progress>,
         keeper: &mut dyn Keeper,
-    ) -> anyhow::Result<Record> {
+    ) -> anyhow::Result<(Record, RunResult)> {
         let scene = &self.simulator.scene_as_run(&self.request)?;
         let library = self.simulator.fillings();
         let begin = Instant::now();
@@ -83,10 +83,11 @@ impl SingleRun {
             only_seen: false,
         };
         let outcome = outcome_of(scene, &result, effort)?;
-        Ok(blank
+        let record = blank
             .with_observables(outcome.observables)?
             .with_regime(outcome.regime)
-            .with_details(outcome.details))
+            .with_details(outcome.details);
+        Ok((record, result))
     }
 }
 

@@ -163,6 +163,12 @@ fn a_record_is_kept_and_taken_again_on_resume_only() {
     );
     let picture = fs::read(scene.path("last.png")).unwrap();
     assert!(picture.starts_with(b"\x89PNG"), "the frame is a PNG");
+    // A record has no arrays; the run has.
+    let arrays = |more| [&run[..], &[more, "--arrays", "all.npz"]].concat();
+    assert_error(&scene.simulate(&arrays("--resume")), &["--force"]);
+    assert_code(&scene.simulate(&arrays("--force")), 0);
+    let archive = fs::read(scene.path("all.npz")).unwrap();
+    assert!(archive.starts_with(b"PK"), "NumPy reads a ZIP archive");
 
     let other = [&run[..], &["--resume", "--seed", "2", "--json"]].concat();
     let other = json(&scene.simulate(&other));
@@ -203,6 +209,7 @@ fn files_that_exist_are_refused_before_the_run() {
         &["old.json", "--force"],
     );
     assert_error(&scene.simulate(&["--frame", "frame.jpg"]), &[".png"]);
+    assert_error(&scene.simulate(&["--arrays", "all.csv"]), &[".npz"]);
     assert_eq!(fs::read_to_string(scene.path("old.png")).unwrap(), "kept");
 }
 
