@@ -33,6 +33,15 @@ wheel KIND="local":
     target/wheel/fresh/bin/pip install --quiet target/wheel/dist/*.whl
     cd target/wheel && fresh/bin/python ../../tools/python/tests/test_seedloop.py
 
+# Execute the notebooks of tools/python/notebooks with the installed wheel; they stay in target/wheel/notebooks (minutes).
+[group('build and check')]
+notebooks: wheel
+    target/wheel/fresh/bin/pip install --quiet nbclient ipykernel matplotlib
+    rm -rf target/wheel/notebooks && mkdir target/wheel/notebooks
+    for notebook in cotton your-material; do \
+        target/wheel/fresh/bin/python tools/python/tests/run_notebook.py tools/python/notebooks/$notebook.ipynb target/wheel/notebooks || exit 1; \
+    done
+
 # Build programs that need no library of the system, into target/static/x86_64-unknown-linux-gnu/release.
 [group('build and check')]
 static:

@@ -15,6 +15,7 @@
 //! The file is a ZIP archive of arrays in the NPY format, version 1.0 (`NumPy` Enhancement Proposal 1).
 
 use crate::Error;
+use image::RgbImage;
 use scene::{Frame, Scene, SeedBody, drum_picture};
 use std::io::{Cursor, Write};
 use std::sync::Arc;
@@ -44,9 +45,9 @@ pub fn archive(
     arrays.numbers("time_s", &[n], frames.iter().map(|f| f.time));
     let numbers: Vec<u8> = kinds
         .iter()
-        .flat_map(|&kind| (kind as i64).to_le_bytes())
+        .flat_map(|&kind| (kind as u64).to_le_bytes())
         .collect();
-    arrays.add("kind", "<i8", &[kinds.len()], &numbers);
+    arrays.add("kind", "<u8", &[kinds.len()], &numbers);
     let vectors = [n, kinds.len(), 3];
     let of = |part: fn(&Frame) -> &Vec<nalgebra::Vector3<f64>>| {
         let all = frames.iter().flat_map(move |frame| part(frame).iter());
@@ -71,7 +72,7 @@ pub fn archive(
             .map(|frame| drum_picture(scene, bodies, frame));
         let pictures = pictures.collect::<Result<Vec<_>, _>>()?;
         let (width, height) = pictures[0].dimensions();
-        let bytes: Vec<u8> = pictures.into_iter().flat_map(|p| p.into_raw()).collect();
+        let bytes: Vec<u8> = pictures.into_iter().flat_map(RgbImage::into_raw).collect();
         arrays.add(
             "picture",
             "|u1",
@@ -95,7 +96,9 @@ impl Archive {
 
     /// Adds an array of a type as `NumPy` names it, in C order.
     fn add(&mut self, name: &str, kind: &str, shape: &[usize], bytes: &[u8]) {
-        let shape: String = shape.iter().map(|n| format!("{n}, ")).collect();
+        // As Python writes a tuple: a comma behind each number, so that one number is one too.
+        let shape: Vec<String> = shape.iter().map(|n| format!("{n},")).collect();
+        let shape = shape.join(" ");
         let mut head =
             format!("{{'descr': '{kind}', 'fortran_order': False, 'shape': ({shape}), }}");
         // Six bytes of magic, two of the version, two of the length of what follows, which ends with a line feed.
@@ -139,7 +142,7 @@ mod tests {
         let text = std::str::from_utf8(&file[10..head]).unwrap();
         assert_eq!(
             text.trim_end(),
-            "{'descr': '<f8', 'fortran_order': False, 'shape': (2, 3, ), }"
+            "{'descr': '<f8', 'fortran_order': False, 'shape': (2, 3,), }"
         );
         assert!(text.ends_with('\n'));
         let numbers = file[head..].chunks(8);

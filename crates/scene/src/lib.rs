@@ -49,7 +49,7 @@ pub use error::Error;
 pub use filling::{FillingLibrary, SeedBody};
 pub use flow::{FlowingLayer, avalanche_period, fill_level, flowing_layer};
 pub use frame::{Frame, FrameReading, drum_picture, read_frame};
-pub use motion::{Keeper, NoKeeper, Progress, SeriesPoint, StopFlag};
+pub use motion::{Keeper, NoKeeper, Progress, RunStage, SeriesPoint, StopFlag};
 pub use named_setting::{NamedSetting, SettingKind};
 pub use obstacles::{VibrationSettings, WallSettings};
 pub use parse::{NumberChange, Override, like_names, setting_at};

@@ -82,6 +82,19 @@ impl Progress {
     }
 }
 
+/// How far a run is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RunStage {
+    /// Whether the drive runs, or the wall is on its way; the seeds settle before that.
+    pub driven: bool,
+    /// Time since the drive started, or since the seeds began to settle, s.
+    pub time_s: f64,
+    /// Most time that this may take, s.
+    pub limit_s: f64,
+    /// Frames that were taken, and frames that are wanted.
+    pub frames: [usize; 2],
+}
+
 /// Where the state of a run is kept on its way.
 ///
 /// It is asked after each interval of the series. What it costs to keep a state is some milliseconds
@@ -96,6 +109,11 @@ pub trait Keeper {
     ///
     /// A state that cannot be kept, in words.
     fn keep(&mut self, progress: &Progress) -> Result<(), String>;
+
+    /// Hears how far the run is.
+    fn hear(&mut self, stage: &RunStage) {
+        let _ = stage;
+    }
 
     /// Whether the run is to end here, with its state kept.
     fn is_stopped(&self) -> bool {
@@ -227,8 +245,26 @@ impl<'a> Running<'a> {
         self.drive_since.is_some()
     }
 
+    /// How far the run is.
+    fn stage(&self) -> RunStage {
+        let protocol = &self.scene.protocol;
+        let made = self.built.factory.as_ref().map_or(0.0, Factory::duration);
+        let limit_s = if self.is_driven() {
+            protocol.rotation_limit.si()
+        } else {
+            made + protocol.settle_limit.si()
+        };
+        RunStage {
+            driven: self.is_driven(),
+            time_s: self.built.world.time() - self.drive_since.unwrap_or(0.0),
+            limit_s,
+            frames: [self.frames.len(), protocol.frames],
+        }
+    }
+
     /// Lets a keeper have the state, if it wants it, and end the run.
     pub(crate) fn offer(&self, keeper: &mut dyn Keeper) -> Result<(), Error> {
+        keeper.hear(&self.stage());
         let stopped = keeper.is_stopped();
         if !keeper.is_due() && !stopped {
             return Ok(());

@@ -27,6 +27,7 @@ from ._files import (
     path_of_toml,
     read_toml,
     table_of,
+    with_scene_files,
 )
 from ._programs import Answer, Error, Folder, answer_of
 
@@ -165,7 +166,8 @@ def calibrate(
 ) -> Answer:
     """Calibrate the parameters of a study on its measurements (`seedloop calibrate`).
 
-    study: a study file, or its content as a dict; files in it are then looked for from the working directory.
+    study: a study file, or its content as a dict; files in it are then looked for from the working directory, and the
+    ``file`` of a scene may be the scene itself, a dict.
     simulator: does the runs in place of what the study says. It gets a dict (``scene``, ``condition``, ``parameters``,
     ``effects``, ``seed``) and gives a dict of observables, numbers or ``{"mean", "sd", "n"}``. It is called from
     several threads unless ``threads=1``, with the same seed for the same run; an exception fails that run.
@@ -212,6 +214,8 @@ def _study(
                 study = read_toml(study)
             entry, environment = stack.enter_context(serving(simulator, version))
             study = {**study, "simulator": entry}
+        if isinstance(study, Mapping):
+            study = stack.enter_context(with_scene_files(study, beside))
         path = stack.enter_context(path_of_toml(study, beside))
         return answer_of("seedloop", [command, path], flags, folder, environment)
 

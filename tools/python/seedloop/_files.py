@@ -9,7 +9,7 @@ import re
 import sys
 import tempfile
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import Any, Optional
 
@@ -143,6 +143,19 @@ def path_of_toml(content: Any, beside: Optional[Path] = None) -> Iterator[str]:
         yield path
     finally:
         os.unlink(path)
+
+
+@contextmanager
+def with_scene_files(study: Mapping[str, Any], beside: Optional[Path] = None) -> Iterator[dict[str, Any]]:
+    """A study whose scenes are all files: a scene that is a dict is written as one, for as long as it is used."""
+    with ExitStack() as stack:
+        scenes = [
+            {**scene, "file": Path(stack.enter_context(path_of_toml(scene["file"], beside))).name}
+            if isinstance(scene.get("file"), Mapping)
+            else scene
+            for scene in study.get("scene", [])
+        ]
+        yield {**study, "scene": scenes} if scenes else dict(study)
 
 
 def toml_text(content: Mapping[str, Any]) -> str:

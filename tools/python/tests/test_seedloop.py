@@ -186,6 +186,23 @@ class Studies(unittest.TestCase):
             value, error = found[name]
             self.assertLess(abs(value - truth), 3 * error, name)
 
+    def test_a_scene_of_a_study_may_be_a_dict(self):
+        """The plan reads the scene as it reads its file, and nothing of it stays behind."""
+        scene = read_toml(FIXTURES / "peers-study" / "spheres.toml")
+        study = {
+            "name": "dicts",
+            "scene": [{"name": "drum", "file": scene}],
+            "parameter": [{"symbol": "F", "sets": ["contact.bead-bead.static_friction"], "low": 0.2, "high": 0.5}],
+            "measured": [{"scene": "drum", "role": "fit", "angle_deg": {"mean": 35, "sd": 1, "n": 9}}],
+        }
+        before = sorted(Path.cwd().iterdir())
+        stages = seedloop.calibrate(study, plan=True)["stages"]
+        self.assertGreater(sum(stage["runs"] for stage in stages), 0)
+        self.assertEqual(sorted(Path.cwd().iterdir()), before)
+        scene["contact"].pop("bead-wall")
+        with self.assertRaisesRegex(seedloop.Error, "bead-wall"):
+            seedloop.calibrate(study, plan=True)
+
     def test_an_exception_fails_its_run_with_its_words(self):
         def broken(run):
             raise ValueError(f"no bed at seed {run['seed']}")

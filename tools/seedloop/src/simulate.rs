@@ -1,6 +1,7 @@
 //! `seedloop simulate`: one run of a scene.
 
 mod report;
+mod run_line;
 mod single_run;
 mod state_file;
 

@@ -20,8 +20,8 @@ const COLOURS: [[u8; 3]; 4] = [
 ];
 /// Colour of the rims of a drum.
 const RIM_COLOUR: [u8; 3] = [120, 120, 120];
-/// Radius of the beads that the rims are strung of, radii of the drum; they lie a radius apart.
-const BEAD: f64 = 0.008;
+/// Beads that a rim is strung of, each with its middle on the surface of the next.
+const BEADS: u32 = 800;
 /// Width of the picture, pixels.
 const PIXELS: u32 = 480;
 
@@ -96,10 +96,10 @@ impl Bed {
 
     /// Adds the ends of a shell as two rings about the z axis, strung of beads outside of it.
     fn add_rims(&mut self, radius: f64, half_width: f64) {
-        let bead = BEAD * radius;
-        let count = (TAU / BEAD).ceil();
-        let spheres = (0..count as u32).map(|number| {
-            let (sin, cos) = (TAU * f64::from(number) / count).sin_cos();
+        let between = TAU / f64::from(BEADS);
+        let bead = between * radius;
+        let spheres = (0..BEADS).map(|number| {
+            let (sin, cos) = (between * f64::from(number)).sin_cos();
             ViewerSphere {
                 centre: [(radius + bead) * cos, (radius + bead) * sin, 0.0],
                 radius: bead,

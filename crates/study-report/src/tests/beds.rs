@@ -9,7 +9,7 @@ use base64::engine::general_purpose::STANDARD;
 use nalgebra::Vector3;
 
 /// In a scene y is upwards and the camera looks along -z; in the viewer z is upwards and it looks along y. Peas keep their
-/// sphere and move with the turn; a turn of half a revolution about y becomes one about z. Two rims of 50.4 mm stand 20 mm
+/// sphere and move with the turn; a turn of half a revolution about y becomes one about z. Two rims stand 20 mm
 /// apart outside of the shell of 50 mm. 32-bit floats hold 10 mm to a nanometre.
 #[test]
 fn a_bed_stands_upright_in_the_rims_of_its_drum() {

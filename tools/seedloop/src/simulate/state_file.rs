@@ -1,11 +1,12 @@
-//! The states of a run on its way, as two files beside its record that are written in turn.
+//! The states of a run on its way, as two files beside its record that are written in turn, and the line that tells how far it is.
 //!
 //! Each has a digest. A newest one that is damaged costs the time since the one before, and no result.
 
+use super::run_line::RunLine;
 use anyhow::Context as _;
 use command_line::{Common, Overwrite, write_new};
 use run_store::{seal_text, set_file_aside, unseal_text};
-use scene::{Keeper, Progress};
+use scene::{Keeper, Progress, RunStage};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -15,7 +16,6 @@ use std::time::{Duration, Instant};
 const ENDS: [&str; 2] = [".state.json", ".state-2.json"];
 
 /// The files, when one was written last, and whether the run is to end.
-#[derive(Debug)]
 pub(super) struct StateFile<'a> {
     /// Where warnings go.
     common: &'a Common,
@@ -31,6 +31,8 @@ pub(super) struct StateFile<'a> {
     last: Instant,
     /// Raised when the run is to end.
     stop: Arc<AtomicBool>,
+    /// Where it is told how far the run is.
+    line: RunLine,
 }
 
 /// The state that a run has left behind.
@@ -64,6 +66,7 @@ impl<'a> StateFile<'a> {
             every: Duration::try_from_secs_f64(every_s).unwrap_or(Duration::MAX),
             last: Instant::now(),
             stop: Arc::clone(stop),
+            line: RunLine::new(common),
         }
     }
 
@@ -142,7 +145,12 @@ impl Keeper for StateFile<'_> {
         self.paths.is_some() && self.last.elapsed() >= self.every
     }
 
+    fn hear(&mut self, stage: &RunStage) {
+        self.line.draw(stage);
+    }
+
     fn begin_anew(&mut self, why: &str) -> Result<(), String> {
+        self.line.clear();
         self.common
             .log(|| format!("warning: {why}; the run begins anew with half the time step"));
         self.remove().map_err(|e| format!("{e:#}"))
