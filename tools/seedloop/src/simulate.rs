@@ -68,7 +68,7 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "FILE.png")]
     frame: Option<PathBuf>,
 
-    /// Writes all frames as arrays for NumPy: places, rotations and velocities of the seeds, their spheres, and what the
+    /// Writes all frames as arrays for `NumPy`: places, rotations and velocities of the seeds, their spheres, and what the
     /// camera saw
     #[arg(long, value_name = "FILE.npz")]
     arrays: Option<PathBuf>,
@@ -207,31 +207,35 @@ fn is_refusal(error: &anyhow::Error) -> bool {
 
 /// Tries whether the results can be written, before the work is done.
 fn try_outputs(arguments: &Arguments) -> anyhow::Result<()> {
-    let ends_in = |file: &Option<PathBuf>, ending| {
-        file.as_ref().is_none_or(|file| has_ending(file, &[ending]))
-    };
-    ensure!(
-        ends_in(&arguments.frame, "png"),
-        "--frame {}: the picture is written as PNG; give a name that ends in .png",
-        shown(&arguments.frame)
-    );
-    ensure!(
-        ends_in(&arguments.arrays, "npz"),
-        "--arrays {}: the frames are written as arrays for NumPy; give a name that ends in .npz",
-        shown(&arguments.arrays)
-    );
+    let endings = [
+        (
+            &arguments.frame,
+            "--frame",
+            "png",
+            "the picture is written as PNG",
+        ),
+        (
+            &arguments.arrays,
+            "--arrays",
+            "npz",
+            "the frames are written as arrays for NumPy",
+        ),
+    ];
+    for (file, flag, ending, what) in endings {
+        if let Some(file) = file {
+            ensure!(
+                has_ending(file, &[ending]),
+                "{flag} {}: {what}; give a name that ends in .{ending}",
+                file.display()
+            );
+        }
+    }
     if let Some(folder) = &arguments.out {
         try_folder(folder)?;
     }
     arguments
         .common
         .try_outputs([&arguments.frame, &arguments.arrays].into_iter().flatten())
-}
-
-/// A file, for messages.
-fn shown(file: &Option<PathBuf>) -> String {
-    file.as_ref()
-        .map_or_else(String::new, |file| file.display().to_string())
 }
 
 /// Finds the record of the run, or runs and keeps it.
@@ -281,6 +285,22 @@ fn find_or_run(arguments: &Arguments, single: &SingleRun, stop: &Stop) -> anyhow
             Lookup::Absent => {}
         }
     }
+    let record = run_and_keep(arguments, single, blank, store.as_ref(), stop)?;
+    Ok(Outcome {
+        record,
+        reused: false,
+    })
+}
+
+/// Runs the scene, from where it was left, and keeps what was asked for.
+fn run_and_keep(
+    arguments: &Arguments,
+    single: &SingleRun,
+    blank: Record,
+    store: Option<&Store>,
+    stop: &Stop,
+) -> anyhow::Result<Record> {
+    let common = &arguments.common;
     let (scene, seed) = (single.scene(), arguments.seed);
     common.log(|| format!("running {} seeds, seed {seed}", scene.seed_count()));
     let folder = arguments.out.as_deref();
@@ -307,7 +327,7 @@ fn find_or_run(arguments: &Arguments, single: &SingleRun, stop: &Stop) -> anyhow
     } else {
         run
     }?;
-    if let Some(store) = &store {
+    if let Some(store) = store {
         store.put(&record)?;
         state.remove()?;
         common.log(|| format!("record {} in {}", record.key(), place(store)));
@@ -316,10 +336,7 @@ fn find_or_run(arguments: &Arguments, single: &SingleRun, stop: &Stop) -> anyhow
         let frames = npz::archive(scene, &result.frames, &result.bodies)?;
         write_new(file, &frames, common.overwrite())?;
     }
-    Ok(Outcome {
-        record,
-        reused: false,
-    })
+    Ok(record)
 }
 
 /// The state from which a run goes on; none where it begins anew.
