@@ -95,8 +95,8 @@ fn named(d: &Diagnosis) -> String {
         })
         .collect();
     let (verb, other) = match d.effects.len() {
-        1 => ("is", "no other effect"),
-        _ => ("are", "no other effects"),
+        1 => ("is", "no other effect of the library does"),
+        _ => ("are", "no other effects of the library do"),
     };
     let predicted = d.before_after.as_ref().and_then(|b| b.unused.as_ref());
     let predicted = predicted.map(|u| [u.whitened_mse.before, u.whitened_mse.after]);
@@ -116,7 +116,7 @@ fn named(d: &Diagnosis) -> String {
         None => "; no unused conditions were given to check it".to_owned(),
     };
     format!(
-        "{} {verb} missing: {other} of the library do nearly as well, what remains is \
+        "{} {verb} missing: {other} nearly as well, what remains is \
          noise, and an unknown effect is far less likely{check}. The library may lack the true \
          cause{last_word}.",
         listed(&amplitudes, "and")

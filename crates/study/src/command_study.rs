@@ -144,11 +144,15 @@ impl CommandChecker<'_> {
                 continue;
             }
             let what = format!("{}: '{name}'", words(entry));
-            let problem = format!(
-                "is neither a key of [[measured]] ({}) nor an observable of this scene, which has {}: add what the \
-                 program tells to [[scene]] observables",
-                crate::keys::MEASURED.join(", "),
+            let known = if observables.is_empty() {
+                "none".to_owned()
+            } else {
                 observables.join(", ")
+            };
+            let problem = format!(
+                "is neither a key of [[measured]] ({}) nor an observable of this scene, which has {known}: add what the \
+                 program tells to [[scene]] observables",
+                crate::keys::MEASURED.join(", ")
             );
             problems.add(document.problem(&below(&entry.path, name), what, problem));
         }
