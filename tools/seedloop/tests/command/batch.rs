@@ -6,7 +6,7 @@ use std::fs;
 use std::path::Path;
 
 /// The settings of a batch system that is this machine.
-const RUNNER: &str = r#"
+pub(crate) const RUNNER: &str = r#"
 [runner]
 seconds_per_cost = 0.0025
 task_seconds = 1

@@ -1,5 +1,6 @@
 //! `seedloop watch` as a process, read over TCP.
 
+use super::batch::RUNNER;
 use super::{assert_error, seedloop};
 use serde_json::Value;
 use std::fs;
@@ -68,18 +69,33 @@ fn design(folder: &Path) {
     fs::write(folder.join("ball.toml"), include_str!("ball.toml")).unwrap();
 }
 
-/// Started as soon as the campaign has a folder, it shows the runs as they come, says that the campaign is finished in the end, and
-/// Ctrl-C ends it within two seconds with the code of Ctrl-C; the folder then has what the campaign left in it.
+/// The same page over a campaign whose runs are done by the jobs of a batch system.
+#[test]
+fn a_campaign_by_jobs_is_watched_from_its_first_run_to_its_end() {
+    let settings = |folder: &Path| fs::write(folder.join("jobs.toml"), RUNNER).unwrap();
+    let words = ["--runner", "command", "--runner-settings", "jobs.toml"];
+    watched_to_its_end(settings, &words);
+}
+
+/// By threads of its own.
 #[test]
 fn a_campaign_is_watched_from_its_first_run_to_its_end() {
+    watched_to_its_end(|_| (), &["--threads", "1"]);
+}
+
+/// Started as soon as the campaign has a folder, it shows the runs as they come, says that the campaign is finished in the end, and
+/// Ctrl-C ends it within two seconds with the code of Ctrl-C; the folder then has what the campaign left in it.
+fn watched_to_its_end(prepare: impl Fn(&Path), by: &[&str]) {
     let place = tempfile::tempdir().unwrap();
     let folder = place.path();
     design(folder);
+    prepare(folder);
     let words = ["run", "design.csv", "--scene", "ball.toml", "--keep", "run"];
     let mut campaign = Command::new(env!("CARGO_BIN_EXE_seedloop"))
         .current_dir(folder)
         .args(words)
-        .args(["--out", "out", "--quiet", "--threads", "1"])
+        .args(["--out", "out", "--quiet"])
+        .args(by)
         .stdout(Stdio::null())
         .spawn()
         .unwrap();
