@@ -28,7 +28,7 @@ use std::process::ExitCode;
 use std::time::Instant;
 use summary::{Measured, Refusal, Summary};
 use target::target_of;
-use trimesh::{CheckedMesh, MeshReport};
+use trimesh::{Changes, CheckedMesh, MeshReport};
 use union_file::UnionFile;
 
 fn main() -> ExitCode {
@@ -144,7 +144,11 @@ fn read_body(arguments: &Arguments, file: &Path) -> anyhow::Result<CheckedMesh> 
             duplicates_dropped: read.report.duplicates_dropped,
             triangles_turned: read.report.triangles_turned,
             holes_closed: read.report.holes_closed,
-            changes: read.report.changes,
+            // The lids no longer end the list of triangles.
+            changes: Changes {
+                lid_triangles: 0,
+                ..read.report.changes
+            },
             unit: read.report.unit,
             ..body.report
         };

@@ -74,7 +74,7 @@ pub(crate) fn write(
         write_new(file, &picture, common.overwrite())?;
     }
     if let Some(file) = &arguments.html {
-        let page = page::page(summary, filling, mesh)?;
+        let page = page::page(summary, measured, mesh)?;
         write_new(file, page.as_bytes(), common.overwrite())?;
     }
     common.emit_json(summary)

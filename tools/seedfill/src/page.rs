@@ -1,9 +1,8 @@
 //! The report of a filling as one HTML page.
 
-use crate::preview::{deviation_picture, picture};
-use crate::summary::Summary;
+use crate::preview::{deviation_picture, lid_picture, picture};
+use crate::summary::{Measured, Summary};
 use report::{Fact, Report, SphereViewer, ViewerBody, ViewerKind, ViewerSphere};
-use sphere_fill::Filling;
 use trimesh::TriMesh;
 
 /// Colour of the spheres in the viewer.
@@ -14,7 +13,12 @@ const COLOUR: [u8; 3] = [168, 142, 112];
 /// # Errors
 ///
 /// A body that cannot be drawn.
-pub(crate) fn page(summary: &Summary, filling: &Filling, mesh: &TriMesh) -> anyhow::Result<String> {
+pub(crate) fn page(
+    summary: &Summary,
+    measured: &Measured<'_>,
+    mesh: &TriMesh,
+) -> anyhow::Result<String> {
+    let filling = measured.filling;
     let fact = |(name, value): &(&str, String)| Fact::new(*name, value.clone());
     let facts = |lines: &[(&str, String)]| lines.iter().map(fact).collect::<Vec<_>>();
     let mut report = Report::new(format!("Filling of {}", mesh.source()));
@@ -55,6 +59,13 @@ pub(crate) fn page(summary: &Summary, filling: &Filling, mesh: &TriMesh) -> anyh
         "The mesh coloured by its gap to the spheres",
         &caption,
     )?;
+    if let Some(lids) = lid_picture(mesh, &measured.mesh.changes)? {
+        report.picture(
+            &lids,
+            "The mesh with the lids of its holes in red",
+            "The mesh with what closes its holes in red, seen from over the widest one.",
+        )?;
+    }
     let spheres = filling.spheres.iter().map(|sphere| ViewerSphere {
         centre: sphere.centre.into(),
         radius: sphere.radius,

@@ -7,6 +7,8 @@ mod shapes;
 mod slices;
 mod union;
 
+use base64::Engine as _;
+use base64::engine::general_purpose::STANDARD;
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
@@ -490,6 +492,20 @@ fn a_hole_is_closed_when_it_is_asked_for_and_told() {
     assert!(width > 3.0 && width < 6.0, "{width}");
     let page = std::fs::read_to_string(&page).unwrap();
     assert!(page.contains("1 hole closed, the widest"));
+    // Seen from over the lid, a good part of the body is red.
+    let picture = page
+        .split("The mesh with the lids of its holes in red")
+        .nth(1);
+    let data = picture.unwrap().split("base64,").nth(1).unwrap();
+    let data = data.split('"').next().unwrap();
+    let bytes = STANDARD.decode(data).unwrap();
+    let picture = image::load_from_memory(&bytes).unwrap().into_rgb8();
+    let red = picture
+        .pixels()
+        .filter(|p| u32::from(p[0]) > 2 * u32::from(p[2]));
+    let body = picture.pixels().filter(|p| p[2] < 240).count();
+    let share = red.count() as f64 / body as f64;
+    assert!((0.1..0.9).contains(&share), "{share}");
     for flag in ["--close-holes", "--join", "--crumbs"] {
         let wrong = seedfill(&[&words[..], &[flag, "-1"]].concat());
         assert_eq!(wrong.status.code(), Some(2));
