@@ -103,6 +103,12 @@ pub enum Error {
         /// Least distance, px.
         least: f64,
     },
+    /// A surface that was given and cannot be one.
+    #[error("the surface given cannot be measured: {what}")]
+    BadSurface {
+        /// Why not.
+        what: &'static str,
+    },
     /// Corners that span no square seen in perspective.
     #[error(
         "the corners must be finite and span a convex area, in the order upper left, upper \

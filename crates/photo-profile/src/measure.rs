@@ -23,7 +23,7 @@ const SMOOTHING: f64 = 0.03;
 /// Shortest side of a picture, px: below, a step of one pixel turns a surface by a degree.
 const LEAST_SIDE: u32 = 64;
 /// Largest roughness, in drum radii: twice that of seeds of a seventh of the radius.
-const MOST_ROUGHNESS: f64 = 0.1;
+pub(crate) const MOST_ROUGHNESS: f64 = 0.1;
 
 /// Measures the angle in a picture file.
 ///

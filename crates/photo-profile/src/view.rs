@@ -99,6 +99,15 @@ impl DiscView {
         (self.n / 2) as f64 * self.cell
     }
 
+    /// The point of the view that lies at a place of the picture.
+    pub(crate) fn of_picture(&self, place: &PixelPoint) -> SurfacePoint {
+        let (right, up) = (place.x - self.drum.cx, self.drum.cy - place.y);
+        SurfacePoint {
+            x: right * self.cos + up * self.sin,
+            y: up * self.cos - right * self.sin,
+        }
+    }
+
     /// Where a point of the view lies in the picture.
     pub(crate) fn to_picture(&self, point: &SurfacePoint) -> PixelPoint {
         PixelPoint {

@@ -79,7 +79,7 @@ pub(crate) fn advice(reading: &PhotoReading) -> Option<Advice> {
         ),
         _ => Advice::words(format!(
             "if the overlay shows a wrong circle or boundary, state the drum, {DRUM}, or the tone of the bed, \
-             --foreground dark or --foreground light"
+             --foreground dark or --foreground light, or point at the surface in the page of --html, which gives --surface"
         )),
     })
 }

@@ -1,7 +1,7 @@
 //! What the command takes.
 
 use photo_profile::{
-    DrumPixels, Foreground, Mode, PixelPoint, PixelRegion, Settings, roll_by_level,
+    DrumPixels, Foreground, LEAST_PLACES, Mode, PixelPoint, PixelRegion, Settings, roll_by_level,
     roll_by_plumb_line,
 };
 use std::num::NonZeroUsize;
@@ -46,6 +46,11 @@ pub(crate) struct Arguments {
     /// The drum circle, px, y down from the centre of the upper left pixel [default: found]
     #[arg(long, value_name = "CX,CY,R", value_parser = drum, allow_hyphen_values = true)]
     pub(crate) drum: Option<DrumPixels>,
+
+    /// Five or more places on the surface of the bed in one picture of a drum, px, where the program does not see it: the
+    /// angle is that of the line through them
+    #[arg(long, value_name = "X,Y;X,Y;...", value_parser = surface, conflicts_with_all = ["region", "mask", "every", "fps"])]
+    pub(crate) surface: Option<Surface>,
 
     /// The part of the picture that alone is looked at, px: left, top, width, height
     #[arg(long, value_name = "X,Y,W,H", value_parser = region)]
@@ -119,6 +124,10 @@ pub(crate) struct Arguments {
     #[command(flatten)]
     pub(crate) common: command_line::Common,
 }
+
+/// Places on a surface, px.
+#[derive(Debug, Clone)]
+pub(crate) struct Surface(pub(crate) Vec<PixelPoint>);
 
 /// Four corners, px.
 #[derive(Debug, Clone, Copy)]
@@ -232,13 +241,28 @@ fn region(text: &str) -> Result<PixelRegion, String> {
 
 /// Reads places X,Y with semicolons between them.
 fn points<const N: usize>(text: &str, what: &str) -> Result<[PixelPoint; N], String> {
-    let points: Result<Vec<PixelPoint>, String> = text
-        .split(';')
-        .map(|pair| numbers(pair).map(|[x, y]| PixelPoint { x, y }))
-        .collect();
-    points?
+    all_points(text)?
         .try_into()
         .map_err(|_| format!("\"{text}\" must be {what} X,Y with semicolons, in px"))
+}
+
+/// Reads any number of X,Y with semicolons.
+fn all_points(text: &str) -> Result<Vec<PixelPoint>, String> {
+    let pairs = text.split(';');
+    pairs
+        .map(|pair| numbers(pair).map(|[x, y]| PixelPoint { x, y }))
+        .collect()
+}
+
+/// Reads the places on a surface.
+fn surface(text: &str) -> Result<Surface, String> {
+    let places = all_points(text)?;
+    if places.len() < LEAST_PLACES {
+        return Err(format!(
+            "\"{text}\" must be {LEAST_PLACES} or more places X,Y with semicolons, in px"
+        ));
+    }
+    Ok(Surface(places))
 }
 
 /// Reads X,Y;X,Y;X,Y;X,Y.

@@ -23,11 +23,16 @@ const QUALITY: u8 = 85;
 const HALF_INTERVAL: f64 = 1.96;
 
 /// What can be told by pointing at it, and how it is stated; last, what holds for a picture that is not straightened.
-const TOOLS: [PointingTool<'static>; 5] = [
+const TOOLS: [PointingTool<'static>; 6] = [
     PointingTool {
         what: "the drum: three or more places on its rim",
         flag: "--drum",
         told: Pointed::Circle,
+    },
+    PointingTool {
+        what: "the surface of the bed: five or more places on it",
+        flag: "--surface",
+        told: Pointed::Path,
     },
     PointingTool {
         what: "the part to look at: two opposite corners",

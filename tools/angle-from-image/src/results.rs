@@ -33,6 +33,9 @@ pub(crate) struct ImageResult {
     pub(crate) advice: Option<String>,
     /// The flag to go on with, where one is known.
     pub(crate) advice_flag: Option<String>,
+    /// Whether the surface was stated by the caller; left out where it was found in the picture.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub(crate) surface_given: bool,
     /// Which slope `angle_deg` is.
     pub(crate) definition: Definition,
     /// The angle by the chosen definition, degrees.
@@ -250,6 +253,7 @@ impl ImageResult {
             sha256: Some(origin.sha256),
             verdict,
             reason,
+            surface_given: false,
             advice_flag: advice.as_ref().and_then(|a| a.flag.clone()),
             advice: advice.map(|a| a.words),
             definition: settings.definition,

@@ -3,11 +3,12 @@
 use crate::arguments::Arguments;
 use crate::page::{jpeg, side};
 use crate::results::{ImageResult, Origin, Points};
-use anyhow::Context as _;
+use anyhow::{Context as _, ensure};
 use command_line::file_sha256;
 use image::{DynamicImage, ImageFormat};
 use photo_profile::{
-    Frames, Mask, PhotoPixels, Settings, marked, measure_photo, overlay, read_frames, rectify,
+    Frames, Mask, PhotoPixels, Settings, marked, measure_given_surface, measure_photo, overlay,
+    read_frames, rectify,
 };
 use rayon::iter::{
     IndexedParallelIterator as _, IntoParallelIterator as _, IntoParallelRefIterator as _,
@@ -113,6 +114,11 @@ impl<'a> Ruler<'a> {
         let sha256 = file_sha256(file)?;
         let frames = frames.step_by(self.step);
         if rate.is_some() {
+            ensure!(
+                self.arguments.surface.is_none(),
+                "--surface states the surface of one picture, and {} is a film: save the picture that is meant as a file",
+                file.display()
+            );
             return Ok(Opened::Film(Box::new(OpenFilm {
                 frames,
                 rate,
@@ -123,6 +129,12 @@ impl<'a> Ruler<'a> {
             })));
         }
         let pictures = frames.collect::<Result<Vec<_>, _>>()?;
+        ensure!(
+            self.arguments.surface.is_none() || pictures.len() == 1,
+            "--surface states the surface of one picture, and {} holds {}: save the one that is meant as a file of its own",
+            file.display(),
+            pictures.len()
+        );
         let side = side(self.n_files.max(pictures.len()));
         let pictures = pictures
             .into_par_iter()
@@ -156,7 +168,10 @@ impl<'a> Ruler<'a> {
         if let Some(mask) = &self.mask {
             pixels = pixels.hiding(mask)?;
         }
-        let reading = measure_photo(&pixels, &self.settings)?;
+        let reading = match &self.arguments.surface {
+            Some(places) => measure_given_surface(&pixels, &places.0, &self.settings)?,
+            None => measure_photo(&pixels, &self.settings)?,
+        };
         let draws = self.arguments.overlay.is_some();
         let drawn = draws.then(|| png(&overlay(&picture, &reading, &self.settings)));
         let shows = self.arguments.html.is_some();
@@ -164,6 +179,7 @@ impl<'a> Ruler<'a> {
         let rectified = self.arguments.corners.is_some();
         let size = [picture.width(), picture.height()];
         let mut result = ImageResult::new(origin, size, &reading, &self.settings, rectified);
+        result.surface_given = self.arguments.surface.is_some();
         result.points = self.arguments.points.then(|| Points::new(&reading));
         Ok(MeasuredPicture {
             result,

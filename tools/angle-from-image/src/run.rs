@@ -1,6 +1,6 @@
 //! From arguments to results.
 
-use crate::arguments::Arguments;
+use crate::arguments::{Arguments, ModeName};
 use crate::page::page;
 use crate::results::{ImageResult, Output};
 use crate::ruler::{MeasuredPicture, Opened, Ruler};
@@ -14,6 +14,10 @@ use std::path::{Path, PathBuf};
 pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
     let settings = arguments.settings()?;
     let (files, step) = one_of(arguments.every, picture_files(&arguments.photos)?);
+    anyhow::ensure!(
+        arguments.surface.is_none() || files.len() == 1 && arguments.mode == ModeName::Drum,
+        "--surface states the surface of one picture of a drum: give one file, without --mode heap"
+    );
     try_outputs(arguments, &files)?;
     let ruler = Ruler::new(arguments, settings, files.len(), step)?;
     let mut measured = Measured::default();

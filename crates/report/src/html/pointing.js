@@ -2,7 +2,7 @@
 // Turns places at which somebody points in a picture into the flags that state them.
 (() => {
   const SVG = "http://www.w3.org/2000/svg";
-  const NEEDED = { circle: 3, places: 2, rectangle: 2, square: 4 };
+  const NEEDED = { circle: 3, path: 5, places: 2, rectangle: 2, square: 4 };
   const pair = ([x, y]) => `${x.toFixed(1)},${y.toFixed(1)}`;
   const quoted = (places) => `'${places.map(pair).join(";")}'`;
 
@@ -117,8 +117,8 @@
         (event.clientY - box.top) / box.height * size[1] - 0.5,
       ];
       const tool = tools[Number(select.value)];
-      // A circle takes as many places as are given, all else begins anew.
-      if (tool.told !== "circle" && places.length === NEEDED[tool.told]) places = [];
+      // A circle and a path take as many places as are given, all else begins anew.
+      if (!["circle", "path"].includes(tool.told) && places.length === NEEDED[tool.told]) places = [];
       places.push(at);
       show();
     });

@@ -12,6 +12,8 @@ pub enum Pointed {
     Circle,
     /// Two places: `X,Y;X,Y`.
     Places,
+    /// Five or more places on a line: `X,Y;X,Y;...`.
+    Path,
     /// Two opposite corners of a rectangle of whole pixels: `LEFT,TOP,WIDTH,HEIGHT`.
     Rectangle,
     /// The four corners of a square seen in perspective, in any order, given clockwise from the upper left:

@@ -42,7 +42,7 @@ fn clicks(tool: usize, places: &[[f64; 2]]) -> String {
          select.value = '{tool}'; select.dispatchEvent(new Event('change'));
          const image = root.querySelector('img');
          const stage = root.querySelector('.pointed');
-         image.decode().then(() => {{
+         addEventListener('load', () => {{
            for (const [x, y] of {places:?}) {{
              const box = image.getBoundingClientRect();
              const clientX = box.left + (x + 0.5) / root.dataset.width * box.width;
@@ -80,6 +80,13 @@ fn pointing_at_places_gives_the_flags() {
         .map(|turn| [800.5 + 321.5 * turn.cos(), 600.25 + 321.5 * turn.sin()])
         .collect();
     let marks = [[100.0, 50.0], [120.0, 450.0]];
+    let surface = [
+        [600.0, 500.0],
+        [700.0, 560.0],
+        [800.0, 610.0],
+        [900.0, 650.0],
+        [1000.0, 720.0],
+    ];
     let square = [
         [900.0, 820.0],
         [110.0, 130.0],
@@ -89,15 +96,16 @@ fn pointing_at_places_gives_the_flags() {
     for width in [1200, 390] {
         for (tool, places, flag, expected) in [
             (0, &rim[..], "--drum", vec![800.5, 600.25, 321.5]),
-            (1, &marks[..], "--region", vec![100.0, 50.0, 20.0, 400.0]),
+            (1, &surface[..], "--surface", surface.concat()),
+            (2, &marks[..], "--region", vec![100.0, 50.0, 20.0, 400.0]),
             (
-                2,
+                3,
                 &marks[..],
                 "--plumb-line",
                 vec![100.0, 50.0, 120.0, 450.0],
             ),
             (
-                4,
+                5,
                 &square[..],
                 "--corners",
                 vec![110.0, 130.0, 880.0, 100.0, 900.0, 820.0, 90.0, 800.0],

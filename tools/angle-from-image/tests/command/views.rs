@@ -158,3 +158,50 @@ fn a_plumb_line_or_a_level_tells_the_horizontal() {
         assert_eq!(output.status.code(), Some(2), "{words:?}");
     }
 }
+
+/// Seven of the points that the program finds, stated in any order, give its angle: 0.3 degrees are the noise of single points,
+/// some 0.3 px of a drum of 130 px. The result says that the surface was stated. What cannot be is told.
+#[test]
+fn a_surface_that_is_stated_has_the_angle_of_its_places() {
+    let folder = folder("surface");
+    let path = folder.join("drum.png");
+    drum(35.0).draw().save(&path).unwrap();
+    let found = read(&path, &[]);
+    assert!(found.get("surface_given").is_none());
+    let points = found["surface"].as_array().unwrap();
+    let mut places: Vec<String> = (0..7)
+        .map(|k| &points[k * (points.len() - 1) / 6])
+        .map(|point| format!("{},{}", point[0], point[1]))
+        .collect();
+    places.swap(1, 5);
+    let stated = read(&path, &["--surface", &places.join(";")]);
+    assert_eq!(stated["surface_given"], true);
+    let angle = |json: &Value| json["angle_deg"].as_f64().unwrap();
+    assert!((angle(&stated) - angle(&found)).abs() < 0.3);
+    let error = stated["angle_se_deg"].as_f64().unwrap();
+    assert!(error > 0.0 && error < 1.0, "{error}");
+    let file = path.to_str().unwrap();
+    for (words, what) in [
+        (&[file, "--surface", "1,2;3,4"][..], "5 or more places"),
+        (&[file, file, "--surface", &places.join(";")], "one picture"),
+        (
+            &[file, "--mode", "heap", "--surface", &places.join(";")],
+            "--mode heap",
+        ),
+        (
+            &[
+                file,
+                "--region",
+                "0,0,200,200",
+                "--surface",
+                &places.join(";"),
+            ],
+            "--region",
+        ),
+    ] {
+        let output = run(words);
+        assert_eq!(output.status.code(), Some(2), "{words:?}");
+        let message = text(&output.stderr);
+        assert!(message.contains(what), "{message}");
+    }
+}
