@@ -2,7 +2,10 @@
 //!
 //! A [`Clump`] is a rigid body whose surface is a union of spheres. It lives in its own frame:
 //! origin at the centre of mass, axes along the principal axes of inertia. Where the mass sits
-//! (in the spheres or in the seed that they stand for) is the choice of whoever builds it.
+//! (in the spheres or in the seed that they stand for) is the choice of whoever builds it. [`files`] writes it for other
+//! programs.
+
+pub mod files;
 
 use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
 use serde::{Deserialize, Serialize};

@@ -14,10 +14,12 @@
 //! The search works on three levels: bounding spheres on a grid (`broad_phase`), sphere pairs
 //! within a skin for each pair of bodies (`neighbours`, refreshed only when the pair has moved
 //! against each other), and the overlap test of those candidates (`pair_force`). A world in which every
-//! body is one sphere needs the first level only, and has lists, forces and a motion of its own (`spheres`).
+//! body is one sphere needs the first level only, and has lists, forces and a motion of its own (`spheres`). [`bonds`] hold
+//! agglomerates together that may bend and break.
 
 mod batch;
 mod bodies;
+pub mod bonds;
 mod broad_phase;
 mod candidates;
 mod check;

@@ -281,8 +281,10 @@ fn put_together(order: &mut [usize], spheres: &[OuterSphere]) {
 
 #[cfg(test)]
 mod tests {
-    use super::{OuterSphere, Packed};
+    use super::{DashpotMass, OuterSphere, Packed, Template};
+    use crate::Settings;
     use crate::lanes::LANES;
+    use clump::{Clump, Sphere, properties_of_spheres};
     use nalgebra::Vector3;
 
     /// Two rods of 32 and 47 spheres, far apart and in a mixed order, are cut into pieces of sixteen
@@ -316,5 +318,29 @@ mod tests {
         }
         seen.sort_unstable();
         assert!(seen.iter().copied().eq(0..79), "{seen:?}");
+    }
+
+    /// Two spheres that overlap by less than a twentieth of the radius are separate, and lists of them are wide; those that overlap by
+    /// more have narrow ones. The margin is a part of the body's own size where its spheres are large.
+    #[test]
+    fn lists_of_overlapping_spheres_are_narrow() {
+        let pair = |distance: f64| {
+            let spheres = [-0.5, 0.5].map(|x| Sphere {
+                centre: Vector3::new(x * distance, 0.0, 0.0),
+                radius: 1e-3,
+            });
+            let clump = Clump::new(&spheres, &properties_of_spheres(&spheres, 1000.0)).unwrap();
+            Template::new(&clump, 0, DashpotMass::Sphere)
+        };
+        for (distance, skin) in [(1.96e-3, 0.7e-3), (1.94e-3, 0.1e-3)] {
+            let template = pair(distance);
+            let reach = template.bounding_radius();
+            let settings = Settings::for_templates(1e-6, Vector3::zeros(), &[template]);
+            assert!(
+                (settings.skin - skin).abs() < 1e-12,
+                "{distance}: {settings:?}"
+            );
+            assert!((settings.margin - 0.5 * reach).abs() < 1e-12);
+        }
     }
 }

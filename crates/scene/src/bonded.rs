@@ -5,8 +5,8 @@
 
 use crate::build::Built;
 use crate::{Error, Frame, Scene, SeedBody};
-use bonded_body::{Bonds, agglomerate};
 use contact_law::bond::{Bond, BondSettings, BondStrength};
+use dem_solver::bonds::{Bonds, agglomerate};
 use dem_solver::{Placement, World};
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 use quantity::{Length, Pressure};

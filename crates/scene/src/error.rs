@@ -148,7 +148,7 @@ pub enum Error {
         /// Name of the seed.
         seed: String,
         /// Why.
-        source: bonded_body::Error,
+        source: dem_solver::bonds::Error,
     },
     /// A bench test did not come to its end.
     #[error("repeat {repeat}: {what} within {limit:.1} s of simulated time")]

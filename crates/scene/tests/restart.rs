@@ -3,8 +3,8 @@
 mod coarse;
 
 use scene::{
-    BondedSettings, Ending, FillingLibrary, Keeper, Progress, RunResult, Scene, StopFlag, run,
-    run_on, run_retrying,
+    BondedSettings, Ending, FillingLibrary, Keeper, Progress, RunResult, RunStage, Scene, StopFlag,
+    run, run_on, run_retrying,
 };
 use std::sync::atomic::AtomicBool;
 
@@ -307,4 +307,52 @@ fn a_continued_run_is_judged_by_the_swing_of_its_start() {
     };
     // Whole values of the series, each rounded.
     assert!(swing_of(2.0).abs_diff(2 * swing_of(1.0)) <= 1);
+}
+
+/// Writes down how far a run is.
+#[derive(Default)]
+struct Stages(Vec<RunStage>);
+
+impl Keeper for Stages {
+    fn is_due(&mut self) -> bool {
+        false
+    }
+
+    fn keep(&mut self, _: &Progress) -> Result<(), String> {
+        Ok(())
+    }
+
+    fn hear(&mut self, stage: &RunStage) {
+        self.0.push(*stage);
+    }
+}
+
+/// A drum settles within its limit and then turns within that of the rotation; it is heard of once in 0.02 s, to a step. Its time rises. The
+/// frames are counted as they are taken.
+#[test]
+fn a_run_tells_how_far_it_is() {
+    let scene = coarse::drum(&[
+        ("apparatus.inner_diameter", "40 mm"),
+        ("seed.0.count", "4"),
+        ("seed.1.count", "1"),
+        ("protocol.frames", "2"),
+        ("protocol.frame_interval", "0.02 s"),
+        ("protocol.settle_limit", "0.12 s"),
+        ("time_s", "0.3"),
+    ]);
+    let mut stages = Stages::default();
+    run_on(&scene, &FillingLibrary::default(), 1, 1, None, &mut stages).unwrap();
+    let (turning, settling): (Vec<RunStage>, Vec<_>) = stages.0.iter().partition(|s| s.driven);
+    for (part, limit) in [(&settling, 0.12), (&turning, 0.3)] {
+        assert!(part.iter().all(|s| s.limit_s == limit));
+        assert!(part.is_sorted_by(|a, b| a.time_s <= b.time_s));
+        let ends = [part[0].time_s, part[part.len() - 1].time_s];
+        assert!(
+            ends[0] < 0.021 && ends[1] <= limit + 0.021,
+            "{ends:?} of {limit}"
+        );
+    }
+    assert!(stages.0.is_sorted_by_key(|s| s.driven));
+    let last = turning[turning.len() - 1];
+    assert!(last.frames[0] >= 1 && last.frames[1] == 2, "{last:?}");
 }

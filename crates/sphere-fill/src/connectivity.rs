@@ -28,7 +28,7 @@ pub struct SpherePair {
 /// How spheres hang together.
 ///
 /// Two spheres are joined when the distance of their centres is at most the sum of their radii and a
-/// largest gap: the rule by which crate `bonded-body` bonds the spheres of a seed.
+/// largest gap: the rule by which `dem_solver::bonds` bonds the spheres of a seed.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Connectivity {
     /// Largest gap that counts as contact, m.

@@ -8,8 +8,8 @@
 use crate::Trouble;
 use crate::row::{Basis, Kind, Row, Tolerance};
 use crate::worlds::{DENSITY, ball, settings, soft_surface, world};
-use bonded_body::Bonds;
 use contact_law::bond::{Bond, BondSettings, BondStrength};
+use dem_solver::bonds::Bonds;
 use dem_solver::{Placement, World};
 use nalgebra::{UnitQuaternion, Vector3};
 

@@ -65,7 +65,7 @@ pub enum Trouble {
     Body(#[from] clump::Error),
     /// Bonds.
     #[error(transparent)]
-    Bond(#[from] bonded_body::Error),
+    Bond(#[from] dem_solver::bonds::Error),
     /// An event that the check waits for did not come.
     #[error("{0} did not happen")]
     NoEvent(&'static str),

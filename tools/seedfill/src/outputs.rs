@@ -5,7 +5,7 @@ use crate::connections::bond_table;
 use crate::sphere_file::{choose_format, sphere_text};
 use crate::summary::{Measured, Summary};
 use crate::{page, preview};
-use clump_exchange::Format;
+use clump::files::Format;
 use command_line::write_new;
 use std::path::Path;
 use trimesh::TriMesh;

@@ -1,6 +1,6 @@
 //! Files of spheres for other programs.
 
-use clump_exchange::{Body, Format, write};
+use clump::files::{Body, Format, write};
 use sphere_fill::Filling;
 use std::path::Path;
 use trimesh::LengthUnit;

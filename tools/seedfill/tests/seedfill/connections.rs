@@ -125,7 +125,7 @@ fn the_bonds_are_those_of_the_solver() {
         velocity: Vector3::zeros(),
         spin: Vector3::zeros(),
     };
-    let agglomerate = |gap: f64| bonded_body::agglomerate(&clump, &start, 0, 0, gap);
+    let agglomerate = |gap: f64| dem_solver::bonds::agglomerate(&clump, &start, 0, 0, gap);
     let table = std::fs::read_to_string(&bonds).unwrap();
     let mut lines = table.lines();
     assert_eq!(

@@ -1,7 +1,7 @@
 //! Every file, read back by its own rules, holds the body that was written.
 
+use clump::files::{Body, Format, write};
 use clump::{MassProperties, Sphere, properties_of_spheres};
-use clump_exchange::{Body, Format, write};
 use nalgebra::Vector3;
 
 const SPHERES: [Sphere; 3] = [

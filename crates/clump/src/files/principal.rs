@@ -1,7 +1,7 @@
 //! A body moved to its centroid and turned to its principal axes.
 
-use crate::Body;
-use clump::{Clump, MassProperties, Sphere};
+use super::Body;
+use crate::{Clump, MassProperties, Sphere};
 use nalgebra::Vector3;
 
 /// Spheres in the principal frame, and the principal moments at unit density in rising order.

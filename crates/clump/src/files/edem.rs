@@ -1,8 +1,8 @@
 //! EDEM: the table of spheres of a multi-sphere particle, to be pasted or imported.
 
-use crate::Body;
-use crate::principal::in_principal_frame;
-use crate::rows::joined;
+use super::Body;
+use super::principal::in_principal_frame;
+use super::rows::joined;
 
 /// Columns as in EDEM's table: name, physical radius, contact radius, position x, y, z; in metres.
 ///

@@ -1,7 +1,7 @@
 //! Agglomerates of spheres that elastic bonds hold together.
 //!
 //! In the study each sphere of a seed is a body of its own, and bonds hold a seed together. Here the
-//! spheres are bodies of a [`dem_solver::World`], and [`Bonds::step`] adds the forces of
+//! spheres are bodies of a [`World`], and [`Bonds::step`] adds the forces of
 //! [`contact_law::bond`] to each of its steps. A rigid agglomerate is the limit of stiff bonds, at a
 //! small part of the cost: the bonded one needs a time step that resolves a single sphere on its
 //! bonds ([`Bonds::longest_time_step`]). Take it where seeds may bend or break, and the rigid one
@@ -13,8 +13,8 @@ mod agglomerate;
 
 pub use agglomerate::{Agglomerate, agglomerate};
 
+use crate::{Bodies, World};
 use contact_law::bond::{Bond, Deformation, ReducedInertia};
-use dem_solver::{Bodies, World};
 use nalgebra::{UnitQuaternion, Vector3};
 
 /// What can be wrong with bonds.
@@ -127,7 +127,7 @@ impl Bonds {
     /// # Errors
     ///
     /// A body that has run away.
-    pub fn step(&mut self, world: &mut World) -> Result<(), dem_solver::Error> {
+    pub fn step(&mut self, world: &mut World) -> Result<(), crate::Error> {
         world.step_with(|bodies| self.add_forces(bodies))
     }
 

@@ -10,7 +10,7 @@
 //!
 //! ```
 //! use clump::Sphere;
-//! use clump_exchange::{Body, Format, write};
+//! use clump::files::{Body, Format, write};
 //! use nalgebra::{Matrix3, Vector3};
 //! let spheres = [Sphere { centre: Vector3::new(0.0, 0.0, 2e-3), radius: 1e-3 }];
 //! let body = Body {
@@ -34,7 +34,7 @@ mod rows;
 mod vtk;
 mod yade;
 
-use clump::Sphere;
+use crate::Sphere;
 use nalgebra::{Matrix3, Vector3};
 
 /// Programs whose files are written.

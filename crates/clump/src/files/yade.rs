@@ -1,7 +1,7 @@
 //! YADE: `x y z r clump` a line, in metres.
 
-use crate::Body;
-use crate::rows::{in_unit, joined};
+use super::Body;
+use super::rows::{in_unit, joined};
 
 /// `ymport.textClumps` takes the last column as the number of the clump; `ymport.text` reads the
 /// first four and passes it over.

@@ -1,8 +1,8 @@
 //! From a clump to single spheres and the pairs to be bonded.
 
-use crate::Error;
+use super::Error;
+use crate::Placement;
 use clump::Clump;
-use dem_solver::Placement;
 use nalgebra::Vector3;
 
 /// A body of single spheres.

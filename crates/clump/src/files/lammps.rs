@@ -1,8 +1,8 @@
 //! LAMMPS molecule file, SI units (`units si`, `atom_style sphere`).
 
-use crate::Body;
-use crate::principal::in_principal_frame;
-use crate::rows::joined;
+use super::Body;
+use super::principal::in_principal_frame;
+use super::rows::joined;
 
 /// Sections Coords, Types, Diameters; with a known mass also mass, centre of mass, inertia (for
 /// `fix rigid/small ... mol`), and Masses: the mass shared in proportion to sphere volume.

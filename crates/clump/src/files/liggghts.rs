@@ -1,7 +1,7 @@
 //! LIGGGHTS multisphere template: `x y z r` a line, in metres, and comments.
 
-use crate::Body;
-use crate::rows::{in_unit, joined};
+use super::Body;
+use super::rows::{in_unit, joined};
 
 /// The comments hold the command that reads the file; mass and inertia are arguments of that
 /// command, not part of the file. Without them LIGGGHTS integrates the union of the spheres.

@@ -1,7 +1,7 @@
 //! PFC3D: a command file that makes a clump template.
 
-use crate::Body;
-use crate::rows::joined;
+use super::Body;
+use super::rows::joined;
 
 /// `clump template create` with the pebbles (radius x y z), and volume and inertia at unit
 /// density, as PFC asks. Positions are relative to the centroid; a line ends with `...` where

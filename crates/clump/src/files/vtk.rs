@@ -1,7 +1,7 @@
 //! Legacy VTK polydata: points, one vertex each, radius as point data.
 
-use crate::Body;
-use crate::rows::{in_unit, joined};
+use super::Body;
+use super::rows::{in_unit, joined};
 
 pub(crate) fn text(body: &Body<'_>) -> String {
     let n = body.spheres.len();

@@ -1,7 +1,7 @@
 //! One line a sphere: the plain table, and what other formats share.
 
-use crate::Body;
-use clump::Sphere;
+use super::Body;
+use crate::Sphere;
 
 /// Centre and radius in a unit of some metres.
 pub(crate) fn in_unit(sphere: &Sphere, metres: f64) -> [f64; 4] {
