@@ -11,19 +11,37 @@ use std::path::Path;
 /// Name of everything that belongs to the study of the residual.
 pub(crate) const DIAGNOSIS: &str = "diagnosis";
 
+/// Which files a report is made of.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Extent {
+    /// The page alone.
+    Page,
+    /// The page, and each of its pictures and tables as a file.
+    WithParts,
+}
+
+impl Extent {
+    /// With parts where they are wanted.
+    pub fn with_parts(wanted: bool) -> Self {
+        if wanted { Self::WithParts } else { Self::Page }
+    }
+}
+
 /// Writes the report of a calibration into a folder, each file whole or not at all.
 ///
 /// - `report.html`: the report, one file that opens without a network.
-/// - `pictures/`: the pictures of the report as files.
-/// - `tables/`: the numbers behind them as CSV, in full precision.
+/// - with [`Extent::WithParts`] also `pictures/`, the pictures of the report as files, and `tables/`, the numbers behind them as
+///   CSV, in full precision.
 ///
 /// # Errors
 ///
 /// A file that cannot be written, a frame that is damaged, a chart that cannot be drawn, a seed that has no body.
-pub fn write(folder: &Path, input: &ReportInput<'_>) -> Result<(), Error> {
+pub fn write(folder: &Path, input: &ReportInput<'_>, extent: Extent) -> Result<(), Error> {
     let pictures = pictures(input)?;
     let page = study_page(input, &pictures)?;
-    write_parts(folder, &pictures, &tables(input)?)?;
+    if extent == Extent::WithParts {
+        write_parts(folder, &pictures, &tables(input)?)?;
+    }
     write_whole(&folder.join("report.html"), page.as_bytes())
 }
 
@@ -32,11 +50,17 @@ pub fn write(folder: &Path, input: &ReportInput<'_>) -> Result<(), Error> {
 /// # Errors
 ///
 /// A file that cannot be written, a chart that cannot be drawn.
-pub fn write_diagnosis(folder: &Path, input: &DiagnosisInput<'_>) -> Result<(), Error> {
+pub fn write_diagnosis(
+    folder: &Path,
+    input: &DiagnosisInput<'_>,
+    extent: Extent,
+) -> Result<(), Error> {
     let pictures = residual_charts::charts(DIAGNOSIS, input.study)?;
     let page = diagnosis_page::page(input, &pictures)?;
-    let tables = residual_tables::all(DIAGNOSIS, input.study, input.parameters);
-    write_parts(folder, &pictures, &tables)?;
+    if extent == Extent::WithParts {
+        let tables = residual_tables::all(DIAGNOSIS, input.study, input.parameters);
+        write_parts(folder, &pictures, &tables)?;
+    }
     write_whole(&folder.join("report.html"), page.as_bytes())
 }
 

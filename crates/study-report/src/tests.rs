@@ -11,7 +11,7 @@ use crate::pictures::{NamedPicture, pictures, png};
 use crate::test_input::{Example, example};
 use crate::test_residual::twins;
 use crate::test_scene::frame;
-use crate::write;
+use crate::{Extent, write};
 use calibration::{DiagnosisStage, Role};
 use std::collections::BTreeMap;
 
@@ -270,7 +270,7 @@ fn what_is_not_there_leaves_no_heading_and_no_file() {
     }
     assert_eq!(row(&page, "2")[4..6], ["–", "–"]);
     let folder = tempfile::tempdir().unwrap();
-    write(folder.path(), &bare.input()).unwrap();
+    write(folder.path(), &bare.input(), Extent::WithParts).unwrap();
     let mut tables: Vec<_> = std::fs::read_dir(folder.path().join("tables"))
         .unwrap()
         .map(|file| file.unwrap().file_name().into_string().unwrap())

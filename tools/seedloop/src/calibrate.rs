@@ -14,6 +14,7 @@ use command_line::{Common, DONE, NOT_MET, Overwrite, try_folder};
 use std::io::IsTerminal as _;
 use std::path::{Path, PathBuf};
 use study::{RunSettings, Study, plan_study, run_study, write_hand_over, write_result};
+use study_report::Extent;
 
 pub(crate) use text::plan;
 
@@ -46,6 +47,10 @@ pub(crate) struct Arguments {
     /// Go on in a folder that exists: finished runs are reused, result files are renewed
     #[arg(long)]
     resume: bool,
+
+    /// Also write each picture (SVG, PNG) and each table (CSV) of the report as a file
+    #[arg(long)]
+    report_files: bool,
 
     /// Who does the runs; jobs are set by the table `[runner]` of the study
     #[arg(long, value_enum, value_name = "RUNNER", default_value_t)]
@@ -112,7 +117,8 @@ pub(crate) fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<u8> 
     let files = write_hand_over(&folder, &study, &mut result)
         .with_context(|| format!("cannot write the results into {}", folder.display()))?;
     write_result(&folder.join("result.json"), &result)?;
-    report::write(&folder, &study, &simulator, &result)?;
+    let extent = Extent::with_parts(arguments.report_files);
+    report::write(&folder, &study, &simulator, &result, extent)?;
     progress.end(watched::FINISHED);
     common.print(text::result(&result, &folder, &files).trim_end())?;
     common.emit_json(&result)?;

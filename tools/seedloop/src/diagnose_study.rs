@@ -22,7 +22,7 @@ use study::{
     DiagnosisResult, DiagnosisRuns, RunSettings, Study, plan_diagnosis, run_diagnosis, write_json,
     write_result,
 };
-use study_report::answer;
+use study_report::{Extent, answer};
 
 /// What the command line says.
 #[derive(Debug)]
@@ -37,6 +37,8 @@ pub(crate) struct Options {
     pub(crate) out: Option<PathBuf>,
     /// Whether to go on in a folder that exists.
     pub(crate) resume: bool,
+    /// Which files the report is made of.
+    pub(crate) extent: Extent,
     /// Whether nothing is to be run.
     pub(crate) plan_only: bool,
     /// Who does the runs.
@@ -112,7 +114,7 @@ pub(crate) fn run(path: &Path, options: &Options, common: &Common) -> anyhow::Re
     let (done, code) = match &result.diagnosis {
         DiagnosisStage::Done(done) => {
             write_json(&folder.join("problem.json"), &done.problem)?;
-            report::write(&folder, &study, &result, done)?;
+            report::write(&folder, &study, &result, done, options.extent)?;
             common.print(found_text(&study, done).trim_end())?;
             let next = next::text(&study, &result, &folder);
             if !next.is_empty() {

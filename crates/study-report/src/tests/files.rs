@@ -3,7 +3,8 @@
 use super::headings;
 use crate::test_input::{example, spent};
 use crate::test_residual::twins;
-use crate::{DiagnosisInput, write, write_diagnosis};
+use crate::test_study::study;
+use crate::{DiagnosisInput, Extent, write, write_diagnosis};
 use std::collections::BTreeMap;
 
 /// The lines of a table on disk.
@@ -16,7 +17,7 @@ pub(super) fn table(folder: &std::path::Path, name: &str) -> Vec<String> {
 fn tables_hold_full_precision_and_name_their_units() {
     let example = example();
     let folder = tempfile::tempdir().unwrap();
-    write(folder.path(), &example.input()).unwrap();
+    write(folder.path(), &example.input(), Extent::WithParts).unwrap();
     let measurements = table(folder.path(), "measurements.csv");
     assert!(measurements[0].starts_with("scene,condition,observable,unit,role,measured_mean,measured_sd,measured_n,measured_se,before_mean"));
     let se = (0.8_f64 * 0.8 / 10.0).sqrt();
@@ -71,8 +72,8 @@ fn files_are_whole_and_the_same_input_gives_the_same_bytes() {
     let example = example();
     let written = || {
         let folder = tempfile::tempdir().unwrap();
-        write(folder.path(), &example.input()).unwrap();
-        write(folder.path(), &example.input()).unwrap();
+        write(folder.path(), &example.input(), Extent::WithParts).unwrap();
+        write(folder.path(), &example.input(), Extent::WithParts).unwrap();
         let mut files = BTreeMap::new();
         for part in ["", "tables", "pictures"] {
             for entry in std::fs::read_dir(folder.path().join(part)).unwrap() {
@@ -118,7 +119,7 @@ fn a_diagnosis_alone_has_a_page_with_the_same_section() {
         trials: &[],
     };
     let folder = tempfile::tempdir().unwrap();
-    write_diagnosis(folder.path(), &input).unwrap();
+    write_diagnosis(folder.path(), &input, Extent::WithParts).unwrap();
     let page = std::fs::read_to_string(folder.path().join("report.html")).unwrap();
     let expected = [
         "The answer",
@@ -137,4 +138,19 @@ fn a_diagnosis_alone_has_a_page_with_the_same_section() {
             .join("pictures/diagnosis-residuals.svg")
             .is_file()
     );
+}
+
+/// Without its parts a report is one page, the same as with them.
+#[test]
+fn a_report_is_one_page_where_nothing_else_is_asked_for() {
+    let study = study();
+    let [alone, whole] = [Extent::Page, Extent::WithParts].map(|extent| {
+        let folder = tempfile::tempdir().unwrap();
+        write(folder.path(), &study.input(), extent).unwrap();
+        let files = std::fs::read_dir(folder.path()).unwrap().count();
+        let page = std::fs::read_to_string(folder.path().join("report.html")).unwrap();
+        (files, page)
+    });
+    assert_eq!((alone.0, whole.0), (1, 3));
+    assert!(alone.1 == whole.1);
 }

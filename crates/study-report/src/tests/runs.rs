@@ -7,7 +7,7 @@ use crate::page::study_page;
 use crate::test_input::Example;
 use crate::test_study::study;
 use crate::tests::files::table;
-use crate::write;
+use crate::{Extent, write};
 use std::collections::BTreeSet;
 
 /// Parts of a text between two others.
@@ -98,7 +98,7 @@ fn a_point_tells_settings_observables_and_what_its_records_keep() {
 fn runs_of_the_design_give_no_files_and_one_row_each() {
     let study: Example = study();
     let folder = tempfile::tempdir().unwrap();
-    write(folder.path(), &study.input()).unwrap();
+    write(folder.path(), &study.input(), Extent::WithParts).unwrap();
     let pictures = std::fs::read_dir(folder.path().join("pictures")).unwrap();
     for file in pictures {
         let name = file.unwrap().file_name().into_string().unwrap();

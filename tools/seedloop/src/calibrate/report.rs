@@ -4,9 +4,9 @@ use anyhow::Context as _;
 use scene::FillingLibrary;
 use std::path::Path;
 use study::{Study, StudyResult, StudySimulator};
-use study_report::{ComparedValue, ReportInput};
+use study_report::{ComparedValue, Extent, ReportInput};
 
-/// Writes report, tables and pictures into the result folder.
+/// Writes the report into the result folder.
 ///
 /// # Errors
 /// A picture that cannot be drawn, a file that cannot be written.
@@ -15,6 +15,7 @@ pub(crate) fn write(
     study: &Study,
     simulator: &StudySimulator,
     result: &StudyResult,
+    extent: Extent,
 ) -> anyhow::Result<()> {
     let compare: Vec<ComparedValue> = result
         .compare
@@ -48,6 +49,6 @@ pub(crate) fn write(
         records: &result.records,
         spent: result.spent,
     };
-    study_report::write(folder, &input)
+    study_report::write(folder, &input, extent)
         .with_context(|| format!("cannot write the report into {}", folder.display()))
 }

@@ -5,14 +5,14 @@ use calibration::{ResidualStudy, runs_needed};
 use residual_diagnosis::{Problem, TrialRow, trials, usual_truths};
 use std::path::Path;
 use study::{DiagnosisResult, Study};
-use study_report::DiagnosisInput;
+use study_report::{DiagnosisInput, Extent};
 
 /// Drawn campaigns of each truth: the standard error of a rate of 0.05 is 0.015.
 const TRIALS: usize = 200;
 /// Detectability of the effects planted in them, in standard errors: the size from which a naming can be expected.
 const STRENGTH: f64 = 6.0;
 
-/// Writes report, tables and pictures into the result folder.
+/// Writes the report into the result folder.
 ///
 /// # Errors
 /// Campaigns that cannot be drawn, a file that cannot be written.
@@ -21,6 +21,7 @@ pub(super) fn write(
     study: &Study,
     result: &DiagnosisResult,
     done: &ResidualStudy,
+    extent: Extent,
 ) -> anyhow::Result<()> {
     let defaults = result.defaults.iter();
     let defaults: Vec<String> = defaults
@@ -39,7 +40,7 @@ pub(super) fn write(
         study: done,
         trials: &known_truth(done, result.seed)?,
     };
-    study_report::write_diagnosis(folder, &input)
+    study_report::write_diagnosis(folder, &input, extent)
         .with_context(|| format!("cannot write the report into {}", folder.display()))
 }
 

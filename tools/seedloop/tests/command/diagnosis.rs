@@ -130,15 +130,18 @@ fn a_diagnosis_fills_its_folder_and_goes_on_where_it_was() {
     let first = json(&first);
     assert!(first["verdict"].is_string());
     assert!(first["candidates"]["camera-roll"]["testable"].is_boolean());
-    for name in ["result.json", "report.html", "problem.json", "tables"] {
+    for name in ["result.json", "report.html", "problem.json"] {
         assert!(
             scene.path("out/tiny-diagnosis").join(name).exists(),
             "{name}"
         );
     }
     assert_error(&diagnose(&scene, &[]), &["tiny-diagnosis", "--resume"]);
-    let again = diagnose(&scene, &["--resume", "--json=-"]);
+    let tables = scene.path("out/tiny-diagnosis/tables");
+    assert!(!tables.exists(), "nobody asked for files of tables");
+    let again = diagnose(&scene, &["--resume", "--json=-", "--report-files"]);
     assert_code(&again, 0);
+    assert!(tables.join("diagnosis_models.csv").exists());
     assert!(
         text(&again.stderr).contains("16/16 runs of this list (16 reused"),
         "{}",
