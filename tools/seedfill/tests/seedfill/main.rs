@@ -288,7 +288,7 @@ fn the_page_and_the_price_of_a_filling() {
     assert!((density - 94.5e-6 / 93.0e-9).abs() < 0.01, "{density}");
     let page = std::fs::read_to_string(&html).unwrap();
     for part in [
-        "data-spheres=",
+        "data-bodies=",
         "surface error, rms",
         "stand out",
         "SHA-256 e2996577",
