@@ -48,7 +48,7 @@ pub fn measure_given_surface(
     }
     let found = match settings.drum {
         Some(circle) => Ok(FoundDrum { circle, rim: None }),
-        None => find_drum(&picture.channel(Channel::Luma)),
+        None => find_in_any_channel(picture),
     };
     Ok(match found {
         Err(NotFound { reason, candidate }) => PhotoReading {
@@ -60,10 +60,23 @@ pub fn measure_given_surface(
         },
         Ok(drum) => {
             let view = DiscView::new(picture, drum.circle, settings.camera_roll);
-            read(&view, &drum, places, settings)
+            view.check()
+                .and_then(|()| read(&view, &drum, places, settings))
                 .unwrap_or_else(|reason| PhotoReading::refused(reason, Some(drum.circle)))
         }
     })
+}
+
+/// The drum by the luminance, or by a colour where that shows none.
+fn find_in_any_channel(picture: &PhotoPixels) -> Result<FoundDrum, NotFound> {
+    let by_luma = find_drum(&picture.channel(Channel::Luma));
+    if by_luma.is_ok() || !picture.has_colour() {
+        return by_luma;
+    }
+    let mut others = Channel::COLOURS.into_iter();
+    others
+        .find_map(|channel| find_drum(&picture.channel(channel)).ok())
+        .map_or(by_luma, Ok)
 }
 
 /// Measures the surface in the disc of a drum.
@@ -286,6 +299,22 @@ mod tests {
             let ratio = (squares / n / scatter).sqrt();
             assert!((0.9..1.1).contains(&ratio), "{ratio} at {bend}");
         }
+    }
+
+    /// A drum of which more than a fifth lies outside the picture is refused, as where the surface is looked for.
+    #[test]
+    fn a_drum_outside_the_picture_is_refused() {
+        let blank = PhotoPixels::from_gray(&GrayImage::new(300, 300));
+        let settings = Settings {
+            drum: Some(DrumPixels { cx: 20.0, ..DRUM }),
+            ..Settings::default()
+        };
+        let places = [0.0, 30.0, 60.0, 90.0, 110.0].map(|x| PixelPoint { x, y: 150.0 });
+        let reading = measure_given_surface(&blank, &places, &settings).unwrap();
+        let Verdict::Refused { reason } = reading.verdict else {
+            panic!("measured");
+        };
+        assert!(reason.to_string().contains("given drum circle"), "{reason}");
     }
 
     /// Places on a short stretch tell no angle of the bed.

@@ -201,11 +201,7 @@ impl Disc {
     /// Looks at the disc of a known drum.
     fn of(picture: &PhotoPixels, drum: DrumPixels, settings: &Settings) -> Result<Self, Refusal> {
         let view = DiscView::new(picture, drum, settings.camera_roll);
-        if view.part_in_picture < 0.8 {
-            return Err(Refusal::DrumOutside {
-                inside: view.part_in_picture,
-            });
-        }
+        view.check()?;
         let bed = bed_share(&view, settings.foreground)?;
         let circle = DrumCircle {
             x: 0.0,

@@ -1,13 +1,15 @@
 //! The drum's disc on a grid about its axis, level and with y up.
 
 use crate::pixels::to_f32;
-use crate::{DrumPixels, PhotoPixels, PixelPoint};
+use crate::{DrumPixels, PhotoPixels, PixelPoint, Refusal};
 use surface_profile::SurfacePoint;
 
 /// Cells along the drum radius at most: a cell is then 0.35 mm in the drum of 140 mm.
 const CELLS_PER_RADIUS: f64 = 200.0;
 /// Part of the radius that is looked at; beyond lie the rim and its shadow.
 pub(crate) const REACH: f64 = 0.96;
+/// Least part of the disc that must lie in the picture.
+const LEAST_IN_PICTURE: f64 = 0.8;
 
 /// Grey levels around the drum axis; x to the right along the true horizontal, y up.
 #[derive(Debug)]
@@ -83,6 +85,16 @@ impl DiscView {
         }
         self.gray = PhotoPixels::from_values(self.n, gray);
         self.part_in_picture = n_seen / f64::max(n_disc, 1.0);
+    }
+
+    /// Refuses a disc of which too little lies in the picture.
+    pub(crate) fn check(&self) -> Result<(), Refusal> {
+        if self.part_in_picture < LEAST_IN_PICTURE {
+            return Err(Refusal::DrumOutside {
+                inside: self.part_in_picture,
+            });
+        }
+        Ok(())
     }
 
     /// Position of a cell about the axis, y up, px.
