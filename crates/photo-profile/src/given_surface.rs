@@ -301,6 +301,22 @@ mod tests {
         }
     }
 
+    /// The order in which places of a curved surface are pointed at changes nothing but rounding.
+    #[test]
+    fn places_may_come_in_any_order() {
+        let place = |k: i32| {
+            let part = f64::from(k) / 4.0;
+            (88.0 * part, 50.0 * part + 8.0 * (part.powi(3) - part))
+        };
+        let [along, mixed] = [
+            [-4, -3, -2, -1, 0, 1, 2, 3, 4],
+            [0, 3, -4, 2, -1, 4, 1, -3, -2],
+        ]
+        .map(|order| reading(&order.map(place), 0.0).angle.unwrap());
+        assert!((along.line - mixed.line).abs() < 1e-12);
+        assert!((along.standard_error - mixed.standard_error).abs() < 1e-9);
+    }
+
     /// A drum of which more than a fifth lies outside the picture is refused, as where the surface is looked for.
     #[test]
     fn a_drum_outside_the_picture_is_refused() {
