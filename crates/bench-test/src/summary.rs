@@ -1,8 +1,8 @@
 //! Mean, spread and interval of repeated measurements.
 
 use crate::Error;
+use probability::t_two_sided_quantile;
 use serde::Serialize;
-use statrs::distribution::{ContinuousCDF, StudentsT};
 
 /// Repeated measurements of one coefficient.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -39,9 +39,8 @@ pub fn summarise(values: &[f64]) -> Result<Summary, Error> {
     let square: f64 = values.iter().map(|v| (v - mean).powi(2)).sum();
     let sd = (square / (n - 1) as f64).sqrt();
     let se = sd / (n as f64).sqrt();
-    // A distribution exists for every positive number of degrees of freedom.
-    let quantile =
-        StudentsT::new(0.0, 1.0, (n - 1) as f64).map_or(f64::NAN, |t| t.inverse_cdf(0.975));
+    // It exists for every positive number of degrees of freedom.
+    let quantile = t_two_sided_quantile(0.05, (n - 1) as f64).unwrap_or(f64::NAN);
     Ok(Summary {
         n,
         mean,

@@ -191,7 +191,7 @@ fn normal_limit() -> f64 {
 
 /// The normal score with the two-sided tail of Student's t.
 fn normal_score(t: f64, degrees_of_freedom: f64) -> f64 {
-    use response_surface::distribution::{normal_quantile, t_two_sided_tail};
+    use probability::{normal_quantile, t_two_sided_tail};
     let tail = t_two_sided_tail(t, degrees_of_freedom);
     let score = tail.and_then(|p| normal_quantile(1.0 - 0.5 * p));
     // Beyond the digits of 1 - p the score is that of t itself or less.

@@ -3,7 +3,7 @@
 use crate::joint_fit::{JointFit, Minimum, Whitening};
 use crate::{Error, Estimate, FitTest, OpenCombination, Parameter};
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
-use response_surface::distribution::{f_upper_tail, normal_quantile, t_two_sided_quantile};
+use probability::{f_upper_tail, normal_quantile, t_two_sided_quantile};
 use std::collections::BTreeMap;
 
 /// Chance of the two tails outside an interval.

@@ -3,8 +3,8 @@
 use crate::joint_fit::{JointFit, Leash, Minimum, Whitening};
 use crate::{Error, Estimate, SolutionSet};
 use nalgebra::DVector;
+use probability::chi_squared_quantile;
 use random_stream::Stream;
-use response_surface::distribution::chi_squared_quantile;
 
 /// Points drawn from the box.
 const DRAWN: usize = 4096;

@@ -10,7 +10,7 @@
 )]
 
 use crate::contact::{Effect, Interaction, Memory, SpherePair};
-use crate::neighbours::Touch;
+use crate::touch::Touch;
 use fearless_simd::prelude::*;
 use nalgebra::Vector3;
 

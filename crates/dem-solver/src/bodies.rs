@@ -1,6 +1,12 @@
 //! State of all bodies, as a structure of arrays.
 
-use crate::spheres::force::Sphere;
+#![expect(
+    clippy::inline_always,
+    reason = "the hot loops are vectorised only when inlined"
+)]
+
+use crate::contact::Mover;
+use crate::spheres::sphere::Sphere;
 use crate::template::Template;
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 use serde::{Deserialize, Serialize};
@@ -100,6 +106,25 @@ impl Bodies {
     /// Whether there is no body.
     pub fn is_empty(&self) -> bool {
         self.position.is_empty()
+    }
+
+    /// Motion of a body.
+    #[inline(always)]
+    pub(crate) fn mover(&self, k: usize) -> Mover {
+        Mover {
+            position: self.position[k],
+            velocity: self.velocity[k],
+            spin: self.spin[k],
+        }
+    }
+
+    /// Copies all bodies, which are spheres, into a list.
+    pub(crate) fn copy_to_spheres(&self, templates: &[Template], spheres: &mut Vec<Sphere>) {
+        spheres.clear();
+        spheres.extend((0..self.len()).map(|i| {
+            let shape = &templates[self.template[i]].spheres[0];
+            Sphere::new(shape, &self.mover(i))
+        }));
     }
 
     /// All bodies, with a copy of them as spheres; empty where they are none.

@@ -12,10 +12,10 @@
     reason = "the hot loops are vectorised only when inlined"
 )]
 
+use crate::context::Slack;
 use crate::lanes::{
     HALF, LANES, Lanes, Vectors, along, keep, load, load_vectors, make_room, set_bits, squares,
 };
-use crate::pair_force::Slack;
 use crate::template::Packed;
 use fearless_simd::prelude::*;
 use fearless_simd::{f32x8, f32x16, mask32x16, u32x16};

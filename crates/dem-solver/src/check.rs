@@ -3,9 +3,9 @@
 use crate::bodies::Placement;
 use crate::contact::Interaction;
 use crate::error::Error;
+use crate::settings::Settings;
 use crate::template::Template;
 use crate::wall::{Shape, Wall};
-use crate::world::Settings;
 use nalgebra::Vector3;
 
 /// Checks that the settings are positive and finite.

@@ -14,8 +14,8 @@
 )]
 
 use crate::bodies::{BodySlices, scaled_single};
-use crate::spheres::motion::advance_spheres;
 use crate::template::Template;
+use crate::travel::rounded_up;
 use fearless_simd::prelude::*;
 use fearless_simd::{Level, dispatch};
 use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3};
@@ -75,58 +75,13 @@ pub(crate) fn vector(columns: &Columns<3>, k: usize) -> Vector3<f64> {
     Vector3::new(columns[0][k], columns[1][k], columns[2][k])
 }
 
-/// Moves all bodies by one step and returns the longest way of a centre of mass since the last broad
-/// phase, m; infinite if a travel is no finite number. On a thread of a pool the halves of the bodies are
-/// moved at the same time.
-pub(crate) fn advance(
-    level: Level,
-    in_pool: bool,
-    bodies: BodySlices<'_>,
-    templates: &[Template],
-    around: &Surroundings,
-) -> f32 {
-    // The largest of some numbers leaves out what is no number; their sum does not.
-    let (longest, sum) = if in_pool {
-        advance_halves(level, bodies, templates, around)
-    } else {
-        advance_slices(level, bodies, templates, around)
-    };
-    if sum.is_finite() {
-        longest
-    } else {
-        f32::INFINITY
-    }
-}
-
-/// Longest way of a centre of mass and sum of all travels, m; each half on a thread of its own.
-fn advance_halves(
-    level: Level,
-    bodies: BodySlices<'_>,
-    templates: &[Template],
-    around: &Surroundings,
-) -> (f32, f32) {
-    if bodies.len() <= 8 * ROOM {
-        return advance_slices(level, bodies, templates, around);
-    }
-    let middle = bodies.len() / 2;
-    let (low, high) = bodies.split_at(middle);
-    let (a, b) = rayon::join(
-        || advance_halves(level, low, templates, around),
-        || advance_halves(level, high, templates, around),
-    );
-    (a.0.max(b.0), a.1 + b.1)
-}
-
 /// Longest way of a centre of mass and sum of all travels, m.
-fn advance_slices(
+pub(crate) fn advance_bodies(
     level: Level,
-    mut bodies: BodySlices<'_>,
+    bodies: &mut BodySlices<'_>,
     templates: &[Template],
     around: &Surroundings,
 ) -> (f32, f32) {
-    if !bodies.spheres.is_empty() {
-        return advance_spheres(level, &mut bodies, templates, around);
-    }
     let mut motion = Motion {
         position: [[0.0; ROOM]; 3],
         velocity: [[0.0; ROOM]; 3],
@@ -148,14 +103,14 @@ fn advance_slices(
     for first in (0..bodies.len()).step_by(ROOM) {
         let block = first..bodies.len().min(first + ROOM);
         for (k, i) in block.clone().enumerate() {
-            gather(&bodies, templates, i, k, &mut motion, &mut drive);
+            gather(bodies, templates, i, k, &mut motion, &mut drive);
         }
         dispatch!(level, simd => simd.vectorize(
             #[inline(always)]
             || move_block(&mut motion, &drive, around, block.len()),
         ));
         for (k, i) in block.enumerate() {
-            scatter(&motion, k, &mut bodies, i, templates);
+            scatter(&motion, k, bodies, i, templates);
             longest = longest.max(bodies.shift[i]);
             sum += bodies.travel[i];
         }
@@ -296,17 +251,6 @@ fn rotation_matrix(q: &Quaternion<f64>) -> Matrix3<f64> {
     UnitQuaternion::new_unchecked(*q)
         .to_rotation_matrix()
         .into_inner()
-}
-
-/// A length in single precision, never shorter than the given one, so that a sum of many ways
-/// that are short against it is not too short either.
-#[inline(always)]
-#[expect(
-    clippy::cast_possible_truncation,
-    reason = "the loss is made good by the factor"
-)]
-pub(crate) fn rounded_up(length: f64) -> f32 {
-    (length * (1.0 + 2.4e-7)) as f32
 }
 
 /// The orientation turned by a small rotation vector (world frame, rad).

@@ -88,3 +88,9 @@ pub(crate) fn set_bits(mut bits: u64) -> impl Iterator<Item = usize> {
         (lane < 64).then_some(lane)
     })
 }
+
+/// An index as it is stored.
+#[inline(always)]
+pub(crate) fn stored(index: usize) -> u32 {
+    u32::try_from(index).unwrap_or(u32::MAX)
+}

@@ -17,16 +17,20 @@
 //! body is one sphere needs the first level only, and has lists, forces and a motion of its own (`spheres`). [`bonds`] hold
 //! agglomerates together that may bend and break.
 
+mod advance;
 mod batch;
 mod bodies;
 pub mod bonds;
 mod broad_phase;
 mod candidates;
+mod census;
 mod check;
 mod contact;
+mod context;
 mod error;
 mod health;
 mod integrate;
+mod kept_contact;
 mod lanes;
 mod ledger;
 mod liquid;
@@ -37,23 +41,28 @@ mod pair_force;
 mod part;
 pub mod plain;
 mod pose;
+mod settings;
 mod shared_mass;
 mod snapshot;
 mod spheres;
 mod template;
+mod touch;
+mod travel;
 mod wall;
 mod wall_force;
 mod workspace;
 mod world;
 
 pub use bodies::{Bodies, Placement};
+pub use census::Census;
 pub use contact::{FurtherLaws, Interaction, InteractionSettings};
 pub use error::Error;
 pub use health::HealthLimits;
 pub use ledger::{EnergyLedger, EnergyTerms};
 pub use mesh_wall::{MeshWall, Motion, Vibration};
-pub use neighbours::Census;
+
+pub use settings::Settings;
 pub use snapshot::Snapshot;
 pub use template::{DashpotMass, Template};
 pub use wall::{Shape, Wall};
-pub use world::{Settings, World};
+pub use world::World;

@@ -8,10 +8,10 @@
 
 use crate::bodies::Bodies;
 use crate::contact::{Effect, Memory, Mover, SphereWall};
+use crate::context::Context;
 use crate::error::Error;
 use crate::liquid::bridge_volume;
 use crate::mesh_wall::{MeshWall, Motion, Moving};
-use crate::pair_force::{Context, mover};
 use crate::shared_mass::Shares;
 use crate::template::{OuterSphere, Template};
 use contact_law::ContactGeometry;
@@ -155,7 +155,7 @@ impl MeshWalls {
         for near in &mut self.near {
             let moving = &mut self.moving[near.wall];
             let template = &context.templates[bodies.template[near.body]];
-            let body = mover(bodies, near.body);
+            let body = bodies.mover(near.body);
             if f64::from(bodies.travel[near.body]) + moving.travel > near.limit {
                 near.list_candidates(bodies, template, moving, context);
             }

@@ -14,24 +14,17 @@
 
 use crate::bodies::{Bodies, scaled_single};
 use crate::candidates::{RelativeSingle, Scratch, search};
-use crate::contact::Memory;
-use crate::lanes::{HALF, NUMBERS, keep, make_room};
-use crate::pair_force::Context;
+use crate::census::Census;
+use crate::context::Context;
+use crate::kept_contact::KeptContact;
+use crate::lanes::{HALF, NUMBERS, keep, make_room, stored};
 use crate::pose::{Pose, single};
-use crate::snapshot::KeptContact;
 use crate::template::Template;
+use crate::touch::Touch;
+use crate::travel::lowered;
 use fearless_simd::prelude::*;
 use fearless_simd::{f32x8, u32x8};
-use std::ops::{AddAssign, Range};
-
-/// A touching pair of spheres and what its contact remembers.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Touch {
-    /// Sphere of i in the upper half, sphere of j (or 0 for a wall) in the lower half.
-    pub(crate) key: u32,
-    /// What the contact remembers.
-    pub(crate) memory: Memory,
-}
+use std::ops::Range;
 
 /// Candidates handled together. A chunk fills two lines of the cache; the lists of the study's drum hold one and
 /// a half a pair.
@@ -176,49 +169,6 @@ pub(crate) struct Previous {
     start: Vec<u32>,
     /// Candidates.
     chunks: Vec<Chunk>,
-}
-
-/// Sizes of the lists at one moment.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub struct Census {
-    /// Pairs of bodies whose bounding spheres are near.
-    pub body_pairs: usize,
-    /// Those of them with at least one pair of spheres within the skin in their list; none in a world of bodies
-    /// of one sphere each.
-    pub pairs_with_candidates: usize,
-    /// Groups of up to eight candidates.
-    pub chunks: usize,
-    /// Pairs of bodies that touch.
-    pub touching_pairs: usize,
-    /// Touching pairs of spheres.
-    pub sphere_contacts: usize,
-    /// Lists made anew since the start.
-    pub rebuilds: u64,
-    /// Lists looked at since the start.
-    pub checks: u64,
-}
-
-impl AddAssign for Census {
-    fn add_assign(&mut self, other: Self) {
-        self.body_pairs += other.body_pairs;
-        self.pairs_with_candidates += other.pairs_with_candidates;
-        self.chunks += other.chunks;
-        self.touching_pairs += other.touching_pairs;
-        self.sphere_contacts += other.sphere_contacts;
-        self.rebuilds += other.rebuilds;
-        self.checks += other.checks;
-    }
-}
-
-/// A limit of the travel lowered by what is used up, and by the rounding of doing so, m.
-pub(crate) fn lowered(limit: f32, travel: f32) -> f32 {
-    limit - travel - f32::EPSILON * (limit.abs() + travel)
-}
-
-/// An index as it is stored.
-#[inline(always)]
-pub(crate) fn stored(index: usize) -> u32 {
-    u32::try_from(index).unwrap_or(u32::MAX)
 }
 
 impl Neighbours {

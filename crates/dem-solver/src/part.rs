@@ -6,9 +6,11 @@
 use crate::batch::{ContactLoad, Loads, Sink};
 use crate::bodies::Bodies;
 use crate::broad_phase::Grid;
-use crate::neighbours::{Census, Neighbours};
-use crate::pair_force::{Context, add_pair_forces};
-use crate::snapshot::KeptContact;
+use crate::census::Census;
+use crate::context::Context;
+use crate::kept_contact::KeptContact;
+use crate::neighbours::Neighbours;
+use crate::pair_force::add_pair_forces;
 use crate::spheres::force::add_sphere_forces;
 use crate::spheres::pairs::SpherePairs;
 use crate::spheres::walls::SphereWalls;

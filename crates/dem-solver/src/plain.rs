@@ -5,7 +5,7 @@
 use crate::contact::{Effect, Interaction, Memory, SpherePair, SphereWall};
 use crate::liquid::bridge_volume;
 use crate::mesh_force::{Touch, find_contacts};
-use crate::pair_force::{PairFrame, mover};
+use crate::pair_force::PairFrame;
 use crate::shared_mass::Shares;
 use crate::template::OuterSphere;
 use crate::wall_force::sphere_at_wall;
@@ -126,7 +126,7 @@ pub(crate) fn find_at_wall(
     let template = &context.templates[bodies.template[i]];
     let law = context.interaction(template.material, wall.material);
     let volume = bridge_volume(law, context.liquid, [i]);
-    let body = mover(bodies, i);
+    let body = bodies.mover(i);
     let at_wall = |sphere: &OuterSphere| {
         let centre = body.position + bodies.rotation[i] * sphere.centre;
         sphere_at_wall(&body, sphere, &centre, wall, &wall.nearest(&centre))
@@ -165,7 +165,7 @@ fn mesh_loads(world: &World, i: usize, before: &History, next: &mut History, loa
             triangles.map(move |(triangle, _)| (sphere, triangle))
         });
         let mut touches = before.meshes.get(&(i, w)).cloned().unwrap_or_default();
-        let body = (&mover(bodies, i), template);
+        let body = (&bodies.mover(i), template);
         let all: Vec<_> = all.collect();
         let effect = find_contacts(
             &all,

@@ -102,7 +102,7 @@ mod tests {
     use super::{Pose, single};
     use crate::bodies::scaled_single;
     use crate::candidates::{RelativeSingle, SLOPE, Scratch, search};
-    use crate::pair_force::Slack;
+    use crate::context::Slack;
     use crate::template::{OuterSphere, Packed};
     use fearless_simd::{Level, dispatch};
     use nalgebra::{Quaternion, UnitQuaternion, Vector3};

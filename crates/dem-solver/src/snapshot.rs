@@ -6,26 +6,12 @@
 //! a snapshot goes on with the same bits.
 
 use crate::bodies::{Bodies, Placement};
-use crate::contact::Memory;
 use crate::error::Error;
+use crate::kept_contact::KeptContact;
 use crate::mesh_force::MeshContact;
 use crate::mesh_wall::Path;
-use crate::world::World;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
-
-/// What one contact of two bodies, or of a body and a wall, remembers.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub(crate) struct KeptContact {
-    /// The body.
-    pub(crate) body: usize,
-    /// The other body, or the wall.
-    pub(crate) other: usize,
-    /// The spheres.
-    pub(crate) key: u32,
-    /// What is remembered.
-    pub(crate) memory: Memory,
-}
 
 /// State of a world between two steps.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -72,18 +58,18 @@ impl Snapshot {
         })
     }
 
-    /// Refuses a snapshot of another world.
-    pub(crate) fn check(&self, world: &World) -> Result<(), Error> {
-        let bodies = world.bodies();
+    /// Refuses a snapshot of another world than that of these bodies, and so many walls and walls of triangles.
+    pub(crate) fn check(
+        &self,
+        bodies: &Bodies,
+        walls: usize,
+        mesh_walls: usize,
+    ) -> Result<(), Error> {
         let counts = [
             ("bodies", self.bodies.template.len(), bodies.len()),
-            ("walls", self.spins.len(), world.walls().len()),
-            ("loads of walls", self.wall_loads.len(), world.walls().len()),
-            (
-                "walls of triangles",
-                self.paths.len(),
-                world.mesh_walls().count(),
-            ),
+            ("walls", self.spins.len(), walls),
+            ("loads of walls", self.wall_loads.len(), walls),
+            ("walls of triangles", self.paths.len(), mesh_walls),
         ];
         for (what, found, expected) in counts {
             if found != expected {

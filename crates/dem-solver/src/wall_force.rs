@@ -8,12 +8,13 @@
 use crate::batch::Loads;
 use crate::bodies::Bodies;
 use crate::contact::{Effect, Memory, Mover, SphereWall};
+use crate::context::{Context, Slack};
+use crate::kept_contact::KeptContact;
 use crate::liquid::bridge_volume;
-use crate::neighbours::{Touch, lowered};
-use crate::pair_force::{Context, Slack, mover};
 use crate::shared_mass::Shares;
-use crate::snapshot::KeptContact;
 use crate::template::{OuterSphere, Template};
+use crate::touch::Touch;
+use crate::travel::lowered;
 use crate::wall::{Nearest, Wall};
 use contact_law::ContactGeometry;
 use nalgebra::Vector3;
@@ -91,7 +92,7 @@ impl WallNeighbours {
                 near.list_candidates(bodies, template, wall, context.slack);
             }
             near.total = (travel > near.wake)
-                .then(|| near.add_contacts(&mover(bodies, near.body), bodies, wall, context));
+                .then(|| near.add_contacts(&bodies.mover(near.body), bodies, wall, context));
         }
     }
 

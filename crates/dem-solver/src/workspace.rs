@@ -2,10 +2,11 @@
 
 use crate::batch::Batch;
 use crate::candidates::Scratch;
-use crate::neighbours::{Previous, Touch};
-use crate::spheres::force::SphereBatch;
+use crate::neighbours::Previous;
+use crate::spheres::batch::SphereBatch;
 use crate::spheres::pairs::SpherePairs;
 use crate::spheres::walls::{SphereWalls, WallBatch};
+use crate::touch::Touch;
 
 /// Buffers that no part needs between two visits, so that the parts of a piece of work share one set.
 #[derive(Debug, Clone, Default)]

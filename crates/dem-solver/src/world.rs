@@ -1,22 +1,24 @@
 //! The world: bodies, walls, laws, and the step.
 
+mod state;
 mod wet;
 
+use crate::advance::advance;
 use crate::batch::Loads;
 use crate::bodies::{Bodies, Placement};
 use crate::broad_phase::Grid;
+use crate::census::Census;
 use crate::check;
 use crate::contact::Interaction;
+use crate::context::{Context, Slack};
 use crate::error::Error;
-use crate::integrate::{Surroundings, advance};
+use crate::integrate::Surroundings;
 use crate::liquid::{Liquid, most_given};
 use crate::mesh_force::MeshWalls;
 use crate::mesh_wall::{MeshWall, Motion, Moving};
-use crate::neighbours::Census;
-use crate::pair_force::{Context, Slack};
 use crate::part::{Part, give_loads};
-use crate::snapshot::{KeptContact, Snapshot};
-use crate::spheres::force::Sphere;
+use crate::settings::Settings;
+use crate::spheres::sphere::Sphere;
 use crate::template::Template;
 use crate::wall::Wall;
 use crate::workspace::Workspace;
@@ -31,49 +33,6 @@ use std::sync::Arc;
 const PIECES_PER_THREAD: usize = 4;
 /// Most bodies of a part: a workspace holds the lists of one part of before.
 const MOST_BODIES_OF_PART: usize = 1 << 14;
-
-/// Skin of the lists of bodies of overlapping spheres, radii of the smallest.
-const OVERLAPPING_SKIN: f64 = 0.1;
-/// Skin of the lists of separate spheres, radii of the smallest.
-const SEPARATE_SKIN: f64 = 0.7;
-
-/// What a world needs beside bodies and walls.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Settings {
-    /// Time step, s.
-    pub time_step: f64,
-    /// Gravity, m/s².
-    pub gravity: Vector3<f64>,
-    /// Skin of the sphere lists, m. It decides the speed only: 0.6 to 1 of the least radius suits separate spheres, a tenth of
-    /// it overlapping ones.
-    pub skin: f64,
-    /// Margin of the bounding spheres, m. It decides the speed only.
-    pub margin: f64,
-}
-
-impl Settings {
-    /// Settings with lists that suit these body types.
-    ///
-    /// Smooth seeds of overlapping spheres have many pairs nearly in touch, and a wide skin lists all of them. Seeds of many small
-    /// spheres have margins of some of these, bodies of few spheres of a part of their own size: a wider one lists pairs that do not
-    /// meet before the next search.
-    pub fn for_templates(time_step: f64, gravity: Vector3<f64>, templates: &[Template]) -> Self {
-        let least =
-            |of: fn(&Template) -> f64| templates.iter().map(of).fold(f64::INFINITY, f64::min);
-        let radius = least(Template::smallest_radius);
-        let skin = if templates.iter().any(Template::overlaps) {
-            OVERLAPPING_SKIN
-        } else {
-            SEPARATE_SKIN
-        };
-        Self {
-            time_step,
-            gravity,
-            skin: skin * radius,
-            margin: (4.5 * radius).min(0.5 * least(Template::bounding_radius)),
-        }
-    }
-}
 
 /// Bodies, walls and laws, and the time.
 #[derive(Debug, Clone)]
@@ -558,95 +517,6 @@ impl World {
             .sum()
     }
 
-    /// Contacts of bodies, as of the last step.
-    pub(crate) fn kept_pairs(&self) -> impl Iterator<Item = KeptContact> + '_ {
-        self.parts.iter().flat_map(Part::kept_pairs)
-    }
-
-    /// Contacts of bodies and walls, as of the last step.
-    fn kept_walls(&self) -> impl Iterator<Item = KeptContact> + '_ {
-        self.parts.iter().flat_map(Part::kept_walls)
-    }
-
-    /// The state between two steps.
-    pub fn snapshot(&self) -> Snapshot {
-        let loads = self.wall_load.iter().zip(&self.wall_torque);
-        let mut bodies = self.bodies.clone();
-        // Ways count from the search that the lists come from.
-        bodies.travel.fill(0.0);
-        bodies.shift.clear();
-        // Lists of spheres lie wall by wall in each part.
-        let mut walls: Vec<_> = self.kept_walls().collect();
-        walls.sort_by_key(|contact| (contact.body, contact.other));
-        Snapshot {
-            bodies,
-            pairs: self.kept_pairs().collect(),
-            walls,
-            meshes: self.mesh_walls.kept(),
-            paths: self.mesh_walls.moving.iter().map(Moving::path).collect(),
-            spins: self.walls.iter().map(|wall| wall.spin).collect(),
-            wall_loads: loads.map(|(&force, &torque)| (force, torque)).collect(),
-            time: self.time,
-            n_steps: self.n_steps,
-            time_step: self.settings.time_step,
-            gravity: self.settings.gravity,
-        }
-    }
-
-    /// Continues from a snapshot of a world that was built like this one; this one has not moved yet.
-    ///
-    /// The steps that follow give the same bits as those of the world that the snapshot was taken of.
-    ///
-    /// # Errors
-    ///
-    /// A world that has moved already, a snapshot of another world.
-    pub fn resume(&mut self, snapshot: Snapshot) -> Result<(), Error> {
-        let other = |what, found: String, expected: String| Error::OtherWorld {
-            what,
-            found,
-            expected,
-        };
-        if self.n_steps > 0 {
-            return Err(other("steps done", self.n_steps.to_string(), "0".into()));
-        }
-        snapshot.check(self)?;
-        self.bodies = snapshot.bodies;
-        self.bodies.shift.resize(self.bodies.position.len(), 0.0);
-        for (wall, spin) in self.walls.iter_mut().zip(snapshot.spins) {
-            wall.spin = spin;
-        }
-        (self.wall_load, self.wall_torque) = snapshot.wall_loads.into_iter().unzip();
-        for (moving, path) in self.mesh_walls.moving.iter_mut().zip(&snapshot.paths) {
-            moving.put(path);
-        }
-        (self.time, self.n_steps) = (snapshot.time, snapshot.n_steps);
-        (self.settings.time_step, self.settings.gravity) = (snapshot.time_step, snapshot.gravity);
-        self.choose_reference_spin();
-        self.search_pairs()?;
-        self.longest = 0.0;
-        self.recall(&snapshot.pairs, &snapshot.walls)?;
-        if self.mesh_walls.recall(&snapshot.meshes) {
-            self.deal_liquid();
-            Ok(())
-        } else {
-            Err(contacts_of_another_world())
-        }
-    }
-
-    /// Takes up the contacts of bodies and of bodies and walls, whose lists are there and empty.
-    fn recall(&mut self, pairs: &[KeptContact], walls: &[KeptContact]) -> Result<(), Error> {
-        let mut taken = [0, 0];
-        for part in &mut self.parts {
-            taken[0] += part.recall_pairs(pairs);
-            taken[1] += part.recall_walls(walls);
-        }
-        if taken == [pairs.len(), walls.len()] {
-            Ok(())
-        } else {
-            Err(contacts_of_another_world())
-        }
-    }
-
     /// What the force loops need beside bodies and lists.
     pub(crate) fn context(&self) -> Context<'_> {
         Context {
@@ -692,7 +562,7 @@ impl World {
         let (bodies, radii, margin) = (&self.bodies, &self.radii, self.settings.margin);
         self.grid.sort(&bodies.position, radii, margin);
         if self.templates.iter().all(|template| template.is_sphere) {
-            Sphere::copy_all(bodies, &self.templates, &mut self.spheres);
+            bodies.copy_to_spheres(&self.templates, &mut self.spheres);
         }
         let (mut parts, mut workspaces) = (take(&mut self.parts), take(&mut self.workspaces));
         let (level, grid, context) = (self.level, &self.grid, self.context());
@@ -718,15 +588,6 @@ impl World {
         self.bodies.travel.fill(0.0);
         self.bodies.shift.fill(0.0);
         Ok(())
-    }
-}
-
-/// The refusal of contacts of bodies that are not near each other.
-fn contacts_of_another_world() -> Error {
-    Error::OtherWorld {
-        what: "contacts",
-        found: "between bodies far apart".into(),
-        expected: "between bodies that touch".into(),
     }
 }
 

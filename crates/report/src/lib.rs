@@ -35,7 +35,6 @@ mod html;
 mod label_places;
 mod legend;
 mod marching_squares;
-mod normal_quantile;
 mod plot;
 mod png;
 mod style;

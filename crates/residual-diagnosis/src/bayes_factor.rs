@@ -2,7 +2,7 @@
 
 use crate::fit::Fit;
 use crate::problem_file::Sign;
-use crate::tails::ln_normal_below;
+use probability::ln_normal_cdf;
 
 /// Prior standard deviations of the detectability s = |a||u|, averaged: an effect that matters is
 /// a few to some ten standard errors large. Doubling them lowers every factor by about ln 2, for
@@ -24,7 +24,7 @@ pub(crate) fn ln_factor_of_effect(z: f64, sign: Sign) -> f64 {
     ln_mean(PRIOR_SIZES.iter().map(|tau| {
         let gain = tau * tau / (1.0 + tau * tau);
         let half = towards.map_or(0.0, |z| {
-            std::f64::consts::LN_2 + ln_normal_below(z * gain.sqrt())
+            std::f64::consts::LN_2 + ln_normal_cdf(z * gain.sqrt())
         });
         -0.5 * (tau * tau).ln_1p() + 0.5 * z * z * gain + half
     }))

@@ -7,8 +7,9 @@ use crate::fit::{Fit, as_simulated};
 use crate::gates::{ALPHA, GATE, Gates};
 use crate::problem::Problem;
 use crate::problem_file::Sign;
-use crate::tails::{normal_upper_quantile, upper_tail};
+use crate::tails::upper_tail;
 use crate::{Error, Options};
+use probability::normal_upper_quantile;
 
 /// ln of the Bayes factor over an unknown effect from which an effect is named: at 100 one of 70
 /// outside effects is still named, at 10 one of 20, at 1000 a third of the true ones is lost.

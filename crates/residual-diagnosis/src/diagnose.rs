@@ -16,7 +16,7 @@ use crate::gates::{GATE, Gates};
 use crate::next_measurement::next_measurement;
 use crate::problem::Problem;
 use crate::summary::summary;
-use crate::tails::normal_upper_quantile;
+use probability::normal_upper_quantile;
 
 /// Chance with which the smallest detectable amplitude is seen.
 const POWER: f64 = 0.9;

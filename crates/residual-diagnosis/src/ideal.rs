@@ -9,8 +9,8 @@ use crate::detectability::testable;
 use crate::fit::Fit;
 use crate::gates::GATE;
 use crate::problem::Problem;
-use crate::tails::{ln_normal_below, normal_upper_quantile};
 use crate::trials::noise;
+use probability::{ln_normal_cdf, normal_upper_quantile};
 
 /// Most effects of a tie that still says something.
 const SMALL_TIE: usize = 3;
@@ -100,10 +100,10 @@ pub fn ideal(
     }
     Ok(Ideal {
         detectability,
-        seen: ln_normal_below(detectability - gate).exp(),
+        seen: ln_normal_cdf(detectability - gate).exp(),
         nearest: nearest.map(|(k, _)| problem.candidates[k].name.clone()),
         separation: nearest.map(|(_, left)| left),
-        preferred: nearest.map_or(1.0, |(_, left)| ln_normal_below(0.5 * left).exp()),
+        preferred: nearest.map_or(1.0, |(_, left)| ln_normal_cdf(0.5 * left).exp()),
         among_three: told as f64 / draws.max(1) as f64,
     })
 }

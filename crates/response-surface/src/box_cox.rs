@@ -3,10 +3,10 @@
 use experiment_design::Factor;
 use serde::{Deserialize, Serialize};
 
-use crate::distribution::chi_squared_quantile;
 use crate::fit::Matrix;
 use crate::least_squares::basis;
 use crate::{Error, Model, Observations, Weighting};
+use probability::chi_squared_quantile;
 
 /// The profile of the power.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

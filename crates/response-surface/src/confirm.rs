@@ -2,10 +2,10 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::distribution::t_two_sided_quantile;
 use crate::fit::ErrorVariance;
 use crate::prediction::check_point;
 use crate::{Error, Fit};
+use probability::t_two_sided_quantile;
 
 /// Confirmation runs against the prediction interval of their mean.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

@@ -3,12 +3,11 @@
 use experiment_design::Design;
 use random_stream::Stream;
 use serde::Serialize;
-use statrs::function::beta::checked_beta_reg;
 
-use crate::distribution::t_two_sided_quantile;
 use crate::fit::{Matrix, ratio};
 use crate::least_squares::{basis, least_squares};
 use crate::{Error, Model, NamedValues, Observations, Term, Weighting};
+use probability::{noncentral_f_upper_tail, t_two_sided_quantile};
 
 /// Random points of the box at which the variance of the prediction is taken.
 const POINTS: usize = 4000;
@@ -243,7 +242,7 @@ fn powers(model: &Model, matrix: &Matrix, c: &[Vec<f64>], df: usize) -> NamedVal
         let square = term.powers().iter().all(|power| power % 2 == 0);
         let size = if square { 1.0 } else { 0.5 };
         let power = |sigmas: f64| {
-            noncentral_tail(limit * limit, df as f64, (size * sigmas).powi(2) / c[j][j])
+            noncentral_f_upper_tail(limit * limit, df as f64, (size * sigmas).powi(2) / c[j][j])
         };
         (
             matrix.names[j].clone(),
@@ -253,29 +252,9 @@ fn powers(model: &Model, matrix: &Matrix, c: &[Vec<f64>], df: usize) -> NamedVal
     (matrix.first()..matrix.names.len()).map(row).collect()
 }
 
-/// P(F' > f) of the noncentral F distribution with 1 and `df` degrees of freedom.
-///
-/// # Formula
-/// `sum_j Poisson(j; lambda / 2) I_x(df/2, 1/2 + j)`, `x = df / (df + f)`
-/// `[Abramowitz1964, eq. 26.6.20]`.
-pub(crate) fn noncentral_tail(f: f64, df: f64, lambda: f64) -> f64 {
-    let half = 0.5 * lambda;
-    let x = df / (df + f);
-    let mut sum = 0.0;
-    let mut log_weight = -half;
-    let last = half + 12.0 * half.sqrt() + 40.0;
-    let mut j = 0.0;
-    while j <= last {
-        sum += log_weight.exp() * checked_beta_reg(df / 2.0, 0.5 + j, x).unwrap_or(0.0);
-        j += 1.0;
-        log_weight += half.max(f64::MIN_POSITIVE).ln() - j.ln();
-    }
-    sum.clamp(0.0, 1.0)
-}
-
 #[cfg(test)]
 mod tests {
-    use super::{Over, evaluate, noncentral_tail};
+    use super::{Over, evaluate};
     use crate::Model;
     use experiment_design::{Factor, box_behnken, full_factorial, plackett_burman};
 
@@ -367,14 +346,4 @@ mod tests {
         );
         assert!(bbd.efficiency.is_none());
     }
-
-    /// Reference: R 4.2.2, sum(dpois(j, 4) * pbeta(8 / (8 + f), 4, 0.5 + j)), j = 0 to 200; its pf with
-    /// ncp = 8 differs from that by 3e-10.
-    #[test]
-    fn power_is_the_tail_of_the_noncentral_f() {
-        let got = noncentral_tail(5.317655071578714, 8.0, 8.0);
-        assert!((got - POWER_BY_R).abs() < 1e-10, "{got}");
-        assert!((noncentral_tail(5.317655071578714, 8.0, 0.0) - 0.05).abs() < 1e-12);
-    }
-    const POWER_BY_R: f64 = 0.698459057338846;
 }

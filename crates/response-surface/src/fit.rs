@@ -26,11 +26,11 @@ pub use warnings::Warning;
 use experiment_design::Factor;
 use serde::{Deserialize, Serialize};
 
-use crate::distribution::t_two_sided_quantile;
 use crate::least_squares::{LeastSquares, least_squares};
 use crate::natural::natural_terms;
 use crate::refine::refine;
 use crate::{BoxExtremes, Canonical, Error, Model, NamedValues, Observations};
+use probability::t_two_sided_quantile;
 
 /// What the weights of the observations are taken from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]

@@ -4,10 +4,10 @@ use experiment_design::Factor;
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 use serde::Serialize;
 
-use crate::distribution::normal_quantile;
 use crate::fit::pooled_variance;
 use crate::simplex::minimum;
 use crate::{Error, Model, Observations};
+use probability::normal_quantile;
 
 /// Greatest number of cells: the work grows with its cube.
 const MOST_CELLS: usize = 400;

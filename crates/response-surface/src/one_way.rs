@@ -2,10 +2,10 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::distribution::f_upper_tail;
 use crate::fit::ratio;
 use crate::wide::Wide;
 use crate::{Error, NamedValues};
+use probability::f_upper_tail;
 
 /// One-way analysis of variance. Sums of squares are in squared units of the response.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

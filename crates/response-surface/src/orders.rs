@@ -3,10 +3,10 @@
 use experiment_design::Factor;
 use serde::{Deserialize, Serialize};
 
-use crate::distribution::f_upper_tail;
 use crate::fit::{FTest, Matrix, PureError, f_test, pure_error_of, ratio};
 use crate::least_squares::{Basis, basis};
 use crate::{Error, Model, Observations, Weighting};
+use probability::f_upper_tail;
 
 /// Orders in the sequence.
 const ORDERS: [&str; 5] = ["mean", "linear", "2fi", "quadratic", "cubic"];

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::OneWay;
-use crate::studentized_range::{studentized_range_quantile, studentized_range_upper_tail};
+use probability::{studentized_range_quantile, studentized_range_upper_tail};
 
 /// Most groups whose pairs are compared: each pair is a double integral.
 const MOST_GROUPS: usize = 30;

@@ -2,8 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::distribution::t_two_sided_quantile;
 use crate::{Fit, NamedValues};
+use probability::t_two_sided_quantile;
 
 /// Sizes of the t values with the limits to read them against.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

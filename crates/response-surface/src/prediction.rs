@@ -2,9 +2,9 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::distribution::t_two_sided_quantile;
 use crate::fit::ErrorVariance;
 use crate::{Error, Fit};
+use probability::t_two_sided_quantile;
 
 /// What the fit says about one point.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

@@ -5,11 +5,11 @@ mod likelihood;
 use experiment_design::Factor;
 use serde::{Deserialize, Serialize};
 
-use crate::distribution::{t_two_sided_quantile, t_two_sided_tail};
 use crate::fit::{Matrix, ratio};
 use crate::solutions::golden_minimum;
 use crate::{Error, Model, NamedValues, Observations, Weighting};
 use likelihood::{At, Likelihood};
+use probability::{t_two_sided_quantile, t_two_sided_tail};
 
 /// Ratios of the variances that are searched, natural logarithms.
 const SEARCHED: [f64; 2] = [-16.0, 16.0];

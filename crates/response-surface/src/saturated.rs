@@ -2,9 +2,9 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::distribution::{normal_quantile, t_two_sided_quantile};
 use crate::fit::ratio;
 use crate::{Error, Fit, NamedValues, Observations};
+use probability::{median, normal_quantile, t_two_sided_quantile};
 
 /// All columns of a saturated design as effects.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -169,9 +169,11 @@ fn is_orthogonal_two_level(data: &Observations) -> bool {
 /// Lenth's margins of a set of effects.
 fn lenth(columns: &[String], effects: &[f64]) -> Lenth {
     let sizes: Vec<f64> = effects.iter().map(|e| e.abs()).collect();
-    let s0 = 1.5 * median(sizes.clone());
-    let small = sizes.into_iter().filter(|e| *e < 2.5 * s0).collect();
-    let pse = 1.5 * median(small);
+    // Without an effect, or where half of them are 0, nothing scatters.
+    let scale = |of: &[f64]| if of.is_empty() { 0.0 } else { 1.5 * median(of) };
+    let s0 = scale(&sizes);
+    let small: Vec<f64> = sizes.into_iter().filter(|e| *e < 2.5 * s0).collect();
+    let pse = scale(&small);
     let m = effects.len() as f64;
     let df = m / 3.0;
     let t_975 = t_two_sided_quantile(0.05, df);
@@ -188,17 +190,6 @@ fn lenth(columns: &[String], effects: &[f64]) -> Lenth {
         sme: t_sme.map(|t| t * pse),
         t_sme,
         t_ratio: columns.iter().cloned().zip(ratios).collect(),
-    }
-}
-
-/// Middle value, or the mean of the two middle ones; 0 for none.
-fn median(mut values: Vec<f64>) -> f64 {
-    values.sort_by(f64::total_cmp);
-    let n = values.len();
-    match n {
-        0 => 0.0,
-        n if n % 2 == 1 => values[n / 2],
-        n => 0.5 * (values[n / 2 - 1] + values[n / 2]),
     }
 }
 

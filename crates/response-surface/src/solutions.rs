@@ -23,9 +23,9 @@ pub use robust::{Robust, most_robust};
 
 use serde::{Deserialize, Serialize};
 
-use crate::distribution::t_two_sided_quantile;
 use crate::fit::{ErrorSource, ErrorVariance};
 use crate::{BoxExtremes, Error, Fit, NamedValues};
+use probability::t_two_sided_quantile;
 
 /// A measured value of a factor.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]

@@ -60,14 +60,7 @@ pub fn spread(data: &Observations) -> Option<Spread> {
 fn levene(groups: &[Vec<f64>]) -> Option<FTest> {
     let (mut labels, mut distances) = (Vec::new(), Vec::new());
     for (i, group) in groups.iter().enumerate() {
-        let mut sorted = group.clone();
-        sorted.sort_by(f64::total_cmp);
-        let half = sorted.len() / 2;
-        let middle = if sorted.len() % 2 == 1 {
-            sorted[half]
-        } else {
-            0.5 * (sorted[half - 1] + sorted[half])
-        };
+        let middle = probability::median(group);
         labels.extend(std::iter::repeat_n(i.to_string(), group.len()));
         distances.extend(group.iter().map(|y| (y - middle).abs()));
     }

@@ -2,10 +2,10 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::distribution::{chi_squared_upper_tail, normal_cdf, normal_density};
 use crate::fit::ErrorVariance;
 use crate::prediction::check_point;
 use crate::{Error, Fit};
+use probability::{chi_squared_upper_tail, normal_cdf, normal_density};
 
 /// Steps of the integral over the error of the mean, an even number. Doubling them changes no factor
 /// by more than 1e-9.

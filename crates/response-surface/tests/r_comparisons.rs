@@ -4,9 +4,7 @@
 
 use experiment_design::Factor;
 use experiment_design::table::Table;
-use response_surface::{
-    Cell, Fit, Model, Observations, contrasts, fit, one_way, studentized_range_upper_tail,
-};
+use response_surface::{Cell, Fit, Model, Observations, contrasts, fit, one_way};
 use serde_json::Value;
 use std::path::PathBuf;
 
@@ -36,7 +34,7 @@ fn tails_of_the_studentized_range_agree_with_r() {
     let k: Vec<usize> = serde_json::from_value(r["k"].clone()).unwrap();
     assert_eq!(p.len(), 96);
     for i in 0..p.len() {
-        let got = studentized_range_upper_tail(q[i], k[i], df[i]).unwrap();
+        let got = probability::studentized_range_upper_tail(q[i], k[i], df[i]).unwrap();
         assert!(
             (got / p[i] - 1.0).abs() < 1e-8,
             "q {} k {} df {}: {got} against {}",

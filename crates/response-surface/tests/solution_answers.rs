@@ -7,7 +7,7 @@
 )]
 
 use experiment_design::Factor;
-use response_surface::distribution::normal_quantile;
+use probability::normal_quantile;
 use response_surface::solutions::{bootstrap, most_robust};
 use response_surface::{
     Cell, Error, ErrorSource, Fit, Model, Observations, SolutionRequest, fit, solutions,

@@ -1,7 +1,7 @@
 //! Where the start-up of a turning bed ends, whether what is kept is a steady state, and how well it fixes a mean.
 
+use probability::{f_quantile, t_two_sided_quantile};
 use serde::{Deserialize, Serialize};
-use statrs::distribution::{ContinuousCDF, FisherSnedecor, StudentsT};
 use std::f64::consts::TAU;
 
 /// One swing of a bed in a drum over the period of the same mass as a free pendulum about the axis: the shell holds the
@@ -251,13 +251,12 @@ fn variance(values: &[f64]) -> f64 {
 
 /// Two-sided quantile of Student's t for the trend.
 fn quantile_of_t(freedom: f64) -> f64 {
-    StudentsT::new(0.0, 1.0, freedom).map_or(f64::INFINITY, |t| t.inverse_cdf(1.0 - 0.5 * ALPHA))
+    t_two_sided_quantile(ALPHA, freedom).unwrap_or(f64::INFINITY)
 }
 
 /// Quantile of F, of equal degrees of freedom above and below, for the larger variance over the smaller.
 fn quantile_of_f(freedom: f64) -> f64 {
-    FisherSnedecor::new(freedom, freedom)
-        .map_or(f64::INFINITY, |f| f.inverse_cdf(1.0 - 0.5 * ALPHA))
+    f_quantile(0.5 * ALPHA, freedom, freedom).unwrap_or(f64::INFINITY)
 }
 
 #[cfg(test)]

@@ -2,11 +2,12 @@
 
 use crate::arguments::Arguments;
 use crate::instruments::{self, Call, Subject};
-use crate::measure::{median, processor_seconds};
+use crate::measure::processor_seconds;
 use crate::scenes::BenchmarkScene;
 use crate::{seed_drum, sphere_drum};
 use anyhow::Context as _;
 use dem_solver::World;
+use probability::median;
 use serde::Serialize;
 use std::io::{BufRead as _, BufReader, Lines, Write as _};
 use std::path::Path;

@@ -1,13 +1,14 @@
 //! What is measured beside the solver: reading a picture, filling a mesh, analysing a table.
 
 use crate::arguments::Arguments;
-use crate::measure::{median, peak_memory_mib, processor_seconds};
+use crate::measure::{peak_memory_mib, processor_seconds};
 use crate::scenes::BenchmarkScene;
 use crate::seed_drum;
 use anyhow::Context as _;
 use experiment_design::{AxialDistance, Factor, central_composite};
 use image::{DynamicImage, imageops};
 use photo_profile::{PhotoPixels, Settings, measure_photo, synthetic};
+use probability::median;
 use response_surface::{Cell, Model, Observations, Weighting, box_cox, fit};
 use serde::{Deserialize, Serialize};
 use std::fmt;

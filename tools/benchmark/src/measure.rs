@@ -36,7 +36,7 @@ pub(crate) struct Row {
 impl Row {
     /// Sets the costs from those of the blocks.
     pub(crate) fn set_blocks(&mut self, blocks: Vec<f64>) {
-        self.us_per_step = median(&blocks);
+        self.us_per_step = probability::median(&blocks);
         self.sphere_steps_per_s = self.spheres as f64 / self.us_per_step * 1e6;
         self.cpu_s_per_simulated_s = self.us_per_step * 1e-6 / self.time_step_s;
         self.us_per_step_blocks = blocks;
@@ -105,27 +105,4 @@ pub(crate) fn peak_memory_mib() -> anyhow::Result<f64> {
     let line = text.lines().find_map(|line| line.strip_prefix("VmHWM:"));
     let kib = line.and_then(|rest| rest.split_whitespace().next()?.parse::<f64>().ok());
     Ok(kib.with_context(|| format!("{file}: no VmHWM"))? / 1024.0)
-}
-
-/// Median; the mean of the middle two of an even number, NaN of none.
-pub(crate) fn median(values: &[f64]) -> f64 {
-    let mut sorted = values.to_vec();
-    sorted.sort_unstable_by(f64::total_cmp);
-    let n = sorted.len();
-    match n {
-        0 => f64::NAN,
-        _ => 0.5 * (sorted[(n - 1) / 2] + sorted[n / 2]),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::median;
-
-    #[test]
-    fn median_of_odd_and_even_numbers_is_the_middle() {
-        assert_eq!(median(&[3.0, 1.0, 9.0]), 3.0);
-        assert_eq!(median(&[3.0, 1.0, 9.0, 4.0]), 3.5);
-        assert!(median(&[]).is_nan());
-    }
 }

@@ -1,10 +1,10 @@
 //! One thread against several, on the same steps.
 
 use crate::arguments::Arguments;
-use crate::measure::median;
 use crate::scenes::BenchmarkScene;
 use crate::{seed_drum, sphere_drum};
 use dem_solver::World;
+use probability::median;
 use serde::Serialize;
 use std::time::Instant;
 

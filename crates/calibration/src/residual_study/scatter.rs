@@ -1,7 +1,6 @@
 //! How runs scatter about the means of their conditions.
 
-use statrs::distribution::{ChiSquared, ContinuousCDF};
-use statrs::function::gamma::digamma;
+use probability::{chi_squared_upper_tail, digamma, inverse_trigamma, trigamma};
 
 /// Chance below which a difference between the variances of the conditions counts as one: conditions that do not differ
 /// should share their variance, which is then known best.
@@ -238,51 +237,13 @@ fn chance_of_equal(known: &[(f64, f64)]) -> f64 {
     let inverses: f64 = known.iter().map(|(_, d)| d.recip()).sum();
     let correction = 1.0 + (inverses - total.recip()) / (3.0 * (n - 1.0));
     let statistic = (total * pooled.ln() - logarithms) / correction;
-    ChiSquared::new(n - 1.0).map_or(1.0, |law| law.sf(statistic.max(0.0)))
-}
-
-/// Second derivative of ln Gamma for x > 0: the recurrence up to 10, then the asymptotic series
-/// `[Abramowitz1964, 6.4.6 and 6.4.12]`.
-fn trigamma(x: f64) -> f64 {
-    let (mut x, mut sum) = (x, 0.0);
-    while x < 10.0 {
-        sum += 1.0 / (x * x);
-        x += 1.0;
-    }
-    let y = 1.0 / (x * x);
-    let series = 1.0 / 6.0 - y * (1.0 / 30.0 - y * (1.0 / 42.0 - y / 30.0));
-    sum + 1.0 / x + y / 2.0 + y / x * series
-}
-
-/// The x > 0 with this trigamma, by bisection of its logarithm: trigamma falls from infinity to 0.
-fn inverse_trigamma(value: f64) -> f64 {
-    let (mut low, mut high) = (-20.0_f64, 20.0_f64);
-    for _ in 0..80 {
-        let middle = 0.5 * (low + high);
-        if trigamma(middle.exp()) > value {
-            low = middle;
-        } else {
-            high = middle;
-        }
-    }
-    low.exp()
+    chi_squared_upper_tail(statistic.max(0.0), n - 1.0).unwrap_or(1.0)
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{Scatter, inverse_trigamma, trigamma};
+    use super::Scatter;
     use random_stream::Stream;
-
-    /// pi^2/6 and pi^2/2, exact; the inverse gives the argument back. Tolerance: the series ends at 1e-10.
-    #[test]
-    fn trigamma_has_its_known_values() {
-        let square = std::f64::consts::PI.powi(2);
-        assert!((trigamma(1.0) - square / 6.0).abs() < 1e-9);
-        assert!((trigamma(0.5) - square / 2.0).abs() < 1e-9);
-        for x in [0.02, 1.3, 400.0] {
-            assert!((inverse_trigamma(trigamma(x)) / x - 1.0).abs() < 1e-6);
-        }
-    }
 
     /// Runs of one observable, normal with these standard deviations.
     fn scatter(sds: &[f64], runs: usize, seed: u64) -> Scatter {

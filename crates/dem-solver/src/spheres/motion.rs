@@ -10,8 +10,9 @@
 )]
 
 use crate::bodies::BodySlices;
-use crate::integrate::{Columns, ROOM, Surroundings, length, rounded_up, turned, vector, write};
+use crate::integrate::{Columns, ROOM, Surroundings, length, turned, vector, write};
 use crate::template::Template;
+use crate::travel::rounded_up;
 use fearless_simd::prelude::*;
 use fearless_simd::{Level, dispatch};
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};

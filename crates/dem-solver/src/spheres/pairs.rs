@@ -9,11 +9,13 @@
     reason = "the hot loops are vectorised only when inlined"
 )]
 
+use crate::census::Census;
 use crate::contact::{Interaction, Memory};
+use crate::context::Context;
+use crate::kept_contact::KeptContact;
+use crate::lanes::stored;
 use crate::lanes::{HALF, NUMBERS, keep, make_room};
-use crate::neighbours::{Census, lowered, stored};
-use crate::pair_force::Context;
-use crate::snapshot::KeptContact;
+use crate::travel::lowered;
 use fearless_simd::prelude::*;
 use fearless_simd::{f32x8, u32x8};
 use nalgebra::Vector3;
@@ -22,9 +24,6 @@ use nalgebra::Vector3;
 pub(crate) const TOUCHES: f32 = f32::NEG_INFINITY;
 /// The same of a pair that has not been looked at, m: below all travels, and still a number when it is lowered.
 pub(crate) const UNKNOWN: f32 = -1e30;
-
-/// Three coordinates and a fourth number that goes along, so that they are read and written together.
-pub(crate) type Row = [f64; 4];
 
 /// The bodies of a pair.
 #[derive(Debug, Clone, Copy, Default)]
@@ -230,19 +229,7 @@ impl SpherePairs {
     }
 }
 
-/// A vector and a number beside it.
-#[inline(always)]
-pub(crate) fn row(vector: &Vector3<f64>, beside: f64) -> Row {
-    [vector.x, vector.y, vector.z, beside]
-}
-
 /// What a column holds of an entry that is known; 0 of one that is not.
 pub(crate) fn remembered(column: &[Vector3<f64>], known: Option<usize>) -> Vector3<f64> {
     known.map_or_else(Vector3::zeros, |k| column[k])
-}
-
-/// The vector of a row.
-#[inline(always)]
-pub(crate) fn vector(row: &Row) -> Vector3<f64> {
-    Vector3::new(row[0], row[1], row[2])
 }

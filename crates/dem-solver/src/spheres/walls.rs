@@ -12,11 +12,12 @@
 use crate::batch::{Column, Loads, ROOM, by_law, read, write};
 use crate::bodies::Bodies;
 use crate::contact::{Interaction, Memory, Mover, SphereWall};
+use crate::context::Context;
+use crate::kept_contact::KeptContact;
+use crate::lanes::stored;
 use crate::liquid::bridge_volume;
-use crate::neighbours::{lowered, stored};
-use crate::pair_force::Context;
-use crate::snapshot::KeptContact;
 use crate::spheres::pairs::{TOUCHES, UNKNOWN, remembered};
+use crate::travel::lowered;
 use crate::wall::Wall;
 use crate::wall_force::sphere_at_wall;
 use fearless_simd::prelude::*;

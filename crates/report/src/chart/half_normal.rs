@@ -1,5 +1,6 @@
 //! Ordered effects against half-normal quantiles.
 
+use probability::normal_quantile;
 use serde::{Deserialize, Serialize};
 
 use crate::chart::{AxisTitle, Level};
@@ -7,7 +8,6 @@ use crate::check::Field;
 use crate::geometry::{Point, at};
 use crate::label_places::LabelPlaces;
 use crate::legend::{LegendEntry, Sample, draw_legend, legend_height};
-use crate::normal_quantile::half_normal_quantile;
 use crate::plot::{AxisPlan, Outside, Plot};
 use crate::style::{AXIS, BLUE, INK, PAPER, VERMILION, WIDTH};
 use crate::svg::{Canvas, Shape, Stroke};
@@ -180,4 +180,11 @@ impl HalfNormal {
             }
         }
     }
+}
+
+/// The z with P(|Z| < z) = `probability` of a standard normal Z, for 0 < `probability` < 1; 7.5 beyond that.
+fn half_normal_quantile(probability: f64) -> f64 {
+    const FARTHEST: f64 = 7.5;
+    let quantile = normal_quantile(0.5 * (1.0 + probability));
+    quantile.map_or(FARTHEST, |z| z.min(FARTHEST))
 }

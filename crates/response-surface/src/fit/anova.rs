@@ -4,9 +4,9 @@ use serde::{Deserialize, Serialize};
 
 use super::matrix::Matrix;
 use super::{FTest, f_test, positive_df, ratio};
-use crate::distribution::f_upper_tail;
 use crate::least_squares::LeastSquares;
 use crate::{Model, NamedValues};
+use probability::f_upper_tail;
 
 /// A line of an analysis of variance.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{FTest, Replicates, f_test, ratio};
 use crate::Observations;
-use crate::distribution::f_upper_tail;
+use probability::f_upper_tail;
 
 /// Scatter of rows with the same settings.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

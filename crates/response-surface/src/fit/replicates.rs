@@ -3,8 +3,8 @@
 use serde::{Deserialize, Serialize};
 
 use super::{TermRow, ratio};
-use crate::distribution::{chi_squared_upper_tail, f_upper_tail};
 use crate::{NamedValues, Observations};
+use probability::{chi_squared_upper_tail, f_upper_tail};
 
 /// Tests against the pooled variance of replicates within cells.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

@@ -6,9 +6,9 @@ use super::anova::Sums;
 use super::matrix::Matrix;
 use super::{positive_df, ratio};
 use crate::NamedValues;
-use crate::distribution::{t_two_sided_quantile, t_two_sided_tail};
 use crate::least_squares::LeastSquares;
 use crate::wide::Wide;
+use probability::{t_two_sided_quantile, t_two_sided_tail};
 
 /// A coefficient with its test against the residuals.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

@@ -4,9 +4,9 @@ use serde::{Deserialize, Serialize};
 
 use super::matrix::Matrix;
 use super::{TermRow, ratio};
-use crate::distribution::f_upper_tail;
 use crate::least_squares::{LeastSquares, last_adds};
 use crate::{Model, NamedValues, Term};
+use probability::f_upper_tail;
 
 /// A sum of squares of one degree of freedom with its test against the residuals.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

@@ -5,7 +5,7 @@ use std::fmt;
 use serde::{Deserialize, Serialize};
 
 use super::{Fit, ratio};
-use crate::distribution::t_two_sided_quantile;
+use probability::t_two_sided_quantile;
 
 /// A property of the fit that calls for care.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

@@ -117,19 +117,11 @@ fn model_covariance(fit: &Fit) -> DMatrix<f64> {
 
 /// Quantiles and bounds of one factor.
 fn of_factor(factor: &experiment_design::Factor, j: usize, list: &[Vec<f64>]) -> BootstrapFactor {
-    let mut values: Vec<f64> = list.iter().map(|x| x[j]).collect();
-    values.sort_by(f64::total_cmp);
+    let values: Vec<f64> = list.iter().map(|x| x[j]).collect();
     let n = values.len();
     let share =
         |at: &dyn Fn(f64) -> bool| values.iter().filter(|x| at(**x)).count() as f64 / n as f64;
-    // Linear between order statistics, as R's type 7.
-    let quantile = |p: f64| {
-        let place = p * (n - 1) as f64;
-        let below = (0..n).rev().find(|&i| i as f64 <= place).unwrap_or(0);
-        let above = (below + 1).min(n - 1);
-        let part = place - below as f64;
-        factor.natural(values[below] + part * (values[above] - values[below]))
-    };
+    let quantile = |p: f64| factor.natural(probability::quantile(&values, p));
     BootstrapFactor {
         median: quantile(0.5),
         quantiles95: [quantile(0.025), quantile(0.975)],

@@ -8,11 +8,11 @@ use std::path::Path;
 use anyhow::Context as _;
 use command_line::{Common, write_new};
 
+use probability::{chi_squared_quantile, normal_quantile, t_two_sided_quantile};
 use report::{
     AxisTitle, Effect, HalfNormal, Level, LineSeries, Pareto, PngPrinter, Scatter, Series,
     SeriesPoint, Svg,
 };
-use response_surface::distribution::{chi_squared_quantile, normal_quantile, t_two_sided_quantile};
 use response_surface::fit::{Case, TermRow};
 use response_surface::{BoxCox, Categorical, Fit, Lenth, RidgePoint};
 

@@ -6,7 +6,7 @@ use experiment_design::{
     Constraint, Coordinate, Criterion, Design, DesignKind, Factor, Region, augmented_near,
     optimal_rows,
 };
-use response_surface::distribution::t_two_sided_quantile;
+use probability::t_two_sided_quantile;
 use response_surface::{Categorical, CategoricalModel};
 use serde_json::{Value, json};
 

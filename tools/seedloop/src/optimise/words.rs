@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use command_line::{Common, significant};
 use experiment_design::Factor;
-use response_surface::distribution::t_two_sided_quantile;
+use probability::t_two_sided_quantile;
 use response_surface::solutions::{Bootstrap, Region};
 use response_surface::{Confirmation, ErrorSource, ErrorVariance, Fit, NamedValues, Solutions};
 

@@ -1,6 +1,6 @@
 //! The distribution of the studentized range: greatest less least of k means over their standard error.
 
-use statrs::function::erf::erfc;
+use crate::normal::{normal_cdf, normal_density};
 use statrs::function::gamma::ln_gamma;
 
 /// Nodes and weights of Gauss's rule of eight points on -1..+1, those above zero `[Abramowitz1964, table 25.4]`.
@@ -66,17 +66,15 @@ pub fn studentized_range_quantile(tail: f64, k: usize, df: f64) -> Option<f64> {
 /// P(W >= w) of the range of `k` standard normal values.
 fn range_upper_tail(w: f64, k: usize) -> f64 {
     let others = (k - 1) as f64;
-    let below = |z: f64| 0.5 * erfc(-z * std::f64::consts::FRAC_1_SQRT_2);
     let value = |z: f64| {
-        let all = below(z);
+        let all = normal_cdf(z);
         if all <= 0.0 {
             return 0.0;
         }
         // a^m - (a - b)^m = -a^m expm1(m ln(1 - b / a)).
-        let share = (below(z - w) / all).min(1.0);
+        let share = (normal_cdf(z - w) / all).min(1.0);
         let less = -(others * (-share).ln_1p()).exp_m1();
-        let density = (-0.5 * z * z).exp() / (2.0 * std::f64::consts::PI).sqrt();
-        density * all.powf(others) * less
+        normal_density(z) * all.powf(others) * less
     };
     (k as f64 * integral(-8.5, 8.5 + w.min(9.0), 24, &value)).min(1.0)
 }
@@ -96,7 +94,7 @@ fn integral(low: f64, high: f64, panels: usize, f: &dyn Fn(f64) -> f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::{studentized_range_quantile, studentized_range_upper_tail};
-    use crate::distribution::t_two_sided_tail;
+    use crate::student::t_two_sided_tail;
 
     /// Of two means the range is sqrt(2) |t|, for any degrees of freedom; Gauss's rule in panels leaves 1e-9 at one degree,
     /// where the density does not vanish at zero.
