@@ -2,6 +2,7 @@
 //!
 //! The linear prediction only proposes: every error in the result comes from real runs.
 
+pub(crate) mod amplitude_search;
 mod assemble;
 mod candidates;
 pub(crate) mod fits;
@@ -12,11 +13,10 @@ mod slopes;
 mod worker;
 
 use crate::Error;
+use amplitude_search::worth_a_search;
 use campaign::{Campaign, RunRequest, Simulator};
 pub use candidates::{CandidateMeasurement, OfferedMeasurement};
-use fits::{
-    FIRST_BLOCK_ANEW, FIRST_BLOCK_OF_NOISY, Fits, LOOKS, Looks, MOST_SUSPECTS, Visited, sets_to_add,
-};
+use fits::{FIRST_BLOCK_ANEW, FIRST_BLOCK_OF_NOISY, Fits, Looks, Visited, sets_to_add};
 use residual_diagnosis::{
     CheckedModel, Diagnosis, Largest, Options, Problem, ProblemFile, Sign, Verdict, diagnose,
 };
@@ -327,18 +327,17 @@ fn study_of_all(
         linear = fits.measured_anew(linear, &fit, runs, &mut looks)?;
         (file, diagnosis) = diagnosed(&linear)?;
     }
-    for look in 0..LOOKS {
-        let settings = match diagnosis.verdict {
-            Verdict::None | Verdict::Refused | Verdict::NotTestable => break,
-            Verdict::Named | Verdict::Tie if look > 0 => break,
-            _ => fits.suspects(&linear, &fit, &diagnosis)?,
-        };
-        if settings.is_empty() {
-            break;
-        }
-        let blocks = FIRST_BLOCK_ANEW + (look * MOST_SUSPECTS) as u64..;
-        let runs = settings.into_iter().zip(blocks);
+    let quiet = [Verdict::None, Verdict::Refused, Verdict::NotTestable];
+    if !quiet.contains(&diagnosis.verdict) {
+        let suspects = fits.suspects(&linear, &fit, &diagnosis)?;
+        let runs = suspects.into_iter().zip(FIRST_BLOCK_ANEW..);
         linear = fits.measured_anew(linear, &fit, runs, &mut looks)?;
+        (file, diagnosis) = diagnosed(&linear)?;
+    }
+    if matches!(diagnosis.verdict, Verdict::Unknown | Verdict::Partial) {
+        let suspects = fits.suspects(&linear, &fit, &diagnosis)?;
+        let suspects = worth_a_search(&diagnosis, plan, suspects);
+        linear = fits.searched(linear, &fit, &suspects, &mut looks)?;
         (file, diagnosis) = diagnosed(&linear)?;
     }
     diagnosis.warnings.append(&mut looks.warnings);

@@ -5,12 +5,10 @@ use super::worker::Worker;
 use super::{AddedEffect, EffectProbe, Observed, ResidualPlan, assemble, refit};
 use crate::Error;
 use residual_diagnosis::{CandidateResult, Diagnosis, Unseen};
+use std::collections::BTreeSet;
 
 /// Largest number of effects whose sensitivity is measured anew at a time.
 pub(crate) const MOST_SUSPECTS: usize = 3;
-/// How often that is done: wherever something stands out, and again where no effect is adequate then, or none
-/// beats an unknown one.
-pub(crate) const LOOKS: usize = 2;
 /// Blocks of seeds: of the fit without an effect and its corrections, of the model with effects and its corrections,
 /// and the first of the sensitivities measured anew. Block 0 is that of the start.
 pub(crate) const BLOCKS_OF_FIT: [u64; 3] = [1, 4, 5];
@@ -46,7 +44,7 @@ pub(super) fn sets_to_add(diagnosis: &Diagnosis) -> Vec<Vec<String>> {
 }
 
 /// Why a run failed, where that is the error.
-fn failed_run(error: &Error) -> Option<String> {
+pub(super) fn failed_run(error: &Error) -> Option<String> {
     match error {
         Error::Campaign(
             campaign::Error::Run { source, .. } | campaign::Error::Refused { source, .. },
@@ -68,7 +66,9 @@ pub(super) struct Fits<'a> {
 #[derive(Debug, Default)]
 pub(super) struct Looks {
     /// Number of each effect and where it was run, the last look behind the others.
-    at: Vec<(usize, Visited)>,
+    pub(super) at: Vec<(usize, Visited)>,
+    /// Those whose amplitude was searched: the last look is where that ended.
+    pub(super) searched: BTreeSet<usize>,
     /// Those that could not be run.
     pub(super) warnings: Vec<String>,
 }
@@ -232,7 +232,7 @@ impl Fits<'_> {
 
     /// Adds effects to the model that was fitted without, and fits parameters and amplitudes together.
     ///
-    /// A lone effect that was looked at anew starts there.
+    /// A lone effect that was looked at anew starts there; one whose amplitude was searched is fitted already.
     fn with(
         &self,
         linear: &Linearisation,
@@ -243,13 +243,20 @@ impl Fits<'_> {
         let alone = |look: &&(usize, Visited)| {
             effects == std::slice::from_ref(&self.plan.effects[look.0].name)
         };
-        let look = looks.at.iter().rev().find(alone).map(|look| &look.1);
-        let mut start = look.map_or(&fit.setting, |look| &look.setting).clone();
-        for name in effects {
-            start.effects.entry(name.clone()).or_insert(0.0);
-        }
-        let about = (&start, &look.unwrap_or(fit).means);
-        let (end, _) = self.descend(linear, effects, about, look.cloned(), BLOCKS_WITH_EFFECTS)?;
+        let found = looks.at.iter().rev().find(alone);
+        let end = if let Some((_, end)) = found.filter(|look| looks.searched.contains(&look.0)) {
+            end.clone()
+        } else {
+            let look = found.map(|look| &look.1);
+            let mut start = look.map_or(&fit.setting, |look| &look.setting).clone();
+            for name in effects {
+                start.effects.entry(name.clone()).or_insert(0.0);
+            }
+            let about = (&start, &look.unwrap_or(fit).means);
+            let best = look.cloned();
+            let (end, _) = self.descend(linear, effects, about, best, BLOCKS_WITH_EFFECTS)?;
+            end
+        };
         let means = end
             .means
             .with_kept(self.run(&end.setting, end.block, At::Kept)?);

@@ -535,7 +535,7 @@ impl Linearisation {
     ///
     /// # Formula
     ///
-    /// `(f(on) - f(fit) - S (theta_on - theta_fit)) / a_on`: the linear model then goes through both points.
+    /// `(f(on) - f(fit) - S (theta_on - theta_fit)) / (a_on - a_fit)`: the linear model then goes through both points.
     pub(super) fn with_secant(
         mut self,
         plan: &ResidualPlan,
@@ -543,7 +543,9 @@ impl Linearisation {
         (fit, at_fit): (&Setting, &Means),
         (setting, on): (&Setting, &Means),
     ) -> Self {
-        let amplitude = setting.effects[&plan.effects[effect].name];
+        let name = &plan.effects[effect].name;
+        let of = |setting: &Setting| setting.effects.get(name).copied().unwrap_or(0.0);
+        let amplitude = of(setting) - of(fit);
         let moved = |d: &DeclaredParameter| setting.parameters[&d.name] - fit.parameters[&d.name];
         let moved: Vec<f64> = plan.declared.iter().map(moved).collect();
         let rows = on.values.iter().zip(&at_fit.values);
@@ -566,6 +568,31 @@ impl Linearisation {
         };
         self.library_variance[effect] = runs / (on.least_n() as f64 * amplitude * amplitude);
         if shares { self } else { self.with_scatter(on) }
+    }
+
+    /// The means that the slopes promise at a setting, from those of a point.
+    pub(super) fn means_at(
+        &self,
+        plan: &ResidualPlan,
+        effect: usize,
+        (point, means): (&Setting, &Means),
+        setting: &Setting,
+    ) -> Means {
+        let name = &plan.effects[effect].name;
+        let of = |setting: &Setting| setting.effects.get(name).copied().unwrap_or(0.0);
+        let further = of(setting) - of(point);
+        let moved = |d: &DeclaredParameter| setting.parameters[&d.name] - point.parameters[&d.name];
+        let moved: Vec<f64> = plan.declared.iter().map(moved).collect();
+        let mut promised = means.clone();
+        let tables = self.declared.iter().zip(&self.library);
+        for (row, (declared, library)) in promised.values.iter_mut().zip(tables) {
+            let slopes = declared.iter().zip(library);
+            for (value, (declared, library)) in row.iter_mut().zip(slopes) {
+                let by_parameters: f64 = declared.iter().zip(&moved).map(|(s, d)| s * d).sum();
+                *value += by_parameters + library[effect] * further;
+            }
+        }
+        promised
     }
 
     /// The same with slopes that go through two points that were run; none where these do not contradict the slopes,
