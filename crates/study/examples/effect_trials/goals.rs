@@ -112,7 +112,7 @@ fn write_reduction(answered: &[&Outcome], text: &mut String) {
 }
 
 /// A share with its standard error; at its ends the bound that holds with a chance of 95 %.
-fn share(hits: &[bool]) -> String {
+pub(crate) fn share(hits: &[bool]) -> String {
     let n = hits.len();
     if n == 0 {
         return "-".into();

@@ -2,7 +2,7 @@
 //! noise of reading.
 
 use crate::{AnyError, SEED};
-use calibration::{CalibrationProblem, Measurement, Parameter};
+use calibration::{CalibrationProblem, CandidateMeasurement, Measurement, Parameter};
 use campaign::{Campaign, RunRequest, Simulator};
 use random_stream::Stream;
 use run_store::Record;
@@ -109,7 +109,16 @@ impl<'a> Laboratory<'a> {
         truth: &BTreeMap<String, f64>,
         effect: Option<&(String, f64)>,
     ) -> RunRequest {
-        let name = &self.problem.models[model].name;
+        self.request_of(&self.problem.models[model].name, truth, effect)
+    }
+
+    /// The same by the name of a model.
+    fn request_of(
+        &self,
+        name: &str,
+        truth: &BTreeMap<String, f64>,
+        effect: Option<&(String, f64)>,
+    ) -> RunRequest {
         let mut request = RunRequest::new(name, 0);
         request.parameters.clone_from(truth);
         let probe = |effect: &str| self.problem.effects.iter().find(|e| e.name == effect);
@@ -142,12 +151,8 @@ impl<'a> Laboratory<'a> {
         Ok(on == self.inputs(None)?)
     }
 
-    /// The study with measured values in which something is hidden.
-    ///
-    /// The parameters are drawn from their priors. The mean of a value is that of as many runs as the study states, each
-    /// read with the standard deviation that it states; the standard deviation that the diagnosis is told holds the
-    /// scatter of the runs too, as it is with nothing hidden.
-    pub(crate) fn measure(&self, hidden: &Hidden) -> Result<CalibrationProblem, AnyError> {
+    /// The parameters of a campaign, drawn from their priors.
+    fn truth(&self, hidden: &Hidden) -> BTreeMap<String, f64> {
         let mut stream = Stream::new(SEED, &format!("truth {}", hidden.number));
         let drawn = self.problem.parameters.iter().map(|p| {
             let drawn = p
@@ -155,7 +160,16 @@ impl<'a> Laboratory<'a> {
                 .map_or(p.start, |prior| prior.mean + prior.sd * stream.normal());
             (p.symbol.clone(), drawn.clamp(p.limits[0], p.limits[1]))
         });
-        let truth: BTreeMap<String, f64> = drawn.collect();
+        drawn.collect()
+    }
+
+    /// The study with measured values in which something is hidden.
+    ///
+    /// The parameters are drawn from their priors. The mean of a value is that of as many runs as the study states, each
+    /// read with the standard deviation that it states; the standard deviation that the diagnosis is told holds the
+    /// scatter of the runs too, as it is with nothing hidden.
+    pub(crate) fn measure(&self, hidden: &Hidden) -> Result<CalibrationProblem, AnyError> {
+        let truth = self.truth(hidden);
         let (mut requests, mut from) = (Vec::new(), Vec::new());
         for model in 0..self.problem.models.len() {
             from.push(requests.len());
@@ -177,7 +191,50 @@ impl<'a> Laboratory<'a> {
             let scatter = self.scatter[&(self.scene(m.model), m.observable.clone())];
             m.sd = reading.hypot(scatter);
         }
+        for candidate in &mut problem.candidates {
+            let runs = self.runs_in(&candidate.model.scene) as f64;
+            for (name, se) in &mut candidate.standard_errors {
+                let of = (candidate.model.scene.clone(), name.clone());
+                let scatter = self.scatter.get(&of).copied().unwrap_or(0.0);
+                *se = se.hypot(scatter / runs.sqrt());
+            }
+        }
         Ok(problem)
+    }
+
+    /// What a laboratory would find in a campaign where it has not measured yet, by the names of the plan: means of as many
+    /// runs as elsewhere in the scene, read with the noise of the candidate in the study.
+    pub(crate) fn measure_next(
+        &self,
+        hidden: &Hidden,
+        next: &CandidateMeasurement,
+    ) -> Result<BTreeMap<String, f64>, AnyError> {
+        let known = &self.problem.candidates;
+        let candidate = known.iter().find(|c| c.model.name == next.name);
+        let candidate = candidate.ok_or_else(|| format!("no candidate {}", next.name))?;
+        let first = DATA_SEEDS + SEEDS_OF_CAMPAIGN * hidden.number + SEEDS_OF_CAMPAIGN / 2;
+        let truth = self.truth(hidden);
+        let request = self.request_of(&next.name, &truth, hidden.effect.as_ref());
+        let runs = 0..self.runs_in(&candidate.model.scene) as u64;
+        let requests: Vec<RunRequest> =
+            runs.map(|r| request.clone().with_seed(first + r)).collect();
+        let records = self.campaign.run_all(self.simulator, &requests)?;
+        let mut stream = Stream::new(SEED, &format!("next reading {}", hidden.number));
+        let names = next.condition.observables.iter().flatten();
+        names
+            .map(|(in_plan, name)| {
+                let values = observed(&records, name)?;
+                let reading = candidate.standard_errors[name] * stream.normal();
+                Ok((in_plan.clone(), mean(&values) + reading))
+            })
+            .collect()
+    }
+
+    /// Number of runs behind the values measured in a scene.
+    fn runs_in(&self, scene: &str) -> usize {
+        let models = 0..self.problem.models.len();
+        let own = models.filter(|&k| self.problem.models[k].scene == scene);
+        own.map(|k| self.runs(k)).max().unwrap_or(1)
     }
 
     /// Number of runs behind the values measured on a model: the largest that one of them states.
@@ -200,9 +257,14 @@ impl<'a> Laboratory<'a> {
 
 /// A measured observable in records.
 fn values(records: &[Record], m: &Measurement) -> Result<Vec<f64>, AnyError> {
+    observed(records, &m.observable)
+}
+
+/// An observable in records.
+fn observed(records: &[Record], name: &str) -> Result<Vec<f64>, AnyError> {
     let value = |record: &Record| {
-        let found = record.observable(&m.observable).map(|o| o.mean);
-        found.ok_or_else(|| format!("run {} gives no {}", record.key(), m.observable).into())
+        let found = record.observable(name).map(|o| o.mean);
+        found.ok_or_else(|| format!("run {} gives no {name}", record.key()).into())
     };
     records.iter().map(value).collect()
 }

@@ -19,12 +19,16 @@
 
 mod goals;
 mod laboratory;
+mod next;
 mod outcome;
 mod page;
 
-use calibration::{DiagnosisStage, EffectProbe, LoopSettings, ResidualStudy, diagnose_at};
+use calibration::{
+    DiagnosisStage, EffectProbe, LoopSettings, ResidualStudy, diagnose_at, study_residual,
+};
 use campaign::{Campaign, Progress, ProgressState};
 use laboratory::{Hidden, Laboratory};
+use next::Next;
 use outcome::{Outcome, Work};
 use page::Page;
 use residual_diagnosis::CandidateResult;
@@ -128,7 +132,47 @@ impl Trials<'_> {
                 page.outcomes.push(self.outcome(hidden)?);
             }
         }
+        for outcome in &page.outcomes {
+            if begin.elapsed().as_secs_f64() < 60.0 * minutes {
+                page.next.extend(self.next(outcome)?);
+            }
+        }
         Ok(page)
+    }
+
+    /// What a campaign with an open question tells once the first measurement that it recommends is made; none where nothing
+    /// is hidden, or nothing recommended.
+    fn next(&self, outcome: &Outcome) -> Result<Option<Next>, AnyError> {
+        let Some((study, told)) = outcome.study().zip(outcome.told()) else {
+            return Ok(None);
+        };
+        let Some(candidate) = next::recommended(study).filter(|_| outcome.hidden.effect.is_some())
+        else {
+            return Ok(None);
+        };
+        let again = || -> Result<ResidualStudy, AnyError> {
+            let values = self.laboratory.measure_next(&outcome.hidden, candidate)?;
+            let (plan, observed) = study.with_measured(candidate, &values);
+            Ok(study_residual(
+                self.campaign,
+                self.simulator,
+                &plan,
+                &observed,
+            )?)
+        };
+        let result = again().map_err(|e| cause(&*e));
+        let then = Outcome::new(outcome.hidden.clone(), result, 0)?;
+        eprintln!(
+            "{} -> {} -> {}",
+            outcome.line(),
+            candidate.name,
+            then.line()
+        );
+        Ok(Some(Next {
+            measured: candidate.name.clone(),
+            before: (told, study.diagnosis.effects.len()),
+            then,
+        }))
     }
 
     /// What is hidden at one size and of one replicate: every effect that can be seen.

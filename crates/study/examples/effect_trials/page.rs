@@ -1,6 +1,7 @@
 //! The page: every campaign by effect and size, the goals, and what cannot be told.
 
 use crate::goals;
+use crate::next::{self, Next};
 use crate::outcome::{Outcome, Told, Work};
 use calibration::ResidualStudy;
 use residual_diagnosis::{CandidateResult, Ideal, Unseen};
@@ -34,6 +35,8 @@ const HARD_TO_TELL: f64 = 2.0;
 pub(crate) struct Page {
     /// Campaigns.
     pub(crate) outcomes: Vec<Outcome>,
+    /// Campaigns with an open question once the first recommended measurement is made.
+    pub(crate) next: Vec<Next>,
     /// Campaigns for which there was no time.
     pub(crate) not_begun: usize,
     /// Effects whose probes could not be run, with the reason.
@@ -53,6 +56,7 @@ impl Page {
     pub(crate) fn new(not_applicable: &BTreeMap<String, String>, first: &ResidualStudy) -> Self {
         Self {
             outcomes: Vec::new(),
+            next: Vec::new(),
             not_begun: 0,
             library: first.plan.effects.len() + first.left_out.len() + not_applicable.len(),
             left_out: first.left_out.clone(),
@@ -92,6 +96,7 @@ impl Page {
         self.write_coverage(&mut text);
         self.write_nothing(&mut text);
         goals::write(&self.outcomes, &mut text);
+        next::write(&self.next, &mut text);
         self.write_limits(&mut text);
         self.write_work(&mut text, work);
         text
@@ -268,7 +273,7 @@ impl Page {
 }
 
 /// The answer of a campaign in words.
-fn answer(outcome: &Outcome) -> String {
+pub(crate) fn answer(outcome: &Outcome) -> String {
     let Some(told) = outcome.told() else {
         return "no answer".into();
     };
