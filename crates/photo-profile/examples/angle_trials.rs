@@ -5,7 +5,7 @@
 
 #![expect(clippy::print_stdout, reason = "the table is the result")]
 
-use photo_profile::synthetic::{Class, HeapScene, Kind, Trial, kinds};
+use drawn_pictures::{Class, HeapScene, Kind, Trial, kinds};
 use photo_profile::{Mode, Settings, Verdict, measure_image};
 use std::collections::BTreeMap;
 use surface_profile::{measure, measure_heap};

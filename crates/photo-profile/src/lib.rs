@@ -23,7 +23,8 @@
 //! Pixel frame: x to the right, y **down**, the centre of the first pixel is (0, 0).
 //!
 //! ```
-//! use photo_profile::{Settings, measure_image, synthetic::Scene};
+//! use drawn_pictures::Scene;
+//! use photo_profile::{Settings, measure_image};
 //! let scene = Scene { inclination: 0.6, ..Scene::default() };
 //! let reading = measure_image(&scene.draw(), &Settings::default())?;
 //! let angle = reading.angle.expect("a clear picture");
@@ -62,7 +63,6 @@ mod region;
 mod rim;
 mod settings;
 mod surface_shift;
-pub mod synthetic;
 mod tone;
 mod uncertainty;
 mod view;

@@ -268,8 +268,8 @@ impl Strip {
 #[cfg(test)]
 mod tests {
     use super::{NoShift, surface_shift};
-    use crate::synthetic::Scene;
     use crate::{PhotoPixels, Settings, measure_photo};
+    use drawn_pictures::Scene;
     use random_stream::Stream;
 
     /// A bed whose texture is soft spots, moved downhill by so many pixels in the layer below the surface.

@@ -2,8 +2,8 @@
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests fail like tests")]
 
+use drawn_pictures::Scene;
 use image::{DynamicImage, ExtendedColorType, GrayImage, ImageEncoder as _, ImageFormat, imageops};
-use photo_profile::synthetic::Scene;
 use photo_profile::{Error, Settings, measure_file, read_frames, read_photo, rectify};
 use std::path::PathBuf;
 

@@ -2,8 +2,8 @@
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests fail like tests")]
 
+use drawn_pictures::HeapScene;
 use image::{GrayImage, Luma, imageops};
-use photo_profile::synthetic::HeapScene;
 use photo_profile::{HeapReading, MAX_ANGLE_ERROR, Mode, Settings, Verdict, measure_image};
 
 const HEAP: Settings = Settings {

@@ -6,8 +6,8 @@
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests fail like tests")]
 
+use drawn_pictures::Scene;
 use image::{DynamicImage, ImageFormat};
-use photo_profile::synthetic::Scene;
 use photo_profile::{Mode, PhotoPixels, Settings, measure_photo, read_frames};
 use random_stream::Stream;
 use std::path::PathBuf;

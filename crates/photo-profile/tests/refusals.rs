@@ -6,8 +6,8 @@
     reason = "helpers of tests fail like tests"
 )]
 
+use drawn_pictures::Scene;
 use image::{GrayImage, Luma};
-use photo_profile::synthetic::Scene;
 use photo_profile::{
     DrumPixels, Refusal, Settings, Verdict, measure_file, measure_image, overlay_gray,
 };

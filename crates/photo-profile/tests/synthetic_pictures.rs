@@ -2,8 +2,8 @@
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests fail like tests")]
 
+use drawn_pictures::{Disturbance, Scene};
 use image::{GrayImage, imageops};
-use photo_profile::synthetic::{Disturbance, Scene};
 use photo_profile::{
     DrumPixels, Foreground, PhotoReading, Refusal, Settings, Verdict, measure_image,
 };

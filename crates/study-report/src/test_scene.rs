@@ -70,7 +70,7 @@ pub(crate) fn drum(folder: &Path) -> Scene {
 
 /// A frame as PNG.
 pub(crate) fn frame() -> Vec<u8> {
-    let picture = photo_profile::synthetic::Scene::default().draw();
+    let picture = drawn_pictures::Scene::default().draw();
     let mut bytes = Cursor::new(Vec::new());
     DynamicImage::from(picture)
         .write_to(&mut bytes, ImageFormat::Png)

@@ -5,9 +5,10 @@ use crate::measure::{peak_memory_mib, processor_seconds};
 use crate::scenes::BenchmarkScene;
 use crate::seed_drum;
 use anyhow::Context as _;
+use drawn_pictures::Scene;
 use experiment_design::{AxialDistance, Factor, central_composite};
 use image::{DynamicImage, imageops};
-use photo_profile::{PhotoPixels, Settings, measure_photo, synthetic};
+use photo_profile::{PhotoPixels, Settings, measure_photo};
 use probability::median;
 use response_surface::{Cell, Model, Observations, Weighting, box_cox, fit};
 use serde::{Deserialize, Serialize};
@@ -121,12 +122,12 @@ fn frame(arguments: &Arguments) -> anyhow::Result<Call> {
 /// Reading a photo of coarse grains, once it is decoded.
 fn photo() -> Call {
     let [width, height] = PHOTO;
-    let drawn = synthetic::Scene {
+    let drawn = Scene {
         size: height,
         radius: 0.45 * f64::from(height),
         grain: [40.0, 25.0],
         noise: 4.0,
-        ..synthetic::Scene::default()
+        ..Scene::default()
     };
     let mut wide = image::GrayImage::from_pixel(width, height, image::Luma([20]));
     imageops::replace(&mut wide, &drawn.draw(), i64::from((width - height) / 2), 0);

@@ -2,7 +2,7 @@
 
 use super::folder::{Folder, STUDY, changed, right, wrong};
 use super::refused::tells;
-use photo_profile::synthetic::Scene;
+use drawn_pictures::Scene;
 use random_stream::Stream;
 use study::Study;
 

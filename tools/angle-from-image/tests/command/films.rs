@@ -2,8 +2,8 @@
 //! `just films`.
 
 use super::{folder, text};
+use drawn_pictures::Scene;
 use image::{GrayImage, ImageFormat};
-use photo_profile::synthetic::Scene;
 use serde_json::Value;
 use std::io::Cursor;
 use std::os::unix::fs::PermissionsExt as _;

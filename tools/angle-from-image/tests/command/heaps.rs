@@ -9,10 +9,10 @@ use serde_json::Value;
 fn a_heap_gives_both_flanks_and_a_drum_none() {
     let folder = folder("heap");
     let path = folder.join("heap.png");
-    photo_profile::synthetic::HeapScene {
+    drawn_pictures::HeapScene {
         flanks: [0.5, 0.66],
         rounding: 0.005,
-        ..photo_profile::synthetic::HeapScene::default()
+        ..drawn_pictures::HeapScene::default()
     }
     .draw()
     .save(&path)
@@ -53,17 +53,17 @@ fn a_heap_gives_both_flanks_and_a_drum_none() {
 fn what_a_heap_shows_of_its_foot_and_its_camera_is_told() {
     let folder = folder("leaning heap");
     let (spread, above) = (folder.join("spread.png"), folder.join("above.png"));
-    let plain = photo_profile::synthetic::HeapScene {
+    let plain = drawn_pictures::HeapScene {
         tones: [60.0, 210.0, 210.0],
         rounding: 0.005,
-        ..photo_profile::synthetic::HeapScene::default()
+        ..drawn_pictures::HeapScene::default()
     };
-    let with_foot = photo_profile::synthetic::HeapScene {
+    let with_foot = drawn_pictures::HeapScene {
         spread: 0.5,
         ..plain
     };
     with_foot.draw().save(&spread).unwrap();
-    let from_above = photo_profile::synthetic::HeapScene {
+    let from_above = drawn_pictures::HeapScene {
         lean: 2.0_f64.to_radians(),
         elevation: 12.0_f64.to_radians(),
         ..plain

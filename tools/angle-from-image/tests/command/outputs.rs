@@ -117,7 +117,7 @@ fn a_table_has_a_row_for_every_picture() {
         }
     }
     let heap = folder.join("heap.png");
-    let scene = photo_profile::synthetic::HeapScene::default();
+    let scene = drawn_pictures::HeapScene::default();
     scene.draw().save(&heap).unwrap();
     let heaps = folder.join("heaps.csv");
     let words = [heap.to_str().unwrap(), "--mode", "heap", "--json", "--csv"];

@@ -152,7 +152,7 @@ fn what_cannot_be_read_or_meant_exits_2() {
 /// flag allows for their error. A blank picture has words only.
 #[test]
 fn a_refusal_names_the_flag_to_go_on_with() {
-    use photo_profile::synthetic::Scene;
+    use drawn_pictures::Scene;
     let folder = folder("advice");
     let low = Scene {
         size: 400,

@@ -89,11 +89,11 @@ fn a_bad_file_in_a_folder_does_not_cost_the_others() {
 fn pictures_at_a_rate_tell_avalanches() {
     let folder = folder("rate");
     for k in 0..44 {
-        let scene = photo_profile::synthetic::Scene {
+        let scene = drawn_pictures::Scene {
             size: 240,
             radius: 112.0,
             inclination: (30.0 + f64::from((k + 3) % 8)).to_radians(),
-            ..photo_profile::synthetic::Scene::default()
+            ..drawn_pictures::Scene::default()
         };
         let file = folder.join(format!("{k:02}.png"));
         scene.draw().save(file).unwrap();
@@ -125,10 +125,10 @@ fn pictures_at_a_rate_tell_avalanches() {
 #[test]
 fn tiff_and_webp_in_a_folder_are_read_and_what_is_skipped_is_named() {
     let folder = folder("formats");
-    let drawn = photo_profile::synthetic::Scene {
+    let drawn = drawn_pictures::Scene {
         size: 240,
         radius: 112.0,
-        ..photo_profile::synthetic::Scene::default()
+        ..drawn_pictures::Scene::default()
     }
     .draw();
     drawn.save(folder.join("a.png")).unwrap();

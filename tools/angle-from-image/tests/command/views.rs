@@ -1,8 +1,8 @@
 //! Which part of a picture is looked at, and which way is level in it.
 
 use super::{folder, run, text};
+use drawn_pictures::Scene;
 use image::{GrayImage, Luma, imageops};
-use photo_profile::synthetic::Scene;
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 

@@ -1,25 +1,22 @@
-//! Ellipses, grey values and the camera of drawn pictures.
+//! Ellipses and grey values.
 
-use crate::PhotoPixels;
-use crate::pixels::{to_f32, to_level};
-use image::GrayImage;
-use random_stream::Stream;
+use crate::camera::to_f32;
 
 /// An ellipse in the picture.
-pub(super) struct Ellipse {
+pub(crate) struct Ellipse {
     /// Horizontal coordinate of the centre, px.
-    pub(super) x: f64,
+    pub(crate) x: f64,
     /// Vertical coordinate of the centre, px.
-    pub(super) y: f64,
+    pub(crate) y: f64,
     /// Semi-axes, px.
-    pub(super) half: [f64; 2],
+    pub(crate) half: [f64; 2],
     /// Direction of the first axis, rad.
-    pub(super) turn: f64,
+    pub(crate) turn: f64,
 }
 
 impl Ellipse {
     /// A circle.
-    pub(super) fn circle(x: f64, y: f64, radius: f64) -> Self {
+    pub(crate) fn circle(x: f64, y: f64, radius: f64) -> Self {
         Self {
             x,
             y,
@@ -29,7 +26,7 @@ impl Ellipse {
     }
 
     /// Paints the pixels inside with the tone for (x, y, squared distance in semi-axes).
-    pub(super) fn paint(
+    pub(crate) fn paint(
         &self,
         gray: &mut [f32],
         width: usize,
@@ -62,24 +59,4 @@ impl Ellipse {
             y += 1.0;
         }
     }
-}
-
-/// Takes the picture as a camera does: blurs it, adds noise (both standard deviations, px and
-/// grey levels; 0 for none) and rounds to whole grey levels.
-pub(super) fn taken(
-    mut picture: PhotoPixels,
-    blur: f64,
-    noise: f64,
-    random: &mut Stream,
-) -> GrayImage {
-    if blur > 0.0 {
-        picture = picture.blurred(blur);
-    }
-    let noisy: Vec<u8> = picture
-        .values()
-        .iter()
-        .map(|v| to_level(f64::from(*v) + noise * random.normal()))
-        .collect();
-    let side = |n: usize| u32::try_from(n).unwrap_or(0);
-    GrayImage::from_raw(side(picture.width()), side(picture.height()), noisy).unwrap_or_default()
 }

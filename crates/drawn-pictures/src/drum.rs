@@ -1,21 +1,9 @@
-//! Drawn drum pictures whose surface is known exactly.
-//!
-//! They are the yardstick of this crate: straight, curved and S-shaped surfaces, fine powder or
-//! coarse grains, either polarity, blur, noise, rim and dust. Every scene draws the same picture
-//! each time.
+//! Drums.
 
-mod disturbance;
-mod heap;
-mod kinds;
-mod paint;
-
-use crate::PhotoPixels;
-use crate::pixels::to_f32;
-pub use disturbance::Disturbance;
-pub use heap::HeapScene;
+use crate::Disturbance;
+use crate::camera::{taken, to_f32};
+use crate::paint::Ellipse;
 use image::GrayImage;
-pub use kinds::{Class, Kind, Trial, kinds};
-use paint::{Ellipse, taken};
 use random_stream::Stream;
 use surface_profile::{DrumCircle, SurfacePoint};
 
@@ -122,8 +110,7 @@ impl Scene {
             let (half, tone) = (1.0 + 2.0 * random.uniform(), 255.0 * random.uniform());
             Ellipse::circle(x, y, half).paint(&mut gray, width, |_, _, _| Some(tone));
         }
-        let picture = PhotoPixels::from_values(width, gray);
-        taken(picture, self.blur, self.noise, &mut random)
+        taken(&gray, width, (self.blur, self.noise), &mut random)
     }
 
     /// The true surface as points about the axis, px, y up.
@@ -153,7 +140,7 @@ impl Scene {
     }
 
     /// Middle of the drum in the picture, px.
-    fn centre(&self) -> [f64; 2] {
+    pub(crate) fn centre(&self) -> [f64; 2] {
         let middle = 0.5 * (f64::from(self.size) - 1.0);
         [middle + self.shift[0], middle + self.shift[1]]
     }

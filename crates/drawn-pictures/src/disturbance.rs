@@ -1,8 +1,8 @@
 //! What a real picture has besides bed, air and drum.
 
-use super::Scene;
-use super::paint::Ellipse;
-use crate::pixels::to_f32;
+use crate::Scene;
+use crate::camera::to_f32;
+use crate::paint::Ellipse;
 use random_stream::Stream;
 
 /// Troubles of a drawn picture; the default has none. Places come from the scene's seed.
@@ -68,7 +68,7 @@ impl Default for Disturbance {
 
 impl Scene {
     /// Things outside the drum, before the drum is drawn over them.
-    pub(super) fn draw_clutter(&self, gray: &mut [f32], random: &mut Stream) {
+    pub(crate) fn draw_clutter(&self, gray: &mut [f32], random: &mut Stream) {
         let size = f64::from(self.size);
         let [cx, cy] = self.centre();
         for _ in 0..self.disturbance.n_clutter {
@@ -88,7 +88,7 @@ impl Scene {
     }
 
     /// Hub, stuck particles, bolts and what hides the rim.
-    pub(super) fn draw_things(&self, gray: &mut [f32], random: &mut Stream) {
+    pub(crate) fn draw_things(&self, gray: &mut [f32], random: &mut Stream) {
         let [cx, cy] = self.centre();
         let width = self.size as usize;
         let d = &self.disturbance;
@@ -139,7 +139,7 @@ impl Scene {
     }
 
     /// Light over the picture and bars of it on the glass.
-    pub(super) fn light(&self, gray: &mut [f32], random: &mut Stream) {
+    pub(crate) fn light(&self, gray: &mut [f32], random: &mut Stream) {
         let d = self.disturbance;
         let half = 0.5 * f64::from(self.size);
         if d.vignette > 0.0 || d.light != [0.0, 0.0] {

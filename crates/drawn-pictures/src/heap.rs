@@ -1,8 +1,6 @@
 //! Drawn pictures of heaps whose flanks are known.
 
-use super::paint::taken;
-use crate::PhotoPixels;
-use crate::pixels::to_f32;
+use crate::camera::{taken, to_f32};
 use image::GrayImage;
 use random_stream::Stream;
 use surface_profile::SurfacePoint;
@@ -105,8 +103,7 @@ impl HeapScene {
                 }
             }
         }
-        let picture = PhotoPixels::from_values(columns, gray);
-        taken(picture, self.blur, self.noise, &mut random)
+        taken(&gray, columns, (self.blur, self.noise), &mut random)
     }
 
     /// The true outline without bumps, px, y up from the upper border: heap and table.

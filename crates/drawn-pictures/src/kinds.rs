@@ -1,6 +1,7 @@
 //! Kinds of drawn pictures, each with its spread of shapes, lights and troubles.
 
-use super::{Disturbance, Scene};
+use crate::camera::to_level;
+use crate::{Disturbance, Scene};
 use image::{DynamicImage, GrayImage, ImageEncoder as _, ImageFormat, Luma};
 use random_stream::Stream;
 use std::f64::consts::PI;
@@ -64,7 +65,7 @@ impl Kind {
             Finish::None => drawn,
             Finish::Jpeg => jpeg(drawn, random.between(40.0, 90.0)),
             Finish::Noise => GrayImage::from_fn(drawn.width(), drawn.height(), |_, _| {
-                Luma([crate::pixels::to_level(random.between(0.0, 255.0))])
+                Luma([to_level(random.between(0.0, 255.0))])
             }),
             Finish::Ring => redrawn(&drawn, &scene, |x, y| x.hypot(y) > 0.75),
             Finish::Cliff => redrawn(&drawn, &scene, |x, y| {
@@ -86,7 +87,7 @@ fn redrawn(drawn: &GrayImage, scene: &Scene, is_bed: impl Fn(f64, f64) -> bool) 
         );
         if x.hypot(y) < 0.99 {
             let tone = if is_bed(x, y) { scene.bed } else { scene.air };
-            *pixel = Luma([crate::pixels::to_level(tone)]);
+            *pixel = Luma([to_level(tone)]);
         }
     }
     picture
@@ -95,7 +96,7 @@ fn redrawn(drawn: &GrayImage, scene: &Scene, is_bed: impl Fn(f64, f64) -> bool) 
 /// The picture as a JPEG file gives it back.
 fn jpeg(picture: GrayImage, quality: f64) -> GrayImage {
     let mut bytes = Vec::new();
-    let quality = crate::pixels::to_level(quality);
+    let quality = to_level(quality);
     let (width, height) = picture.dimensions();
     let written = image::codecs::jpeg::JpegEncoder::new_with_quality(&mut bytes, quality)
         .write_image(&picture, width, height, image::ExtendedColorType::L8);
