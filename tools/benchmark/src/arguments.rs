@@ -58,6 +58,12 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "PROGRAM", conflicts_with_all = ["peers", "large", "scaling"])]
     pub(crate) against: Option<PathBuf>,
 
+    /// Tell how long the phases of a step take, by the clock
+    ///
+    /// The search for pairs, contacts, walls of triangles with liquid, and motion. Reading the clock costs a step 0.2 us.
+    #[arg(long, conflicts_with_all = ["peers", "scaling", "against"])]
+    pub(crate) phases: bool,
+
     /// Wait for a line before each block: what --against starts
     #[arg(long, hide = true, requires = "subject")]
     pub(crate) on_demand: bool,

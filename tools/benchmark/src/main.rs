@@ -78,7 +78,7 @@ fn run(arguments: &Arguments) -> anyhow::Result<u8> {
     arguments.common.print(if arguments.peers {
         table::of_peers(&rows)
     } else {
-        table::of_scenes(&rows)
+        table::of_scenes(&rows) + &table::of_phases(&rows)
     })?;
     arguments.common.emit_json(&Summary { header, rows })?;
     Ok(DONE)
@@ -105,6 +105,9 @@ fn in_own_process(arguments: &Arguments, scene: BenchmarkScene) -> anyhow::Resul
         .arg(&arguments.drum)
         .arg("--json=-")
         .stderr(Stdio::inherit());
+    if arguments.phases {
+        command.arg("--phases");
+    }
     if arguments.common.quiet {
         command.arg("--quiet");
     }

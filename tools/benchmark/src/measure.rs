@@ -31,6 +31,18 @@ pub(crate) struct Row {
     pub(crate) kinetic_energy_uj: f64,
     /// Cost over that of this solver; none without peers.
     pub(crate) cost_over_seedloop: Option<f64>,
+    /// What the phases of a step cost; none where they are not asked for.
+    pub(crate) phases: Option<Phases>,
+}
+
+/// What the phases of a step cost by the clock, us.
+#[derive(Debug, Clone, Copy, Serialize, Deserialize)]
+#[expect(clippy::struct_field_names, reason = "each unit is in the name")]
+pub(crate) struct Phases {
+    pub(crate) search_us: f64,
+    pub(crate) contacts_us: f64,
+    pub(crate) triangles_us: f64,
+    pub(crate) motion_us: f64,
 }
 
 impl Row {
@@ -49,10 +61,13 @@ pub(crate) fn measure_world(
     world: &mut World,
     spheres: usize,
     block_steps: usize,
-    n_blocks: u32,
+    (n_blocks, with_phases): (u32, bool),
 ) -> anyhow::Result<Row> {
     let mut blocks = Vec::new();
     for block in 0..=n_blocks {
+        if block == 1 && with_phases {
+            world.count_phases();
+        }
         let start = processor_seconds()?;
         for _ in 0..block_steps {
             world.step()?;
@@ -84,6 +99,15 @@ pub(crate) fn measure_world(
         centre_of_mass_deg: moment.x.atan2(-moment.y).to_degrees(),
         kinetic_energy_uj: energy * 1e6,
         cost_over_seedloop: None,
+        phases: world.phases().map(|sums| {
+            let us = |sum: f64| sum * 1e6 / (f64::from(n_blocks) * block_steps as f64);
+            Phases {
+                search_us: us(sums.search),
+                contacts_us: us(sums.contacts),
+                triangles_us: us(sums.triangles),
+                motion_us: us(sums.motion),
+            }
+        }),
     };
     row.set_blocks(blocks);
     Ok(row)

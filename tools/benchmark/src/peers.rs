@@ -123,11 +123,11 @@ fn compare_scene(
         let name = scene.to_string();
         let own_steps = steps_of_block(&plan, world.settings().time_step);
         let spheres = drum.spheres();
-        let mut own = measure_world(&name, &mut world, spheres, own_steps, plan.blocks)?;
+        let mut own = measure_world(&name, &mut world, spheres, own_steps, (plan.blocks, false))?;
         if own_steps < scene.block_steps() {
             // So few steps tell the state at the end, not the cost: all lists are as old as the world.
             let steps = scene.block_steps();
-            let timed = measure_world(&name, &mut world, spheres, steps, plan.blocks)?;
+            let timed = measure_world(&name, &mut world, spheres, steps, (plan.blocks, false))?;
             own.set_blocks(timed.us_per_step_blocks);
             own.block_steps = steps;
         }

@@ -22,7 +22,7 @@ pub(crate) fn measure(arguments: &Arguments, count: usize) -> anyhow::Result<Row
         &mut flow.world()?,
         spheres,
         name.block_steps(),
-        arguments.blocks,
+        (arguments.blocks, arguments.phases),
     )
 }
 

@@ -57,7 +57,7 @@ pub(crate) fn measure(arguments: &Arguments, count: usize) -> anyhow::Result<Row
         &mut world,
         count,
         name.block_steps(),
-        arguments.blocks,
+        (arguments.blocks, arguments.phases),
     )
 }
 

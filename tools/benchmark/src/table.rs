@@ -25,6 +25,24 @@ pub(crate) fn of_scenes(rows: &[Row]) -> String {
     })
 }
 
+/// Table of the phases of a step, below that of this solver; empty where none were counted.
+pub(crate) fn of_phases(rows: &[Row]) -> String {
+    if rows.iter().all(|row| row.phases.is_none()) {
+        return String::new();
+    }
+    let head = "| scene | search (us) | contacts (us) | walls of triangles, liquid (us) | motion (us) |\n|---|---|---|---|---|";
+    let table = lines(head, rows, |row| {
+        let Some(p) = row.phases else {
+            return format!("| {} | - | - | - | - |", row.scene);
+        };
+        format!(
+            "| {} | {:.2} | {:.2} | {:.2} | {:.2} |",
+            row.scene, p.search_us, p.contacts_us, p.triangles_us, p.motion_us
+        )
+    });
+    format!("\n\n{table}")
+}
+
 /// Table of all codes.
 pub(crate) fn of_peers(rows: &[Row]) -> String {
     let head = "| scene | code | time step (us) | us per step | million sphere-steps/s | CPU-s per simulated \
