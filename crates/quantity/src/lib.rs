@@ -17,6 +17,7 @@
 
 mod dimensional;
 mod error;
+mod numbers;
 mod scalar;
 mod significant;
 mod unit;
@@ -25,6 +26,7 @@ pub use dimensional::{
     Angle, AngularSpeed, Density, Frequency, Length, Mass, Pressure, Speed, Time,
 };
 pub use error::Error;
+pub use numbers::{numbers, places};
 pub use scalar::{Fraction, FrictionCoefficient, PoissonRatio, PositiveCount, Restitution};
 pub use significant::significant;
 pub use unit::Kind;

@@ -4,17 +4,9 @@ mod coarse;
 
 use scene::{BondedSettings, FillingLibrary, Scene, run, starting_frame};
 
-/// Five coarse seeds in a small drum that turns for a moment.
+/// Five coarse seeds in a drum that turns for a moment.
 fn drum() -> Scene {
-    coarse::drum(&[
-        ("apparatus.inner_diameter", "40 mm"),
-        ("seed.0.count", "4"),
-        ("seed.1.count", "1"),
-        ("protocol.frames", "2"),
-        ("protocol.frame_interval", "0.02 s"),
-        ("protocol.settle_limit", "0.12 s"),
-        ("time_s", "0.04"),
-    ])
+    coarse::five_seeds("0.04")
 }
 
 /// The same with bonds.

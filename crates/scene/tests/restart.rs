@@ -57,22 +57,9 @@ fn box_collapse() -> Scene {
     )
 }
 
-/// Five coarse seeds in a small drum that turns for a time, s.
-fn few(time_s: &str) -> Scene {
-    coarse::drum(&[
-        ("apparatus.inner_diameter", "40 mm"),
-        ("seed.0.count", "4"),
-        ("seed.1.count", "1"),
-        ("protocol.frames", "2"),
-        ("protocol.frame_interval", "0.02 s"),
-        ("protocol.settle_limit", "0.12 s"),
-        ("time_s", time_s),
-    ])
-}
-
 /// Seeds whose bonds are so weak that some break in the fall, and others later.
 fn bonded() -> Scene {
-    let mut scene = few("0.08");
+    let mut scene = coarse::five_seeds("0.08");
     let stress = || "1 Pa".parse().expect("a stress");
     scene.model.bonds = Some(BondedSettings {
         normal_stiffness_n_m3: 3e8,
@@ -336,7 +323,7 @@ impl Keeper for Stages {
 /// time rises, and the frames are counted as they are taken.
 #[test]
 fn a_run_tells_how_far_it_is() {
-    let scene = few("0.3");
+    let scene = coarse::five_seeds("0.3");
     let mut stages = Stages::default();
     run_on(&scene, &FillingLibrary::default(), 1, 1, None, &mut stages).unwrap();
     let (turning, settling): (Vec<RunStage>, Vec<_>) = stages.0.iter().partition(|s| s.driven);

@@ -200,11 +200,7 @@ impl Arguments {
 
 /// Reads numbers with commas between them.
 fn numbers<const N: usize>(text: &str) -> Result<[f64; N], String> {
-    let values: Result<Vec<f64>, _> = text.split(',').map(|part| part.trim().parse()).collect();
-    values
-        .ok()
-        .and_then(|values| values.try_into().ok())
-        .filter(|values: &[f64; N]| values.iter().all(|v| v.is_finite()))
+    quantity::numbers(text)
         .ok_or_else(|| format!("\"{text}\" must be {N} finite numbers with commas, in px"))
 }
 
@@ -248,10 +244,14 @@ fn points<const N: usize>(text: &str, what: &str) -> Result<[PixelPoint; N], Str
 
 /// Reads any number of X,Y with semicolons.
 fn all_points(text: &str) -> Result<Vec<PixelPoint>, String> {
-    let pairs = text.split(';');
-    pairs
-        .map(|pair| numbers(pair).map(|[x, y]| PixelPoint { x, y }))
-        .collect()
+    let places = quantity::places(text);
+    let places = places.ok_or_else(|| {
+        format!("\"{text}\" must be places X,Y of finite numbers with semicolons, in px")
+    })?;
+    Ok(places
+        .into_iter()
+        .map(|[x, y]| PixelPoint { x, y })
+        .collect())
 }
 
 /// Reads the places on a surface.

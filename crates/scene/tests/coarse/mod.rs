@@ -31,3 +31,17 @@ pub(crate) fn of_file(name: &str, changes: &[(&str, &str)]) -> Scene {
         .collect();
     Scene::read(&file, &all).expect("the scene is possible")
 }
+
+/// Five coarse seeds in a small drum that turns for a time, s.
+#[allow(dead_code, reason = "not every test file needs it")]
+pub(crate) fn five_seeds(time_s: &str) -> Scene {
+    drum(&[
+        ("apparatus.inner_diameter", "40 mm"),
+        ("seed.0.count", "4"),
+        ("seed.1.count", "1"),
+        ("protocol.frames", "2"),
+        ("protocol.frame_interval", "0.02 s"),
+        ("protocol.settle_limit", "0.12 s"),
+        ("time_s", time_s),
+    ])
+}

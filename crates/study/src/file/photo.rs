@@ -144,13 +144,7 @@ fn places<const N: usize>(
     problems: &mut Problems,
 ) -> Option<[[f64; 2]; N]> {
     let text: String = fields.optional(key, "a text", problems)?;
-    let point = |pair: &str| -> Option<[f64; 2]> {
-        let (x, y) = pair.split_once(',')?;
-        let finite = |t: &str| t.trim().parse().ok().filter(|v: &f64| v.is_finite());
-        Some([finite(x)?, finite(y)?])
-    };
-    let all: Option<Vec<_>> = text.split(';').map(point).collect();
-    let found = all.and_then(|all| all.try_into().ok());
+    let found = quantity::places(&text).and_then(|all| all.try_into().ok());
     if found.is_none() {
         problems.add(fields.wrong(key, format!("must be {form}")));
     }
