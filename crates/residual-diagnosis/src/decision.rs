@@ -13,7 +13,7 @@ use probability::normal_upper_quantile;
 
 /// ln of the Bayes factor over an unknown effect from which an effect is named: at 100 one of 70
 /// outside effects is still named, at 10 one of 20, at 1000 a third of the true ones is lost.
-const LN_FACTOR_TO_NAME: f64 = 4.605_170_185_988_092;
+pub(crate) const LN_FACTOR_TO_NAME: f64 = 4.605_170_185_988_092;
 
 /// Chance of noise below which runs at fitted parameters miss the data. A fit by noisy slopes does not end quite at its
 /// best point: this is a tenth of what the gates allow themselves, and more than that is left where an effect hides.

@@ -3,6 +3,7 @@
 use quantity::significant;
 use std::fmt::Write as _;
 
+use crate::decision::LN_FACTOR_TO_NAME;
 use crate::diagnosis::{Diagnosis, Verdict};
 
 /// Puts a diagnosis into sentences.
@@ -149,10 +150,22 @@ fn unknown(d: &Diagnosis) -> String {
                 is more than noise, and no candidate stands out."
             .to_owned();
     }
+    let suspects = listed(&d.suspects, "or");
+    let of = d.suspects.iter().filter_map(|name| d.candidates.get(name));
+    let best = of
+        .filter_map(|c| c.ln_bf_unknown)
+        .fold(f64::NEG_INFINITY, f64::max);
+    if 0.0 < best && best < LN_FACTOR_TO_NAME {
+        return format!(
+            "Something is missing, but it cannot be named: {suspects} would help. The best of them explains the residual {} \
+             times as well as an effect that is not in the library, and a name needs {:.0} times.",
+            significant(best.exp(), 2),
+            LN_FACTOR_TO_NAME.exp()
+        );
+    }
     format!(
-        "Something is missing, but it cannot be named: {} would help, and an effect that is not \
-         in the library explains the residual as well or better.",
-        listed(&d.suspects, "or")
+        "Something is missing, but it cannot be named: {suspects} would help, and an effect that is not \
+         in the library explains the residual as well or better."
     )
 }
 

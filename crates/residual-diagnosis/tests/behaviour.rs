@@ -478,6 +478,12 @@ fn effect_that_an_unknown_one_could_be_is_named_only_when_strong() {
     let weak = at(4.0);
     assert_eq!(weak.verdict, Verdict::Unknown, "{}", weak.summary);
     assert_eq!(weak.suspects, ["slip"]);
+    // The factor as it stands in the candidate, in two digits.
+    let factor = weak.candidates["slip"].ln_bf_unknown.unwrap().exp();
+    assert!((1.0..100.0).contains(&factor), "{factor}");
+    let factor = quantity::significant(factor, 2);
+    let said = format!("explains the residual {factor} times as well");
+    assert!(weak.summary.contains(&said), "{}", weak.summary);
     assert_eq!(at(9.0).effects, ["slip"]);
 }
 
