@@ -75,7 +75,9 @@ impl Fits<'_> {
             let looks = known.at.iter().filter(|look| look.0 == effect);
             let looks: Vec<Visited> = looks.map(|look| look.1.clone()).collect();
             let begin = (looks.clone(), setting);
-            let Some(end) = self.search(&linear, effect, fit, begin, &mut blocks)? else {
+            let warnings = &mut known.warnings;
+            let found = self.search(&linear, effect, fit, begin, (&mut blocks, warnings))?;
+            let Some(end) = found else {
                 continue;
             };
             if looks.iter().all(|look| look.setting != end.setting) {
@@ -96,7 +98,7 @@ impl Fits<'_> {
         effect: usize,
         fit: &Visited,
         (mut points, begin): (Vec<Visited>, &Setting),
-        blocks: &mut impl Iterator<Item = u64>,
+        (blocks, warnings): (&mut impl Iterator<Item = u64>, &mut Vec<String>),
     ) -> Result<Option<Visited>, Error> {
         let (plan, observed) = (self.plan, self.observed);
         let cost = |v: &Visited| assemble::cost(plan, observed, linear, &v.setting, &v.means);
@@ -118,8 +120,16 @@ impl Fits<'_> {
                 break;
             };
             let means = match self.run(&setting, block, At::Used) {
-                Err(error) if failed_run(&error).is_some() => break,
-                means => means?,
+                Ok(means) => means,
+                Err(error) => {
+                    let reason = failed_run(&error).ok_or(error)?;
+                    let name = &plan.effects[effect].name;
+                    warnings.push(format!(
+                        "the search for the amplitude of {name} ends at {:.3}, which could not be run: {reason}",
+                        setting.effects[name]
+                    ));
+                    break;
+                }
             };
             let point = Visited {
                 setting,
@@ -143,7 +153,7 @@ impl Fits<'_> {
     ) -> Result<Option<Setting>, Error> {
         let mut next: Option<(f64, Setting)> = None;
         for stretch in self.stretches(linear, effect, fit, points) {
-            let (promised, setting) = self.best_of(&stretch, effect)?;
+            let (promised, setting) = self.best_of(linear, &stretch, effect)?;
             let is_new = points.iter().all(|point| point.setting != setting);
             if is_new && next.as_ref().is_none_or(|(other, _)| promised < *other) {
                 next = Some((promised, setting));
@@ -204,7 +214,12 @@ impl Fits<'_> {
     }
 
     /// The setting of a stretch to be run, and the cost that its best promises.
-    fn best_of(&self, stretch: &Stretch, effect: usize) -> Result<(f64, Setting), Error> {
+    fn best_of(
+        &self,
+        noise: &Linearisation,
+        stretch: &Stretch,
+        effect: usize,
+    ) -> Result<(f64, Setting), Error> {
         let Stretch {
             from,
             linear,
@@ -218,7 +233,7 @@ impl Fits<'_> {
         let names = std::slice::from_ref(&name);
         let mut setting = refit::with_effects(&plan, self.observed, linear, names, about)?;
         let promised: Means = linear.means_at(&plan, effect, about, &setting);
-        let cost = assemble::cost(&plan, self.observed, linear, &setting, &promised)?;
+        let cost = assemble::cost(&plan, self.observed, noise, &setting, &promised)?;
         if *is_beyond {
             // What bends goes on bending: a point too far lies on the other side, one too near does not.
             let end = from.setting.effects.get(&name).copied().unwrap_or(0.0);

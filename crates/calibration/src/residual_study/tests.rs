@@ -448,7 +448,7 @@ const BENT: Formula = Formula {
 /// the truth of 4.5, within four standard errors, and the effect is named.
 #[test]
 fn a_bent_effect_is_searched_where_the_data_pull_it() {
-    for seed in 1..=6 {
+    for seed in 1..=4 {
         let folder = tempfile::tempdir().unwrap();
         let store = Store::open(folder.path()).unwrap();
         let campaign = Campaign::new(&store, 2, &Silent);
@@ -467,6 +467,41 @@ fn a_bent_effect_is_searched_where_the_data_pull_it() {
             "seed {seed}: {found} se {se}"
         );
     }
+}
+
+/// The bent simulator, which breaks beyond 3 of "bend".
+struct Brittle;
+
+impl Simulator for Brittle {
+    fn version(&self) -> String {
+        "brittle".into()
+    }
+
+    fn run(&self, request: &RunRequest) -> Result<RunOutcome, SimulatorError> {
+        if request.effect("bend") > 3.0 {
+            let reason = "the bed breaks".to_owned();
+            return Err(SimulatorError::Refused { reason });
+        }
+        BENT.run(request)
+    }
+}
+
+/// A search that meets an amplitude that cannot be run ends there, and the answer says so.
+#[test]
+fn a_search_that_cannot_go_on_is_told() {
+    let folder = tempfile::tempdir().unwrap();
+    let store = Store::open(folder.path()).unwrap();
+    let campaign = Campaign::new(&store, 2, &Silent);
+    let plan = plan(1);
+    let data = measured(&plan, 1, |rpm, fill| bent(rpm, fill, 0.7, 0.4, [4.5, 0.0]));
+    let study = study_residual(&campaign, &Brittle, &plan, &data).unwrap();
+    assert_ne!(study.diagnosis.verdict, Verdict::Named);
+    let said = study.diagnosis.warnings.join("; ");
+    assert!(
+        said.contains("the search for the amplitude of bend ends at")
+            && said.contains("the bed breaks"),
+        "{said}"
+    );
 }
 
 /// The toy is linear, so the secant of "bend" is its slope wherever it ends, once what the parameters do on the way
