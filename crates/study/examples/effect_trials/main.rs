@@ -24,7 +24,8 @@ mod outcome;
 mod page;
 
 use calibration::{
-    DiagnosisStage, EffectProbe, LoopSettings, ResidualStudy, diagnose_at, study_residual,
+    CandidateMeasurement, DiagnosisStage, EffectProbe, LoopSettings, ResidualStudy, diagnose_at,
+    study_residual,
 };
 use campaign::{Campaign, Progress, ProgressState};
 use laboratory::{Hidden, Laboratory};
@@ -133,23 +134,25 @@ impl Trials<'_> {
             }
         }
         for outcome in &page.outcomes {
-            if begin.elapsed().as_secs_f64() < 60.0 * minutes {
-                page.next.extend(self.next(outcome)?);
+            let Some((study, candidate)) = next::open_question(outcome) else {
+                continue;
+            };
+            if begin.elapsed().as_secs_f64() > 60.0 * minutes {
+                page.not_followed += 1;
+            } else {
+                page.next.push(self.next(outcome, study, candidate)?);
             }
         }
         Ok(page)
     }
 
-    /// What a campaign with an open question tells once the first measurement that it recommends is made; none where nothing
-    /// is hidden, or nothing recommended.
-    fn next(&self, outcome: &Outcome) -> Result<Option<Next>, AnyError> {
-        let Some((study, told)) = outcome.study().zip(outcome.told()) else {
-            return Ok(None);
-        };
-        let Some(candidate) = next::recommended(study).filter(|_| outcome.hidden.effect.is_some())
-        else {
-            return Ok(None);
-        };
+    /// What a campaign with an open question tells once the first measurement that it recommends is made.
+    fn next(
+        &self,
+        outcome: &Outcome,
+        study: &ResidualStudy,
+        candidate: &CandidateMeasurement,
+    ) -> Result<Next, AnyError> {
         let again = || -> Result<ResidualStudy, AnyError> {
             let values = self.laboratory.measure_next(&outcome.hidden, candidate)?;
             let (plan, observed) = study.with_measured(candidate, &values);
@@ -168,11 +171,11 @@ impl Trials<'_> {
             candidate.name,
             then.line()
         );
-        Ok(Some(Next {
+        Ok(Next {
             measured: candidate.name.clone(),
-            before: (told, study.diagnosis.effects.len()),
+            before: (outcome.told(), study.diagnosis.effects.len()),
             then,
-        }))
+        })
     }
 
     /// What is hidden at one size and of one replicate: every effect that can be seen.

@@ -11,21 +11,25 @@ pub(crate) struct Next {
     /// What was measured.
     pub(crate) measured: String,
     /// The answer without it, and its number of effects.
-    pub(crate) before: (Told, usize),
+    pub(crate) before: (Option<Told>, usize),
     /// The campaign with it.
     pub(crate) then: Outcome,
 }
 
-/// The first measurement that a diagnosis recommends.
-pub(crate) fn recommended(study: &ResidualStudy) -> Option<&CandidateMeasurement> {
+/// The diagnosis of a campaign that leaves a question, and the first measurement that it recommends; none where nothing is
+/// hidden.
+pub(crate) fn open_question(outcome: &Outcome) -> Option<(&ResidualStudy, &CandidateMeasurement)> {
+    let study = outcome
+        .study()
+        .filter(|_| outcome.hidden.effect.is_some())?;
     let next = study.diagnosis.next_measurement.as_ref()?;
     let first = next.plan.first().or(next.ranked.first())?;
     let mut candidates = study.plan.candidates.iter();
-    candidates.find(|c| c.name == first.experiment)
+    Some((study, candidates.find(|c| c.name == first.experiment)?))
 }
 
 /// Writes each campaign that was followed, and what became of the ties and of the others.
-pub(crate) fn write(all: &[Next], text: &mut String) {
+pub(crate) fn write(all: &[Next], not_followed: usize, text: &mut String) {
     if all.is_empty() {
         return;
     }
@@ -43,8 +47,8 @@ pub(crate) fn write(all: &[Next], text: &mut String) {
             .map_or("", |(name, _)| name);
         let (told, effects) = next.before;
         let before = match told {
-            Told::SmallTie | Told::LargeTie => format!("tie of {effects}"),
-            _ => told.word().into(),
+            Some(Told::SmallTie | Told::LargeTie) => format!("tie of {effects}"),
+            told => told.map_or("no answer", Told::word).into(),
         };
         let _ = writeln!(
             text,
@@ -54,7 +58,7 @@ pub(crate) fn write(all: &[Next], text: &mut String) {
             answer(&next.then),
         );
     }
-    let tied = |next: &&Next| matches!(next.before.0, Told::SmallTie | Told::LargeTie);
+    let tied = |next: &&Next| matches!(next.before.0, Some(Told::SmallTie | Told::LargeTie));
     let ties: Vec<&Next> = all.iter().filter(tied).collect();
     let others: Vec<&Next> = all.iter().filter(|next| !tied(next)).collect();
     let part = |of: &[&Next], is: &dyn Fn(&Next) -> bool| {
@@ -78,4 +82,10 @@ pub(crate) fn write(all: &[Next], text: &mut String) {
             .is_some_and(Told::is_right)),
         part(&others, &|next| told(next, Told::False)),
     );
+    if not_followed > 0 {
+        let _ = writeln!(
+            text,
+            "\nNot followed, for lack of time: {not_followed} more."
+        );
+    }
 }
