@@ -202,7 +202,11 @@ impl Page {
     /// What cannot be told, and why.
     fn write_limits(&self, text: &mut String) {
         let reasons = |map: &BTreeMap<String, String>| {
-            let each = map.iter().map(|(name, why)| format!("{name} ({why})"));
+            // What follows the first clause is detail.
+            let first = |why: &str| why.split(';').next().unwrap_or_default().to_owned();
+            let each = map
+                .iter()
+                .map(|(name, why)| format!("{name} ({})", first(why)));
             list(&each.collect::<Vec<_>>())
         };
         let hard = self.outcomes.iter().filter_map(|o| {
