@@ -175,7 +175,7 @@ impl Fits<'_> {
         let plan = self.plan;
         let name = &plan.effects[effect].name;
         let [low, high] = plan.effects[effect].range;
-        let amplitude = |v: &Visited| v.setting.effects[name];
+        let amplitude = |v: &Visited| v.setting.amplitude(name);
         let mut off = fit.clone();
         off.setting.effects.insert(name.clone(), 0.0);
         let mut sorted: Vec<Visited> = points.iter().cloned().chain([off]).collect();
@@ -236,8 +236,8 @@ impl Fits<'_> {
         let cost = assemble::cost(&plan, self.observed, noise, &setting, &promised)?;
         if *is_beyond {
             // What bends goes on bending: a point too far lies on the other side, one too near does not.
-            let end = from.setting.effects.get(&name).copied().unwrap_or(0.0);
-            let farther = end + FARTHER * (setting.effects[&name] - end);
+            let end = from.setting.amplitude(&name);
+            let farther = end + FARTHER * (setting.amplitude(&name) - end);
             setting
                 .effects
                 .insert(name, farther.clamp(range[0], range[1]));

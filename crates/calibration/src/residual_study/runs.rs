@@ -70,6 +70,11 @@ impl Setting {
         }
     }
 
+    /// The amplitude of an effect; 0 of one that is off.
+    pub(super) fn amplitude(&self, effect: &str) -> f64 {
+        self.effects.get(effect).copied().unwrap_or(0.0)
+    }
+
     /// Its declared parameters in the order of the plan.
     pub(super) fn declared_values(&self, plan: &ResidualPlan) -> Vec<f64> {
         let value = |d: &DeclaredParameter| self.parameters[&d.name];
@@ -544,8 +549,7 @@ impl Linearisation {
         (setting, on): (&Setting, &Means),
     ) -> Self {
         let name = &plan.effects[effect].name;
-        let of = |setting: &Setting| setting.effects.get(name).copied().unwrap_or(0.0);
-        let amplitude = of(setting) - of(fit);
+        let amplitude = setting.amplitude(name) - fit.amplitude(name);
         let moved = |d: &DeclaredParameter| setting.parameters[&d.name] - fit.parameters[&d.name];
         let moved: Vec<f64> = plan.declared.iter().map(moved).collect();
         let rows = on.values.iter().zip(&at_fit.values);
@@ -579,8 +583,7 @@ impl Linearisation {
         setting: &Setting,
     ) -> Means {
         let name = &plan.effects[effect].name;
-        let of = |setting: &Setting| setting.effects.get(name).copied().unwrap_or(0.0);
-        let further = of(setting) - of(point);
+        let further = setting.amplitude(name) - point.amplitude(name);
         let moved = |d: &DeclaredParameter| setting.parameters[&d.name] - point.parameters[&d.name];
         let moved: Vec<f64> = plan.declared.iter().map(moved).collect();
         let mut promised = means.clone();

@@ -88,7 +88,7 @@ fn write_truth(outcomes: &[Outcome], size: f64, text: &mut String) {
     let _ = writeln!(
         text,
         "| truth named or in a tie of at most three, size {size:.0} | {wanted} | {} | {} |\n\
-         | the same of all campaigns, those that could not be run counted as missed | | {} | |",
+         | the same of all campaigns, no answer counted as missed | | {} | |",
         share(&answered),
         mean_and_error(&three),
         share(&of_all),

@@ -172,7 +172,7 @@ impl Page {
                 "- {hidden} could be hidden at size {size:.0}, and {answered} of these gave an answer."
             );
         }
-        text.push_str("\nThe rates below are those of these few alone.\n");
+        text.push_str("\nThe rates below are of these alone.\n");
     }
 
     /// Campaigns with nothing hidden, in words.
@@ -203,10 +203,14 @@ impl Page {
     fn write_limits(&self, text: &mut String) {
         let reasons = |map: &BTreeMap<String, String>| {
             // What follows the first clause is detail.
-            let first = |why: &str| why.split(';').next().unwrap_or_default().to_owned();
-            let each = map
-                .iter()
-                .map(|(name, why)| format!("{name} ({})", first(why)));
+            let mut names: BTreeMap<&str, Vec<&str>> = BTreeMap::new();
+            for (name, why) in map {
+                let first = why.split(';').next().unwrap_or_default();
+                names.entry(first).or_default().push(name);
+            }
+            let each = names
+                .into_iter()
+                .map(|(why, names)| format!("{} ({why})", names.join(", ")));
             list(&each.collect::<Vec<_>>())
         };
         let hard = self.outcomes.iter().filter_map(|o| {
@@ -234,16 +238,12 @@ impl Page {
         let _ = write!(
             text,
             "\n## What cannot be told\n\n\
-             No rule tells two effects apart that move all these values alike. At the largest size these leave less than \
-             {HARD_TO_TELL:.0} standard deviations of each other: {}. The rules are more careful than the likelihood of two: \
-             with so many effects and noisy slopes a rival that leaves less than about 5 stays in the tie. Another apparatus \
-             or observable that moves one of the two alone tells them.\n\n\
-             A run without a readable surface gives no value, and the campaign no answer: strong cohesion crumbles the bed of \
-             a drum so small.\n\n\
-             Not seen in these scenes even at their largest amplitude: {}.\n\n\
+             At the largest size these leave less than \
+             {HARD_TO_TELL:.0} standard deviations of each other: {}. With so many effects and noisy slopes a rival that leaves less than about 5 stays in the tie.\n\n\
+             Not seen even at their largest amplitude: {}.\n\n\
              Largest possible amplitude below half of the largest size (its size): {}.\n\n\
              Carried by no scene: {}.\n\n\
-             Left out of the library, for their probes could not be run: {}.\n\n\
+             Left out of the library, as their probes fail: {}.\n\n\
              Hidden amplitudes that could not be run or diagnosed: {}.\n",
             reasons(&hard),
             reasons(&self.unseen),
@@ -266,7 +266,7 @@ impl Page {
         let _ = write!(
             text,
             "\n## Cost\n\nA diagnosis asks for {:.0} runs where something is hidden and {:.0} where nothing is, those of \
-             the laboratory and of the common sensitivities included: {:.1} and {:.1} minutes of the clock at {:.2} s a run, beside whatever else the machine did. All \
+             the laboratory and of the common sensitivities included: {:.1} and {:.1} minutes of the clock at {:.2} s a run. All \
              campaigns together took {} different runs and {:.0} such minutes.\n",
             with(true),
             with(false),
