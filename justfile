@@ -228,16 +228,16 @@ fill-bad-input:
     cargo build --release --locked -p seedfill
     python3 tools/seedfill/bad-input/bad_input.py "{{programs}}/seedfill"
 
+# Damage bodies of known volume as scans are damaged, give them to seedfill, and follow what it proposes (ten minutes).
+[group('trials of the instruments')]
+scan-trials *PROGRAMS:
+    cargo build --release --locked -p seedfill
+    python3 tools/seedfill/scan-trials/scan_trials.py "{{programs}}/seedfill" "$@"
+
 # Feed the mesh readers with damaged files for ten minutes.
 [group('trials of the instruments')]
 fuzz-meshes:
     cargo test --release --locked -p trimesh --test mutated -- --ignored
-
-# Read the files of seedfill back with LIGGGHTS, YADE and LAMMPS, where they are installed.
-[group('other codes and clusters')]
-fill-formats:
-    cargo build --release --locked -p seedfill
-    python3 tools/seedfill/read-back/read_back.py "{{programs}}/seedfill" fixtures/stl/cotton_flat.stl
 
 # Read the angle of repose from photos or frames.
 [group('one step of it')]
@@ -248,6 +248,19 @@ angle *ARGS:
 [group('trials of the instruments')]
 fuzz-photos:
     cargo test --release --locked -p photo-profile --test mutated_files -- --ignored
+
+# Draw pictures of single grains and things that are no drum and no heap, and count what is read, refused and wrong (ten minutes).
+[group('trials of the instruments')]
+picture-trials NUMBER="12" *PROGRAMS:
+    cargo build --release --locked -p angle-from-image
+    [ -x .tools/pictures/bin/python ] || { python3 -m venv .tools/pictures && .tools/pictures/bin/pip install --quiet numpy pillow; }
+    .tools/pictures/bin/python tools/angle-from-image/picture-trials/picture_trials.py {{NUMBER}} "{{programs}}/angle-from-image" "${@:2}"
+
+# Write a table of results as spreadsheets and tired people write it, and count what is analysed, refused and wrong (seconds).
+[group('trials of the instruments')]
+table-trials *PROGRAMS:
+    cargo build --release --locked -p seedloop
+    python3 tools/seedloop/table-trials/table_trials.py "{{programs}}/seedloop" "$@"
 
 # Make the table of errors, refusals and coverage of the angle over drawn pictures.
 [group('trials of the instruments')]

@@ -110,6 +110,11 @@ pub enum Error {
         /// Number of columns of the design.
         columns: usize,
     },
+    /// A file of bytes that are no text was given for a table.
+    #[error(
+        "this is no text but a file of another kind; give CSV text or an Excel workbook (.xlsx)"
+    )]
+    NotText,
     /// The table has no header or no rows.
     #[error("the table has no {what}; it needs a header line and at least one row")]
     EmptyTable {

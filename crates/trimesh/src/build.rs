@@ -2,9 +2,10 @@
 
 use crate::crossings::Crossings;
 use crate::crumbs::cut_crumbs;
-use crate::holes::{close_holes, rims_of, width_of};
+use crate::holes::{close_holes, rims_of, widest_closed, width_of};
 use crate::mesh::area_vector;
 use crate::orientation::{Edges, turn_outward};
+use crate::proposal::{Proposal, Tried};
 use crate::rebuild::rebuild;
 use crate::report::suspect_unit;
 use crate::weld::{Welded, joined, weld};
@@ -73,6 +74,7 @@ pub(crate) fn build(
     drop_unused(&mut welded.vertices, &mut welded.triangles);
     let (edges, changes) = mend(&mut welded, repair);
     let rims = rims_of(&welded.triangles, &edges);
+    let is_damaged = !(edges.open.is_empty() && edges.crowded.is_empty());
     let widths = rims.iter().map(|rim| width_of(rim, &welded.vertices));
     let turned = turn_outward(&welded.vertices, &mut welded.triangles, &edges);
     let crossings = Crossings::new(&welded.vertices, &welded.triangles);
@@ -90,6 +92,13 @@ pub(crate) fn build(
         crossings: crossings.pairs,
         first_crossing: crossings.first,
         folded_share: crossings.folded,
+        way_out: is_damaged.then(|| {
+            let tried = Tried {
+                cut_share: changes.cut_share,
+                closed: widest_closed(&welded.vertices, repair.close_holes),
+            };
+            Proposal::of(&welded, &edges, &rims, turned.shells, &tried)
+        }),
     };
     if crossings.unfinished {
         warnings.push(Warning::CrossingsUnfinished);
@@ -111,7 +120,7 @@ pub(crate) fn build(
     report.warnings = warnings;
     let checked = CheckedMesh { mesh, report };
     match repair.rebuild {
-        Some(cell) => rebuild(checked, cell),
+        Some(cell) => rebuild(checked, cell, repair.crumbs),
         None => Ok(checked),
     }
 }
@@ -351,7 +360,7 @@ fn report_of(mesh: &TriMesh, unit: LengthUnit, repairs: Repairs) -> MeshReport {
 }
 
 /// What was cut away and what was closed, as warnings.
-fn told_changes(changes: &Changes) -> Vec<Warning> {
+pub(crate) fn told_changes(changes: &Changes) -> Vec<Warning> {
     let mut told = Vec::new();
     if changes.triangles_cut > 0 {
         told.push(Warning::CrumbsCut {

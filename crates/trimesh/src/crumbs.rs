@@ -9,11 +9,7 @@ use rustc_hash::FxHashSet;
 /// Cuts away small pieces, then the triangles at edges that still have more than two, then what
 /// fell off by that; all together at most a share of the area.
 pub(crate) fn cut_crumbs(welded: &mut Welded, share: f64, changes: &mut Changes) {
-    let areas: Vec<f64> = welded
-        .triangles
-        .iter()
-        .map(|t| area_vector(&t.map(|i| welded.vertices[i])).norm())
-        .collect();
+    let areas = areas_of(welded);
     let whole: f64 = areas.iter().sum();
     let mut cutting = Cutting {
         areas,
@@ -39,6 +35,31 @@ pub(crate) fn cut_crumbs(welded: &mut Welded, share: f64, changes: &mut Changes)
     if changes.triangles_cut == 0 {
         changes.cut_share = 0.0;
     }
+}
+
+/// Share of the area that the triangles at edges of more than two have.
+pub(crate) fn share_at_edges(welded: &Welded, edges: &Edges) -> f64 {
+    let areas = areas_of(welded);
+    let at_edges = areas.iter().zip(at_crowded(welded, edges));
+    let area: f64 = at_edges.filter(|(_, at)| *at).map(|(area, _)| area).sum();
+    area / areas.iter().sum::<f64>()
+}
+
+/// Area of each triangle, m².
+fn areas_of(welded: &Welded) -> Vec<f64> {
+    let area = |t: &[usize; 3]| area_vector(&t.map(|i| welded.vertices[i])).norm();
+    welded.triangles.iter().map(area).collect()
+}
+
+/// Whether each triangle lies at an edge of more than two.
+fn at_crowded(welded: &Welded, edges: &Edges) -> Vec<bool> {
+    let crowded: FxHashSet<[usize; 2]> = edges.crowded.iter().copied().collect();
+    let at_edge = |t: &[usize; 3]| {
+        [[t[0], t[1]], [t[1], t[2]], [t[2], t[0]]]
+            .iter()
+            .any(|&[a, b]| crowded.contains(&[a.min(b), a.max(b)]))
+    };
+    welded.triangles.iter().map(at_edge).collect()
 }
 
 /// The triangles that are left and the area that may still be cut away.
@@ -75,13 +96,7 @@ impl Cutting {
 
     /// Cuts away all triangles at edges of more than two, if the area allows.
     fn cut_at_edges(&mut self, welded: &mut Welded, edges: &Edges) -> bool {
-        let crowded: FxHashSet<[usize; 2]> = edges.crowded.iter().copied().collect();
-        let at_edge = |t: &[usize; 3]| {
-            [[t[0], t[1]], [t[1], t[2]], [t[2], t[0]]]
-                .iter()
-                .any(|&[a, b]| crowded.contains(&[a.min(b), a.max(b)]))
-        };
-        let cut: Vec<bool> = welded.triangles.iter().map(at_edge).collect();
+        let cut = at_crowded(welded, edges);
         let area: f64 = self
             .areas
             .iter()

@@ -1,5 +1,7 @@
 //! What can be wrong with a mesh or its file.
 
+use crate::Proposal;
+
 /// Why a mesh is refused.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -28,6 +30,17 @@ pub enum Error {
         file: String,
         /// Its first line, shortened.
         start: String,
+    },
+    /// Points without triangles.
+    #[error(
+        "{file} is a point cloud, {points} without triangles between them; make a surface of it in the scanning software (such as \
+         a screened Poisson reconstruction) and export that as STL, OBJ or PLY"
+    )]
+    PointCloud {
+        /// File.
+        file: String,
+        /// Their number, in words.
+        points: String,
     },
     /// A text in two-byte characters.
     #[error("{file} is a text in UTF-16: save it as UTF-8, or export the mesh as binary STL")]
@@ -107,8 +120,7 @@ pub enum Error {
     /// The surface has a hole.
     #[error(
         "{file} is not closed: {open_edges} edges belong to one triangle only, the first at \
-         ({x:.6}, {y:.6}, {z:.6}) mm; holes: {holes}, the widest {widest_mm:.4} mm across; close them \
-         (seedfill: --close-holes, --join where parts lie loosely side by side, --rebuild for all at once)"
+         ({x:.6}, {y:.6}, {z:.6}) mm; holes: {holes}, the widest {widest_mm:.4} mm across; {way_out}"
     )]
     Open {
         /// File.
@@ -125,6 +137,8 @@ pub enum Error {
         y: f64,
         /// See `x`.
         z: f64,
+        /// What would mend it.
+        way_out: Proposal,
     },
     /// A stack of slices whose sizes do not fit.
     #[error(
@@ -156,8 +170,7 @@ pub enum Error {
     /// An edge belongs to more than two triangles.
     #[error(
         "{file}: {edges} edges belong to more than two triangles, the first at \
-         ({x:.6}, {y:.6}, {z:.6}) mm; separate the \
-         touching parts (crumbs of a small share of the area are cut away: seedfill: --crumbs)"
+         ({x:.6}, {y:.6}, {z:.6}) mm; {way_out}"
     )]
     NonManifold {
         /// File.
@@ -170,6 +183,8 @@ pub enum Error {
         y: f64,
         /// See `x`.
         z: f64,
+        /// What would mend it.
+        way_out: Proposal,
     },
     /// The surface has only one side.
     #[error("{file} cannot be oriented: its surface has one side only (as a Klein bottle)")]
@@ -195,8 +210,7 @@ pub enum Error {
     /// The surface cuts itself.
     #[error(
         "{file} cuts itself: {pairs} pairs of triangles cross, the first at ({x:.6}, {y:.6}, {z:.6}) mm, and \
-         {folded_percent:.1} % of the surface does not part inside from outside: make it anew \
-         (seedfill: --rebuild), or repair it in the scanning software"
+         {folded_percent:.1} % of the surface does not part inside from outside: {way_out}"
     )]
     CutsItself {
         /// File.
@@ -211,6 +225,8 @@ pub enum Error {
         y: f64,
         /// See `x`.
         z: f64,
+        /// What would mend it.
+        way_out: Proposal,
     },
     /// The unit is not known.
     #[error("unknown unit of length `{found}`; use mm, cm, m or um")]

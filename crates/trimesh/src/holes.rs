@@ -22,8 +22,7 @@ pub(crate) fn close_holes(
     width: Option<f64>,
     changes: &mut Changes,
 ) {
-    let diagonal = BoundingBox::of(welded.vertices.iter()).size().norm();
-    let widest = width.unwrap_or(SMALL * diagonal);
+    let widest = widest_closed(&welded.vertices, width);
     let first = welded.triangles.len();
     let rims = rims_of(&welded.triangles, edges);
     let at_rims: FxHashSet<usize> = rims.iter().flatten().copied().collect();
@@ -68,6 +67,11 @@ pub(crate) fn close_holes(
     }
     changes.lids.sort_by(|a, b| b.width.total_cmp(&a.width));
     changes.lid_triangles = welded.triangles.len() - first;
+}
+
+/// Width up to which holes are closed, m, where `width` is asked for.
+pub(crate) fn widest_closed(vertices: &[Vector3<f64>], width: Option<f64>) -> f64 {
+    width.unwrap_or_else(|| SMALL * BoundingBox::of(vertices.iter()).size().norm())
 }
 
 /// Diagonal of the box round a rim, m.

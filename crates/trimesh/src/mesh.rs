@@ -1,6 +1,6 @@
 //! The mesh itself: vertices, triangles and what is known of them.
 
-use crate::{Error, VolumeMoments};
+use crate::{Error, Proposal, VolumeMoments};
 use nalgebra::Vector3;
 use serde::Serialize;
 
@@ -69,6 +69,8 @@ pub struct Topology {
     pub first_crossing: Option<Vector3<f64>>,
     /// Share of the area that does not part inside from outside, where triangles cross.
     pub folded_share: f64,
+    /// What would mend open edges and those of more than two triangles; none where there are none.
+    pub way_out: Option<Proposal>,
 }
 
 impl Topology {
@@ -147,6 +149,9 @@ impl TriMesh {
     /// does not part inside from outside on more than 1 % of its area; each with its place.
     pub fn require_closed(&self) -> Result<(), Error> {
         let (topology, file) = (&self.topology, self.source.clone());
+        let way_out = topology
+            .way_out
+            .unwrap_or_else(|| Proposal::rebuilt(&self.bounding_box()));
         let in_mm = |place: Option<Vector3<f64>>| place.unwrap_or_default() * 1e3;
         if topology.open_edges > 0 {
             let at = in_mm(topology.first_open_edge);
@@ -160,6 +165,7 @@ impl TriMesh {
                 x,
                 y,
                 z,
+                way_out,
             });
         }
         if topology.non_manifold_edges > 0 {
@@ -172,6 +178,7 @@ impl TriMesh {
                 x,
                 y,
                 z,
+                way_out,
             });
         }
         if !topology.orientable {
@@ -195,6 +202,7 @@ impl TriMesh {
                 x: at.x,
                 y: at.y,
                 z: at.z,
+                way_out,
             });
         }
         Ok(())

@@ -51,7 +51,7 @@ pub(crate) fn obj_soup(bytes: &[u8], file: &str) -> Result<Soup, Error> {
             _ => {}
         }
         if !words.next_line() {
-            return Ok(soup);
+            return soup.or_points(vertices.len(), file);
         }
     }
 }

@@ -37,7 +37,7 @@ pub(crate) fn ply_soup(bytes: &[u8], file: &str) -> Result<Soup, Error> {
             }
         }
     }
-    Ok(soup)
+    soup.or_points(vertices.len(), file)
 }
 
 /// Reads one row; `take` gets each value with the index of its property.

@@ -175,7 +175,7 @@ fn tell_unit(
             write!(
                 f,
                 "; a seed is 0.1 to 100 mm: with the unit {other} (factor \
-                 {factor:e}) it would be {length:.2} mm"
+                 {factor:e}) it would be {length:.2} mm (seedfill: --unit {other})"
             )
         }
         None => write!(f, "; a seed is 0.1 to 100 mm: check the unit"),

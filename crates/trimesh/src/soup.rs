@@ -15,6 +15,17 @@ pub(crate) struct Soup {
 }
 
 impl Soup {
+    /// The triangles of a file, or the refusal of one that has `points` and no triangles.
+    pub(crate) fn or_points(self, points: usize, file: &str) -> Result<Self, Error> {
+        if points > 0 && self.triangles.is_empty() {
+            return Err(Error::PointCloud {
+                file: file.to_owned(),
+                points: format!("{points} points"),
+            });
+        }
+        Ok(self)
+    }
+
     /// Makes the mesh.
     pub(crate) fn check(
         self,

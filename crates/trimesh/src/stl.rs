@@ -52,6 +52,12 @@ pub(crate) fn stl_soup(bytes: &[u8], file: &str) -> Result<Soup, Error> {
     }
 }
 
+/// Whether a line is the place of a point: three numbers or more and nothing else.
+fn is_point(line: &str) -> bool {
+    let mut words = line.split([' ', '\t', ',', ';']).filter(|w| !w.is_empty());
+    words.clone().count() >= 3 && words.all(|word| word.parse::<f64>().is_ok())
+}
+
 /// The refusal of a text, with its beginning.
 fn other_text(bytes: &[u8], file: &str) -> Error {
     const SHOWN: usize = 40;
@@ -61,6 +67,10 @@ fn other_text(bytes: &[u8], file: &str) -> Error {
     }
     let start = String::from_utf8_lossy(&bytes[..bytes.len().min(8 * SHOWN)]).into_owned();
     let line = start.lines().map(str::trim).find(|line| !line.is_empty());
+    if line.is_some_and(is_point) {
+        let points = "lines of numbers".to_owned();
+        return Error::PointCloud { file, points };
+    }
     Error::NotMesh {
         file,
         start: line

@@ -133,7 +133,7 @@ fn damaged_files_are_refused_with_their_place() {
             "line 4",
         ),
         ("a.obj", "v 0 0 0\nv 1 0 0\nf 1 2\n".into(), "three or more"),
-        ("a.obj", "v 0 0 0\n".into(), "no triangle"),
+        ("a.obj", "v 0 0 0\n".into(), "1 points without triangles"),
         (
             "a.ply",
             ply.replace("4 0 3 2 1", "4 0 3 2 8").into(),
@@ -255,4 +255,24 @@ fn crumbs_on_shared_edges_are_cut_away_below_their_share() {
     assert!(changes.cut_share > 0.0 && changes.cut_share < 1e-3);
     assert!((small.report.volume.unwrap() / ball.moments().volume - 1.0).abs() < 1e-12);
     assert!(with(3.0).mesh.require_closed().is_err());
+}
+
+/// Points of a scanner as PLY, OBJ and plain numbers: told as what they are, with the way out.
+#[test]
+fn point_clouds_are_told_as_such() {
+    let points = CORNERS.map(|[x, y, z]| format!("{x} {y} {z}\n")).concat();
+    let ply = header("ascii", 0) + &points.replace('\n', " 255\n");
+    let obj = CORNERS.map(|[x, y, z]| format!("v {x} {y} {z}\n")).concat();
+    let commas = points.replace(' ', ",");
+    for (text, count) in [
+        (ply, "8 points"),
+        (obj, "8 points"),
+        (points, "lines of numbers"),
+        (commas, "lines of numbers"),
+    ] {
+        let error = parse_mesh(text.into_bytes(), MM, "cloud").unwrap_err();
+        let told = error.to_string();
+        assert!(matches!(error, Error::PointCloud { .. }), "{told}");
+        assert!(told.contains(count) && told.contains("Poisson"), "{told}");
+    }
 }

@@ -11,7 +11,7 @@ mod text;
 
 use std::path::PathBuf;
 
-use anyhow::ensure;
+use anyhow::{anyhow, ensure};
 use beside::beside;
 use clap::ValueEnum;
 use command_line::{Common, DONE, Header, try_folder, write_new};
@@ -268,7 +268,8 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
         Weights::InverseVariance => Weighting::InverseVariance,
         Weights::ShrunkVariance => Weighting::ShrunkVariance,
     };
-    let (mut fit, reduction) = fitted(arguments, &data, &model, &observations, weighting)?;
+    let (mut fit, reduction) = fitted(arguments, &data, &model, &observations, weighting)
+        .map_err(|e| anyhow!("{}: {e}", arguments.data.display()))?;
     model.clone_from(&fit.formula);
     if named.is_some() {
         // The box of the columns of levels is no set of settings.
@@ -419,7 +420,7 @@ fn fitted(
     model: &Model,
     observations: &Observations,
     weighting: Weighting,
-) -> anyhow::Result<(Fit, Vec<ReductionStep>)> {
+) -> Result<(Fit, Vec<ReductionStep>), response_surface::Error> {
     let factors = &data.factors;
     let Some(rule) = arguments.reduce else {
         let fit = fit_weighted(factors, model, observations, weighting)?;
@@ -430,7 +431,7 @@ fn fitted(
         Rule::Aicc => ReductionRule::Aicc,
         Rule::Bic => ReductionRule::Bic,
     };
-    Ok(reduce(factors, model, observations, weighting, rule)?)
+    reduce(factors, model, observations, weighting, rule)
 }
 
 /// Writes page and charts where asked for.

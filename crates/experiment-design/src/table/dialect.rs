@@ -22,6 +22,13 @@ pub fn text_of_bytes(bytes: &[u8]) -> String {
     }
 }
 
+/// The lines of a text: ended by a line feed, with or without a carriage return before it, or all by a carriage return alone.
+pub(super) fn lines(text: &str) -> impl Iterator<Item = &str> {
+    let end = if text.contains('\n') { '\n' } else { '\r' };
+    let lines = text.split_terminator(end);
+    lines.map(|line| line.strip_suffix('\r').unwrap_or(line))
+}
+
 /// The separator that a header line speaks for: a semicolon or a tab outside quotes, otherwise a comma.
 pub(super) fn separator(header: &str) -> char {
     let mut quoted = false;
@@ -93,15 +100,20 @@ mod tests {
         let wide = tabs.encode_utf16().flat_map(u16::to_le_bytes);
         let wide: Vec<u8> = [0xff, 0xfe].into_iter().chain(wide).collect();
         let named = format!("sep=;\r\n{semicolons}");
+        let returns = semicolons.replace("\r\n", "\r");
+        let with_empty_rows = format!("{semicolons};;\r\n; ;\r\n");
         for bytes in [
             semicolons.as_bytes(),
             &latin,
             &marked,
             &wide,
             named.as_bytes(),
+            returns.as_bytes(),
+            with_empty_rows.as_bytes(),
         ] {
             let table = Table::parse(&text_of_bytes(bytes)).unwrap();
             assert_eq!(table.header(), plain.header());
+            assert_eq!(table.rows().len(), 2);
             for (row, expected) in table.rows().iter().zip(plain.rows()) {
                 assert_eq!(row.text(0), expected.text(0));
                 for column in 1..3 {
@@ -121,6 +133,14 @@ mod tests {
         let table = Table::parse("a;b\n1,5;\"x; y, 2\"\n").unwrap();
         assert_eq!(table.number(&table.rows()[0], 0), Ok(1.5));
         assert_eq!(table.rows()[0].text(1), "x; y, 2");
+    }
+
+    /// A picture or another file of bytes is told as such, and not by the first quote that stands in it.
+    #[test]
+    fn a_file_that_is_no_text_is_refused_as_such() {
+        let picture = b"\x89PNG\r\n\x1a\n\0\0\0\x0dIHDR\"";
+        let found = Table::parse(&text_of_bytes(picture));
+        assert_eq!(found, Err(crate::Error::NotText));
     }
 
     #[test]

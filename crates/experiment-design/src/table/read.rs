@@ -49,15 +49,18 @@ impl Row {
 impl Table {
     /// Reads a table from CSV text, separated by commas, or by semicolons or tabs where the header line has them; a first
     /// line `sep=;` names another separator. Without commas as separators, numbers may have decimal commas, unless any number
-    /// of the table has a point.
+    /// of the table has a point. Lines without any text in their fields are skipped: spreadsheets write them for empty rows.
     ///
     /// # Errors
-    /// [`Error::EmptyTable`], [`Error::FieldCount`], [`Error::OpenQuote`].
+    /// [`Error::NotText`], [`Error::EmptyTable`], [`Error::FieldCount`], [`Error::OpenQuote`].
     pub fn parse(text: &str) -> Result<Self, Error> {
+        if text.contains('\0') {
+            return Err(Error::NotText);
+        }
         let text = text.strip_prefix('\u{feff}').unwrap_or(text);
         let mut rows = Vec::new();
         let mut separator = None;
-        for (i, line) in text.lines().enumerate() {
+        for (i, line) in dialect::lines(text).enumerate() {
             if line.trim().is_empty() || line.starts_with('#') {
                 continue;
             }
@@ -73,10 +76,13 @@ impl Table {
             let fields = fields
                 .iter()
                 .map(|field| dialect::as_meant(field).to_owned());
-            rows.push(Row {
-                line: line_number,
-                fields: fields.collect(),
-            });
+            let fields: Vec<String> = fields.collect();
+            if fields.iter().any(|field| !field.trim().is_empty()) {
+                rows.push(Row {
+                    line: line_number,
+                    fields,
+                });
+            }
         }
         let pointed = |row: &Row| {
             row.fields

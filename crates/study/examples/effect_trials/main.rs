@@ -3,8 +3,9 @@
 //!
 //! `cargo run --release -p study --example effect_trials -- STUDY.toml FOLDER REPLICATES NOTHING MINUTES`
 //!
-//! Every effect is hidden at each of the sizes, REPLICATES times with other truths and seeds; in NOTHING campaigns nothing is. After
-//! MINUTES no further campaign begins.
+//! Every effect is hidden at each of the sizes, REPLICATES times with other truths and seeds; in NOTHING campaigns nothing is. Where
+//! an answer leaves a question, the first measurement that it recommends is made, and all is diagnosed again. After MINUTES
+//! no further campaign begins.
 //! A size is a multiple of the smallest amplitude that the measurements show with a chance of 90 %, never above the
 //! largest that is physically possible; an effect that cannot reach half of a size is left to the smaller one.
 //! Finished runs are kept in FOLDER and found again. Prints a page in Markdown; each diagnosis is written whole to
@@ -129,19 +130,13 @@ impl Trials<'_> {
         for hidden in hidden {
             if begin.elapsed().as_secs_f64() > 60.0 * minutes {
                 page.not_begun += 1;
-            } else {
-                page.outcomes.push(self.outcome(hidden)?);
-            }
-        }
-        for outcome in &page.outcomes {
-            let Some((study, candidate)) = next::open_question(outcome) else {
                 continue;
-            };
-            if begin.elapsed().as_secs_f64() > 60.0 * minutes {
-                page.not_followed += 1;
-            } else {
-                page.next.push(self.next(outcome, study, candidate)?);
             }
+            let outcome = self.outcome(hidden)?;
+            if let Some((study, candidate)) = next::open_question(&outcome) {
+                page.next.push(self.next(&outcome, study, candidate)?);
+            }
+            page.outcomes.push(outcome);
         }
         Ok(page)
     }

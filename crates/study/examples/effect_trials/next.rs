@@ -29,7 +29,7 @@ pub(crate) fn open_question(outcome: &Outcome) -> Option<(&ResidualStudy, &Candi
 }
 
 /// Writes each campaign that was followed, and what became of the ties and of the others.
-pub(crate) fn write(all: &[Next], not_followed: usize, text: &mut String) {
+pub(crate) fn write(all: &[Next], text: &mut String) {
     if all.is_empty() {
         return;
     }
@@ -82,10 +82,4 @@ pub(crate) fn write(all: &[Next], not_followed: usize, text: &mut String) {
             .is_some_and(Told::is_right)),
         part(&others, &|next| told(next, Told::False)),
     );
-    if not_followed > 0 {
-        let _ = writeln!(
-            text,
-            "\nNot followed, for lack of time: {not_followed} more."
-        );
-    }
 }

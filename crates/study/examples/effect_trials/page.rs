@@ -37,8 +37,6 @@ pub(crate) struct Page {
     pub(crate) outcomes: Vec<Outcome>,
     /// Campaigns with an open question once the first recommended measurement is made.
     pub(crate) next: Vec<Next>,
-    /// Open questions for which there was no time.
-    pub(crate) not_followed: usize,
     /// Campaigns for which there was no time.
     pub(crate) not_begun: usize,
     /// Effects whose probes could not be run, with the reason.
@@ -59,7 +57,6 @@ impl Page {
         Self {
             outcomes: Vec::new(),
             next: Vec::new(),
-            not_followed: 0,
             not_begun: 0,
             library: first.plan.effects.len() + first.left_out.len() + not_applicable.len(),
             left_out: first.left_out.clone(),
@@ -99,7 +96,7 @@ impl Page {
         self.write_coverage(&mut text);
         self.write_nothing(&mut text);
         goals::write(&self.outcomes, &mut text);
-        next::write(&self.next, self.not_followed, &mut text);
+        next::write(&self.next, &mut text);
         self.write_limits(&mut text);
         self.write_work(&mut text, work);
         text
