@@ -332,7 +332,7 @@ def answer(program, file):
     """Flags that were needed and the volume in mm3, or the last message where it stays refused."""
     flags = []
     for _ in range(ROUNDS + 1):
-        words = [program, file, "--radius", "0.3" if "lens" in file.name else "0.8", "--effort", "0.05", "--json"]
+        words = [program, file, "--radius", "0.3mm" if "lens" in file.name else "0.8mm", "--effort", "0.05", "--json"]
         words += flags
         try:
             done = subprocess.run(words, capture_output=True, text=True, timeout=300)
