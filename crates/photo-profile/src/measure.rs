@@ -137,9 +137,11 @@ fn beside(picture: &PhotoPixels, circle: DrumPixels) -> Vec<PixelRegion> {
     strips.into_iter().filter(wide).collect()
 }
 
-/// Measures a drum by the circle that the luminance shows, or another channel where that one leads nowhere.
+/// Measures a drum by the circle that the luminance shows, or another channel where that one leads nowhere. A circle that was
+/// looked at already is not looked at again: each look chooses among all channels for itself, and further chances would let
+/// pass what was refused.
 fn search_drum(picture: &PhotoPixels, settings: &Settings) -> PhotoReading {
-    let by = |channel| match find_drum(&picture.channel(channel)) {
+    let look = |found: Result<FoundDrum, NotFound>| match found {
         Ok(drum) => read_disc(picture, &drum, settings),
         Err(NotFound { reason, candidate }) => PhotoReading {
             glimpse: Glimpse {
@@ -149,17 +151,23 @@ fn search_drum(picture: &PhotoPixels, settings: &Settings) -> PhotoReading {
             ..PhotoReading::refused(reason, None)
         },
     };
-    let mut told = by(Channel::Luma);
-    if picture.has_colour() {
-        for channel in Channel::COLOURS {
-            if told.verdict == Verdict::Ok {
-                break;
-            }
-            let other = by(channel);
-            // A refusal with a circle tells more than one without.
-            if other.verdict == Verdict::Ok || told.drum.is_none() && other.drum.is_some() {
-                told = other;
-            }
+    let mut told = look(find_drum(&picture.channel(Channel::Luma)));
+    let mut seen: Vec<DrumPixels> = told.drum.into_iter().collect();
+    let colours = Channel::COLOURS.into_iter();
+    for channel in colours.filter(|_| picture.has_colour()) {
+        if told.verdict == Verdict::Ok {
+            break;
+        }
+        let found = find_drum(&picture.channel(channel));
+        let is_seen = |drum: &FoundDrum| seen.iter().any(|known| known.is_like(&drum.circle));
+        if found.as_ref().is_ok_and(is_seen) {
+            continue;
+        }
+        let other = look(found);
+        seen.extend(other.drum);
+        // A refusal with a circle tells more than one without.
+        if other.verdict == Verdict::Ok || told.drum.is_none() && other.drum.is_some() {
+            told = other;
         }
     }
     told

@@ -15,6 +15,15 @@ pub struct DrumPixels {
     pub r: f64,
 }
 
+impl DrumPixels {
+    /// Whether another circle is the same within 1 % of the radius, by which edges of several channels differ.
+    pub(crate) fn is_like(&self, other: &Self) -> bool {
+        let most = 0.01 * self.r;
+        let apart = (self.cx - other.cx).hypot(self.cy - other.cy);
+        apart <= most && (self.r - other.r).abs() <= most
+    }
+}
+
 /// What the picture shows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
