@@ -16,7 +16,6 @@ mod intervals;
 mod joint;
 mod joint_fit;
 mod laboratory;
-mod least_squares;
 mod planned;
 mod power;
 mod problem;
@@ -36,7 +35,6 @@ pub use calibrate::calibrate;
 pub use diagnosis_stage::{diagnose_at, most_runs_of_candidates, most_runs_of_diagnosis};
 pub use error::Error;
 pub use laboratory::Laboratory;
-pub use least_squares::{BoundedProblem, bounded_least_squares};
 pub use planned::{PlannedStage, planned};
 pub use power::{PowerTable, power_of_design};
 pub use problem::{

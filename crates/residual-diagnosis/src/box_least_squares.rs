@@ -20,6 +20,20 @@ pub(crate) struct Solution {
     pub(crate) remaining: DVector<f64>,
 }
 
+/// The x in a box for which `|target - matrix x|²` is least; 0 lies inside the box. Where several are, the one to which the
+/// shortest way leads. Bounds may be infinite.
+///
+/// # Panics
+/// Where the numbers of rows or of bounds do not fit the matrix.
+pub fn least_squares_step(
+    matrix: &DMatrix<f64>,
+    target: &DVector<f64>,
+    low: &[f64],
+    high: &[f64],
+) -> DVector<f64> {
+    least_squares_in_box(matrix, target, low, high).coefficients
+}
+
 /// Makes `|target - matrix x|²` least with `low <= x <= high`; 0 lies inside the box. Bounds may be infinite.
 ///
 /// # Formula

@@ -63,6 +63,7 @@ mod telling_rows;
 mod trials;
 
 pub use before_after::{BeforeAfter, Change, Contrast, PartErrors, Stages};
+pub use box_least_squares::least_squares_step;
 pub use diagnose::{Options, diagnose};
 pub use diagnosis::{
     CandidateResult, CheckedModel, ConditionShare, DeclaredResult, Diagnosis, Evidence, Limit,

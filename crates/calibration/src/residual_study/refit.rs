@@ -3,8 +3,8 @@
 use super::runs::{Linearisation, Means, Setting};
 use super::{Observed, ResidualPlan, assemble};
 use crate::Error;
-use crate::least_squares::{BoundedProblem, bounded_least_squares};
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{DMatrix, DVector, RowDVector};
+use residual_diagnosis::least_squares_step;
 
 /// Fits parameters and the amplitudes of some effects together to the used conditions and the priors, about the means
 /// of runs at a point.
@@ -23,16 +23,23 @@ pub(super) fn with_effects(
     let parameters: Vec<f64> = plan.declared.iter().map(parameter).collect();
     let amplitude = |&j: &usize| point.effects[&plan.effects[j].name];
     let amplitudes: Vec<f64> = taken.iter().map(amplitude).collect();
-    let problem = linear_problem(
-        plan,
-        observed,
-        linear,
-        &taken,
-        (&parameters, &amplitudes),
-        means,
-    )?;
-    let start: Vec<f64> = parameters.iter().chain(&amplitudes).copied().collect();
-    let solution = bounded_least_squares(&problem, &start)?;
+    let at: Vec<f64> = parameters.into_iter().chain(amplitudes).collect();
+    let (matrix, target) = linear_problem(plan, observed, linear, &taken, (&at, means))?;
+    let amplitudes = |end: usize| taken.iter().map(move |&j| plan.effects[j].range[end]);
+    let bounds = |end: usize| plan.declared.iter().map(move |d| d.bounds[end]);
+    let bounds = [0, 1].map(|end| bounds(end).chain(amplitudes(end)).collect::<Vec<f64>>());
+    // A point that rounding put outside begins on its bound.
+    let at: Vec<f64> = (0..at.len())
+        .map(|j| at[j].clamp(bounds[0][j], bounds[1][j]))
+        .collect();
+    let ways = [0, 1].map(|end: usize| {
+        let ways = bounds[end].iter().zip(&at);
+        ways.map(|(bound, at)| bound - at).collect::<Vec<f64>>()
+    });
+    let step = least_squares_step(&matrix, &target, &ways[0], &ways[1]);
+    let solution: Vec<f64> = (0..at.len())
+        .map(|j| (at[j] + step[j]).clamp(bounds[0][j], bounds[1][j]))
+        .collect();
     let (parameters, amplitudes) = solution.split_at(plan.declared.len());
     let mut setting = Setting::declared(plan, parameters);
     for (&j, amplitude) in taken.iter().zip(amplitudes) {
@@ -43,18 +50,17 @@ pub(super) fn with_effects(
     Ok(setting)
 }
 
-/// Whitened rows of the used conditions and of the priors, about a point.
+/// Whitened rows of the used conditions and of the priors, and what a step from a point (parameters, then amplitudes) should
+/// make of them.
 fn linear_problem(
     plan: &ResidualPlan,
     observed: &Observed,
     linear: &Linearisation,
     taken: &[usize],
-    point: (&[f64], &[f64]),
-    means: &Means,
-) -> Result<BoundedProblem, Error> {
+    (at, means): (&[f64], &Means),
+) -> Result<(DMatrix<f64>, DVector<f64>), Error> {
     let n = plan.declared.len() + taken.len();
-    let at: Vec<f64> = point.0.iter().chain(point.1).copied().collect();
-    let (mut matrix, mut target) = (Vec::new(), Vec::new());
+    let (mut rows, mut target) = (Vec::new(), Vec::new());
     for c in (0..plan.conditions.len()).filter(|&c| plan.conditions[c].used) {
         let measured = observed.measured(c);
         let root = assemble::root(observed, linear, 1.0 / means.n[c] as f64, c)?;
@@ -65,8 +71,7 @@ fn linear_problem(
         let slopes = DMatrix::from_fn(measured.len(), n, |row, j| slope(measured[row], j));
         let pairs = observed.values[c].iter().zip(&means.values[c]);
         let residuals = pairs.filter_map(|(y, f)| y.map(|y| y - f));
-        let residual = DVector::from_iterator(measured.len(), residuals)
-            + &slopes * DVector::from_column_slice(&at);
+        let residual = DVector::from_iterator(measured.len(), residuals);
         let unsolved = || Error::Search {
             what: "whitened rows",
             reason: "the covariance has a zero on its diagonal".into(),
@@ -75,27 +80,20 @@ fn linear_problem(
         let right = root
             .solve_lower_triangular(&residual)
             .ok_or_else(unsolved)?;
-        for (row, value) in white.row_iter().zip(right.iter()) {
-            matrix.push(row.iter().copied().collect());
-            target.push(*value);
-        }
+        rows.extend(white.row_iter().map(|row| row.into_owned()));
+        target.extend(right.iter());
     }
     for (j, declared) in plan.declared.iter().enumerate() {
         if let Some([mean, sd]) = declared.prior {
-            matrix.push(
-                (0..n)
-                    .map(|i| if i == j { 1.0 / sd } else { 0.0 })
-                    .collect(),
-            );
-            target.push(mean / sd);
+            let row = |i: usize| if i == j { 1.0 / sd } else { 0.0 };
+            rows.push(RowDVector::from_fn(n, |_, i| row(i)));
+            target.push((mean - at[j]) / sd);
         }
     }
-    let amplitudes = |end: usize| taken.iter().map(move |&j| plan.effects[j].range[end]);
-    let bounds = |end: usize| plan.declared.iter().map(move |d| d.bounds[end]);
-    Ok(BoundedProblem {
-        matrix,
-        target,
-        low: bounds(0).chain(amplitudes(0)).collect(),
-        high: bounds(1).chain(amplitudes(1)).collect(),
-    })
+    let matrix = if rows.is_empty() {
+        DMatrix::zeros(0, n)
+    } else {
+        DMatrix::from_rows(&rows)
+    };
+    Ok((matrix, DVector::from_vec(target)))
 }

@@ -601,7 +601,8 @@ fn tied_effects_are_added_in_turn() {
     );
 }
 
-/// A tied effect whose model cannot be run at a kept condition costs itself, not the study.
+/// A tied effect whose model cannot be run at a kept condition costs itself, not the study. (In one campaign of 25 the noise of
+/// the slopes tells twins apart; these data are none of those.)
 #[test]
 fn a_tied_effect_that_cannot_be_run_is_told_and_left_out() {
     let folder = tempfile::tempdir().unwrap();
@@ -611,7 +612,7 @@ fn a_tied_effect_that_cannot_be_run_is_told_and_left_out() {
     for condition in plan.conditions.iter_mut().filter(|c| !c.used) {
         condition.condition.insert("rpm".into(), 25.0);
     }
-    let data = observed(&plan, [2.0, 0.0], 1);
+    let data = observed(&plan, [2.0, 0.0], 2);
     let study = study_residual(&campaign, &Twins, &plan, &data).unwrap();
     assert_eq!(study.diagnosis.verdict, Verdict::Tie);
     assert_eq!(study.rivals.len(), 1);
