@@ -3,7 +3,7 @@
 use super::runs::{Linearisation, Means, Setting};
 use super::{Observed, ResidualPlan, assemble};
 use crate::Error;
-use nalgebra::{DMatrix, DVector, RowDVector};
+use nalgebra::{DMatrix, DVector, Matrix, RowDVector};
 use residual_diagnosis::least_squares_step;
 
 /// Fits parameters and the amplitudes of some effects together to the used conditions and the priors, about the means
@@ -80,7 +80,7 @@ fn linear_problem(
         let right = root
             .solve_lower_triangular(&residual)
             .ok_or_else(unsolved)?;
-        rows.extend(white.row_iter().map(|row| row.into_owned()));
+        rows.extend(white.row_iter().map(Matrix::into_owned));
         target.extend(right.iter());
     }
     for (j, declared) in plan.declared.iter().enumerate() {
