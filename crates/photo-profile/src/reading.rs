@@ -3,6 +3,7 @@
 use crate::heap::{FoundHeap, HeapReading};
 use crate::{Channel, DrumPixels, Foreground};
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 use surface_profile::{HighSide, SurfaceAngle};
 
 /// A place in the picture; y down, the centre of the first pixel is (0, 0).
@@ -247,6 +248,45 @@ impl PhotoReading {
         })
     }
 
+    /// Slope of the lowest fifth of the surface along its line, positive as the surface itself, rad: less than that of the line
+    /// where the toe turns up. Least squares over all points there, those set aside too; none of a heap and of fewer than 8
+    /// points.
+    pub fn toe_slope(&self) -> Option<f64> {
+        let toe = self.along_line()?.into_iter().filter(|p| p[0] < 0.2);
+        Some(self.angle?.line + slope(&toe.collect::<Vec<_>>())?)
+    }
+
+    /// Inclination of the least-squares line through all points, those set aside too, each hundredth of the way along the line
+    /// with one weight, rad: differs from `line` where a broad toe or top stands off it. None of a heap.
+    pub fn line_through_all(&self) -> Option<f64> {
+        let mut stations: BTreeMap<i64, (f64, [f64; 2])> = BTreeMap::new();
+        for p in self.along_line()? {
+            #[expect(clippy::cast_possible_truncation, reason = "a float cast saturates")]
+            let station = (100.0 * p[0]).floor() as i64;
+            let (n, sum) = stations.entry(station).or_default();
+            *n += 1.0;
+            *sum = [sum[0] + p[0], sum[1] + p[1]];
+        }
+        let means = stations.values().map(|(n, sum)| sum.map(|s| s / n));
+        Some(self.angle?.line + slope(&means.collect::<Vec<_>>())?)
+    }
+
+    /// All points of the surface by their way along the line from its low to its high end, and their height over it, both in
+    /// parts of its length.
+    fn along_line(&self) -> Option<Vec<[f64; 2]>> {
+        let [high, low] = self.line_ends?;
+        let (along, up) = (high.x - low.x, low.y - high.y);
+        let squared = along * along + up * up;
+        // To the left of a way that climbs to the right lies the air, of one that climbs to the left the bed.
+        let outwards = along.signum();
+        let points = self.used.iter().chain(&self.rejected);
+        let place = |p: &PixelPoint| {
+            let (x, y) = (p.x - low.x, low.y - p.y);
+            [along * x + up * y, outwards * (along * y - up * x)].map(|part| part / squared)
+        };
+        Some(points.map(place).collect())
+    }
+
     /// A refused reading.
     pub(crate) fn refused(reason: Refusal, drum: Option<DrumPixels>) -> Self {
         Self {
@@ -289,4 +329,18 @@ impl PhotoReading {
             channel: found.channel,
         }
     }
+}
+
+/// Angle of the least-squares line through some points, rad; none of fewer than 8.
+fn slope(points: &[[f64; 2]]) -> Option<f64> {
+    if points.len() < 8 {
+        return None;
+    }
+    let n = points.len() as f64;
+    let mean = [0, 1].map(|k: usize| points.iter().map(|p| p[k]).sum::<f64>() / n);
+    let sum = |k: usize| -> f64 {
+        let product = |p: &[f64; 2]| (p[0] - mean[0]) * (p[k] - mean[k]);
+        points.iter().map(product).sum()
+    };
+    Some(sum(1).atan2(sum(0)))
 }

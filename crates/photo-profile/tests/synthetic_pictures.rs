@@ -7,7 +7,7 @@ use image::{GrayImage, imageops};
 use photo_profile::{
     DrumPixels, Foreground, PhotoReading, Refusal, Settings, Verdict, measure_image,
 };
-use surface_profile::{HighSide, SurfaceAngle, measure};
+use surface_profile::{HighSide, SurfaceAngle, SurfacePoint, measure};
 
 /// The reading of a picture that must be measurable.
 fn read(picture: &GrayImage, settings: &Settings) -> PhotoReading {
@@ -86,6 +86,40 @@ const COARSE: Scene = Scene {
     grain: [18.0, 10.0],
     ..FINE
 };
+
+/// A hollow surface, to either side: the slope of its lowest fifth is that of the true curve there by y over x, to 1.5 degrees (the
+/// last hundredths of the chord are hidden by the rim); a straight surface has the slope of its line, to 0.3 degrees.
+#[test]
+fn the_slope_of_the_toe_is_that_of_the_curve() {
+    for (side, curvature) in [(1.0, 0.0), (-1.0, 0.0), (1.0, 0.3), (-1.0, 0.3)] {
+        let scene = Scene {
+            inclination: side * 0.7,
+            curvature,
+            ..FINE
+        };
+        let drum = scene.drum();
+        let inside = |p: &SurfacePoint| (p.x - drum.x).hypot(p.y - drum.y) < 0.97 * drum.radius;
+        let curve: Vec<SurfacePoint> = scene.surface().into_iter().filter(inside).collect();
+        let outwards = |p: &SurfacePoint| side * p.x;
+        let low = curve.iter().map(outwards).fold(f64::INFINITY, f64::min);
+        let high = curve.iter().map(outwards).fold(f64::NEG_INFINITY, f64::max);
+        let toe = curve
+            .iter()
+            .filter(|p| outwards(p) < low + 0.2 * (high - low));
+        let toe: Vec<&SurfacePoint> = toe.collect();
+        let n = toe.len() as f64;
+        let mean_x = toe.iter().map(|p| outwards(p)).sum::<f64>() / n;
+        let rise: f64 = toe.iter().map(|p| (outwards(p) - mean_x) * p.y).sum();
+        let run: f64 = toe.iter().map(|p| (outwards(p) - mean_x).powi(2)).sum();
+        let truth = (rise / run).atan().to_degrees();
+        let reading = read(&scene.draw(), &Settings::default());
+        let found = reading.toe_slope().unwrap().to_degrees();
+        let line = reading.angle.unwrap().line.to_degrees();
+        let most = if curvature == 0.0 { 0.3 } else { 1.5 };
+        assert!((found - truth).abs() < most, "{found} for {truth}");
+        assert_eq!(line - found > 10.0, curvature > 0.0, "{line} {found}");
+    }
+}
 
 /// A sharp surface is read to a twentieth of a pixel over the chord of 500 px: 0.01 degrees.
 #[test]

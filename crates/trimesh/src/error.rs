@@ -138,7 +138,7 @@ pub enum Error {
         /// See `x`.
         z: f64,
         /// What would mend it.
-        way_out: Proposal,
+        way_out: Box<Proposal>,
     },
     /// A stack of slices whose sizes do not fit.
     #[error(
@@ -184,7 +184,7 @@ pub enum Error {
         /// See `x`.
         z: f64,
         /// What would mend it.
-        way_out: Proposal,
+        way_out: Box<Proposal>,
     },
     /// The surface has only one side.
     #[error("{file} cannot be oriented: its surface has one side only (as a Klein bottle)")]
@@ -226,7 +226,7 @@ pub enum Error {
         /// See `x`.
         z: f64,
         /// What would mend it.
-        way_out: Proposal,
+        way_out: Box<Proposal>,
     },
     /// The unit is not known.
     #[error("unknown unit of length `{found}`; use mm, cm, m or um")]

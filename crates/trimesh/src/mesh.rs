@@ -152,6 +152,7 @@ impl TriMesh {
         let way_out = topology
             .way_out
             .unwrap_or_else(|| Proposal::rebuilt(&self.bounding_box()));
+        let way_out = Box::new(way_out);
         let in_mm = |place: Option<Vector3<f64>>| place.unwrap_or_default() * 1e3;
         if topology.open_edges > 0 {
             let at = in_mm(topology.first_open_edge);

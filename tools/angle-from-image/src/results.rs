@@ -70,6 +70,10 @@ pub(crate) struct ImageResult {
     pub(crate) shape_5: Option<f64>,
     /// Share of the drum that the bed takes, 0 to 1, within 0.96 of its radius.
     pub(crate) fill_level: Option<f64>,
+    /// Inclination of the line through all points, those set aside too, degrees.
+    pub(crate) line_through_all_deg: Option<f64>,
+    /// Slope of the lowest fifth of the surface, degrees; flatter than the line where the toe turns up.
+    pub(crate) toe_slope_deg: Option<f64>,
     /// Where the bed ends at the shell on the lower side, from straight down, positive towards the higher side, degrees.
     pub(crate) toe_position_deg: Option<f64>,
     /// The same on the higher side, degrees.
@@ -152,6 +156,9 @@ pub(crate) struct HeapResult {
     /// How far above the foot the camera stands by the lower edge of the heap, degrees; none where that does not show.
     pub(crate) elevation_seen_deg: Option<f64>,
 }
+
+/// How much flatter than the line the toe of a bed is told in words, degrees: grains of a tenth of the radius make less.
+const FLAT_TOE_DEG: f64 = 15.0;
 
 /// Difference of the halves of a flank that is told in words, degrees; a fifth of it for the base.
 const WORTH_TELLING_DEG: f64 = 5.0;
@@ -279,6 +286,8 @@ impl ImageResult {
             shape_4: angle.and_then(|a| a.shape).map(|shape| shape[2]),
             shape_5: angle.and_then(|a| a.shape).map(|shape| shape[3]),
             fill_level: reading.fill_level,
+            toe_slope_deg: degrees(reading.toe_slope()),
+            line_through_all_deg: degrees(reading.line_through_all()),
             toe_position_deg: degrees(reading.bed_ends().map(|e| e.toe)),
             top_position_deg: degrees(reading.bed_ends().map(|e| e.top)),
             high_side: angle.map(|a| a.high_side),
@@ -319,12 +328,22 @@ impl ImageResult {
         let by = by.map_or(String::new(), |channel| format!(", bed told by {channel}"));
         match (self.angle_deg, self.angle_se_deg, self.high_side) {
             (Some(angle), Some(error), Some(side)) => {
+                let flat = |toe: &f64| self.line_deg.is_some_and(|l| l - toe > FLAT_TOE_DEG);
+                let toe = self
+                    .toe_slope_deg
+                    .filter(flat)
+                    .map_or(String::new(), |toe| {
+                        let all = self.line_through_all_deg.unwrap_or(angle);
+                        format!(
+                            ", toe turned up to {toe:.0} deg (line through all points: {all:.2})"
+                        )
+                    });
                 let side = match side {
                     HighSide::Left => "left",
                     HighSide::Right => "right",
                 };
                 format!(
-                    "{name}: {angle:.2} deg (se {error:.2}), high on the {side}{by}, quality {:.2}",
+                    "{name}: {angle:.2} deg (se {error:.2}), high on the {side}{toe}{by}, quality {:.2}",
                     self.quality
                 )
             }

@@ -31,7 +31,7 @@ const FIRST: [Column; 9] = [
 const TIME: Column = ("time_s", |i| number(i.time_s));
 
 /// Columns of a drum.
-const DRUM: [Column; 19] = [
+const DRUM: [Column; 21] = [
     ("definition", |i| definition(i.definition).to_owned()),
     ("line_deg", |i| number(i.line_deg)),
     ("line_standard_error_deg", |i| number(i.line_se_deg)),
@@ -47,6 +47,8 @@ const DRUM: [Column; 19] = [
     ("fill_level_1", |i| number(i.fill_level)),
     ("toe_position_deg", |i| number(i.toe_position_deg)),
     ("top_position_deg", |i| number(i.top_position_deg)),
+    ("toe_slope_deg", |i| number(i.toe_slope_deg)),
+    ("line_through_all_deg", |i| number(i.line_through_all_deg)),
     ("high_side", |i| i.high_side.map_or("", side).to_owned()),
     ("drum_x_px", |i| number(i.drum.map(|d| d.cx))),
     ("drum_y_px", |i| number(i.drum.map(|d| d.cy))),
