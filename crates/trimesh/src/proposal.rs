@@ -112,8 +112,11 @@ impl std::fmt::Display for Proposal {
     }
 }
 
-/// A positive number with two digits, not smaller than it was.
+/// A positive number with two digits, not smaller than it was; others stay.
 fn rounded_up(x: f64) -> f64 {
+    if x <= 0.0 {
+        return x;
+    }
     let unit = 10_f64.powf(x.log10().floor() - 1.0);
     let digits = (x / unit).ceil();
     // Through text, so that no digits of rounding are shown.
@@ -265,6 +268,7 @@ mod tests {
             (12.0, 12.0),
             (99.9, 100.0),
             (0.3, 0.3),
+            (0.0, 0.0),
         ] {
             assert_eq!(rounded_up(x).to_string(), expected.to_string());
         }
