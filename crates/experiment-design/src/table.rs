@@ -7,6 +7,7 @@
 
 mod dialect;
 mod read;
+mod records;
 mod write;
 
 pub use dialect::text_of_bytes;

@@ -344,3 +344,63 @@ fn slope(points: &[[f64; 2]]) -> Option<f64> {
     };
     Some(sum(1).atan2(sum(0)))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{PhotoReading, PixelPoint, Refusal};
+    use surface_profile::{HighSide, SurfaceAngle};
+
+    /// A surface of 30 degrees, high on either side, whose points stand at the middles of the hundredths of its line; the lowest ten
+    /// stand off it by a twentieth of its length and are set aside. By hand: the ten add 10 (0.05 - 0.5) 0.05 to the sum of
+    /// products, the hundred (1 - 1e-4) 100 / 12 to that of squares. Within the lowest fifth the same ten of twenty lie
+    /// before the others: 10 (0.05 - 0.1) 0.05 over 20 (0.04 - 1e-4) / 12.
+    #[test]
+    fn points_set_aside_turn_the_line_through_all() {
+        let line = 30.0_f64.to_radians();
+        for side in [1.0, -1.0] {
+            let high_side = if side > 0.0 {
+                HighSide::Right
+            } else {
+                HighSide::Left
+            };
+            let place = |t: f64, height: f64| PixelPoint {
+                x: 300.0 + side * 200.0 * (t * line.cos() - height * line.sin()),
+                y: 300.0 - 200.0 * (t * line.sin() + height * line.cos()),
+            };
+            let middle = |k: u32| 0.01 * f64::from(k) + 0.005;
+            let angle = SurfaceAngle {
+                line,
+                chord: line,
+                mid: line,
+                standard_error: 0.0,
+                chord_standard_error: 0.0,
+                mid_standard_error: 0.0,
+                curvature: 0.0,
+                s_shape: 0.0,
+                shape: None,
+                high_side,
+                n_points: 90,
+                n_rejected: 10,
+            };
+            let reading = PhotoReading {
+                angle: Some(angle),
+                line_ends: Some([place(1.0, 0.0), place(0.0, 0.0)]),
+                used: (10..100).map(|k| place(middle(k), 0.0)).collect(),
+                rejected: (0..10).map(|k| place(middle(k), 0.05)).collect(),
+                ..PhotoReading::refused(
+                    Refusal::TooSmall {
+                        pixels: 0,
+                        least: 0,
+                    },
+                    None,
+                )
+            };
+            let all: f64 = -10.0 * 0.45 * 0.05 / ((1.0 - 1e-4) * 100.0 / 12.0);
+            let toe: f64 = -10.0 * 0.05 * 0.05 / (20.0 * (0.04 - 1e-4) / 12.0);
+            let found = reading.line_through_all().unwrap();
+            assert!((found - line - all.atan()).abs() < 1e-9, "{found}");
+            let found = reading.toe_slope().unwrap();
+            assert!((found - line - toe.atan()).abs() < 1e-9, "{found}");
+        }
+    }
+}

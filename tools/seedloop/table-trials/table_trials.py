@@ -89,6 +89,8 @@ CASES = [
     ("columns in another order", table([[r[i] for i in (3, 1, 0, 2)] for r in ROWS], [HEADER[i] for i in (3, 1, 0, 2)]), SAME),
     ("a column of row numbers", column(lambda r, i: [str(i + 1), *r], ["", *HEADER]), SAME),
     ("a column of remarks", column(lambda r, i: [*r, "ok" if i else "new belt, damp"[:8]], [*HEADER, "remark"]), SAME),
+    ("remarks of two lines", column(lambda r, i: [*r, '"damp,\nnew belt"'], [*HEADER, "remark"]), SAME),
+    ("inch marks in remarks", column(lambda r, i: [*r, '5" belt'], [*HEADER, "remark"]), SAME),
     ("powers of ten", table([[f"{float(c):.6e}" for c in r] for r in ROWS]), SAME),
     ("a sign before each number", table([["+" + c for c in r] for r in ROWS]), SAME),
     # One fault.

@@ -22,13 +22,6 @@ pub fn text_of_bytes(bytes: &[u8]) -> String {
     }
 }
 
-/// The lines of a text: ended by a line feed, with or without a carriage return before it, or all by a carriage return alone.
-pub(super) fn lines(text: &str) -> impl Iterator<Item = &str> {
-    let end = if text.contains('\n') { '\n' } else { '\r' };
-    let lines = text.split_terminator(end);
-    lines.map(|line| line.strip_suffix('\r').unwrap_or(line))
-}
-
 /// The separator that a header line speaks for: a semicolon or a tab outside quotes, otherwise a comma.
 pub(super) fn separator(header: &str) -> char {
     let mut quoted = false;

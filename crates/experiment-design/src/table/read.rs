@@ -1,6 +1,7 @@
 //! Tables of text fields, from CSV text or from the cells of a sheet.
 
 use super::dialect;
+use super::records::Records;
 use crate::Error;
 
 /// A table of text fields with named columns.
@@ -60,19 +61,22 @@ impl Table {
         let text = text.strip_prefix('\u{feff}').unwrap_or(text);
         let mut rows = Vec::new();
         let mut separator = None;
-        for (i, line) in dialect::lines(text).enumerate() {
+        let mut records = Records::new(text);
+        while let Some((line_number, line)) = records.line() {
             if line.trim().is_empty() || line.starts_with('#') {
+                records.skip_line();
                 continue;
             }
             if separator.is_none()
                 && let Some(named) = dialect::named_separator(line)
             {
                 separator = Some(named);
+                records.skip_line();
                 continue;
             }
-            let line_number = i + 1;
             let by = *separator.get_or_insert_with(|| dialect::separator(line));
-            let fields = split(line, by).ok_or(Error::OpenQuote { line: line_number })?;
+            let fields = records.take(by);
+            let fields = fields.ok_or(Error::OpenQuote { line: line_number })?;
             let fields = fields
                 .iter()
                 .map(|field| dialect::as_meant(field).to_owned());
@@ -294,27 +298,6 @@ pub fn cell_name(row: usize, column: usize) -> String {
     }
     let letters: String = letters.into_iter().rev().collect();
     format!("{letters}{row}")
-}
-
-/// Splits a line at separators outside quotes; a doubled quote inside quotes is a quote. None if a
-/// quote stays open.
-fn split(line: &str, separator: char) -> Option<Vec<String>> {
-    let mut fields = vec![String::new()];
-    let mut quoted = false;
-    let mut characters = line.chars().peekable();
-    while let Some(c) = characters.next() {
-        let field = fields.last_mut()?;
-        match c {
-            '"' if quoted && characters.peek() == Some(&'"') => {
-                characters.next();
-                field.push('"');
-            }
-            '"' => quoted = !quoted,
-            c if c == separator && !quoted => fields.push(String::new()),
-            c => field.push(c),
-        }
-    }
-    (!quoted).then_some(fields)
 }
 
 #[cfg(test)]
