@@ -172,9 +172,15 @@ fn enclosed(rim: &[usize], vertices: &[Vector3<f64>]) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::{Proposal, rounded_up};
-    use crate::{LengthUnit, TriMesh, shapes};
+    use super::{Proposal, Tried, rounded_up};
+    use crate::build::build;
+    use crate::holes::rims_of;
+    use crate::orientation::Edges;
+    use crate::weld::weld;
+    use crate::{LengthUnit, Repair, shapes};
     use nalgebra::Vector3;
+
+    const MM: LengthUnit = LengthUnit::Millimetre;
 
     /// The triangles of a ball of 4 mm, mm.
     fn ball() -> Vec<[Vector3<f64>; 3]> {
@@ -184,9 +190,20 @@ mod tests {
             .collect()
     }
 
+    /// What is proposed for a mesh; that mends it.
     fn proposed(soup: &[[Vector3<f64>; 3]]) -> Option<Proposal> {
-        let read = TriMesh::from_triangles(soup, LengthUnit::Millimetre, "ball").unwrap();
-        read.mesh.topology().way_out
+        let read = |repair: &Repair| build(soup.to_vec(), MM, "ball", repair, Vec::new()).unwrap();
+        let mut repair = Repair::default();
+        let way_out = read(&repair).mesh.topology().way_out;
+        match way_out {
+            None => {}
+            Some(Proposal::Crumbs(share)) => repair.crumbs = share,
+            Some(Proposal::Join(distance)) => repair.join = Some(distance),
+            Some(Proposal::CloseHoles(width)) => repair.close_holes = Some(width),
+            Some(Proposal::Rebuild(cell)) => repair.rebuild = Some(cell),
+        }
+        read(&repair).mesh.require_closed().unwrap();
+        way_out
     }
 
     fn middle(t: &[Vector3<f64>; 3]) -> Vector3<f64> {
@@ -208,6 +225,39 @@ mod tests {
             unreachable!("{:?}", proposed(&soup));
         };
         assert!((4.4e-3..5.5e-3).contains(&width), "{width}");
+    }
+
+    /// A hole that stays open though flat lids of its width were allowed is not proposed to be closed by one again.
+    #[test]
+    fn what_was_tried_is_not_proposed_again() {
+        let mut soup = ball();
+        soup.retain(|t| middle(t).x < 1.0);
+        let welded = weld(&soup);
+        let edges = Edges::new(&welded.triangles);
+        let rims = rims_of(&welded.triangles, &edges);
+        let after = |closed: f64| {
+            let tried = Tried {
+                cut_share: 0.0,
+                closed,
+            };
+            Proposal::of(&welded, &edges, &rims, 1, &tried)
+        };
+        assert!(matches!(after(1.0), Proposal::CloseHoles(_)));
+        assert!(matches!(after(10.0), Proposal::Rebuild(_)));
+    }
+
+    /// A cup whose rim has short edges between long ones, so that each vertex has a neighbour nearer than half of its edges: no
+    /// crack, for an open edge joins them.
+    #[test]
+    fn uneven_edges_of_a_rim_are_no_crack() {
+        let at = |k: usize| {
+            let degrees = 60.0 * (k / 2) as f64 + 5.0 * (k % 2) as f64;
+            let (y, x) = degrees.to_radians().sin_cos();
+            Vector3::new(3.0 * x, 3.0 * y, 0.0)
+        };
+        let bottom = Vector3::new(0.0, 0.0, -4.0);
+        let cup: Vec<_> = (0..12).map(|k| [bottom, at((k + 1) % 12), at(k)]).collect();
+        assert!(matches!(proposed(&cup), Some(Proposal::CloseHoles(_))));
     }
 
     /// Two halves, 0.02 mm apart where they were cut: that distance and a tenth.
