@@ -249,12 +249,12 @@ angle *ARGS:
 fuzz-photos:
     cargo test --release --locked -p photo-profile --test mutated_files -- --ignored
 
-# Draw pictures of single grains and things that are no drum and no heap, and count what is read, refused and wrong (ten minutes).
+# Draw pictures of single grains and things that are no drum and no heap, and count what is read, refused and wrong (three minutes).
 [group('trials of the instruments')]
 picture-trials NUMBER="12" *PROGRAMS:
     cargo build --release --locked -p angle-from-image
     [ -x .tools/pictures/bin/python ] || { python3 -m venv .tools/pictures && .tools/pictures/bin/pip install --quiet numpy pillow; }
-    .tools/pictures/bin/python tools/angle-from-image/picture-trials/picture_trials.py {{NUMBER}} "{{programs}}/angle-from-image" "${@:2}"
+    shift; .tools/pictures/bin/python tools/angle-from-image/picture-trials/picture_trials.py {{NUMBER}} "{{programs}}/angle-from-image" "$@"
 
 # Write a table of results as spreadsheets and tired people write it, and count what is analysed, refused and wrong (seconds).
 [group('trials of the instruments')]
