@@ -115,10 +115,10 @@ def flank_mean(top, middle):
 
 
 def heap(rng, grain=0.006, table=(90, 80, 70), wall=(225, 225, 220), bed=((150, 50), (120, 50), (60, 50)), round_top=0.02,
-         flanks=None, base=0.0, shadow=False, blur=0.8, noise=5.0):
+         base=0.0, shadow=False, blur=0.8, noise=5.0):
     """A heap from the side: picture, nothing, mean slope of its flanks in degrees."""
     big = 2
-    left, right = flanks or (math.radians(rng.uniform(20, 42)), math.radians(rng.uniform(20, 42)))
+    left, right = math.radians(rng.uniform(20, 42)), math.radians(rng.uniform(20, 42))
     apex = (0.5 + rng.uniform(-0.05, 0.05), 0.75)
     high = rng.uniform(0.2, 0.3)
     ground = lambda x: 0.25 + base * (x - 0.5)

@@ -189,32 +189,36 @@ def turned(share):
     return damage
 
 
-def loose(number):
-    """Small triangles that hang free above the surface."""
+def with_triangles(number, triangle):
+    """Triangles more, each by a function of the mesh, its normals and the random numbers: points of its own, and three corners,
+    of which those behind the points of the mesh are its own."""
     def damage(mesh, rng):
         points, faces = list(mesh[0]), list(mesh[1])
         outward = normals(mesh)
         for _ in range(number):
-            i = rng.randrange(len(mesh[0]))
-            base = len(points)
-            centre = add(points[i], outward[i], 0.3)
-            points += [add(centre, [rng.gauss(0, 0.05) for _ in range(3)]) for _ in range(3)]
-            faces.append((base, base + 1, base + 2))
+            own, corners = triangle(mesh, outward, rng)
+            shift = len(points) - len(mesh[0])
+            points += own
+            faces.append(tuple(i + shift if i >= len(mesh[0]) else i for i in corners))
         return points, faces
     return damage
+
+
+def loose(number):
+    """Small triangles that hang free above the surface."""
+    def triangle(mesh, outward, rng):
+        i, n = rng.randrange(len(mesh[0])), len(mesh[0])
+        centre = add(mesh[0][i], outward[i], 0.3)
+        return [add(centre, [rng.gauss(0, 0.05) for _ in range(3)]) for _ in range(3)], (n, n + 1, n + 2)
+    return with_triangles(number, triangle)
 
 
 def flaps(number):
     """Triangles that stand on an edge of two others."""
-    def damage(mesh, rng):
-        points, faces = list(mesh[0]), list(mesh[1])
-        outward = normals(mesh)
-        for _ in range(number):
-            a, b, _c = mesh[1][rng.randrange(len(mesh[1]))]
-            points.append(add(points[a], outward[a], 0.2))
-            faces.append((a, b, len(points) - 1))
-        return points, faces
-    return damage
+    def triangle(mesh, outward, rng):
+        a, b, _c = mesh[1][rng.randrange(len(mesh[1]))]
+        return [add(mesh[0][a], outward[a], 0.2)], (a, b, len(mesh[0]))
+    return with_triangles(number, triangle)
 
 
 def doubled(shift):

@@ -88,11 +88,11 @@ fn box_plan(seed: u64) -> ResidualPlan {
 /// seems to explain the 17 mm, and the noise of such a slope forgives whatever is left. The runs of the fit know better: in
 /// all campaigns the residual is structure, friction ends where noise of the runs (1.4 mm of a mean) can drive it, within
 /// 0.2 of its best value without water, 0.53, and water, which differs from resistance by 7 deg at both angles, is named in
-/// four of five (77 and 81 of 100 by two ways of fitting), so in fewer than 12 of 20 in one case of 100; resistance is in none.
+/// four of five (77 and 81 of 100 by two ways of fitting), so in fewer than 26 of 40 in two cases of 100; resistance is in none.
 #[test]
 fn slopes_that_are_noise_forgive_nothing() {
     let mut named = 0;
-    for seed in 0..20 {
+    for seed in 0..40 {
         let folder = tempfile::tempdir().unwrap();
         let store = Store::open(folder.path()).unwrap();
         let campaign = Campaign::new(&store, 2, &Silent);
@@ -119,7 +119,7 @@ fn slopes_that_are_noise_forgive_nothing() {
         );
         named += usize::from(study.diagnosis.verdict == Verdict::Named && effects == &["water"]);
     }
-    assert!(named >= 12, "{named} named");
+    assert!(named >= 26, "{named} named");
 }
 
 /// Slopes of two parameters by a start, two steps and two further points, each mean with unit noise: over 4000 draws the
