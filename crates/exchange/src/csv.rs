@@ -7,13 +7,26 @@ use crate::Error;
 use crate::fractions::fractions;
 use crate::moment::Moment;
 use crate::positions::Rows;
-use crate::vtk::{File, add};
+use crate::vtk::File;
+use ::csv::{ReaderBuilder, Trim, Writer};
 use scene::{Frame, Scene, SeedBody};
 use std::sync::Arc;
 
 /// The columns.
-const HEADER: &str =
-    "time_s,body,kind,material,x_m,y_m,z_m,radius_m,volume_m3,vx_m_s,vy_m_s,vz_m_s\n";
+const HEADER: [&str; 12] = [
+    "time_s",
+    "body",
+    "kind",
+    "material",
+    "x_m",
+    "y_m",
+    "z_m",
+    "radius_m",
+    "volume_m3",
+    "vx_m_s",
+    "vy_m_s",
+    "vz_m_s",
+];
 
 /// The files of a series: `NAME_0000.csv` and so on.
 pub fn series(name: &str, scene: &Scene, frames: &[Frame], bodies: &[Arc<SeedBody>]) -> Vec<File> {
@@ -28,51 +41,49 @@ pub fn series(name: &str, scene: &Scene, frames: &[Frame], bodies: &[Arc<SeedBod
 
 /// One frame.
 fn rows(scene: &Scene, frame: &Frame, bodies: &[Arc<SeedBody>]) -> String {
-    let mut text = HEADER.to_owned();
+    let mut writer = Writer::from_writer(Vec::new());
+    // Writing to memory cannot fail.
+    let _ = writer.write_record(HEADER);
     for fraction in fractions(frame, bodies) {
         let seed = &scene.seed[fraction.kind];
         let (c, v) = (fraction.sphere.centre, fraction.velocity);
-        add(
-            &mut text,
-            format_args!(
-                "{},{},{},{},{:e},{:e},{:e},{:e},{:e},{:e},{:e},{:e}\n",
-                frame.time,
-                fraction.body,
-                quoted(&seed.name),
-                quoted(&seed.material),
-                c.x,
-                c.y,
-                c.z,
-                fraction.sphere.radius,
-                fraction.volume,
-                v.x,
-                v.y,
-                v.z
-            ),
-        );
+        let _ = writer.write_record([
+            frame.time.to_string(),
+            fraction.body.to_string(),
+            seed.name.clone(),
+            seed.material.clone(),
+            format!("{:e}", c.x),
+            format!("{:e}", c.y),
+            format!("{:e}", c.z),
+            format!("{:e}", fraction.sphere.radius),
+            format!("{:e}", fraction.volume),
+            format!("{:e}", v.x),
+            format!("{:e}", v.y),
+            format!("{:e}", v.z),
+        ]);
     }
-    text
-}
-
-/// A cell that may hold a comma or a quotation mark.
-fn quoted(name: &str) -> String {
-    if name.contains([',', '"', '\n']) {
-        format!("\"{}\"", name.replace('"', "\"\""))
-    } else {
-        name.to_owned()
-    }
+    let bytes = writer.into_inner().unwrap_or_default();
+    String::from_utf8(bytes).unwrap_or_default()
 }
 
 /// Reads a table with the columns `x_m`, `y_m`, `z_m` and `radius_m`, with `vx_m_s`, `vy_m_s`, `vz_m_s`, `body` and `time_s` where it
-/// has them; rows of one time are a moment, in the order of the file. Cells in quotation marks may hold commas.
+/// has them; rows of one time are a moment, in the order of the file.
 ///
 /// # Errors
 ///
 /// A missing column, a cell that is no number, no row.
 pub fn read(text: &str, file: &str) -> Result<Vec<Moment>, Error> {
-    let mut lines = text.lines().enumerate();
-    let header = lines.next().map_or("", |(_, line)| line);
-    let columns: Vec<&str> = header.split(',').map(str::trim).collect();
+    let mut reader = ReaderBuilder::new()
+        .flexible(true)
+        .trim(Trim::All)
+        .from_reader(text.as_bytes());
+    let refused = |line: usize, error: &::csv::Error| Error::Positions {
+        file: file.to_owned(),
+        line,
+        what: error.to_string(),
+    };
+    let header = reader.headers().map_err(|e| refused(1, &e))?.clone();
+    let columns: Vec<&str> = header.iter().collect();
     let rows = Rows {
         file,
         columns: &columns,
@@ -82,9 +93,14 @@ pub fn read(text: &str, file: &str) -> Result<Vec<Moment>, Error> {
     let places = rows.places(["x_m", "y_m", "z_m"], "radius_m", velocity, &["body"])?;
     let at_time = columns.iter().position(|c| *c == "time_s");
     let mut moments: Vec<Moment> = Vec::new();
-    for (k, line) in lines.filter(|(_, line)| !line.trim().is_empty()) {
-        let cells = cells_of(line);
-        let time = at_time.map(|place| rows.number(&cells, place, k + 1));
+    for record in reader.records() {
+        let record = record.map_err(|e| refused(line_of(e.position()), &e))?;
+        if record.iter().all(str::is_empty) {
+            continue;
+        }
+        let line = line_of(record.position());
+        let cells: Vec<&str> = record.iter().collect();
+        let time = at_time.map(|place| rows.number(&cells, place, line));
         let time = time.transpose()?;
         if moments.last().is_none_or(|last| last.time != time) {
             moments.push(Moment {
@@ -94,7 +110,7 @@ pub fn read(text: &str, file: &str) -> Result<Vec<Moment>, Error> {
         }
         if let Some(moment) = moments.last_mut() {
             let number = moment.spheres.len();
-            let sphere = rows.sphere(&places, &cells, k + 1, number)?;
+            let sphere = rows.sphere(&places, &cells, line, number)?;
             moment.spheres.push(sphere);
         }
     }
@@ -104,27 +120,24 @@ pub fn read(text: &str, file: &str) -> Result<Vec<Moment>, Error> {
     Ok(moments)
 }
 
-/// The cells of a line; commas inside quotation marks part nothing.
-fn cells_of(line: &str) -> Vec<&str> {
-    let mut quoted = false;
-    line.split(|c| {
-        quoted ^= c == '"';
-        c == ',' && !quoted
-    })
-    .collect()
+/// The line in which a record begins, from 1.
+fn line_of(position: Option<&::csv::Position>) -> usize {
+    let line = position.map_or(1, ::csv::Position::line);
+    usize::try_from(line).unwrap_or(usize::MAX)
 }
 
 #[cfg(test)]
 mod tests {
     use super::{HEADER, read};
 
-    /// Two moments, a material with a comma in its name, and a row that is too short.
+    /// Two moments, a material with a comma and quotes in its name, and a row that is too short.
     #[test]
     fn a_table_of_frames_is_read_back() {
         let row = |time: f64, body: usize| {
-            format!("{time},{body},oval,\"seed, coated\",0.1,0.2,0.3,1e-3,1e-9,1,2,3\n")
+            format!("{time},{body},oval,\"seed, \"\"coated\"\"\",0.1,0.2,0.3,1e-3,1e-9,1,2,3\n")
         };
-        let text = [HEADER.to_owned(), row(0.5, 3), row(0.5, 4), row(0.6, 3)].concat();
+        let header = HEADER.join(",") + "\n";
+        let text = [header, row(0.5, 3), row(0.5, 4), row(0.6, 3)].concat();
         let moments = read(&text, "bed.csv").unwrap();
         let sizes: Vec<_> = moments.iter().map(|m| (m.time, m.spheres.len())).collect();
         assert_eq!(sizes, [(Some(0.5), 2), (Some(0.6), 1)]);
