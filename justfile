@@ -50,7 +50,7 @@ static:
 # Build the documentation; a broken link is an error.
 [group('build and check')]
 docs:
-    RUSTDOCFLAGS="-D warnings" cargo doc --workspace --no-deps --locked
+    RUSTDOCFLAGS="-D warnings" cargo doc --release --workspace --no-deps --locked
 
 # Called again after a stop it goes on where it was.
 # Calibrate the cotton seeds on their bench tests, with the drum as the check.

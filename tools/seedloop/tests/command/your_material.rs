@@ -13,8 +13,13 @@ const GUIDE: &str = include_str!("../../../../docs/guide.md");
 /// it must be.
 const SMALLER: [(&str, &str); 3] = [
     ("inner_diameter = \"200 mm\"", "inner_diameter = \"60 mm\""),
-    ("width = \"30 mm\"", "width = \"12 mm\""),
+    ("width = \"30 mm\"", "width = \"10 mm\""),
     ("sphere = \"6 mm\"", "sphere = \"4 mm\""),
+];
+/// Likewise for the trial of the study, whose drum is larger than that.
+const SMALLER_TRIAL: [(&str, &str); 2] = [
+    ("inner_diameter = 84 mm", "inner_diameter = 60 mm"),
+    ("width = 20 mm", "width = 10 mm"),
 ];
 /// Likewise for the study.
 const SHORTER: &str = "[design]\nbefore_runs = 0\nconfirmation_runs = 2\ncheck_runs = 2\nmost_boxes = 1\n\
@@ -74,13 +79,17 @@ fn take_photos(folder: &Path) {
 /// Makes the drum that was begun a small one.
 fn shrink(folder: &Path) {
     let file = folder.join("drum.toml");
-    let mut scene = fs::read_to_string(&file).unwrap();
-    for (from, to) in SMALLER {
-        assert!(scene.contains(from), "no '{from}' in the drum of init");
-        scene = scene.replace(from, to);
-    }
+    let mut scene = smaller(&fs::read_to_string(&file).unwrap(), &SMALLER);
     scene.push_str("\n[protocol]\nframes = 4\nsettle_limit = \"0.3 s\"\n");
     fs::write(file, scene).unwrap();
+}
+
+/// A text with these pieces replaced, each of which must be in it.
+fn smaller(text: &str, pieces: &[(&str, &str)]) -> String {
+    pieces.iter().fold(text.to_owned(), |text, (from, to)| {
+        assert!(text.contains(from), "no '{from}' in {text}");
+        text.replace(from, to)
+    })
 }
 
 /// Replaces the measured tables of the study by those of the guide.
@@ -88,6 +97,7 @@ fn fill_in(folder: &Path, tables: &str) {
     let file = folder.join("study.toml");
     let study = fs::read_to_string(&file).unwrap();
     let (head, _) = study.split_once("[[measured]]").unwrap();
+    let tables = smaller(tables, &SMALLER_TRIAL);
     fs::write(file, format!("{head}{SHORTER}\n{tables}")).unwrap();
 }
 
