@@ -16,9 +16,9 @@
 //! A heap has its own path from the same tones: the highest place of the largest part in each column, then
 //! [`surface_profile::measure_heap`].
 //!
-//! `imageproc` straightens oblique pictures and finds the largest part of a heap's picture. Its edge finder, Hough lines, threshold and
-//! morphology are not used: the first is not mirror-symmetric, the second counts in degrees, the
-//! third overflows on large pictures, and the fourth moves a surface by whole pixels.
+//! `imageproc` straightens oblique pictures and finds the largest part of a heap's picture. Its edge finder, Hough lines and
+//! threshold are not used: the first is not mirror-symmetric, the second counts in degrees, and the third overflows on large
+//! pictures (`tests/other_library.rs`).
 //!
 //! Pixel frame: x to the right, y **down**, the centre of the first pixel is (0, 0).
 //!
