@@ -150,10 +150,13 @@ mod tests {
             message.contains("bed.csv: line 3") && message.contains("vx_m_s"),
             "{message}"
         );
-        // The quote that stays open takes the rest of the file into its cell.
-        let open = text.replacen("oval", "\"oval", 1);
-        let error = read(&open, "bed.csv").unwrap_err().to_string();
-        assert!(error.contains("line 2: the row ends before"), "{error}");
+        // A quote that stays open takes the rest of the file into its cell.
+        let open = "x_m,y_m,z_m,radius_m\n1,2,3,1\n1,2,\"3,1\n1,2,3,1\n";
+        let error = read(open, "bed.csv").unwrap_err().to_string();
+        assert!(
+            error.contains("bed.csv: line 3: the row ends before radius_m"),
+            "{error}"
+        );
         let error = read("x_m,y_m\n", "bed.csv").unwrap_err().to_string();
         assert!(error.contains("'z_m' is missing"), "{error}");
     }
