@@ -2,7 +2,9 @@
 //! noise of reading.
 
 use crate::{AnyError, SEED};
-use calibration::{CalibrationProblem, CandidateMeasurement, Measurement, Parameter};
+use calibration::{
+    CalibrationProblem, Candidate, CandidateMeasurement, Measurement, Model, Parameter,
+};
 use campaign::{Campaign, RunRequest, Simulator};
 use random_stream::Stream;
 use run_store::Record;
@@ -71,30 +73,50 @@ impl<'a> Laboratory<'a> {
         };
         let start = |p: &Parameter| (p.symbol.clone(), p.start);
         let truth = study.problem.parameters.iter().map(start).collect();
-        let pilot: Vec<RunRequest> = (0..study.problem.models.len())
-            .flat_map(|k| (0..PILOT_RUNS).map(move |r| (k, r)))
-            .map(|(k, r)| {
+        let observed = laboratory.observed();
+        let pilot: Vec<RunRequest> = observed
+            .iter()
+            .flat_map(|(model, _)| (0..PILOT_RUNS).map(move |r| (model, r)))
+            .map(|(model, r)| {
                 laboratory
-                    .request(k, &truth, None)
+                    .request_of(&model.name, &truth, None)
                     .with_seed(PILOT_SEEDS + r as u64)
             })
             .collect();
         let records = campaign.run_all(simulator, &pilot)?;
         let mut sums: BTreeMap<(String, String), (f64, f64)> = BTreeMap::new();
-        for m in &study.problem.measurements {
-            let from = m.model * PILOT_RUNS;
-            let values = values(&records[from..from + PILOT_RUNS], m)?;
-            let mean = mean(&values);
-            let of = (laboratory.scene(m.model), m.observable.clone());
-            let (squares, dof) = sums.entry(of).or_default();
-            *squares += values.iter().map(|y| (y - mean).powi(2)).sum::<f64>();
-            *dof += PILOT_RUNS as f64 - 1.0;
+        for ((model, names), records) in observed.iter().zip(records.chunks(PILOT_RUNS)) {
+            for name in names {
+                let values = observed_in(records, name)?;
+                let mean = mean(&values);
+                let of = (model.scene.clone(), (*name).to_owned());
+                let (squares, dof) = sums.entry(of).or_default();
+                *squares += values.iter().map(|y| (y - mean).powi(2)).sum::<f64>();
+                *dof += PILOT_RUNS as f64 - 1.0;
+            }
         }
         let each = sums.into_iter();
         laboratory.scatter = each
             .map(|(of, (squares, dof))| (of, (squares / dof).sqrt()))
             .collect();
         Ok(laboratory)
+    }
+
+    /// The models that show how single runs scatter, with what is observed there: those measured, and those that could be
+    /// in scenes that are not.
+    fn observed(&self) -> Vec<(&'a Model, Vec<&'a str>)> {
+        let problem = self.problem;
+        let measured = problem.models.iter().enumerate().map(|(k, model)| {
+            let here = problem.measurements.iter().filter(|m| m.model == k);
+            (model, here.map(|m| m.observable.as_str()).collect())
+        });
+        let is_new = |c: &&Candidate| problem.models.iter().all(|m| m.scene != c.model.scene);
+        let candidates = problem.candidates.iter().filter(is_new);
+        let candidates = candidates.map(|c| {
+            let names = c.standard_errors.keys().map(String::as_str);
+            (&c.model, names.collect())
+        });
+        measured.chain(candidates).collect()
     }
 
     /// The scene of a model.
@@ -223,18 +245,21 @@ impl<'a> Laboratory<'a> {
         let names = next.condition.observables.iter().flatten();
         names
             .map(|(in_plan, name)| {
-                let values = observed(&records, name)?;
+                let values = observed_in(&records, name)?;
                 let reading = candidate.standard_errors[name] * stream.normal();
                 Ok((in_plan.clone(), mean(&values) + reading))
             })
             .collect()
     }
 
-    /// Number of runs behind the values measured in a scene.
+    /// Number of runs behind the values measured in a scene, or in any where that one is not measured.
     fn runs_in(&self, scene: &str) -> usize {
-        let models = 0..self.problem.models.len();
-        let own = models.filter(|&k| self.problem.models[k].scene == scene);
-        own.map(|k| self.runs(k)).max().unwrap_or(1)
+        let most = |own: bool| {
+            let models = 0..self.problem.models.len();
+            let of = models.filter(|&k| !own || self.problem.models[k].scene == scene);
+            of.map(|k| self.runs(k)).max()
+        };
+        most(true).or_else(|| most(false)).unwrap_or(1)
     }
 
     /// Number of runs behind the values measured on a model: the largest that one of them states.
@@ -257,11 +282,11 @@ impl<'a> Laboratory<'a> {
 
 /// A measured observable in records.
 fn values(records: &[Record], m: &Measurement) -> Result<Vec<f64>, AnyError> {
-    observed(records, &m.observable)
+    observed_in(records, &m.observable)
 }
 
 /// An observable in records.
-fn observed(records: &[Record], name: &str) -> Result<Vec<f64>, AnyError> {
+fn observed_in(records: &[Record], name: &str) -> Result<Vec<f64>, AnyError> {
     let value = |record: &Record| {
         let found = record.observable(name).map(|o| o.mean);
         found.ok_or_else(|| format!("run {} gives no {name}", record.key()).into())

@@ -1,11 +1,11 @@
 //! Campaigns with known truth by the solver itself: each effect of the library is hidden in measured-like data of
 //! several apparatus, and the diagnosis, which runs its own simulations, is asked what is missing.
 //!
-//! `cargo run --release -p study --example effect_trials -- STUDY.toml FOLDER REPLICATES NOTHING MINUTES`
+//! `cargo run --release -p study --example effect_trials -- campaigns|next STUDY.toml FOLDER REPLICATES NOTHING MINUTES`
 //!
-//! Every effect is hidden at each of the sizes, REPLICATES times with other truths and seeds; in NOTHING campaigns nothing is. Where
-//! an answer leaves a question, the first measurement that it recommends is made, and all is diagnosed again. After MINUTES
-//! no further campaign begins.
+//! Every effect is hidden at each of the sizes, REPLICATES times with other truths and seeds; in NOTHING campaigns nothing
+//! is. With `next`, where an answer leaves a question, the first measurement that it recommends is made, and all is
+//! diagnosed again. After MINUTES no further campaign begins.
 //! A size is a multiple of the smallest amplitude that the measurements show with a chance of 90 %, never above the
 //! largest that is physically possible; an effect that cannot reach half of a size is left to the smaller one.
 //! Finished runs are kept in FOLDER and found again. Prints a page in Markdown; each diagnosis is written whole to
@@ -25,12 +25,11 @@ mod outcome;
 mod page;
 
 use calibration::{
-    CandidateMeasurement, DiagnosisStage, EffectProbe, LoopSettings, ResidualStudy, diagnose_at,
-    study_residual,
+    DiagnosisStage, EffectProbe, LoopSettings, ResidualStudy, diagnose_at, study_residual,
 };
 use campaign::{Campaign, Progress, ProgressState};
 use laboratory::{Hidden, Laboratory};
-use next::Next;
+use next::{Next, Recommended};
 use outcome::{Outcome, Work};
 use page::Page;
 use residual_diagnosis::CandidateResult;
@@ -46,6 +45,10 @@ const SEED: u64 = 1;
 /// Multiples of the smallest amplitude that can be seen; the last is that of the goals.
 const SIZES: [f64; 2] = [2.0, 4.0];
 
+/// How the program is called.
+const USAGE: &str =
+    "usage: effect_trials campaigns|next STUDY.toml FOLDER REPLICATES NOTHING MINUTES";
+
 /// Counts the runs of a campaign, those found again too.
 #[derive(Default)]
 struct Counter(AtomicUsize);
@@ -60,8 +63,13 @@ impl Progress for Counter {
 
 fn main() -> Result<(), Box<dyn Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
-    let [path, folder, replicates, nothing, minutes] = arguments.as_slice() else {
-        return Err("usage: effect_trials STUDY.toml FOLDER REPLICATES NOTHING MINUTES".into());
+    let [mode, path, folder, replicates, nothing, minutes] = arguments.as_slice() else {
+        return Err(USAGE.into());
+    };
+    let follows = match mode.as_str() {
+        "campaigns" => false,
+        "next" => true,
+        _ => return Err(USAGE.into()),
     };
     let (replicates, nothing): (u64, u64) = (replicates.parse()?, nothing.parse()?);
     let minutes: f64 = minutes.parse()?;
@@ -79,9 +87,16 @@ fn main() -> Result<(), Box<dyn Error>> {
         campaign: &campaign,
         counter: &counter,
         folder: &folder,
+        follows,
     };
     let page = trials.all(replicates, nothing, minutes)?;
-    println!("{}", page.text(&Work::of(&store)?));
+    let work = Work::of(&store)?;
+    let text = if follows {
+        next::text(&page.next, &page.outcomes, &work)
+    } else {
+        page.text(&work)
+    };
+    println!("{text}");
     Ok(())
 }
 
@@ -99,6 +114,8 @@ struct Trials<'a> {
     laboratory: Laboratory<'a>,
     /// Where the diagnoses are written.
     folder: &'a Path,
+    /// Whether the measurement that an open question recommends is made.
+    follows: bool,
 }
 
 impl Trials<'_> {
@@ -133,8 +150,10 @@ impl Trials<'_> {
                 continue;
             }
             let outcome = self.outcome(hidden)?;
-            if let Some((study, candidate)) = next::open_question(&outcome) {
-                page.next.push(self.next(&outcome, study, candidate)?);
+            if self.follows
+                && let Some(recommended) = next::recommended(&outcome)
+            {
+                page.next.push(self.next(&outcome, &recommended)?);
             }
             page.outcomes.push(outcome);
         }
@@ -142,12 +161,8 @@ impl Trials<'_> {
     }
 
     /// What a campaign with an open question tells once the first measurement that it recommends is made.
-    fn next(
-        &self,
-        outcome: &Outcome,
-        study: &ResidualStudy,
-        candidate: &CandidateMeasurement,
-    ) -> Result<Next, AnyError> {
+    fn next(&self, outcome: &Outcome, recommended: &Recommended<'_>) -> Result<Next, AnyError> {
+        let (study, candidate) = (recommended.study, recommended.candidate);
         let again = || -> Result<ResidualStudy, AnyError> {
             let values = self.laboratory.measure_next(&outcome.hidden, candidate)?;
             let (plan, observed) = study.with_measured(candidate, &values);
@@ -168,6 +183,7 @@ impl Trials<'_> {
         );
         Ok(Next {
             measured: candidate.name.clone(),
+            would_do: recommended.would_do,
             before: (outcome.told(), study.diagnosis.effects.len()),
             then,
         })

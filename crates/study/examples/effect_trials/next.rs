@@ -1,85 +1,185 @@
 //! What the measurement that a diagnosis recommends tells once it is made.
 
 use crate::goals::share;
-use crate::outcome::{Outcome, Told};
-use crate::page::answer;
+use crate::outcome::{Outcome, Told, Work};
 use calibration::{CandidateMeasurement, ResidualStudy};
+use std::collections::BTreeMap;
 use std::fmt::Write as _;
+
+/// What the page shows.
+const HEAD: &str = "# The next measurement, by the solver
+
+A laboratory has one drum, filmed at one speed, and a sled; a second speed is kept aside
+([study](../../fixtures/cotton/next-trials.toml)). One effect of the library is hidden, as on the page of the
+[campaigns](campaigns.md), at 2 and 4 times the smallest visible amplitude. Where the answer is a tie or `unknown`, the
+first measurement that it recommends of four (another filling, another speed, a heap, a tilted plate) is made with other
+seeds and noise of reading, and all is diagnosed again. `It would do`: the answer said that this measurement alone makes
+the separation of the tied effects, or of the suspects, as large as a name needs.
+
+| hidden | answer -> answer with one more measurement (number of campaigns) | measured |
+|---|---|---|
+";
 
 /// A campaign with one more measurement.
 pub(crate) struct Next {
     /// What was measured.
     pub(crate) measured: String,
+    /// Whether the answer expected that it would do: what it should separate or show is then as clear as the answer needs.
+    pub(crate) would_do: bool,
     /// The answer without it, and its number of effects.
     pub(crate) before: (Option<Told>, usize),
     /// The campaign with it.
     pub(crate) then: Outcome,
 }
 
-/// The diagnosis of a campaign that leaves a question, and the first measurement that it recommends; none where nothing is
-/// hidden.
-pub(crate) fn open_question(outcome: &Outcome) -> Option<(&ResidualStudy, &CandidateMeasurement)> {
-    let study = outcome
-        .study()
-        .filter(|_| outcome.hidden.effect.is_some())?;
+impl Next {
+    /// Whether the first answer was a tie, and whether the truth was in it.
+    fn was_tie(&self, with_truth: bool) -> bool {
+        match self.before {
+            (Some(Told::SmallTie | Told::LargeTie), _) => with_truth,
+            (Some(Told::False), effects) => !with_truth && effects > 1,
+            _ => false,
+        }
+    }
+
+    /// Whether the first answer gave no name.
+    fn was_unknown(&self) -> bool {
+        self.before.0 == Some(Told::Unknown)
+    }
+
+    /// Whether a tie stays one, with the truth.
+    fn is_tie(&self) -> bool {
+        matches!(self.then.told(), Some(Told::SmallTie | Told::LargeTie))
+    }
+
+    /// Number of effects of the second answer.
+    fn effects(&self) -> usize {
+        self.then.study().map_or(0, |s| s.diagnosis.effects.len())
+    }
+
+    /// Both answers in words.
+    fn change(&self) -> String {
+        let (told, effects) = self.before;
+        let before = words(told, effects);
+        format!("{before} -> {}", words(self.then.told(), self.effects()))
+    }
+}
+
+/// An answer in a word or three.
+fn words(told: Option<Told>, effects: usize) -> String {
+    match told {
+        Some(Told::SmallTie | Told::LargeTie) => format!("tie of {effects}"),
+        told => told.map_or("no answer", Told::word).into(),
+    }
+}
+
+/// Whether a campaign with something hidden leaves a question.
+fn is_open(outcome: &Outcome) -> bool {
+    let hidden = outcome.hidden.effect.is_some();
+    let study = outcome.study().filter(|_| hidden);
+    study.is_some_and(|s| s.diagnosis.effects.len() > 1 || outcome.told() == Some(Told::Unknown))
+}
+
+/// What a diagnosis recommends.
+pub(crate) struct Recommended<'a> {
+    /// The diagnosis.
+    pub(crate) study: &'a ResidualStudy,
+    /// The measurement.
+    pub(crate) candidate: &'a CandidateMeasurement,
+    /// See [`Next::would_do`].
+    pub(crate) would_do: bool,
+}
+
+/// The first measurement that the diagnosis of a campaign with an open question recommends.
+pub(crate) fn recommended(outcome: &Outcome) -> Option<Recommended<'_>> {
+    let study = outcome.study().filter(|_| is_open(outcome))?;
     let next = study.diagnosis.next_measurement.as_ref()?;
     let first = next.plan.first().or(next.ranked.first())?;
     let mut candidates = study.plan.candidates.iter();
-    Some((study, candidates.find(|c| c.name == first.experiment)?))
+    Some(Recommended {
+        study,
+        candidate: candidates.find(|c| c.name == first.experiment)?,
+        would_do: next.needed.is_some_and(|needed| first.criterion >= needed),
+    })
 }
 
-/// Writes each campaign that was followed, and what became of the ties and of the others.
-pub(crate) fn write(all: &[Next], text: &mut String) {
-    if all.is_empty() {
-        return;
-    }
-    text.push_str(
-        "\n## The next measurement\n\nWhere a question is left, the first measurement that the answer recommends is made, \
-         with other seeds and noise of reading, and all is diagnosed again.\n\n\
-         | hidden | size | answer | measured next | answer then |\n|---|--:|---|---|---|\n",
-    );
+/// The page in Markdown.
+pub(crate) fn text(all: &[Next], outcomes: &[Outcome], work: &Work) -> String {
+    let mut text = HEAD.to_owned();
+    let mut rows: BTreeMap<&str, Vec<&Next>> = BTreeMap::new();
     for next in all {
-        let name = next
-            .then
-            .hidden
-            .effect
-            .as_ref()
-            .map_or("", |(name, _)| name);
-        let (told, effects) = next.before;
-        let before = match told {
-            Some(Told::SmallTie | Told::LargeTie) => format!("tie of {effects}"),
-            told => told.map_or("no answer", Told::word).into(),
-        };
-        let _ = writeln!(
-            text,
-            "| {name} | {:.1} | {before} | {} | {} |",
-            next.then.hidden.reached,
-            next.measured,
-            answer(&next.then),
-        );
+        if let Some((name, _)) = &next.then.hidden.effect {
+            rows.entry(name).or_default().push(next);
+        }
     }
-    let tied = |next: &&Next| matches!(next.before.0, Some(Told::SmallTie | Told::LargeTie));
-    let ties: Vec<&Next> = all.iter().filter(tied).collect();
-    let others: Vec<&Next> = all.iter().filter(|next| !tied(next)).collect();
-    let part = |of: &[&Next], is: &dyn Fn(&Next) -> bool| {
-        share(&of.iter().map(|next| is(next)).collect::<Vec<_>>())
-    };
-    let told = |next: &Next, told: Told| next.then.told() == Some(told);
-    let fewer = |next: &Next| {
-        let effects = next.then.study().map_or(0, |s| s.diagnosis.effects.len());
-        told(next, Told::SmallTie) && effects < next.before.1
-    };
-    let _ = write!(
+    for (name, of_effect) in rows {
+        let changes = counted(of_effect.iter().map(|next| next.change()));
+        let measured = counted(of_effect.iter().map(|next| next.measured.clone()));
+        let _ = writeln!(text, "| {name} | {changes} | {measured} |");
+    }
+    write_rates(all, &mut text);
+    let hidden = outcomes.iter().filter(|o| o.hidden.effect.is_some());
+    let answered = hidden.clone().filter(|o| o.told().is_some()).count();
+    let open = outcomes.iter().filter(|o| is_open(o)).count();
+    let _ = writeln!(
         text,
-        "\nOf the ties: resolved rightly {}, narrowed with the truth {}, without the truth {}. Of the other answers: named or \
-         tied rightly {}, falsely {}.\n",
-        part(&ties, &|next| told(next, Told::Named)),
-        part(&ties, &fewer),
-        part(&ties, &|next| told(next, Told::False)),
-        part(&others, &|next| next
-            .then
-            .told()
-            .is_some_and(Told::is_right)),
-        part(&others, &|next| told(next, Told::False)),
+        "\nOf {} campaigns {answered} gave an answer; {open} of these left a question, and for {} of them a measurement was \
+         recommended. All together took {} different runs and {:.0} minutes of one core.",
+        hidden.count(),
+        all.len(),
+        work.runs,
+        work.core_s / 60.0,
     );
+    text
+}
+
+/// The shares of ties and other questions that were resolved.
+fn write_rates(all: &[Next], text: &mut String) {
+    type Is = fn(&Next) -> bool;
+    let is: [(&str, Is); 5] = [
+        ("truth alone", |next| next.then.told() == Some(Told::Named)),
+        ("smaller tie with the truth", |next| {
+            next.is_tie() && next.effects() < next.before.1
+        }),
+        ("tie that is no smaller", |next| {
+            next.is_tie() && next.effects() >= next.before.1
+        }),
+        ("unknown, none or no answer", |next| {
+            let told = next.then.told();
+            matches!(told, None | Some(Told::Unknown | Told::Nothing))
+        }),
+        ("without the truth", |next| {
+            next.then.told() == Some(Told::False)
+        }),
+    ];
+    let before: [(&str, Is); 5] = [
+        ("tie, it would do", |n| n.was_tie(true) && n.would_do),
+        ("tie, it would not", |n| n.was_tie(true) && !n.would_do),
+        ("unknown, it would do", |n| n.was_unknown() && n.would_do),
+        ("unknown, it would not", |n| n.was_unknown() && !n.would_do),
+        ("tie without the truth", |n| n.was_tie(false)),
+    ];
+    text.push_str("\n| then, of each first answer |");
+    for (name, _) in before {
+        let _ = write!(text, " {name} |");
+    }
+    text.push_str("\n|---|--:|--:|--:|--:|--:|\n");
+    for (name, is) in is {
+        let _ = write!(text, "| {name} |");
+        for (_, was) in before {
+            let of: Vec<bool> = all.iter().filter(|n| was(n)).map(is).collect();
+            let _ = write!(text, " {} |", share(&of));
+        }
+        text.push('\n');
+    }
+}
+
+/// Each of these once, with how often it is there.
+fn counted(each: impl Iterator<Item = String>) -> String {
+    let mut counts: BTreeMap<String, usize> = BTreeMap::new();
+    for word in each {
+        *counts.entry(word).or_default() += 1;
+    }
+    let each = counts.iter().map(|(word, n)| format!("{word} ({n})"));
+    each.collect::<Vec<_>>().join(", ")
 }

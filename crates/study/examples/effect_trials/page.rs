@@ -1,7 +1,7 @@
 //! The page: every campaign by effect and size, the goals, and what cannot be told.
 
 use crate::goals;
-use crate::next::{self, Next};
+use crate::next::Next;
 use crate::outcome::{Outcome, Told, Work};
 use calibration::ResidualStudy;
 use residual_diagnosis::{CandidateResult, Ideal, Unseen};
@@ -96,7 +96,6 @@ impl Page {
         self.write_coverage(&mut text);
         self.write_nothing(&mut text);
         goals::write(&self.outcomes, &mut text);
-        next::write(&self.next, &mut text);
         self.write_limits(&mut text);
         self.write_work(&mut text, work);
         text
