@@ -22,14 +22,17 @@ model about the start, within what is physically possible; effects that cannot r
 the truth named, in a tie (number of effects), another name (`false`), `unknown`, or `none`, for each truth in turn. `kept`:
 whitened mean square on the conditions kept aside, by real runs, before and after the best explanation; 1 is noise alone.
 `ideal`: what a rule could tell that knew the truth's direction, by the linear problem of each campaign: the chance to see
-it behind re-tuning; the effect that imitates it best, what that one leaves of it in standard deviations, and the chance that
-the likelihood prefers the truth; the chance that the truth is seen and among the three likeliest. Slopes count as exact
-and effects as proportional, so that this bound is generous. `signal` needs no slope: the root of what the structured
-residual holds beyond its degrees of freedom, in standard deviations; below about 2 nobody can see it.
+it behind re-tuning; the effect that imitates it best, where that leaves less than 5 standard deviations of it (how many, and
+the chance that the likelihood prefers the truth); the chance that the truth is seen and among the three likeliest. Slopes
+count as exact and effects as proportional, so that this bound is generous. `signal`, which needs no slope: the root of what
+the structured residual holds beyond its degrees of freedom, in standard deviations; below 2 nobody can see it.
 ";
 
 /// Bound below which the likelihood errs in more than one case of six.
 const HARD_TO_TELL: f64 = 2.0;
+
+/// Rivals that leave this much are no trouble: their names are left out.
+const OUT_OF_THE_TIE: f64 = 5.0;
 
 /// All that the page shows.
 pub(crate) struct Page {
@@ -134,8 +137,12 @@ impl Page {
             let seen = ideals.iter().map(|i| percent(i.seen));
             let nearest = ideals.iter().map(|i| {
                 let name = i.nearest.as_deref().unwrap_or("-");
-                let left = i.separation.unwrap_or(f64::INFINITY);
-                format!("{name} ({left:.1}, {})", percent(i.preferred))
+                match i.separation {
+                    Some(left) if left < OUT_OF_THE_TIE => {
+                        format!("{name} ({left:.1}, {})", percent(i.preferred))
+                    }
+                    _ => "-".into(),
+                }
             });
             let three = ideals.iter().map(|i| percent(i.among_three));
             let _ = writeln!(
