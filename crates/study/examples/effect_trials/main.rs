@@ -183,7 +183,7 @@ impl Trials<'_> {
         );
         Ok(Next {
             measured: candidate.name.clone(),
-            would_do: recommended.would_do,
+            expected: recommended.expected,
             before: (outcome.told(), study.diagnosis.effects.len()),
             then,
         })

@@ -13,19 +13,32 @@ A laboratory has one drum, filmed at one speed, and a sled; a second speed is ke
 ([study](../../fixtures/cotton/next-trials.toml)). One effect of the library is hidden, as on the page of the
 [campaigns](campaigns.md), at 2 and 4 times the smallest visible amplitude. Where the answer is a tie or `unknown`, the
 first measurement that it recommends of four (another filling, another speed, a heap, a tilted plate) is made with other
-seeds and noise of reading, and all is diagnosed again. `It would do`: the answer said that this measurement alone makes
-the separation of the tied effects, or of the suspects, as large as a name needs.
+seeds and noise of reading, and all is diagnosed again. `A plan would do`: the answer said that this measurement, alone or
+with others on offer, makes the separation of the effects in question as large as a name needs. `Too little`: it said that
+nothing on offer does.
 
-| hidden | answer -> answer with one more measurement (number of campaigns) | measured |
-|---|---|---|
+| hidden | answer -> answer with one more measurement (number of campaigns) |
+|---|---|
 ";
+
+/// What an answer expects of the measurement that it recommends: what it should tell apart or show is then as clear as a
+/// name needs, alone or with those that follow it in the plan, or not even with all that is on offer.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Expected {
+    /// It would do alone.
+    Alone,
+    /// The plan would do.
+    WithOthers,
+    /// Nothing on offer would do.
+    TooLittle,
+}
 
 /// A campaign with one more measurement.
 pub(crate) struct Next {
     /// What was measured.
     pub(crate) measured: String,
-    /// Whether the answer expected that it would do: what it should separate or show is then as clear as the answer needs.
-    pub(crate) would_do: bool,
+    /// What the answer expected of it.
+    pub(crate) expected: Expected,
     /// The answer without it, and its number of effects.
     pub(crate) before: (Option<Told>, usize),
     /// The campaign with it.
@@ -40,6 +53,11 @@ impl Next {
             (Some(Told::False), effects) => !with_truth && effects > 1,
             _ => false,
         }
+    }
+
+    /// Whether the answer expected that what is on offer would do, this measurement first.
+    fn has_plan(&self) -> bool {
+        self.expected != Expected::TooLittle
     }
 
     /// Whether the first answer gave no name.
@@ -86,20 +104,25 @@ pub(crate) struct Recommended<'a> {
     pub(crate) study: &'a ResidualStudy,
     /// The measurement.
     pub(crate) candidate: &'a CandidateMeasurement,
-    /// See [`Next::would_do`].
-    pub(crate) would_do: bool,
+    /// What is expected of it.
+    pub(crate) expected: Expected,
 }
 
-/// The first measurement that the diagnosis of a campaign with an open question recommends.
+/// The first measurement that the diagnosis of a campaign with an open question recommends; none where it says that nothing
+/// on offer helps.
 pub(crate) fn recommended(outcome: &Outcome) -> Option<Recommended<'_>> {
     let study = outcome.study().filter(|_| is_open(outcome))?;
     let next = study.diagnosis.next_measurement.as_ref()?;
-    let first = next.plan.first().or(next.ranked.first())?;
+    let first = next.plan.first()?;
     let mut candidates = study.plan.candidates.iter();
     Some(Recommended {
         study,
         candidate: candidates.find(|c| c.name == first.experiment)?,
-        would_do: next.needed.is_some_and(|needed| first.criterion >= needed),
+        expected: match next.needed {
+            Some(needed) if first.criterion >= needed => Expected::Alone,
+            _ if next.reached => Expected::WithOthers,
+            _ => Expected::TooLittle,
+        },
     })
 }
 
@@ -114,19 +137,23 @@ pub(crate) fn text(all: &[Next], outcomes: &[Outcome], work: &Work) -> String {
     }
     for (name, of_effect) in rows {
         let changes = counted(of_effect.iter().map(|next| next.change()));
-        let measured = counted(of_effect.iter().map(|next| next.measured.clone()));
-        let _ = writeln!(text, "| {name} | {changes} | {measured} |");
+        let _ = writeln!(text, "| {name} | {changes} |");
     }
+    let measured = counted(all.iter().map(|next| format!("`{}`", next.measured)));
+    let _ = writeln!(text, "\nMeasured next: {measured}.");
     write_rates(all, &mut text);
     let hidden = outcomes.iter().filter(|o| o.hidden.effect.is_some());
     let answered = hidden.clone().filter(|o| o.told().is_some()).count();
     let open = outcomes.iter().filter(|o| is_open(o)).count();
     let _ = writeln!(
         text,
-        "\nOf {} campaigns {answered} gave an answer; {open} of these left a question, and for {} of them a measurement was \
-         recommended. All together took {} different runs and {:.0} minutes of one core.",
+        "\nOf {} campaigns {answered} gave an answer; {open} of these left a question; for {} of them a measurement was \
+         recommended, which in {} would do alone. All together took {} different runs and {:.0} minutes of one core.",
         hidden.count(),
         all.len(),
+        all.iter()
+            .filter(|next| next.expected == Expected::Alone)
+            .count(),
         work.runs,
         work.core_s / 60.0,
     );
@@ -141,7 +168,7 @@ fn write_rates(all: &[Next], text: &mut String) {
         ("smaller tie with the truth", |next| {
             next.is_tie() && next.effects() < next.before.1
         }),
-        ("tie that is no smaller", |next| {
+        ("other tie with the truth", |next| {
             next.is_tie() && next.effects() >= next.before.1
         }),
         ("unknown, none or no answer", |next| {
@@ -153,10 +180,12 @@ fn write_rates(all: &[Next], text: &mut String) {
         }),
     ];
     let before: [(&str, Is); 5] = [
-        ("tie, it would do", |n| n.was_tie(true) && n.would_do),
-        ("tie, it would not", |n| n.was_tie(true) && !n.would_do),
-        ("unknown, it would do", |n| n.was_unknown() && n.would_do),
-        ("unknown, it would not", |n| n.was_unknown() && !n.would_do),
+        ("tie, a plan would do", |n| n.was_tie(true) && n.has_plan()),
+        ("tie, too little", |n| n.was_tie(true) && !n.has_plan()),
+        ("unknown, a plan would do", |n| {
+            n.was_unknown() && n.has_plan()
+        }),
+        ("unknown, too little", |n| n.was_unknown() && !n.has_plan()),
         ("tie without the truth", |n| n.was_tie(false)),
     ];
     text.push_str("\n| then, of each first answer |");
