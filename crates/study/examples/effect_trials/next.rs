@@ -189,18 +189,30 @@ fn write_rates(all: &[Next], text: &mut String) {
         ("tie without the truth", |n| n.was_tie(false)),
     ];
     text.push_str("\n| then, of each first answer |");
-    for (name, _) in before {
-        let _ = write!(text, " {name} |");
+    for (name, was) in before {
+        let _ = write!(
+            text,
+            " {name} ({}) |",
+            all.iter().filter(|n| was(n)).count()
+        );
     }
     text.push_str("\n|---|--:|--:|--:|--:|--:|\n");
     for (name, is) in is {
         let _ = write!(text, "| {name} |");
         for (_, was) in before {
-            let of: Vec<bool> = all.iter().filter(|n| was(n)).map(is).collect();
-            let _ = write!(text, " {} |", share(&of));
+            let count = all.iter().filter(|n| was(n) && is(n)).count();
+            let _ = write!(text, " {count} |");
         }
         text.push('\n');
     }
+    let ties: Vec<&Next> = all.iter().filter(|n| n.was_tie(true)).collect();
+    let of_ties = |is: Is| share(&ties.iter().map(|n| is(n)).collect::<Vec<_>>());
+    let _ = writeln!(
+        text,
+        "\nOf the ties with the truth: {} end with the truth alone, {} without it.",
+        of_ties(|n| n.then.told() == Some(Told::Named)),
+        of_ties(|n| n.then.told() == Some(Told::False)),
+    );
 }
 
 /// Each of these once, with how often it is there.
