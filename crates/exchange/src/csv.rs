@@ -128,36 +128,69 @@ fn line_of(position: Option<&::csv::Position>) -> usize {
 
 #[cfg(test)]
 mod tests {
-    use super::{HEADER, read};
+    use super::{HEADER, ReaderBuilder, read, series};
+    use crate::fractions::fractions;
+    use scene::{FillingLibrary, Override, Scene, starting_frame};
+    use std::path::Path;
 
-    /// Two moments, a material with a comma and quotes in its name, and a row that is too short.
+    /// What is written is read again to the last bit, in its columns, with a name that holds a comma and quotes: two moments of
+    /// the study's drum with six seeds.
     #[test]
-    fn a_table_of_frames_is_read_back() {
-        let row = |time: f64, body: usize| {
-            format!("{time},{body},oval,\"seed, \"\"coated\"\"\",0.1,0.2,0.3,1e-3,1e-9,1,2,3\n")
-        };
+    fn frames_are_read_back_as_they_are() {
+        let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fixtures/cotton/drum.toml");
+        let few = ["seed.0.count", "seed.1.count"].map(|name| Override {
+            name: name.into(),
+            value: "3".into(),
+        });
+        let mut scene = Scene::read(&file, &few).unwrap();
+        let (first, bodies, _) = starting_frame(&scene, &FillingLibrary::default(), 1).unwrap();
+        scene.seed[1].name = "flat, \"coated\"".into();
+        let mut second = first.clone();
+        second.time += 0.25;
+        second.spin[4] = nalgebra::Vector3::new(3.0, -1.0, 2.0);
+        let frames = [first, second];
+        let files = series("bed", &scene, &frames, &bodies);
+        let (_, later) = files[1].text.split_once('\n').unwrap();
+        let both = read(&[&files[0].text, later].concat(), "both.csv").unwrap();
+        let times: Vec<_> = both.iter().map(|moment| moment.time).collect();
+        assert_eq!(times, frames.each_ref().map(|frame| Some(frame.time)));
+        for (written, frame) in files.iter().zip(&frames) {
+            let moments = read(&written.text, &written.name).unwrap();
+            let expected = fractions(frame, &bodies);
+            assert_eq!((moments.len(), moments[0].time), (1, Some(frame.time)));
+            assert_eq!(moments[0].spheres.len(), expected.len());
+            let mut reader = ReaderBuilder::new().from_reader(written.text.as_bytes());
+            let rows = moments[0].spheres.iter().zip(reader.records());
+            for ((sphere, row), wanted) in rows.zip(&expected) {
+                assert_eq!(sphere.body, wanted.body);
+                assert_eq!(sphere.sphere, wanted.sphere);
+                assert_eq!(sphere.velocity, Some(wanted.velocity));
+                let row = row.unwrap();
+                let seed = &scene.seed[wanted.kind];
+                assert_eq!((&row[2], &row[3]), (&*seed.name, &*seed.material));
+                assert_eq!(row[8].parse(), Ok(wanted.volume));
+            }
+        }
+    }
+
+    #[test]
+    fn what_is_no_table_of_spheres_is_refused_with_its_line() {
+        let row = "0.5,3,oval,\"seed, coated\",0.1,0.2,0.3,1e-3,1e-9,1,2,3\n";
         let header = HEADER.join(",") + "\n";
-        let text = [header, row(0.5, 3), row(0.5, 4), row(0.6, 3)].concat();
-        let moments = read(&text, "bed.csv").unwrap();
-        let sizes: Vec<_> = moments.iter().map(|m| (m.time, m.spheres.len())).collect();
-        assert_eq!(sizes, [(Some(0.5), 2), (Some(0.6), 1)]);
-        let s = moments[0].spheres[1];
-        assert_eq!((s.body, s.sphere.radius), (4, 1e-3));
-        assert_eq!(s.velocity.unwrap().z, 3.0);
-        let error = read(&text.replace(",1e-9,1,2,3\n0.6", "\n0.6"), "bed.csv").unwrap_err();
-        let message = error.to_string();
+        let refusal = |text: &str| read(text, "bed.csv").unwrap_err().to_string();
+        let short = [&header, row, &row.replace(",1e-9,1,2,3", ""), row].concat();
+        let told = refusal(&short);
         assert!(
-            message.contains("bed.csv: line 3") && message.contains("vx_m_s"),
-            "{message}"
+            told.contains("bed.csv: line 3") && told.contains("vx_m_s"),
+            "{told}"
         );
         // A quote that stays open takes the rest of the file into its cell.
-        let open = "x_m,y_m,z_m,radius_m\n1,2,3,1\n1,2,\"3,1\n1,2,3,1\n";
-        let error = read(open, "bed.csv").unwrap_err().to_string();
+        let told = refusal("x_m,y_m,z_m,radius_m\n1,2,3,1\n1,2,\"3,1\n1,2,3,1\n");
         assert!(
-            error.contains("bed.csv: line 3: the row ends before radius_m"),
-            "{error}"
+            told.contains("bed.csv: line 3: the row ends before radius_m"),
+            "{told}"
         );
-        let error = read("x_m,y_m\n", "bed.csv").unwrap_err().to_string();
-        assert!(error.contains("'z_m' is missing"), "{error}");
+        let told = refusal("x_m,y_m\n");
+        assert!(told.contains("'z_m' is missing"), "{told}");
     }
 }

@@ -2,9 +2,7 @@
 //! noise of reading.
 
 use crate::{AnyError, SEED};
-use calibration::{
-    CalibrationProblem, Candidate, CandidateMeasurement, Measurement, Model, Parameter,
-};
+use calibration::{CalibrationProblem, Candidate, CandidateMeasurement, Model, Parameter};
 use campaign::{Campaign, RunRequest, Simulator};
 use random_stream::Stream;
 use run_store::Record;
@@ -73,8 +71,8 @@ impl<'a> Laboratory<'a> {
         };
         let start = |p: &Parameter| (p.symbol.clone(), p.start);
         let truth = study.problem.parameters.iter().map(start).collect();
-        let observed = laboratory.observed();
-        let pilot: Vec<RunRequest> = observed
+        let models = laboratory.pilots();
+        let pilot: Vec<RunRequest> = models
             .iter()
             .flat_map(|(model, _)| (0..PILOT_RUNS).map(move |r| (model, r)))
             .map(|(model, r)| {
@@ -85,9 +83,9 @@ impl<'a> Laboratory<'a> {
             .collect();
         let records = campaign.run_all(simulator, &pilot)?;
         let mut sums: BTreeMap<(String, String), (f64, f64)> = BTreeMap::new();
-        for ((model, names), records) in observed.iter().zip(records.chunks(PILOT_RUNS)) {
+        for ((model, names), records) in models.iter().zip(records.chunks(PILOT_RUNS)) {
             for name in names {
-                let values = observed_in(records, name)?;
+                let values = values(records, name)?;
                 let mean = mean(&values);
                 let of = (model.scene.clone(), (*name).to_owned());
                 let (squares, dof) = sums.entry(of).or_default();
@@ -104,7 +102,7 @@ impl<'a> Laboratory<'a> {
 
     /// The models that show how single runs scatter, with what is observed there: those measured, and those that could be
     /// in scenes that are not.
-    fn observed(&self) -> Vec<(&'a Model, Vec<&'a str>)> {
+    fn pilots(&self) -> Vec<(&'a Model, Vec<&'a str>)> {
         let problem = self.problem;
         let measured = problem.models.iter().enumerate().map(|(k, model)| {
             let here = problem.measurements.iter().filter(|m| m.model == k);
@@ -206,7 +204,7 @@ impl<'a> Laboratory<'a> {
         let mut problem = self.problem.clone();
         for m in &mut problem.measurements {
             let runs = self.runs(m.model);
-            let values = values(&records[from[m.model]..from[m.model] + runs], m)?;
+            let values = values(&records[from[m.model]..from[m.model] + runs], &m.observable)?;
             let reading = m.sd;
             m.n = runs as f64;
             m.mean = mean(&values) + reading * stream.normal() / m.n.sqrt();
@@ -245,7 +243,7 @@ impl<'a> Laboratory<'a> {
         let names = next.condition.observables.iter().flatten();
         names
             .map(|(in_plan, name)| {
-                let values = observed_in(&records, name)?;
+                let values = values(&records, name)?;
                 let reading = candidate.standard_errors[name] * stream.normal();
                 Ok((in_plan.clone(), mean(&values) + reading))
             })
@@ -280,13 +278,8 @@ impl<'a> Laboratory<'a> {
     }
 }
 
-/// A measured observable in records.
-fn values(records: &[Record], m: &Measurement) -> Result<Vec<f64>, AnyError> {
-    observed_in(records, &m.observable)
-}
-
 /// An observable in records.
-fn observed_in(records: &[Record], name: &str) -> Result<Vec<f64>, AnyError> {
+fn values(records: &[Record], name: &str) -> Result<Vec<f64>, AnyError> {
     let value = |record: &Record| {
         let found = record.observable(name).map(|o| o.mean);
         found.ok_or_else(|| format!("run {} gives no {name}", record.key()).into())

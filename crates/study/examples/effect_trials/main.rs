@@ -89,10 +89,10 @@ fn main() -> Result<(), Box<dyn Error>> {
         folder: &folder,
         follows,
     };
-    let page = trials.all(replicates, nothing, minutes)?;
+    let (page, next) = trials.all(replicates, nothing, minutes)?;
     let work = Work::of(&store)?;
     let text = if follows {
-        next::text(&page.next, &page.outcomes, &work)
+        next::text(&next, &page.outcomes, &work)
     } else {
         page.text(&work)
     };
@@ -119,8 +119,14 @@ struct Trials<'a> {
 }
 
 impl Trials<'_> {
-    /// All campaigns, the largest size first; those that a lack of time leaves out are counted.
-    fn all(&self, replicates: u64, nothing: u64, minutes: f64) -> Result<Page, AnyError> {
+    /// All campaigns, the largest size first, and what follows those with an open question; campaigns that a lack of time
+    /// leaves out are counted.
+    fn all(
+        &self,
+        replicates: u64,
+        nothing: u64,
+        minutes: f64,
+    ) -> Result<(Page, Vec<Next>), AnyError> {
         let begin = Instant::now();
         let first = self.outcome(Hidden::nothing(0))?;
         let study = first.study().cloned();
@@ -144,6 +150,7 @@ impl Trials<'_> {
             let upto = |block: u64| 1 + nothing.saturating_sub(1) * block / blocks;
             hidden.extend((upto(block)..upto(block + 1)).map(Hidden::nothing));
         }
+        let mut next = Vec::new();
         for hidden in hidden {
             if begin.elapsed().as_secs_f64() > 60.0 * minutes {
                 page.not_begun += 1;
@@ -153,11 +160,11 @@ impl Trials<'_> {
             if self.follows
                 && let Some(recommended) = next::recommended(&outcome)
             {
-                page.next.push(self.next(&outcome, &recommended)?);
+                next.push(self.next(&outcome, &recommended)?);
             }
             page.outcomes.push(outcome);
         }
-        Ok(page)
+        Ok((page, next))
     }
 
     /// What a campaign with an open question tells once the first measurement that it recommends is made.

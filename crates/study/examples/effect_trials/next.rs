@@ -17,8 +17,8 @@ seeds and noise of reading, and all is diagnosed again. `A plan would do`: the a
 with others on offer, makes the separation of the effects in question as large as a name needs. `Too little`: it said that
 nothing on offer does.
 
-| hidden | answer -> answer with one more measurement (number of campaigns) |
-|---|---|
+| hidden | followed | tie with the truth at first | then: truth alone | tie with the truth | without the truth |
+|---|--:|--:|--:|--:|--:|
 ";
 
 /// What an answer expects of the measurement that it recommends: what it should tell apart or show is then as clear as a
@@ -65,7 +65,7 @@ impl Next {
         self.before.0 == Some(Told::Unknown)
     }
 
-    /// Whether a tie stays one, with the truth.
+    /// Whether the second answer is a tie with the truth.
     fn is_tie(&self) -> bool {
         matches!(self.then.told(), Some(Told::SmallTie | Told::LargeTie))
     }
@@ -73,21 +73,6 @@ impl Next {
     /// Number of effects of the second answer.
     fn effects(&self) -> usize {
         self.then.study().map_or(0, |s| s.diagnosis.effects.len())
-    }
-
-    /// Both answers in words.
-    fn change(&self) -> String {
-        let (told, effects) = self.before;
-        let before = words(told, effects);
-        format!("{before} -> {}", words(self.then.told(), self.effects()))
-    }
-}
-
-/// An answer in a word or three.
-fn words(told: Option<Told>, effects: usize) -> String {
-    match told {
-        Some(Told::SmallTie | Told::LargeTie) => format!("tie of {effects}"),
-        told => told.map_or("no answer", Told::word).into(),
     }
 }
 
@@ -136,8 +121,16 @@ pub(crate) fn text(all: &[Next], outcomes: &[Outcome], work: &Work) -> String {
         }
     }
     for (name, of_effect) in rows {
-        let changes = counted(of_effect.iter().map(|next| next.change()));
-        let _ = writeln!(text, "| {name} | {changes} |");
+        let count = |is: &dyn Fn(&Next) -> bool| of_effect.iter().filter(|next| is(next)).count();
+        let _ = writeln!(
+            text,
+            "| {name} | {} | {} | {} | {} | {} |",
+            of_effect.len(),
+            count(&|next| next.was_tie(true)),
+            count(&|next| next.then.told() == Some(Told::Named)),
+            count(&Next::is_tie),
+            count(&|next| next.then.told() == Some(Told::False)),
+        );
     }
     let measured = counted(all.iter().map(|next| format!("`{}`", next.measured)));
     let _ = writeln!(text, "\nMeasured next: {measured}.");
@@ -148,7 +141,7 @@ pub(crate) fn text(all: &[Next], outcomes: &[Outcome], work: &Work) -> String {
     let _ = writeln!(
         text,
         "\nOf {} campaigns {answered} gave an answer; {open} of these left a question; for {} of them a measurement was \
-         recommended, which in {} would do alone. All together took {} different runs and {:.0} minutes of one core.",
+         recommended, which in {} would do alone. All took {} different runs and {:.0} minutes of one core.",
         hidden.count(),
         all.len(),
         all.iter()

@@ -1,49 +1,40 @@
 //! The page: every campaign by effect and size, the goals, and what cannot be told.
 
 use crate::goals;
-use crate::next::Next;
 use crate::outcome::{Outcome, Told, Work};
 use calibration::ResidualStudy;
-use residual_diagnosis::{CandidateResult, Ideal, Unseen};
+use residual_diagnosis::{CandidateResult, Unseen};
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
 
 /// What the page shows.
 const HEAD: &str = "# Every effect hidden, by the solver
 
-Measured-like data by the solver: drums at several speeds and fills, two heaps, a sled and a tilted plate
-([study](../../fixtures/cotton/trials.toml)). One effect is on wherever a scene can carry it; the friction is drawn from
-its bench values; seeds and noise of reading are others. The diagnosis knows the study alone and searches the whole library
-by its own simulations. One drum and one heap are kept aside. All diagnoses begin with the same runs for the sensitivities,
-whose noise all rows share.
+Data as measured, by the solver: drums at several speeds and fills, two heaps, a sled and a tilted plate
+([study](../../fixtures/cotton/trials.toml)). One effect is on wherever a scene can carry it; frictions are drawn from
+their bench values. The diagnosis knows the study alone and searches the whole library by its own simulations, with
+other seeds. One drum and one heap are kept aside. All rows share the runs for the first sensitivities, and their noise.
 
-`size`: the hidden amplitude over the smallest one that these measurements show with a chance of 90 %, by the linear
-model about the start, within what is physically possible; effects that cannot reach half of it are left out. `answer`:
+`size`: the hidden amplitude over the smallest one that these measurements show with a chance of 90 % (linear model
+about the start), within what is physically possible; effects that cannot reach half of it are left out. `answer`:
 the truth named, in a tie (number of effects), another name (`false`), `unknown`, or `none`, for each truth in turn. `kept`:
-whitened mean square on the conditions kept aside, by real runs, before and after the best explanation; 1 is noise alone.
-`ideal`: what a rule could tell that knew the truth's direction, by the linear problem of each campaign: the chance to see
-it behind re-tuning; the effect that imitates it best, where that leaves less than 5 standard deviations of it (how many, and
-the chance that the likelihood prefers the truth); the chance that the truth is seen and among the three likeliest. Slopes
-count as exact and effects as proportional, so that this bound is generous. `signal`, which needs no slope: the root of what
-the structured residual holds beyond its degrees of freedom, in standard deviations; below 2 nobody can see it.
+whitened mean square on what is kept aside, by real runs, before and after the best explanation; 1 is noise.
+`signal`: the root of what the structured residual holds beyond its degrees of freedom, in standard deviations; below 2
+nobody can see it. `ideal`, among the goals: what a rule could tell that knew the truth's direction, by the linear
+problem of each campaign. Slopes are exact and effects proportional there, so that this bound is generous.
 ";
 
 /// Bound below which the likelihood errs in more than one case of six.
 const HARD_TO_TELL: f64 = 2.0;
 
-/// Rivals that leave this much are no trouble: their names are left out.
-const OUT_OF_THE_TIE: f64 = 5.0;
-
 /// All that the page shows.
 pub(crate) struct Page {
     /// Campaigns.
     pub(crate) outcomes: Vec<Outcome>,
-    /// Campaigns with an open question once the first recommended measurement is made.
-    pub(crate) next: Vec<Next>,
     /// Campaigns for which there was no time.
     pub(crate) not_begun: usize,
-    /// Effects whose probes could not be run, with the reason.
-    left_out: BTreeMap<String, String>,
+    /// Effects whose probes could not be run; the file of each diagnosis tells why.
+    left_out: Vec<String>,
     /// Effects that no scene can carry, with the reason.
     not_applicable: BTreeMap<String, String>,
     /// Number of effects of the library.
@@ -59,10 +50,9 @@ impl Page {
     pub(crate) fn new(not_applicable: &BTreeMap<String, String>, first: &ResidualStudy) -> Self {
         Self {
             outcomes: Vec::new(),
-            next: Vec::new(),
             not_begun: 0,
             library: first.plan.effects.len() + first.left_out.len() + not_applicable.len(),
-            left_out: first.left_out.clone(),
+            left_out: first.left_out.keys().cloned().collect(),
             not_applicable: not_applicable.clone(),
             unseen: BTreeMap::new(),
             weak: BTreeMap::new(),
@@ -107,8 +97,7 @@ impl Page {
     /// One row for each effect and size.
     fn write_table(&self, text: &mut String) {
         text.push_str(
-            "| hidden | size | amplitude: hidden, found | answer | kept: before -> after | signal | ideal: seen | nearest (left, \
-             preferred) | among three |\n|---|--:|---|---|---|---|--:|---|--:|\n",
+            "| hidden | size | amplitude: hidden, found | answer | kept: before -> after | signal |\n|---|--:|---|---|---|---|\n",
         );
         let mut rows: BTreeMap<(&str, u64), Vec<&Outcome>> = BTreeMap::new();
         for outcome in &self.outcomes {
@@ -133,28 +122,13 @@ impl Page {
                 let signal = o.signal();
                 signal.map_or_else(String::new, |signal| format!("{signal:.1}"))
             });
-            let ideals: Vec<&Ideal> = row.iter().filter_map(|o| o.ideal.as_ref()).collect();
-            let seen = ideals.iter().map(|i| percent(i.seen));
-            let nearest = ideals.iter().map(|i| {
-                let name = i.nearest.as_deref().unwrap_or("-");
-                match i.separation {
-                    Some(left) if left < OUT_OF_THE_TIE => {
-                        format!("{name} ({left:.1}, {})", percent(i.preferred))
-                    }
-                    _ => "-".into(),
-                }
-            });
-            let three = ideals.iter().map(|i| percent(i.among_three));
             let _ = writeln!(
                 text,
-                "| {name} | {sizes} | {} | {} | {} | {} | {} | {} | {} |",
+                "| {name} | {sizes} | {} | {} | {} | {} |",
                 join(amplitudes),
                 join(row.iter().map(|o| answer(o))),
                 join(kept),
                 join(signal),
-                join(seen),
-                join(nearest),
-                join(three),
             );
         }
     }
@@ -242,7 +216,7 @@ impl Page {
             text,
             "\n## What cannot be told\n\n\
              At the largest size these leave less than \
-             {HARD_TO_TELL:.0} standard deviations of each other: {}. With so many effects and noisy slopes a rival that leaves less than about 5 stays in the tie.\n\n\
+             {HARD_TO_TELL:.0} standard deviations of each other: {}.\n\n\
              Not seen even at their largest amplitude: {}.\n\n\
              Largest possible amplitude below half of the largest size (its size): {}.\n\n\
              Carried by no scene: {}.\n\n\
@@ -252,7 +226,7 @@ impl Page {
             reasons(&self.unseen),
             list(&weak.collect::<Vec<_>>()),
             reasons(&self.not_applicable),
-            reasons(&self.left_out),
+            list(&self.left_out),
             reasons(&failed),
         );
     }
