@@ -6,6 +6,7 @@ pub(crate) mod amplitude_search;
 mod assemble;
 mod candidates;
 pub(crate) mod fits;
+mod linearisation;
 mod refit;
 mod runs;
 mod scatter;
@@ -17,11 +18,12 @@ use amplitude_search::worth_a_search;
 use campaign::{Campaign, RunRequest, Simulator};
 pub use candidates::{CandidateMeasurement, OfferedMeasurement};
 use fits::{FIRST_BLOCK_ANEW, FIRST_BLOCK_OF_NOISY, Fits, Looks, Visited, sets_to_add};
+use linearisation::Linearisation;
 use residual_diagnosis::{
     CheckedModel, Diagnosis, Largest, Options, Problem, ProblemFile, Sign, Verdict, diagnose,
 };
+use runs::At;
 pub(crate) use runs::value;
-use runs::{At, Linearisation};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use worker::Worker;

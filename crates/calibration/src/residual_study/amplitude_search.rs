@@ -1,7 +1,8 @@
 //! The amplitude of an effect that does not grow in proportion, by real runs.
 
 use super::fits::{Fits, Looks, Visited, failed_run};
-use super::runs::{At, Linearisation, Means, Setting};
+use super::linearisation::Linearisation;
+use super::runs::{At, Means, Setting};
 use super::{ResidualPlan, assemble, refit};
 use crate::Error;
 use residual_diagnosis::Diagnosis;

@@ -1,6 +1,7 @@
 //! From runs to the residual problem, and to errors.
 
-use super::runs::{Linearisation, Means, Setting};
+use super::linearisation::Linearisation;
+use super::runs::{Means, Setting};
 use super::{DeclaredParameter, ErrorPair, Observed, RealErrors, ResidualPlan};
 use crate::Error;
 use nalgebra::{Cholesky, DMatrix, DVector};

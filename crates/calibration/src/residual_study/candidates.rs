@@ -1,7 +1,8 @@
 //! What could be measured next: the sensitivities there, by real runs.
 
 use super::fits::{Fits, Visited};
-use super::runs::{self, At, Linearisation, Setting};
+use super::linearisation::Linearisation;
+use super::runs::{self, At, Setting};
 use super::scatter::Scatter;
 use super::{EffectProbe, Observed, ResidualPlan, ResidualStudy, StudyCondition};
 use crate::Error;

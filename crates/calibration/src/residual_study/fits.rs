@@ -1,6 +1,7 @@
 //! Fits by real runs: the declared parameters, the suspects at their own best, the model with effects added.
 
-use super::runs::{self, At, Linearisation, Means, Setting};
+use super::linearisation::Linearisation;
+use super::runs::{self, At, Means, Setting};
 use super::worker::Worker;
 use super::{AddedEffect, EffectProbe, Observed, ResidualPlan, assemble, refit};
 use crate::Error;

@@ -1,6 +1,7 @@
 //! Fits of parameters and amplitudes by the linear model, inside their bounds.
 
-use super::runs::{Linearisation, Means, Setting};
+use super::linearisation::Linearisation;
+use super::runs::{Means, Setting};
 use super::{Observed, ResidualPlan, assemble};
 use crate::Error;
 use nalgebra::{DMatrix, DVector, Matrix, RowDVector};

@@ -1,5 +1,6 @@
 use super::fits::sets_to_add;
-use super::runs::{At, Linearisation, Setting, means};
+use super::linearisation::Linearisation;
+use super::runs::{At, Setting, means};
 use super::worker::Worker;
 use super::{
     DeclaredParameter, EffectProbe, Observed, ResidualPlan, StudyCondition, study_residual,
