@@ -470,6 +470,8 @@ mod candidate_tests;
 #[cfg(test)]
 mod failure_tests;
 #[cfg(test)]
+mod nonlinear_tests;
+#[cfg(test)]
 mod slope_tests;
 #[cfg(test)]
 mod tests;
