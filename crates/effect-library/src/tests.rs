@@ -118,7 +118,7 @@ fn camera_roll_adds_its_angle() {
         let angles: Vec<f64> = result
             .readings
             .iter()
-            .filter_map(|r| r.photo.angle.map(|a| a.line.to_degrees()))
+            .filter_map(|r| r.photo.angle().map(|a| a.line.to_degrees()))
             .collect();
         assert_eq!(angles.len(), result.frames.len(), "a frame was refused");
         angles.iter().sum::<f64>() / angles.len() as f64

@@ -261,7 +261,7 @@ impl Bed {
                 angles_deg: surface.image.clone(),
                 angles_by_position_deg: surface.position.clone(),
                 filling_angles_deg: Vec::new(),
-                refused: readings.iter().filter(|r| r.photo.angle.is_none()).count(),
+                refused: readings.iter().filter(|r| r.photo.bed().is_none()).count(),
                 no_surface_speed: None,
                 standard_error_deg: error,
                 effective_number: error.and_then(|e| effective_number(&surface.image, e)),
@@ -302,10 +302,8 @@ pub(crate) fn timing(took: Took, spheres: usize) -> TimingDetails {
 
 /// Why no frame shows a surface.
 pub(crate) fn no_surface(readings: &[FrameReading]) -> String {
-    let first = readings.first().map(|r| match &r.photo.verdict {
-        photo_profile::Verdict::Refused { reason } => format!("; the first says: {reason}"),
-        photo_profile::Verdict::Ok => String::new(),
-    });
+    let first = readings.first().and_then(|r| r.photo.refused());
+    let first = first.map(|refused| format!("; the first says: {}", refused.reason));
     format!(
         "none of the {} frames shows a measurable surface{}",
         readings.len(),

@@ -225,7 +225,7 @@ fn positions_of_another_code_are_read_by_the_same_ruler() {
     let readings = &run.readings;
     let angles: Vec<f64> = readings
         .iter()
-        .filter_map(|r| r.photo.angle.map(|a| a.line.to_degrees()))
+        .filter_map(|r| r.photo.angle().map(|a| a.line.to_degrees()))
         .collect();
     let expected = angles.iter().sum::<f64>() / angles.len() as f64;
 

@@ -6,7 +6,7 @@
 #![expect(clippy::print_stdout, reason = "the table is the result")]
 
 use drawn_pictures::{Class, HeapScene, Kind, Trial, kinds};
-use photo_profile::{Mode, Settings, Verdict, measure_image};
+use photo_profile::{DrumReading, Mode, PhotoReading, Settings, measure_image};
 use std::collections::BTreeMap;
 use surface_profile::{measure, measure_heap};
 
@@ -113,7 +113,7 @@ fn heap_rows(name: &str, each: u64, draw: impl Fn(u64) -> HeapScene) {
             ..Settings::default()
         };
         let reading = measure_image(&scene.draw(), &settings);
-        let Some(heap) = reading.ok().and_then(|r| r.heap) else {
+        let Ok(PhotoReading::Heap(heap)) = reading else {
             outcomes.push(Outcome::Refused("heap".to_owned()));
             continue;
         };
@@ -173,10 +173,10 @@ fn run(kind: &Kind, each: u64, tell: bool) -> Vec<Outcome> {
 fn one(trial: &Trial, tell: Option<u64>) -> Outcome {
     let outcome = match measure_image(&trial.picture, &Settings::default()) {
         Err(error) => Outcome::Refused(error.to_string()),
-        Ok(reading) => match (reading.verdict, reading.angle) {
-            (Verdict::Refused { reason }, _) => Outcome::Refused(format!("{reason:?}")),
-            (Verdict::Ok, None) => Outcome::Refused("no angle".to_owned()),
-            (Verdict::Ok, Some(angle)) => {
+        Ok(reading) => match reading {
+            PhotoReading::Refused(refused) => Outcome::Refused(format!("{:?}", refused.reason)),
+            PhotoReading::Heap(_) => Outcome::Refused("a heap".to_owned()),
+            PhotoReading::Drum(DrumReading { angle, .. }) => {
                 match measure(&trial.scene.surface(), &trial.scene.drum()) {
                     Err(_) => Outcome::Measured([[f64::NAN; 2]; 3]),
                     Ok(truth) => {

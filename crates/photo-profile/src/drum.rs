@@ -3,7 +3,7 @@
 use crate::circle::{Circle, least_squares, through};
 use crate::edges::{EdgePoint, find_edges};
 use crate::rim::Rim;
-use crate::{DrumPixels, PhotoPixels, Refusal};
+use crate::{DrumPixels, PhotoPixels, PhotoReading, Refusal, RefusedReading};
 
 /// The picture is searched at no more than this many pixels on its longer side.
 const SEARCH_SIZE: usize = 400;
@@ -47,6 +47,16 @@ pub(crate) struct NotFound {
     pub(crate) reason: Refusal,
     /// The best circle; none where no part of a circle shows.
     pub(crate) candidate: Option<DrumPixels>,
+}
+
+impl NotFound {
+    /// The refused reading.
+    pub(crate) fn reading(self) -> PhotoReading {
+        PhotoReading::Refused(RefusedReading {
+            candidate: self.candidate,
+            ..RefusedReading::new(self.reason, None)
+        })
+    }
 }
 
 /// Finds the circle of the drum.

@@ -4,7 +4,7 @@ use crate::PixelRegion;
 use std::path::PathBuf;
 
 /// Why there is no reading; a picture that was read but cannot be measured is a
-/// [`crate::Verdict::Refused`] instead.
+/// [`crate::PhotoReading::Refused`] instead.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {

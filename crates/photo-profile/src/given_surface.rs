@@ -3,8 +3,8 @@
 use crate::drum::{FoundDrum, NotFound, find_drum};
 use crate::view::{DiscView, REACH};
 use crate::{
-    Channel, Error, Foreground, Glimpse, Mode, PhotoPixels, PhotoReading, PixelPoint, Refusal,
-    Settings, Verdict,
+    Channel, DrumReading, Error, Foreground, Mode, PhotoPixels, PhotoReading, PixelPoint, Refusal,
+    RefusedReading, Settings,
 };
 use nalgebra::{DMatrix, DVector};
 use surface_profile::{DrumCircle, SurfaceAngle, SurfacePoint, read_surface};
@@ -51,18 +51,15 @@ pub fn measure_given_surface(
         None => find_in_any_channel(picture),
     };
     Ok(match found {
-        Err(NotFound { reason, candidate }) => PhotoReading {
-            glimpse: Glimpse {
-                circle: candidate,
-                ..Glimpse::default()
-            },
-            ..PhotoReading::refused(reason, None)
-        },
+        Err(not_found) => not_found.reading(),
         Ok(drum) => {
             let view = DiscView::new(picture, drum.circle, settings.camera_roll);
             view.check()
                 .and_then(|()| read(&view, &drum, places, settings))
-                .unwrap_or_else(|reason| PhotoReading::refused(reason, Some(drum.circle)))
+                .map_or_else(
+                    |reason| RefusedReading::new(reason, Some(drum.circle)).into(),
+                    PhotoReading::Drum,
+                )
         }
     })
 }
@@ -85,7 +82,7 @@ fn read(
     drum: &FoundDrum,
     places: &[PixelPoint],
     settings: &Settings,
-) -> Result<PhotoReading, Refusal> {
+) -> Result<DrumReading, Refusal> {
     let circle = DrumCircle {
         x: 0.0,
         y: 0.0,
@@ -125,19 +122,16 @@ fn read(
         });
     }
     let ends = |ends: [SurfacePoint; 2]| ends.map(|p| view.to_picture(&p));
-    Ok(PhotoReading {
-        verdict: Verdict::Ok,
-        angle: Some(angle),
+    Ok(DrumReading {
+        angle,
         fill_level: None,
         ends: None,
-        heap: None,
-        drum: Some(drum.circle),
+        drum: drum.circle,
         used: places.to_vec(),
         rejected: Vec::new(),
-        glimpse: Glimpse::default(),
-        line_ends: Some(ends(surface.line_ends)),
-        mid_ends: Some(ends(surface.mid_ends)),
-        chord_ends: Some(ends(surface.chord_ends)),
+        line_ends: ends(surface.line_ends),
+        mid_ends: ends(surface.mid_ends),
+        chord_ends: ends(surface.chord_ends),
         foreground: Foreground::Auto,
         channel: Channel::Luma,
         quality: (surface.covered / REACH).clamp(0.0, 1.0),
@@ -229,7 +223,7 @@ fn joined(corners: &[SurfacePoint], radius: f64) -> Vec<SurfacePoint> {
 #[cfg(test)]
 mod tests {
     use super::measure_given_surface;
-    use crate::{DrumPixels, PhotoPixels, PixelPoint, Settings, Verdict};
+    use crate::{DrumPixels, PhotoPixels, PixelPoint, Settings};
     use image::GrayImage;
 
     /// A drum in a picture that shows nothing.
@@ -263,7 +257,7 @@ mod tests {
         let slope = 30.0_f64.to_radians().tan();
         let places = [-60.0, 90.0, 0.0, -95.0, 40.0].map(|x| (x, slope * x));
         for (roll, expected) in [(0.0, 30.0), (5.0, 25.0)] {
-            let angle = reading(&places, f64::to_radians(roll)).angle.unwrap();
+            let angle = reading(&places, f64::to_radians(roll)).angle().unwrap();
             assert!(
                 (angle.line.to_degrees() - expected).abs() < 1e-9,
                 "{angle:?}"
@@ -289,7 +283,7 @@ mod tests {
                     let across = bend * (part.powi(3) - part) + 0.5 * stream.normal();
                     (88.0 * part, slope * 88.0 * part + across * secant)
                 });
-                let angle = reading(&places.collect::<Vec<_>>(), 0.0).angle.unwrap();
+                let angle = reading(&places.collect::<Vec<_>>(), 0.0).angle().unwrap();
                 angles.push(angle.line);
                 squares += angle.standard_error.powi(2);
             }
@@ -312,7 +306,7 @@ mod tests {
             [-4, -3, -2, -1, 0, 1, 2, 3, 4],
             [0, 3, -4, 2, -1, 4, 1, -3, -2],
         ]
-        .map(|order| reading(&order.map(place), 0.0).angle.unwrap());
+        .map(|order| reading(&order.map(place), 0.0).angle().unwrap());
         assert!((along.line - mixed.line).abs() < 1e-12);
         assert!((along.standard_error - mixed.standard_error).abs() < 1e-9);
     }
@@ -327,9 +321,7 @@ mod tests {
         };
         let places = [0.0, 30.0, 60.0, 90.0, 110.0].map(|x| PixelPoint { x, y: 150.0 });
         let reading = measure_given_surface(&blank, &places, &settings).unwrap();
-        let Verdict::Refused { reason } = reading.verdict else {
-            panic!("measured");
-        };
+        let reason = &reading.refused().expect("not measured").reason;
         assert!(reason.to_string().contains("given drum circle"), "{reason}");
     }
 
@@ -337,9 +329,8 @@ mod tests {
     #[test]
     fn a_short_stretch_is_refused() {
         let places = [0.0, 5.0, 10.0, 15.0, 20.0].map(|x| (x, 0.5 * x));
-        let Verdict::Refused { reason } = reading(&places, 0.0).verdict else {
-            panic!("measured");
-        };
+        let reading = reading(&places, 0.0);
+        let reason = &reading.refused().expect("not measured").reason;
         assert!(reason.to_string().contains("surface"), "{reason}");
     }
 }

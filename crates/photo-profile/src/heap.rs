@@ -2,11 +2,10 @@
 
 use crate::channel::channel_below_sky;
 use crate::measure::Unfit;
-use crate::tone::{BedShare, air_and_bed};
-use crate::{Channel, PhotoPixels, PixelPoint, Refusal, Settings};
+use crate::tone::air_and_bed;
+use crate::{Channel, Foreground, PhotoPixels, PixelPoint, Refusal, Settings};
 use image::{GrayImage, Luma};
 use imageproc::region_labelling::{Connectivity, connected_components};
-use serde::Serialize;
 use surface_profile::{HeapAngle, HeapFlank, SurfacePoint, measure_heap};
 
 /// Columns of the outline at most.
@@ -26,7 +25,7 @@ const STEP: f64 = 1e-4;
 const CLEAR_OF_TOP: f64 = 0.01;
 
 /// A heap in a picture. Where the camera is said to look down, all inclinations are those of the cone that looks so.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct HeapReading {
     /// Inclination of the left flank, rad.
     pub left: f64,
@@ -54,39 +53,62 @@ pub struct HeapReading {
     pub base: Option<f64>,
     /// How far above the foot the camera stands by the bulge of the heap's lower edge, rad; none where that edge does not show.
     pub elevation_seen: Option<f64>,
+    /// Points of the outline that count, px.
+    pub used: Vec<PixelPoint>,
+    /// Points of the outline that do not, px.
+    pub rejected: Vec<PixelPoint>,
+    /// The tone of the heap against the air that was used.
+    pub foreground: Foreground,
+    /// The channel in which heap and air were parted.
+    pub channel: Channel,
+    /// How far to trust the reading, 0 to 1: the part of the outline's flanks that counts.
+    pub quality: f64,
 }
 
-/// A heap and the points of its outline that count and that do not, px.
-pub(crate) struct FoundHeap {
-    /// The heap.
-    pub(crate) heap: HeapReading,
-    /// Points that count.
-    pub(crate) used: Vec<PixelPoint>,
-    /// Points that do not.
-    pub(crate) rejected: Vec<PixelPoint>,
-    /// The tones.
-    pub(crate) bed: BedShare,
-    /// The channel in which they were parted.
-    pub(crate) channel: Channel,
+/// Where a picture shows the heap.
+struct Shown {
+    /// The channel in which heap and air were parted.
+    channel: Channel,
+    /// The tone of the heap against the air.
+    foreground: Foreground,
+    /// Pixels of the picture along the edge of a cell.
+    scale: f64,
+    /// Share of each cell that the heap takes, smoothed.
+    share: PhotoPixels,
+}
+
+impl Shown {
+    /// Parts the heap from the air below the upper border.
+    fn of(picture: &PhotoPixels, settings: &Settings) -> Result<Self, Refusal> {
+        let factor = picture.width().div_ceil(MOST_COLUMNS).max(1);
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "a part of the number of cells"
+        )]
+        let n_sky = |pixels: &PhotoPixels| (SKY * pixels.values().len() as f64).ceil() as usize;
+        let channel = channel_below_sky(picture, n_sky(picture), settings);
+        let small = picture.channel(channel).shrunk(factor);
+        let bed = air_and_bed(small.values(), n_sky(&small), settings.foreground)?;
+        let blur = (SMOOTHING * small.width() as f64).max(0.8);
+        Ok(Self {
+            channel,
+            foreground: bed.foreground,
+            scale: factor as f64,
+            share: largest_part(PhotoPixels::from_values(small.width(), bed.share).blurred(blur)),
+        })
+    }
 }
 
 /// Finds the outline of a heap and measures it.
-pub(crate) fn read_heap(picture: &PhotoPixels, settings: &Settings) -> Result<FoundHeap, Unfit> {
-    let factor = picture.width().div_ceil(MOST_COLUMNS).max(1);
-    #[expect(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "a part of the number of cells"
-    )]
-    let n_sky = |pixels: &PhotoPixels| (SKY * pixels.values().len() as f64).ceil() as usize;
-    let channel = channel_below_sky(picture, n_sky(picture), settings);
-    let small = picture.channel(channel).shrunk(factor);
-    let bed = air_and_bed(small.values(), n_sky(&small), settings.foreground)?;
-    let share = PhotoPixels::from_values(small.width(), bed.share.clone())
-        .blurred((SMOOTHING * small.width() as f64).max(0.8));
-    let share = largest_part(share);
+pub(crate) fn read_heap(picture: &PhotoPixels, settings: &Settings) -> Result<HeapReading, Unfit> {
+    let Shown {
+        channel,
+        foreground,
+        scale,
+        share,
+    } = Shown::of(picture, settings)?;
     let (mut outline, cut) = outline(&share);
-    let scale = factor as f64;
     let in_picture = |cell: f64| (cell + 0.5) * scale - 0.5;
     outline.retain(|(i, j)| {
         let (x, y) = (in_picture(*i), in_picture(*j));
@@ -120,18 +142,40 @@ pub(crate) fn read_heap(picture: &PhotoPixels, settings: &Settings) -> Result<Fo
             most: MOST_BULGE,
         }));
     }
-    let pick = |wanted: bool| {
-        let flagged = level.iter().zip(&heap.used);
+    let [left, right] = of_flanks(&heap, settings.camera_elevation);
+    let cone = HeapAngle {
+        left,
+        right,
+        // Where no table shows beside the heap, its lower edge tells how it leans.
+        base: heap.base.or(edge.map(|edge| edge.lean)),
+        ..heap
+    };
+    let pick = |wanted: bool| -> Vec<PixelPoint> {
+        let flagged = level.iter().zip(&cone.used);
         flagged
             .filter(|(_, used)| **used == wanted)
             .map(|(p, _)| to_picture(p))
             .collect()
     };
-    Ok(FoundHeap {
-        used: pick(true),
+    let used = pick(true);
+    Ok(HeapReading {
+        left: left.inclination,
+        left_standard_error: left.standard_error,
+        right: right.inclination,
+        right_standard_error: right.standard_error,
+        mean: cone.mean(),
+        standard_error: cone.standard_error(),
+        apex: to_picture(&cone.apex),
+        rounding: cone.rounding * scale,
+        lines: [left, right].map(|flank| flank.ends.map(|p| to_picture(&p))),
+        tops: [left.top, right.top],
+        toes: [left.toe, right.toe],
+        base: cone.base,
+        elevation_seen: edge.map(|edge| edge.elevation()),
+        quality: (2.0 * used.len() as f64 / level.len().max(1) as f64).clamp(0.0, 1.0),
+        used,
         rejected: pick(false),
-        heap: reading(&heap, edge, settings.camera_elevation, scale, to_picture),
-        bed,
+        foreground,
         channel,
     })
 }
@@ -254,16 +298,10 @@ fn outline(share: &PhotoPixels) -> (Vec<(f64, f64)>, usize) {
     (points, cut)
 }
 
-/// The heap in pixels of the picture.
-fn reading(
-    heap: &HeapAngle,
-    edge: Option<LowerEdge>,
-    elevation: f64,
-    scale: f64,
-    to_picture: impl Fn(&SurfacePoint) -> PixelPoint,
-) -> HeapReading {
+/// The flanks of the cone whose outline a camera sees so from an elevation, rad.
+fn of_flanks(heap: &HeapAngle, elevation: f64) -> [HeapFlank; 2] {
     let cone = |seen: f64| of_cone(seen, elevation);
-    let of_flank = |flank: HeapFlank| {
+    [heap.left, heap.right].map(|flank| {
         // A small difference of the outline, as it is one of the cone.
         let part = (cone(flank.inclination + STEP) - cone(flank.inclination - STEP)) / (2.0 * STEP);
         HeapFlank {
@@ -273,27 +311,5 @@ fn reading(
             toe: cone(flank.toe),
             ..flank
         }
-    };
-    let heap = HeapAngle {
-        left: of_flank(heap.left),
-        right: of_flank(heap.right),
-        // Where no table shows beside the heap, its lower edge tells how it leans.
-        base: heap.base.or(edge.map(|edge| edge.lean)),
-        ..heap.clone()
-    };
-    HeapReading {
-        left: heap.left.inclination,
-        left_standard_error: heap.left.standard_error,
-        right: heap.right.inclination,
-        right_standard_error: heap.right.standard_error,
-        mean: heap.mean(),
-        standard_error: heap.standard_error(),
-        apex: to_picture(&heap.apex),
-        rounding: heap.rounding * scale,
-        lines: [heap.left, heap.right].map(|flank| flank.ends.map(|p| to_picture(&p))),
-        tops: [heap.left.top, heap.right.top],
-        toes: [heap.left.toe, heap.right.toe],
-        base: heap.base,
-        elevation_seen: edge.map(|edge| edge.elevation()),
-    }
+    })
 }

@@ -3,7 +3,7 @@
 //! One path for colour photos, back-lit instrument pictures, time averages and rendered frames:
 //! grey or the channel that parts best, drum circle, threshold, majority filter, boundary, and then
 //! [`surface_profile::read_surface`], which also measures simulated beds. Nothing is set per
-//! picture. What cannot be measured honestly comes back as [`Verdict::Refused`] with a reason.
+//! picture. What cannot be measured honestly comes back as [`PhotoReading::Refused`] with a reason.
 //!
 //! Steps, in order: [`read_photo`] (or [`PhotoPixels::from_gray`]) holds the picture; the drum is
 //! found by edges and a robust circle in the luminance, or in another channel where that leads nowhere; of a
@@ -27,7 +27,7 @@
 //! use photo_profile::{Settings, measure_image};
 //! let scene = Scene { inclination: 0.6, ..Scene::default() };
 //! let reading = measure_image(&scene.draw(), &Settings::default())?;
-//! let angle = reading.angle.expect("a clear picture");
+//! let angle = reading.angle().expect("a clear picture");
 //! assert!((angle.line - 0.6).abs() < 0.005);
 //! # Ok::<(), photo_profile::Error>(())
 //! ```
@@ -78,7 +78,7 @@ pub use mask::Mask;
 pub use measure::{measure_file, measure_image, measure_photo};
 pub use overlay::{marked, overlay, overlay_gray};
 pub use pixels::PhotoPixels;
-pub use reading::{BedEnds, Glimpse, PhotoReading, PixelPoint, Refusal, Verdict};
+pub use reading::{BedEnds, DrumReading, PhotoReading, PixelPoint, Refusal, RefusedReading};
 pub use rectify::rectify;
 pub use region::PixelRegion;
 pub use settings::{DrumPixels, Foreground, MAX_ANGLE_ERROR, Mode, Settings};

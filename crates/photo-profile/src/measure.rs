@@ -8,8 +8,8 @@ use crate::tone::{BedShare, bed_share};
 use crate::uncertainty::widened;
 use crate::view::{DiscView, REACH};
 use crate::{
-    Channel, DrumPixels, Error, Foreground, Glimpse, Mode, PhotoPixels, PhotoReading, PixelPoint,
-    PixelRegion, Refusal, Settings, Verdict,
+    Channel, DrumPixels, DrumReading, Error, Foreground, Mode, PhotoPixels, PhotoReading,
+    PixelPoint, PixelRegion, Refusal, RefusedReading, Settings,
 };
 use image::GrayImage;
 use std::path::Path;
@@ -29,7 +29,7 @@ pub(crate) const MOST_ROUGHNESS: f64 = 0.1;
 ///
 /// # Errors
 /// What [`crate::read_photo`] and [`Settings::check`] refuse. A picture that was read but shows no
-/// measurable surface is [`Verdict::Refused`], not an error.
+/// measurable surface is [`PhotoReading::Refused`], not an error.
 pub fn measure_file(path: &Path, settings: &Settings) -> Result<PhotoReading, Error> {
     settings.check()?;
     measure_photo(&PhotoPixels::from_file(path)?, settings)
@@ -60,12 +60,12 @@ pub fn measure_photo(picture: &PhotoPixels, settings: &Settings) -> Result<Photo
             pixels: shorter,
             least: LEAST_SIDE,
         };
-        return Ok(PhotoReading::refused(reason, settings.drum));
+        return Ok(RefusedReading::new(reason, settings.drum).into());
     }
     if settings.mode == Mode::Heap {
         return Ok(match read_heap(picture, settings) {
-            Ok(found) => PhotoReading::heap(found),
-            Err(unfit) => unfit.reading(None),
+            Ok(heap) => PhotoReading::Heap(heap),
+            Err(unfit) => unfit.refused(None).into(),
         });
     }
     Ok(read_drum(picture, settings))
@@ -77,17 +77,14 @@ fn read_drum(picture: &PhotoPixels, settings: &Settings) -> PhotoReading {
         return read_disc(picture, &FoundDrum { circle, rim: None }, settings);
     }
     let reading = search_drum(picture, settings);
-    let (Verdict::Ok, Some(first)) = (&reading.verdict, reading.drum) else {
+    let Some(first) = reading.bed().map(|bed| bed.drum) else {
         return reading;
     };
     match other_drum(picture, first, settings) {
-        Some(second) => PhotoReading {
-            glimpse: Glimpse {
-                circle: Some(second),
-                ..Glimpse::default()
-            },
-            ..PhotoReading::refused(Refusal::TwoDrums { first, second }, Some(first))
-        },
+        Some(second) => PhotoReading::Refused(RefusedReading {
+            candidate: Some(second),
+            ..RefusedReading::new(Refusal::TwoDrums { first, second }, Some(first))
+        }),
         None => reading,
     }
 }
@@ -96,10 +93,8 @@ fn read_drum(picture: &PhotoPixels, settings: &Settings) -> PhotoReading {
 fn other_drum(picture: &PhotoPixels, first: DrumPixels, settings: &Settings) -> Option<DrumPixels> {
     beside(picture, first).into_iter().find_map(|region| {
         let reading = search_drum(&picture.part(region), &region.settings(settings));
-        let reading = region.in_the_whole(reading);
-        reading
-            .drum
-            .filter(|second| reading.verdict == Verdict::Ok && second.r >= 0.5 * first.r)
+        let second = region.in_the_whole(reading).bed()?.drum;
+        (second.r >= 0.5 * first.r).then_some(second)
     })
 }
 
@@ -143,19 +138,13 @@ fn beside(picture: &PhotoPixels, circle: DrumPixels) -> Vec<PixelRegion> {
 fn search_drum(picture: &PhotoPixels, settings: &Settings) -> PhotoReading {
     let look = |found: Result<FoundDrum, NotFound>| match found {
         Ok(drum) => read_disc(picture, &drum, settings),
-        Err(NotFound { reason, candidate }) => PhotoReading {
-            glimpse: Glimpse {
-                circle: candidate,
-                ..Glimpse::default()
-            },
-            ..PhotoReading::refused(reason, None)
-        },
+        Err(not_found) => not_found.reading(),
     };
     let mut told = look(find_drum(&picture.channel(Channel::Luma)));
-    let mut seen: Vec<DrumPixels> = told.drum.into_iter().collect();
+    let mut seen: Vec<DrumPixels> = told.drum().into_iter().collect();
     let colours = Channel::COLOURS.into_iter();
     for channel in colours.filter(|_| picture.has_colour()) {
-        if told.verdict == Verdict::Ok {
+        if told.bed().is_some() {
             break;
         }
         let found = find_drum(&picture.channel(channel));
@@ -164,9 +153,9 @@ fn search_drum(picture: &PhotoPixels, settings: &Settings) -> PhotoReading {
             continue;
         }
         let other = look(found);
-        seen.extend(other.drum);
+        seen.extend(other.drum());
         // A refusal with a circle tells more than one without.
-        if other.verdict == Verdict::Ok || told.drum.is_none() && other.drum.is_some() {
+        if other.bed().is_some() || told.drum().is_none() && other.drum().is_some() {
             told = other;
         }
     }
@@ -176,17 +165,29 @@ fn search_drum(picture: &PhotoPixels, settings: &Settings) -> PhotoReading {
 /// Measures the disc of a known drum in the channel that parts its two sides best.
 fn read_disc(picture: &PhotoPixels, found: &FoundDrum, settings: &Settings) -> PhotoReading {
     let channel = channel_of_disc(picture, found.circle, settings);
-    let refused = |reason| PhotoReading::refused(reason, Some(found.circle));
-    let reading = match Disc::of(&picture.channel(channel), found.circle, settings) {
-        Err(reason) => refused(reason),
-        // Where the bed ends is told also where its surface has no angle.
-        Ok(disc) => PhotoReading {
-            ends: shell_ends(&disc.field, disc.level, &disc.circle),
-            ..read_surface_of(picture, &disc, found, settings)
-                .unwrap_or_else(|unfit| unfit.reading(Some(found.circle)))
-        },
+    let circle = Some(found.circle);
+    let disc = match Disc::of(&picture.channel(channel), found.circle, settings) {
+        Ok(disc) => disc,
+        Err(reason) => {
+            return PhotoReading::Refused(RefusedReading {
+                channel,
+                ..RefusedReading::new(reason, circle)
+            });
+        }
     };
-    PhotoReading { channel, ..reading }
+    let ends = shell_ends(&disc.field, disc.level, &disc.circle);
+    match read_surface_of(picture, &disc, found, settings) {
+        Ok(bed) => PhotoReading::Drum(DrumReading {
+            ends,
+            channel,
+            ..bed
+        }),
+        Err(unfit) => PhotoReading::Refused(RefusedReading {
+            ends,
+            channel,
+            ..unfit.refused(circle)
+        }),
+    }
 }
 
 /// The disc of a drum and how much bed each place of it shows.
@@ -239,7 +240,7 @@ fn read_surface_of(
     disc: &Disc,
     found: &FoundDrum,
     settings: &Settings,
-) -> Result<PhotoReading, Unfit> {
+) -> Result<DrumReading, Unfit> {
     let drum = found.circle;
     let Disc {
         view,
@@ -291,8 +292,8 @@ fn read_surface_of(
         fill_level: field.share_above(level, circle, REACH),
     };
     let result = reading(view, drum, &points, &surface, &trust);
-    if let (Some(ends), Some(rim)) = (result.chord_ends, &found.rim)
-        && rim.hides_oddly(ends)
+    if let Some(rim) = &found.rim
+        && rim.hides_oddly(result.chord_ends)
     {
         return Err(unfit(Refusal::BrokenRim {
             shown: rim.shown,
@@ -326,14 +327,11 @@ impl From<Refusal> for Unfit {
 
 impl Unfit {
     /// The refused reading.
-    fn reading(self, drum: Option<DrumPixels>) -> PhotoReading {
-        PhotoReading {
-            glimpse: Glimpse {
-                circle: None,
-                boundary: self.boundary,
-                line: self.line,
-            },
-            ..PhotoReading::refused(self.reason, drum)
+    fn refused(self, drum: Option<DrumPixels>) -> RefusedReading {
+        RefusedReading {
+            boundary: self.boundary,
+            line: self.line,
+            ..RefusedReading::new(self.reason, drum)
         }
     }
 }
@@ -381,7 +379,7 @@ fn reading(
     points: &[SurfacePoint],
     surface: &SurfaceReading,
     trust: &Trust,
-) -> PhotoReading {
+) -> DrumReading {
     let pick = |wanted: bool| -> Vec<PixelPoint> {
         let flagged = points.iter().zip(&surface.used);
         flagged
@@ -392,19 +390,16 @@ fn reading(
     let (used, rejected) = (pick(true), pick(false));
     let part_used = used.len() as f64 / points.len().max(1) as f64;
     let quality = trust.step * (surface.covered / REACH) * part_used;
-    PhotoReading {
-        verdict: Verdict::Ok,
-        angle: Some(surface.angle),
+    DrumReading {
+        angle: surface.angle,
         fill_level: Some(trust.fill_level),
         ends: None,
-        heap: None,
-        drum: Some(drum),
+        drum,
         used,
         rejected,
-        glimpse: Glimpse::default(),
-        line_ends: Some(surface.line_ends.map(|p| view.to_picture(&p))),
-        mid_ends: Some(surface.mid_ends.map(|p| view.to_picture(&p))),
-        chord_ends: Some(surface.chord_ends.map(|p| view.to_picture(&p))),
+        line_ends: surface.line_ends.map(|p| view.to_picture(&p)),
+        mid_ends: surface.mid_ends.map(|p| view.to_picture(&p)),
+        chord_ends: surface.chord_ends.map(|p| view.to_picture(&p)),
         foreground: trust.foreground,
         channel: Channel::Luma,
         quality: quality.clamp(0.0, 1.0),

@@ -1,8 +1,11 @@
 //! The picture with what was found drawn over it.
 
 use crate::font::{dots, lines};
-use crate::{DrumPixels, PhotoReading, PixelPoint, Settings, Verdict};
+use crate::{
+    DrumPixels, DrumReading, HeapReading, PhotoReading, PixelPoint, RefusedReading, Settings,
+};
 use image::{DynamicImage, GrayImage, Rgb, RgbImage};
+use surface_profile::Definition;
 
 /// Colour of the drum circle: blue.
 const DRUM: Rgb<u8> = Rgb([40, 120, 255]);
@@ -25,9 +28,9 @@ const ROW: u32 = 7;
 /// is scaled down.
 pub fn overlay(picture: &DynamicImage, reading: &PhotoReading, settings: &Settings) -> RgbImage {
     let seen = marked(picture, reading, settings, MOST_SIDE);
-    match &reading.verdict {
-        Verdict::Ok => seen,
-        Verdict::Refused { reason } => with_words(&seen, &format!("refused: {reason}")),
+    match reading.refused() {
+        Some(refused) => with_words(&seen, &format!("refused: {}", refused.reason)),
+        None => seen,
     }
 }
 
@@ -47,39 +50,10 @@ pub fn marked(
         picture.to_rgb8()
     };
     let mut pen = Pen { canvas, scale };
-    if let Some(drum) = reading.drum {
-        pen.circle(drum, false);
-    }
-    if let Some(circle) = reading.glimpse.circle {
-        pen.circle(circle, true);
-    }
-    let all = [
-        (&reading.used, USED),
-        (&reading.rejected, REJECTED),
-        (&reading.glimpse.boundary, REJECTED),
-    ];
-    for (points, colour) in all {
-        for p in points {
-            pen.dot(*p, colour);
-        }
-    }
-    let ends = match settings.definition {
-        surface_profile::Definition::Line => reading.line_ends,
-        surface_profile::Definition::Mid => reading.mid_ends,
-        surface_profile::Definition::Chord => reading.chord_ends,
-    };
-    let flanks = reading.heap.iter().flat_map(|heap| heap.lines);
-    for [from, to] in ends.into_iter().chain(flanks) {
-        pen.line(from, to, LINE);
-    }
-    if let Some([from, to]) = reading.glimpse.line {
-        pen.line(from, to, REJECTED);
-    }
-    let angle = reading.angle.map(|angle| angle.by(settings.definition));
-    if let Some(angle) = angle.or(reading.heap.as_ref().map(|heap| heap.mean)) {
-        let degrees = angle.to_degrees();
-        let size = pen.canvas.width().max(200) / 200;
-        pen.text(&format!("{degrees:.2}\u{b0}"), (0, size));
+    match reading {
+        PhotoReading::Drum(bed) => pen.bed(bed, settings.definition),
+        PhotoReading::Heap(heap) => pen.heap(heap),
+        PhotoReading::Refused(refused) => pen.refused(refused),
     }
     pen.canvas
 }
@@ -121,6 +95,58 @@ struct Pen {
 }
 
 impl Pen {
+    /// The drum, the surface and the chosen line of its bed.
+    fn bed(&mut self, bed: &DrumReading, definition: Definition) {
+        self.circle(bed.drum, false);
+        self.points(&bed.used, USED);
+        self.points(&bed.rejected, REJECTED);
+        let [from, to] = match definition {
+            Definition::Line => bed.line_ends,
+            Definition::Mid => bed.mid_ends,
+            Definition::Chord => bed.chord_ends,
+        };
+        self.line(from, to, LINE);
+        self.angle(bed.angle.by(definition));
+    }
+
+    /// The outline and the flanks of a heap.
+    fn heap(&mut self, heap: &HeapReading) {
+        self.points(&heap.used, USED);
+        self.points(&heap.rejected, REJECTED);
+        for [from, to] in heap.lines {
+            self.line(from, to, LINE);
+        }
+        self.angle(heap.mean);
+    }
+
+    /// What was found where nothing was measured.
+    fn refused(&mut self, refused: &RefusedReading) {
+        if let Some(drum) = refused.drum {
+            self.circle(drum, false);
+        }
+        if let Some(circle) = refused.candidate {
+            self.circle(circle, true);
+        }
+        self.points(&refused.boundary, REJECTED);
+        if let Some([from, to]) = refused.line {
+            self.line(from, to, REJECTED);
+        }
+    }
+
+    /// Points of the picture.
+    fn points(&mut self, points: &[PixelPoint], colour: Rgb<u8>) {
+        for p in points {
+            self.dot(*p, colour);
+        }
+    }
+
+    /// An angle (rad) in the corner, degrees.
+    fn angle(&mut self, angle: f64) {
+        let degrees = angle.to_degrees();
+        let size = self.canvas.width().max(200) / 200;
+        self.text(&format!("{degrees:.2}\u{b0}"), (0, size));
+    }
+
     /// A circle of the drum, in dashes where it is a guess.
     fn circle(&mut self, drum: DrumPixels, dashed: bool) {
         let n = 3000;

@@ -1,7 +1,6 @@
 //! What a measurement of one picture gives.
 
-use crate::heap::{FoundHeap, HeapReading};
-use crate::{Channel, DrumPixels, Foreground};
+use crate::{Channel, DrumPixels, Foreground, HeapReading};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use surface_profile::{HighSide, SurfaceAngle};
@@ -161,18 +160,6 @@ pub enum Refusal {
     Surface(surface_profile::Error),
 }
 
-/// Whether a picture was measured.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Verdict {
-    /// Measured.
-    Ok,
-    /// Not measured, for this reason.
-    Refused {
-        /// The reason; its text is meant for people.
-        reason: Refusal,
-    },
-}
-
 /// Where a bed ends at the shell: directions from straight down, positive towards the side on which the surface stands
 /// higher, rad.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -183,60 +170,161 @@ pub struct BedEnds {
     pub top: f64,
 }
 
-/// What was found in a refused picture: to be looked at, no measurement.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub struct Glimpse {
-    /// The best circle of a search that found no drum, px; none where no part of a circle shows.
-    pub circle: Option<DrumPixels>,
-    /// Points of the boundary that was found, px.
-    pub boundary: Vec<PixelPoint>,
-    /// Ends of the line through the boundary: high, low, px.
-    pub line: Option<[PixelPoint; 2]>,
-}
-
 /// The reading of one picture.
 #[derive(Debug, Clone, PartialEq)]
-pub struct PhotoReading {
-    /// Whether the picture was measured, and why not.
-    pub verdict: Verdict,
-    /// The angle and the shape of the surface; none when refused. Its points were px, y up.
-    pub angle: Option<SurfaceAngle>,
+pub enum PhotoReading {
+    /// The bed of a drum was measured.
+    Drum(DrumReading),
+    /// A heap was measured.
+    Heap(HeapReading),
+    /// Nothing was measured.
+    Refused(RefusedReading),
+}
+
+/// The bed of a drum.
+#[derive(Debug, Clone, PartialEq)]
+pub struct DrumReading {
+    /// The angle and the shape of the surface.
+    pub angle: SurfaceAngle,
     /// Share of the drum that the bed takes: of the disc within 0.96 of the radius, where the smoothed bed share is above
-    /// half of its bulk value; none when refused, and of a heap.
+    /// half of its bulk value; none where the surface was pointed at.
     pub fill_level: Option<f64>,
     /// Directions in which the bed ends at the shell, from straight down, counter-clockwise positive, rad: the clockwise end
-    /// and the other. None of a heap, of a bed that fills the shell all round, and where no bed is told from air.
+    /// and the other. None of a bed that fills the shell all round, and where the surface was pointed at.
     pub ends: Option<[f64; 2]>,
-    /// The heap, when one was measured.
-    pub heap: Option<HeapReading>,
-    /// The drum, when one was given or found, px.
-    pub drum: Option<DrumPixels>,
+    /// The drum, px.
+    pub drum: DrumPixels,
     /// Surface points that count, px.
     pub used: Vec<PixelPoint>,
     /// Surface points set aside, px.
     pub rejected: Vec<PixelPoint>,
-    /// What was found all the same; nothing where the picture was measured.
-    pub glimpse: Glimpse,
     /// Ends of the least-squares line on the drum circle: high, low, px.
-    pub line_ends: Option<[PixelPoint; 2]>,
+    pub line_ends: [PixelPoint; 2],
     /// Ends of the tangent of the middle: high, low, px.
-    pub mid_ends: Option<[PixelPoint; 2]>,
+    pub mid_ends: [PixelPoint; 2],
     /// Ends of the chord: high, low, px.
-    pub chord_ends: Option<[PixelPoint; 2]>,
+    pub chord_ends: [PixelPoint; 2],
     /// The tone of the bed against the air that was used.
     pub foreground: Foreground,
     /// The channel in which bed and air were parted.
     pub channel: Channel,
     /// How far to trust the reading, 0 to 1: the drop of the bed share across the surface times
-    /// the part of the chord covered times the part of points used; 0 when refused.
+    /// the part of the chord covered times the part of points used.
     pub quality: f64,
 }
 
+/// A picture that was not measured, and what was found in it all the same: to be looked at, no measurement.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RefusedReading {
+    /// Why not; its text is meant for people.
+    pub reason: Refusal,
+    /// The drum, when one was given or found, px.
+    pub drum: Option<DrumPixels>,
+    /// Where the bed ends at the shell, as in [`DrumReading::ends`]; told also where its surface has no angle.
+    pub ends: Option<[f64; 2]>,
+    /// The best circle of a search that found no drum, or a second drum, px; none where no part of a circle shows.
+    pub candidate: Option<DrumPixels>,
+    /// Points of the boundary that was found, px.
+    pub boundary: Vec<PixelPoint>,
+    /// Ends of the line through the boundary: high, low, px.
+    pub line: Option<[PixelPoint; 2]>,
+    /// The channel in which bed and air were to be parted.
+    pub channel: Channel,
+}
+
 impl PhotoReading {
-    /// Toe and top of the bed at the shell; none where the surface was refused or the bed has no ends.
+    /// The bed of a drum; none of a heap and where nothing was measured.
+    pub fn bed(&self) -> Option<&DrumReading> {
+        match self {
+            Self::Drum(bed) => Some(bed),
+            Self::Heap(_) | Self::Refused(_) => None,
+        }
+    }
+
+    /// The heap; none of a drum and where nothing was measured.
+    pub fn heap(&self) -> Option<&HeapReading> {
+        match self {
+            Self::Heap(heap) => Some(heap),
+            Self::Drum(_) | Self::Refused(_) => None,
+        }
+    }
+
+    /// What was found where nothing was measured.
+    pub fn refused(&self) -> Option<&RefusedReading> {
+        match self {
+            Self::Refused(refused) => Some(refused),
+            Self::Drum(_) | Self::Heap(_) => None,
+        }
+    }
+
+    /// The angle of the bed of a drum.
+    pub fn angle(&self) -> Option<SurfaceAngle> {
+        Some(self.bed()?.angle)
+    }
+
+    /// The drum, measured or not, px.
+    pub fn drum(&self) -> Option<DrumPixels> {
+        match self {
+            Self::Drum(bed) => Some(bed.drum),
+            Self::Heap(_) => None,
+            Self::Refused(refused) => refused.drum,
+        }
+    }
+
+    /// Where the bed ends at the shell, as in [`DrumReading::ends`], its surface measured or not.
+    pub fn ends(&self) -> Option<[f64; 2]> {
+        match self {
+            Self::Drum(bed) => bed.ends,
+            Self::Heap(_) => None,
+            Self::Refused(refused) => refused.ends,
+        }
+    }
+
+    /// The channel in which bed and air were parted.
+    pub fn channel(&self) -> Channel {
+        match self {
+            Self::Drum(bed) => bed.channel,
+            Self::Heap(heap) => heap.channel,
+            Self::Refused(refused) => refused.channel,
+        }
+    }
+
+    /// How far to trust the reading, 0 to 1; 0 where nothing was measured.
+    pub fn quality(&self) -> f64 {
+        match self {
+            Self::Drum(bed) => bed.quality,
+            Self::Heap(heap) => heap.quality,
+            Self::Refused(_) => 0.0,
+        }
+    }
+}
+
+impl RefusedReading {
+    /// A reason, and the drum where one is known.
+    pub(crate) fn new(reason: Refusal, drum: Option<DrumPixels>) -> Self {
+        Self {
+            reason,
+            drum,
+            ends: None,
+            candidate: None,
+            boundary: Vec::new(),
+            line: None,
+            channel: Channel::Luma,
+        }
+    }
+}
+
+impl From<RefusedReading> for PhotoReading {
+    fn from(refused: RefusedReading) -> Self {
+        Self::Refused(refused)
+    }
+}
+
+impl DrumReading {
+    /// Toe and top of the bed at the shell; none where the bed has no ends.
     pub fn bed_ends(&self) -> Option<BedEnds> {
         let [clockwise, other] = self.ends?;
-        Some(match self.angle?.high_side {
+        Some(match self.angle.high_side {
             HighSide::Right => BedEnds {
                 toe: clockwise,
                 top: other,
@@ -249,18 +337,17 @@ impl PhotoReading {
     }
 
     /// Slope of the lowest fifth of the surface along its line, positive as the surface itself, rad: less than that of the line
-    /// where the toe turns up. Least squares over all points there, those set aside too; none of a heap and of fewer than 8
-    /// points.
+    /// where the toe turns up. Least squares over all points there, those set aside too; none of fewer than 8 points.
     pub fn toe_slope(&self) -> Option<f64> {
-        let toe = self.along_line()?.into_iter().filter(|p| p[0] < 0.2);
-        Some(self.angle?.line + slope(&toe.collect::<Vec<_>>())?)
+        let toe = self.along_line().into_iter().filter(|p| p[0] < 0.2);
+        Some(self.angle.line + slope(&toe.collect::<Vec<_>>())?)
     }
 
     /// Inclination of the least-squares line through all points, those set aside too, each hundredth of the way along the line
-    /// with one weight, rad: differs from `line` where a broad toe or top stands off it. None of a heap.
+    /// with one weight, rad: differs from `line` where a broad toe or top stands off it. None of fewer than 8 stations.
     pub fn line_through_all(&self) -> Option<f64> {
         let mut stations: BTreeMap<i64, (f64, [f64; 2])> = BTreeMap::new();
-        for p in self.along_line()? {
+        for p in self.along_line() {
             #[expect(clippy::cast_possible_truncation, reason = "a float cast saturates")]
             let station = (100.0 * p[0]).floor() as i64;
             let (n, sum) = stations.entry(station).or_default();
@@ -268,13 +355,13 @@ impl PhotoReading {
             *sum = [sum[0] + p[0], sum[1] + p[1]];
         }
         let means = stations.values().map(|(n, sum)| sum.map(|s| s / n));
-        Some(self.angle?.line + slope(&means.collect::<Vec<_>>())?)
+        Some(self.angle.line + slope(&means.collect::<Vec<_>>())?)
     }
 
     /// All points of the surface by their way along the line from its low to its high end, and their height over it, both in
     /// parts of its length.
-    fn along_line(&self) -> Option<Vec<[f64; 2]>> {
-        let [high, low] = self.line_ends?;
+    fn along_line(&self) -> Vec<[f64; 2]> {
+        let [high, low] = self.line_ends;
         let (along, up) = (high.x - low.x, low.y - high.y);
         let squared = along * along + up * up;
         // To the left of a way that climbs to the right lies the air, of one that climbs to the left the bed.
@@ -284,50 +371,7 @@ impl PhotoReading {
             let (x, y) = (p.x - low.x, low.y - p.y);
             [along * x + up * y, outwards * (along * y - up * x)].map(|part| part / squared)
         };
-        Some(points.map(place).collect())
-    }
-
-    /// A refused reading.
-    pub(crate) fn refused(reason: Refusal, drum: Option<DrumPixels>) -> Self {
-        Self {
-            verdict: Verdict::Refused { reason },
-            angle: None,
-            fill_level: None,
-            ends: None,
-            heap: None,
-            drum,
-            used: Vec::new(),
-            rejected: Vec::new(),
-            glimpse: Glimpse::default(),
-            line_ends: None,
-            mid_ends: None,
-            chord_ends: None,
-            foreground: Foreground::Auto,
-            channel: Channel::Luma,
-            quality: 0.0,
-        }
-    }
-
-    /// The reading of a heap. Quality: the part of the outline's flanks that counts.
-    pub(crate) fn heap(found: FoundHeap) -> Self {
-        let n = (found.used.len() + found.rejected.len()).max(1) as f64;
-        Self {
-            verdict: Verdict::Ok,
-            angle: None,
-            fill_level: None,
-            ends: None,
-            drum: None,
-            quality: (2.0 * found.used.len() as f64 / n).clamp(0.0, 1.0),
-            used: found.used,
-            rejected: found.rejected,
-            glimpse: Glimpse::default(),
-            heap: Some(found.heap),
-            line_ends: None,
-            mid_ends: None,
-            chord_ends: None,
-            foreground: found.bed.foreground,
-            channel: found.channel,
-        }
+        points.map(place).collect()
     }
 }
 
@@ -347,7 +391,8 @@ fn slope(points: &[[f64; 2]]) -> Option<f64> {
 
 #[cfg(test)]
 mod tests {
-    use super::{PhotoReading, PixelPoint, Refusal};
+    use super::{DrumReading, PixelPoint};
+    use crate::{Channel, DrumPixels, Foreground};
     use surface_profile::{HighSide, SurfaceAngle};
 
     /// A surface of 30 degrees, high on either side, whose points stand at the middles of the hundredths of its line; the lowest ten
@@ -382,18 +427,24 @@ mod tests {
                 n_points: 90,
                 n_rejected: 10,
             };
-            let reading = PhotoReading {
-                angle: Some(angle),
-                line_ends: Some([place(1.0, 0.0), place(0.0, 0.0)]),
+            let ends = [place(1.0, 0.0), place(0.0, 0.0)];
+            let reading = DrumReading {
+                angle,
+                fill_level: None,
+                ends: None,
+                drum: DrumPixels {
+                    cx: 300.0,
+                    cy: 300.0,
+                    r: 200.0,
+                },
                 used: (10..100).map(|k| place(middle(k), 0.0)).collect(),
                 rejected: (0..10).map(|k| place(middle(k), 0.05)).collect(),
-                ..PhotoReading::refused(
-                    Refusal::TooSmall {
-                        pixels: 0,
-                        least: 0,
-                    },
-                    None,
-                )
+                line_ends: ends,
+                mid_ends: ends,
+                chord_ends: ends,
+                foreground: Foreground::Auto,
+                channel: Channel::Luma,
+                quality: 1.0,
             };
             let all: f64 = -10.0 * 0.45 * 0.05 / ((1.0 - 1e-4) * 100.0 / 12.0);
             let toe: f64 = -10.0 * 0.05 * 0.05 / (20.0 * (0.04 - 1e-4) / 12.0);

@@ -1,6 +1,9 @@
 //! A part of the picture that alone is looked at.
 
-use crate::{DrumPixels, Error, PhotoPixels, PhotoReading, PixelPoint, Settings};
+use crate::{
+    DrumPixels, DrumReading, Error, HeapReading, PhotoPixels, PhotoReading, PixelPoint,
+    RefusedReading, Settings,
+};
 use serde::{Deserialize, Serialize};
 
 /// A rectangle of whole pixels.
@@ -53,26 +56,32 @@ impl PixelRegion {
             y: p.y + dy,
         };
         let points = |points: Vec<PixelPoint>| points.into_iter().map(point).collect();
-        let ends = |ends: Option<[PixelPoint; 2]>| ends.map(|ends| ends.map(point));
-        let circle = |circle: Option<DrumPixels>| circle.map(|c| moved_circle(c, dx, dy));
-        PhotoReading {
-            drum: circle(reading.drum),
-            used: points(reading.used),
-            rejected: points(reading.rejected),
-            glimpse: crate::Glimpse {
-                circle: circle(reading.glimpse.circle),
-                boundary: points(reading.glimpse.boundary),
-                line: ends(reading.glimpse.line),
-            },
-            line_ends: ends(reading.line_ends),
-            mid_ends: ends(reading.mid_ends),
-            chord_ends: ends(reading.chord_ends),
-            heap: reading.heap.map(|heap| crate::HeapReading {
+        let ends = |ends: [PixelPoint; 2]| ends.map(point);
+        let circle = |c: DrumPixels| moved_circle(c, dx, dy);
+        match reading {
+            PhotoReading::Drum(bed) => PhotoReading::Drum(DrumReading {
+                drum: circle(bed.drum),
+                used: points(bed.used),
+                rejected: points(bed.rejected),
+                line_ends: ends(bed.line_ends),
+                mid_ends: ends(bed.mid_ends),
+                chord_ends: ends(bed.chord_ends),
+                ..bed
+            }),
+            PhotoReading::Heap(heap) => PhotoReading::Heap(HeapReading {
+                used: points(heap.used),
+                rejected: points(heap.rejected),
                 apex: point(heap.apex),
-                lines: heap.lines.map(|line| line.map(point)),
+                lines: heap.lines.map(ends),
                 ..heap
             }),
-            ..reading
+            PhotoReading::Refused(refused) => PhotoReading::Refused(RefusedReading {
+                drum: refused.drum.map(circle),
+                candidate: refused.candidate.map(circle),
+                boundary: points(refused.boundary),
+                line: refused.line.map(ends),
+                ..refused
+            }),
         }
     }
 

@@ -1,7 +1,7 @@
 //! How far the surface of a bed moves from one picture to the next.
 
 use crate::block_match::{Block, Match, find_again};
-use crate::{PhotoPixels, PhotoReading, PixelPoint};
+use crate::{DrumReading, PhotoPixels, PhotoReading, PixelPoint};
 use surface_profile::median;
 
 /// Part of the half-chord, about the middle of the surface, in which it is looked at: there it flows along itself, and neither
@@ -116,8 +116,9 @@ pub fn surface_shift(
             second: words(second),
         });
     }
-    let strip = Strip::of(reading).ok_or(NoShift::NoSurface)?;
-    let [first, second] = [first, second].map(|picture| picture.channel(reading.channel));
+    let bed = reading.bed().ok_or(NoShift::NoSurface)?;
+    let strip = Strip::of(bed).ok_or(NoShift::NoSurface)?;
+    let [first, second] = [first, second].map(|picture| picture.channel(bed.channel));
     let (first, second) = (&*first, &*second);
     let blocks = strip.blocks(first);
     if blocks.len() < LEAST_BLOCKS {
@@ -184,13 +185,13 @@ struct Placed {
 }
 
 impl Strip {
-    /// The strip of a reading; none without a surface.
-    fn of(reading: &PhotoReading) -> Option<Self> {
-        let drum = reading.drum?;
-        let [high, low] = reading.line_ends?;
+    /// The strip of a bed; none of a surface without a length.
+    fn of(bed: &DrumReading) -> Option<Self> {
+        let drum = bed.drum;
+        let [high, low] = bed.line_ends;
         let (x, y) = (low.x - high.x, low.y - high.y);
         let chord = x.hypot(y);
-        if !(chord > 0.0 && reading.angle.is_some()) {
+        if chord.is_nan() || chord <= 0.0 {
             return None;
         }
         let downhill = [x / chord, y / chord];
@@ -214,7 +215,7 @@ impl Strip {
             let [along, depth] = [strip.downhill, strip.inwards].map(|d| x * d[0] + y * d[1]);
             (along, depth)
         };
-        strip.surface = reading.used.iter().map(project).collect();
+        strip.surface = bed.used.iter().map(project).collect();
         Some(strip)
     }
 

@@ -5,7 +5,7 @@
 use drawn_pictures::{Class, Scene, kinds};
 use image::{DynamicImage, GrayImage, Rgb, RgbImage};
 use photo_profile::{
-    Channel, Mode, PhotoPixels, PhotoReading, Settings, Verdict, measure_image, measure_photo,
+    Channel, Mode, PhotoPixels, PhotoReading, Settings, measure_image, measure_photo,
 };
 
 /// The grey picture with its levels 0 to 255 spread from one colour to another.
@@ -69,7 +69,7 @@ const GRAINY: Scene = Scene {
 fn grains_that_differ_in_colour_alone_are_read_as_grey_ones_are() {
     let grey = SCENE.draw();
     let truth = measure_image(&grey, &Settings::default()).unwrap();
-    let truth = truth.angle.unwrap();
+    let truth = truth.angle().unwrap();
     let same_luma = [(1.0 - 0.2126 * 0.9 - 0.0722 * 0.2) / 0.7152, 0.9, 0.2];
     let cases = [
         ([4.0, 4.0, 4.0], [6.0, 6.0, 70.0]),
@@ -78,9 +78,8 @@ fn grains_that_differ_in_colour_alone_are_read_as_grey_ones_are() {
     ];
     for (dark, light) in cases {
         let reading = read(&coloured(&grey, dark, light), &Settings::default());
-        assert_eq!(reading.verdict, Verdict::Ok, "{light:?}");
-        assert_ne!(reading.channel, Channel::Luma, "{light:?}");
-        let off = (reading.angle.unwrap().line - truth.line).to_degrees();
+        assert_ne!(reading.channel(), Channel::Luma, "{light:?}");
+        let off = (reading.angle().unwrap().line - truth.line).to_degrees();
         assert!(off.abs() < 0.5, "{off} degrees for {light:?}");
     }
 }
@@ -91,8 +90,8 @@ fn a_picture_with_good_luminance_is_read_by_it() {
     let picture = coloured(&SCENE.draw(), [20.0, 10.0, 5.0], [250.0, 220.0, 160.0]);
     let reading = read(&picture, &Settings::default());
     let grey = measure_image(&picture.to_luma8(), &Settings::default()).unwrap();
-    assert_eq!(reading.channel, Channel::Luma);
-    assert_eq!(reading.angle, grey.angle);
+    assert_eq!(reading.channel(), Channel::Luma);
+    assert_eq!(reading.angle().unwrap(), grey.angle().unwrap());
 }
 
 /// Five channels are five chances to find something where nothing is.
@@ -102,7 +101,7 @@ fn hopeless_pictures_stay_refused_in_colour() {
         let grey = kind.trial(7).picture;
         let picture = coloured(&grey, [10.0, 60.0, 30.0], [60.0, 20.0, 90.0]);
         let reading = read(&picture, &Settings::default());
-        assert!(reading.angle.is_none(), "{}", kind.name);
+        assert!(reading.refused().is_some(), "{}", kind.name);
     }
 }
 
@@ -120,8 +119,8 @@ fn a_dark_blue_heap_before_black_is_read() {
         ..Settings::default()
     };
     let reading = read(&picture, &settings);
-    assert_eq!(reading.channel, Channel::Blue, "{:?}", reading.verdict);
-    let heap = reading.heap.unwrap();
+    assert_eq!(reading.channel(), Channel::Blue, "{reading:?}");
+    let heap = reading.heap().unwrap();
     for flank in [heap.left, heap.right] {
         assert!((flank - 0.56).to_degrees().abs() < 0.5, "{flank}");
     }

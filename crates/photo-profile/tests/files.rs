@@ -56,7 +56,7 @@ fn exif_orientation_is_honoured() {
     std::fs::write(&path, with_orientation(&jpeg(&stored), 6)).unwrap();
     let angle = measure_file(&path, &Settings::default())
         .unwrap()
-        .angle
+        .angle()
         .unwrap();
     assert!(
         (angle.line - 0.4).abs() < 0.1_f64.to_radians(),
@@ -170,7 +170,7 @@ fn corners_take_the_oblique_view_out() {
     let picture = image::DynamicImage::ImageLuma8(scene.draw());
     let straight = rectify(&picture, corners).unwrap();
     let reading = photo_profile::measure_image(&straight.to_luma8(), &Settings::default()).unwrap();
-    let line = reading.angle.unwrap().line;
+    let line = reading.angle().unwrap().line;
     assert!((line - 0.6).abs() < 0.05_f64.to_radians(), "{line} rad");
     let crossed = [corners[0], corners[2], corners[1], corners[3]];
     assert!(
@@ -203,7 +203,7 @@ fn the_frames_of_an_animated_gif_come_in_order() {
     for (frame, slope) in frames.iter().zip(slopes) {
         let picture = photo_profile::PhotoPixels::from_picture(frame);
         let reading = photo_profile::measure_photo(&picture, &Settings::default()).unwrap();
-        let line = reading.angle.unwrap().line;
+        let line = reading.angle().unwrap().line;
         assert!((line - slope).to_degrees().abs() < 0.3, "{line} rad");
     }
 }
@@ -255,7 +255,7 @@ fn a_transparent_picture_is_read_as_on_white_paper() {
     clear.save(&transparent).unwrap();
     let line = |path: &PathBuf| {
         let reading = measure_file(path, &Settings::default()).unwrap();
-        reading.angle.unwrap().line
+        reading.angle().unwrap().line
     };
     assert_eq!(line(&on_white), line(&transparent));
 }

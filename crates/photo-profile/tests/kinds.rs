@@ -13,7 +13,7 @@ fn hopeless_pictures_are_refused() {
     for kind in kinds().iter().filter(|k| k.class == Class::Hopeless) {
         for number in 0..PICTURES {
             let reading = measure_image(&kind.trial(number).picture, &Settings::default()).unwrap();
-            assert!(reading.angle.is_none(), "{} {number}", kind.name);
+            assert!(reading.bed().is_none(), "{} {number}", kind.name);
         }
     }
 }
@@ -26,7 +26,7 @@ fn valid_pictures_are_measured() {
     for kind in kinds().iter().filter(|k| k.class != Class::Hopeless) {
         for number in 0..PICTURES {
             let reading = measure_image(&kind.trial(number).picture, &Settings::default()).unwrap();
-            if reading.angle.is_none() {
+            if reading.bed().is_none() {
                 refused.push((kind.name, number));
             }
         }
@@ -43,8 +43,8 @@ fn a_mirror_changes_neither_verdict_nor_angle() {
         let picture = kind.trial(PICTURES).picture;
         let one = measure_image(&picture, &settings).unwrap();
         let other = measure_image(&imageops::flip_horizontal(&picture), &settings).unwrap();
-        assert_eq!(one.angle.is_some(), other.angle.is_some(), "{}", kind.name);
-        if let (Some(one), Some(other)) = (one.angle, other.angle) {
+        assert_eq!(one.bed().is_some(), other.bed().is_some(), "{}", kind.name);
+        if let (Some(one), Some(other)) = (one.angle(), other.angle()) {
             let off = (one.line - other.line).to_degrees().abs();
             assert!(off < 0.01, "{}: {off} degrees", kind.name);
         }

@@ -99,7 +99,7 @@ fn try_damaged_files(tries: usize) {
                     ..Settings::default()
                 };
                 let reading = measure_photo(&PhotoPixels::from_picture(frame), &settings).unwrap();
-                if let Some(angle) = reading.angle {
+                if let Some(angle) = reading.angle() {
                     assert!(angle.line.is_finite() && angle.standard_error.is_finite());
                 }
             }

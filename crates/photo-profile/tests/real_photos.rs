@@ -48,7 +48,7 @@ fn chord_and_middle_agree_with_the_readings_by_hand() {
         };
         n_read += 1;
         let reading = measure_file(&folder().join(&hand.file), &Settings::default()).unwrap();
-        let angle = reading.angle.unwrap();
+        let angle = reading.angle().unwrap();
         for (name, value, [by_hand, uncertainty]) in
             [("chord", angle.chord, chord), ("mid", angle.mid, mid)]
         {
@@ -60,16 +60,16 @@ fn chord_and_middle_agree_with_the_readings_by_hand() {
             );
         }
         assert_eq!(angle.high_side, HighSide::Left);
-        let found = reading.drum.unwrap();
+        let found = reading.drum().unwrap();
         let off = (found.cx - drum[0])
             .hypot(found.cy - drum[1])
             .max((found.r - drum[2]).abs());
         assert!(off < 0.01 * drum[2], "{}: {found:?}", hand.file);
         assert!(
-            reading.quality > 0.9,
+            reading.quality() > 0.9,
             "{}: quality {}",
             hand.file,
-            reading.quality
+            reading.quality()
         );
     }
     assert_eq!(n_read, 6, "six pictures have readings by hand");
@@ -81,7 +81,7 @@ fn polarity_does_not_change_the_angle() {
     let line = |file: &str| {
         measure_file(&folder().join(file), &Settings::default())
             .unwrap()
-            .angle
+            .angle()
             .unwrap()
             .line
     };
@@ -101,7 +101,7 @@ fn a_mirrored_photo_has_the_same_angle() {
         let line = |picture| {
             measure_image(picture, &Settings::default())
                 .unwrap()
-                .angle
+                .angle()
                 .unwrap()
                 .line
                 .to_degrees()
@@ -121,7 +121,7 @@ fn the_size_of_the_picture_does_not_change_the_angle() {
     let line = |picture: &DynamicImage| {
         let pixels = PhotoPixels::from_picture(picture);
         let reading = photo_profile::measure_photo(&pixels, &Settings::default()).unwrap();
-        reading.angle.unwrap().line.to_degrees()
+        reading.angle().unwrap().line.to_degrees()
     };
     let (one, other) = (line(&photo), line(&twice));
     assert!((one - other).abs() < 0.05, "{one} and {other} deg");

@@ -2,27 +2,26 @@
 
 #![expect(
     clippy::unwrap_used,
-    clippy::panic,
     reason = "helpers of tests fail like tests"
 )]
 
 use drawn_pictures::Scene;
 use image::{GrayImage, Luma};
 use photo_profile::{
-    DrumPixels, Refusal, Settings, Verdict, measure_file, measure_image, overlay_gray,
+    DrumPixels, PhotoReading, Refusal, RefusedReading, Settings, measure_file, measure_image,
+    overlay_gray,
 };
 use std::path::PathBuf;
 
 fn refusal(picture: &GrayImage, settings: &Settings) -> Refusal {
-    let reading = measure_image(picture, settings).unwrap();
-    assert!(
-        reading.angle.is_none() && reading.quality == 0.0,
-        "refused means no number"
-    );
-    match reading.verdict {
-        Verdict::Refused { reason } => reason,
-        Verdict::Ok => panic!("measured although there is nothing to measure"),
-    }
+    refused(&measure_image(picture, settings).unwrap())
+        .reason
+        .clone()
+}
+
+fn refused(reading: &PhotoReading) -> &RefusedReading {
+    let refused = reading.refused();
+    refused.expect("not measured, for there is nothing to measure")
 }
 
 /// Grey noise from a plain congruence, spread over all levels.
@@ -172,9 +171,7 @@ fn the_oblique_phone_photo_is_refused_for_its_drum() {
     let path = PathBuf::from(env!("CARGO_MANIFEST_DIR"))
         .join("../../fixtures/photos/phone_prototype_drums_tilted_camera.jpg");
     let reading = measure_file(&path, &Settings::default()).unwrap();
-    let Verdict::Refused { reason } = reading.verdict else {
-        panic!("measured an oblique view")
-    };
+    let reason = &refused(&reading).reason;
     assert!(reason.to_string().contains("no drum circle"), "{reason}");
 }
 
@@ -252,13 +249,14 @@ fn a_circle_that_is_not_taken_for_the_drum_is_proposed() {
             pixel.0[0] = if pixel.0[0] < 128 { 0 } else { 255 };
         }
         let reading = measure_image(&picture, &Settings::default()).unwrap();
-        assert!(reading.drum.is_none(), "{:?}", reading.verdict);
-        let circle = reading.glimpse.circle.expect("an arc shows");
+        let refused = refused(&reading);
+        assert!(refused.drum.is_none(), "{:?}", refused.reason);
+        let circle = refused.candidate.expect("an arc shows");
         let off = [circle.cx - 199.5, circle.cy - 199.5, circle.r - 172.0];
         assert!(off.iter().all(|o| o.abs() < 1.0), "{off:?} at {degrees}");
     }
     let blind = measure_image(&noise(560), &Settings::default()).unwrap();
-    assert_eq!(blind.glimpse.circle, None);
+    assert_eq!(refused(&blind).candidate, None);
 }
 
 /// A bed of grains, refused for its standard error: the boundary that was found runs from rim to rim along the drawn surface,
@@ -278,18 +276,13 @@ fn the_overlay_of_a_refused_picture_shows_what_was_found() {
         },
     );
     let reading = measure_image(&picture, &strict).unwrap();
+    let seen = refused(&reading);
     assert!(
-        matches!(
-            &reading.verdict,
-            Verdict::Refused {
-                reason: Refusal::TooRough { .. }
-            }
-        ),
+        matches!(seen.reason, Refusal::TooRough { .. }),
         "{:?}",
-        reading.verdict
+        seen.reason
     );
-    assert!(reading.used.is_empty(), "no measured points");
-    let boundary = &reading.glimpse.boundary;
+    let boundary = &seen.boundary;
     let rise = scene.inclination.tan();
     let off = boundary
         .iter()
@@ -303,8 +296,10 @@ fn the_overlay_of_a_refused_picture_shows_what_was_found() {
     let drawn = overlay_gray(&picture, &reading, &strict);
     let count = |drawn: &image::RgbImage, colour| drawn.pixels().filter(|p| p.0 == colour).count();
     let (magenta, orange) = ([230, 0, 200], [255, 130, 0]);
-    let mut no_line = reading.clone();
-    no_line.glimpse.line = None;
+    let no_line = PhotoReading::Refused(RefusedReading {
+        line: None,
+        ..seen.clone()
+    });
     let points = count(&overlay_gray(&picture, &no_line, &strict), magenta);
     let with_line = count(&drawn, magenta);
     assert!(
@@ -314,10 +309,12 @@ fn the_overlay_of_a_refused_picture_shows_what_was_found() {
     assert!(drawn.height() > 560 && drawn.width() == 560);
     let strip = image::imageops::crop_imm(&drawn, 0, 560, 560, drawn.height() - 560).to_image();
     assert!(count(&strip, orange) > 500, "words");
-    let found = reading.drum.unwrap();
-    let mut guess = reading.clone();
-    guess.drum = None;
-    guess.glimpse.circle = Some(found);
+    assert!(seen.drum.is_some());
+    let guess = PhotoReading::Refused(RefusedReading {
+        drum: None,
+        candidate: seen.drum,
+        ..seen.clone()
+    });
     let blue = [40, 120, 255];
     let whole = count(&drawn, blue) as f64;
     let part = count(&overlay_gray(&picture, &guess, &strict), blue) as f64 / whole;

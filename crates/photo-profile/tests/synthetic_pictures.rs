@@ -4,20 +4,17 @@
 
 use drawn_pictures::{Disturbance, Scene};
 use image::{GrayImage, imageops};
-use photo_profile::{
-    DrumPixels, Foreground, PhotoReading, Refusal, Settings, Verdict, measure_image,
-};
+use photo_profile::{DrumPixels, DrumReading, Foreground, Refusal, Settings, measure_image};
 use surface_profile::{HighSide, SurfaceAngle, SurfacePoint, measure};
 
 /// The reading of a picture that must be measurable.
-fn read(picture: &GrayImage, settings: &Settings) -> PhotoReading {
+fn read(picture: &GrayImage, settings: &Settings) -> DrumReading {
     let reading = measure_image(picture, settings).unwrap();
-    assert_eq!(reading.verdict, Verdict::Ok);
-    reading
+    reading.bed().expect("a measurable bed").clone()
 }
 
 fn angle_of(picture: &GrayImage) -> SurfaceAngle {
-    read(picture, &Settings::default()).angle.unwrap()
+    read(picture, &Settings::default()).angle
 }
 
 /// Statistics of the errors against the ruler's own reading of the true surface.
@@ -114,7 +111,7 @@ fn the_slope_of_the_toe_is_that_of_the_curve() {
         let truth = (rise / run).atan().to_degrees();
         let reading = read(&scene.draw(), &Settings::default());
         let found = reading.toe_slope().unwrap().to_degrees();
-        let line = reading.angle.unwrap().line.to_degrees();
+        let line = reading.angle.line.to_degrees();
         let most = if curvature == 0.0 { 0.3 } else { 1.5 };
         assert!((found - truth).abs() < most, "{found} for {truth}");
         assert_eq!(line - found > 10.0, curvature > 0.0, "{line} {found}");
@@ -226,15 +223,12 @@ fn a_refused_coarse_bed_still_tells_its_line() {
         max_angle_error: degrees.to_radians(),
         ..Settings::default()
     };
-    let angle = read(&picture, &asked(1.0)).angle.unwrap();
+    let angle = read(&picture, &asked(1.0)).angle;
     let refused = measure_image(&picture, &asked(0.3)).unwrap();
-    assert!(refused.angle.is_none());
-    let Verdict::Refused {
-        reason: Refusal::TooRough { line, error, .. },
-    } = refused.verdict
-    else {
-        panic!("refused as too rough: {:?}", refused.verdict)
+    let Some(Refusal::TooRough { line, error, .. }) = refused.refused().map(|r| &r.reason) else {
+        panic!("not too rough: {refused:?}")
     };
+    let (line, error) = (*line, *error);
     assert_eq!(line, angle.line.to_degrees());
     assert_eq!(error, angle.standard_error.to_degrees());
 }
@@ -299,7 +293,7 @@ fn the_drum_is_found_where_it_is() {
             ..scene
         },
     ] {
-        let drum = read(&scene.draw(), &Settings::default()).drum.unwrap();
+        let drum = read(&scene.draw(), &Settings::default()).drum;
         let off = (drum.cx - 629.5).hypot(drum.cy - 299.5);
         assert!(off < 1.5 && (drum.r - 171.0).abs() < 2.0, "{drum:?}");
     }
@@ -319,7 +313,7 @@ fn camera_roll_is_taken_off() {
         camera_roll: 0.1,
         ..Settings::default()
     };
-    let rolled = read(&picture, &settings).angle.unwrap().line;
+    let rolled = read(&picture, &settings).angle.line;
     assert!(
         (level - rolled - 0.1).abs().to_degrees() < 0.01,
         "{level} and {rolled}"
@@ -345,8 +339,8 @@ fn a_given_drum_is_used() {
         ..Settings::default()
     };
     let reading = read(&picture, &settings);
-    assert_eq!(reading.drum, Some(drum));
-    let difference = reading.angle.unwrap().line - angle_of(&picture).line;
+    assert_eq!(reading.drum, drum);
+    let difference = reading.angle.line - angle_of(&picture).line;
     assert!(difference.abs().to_degrees() < 0.01, "{difference} rad");
 }
 

@@ -172,7 +172,7 @@ impl RunDetails {
                 refused: result
                     .readings
                     .iter()
-                    .filter(|r| r.photo.angle.is_none())
+                    .filter(|r| r.photo.bed().is_none())
                     .count(),
                 no_surface_speed: no_surface_speed(&result.readings),
                 standard_error_deg: error,
@@ -236,7 +236,7 @@ pub fn error_over_swings(times: &[f64], readings: &[FrameReading], swing: f64) -
     let mut swings: Vec<Vec<f64>> = vec![Vec::new(); before_last(first - 0.5 * interval)];
     for (time, reading) in times.iter().zip(readings) {
         if let (Some(angle), Some(values)) =
-            (reading.photo.angle, swings.get_mut(before_last(*time)))
+            (reading.photo.angle(), swings.get_mut(before_last(*time)))
         {
             values.push(angle.line.to_degrees());
         }

@@ -3,7 +3,6 @@
 use crate::surface::{SurfaceReadings, over_frames, scatter_of};
 use crate::{Error, RunDetails};
 use campaign::RunOutcome;
-use photo_profile::Verdict;
 use run_store::Observation;
 use scene::{Apparatus, Ending, RunResult, Scene};
 use serde::Serialize;
@@ -81,13 +80,10 @@ fn observables(result: &RunResult, surface: &SurfaceReadings) -> BTreeMap<String
 
 /// The refusal of a drum without a surface, with the reason of the first frame.
 fn no_surface(result: &RunResult) -> scene::Error {
-    let first = result.readings.first().map(|r| match &r.photo.verdict {
-        Verdict::Refused { reason } => reason.to_string(),
-        Verdict::Ok => String::new(),
-    });
+    let first = result.readings.first().and_then(|r| r.photo.refused());
     scene::Error::NoSurface {
         frames: result.frames.len(),
-        reason: first.unwrap_or_default(),
+        reason: first.map_or_else(String::new, |refused| refused.reason.to_string()),
     }
 }
 

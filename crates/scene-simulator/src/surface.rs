@@ -45,17 +45,17 @@ impl SurfaceReadings {
     pub fn of(readings: &[FrameReading], interval: Option<f64>) -> Self {
         let angles = readings
             .iter()
-            .map(|r| Some(r.photo.angle?.line.to_degrees()));
+            .map(|r| Some(r.photo.angle()?.line.to_degrees()));
         let series = longest_unbroken(&angles.collect::<Vec<_>>());
-        let photos = || readings.iter().filter_map(|r| r.photo.angle);
+        let photos = || readings.iter().filter_map(|r| r.photo.angle());
         let (mut position, mut difference) = (Vec::new(), Vec::new());
         for reading in readings {
             let by_position = reading.position.map(|a| a.line.to_degrees());
             position.extend(by_position);
-            let by_image = reading.photo.angle.map(|a| a.line.to_degrees());
+            let by_image = reading.photo.angle().map(|a| a.line.to_degrees());
             difference.extend(by_image.zip(by_position).map(|(i, p)| i - p));
         }
-        let ends = || readings.iter().filter_map(|r| r.photo.bed_ends());
+        let ends = || readings.iter().filter_map(|r| r.photo.bed()?.bed_ends());
         Self {
             toe: ends().map(|e| e.toe.to_degrees()).collect(),
             top: ends().map(|e| e.top.to_degrees()).collect(),
@@ -66,7 +66,10 @@ impl SurfaceReadings {
             s_shape: photos().map(|a| a.s_shape).collect(),
             shape_4: photos().filter_map(|a| Some(a.shape?[2])).collect(),
             shape_5: photos().filter_map(|a| Some(a.shape?[3])).collect(),
-            fill_level: readings.iter().filter_map(|r| r.photo.fill_level).collect(),
+            fill_level: readings
+                .iter()
+                .filter_map(|r| r.photo.bed()?.fill_level)
+                .collect(),
             surface_speed: readings
                 .iter()
                 .filter_map(|r| r.surface_speed.as_ref()?.as_ref().ok().copied())

@@ -121,7 +121,7 @@ fn column(file: &Path, rpm: u32, frames: usize) -> Outcome<Vec<String>> {
                 None => refused[k] += 1,
             }
             if k == 0 {
-                stated.extend(reading.angle.map(|a| a.standard_error.to_degrees()));
+                stated.extend(reading.angle().map(|a| a.standard_error.to_degrees()));
             }
         }
     }
@@ -152,7 +152,7 @@ fn measure(picture: &GrayImage, drum: Option<DrumPixels>) -> Outcome<PhotoReadin
 
 /// The line through the surface, degrees.
 fn line(reading: &PhotoReading) -> Option<f64> {
-    reading.angle.map(|angle| angle.line.to_degrees())
+    reading.angle().map(|angle| angle.line.to_degrees())
 }
 
 /// Draws and reads a frame with a fault.
@@ -177,7 +177,7 @@ fn with_fault(
     match fault {
         Fault::None | Fault::FewPixels | Fault::Near(_) => {}
         Fault::Blur(part) => {
-            let radius = measure(&picture, None)?.drum.map_or(0.0, |drum| drum.r);
+            let radius = measure(&picture, None)?.drum().map_or(0.0, |drum| drum.r);
             #[expect(clippy::cast_possible_truncation, reason = "the blur takes f32")]
             let sd = (part * radius) as f32;
             picture = imageops::blur(&picture, sd);
@@ -204,7 +204,7 @@ fn with_fault(
             picture = imageops::resize(&picture, narrow, height, FilterType::CatmullRom);
         }
         Fault::Circle(part) => {
-            drum = measure(&picture, None)?.drum.map(|found| DrumPixels {
+            drum = measure(&picture, None)?.drum().map(|found| DrumPixels {
                 cy: found.cy - part * found.r,
                 ..found
             });

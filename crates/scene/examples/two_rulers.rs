@@ -92,13 +92,13 @@ fn row(file: &std::path::Path, rpm: u32, at_rest: bool, frames: usize) -> Outcom
 fn compare(scene: &Scene, result: &RunResult, frame: &Frame) -> Outcome<Option<[Option<f64>; 9]>> {
     let whole = read_frame(scene, &result.bodies, frame)?;
     let degrees = |angle: Option<surface_profile::SurfaceAngle>| angle.map(|a| a.line.to_degrees());
-    let (Some(picture), Some(spheres)) = (degrees(whole.photo.angle), degrees(whole.position))
+    let (Some(picture), Some(spheres)) = (degrees(whole.photo.angle()), degrees(whole.position))
     else {
         return Ok(None);
     };
     let mut near = scene.clone();
     near.camera.distance = Some(Length::from_si(NEAR * scene.apparatus.radius())?);
-    let near = degrees(read_frame(&near, &result.bodies, frame)?.photo.angle);
+    let near = degrees(read_frame(&near, &result.bodies, frame)?.photo.angle());
     let few = by_level(scene, result, frame, FEW_SEEDS);
     let width = scene.apparatus.width();
     let mut thirds = [None; 3];
@@ -112,7 +112,7 @@ fn compare(scene: &Scene, result: &RunResult, frame: &Frame) -> Outcome<Option<[
             &between(frame, front - width / 3.0, front),
         )?;
         *third = degrees(part.position);
-        let pair = degrees(part.photo.angle).zip(*third);
+        let pair = degrees(part.photo.angle()).zip(*third);
         differences.extend(pair.map(|(picture, spheres)| picture - spheres));
     }
     let mean = differences.iter().sum::<f64>() / differences.len() as f64;

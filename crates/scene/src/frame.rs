@@ -196,7 +196,7 @@ mod tests {
         let found = read_frame(&scene, &[body], &frame)
             .unwrap()
             .photo
-            .drum
+            .drum()
             .unwrap();
         let radius = 240.0 / 1.08;
         for (got, expected) in [(found.cx, 239.5), (found.cy, 239.5), (found.r, radius)] {
@@ -214,7 +214,8 @@ mod tests {
         let picture = DynamicImage::from(drum_picture(&scene, &bodies, &frame).unwrap());
         let pixels = PhotoPixels::from_picture(&picture);
         let photo = measure_photo(&pixels, &photo_profile::Settings::default()).unwrap();
-        let (a, b) = (own.angle.unwrap(), photo.angle.unwrap());
+        let (own, photo) = (own.bed().unwrap(), photo.bed().unwrap());
+        let (a, b) = (own.angle, photo.angle);
         let (c, d) = (own.bed_ends().unwrap(), photo.bed_ends().unwrap());
         for (one, other) in [(a.line, b.line), (c.toe, d.toe), (c.top, d.top)] {
             let off = (one - other).to_degrees();

@@ -245,7 +245,7 @@ fn filling_angles(
     for frame in frames {
         let photo = read_frame(scene, bodies, frame)?.photo;
         let board = device.board_angle.si();
-        let top = photo.ends.map(|[_, top]| top);
+        let top = photo.ends().map(|[_, top]| top);
         angles.extend(top.map(|top| (top - board).rem_euclid(TAU)));
     }
     Ok(angles)
@@ -339,7 +339,7 @@ fn n_spheres(scene: &Scene, bodies: &[Arc<SeedBody>]) -> usize {
 /// What tells the form of the motion of a bed.
 fn evidence(scene: &Scene, steady: &[SeriesPoint], readings: &[FrameReading]) -> MotionEvidence {
     let apparatus = &scene.apparatus;
-    let shapes = readings.iter().filter_map(|r| r.photo.angle);
+    let shapes = readings.iter().filter_map(|r| r.photo.angle());
     MotionEvidence::of(
         steady,
         apparatus.froude_number(scene.model.gravity_m_s2),

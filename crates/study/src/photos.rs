@@ -5,7 +5,7 @@ use crate::photo_values::{SPEED, Wanted, take_over};
 use campaign::in_full;
 use photo_profile::{
     DrumPixels, MAX_ANGLE_ERROR, Mask, Mode, PhotoPixels, PhotoReading, PixelPoint, Settings,
-    Verdict, measure_photo, one_of, picture_files, read_frames, rectify, surface_shift,
+    measure_photo, one_of, picture_files, read_frames, rectify, surface_shift,
 };
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -217,13 +217,7 @@ impl<'a> Reader<'a> {
                 continue;
             }
             let reading = measure_photo(&pixels, &self.settings).map_err(refused)?;
-            if let Verdict::Refused { reason } = &reading.verdict {
-                return Err(format!(
-                    "shows no surface that can be measured: {reason}; take it out, or say how to read it with photo = \
-                     {{ ... }}"
-                ));
-            }
-            self.frames.extend(values_of(&reading));
+            self.frames.push(values_of(&reading)?);
             if self.speed_scale.is_some() {
                 self.before = Some((pixels, reading));
             }
@@ -243,25 +237,34 @@ impl<'a> Reader<'a> {
     }
 }
 
-/// What one reading says. Toe and top of the bed are left out: angle, shape and fill level give them, and a fit would count
-/// the same evidence twice.
-fn values_of(reading: &PhotoReading) -> Option<FrameValues> {
-    if let Some(angle) = &reading.angle {
-        return Some(FrameValues {
+/// What one reading says, or why it says nothing. Toe and top of the bed are left out: angle, shape and fill level give them,
+/// and a fit would count the same evidence twice.
+fn values_of(reading: &PhotoReading) -> Result<FrameValues, String> {
+    match reading {
+        PhotoReading::Drum(bed) => Ok(FrameValues {
             values: vec![
-                ("angle_deg", angle.line.to_degrees()),
-                ("curvature", angle.curvature),
-                ("s_shape", angle.s_shape),
-                ("shape_4", angle.shape.map_or(f64::NAN, |shape| shape[2])),
-                ("shape_5", angle.shape.map_or(f64::NAN, |shape| shape[3])),
-                ("fill_level", reading.fill_level.unwrap_or(f64::NAN)),
+                ("angle_deg", bed.angle.line.to_degrees()),
+                ("curvature", bed.angle.curvature),
+                ("s_shape", bed.angle.s_shape),
+                (
+                    "shape_4",
+                    bed.angle.shape.map_or(f64::NAN, |shape| shape[2]),
+                ),
+                (
+                    "shape_5",
+                    bed.angle.shape.map_or(f64::NAN, |shape| shape[3]),
+                ),
+                ("fill_level", bed.fill_level.unwrap_or(f64::NAN)),
             ],
-            error: angle.standard_error.to_degrees(),
-        });
+            error: bed.angle.standard_error.to_degrees(),
+        }),
+        PhotoReading::Heap(heap) => Ok(FrameValues {
+            values: vec![("angle_of_repose_deg", heap.mean.to_degrees())],
+            error: heap.standard_error.to_degrees(),
+        }),
+        PhotoReading::Refused(refused) => Err(format!(
+            "shows no surface that can be measured: {}; take it out, or say how to read it with photo = {{ ... }}",
+            refused.reason
+        )),
     }
-    let heap = reading.heap.as_ref()?;
-    Some(FrameValues {
-        values: vec![("angle_of_repose_deg", heap.mean.to_degrees())],
-        error: heap.standard_error.to_degrees(),
-    })
 }

@@ -1,6 +1,6 @@
 //! How to go on with a picture that was refused.
 
-use photo_profile::{DrumPixels, PhotoReading, Refusal, Verdict};
+use photo_profile::{DrumPixels, PhotoReading, Refusal};
 
 /// What a user can do.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -26,17 +26,15 @@ const MOST_ERROR: f64 = 30.0;
 
 /// The advice for a reading; none for one that was measured.
 pub(crate) fn advice(reading: &PhotoReading) -> Option<Advice> {
-    let Verdict::Refused { reason } = &reading.verdict else {
-        return None;
-    };
-    Some(match reason {
-        Refusal::NoDrum { .. } => match reading.glimpse.circle {
+    let refused = reading.refused()?;
+    Some(match &refused.reason {
+        Refusal::NoDrum { .. } => match refused.candidate {
             Some(circle) => by_circle("the dashed circle", circle, ""),
             None => Advice::words(format!("state the drum: {DRUM}")),
         },
         Refusal::BrokenRim { .. } | Refusal::TiltedView { .. } => {
             let oblique = "; a camera off the axis of the drum is put right by --corners";
-            match (reading.glimpse.circle, reading.drum) {
+            match (refused.candidate, refused.drum) {
                 (Some(circle), _) => by_circle("the dashed circle", circle, oblique),
                 (None, Some(circle)) => by_circle("the circle", circle, oblique),
                 (None, None) => Advice::words(format!("state the drum: {DRUM}{oblique}")),

@@ -1,6 +1,6 @@
 //! Where the surface lies along the drum, and how it fluctuates there over a series.
 
-use photo_profile::{PhotoReading, PixelPoint};
+use photo_profile::{DrumReading, PixelPoint};
 use serde::Serialize;
 
 /// Stations along the drum, from -0.9 to 0.9 radii.
@@ -18,28 +18,23 @@ fn station(number: usize) -> f64 {
     (number as f64 - (STATIONS / 2) as f64) * STEP
 }
 
-/// Where the surface of a drum lies along the true horizontal, which is turned by `roll` (rad) in the picture; none of a heap.
-pub(crate) fn heights(reading: &PhotoReading, roll: f64) -> Option<Heights> {
-    let drum = reading.drum?;
+/// Where the surface of a drum lies along the true horizontal, which is turned by `roll` (rad) in the picture.
+pub(crate) fn heights(bed: &DrumReading, roll: f64) -> Heights {
+    let drum = bed.drum;
     let (sin, cos) = roll.sin_cos();
     let level = |p: &PixelPoint| {
         let (right, up) = ((p.x - drum.cx) / drum.r, (drum.cy - p.y) / drum.r);
         (right * cos + up * sin, up * cos - right * sin)
     };
-    let mut points: Vec<(f64, f64)> = reading
-        .used
-        .iter()
-        .chain(&reading.rejected)
-        .map(level)
-        .collect();
+    let mut points: Vec<(f64, f64)> = bed.used.iter().chain(&bed.rejected).map(level).collect();
     points.sort_by(|a, b| a.0.total_cmp(&b.0));
-    Some(std::array::from_fn(|number| {
+    std::array::from_fn(|number| {
         let x = station(number);
         let right = points.partition_point(|p| p.0 < x);
         let (a, b) = (points.get(right.checked_sub(1)?)?, points.get(right)?);
         let gap = b.0 - a.0;
         (gap <= GAP).then(|| a.1 + (b.1 - a.1) * if gap > 0.0 { (x - a.0) / gap } else { 0.5 })
-    }))
+    })
 }
 
 /// The surface of a series: where it lies on average, and how it fluctuates.
@@ -130,7 +125,8 @@ mod tests {
                 }),
                 ..Settings::default()
             };
-            heights(&measure_image(&scene.draw(), &settings).unwrap(), roll).unwrap()
+            let reading = measure_image(&scene.draw(), &settings).unwrap();
+            heights(reading.bed().unwrap(), roll)
         };
         let both = [of(0.0), of(0.1)];
         let found = Interface::of(&both).unwrap();

@@ -4,7 +4,7 @@ use crate::advice::advice;
 use crate::interface::{Heights, heights};
 use crate::summary::Summary;
 use command_line::Header;
-use photo_profile::{DrumPixels, HeapReading, PhotoReading, Refusal, Settings, Verdict};
+use photo_profile::{DrumPixels, DrumReading, HeapReading, PhotoReading, Refusal, Settings};
 use serde::Serialize;
 use std::path::Path;
 use surface_profile::{Definition, HighSide};
@@ -118,10 +118,15 @@ impl Points {
         let pairs = |points: &[photo_profile::PixelPoint]| -> Vec<[f64; 2]> {
             points.iter().map(|p| [p.x, p.y]).collect()
         };
+        let (used, rejected, refused) = match reading {
+            PhotoReading::Drum(bed) => (&bed.used[..], &bed.rejected[..], &[][..]),
+            PhotoReading::Heap(heap) => (&heap.used[..], &heap.rejected[..], &[][..]),
+            PhotoReading::Refused(refused) => (&[][..], &[][..], &refused.boundary[..]),
+        };
         Self {
-            surface: pairs(&reading.used),
-            surface_rejected: pairs(&reading.rejected),
-            surface_refused: pairs(&reading.glimpse.boundary),
+            surface: pairs(used),
+            surface_rejected: pairs(rejected),
+            surface_refused: pairs(refused),
         }
     }
 }
@@ -238,8 +243,9 @@ impl ImageResult {
         settings: &Settings,
         rectified: bool,
     ) -> Self {
-        let angle = reading.angle.as_ref();
-        let heap = reading.heap.as_ref();
+        let (bed, heap, refused) = (reading.bed(), reading.heap(), reading.refused());
+        let angle = bed.map(|bed| &bed.angle);
+        let ends = bed.and_then(DrumReading::bed_ends);
         let chosen = angle
             .map(|a| a.by(settings.definition))
             .or(heap.map(|h| h.mean));
@@ -247,10 +253,6 @@ impl ImageResult {
             .map(|a| a.error_by(settings.definition))
             .or(heap.map(|h| h.standard_error));
         let degrees = |value: Option<f64>| value.map(f64::to_degrees);
-        let (verdict, reason) = match &reading.verdict {
-            Verdict::Ok => ("ok", None),
-            Verdict::Refused { reason } => ("refused", Some(reason.to_string())),
-        };
         let advice = advice(reading);
         Self {
             file: origin.file,
@@ -258,8 +260,8 @@ impl ImageResult {
             time_s: None,
             picture_size_px,
             sha256: Some(origin.sha256),
-            verdict,
-            reason,
+            verdict: if refused.is_some() { "refused" } else { "ok" },
+            reason: refused.map(|refused| refused.reason.to_string()),
             surface_given: false,
             advice_flag: advice.as_ref().and_then(|a| a.flag.clone()),
             advice: advice.map(|a| a.words),
@@ -269,10 +271,8 @@ impl ImageResult {
             angle_interval_deg: chosen
                 .zip(error)
                 .map(|(a, e)| [a - HALF_INTERVAL * e, a + HALF_INTERVAL * e].map(f64::to_degrees)),
-            rough_line_deg: match &reading.verdict {
-                Verdict::Refused {
-                    reason: Refusal::TooRough { line, .. },
-                } => Some(*line),
+            rough_line_deg: match refused.map(|refused| &refused.reason) {
+                Some(Refusal::TooRough { line, .. }) => Some(*line),
                 _ => None,
             },
             line_deg: degrees(angle.map(|a| a.line)),
@@ -285,20 +285,20 @@ impl ImageResult {
             s_shape: angle.map(|a| a.s_shape),
             shape_4: angle.and_then(|a| a.shape).map(|shape| shape[2]),
             shape_5: angle.and_then(|a| a.shape).map(|shape| shape[3]),
-            fill_level: reading.fill_level,
-            toe_slope_deg: degrees(reading.toe_slope()),
-            line_through_all_deg: degrees(reading.line_through_all()),
-            toe_position_deg: degrees(reading.bed_ends().map(|e| e.toe)),
-            top_position_deg: degrees(reading.bed_ends().map(|e| e.top)),
+            fill_level: bed.and_then(|bed| bed.fill_level),
+            toe_slope_deg: degrees(bed.and_then(DrumReading::toe_slope)),
+            line_through_all_deg: degrees(bed.and_then(DrumReading::line_through_all)),
+            toe_position_deg: degrees(ends.map(|e| e.toe)),
+            top_position_deg: degrees(ends.map(|e| e.top)),
             high_side: angle.map(|a| a.high_side),
-            channel: Some(reading.channel.to_string()),
-            drum: reading.drum,
-            drum_candidate: reading.glimpse.circle,
+            channel: Some(reading.channel().to_string()),
+            drum: reading.drum(),
+            drum_candidate: refused.and_then(|refused| refused.candidate),
             heap: heap.map(|heap| HeapResult::new(heap, settings)),
             points: None,
-            heights: angle.and_then(|_| heights(reading, settings.camera_roll)),
+            heights: bed.map(|bed| heights(bed, settings.camera_roll)),
             rectified,
-            quality: reading.quality,
+            quality: reading.quality(),
         }
     }
 
