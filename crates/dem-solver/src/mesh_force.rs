@@ -17,7 +17,7 @@ use crate::template::{OuterSphere, Template};
 use contact_law::ContactGeometry;
 use nalgebra::{Matrix3, Vector3};
 use serde::{Deserialize, Serialize};
-use trimesh::nearest_on_triangle;
+use triangle::nearest_on_triangle;
 
 /// Two nearest points closer than this share of the reach of a sphere are one.
 const SAME_POINT: f64 = 1e-6;

@@ -6,7 +6,7 @@
 use crate::error::Error;
 use nalgebra::{UnitQuaternion, Vector3};
 use serde::{Deserialize, Serialize};
-use trimesh::nearest_on_triangle;
+use triangle::nearest_on_triangle;
 
 /// A wall made of triangles.
 #[derive(Debug, Clone, PartialEq)]

@@ -230,7 +230,7 @@ pub(crate) fn try_place(
 fn is_clear_of(obstacles: &[[Vector3<f64>; 3]], body: &Placed) -> bool {
     let length = body.half.norm();
     obstacles.iter().all(|corners| {
-        let middle = trimesh::nearest_on_triangle(&body.centre, corners) - body.centre;
+        let middle = triangle::nearest_on_triangle(&body.centre, corners) - body.centre;
         if middle.norm() > length + 2.0 * body.radius {
             return true;
         }
@@ -238,7 +238,7 @@ fn is_clear_of(obstacles: &[[Vector3<f64>; 3]], body: &Placed) -> bool {
         let mut step = 0.0;
         while step <= n {
             let point = body.centre + body.half * (2.0 * step / n - 1.0);
-            let gap = (trimesh::nearest_on_triangle(&point, corners) - point).norm();
+            let gap = (triangle::nearest_on_triangle(&point, corners) - point).norm();
             // Between two balls the capsule is nearer by less than a sixteenth of its radius.
             if gap < 1.07 * body.radius {
                 return false;

@@ -5,10 +5,10 @@
 //! pieces, each with a box of its own, before the tree is built `[ErnstGreiner2007]`. What is
 //! measured is always the whole triangle, so that the pieces decide the speed only.
 
-use crate::closest_point::{ClosestPoint, closest_point};
-use crate::mesh::area_vector;
 use crate::{BoundingBox, TriMesh};
 use nalgebra::Vector3;
+use triangle::area_vector;
+use triangle::{ClosestPoint, closest_point};
 
 /// Pieces in a leaf.
 const LEAF: usize = 4;

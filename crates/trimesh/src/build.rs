@@ -3,7 +3,6 @@
 use crate::crossings::Crossings;
 use crate::crumbs::cut_crumbs;
 use crate::holes::{close_holes, rims_of, widest_closed, width_of};
-use crate::mesh::area_vector;
 use crate::orientation::{Edges, turn_outward};
 use crate::proposal::{Proposal, Tried};
 use crate::rebuild::rebuild;
@@ -14,6 +13,7 @@ use crate::{
 };
 use nalgebra::{Matrix3, Vector3};
 use rustc_hash::{FxBuildHasher, FxHashSet};
+use triangle::area_vector;
 
 /// Most triangles: indices of sides then have 32 bits. A file of them has 25 gigabytes.
 const MOST_TRIANGLES: usize = 500_000_000;

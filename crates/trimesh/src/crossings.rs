@@ -1,9 +1,9 @@
 //! Places where a surface cuts itself.
 
 use crate::BoundingBox;
-use crate::mesh::area_vector;
 use crate::winding::solid_angle_sum;
 use nalgebra::Vector3;
+use triangle::area_vector;
 
 /// Triangles that are compared all with all; 16 to 64 take about equally long.
 const LEAF: usize = 32;

@@ -1,10 +1,10 @@
 //! Cutting away loose pieces and edges of more than two triangles, where they are small.
 
-use crate::mesh::area_vector;
 use crate::orientation::{Edges, shells_of};
 use crate::repair::Changes;
 use crate::weld::Welded;
 use rustc_hash::FxHashSet;
+use triangle::area_vector;
 
 /// Cuts away small pieces, then the triangles at edges that still have more than two, then what
 /// fell off by that; all together at most a share of the area.

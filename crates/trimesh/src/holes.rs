@@ -2,12 +2,12 @@
 
 use crate::BoundingBox;
 use crate::lid::triangulated;
-use crate::mesh::area_vector;
 use crate::orientation::Edges;
 use crate::repair::{Changes, Lid};
 use crate::weld::Welded;
 use nalgebra::Vector3;
 use rustc_hash::FxHashSet;
+use triangle::area_vector;
 
 /// A hole that extends over at most this part of the mesh's diagonal is closed.
 ///

@@ -3,6 +3,7 @@
 use crate::{Error, Proposal, VolumeMoments};
 use nalgebra::Vector3;
 use serde::Serialize;
+use triangle::area_vector;
 
 /// Share of the area of folds that are let pass: a fold of 1 % of a ball's area has 0.1 % of its
 /// volume.
@@ -208,9 +209,4 @@ impl TriMesh {
         }
         Ok(())
     }
-}
-
-/// Normal of a triangle with its area as length, m².
-pub(crate) fn area_vector(corners: &[Vector3<f64>; 3]) -> Vector3<f64> {
-    (corners[1] - corners[0]).cross(&(corners[2] - corners[0])) * 0.5
 }

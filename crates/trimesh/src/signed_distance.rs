@@ -1,11 +1,11 @@
 //! Distance to a closed surface, with sign.
 
 use crate::bounding_tree::{BoundingTree, Nearest};
-use crate::closest_point::Feature;
-use crate::mesh::area_vector;
 use crate::orientation::Edges;
 use crate::{Error, TriMesh};
 use nalgebra::Vector3;
+use triangle::Feature;
+use triangle::area_vector;
 
 /// Nearest point of a surface.
 #[derive(Debug, Clone, Copy, PartialEq)]

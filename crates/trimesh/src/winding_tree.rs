@@ -1,10 +1,10 @@
 //! Winding numbers of many points: far triangles are summed together.
 
 use crate::TriMesh;
-use crate::mesh::area_vector;
 use crate::winding::solid_angle_sum;
 use nalgebra::Vector3;
 use std::f64::consts::PI;
+use triangle::area_vector;
 
 /// Triangles of a leaf, which are summed one by one.
 const LEAF: usize = 8;
