@@ -9,7 +9,8 @@
     reason = "the hot loops are vectorised only when inlined"
 )]
 
-use crate::contact::{Effect, Interaction, Memory, SpherePair};
+use crate::contact::{Effect, Memory, SpherePair};
+use crate::interaction::Interaction;
 use crate::touch::Touch;
 use fearless_simd::prelude::*;
 use nalgebra::Vector3;

@@ -1,8 +1,8 @@
 //! What is refused at the door of a world.
 
 use crate::bodies::Placement;
-use crate::contact::Interaction;
 use crate::error::Error;
+use crate::interaction::Interaction;
 use crate::settings::Settings;
 use crate::template::Template;
 use crate::wall::{Shape, Wall};

@@ -5,7 +5,7 @@
     reason = "the hot loops are vectorised only when inlined"
 )]
 
-use crate::contact::Interaction;
+use crate::interaction::Interaction;
 use crate::settings::Settings;
 use crate::spheres::sphere::Sphere;
 use crate::template::{CELLS, Template};

@@ -16,8 +16,9 @@
 //! The ledger looks at every pair of spheres in each step: it is for small worlds. It refuses walls of
 //! triangles and bridges of liquid, whose energies it does not know.
 
-use crate::contact::{Effect, Interaction, Memory};
+use crate::contact::{Effect, Memory};
 use crate::error::Error;
+use crate::interaction::Interaction;
 use crate::plain::{find_at_wall, find_pairs};
 use crate::world::World;
 use nalgebra::Vector3;

@@ -30,6 +30,7 @@ mod context;
 mod error;
 mod health;
 mod integrate;
+mod interaction;
 mod kept_contact;
 mod lanes;
 mod ledger;
@@ -56,9 +57,9 @@ mod world;
 
 pub use bodies::{Bodies, Placement};
 pub use census::Census;
-pub use contact::{FurtherLaws, Interaction, InteractionSettings};
 pub use error::Error;
 pub use health::HealthLimits;
+pub use interaction::{FurtherLaws, Interaction, InteractionSettings};
 pub use ledger::{EnergyLedger, EnergyTerms};
 pub use mesh_wall::{MeshWall, Motion, Vibration};
 

@@ -17,7 +17,7 @@
 //! bridge by bridge with what each took: such books depend on the order of events within a step. Liquid does
 //! not pass from one body to another.
 
-use crate::contact::Interaction;
+use crate::interaction::Interaction;
 
 /// Bridges among which a body shares its liquid if it has no more.
 const BRIDGES_OF_A_BODY: u32 = 6;

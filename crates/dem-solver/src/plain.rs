@@ -2,7 +2,8 @@
 //!
 //! It is slow and obvious. The tests hold the fast loop to it.
 
-use crate::contact::{Effect, Interaction, Memory, SpherePair, SphereWall};
+use crate::contact::{Effect, Memory, SpherePair, SphereWall};
+use crate::interaction::Interaction;
 use crate::liquid::bridge_volume;
 use crate::mesh_force::{Touch, find_contacts};
 use crate::pair_force::PairFrame;

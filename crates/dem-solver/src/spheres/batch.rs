@@ -6,8 +6,9 @@
 )]
 
 use crate::batch::{Column, ContactLoad, ROOM, Sink, by_law, read, write};
-use crate::contact::{Interaction, Memory, SpherePair};
+use crate::contact::{Memory, SpherePair};
 use crate::context::Context;
+use crate::interaction::Interaction;
 use crate::spheres::pairs::SpherePairs;
 use crate::spheres::sphere::{Row, Sphere, vector};
 use fearless_simd::prelude::*;

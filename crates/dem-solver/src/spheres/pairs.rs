@@ -10,8 +10,9 @@
 )]
 
 use crate::census::Census;
-use crate::contact::{Interaction, Memory};
+use crate::contact::Memory;
 use crate::context::Context;
+use crate::interaction::Interaction;
 use crate::kept_contact::KeptContact;
 use crate::lanes::stored;
 use crate::lanes::{HALF, NUMBERS, keep, make_room};

@@ -11,8 +11,9 @@
 
 use crate::batch::{Column, Loads, ROOM, by_law, read, write};
 use crate::bodies::Bodies;
-use crate::contact::{Interaction, Memory, Mover, SphereWall};
+use crate::contact::{Memory, Mover, SphereWall};
 use crate::context::Context;
+use crate::interaction::Interaction;
 use crate::kept_contact::KeptContact;
 use crate::lanes::stored;
 use crate::liquid::bridge_volume;

@@ -1,7 +1,7 @@
 //! The liquid of a world: how much its bridges hold, and the deal behind each step.
 
 use super::World;
-use crate::contact::Interaction;
+use crate::interaction::Interaction;
 use crate::liquid::bridge_volume;
 
 impl World {
