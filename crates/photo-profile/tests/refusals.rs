@@ -1,9 +1,6 @@
 //! Pictures without an honest answer must be refused, each for its reason.
 
-#![expect(
-    clippy::unwrap_used,
-    reason = "helpers of tests fail like tests"
-)]
+#![expect(clippy::unwrap_used, reason = "helpers of tests fail like tests")]
 
 use drawn_pictures::Scene;
 use image::{GrayImage, Luma};
