@@ -1,37 +1,31 @@
 //! Tilt of the drum axis: the rig does not stand level.
 
-use crate::{Description, Effect, Entry, Error, refused, walls::drum_of};
+use crate::{Effect, Entry, Error, refused, walls::drum_of};
 use quantity::Angle;
 use scene::{FillingLibrary, Scene};
 
 /// A drum whose axis is not level.
-#[derive(Debug)]
-pub(crate) struct AxisTilt;
+pub(crate) const EFFECT: Effect = Effect {
+    name: "axis-tilt",
+    physics: "A rig on a bench that is not level has one end lower. Seeds gather at that \
+              end, the bed is deeper there and shallower at the other, and the camera \
+              sees the outline of the deep end.",
+    formula: "gravity = g (0, -cos tilt, sin tilt); positive when the end that faces the \
+              camera is lower",
+    unit: "deg",
+    source: "CottonStudy",
+    range: [-5.0, 5.0],
+    probe: 3.0,
+    entry: Entry::Drive,
+    apply,
+};
 
-impl Effect for AxisTilt {
-    fn description(&self) -> Description {
-        Description {
-            name: "axis-tilt",
-            physics: "A rig on a bench that is not level has one end lower. Seeds gather at that \
-                      end, the bed is deeper there and shallower at the other, and the camera \
-                      sees the outline of the deep end.",
-            formula: "gravity = g (0, -cos tilt, sin tilt); positive when the end that faces the \
-                      camera is lower",
-            unit: "deg",
-            source: "CottonStudy",
-            range: [-5.0, 5.0],
-            probe: 3.0,
-            entry: Entry::Drive,
-        }
-    }
-
-    fn apply(&self, scene: &mut Scene, amplitude: f64, _: &FillingLibrary) -> Result<(), Error> {
-        let name = self.description().name;
-        let drum = drum_of(scene, name)?;
-        let tilt = drum.tilt.map_or(0.0, Angle::si) + amplitude.to_radians();
-        drum.tilt = Some(Angle::from_si(tilt).map_err(|e| refused(name, &e))?);
-        Ok(())
-    }
+fn apply(scene: &mut Scene, amplitude: f64, _: &FillingLibrary) -> Result<(), Error> {
+    let name = EFFECT.name;
+    let drum = drum_of(scene, name)?;
+    let tilt = drum.tilt.map_or(0.0, Angle::si) + amplitude.to_radians();
+    drum.tilt = Some(Angle::from_si(tilt).map_err(|e| refused(name, &e))?);
+    Ok(())
 }
 
 #[cfg(test)]

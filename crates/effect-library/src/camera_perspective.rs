@@ -1,40 +1,34 @@
 //! Camera perspective: front and back edge of the bed are not seen at one size.
 
-use crate::{Description, Effect, Entry, Error, refused, walls::drum_of};
+use crate::{Effect, Entry, Error, refused, walls::drum_of};
 use quantity::Length;
 use scene::{FillingLibrary, Scene};
 
 /// A camera near the drum, on its axis.
-#[derive(Debug)]
-pub(crate) struct CameraPerspective;
+pub(crate) const EFFECT: Effect = Effect {
+    name: "camera-perspective",
+    physics: "A camera near the drum sees the back of the bed smaller than the front, \
+              drawn towards the axis. Below the axis the back edge stands above the front \
+              edge, so the outline is that of the back: the surface seems nearer to the \
+              axis, and a curved surface flatter. A flat one keeps its angle while the \
+              camera is on the axis.",
+    formula: "size in the picture = D/(D + depth behind the front cover), D = \
+              R/amplitude, R the inner radius of the drum",
+    unit: "1",
+    source: "HartleyZisserman2004",
+    range: [0.0, 0.5],
+    probe: 0.25,
+    entry: Entry::Camera,
+    apply,
+};
 
-impl Effect for CameraPerspective {
-    fn description(&self) -> Description {
-        Description {
-            name: "camera-perspective",
-            physics: "A camera near the drum sees the back of the bed smaller than the front, \
-                      drawn towards the axis. Below the axis the back edge stands above the front \
-                      edge, so the outline is that of the back: the surface seems nearer to the \
-                      axis, and a curved surface flatter. A flat one keeps its angle while the \
-                      camera is on the axis.",
-            formula: "size in the picture = D/(D + depth behind the front cover), D = \
-                      R/amplitude, R the inner radius of the drum",
-            unit: "1",
-            source: "HartleyZisserman2004",
-            range: [0.0, 0.5],
-            probe: 0.25,
-            entry: Entry::Camera,
-        }
-    }
-
-    fn apply(&self, scene: &mut Scene, amplitude: f64, _: &FillingLibrary) -> Result<(), Error> {
-        let name = self.description().name;
-        let radius = 0.5 * drum_of(scene, name)?.inner_diameter.si();
-        let declared = scene.camera.distance.map_or(0.0, |d| radius / d.si());
-        let distance = Length::from_si(radius / (declared + amplitude));
-        scene.camera.distance = Some(distance.map_err(|e| refused(name, &e))?);
-        Ok(())
-    }
+fn apply(scene: &mut Scene, amplitude: f64, _: &FillingLibrary) -> Result<(), Error> {
+    let name = EFFECT.name;
+    let radius = 0.5 * drum_of(scene, name)?.inner_diameter.si();
+    let declared = scene.camera.distance.map_or(0.0, |d| radius / d.si());
+    let distance = Length::from_si(radius / (declared + amplitude));
+    scene.camera.distance = Some(distance.map_err(|e| refused(name, &e))?);
+    Ok(())
 }
 
 #[cfg(test)]

@@ -1,34 +1,28 @@
 //! Friction of the covers: other than declared.
 
 use crate::{
-    Description, Effect, Entry, Error,
+    Effect, Entry, Error,
     walls::{Part, scale_friction},
 };
 use scene::{FillingLibrary, Scene};
 
 /// Friction of the seeds at both covers, as a share of what the scene states.
-#[derive(Debug)]
-pub(crate) struct CoverFriction;
+pub(crate) const EFFECT: Effect = Effect {
+    name: "cover-friction",
+    physics: "The end covers hold back the seeds beside them, and a narrow drum feels \
+              that through its whole width. Their friction is often taken from another \
+              surface than the one in the drum, or changed by dust, wear and cleaning.",
+    formula: "mu_cover = (1 + amplitude) x declared coefficient of static friction",
+    unit: "1",
+    source: "CottonStudy",
+    range: [-0.9, 3.0],
+    probe: 0.5,
+    entry: Entry::Wall,
+    apply,
+};
 
-impl Effect for CoverFriction {
-    fn description(&self) -> Description {
-        Description {
-            name: "cover-friction",
-            physics: "The end covers hold back the seeds beside them, and a narrow drum feels \
-                      that through its whole width. Their friction is often taken from another \
-                      surface than the one in the drum, or changed by dust, wear and cleaning.",
-            formula: "mu_cover = (1 + amplitude) x declared coefficient of static friction",
-            unit: "1",
-            source: "CottonStudy",
-            range: [-0.9, 3.0],
-            probe: 0.5,
-            entry: Entry::Wall,
-        }
-    }
-
-    fn apply(&self, scene: &mut Scene, amplitude: f64, _: &FillingLibrary) -> Result<(), Error> {
-        scale_friction(scene, Part::Cover, 1.0 + amplitude, self.description().name)
-    }
+fn apply(scene: &mut Scene, amplitude: f64, _: &FillingLibrary) -> Result<(), Error> {
+    scale_friction(scene, Part::Cover, 1.0 + amplitude, EFFECT.name)
 }
 
 #[cfg(test)]

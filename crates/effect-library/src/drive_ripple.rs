@@ -1,42 +1,36 @@
 //! Ripple of the drive: the speed swings about its mean.
 
-use crate::{Description, Effect, Entry, Error, walls::drum_of};
+use crate::{Effect, Entry, Error, walls::drum_of};
 use scene::{FillingLibrary, Ripple, Scene};
 
 /// Swings in one revolution of the drum where the scene states none.
 const CYCLES: f64 = 6.0;
 
 /// A speed that swings six times in a revolution.
-#[derive(Debug)]
-pub(crate) struct DriveRipple;
+pub(crate) const EFFECT: Effect = Effect {
+    name: "drive-ripple",
+    physics: "An eccentric roller or a toothed belt speeds the drum up and slows it down \
+              at each of its own turns. The mean speed is right, but the bed is rocked: \
+              avalanches start earlier and the angle fluctuates more.",
+    formula: "speed(t) = set speed x (1 + amplitude sin(6 w t)), w the set speed in \
+              rad/s: rollers of a sixth of the drum",
+    unit: "1",
+    source: "Mellmann2001",
+    range: [0.0, 1.0],
+    probe: 0.3,
+    entry: Entry::Drive,
+    apply,
+};
 
-impl Effect for DriveRipple {
-    fn description(&self) -> Description {
-        Description {
-            name: "drive-ripple",
-            physics: "An eccentric roller or a toothed belt speeds the drum up and slows it down \
-                      at each of its own turns. The mean speed is right, but the bed is rocked: \
-                      avalanches start earlier and the angle fluctuates more.",
-            formula: "speed(t) = set speed x (1 + amplitude sin(6 w t)), w the set speed in \
-                      rad/s: rollers of a sixth of the drum",
-            unit: "1",
-            source: "Mellmann2001",
-            range: [0.0, 1.0],
-            probe: 0.3,
-            entry: Entry::Drive,
-        }
-    }
-
-    fn apply(&self, scene: &mut Scene, amplitude: f64, _: &FillingLibrary) -> Result<(), Error> {
-        let drum = drum_of(scene, self.description().name)?;
-        let declared = drum.ripple.unwrap_or(Ripple {
-            share: 0.0,
-            cycles: CYCLES,
-        });
-        let share = declared.share + amplitude;
-        drum.ripple = Some(Ripple { share, ..declared });
-        Ok(())
-    }
+fn apply(scene: &mut Scene, amplitude: f64, _: &FillingLibrary) -> Result<(), Error> {
+    let drum = drum_of(scene, EFFECT.name)?;
+    let declared = drum.ripple.unwrap_or(Ripple {
+        share: 0.0,
+        cycles: CYCLES,
+    });
+    let share = declared.share + amplitude;
+    drum.ripple = Some(Ripple { share, ..declared });
+    Ok(())
 }
 
 #[cfg(test)]

@@ -1,36 +1,30 @@
 //! Slip of the drive: the drum turns slower than it was set.
 
-use crate::{Description, Effect, Entry, Error, refused};
+use crate::{Effect, Entry, Error, refused};
 use quantity::AngularSpeed;
 use scene::{FillingLibrary, Scene};
 
 /// A speed below the one that was set.
-#[derive(Debug)]
-pub(crate) struct DriveSlip;
+pub(crate) const EFFECT: Effect = Effect {
+    name: "drive-slip",
+    physics: "A drum on rollers or a belt slips under load, and the set speed is that of \
+              the motor. The real speed is lower, and so are the Froude number, the \
+              curvature of the surface and the angle.",
+    formula: "speed = (1 - amplitude) x set speed; Froude number = (1 - amplitude)^2 x \
+              nominal",
+    unit: "1",
+    source: "Mellmann2001",
+    range: [0.0, 0.5],
+    probe: 0.2,
+    entry: Entry::Drive,
+    apply,
+};
 
-impl Effect for DriveSlip {
-    fn description(&self) -> Description {
-        Description {
-            name: "drive-slip",
-            physics: "A drum on rollers or a belt slips under load, and the set speed is that of \
-                      the motor. The real speed is lower, and so are the Froude number, the \
-                      curvature of the surface and the angle.",
-            formula: "speed = (1 - amplitude) x set speed; Froude number = (1 - amplitude)^2 x \
-                      nominal",
-            unit: "1",
-            source: "Mellmann2001",
-            range: [0.0, 0.5],
-            probe: 0.2,
-            entry: Entry::Drive,
-        }
-    }
-
-    fn apply(&self, scene: &mut Scene, amplitude: f64, _: &FillingLibrary) -> Result<(), Error> {
-        let speed = AngularSpeed::from_si(scene.apparatus.speed() * (1.0 - amplitude))
-            .map_err(|e| refused(self.description().name, &e))?;
-        scene.apparatus.set_speed(speed);
-        Ok(())
-    }
+fn apply(scene: &mut Scene, amplitude: f64, _: &FillingLibrary) -> Result<(), Error> {
+    let speed = AngularSpeed::from_si(scene.apparatus.speed() * (1.0 - amplitude))
+        .map_err(|e| refused(EFFECT.name, &e))?;
+    scene.apparatus.set_speed(speed);
+    Ok(())
 }
 
 #[cfg(test)]

@@ -1,55 +1,44 @@
 //! Dry adhesion: surfaces hold each other by their surface energy.
 
-use crate::{Description, Effect, Entry, Error};
+use crate::{Effect, Entry, Error};
 use scene::{FillingLibrary, Scene};
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
 
 /// The pull-off force of smooth spheres of the size of a seed, while two surfaces touch.
-#[derive(Debug)]
-pub(crate) struct DryAdhesion;
+pub(crate) const EFFECT: Effect = Effect {
+    name: "dry-adhesion",
+    physics: "Clean dry surfaces attract each other over molecular distances. The force \
+              grows with the radius of the seed, and a flat wall holds twice as hard as \
+              another seed, which tells it from a liquid or a tacky coat of equal force. \
+              The force is the pull-off force of smooth spheres, at any overlap; the \
+              wider contact and the stretched neck of the full theory are left out, and \
+              roughness lowers the effective work of adhesion.",
+    formula: "F = 3/2 pi W R*, 1/R* = 1/R_i + 1/R_j, R of the sphere with the volume of \
+              the seed, flat walls 1/R = 0",
+    unit: "mJ/m2",
+    source: "JohnsonKendallRoberts1971",
+    range: [0.0, 100.0],
+    probe: 30.0,
+    entry: Entry::Contact,
+    apply,
+};
 
-impl Effect for DryAdhesion {
-    fn description(&self) -> Description {
-        Description {
-            name: "dry-adhesion",
-            physics: "Clean dry surfaces attract each other over molecular distances. The force \
-                      grows with the radius of the seed, and a flat wall holds twice as hard as \
-                      another seed, which tells it from a liquid or a tacky coat of equal force. \
-                      The force is the pull-off force of smooth spheres, at any overlap; the \
-                      wider contact and the stretched neck of the full theory are left out, and \
-                      roughness lowers the effective work of adhesion.",
-            formula: "F = 3/2 pi W R*, 1/R* = 1/R_i + 1/R_j, R of the sphere with the volume of \
-                      the seed, flat walls 1/R = 0",
-            unit: "mJ/m2",
-            source: "JohnsonKendallRoberts1971",
-            range: [0.0, 100.0],
-            probe: 30.0,
-            entry: Entry::Contact,
+fn apply(scene: &mut Scene, amplitude: f64, fillings: &FillingLibrary) -> Result<(), Error> {
+    let radii = mean_radii(scene, fillings)?;
+    for (pair, contact) in &mut scene.contact {
+        let curvature: f64 = pair
+            .split('-')
+            .filter_map(|name| radii.get(name))
+            .map(|radius| 1.0 / radius)
+            .sum();
+        // Two walls never meet.
+        if curvature > 0.0 {
+            let pull = 1.5 * PI * 1e-3 * amplitude / curvature;
+            contact.attraction_n = Some(contact.attraction_n.unwrap_or(0.0) + pull);
         }
     }
-
-    fn apply(
-        &self,
-        scene: &mut Scene,
-        amplitude: f64,
-        fillings: &FillingLibrary,
-    ) -> Result<(), Error> {
-        let radii = mean_radii(scene, fillings)?;
-        for (pair, contact) in &mut scene.contact {
-            let curvature: f64 = pair
-                .split('-')
-                .filter_map(|name| radii.get(name))
-                .map(|radius| 1.0 / radius)
-                .sum();
-            // Two walls never meet.
-            if curvature > 0.0 {
-                let pull = 1.5 * PI * 1e-3 * amplitude / curvature;
-                contact.attraction_n = Some(contact.attraction_n.unwrap_or(0.0) + pull);
-            }
-        }
-        Ok(())
-    }
+    Ok(())
 }
 
 /// Radius of the sphere with the volume of a seed, m, by material: the mean over its seeds.

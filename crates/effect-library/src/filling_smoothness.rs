@@ -1,6 +1,6 @@
 //! Smoothness of the sphere filling: the model's seeds may be rougher than real ones.
 
-use crate::{Description, Effect, Entry, Error};
+use crate::{Effect, Entry, Error};
 use quantity::Length;
 use scene::{FillingLibrary, FillingSettings, Scene};
 use sphere_fill::Method;
@@ -10,66 +10,55 @@ use sphere_fill::Method;
 const STEP_SHARE: f64 = 0.30;
 
 /// A filling whose surface follows the mesh more closely, with the mass and inertia of the seed.
-#[derive(Debug)]
-pub(crate) struct FillingSmoothness;
+pub(crate) const EFFECT: Effect = Effect {
+    name: "filling-smoothness",
+    physics: "A seed packed with equal spheres has a surface of bumps and gaps that lock \
+              into each other. A real coated seed is smooth, so the model needs a lower \
+              friction coefficient than the bench measures.",
+    formula: "roughness = (1 - amplitude) x root mean square roughness of the filling in \
+              the scene, reached by overlapping spheres that follow the surface",
+    unit: "1",
+    source: "CottonStudy",
+    range: [0.0, 0.9],
+    probe: 0.6,
+    entry: Entry::SeedShape,
+    apply,
+};
 
-impl Effect for FillingSmoothness {
-    fn description(&self) -> Description {
-        Description {
-            name: "filling-smoothness",
-            physics: "A seed packed with equal spheres has a surface of bumps and gaps that lock \
-                      into each other. A real coated seed is smooth, so the model needs a lower \
-                      friction coefficient than the bench measures.",
-            formula: "roughness = (1 - amplitude) x root mean square roughness of the filling in \
-                      the scene, reached by overlapping spheres that follow the surface",
-            unit: "1",
-            source: "CottonStudy",
-            range: [0.0, 0.9],
-            probe: 0.6,
-            entry: Entry::SeedShape,
-        }
-    }
-
-    fn apply(
-        &self,
-        scene: &mut Scene,
-        amplitude: f64,
-        fillings: &FillingLibrary,
-    ) -> Result<(), Error> {
-        let roughness = scene
-            .seed
-            .iter()
-            .map(|seed| Ok(fillings.body(scene, seed)?.report.roughness_rms))
-            .collect::<Result<Vec<f64>, scene::Error>>()?;
-        let refused = |e: quantity::Error| Error::Setting {
-            name: self.description().name,
-            reason: e.to_string(),
-        };
-        for (seed, roughness) in scene.seed.iter_mut().zip(roughness) {
-            let target = Length::from_si((1.0 - amplitude) * roughness).map_err(refused)?;
-            let Some(filling) = seed.filling().map_err(refused)? else {
-                return Err(Error::Setting {
-                    name: self.description().name,
-                    reason: format!(
-                        "seed '{}' is one sphere, which is smooth already",
-                        seed.name
-                    ),
-                });
-            };
-            seed.filling = Some(FillingSettings {
-                method: Method::Smooth,
-                sphere_count: None,
-                roughness: Some(target),
-                ..filling
+fn apply(scene: &mut Scene, amplitude: f64, fillings: &FillingLibrary) -> Result<(), Error> {
+    let roughness = scene
+        .seed
+        .iter()
+        .map(|seed| Ok(fillings.body(scene, seed)?.report.roughness_rms))
+        .collect::<Result<Vec<f64>, scene::Error>>()?;
+    let refused = |e: quantity::Error| Error::Setting {
+        name: EFFECT.name,
+        reason: e.to_string(),
+    };
+    for (seed, roughness) in scene.seed.iter_mut().zip(roughness) {
+        let target = Length::from_si((1.0 - amplitude) * roughness).map_err(refused)?;
+        let Some(filling) = seed.filling().map_err(refused)? else {
+            return Err(Error::Setting {
+                name: EFFECT.name,
+                reason: format!(
+                    "seed '{}' is one sphere, which is smooth already",
+                    seed.name
+                ),
             });
-        }
-        let protocol = &mut scene.protocol;
-        if protocol.step_share > STEP_SHARE {
-            // A fixed step was chosen for rougher seeds.
-            protocol.time_step = None;
-        }
-        protocol.step_share = protocol.step_share.min(STEP_SHARE);
-        protocol.flow_step_share = protocol.flow_step_share.map(|s| s.min(STEP_SHARE));
-        Ok(())
+        };
+        seed.filling = Some(FillingSettings {
+            method: Method::Smooth,
+            sphere_count: None,
+            roughness: Some(target),
+            ..filling
+        });
     }
+    let protocol = &mut scene.protocol;
+    if protocol.step_share > STEP_SHARE {
+        // A fixed step was chosen for rougher seeds.
+        protocol.time_step = None;
+    }
+    protocol.step_share = protocol.step_share.min(STEP_SHARE);
+    protocol.flow_step_share = protocol.flow_step_share.map(|s| s.min(STEP_SHARE));
+    Ok(())
 }

@@ -2,7 +2,12 @@
 //!
 //! One effect, one file. An effect is an edit of a scene: it knows its physics, its unit, the
 //! amplitude that switches it off and the range that is physically possible. To add one, write
-//! its file and name it in [`library`].
+//! its file and name it in [`LIBRARY`].
+
+#![expect(
+    clippy::unnecessary_wraps,
+    reason = "all edits of a scene have one form, and some can be refused"
+)]
 
 mod air_drag;
 mod axis_tilt;
@@ -52,9 +57,9 @@ pub enum Entry {
     Camera,
 }
 
-/// What is fixed about an effect.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Description {
+/// An effect: what is known of it, and the edit of a scene that switches it on.
+#[derive(Debug, Clone, Copy)]
+pub struct Effect {
     /// Name in requests and reports.
     pub name: &'static str,
     /// The physics in a few sentences.
@@ -71,24 +76,8 @@ pub struct Description {
     pub probe: f64,
     /// Where it enters.
     pub entry: Entry,
-}
-
-/// An effect.
-pub trait Effect: Sync {
-    /// What is fixed about it.
-    fn description(&self) -> Description;
-
-    /// Edits the scene so that the effect is on with an amplitude; 0 leaves it as it is.
-    ///
-    /// # Errors
-    ///
-    /// A scene that cannot carry the effect.
-    fn apply(
-        &self,
-        scene: &mut Scene,
-        amplitude: f64,
-        fillings: &FillingLibrary,
-    ) -> Result<(), Error>;
+    /// Edits a scene so that the effect is on with an amplitude other than 0, or says why the scene cannot carry it.
+    apply: fn(&mut Scene, f64, &FillingLibrary) -> Result<(), Error>,
 }
 
 /// Why an effect cannot be switched on.
@@ -139,45 +128,37 @@ pub(crate) fn refused(name: &'static str, error: &quantity::Error) -> Error {
 }
 
 /// All effects. Adding one is adding its file and its line here.
-pub fn library() -> [&'static dyn Effect; 25] {
-    [
-        &rolling_resistance::RollingResistance,
-        &rolling_spring::RollingSpring,
-        &speed_dependent_restitution::SpeedDependentRestitution,
-        &rate_dependent_friction::RateDependentFriction,
-        &cohesion::Cohesion,
-        &liquid_bridges::LiquidBridges,
-        &dry_adhesion::DryAdhesion,
-        &softened_stiffness::SoftenedStiffness,
-        &session_drift::SessionDrift,
-        &filling_smoothness::FillingSmoothness,
-        &seed_size::SeedSize,
-        &size_spread::SizeSpread,
-        &shape_mix::ShapeMix,
-        &seed_count::SeedCount,
-        &air_drag::AirDrag,
-        &shell_friction::ShellFriction,
-        &shell_wear::ShellWear,
-        &cover_friction::CoverFriction,
-        &wall_charge::WallCharge,
-        &axis_tilt::AxisTilt,
-        &drive_slip::DriveSlip,
-        &drive_ripple::DriveRipple,
-        &rig_vibration::RigVibration,
-        &camera_roll::CameraRoll,
-        &camera_perspective::CameraPerspective,
-    ]
-}
+pub static LIBRARY: [Effect; 25] = [
+    rolling_resistance::EFFECT,
+    rolling_spring::EFFECT,
+    speed_dependent_restitution::EFFECT,
+    rate_dependent_friction::EFFECT,
+    cohesion::EFFECT,
+    liquid_bridges::EFFECT,
+    dry_adhesion::EFFECT,
+    softened_stiffness::EFFECT,
+    session_drift::EFFECT,
+    filling_smoothness::EFFECT,
+    seed_size::EFFECT,
+    size_spread::EFFECT,
+    shape_mix::EFFECT,
+    seed_count::EFFECT,
+    air_drag::EFFECT,
+    shell_friction::EFFECT,
+    shell_wear::EFFECT,
+    cover_friction::EFFECT,
+    wall_charge::EFFECT,
+    axis_tilt::EFFECT,
+    drive_slip::EFFECT,
+    drive_ripple::EFFECT,
+    rig_vibration::EFFECT,
+    camera_roll::EFFECT,
+    camera_perspective::EFFECT,
+];
 
 /// Names of all effects.
 pub fn names() -> Vec<String> {
-    let effects = library();
-    let name = |e: &&dyn Effect| e.description().name.to_owned();
-    // Hidden from the optimiser as in `find`.
-    std::hint::black_box(&effects[..])
-        .iter()
-        .map(name)
-        .collect()
+    LIBRARY.iter().map(|e| e.name.to_owned()).collect()
 }
 
 /// The effect of a name.
@@ -185,19 +166,12 @@ pub fn names() -> Vec<String> {
 /// # Errors
 ///
 /// A name that is not in the library.
-pub fn find(name: &str) -> Result<&'static dyn Effect, Error> {
-    let effects = library();
-    // The length is hidden from the optimiser: it would unroll the loops over the known list into code
-    // that takes many minutes to compile.
-    let effects: &[&'static dyn Effect] = std::hint::black_box(&effects);
-    effects
-        .iter()
-        .copied()
-        .find(|e| e.description().name == name)
-        .ok_or_else(|| Error::Unknown {
-            name: name.to_owned(),
-            known: names().join(", "),
-        })
+pub fn find(name: &str) -> Result<&'static Effect, Error> {
+    let found = LIBRARY.iter().find(|e| e.name == name);
+    found.ok_or_else(|| Error::Unknown {
+        name: name.to_owned(),
+        known: names().join(", "),
+    })
 }
 
 /// Switches an effect on.
@@ -212,12 +186,12 @@ pub fn apply(
     fillings: &FillingLibrary,
 ) -> Result<(), Error> {
     let effect = find(name)?;
-    let Description {
+    let Effect {
         name,
         unit,
         range: [low, high],
         ..
-    } = effect.description();
+    } = *effect;
     if !(low..=high).contains(&amplitude) {
         return Err(Error::OutOfRange {
             name,
@@ -230,7 +204,7 @@ pub fn apply(
     if amplitude == 0.0 {
         Ok(())
     } else {
-        effect.apply(scene, amplitude, fillings)?;
+        (effect.apply)(scene, amplitude, fillings)?;
         Ok(scene.check()?)
     }
 }

@@ -1,6 +1,6 @@
 //! Liquid bridges: moist seeds hold each other, also over a small gap.
 
-use crate::{Description, Effect, Entry, Error, refused};
+use crate::{Effect, Entry, Error, refused};
 use quantity::Angle;
 use scene::{FillingLibrary, LiquidSettings, Scene};
 
@@ -8,47 +8,41 @@ use scene::{FillingLibrary, LiquidSettings, Scene};
 const WATER_N_M: f64 = 0.0727;
 
 /// Water in bridges between seeds, and between seeds and walls.
-#[derive(Debug)]
-pub(crate) struct LiquidBridges;
+pub(crate) const EFFECT: Effect = Effect {
+    name: "liquid-bridges",
+    physics: "Water on the seeds gathers where they touch. The bridge pulls with its surface \
+              tension and lives on until the gap is too long for its volume; a flat wall holds \
+              twice as hard as another seed. Little water stays in the valleys of the \
+              roughness: half of the force of a smooth surface is reached at 0.1 %. The \
+              bridges of a seed share its water, a sixth of it at most each. The viscosity of \
+              the water resists parting, closing and sliding over a bridge. That water \
+              lessens dry friction, resists rolling, passes from seed to seed and runs \
+              together between many seeds is left out.",
+    formula: "F = 2 pi R g w/(w + 0.1 %) / (1 + 1.05 s + 2.5 s^2), s = D sqrt(R/V), gap D up to \
+              V^(1/3); V = w V_seed/max(n, 6) of each seed with n bridges, g = 72.7 mN/m; 6 pi h \
+              R*^2 X^2/D and 6 pi h R* (8/15 ln(R*/D) + 0.96) times the speed, h = 1 mPa s, D at \
+              least 10 um; the amplitude is the volume of water w over that of the seeds",
+    unit: "%",
+    source: "Willett2000",
+    range: [0.0, 15.0],
+    probe: 0.05,
+    entry: Entry::Contact,
+    apply,
+};
 
-impl Effect for LiquidBridges {
-    fn description(&self) -> Description {
-        Description {
-            name: "liquid-bridges",
-            physics: "Water on the seeds gathers where they touch. The bridge pulls with its surface \
-                      tension and lives on until the gap is too long for its volume; a flat wall holds \
-                      twice as hard as another seed. Little water stays in the valleys of the \
-                      roughness: half of the force of a smooth surface is reached at 0.1 %. The \
-                      bridges of a seed share its water, a sixth of it at most each. The viscosity of \
-                      the water resists parting, closing and sliding over a bridge. That water \
-                      lessens dry friction, resists rolling, passes from seed to seed and runs \
-                      together between many seeds is left out.",
-            formula: "F = 2 pi R g w/(w + 0.1 %) / (1 + 1.05 s + 2.5 s^2), s = D sqrt(R/V), gap D up to \
-                      V^(1/3); V = w V_seed/max(n, 6) of each seed with n bridges, g = 72.7 mN/m; 6 pi h \
-                      R*^2 X^2/D and 6 pi h R* (8/15 ln(R*/D) + 0.96) times the speed, h = 1 mPa s, D at \
-                      least 10 um; the amplitude is the volume of water w over that of the seeds",
-            unit: "%",
-            source: "Willett2000",
-            range: [0.0, 15.0],
-            probe: 0.05,
-            entry: Entry::Contact,
+fn apply(scene: &mut Scene, amplitude: f64, _: &FillingLibrary) -> Result<(), Error> {
+    let content = 0.01 * amplitude;
+    let liquid = if let Some(liquid) = scene.model.liquid {
+        LiquidSettings {
+            content: liquid.content + content,
+            ..liquid
         }
-    }
-
-    fn apply(&self, scene: &mut Scene, amplitude: f64, _: &FillingLibrary) -> Result<(), Error> {
-        let content = 0.01 * amplitude;
-        let liquid = if let Some(liquid) = scene.model.liquid {
-            LiquidSettings {
-                content: liquid.content + content,
-                ..liquid
-            }
-        } else {
-            let angle = Angle::from_si(0.0).map_err(|e| refused(self.description().name, &e))?;
-            LiquidSettings::new(content, WATER_N_M, angle)
-        };
-        scene.model.liquid = Some(liquid);
-        Ok(())
-    }
+    } else {
+        let angle = Angle::from_si(0.0).map_err(|e| refused(EFFECT.name, &e))?;
+        LiquidSettings::new(content, WATER_N_M, angle)
+    };
+    scene.model.liquid = Some(liquid);
+    Ok(())
 }
 
 #[cfg(test)]

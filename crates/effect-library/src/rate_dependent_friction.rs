@@ -1,33 +1,27 @@
 //! Sliding friction that changes with the speed of sliding.
 
-use crate::{Description, Effect, Entry, Error};
+use crate::{Effect, Entry, Error};
 use scene::{FillingLibrary, Scene};
 
 /// Rate-dependent friction in every contact.
-#[derive(Debug)]
-pub(crate) struct RateDependentFriction;
+pub(crate) const EFFECT: Effect = Effect {
+    name: "rate-dependent-friction",
+    physics: "A slider or a tilted plate gives the friction at rest. In the flowing layer seeds \
+              slide at some 50 mm/s, where many surfaces hold less, and some coats more.",
+    formula: "mu_s (1 + change v/(v + 50 mm/s)); the amplitude is the change, negative for weakening",
+    unit: "1",
+    source: "Marone1998",
+    range: [-0.8, 2.0],
+    probe: 0.5,
+    entry: Entry::Contact,
+    apply,
+};
 
-impl Effect for RateDependentFriction {
-    fn description(&self) -> Description {
-        Description {
-            name: "rate-dependent-friction",
-            physics: "A slider or a tilted plate gives the friction at rest. In the flowing layer seeds \
-                      slide at some 50 mm/s, where many surfaces hold less, and some coats more.",
-            formula: "mu_s (1 + change v/(v + 50 mm/s)); the amplitude is the change, negative for weakening",
-            unit: "1",
-            source: "Marone1998",
-            range: [-0.8, 2.0],
-            probe: 0.5,
-            entry: Entry::Contact,
-        }
+fn apply(scene: &mut Scene, amplitude: f64, _: &FillingLibrary) -> Result<(), Error> {
+    for contact in scene.contact.values_mut() {
+        contact.friction_rate = Some(contact.friction_rate.unwrap_or(0.0) + amplitude);
     }
-
-    fn apply(&self, scene: &mut Scene, amplitude: f64, _: &FillingLibrary) -> Result<(), Error> {
-        for contact in scene.contact.values_mut() {
-            contact.friction_rate = Some(contact.friction_rate.unwrap_or(0.0) + amplitude);
-        }
-        Ok(())
-    }
+    Ok(())
 }
 
 #[cfg(test)]

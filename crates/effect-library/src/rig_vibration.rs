@@ -1,6 +1,6 @@
 //! Vibration of the rig: the motor shakes it.
 
-use crate::{Description, Effect, Entry, Error, refused};
+use crate::{Effect, Entry, Error, refused};
 use quantity::{Frequency, Length};
 use scene::{FillingLibrary, Scene, VibrationSettings};
 
@@ -8,51 +8,44 @@ use scene::{FillingLibrary, Scene, VibrationSettings};
 const MAINS: f64 = 50.0;
 
 /// A vertical vibration of the whole rig at the frequency of the mains.
-#[derive(Debug)]
-pub(crate) struct RigVibration;
+pub(crate) const EFFECT: Effect = Effect {
+    name: "rig-vibration",
+    physics: "A motor or a bearing shakes the rig. Shaken contacts slip below their \
+              friction limit, and the bed settles at a lower angle; near one gravity \
+              seeds begin to hop.",
+    formula: "acceleration of the rig = amplitude x g sin(2 pi f t), upward, with f = 50 \
+              Hz",
+    unit: "g",
+    source: "Jaeger1996",
+    range: [0.0, 2.0],
+    probe: 0.5,
+    entry: Entry::Drive,
+    apply,
+};
 
-impl Effect for RigVibration {
-    fn description(&self) -> Description {
-        Description {
-            name: "rig-vibration",
-            physics: "A motor or a bearing shakes the rig. Shaken contacts slip below their \
-                      friction limit, and the bed settles at a lower angle; near one gravity \
-                      seeds begin to hop.",
-            formula: "acceleration of the rig = amplitude x g sin(2 pi f t), upward, with f = 50 \
-                      Hz",
-            unit: "g",
-            source: "Jaeger1996",
-            range: [0.0, 2.0],
-            probe: 0.5,
-            entry: Entry::Drive,
-        }
-    }
-
-    fn apply(&self, scene: &mut Scene, amplitude: f64, _: &FillingLibrary) -> Result<(), Error> {
-        let refused = |e: quantity::Error| refused(self.description().name, &e);
-        let declared = match scene.surroundings.vibration.take() {
-            Some(vibration) => vibration,
-            None => VibrationSettings {
-                amplitude: [Length::from_si(0.0).map_err(refused)?; 3],
-                frequency: Frequency::from_si(MAINS).map_err(refused)?,
-            },
-        };
-        let w = std::f64::consts::TAU * declared.frequency.si();
-        if w == 0.0 {
-            return Err(Error::Setting {
-                name: self.description().name,
-                reason: "the vibration of the scene has a frequency of 0; state one above 0 Hz"
-                    .into(),
-            });
-        }
-        let [x, y, z] = declared.amplitude;
-        let raised = y.si() + amplitude * scene.model.gravity_m_s2 / (w * w);
-        scene.surroundings.vibration = Some(VibrationSettings {
-            amplitude: [x, Length::from_si(raised).map_err(refused)?, z],
-            ..declared
+fn apply(scene: &mut Scene, amplitude: f64, _: &FillingLibrary) -> Result<(), Error> {
+    let refused = |e: quantity::Error| refused(EFFECT.name, &e);
+    let declared = match scene.surroundings.vibration.take() {
+        Some(vibration) => vibration,
+        None => VibrationSettings {
+            amplitude: [Length::from_si(0.0).map_err(refused)?; 3],
+            frequency: Frequency::from_si(MAINS).map_err(refused)?,
+        },
+    };
+    let w = std::f64::consts::TAU * declared.frequency.si();
+    if w == 0.0 {
+        return Err(Error::Setting {
+            name: EFFECT.name,
+            reason: "the vibration of the scene has a frequency of 0; state one above 0 Hz".into(),
         });
-        Ok(())
     }
+    let [x, y, z] = declared.amplitude;
+    let raised = y.si() + amplitude * scene.model.gravity_m_s2 / (w * w);
+    scene.surroundings.vibration = Some(VibrationSettings {
+        amplitude: [x, Length::from_si(raised).map_err(refused)?, z],
+        ..declared
+    });
+    Ok(())
 }
 
 #[cfg(test)]

@@ -1,31 +1,25 @@
 //! Rolling resistance: a torque against the rolling of one seed on another or on a wall.
 
-use crate::{Description, Effect, Entry, Error, refused};
+use crate::{Effect, Entry, Error, refused};
 use quantity::FrictionCoefficient;
 use scene::{FillingLibrary, Scene};
 
 /// Rolling friction of type A, added to every contact of the scene.
-#[derive(Debug)]
-pub(crate) struct RollingResistance;
+pub(crate) const EFFECT: Effect = Effect {
+    name: "rolling-resistance",
+    physics: "Real seeds touch over a patch, not at a point: soft coats and small facets \
+              resist rolling. A rigid agglomerate of hard spheres lacks this resistance.",
+    formula: "T = -mu_r F_n L w/|w|; the amplitude is added to mu_r of every contact",
+    unit: "1",
+    source: "Ai2011",
+    range: [0.0, 0.5],
+    probe: 0.1,
+    entry: Entry::Contact,
+    apply,
+};
 
-impl Effect for RollingResistance {
-    fn description(&self) -> Description {
-        Description {
-            name: "rolling-resistance",
-            physics: "Real seeds touch over a patch, not at a point: soft coats and small facets \
-                      resist rolling. A rigid agglomerate of hard spheres lacks this resistance.",
-            formula: "T = -mu_r F_n L w/|w|; the amplitude is added to mu_r of every contact",
-            unit: "1",
-            source: "Ai2011",
-            range: [0.0, 0.5],
-            probe: 0.1,
-            entry: Entry::Contact,
-        }
-    }
-
-    fn apply(&self, scene: &mut Scene, amplitude: f64, _: &FillingLibrary) -> Result<(), Error> {
-        raise_rolling_friction(scene, amplitude, self.description().name)
-    }
+fn apply(scene: &mut Scene, amplitude: f64, _: &FillingLibrary) -> Result<(), Error> {
+    raise_rolling_friction(scene, amplitude, EFFECT.name)
 }
 
 /// Adds an amplitude to the rolling friction of every contact, for the effect of a name.

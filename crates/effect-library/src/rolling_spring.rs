@@ -1,34 +1,28 @@
 //! Rolling resistance of type C: a spring that yields, so that a seed at rest feels no torque.
 
 use crate::rolling_resistance::raise_rolling_friction;
-use crate::{Description, Effect, Entry, Error};
+use crate::{Effect, Entry, Error};
 use scene::{FillingLibrary, RollingLaw, Scene};
 
 /// Rolling resistance of type C in every contact.
-#[derive(Debug)]
-pub(crate) struct RollingSpring;
+pub(crate) const EFFECT: Effect = Effect {
+    name: "rolling-spring",
+    physics: "Facets and dents hold a seed in its place until the torque passes a limit: \
+              elastic before, plastic after. Unlike the constant torque it carries a heap \
+              at rest, so that it acts on slow beds more than on fast ones.",
+    formula: "k_r = 2.25 k_t L^2, |M| <= mu_r F_n L; the amplitude is added to mu_r of every \
+              contact, and all rolling resistance becomes of this type",
+    unit: "1",
+    source: "Ai2011",
+    range: [0.0, 0.5],
+    probe: 0.1,
+    entry: Entry::Contact,
+    apply,
+};
 
-impl Effect for RollingSpring {
-    fn description(&self) -> Description {
-        Description {
-            name: "rolling-spring",
-            physics: "Facets and dents hold a seed in its place until the torque passes a limit: \
-                      elastic before, plastic after. Unlike the constant torque it carries a heap \
-                      at rest, so that it acts on slow beds more than on fast ones.",
-            formula: "k_r = 2.25 k_t L^2, |M| <= mu_r F_n L; the amplitude is added to mu_r of every \
-                      contact, and all rolling resistance becomes of this type",
-            unit: "1",
-            source: "Ai2011",
-            range: [0.0, 0.5],
-            probe: 0.1,
-            entry: Entry::Contact,
-        }
-    }
-
-    fn apply(&self, scene: &mut Scene, amplitude: f64, _: &FillingLibrary) -> Result<(), Error> {
-        scene.model.rolling_law = RollingLaw::SpringDashpot;
-        raise_rolling_friction(scene, amplitude, self.description().name)
-    }
+fn apply(scene: &mut Scene, amplitude: f64, _: &FillingLibrary) -> Result<(), Error> {
+    scene.model.rolling_law = RollingLaw::SpringDashpot;
+    raise_rolling_friction(scene, amplitude, EFFECT.name)
 }
 
 #[cfg(test)]

@@ -1,35 +1,29 @@
 //! Size of the seeds: other than declared.
 
-use crate::{Description, Effect, Entry, Error};
+use crate::{Effect, Entry, Error};
 use scene::{FillingLibrary, Scene};
 
 /// Seeds larger or smaller than their meshes, with the mass that was weighed.
-#[derive(Debug)]
-pub(crate) struct SeedSize;
+pub(crate) const EFFECT: Effect = Effect {
+    name: "seed-size",
+    physics: "The scanned seed is one of thousands; the mean size of those in the drum \
+              may differ. Larger seeds fill the drum higher and make the drum narrower, \
+              counted in seeds. The mass was weighed and stays, and so does the shape.",
+    formula: "lengths of every seed = (1 + amplitude) x declared",
+    unit: "1",
+    source: "CottonStudy",
+    range: [-0.15, 0.15],
+    probe: 0.08,
+    entry: Entry::SeedShape,
+    apply,
+};
 
-impl Effect for SeedSize {
-    fn description(&self) -> Description {
-        Description {
-            name: "seed-size",
-            physics: "The scanned seed is one of thousands; the mean size of those in the drum \
-                      may differ. Larger seeds fill the drum higher and make the drum narrower, \
-                      counted in seeds. The mass was weighed and stays, and so does the shape.",
-            formula: "lengths of every seed = (1 + amplitude) x declared",
-            unit: "1",
-            source: "CottonStudy",
-            range: [-0.15, 0.15],
-            probe: 0.08,
-            entry: Entry::SeedShape,
-        }
+fn apply(scene: &mut Scene, amplitude: f64, _: &FillingLibrary) -> Result<(), Error> {
+    scene.fix_seeds();
+    for seed in &mut scene.seed {
+        seed.scale = Some(seed.scale.unwrap_or(1.0) * (1.0 + amplitude));
     }
-
-    fn apply(&self, scene: &mut Scene, amplitude: f64, _: &FillingLibrary) -> Result<(), Error> {
-        scene.fix_seeds();
-        for seed in &mut scene.seed {
-            seed.scale = Some(seed.scale.unwrap_or(1.0) * (1.0 + amplitude));
-        }
-        Ok(())
-    }
+    Ok(())
 }
 
 #[cfg(test)]

@@ -1,40 +1,34 @@
 //! Slow drift over the session: the seeds at its end are not those of its start.
 
-use crate::{Description, Effect, Entry, Error, refused};
+use crate::{Effect, Entry, Error, refused};
 use quantity::FrictionCoefficient;
 use scene::{FillingLibrary, Scene};
 
 /// Friction of every contact that changes in proportion to the time since the session began.
-#[derive(Debug)]
-pub(crate) struct SessionDrift;
+pub(crate) const EFFECT: Effect = Effect {
+    name: "session-drift",
+    physics: "Coats wear off, seeds dry, dust gathers: conditions that were measured late \
+              differ from early ones although nobody changed a setting. It is told from an \
+              effect of the speed only where the order of the measurements was random.",
+    formula: "mu = (1 + amplitude x session) x declared coefficient of static friction of \
+              every contact; session is 0 at the start and 1 at the end",
+    unit: "1",
+    source: "Archard1953",
+    range: [-0.5, 0.5],
+    probe: 0.3,
+    entry: Entry::Contact,
+    apply,
+};
 
-impl Effect for SessionDrift {
-    fn description(&self) -> Description {
-        Description {
-            name: "session-drift",
-            physics: "Coats wear off, seeds dry, dust gathers: conditions that were measured late \
-                      differ from early ones although nobody changed a setting. It is told from an \
-                      effect of the speed only where the order of the measurements was random.",
-            formula: "mu = (1 + amplitude x session) x declared coefficient of static friction of \
-                      every contact; session is 0 at the start and 1 at the end",
-            unit: "1",
-            source: "Archard1953",
-            range: [-0.5, 0.5],
-            probe: 0.3,
-            entry: Entry::Contact,
-        }
+fn apply(scene: &mut Scene, amplitude: f64, _: &FillingLibrary) -> Result<(), Error> {
+    let name = EFFECT.name;
+    let factor = 1.0 + amplitude * session_of(scene, name)?;
+    for contact in scene.contact.values_mut() {
+        let drifted = contact.static_friction.get() * factor;
+        contact.static_friction =
+            FrictionCoefficient::new(drifted).map_err(|e| refused(name, &e))?;
     }
-
-    fn apply(&self, scene: &mut Scene, amplitude: f64, _: &FillingLibrary) -> Result<(), Error> {
-        let name = self.description().name;
-        let factor = 1.0 + amplitude * session_of(scene, name)?;
-        for contact in scene.contact.values_mut() {
-            let drifted = contact.static_friction.get() * factor;
-            contact.static_friction =
-                FrictionCoefficient::new(drifted).map_err(|e| refused(name, &e))?;
-        }
-        Ok(())
-    }
+    Ok(())
 }
 
 /// When in the session the run is made.

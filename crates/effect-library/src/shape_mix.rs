@@ -1,60 +1,54 @@
 //! Mix of shapes: other than declared.
 
-use crate::{Description, Effect, Entry, Error};
+use crate::{Effect, Entry, Error};
 use scene::{FillingLibrary, Scene, SeedSettings};
 
 /// Seeds of the first kind taken for seeds of the others.
-#[derive(Debug)]
-pub(crate) struct ShapeMix;
+pub(crate) const EFFECT: Effect = Effect {
+    name: "shape-mix",
+    physics: "A lot is sorted into a few shapes by eye, and a sample of it is counted. \
+              The share of flat or round seeds in the drum may be another one than in the \
+              sample: flat seeds lock, round ones roll.",
+    formula: "share of the first kind = declared share - amplitude; the others grow in \
+              proportion, the total stays",
+    unit: "1",
+    source: "CottonStudy",
+    range: [-0.3, 0.3],
+    probe: 0.1,
+    entry: Entry::SeedShape,
+    apply,
+};
 
-impl Effect for ShapeMix {
-    fn description(&self) -> Description {
-        Description {
-            name: "shape-mix",
-            physics: "A lot is sorted into a few shapes by eye, and a sample of it is counted. \
-                      The share of flat or round seeds in the drum may be another one than in the \
-                      sample: flat seeds lock, round ones roll.",
-            formula: "share of the first kind = declared share - amplitude; the others grow in \
-                      proportion, the total stays",
-            unit: "1",
-            source: "CottonStudy",
-            range: [-0.3, 0.3],
-            probe: 0.1,
-            entry: Entry::SeedShape,
-        }
+fn apply(scene: &mut Scene, amplitude: f64, _: &FillingLibrary) -> Result<(), Error> {
+    let refused = |reason: String| Error::Setting {
+        name: EFFECT.name,
+        reason,
+    };
+    scene.fix_seeds();
+    let total = scene.seed_count();
+    let declared = scene.seed.first().map_or(0, |first| scene.count_of(first));
+    let Some((first, others)) = scene.seed.split_first_mut() else {
+        return Err(refused("the scene has no seeds".into()));
+    };
+    let rest = total - declared;
+    let moved = amplitude * total as f64;
+    let target = (declared as f64 - moved).round();
+    if rest == 0 || !(0.0..=total as f64).contains(&target) {
+        return Err(refused(format!(
+            "cannot move {moved} of {total} seeds from '{}', which has {}, to the other kinds, which \
+             have {rest}: state a mix of at least two kinds, or a smaller amplitude",
+            first.name, declared
+        )));
     }
-
-    fn apply(&self, scene: &mut Scene, amplitude: f64, _: &FillingLibrary) -> Result<(), Error> {
-        let refused = |reason: String| Error::Setting {
-            name: self.description().name,
-            reason,
-        };
-        scene.fix_seeds();
-        let total = scene.seed_count();
-        let declared = scene.seed.first().map_or(0, |first| scene.count_of(first));
-        let Some((first, others)) = scene.seed.split_first_mut() else {
-            return Err(refused("the scene has no seeds".into()));
-        };
-        let rest = total - declared;
-        let moved = amplitude * total as f64;
-        let target = (declared as f64 - moved).round();
-        if rest == 0 || !(0.0..=total as f64).contains(&target) {
-            return Err(refused(format!(
-                "cannot move {moved} of {total} seeds from '{}', which has {}, to the other kinds, which \
-                 have {rest}: state a mix of at least two kinds, or a smaller amplitude",
-                first.name, declared
-            )));
-        }
-        #[expect(
-            clippy::cast_possible_truncation,
-            clippy::cast_sign_loss,
-            reason = "a whole number from 0 to the total, checked above"
-        )]
-        let target = target as usize;
-        first.set_count(target);
-        share_out(total - target, others);
-        Ok(())
-    }
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "a whole number from 0 to the total, checked above"
+    )]
+    let target = target as usize;
+    first.set_count(target);
+    share_out(total - target, others);
+    Ok(())
 }
 
 /// Gives a number of seeds to kinds in proportion to what they have (largest remainder).

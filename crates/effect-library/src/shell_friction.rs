@@ -1,34 +1,28 @@
 //! Friction of the shell: other than declared.
 
 use crate::{
-    Description, Effect, Entry, Error,
+    Effect, Entry, Error,
     walls::{Part, scale_friction},
 };
 use scene::{FillingLibrary, Scene};
 
 /// Friction of the seeds at the shell, as a share of what the scene states.
-#[derive(Debug)]
-pub(crate) struct ShellFriction;
+pub(crate) const EFFECT: Effect = Effect {
+    name: "shell-friction",
+    physics: "The shell drives the bed. With a smoother shell than the declared one the \
+              bed slides or sits lower; a rougher one lifts it until the angle no longer \
+              depends on the wall.",
+    formula: "mu_shell = (1 + amplitude) x declared coefficient of static friction",
+    unit: "1",
+    source: "CottonStudy",
+    range: [-0.9, 3.0],
+    probe: 0.5,
+    entry: Entry::Wall,
+    apply,
+};
 
-impl Effect for ShellFriction {
-    fn description(&self) -> Description {
-        Description {
-            name: "shell-friction",
-            physics: "The shell drives the bed. With a smoother shell than the declared one the \
-                      bed slides or sits lower; a rougher one lifts it until the angle no longer \
-                      depends on the wall.",
-            formula: "mu_shell = (1 + amplitude) x declared coefficient of static friction",
-            unit: "1",
-            source: "CottonStudy",
-            range: [-0.9, 3.0],
-            probe: 0.5,
-            entry: Entry::Wall,
-        }
-    }
-
-    fn apply(&self, scene: &mut Scene, amplitude: f64, _: &FillingLibrary) -> Result<(), Error> {
-        scale_friction(scene, Part::Shell, 1.0 + amplitude, self.description().name)
-    }
+fn apply(scene: &mut Scene, amplitude: f64, _: &FillingLibrary) -> Result<(), Error> {
+    scale_friction(scene, Part::Shell, 1.0 + amplitude, EFFECT.name)
 }
 
 #[cfg(test)]

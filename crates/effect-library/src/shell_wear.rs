@@ -1,38 +1,32 @@
 //! Wear of the shell: its friction changes over the session.
 
 use crate::{
-    Description, Effect, Entry, Error,
+    Effect, Entry, Error,
     session_drift::session_of,
     walls::{Part, scale_friction},
 };
 use scene::{FillingLibrary, Scene};
 
 /// Friction at the shell that changes in proportion to the time since the session began.
-#[derive(Debug)]
-pub(crate) struct ShellWear;
+pub(crate) const EFFECT: Effect = Effect {
+    name: "shell-wear",
+    physics: "Seeds polish the shell, or leave dust and coat on it: its friction at the end \
+              of a session is not that of its start, while the seeds among themselves are as \
+              before.",
+    formula: "mu_shell = (1 + amplitude x session) x declared coefficient of static friction; \
+              session is 0 at the start and 1 at the end",
+    unit: "1",
+    source: "Archard1953",
+    range: [-0.9, 1.0],
+    probe: 0.5,
+    entry: Entry::Wall,
+    apply,
+};
 
-impl Effect for ShellWear {
-    fn description(&self) -> Description {
-        Description {
-            name: "shell-wear",
-            physics: "Seeds polish the shell, or leave dust and coat on it: its friction at the end \
-                      of a session is not that of its start, while the seeds among themselves are as \
-                      before.",
-            formula: "mu_shell = (1 + amplitude x session) x declared coefficient of static friction; \
-                      session is 0 at the start and 1 at the end",
-            unit: "1",
-            source: "Archard1953",
-            range: [-0.9, 1.0],
-            probe: 0.5,
-            entry: Entry::Wall,
-        }
-    }
-
-    fn apply(&self, scene: &mut Scene, amplitude: f64, _: &FillingLibrary) -> Result<(), Error> {
-        let name = self.description().name;
-        let factor = 1.0 + amplitude * session_of(scene, name)?;
-        scale_friction(scene, Part::Shell, factor, name)
-    }
+fn apply(scene: &mut Scene, amplitude: f64, _: &FillingLibrary) -> Result<(), Error> {
+    let name = EFFECT.name;
+    let factor = 1.0 + amplitude * session_of(scene, name)?;
+    scale_friction(scene, Part::Shell, factor, name)
 }
 
 #[cfg(test)]

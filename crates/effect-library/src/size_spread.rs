@@ -1,57 +1,51 @@
 //! Spread of size: the seeds of one kind are not all alike.
 
-use crate::{Description, Effect, Entry, Error, refused};
+use crate::{Effect, Entry, Error, refused};
 use quantity::Mass;
 use scene::{FillingLibrary, Scene};
 
 /// Each kind of seed in two sizes, half of the seeds each.
-#[derive(Debug)]
-pub(crate) struct SizeSpread;
+pub(crate) const EFFECT: Effect = Effect {
+    name: "size-spread",
+    physics: "Grown seeds vary in size, the model has one size a kind. A spread lets \
+              small seeds fill gaps between large ones and sink to the core of the bed. \
+              Two sizes stand for the distribution; they have its variance, and the \
+              density of the declared seed. The amplitude is a variance because a spread \
+              has no sign: what it does grows with its square, as the mean volume does, \
+              by three times the variance.",
+    formula: "half of the seeds have (1 + s) x, half (1 - s) x the declared lengths, with \
+              s = sqrt(amplitude) the standard deviation over the mean; mass ~ length^3",
+    unit: "1",
+    source: "CottonStudy",
+    range: [0.0, 0.09],
+    probe: 0.0225,
+    entry: Entry::SeedShape,
+    apply,
+};
 
-impl Effect for SizeSpread {
-    fn description(&self) -> Description {
-        Description {
-            name: "size-spread",
-            physics: "Grown seeds vary in size, the model has one size a kind. A spread lets \
-                      small seeds fill gaps between large ones and sink to the core of the bed. \
-                      Two sizes stand for the distribution; they have its variance, and the \
-                      density of the declared seed. The amplitude is a variance because a spread \
-                      has no sign: what it does grows with its square, as the mean volume does, \
-                      by three times the variance.",
-            formula: "half of the seeds have (1 + s) x, half (1 - s) x the declared lengths, with \
-                      s = sqrt(amplitude) the standard deviation over the mean; mass ~ length^3",
-            unit: "1",
-            source: "CottonStudy",
-            range: [0.0, 0.09],
-            probe: 0.0225,
-            entry: Entry::SeedShape,
+fn apply(scene: &mut Scene, amplitude: f64, _: &FillingLibrary) -> Result<(), Error> {
+    let mut seeds = Vec::with_capacity(2 * scene.seed.len());
+    scene.fix_seeds();
+    let deviation = amplitude.sqrt();
+    for kind in &scene.seed {
+        let all = scene.count_of(kind);
+        let large = all / 2;
+        for (word, factor, count) in [
+            ("small", 1.0 - deviation, all - large),
+            ("large", 1.0 + deviation, large),
+        ] {
+            let mass = Mass::from_si(kind.mass_kg() * factor.powi(3))
+                .map_err(|e| refused(EFFECT.name, &e))?;
+            let mut part = kind.clone();
+            part.name = format!("{} {word}", kind.name);
+            part.set_mass(mass);
+            part.set_count(count);
+            part.scale = Some(kind.scale.unwrap_or(1.0) * factor);
+            seeds.push(part);
         }
     }
-
-    fn apply(&self, scene: &mut Scene, amplitude: f64, _: &FillingLibrary) -> Result<(), Error> {
-        let mut seeds = Vec::with_capacity(2 * scene.seed.len());
-        scene.fix_seeds();
-        let deviation = amplitude.sqrt();
-        for kind in &scene.seed {
-            let all = scene.count_of(kind);
-            let large = all / 2;
-            for (word, factor, count) in [
-                ("small", 1.0 - deviation, all - large),
-                ("large", 1.0 + deviation, large),
-            ] {
-                let mass = Mass::from_si(kind.mass_kg() * factor.powi(3))
-                    .map_err(|e| refused(self.description().name, &e))?;
-                let mut part = kind.clone();
-                part.name = format!("{} {word}", kind.name);
-                part.set_mass(mass);
-                part.set_count(count);
-                part.scale = Some(kind.scale.unwrap_or(1.0) * factor);
-                seeds.push(part);
-            }
-        }
-        scene.seed = seeds;
-        Ok(())
-    }
+    scene.seed = seeds;
+    Ok(())
 }
 
 #[cfg(test)]

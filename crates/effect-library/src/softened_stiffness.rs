@@ -1,41 +1,35 @@
 //! Stiffness of the seeds: lower than that of real ones.
 
-use crate::{Description, Effect, Entry, Error, refused};
+use crate::{Effect, Entry, Error, refused};
 use quantity::Pressure;
 use scene::{FillingLibrary, Scene};
 
 /// A lower shear modulus of every seed material.
-#[derive(Debug)]
-pub(crate) struct SoftenedStiffness;
+pub(crate) const EFFECT: Effect = Effect {
+    name: "softened-stiffness",
+    physics: "Models are often made softer to save time steps. Contacts then last longer \
+              and overlap more, several at once carry a seed, and the bed is denser. The \
+              real seeds may also be softer than the declared ones, by moisture.",
+    formula: "G = G_declared x 10^(-amplitude), for the material of every seed; overlap \
+              at a given load ~ G^(-2/3)",
+    unit: "decades",
+    source: "Lommen2014",
+    range: [0.0, 2.0],
+    probe: 1.0,
+    entry: Entry::Contact,
+    apply,
+};
 
-impl Effect for SoftenedStiffness {
-    fn description(&self) -> Description {
-        Description {
-            name: "softened-stiffness",
-            physics: "Models are often made softer to save time steps. Contacts then last longer \
-                      and overlap more, several at once carry a seed, and the bed is denser. The \
-                      real seeds may also be softer than the declared ones, by moisture.",
-            formula: "G = G_declared x 10^(-amplitude), for the material of every seed; overlap \
-                      at a given load ~ G^(-2/3)",
-            unit: "decades",
-            source: "Lommen2014",
-            range: [0.0, 2.0],
-            probe: 1.0,
-            entry: Entry::Contact,
+fn apply(scene: &mut Scene, amplitude: f64, _: &FillingLibrary) -> Result<(), Error> {
+    let soft: Vec<String> = scene.seed.iter().map(|s| s.material.clone()).collect();
+    let factor = 10_f64.powf(-amplitude);
+    for (name, material) in &mut scene.material {
+        if soft.contains(name) {
+            material.shear_modulus = Pressure::from_si(material.shear_modulus.si() * factor)
+                .map_err(|e| refused(EFFECT.name, &e))?;
         }
     }
-
-    fn apply(&self, scene: &mut Scene, amplitude: f64, _: &FillingLibrary) -> Result<(), Error> {
-        let soft: Vec<String> = scene.seed.iter().map(|s| s.material.clone()).collect();
-        let factor = 10_f64.powf(-amplitude);
-        for (name, material) in &mut scene.material {
-            if soft.contains(name) {
-                material.shear_modulus = Pressure::from_si(material.shear_modulus.si() * factor)
-                    .map_err(|e| refused(self.description().name, &e))?;
-            }
-        }
-        Ok(())
-    }
+    Ok(())
 }
 
 #[cfg(test)]

@@ -1,36 +1,30 @@
 //! Restitution that falls with the speed: the dissipation of viscoelastic seeds.
 
-use crate::{Description, Effect, Entry, Error};
+use crate::{Effect, Entry, Error};
 use scene::{FillingLibrary, Scene};
 
 /// Viscoelastic damping in every contact.
-#[derive(Debug)]
-pub(crate) struct SpeedDependentRestitution;
+pub(crate) const EFFECT: Effect = Effect {
+    name: "speed-dependent-restitution",
+    physics: "A drop test measures the restitution at 1 m/s and more; in a drum seeds meet at \
+              a tenth of it. The dashpot of the model gives the same restitution at both, a \
+              viscoelastic seed rebounds better from the slower contact.",
+    formula: "c_n (1 + share ((d/d_0)^(1/4) - 1)), d_0 the overlap of a contact at 1 m/s; the \
+              amplitude is the share, 1 for a wholly viscoelastic seed",
+    unit: "1",
+    source: "Brilliantov1996",
+    range: [0.0, 1.0],
+    probe: 0.8,
+    entry: Entry::Contact,
+    apply,
+};
 
-impl Effect for SpeedDependentRestitution {
-    fn description(&self) -> Description {
-        Description {
-            name: "speed-dependent-restitution",
-            physics: "A drop test measures the restitution at 1 m/s and more; in a drum seeds meet at \
-                      a tenth of it. The dashpot of the model gives the same restitution at both, a \
-                      viscoelastic seed rebounds better from the slower contact.",
-            formula: "c_n (1 + share ((d/d_0)^(1/4) - 1)), d_0 the overlap of a contact at 1 m/s; the \
-                      amplitude is the share, 1 for a wholly viscoelastic seed",
-            unit: "1",
-            source: "Brilliantov1996",
-            range: [0.0, 1.0],
-            probe: 0.8,
-            entry: Entry::Contact,
-        }
+fn apply(scene: &mut Scene, amplitude: f64, _: &FillingLibrary) -> Result<(), Error> {
+    for contact in scene.contact.values_mut() {
+        let share = contact.viscoelastic_damping.unwrap_or(0.0) + amplitude;
+        contact.viscoelastic_damping = Some(share.min(1.0));
     }
-
-    fn apply(&self, scene: &mut Scene, amplitude: f64, _: &FillingLibrary) -> Result<(), Error> {
-        for contact in scene.contact.values_mut() {
-            let share = contact.viscoelastic_damping.unwrap_or(0.0) + amplitude;
-            contact.viscoelastic_damping = Some(share.min(1.0));
-        }
-        Ok(())
-    }
+    Ok(())
 }
 
 #[cfg(test)]

@@ -1,4 +1,4 @@
-use crate::{Error, apply, find, library};
+use crate::{Error, LIBRARY, apply, find};
 use scene::{Apparatus, FillingLibrary, Override, Scene, run};
 use std::path::Path;
 
@@ -49,8 +49,7 @@ pub(crate) fn friction_at(scene: &Scene) -> [f64; 3] {
 fn each_effect_is_well_described() {
     let bibliography = include_str!("../../../REFERENCES.bib");
     let mut names = Vec::new();
-    for effect in library() {
-        let d = effect.description();
+    for d in &LIBRARY {
         assert!(!names.contains(&d.name), "{} comes twice", d.name);
         names.push(d.name);
         let range = d.range[0]..=d.range[1];
@@ -74,8 +73,7 @@ fn each_effect_is_well_described() {
 #[test]
 fn each_probe_gives_another_scene_that_a_file_can_state() {
     let fillings = FillingLibrary::default();
-    for effect in library() {
-        let d = effect.description();
+    for d in &LIBRARY {
         let mut scene = small_drum();
         apply(&mut scene, d.name, d.probe, &fillings).unwrap();
         assert_ne!(scene, small_drum(), "{}", d.name);
@@ -87,10 +85,10 @@ fn each_probe_gives_another_scene_that_a_file_can_state() {
 #[test]
 fn amplitude_zero_changes_nothing() {
     let fillings = FillingLibrary::default();
-    for effect in library() {
+    for effect in &LIBRARY {
         let mut scene = small_drum();
-        apply(&mut scene, effect.description().name, 0.0, &fillings).unwrap();
-        assert_eq!(scene, small_drum(), "{}", effect.description().name);
+        apply(&mut scene, effect.name, 0.0, &fillings).unwrap();
+        assert_eq!(scene, small_drum(), "{}", effect.name);
     }
 }
 

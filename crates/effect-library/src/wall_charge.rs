@@ -1,37 +1,31 @@
 //! Electrostatic attraction to the wall.
 
-use crate::{Description, Effect, Entry, Error, walls::drum_of};
+use crate::{Effect, Entry, Error, walls::drum_of};
 use scene::{FillingLibrary, Scene};
 
 /// Charged seeds between conducting walls.
-#[derive(Debug)]
-pub(crate) struct WallCharge;
+pub(crate) const EFFECT: Effect = Effect {
+    name: "wall-charge",
+    physics: "Seeds that rub on resin or glass are charged, and a charge is drawn to the \
+              wall by its image, whatever its sign. Seeds stick to shell and covers and \
+              are carried higher. With charges of both signs the forces between seeds \
+              cancel in the mean and are left out; on an insulating wall the amplitude \
+              stands for q sqrt((eps - 1)/(eps + 1)).",
+    formula: "F = q^2/(16 pi eps0 s^2) towards shell and covers, s the distance of the \
+              centre; the amplitude adds to q",
+    unit: "nC",
+    source: "Jackson1998",
+    range: [0.0, 3.0],
+    probe: 1.0,
+    entry: Entry::Wall,
+    apply,
+};
 
-impl Effect for WallCharge {
-    fn description(&self) -> Description {
-        Description {
-            name: "wall-charge",
-            physics: "Seeds that rub on resin or glass are charged, and a charge is drawn to the \
-                      wall by its image, whatever its sign. Seeds stick to shell and covers and \
-                      are carried higher. With charges of both signs the forces between seeds \
-                      cancel in the mean and are left out; on an insulating wall the amplitude \
-                      stands for q sqrt((eps - 1)/(eps + 1)).",
-            formula: "F = q^2/(16 pi eps0 s^2) towards shell and covers, s the distance of the \
-                      centre; the amplitude adds to q",
-            unit: "nC",
-            source: "Jackson1998",
-            range: [0.0, 3.0],
-            probe: 1.0,
-            entry: Entry::Wall,
-        }
-    }
-
-    fn apply(&self, scene: &mut Scene, amplitude: f64, _: &FillingLibrary) -> Result<(), Error> {
-        drum_of(scene, self.description().name)?;
-        let charge = scene.surroundings.charge_nc.unwrap_or(0.0) + amplitude;
-        scene.surroundings.charge_nc = Some(charge);
-        Ok(())
-    }
+fn apply(scene: &mut Scene, amplitude: f64, _: &FillingLibrary) -> Result<(), Error> {
+    drum_of(scene, EFFECT.name)?;
+    let charge = scene.surroundings.charge_nc.unwrap_or(0.0) + amplitude;
+    scene.surroundings.charge_nc = Some(charge);
+    Ok(())
 }
 
 #[cfg(test)]

@@ -2,7 +2,7 @@
 
 use crate::scenes::{Models, Scenes};
 use calibration::{EffectProbe, Measurement, Role};
-use effect_library::{Description, apply, find, names};
+use effect_library::{Effect, apply, find, names};
 use scene::Scene;
 use std::collections::BTreeMap;
 
@@ -36,7 +36,7 @@ pub(crate) fn search(
         .collect();
     for name in all {
         let Ok(effect) = find(&name) else { continue };
-        let Description { probe, range, .. } = effect.description();
+        let Effect { probe, range, .. } = *effect;
         let refusal_at = |scene: &Scene, amplitude: f64| {
             let mut scene = scene.clone();
             match apply(&mut scene, &name, amplitude, &scenes.fillings) {
