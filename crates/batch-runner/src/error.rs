@@ -6,7 +6,7 @@ use std::path::PathBuf;
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
-    /// A setting that cannot be meant.
+    /// An invalid setting.
     #[error("setting '{name}' of the runner is {value}: {limit}")]
     Setting {
         /// Name of the setting.

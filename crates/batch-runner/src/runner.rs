@@ -45,7 +45,7 @@ impl BatchRunner {
     ///
     /// # Errors
     ///
-    /// [`Error::Setting`] when a setting cannot be meant.
+    /// [`Error::Setting`] when a setting is invalid.
     pub fn new(
         folder: PathBuf,
         worker: Vec<String>,

@@ -11,7 +11,7 @@ use crate::error::io;
 use crate::files::{TaskFiles, end_of_log, locked, made_folder, write_whole};
 use crate::ledger::{Ledger, Loss, OpenTask, Submission};
 use crate::task::TaskReport;
-use crate::watch::{Verdict, Watch, seconds};
+use crate::watch::{Judgement, Watch, seconds};
 use crate::{BatchRunner, Error, LossReason, TaskId, TaskState};
 
 /// What is known while a list of runs is done.
@@ -255,13 +255,13 @@ impl<'a> Session<'a> {
                 }
                 let is_settled = !task.keys.iter().any(|key| self.open.contains_key(key));
                 match verdict {
-                    Verdict::Ended | Verdict::Over(_) if is_settled => {}
-                    Verdict::Over(reason) => self.lose(&name, task, reason)?,
-                    Verdict::Runs => {
+                    Judgement::Ended | Judgement::Over(_) if is_settled => {}
+                    Judgement::Over(reason) => self.lose(&name, task, reason)?,
+                    Judgement::Runs => {
                         self.tell_begun(task);
                         continue;
                     }
-                    Verdict::Waits | Verdict::Ended => continue,
+                    Judgement::Waits | Judgement::Ended => continue,
                 }
                 self.learn_pace(&name);
                 self.ledger.settle(&array.name, task.index);
@@ -277,7 +277,7 @@ impl<'a> Session<'a> {
     }
 
     /// Reads the small files of a task and judges it.
-    fn judge(&mut self, name: &str, present: &BTreeSet<String>) -> Verdict {
+    fn judge(&mut self, name: &str, present: &BTreeSet<String>) -> Judgement {
         let files = self.files(name);
         let now = Instant::now();
         let answers = self.trouble.is_none();

@@ -133,7 +133,7 @@ impl Default for BatchSettings {
 }
 
 impl BatchSettings {
-    /// Refuses values that cannot be meant.
+    /// Refuses invalid values.
     ///
     /// # Errors
     ///

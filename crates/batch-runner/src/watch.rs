@@ -29,7 +29,7 @@ pub(crate) struct Watch {
 
 /// What is to be done with a task.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Verdict {
+pub(crate) enum Judgement {
     /// It has not begun.
     Waits,
     /// It is in progress.
@@ -97,19 +97,23 @@ impl Watch {
         settings: &BatchSettings,
         answers: bool,
         now: Instant,
-    ) -> Verdict {
+    ) -> Judgement {
         let Some(reason) = self.end(settings, now) else {
             self.ended_at = None;
             let begun = self.state == Some(TaskState::Running) || self.beat.is_some();
-            return if begun { Verdict::Runs } else { Verdict::Waits };
+            return if begun {
+                Judgement::Runs
+            } else {
+                Judgement::Waits
+            };
         };
         let ended_at = *self.ended_at.get_or_insert(now);
         let waited = seconds(ended_at, now) >= settings.file_latency_s;
         // The batch system knows better why a worker was killed.
         if waited && (self.asked_since_end || !answers) {
-            Verdict::Over(reason)
+            Judgement::Over(reason)
         } else {
-            Verdict::Ended
+            Judgement::Ended
         }
     }
 
@@ -153,7 +157,7 @@ pub(crate) fn seconds(from: Instant, to: Instant) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::{Verdict, Watch};
+    use super::{Judgement, Watch};
     use crate::{BatchSettings, LossReason, TaskState};
     use std::time::{Duration, Instant};
 
@@ -167,12 +171,12 @@ mod tests {
         let mut watch = Watch::new();
         watch.see_beat("1", at(0));
         watch.hear_state(TaskState::Unknown, at(0));
-        assert_eq!(watch.judge(&settings, true, at(119)), Verdict::Runs);
+        assert_eq!(watch.judge(&settings, true, at(119)), Judgement::Runs);
         watch.see_beat("2", at(119));
-        assert_eq!(watch.judge(&settings, true, at(200)), Verdict::Runs);
-        assert_eq!(watch.judge(&settings, true, at(240)), Verdict::Ended);
+        assert_eq!(watch.judge(&settings, true, at(200)), Judgement::Runs);
+        assert_eq!(watch.judge(&settings, true, at(240)), Judgement::Ended);
         watch.hear_state(TaskState::Unknown, at(250));
-        let over = Verdict::Over(LossReason::Vanished);
+        let over = Judgement::Over(LossReason::Vanished);
         assert_eq!(watch.judge(&settings, true, at(270)), over);
     }
 
@@ -184,10 +188,10 @@ mod tests {
         let at = |s: u64| begin + Duration::from_secs(s);
         let mut watch = Watch::new();
         watch.hear_state(TaskState::Waiting, at(0));
-        assert_eq!(watch.judge(&settings, true, at(100_000)), Verdict::Waits);
+        assert_eq!(watch.judge(&settings, true, at(100_000)), Judgement::Waits);
         watch.hear_state(TaskState::Unknown, at(100_000));
-        assert_eq!(watch.judge(&settings, true, at(100_600)), Verdict::Waits);
-        assert_eq!(watch.judge(&settings, true, at(100_601)), Verdict::Ended);
+        assert_eq!(watch.judge(&settings, true, at(100_600)), Judgement::Waits);
+        assert_eq!(watch.judge(&settings, true, at(100_601)), Judgement::Ended);
     }
 
     /// The file says that the worker was killed, the batch system says why: it is asked before the task is given up,
@@ -201,16 +205,19 @@ mod tests {
             let mut watch = Watch::new();
             watch.hear_state(TaskState::Running, at(0));
             watch.see_exit(143);
-            assert_eq!(watch.judge(&settings, true, at(0)), Verdict::Ended);
+            assert_eq!(watch.judge(&settings, true, at(0)), Judgement::Ended);
             watch
         };
         let mut watch = killed();
-        assert_eq!(watch.judge(&settings, true, at(31)), Verdict::Ended);
+        assert_eq!(watch.judge(&settings, true, at(31)), Judgement::Ended);
         let reason = LossReason::TimeOut;
         watch.hear_state(TaskState::Lost { reason }, at(32));
-        assert_eq!(watch.judge(&settings, true, at(32)), Verdict::Over(reason));
+        assert_eq!(
+            watch.judge(&settings, true, at(32)),
+            Judgement::Over(reason)
+        );
         let mut alone = killed();
-        let over = Verdict::Over(LossReason::Killed);
+        let over = Judgement::Over(LossReason::Killed);
         assert_eq!(alone.judge(&settings, false, at(31)), over);
     }
 }

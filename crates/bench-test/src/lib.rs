@@ -23,7 +23,7 @@ pub enum Error {
         /// What the test reads.
         known: &'static str,
     },
-    /// A cell holds no number that can be meant.
+    /// A cell holds no valid number.
     #[error("{place}: '{text}' must be {requirement}")]
     Cell {
         /// Where it stands, in words.

@@ -1,4 +1,4 @@
-//! Correlations between measured means: the blocks that they make, and what cannot be meant.
+//! Correlations between measured means: the blocks that they make, and what is invalid.
 
 use crate::{CalibrationProblem, Correlation};
 use nalgebra::{Cholesky, DMatrix};
@@ -10,7 +10,7 @@ pub(crate) fn correlation_of(problem: &CalibrationProblem, a: usize, b: usize) -
     stated.map_or(f64::from(u8::from(a == b)), |c| c.value)
 }
 
-/// Tells every correlation that cannot be meant, and every group of measurements whose correlations contradict each other.
+/// Tells every correlation that is invalid, and every group of measurements whose correlations contradict each other.
 pub(crate) fn check_correlations(problem: &CalibrationProblem, wrong: &mut Vec<String>) {
     let before = wrong.len();
     for (k, c) in problem.correlations.iter().enumerate() {

@@ -21,7 +21,7 @@ const STEP: f64 = 0.3;
 ///
 /// # Errors
 ///
-/// A problem that cannot be meant, a campaign that was stopped, a covariance that cannot be used.
+/// An invalid problem, a campaign that was stopped, a covariance that cannot be used.
 pub fn diagnose_at(
     campaign: &Campaign<'_>,
     simulator: &dyn Simulator,

@@ -17,7 +17,7 @@ pub enum Error {
     #[error(transparent)]
     Diagnosis(#[from] residual_diagnosis::Error),
     /// A problem whose numbers do not fit together.
-    #[error("the calibration cannot be meant:\n  {}", lines.join("\n  "))]
+    #[error("the calibration is invalid:\n  {}", lines.join("\n  "))]
     Problem {
         /// What is wrong, one line each.
         lines: Vec<String>,

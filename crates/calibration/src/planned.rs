@@ -26,7 +26,7 @@ pub struct PlannedStage {
 ///
 /// # Errors
 ///
-/// A problem that cannot be meant, a design that does not exist.
+/// An invalid problem, a design that does not exist.
 pub fn planned(
     problem: &CalibrationProblem,
     settings: &LoopSettings,

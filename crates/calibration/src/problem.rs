@@ -205,7 +205,7 @@ impl CalibrationProblem {
         }
     }
 
-    /// Refuses numbers of things that cannot be meant.
+    /// Refuses numbers of things that are invalid.
     fn check_counts(&self, wrong: &mut Vec<String>) {
         let n = self.parameters.len();
         if !(1..=MOST_PARAMETERS).contains(&n) {

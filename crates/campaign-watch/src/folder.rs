@@ -337,7 +337,7 @@ fn stamp_of(path: &Path) -> Option<Stamp> {
     Some((time.unwrap_or_default(), data.len()))
 }
 
-/// The last frame of a run, where it is a PNG file of a size that can be meant.
+/// The last frame of a run, where it is a PNG file of a plausible size.
 fn frame_of(record: &Record) -> Option<Vec<u8>> {
     let text = record.details().get("last_frame_png_base64")?.as_str()?;
     let bytes = STANDARD.decode(text).ok()?;

@@ -16,7 +16,7 @@ pub trait Simulator: Sync {
     ///
     /// # Errors
     ///
-    /// [`SimulatorError`] when the request cannot be meant; it is told before anything is run.
+    /// [`SimulatorError`] when the request is invalid; it is told before anything is run.
     fn inputs(&self, request: &RunRequest) -> Result<Value, SimulatorError> {
         Ok(request.inputs())
     }
@@ -25,7 +25,7 @@ pub trait Simulator: Sync {
     ///
     /// # Errors
     ///
-    /// [`SimulatorError`] when the request cannot be meant, or the run fails.
+    /// [`SimulatorError`] when the request is invalid, or the run fails.
     fn run(&self, request: &RunRequest) -> Result<RunOutcome, SimulatorError>;
 
     /// Time that the run will take, relative to the other runs: sets the order (longest first)

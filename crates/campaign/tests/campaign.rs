@@ -293,7 +293,7 @@ fn request_that_is_not_a_number_is_refused_before_any_run() {
     assert_eq!(toy.runs.load(Ordering::SeqCst), 0);
 }
 
-/// Models that are one run for the simulator: only x and the seed count, and x below 0 cannot be meant.
+/// Models that are one run for the simulator: only x and the seed count, and x below 0 is invalid.
 #[derive(Default)]
 struct OnlyX(Toy);
 

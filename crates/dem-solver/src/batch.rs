@@ -9,9 +9,9 @@
     reason = "the hot loops are vectorised only when inlined"
 )]
 
-use crate::contact::{Effect, Memory, SpherePair};
+use crate::contact::{ContactWrench, Memory, SpherePair};
 use crate::interaction::Interaction;
-use crate::touch::Touch;
+use crate::sphere_contact::SphereContact;
 use fearless_simd::prelude::*;
 use nalgebra::Vector3;
 
@@ -36,7 +36,7 @@ struct Input {
     bridge_volume: [f64; ROOM],
 }
 
-/// Fields of [`Effect`], one entry a contact.
+/// Fields of [`ContactWrench`], one entry a contact.
 #[derive(Debug, Clone)]
 struct Output {
     force: Column,
@@ -227,7 +227,7 @@ impl Batch {
         interactions: &[Interaction],
         time_step: f64,
         sink: &mut impl Sink,
-        touches: &mut [Touch],
+        touches: &mut [SphereContact],
     ) {
         if self.n == 0 {
             return;
@@ -290,7 +290,7 @@ fn compute(law: &Interaction, input: &Input, output: &mut Output, n: usize, time
             dashpot_masses: [input.dashpot_masses[0][k], input.dashpot_masses[1][k]],
             bridge_volume: input.bridge_volume[k],
         };
-        let Effect {
+        let ContactWrench {
             force,
             torque_i,
             torque_j,

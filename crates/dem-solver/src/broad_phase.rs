@@ -13,7 +13,7 @@ use std::ops::Range;
 
 /// Buffers of the grid, kept between calls.
 #[derive(Debug, Clone, Default)]
-pub(crate) struct Grid {
+pub(crate) struct BodyGrid {
     /// Cell of each body.
     cell_of: Vec<u32>,
     /// First entry of each cell in `order`.
@@ -42,7 +42,7 @@ pub(crate) struct Grid {
 /// loose one ten; with twice the number a body that flies away costs twice the memory.
 const MOST_CELLS_PER_BODY: usize = 64;
 
-impl Grid {
+impl BodyGrid {
     /// Sorts the bodies into cells; positions in m, finite; `radii` by body, m.
     pub(crate) fn sort(&mut self, positions: &[Vector3<f64>], radii: &[f64], margin: f64) {
         self.largest = radii.iter().copied().fold(0.0, f64::max);
@@ -220,13 +220,17 @@ fn single_square(length: f64) -> f32 {
 
 #[cfg(test)]
 mod tests {
-    use super::Grid;
+    use super::BodyGrid;
     use fearless_simd::Level;
     use nalgebra::Vector3;
     use random_stream::Stream;
 
     /// All pairs within a margin of 0.02.
-    fn pairs(grid: &mut Grid, positions: &[Vector3<f64>], radii: &[f64]) -> Vec<(usize, usize)> {
+    fn pairs(
+        grid: &mut BodyGrid,
+        positions: &[Vector3<f64>],
+        radii: &[f64],
+    ) -> Vec<(usize, usize)> {
         let mut found = Vec::new();
         grid.sort(positions, radii, 0.02);
         let (level, all) = (Level::new(), 0..positions.len());
@@ -251,7 +255,7 @@ mod tests {
             .map(|_| Vector3::from_fn(|_, _| stream.uniform()))
             .collect();
         let radii: Vec<f64> = (0..300).map(|_| stream.between(0.01, 0.06)).collect();
-        let found = pairs(&mut Grid::default(), &positions, &radii);
+        let found = pairs(&mut BodyGrid::default(), &positions, &radii);
         let mut expected = Vec::new();
         for i in 0..300 {
             for j in i + 1..300 {
@@ -272,7 +276,7 @@ mod tests {
     #[test]
     fn body_far_away_costs_no_memory() {
         for far in [1e3, 1e12, 1e155, 1e308] {
-            let mut grid = Grid::default();
+            let mut grid = BodyGrid::default();
             let positions = [
                 Vector3::repeat(-far),
                 Vector3::zeros(),
@@ -291,6 +295,6 @@ mod tests {
 
     #[test]
     fn grid_of_no_body_has_no_pair() {
-        assert_eq!(pairs(&mut Grid::default(), &[], &[]), []);
+        assert_eq!(pairs(&mut BodyGrid::default(), &[], &[]), []);
     }
 }

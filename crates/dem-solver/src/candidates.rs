@@ -1,6 +1,6 @@
 //! Which spheres of two bodies may touch before the bodies have moved by the skin.
 //!
-//! Single precision throughout: the skin is larger than the rounding ([`Slack`]), and whether a
+//! Single precision throughout: the skin is larger than the rounding ([`Cutoffs`]), and whether a
 //! candidate touches is decided in double precision.
 
 #![expect(
@@ -12,7 +12,7 @@
     reason = "the hot loops are vectorised only when inlined"
 )]
 
-use crate::context::Slack;
+use crate::context::Cutoffs;
 use crate::lanes::{
     HALF, LANES, Lanes, Vectors, along, keep, load, load_vectors, make_room, set_bits, squares,
 };
@@ -236,10 +236,10 @@ pub(crate) fn search<S: Simd>(
     i: &Packed,
     j: &Packed,
     pose: &RelativeSingle,
-    slack: Slack,
+    cutoffs: Cutoffs,
     scratch: &mut Scratch,
 ) -> (f32, Patch) {
-    let Slack { skin, safety, .. } = slack;
+    let Cutoffs { skin, safety, .. } = cutoffs;
     let Scratch {
         reaches: [reaches_i, reaches_j],
         i: kept_i,

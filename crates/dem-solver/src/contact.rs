@@ -110,7 +110,7 @@ impl SphereWall {
 
 /// Force and torques of a contact.
 #[derive(Debug, Clone, Copy, Default)]
-pub(crate) struct Effect {
+pub(crate) struct ContactWrench {
     /// Force on body i, N; the other side feels the opposite.
     pub(crate) force: Vector3<f64>,
     /// Torque on body i about its centre, N m.
@@ -128,7 +128,7 @@ impl Interaction {
     /// length changes by the square of the angle of one step only. No branch depends on the
     /// state, so that a loop over contacts can be vectorised.
     #[inline(always)]
-    pub(crate) fn between_spheres(&self, pair: &SpherePair, time_step: f64) -> Effect {
+    pub(crate) fn between_spheres(&self, pair: &SpherePair, time_step: f64) -> ContactWrench {
         let distance = pair.between.norm();
         let normal = pair.between * (1.0 / distance);
         let [radius_i, radius_j] = pair.radii;
@@ -174,7 +174,7 @@ impl Interaction {
         } else {
             [Vector3::zeros(); 2]
         };
-        Effect {
+        ContactWrench {
             force: on_i,
             torque_i: arm_i.cross(&on_i) + rolling[0],
             torque_j: -arm_j.cross(&on_i) - rolling[0],
@@ -193,7 +193,7 @@ impl Interaction {
         body: &Mover,
         memory: Memory,
         time_step: f64,
-    ) -> Effect {
+    ) -> ContactWrench {
         let normal = contact.normal;
         let relative = body.velocity + body.spin.cross(&contact.arm) - contact.wall_velocity;
         let approach = relative.dot(&normal);
@@ -225,7 +225,7 @@ impl Interaction {
             inertia: ROUND * geometry.reduced_mass * lever * lever,
         };
         let [torque, spring] = self.rolling(&rolling, memory.rolling, time_step);
-        Effect {
+        ContactWrench {
             force: on_body,
             torque_i: contact.arm.cross(&on_body) + torque,
             torque_j: Vector3::zeros(),
@@ -309,7 +309,7 @@ struct Rolling {
 #[cfg(test)]
 mod tests {
     use super::{Memory, Mover, SpherePair, SphereWall};
-    use crate::interaction::{FurtherLaws, Interaction, InteractionSettings};
+    use crate::interaction::{Interaction, InteractionSettings, OptionalLaws};
     use contact_law::{ContactGeometry, Material, NormalForceEnd, PairParameters, RollingLever};
     use nalgebra::Vector3;
 
@@ -411,9 +411,9 @@ mod tests {
             (RollingLever::Sphere, 0.995e-3),
             (RollingLever::Centre, 3.995e-3),
         ] {
-            let lever = FurtherLaws {
+            let lever = OptionalLaws {
                 rolling_lever,
-                ..FurtherLaws::default()
+                ..OptionalLaws::default()
             };
             let law = interaction().with(&lever);
             let rolls = law.between_spheres(&pair, 1e-9);
@@ -435,9 +435,9 @@ mod tests {
     #[test]
     fn slip_does_not_grow_across_a_bridge() {
         let water = contact_law::CapillaryBridge::new(0.07, 0.0).unwrap();
-        let wet = interaction().with(&FurtherLaws {
+        let wet = interaction().with(&OptionalLaws {
             bridge: Some(water.between(1e-3)),
-            ..FurtherLaws::default()
+            ..OptionalLaws::default()
         });
         let step = 1e-6;
         let mut memory = Memory {

@@ -12,7 +12,7 @@ use crate::template::{CELLS, Template};
 
 /// Distances of the sphere lists.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Slack {
+pub(crate) struct Cutoffs {
     /// Gap up to which spheres are listed, at least twice the safety, m.
     pub(crate) skin: f32,
     /// Longest gap at which a contact that was made lives on, m.
@@ -21,7 +21,7 @@ pub(crate) struct Slack {
     pub(crate) safety: f32,
 }
 
-impl Slack {
+impl Cutoffs {
     /// Distances for bodies of a largest bounding radius (m) and contacts that live on up to a gap
     /// `reach` (m).
     ///
@@ -50,7 +50,7 @@ pub(crate) struct Context<'a> {
     /// Number of materials.
     pub(crate) n_materials: usize,
     /// Distances of the sphere lists.
-    pub(crate) slack: Slack,
+    pub(crate) cutoffs: Cutoffs,
     /// Time step, s.
     pub(crate) time_step: f64,
     /// What each body gives to each of its bridges of liquid, m³; empty in a dry world.

@@ -30,7 +30,7 @@ pub struct Interaction {
 
 /// Laws beside the usual ones; all off by default.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct FurtherLaws {
+pub struct OptionalLaws {
     /// Damping that depends on the overlap.
     pub viscoelastic: Option<ViscoelasticDamping>,
     /// Friction that depends on the speed of sliding.
@@ -76,7 +76,7 @@ impl Interaction {
 
     /// The interaction with further laws.
     #[must_use]
-    pub fn with(self, further: &FurtherLaws) -> Self {
+    pub fn with(self, further: &OptionalLaws) -> Self {
         let law = self.law.with_viscoelastic_damping(further.viscoelastic);
         Self {
             law: law.with_rate_dependent_friction(further.rate_dependent),

@@ -16,7 +16,7 @@
 //! The ledger looks at every pair of spheres in each step: it is for small worlds. It refuses walls of
 //! triangles and bridges of liquid, whose energies it does not know.
 
-use crate::contact::{Effect, Memory};
+use crate::contact::{ContactWrench, Memory};
 use crate::error::Error;
 use crate::interaction::Interaction;
 use crate::plain::{find_at_wall, find_pairs};
@@ -108,7 +108,7 @@ impl EnergyLedger {
     pub fn step(&mut self, world: &mut World) -> Result<(), Error> {
         let unknown = if world.mesh_walls().next().is_some() {
             Some("walls of triangles")
-        } else if world.context().slack.reach > 0.0 {
+        } else if world.context().cutoffs.reach > 0.0 {
             Some("bridges of liquid")
         } else {
             None
@@ -235,7 +235,7 @@ fn contact(
     normal: Vector3<f64>,
     [overlap, radius]: [f64; 2],
     interaction: &Interaction,
-    effect: &Effect,
+    effect: &ContactWrench,
 ) -> Contact {
     let (law, pull) = (interaction.law(), interaction.attraction(overlap, 0.0));
     let spring = 2.0 / 3.0 * law.normal_stiffness(overlap, radius) * overlap;

@@ -7,7 +7,7 @@
 //! from one triangle to the next.
 
 use crate::bodies::Bodies;
-use crate::contact::{Effect, Memory, Mover, SphereWall};
+use crate::contact::{ContactWrench, Memory, Mover, SphereWall};
 use crate::context::Context;
 use crate::error::Error;
 use crate::liquid::bridge_volume;
@@ -33,12 +33,12 @@ pub(crate) struct MeshContact {
     /// The wall.
     wall: usize,
     /// The contact.
-    touch: Touch,
+    touch: TriangleContact,
 }
 
 /// A sphere that touches a wall.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub(crate) struct Touch {
+pub(crate) struct TriangleContact {
     /// The sphere.
     sphere: u16,
     /// Unit vector from the sphere towards the wall.
@@ -61,7 +61,7 @@ struct Near {
     /// Spheres and triangles within the skin, by sphere.
     candidates: Vec<(u16, u32)>,
     /// Spheres that touch.
-    touches: Vec<Touch>,
+    touches: Vec<TriangleContact>,
 }
 
 /// A triangle that a sphere touches, in the frame of the triangles.
@@ -228,7 +228,7 @@ impl Near {
         moving: &Moving,
         context: &Context<'_>,
     ) {
-        let skin = f64::from(context.slack.skin);
+        let skin = f64::from(context.cutoffs.skin);
         let (position, rotation) = (bodies.position[self.body], bodies.rotation[self.body]);
         self.candidates.clear();
         let mut nearest = f64::INFINITY;
@@ -244,7 +244,7 @@ impl Near {
             }
         }
         // A bridge may pass from a triangle to one that is not listed: that must stay beyond its reach.
-        let beyond = f64::from(context.slack.safety + context.slack.reach);
+        let beyond = f64::from(context.cutoffs.safety + context.cutoffs.reach);
         let reach = nearest.max(skin) - beyond;
         self.limit = f64::from(bodies.travel[self.body]) + moving.travel + reach;
     }
@@ -254,14 +254,14 @@ impl Near {
 /// touched in the step before, and what does now afterwards.
 pub(crate) fn find_contacts(
     candidates: &[(u16, u32)],
-    touches: &mut Vec<Touch>,
+    touches: &mut Vec<TriangleContact>,
     (body, template): (&Mover, &Template),
     (number, rotation): (usize, &Matrix3<f64>),
     moving: &Moving,
     context: &Context<'_>,
-) -> Effect {
+) -> ContactWrench {
     let interaction = context.interaction(template.material, moving.wall.material);
-    let mut total = Effect::default();
+    let mut total = ContactWrench::default();
     let volume = bridge_volume(interaction, context.liquid, [number]);
     let reach = interaction.reach(volume);
     let mut before = std::mem::take(touches);
@@ -286,7 +286,7 @@ pub(crate) fn find_contacts(
             contact.bridge_volume = volume;
             contact.share_mass(shares.as_ref());
             let effect = interaction.at_wall(&contact, body, memory, context.time_step);
-            touches.push(Touch {
+            touches.push(TriangleContact {
                 sphere,
                 normal: contact.normal,
                 memory: effect.memory,
@@ -359,7 +359,11 @@ fn geometry(
 }
 
 /// Takes the memory of the contact of a sphere that had nearly this normal; none for a new one.
-fn take_memory(before: &mut Vec<Touch>, sphere: u16, normal: &Vector3<f64>) -> Option<Memory> {
+fn take_memory(
+    before: &mut Vec<TriangleContact>,
+    sphere: u16,
+    normal: &Vector3<f64>,
+) -> Option<Memory> {
     let same = before
         .iter()
         .enumerate()

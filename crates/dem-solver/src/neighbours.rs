@@ -19,8 +19,8 @@ use crate::context::Context;
 use crate::kept_contact::KeptContact;
 use crate::lanes::{HALF, NUMBERS, keep, make_room, stored};
 use crate::pose::{Pose, single};
+use crate::sphere_contact::SphereContact;
 use crate::template::Template;
-use crate::touch::Touch;
 use crate::travel::lowered;
 use fearless_simd::prelude::*;
 use fearless_simd::{f32x8, u32x8};
@@ -38,14 +38,14 @@ pub(crate) struct Chunk {
     pub(crate) i: [[i16; CHUNK]; 3],
     /// x, y, z of the spheres of j, in cells of its template.
     pub(crate) j: [[i16; CHUNK]; 3],
-    /// Keys of the lanes, as in [`Touch`].
+    /// Keys of the lanes, as in [`SphereContact`].
     pub(crate) key: [u32; CHUNK],
 }
 
 /// What decides whether pairs need attention in a step, one entry a pair; read every step for every pair. Both
 /// arrays go on for one group of eight behind the last pair.
 #[derive(Debug, Clone, Default)]
-struct Heads {
+struct PairTable {
     /// The other body.
     other: Vec<u32>,
     /// Sum of the travels of both bodies above which the pair is awake, m: minus infinity for a
@@ -53,7 +53,7 @@ struct Heads {
     wake: Vec<f32>,
 }
 
-impl Heads {
+impl PairTable {
     /// Forgets all pairs.
     fn clear(&mut self) {
         self.other.clear();
@@ -139,17 +139,17 @@ pub(crate) struct Neighbours {
     /// The first body of the range.
     first: usize,
     /// Entries, grouped by the first body.
-    heads: Heads,
+    table: PairTable,
     /// Lists of the same entries.
     pub(crate) lists: Vec<Lists>,
     /// The pairs when their lists were made.
     poses: Vec<Pose>,
-    /// First entry of each body of the range in `heads`; one more than there are bodies.
+    /// First entry of each body of the range in the table; one more than there are bodies.
     start: Vec<u32>,
     /// Candidates.
     pub(crate) chunks: Vec<Chunk>,
     /// Touching pairs of spheres of the step before.
-    pub(crate) touches: Vec<Touch>,
+    pub(crate) touches: Vec<SphereContact>,
     /// Lists made anew since the start.
     n_rebuilds: u64,
     /// Pairs looked at since the start.
@@ -160,7 +160,7 @@ pub(crate) struct Neighbours {
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Previous {
     /// Entries.
-    heads: Heads,
+    table: PairTable,
     /// Lists.
     lists: Vec<Lists>,
     /// Poses.
@@ -207,15 +207,16 @@ impl Neighbours {
             let place = pair[0].body - self.first;
             let (from, to) = (self.start[place] as usize, self.start[place + 1] as usize);
             let found =
-                self.heads.other[from..to].binary_search_by_key(&pair[0].other, |&j| j as usize);
+                self.table.other[from..to].binary_search_by_key(&pair[0].other, |&j| j as usize);
             if let Ok(at) = found {
                 let lists = &mut self.lists[from + at];
                 lists.touch = stored(self.touches.len());
                 lists.n_touches = stored(pair.len());
-                self.touches.extend(pair.iter().map(|contact| Touch {
-                    key: contact.key,
-                    memory: contact.memory,
-                }));
+                self.touches
+                    .extend(pair.iter().map(|contact| SphereContact {
+                        key: contact.key,
+                        memory: contact.memory,
+                    }));
                 taken += pair.len();
             }
         }
@@ -240,12 +241,12 @@ impl Neighbours {
     /// from the first one on, through [`Self::add`].
     pub(crate) fn begin(&mut self, first: usize, old: &mut Previous) {
         self.first = first;
-        std::mem::swap(&mut self.heads, &mut old.heads);
+        std::mem::swap(&mut self.table, &mut old.table);
         std::mem::swap(&mut self.lists, &mut old.lists);
         std::mem::swap(&mut self.poses, &mut old.poses);
         std::mem::swap(&mut self.start, &mut old.start);
         std::mem::swap(&mut self.chunks, &mut old.chunks);
-        self.heads.clear();
+        self.table.clear();
         self.lists.clear();
         self.poses.clear();
         self.chunks.clear();
@@ -266,13 +267,13 @@ impl Neighbours {
         self.poses
             .resize(self.lists.len() + partners.len(), Pose::NONE);
         for &j in partners {
-            while k < end && old.heads.other[k] < j {
+            while k < end && old.table.other[k] < j {
                 k += 1;
             }
-            if k < end && old.heads.other[k] == j {
+            if k < end && old.table.other[k] == j {
                 let lists = old.lists[k];
                 let limit = lowered(lists.limit, travel[i] + travel[j as usize]);
-                self.heads.push(j, lists.n_candidates, limit);
+                self.table.push(j, lists.n_candidates, limit);
                 self.poses[self.lists.len()] = old.poses[k];
                 let moved = &old.chunks[lists.chunks()];
                 let chunk = stored(self.chunks.len());
@@ -285,7 +286,7 @@ impl Neighbours {
                 });
                 k += 1;
             } else {
-                self.heads.push(j, 0, f32::NEG_INFINITY);
+                self.table.push(j, 0, f32::NEG_INFINITY);
                 self.lists.push(Lists::NEW);
             }
         }
@@ -294,13 +295,13 @@ impl Neighbours {
 
     /// Ends a list that was begun.
     pub(crate) fn end(&mut self) {
-        self.heads.pad();
+        self.table.pad();
     }
 
     /// The other body of pair `k`.
     #[inline(always)]
     pub(crate) fn other(&self, k: usize) -> usize {
-        self.heads.other[k] as usize
+        self.table.other[k] as usize
     }
 
     /// Looks at pair `k` of body `i`, whose covered motion is used up; makes its list anew where
@@ -315,7 +316,7 @@ impl Neighbours {
         context: &Context<'_>,
         scratch: &mut Scratch,
     ) {
-        let (templates, slack) = (context.templates, context.slack);
+        let (templates, cutoffs) = (context.templates, context.cutoffs);
         self.n_checks += 1;
         let j = self.other(k);
         let travel = bodies.travel[i] + bodies.travel[j];
@@ -326,7 +327,7 @@ impl Neighbours {
         let position = bodies.rotation[i].tr_mul(&(bodies.position[j] - bodies.position[i]));
         let rotation = bodies.orientation[i].inverse() * bodies.orientation[j];
         let pose = self.poses[k];
-        let left = pose.left(&position, &rotation, slack.safety);
+        let left = pose.left(&position, &rotation, cutoffs.safety);
         if left > 0.2 * pose.reach() {
             self.set_limit(k, travel + left);
             return;
@@ -337,7 +338,7 @@ impl Neighbours {
         };
         let (reach, patch) = simd.vectorize(
             #[inline(always)]
-            || search(simd, &a.packed, &b.packed, &relative, slack, scratch),
+            || search(simd, &a.packed, &b.packed, &relative, cutoffs, scratch),
         );
         self.poses[k] = Pose::new(&position, &rotation, &patch, reach);
         self.n_rebuilds += 1;
@@ -349,14 +350,14 @@ impl Neighbours {
     fn set_limit(&mut self, k: usize, limit: f32) {
         let lists = &mut self.lists[k];
         lists.limit = limit;
-        self.heads.wake[k] = wake(lists.n_candidates, limit);
+        self.table.wake[k] = wake(lists.n_candidates, limit);
     }
 
     /// Lets pair `k`, none of whose candidates touches, sleep up to a sum of travels (m), but not
     /// beyond the limit of its list.
     #[inline(always)]
     pub(crate) fn sleep(&mut self, k: usize, travel: f32) {
-        self.heads.wake[k] = travel.min(self.lists[k].limit);
+        self.table.wake[k] = travel.min(self.lists[k].limit);
     }
 
     /// Writes the pairs of body `i` that need attention in this step to the front of `awake` and returns how
@@ -376,9 +377,9 @@ impl Neighbours {
         let numbers = u32x8::from_slice(simd, &NUMBERS);
         for first in (from..to).step_by(CHUNK) {
             let group = first as usize..first as usize + CHUNK;
-            let others = &self.heads.other[group.clone()];
+            let others = &self.table.other[group.clone()];
             let ways = f32x8::from_fn(simd, |l| travel[others[l] as usize]) + travel[i];
-            let wake = f32x8::from_slice(simd, &self.heads.wake[group]);
+            let wake = f32x8::from_slice(simd, &self.table.wake[group]);
             let pairs = numbers + first;
             let is_awake = ways.simd_gt(wake) & pairs.simd_lt(to);
             n = keep(awake, n, pairs, is_awake);

@@ -8,13 +8,13 @@
 use crate::batch::{Batch, Sink};
 use crate::bodies::Bodies;
 use crate::contact::{Memory, SpherePair};
-use crate::context::{Context, Slack};
+use crate::context::{Context, Cutoffs};
 use crate::lanes::{NUMBERS, keep, make_room};
 use crate::liquid::bridge_volume;
 use crate::neighbours::{CHUNK, Chunk, Neighbours};
 use crate::shared_mass::Shares;
+use crate::sphere_contact::SphereContact;
 use crate::template::Template;
-use crate::touch::Touch;
 use crate::workspace::Workspace;
 use fearless_simd::prelude::*;
 use fearless_simd::{Level, dispatch, f32x8, u32x8};
@@ -172,7 +172,7 @@ struct Collector<'a, S, K> {
     /// Keys of the candidates of one pair that may touch.
     near: &'a mut Vec<u32>,
     /// Touching pairs of spheres of this step.
-    touches: &'a mut Vec<Touch>,
+    touches: &'a mut Vec<SphereContact>,
     context: &'a Context<'a>,
     sink: &'a mut K,
 }
@@ -206,7 +206,7 @@ impl<S: Simd, K: Sink> Collector<'_, S, K> {
     fn put(&mut self, (interaction, bodies): (usize, [usize; 2]), key: u32, pair: &SpherePair) {
         self.batch
             .push(interaction, bodies, self.touches.len(), pair);
-        self.touches.push(Touch {
+        self.touches.push(SphereContact {
             key,
             memory: pair.memory,
         });
@@ -236,11 +236,11 @@ impl<S: Simd, K: Sink> Collector<'_, S, K> {
         let between = bodies.position[j] - bodies.position[i];
         let single = [0, 1, 2].map(|axis| between[axis] as f32);
         let (ri, rj) = (&bodies.cells_to_metres[i], &bodies.cells_to_metres[j]);
-        let Slack {
+        let Cutoffs {
             reach: holds,
             safety,
             ..
-        } = context.slack;
+        } = context.cutoffs;
         let largest = templates[0].packed.largest + templates[1].packed.largest + holds + safety;
         let chunks = (&neighbours.chunks[lists.chunks()], lists.n_candidates);
         let found = &mut *self.near;

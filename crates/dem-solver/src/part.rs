@@ -5,7 +5,7 @@
 
 use crate::batch::{ContactLoad, Loads, Sink};
 use crate::bodies::Bodies;
-use crate::broad_phase::Grid;
+use crate::broad_phase::BodyGrid;
 use crate::census::Census;
 use crate::context::Context;
 use crate::kept_contact::KeptContact;
@@ -87,7 +87,7 @@ impl Part {
     pub(crate) fn search(
         &mut self,
         level: Level,
-        grid: &Grid,
+        grid: &BodyGrid,
         bodies: &Bodies,
         radii: &[f64],
         (context, walls, margin): (&Context<'_>, &[Wall], f64),

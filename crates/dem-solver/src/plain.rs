@@ -2,10 +2,10 @@
 //!
 //! It is slow and obvious. The tests hold the fast loop to it.
 
-use crate::contact::{Effect, Memory, SpherePair, SphereWall};
+use crate::contact::{ContactWrench, Memory, SpherePair, SphereWall};
 use crate::interaction::Interaction;
 use crate::liquid::bridge_volume;
-use crate::mesh_force::{Touch, find_contacts};
+use crate::mesh_force::{TriangleContact, find_contacts};
 use crate::pair_force::PairFrame;
 use crate::shared_mass::Shares;
 use crate::template::OuterSphere;
@@ -22,7 +22,7 @@ pub struct History {
     /// Between bodies and walls.
     walls: BTreeMap<(usize, usize, u32), Memory>,
     /// Between bodies and walls of triangles, by (body, wall).
-    meshes: BTreeMap<(usize, usize), Vec<Touch>>,
+    meshes: BTreeMap<(usize, usize), Vec<TriangleContact>>,
 }
 
 impl History {
@@ -87,7 +87,7 @@ pub(crate) fn find_pairs(
     world: &World,
     [i, j]: [usize; 2],
     known: impl Fn(u32) -> Option<Memory>,
-    mut found: impl FnMut(u32, &SpherePair, &Interaction, &Effect),
+    mut found: impl FnMut(u32, &SpherePair, &Interaction, &ContactWrench),
 ) {
     let context = world.context();
     let bodies = world.bodies();
@@ -120,7 +120,7 @@ pub(crate) fn find_at_wall(
     i: usize,
     w: usize,
     known: impl Fn(u32) -> Option<Memory>,
-    mut found: impl FnMut(u32, &SphereWall, &Interaction, &Effect),
+    mut found: impl FnMut(u32, &SphereWall, &Interaction, &ContactWrench),
 ) {
     let context = world.context();
     let (bodies, wall) = (world.bodies(), &world.walls()[w]);

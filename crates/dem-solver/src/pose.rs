@@ -102,7 +102,7 @@ mod tests {
     use super::{Pose, single};
     use crate::bodies::scaled_single;
     use crate::candidates::{RelativeSingle, SLOPE, Scratch, search};
-    use crate::context::Slack;
+    use crate::context::Cutoffs;
     use crate::template::{OuterSphere, Packed};
     use fearless_simd::{Level, dispatch};
     use nalgebra::{Quaternion, UnitQuaternion, Vector3};
@@ -148,7 +148,7 @@ mod tests {
     #[test]
     fn spheres_outside_the_list_are_farther_than_the_motion_it_covers() {
         let mut stream = Stream::new(3, "pose");
-        let slack = Slack {
+        let cutoffs = Cutoffs {
             skin: 0.3e-3,
             reach: 0.0,
             safety: 1e-6,
@@ -177,7 +177,7 @@ mod tests {
                 position: single(&position.data.0[0]),
             };
             let (i, j) = (Packed::new(&a), Packed::new(&b));
-            let (reach, patch) = dispatch!(Level::new(), simd => search(simd, &i, &j, &relative, slack, &mut scratch));
+            let (reach, patch) = dispatch!(Level::new(), simd => search(simd, &i, &j, &relative, cutoffs, &mut scratch));
             let pose = Pose::new(&position, &rotation, &patch, reach);
             for motion in 0..12 {
                 let axis = if bent {
@@ -195,7 +195,7 @@ mod tests {
                 }
                 let later = pivot + more * (position - pivot) + shift;
                 let turned = more * rotation;
-                let left = f64::from(pose.left(&later, &turned, slack.safety));
+                let left = f64::from(pose.left(&later, &turned, cutoffs.safety));
                 if left <= 0.0 {
                     continue;
                 }

@@ -7,13 +7,13 @@
 
 use crate::batch::Loads;
 use crate::bodies::Bodies;
-use crate::contact::{Effect, Memory, Mover, SphereWall};
-use crate::context::{Context, Slack};
+use crate::contact::{ContactWrench, Memory, Mover, SphereWall};
+use crate::context::{Context, Cutoffs};
 use crate::kept_contact::KeptContact;
 use crate::liquid::bridge_volume;
 use crate::shared_mass::Shares;
+use crate::sphere_contact::SphereContact;
 use crate::template::{OuterSphere, Template};
-use crate::touch::Touch;
 use crate::travel::lowered;
 use crate::wall::{Nearest, Wall};
 use contact_law::ContactGeometry;
@@ -34,9 +34,9 @@ struct Near {
     /// Spheres within the skin of the wall.
     candidates: Vec<u16>,
     /// Spheres that touch.
-    touches: Vec<Touch>,
+    touches: Vec<SphereContact>,
     /// Force and torque on the body in this step; none if nothing touches.
-    total: Option<Effect>,
+    total: Option<ContactWrench>,
 }
 
 /// All bodies near walls.
@@ -89,7 +89,7 @@ impl WallNeighbours {
             let wall = &walls[near.wall];
             let travel = bodies.travel[near.body];
             if travel > near.limit {
-                near.list_candidates(bodies, template, wall, context.slack);
+                near.list_candidates(bodies, template, wall, context.cutoffs);
             }
             near.total = (travel > near.wake)
                 .then(|| near.add_contacts(&bodies.mover(near.body), bodies, wall, context));
@@ -139,7 +139,7 @@ impl WallNeighbours {
             let place = (contact.body, contact.other);
             let at = self.near.binary_search_by_key(&place, |n| (n.body, n.wall));
             if let Ok(at) = at {
-                self.near[at].touches.push(Touch {
+                self.near[at].touches.push(SphereContact {
                     key: contact.key,
                     memory: contact.memory,
                 });
@@ -178,7 +178,13 @@ impl Near {
         clippy::cast_possible_truncation,
         reason = "rounding is covered by the safety"
     )]
-    fn list_candidates(&mut self, bodies: &Bodies, template: &Template, wall: &Wall, slack: Slack) {
+    fn list_candidates(
+        &mut self,
+        bodies: &Bodies,
+        template: &Template,
+        wall: &Wall,
+        cutoffs: Cutoffs,
+    ) {
         let (position, rotation) = (bodies.position[self.body], bodies.rotation[self.body]);
         self.candidates.clear();
         let mut nearest = f64::INFINITY;
@@ -186,12 +192,12 @@ impl Near {
             let centre = position + rotation * sphere.centre;
             let gap = wall.distance(&centre) - sphere.radius;
             nearest = nearest.min(gap);
-            if gap < f64::from(slack.skin) {
+            if gap < f64::from(cutoffs.skin) {
                 self.candidates.push(u16::try_from(k).unwrap_or(u16::MAX));
             }
         }
         // Without candidates the body may move until its nearest sphere could touch.
-        let reach = (nearest as f32).max(slack.skin) - slack.safety;
+        let reach = (nearest as f32).max(cutoffs.skin) - cutoffs.safety;
         self.limit = bodies.travel[self.body] + reach;
         self.wake = if self.candidates.is_empty() {
             self.limit
@@ -214,13 +220,13 @@ impl Near {
         bodies: &Bodies,
         wall: &Wall,
         context: &Context<'_>,
-    ) -> Effect {
+    ) -> ContactWrench {
         let template = &context.templates[bodies.template[self.body]];
         let interaction = context.interaction(template.material, wall.material);
         let volume = bridge_volume(interaction, context.liquid, [self.body]);
         let reach = interaction.reach(volume);
         let rotation = &bodies.rotation[self.body];
-        let mut total = Effect::default();
+        let mut total = ContactWrench::default();
         let mut nearest_gap = f64::INFINITY;
         let placed = |k: u16| {
             let sphere = &template.spheres[usize::from(k)];
@@ -252,7 +258,7 @@ impl Near {
             contact.bridge_volume = volume;
             contact.share_mass(shares.as_ref());
             let at = known.unwrap_or_else(|| {
-                self.touches.push(Touch {
+                self.touches.push(SphereContact {
                     key,
                     memory: Memory::default(),
                 });
@@ -264,7 +270,7 @@ impl Near {
             total.force += effect.force;
             total.torque_i += effect.torque_i;
         }
-        let free = (nearest_gap - reach) as f32 - context.slack.safety;
+        let free = (nearest_gap - reach) as f32 - context.cutoffs.safety;
         self.wake = if free > 0.0 {
             bodies.travel[self.body] + free
         } else {

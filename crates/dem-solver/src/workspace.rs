@@ -3,10 +3,10 @@
 use crate::batch::Batch;
 use crate::candidates::Scratch;
 use crate::neighbours::Previous;
+use crate::sphere_contact::SphereContact;
 use crate::spheres::batch::SphereBatch;
 use crate::spheres::pairs::SpherePairs;
 use crate::spheres::walls::{SphereWalls, WallBatch};
-use crate::touch::Touch;
 
 /// Buffers that no part needs between two visits, so that the parts of a piece of work share one set.
 #[derive(Debug, Clone, Default)]
@@ -18,7 +18,7 @@ pub(crate) struct Workspace {
     /// Keys of the candidates of one pair that may touch.
     pub(crate) near: Vec<u32>,
     /// Touching pairs of spheres of this step.
-    pub(crate) touches: Vec<Touch>,
+    pub(crate) touches: Vec<SphereContact>,
     /// Buffers of the search for candidates.
     pub(crate) scratch: Scratch,
     /// Partners of one body in the broad phase.

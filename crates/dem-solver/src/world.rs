@@ -6,10 +6,10 @@ mod wet;
 use crate::advance::advance;
 use crate::batch::Loads;
 use crate::bodies::{Bodies, Placement};
-use crate::broad_phase::Grid;
+use crate::broad_phase::BodyGrid;
 use crate::census::Census;
 use crate::check;
-use crate::context::{Context, Slack};
+use crate::context::{Context, Cutoffs};
 use crate::error::Error;
 use crate::integrate::Surroundings;
 use crate::interaction::Interaction;
@@ -53,7 +53,7 @@ pub struct World {
     /// Settings.
     settings: Settings,
     /// Distances of the sphere lists.
-    slack: Slack,
+    cutoffs: Cutoffs,
     /// Time since the start, s.
     time: f64,
     /// Steps since the start.
@@ -65,7 +65,7 @@ pub struct World {
     /// Threads of one step; none if it runs on the caller's.
     pool: Option<Arc<ThreadPool>>,
     /// Grid of the broad phase.
-    grid: Grid,
+    grid: BodyGrid,
     /// Bounding radii by body, m.
     radii: Vec<f64>,
     /// Instruction set of the processor.
@@ -115,7 +115,7 @@ impl World {
             .map(|law| law.reach(most_volume))
             .fold(0.0, f64::max);
         let radii = templates.iter().map(|t| t.bounding_radius);
-        let slack = Slack::new(radii.fold(0.0, f64::max), reach, &settings);
+        let cutoffs = Cutoffs::new(radii.fold(0.0, f64::max), reach, &settings);
         let wall_load = vec![Vector3::zeros(); walls.len()];
         let wall_torque = vec![0.0; walls.len()];
         let mut world = Self {
@@ -130,13 +130,13 @@ impl World {
                 margin: settings.margin + reach,
                 ..settings
             },
-            slack,
+            cutoffs,
             time: 0.0,
             n_steps: 0,
             parts: Vec::new(),
             workspaces: vec![Workspace::default()],
             pool: None,
-            grid: Grid::default(),
+            grid: BodyGrid::default(),
             radii: Vec::new(),
             level: Level::new(),
             wall_load,
@@ -556,7 +556,7 @@ impl World {
             templates: &self.templates,
             interactions: &self.interactions,
             n_materials: self.n_materials,
-            slack: self.slack,
+            cutoffs: self.cutoffs,
             time_step: self.settings.time_step,
             liquid: self.liquid.shares(),
             spheres: &self.spheres,
@@ -615,7 +615,7 @@ impl World {
         }
         (self.parts, self.workspaces) = (parts, workspaces);
         // A bridge may pass from a triangle to one that is not listed: that must stay beyond its reach.
-        let at_triangles = margin + f64::from(self.slack.reach);
+        let at_triangles = margin + f64::from(self.cutoffs.reach);
         self.mesh_walls
             .rebuild(&self.bodies, &self.templates, at_triangles);
         self.bodies.travel.fill(0.0);

@@ -2,7 +2,7 @@
 
 use thiserror::Error;
 
-/// An input that cannot be meant.
+/// An invalid input.
 #[derive(Debug, Clone, PartialEq, Error)]
 #[non_exhaustive]
 pub enum Error {
@@ -70,7 +70,7 @@ pub enum Error {
         /// What to do instead.
         way_out: &'static str,
     },
-    /// The axial distance of a central composite design cannot be meant.
+    /// The axial distance of a central composite design is invalid.
     #[error("the axial distance is {value}; it must lie above 0 and be 100 half-ranges at most")]
     BadAxialDistance {
         /// The distance given, coded.

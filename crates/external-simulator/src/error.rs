@@ -20,7 +20,7 @@ pub enum Error {
         /// Why.
         source: std::io::Error,
     },
-    /// A setting cannot be meant.
+    /// A setting is invalid.
     #[error("{what}: {problem}")]
     Setting {
         /// The setting, with its value.

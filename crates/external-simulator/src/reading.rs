@@ -37,9 +37,9 @@ pub fn read_scene(
         let spheres: Vec<_> = last.spheres.iter().map(|s| s.sphere).collect();
         let largest = spheres.iter().map(|s| s.radius).fold(0.0, f64::max);
         let read = read_pile(&scene.apparatus, &spheres, largest);
-        let told = read.iter().filter_map(|further| {
-            let value = over_frames(&further.values, further.unit)?;
-            Some((further.name.to_owned(), value))
+        let told = read.iter().filter_map(|found| {
+            let value = over_frames(&found.values, found.unit)?;
+            Some((found.name.to_owned(), value))
         });
         return Ok(told.collect());
     }

@@ -23,7 +23,7 @@ const BACK_BRIGHTNESS: f64 = 0.78;
 /// more therefore never falls below 41.
 ///
 /// # Errors
-/// [`Error`] for a view or a sphere with a value that cannot be meant.
+/// [`Error`] for a view or a sphere with an invalid value.
 pub fn render_drum(spheres: &[RenderSphere], view: &DrumView) -> Result<RgbImage, Error> {
     let projection = view.projection()?;
     check_spheres(spheres)?;

@@ -59,7 +59,7 @@ impl DrumView {
     /// The map between metres and pixels of this view.
     ///
     /// # Errors
-    /// [`Error::InvalidView`] or [`Error::InvalidPixels`] for a setting that cannot be meant.
+    /// [`Error::InvalidView`] or [`Error::InvalidPixels`] for an invalid setting.
     pub fn projection(&self) -> Result<DrumProjection, Error> {
         self.check()?;
         let half_picture = f64::from(self.pixels) / 2.0;
@@ -72,7 +72,7 @@ impl DrumView {
         })
     }
 
-    /// Refuses settings that cannot be meant.
+    /// Refuses invalid settings.
     fn check(&self) -> Result<(), Error> {
         if !(LEAST_PIXELS..=MOST_PIXELS).contains(&self.pixels) {
             return Err(Error::InvalidPixels {

@@ -17,7 +17,7 @@ pub enum Error {
         /// The value, m.
         value: f64,
     },
-    /// A length or an angle of the view that cannot be meant.
+    /// A length or an angle of the view that is invalid.
     #[error("view setting {field} = {value} must be {requirement}")]
     InvalidView {
         /// Name of the setting.

@@ -49,12 +49,12 @@ impl ObjectView {
 /// Picture of an object made of spheres, with its mesh as a half transparent coat.
 ///
 /// Parallel rays, z upward in the picture (y for a view along z), two lights, light paper. The
-/// frame is chosen so that everything is seen. `triangles` holds three corners each, m, wound
+/// view is chosen so that everything is seen. `triangles` holds three corners each, m, wound
 /// counter-clockwise from outside; triangles that look away are not drawn. Pass an empty slice
 /// for spheres alone or for a mesh alone.
 ///
 /// # Errors
-/// [`Error`] for a view, a sphere or a triangle with a value that cannot be meant, and
+/// [`Error`] for a view, a sphere or a triangle with an invalid value, and
 /// [`Error::NothingToShow`] without any sphere or triangle.
 pub fn render_object(
     spheres: &[RenderSphere],
@@ -63,18 +63,18 @@ pub fn render_object(
 ) -> Result<RgbImage, Error> {
     check_spheres(spheres)?;
     check_triangles(triangles)?;
-    let frame = Frame::new(spheres, triangles, view)?;
-    let mut buffer = DepthBuffer::new(frame.samples);
+    let camera = CameraView::new(spheres, triangles, view)?;
+    let mut buffer = DepthBuffer::new(camera.samples);
     let outlines: Vec<Footprint> = spheres
         .iter()
-        .map(|sphere| frame.footprint(sphere))
+        .map(|sphere| camera.footprint(sphere))
         .collect();
     for (index, outline) in (0u32..).zip(&outlines) {
         buffer.add(index, outline);
     }
-    let coat = Coat::new(triangles, &frame);
-    let middle = f64::from(frame.samples - 1) / 2.0;
-    let sampled = RgbImage::from_fn(frame.samples, frame.samples, |column, row| {
+    let coat = Coat::new(triangles, &camera);
+    let middle = f64::from(camera.samples - 1) / 2.0;
+    let sampled = RgbImage::from_fn(camera.samples, camera.samples, |column, row| {
         let hit = buffer.hit(column, row);
         let below = hit
             .and_then(|hit| Some((hit, spheres.get(hit.index)?, outlines.get(hit.index)?)))
@@ -125,7 +125,7 @@ fn lit(colour: [u8; 3], normal: &Vector3<f64>) -> [u8; 3] {
 
 /// Camera axes and scale.
 #[derive(Debug)]
-struct Frame {
+struct CameraView {
     /// Rows: right, up and toward the camera.
     axes: Matrix3<f64>,
     /// Point in the middle of the picture, in camera axes, m.
@@ -136,7 +136,7 @@ struct Frame {
     samples: u32,
 }
 
-impl Frame {
+impl CameraView {
     /// Chooses axes and scale so that everything is seen.
     fn new(
         spheres: &[RenderSphere],
@@ -248,17 +248,17 @@ struct Layer {
 
 impl Coat {
     /// Draws all triangles that look at the camera.
-    fn new(triangles: &[[[f64; 3]; 3]], frame: &Frame) -> Self {
-        let side = frame.samples as usize;
+    fn new(triangles: &[[[f64; 3]; 3]], camera: &CameraView) -> Self {
+        let side = camera.samples as usize;
         let size = if triangles.is_empty() { 0 } else { side * side };
         let mut coat = Self {
-            samples: frame.samples,
+            samples: camera.samples,
             near: vec![f64::NEG_INFINITY; size],
             owner: vec![0; size],
             normals: Vec::new(),
         };
         for triangle in triangles {
-            coat.add(triangle.map(|corner| frame.place(corner)));
+            coat.add(triangle.map(|corner| camera.place(corner)));
         }
         coat
     }

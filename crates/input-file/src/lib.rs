@@ -1,4 +1,4 @@
-//! Files that a user names, read only where they are plain files of a size that can be meant.
+//! Files that a user names, read only where they are plain files of a plausible size.
 //!
 //! A pipe would be waited for, a device such as `/dev/zero` never ends, and a folder has no content: each is an error that says
 //! so. Links are followed, since a user may keep his data elsewhere.

@@ -71,33 +71,33 @@ pub(crate) fn agreement(
     points: &[SurfacePoint],
     surface: &SurfaceReading,
 ) -> Agreement {
-    let frame = Frame::new(surface);
-    let steps = steps(view, bed, points, &frame);
+    let axes = SurfaceAxes::new(surface);
+    let steps = steps(view, bed, points, &axes);
     let n = steps.len().max(1) as f64;
     let used: Vec<(f64, f64)> = points
         .iter()
         .zip(&surface.used)
         .filter(|(_, used)| **used)
-        .map(|(p, _)| frame.project(p.x, p.y))
+        .map(|(p, _)| axes.project(p.x, p.y))
         .collect();
     Agreement {
         step: steps.iter().sum::<f64>() / n,
         clear: steps.iter().filter(|s| **s > CLEAR_STEP).count() as f64 / n,
-        contrast: contrast(view, bed, points, &frame),
+        contrast: contrast(view, bed, points, &axes),
         steepest: steepest(&used, surface.angle.line, SLOPE_REACH * view.radius()),
     }
 }
 
-/// The frame along the surface line: u from the high end to the low end, v up from it.
-struct Frame {
+/// The axes along the surface line: u from the high end to the low end, v up from it.
+struct SurfaceAxes {
     /// Unit vector of u, 1.
     along: (f64, f64),
     /// Unit vector of v, 1.
     up: (f64, f64),
 }
 
-impl Frame {
-    /// The frame of a surface.
+impl SurfaceAxes {
+    /// The axes of a surface.
     fn new(surface: &SurfaceReading) -> Self {
         let [high, low] = surface.line_ends;
         let (dx, dy) = (low.x - high.x, low.y - high.y);
@@ -120,9 +120,9 @@ impl Frame {
 }
 
 /// Drop of the bed share from below to above each surface point, averaged over the band.
-fn steps(view: &DiscView, bed: &BedShare, points: &[SurfacePoint], frame: &Frame) -> Vec<f64> {
+fn steps(view: &DiscView, bed: &BedShare, points: &[SurfacePoint], axes: &SurfaceAxes) -> Vec<f64> {
     let radius = view.radius();
-    let (nx, ny) = frame.up;
+    let (nx, ny) = axes.up;
     let mut steps = Vec::new();
     for p in points {
         let (mut sum, mut n) = (0.0, 0.0);
@@ -143,13 +143,13 @@ fn steps(view: &DiscView, bed: &BedShare, points: &[SurfacePoint], frame: &Frame
 }
 
 /// Mean bed share below the surface less that above.
-fn contrast(view: &DiscView, bed: &BedShare, points: &[SurfacePoint], frame: &Frame) -> f64 {
-    let mut curve: Vec<(f64, f64)> = points.iter().map(|p| frame.project(p.x, p.y)).collect();
+fn contrast(view: &DiscView, bed: &BedShare, points: &[SurfacePoint], axes: &SurfaceAxes) -> f64 {
+    let mut curve: Vec<(f64, f64)> = points.iter().map(|p| axes.project(p.x, p.y)).collect();
     curve.sort_by(|a, b| a.0.total_cmp(&b.0));
     let mut sums = [[0.0_f64; 2]; 2];
     for k in (0..view.inside.len()).filter(|k| view.inside[*k]) {
         let (x, y) = view.position(k);
-        let (u, v) = frame.project(x, y);
+        let (u, v) = axes.project(x, y);
         let next = curve.partition_point(|p| p.0 < u);
         let near = curve.get(next).or(curve.last());
         let side = usize::from(near.is_some_and(|p| v < p.1));

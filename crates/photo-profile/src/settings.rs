@@ -89,7 +89,7 @@ impl Default for Settings {
 }
 
 impl Settings {
-    /// Refuses settings that cannot be meant.
+    /// Refuses invalid settings.
     ///
     /// # Errors
     /// [`Error::BadSetting`] for a drum that is not finite or smaller than 16 px in radius, for a roll beyond

@@ -1,7 +1,7 @@
 //! Lengths, angles, speeds and other scalars read with their unit and checked; numbers printed with the digits that matter.
 //!
 //! A file says `radius = "0.45 mm"`; the code holds 0.00045 m. A bare number, a unit of the wrong
-//! kind and a value that cannot be meant are errors that name the way out.
+//! kind and an invalid value are errors that name the way out.
 //!
 //! ```
 //! use quantity::{AngularSpeed, Length, Restitution};

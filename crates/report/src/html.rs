@@ -20,7 +20,7 @@ const STYLE: &str = include_str!("html/style.css");
 
 /// How a statement is coloured.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Verdict {
+pub enum Tone {
     /// Something holds.
     Good,
     /// Something must be kept in mind.
@@ -31,7 +31,7 @@ pub enum Verdict {
     Note,
 }
 
-impl Verdict {
+impl Tone {
     /// Class of the style sheet.
     fn class(self) -> &'static str {
         match self {
@@ -141,8 +141,8 @@ impl Report {
     }
 
     /// Adds a box with a statement and its reason.
-    pub fn verdict(&mut self, verdict: Verdict, headline: &str, reason: &str) -> &mut Self {
-        let class = verdict.class();
+    pub fn verdict(&mut self, tone: Tone, headline: &str, reason: &str) -> &mut Self {
+        let class = tone.class();
         let (headline, reason) = (escaped(headline), escaped(reason));
         self.push(format_args!(
             "<div class=\"verdict {class}\"><strong>{headline}</strong><p>{reason}</p></div>"

@@ -46,7 +46,7 @@ pub use chart::bars_with_target::{Bar, BarsWithTarget, Target};
 pub use chart::contour::{Contour, MarkedPoint};
 pub use chart::cube::{Cube, CubeEdge};
 pub use chart::design_runs::DesignRun;
-pub use chart::half_normal::{Effect, HalfNormal};
+pub use chart::half_normal::{FactorEffect, HalfNormal};
 pub use chart::line_series::{LineSeries, Series, SeriesPoint};
 pub use chart::pareto::Pareto;
 pub use chart::predicted_against_measured::{Comparison, PredictedAgainstMeasured, Role};
@@ -65,6 +65,6 @@ pub use html::explorer::{
 pub use html::pointing::{Pointed, PointingPicture, PointingTool};
 pub use html::table::{Alignment, Column, Table};
 pub use html::viewer::{SphereViewer, ViewerBody, ViewerKind, ViewerSphere};
-pub use html::{Fact, Report, Verdict};
+pub use html::{Fact, Report, Tone};
 pub use png::PngPrinter;
 pub use svg::Svg;

@@ -39,12 +39,12 @@ pub(crate) struct AxisPlan {
     /// Marks.
     pub(crate) ticks: Ticks,
     /// Whether grid lines cross the plot at the marks.
-    pub(crate) grid: Grid,
+    pub(crate) grid: GridStyle,
 }
 
 /// Whether grid lines are drawn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Grid {
+pub(crate) enum GridStyle {
     /// Lines at every mark.
     Lines,
     /// No lines.
@@ -59,7 +59,7 @@ impl AxisPlan {
             title: title.clone(),
             domain,
             ticks,
-            grid: Grid::Lines,
+            grid: GridStyle::Lines,
         }
     }
 
@@ -75,7 +75,7 @@ impl AxisPlan {
             title: title.clone(),
             domain,
             ticks,
-            grid: Grid::Bare,
+            grid: GridStyle::Bare,
         }
     }
 
@@ -143,7 +143,7 @@ impl Labels {
     /// left edge of what the plot may take of the picture.
     fn new(plan: &AxisPlan, room: f64, first: f64) -> Self {
         let wanted = plan.ticks.width(SMALL_TEXT);
-        if plan.grid == Grid::Lines || wanted + 6.0 <= room {
+        if plan.grid == GridStyle::Lines || wanted + 6.0 <= room {
             return Self {
                 slope: 0.0,
                 width: wanted,
@@ -250,13 +250,13 @@ impl Plot {
             bottom,
         } = self.area;
         let stroke = Stroke::solid(GRID, 1.0);
-        if self.x_plan.grid == Grid::Lines {
+        if self.x_plan.grid == GridStyle::Lines {
             for &value in &self.x_plan.ticks.values {
                 let x = self.x.pixel(value);
                 canvas.line(at(x, top), at(x, bottom), &stroke);
             }
         }
-        if self.y_plan.grid == Grid::Lines {
+        if self.y_plan.grid == GridStyle::Lines {
             for &value in &self.y_plan.ticks.values {
                 let y = self.y.pixel(value);
                 canvas.line(at(left, y), at(right, y), &stroke);

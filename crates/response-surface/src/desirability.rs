@@ -122,7 +122,7 @@ impl Goal {
         }
     }
 
-    /// Refuses numbers that cannot be meant.
+    /// Refuses invalid numbers.
     fn check(&self) -> Result<(), Error> {
         let ascending = match self.aim {
             Aim::Target { low, value, high } => low < value && value < high,
@@ -154,7 +154,7 @@ impl Goal {
 ///
 /// # Errors
 /// [`Error::Length`] unless there is one goal per response; [`Error::FactorMismatch`] for responses
-/// over different factors or ranges; [`Error::SettingOutOfRange`] for a goal that cannot be meant;
+/// over different factors or ranges; [`Error::SettingOutOfRange`] for an invalid goal;
 /// [`Error::DegreeTooHigh`] for goals of the scatter.
 pub fn compromises(
     fits: &[Fit],

@@ -2,7 +2,7 @@
 
 use thiserror::Error;
 
-/// An input that cannot be meant, or a question the data cannot answer.
+/// An invalid input, or a question the data cannot answer.
 #[derive(Debug, Clone, PartialEq, Error)]
 #[non_exhaustive]
 pub enum Error {
@@ -28,7 +28,7 @@ pub enum Error {
         /// Name of the term.
         term: String,
     },
-    /// A formula has more terms than can be meant.
+    /// A formula has too many terms.
     #[error("the model formula '{formula}' has more than {most} terms; cross fewer factors")]
     TooManyTerms {
         /// The formula as given.

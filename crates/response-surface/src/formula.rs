@@ -301,7 +301,7 @@ impl Reader<'_> {
         Ok(term)
     }
 
-    /// Refuses more terms than can be meant.
+    /// Refuses more terms than [`MOST_TERMS`].
     fn check_count(&self, terms: usize) -> Result<(), Error> {
         if terms <= MOST_TERMS {
             return Ok(());

@@ -227,7 +227,7 @@ impl Observations {
     }
 }
 
-/// Refuses a cell with values that cannot be meant.
+/// Refuses a cell with invalid values.
 fn check_cell(row: usize, cell: &Cell) -> Result<(), Error> {
     let refuse = |what, value, way_out| {
         Err(Error::BadObservation {

@@ -35,7 +35,7 @@ impl Fit {
     ///
     /// # Errors
     /// [`Error::DegreeTooHigh`]; [`Error::Length`] and [`Error::SettingOutOfRange`] for a point or
-    /// deviations that cannot be meant.
+    /// deviations that are invalid.
     pub fn propagation(
         &self,
         natural: &[f64],

@@ -106,7 +106,7 @@ pub struct Solutions {
 /// degrees of freedom are taken as those of s^2).
 ///
 /// # Errors
-/// [`Error::DegreeTooHigh`]; [`Error::SettingOutOfRange`] for numbers that cannot be meant, such
+/// [`Error::DegreeTooHigh`]; [`Error::SettingOutOfRange`] for invalid numbers, such
 /// as a target sd without its n; [`Error::Length`] for a wrong number of measured values;
 /// [`Error::NoErrorVariance`] if the error asked for is undefined. No solution is a value.
 pub fn solutions(fit: &Fit, request: &SolutionRequest) -> Result<Solutions, Error> {

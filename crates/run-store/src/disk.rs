@@ -28,9 +28,9 @@ pub struct Disk {
 
 /// How far an operation may go.
 #[derive(Debug, PartialEq, Eq)]
-enum Verdict {
+enum Completion {
     /// To its end.
-    Sound,
+    Whole,
     /// Half of what it writes, where it writes.
     Half(ErrorKind),
 }
@@ -50,24 +50,24 @@ impl Disk {
     }
 
     /// Counts an operation, and says how far it may go.
-    fn begin(&self, takes_room: bool) -> Verdict {
+    fn begin(&self, takes_room: bool) -> Completion {
         let number = self.done.fetch_add(1, Ordering::SeqCst);
         let Some((fault, at)) = self.fault else {
-            return Verdict::Sound;
+            return Completion::Whole;
         };
         match fault {
-            Fault::Fails if number == at => Verdict::Half(ErrorKind::Other),
-            Fault::Fills if number >= at && takes_room => Verdict::Half(ErrorKind::StorageFull),
-            Fault::Tears if number >= at => Verdict::Half(ErrorKind::Other),
-            _ => Verdict::Sound,
+            Fault::Fails if number == at => Completion::Half(ErrorKind::Other),
+            Fault::Fills if number >= at && takes_room => Completion::Half(ErrorKind::StorageFull),
+            Fault::Tears if number >= at => Completion::Half(ErrorKind::Other),
+            _ => Completion::Whole,
         }
     }
 
     /// Does an operation that writes nothing.
     fn whole<T>(&self, takes_room: bool, operation: impl FnOnce() -> Result<T>) -> Result<T> {
         match self.begin(takes_room) {
-            Verdict::Sound => operation(),
-            Verdict::Half(kind) => Err(Error::new(kind, "a fault of the disk")),
+            Completion::Whole => operation(),
+            Completion::Half(kind) => Err(Error::new(kind, "a fault of the disk")),
         }
     }
 
@@ -80,8 +80,8 @@ impl Disk {
     /// Writes all bytes.
     pub(crate) fn write(&self, file: &mut File, bytes: &[u8]) -> Result<()> {
         match self.begin(true) {
-            Verdict::Sound => file.write_all(bytes),
-            Verdict::Half(kind) => {
+            Completion::Whole => file.write_all(bytes),
+            Completion::Half(kind) => {
                 file.write_all(&bytes[..bytes.len() / 2])?;
                 Err(Error::new(kind, "a fault of the disk"))
             }

@@ -81,7 +81,7 @@ pub(crate) fn has_setting(
     match scene.with_numbers(&[probe]) {
         Ok(_) => Ok(true),
         Err(scene::Error::UnknownSetting { .. }) => Ok(false),
-        // Whether 1 of the unit can be meant is the question of a request.
+        // Whether 1 of the unit is valid is the question of a request.
         Err(_) if there.is_none() && unit.is_some() => Ok(true),
         Err(error) => Err(error),
     }

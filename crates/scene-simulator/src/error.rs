@@ -67,7 +67,7 @@ pub enum Error {
         /// Line, what is wrong and what is expected.
         message: String,
     },
-    /// A parameter of a file cannot be meant.
+    /// A parameter of a file is invalid.
     #[error("{file}: parameter '{symbol}' {problem}")]
     Parameter {
         /// The file.

@@ -8,7 +8,7 @@
 //! Invariants:
 //! - the inputs of a request are the scene as it is run and the bytes of its meshes, and nothing else: requests
 //!   that stand for the same run have one key, whatever else they set and whatever their scene is called;
-//! - a request that cannot be meant is refused before anything is run.
+//! - an invalid request is refused before anything is run.
 
 mod binding;
 mod body_details;

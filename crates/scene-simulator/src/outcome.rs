@@ -68,8 +68,11 @@ fn observables(result: &RunResult, surface: &SurfaceReadings) -> BTreeMap<String
         ("shell_slip", "1", &slip),
         ("kinetic_energy_mj", "mJ", &kinetic),
     ];
-    let further = result.further.iter().map(|f| (f.name, f.unit, &f.values));
-    let all = means.into_iter().chain(further);
+    let others = result
+        .observables
+        .iter()
+        .map(|f| (f.name, f.unit, &f.values));
+    let all = means.into_iter().chain(others);
     let mut observables = surface.observables();
     observables.extend(
         all.filter_map(|(name, unit, values)| Some((name.to_owned(), over_frames(values, unit)?))),

@@ -85,7 +85,7 @@ impl ParameterFile {
     ///
     /// # Errors
     ///
-    /// A file that cannot be read, text that is no parameter file, a number that cannot be meant, two parameters
+    /// A file that cannot be read, text that is no parameter file, an invalid number, two parameters
     /// that set one path.
     pub fn read(path: &Path) -> Result<Self, Error> {
         let text = input_file::read_text(path).map_err(|source| Error::Read {
@@ -102,7 +102,7 @@ impl ParameterFile {
         Ok(read)
     }
 
-    /// Refuses what cannot be meant.
+    /// Refuses what is invalid.
     fn check(&self) -> Result<(), Error> {
         let wrong = |parameter: &CalibratedParameter, problem: String| Error::Parameter {
             file: self.file.clone(),

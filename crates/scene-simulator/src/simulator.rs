@@ -131,7 +131,7 @@ impl SceneSimulator {
     ///
     /// # Errors
     ///
-    /// A model, parameter, condition or effect that cannot be meant.
+    /// A model, parameter, condition or effect that is invalid.
     pub fn scene_of(&self, request: &RunRequest) -> Result<Scene, SimulatorError> {
         let model = self.models.get(&request.model).ok_or_else(|| {
             refused(format!(
@@ -290,7 +290,7 @@ impl Simulator for SceneSimulator {
 ///
 /// # Errors
 ///
-/// A condition that is not known, or a value that cannot be meant.
+/// A condition that is not known, or an invalid value.
 fn set_condition(scene: &mut Scene, name: &str, value: f64) -> Result<(), SimulatorError> {
     match name {
         "rpm" => {

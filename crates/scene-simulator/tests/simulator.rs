@@ -197,7 +197,7 @@ fn the_inputs_follow_the_own_meshes() {
 }
 
 /// A path that no scene has, one that holds no number, and one without its unit are told before any request; symbols,
-/// conditions and values that cannot be meant are told by the request.
+/// conditions and invalid values are told by the request.
 #[test]
 fn what_cannot_be_meant_is_refused_with_its_name() {
     let make = |path: &str, unit: Option<&str>| {

@@ -98,7 +98,7 @@ impl Apparatus {
         }
     }
 
-    /// Refuses sizes that cannot be meant.
+    /// Refuses invalid sizes.
     pub(crate) fn check(&self) -> Result<(), Error> {
         match self {
             Self::Drum(drum) => drum.check(),

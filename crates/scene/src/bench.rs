@@ -15,7 +15,7 @@ use crate::interactions::interactions;
 use crate::phase_times::{PhaseTimes, Stopwatch};
 use crate::run::{Ending, RunResult};
 use crate::time_step::TimeSteps;
-use crate::{Error, FillingLibrary, Further, Scene, SeedBody, SeedSettings};
+use crate::{Error, FillingLibrary, ObservableValues, Scene, SeedBody, SeedSettings};
 use clump::Sphere;
 use dem_solver::{Census, Interaction, Settings, Template, World};
 use nalgebra::{UnitQuaternion, Vector3};
@@ -188,15 +188,15 @@ pub(crate) fn run_bench(
         ),
     };
     let shown = repeats.iter().map(|r| r.shown).collect();
-    let mut further = vec![Further::new(name, "1", shown)];
+    let mut observables = vec![ObservableValues::new(name, "1", shown)];
     if matches!(scene.apparatus, Apparatus::Tilt(_)) {
         let slid = repeats.iter().map(|r| f64::from(u8::from(r.slid)));
-        further.push(Further::new("slid_share", "1", slid.collect()));
+        observables.push(ObservableValues::new("slid_share", "1", slid.collect()));
         let held = repeats.iter().flat_map(|r| {
             let before = std::iter::repeat_n(1.0, r.n_held);
             before.chain([0.0])
         });
-        further.push(Further::new("held_share", "1", held.collect()));
+        observables.push(ObservableValues::new("held_share", "1", held.collect()));
     }
     let last = repeats.last();
     Ok(Some(RunResult {
@@ -205,7 +205,7 @@ pub(crate) fn run_bench(
         frames: Vec::new(),
         readings: Vec::new(),
         filling_angles: Vec::new(),
-        further,
+        observables,
         regime: None,
         motion: None,
         settling_time_step: parts.time_step,

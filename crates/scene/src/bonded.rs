@@ -138,7 +138,7 @@ impl Parts {
     ///
     /// # Errors
     ///
-    /// Bonds that cannot be meant.
+    /// Invalid bonds.
     pub(crate) fn bond(
         self,
         settings: &BondedSettings,

@@ -1,4 +1,4 @@
-//! What cannot be meant in a scene.
+//! What is invalid in a scene.
 
 use crate::apparatus::BenchTest;
 use crate::{Apparatus, Error, Scene};
@@ -9,7 +9,7 @@ const MOST_PAIR_INTERVAL: f64 = 0.05;
 pub(crate) const MOST_START_SLOPE: f64 = std::f64::consts::FRAC_PI_4;
 
 impl Scene {
-    /// Refuses what cannot be meant; for scenes that were changed after reading.
+    /// Refuses what is invalid; for scenes that were changed after reading.
     ///
     /// # Errors
     ///
@@ -18,8 +18,8 @@ impl Scene {
         self.problems().into_iter().next().map_or(Ok(()), Err)
     }
 
-    /// All that cannot be meant: settings out of range, names that refer to nothing, contacts that nobody
-    /// states. Values that cannot be meant are told with the file.
+    /// All that is invalid: settings out of range, names that refer to nothing, contacts that nobody
+    /// states. Invalid values are told with the file.
     pub fn problems(&self) -> Vec<Error> {
         let mut found = Vec::new();
         self.check_protocol(&mut found);
@@ -168,7 +168,7 @@ impl Scene {
         }
     }
 
-    /// Finds times and counts of the protocol that cannot be meant.
+    /// Finds times and counts of the protocol that are invalid.
     fn check_protocol(&self, found: &mut Vec<Error>) {
         let p = &self.protocol;
         let mut require = |holds: bool, name: &str, value: String, requirement: &str| {
@@ -216,7 +216,7 @@ impl Scene {
         }
     }
 
-    /// Finds steps, rates and slopes of the protocol that cannot be meant.
+    /// Finds steps, rates and slopes of the protocol that are invalid.
     fn check_steps(&self, found: &mut Vec<Error>) {
         let p = &self.protocol;
         let mut require = |holds: bool, name: &str, value: String, requirement: &str| {

@@ -73,7 +73,7 @@ pub enum Error {
         /// What is wrong, and the way out.
         problem: String,
     },
-    /// A value cannot be meant.
+    /// A value is invalid.
     #[error("{name} is {value}; it must be {requirement}")]
     BadValue {
         /// Name of the setting, with its unit.
@@ -221,7 +221,7 @@ impl Error {
         }
     }
 
-    /// The same with the file whose value cannot be meant.
+    /// The same with the file whose value is invalid.
     pub(crate) fn in_file(self, file: &str) -> Self {
         match self {
             Self::BadValue {

@@ -8,7 +8,7 @@ use contact_law::{
     BridgeForce, CapillaryBridge, Material, PairParameters, RateDependentFriction,
     RollingSpringDashpot, ViscoelasticDamping, ViscousBridge, constant_attraction, hard_contact,
 };
-use dem_solver::{FurtherLaws, Interaction, InteractionSettings};
+use dem_solver::{Interaction, InteractionSettings, OptionalLaws};
 use std::sync::Arc;
 
 /// Speed of sliding at which friction has changed by half of what it does at high speed, m/s: that of
@@ -64,7 +64,7 @@ pub(crate) fn interactions(
                 end: model.normal_force_end,
             };
             let usual = Interaction::new(&settings).map_err(refused)?;
-            let further = further_laws(scene, bodies, [a, b], &settings).map_err(refused)?;
+            let further = optional_laws(scene, bodies, [a, b], &settings).map_err(refused)?;
             table.push(usual.with(&further));
         }
     }
@@ -72,19 +72,19 @@ pub(crate) fn interactions(
 }
 
 /// The laws beside the usual ones between two materials.
-fn further_laws(
+fn optional_laws(
     scene: &Scene,
     bodies: &[Arc<SeedBody>],
     names: [&str; 2],
     settings: &InteractionSettings,
-) -> Result<FurtherLaws, contact_law::Error> {
+) -> Result<OptionalLaws, contact_law::Error> {
     let of_seed = |name: &str| scene.seed.iter().any(|s| s.material == name);
     let Some(contact) = scene.contact_of(names[0], names[1]) else {
-        return Ok(FurtherLaws::default());
+        return Ok(OptionalLaws::default());
     };
     if !names.into_iter().any(of_seed) {
         // Two walls never meet.
-        return Ok(FurtherLaws::default());
+        return Ok(OptionalLaws::default());
     }
     let rolling_spring = match scene.model.rolling_law {
         RollingLaw::ConstantTorque => None,
@@ -105,7 +105,7 @@ fn further_laws(
         .model
         .liquid
         .map(|liquid| bridge(scene, bodies, names, &liquid));
-    Ok(FurtherLaws {
+    Ok(OptionalLaws {
         viscoelastic: viscoelastic.transpose()?,
         rate_dependent: rate_dependent.transpose()?,
         rolling_spring,

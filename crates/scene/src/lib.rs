@@ -57,7 +57,8 @@ pub use phase_times::{PhaseTimes, TimeSpent};
 pub use release::read_pile;
 pub use retry::{USUAL_RETRIES, run_retrying};
 pub use run::{
-    Ending, Further, Regime, RunResult, run, run_on, running_world, settled_world, starting_frame,
+    Ending, ObservableValues, Regime, RunResult, run, run_on, running_world, settled_world,
+    starting_frame,
 };
 pub use seed::{FillingSettings, SOLID_FRACTION, SeedSettings};
 pub use settings::{

@@ -48,7 +48,7 @@ impl Scene {
     ///
     /// # Errors
     ///
-    /// A file that cannot be read, text that is no scene, settings that cannot be meant: the first of
+    /// A file that cannot be read, text that is no scene, invalid settings: the first of
     /// [`Self::read_all`].
     pub fn read(path: &Path, overrides: &[Override]) -> Result<Self, Error> {
         Self::from_text(&text_of(path)?, &name_of(path), &folder_of(path), overrides)
@@ -77,7 +77,7 @@ impl Scene {
     ///
     /// # Errors
     ///
-    /// Text that is no scene, settings that cannot be meant.
+    /// Text that is no scene, invalid settings.
     pub fn from_text(
         text: &str,
         file: &str,
@@ -125,7 +125,7 @@ impl Scene {
     ///
     /// # Errors
     ///
-    /// A name that fits no setting or several, a value that cannot be meant.
+    /// A name that fits no setting or several, an invalid value.
     pub fn with(&self, overrides: &[Override]) -> Result<Self, Error> {
         let mut table = self.table()?;
         for change in overrides {
@@ -147,7 +147,7 @@ impl Scene {
     ///
     /// # Errors
     ///
-    /// A path at which no number stands, or with a unit no quantity; a value that cannot be meant.
+    /// A path at which no number stands, or with a unit no quantity; an invalid value.
     pub fn with_numbers(&self, changes: &[NumberChange]) -> Result<Self, Error> {
         let mut table = self.table()?;
         for change in changes {

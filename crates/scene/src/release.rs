@@ -6,7 +6,7 @@ use crate::motion::{
 };
 use crate::outline::{FLANK, Outline, TOE, TOP, View};
 use crate::phase_times::Stopwatch;
-use crate::{Apparatus, Error, Frame, Further, Scene, SeedBody};
+use crate::{Apparatus, Error, Frame, ObservableValues, Scene, SeedBody};
 use clump::Sphere;
 use std::sync::Arc;
 
@@ -18,7 +18,7 @@ pub(crate) struct Released {
     /// The seeds at the end.
     pub(crate) frame: Frame,
     /// Observables.
-    pub(crate) further: Vec<Further>,
+    pub(crate) observables: Vec<ObservableValues>,
     /// Whether they rested before the limit.
     pub(crate) rested: bool,
     /// Times by the clock of settling, of running out and of reading the pile, s.
@@ -58,11 +58,11 @@ pub(crate) fn release(
     let measuring = watch.lap();
     let built = running.built;
     let frame = snapshot(&built, built.world.time() - start);
-    let further = observables(scene, &frame, &built.bodies);
+    let observables = pile_observables(scene, &frame, &built.bodies);
     Ok(Released {
         built,
         frame,
-        further,
+        observables,
         rested,
         laps_s: [settling, measuring, watch.lap()],
     })
@@ -83,7 +83,11 @@ fn lift(running: &mut Running<'_>) -> Result<(), Error> {
 }
 
 /// Slope, height and extent.
-fn observables(scene: &Scene, frame: &Frame, bodies: &[Arc<SeedBody>]) -> Vec<Further> {
+fn pile_observables(
+    scene: &Scene,
+    frame: &Frame,
+    bodies: &[Arc<SeedBody>],
+) -> Vec<ObservableValues> {
     let spheres: Vec<Sphere> = frame.spheres(bodies).map(|(_, s)| s).collect();
     let largest = bodies.iter().map(|b| b.clump.bounding_radius());
     read_pile(&scene.apparatus, &spheres, largest.fold(0.0, f64::max))
@@ -91,7 +95,11 @@ fn observables(scene: &Scene, frame: &Frame, bodies: &[Arc<SeedBody>]) -> Vec<Fu
 
 /// Slope, height and extent of what lies in a heap or a box after the release: spheres at rest, from here or from another
 /// code, in the frame of the apparatus. The columns of the outline are half as wide as the radius of the largest seed, m.
-pub fn read_pile(apparatus: &Apparatus, spheres: &[Sphere], largest_radius: f64) -> Vec<Further> {
+pub fn read_pile(
+    apparatus: &Apparatus,
+    spheres: &[Sphere],
+    largest_radius: f64,
+) -> Vec<ObservableValues> {
     let views: &[View] = match apparatus {
         Apparatus::Heap(_) => &[View::AlongZ, View::AlongX],
         _ => &[View::AlongZ],
@@ -116,9 +124,9 @@ pub fn read_pile(apparatus: &Apparatus, spheres: &[Sphere], largest_radius: f64)
     let heights = outlines.first().map(|o| 1e3 * o.height());
     let extent = ends.iter().map(|e| 1e3 * e).collect();
     let mut all = vec![
-        Further::new("angle_of_repose_deg", "deg", angles),
-        Further::new("height_mm", "mm", heights.into_iter().collect()),
-        Further::new(
+        ObservableValues::new("angle_of_repose_deg", "deg", angles),
+        ObservableValues::new("height_mm", "mm", heights.into_iter().collect()),
+        ObservableValues::new(
             if is_heap {
                 "base_radius_mm"
             } else {
@@ -131,7 +139,11 @@ pub fn read_pile(apparatus: &Apparatus, spheres: &[Sphere], largest_radius: f64)
     if let (false, Some(outline)) = (is_heap, outlines.first()) {
         for (name, part) in [("toe_angle_deg", TOE), ("top_angle_deg", TOP)] {
             let angle = outline.right_flank(part).map(f64::to_degrees);
-            all.push(Further::new(name, "deg", angle.into_iter().collect()));
+            all.push(ObservableValues::new(
+                name,
+                "deg",
+                angle.into_iter().collect(),
+            ));
         }
     }
     all

@@ -64,9 +64,9 @@ impl Ending {
     }
 }
 
-/// A further observable: values whose mean counts.
+/// The values of an observable, whose mean counts.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Further {
+pub struct ObservableValues {
     /// Name, with the unit at its end.
     pub name: &'static str,
     /// Unit.
@@ -75,7 +75,7 @@ pub struct Further {
     pub values: Vec<f64>,
 }
 
-impl Further {
+impl ObservableValues {
     /// Names some values.
     pub(crate) fn new(name: &'static str, unit: &'static str, values: Vec<f64>) -> Self {
         Self { name, unit, values }
@@ -95,8 +95,8 @@ pub struct RunResult {
     pub readings: Vec<FrameReading>,
     /// Filling angle by the picture of each frame in which it could be read, rad; metering device only.
     pub filling_angles: Vec<f64>,
-    /// Further observables.
-    pub further: Vec<Further>,
+    /// Observables beside the angle.
+    pub observables: Vec<ObservableValues>,
     /// How the bed moves; none in a bench test, which has no bed.
     pub regime: Option<Regime>,
     /// The form of its motion in a turning drum; none elsewhere.
@@ -189,15 +189,15 @@ pub fn run_on(
     let steady = &series[state.cut..];
     let evidence = evidence(scene, steady, &readings);
     let motion = BedMotion::of(&evidence);
-    let mut further = further(scene, &bodies, &frames, steady);
-    further.extend(motion_observables(&evidence));
-    further.extend(filling_angle_by_position(scene, &bodies, &frames));
+    let mut observables = bed_observables(scene, &bodies, &frames, steady);
+    observables.extend(motion_observables(&evidence));
+    observables.extend(filling_angle_by_position(scene, &bodies, &frames));
     if let Some(bonds) = &bonds {
         let broken = bonds.n_broken() as f64;
-        further.push(Further::new("broken_bonds", "1", vec![broken]));
+        observables.push(ObservableValues::new("broken_bonds", "1", vec![broken]));
     }
     Ok(RunResult {
-        further,
+        observables,
         series,
         ending: Ending::Turned(state),
         frames,
@@ -256,7 +256,7 @@ fn filling_angle_by_position(
     scene: &Scene,
     bodies: &[Arc<SeedBody>],
     frames: &[Frame],
-) -> Option<Further> {
+) -> Option<ObservableValues> {
     let Apparatus::Metering(device) = &scene.apparatus else {
         return None;
     };
@@ -268,7 +268,7 @@ fn filling_angle_by_position(
         device.filling_angle(&at_rim, gap).to_degrees()
     };
     let name = "filling_angle_by_position_deg";
-    Some(Further::new(
+    Some(ObservableValues::new(
         name,
         "deg",
         frames.iter().map(of_frame).collect(),
@@ -312,7 +312,7 @@ fn released(
         frames: vec![result.frame],
         readings: Vec::new(),
         filling_angles: Vec::new(),
-        further: result.further,
+        observables: result.observables,
         regime: Some(Regime::Resting),
         motion: None,
         settling_time_step: world.settings().time_step,
@@ -349,24 +349,24 @@ fn evidence(scene: &Scene, steady: &[SeriesPoint], readings: &[FrameReading]) ->
 }
 
 /// The same as observables.
-fn motion_observables(evidence: &MotionEvidence) -> [Further; 3] {
+fn motion_observables(evidence: &MotionEvidence) -> [ObservableValues; 3] {
     let list = |value: Option<f64>| value.into_iter().collect();
     [
-        Further::new("carried_share", "1", vec![evidence.carried_share]),
-        Further::new("waiting_time_s", "s", list(evidence.waiting_time)),
-        Further::new("airborne_share", "1", list(evidence.airborne_share)),
+        ObservableValues::new("carried_share", "1", vec![evidence.carried_share]),
+        ObservableValues::new("waiting_time_s", "s", list(evidence.waiting_time)),
+        ObservableValues::new("airborne_share", "1", list(evidence.airborne_share)),
     ]
 }
 
 /// Observables of a drum beside the angles.
-fn further(
+fn bed_observables(
     scene: &Scene,
     bodies: &[Arc<SeedBody>],
     frames: &[Frame],
     steady: &[SeriesPoint],
-) -> Vec<Further> {
+) -> Vec<ObservableValues> {
     let power = steady.iter().map(|p| 1e3 * p.drive_power_w).collect();
-    let mut all = vec![Further::new("drive_power_mw", "mW", power)];
+    let mut all = vec![ObservableValues::new("drive_power_mw", "mW", power)];
     if !matches!(scene.apparatus, Apparatus::Drum(_)) {
         return all;
     }
@@ -381,10 +381,18 @@ fn further(
     let speeds = layers.iter().map(|l| 1e3 * l.surface_speed).collect();
     let fills = frames.iter().filter_map(|f| fill_level(f, bodies, radius));
     let period = avalanche_period(&mass, SERIES_INTERVAL);
-    all.push(Further::new("flowing_layer_depth_mm", "mm", depths));
-    all.push(Further::new("surface_speed_mm_s", "mm/s", speeds));
-    all.push(Further::new("fill_level_by_position", "1", fills.collect()));
-    all.push(Further::new(
+    all.push(ObservableValues::new(
+        "flowing_layer_depth_mm",
+        "mm",
+        depths,
+    ));
+    all.push(ObservableValues::new("surface_speed_mm_s", "mm/s", speeds));
+    all.push(ObservableValues::new(
+        "fill_level_by_position",
+        "1",
+        fills.collect(),
+    ));
+    all.push(ObservableValues::new(
         "avalanche_period_s",
         "s",
         period.into_iter().collect(),

@@ -10,7 +10,7 @@ use std::path::PathBuf;
 /// spheres reach from 0.55 (loosest random) to 0.64 (densest random); `solid_fraction` states another.
 pub const SOLID_FRACTION: f64 = 0.6;
 
-/// Largest volume of the seeds over that of the apparatus, above which no fill level can be meant.
+/// Largest volume of the seeds over that of the apparatus, above which no fill level is possible.
 const FULLEST: f64 = 1.0;
 
 /// One kind of seed: exactly one of `mesh`, `sphere` and `ellipsoid`, one of `mass` and `density`, one of

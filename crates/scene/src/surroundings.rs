@@ -57,7 +57,7 @@ impl SurroundingsSettings {
         *self == Self::default()
     }
 
-    /// Refuses what cannot be meant.
+    /// Refuses what is invalid.
     pub(crate) fn check(&self, apparatus: &Apparatus) -> Result<(), Error> {
         let bad = |name: &str, value: f64, requirement: &str| {
             Err(Error::BadValue {

@@ -52,7 +52,7 @@ impl TimeSteps {
     /// # Errors
     ///
     /// A fixed step that is longer than the longest, seeds too soft to bear their bed, a vibration that the steps do not
-    /// resolve, materials that cannot be meant.
+    /// resolve, invalid materials.
     pub(crate) fn of(scene: &Scene, bodies: &[Arc<SeedBody>]) -> Result<Self, Error> {
         Self::chosen(scene, bodies).map_err(|error| error.in_file(&scene.file))
     }

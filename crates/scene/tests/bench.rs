@@ -68,7 +68,7 @@ fn cotton(apparatus: &str) -> Scene {
 
 /// Values of an observable.
 fn values(result: &RunResult, name: &str) -> Vec<f64> {
-    let found = result.further.iter().find(|f| f.name == name);
+    let found = result.observables.iter().find(|f| f.name == name);
     found.unwrap_or_else(|| panic!("no {name}")).values.clone()
 }
 

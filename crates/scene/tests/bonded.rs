@@ -54,7 +54,7 @@ fn bonds_hold_or_break_by_their_strength() {
                 "a seed is out"
             );
         }
-        let broken = result.further.iter().find(|f| f.name == "broken_bonds");
+        let broken = result.observables.iter().find(|f| f.name == "broken_bonds");
         broken.expect("counted").values[0]
     };
     assert_eq!(broken(&scene), 0.0, "strong bonds");

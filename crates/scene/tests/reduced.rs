@@ -109,13 +109,13 @@ fn a_reduced_scene_runs_the_same() {
         let [a, b] = [&scene, &reduced].map(|s| run(s, &library, 3).unwrap());
         assert_eq!(a.series, b.series, "{kind}");
         assert_eq!(a.frames, b.frames, "{kind}");
-        assert_eq!(a.further, b.further, "{kind}");
+        assert_eq!(a.observables, b.observables, "{kind}");
         assert_eq!(a.ending, b.ending, "{kind}");
         assert_eq!(a.n_steps, b.n_steps, "{kind}");
         assert_eq!(a.filling_angles, b.filling_angles, "{kind}");
-        for further in &a.further {
+        for found in &a.observables {
             let known = scene.observables();
-            assert!(known.contains(&further.name), "{} of {kind}", further.name);
+            assert!(known.contains(&found.name), "{} of {kind}", found.name);
         }
     }
 }

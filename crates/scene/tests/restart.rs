@@ -97,7 +97,7 @@ fn all_of(result: &RunResult) -> String {
     let (series, frames) = (&result.series, &result.frames);
     format!(
         "{series:?} {frames:?} {:?} {:?} {}",
-        result.ending, result.further, result.n_steps
+        result.ending, result.observables, result.n_steps
     )
 }
 
@@ -120,7 +120,7 @@ fn a_release_that_was_stopped_goes_on_with_the_same_bits() {
 #[test]
 fn bonded_seeds_that_were_stopped_go_on_with_the_same_bits() {
     let broken = |result: &RunResult| {
-        let mut all = result.further.iter();
+        let mut all = result.observables.iter();
         all.find(|f| f.name == "broken_bonds").map(|f| f.values[0])
     };
     let result = run(&bonded(), &FillingLibrary::default(), 3).expect("runs");
@@ -147,7 +147,7 @@ fn broken_bonds_stay_broken() {
         text: None,
     };
     let result = run_on(&strong, &library, 3, 1, Some(left), &mut never).expect("goes on");
-    let broken = result.further.iter().find(|f| f.name == "broken_bonds");
+    let broken = result.observables.iter().find(|f| f.name == "broken_bonds");
     assert!(broken.expect("counted").values[0] > 0.0);
 }
 

@@ -52,7 +52,7 @@ pub struct Filling {
 ///
 /// # Errors
 ///
-/// Settings that cannot be meant, a mesh that is not closed, a radius of which none or far too
+/// Invalid settings, a mesh that is not closed, a radius of which none or far too
 /// many fit, a count, roughness or target that is not reached.
 pub fn fill(mesh: &TriMesh, settings: &FillSettings) -> Result<Filling, Error> {
     settings.check()?;
@@ -107,7 +107,7 @@ pub(crate) fn fill_body(body: &Body<'_>, settings: &FillSettings) -> Result<Fill
 ///
 /// # Errors
 ///
-/// No sphere, a sphere whose centre or radius cannot be meant, a mesh that is not closed.
+/// No sphere, a sphere whose centre or radius is invalid, a mesh that is not closed.
 pub fn measure(mesh: &TriMesh, spheres: Vec<Sphere>) -> Result<Filling, Error> {
     let radii = spheres.iter().map(|s| s.radius);
     let settings = FillSettings::new(radii.fold(f64::INFINITY, f64::min));

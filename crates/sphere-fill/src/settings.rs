@@ -70,7 +70,7 @@ impl FillSettings {
         }
     }
 
-    /// Refuses settings that cannot be meant.
+    /// Refuses invalid settings.
     ///
     /// # Errors
     ///

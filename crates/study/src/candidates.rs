@@ -139,7 +139,7 @@ impl Offer<'_> {
         format!("[[candidate]] of '{}' at {condition}", self.scene)
     }
 
-    /// Tells what is wrong with the entry of a file; a suggestion that cannot be meant is left out without a word.
+    /// Tells what is wrong with the entry of a file; an invalid suggestion is left out without a word.
     pub(crate) fn refuse(
         &self,
         key: &str,
@@ -153,7 +153,7 @@ impl Offer<'_> {
         }
     }
 
-    /// Standard error of each observable that it would give, of those that the scene has; empty where it cannot be meant.
+    /// Standard error of each observable that it would give, of those that the scene has; empty where it is invalid.
     ///
     /// Without a standard deviation of its own an observable has the noise of the same one elsewhere in its scene, or, where
     /// the scene is not measured, in the others: the root mean square of the standard deviations and the harmonic mean of the

@@ -291,7 +291,7 @@ impl CommandChecker<'_> {
         }
     }
 
-    /// Refuses a drum that cannot be meant, and parameters that are not there.
+    /// Refuses an invalid drum, and parameters that are not there.
     fn check_scene(&self, scene: &SceneEntry, problems: &mut Problems) {
         let file = self.file;
         let words = format!("[[scene]] '{}':", scene.name);

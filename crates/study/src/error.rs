@@ -15,13 +15,13 @@ pub enum Error {
         /// Why.
         source: std::io::Error,
     },
-    /// The file cannot be meant.
+    /// The file is invalid.
     #[error("{}", told(list))]
     Problems {
         /// Everything that is wrong with it.
         list: Vec<Problem>,
     },
-    /// The values from which a diagnosis is to start cannot be meant.
+    /// The values from which a diagnosis is to start are invalid.
     #[error("{file}: {problem}")]
     Start {
         /// The file that should hold them.

@@ -333,7 +333,7 @@ impl Choices {
     }
 }
 
-/// The `[runner]` table; what cannot be meant is told.
+/// The `[runner]` table; what is invalid is told.
 fn runner(root: &Fields<'_>, problems: &mut Problems) -> BatchSettings {
     let Some(table) = root.table("runner", problems) else {
         return BatchSettings::default();

@@ -104,9 +104,10 @@ fn read_scene(entry: &SceneEntry, folder: &Path, further: &[String]) -> Result<S
     let mut scene = Scene::read_all(&file, &[])
         .map_err(|all| all.iter().map(ToString::to_string).collect::<Vec<_>>())?;
     if let Some(apparatus) = &entry.apparatus {
-        let apparatus: Apparatus = apparatus.clone().try_into().map_err(|e: toml::de::Error| {
-            vec![format!("apparatus cannot be meant: {}", e.message())]
-        })?;
+        let apparatus: Apparatus = apparatus
+            .clone()
+            .try_into()
+            .map_err(|e: toml::de::Error| vec![format!("apparatus is invalid: {}", e.message())])?;
         scene = scene.on_bench(apparatus).map_err(told)?;
     }
     // One after the other, so that all that are wrong are told.

@@ -86,7 +86,7 @@ pub fn density_of_discs(
     settings: &DensitySettings,
 ) -> Result<Field, Error> {
     check(discs, drum, settings)?;
-    let grid = Grid::around(drum, settings);
+    let grid = DensityGrid::around(drum, settings);
     let mut density = vec![0.0_f64; grid.n * grid.n];
     for disc in discs {
         grid.deposit(disc, &mut density);
@@ -123,7 +123,7 @@ pub fn density_of_discs(
     .smoothed_by(settings.smoothing)
 }
 
-/// Refuses discs, drum and settings that cannot be meant.
+/// Refuses discs, drum and invalid settings.
 fn check(discs: &[Disc], drum: &DrumCircle, settings: &DensitySettings) -> Result<(), Error> {
     drum.check()?;
     let cells = 2.0 * drum.radius / settings.cell;
@@ -163,7 +163,7 @@ fn check(discs: &[Disc], drum: &DrumCircle, settings: &DensitySettings) -> Resul
 }
 
 /// The square grid around the drum.
-struct Grid {
+struct DensityGrid {
     /// x of the first cell's centre, unit of the drum.
     x: f64,
     /// y of the first cell's centre, unit of the drum.
@@ -174,7 +174,7 @@ struct Grid {
     n: usize,
 }
 
-impl Grid {
+impl DensityGrid {
     /// The grid whose cells lie symmetrically about the axis and cover the drum.
     fn around(drum: &DrumCircle, settings: &DensitySettings) -> Self {
         #[expect(

@@ -24,7 +24,7 @@ pub struct DrumCircle {
 }
 
 impl DrumCircle {
-    /// Refuses a circle that cannot be meant.
+    /// Refuses an invalid circle.
     ///
     /// # Errors
     /// [`Error::BadDrum`] unless the centre is finite and the radius finite and positive.

@@ -29,8 +29,8 @@ const COMPOUND: &[u8] = &[0xd0, 0xcf, 0x11, 0xe0];
 /// Reads the table that a user names: CSV text, or a sheet of an Excel workbook.
 ///
 /// # Errors
-/// A file that cannot be read, is damaged or holds no table, with its name; a sheet that must be chosen; a cell that cannot
-/// be meant, with its place.
+/// A file that cannot be read, is damaged or holds no table, with its name; a sheet that must be chosen; an invalid
+/// cell, with its place.
 pub fn read(path: &Path) -> Result<Table, Error> {
     let (file, sheet) = names::split(path);
     let bytes = input_file::read(&file).map_err(|source| Error::Read {

@@ -246,7 +246,7 @@ fn the_sheet_is_the_only_one_with_cells_or_named() {
     assert!(refused(&file).contains("no visible sheet has cells"));
 }
 
-/// What cannot be meant as a table is told with the cell.
+/// What is invalid as a table is told with the cell.
 #[test]
 fn merged_cells_notes_and_formulas_without_value_are_refused_with_their_cell() {
     let (_folder, file) = book(&["Runs"], |_, sheet| {

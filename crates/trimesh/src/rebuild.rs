@@ -300,7 +300,7 @@ mod tests {
         }
     }
 
-    /// Cubes that are no length, too small for the memory, or larger than the body: told with the lengths that can be meant.
+    /// Cubes that are no length, too small for the memory, or larger than the body: told with the lengths that work.
     #[test]
     fn cubes_that_cannot_be_meant_are_refused() {
         for cell in [0.0, -1.0, f64::NAN, 1e-3, 9.0] {

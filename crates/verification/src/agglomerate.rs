@@ -1,6 +1,6 @@
 //! Agglomerates whose spheres overlap or touch a wall at several places at once.
 
-use crate::Trouble;
+use crate::CheckError;
 use crate::impact_reference::Impact;
 use crate::row::{Basis, Kind, Row, Tolerance};
 use crate::worlds::{
@@ -12,7 +12,7 @@ use dem_solver::{DashpotMass, Placement, Template};
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 
 /// Free fall of bodies with 1, 2 and 9 spheres at one place.
-pub(crate) fn gravity() -> Result<Vec<Row>, Trouble> {
+pub(crate) fn gravity() -> Result<Vec<Row>, CheckError> {
     let basis = Basis {
         check: "gravity-overlap",
         kind: Kind::Analytical,
@@ -47,7 +47,7 @@ pub(crate) fn gravity() -> Result<Vec<Row>, Trouble> {
 }
 
 /// Speed after the rebound of a ball made of two spheres at one place; it comes with 0.2 m/s.
-fn twin() -> Result<f64, Trouble> {
+fn twin() -> Result<f64, CheckError> {
     let sphere = Sphere {
         centre: Vector3::zeros(),
         radius: 1e-3,
@@ -72,7 +72,7 @@ fn twin() -> Result<f64, Trouble> {
 }
 
 /// Restitution of a body of n x n spheres in `layers` that falls flat on the floor.
-fn flat_fall(n: usize, layers: usize, mass: DashpotMass) -> Result<f64, Trouble> {
+fn flat_fall(n: usize, layers: usize, mass: DashpotMass) -> Result<f64, CheckError> {
     let (radius, spacing) = (0.5e-3, 1.2e-3);
     let at = |k: usize| (k as f64 - 0.5 * (n as f64 - 1.0)) * spacing;
     let mut spheres = Vec::new();
@@ -108,7 +108,7 @@ fn flat_fall(n: usize, layers: usize, mass: DashpotMass) -> Result<f64, Trouble>
 }
 
 /// Restitution of one sphere of a flat body as a body of its own, by the reference.
-fn alone(n: usize) -> Result<f64, Trouble> {
+fn alone(n: usize) -> Result<f64, CheckError> {
     let moduli = material::effective_moduli(&soft()?, &soft()?);
     let mass = 1e-5 / (n * n) as f64;
     let impact = Impact {
@@ -127,7 +127,7 @@ fn alone(n: usize) -> Result<f64, Trouble> {
 }
 
 /// Rebound against the number of spheres that touch at once.
-pub(crate) fn rebound() -> Result<Vec<Row>, Trouble> {
+pub(crate) fn rebound() -> Result<Vec<Row>, CheckError> {
     let same = Basis {
         check: "rebound-sphere-count",
         kind: Kind::Analytical,

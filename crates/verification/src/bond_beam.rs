@@ -5,7 +5,7 @@
 //! middle between the centres, which is the midpoint rule for the integral of the beam: the
 //! deflection is short by 1/(4 n²).
 
-use crate::Trouble;
+use crate::CheckError;
 use crate::row::{Basis, Kind, Row, Tolerance};
 use crate::worlds::{DENSITY, ball, settings, soft_surface, world};
 use contact_law::bond::{Bond, BondSettings, BondStrength};
@@ -31,7 +31,7 @@ fn law(strength: Option<BondStrength>) -> BondSettings {
 }
 
 /// A chain along x whose first sphere is too heavy to move.
-fn chain(strength: Option<BondStrength>) -> Result<(World, Bonds), Trouble> {
+fn chain(strength: Option<BondStrength>) -> Result<(World, Bonds), CheckError> {
     // A gap of 1 % keeps the contacts of the spheres out of the bending.
     let at = |k: usize| Vector3::x() * (2.02 * RADIUS * k as f64);
     let starts: Vec<_> = (0..=N)
@@ -57,7 +57,7 @@ fn loaded(
     force: Vector3<f64>,
     torque: Vector3<f64>,
     strength: Option<BondStrength>,
-) -> Result<(Vector3<f64>, Vector3<f64>, usize), Trouble> {
+) -> Result<(Vector3<f64>, Vector3<f64>, usize), CheckError> {
     let (mut world, mut bonds) = chain(strength)?;
     let start = world.bodies().position[N];
     // Drag near the critical one of the lowest mode, 2 x 750 per second, brings the end to rest.
@@ -80,7 +80,7 @@ fn loaded(
 }
 
 /// Tension, bending and torsion.
-pub(crate) fn beam() -> Result<Vec<Row>, Trouble> {
+pub(crate) fn beam() -> Result<Vec<Row>, CheckError> {
     let (length, link) = (2.02 * RADIUS * N as f64, 2.02 * RADIUS);
     let area = std::f64::consts::PI * RADIUS.powi(2);
     let polar = 0.5 * std::f64::consts::PI * RADIUS.powi(4);

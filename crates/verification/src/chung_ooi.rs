@@ -5,7 +5,7 @@
 //! 8 compare velocity and spin after the impact with the closed form where the contact slides
 //! throughout, and with an independent integration of the law elsewhere.
 
-use crate::Trouble;
+use crate::CheckError;
 use crate::impact_reference::{Impact, Outcome};
 use crate::row::{Basis, Kind, Row, Tolerance};
 use crate::worlds::{ball, clipped, collide, elastic, plane, settings, surface, thrown, world};
@@ -84,7 +84,7 @@ impl Case {
     }
 
     /// The surface against a material.
-    fn surface(&self, other: Material) -> Result<InteractionSettings, Trouble> {
+    fn surface(&self, other: Material) -> Result<InteractionSettings, CheckError> {
         let own = elastic(self.stuff.young, self.stuff.poisson)?;
         let settings = surface([own, other], [self.restitution, self.friction, 0.0]);
         Ok(if self.pulls {
@@ -95,7 +95,7 @@ impl Case {
     }
 
     /// The impact as the reference sees it; the partner by its reduced masses and radius.
-    fn reference(&self, other: Material, radius: f64, mass: f64) -> Result<Impact, Trouble> {
+    fn reference(&self, other: Material, radius: f64, mass: f64) -> Result<Impact, CheckError> {
         let own = elastic(self.stuff.young, self.stuff.poisson)?;
         let moduli = material::effective_moduli(&own, &other);
         Ok(Impact {
@@ -113,7 +113,7 @@ impl Case {
     }
 
     /// Impact on a plane that is rigid against the sphere.
-    fn on_a_plane(&self) -> Result<(After, Impact), Trouble> {
+    fn on_a_plane(&self) -> Result<(After, Impact), CheckError> {
         let rigid = Material::new(0.3, 1e13)?;
         let reference = self.reference(rigid, self.radius, self.mass())?;
         // The sphere lies to the right of the plane x = 0 and flies to the left. At the contact, at
@@ -148,7 +148,7 @@ impl Case {
 
     /// Impact on a sphere of the same material that is `size` times as large and `heavier` times as
     /// dense; each comes with half of the approach if they are equal, otherwise only the first moves.
-    fn on_a_sphere(&self, size: f64, heavier: f64) -> Result<(After, Impact), Trouble> {
+    fn on_a_sphere(&self, size: f64, heavier: f64) -> Result<(After, Impact), CheckError> {
         let own = elastic(self.stuff.young, self.stuff.poisson)?;
         let (other_radius, other_mass) = (size * self.radius, self.mass() * size.powi(3) * heavier);
         let reduced = |a: f64, b: f64| a * b / (a + b);
@@ -213,7 +213,7 @@ impl Case {
 }
 
 /// Runs an impact; largest force on the first body (N) and time of contact (s).
-fn peak(world: &mut World) -> Result<(f64, f64), Trouble> {
+fn peak(world: &mut World) -> Result<(f64, f64), CheckError> {
     let (mut force, mut n) = (0.0_f64, 0_u32);
     for _ in 0..20_000 {
         world.step()?;
@@ -229,7 +229,7 @@ fn peak(world: &mut World) -> Result<(f64, f64), Trouble> {
 }
 
 /// Tests 1 and 2: force and duration of elastic impacts.
-pub(crate) fn elastic_impacts() -> Result<Vec<Row>, Trouble> {
+pub(crate) fn elastic_impacts() -> Result<Vec<Row>, CheckError> {
     let basis = Basis {
         check: "chung-ooi-1-2",
         kind: Kind::Analytical,
@@ -276,7 +276,7 @@ pub(crate) fn elastic_impacts() -> Result<Vec<Row>, Trouble> {
 }
 
 /// Test 3: restitution out against restitution in.
-pub(crate) fn restitutions() -> Result<Vec<Row>, Trouble> {
+pub(crate) fn restitutions() -> Result<Vec<Row>, CheckError> {
     let basis = Basis {
         check: "chung-ooi-3",
         kind: Kind::Analytical,
@@ -366,7 +366,7 @@ fn oblique(
 }
 
 /// Tests 4 and 5: oblique impacts on a plane.
-pub(crate) fn oblique_impacts() -> Result<Vec<Row>, Trouble> {
+pub(crate) fn oblique_impacts() -> Result<Vec<Row>, CheckError> {
     let mut rows = Vec::new();
     for (stuff, restitution, friction) in [
         (ALUMINIUM_OXIDE, 0.98, 0.092),
@@ -406,7 +406,7 @@ pub(crate) fn oblique_impacts() -> Result<Vec<Row>, Trouble> {
 }
 
 /// Tests 6 to 8: spinning spheres on a plane, on their like, on a large and heavy one.
-pub(crate) fn spinning_impacts() -> Result<Vec<Row>, Trouble> {
+pub(crate) fn spinning_impacts() -> Result<Vec<Row>, CheckError> {
     let mut rows = Vec::new();
     for stuff in [ALUMINIUM_ALLOY_B, NYLON] {
         for spin in [0.5, 5.0, 20.0] {

@@ -1,6 +1,6 @@
 //! The same input gives the same bits.
 
-use crate::Trouble;
+use crate::CheckError;
 use crate::row::{Basis, Kind, Row, Tolerance};
 use crate::worlds::{GRAVITY, cluster, plane, run, settings, soft_surface, world};
 use dem_solver::{DashpotMass, Placement, Template, World};
@@ -8,7 +8,7 @@ use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 use random_stream::Stream;
 
 /// Some fifty bodies in a box.
-pub(crate) fn shaken() -> Result<World, Trouble> {
+pub(crate) fn shaken() -> Result<World, CheckError> {
     let half = 0.0125;
     let axes = [Vector3::x(), Vector3::y(), Vector3::z()];
     let walls = axes
@@ -61,7 +61,7 @@ fn n_different(a: &World, b: &World) -> f64 {
 }
 
 /// Runs twice, and goes on from a stop.
-pub(crate) fn same_bits() -> Result<Vec<Row>, Trouble> {
+pub(crate) fn same_bits() -> Result<Vec<Row>, CheckError> {
     let basis = Basis {
         check: "determinism",
         kind: Kind::Analytical,

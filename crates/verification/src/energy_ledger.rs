@@ -1,6 +1,6 @@
 //! The energy ledger of a running drum.
 
-use crate::Trouble;
+use crate::CheckError;
 use crate::row::{Basis, Kind, Row, Tolerance};
 use crate::worlds::{GRAVITY, clipped, cluster, plane, settings, soft_surface, world};
 use dem_solver::{DashpotMass, EnergyLedger, EnergyTerms, Placement, Shape, Template, Wall};
@@ -11,7 +11,7 @@ use random_stream::Stream;
 const END: f64 = 0.5;
 
 /// Terms at the start of the drum and at the end, with a time step (s).
-fn drum(time_step: f64) -> Result<[EnergyTerms; 2], Trouble> {
+fn drum(time_step: f64) -> Result<[EnergyTerms; 2], CheckError> {
     let (radius, half_width, spin) = (0.02, 5e-3, 6.0);
     let wall = |shape| Wall {
         shape,
@@ -57,7 +57,7 @@ fn drum(time_step: f64) -> Result<[EnergyTerms; 2], Trouble> {
 }
 
 /// How far the ledger is from closing, and the signs of its terms.
-pub(crate) fn running_drum() -> Result<Vec<Row>, Trouble> {
+pub(crate) fn running_drum() -> Result<Vec<Row>, CheckError> {
     let basis = Basis {
         check: "energy-ledger",
         kind: Kind::Analytical,

@@ -2,7 +2,7 @@
 //!
 //! The reference is Euler's equations by the classical fourth-order scheme with a fine step.
 
-use crate::Trouble;
+use crate::CheckError;
 use crate::row::{Basis, Kind, Row, Tolerance};
 use crate::worlds::{run, settings, soft_surface, world};
 use clump::{Clump, MassProperties, Sphere};
@@ -16,7 +16,7 @@ const SPIN: Vector3<f64> = Vector3::new(20.0, 40.0, 10.0);
 const END: f64 = 0.8;
 
 /// A body of three different moments of inertia.
-fn body() -> Result<Clump, Trouble> {
+fn body() -> Result<Clump, CheckError> {
     let sphere = |x, y| Sphere {
         centre: Vector3::new(x, y, 0.0),
         radius: 1e-3,
@@ -41,7 +41,7 @@ fn start() -> UnitQuaternion<f64> {
 }
 
 /// The body after [`END`] with a time step (s).
-fn spun(time_step: f64) -> Result<World, Trouble> {
+fn spun(time_step: f64) -> Result<World, CheckError> {
     let turn = start();
     let placement = Placement {
         spin: turn * SPIN,
@@ -92,7 +92,7 @@ fn reference(moments: &Vector3<f64>) -> UnitQuaternion<f64> {
 }
 
 /// Conservation and order of convergence.
-pub(crate) fn free_rotation() -> Result<Vec<Row>, Trouble> {
+pub(crate) fn free_rotation() -> Result<Vec<Row>, CheckError> {
     let moments = body()?.inertia();
     let turn = start();
     let momentum = turn * moments.component_mul(&SPIN);

@@ -1,6 +1,6 @@
 //! Contact laws as functions, against closed forms.
 
-use crate::Trouble;
+use crate::CheckError;
 use crate::row::{Basis, Kind, Row, Tolerance};
 use contact_law::capillary_bridge::CapillaryBridge;
 use contact_law::johnson_kendall_roberts::JohnsonKendallRoberts;
@@ -9,7 +9,7 @@ use nalgebra::Vector3;
 use std::f64::consts::PI;
 
 /// Adhesion, liquid bridges, rolling resistance of type C.
-pub(crate) fn laws() -> Result<Vec<Row>, Trouble> {
+pub(crate) fn laws() -> Result<Vec<Row>, CheckError> {
     let basis = Basis {
         check: "laws",
         kind: Kind::Analytical,

@@ -38,7 +38,7 @@ pub enum Error {
         /// Name of the check.
         check: &'static str,
         /// Why.
-        source: Trouble,
+        source: CheckError,
     },
     /// No check has the name.
     #[error("no check is named '{name}'; there are {known}")]
@@ -53,7 +53,7 @@ pub enum Error {
 /// What can go wrong inside a check.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
-pub enum Trouble {
+pub enum CheckError {
     /// The solver.
     #[error(transparent)]
     Solver(#[from] dem_solver::Error),

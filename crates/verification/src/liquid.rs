@@ -1,10 +1,10 @@
 //! Bridges of liquid: rupture, the energy that it costs, squeezing out, drawing apart, sliding.
 
-use crate::Trouble;
+use crate::CheckError;
 use crate::row::{Basis, Kind, Row, Tolerance};
 use crate::worlds::{DENSITY, RADIUS, ball, floor, run, settings, soft_surface, thrown};
 use contact_law::{BridgeForce, CapillaryBridge, ViscousBridge, ViscousForce};
-use dem_solver::{FurtherLaws, Interaction, Placement, Wall, World};
+use dem_solver::{Interaction, OptionalLaws, Placement, Wall, World};
 use nalgebra::Vector3;
 use std::f64::consts::{E, PI};
 
@@ -27,10 +27,10 @@ fn wet(
     bridge: BridgeForce,
     walls: Vec<Wall>,
     starts: &[Placement],
-) -> Result<World, Trouble> {
-    let further = FurtherLaws {
+) -> Result<World, CheckError> {
+    let further = OptionalLaws {
         bridge: Some(bridge),
-        ..FurtherLaws::default()
+        ..OptionalLaws::default()
     };
     let surface = Interaction::new(&soft_surface([1.0, 0.0, 0.0])?)?.with(&further);
     let balls = vec![ball(RADIUS, DENSITY)?.with_liquid(6.0 * volume)];
@@ -67,7 +67,7 @@ fn mass() -> f64 {
 }
 
 /// All checks of bridges.
-pub(crate) fn bridges() -> Result<Vec<Row>, Trouble> {
+pub(crate) fn bridges() -> Result<Vec<Row>, CheckError> {
     let mut rows = rupture()?;
     rows.push(drawing_apart()?);
     rows.push(drainage()?);
@@ -76,7 +76,7 @@ pub(crate) fn bridges() -> Result<Vec<Row>, Trouble> {
 }
 
 /// Two balls that meet, touch and part: where the bridge breaks and what it took.
-fn rupture() -> Result<Vec<Row>, Trouble> {
+fn rupture() -> Result<Vec<Row>, CheckError> {
     let law = CapillaryBridge::new(TENSION, ANGLE)?.between(RADIUS);
     let (speed, step) = (0.2, 1e-7);
     let starts = parting(2.0 * RADIUS + 1e-5, -speed);
@@ -98,7 +98,7 @@ fn rupture() -> Result<Vec<Row>, Trouble> {
     }
     let [end, left] = apart(&world);
     if end < 2.0 * gap || gap <= 0.0 {
-        return Err(Trouble::NoEvent("the rupture of a bridge"));
+        return Err(CheckError::NoEvent("the rupture of a bridge"));
     }
     let basis = Basis {
         check: "liquid-bridge",
@@ -133,17 +133,17 @@ fn rupture() -> Result<Vec<Row>, Trouble> {
 }
 
 /// A liquid without tension: its resistance and its bridge, between surfaces of a mean radius (m).
-fn syrup(viscosity: f64, radius: f64) -> Result<(ViscousForce, BridgeForce), Trouble> {
+fn syrup(viscosity: f64, radius: f64) -> Result<(ViscousForce, BridgeForce), CheckError> {
     let viscous = ViscousBridge::new(viscosity, ROUGHNESS)?.between(radius);
     let bridge = CapillaryBridge::new(0.0, 0.0)?.between(radius);
-    let force = viscous.ok_or(Trouble::NoEvent("viscosity"))?;
+    let force = viscous.ok_or(CheckError::NoEvent("viscosity"))?;
     Ok((force, bridge.with_viscosity(viscous)))
 }
 
 /// Two balls in much liquid that are driven apart from the touch: the speed lost up to a gap.
 ///
 /// `m dv/dD = -6 pi h R*²/max(D, e)`: the speed falls by `k (1 + ln(D/e))` with `k = 6 pi h R*²/m`.
-fn drawing_apart() -> Result<Row, Trouble> {
+fn drawing_apart() -> Result<Row, CheckError> {
     let (viscosity, step, far) = (0.05, 2e-8, 1e-4);
     let (_, law) = syrup(viscosity, RADIUS)?;
     let starts = parting(2.0 * RADIUS * (1.0 - 1e-8), 0.5);
@@ -171,11 +171,11 @@ fn drawing_apart() -> Result<Row, Trouble> {
         }
         last = now;
     }
-    Err(Trouble::NoEvent("two balls that come apart"))
+    Err(CheckError::NoEvent("two balls that come apart"))
 }
 
 /// A ball that is drawn off a floor through syrup and then sinks back: `D = D_0 exp(-t m g/(6 pi h R²))`.
-fn drainage() -> Result<Row, Trouble> {
+fn drainage() -> Result<Row, CheckError> {
     let (viscosity, gravity) = (1.0, 100.0);
     let (_, law) = syrup(viscosity, 2.0 * RADIUS)?;
     let start = thrown(0, Vector3::y() * (RADIUS * (1.0 - 1e-8)), Vector3::y());
@@ -203,7 +203,7 @@ fn drainage() -> Result<Row, Trouble> {
         }
     }
     if times[1] <= times[0] {
-        return Err(Trouble::NoEvent("a ball that sinks through syrup"));
+        return Err(CheckError::NoEvent("a ball that sinks through syrup"));
     }
     let basis = Basis {
         check: "liquid-bridge",
@@ -218,7 +218,7 @@ fn drainage() -> Result<Row, Trouble> {
 }
 
 /// A ball thrown along a wet floor without friction: it slides until it rolls, and then nothing holds it.
-fn sliding() -> Result<Vec<Row>, Trouble> {
+fn sliding() -> Result<Vec<Row>, CheckError> {
     let (_, law) = syrup(1.0, 2.0 * RADIUS)?;
     let start = thrown(
         0,

@@ -11,7 +11,7 @@
 //! turns the point of contact back: `psi_2 < 0` over the middle range. The law of the solver has no
 //! partial slip within the contact, so there the comparison is with an integration of the same law.
 
-use crate::Trouble;
+use crate::CheckError;
 use crate::impact_reference::Impact;
 use crate::row::{Basis, Kind, Row, Tolerance};
 use crate::worlds::{DENSITY, RADIUS, ball, clipped, collide, elastic, floor, settings, surface};
@@ -29,7 +29,7 @@ const FRICTION: f64 = 0.1;
 const APPROACH: f64 = 0.2;
 
 /// `psi_2` by the solver and by the reference, and the kinetic energy after over that before.
-fn turned_back(psi: f64) -> Result<([f64; 2], f64), Trouble> {
+fn turned_back(psi: f64) -> Result<([f64; 2], f64), CheckError> {
     let ratio = 2.0 * (1.0 - POISSON) / (2.0 - POISSON);
     let own = elastic(1e8, POISSON)?;
     let moduli = material::effective_moduli(&own, &own);
@@ -68,7 +68,7 @@ fn turned_back(psi: f64) -> Result<([f64; 2], f64), Trouble> {
 }
 
 /// The curve at a few places.
-pub(crate) fn curve() -> Result<Vec<Row>, Trouble> {
+pub(crate) fn curve() -> Result<Vec<Row>, CheckError> {
     let chi = 7.0 / 4.0 * 2.0 * (1.0 - POISSON) / (2.0 - POISSON);
     let slides = Basis {
         check: "maw",

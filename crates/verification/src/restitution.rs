@@ -1,6 +1,6 @@
 //! Restitution against speed, and the restitution trap.
 
-use crate::Trouble;
+use crate::CheckError;
 use crate::impact_reference::Impact;
 use crate::row::{Basis, Kind, Row, Tolerance};
 use crate::worlds::{
@@ -10,7 +10,7 @@ use contact_law::{NormalForceEnd, material};
 use nalgebra::Vector3;
 
 /// Rebound of a ball from the floor, and the same impact for the reference.
-fn rebound(restitution: f64, speed: f64, end: NormalForceEnd) -> Result<(f64, Impact), Trouble> {
+fn rebound(restitution: f64, speed: f64, end: NormalForceEnd) -> Result<(f64, Impact), CheckError> {
     let moduli = material::effective_moduli(&soft()?, &soft()?);
     let mass = DENSITY * clump::volume_of_sphere(RADIUS);
     let reference = Impact {
@@ -44,7 +44,7 @@ fn rebound(restitution: f64, speed: f64, end: NormalForceEnd) -> Result<(f64, Im
 }
 
 /// Restitution at speeds from 0.01 m/s to 1 m/s.
-pub(crate) fn against_speed() -> Result<Vec<Row>, Trouble> {
+pub(crate) fn against_speed() -> Result<Vec<Row>, CheckError> {
     let basis = Basis {
         check: "restitution-speed",
         kind: Kind::Analytical,
@@ -64,7 +64,7 @@ pub(crate) fn against_speed() -> Result<Vec<Row>, Trouble> {
 }
 
 /// The trap: what comes out where the dashpot may pull, and where its pull is clipped.
-pub(crate) fn trap() -> Result<Vec<Row>, Trouble> {
+pub(crate) fn trap() -> Result<Vec<Row>, CheckError> {
     let basis = Basis {
         check: "restitution-trap",
         kind: Kind::CrossCode,

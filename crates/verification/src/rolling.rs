@@ -1,13 +1,13 @@
 //! Balls on planes: from sliding to rolling, rolling and sliding down an incline, rolling resistance.
 
-use crate::Trouble;
+use crate::CheckError;
 use crate::row::{Basis, Kind, Row, Tolerance};
 use crate::worlds::{
     DENSITY, GRAVITY, RADIUS, ball, cluster, floor, resting_overlap, run, settings, soft_surface,
     thrown, world,
 };
 use contact_law::RollingLever;
-use dem_solver::{DashpotMass, FurtherLaws, Interaction, Placement, Template, World};
+use dem_solver::{DashpotMass, Interaction, OptionalLaws, Placement, Template, World};
 use nalgebra::{UnitQuaternion, Vector3};
 
 /// Time step, a hundredth of a contact, s.
@@ -19,7 +19,7 @@ fn on_the_floor(
     tilt: f64,
     speed: f64,
     spin: f64,
-) -> Result<(World, f64), Trouble> {
+) -> Result<(World, f64), CheckError> {
     let overlap = resting_overlap(RADIUS, GRAVITY * tilt.cos())?;
     let start = Placement {
         spin: Vector3::z() * spin,
@@ -37,14 +37,14 @@ fn on_the_floor(
 }
 
 /// Mean acceleration along x over some steps, m/s².
-fn acceleration(world: &mut World, n_steps: usize) -> Result<f64, Trouble> {
+fn acceleration(world: &mut World, n_steps: usize) -> Result<f64, CheckError> {
     let (time, velocity) = (world.time(), world.bodies().velocity[0].x);
     run(world, n_steps)?;
     Ok((world.bodies().velocity[0].x - velocity) / (world.time() - time))
 }
 
 /// A ball thrown along a level floor.
-pub(crate) fn slip_to_roll() -> Result<Vec<Row>, Trouble> {
+pub(crate) fn slip_to_roll() -> Result<Vec<Row>, CheckError> {
     let (mut world, flattening) = on_the_floor([0.5, 0.3, 0.0], 0.0, 0.3, 0.0)?;
     let basis = Basis {
         check: "slip-to-roll",
@@ -77,7 +77,7 @@ pub(crate) fn slip_to_roll() -> Result<Vec<Row>, Trouble> {
 
 /// A dumb-bell that rolls on the floor about its axis, slowed down by rolling resistance: its two spheres of radius R
 /// lie at 2 R from its centre, so that a contact is R from the centre of its sphere and sqrt(5) R from that of the body.
-pub(crate) fn dumb_bell() -> Result<Vec<Row>, Trouble> {
+pub(crate) fn dumb_bell() -> Result<Vec<Row>, CheckError> {
     let basis = Basis {
         check: "rolling-lever",
         kind: Kind::Analytical,
@@ -94,9 +94,9 @@ pub(crate) fn dumb_bell() -> Result<Vec<Row>, Trouble> {
             ([0.0, 0.0, -2.0 * RADIUS], RADIUS),
             ([0.0, 0.0, 2.0 * RADIUS], RADIUS),
         ])?;
-        let further = FurtherLaws {
+        let further = OptionalLaws {
             rolling_lever: lever,
-            ..FurtherLaws::default()
+            ..OptionalLaws::default()
         };
         let surface = Interaction::new(&soft_surface([0.5, 0.3, 0.02])?)?.with(&further);
         let overlap = resting_overlap(RADIUS, GRAVITY)?;
@@ -129,7 +129,7 @@ pub(crate) fn dumb_bell() -> Result<Vec<Row>, Trouble> {
 }
 
 /// A ball on inclines, and slowed down by rolling resistance.
-pub(crate) fn inclines() -> Result<Vec<Row>, Trouble> {
+pub(crate) fn inclines() -> Result<Vec<Row>, CheckError> {
     let basis = Basis {
         check: "incline",
         kind: Kind::Analytical,

@@ -5,7 +5,7 @@
 //! small frictional grain in contacts that should let it slide `[Vyas2025]`. A grain of 1/7 of the
 //! radius is dropped onto the hole from many places.
 
-use crate::Trouble;
+use crate::CheckError;
 use crate::row::{Basis, Kind, Row, Tolerance};
 use crate::worlds::{DENSITY, GRAVITY, ball, clipped, settings, soft_surface, thrown, world};
 use nalgebra::Vector3;
@@ -18,7 +18,7 @@ const LARGE: f64 = 5e-3;
 const DROPS: usize = 12;
 
 /// Number of grains of a radius (m) that pass the hole within a time (s).
-fn passes(small: f64, friction: f64, limit: f64) -> Result<usize, Trouble> {
+fn passes(small: f64, friction: f64, limit: f64) -> Result<usize, CheckError> {
     let side = 2.0 / 3.0_f64.sqrt() * LARGE;
     let at = |k: f64| {
         let angle = std::f64::consts::TAU * k / 3.0;
@@ -55,7 +55,7 @@ fn passes(small: f64, friction: f64, limit: f64) -> Result<usize, Trouble> {
 }
 
 /// Grains that pass, and grains that are too large.
-pub(crate) fn three_spheres() -> Result<Vec<Row>, Trouble> {
+pub(crate) fn three_spheres() -> Result<Vec<Row>, CheckError> {
     let basis = Basis {
         check: "size-ratio",
         kind: Kind::Trend,

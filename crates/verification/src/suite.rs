@@ -1,7 +1,7 @@
 //! The list of checks.
 
 use crate::{
-    Error, Row, Trouble, agglomerate, bond_beam, chung_ooi, determinism, energy_ledger,
+    CheckError, Error, Row, agglomerate, bond_beam, chung_ooi, determinism, energy_ledger,
     free_rotation, laws, liquid, maw, restitution, rolling, size_ratio, walls,
 };
 
@@ -11,7 +11,7 @@ pub struct Check {
     /// Name, as `--only` takes it.
     pub name: &'static str,
     /// The computation.
-    compute: fn() -> Result<Vec<Row>, Trouble>,
+    compute: fn() -> Result<Vec<Row>, CheckError>,
 }
 
 /// All checks.

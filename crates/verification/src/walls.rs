@@ -1,6 +1,6 @@
 //! Walls of triangles against analytic walls, and walls that move.
 
-use crate::Trouble;
+use crate::CheckError;
 use crate::row::{Basis, Kind, Row, Tolerance};
 use crate::worlds::{
     DENSITY, GRAVITY, RADIUS, ball, floor, resting_overlap, run, settings, soft_surface, thrown,
@@ -32,7 +32,7 @@ fn with_ball(
     walls: Vec<Wall>,
     meshes: Vec<MeshWall>,
     gravity: f64,
-) -> Result<World, Trouble> {
+) -> Result<World, CheckError> {
     let mut world = world(
         settings(1e-6, Vector3::y() * -gravity, RADIUS),
         &soft_surface([0.4, 0.3, 0.02])?,
@@ -54,7 +54,7 @@ fn difference(a: &World, b: &World) -> f64 {
 }
 
 /// The same impact on both kinds of wall.
-fn impact(x: f64, z: f64, with_edges: bool) -> Result<f64, Trouble> {
+fn impact(x: f64, z: f64, with_edges: bool) -> Result<f64, CheckError> {
     let start = Placement {
         spin: Vector3::new(20.0, -30.0, 10.0),
         ..thrown(
@@ -83,7 +83,7 @@ fn impact(x: f64, z: f64, with_edges: bool) -> Result<f64, Trouble> {
 }
 
 /// Analytic walls and walls of triangles.
-pub(crate) fn mesh_and_analytic() -> Result<Vec<Row>, Trouble> {
+pub(crate) fn mesh_and_analytic() -> Result<Vec<Row>, CheckError> {
     let basis = Basis {
         check: "mesh-wall",
         kind: Kind::Analytical,
@@ -141,7 +141,7 @@ pub(crate) fn mesh_and_analytic() -> Result<Vec<Row>, Trouble> {
 }
 
 /// Walls with prescribed motion.
-pub(crate) fn moving() -> Result<Vec<Row>, Trouble> {
+pub(crate) fn moving() -> Result<Vec<Row>, CheckError> {
     let basis = Basis {
         check: "moving-wall",
         kind: Kind::Analytical,

@@ -1,6 +1,6 @@
 //! Small worlds: balls, clusters, planes, starts.
 
-use crate::Trouble;
+use crate::CheckError;
 use clump::{Clump, Sphere, properties_of_spheres};
 use contact_law::{Material, NormalForceEnd, PairParameters};
 use dem_solver::{
@@ -47,7 +47,7 @@ pub(crate) fn surface(
 }
 
 /// The same with soft sides.
-pub(crate) fn soft_surface(parameters: [f64; 3]) -> Result<InteractionSettings, Trouble> {
+pub(crate) fn soft_surface(parameters: [f64; 3]) -> Result<InteractionSettings, CheckError> {
     Ok(surface([soft()?; 2], parameters))
 }
 
@@ -70,13 +70,13 @@ pub(crate) fn settings(time_step: f64, gravity: Vector3<f64>, size: f64) -> Sett
 }
 
 /// A ball: radius in m, density in kg/m³.
-pub(crate) fn ball(radius: f64, density: f64) -> Result<Template, Trouble> {
+pub(crate) fn ball(radius: f64, density: f64) -> Result<Template, CheckError> {
     let clump = Clump::sphere(radius, density)?;
     Ok(Template::new(&clump, 0, DashpotMass::Body))
 }
 
 /// A body of spheres (centre and radius in m) with their mass.
-pub(crate) fn cluster(spheres: &[([f64; 3], f64)]) -> Result<Clump, Trouble> {
+pub(crate) fn cluster(spheres: &[([f64; 3], f64)]) -> Result<Clump, CheckError> {
     let spheres: Vec<_> = spheres
         .iter()
         .map(|&(centre, radius)| Sphere {
@@ -124,7 +124,7 @@ pub(crate) fn world(
     templates: Vec<Template>,
     walls: Vec<Wall>,
     starts: &[Placement],
-) -> Result<World, Trouble> {
+) -> Result<World, CheckError> {
     let interactions = vec![Interaction::new(surface)?];
     Ok(World::new(
         settings,
@@ -136,7 +136,7 @@ pub(crate) fn world(
 }
 
 /// Moves a world by a number of steps.
-pub(crate) fn run(world: &mut World, n_steps: usize) -> Result<(), Trouble> {
+pub(crate) fn run(world: &mut World, n_steps: usize) -> Result<(), CheckError> {
     for _ in 0..n_steps {
         world.step()?;
     }
@@ -149,7 +149,7 @@ pub(crate) fn touches(world: &World) -> bool {
 }
 
 /// Runs until the first contact has come and gone; the time of contact, s.
-pub(crate) fn collide(world: &mut World, most_steps: usize) -> Result<f64, Trouble> {
+pub(crate) fn collide(world: &mut World, most_steps: usize) -> Result<f64, CheckError> {
     let mut n_touching = 0;
     for _ in 0..most_steps {
         world.step()?;
@@ -159,11 +159,11 @@ pub(crate) fn collide(world: &mut World, most_steps: usize) -> Result<f64, Troub
             return Ok(f64::from(n_touching) * world.settings().time_step);
         }
     }
-    Err(Trouble::NoEvent("the end of the contact"))
+    Err(CheckError::NoEvent("the end of the contact"))
 }
 
 /// Overlap at which a plane of the same soft material carries a ball of [`DENSITY`], m.
-pub(crate) fn resting_overlap(radius: f64, gravity: f64) -> Result<f64, Trouble> {
+pub(crate) fn resting_overlap(radius: f64, gravity: f64) -> Result<f64, CheckError> {
     let mass = DENSITY * clump::volume_of_sphere(radius);
     let young = contact_law::material::effective_moduli(&soft()?, &soft()?).young;
     Ok((0.75 * mass * gravity / (young * radius.sqrt())).powf(2.0 / 3.0))

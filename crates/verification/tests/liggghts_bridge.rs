@@ -6,7 +6,7 @@
 use clump::Clump;
 use contact_law::{CapillaryBridge, Material, NormalForceEnd, PairParameters, ViscousBridge};
 use dem_solver::{
-    DashpotMass, FurtherLaws, Interaction, InteractionSettings, Placement, Settings, Template,
+    DashpotMass, Interaction, InteractionSettings, OptionalLaws, Placement, Settings, Template,
     World,
 };
 use nalgebra::{UnitQuaternion, Vector3};
@@ -38,13 +38,13 @@ fn pair(viscosity: f64) -> World {
     };
     let viscous = ViscousBridge::new(viscosity, 1e-5).expect("a liquid");
     let bridge = CapillaryBridge::new(0.0, 0.0).expect("no tension");
-    let further = FurtherLaws {
+    let further = OptionalLaws {
         bridge: Some(
             bridge
                 .between(RADIUS)
                 .with_viscosity(viscous.between(RADIUS)),
         ),
-        ..FurtherLaws::default()
+        ..OptionalLaws::default()
     };
     let surface = Interaction::new(&settings)
         .expect("a surface")

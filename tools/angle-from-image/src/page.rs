@@ -9,7 +9,7 @@ use image::codecs::jpeg::JpegEncoder;
 use photo_profile::Mode;
 use report::{
     AxisTitle, Column, Fact, Level, LineSeries, Pointed, PointingPicture, PointingTool, Report,
-    Series, SeriesPoint, Table, Verdict,
+    Series, SeriesPoint, Table, Tone,
 };
 use surface_profile::Definition;
 
@@ -148,7 +148,7 @@ impl Shown<'_> {
         let image = self.image;
         page.subsection(&format!("{}. {}", self.number, self.name()));
         if let Some(words) = &image.advice {
-            page.verdict(Verdict::Note, "How to go on", &sentence(words));
+            page.verdict(Tone::Note, "How to go on", &sentence(words));
         }
         if let Some(flag) = &image.advice_flag {
             page.verbatim(flag);
@@ -225,12 +225,12 @@ fn summary(
     let told: Vec<String> = told.map(|(n, what)| format!("{n} {what}")).collect();
     let (verdict, reason) = match (summary.n, summary.refused + summary.unread) {
         (_, 0) => (
-            Verdict::Good,
+            Tone::Good,
             "Look at the pictures before you believe a number.",
         ),
-        (0, _) => (Verdict::Bad, "Each picture below says first how to go on."),
+        (0, _) => (Tone::Bad, "Each picture below says first how to go on."),
         _ => (
-            Verdict::Caution,
+            Tone::Caution,
             "Each picture without an angle says first how to go on.",
         ),
     };

@@ -39,7 +39,7 @@ struct Row {
 ///
 /// # Errors
 ///
-/// Flags that cannot be meant, a table that cannot be written.
+/// Invalid flags, a table that cannot be written.
 pub(crate) fn run(arguments: &Arguments, file: &PathBuf) -> anyhow::Result<u8> {
     let (common, unit) = (&arguments.common, arguments.unit);
     let radius = arguments.radius.as_deref();

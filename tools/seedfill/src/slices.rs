@@ -44,7 +44,7 @@ pub(crate) fn files(place: &Path) -> anyhow::Result<Vec<PathBuf>> {
 ///
 /// # Errors
 ///
-/// Slices that cannot be read or differ in size, more voxels than are handled, a threshold or an edge length that cannot be meant,
+/// Slices that cannot be read or differ in size, more voxels than are handled, a threshold or an edge length that is invalid,
 /// no body.
 pub(crate) fn read(
     arguments: &Arguments,

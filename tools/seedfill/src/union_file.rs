@@ -33,7 +33,7 @@ impl UnionFile {
     ///
     /// # Errors
     ///
-    /// A cell that cannot be meant or is too small; a surface that single precision cannot hold.
+    /// An invalid cell or too small; a surface that single precision cannot hold.
     pub(crate) fn new(arguments: &Arguments, filling: &Filling) -> anyhow::Result<Option<Self>> {
         let Some(file) = &arguments.union else {
             return Ok(None);

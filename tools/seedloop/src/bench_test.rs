@@ -230,8 +230,8 @@ fn apparatus(
 
 /// Values of an observable; none where the run does not give it.
 fn values<'a>(result: &'a RunResult, name: &str) -> &'a [f64] {
-    let mut further = result.further.iter();
-    further
+    let mut observables = result.observables.iter();
+    observables
         .find(|f| f.name == name)
         .map_or(&[], |f| f.values.as_slice())
 }

@@ -7,7 +7,7 @@ use residual_diagnosis::{Diagnosis, Options, Problem, ProblemFile, diagnose};
 ///
 /// # Errors
 ///
-/// When the file cannot be read, is not a problem, or holds what cannot be meant; the message
+/// When the file cannot be read, is not a problem, or holds what is invalid; the message
 /// names the file, and the line where it is not valid JSON.
 pub(crate) fn run(path: &std::path::Path, seed: u64) -> anyhow::Result<Diagnosis> {
     let text = input_file::read_text(path)

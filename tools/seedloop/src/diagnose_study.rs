@@ -61,7 +61,7 @@ struct Report<'a> {
 ///
 /// # Errors
 ///
-/// A file that cannot be meant, runs that failed, files that cannot be written.
+/// An invalid file, runs that failed, files that cannot be written.
 pub(crate) fn run(path: &Path, options: &Options, common: &Common) -> anyhow::Result<u8> {
     let study = Study::read(path, options.profile.as_deref())?;
     let at = match &options.from {

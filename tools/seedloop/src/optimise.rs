@@ -157,7 +157,7 @@ struct Report {
 /// Reads the analysis and answers.
 ///
 /// # Errors
-/// Files that cannot be read, a target or measured values that cannot be meant.
+/// Files that cannot be read, a target or measured invalid values.
 pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
     arguments.common.try_outputs([])?;
     let path = &arguments.analysis;

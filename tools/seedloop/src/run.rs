@@ -127,7 +127,7 @@ struct RunReport {
 /// Runs the table and writes its results.
 ///
 /// # Errors
-/// Files that cannot be read or written, a table that cannot be meant.
+/// Files that cannot be read or written, an invalid table.
 pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
     let common = &arguments.common;
     common.try_outputs([])?;

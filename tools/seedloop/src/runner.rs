@@ -41,7 +41,7 @@ impl Runner {
     ///
     /// # Errors
     ///
-    /// A folder that cannot be made, settings that cannot be meant.
+    /// A folder that cannot be made, invalid settings.
     pub(crate) fn executor(
         self,
         job: impl FnOnce(&Path) -> anyhow::Result<Job>,
@@ -88,7 +88,7 @@ fn text(path: &Path) -> anyhow::Result<String> {
 ///
 /// # Errors
 ///
-/// A file that cannot be read, or has no such table; settings that cannot be meant.
+/// A file that cannot be read, or has no such table; invalid settings.
 pub(crate) fn runner_settings(file: Option<&Path>) -> anyhow::Result<BatchSettings> {
     #[derive(serde::Deserialize)]
     struct WithRunner {

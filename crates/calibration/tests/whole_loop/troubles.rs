@@ -1,4 +1,4 @@
-//! What cannot be meant, and what goes wrong on the way.
+//! What is invalid, and what goes wrong on the way.
 
 use super::toy::{Toy, measured, model, parameter, problem, run, run_with, shown, value};
 use calibration::{LoopSettings, Role, planned};

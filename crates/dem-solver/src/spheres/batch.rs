@@ -42,7 +42,7 @@ struct Input {
     bridge_volume: [f64; ROOM],
 }
 
-/// What comes out of the law, one entry a contact; fields as of [`Effect`](crate::contact::Effect).
+/// What comes out of the law, one entry a contact; fields as of [`ContactWrench`](crate::contact::ContactWrench).
 #[derive(Debug, Clone)]
 struct Output {
     force: Column,

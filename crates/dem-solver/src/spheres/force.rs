@@ -50,7 +50,7 @@ fn add_sphere_forces_on<S: Simd>(
     let batch = &mut workspace.spheres;
     make_room(apart, BLOCK);
     let spheres = context.spheres;
-    let is_wet = context.slack.reach > 0.0;
+    let is_wet = context.cutoffs.reach > 0.0;
     for first in (0..pairs.len()).step_by(BLOCK) {
         let block = (first, pairs.len().min(first + BLOCK));
         let n_awake = pairs.find_awake(simd, block, travel, awake);
@@ -82,7 +82,7 @@ fn add_sphere_forces_on<S: Simd>(
             let k = pair as usize;
             let bodies = pairs.ends[k].bodies();
             let [a, b] = [&spheres[bodies[0]], &spheres[bodies[1]]];
-            let gap = gap(a, b) - context.slack.safety;
+            let gap = gap(a, b) - context.cutoffs.safety;
             pairs.wake[k] = travel[bodies[0]] + travel[bodies[1]] + gap;
             pairs.remember(k, &Memory::default());
         }

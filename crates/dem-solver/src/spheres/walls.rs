@@ -234,7 +234,7 @@ impl SphereWalls {
             let nearest = wall.nearest(&mover.position);
             let gap = nearest.distance - shape.radius;
             if gap >= reach {
-                self.wake[k] = travel[body] + (gap as f32 - context.slack.safety);
+                self.wake[k] = travel[body] + (gap as f32 - context.cutoffs.safety);
                 self.remember(k, &Memory::default());
                 continue;
             }

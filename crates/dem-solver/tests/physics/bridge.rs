@@ -4,7 +4,7 @@ use crate::scene::{
     ball, box_of_planes, interaction, rough, run, scattered, settings, smooth, wet_bridge,
 };
 use contact_law::{BridgeForce, CapillaryBridge, RollingSpringDashpot, ViscousBridge};
-use dem_solver::{FurtherLaws, MeshWall, Motion, Placement, Shape, Wall, World};
+use dem_solver::{MeshWall, Motion, OptionalLaws, Placement, Shape, Wall, World};
 use nalgebra::{UnitQuaternion, Vector3};
 
 /// Radius of the balls, m.
@@ -38,9 +38,9 @@ fn parting(bridge: BridgeForce, speed: f64) -> World {
         placement.velocity = Vector3::x() * (sign * speed);
         placement
     };
-    let further = FurtherLaws {
+    let further = OptionalLaws {
         bridge: Some(bridge),
-        ..FurtherLaws::default()
+        ..OptionalLaws::default()
     };
     let surface = interaction(&smooth()).with(&further);
     let starts = [start(-1.0), start(1.0)];
@@ -113,9 +113,9 @@ fn a_viscous_bridge_resists_parting_by_its_law() {
 
 /// Balls that fall in a box, each with a volume of liquid (m³).
 fn heap(liquid: f64) -> World {
-    let further = FurtherLaws {
+    let further = OptionalLaws {
         bridge: Some(wet_bridge()),
-        ..FurtherLaws::default()
+        ..OptionalLaws::default()
     };
     let surface = interaction(&rough(0.3, 0.3)).with(&further);
     let mut stream = random_stream::Stream::new(3, "pour");
@@ -188,9 +188,9 @@ fn few_bridges_do_not_drain_each_other() {
 fn a_ball_hangs_from_a_wet_wall() {
     let hangs = |tension: f64| {
         let bridge = CapillaryBridge::new(tension, 0.0).expect("liquid");
-        let further = FurtherLaws {
+        let further = OptionalLaws {
             bridge: Some(bridge.between(2.0 * RADIUS)),
-            ..FurtherLaws::default()
+            ..OptionalLaws::default()
         };
         let surface = interaction(&rough(0.3, 0.3)).with(&further);
         let ceiling = plane(-Vector3::y());
@@ -222,9 +222,9 @@ fn a_ball_hangs_from_a_wet_wall() {
 fn a_bridge_at_triangles_has_the_liquid_that_the_ball_gives() {
     let bridge = CapillaryBridge::new(0.072, 0.2).expect("water");
     let bridge = bridge.between(2.0 * RADIUS);
-    let further = FurtherLaws {
+    let further = OptionalLaws {
         bridge: Some(bridge),
-        ..FurtherLaws::default()
+        ..OptionalLaws::default()
     };
     let surface = interaction(&smooth()).with(&further);
     let start = Placement {
@@ -295,9 +295,9 @@ fn a_heap_of_wet_balls_goes_on_from_a_snapshot() {
 fn a_rolling_spring_holds_a_ball_on_a_gentle_slope() {
     let rolling_friction = 0.1;
     let way = |slope: f64, steps: usize| {
-        let further = FurtherLaws {
+        let further = OptionalLaws {
             rolling_spring: RollingSpringDashpot::new(rolling_friction, 0.3, 2.25).ok(),
-            ..FurtherLaws::default()
+            ..OptionalLaws::default()
         };
         let surface = interaction(&rough(0.3, 0.8)).with(&further);
         let floor = plane(Vector3::y());
@@ -348,9 +348,9 @@ fn viscous_bridges_are_stable_up_to_a_step() {
         let balls = vec![ball(RADIUS).with_liquid(3e-10)];
         let step = share * balls[0].mass() / (24.0 * resistance);
         let laws = [RADIUS, 2.0 * RADIUS].map(|radius| {
-            let further = FurtherLaws {
+            let further = OptionalLaws {
                 bridge: Some(between(radius)),
-                ..FurtherLaws::default()
+                ..OptionalLaws::default()
             };
             interaction(&rough(0.3, 0.3)).with(&further)
         });

@@ -11,7 +11,7 @@ use crate::scene::{
 };
 use contact_law::{RateDependentFriction, RollingLever, RollingSpringDashpot, ViscoelasticDamping};
 use dem_solver::{
-    DashpotMass, FurtherLaws, MeshWall, Motion, Placement, Settings, Shape, Template, Vibration,
+    DashpotMass, MeshWall, Motion, OptionalLaws, Placement, Settings, Shape, Template, Vibration,
     Wall, World, plain,
 };
 use nalgebra::Vector3;
@@ -192,7 +192,7 @@ fn loads_are_those_of_the_plain_loop_in_a_drum() {
 /// so that a list that ends at the touch would lose it.
 #[test]
 fn loads_are_those_of_the_plain_loop_with_every_law() {
-    let further = FurtherLaws {
+    let further = OptionalLaws {
         viscoelastic: ViscoelasticDamping::new(0.7, 1e-5).ok(),
         rate_dependent: RateDependentFriction::new(-0.5, 0.05).ok(),
         rolling_spring: RollingSpringDashpot::new(0.2, 0.3, 2.25).ok(),
@@ -229,7 +229,7 @@ fn loads_are_those_of_the_plain_loop_with_every_law() {
 /// of their own, and a bridge outlives the touch for them too.
 #[test]
 fn loads_are_those_of_the_plain_loop_for_plain_spheres() {
-    let wet = FurtherLaws {
+    let wet = OptionalLaws {
         viscoelastic: Some(ViscoelasticDamping::new(0.7, 1e-5).expect("possible")),
         rate_dependent: Some(RateDependentFriction::new(-0.5, 0.05).expect("possible")),
         rolling_spring: Some(RollingSpringDashpot::new(0.2, 0.3, 2.25).expect("possible")),
@@ -246,7 +246,7 @@ fn loads_are_those_of_the_plain_loop_for_plain_spheres() {
         ..settings_of(1.0)
     };
     // Balls fit in the places of the fallen bodies; in a mixture, every fourth stays a seed.
-    let most = |seeds: bool, further: FurtherLaws| {
+    let most = |seeds: bool, further: OptionalLaws| {
         let mut starts = places.clone();
         for (k, start) in starts.iter_mut().enumerate() {
             start.template = if seeds && k % 4 == 0 { 0 } else { 1 + k % 2 };
@@ -260,9 +260,9 @@ fn loads_are_those_of_the_plain_loop_for_plain_spheres() {
             .expect("the shell may turn");
         hold_to_the_plain_loop(&mut world, &mut plain::History::default(), 8000)[0]
     };
-    assert!(most(true, FurtherLaws::default()) > 20, "few contacts");
+    assert!(most(true, OptionalLaws::default()) > 20, "few contacts");
     assert!(most(true, wet) > 20, "few contacts");
-    let balls = [FurtherLaws::default(), wet].map(|further| most(false, further));
+    let balls = [OptionalLaws::default(), wet].map(|further| most(false, further));
     assert!(
         balls[0] > 10 && balls[1] > balls[0],
         "too few contacts of balls to mean anything, or no bridge: {balls:?}"
@@ -275,9 +275,9 @@ fn loads_are_those_of_the_plain_loop_for_plain_spheres() {
 #[test]
 fn loads_are_those_of_the_plain_loop_at_a_moving_mesh() {
     let starts = fallen(1.0, drum(1.0));
-    let wet = FurtherLaws {
+    let wet = OptionalLaws {
         bridge: Some(wet_bridge()),
-        ..FurtherLaws::default()
+        ..OptionalLaws::default()
     };
     let stands = Motion::default();
     let turns = Motion {
@@ -292,7 +292,7 @@ fn loads_are_those_of_the_plain_loop_at_a_moving_mesh() {
         }),
         ..turns
     };
-    for further in [FurtherLaws::default(), wet] {
+    for further in [OptionalLaws::default(), wet] {
         let laws = vec![interaction(&sticky()).with(&further); 4];
         let settings = Settings {
             margin: 5e-3,

@@ -164,7 +164,7 @@ fn only_a_surface_of_revolution_may_spin() {
     let mut world = build(parts).expect("a cylinder may spin");
     let mut refusal = |name: &str, spin: f64| {
         let set = world.set_wall_spin(name, spin);
-        set.expect_err("it cannot be meant").to_string()
+        set.expect_err("it is invalid").to_string()
     };
     assert!(refusal("spoiled", f64::NAN).contains("not a finite"));
     assert!(refusal("plane", 2.0).contains("'plane' spins"));

@@ -5,7 +5,7 @@ use crate::scene::{
     wetted, world,
 };
 use contact_law::{RateDependentFriction, RollingLever, RollingSpringDashpot, ViscoelasticDamping};
-use dem_solver::{FurtherLaws, MeshWall, Motion, Placement, Template, World};
+use dem_solver::{MeshWall, Motion, OptionalLaws, Placement, Template, World};
 use nalgebra::Vector3;
 use random_stream::Stream;
 
@@ -51,9 +51,9 @@ fn shaken(filling: Filling) -> World {
 fn shaken_wet(filling: Filling) -> World {
     let (templates, starts) = filling();
     let settings = settings(2e-5, Vector3::new(0.0, -9.81, 0.0));
-    let further = FurtherLaws {
+    let further = OptionalLaws {
         bridge: Some(wet_bridge()),
-        ..FurtherLaws::default()
+        ..OptionalLaws::default()
     };
     let surfaces = vec![interaction(&sticky()).with(&further); 4];
     let walls = box_of_planes(0.0125);
@@ -137,7 +137,7 @@ fn threads_change_no_bit() {
 /// and a wall of triangles on its way. Lists are made anew there, on other threads.
 #[test]
 fn a_world_goes_on_from_a_snapshot_with_the_same_bits() {
-    let further = FurtherLaws {
+    let further = OptionalLaws {
         viscoelastic: ViscoelasticDamping::new(0.7, 1e-5).ok(),
         rate_dependent: RateDependentFriction::new(-0.5, 0.05).ok(),
         rolling_spring: RollingSpringDashpot::new(0.2, 0.3, 2.25).ok(),

@@ -6,7 +6,7 @@ use crate::chart::AxisTitle;
 use crate::check::Field;
 use crate::geometry::{Rect, at};
 use crate::legend::{LegendEntry, Sample, draw_legend, legend_height};
-use crate::plot::{AxisPlan, Grid, Outside, Plot, draw_error_bar};
+use crate::plot::{AxisPlan, GridStyle, Outside, Plot, draw_error_bar};
 use crate::style::{BLUE, INK, PAPER, SMALL_TEXT, VERMILION, WIDTH};
 use crate::svg::{Anchor, Canvas, Halo, Stroke, TextStyle};
 use crate::text::text_width;
@@ -142,7 +142,7 @@ impl BarsWithTarget {
         };
         let names = self.bars.iter().map(|bar| bar.name.as_str());
         let x = AxisPlan {
-            grid: Grid::Bare,
+            grid: GridStyle::Bare,
             ..AxisPlan::names(&AxisTitle::default(), names)
         };
         Plot::new(

@@ -9,7 +9,7 @@ use crate::geometry::{Point, Rect, at};
 use crate::label_places::LabelPlaces;
 use crate::legend::{LegendEntry, Sample, draw_legend, legend_height};
 use crate::marching_squares::{ContourLine, Lattice, area_at_or_above, contour_lines};
-use crate::plot::{AxisPlan, Grid, Outside, Plot};
+use crate::plot::{AxisPlan, GridStyle, Outside, Plot};
 use crate::style::{AXIS, INK, PAPER, SMALL_TEXT, TEXT, VERMILION, WIDTH, sequential_colour};
 use crate::svg::{Anchor, Canvas, Halo, Shape, Stroke, TextStyle};
 use crate::text::text_width;
@@ -149,7 +149,7 @@ impl Contour {
         let x = widened(&self.x_values, points(|p| p.x).chain(runs(|run| run.x)));
         let y = widened(&self.y_values, points(|p| p.y).chain(runs(|run| run.y)));
         let bare = |plan: AxisPlan| AxisPlan {
-            grid: Grid::Lines,
+            grid: GridStyle::Lines,
             ..plan
         };
         Plot::new(
@@ -275,7 +275,7 @@ impl Contour {
             title: self.response.clone(),
             domain: range,
             ticks: levels.clone(),
-            grid: Grid::Bare,
+            grid: GridStyle::Bare,
         };
         let x = bar.right + 8.0 + levels.width(SMALL_TEXT) + 8.0 + 0.5 * TEXT;
         let style = TextStyle {

@@ -19,14 +19,14 @@ const CHART: &str = "half-normal plot";
 
 /// A named effect or t-value.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Effect {
+pub struct FactorEffect {
     /// Name of the term.
     pub name: String,
     /// Signed size, in the unit of the chart's axis.
     pub value: f64,
 }
 
-impl Effect {
+impl FactorEffect {
     /// A named effect, in the unit of the chart's axis.
     pub fn new(name: impl Into<String>, value: f64) -> Self {
         Self {
@@ -46,7 +46,7 @@ pub struct HalfNormal {
     /// What is shown, such as "|effect|" in the unit of the response.
     pub size: AxisTitle,
     /// Signed effects.
-    pub effects: Vec<Effect>,
+    pub effects: Vec<FactorEffect>,
     /// Standard error of an effect, in the unit of the effects: the slope of the line on which
     /// effects of pure noise lie. None where it is not known.
     pub standard_error: Option<f64>,
@@ -107,7 +107,7 @@ impl HalfNormal {
                 name: "negative",
             },
         ];
-        let is_open = |e: &Effect| e.value.abs() <= self.named_above;
+        let is_open = |e: &FactorEffect| e.value.abs() <= self.named_above;
         if self.effects.iter().any(is_open) {
             entries.push(LegendEntry {
                 sample: marker(PAPER, AXIS),
@@ -149,7 +149,7 @@ impl HalfNormal {
 
     /// Draws points and the names of the large ones.
     fn draw_effects(&self, canvas: &mut Canvas, plot: &Plot) {
-        let mut sorted: Vec<&Effect> = self.effects.iter().collect();
+        let mut sorted: Vec<&FactorEffect> = self.effects.iter().collect();
         sorted.sort_by(|a, b| a.value.abs().total_cmp(&b.value.abs()));
         let count = sorted.len() as f64;
         let places: Vec<Point> = sorted

@@ -11,7 +11,7 @@ use crate::style::{BLUE, INK, SMALL_TEXT, TEXT, VERMILION, WIDTH};
 use crate::svg::{Anchor, Canvas, Halo, Stroke, TextStyle};
 use crate::text::{fitted, text_width};
 use crate::ticks::{Domain, plain, short};
-use crate::{Effect, Error, Svg};
+use crate::{Error, FactorEffect, Svg};
 
 /// Kind of chart, for messages.
 const CHART: &str = "pareto chart";
@@ -24,7 +24,7 @@ pub struct Pareto {
     /// What the bars show, such as "|t|" without unit.
     pub size: AxisTitle,
     /// Signed effects or t-values.
-    pub effects: Vec<Effect>,
+    pub effects: Vec<FactorEffect>,
     /// Limits such as that of t or of Bonferroni, in the unit of the bars, above 0.
     pub limits: Vec<Level>,
 }
@@ -36,7 +36,7 @@ impl Pareto {
     /// [`Error`] without any effect, for a number that is not finite, or a limit below 0.
     pub fn draw(&self) -> Result<Svg, Error> {
         self.check()?;
-        let mut sorted: Vec<&Effect> = self.effects.iter().collect();
+        let mut sorted: Vec<&FactorEffect> = self.effects.iter().collect();
         sorted.sort_by(|a, b| b.value.abs().total_cmp(&a.value.abs()));
         let entries = [
             LegendEntry {
@@ -95,7 +95,7 @@ impl Pareto {
     }
 
     /// Plans the axes; room is left for the number behind the longest bar.
-    fn plot(&self, sorted: &[&Effect], outside: Outside) -> Plot {
+    fn plot(&self, sorted: &[&FactorEffect], outside: Outside) -> Plot {
         let sizes = sorted.iter().map(|effect| effect.value.abs());
         let tight = Domain::tight(sizes.chain(self.limits.iter().map(|limit| limit.value)));
         let domain = Domain {
@@ -152,7 +152,7 @@ fn like_the_largest(size: f64, largest: f64) -> String {
 }
 
 /// Draws one bar at the height `row`.
-fn draw_bar(canvas: &mut Canvas, plot: &Plot, row: f64, effect: &Effect) {
+fn draw_bar(canvas: &mut Canvas, plot: &Plot, row: f64, effect: &FactorEffect) {
     let end = plot.place(effect.value.abs(), row);
     let half = 0.34 * ROW;
     let bar = Rect {

@@ -1,10 +1,10 @@
 //! One example of every chart, with markup in every text.
 
 use report::{
-    AxisTitle, Bar, BarsWithTarget, Comparison, Contour, DesignRun, Effect, Error, HalfNormal,
-    Level, LineSeries, MarkedPoint, Pareto, PredictedAgainstMeasured, ResidualCondition,
-    ResidualPanel, Residuals, Role, Scatter, Series, SeriesPoint, StackedBar, StackedBars, Svg,
-    Target, TimeSeries, TimeSpan,
+    AxisTitle, Bar, BarsWithTarget, Comparison, Contour, DesignRun, Error, FactorEffect,
+    HalfNormal, Level, LineSeries, MarkedPoint, Pareto, PredictedAgainstMeasured,
+    ResidualCondition, ResidualPanel, Residuals, Role, Scatter, Series, SeriesPoint, StackedBar,
+    StackedBars, Svg, Target, TimeSeries, TimeSpan,
 };
 
 /// A text that breaks a page if it is not escaped.
@@ -19,7 +19,7 @@ fn title() -> AxisTitle {
 pub(crate) fn pareto(values: &[f64]) -> Pareto {
     let effects = values
         .iter()
-        .map(|&value| Effect::new(HOSTILE, value))
+        .map(|&value| FactorEffect::new(HOSTILE, value))
         .collect();
     Pareto {
         size: title(),
@@ -46,7 +46,7 @@ pub(crate) fn stacked_bars(values: &[f64]) -> StackedBars {
 pub(crate) fn half_normal(values: &[f64]) -> HalfNormal {
     let effects = values
         .iter()
-        .map(|&value| Effect::new(HOSTILE, value))
+        .map(|&value| FactorEffect::new(HOSTILE, value))
         .collect();
     HalfNormal {
         size: title(),

@@ -3,7 +3,7 @@
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 use report::{
-    Column, Error, Fact, Report, SphereViewer, Table, Verdict, ViewerBody, ViewerKind, ViewerSphere,
+    Column, Error, Fact, Report, SphereViewer, Table, Tone, ViewerBody, ViewerKind, ViewerSphere,
 };
 
 use crate::examples::{self, HOSTILE};
@@ -36,7 +36,7 @@ fn full_page() -> String {
         .facts(&[Fact::new(HOSTILE, HOSTILE)])
         .table(&table)
         .provenance(HOSTILE);
-    for verdict in [Verdict::Good, Verdict::Caution, Verdict::Bad, Verdict::Note] {
+    for verdict in [Tone::Good, Tone::Caution, Tone::Bad, Tone::Note] {
         report.verdict(verdict, HOSTILE, HOSTILE);
     }
     report.section("Pictures");

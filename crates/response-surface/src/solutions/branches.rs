@@ -28,7 +28,7 @@ pub struct Branch {
 pub(crate) fn branches(fit: &Fit, quadratic: &Quadratic, target: f64) -> Option<Vec<Branch>> {
     let k = fit.factors.len();
     let nodes = nodes_along(k)?;
-    let grid = Grid {
+    let grid = CellGrid {
         k,
         cells: nodes - 1,
     };
@@ -86,14 +86,14 @@ fn nodes_along(k: usize) -> Option<usize> {
 }
 
 /// Cells of the box, numbered with the first factor fastest.
-struct Grid {
+struct CellGrid {
     /// Number of factors.
     k: usize,
     /// Cells along each factor.
     cells: usize,
 }
 
-impl Grid {
+impl CellGrid {
     /// Number of cells.
     fn count(&self) -> usize {
         (0..self.k).fold(1, |count, _| count * self.cells)

@@ -35,7 +35,7 @@ pub struct Robust {
 ///
 /// # Errors
 /// [`Error::DegreeTooHigh`]; [`Error::Length`] and [`Error::SettingOutOfRange`] for standard deviations
-/// that cannot be meant.
+/// that are invalid.
 pub fn most_robust(fit: &Fit, target: f64, factor_sd: &[f64]) -> Result<Option<Robust>, Error> {
     let mut shifted = fit.quadratic()?;
     let variances = coded_variances(&fit.factors, factor_sd)?;

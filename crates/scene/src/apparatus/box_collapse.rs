@@ -70,7 +70,7 @@ impl BoxCollapse {
         }
     }
 
-    /// Refuses what cannot be meant.
+    /// Refuses what is invalid.
     pub(crate) fn check(&self) -> Result<(), Error> {
         check_size("apparatus.length", self.length)?;
         check_size("apparatus.height", self.height)?;

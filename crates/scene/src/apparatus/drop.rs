@@ -25,7 +25,7 @@ fn repeats() -> usize {
 }
 
 impl Drop {
-    /// Refuses what cannot be meant.
+    /// Refuses what is invalid.
     pub(crate) fn check(&self) -> Result<(), crate::Error> {
         super::heap::check_size("apparatus.height", self.height)
     }

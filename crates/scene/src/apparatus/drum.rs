@@ -113,7 +113,7 @@ impl Drum {
         (0..lifters.count).flat_map(plate).collect()
     }
 
-    /// Refuses what cannot be meant.
+    /// Refuses what is invalid.
     pub(crate) fn check(&self) -> Result<(), Error> {
         let bad = |name: &str, value: String, requirement: &str| {
             Err(Error::BadValue {

@@ -64,7 +64,7 @@ impl Heap {
         }
     }
 
-    /// Refuses what cannot be meant.
+    /// Refuses what is invalid.
     pub(crate) fn check(&self) -> Result<(), Error> {
         check_size("apparatus.inner_diameter", self.inner_diameter)?;
         check_size("apparatus.height", self.height)?;

@@ -8,7 +8,7 @@ use crate::numbers::{
 };
 use crate::pictures::measurement_charts::ERRORS;
 use calibration::{Comparison, Estimate, Parameter, Role};
-use report::{Column, Fact, Table, Verdict};
+use report::{Column, Fact, Table, Tone};
 
 /// Adds the section.
 pub(super) fn add(page: &mut Page<'_>) -> Result<(), Error> {
@@ -28,9 +28,9 @@ pub(super) fn add(page: &mut Page<'_>) -> Result<(), Error> {
 fn verdict(page: &mut Page<'_>) {
     let found = page.input.calibration;
     let (colour, headline) = if found.met {
-        (Verdict::Good, "Met (exit code 0)")
+        (Tone::Good, "Met (exit code 0)")
     } else {
-        (Verdict::Bad, "Not met (exit code 1)")
+        (Tone::Bad, "Not met (exit code 1)")
     };
     page.report
         .section("Result")

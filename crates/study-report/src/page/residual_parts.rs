@@ -6,15 +6,15 @@ use crate::numbers::{
 };
 use crate::residual::{models, stages};
 use calibration::ResidualStudy;
-use report::{Column, Report, Table, Verdict, counted};
-use residual_diagnosis::Verdict as Diagnosed;
+use report::{Column, Report, Table, Tone, counted};
+use residual_diagnosis::Verdict;
 
 /// The colour of a verdict: green where an answer was found, also where it is "nothing".
-pub(super) fn answer_colour(verdict: Diagnosed) -> Verdict {
+pub(super) fn answer_colour(verdict: Verdict) -> Tone {
     match verdict {
-        Diagnosed::None | Diagnosed::Named => Verdict::Good,
-        Diagnosed::Refused | Diagnosed::NotTestable => Verdict::Note,
-        _ => Verdict::Caution,
+        Verdict::None | Verdict::Named => Tone::Good,
+        Verdict::Refused | Verdict::NotTestable => Tone::Note,
+        _ => Tone::Caution,
     }
 }
 

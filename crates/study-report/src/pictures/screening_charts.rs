@@ -4,7 +4,7 @@ use super::{NamedPicture, plain_name};
 use crate::Error;
 use crate::numbers::observable;
 use calibration::ModelScreening;
-use report::{AxisTitle, Effect, HalfNormal, Level, Pareto};
+use report::{AxisTitle, FactorEffect, HalfNormal, Level, Pareto};
 use response_surface::Screening;
 
 /// Name of the Pareto chart of an observable of a screened model, by the number of the screening.
@@ -35,7 +35,9 @@ pub(super) fn charts(number: usize, model: &ModelScreening) -> Result<Vec<NamedP
             let effects = all.effects.iter();
             let chart = HalfNormal {
                 size: AxisTitle::new("|effect|", unit),
-                effects: effects.map(|(name, e)| Effect::new(name, *e)).collect(),
+                effects: effects
+                    .map(|(name, e)| FactorEffect::new(name, *e))
+                    .collect(),
                 standard_error: Some(all.lenth.pse),
                 named_above: all.lenth.me.unwrap_or(0.0),
                 limits: [
@@ -59,13 +61,15 @@ fn pareto(screening: &Screening, unit: &str) -> Pareto {
         let factors = screening.factors.iter();
         return Pareto {
             size: AxisTitle::new("|effect|", unit),
-            effects: factors.map(|f| Effect::new(&f.factor, f.effect)).collect(),
+            effects: factors
+                .map(|f| FactorEffect::new(&f.factor, f.effect))
+                .collect(),
             limits: Vec::new(),
         };
     };
     let signed = |(name, t): (&str, &f64)| {
         let negative = p.sign.get(name).is_some_and(|s| *s < 0);
-        Effect::new(name, if negative { -t } else { *t })
+        FactorEffect::new(name, if negative { -t } else { *t })
     };
     let limits = [
         ("t, 5 %", p.t_limit),

@@ -101,7 +101,7 @@ fn compare(fields: &Fields<'_>, problems: &mut Problems) -> Option<CompareEntry>
     })
 }
 
-/// Settings of the loop that can be meant, each checked alone.
+/// Valid settings of the loop, each checked alone.
 fn design(fields: &Fields<'_>, problems: &mut Problems) -> Table {
     let Some(design) = fields.table("design", problems) else {
         return Table::new();
@@ -120,7 +120,7 @@ fn design(fields: &Fields<'_>, problems: &mut Problems) -> Table {
             },
             Err(error) => {
                 let reason = error.message().replace('\n', ", ");
-                problems.add(design.wrong(key, format!("cannot be meant: {reason}")));
+                problems.add(design.wrong(key, format!("is invalid: {reason}")));
             }
         }
     }

@@ -10,7 +10,7 @@ use command_line::{Common, write_new};
 
 use probability::{chi_squared_quantile, normal_quantile, t_two_sided_quantile};
 use report::{
-    AxisTitle, Effect, HalfNormal, Level, LineSeries, Pareto, PngPrinter, Scatter, Series,
+    AxisTitle, FactorEffect, HalfNormal, Level, LineSeries, Pareto, PngPrinter, Scatter, Series,
     SeriesPoint, Svg,
 };
 use response_surface::fit::{Case, TermRow};
@@ -140,7 +140,7 @@ fn effects(report: &Report<'_>, charts: &mut Vec<Named>) -> anyhow::Result<()> {
     if let Some(pareto) = &report.pareto {
         let signed = |(name, t): (&str, &f64)| {
             let sign = pareto.sign.get(name).copied().unwrap_or(1);
-            Effect::new(report.fit.formula.printed(name), t * f64::from(sign))
+            FactorEffect::new(report.fit.formula.printed(name), t * f64::from(sign))
         };
         let limit = |name: &str, value: Option<f64>| value.map(|value| Level::new(name, value));
         let limits = [
@@ -179,10 +179,13 @@ fn half_normal(report: &Report<'_>) -> HalfNormal {
     let terms = || fit.terms.iter().filter(|(_, row)| row.ss_partial.is_some());
     let printed = |name: &str| fit.formula.printed(name);
     let tested =
-        |(name, row): (&str, &TermRow)| Some(Effect::new(printed(name), row.coef / row.se?));
-    let (quantity, effects, (standard_error, limits)): (&str, Vec<Effect>, _) =
+        |(name, row): (&str, &TermRow)| Some(FactorEffect::new(printed(name), row.coef / row.se?));
+    let (quantity, effects, (standard_error, limits)): (&str, Vec<FactorEffect>, _) =
         if let Some(s) = &report.saturated {
-            let list = s.effects.iter().map(|(name, e)| Effect::new(name, *e));
+            let list = s
+                .effects
+                .iter()
+                .map(|(name, e)| FactorEffect::new(name, *e));
             ("|effect|", list.collect(), lenth(&s.lenth))
         } else if let Some(t) = fit.t_crit_975 {
             let limit = Level::new("t, 5 %", t);
@@ -192,7 +195,7 @@ fn half_normal(report: &Report<'_>) -> HalfNormal {
                 (Some(1.0), vec![limit]),
             )
         } else {
-            let list = terms().map(|(name, row)| Effect::new(printed(name), row.coef));
+            let list = terms().map(|(name, row)| FactorEffect::new(printed(name), row.coef));
             ("|coefficient|, coded", list.collect(), (None, Vec::new()))
         };
     HalfNormal {

@@ -1,7 +1,7 @@
 //! The analysis as a page.
 
 use command_line::significant;
-use report::{Column, Explorer, Fact, NamedPlace, SliderParameter, Svg, Table, Verdict};
+use report::{Column, Explorer, Fact, NamedPlace, SliderParameter, Svg, Table, Tone};
 use response_surface::Fit;
 use study_report::{SurfaceWithSliders, explored_surface};
 
@@ -45,20 +45,20 @@ fn verdict(page: &mut report::Report, report: &Report<'_>) {
     let lack = fit.lack_of_fit.as_ref().and_then(|lack| lack.p);
     let (colour, headline) = match (fit.model.p, lack) {
         (None, _) => (
-            Verdict::Note,
+            Tone::Note,
             "The runs leave no degrees of freedom: no term can be tested against residuals.",
         ),
-        (Some(p), _) if p >= LEVEL => (Verdict::Bad, "The terms explain no more than noise would."),
+        (Some(p), _) if p >= LEVEL => (Tone::Bad, "The terms explain no more than noise would."),
         (_, Some(p)) if p < LEVEL => (
-            Verdict::Caution,
+            Tone::Caution,
             "The terms explain the response in part, and the model lacks something.",
         ),
         (_, Some(_)) => (
-            Verdict::Good,
+            Tone::Good,
             "The terms explain the response, and nothing speaks for a lack of fit.",
         ),
         (_, None) => (
-            Verdict::Good,
+            Tone::Good,
             "The terms explain the response; without repeated runs a lack of fit cannot be tested.",
         ),
     };

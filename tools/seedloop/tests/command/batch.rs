@@ -70,7 +70,7 @@ fn a_calibration_by_jobs_is_the_same_to_the_last_bit() {
     assert_eq!(tasks(), before, "nothing is submitted again");
 }
 
-/// What cannot be meant in [runner] is told before anything is run.
+/// What is invalid in [runner] is told before anything is run.
 #[test]
 fn settings_of_jobs_are_checked() {
     let folder = tempfile::tempdir().unwrap();

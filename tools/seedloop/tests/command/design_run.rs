@@ -46,7 +46,7 @@ fn run(folder: &Path, words: &[&str]) -> Output {
     seedloop(folder, &[&run[..], &BINDS, words].concat())
 }
 
-/// A design in a workbook is run as that of its CSV, and its results are a workbook as well; a cell that cannot be meant is
+/// A design in a workbook is run as that of its CSV, and its results are a workbook as well; an invalid cell is
 /// told with its name.
 #[test]
 fn a_design_in_a_workbook_is_run() {

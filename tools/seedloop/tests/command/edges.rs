@@ -1,4 +1,4 @@
-//! `design`, `analyse` and `optimise` at the edge of what can be meant, and with a reader that goes away.
+//! `design`, `analyse` and `optimise` at the edge of what is valid, and with a reader that goes away.
 
 use crate::{assert_code, assert_error, json, seedloop, text};
 use serde_json::Value;

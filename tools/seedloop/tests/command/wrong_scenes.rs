@@ -1,4 +1,4 @@
-//! Scenes that cannot be meant: each message names the place and the way out.
+//! Invalid scenes: each message names the place and the way out.
 
 use crate::assert_error;
 use crate::tiny_scene::TinyScene;
