@@ -20,7 +20,8 @@ pub use candidates::{CandidateMeasurement, OfferedMeasurement};
 use fits::{FIRST_BLOCK_ANEW, FIRST_BLOCK_OF_NOISY, Fits, Looks, Visited, sets_to_add};
 use linearisation::Linearisation;
 use residual_diagnosis::{
-    CheckedModel, Diagnosis, Largest, Options, Problem, ProblemFile, Sign, Verdict, diagnose,
+    CheckedModel, CovarianceMatrix, Diagnosis, Largest, Options, Problem, ProblemFile, Sign,
+    Verdict, diagnose,
 };
 use runs::At;
 pub(crate) use runs::value;
@@ -126,7 +127,7 @@ pub struct Observed {
     pub values: Vec<Vec<Option<f64>>>,
     /// Covariance of the values of each condition, (conditions, observables, observables); rows
     /// and columns of what was not measured are not read.
-    pub covariance: Vec<Vec<Vec<f64>>>,
+    pub covariance: Vec<CovarianceMatrix>,
 }
 
 impl Observed {

@@ -1,6 +1,6 @@
 use crate::{Error, LIBRARY, apply, find};
+use fixture_files::fixture;
 use scene::{Apparatus, FillingLibrary, Override, Scene, run};
-use std::path::Path;
 
 /// The study's drum, small: 40 seeds of 16 or 20 spheres in a slice of 14 mm, so that a run takes a
 /// second.
@@ -9,12 +9,9 @@ pub(crate) fn small_drum() -> Scene {
         name: name.into(),
         value: value.into(),
     };
-    let file = Path::new(concat!(
-        env!("CARGO_MANIFEST_DIR"),
-        "/../../fixtures/cotton/drum.toml"
-    ));
+    let file = fixture("cotton/drum.toml");
     let mut scene = Scene::read(
-        file,
+        &file,
         &[
             set("apparatus.inner_diameter", "70 mm"),
             set("apparatus.width", "14 mm"),

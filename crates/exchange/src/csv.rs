@@ -130,14 +130,14 @@ fn line_of(position: Option<&::csv::Position>) -> usize {
 mod tests {
     use super::{HEADER, ReaderBuilder, read, series};
     use crate::fractions::fractions;
+    use fixture_files::fixture;
     use scene::{FillingLibrary, Override, Scene, starting_frame};
-    use std::path::Path;
 
     /// What is written is read again to the last bit, in its columns, with a name that holds a comma and quotes: two moments of
     /// the study's drum with six seeds.
     #[test]
     fn frames_are_read_back_as_they_are() {
-        let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fixtures/cotton/drum.toml");
+        let file = fixture("cotton/drum.toml");
         let few = ["seed.0.count", "seed.1.count"].map(|name| Override {
             name: name.into(),
             value: "3".into(),

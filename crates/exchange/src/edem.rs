@@ -194,9 +194,9 @@ fn mean_lever(scene: &Scene, bodies: &[Arc<SeedBody>]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::tables;
+    use fixture_files::fixture;
     use quantity::FrictionCoefficient;
     use scene::{FillingLibrary, RollingLaw, Scene, starting_frame};
-    use std::path::Path;
 
     /// A value of a table.
     fn value(text: &str, of: &str, setting: &str) -> f64 {
@@ -209,7 +209,7 @@ mod tests {
     /// 0.45 mm has its contact at 5.0 to 10.3 radii from the centre.
     #[test]
     fn coefficients_are_those_of_the_arm_and_mass_that_edem_takes() {
-        let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fixtures/cotton/drum.toml");
+        let file = fixture("cotton/drum.toml");
         let mut scene = Scene::read(&file, &[]).unwrap();
         for contact in scene.contact.values_mut() {
             contact.rolling_friction = FrictionCoefficient::new(0.1).unwrap();

@@ -54,15 +54,15 @@ pub fn fractions(frame: &Frame, bodies: &[Arc<SeedBody>]) -> Vec<Fraction> {
 #[cfg(test)]
 mod tests {
     use super::fractions;
+    use fixture_files::fixture;
     use scene::{FillingLibrary, Override, Scene, starting_frame};
-    use std::path::Path;
 
     /// The fractions of a seed have its volume together, hidden spheres are there, and a seed that turns about its centre
     /// keeps its momentum: velocities weighed with the volumes are those of the centre, as packed spheres of one size have
     /// their centre near that of the mesh. Within 5 % of the fastest sphere.
     #[test]
     fn fractions_carry_the_volume_of_the_seed() {
-        let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fixtures/cotton/drum.toml");
+        let file = fixture("cotton/drum.toml");
         let few = ["seed.0.count", "seed.1.count"].map(|name| Override {
             name: name.into(),
             value: "3".into(),

@@ -390,6 +390,7 @@ fn rigid_bodies(bodies: &[Arc<SeedBody>], start: &Frame) -> String {
 mod tests {
     use super::{Conversion, convert, setup};
     use contact_law::{Material, material::effective_moduli};
+    use fixture_files::fixture;
     use nalgebra::Vector3;
     use scene::{FillingLibrary, Scene, starting_frame};
 
@@ -438,8 +439,7 @@ mod tests {
     /// axes has the parts of both. Values with the moments of the seed; rounding only.
     #[test]
     fn seeds_of_a_frame_keep_their_motion() {
-        let file = std::path::Path::new(env!("CARGO_MANIFEST_DIR"))
-            .join("../../fixtures/cotton/drum.toml");
+        let file = fixture("cotton/drum.toml");
         let scene = Scene::read(&file, &[]).unwrap();
         let (mut frame, bodies, step) =
             starting_frame(&scene, &FillingLibrary::default(), 1).unwrap();

@@ -480,13 +480,13 @@ fn list(numbers: impl IntoIterator<Item = f64>) -> String {
 mod tests {
     use super::{Start, deck, first_of, primes_from, setup};
     use contact_law::RollingLever;
+    use fixture_files::fixture;
     use nalgebra::Vector3;
     use quantity::FrictionCoefficient;
     use scene::{FillingLibrary, RollingLaw, Scene, starting_frame};
-    use std::path::Path;
 
     fn drum() -> Scene {
-        let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fixtures/cotton/drum.toml");
+        let file = fixture("cotton/drum.toml");
         Scene::read(&file, &[]).unwrap()
     }
 

@@ -258,13 +258,13 @@ mod tests {
     use super::{read_legacy, read_xml};
     use crate::Moment;
     use crate::vtk::series;
+    use fixture_files::fixture;
     use scene::{FillingLibrary, Override, Scene, starting_frame};
-    use std::path::Path;
 
     /// What is written for `ParaView` is read back: every sphere with place, size, motion and seed, to rounding of the text.
     #[test]
     fn a_frame_for_paraview_is_read_back() {
-        let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fixtures/cotton/drum.toml");
+        let file = fixture("cotton/drum.toml");
         let set = |name: &str, value: &str| Override {
             name: name.into(),
             value: value.into(),

@@ -9,6 +9,9 @@ pub(crate) use criterion::Target;
 
 use crate::{Design, Error, Factor, Region, check_factors};
 
+/// Coded points of a design, (runs, factors).
+type CodedRows = Vec<Vec<f64>>;
+
 /// Random starts of the exchange; the best of ten is rarely beaten by more than 1 %.
 const STARTS: usize = 10;
 /// Passes over all coordinates per start; the exchange stops by itself long before.
@@ -78,14 +81,14 @@ pub fn optimal_rows(
         let mut row = || (0..k).map(|_| LEVELS[stream.below(LEVELS.len())]).collect();
         (0..n_runs).map(|_| row()).collect()
     };
-    let starts: Vec<Vec<Vec<f64>>> = if region.is_cube() {
+    let starts: Vec<CodedRows> = if region.is_cube() {
         (0..STARTS).map(random).collect()
     } else {
         let points = region.sample(STARTS * n_runs, seed);
         points.chunks(n_runs.max(1)).map(<[_]>::to_vec).collect()
     };
     let candidates = region.candidates();
-    let mut best: Option<(f64, Vec<Vec<f64>>)> = None;
+    let mut best: Option<(f64, CodedRows)> = None;
     for mut rows in starts {
         let reached = exchange(&mut rows, region, &candidates, &target);
         if best.as_ref().is_none_or(|(least, _)| reached < *least) {

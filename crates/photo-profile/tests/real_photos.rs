@@ -2,13 +2,14 @@
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests fail like tests")]
 
+use fixture_files::fixture;
 use image::{DynamicImage, imageops};
 use photo_profile::{PhotoPixels, Settings, measure_file, measure_image, read_photo};
 use std::path::PathBuf;
 use surface_profile::HighSide;
 
 fn folder() -> PathBuf {
-    PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../fixtures/photos")
+    fixture("photos")
 }
 
 /// One row of `readings.csv`, degrees and px; `None` where no reading by hand exists.

@@ -3,12 +3,12 @@
 #![expect(clippy::unwrap_used, reason = "helpers of tests fail like tests")]
 
 use drawn_pictures::Scene;
+use fixture_files::fixture;
 use image::{GrayImage, Luma};
 use photo_profile::{
     DrumPixels, PhotoReading, Refusal, RefusedReading, Settings, measure_file, measure_image,
     overlay_gray,
 };
-use std::path::PathBuf;
 
 fn refusal(picture: &GrayImage, settings: &Settings) -> Refusal {
     refused(&measure_image(picture, settings).unwrap())
@@ -165,8 +165,7 @@ fn a_slightly_oblique_view_is_refused_for_its_flattening() {
 
 #[test]
 fn the_oblique_phone_photo_is_refused_for_its_drum() {
-    let path = PathBuf::from(env!("CARGO_MANIFEST_DIR"))
-        .join("../../fixtures/photos/phone_prototype_drums_tilted_camera.jpg");
+    let path = fixture("photos/phone_prototype_drums_tilted_camera.jpg");
     let reading = measure_file(&path, &Settings::default()).unwrap();
     let reason = &refused(&reading).reason;
     assert!(reason.to_string().contains("no drum circle"), "{reason}");

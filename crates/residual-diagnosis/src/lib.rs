@@ -76,7 +76,7 @@ pub use next_trials::{NextTrials, Resolved, next_trials};
 pub use power::{Power, PowerDesign, power};
 pub use problem::Problem;
 pub use problem_file::{
-    Condition, CovarianceInput, ExperimentFile, Largest, Level, PriorPrecision, ProblemFile,
-    SensitivityRuns, Sign,
+    Condition, CovarianceInput, CovarianceMatrix, ExperimentFile, Largest, Level, PriorPrecision,
+    ProblemFile, SensitivityRuns, Sign,
 };
 pub use trials::{NearestEffect, TrialRow, Truth, UnusedErrors, trials, usual_truths};

@@ -17,15 +17,18 @@ pub enum Level {
 /// A condition of the experiment: coordinates by name.
 pub type Condition = BTreeMap<String, Level>;
 
+/// A covariance matrix by rows, units as of the products of its observables.
+pub type CovarianceMatrix = Vec<Vec<f64>>;
+
 /// A covariance in one of its forms; units are products of the observables' units.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(untagged)]
 pub enum CovarianceInput {
     /// One block per condition, each (observables, observables).
-    Blocks(Vec<Vec<Vec<f64>>>),
+    Blocks(Vec<CovarianceMatrix>),
     /// Either one block (observables, observables) that all conditions share, or the whole
     /// matrix (rows, rows) with correlations between conditions.
-    Matrix(Vec<Vec<f64>>),
+    Matrix(CovarianceMatrix),
 }
 
 /// Prior precision of the declared parameters, in 1 / (unit of the parameter) squared.

@@ -1,21 +1,14 @@
 //! The five problems of `fixtures/diagnosis` against numbers of an independent implementation.
 
+use fixture_files::fixture;
 use residual_diagnosis::{
     Diagnosis, Options, Problem, ProblemFile, TrialRow, Truth, Verdict, diagnose, trials,
 };
 use serde_json::Value;
-use std::path::PathBuf;
 
 /// Reads one file of a fixture.
-fn read(fixture: &str, file: &str) -> String {
-    let path: PathBuf = [
-        env!("CARGO_MANIFEST_DIR"),
-        "../../fixtures/diagnosis",
-        fixture,
-        file,
-    ]
-    .iter()
-    .collect();
+fn read(name: &str, file: &str) -> String {
+    let path = fixture("diagnosis").join(name).join(file);
     std::fs::read_to_string(path).expect("the fixture is there")
 }
 

@@ -7,6 +7,7 @@
 
 use experiment_design::Factor;
 use experiment_design::table::Table;
+use fixture_files::fixture;
 use response_surface::{
     Cell, Model, Observations, RandomBlockTerm, RandomBlocks, Weighting, random_blocks,
     tolerance_factor,
@@ -16,7 +17,7 @@ use std::error::Error;
 use std::path::PathBuf;
 
 fn folder() -> PathBuf {
-    PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../fixtures/r")
+    fixture("r")
 }
 
 fn results() -> Result<Value, Box<dyn Error>> {

@@ -4,12 +4,13 @@
 
 use experiment_design::Factor;
 use experiment_design::table::Table;
+use fixture_files::fixture;
 use response_surface::{Cell, Fit, Model, Observations, contrasts, fit, one_way};
 use serde_json::Value;
 use std::path::PathBuf;
 
 fn folder() -> PathBuf {
-    PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../fixtures/r")
+    fixture("r")
 }
 
 fn results() -> Value {

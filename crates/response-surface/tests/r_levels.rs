@@ -5,12 +5,12 @@
 
 use experiment_design::Factor;
 use experiment_design::table::Table;
+use fixture_files::fixture;
 use response_surface::{
     Categorical, CategoricalModel, Cell, GroupRow, Observations, Weighting, fit_weighted,
 };
 use serde_json::Value;
 use std::error::Error;
-use std::path::PathBuf;
 
 fn texts(value: &Value) -> Vec<String> {
     let list = value.as_array().into_iter().flatten();
@@ -91,7 +91,7 @@ fn compare(folder: &std::path::Path, name: &str, r: &Value) -> Result<(), Box<dy
 
 #[test]
 fn all_types_of_sums_of_squares_of_named_levels_agree_with_r() {
-    let folder = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../fixtures/r");
+    let folder = fixture("r");
     let text = std::fs::read_to_string(folder.join("results_levels.json")).unwrap();
     let results: Value = serde_json::from_str(&text).unwrap();
     let sets = results["levels"].as_object().unwrap();

@@ -1,12 +1,12 @@
 //! Runs that throw seeds out: how often they do, and whether half the step, with which they are done again, shows the same.
 
 use campaign::{Campaign, RunRequest, Silent};
+use fixture_files::fixture;
 use run_store::{Record, Store};
 use scene::{Override, Scene};
 use scene_simulator::SceneSimulator;
 use std::collections::BTreeMap;
 use std::ops::Range;
-use std::path::Path;
 
 /// Runs with each step.
 const RUNS: u64 = 20;
@@ -24,7 +24,7 @@ const MOST: f64 = 3.1;
 
 /// A drum of the fixtures with settings changed.
 fn drum(file: &str, changes: &[(&str, &str)]) -> Scene {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fixtures");
+    let folder = fixture("");
     let change = |(name, value): &(&str, &str)| Override {
         name: (*name).to_owned(),
         value: (*value).to_owned(),

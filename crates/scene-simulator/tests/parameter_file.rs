@@ -1,12 +1,13 @@
 //! Calibrated values handed from one command to the next.
 
+use fixture_files::fixture;
 use scene::{Override, Scene};
 use scene_simulator::{CalibratedParameter, Error, ParameterFile};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// The drum of the fixtures.
 fn drum() -> Scene {
-    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fixtures/cotton/drum.toml");
+    let file = fixture("cotton/drum.toml");
     Scene::read(&file, &[]).expect("the fixture is sound")
 }
 

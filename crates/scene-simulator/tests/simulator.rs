@@ -1,18 +1,12 @@
 //! What a request stands for, and what its key is made of.
 
 use campaign::{Campaign, RunRequest, Silent, Simulator as _};
+use fixture_files::fixture;
 use run_store::Store;
 use scene::{Override, Scene};
 use scene_simulator::{Binding, Error, NOT_STEADY, RunDetails, SceneSimulator};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-
-/// A file of the fixtures.
-fn fixture(name: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("../../fixtures")
-        .join(name)
-}
 
 /// A fixture with settings changed.
 fn scene(name: &str, changes: &[(&str, &str)]) -> Scene {

@@ -132,18 +132,16 @@ pub fn read_frame(
 mod tests {
     use super::{Frame, drum_picture, read_frame};
     use crate::{FillingLibrary, Override, Scene, SeedBody};
+    use fixture_files::fixture;
     use image::DynamicImage;
     use nalgebra::{UnitQuaternion, Vector3};
     use photo_profile::{PhotoPixels, measure_photo};
-    use std::path::Path;
+
     use std::sync::Arc;
 
     /// The study's drum with a camera at 92 mm, twice its width, and seeds of few spheres.
     fn scene() -> Scene {
-        let file = Path::new(concat!(
-            env!("CARGO_MANIFEST_DIR"),
-            "/../../fixtures/cotton/drum.toml"
-        ));
+        let file = fixture("cotton/drum.toml");
         let set = |name: &str, value: &str| Override {
             name: name.into(),
             value: value.into(),
@@ -153,7 +151,7 @@ mod tests {
             set("seed.0.filling.sphere_radius", "0.8 mm"),
             set("camera.pixels", "1400"),
         ];
-        let mut scene = Scene::read(file, &changes).unwrap();
+        let mut scene = Scene::read(&file, &changes).unwrap();
         scene.camera.distance = Some(quantity::Length::parse("92 mm").unwrap());
         scene
     }

@@ -186,13 +186,13 @@ pub(crate) fn mean_radius(scene: &Scene, bodies: &[Arc<SeedBody>], name: &str) -
 mod tests {
     use super::{bridge, interactions};
     use crate::{FillingLibrary, LiquidSettings, Override, Scene};
+    use fixture_files::fixture;
     use quantity::Angle;
     use std::f64::consts::PI;
-    use std::path::Path;
 
     /// The study's drum with changes.
     fn drum(changes: &[(&str, &str)]) -> Scene {
-        let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fixtures/cotton/drum.toml");
+        let file = fixture("cotton/drum.toml");
         let changes: Vec<_> = changes
             .iter()
             .map(|(name, value)| Override {

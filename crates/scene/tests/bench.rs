@@ -5,8 +5,8 @@
     reason = "helpers of tests fail like tests"
 )]
 
+use fixture_files::fixture;
 use scene::{Error, FillingLibrary, RunResult, Scene, run};
-use std::path::Path;
 
 /// A ball on a bench: the lines of its apparatus, and the material of the plate's contact.
 fn ball(apparatus: &str) -> Scene {
@@ -43,13 +43,13 @@ fn ball(apparatus: &str) -> Scene {
         normal_force_end = "attractive"
         "#
     );
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fixtures/cotton");
+    let folder = fixture("cotton");
     Scene::from_text(&text, "ball.toml", &folder, &[]).unwrap()
 }
 
 /// The cotton study's seeds with few spheres on a bench.
 fn cotton(apparatus: &str) -> Scene {
-    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fixtures/cotton/drum.toml");
+    let file = fixture("cotton/drum.toml");
     let text = std::fs::read_to_string(&file).unwrap();
     let from = text.find("[apparatus]").unwrap();
     let to = text.find("[[seed]]").unwrap();

@@ -3,12 +3,13 @@
 
 mod coarse;
 
+use fixture_files::fixture;
 use scene::{FillingLibrary, NumberChange, Override, Scene, run};
 use std::path::Path;
 
 /// The study's drum as its file has it.
 fn drum() -> Scene {
-    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fixtures/cotton/drum.toml");
+    let file = fixture("cotton/drum.toml");
     Scene::read(&file, &[]).unwrap()
 }
 
@@ -140,7 +141,7 @@ fn all_problems_are_told_at_once() {
     assert!(scene.check().is_err());
     assert!(drum().problems().is_empty());
     // A file is read with the same list.
-    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fixtures/cotton/drum.toml");
+    let file = fixture("cotton/drum.toml");
     let changes =
         [("camera.pixels", "1"), ("protocol.frames", "0")].map(|(name, value)| Override {
             name: name.into(),

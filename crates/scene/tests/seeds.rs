@@ -1,9 +1,9 @@
 //! Seeds without a mesh, and masses and numbers as a laboratory states them.
 #![expect(clippy::unwrap_used, reason = "helpers of tests fail like tests")]
 
+use fixture_files::fixture;
 use scene::{FillingLibrary, Override, Scene, SeedBody, starting_frame};
 use std::f64::consts::PI;
-use std::path::Path;
 use std::sync::Arc;
 
 /// A drum of peas in as few lines as it takes; the lines of the seed are given.
@@ -33,7 +33,7 @@ fn drum(seed: &str) -> String {
 
 /// Reads the drum.
 fn read(seed: &str) -> Result<Scene, scene::Error> {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fixtures/stl");
+    let folder = fixture("stl");
     Scene::from_text(&drum(seed), "peas.toml", &folder, &[])
 }
 

@@ -1,13 +1,13 @@
 //! Seeds that are single spheres.
 
+use fixture_files::fixture;
 use scene::{FillingLibrary, Scene, starting_frame};
-use std::path::Path;
 
 /// A quarter of a drum's volume in spheres: all of them have a place, and none touches another (3 mm from
 /// centre to centre) or leaves the drum.
 #[test]
 fn spheres_start_without_touching() {
-    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fixtures/mcc/drum.toml");
+    let file = fixture("mcc/drum.toml");
     let scene = Scene::read(&file, &[]).unwrap();
     let (frame, bodies, _) = starting_frame(&scene, &FillingLibrary::default(), 1).unwrap();
     let radius = bodies[0].clump.bounding_radius();

@@ -1,12 +1,12 @@
 //! How a drum starts: a bed that is laid at a slope before it turns, and the time steps of both phases.
 
+use fixture_files::fixture;
 use quantity::{Angle, Length, Time};
 use scene::{FillingLibrary, LiquidSettings, Override, Scene, settled_world, starting_frame};
-use std::path::Path;
 
 /// A slice of the study's drum with coarse seeds, and further changes.
 fn drum(changes: &[(&str, &str)]) -> Result<Scene, scene::Error> {
-    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fixtures/cotton/drum.toml");
+    let file = fixture("cotton/drum.toml");
     let slice = [
         ("apparatus.width", "12 mm"),
         ("seed.0.count", "180"),
@@ -137,7 +137,7 @@ fn the_time_step_stands_the_viscosity_of_the_liquid() -> Result<(), scene::Error
 /// What stands in no file can be set, a number and a switch as well as a quantity; a drum alone has covers.
 #[test]
 fn settings_that_a_file_leaves_out_can_be_set() -> Result<(), scene::Error> {
-    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fixtures/cotton");
+    let file = fixture("cotton");
     let set = |name: &str, value: &str| Override {
         name: name.into(),
         value: value.into(),

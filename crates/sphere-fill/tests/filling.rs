@@ -1,17 +1,15 @@
 //! Properties of fillings.
 
 use clump::{Sphere, volume_of_sphere};
+use fixture_files::fixture;
 use nalgebra::{Rotation3, Vector3};
 use sphere_fill::{Error, FillSettings, Filling, InertiaSource, Method, fill};
-use std::path::Path;
 use trimesh::{LengthUnit, SignedDistance, TriMesh, shapes};
 
 const RADIUS: f64 = 0.45e-3;
 
 fn seed(name: &str) -> TriMesh {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("../../fixtures/stl")
-        .join(name);
+    let path = fixture("stl").join(name);
     trimesh::read_stl(&path, LengthUnit::Millimetre)
         .expect("a fixture")
         .mesh

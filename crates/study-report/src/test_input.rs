@@ -8,10 +8,10 @@ use calibration::{
     Measurement, Model, OpenCombination, Parameter, Prior, Role, SearchBox, SimulatedMean,
     SolutionSet, StageCost,
 };
+use fixture_files::fixture;
 use run_store::Record;
 use scene::{FillingLibrary, PhaseTimes, Scene, TimeSpent};
 use std::collections::BTreeMap;
-use std::path::Path;
 
 /// Owner of everything that an input borrows.
 #[derive(Debug)]
@@ -351,7 +351,7 @@ pub(crate) fn example() -> Example {
     let mut calibration = calibration(&problem);
     let record = crate::test_scene::record();
     calibration.check[0].keys = vec!["lost".into(), record.key().to_owned()];
-    let fixtures = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fixtures");
+    let fixtures = fixture("");
     let drum = crate::test_scene::drum(&fixtures.join("stl"));
     let scenes = ["drum-15", "drum-30"].map(|name| (name.to_owned(), drum.clone()));
     Example {

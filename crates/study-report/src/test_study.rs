@@ -6,6 +6,7 @@ use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 use calibration::{CalibrationProblem, LoopSettings, Model, Parameter, Role, calibrate};
 use campaign::{Campaign, RunOutcome, RunRequest, Silent, Simulator, SimulatorError};
+use fixture_files::fixture;
 use random_stream::Stream;
 use run_store::{Lookup, Observation, Store};
 use scene::FillingLibrary;
@@ -150,9 +151,7 @@ pub(crate) fn study() -> Example {
         Lookup::Found(record) => Some((key.clone(), record)),
         _ => None,
     });
-    let drum = crate::test_scene::drum(
-        &std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fixtures/stl"),
-    );
+    let drum = crate::test_scene::drum(&fixture("stl"));
     Example {
         name: "closed form".into(),
         inputs: BTreeMap::from([("study.toml".into(), "ab12".into())]),

@@ -1,8 +1,8 @@
 //! Our reader of STL against that of the crate `stl_io`.
 
+use fixture_files::fixture;
 use std::fs::File;
 use std::io::Cursor;
-use std::path::Path;
 use trimesh::{LengthUnit, parse_stl, read_stl};
 
 /// Both readers find the same triangles in the meshes that the project comes with. The numbers are
@@ -11,9 +11,7 @@ use trimesh::{LengthUnit, parse_stl, read_stl};
 #[test]
 fn seeds_have_the_triangles_that_another_reader_finds() {
     for name in ["cotton_ellipsoidal.stl", "cotton_flat.stl"] {
-        let path = Path::new(env!("CARGO_MANIFEST_DIR"))
-            .join("../../fixtures/stl")
-            .join(name);
+        let path = fixture("stl").join(name);
         let ours = read_stl(&path, LengthUnit::Millimetre).unwrap().mesh;
         let theirs = stl_io::read_stl(&mut File::open(&path).unwrap()).unwrap();
         assert_eq!(ours.triangles().len(), theirs.faces.len(), "{name}");

@@ -9,8 +9,8 @@ use dem_solver::{
     DashpotMass, Interaction, InteractionSettings, OptionalLaws, Placement, Settings, Template,
     World,
 };
+use fixture_files::fixture;
 use nalgebra::{UnitQuaternion, Vector3};
-use std::path::Path;
 use std::process::Command;
 
 /// Radius of the spheres, m.
@@ -103,7 +103,7 @@ fn a_viscous_bridge_moves_two_spheres_as_in_liggghts() {
 #[ignore = "runs LIGGGHTS; `just liggghts-liquid`"]
 fn liggghts_gives_what_is_kept() {
     let command = "liggghts";
-    let deck = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fixtures/liquid-pair/in.pair");
+    let deck = fixture("liquid-pair/in.pair");
     let folder = tempfile::tempdir().expect("a folder");
     let run = Command::new(command)
         .arg("-in")

@@ -223,6 +223,7 @@ mod tests {
     use crate::contacts::Contacts;
     use crate::seed_drum::SeedDrum;
     use crate::sphere_drum::{SphereDrum, TIME_STEP};
+    use fixture_files::fixture;
     use scene::{FillingLibrary, Scene};
 
     // Values by hand for the study's materials: E = 2 G (1 + nu) = 9.1428 MPa; of two seeds
@@ -230,8 +231,7 @@ mod tests {
     // so 8 G* = 8.6237 MPa; ratio of the dashpots sqrt(2 (1 - nu) / (2 - nu)) = 0.96163.
     #[test]
     fn both_decks_carry_the_moduli_of_the_scene() {
-        let file = std::path::Path::new(env!("CARGO_MANIFEST_DIR"))
-            .join("../../fixtures/cotton/drum.toml");
+        let file = fixture("cotton/drum.toml");
         let drum = SphereDrum {
             contacts: Contacts::of(&Scene::read(&file, &[]).unwrap()).unwrap(),
             radius: 0.07,
@@ -267,8 +267,7 @@ mod tests {
     /// in. Each takes the step of the plan, and tells the energy of the bodies, not that of their spheres.
     #[test]
     fn decks_of_seeds_go_on_from_the_flow() {
-        let file = std::path::Path::new(env!("CARGO_MANIFEST_DIR"))
-            .join("../../fixtures/cotton/drum.toml");
+        let file = fixture("cotton/drum.toml");
         let scene = Scene::read(&file, &[]).unwrap();
         let library = FillingLibrary::default();
         let bodies = scene.seed.iter().map(|s| library.body(&scene, s).unwrap());

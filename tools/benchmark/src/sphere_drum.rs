@@ -170,14 +170,14 @@ mod tests {
     use super::{SPHERES_OF_TILE, SphereDrum, TIME_STEP, lattice};
     use crate::contacts::Contacts;
     use crate::seed_drum::side_by_side;
+    use fixture_files::fixture;
     use scene::Scene;
 
     /// Copies must neither overlap nor leave the longer drum: no contact at the start, as in the
     /// lattice they come from.
     #[test]
     fn copies_side_by_side_fill_the_longer_drum_without_contacts() {
-        let file = std::path::Path::new(env!("CARGO_MANIFEST_DIR"))
-            .join("../../fixtures/cotton/drum.toml");
+        let file = fixture("cotton/drum.toml");
         let mut drum = SphereDrum {
             contacts: Contacts::of(&Scene::read(&file, &[]).unwrap()).unwrap(),
             radius: 0.07,

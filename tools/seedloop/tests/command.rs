@@ -45,16 +45,10 @@ mod wrong_scenes;
 #[path = "command/your_material.rs"]
 mod your_material;
 
+use fixture_files::fixture;
 use serde_json::Value;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::{Command, Output};
-
-/// A file of the fixtures.
-fn fixture(name: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("../../fixtures")
-        .join(name)
-}
 
 /// Runs the command in a folder.
 fn seedloop(folder: &Path, words: &[&str]) -> Output {

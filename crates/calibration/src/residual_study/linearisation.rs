@@ -3,12 +3,13 @@
 use super::fits::Visited;
 use super::runs::{At, Means, Row, Setting, differ, numbers, readable, requests, rows_of};
 use super::scatter::Scatter;
-use super::slopes::{Points, SlopeError, Slopes};
+use super::slopes::{ConditionSlopes, Points, SlopeError, Slopes};
 use super::worker::Worker;
 use super::{DeclaredParameter, Observed, ResidualPlan, StudyCondition, assemble};
 use crate::Error;
 use campaign::RunRequest;
 use nalgebra::DVector;
+use residual_diagnosis::CovarianceMatrix;
 use run_store::Record;
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -19,13 +20,13 @@ pub(super) struct Linearisation {
     /// empty.
     pub(super) nominal: Means,
     /// d observable / d parameter, (conditions, observables, parameters).
-    pub(super) declared: Vec<Vec<Vec<f64>>>,
+    pub(super) declared: Vec<ConditionSlopes>,
     /// Errors of these.
     pub(super) declared_errors: Vec<SlopeError>,
     /// The runs behind them.
     points: Points,
     /// d observable / d amplitude, (conditions, observables, effects).
-    pub(super) library: Vec<Vec<Vec<f64>>>,
+    pub(super) library: Vec<ConditionSlopes>,
     /// Variance of each column of `library` over that of one run, 1 / (unit of the amplitude)^2.
     pub(super) library_variance: Vec<f64>,
     /// Share of the noise of a run that a run with the effect does not share with the one without it: 1, or
@@ -34,7 +35,7 @@ pub(super) struct Linearisation {
     /// Whether each parameter, and behind them each effect, moves the runs of a condition at all, (columns, conditions).
     pub(super) moves: Vec<Vec<bool>>,
     /// Covariance of one run at each condition, pooled over settings, (conditions, observables, observables).
-    pub(super) run_covariance: Vec<Vec<Vec<f64>>>,
+    pub(super) run_covariance: Vec<CovarianceMatrix>,
     /// Its degrees of freedom.
     pub(super) noise_dof: f64,
     /// Scatter of all runs so far.

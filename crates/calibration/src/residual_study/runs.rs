@@ -241,7 +241,7 @@ impl Means {
     /// Means and scatter of groups of `r` rows.
     pub(super) fn of(rows: &[Row], r: usize) -> Self {
         let groups = rows.chunks(r);
-        let groups: Vec<Vec<Vec<f64>>> = groups
+        let groups: Vec<Vec<_>> = groups
             .map(|group| group.iter().flatten().cloned().collect())
             .collect();
         let values: Vec<Vec<f64>> = groups.iter().map(|group| mean_row(group)).collect();

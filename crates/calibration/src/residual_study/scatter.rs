@@ -1,6 +1,7 @@
 //! How runs scatter about the means of their conditions.
 
 use probability::{chi_squared_upper_tail, digamma, inverse_trigamma, trigamma};
+use residual_diagnosis::CovarianceMatrix;
 
 /// Chance below which a difference between the variances of the conditions counts as one: conditions that do not differ
 /// should share their variance, which is then known best.
@@ -99,13 +100,13 @@ impl Scatter {
     /// degrees of freedom; `d0` and `s0²` come from how the `ln s²` of the conditions scatter beyond what their `d` explain
     /// `[Smyth2004]`, weighted by these as in `[DerSimonian1986]`. Where they do not, by a test at 1 % `[Bartlett1937]`, `d0` is infinite and `s0²` the pooled variance. Correlations are
     /// pooled.
-    pub(super) fn by_condition(&self) -> (Vec<Vec<Vec<f64>>>, f64) {
+    pub(super) fn by_condition(&self) -> (Vec<CovarianceMatrix>, f64) {
         let (pooled, all) = (self.pooled(), self.all());
         let n = pooled.len();
         let moderations: Vec<Moderation> = (0..n)
             .map(|k| self.moderation(k, pooled[k][k], all.dof[k][k]))
             .collect();
-        let of = |condition: &Products| -> Vec<Vec<f64>> {
+        let of = |condition: &Products| -> CovarianceMatrix {
             let scale: Vec<f64> = (0..n)
                 .map(|k| moderations[k].of(condition.variance(k)) / pooled[k][k])
                 // An observable that never scatters has no variance to scale.

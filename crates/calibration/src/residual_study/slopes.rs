@@ -37,11 +37,14 @@ pub(super) struct SlopeError {
     pub(super) at: Vec<bool>,
 }
 
+/// Slopes at a condition, (observables, parameters or effects).
+pub(super) type ConditionSlopes = Vec<Vec<f64>>;
+
 /// Slopes with their errors.
 #[derive(Debug, Clone)]
 pub(super) struct Slopes {
     /// d observable / d parameter, (conditions, observables, parameters); 0 where a parameter moves nothing.
-    pub(super) values: Vec<Vec<Vec<f64>>>,
+    pub(super) values: Vec<ConditionSlopes>,
     /// Their errors.
     pub(super) errors: Vec<SlopeError>,
 }

@@ -9,6 +9,9 @@ use super::{SolutionRequest, check, chosen_error};
 use crate::fit::ErrorVariance;
 use crate::{Error, Fit, NamedValues};
 
+/// A point in coded coordinates.
+type CodedPoint = Vec<f64>;
+
 /// The nearest solutions of redrawn experiments.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Bootstrap {
@@ -77,7 +80,7 @@ pub fn bootstrap(
     let lower = Cholesky::new(model_covariance(fit)).ok_or(undefined)?.l() * error.variance.sqrt();
     let centre = DVector::from_vec(fit.coefficients());
     let metrics = metrics(fit, request);
-    let mut solved: Vec<Vec<Vec<f64>>> = vec![Vec::new(); metrics.len()];
+    let mut solved: Vec<Vec<CodedPoint>> = vec![Vec::new(); metrics.len()];
     let mut stream = Stream::new(seed, "nearest solution");
     for _ in 0..draws {
         let z = DVector::from_fn(centre.len(), |_, _| stream.normal());
@@ -90,7 +93,7 @@ pub fn bootstrap(
             );
         }
     }
-    let summary = |(metric, list): (&super::nearest::NamedMetric, Vec<Vec<f64>>)| Bootstrap {
+    let summary = |(metric, list): (&super::nearest::NamedMetric, Vec<CodedPoint>)| Bootstrap {
         metric: metric.name.to_owned(),
         draws,
         seed,

@@ -2,6 +2,7 @@
 
 use experiment_design::Factor;
 use experiment_design::table::Table;
+use fixture_files::fixture;
 use response_surface::{Cell, Model, Observations, fit, one_way, one_way_decimals};
 use serde_json::Value;
 use std::error::Error;
@@ -35,7 +36,7 @@ fn digits(got: f64, certified: f64) -> f64 {
 }
 
 fn folder() -> PathBuf {
-    PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../fixtures/nist")
+    fixture("nist")
 }
 
 /// The certified values.

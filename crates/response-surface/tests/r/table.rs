@@ -2,6 +2,7 @@
 
 use experiment_design::Factor;
 use experiment_design::table::Table;
+use fixture_files::fixture;
 use response_surface::fit::{Case, Information, TermRow, TypedRow};
 use response_surface::{Cell, Fit, Model, NamedValues, Observations, fit, one_way, spread};
 use serde_json::Value;
@@ -17,7 +18,7 @@ pub(crate) struct Row {
 }
 
 fn folder() -> PathBuf {
-    PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../fixtures/r")
+    fixture("r")
 }
 
 /// The worst difference of two lists, relative to the entry or to a thousandth of the greatest.

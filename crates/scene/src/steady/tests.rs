@@ -1,9 +1,9 @@
 //! Series with known answers, and series of real beds.
 
 use super::{Doubt, SteadyRule, SteadyState, error_of_mean, expected_swing, swing_time};
+use fixture_files::fixture;
 use random_stream::Stream;
 use std::f64::consts::TAU;
-use std::path::Path;
 
 /// Values in a swing: 0.7 s at 0.02 s.
 const SWING: usize = 35;
@@ -214,7 +214,7 @@ fn a_bed_swings_as_a_pendulum() {
 /// them begins 1.8 deg too low for a second, one slumps.
 #[test]
 fn real_beds_are_cut_where_their_mean_is_that_of_their_long_run() {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fixtures/bed-series");
+    let folder = fixture("bed-series");
     for name in [
         "friction-0.10-10rpm",
         "friction-0.33-10rpm",

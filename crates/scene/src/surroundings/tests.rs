@@ -2,15 +2,12 @@ use super::{Kind, Surroundings, drag, image_force};
 use crate::build::{Built, build};
 use crate::motion::advance;
 use crate::{FillingLibrary, Override, Scene};
+use fixture_files::fixture;
 use nalgebra::Vector3;
-use std::path::Path;
 
 /// One seed of few spheres, free in a wide drum, under the settings given.
 fn falling_seed(surroundings: &str) -> Scene {
-    let folder = Path::new(concat!(
-        env!("CARGO_MANIFEST_DIR"),
-        "/../../fixtures/cotton"
-    ));
+    let folder = fixture("cotton");
     let text = std::fs::read_to_string(folder.join("drum.toml")).unwrap();
     let set = |name: &str, value: &str| Override {
         name: name.into(),
@@ -26,7 +23,13 @@ fn falling_seed(surroundings: &str) -> Scene {
         set("apparatus.inner_diameter", "2 m"),
         set("apparatus.width", "1 m"),
     ];
-    Scene::from_text(&format!("{text}\n{surroundings}"), "test", folder, &changes).unwrap()
+    Scene::from_text(
+        &format!("{text}\n{surroundings}"),
+        "test",
+        &folder,
+        &changes,
+    )
+    .unwrap()
 }
 
 /// The world of a scene at the moment at which its seed leaves the floor upwards at 5 m/s.

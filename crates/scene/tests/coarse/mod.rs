@@ -1,7 +1,7 @@
 //! A slice of the study's drum with coarse seeds, for tests that run it.
 
+use fixture_files::fixture;
 use scene::{Override, Scene};
-use std::path::Path;
 
 /// The study's drum, 14 mm wide, with seeds of 20 and 16 spheres of 0.8 mm, and further changes.
 pub(crate) fn drum(changes: &[(&str, &str)]) -> Scene {
@@ -15,7 +15,7 @@ pub(crate) fn drum(changes: &[(&str, &str)]) -> Scene {
 
 /// Another scene of the study's seeds; the first kind has 20 spheres of 0.8 mm.
 pub(crate) fn of_file(name: &str, changes: &[(&str, &str)]) -> Scene {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fixtures/cotton");
+    let folder = fixture("cotton");
     let file = folder.join(name);
     let coarse = [
         ("seed.0.filling.sphere_radius", "0.8 mm"),

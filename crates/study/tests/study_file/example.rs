@@ -1,7 +1,7 @@
 //! The commented example of every key.
 
-use super::folder::fixture;
 use calibration::LoopSettings;
+use fixture_files::fixture;
 use std::collections::BTreeSet;
 use study::Study;
 use toml::{Table, Value};

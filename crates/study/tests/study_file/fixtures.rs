@@ -1,6 +1,6 @@
 //! The studies of the repository, and those to start from.
 
-use super::folder::fixture;
+use fixture_files::fixture;
 use study::{Starter, Study};
 
 #[test]

@@ -1,6 +1,6 @@
 //! A folder with a small study.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use study::{Error, Study};
 
 /// A drum with peas; friction and restitution against the wall matter in the drum, and on no plate of peas.
@@ -143,11 +143,4 @@ pub(crate) fn right(study: &str) -> Study {
 pub(crate) fn wrong(study: &str) -> String {
     let error = Folder::new(study).read(None);
     error.expect_err("a study that is wrong").to_string()
-}
-
-/// A file of the repository.
-pub(crate) fn fixture(name: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("../../fixtures")
-        .join(name)
 }

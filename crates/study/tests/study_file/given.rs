@@ -1,7 +1,8 @@
 //! What a study file gives.
 
-use super::folder::{Folder, STUDY, changed, fixture, right, with};
+use super::folder::{Folder, STUDY, changed, right, with};
 use calibration::{Role, SurfaceDesign};
+use fixture_files::fixture;
 
 #[test]
 fn a_model_is_a_scene_under_a_condition_and_knows_its_parameters() {

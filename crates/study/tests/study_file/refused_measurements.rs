@@ -1,7 +1,8 @@
 //! Wrong measurements: each message names file, line, key and the way out.
 
-use super::folder::{changed, fixture, wrong};
+use super::folder::{changed, wrong};
 use super::refused::tells;
+use fixture_files::fixture;
 
 #[test]
 fn a_measurement_without_scatter_or_number_is_refused() {

@@ -10,13 +10,12 @@ mod photos;
 mod series;
 mod views;
 
+use fixture_files::fixture;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
 fn photo(name: &str) -> PathBuf {
-    PathBuf::from(env!("CARGO_MANIFEST_DIR"))
-        .join("../../fixtures/photos")
-        .join(name)
+    fixture("photos").join(name)
 }
 
 const GOOD: &str = "granudrum_mccA_15rpm_avg.bmp";

@@ -14,9 +14,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
 fn fixture(name: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("../../fixtures/stl")
-        .join(name)
+    fixture_files::fixture("stl").join(name)
 }
 
 /// Runs the command with little search work.

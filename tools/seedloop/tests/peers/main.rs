@@ -12,6 +12,7 @@ mod steady;
 
 use exchange::vtk::File;
 use exchange::{Moment, dump};
+use fixture_files::fixture;
 use scene::{Override, Scene};
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -71,9 +72,7 @@ fn run_deck(command: &str, folder: &Path, files: &[File]) -> Vec<Moment> {
 
 /// The rows of a table of `fixtures/peers` that belong to a code: its numbers, seed by seed.
 fn kept<const N: usize>(table: &str, code: &str) -> Vec<[f64; N]> {
-    let file: PathBuf = Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("../../fixtures/peers")
-        .join(table);
+    let file: PathBuf = fixture("peers").join(table);
     let text = fs::read_to_string(&file).expect("the table");
     let rows = text.lines().filter(|l| l.starts_with(code));
     let rows: Vec<[f64; N]> = rows
