@@ -313,37 +313,15 @@ fn study_of_all(
     let (mut fit, visited) = fits.declared(&linear)?;
     // The kept conditions are run once, where the fit has ended.
     let kept = fits.run(&fit.setting, fit.block, At::Kept)?;
-    let mut linear = linear.with_points(plan, &visited).with_scatter(&kept);
+    let linear = linear.with_points(plan, &visited).with_scatter(&kept);
     fit.means = fit.means.with_kept(kept);
-    let fitted = fit.setting.declared_values(plan);
+    let Looked {
+        linear,
+        mut file,
+        mut diagnosis,
+        looks,
+    } = looked_at(&fits, linear, &fit)?;
     let at_fit = &fit.means;
-    let diagnosed = |linear: &Linearisation| -> Result<(ProblemFile, Diagnosis), Error> {
-        let file = assemble::problem(plan, observed, linear, &fitted, at_fit);
-        let diagnosis = diagnose(&Problem::try_from(file.clone())?, &Options::new(plan.seed))?;
-        Ok((file, diagnosis))
-    };
-    let (mut file, mut diagnosis) = diagnosed(&linear)?;
-    let mut looks = Looks::default();
-    let noisy = fits.noisy(&fit, &diagnosis);
-    if !noisy.is_empty() && diagnosis.verdict != Verdict::Refused {
-        let runs = noisy.into_iter().zip(FIRST_BLOCK_OF_NOISY..);
-        linear = fits.measured_anew(linear, &fit, runs, &mut looks)?;
-        (file, diagnosis) = diagnosed(&linear)?;
-    }
-    let quiet = [Verdict::None, Verdict::Refused, Verdict::NotTestable];
-    if !quiet.contains(&diagnosis.verdict) {
-        let suspects = fits.suspects(&linear, &fit, &diagnosis)?;
-        let runs = suspects.into_iter().zip(FIRST_BLOCK_ANEW..);
-        linear = fits.measured_anew(linear, &fit, runs, &mut looks)?;
-        (file, diagnosis) = diagnosed(&linear)?;
-    }
-    if matches!(diagnosis.verdict, Verdict::Unknown | Verdict::Partial) {
-        let suspects = fits.suspects(&linear, &fit, &diagnosis)?;
-        let suspects = worth_a_search(&diagnosis, plan, suspects);
-        linear = fits.searched(linear, &fit, &suspects, &mut looks)?;
-        (file, diagnosis) = diagnosed(&linear)?;
-    }
-    diagnosis.warnings.append(&mut looks.warnings);
     let errors_before = assemble::errors(plan, observed, &linear, at_fit)?;
     let sets = sets_to_add(&diagnosis);
     let (mut added, failed) = fits.with_each(&linear, &sets, &fit, &looks)?;
@@ -365,6 +343,7 @@ fn study_of_all(
     let sds = (0..pooled.len()).map(|k| pooled[k][k].sqrt());
     let names = plan.observables.iter().cloned();
     let declared = plan.declared.iter().map(|d| d.name.clone());
+    let fitted = fit.setting.declared_values(plan);
     Ok(ResidualStudy {
         plan: plan.clone(),
         left_out,
@@ -380,6 +359,62 @@ fn study_of_all(
         after,
         rivals,
         offered,
+    })
+}
+
+/// A diagnosis of the linear problem, and what it was made of.
+struct Looked {
+    /// The slopes behind it.
+    linear: Linearisation,
+    /// Its problem.
+    file: ProblemFile,
+    /// What it says.
+    diagnosis: Diagnosis,
+    /// Which effects were looked at again.
+    looks: Looks,
+}
+
+/// Diagnoses the residual at the fit; what the answer hangs on is measured with further runs first: slopes that are noise,
+/// slopes of the suspects, and amplitudes that no straight line tells.
+fn looked_at(fits: &Fits<'_>, mut linear: Linearisation, fit: &Visited) -> Result<Looked, Error> {
+    let (plan, observed) = (fits.plan, fits.observed);
+    let fitted = fit.setting.declared_values(plan);
+    let diagnosed = |linear: &Linearisation| -> Result<(ProblemFile, Diagnosis), Error> {
+        let file = assemble::problem(plan, observed, linear, &fitted, &fit.means);
+        let diagnosis = diagnose(&Problem::try_from(file.clone())?, &Options::new(plan.seed))?;
+        Ok((file, diagnosis))
+    };
+    let (mut file, mut diagnosis) = diagnosed(&linear)?;
+    let mut looks = Looks::default();
+    let noisy = fits.noisy(fit, &diagnosis);
+    if !noisy.is_empty() && diagnosis.verdict != Verdict::Refused {
+        let runs = noisy.into_iter().zip(FIRST_BLOCK_OF_NOISY..);
+        linear = fits.measured_anew(linear, fit, runs, &mut looks)?;
+        (file, diagnosis) = diagnosed(&linear)?;
+    }
+    let quiet = [Verdict::None, Verdict::Refused, Verdict::NotTestable];
+    if !quiet.contains(&diagnosis.verdict) {
+        let suspects = fits.suspects(&linear, fit, &diagnosis)?;
+        if !suspects.is_empty() {
+            let runs = suspects.into_iter().zip(FIRST_BLOCK_ANEW..);
+            linear = fits.measured_anew(linear, fit, runs, &mut looks)?;
+            (file, diagnosis) = diagnosed(&linear)?;
+        }
+    }
+    if matches!(diagnosis.verdict, Verdict::Unknown | Verdict::Partial) {
+        let suspects = fits.suspects(&linear, fit, &diagnosis)?;
+        let suspects = worth_a_search(&diagnosis, plan, suspects);
+        if !suspects.is_empty() {
+            linear = fits.searched(linear, fit, &suspects, &mut looks)?;
+            (file, diagnosis) = diagnosed(&linear)?;
+        }
+    }
+    diagnosis.warnings.append(&mut looks.warnings);
+    Ok(Looked {
+        linear,
+        file,
+        diagnosis,
+        looks,
     })
 }
 

@@ -71,25 +71,7 @@ pub(super) fn read(arguments: &Arguments) -> anyhow::Result<Data> {
     let response = table.column(&arguments.response).with_context(place)?;
     check_columns(&table, &columns, response).with_context(place)?;
     let coding = coding(arguments, &table, &columns).with_context(place)?;
-    let mut factors = Vec::with_capacity(given.len());
-    for ((symbol, known), &column) in given.into_iter().zip(&columns) {
-        factors.push(match known {
-            Some(factor) => {
-                if coding == Coding::Natural {
-                    check_range(arguments, &table, column, &factor).with_context(place)?;
-                }
-                factor
-            }
-            None => seen_factor(&table, &symbol, column, coding).with_context(place)?,
-        });
-    }
-    if coding == Coding::Natural && arguments.categories.is_empty() {
-        let model = Model::parse(&arguments.model, &factors)?;
-        if !model.has_intercept() {
-            // The response is zero where the factors are, not in the middle of their ranges.
-            factors = factors.iter().map(about_zero).collect::<Result<_, _>>()?;
-        }
-    }
+    let factors = factors(arguments, &table, (given, &columns), coding)?;
     let cells = Cells {
         table: &table,
         factors: columns.into_iter().zip(factors.clone()).collect(),
@@ -130,6 +112,36 @@ pub(super) fn read(arguments: &Arguments) -> anyhow::Result<Data> {
             Some(transform) => transform.of(&table.header()[response]),
         },
     })
+}
+
+/// The factors, as given or as the table shows them; about zero where a model in natural units has no intercept.
+fn factors(
+    arguments: &Arguments,
+    table: &Table,
+    (given, columns): (Vec<(String, Option<Factor>)>, &[usize]),
+    coding: Coding,
+) -> anyhow::Result<Vec<Factor>> {
+    let place = || arguments.data.display().to_string();
+    let mut factors = Vec::with_capacity(given.len());
+    for ((symbol, known), &column) in given.into_iter().zip(columns) {
+        factors.push(match known {
+            Some(factor) => {
+                if coding == Coding::Natural {
+                    check_range(arguments, table, column, &factor).with_context(place)?;
+                }
+                factor
+            }
+            None => seen_factor(table, &symbol, column, coding).with_context(place)?,
+        });
+    }
+    if coding == Coding::Natural && arguments.categories.is_empty() {
+        let model = Model::parse(&arguments.model, &factors)?;
+        if !model.has_intercept() {
+            // The response is zero where the factors are, not in the middle of their ranges.
+            factors = factors.iter().map(about_zero).collect::<Result<_, _>>()?;
+        }
+    }
+    Ok(factors)
 }
 
 /// A factor with the levels given for each cell; its columns join those of the cells.
