@@ -13,30 +13,6 @@ use scene_simulator::{
 };
 use std::collections::BTreeMap;
 
-/// What is read of a bed of spheres; without velocities there is no slip, and where the bed is never carried along no time of
-/// waiting.
-pub const OBSERVABLES_OF_A_BED: [&str; 19] = [
-    "angle_deg",
-    "angle_by_position_deg",
-    "image_minus_position_deg",
-    "curvature",
-    "s_shape",
-    "shape_4",
-    "shape_5",
-    "fill_level",
-    "toe_position_deg",
-    "top_position_deg",
-    "fluctuation_deg",
-    "angle_correlation_time_s",
-    "avalanche_size_deg",
-    "avalanche_waiting_time_s",
-    "centre_of_mass_deg",
-    "centre_of_mass_fluctuation_deg",
-    "shell_slip",
-    "carried_share",
-    "waiting_time_s",
-];
-
 /// The drum in which a bed turns, and how its moments follow each other.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Drive {

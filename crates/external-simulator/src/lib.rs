@@ -24,7 +24,6 @@ mod results;
 mod session;
 mod template;
 
-pub use bed::OBSERVABLES_OF_A_BED;
 pub use command::{CommandModel, CommandSettings, CommandSimulator, ResultFiles};
 pub use drum::DrumDescription;
 pub use error::Error;

@@ -1,7 +1,8 @@
 //! The conversation with LAMMPS, held with a script that answers like it.
 
 use campaign::{RunRequest, Simulator};
-use external_simulator::{Keep, OBSERVABLES_OF_A_BED, Peer, PeerSettings, PeerSimulator};
+use external_simulator::{Keep, Peer, PeerSettings, PeerSimulator};
+use scene::OBSERVABLES_OF_A_BED;
 use scene::{Override, Scene};
 use scene_simulator::SceneSimulator;
 use std::collections::BTreeMap;

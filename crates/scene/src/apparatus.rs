@@ -21,6 +21,43 @@ use dem_solver::{Motion, Shape};
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
+/// Observables of a drum; the first 11 need no more than pictures, the first 19 no more than where the spheres lie from moment to moment.
+const DRUM_OBSERVABLES: [&str; 26] = [
+    "angle_deg",
+    "angle_by_position_deg",
+    "image_minus_position_deg",
+    "curvature",
+    "s_shape",
+    "shape_4",
+    "shape_5",
+    "fill_level",
+    "toe_position_deg",
+    "top_position_deg",
+    "fluctuation_deg",
+    "angle_correlation_time_s",
+    "avalanche_size_deg",
+    "avalanche_waiting_time_s",
+    "centre_of_mass_deg",
+    "centre_of_mass_fluctuation_deg",
+    "shell_slip",
+    "carried_share",
+    "waiting_time_s",
+    "airborne_share",
+    "kinetic_energy_mj",
+    "drive_power_mw",
+    "flowing_layer_depth_mm",
+    "surface_speed_mm_s",
+    "fill_level_by_position",
+    "avalanche_period_s",
+];
+
+/// Observables of a drum that pictures give; those that need more come out only where a run knows it.
+pub const OBSERVABLES_OF_PICTURES: &[&str] = DRUM_OBSERVABLES.split_at(11).0;
+
+/// Observables of a drum that the places of its spheres give, velocities unknown: without these there is no slip of seeds, and
+/// where the bed is never carried along no time of waiting.
+pub const OBSERVABLES_OF_A_BED: &[&str] = DRUM_OBSERVABLES.split_at(19).0;
+
 /// A machine that moves seeds.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "kind", rename_all = "kebab-case")]
@@ -159,34 +196,7 @@ impl Apparatus {
     /// Names of the observables that a run can give.
     pub(crate) fn observables(&self) -> &'static [&'static str] {
         match self {
-            Self::Drum(_) => &[
-                "angle_deg",
-                "angle_by_position_deg",
-                "image_minus_position_deg",
-                "curvature",
-                "s_shape",
-                "shape_4",
-                "shape_5",
-                "fill_level",
-                "toe_position_deg",
-                "top_position_deg",
-                "fluctuation_deg",
-                "angle_correlation_time_s",
-                "avalanche_size_deg",
-                "avalanche_waiting_time_s",
-                "centre_of_mass_deg",
-                "centre_of_mass_fluctuation_deg",
-                "shell_slip",
-                "carried_share",
-                "waiting_time_s",
-                "airborne_share",
-                "kinetic_energy_mj",
-                "drive_power_mw",
-                "flowing_layer_depth_mm",
-                "surface_speed_mm_s",
-                "fill_level_by_position",
-                "avalanche_period_s",
-            ],
+            Self::Drum(_) => &DRUM_OBSERVABLES,
             Self::Metering(_) => &[
                 "filling_angle_deg",
                 "filling_angle_by_position_deg",

@@ -40,7 +40,8 @@ mod surroundings;
 mod time_step;
 
 pub use apparatus::{
-    Apparatus, BoxCollapse, Drop, Drum, Heap, Lifters, Metering, Ripple, Slider, Tilt,
+    Apparatus, BoxCollapse, Drop, Drum, Heap, Lifters, Metering, OBSERVABLES_OF_A_BED,
+    OBSERVABLES_OF_PICTURES, Ripple, Slider, Tilt,
 };
 pub use bed_motion::{BedMotion, MotionEvidence};
 pub use bonded::BondedSettings;

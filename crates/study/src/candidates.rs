@@ -5,7 +5,7 @@ use crate::file::{CandidateEntry, ParameterEntry, StudyFile};
 use crate::problem::Problems;
 use crate::scenes::{Models, Scenes, condition_text};
 use calibration::{Candidate, Measurement, Model};
-use external_simulator::OBSERVABLES_OF_A_BED;
+use scene::OBSERVABLES_OF_A_BED;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Most candidates where the file names none: each costs runs.

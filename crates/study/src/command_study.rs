@@ -11,15 +11,13 @@ use crate::photos::{PhotoSeries, Shown};
 use crate::problem::Problems;
 use crate::scenes::model_name;
 use calibration::{Candidate, Correlation, EffectProbe, Measurement, Model};
-use external_simulator::{CommandModel, OBSERVABLES_OF_A_BED};
+use external_simulator::CommandModel;
+use scene::{OBSERVABLES_OF_A_BED, OBSERVABLES_OF_PICTURES};
 use std::collections::BTreeMap;
 use std::path::Path;
 
 /// Names that every run has.
 const TAKEN: [&str; 2] = ["scene", "seed"];
-
-/// What is read of pictures alone.
-const OF_PICTURES: usize = 11;
 
 /// Models and measurements of such a study.
 #[derive(Debug, Default)]
@@ -118,8 +116,8 @@ impl CommandChecker<'_> {
     fn observables<'s>(&self, scene: &'s SceneEntry) -> Vec<&'s str> {
         let results = &self.entry.results;
         let read = match (&results.positions, &results.pictures) {
-            (Some(_), _) => &OBSERVABLES_OF_A_BED[..],
-            (None, Some(_)) => &OBSERVABLES_OF_A_BED[..OF_PICTURES],
+            (Some(_), _) => OBSERVABLES_OF_A_BED,
+            (None, Some(_)) => OBSERVABLES_OF_PICTURES,
             (None, None) => &[],
         };
         let told = scene.observables.iter().flatten().map(String::as_str);

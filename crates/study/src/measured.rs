@@ -7,7 +7,7 @@ use crate::photos::{self, PhotoSeries, Shown};
 use crate::problem::Problems;
 use crate::scenes::{Models, Scenes, condition_text};
 use calibration::{Correlation, Measurement};
-use external_simulator::OBSERVABLES_OF_A_BED;
+use scene::OBSERVABLES_OF_A_BED;
 use scene::{Apparatus, Scene};
 use std::path::Path;
 
