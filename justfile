@@ -247,7 +247,7 @@ scan-trials *PROGRAMS:
 # Feed the mesh readers with damaged files for ten minutes.
 [group('trials of the instruments')]
 fuzz-meshes:
-    cargo test --release --locked -p trimesh --test mutated -- --ignored
+    cargo test --release --locked -p trimesh --test suite mutated -- --ignored
 
 # Read the angle of repose from photos or frames.
 [group('one step of it')]
@@ -257,7 +257,7 @@ angle *ARGS:
 # Feed the way from a picture file to its angle with damaged files for ten minutes.
 [group('trials of the instruments')]
 fuzz-photos:
-    cargo test --release --locked -p photo-profile --test mutated_files -- --ignored
+    cargo test --release --locked -p photo-profile --test suite mutated_files -- --ignored
 
 # Draw pictures of single grains and things that are no drum and no heap, and count what is read, refused and wrong (three minutes).
 [group('trials of the instruments')]
@@ -298,7 +298,7 @@ step-study FOLDER="out/time-step" RUNS="4":
 # default show the same of packed seeds and of soft beads (40 minutes of one core).
 [group('studies of the bed')]
 divergence:
-    cargo test --release --locked -p scene-simulator --test divergence -- --ignored --nocapture
+    cargo test --release --locked -p scene-simulator --test suite divergence -- --ignored --nocapture
 
 # RUNS runs at each of four frictions and three speeds (20 minutes for 20). Finished runs in FOLDER are found again.
 # Show whether the standard error that a run states is the scatter of many runs.

@@ -18,7 +18,7 @@
 //!
 //! `imageproc` straightens oblique pictures and finds the largest part of a heap's picture. Its edge finder, Hough lines and
 //! threshold are not used: the first is not mirror-symmetric, the second counts in degrees, and the third overflows on large
-//! pictures (`tests/other_library.rs`).
+//! pictures (`tests/suite/other_library.rs`).
 //!
 //! Pixel frame: x to the right, y **down**, the centre of the first pixel is (0, 0).
 //!

@@ -2,7 +2,7 @@
 
 #![expect(clippy::print_stdout, reason = "the table is the result")]
 
-#[path = "../tests/nist/table.rs"]
+#[path = "../tests/suite/nist/table.rs"]
 mod table;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {

@@ -1,7 +1,6 @@
 //! Seeds that a factory makes over time.
 
-mod coarse;
-
+use crate::coarse;
 use scene::{FillingLibrary, Keeper, Progress, Scene, run_on};
 use serde_json::Value;
 

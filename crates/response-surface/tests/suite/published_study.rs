@@ -17,16 +17,19 @@ use response_surface::{
 };
 use serde_json::{Value, json};
 
-const PB: &str = include_str!("../../../fixtures/paper/pb_table3.csv");
-const BBD: &str = include_str!("../../../fixtures/paper/bbd_table5.csv");
+const PB: &str = include_str!("../../../../fixtures/paper/pb_table3.csv");
+const BBD: &str = include_str!("../../../../fixtures/paper/bbd_table5.csv");
 
 fn recomputed() -> Value {
-    serde_json::from_str(include_str!("../../../fixtures/paper/recomputed.json")).unwrap()
+    serde_json::from_str(include_str!("../../../../fixtures/paper/recomputed.json")).unwrap()
 }
 
 /// Factors of Table 2 with these symbols.
 fn factors(symbols: &[&str]) -> Vec<Factor> {
-    let all = factors_from_csv(include_str!("../../../fixtures/paper/factors_table2.csv")).unwrap();
+    let all = factors_from_csv(include_str!(
+        "../../../../fixtures/paper/factors_table2.csv"
+    ))
+    .unwrap();
     all.into_iter()
         .filter(|f| symbols.contains(&f.symbol()))
         .collect()

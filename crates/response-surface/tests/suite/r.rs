@@ -3,7 +3,6 @@
 //! Limit: 1e-8 relative. R holds coefficients to about 1e-10 on the worst of these sets (squares in
 //! natural units); the measured worst difference is printed by the example `r_agreement`.
 
-#[path = "r/table.rs"]
 mod table;
 
 #[test]

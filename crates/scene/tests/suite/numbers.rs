@@ -1,8 +1,7 @@
 //! Defaults of a short scene, numbers by their path, and all problems at once.
 #![expect(clippy::unwrap_used, reason = "helpers of tests fail like tests")]
 
-mod coarse;
-
+use crate::coarse;
 use fixture_files::fixture;
 use scene::{FillingLibrary, NumberChange, Override, Scene, run};
 use std::path::Path;

@@ -24,7 +24,7 @@ fn factors(symbols: &str) -> Vec<Factor> {
 
 /// The published Box-Behnken table.
 fn published() -> Observations {
-    let table = Table::parse(include_str!("../../../fixtures/paper/bbd_table5.csv")).unwrap();
+    let table = Table::parse(include_str!("../../../../fixtures/paper/bbd_table5.csv")).unwrap();
     let number = |row, name: &str| table.number(row, table.column(name).unwrap()).unwrap();
     let cell = |row| Cell {
         sd: Some(number(row, "theta_sd_deg")),
@@ -57,7 +57,7 @@ fn simulated(truth: &dyn Fn(&[f64]) -> f64, sd: f64) -> (Vec<Factor>, Observatio
 /// Box-Behnken design in three factors leaves seven terms aliased. 1e-9: as for the tables.
 #[test]
 fn orders_of_the_published_table_are_the_recomputed_ones() {
-    let text = include_str!("../../../fixtures/paper/recomputed.json");
+    let text = include_str!("../../../../fixtures/paper/recomputed.json");
     let expected: Value = serde_json::from_str(text).unwrap();
     let expected = &expected["bbd_quadratic"];
     let got = orders(&factors("BEF"), &published(), Weighting::Counts).unwrap();

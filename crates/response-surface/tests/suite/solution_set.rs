@@ -16,19 +16,22 @@ use response_surface::{
 use serde_json::Value;
 
 fn expected() -> Value {
-    let text = include_str!("../../../fixtures/paper/recomputed.json");
+    let text = include_str!("../../../../fixtures/paper/recomputed.json");
     serde_json::from_str::<Value>(text).unwrap()["contour_38_87"].clone()
 }
 
 /// The quadratic of Table 5.
 fn study() -> Fit {
-    let all = factors_from_csv(include_str!("../../../fixtures/paper/factors_table2.csv")).unwrap();
+    let all = factors_from_csv(include_str!(
+        "../../../../fixtures/paper/factors_table2.csv"
+    ))
+    .unwrap();
     let symbols = ["B", "E", "F"];
     let factors: Vec<Factor> = all
         .into_iter()
         .filter(|f| symbols.contains(&f.symbol()))
         .collect();
-    let table = Table::parse(include_str!("../../../fixtures/paper/bbd_table5.csv")).unwrap();
+    let table = Table::parse(include_str!("../../../../fixtures/paper/bbd_table5.csv")).unwrap();
     let number = |row, name| table.number(row, table.column(name).unwrap()).unwrap();
     let cell = |row| Cell {
         coded: symbols.iter().map(|s| number(row, s)).collect(),

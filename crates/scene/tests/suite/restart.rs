@@ -1,7 +1,6 @@
 //! A run that is left on its way and continued gives what it would have given.
 
-mod coarse;
-
+use crate::coarse;
 use scene::{
     BondedSettings, Ending, FillingLibrary, Keeper, Progress, RunResult, RunStage, Scene, StopFlag,
     run, run_on, run_retrying,

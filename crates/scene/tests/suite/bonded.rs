@@ -1,7 +1,6 @@
 //! Seeds whose spheres are bodies of their own, held together by bonds.
 
-mod coarse;
-
+use crate::coarse;
 use scene::{BondedSettings, FillingLibrary, Scene, run, starting_frame};
 
 /// Five coarse seeds in a drum that turns for a moment.

@@ -5,7 +5,6 @@
 //! is there 1.2e-4, the scatter 0.1), which leaves three of F whatever the arithmetic; read as
 //! decimals they lose none.
 
-#[path = "nist/table.rs"]
 mod table;
 
 #[test]

@@ -1,0 +1,16 @@
+//! What a scene gives: protocols, benches, restarts, limits.
+//!
+//! One program for all files: it is linked once, and its tests share the cores.
+
+mod bench;
+mod bonded;
+mod coarse;
+mod factory;
+mod limits;
+mod numbers;
+mod phases;
+mod reduced;
+mod restart;
+mod seeds;
+mod spheres;
+mod start;
