@@ -138,7 +138,7 @@ pub(crate) fn text(all: &[Next], outcomes: &[Outcome], work: &Work) -> String {
     let hidden = outcomes.iter().filter(|o| o.hidden.effect.is_some());
     let answered = hidden.clone().filter(|o| o.told().is_some()).count();
     let open = outcomes.iter().filter(|o| is_open(o)).count();
-    let _ = writeln!(
+    let _ = write!(
         text,
         "\nOf {} campaigns {answered} gave an answer; {open} of these left a question; for {} of them a measurement was \
          recommended, which in {} would do alone. All took {} different runs and {:.0} minutes of one core.",

@@ -244,7 +244,7 @@ impl Page {
             text,
             "\n## Cost\n\nA diagnosis asks for {:.0} runs where something is hidden and {:.0} where nothing is, those of \
              the laboratory and of the common sensitivities included: {:.1} and {:.1} minutes of the clock at {:.2} s a run. All \
-             campaigns together took {} different runs and {:.0} such minutes.\n",
+             campaigns together took {} different runs and {:.0} such minutes.",
             with(true),
             with(false),
             minutes(with(true)),
