@@ -1,14 +1,15 @@
 //! Any program as a simulator: it gets values, and leaves observables, positions of spheres, or pictures.
 
 use crate::bed::{Bed, Drive, Took, no_surface, timing};
+use crate::command_line::{arguments, places, variable};
 use crate::drum::{DrumDescription, DrumOfRun, in_order};
+use crate::file_pattern::matching;
 use crate::folder::{Keep, RunFolder};
 use crate::process::{Failure, LOG, Limits, Process, end_of_log};
 use crate::template::Template;
 use crate::{Error, results};
 use campaign::{RunOutcome, RunRequest, Simulator, SimulatorError, in_full};
 use exchange::{Moment, read_positions};
-use input_file::name_order;
 use photo_profile::{Settings, measure_photo, read_frames};
 use run_store::Record;
 use scene::{FrameReading, SteadyRule};
@@ -25,8 +26,6 @@ use std::time::{Duration, Instant};
 const REVISION: u32 = 2;
 /// Name of the file with all values.
 const REQUEST: &str = "request.json";
-/// An argument that stands for all values as `name=value`.
-const ARGUMENTS: &str = "{arguments}";
 
 /// Where a command leaves what it found; paths from the folder of the run.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -432,112 +431,4 @@ fn details(
         last_bodies: None,
     };
     serde_json::to_value(details).map_err(|error| error.to_string())
-}
-
-/// The files that a path with `*` in its last part means, in the order of the numbers in their names; all of a folder.
-fn matching(folder: &Path, pattern: &Path) -> Result<Vec<PathBuf>, Failure> {
-    let whole = folder.join(pattern);
-    let (parent, name) = if whole.is_dir() {
-        (whole.clone(), "*".to_owned())
-    } else {
-        let name = whole.file_name().and_then(|n| n.to_str()).unwrap_or("");
-        (whole.parent().unwrap_or(folder).to_owned(), name.to_owned())
-    };
-    let entries = fs::read_dir(&parent);
-    let entries = entries.map_err(|error| format!("cannot list {}: {error}", parent.display()))?;
-    let mut found: Vec<PathBuf> = entries
-        .filter_map(|entry| entry.ok().map(|e| e.path()))
-        .filter(|path| {
-            let file = path.file_name().and_then(|n| n.to_str()).unwrap_or("");
-            path.is_file() && matches(file, &name)
-        })
-        .collect();
-    if found.is_empty() {
-        return Err(format!("the program left no {}", whole.display()));
-    }
-    found.sort_by_cached_key(|path| name_order(path));
-    Ok(found)
-}
-
-/// Whether a name is one that a pattern with `*` means.
-fn matches(name: &str, pattern: &str) -> bool {
-    match pattern.split_once('*') {
-        None => name == pattern,
-        Some((before, after)) => name.strip_prefix(before).is_some_and(|rest| {
-            (0..=rest.len())
-                .filter(|k| rest.is_char_boundary(*k))
-                .any(|k| matches(&rest[k..], after))
-        }),
-    }
-}
-
-/// Names of the places `{name}` in an entry of a command.
-fn places(entry: &str) -> impl Iterator<Item = &str> {
-    let parts = entry.split('{').skip(1);
-    parts.filter_map(|part| part.split_once('}').map(|(name, _)| name))
-}
-
-/// The command line of a run.
-fn arguments(command: &[String], values: &BTreeMap<String, String>) -> Vec<String> {
-    let all = || values.iter().map(|(name, value)| format!("{name}={value}"));
-    let mut line = Vec::new();
-    for entry in command {
-        if entry == ARGUMENTS {
-            line.extend(all());
-            continue;
-        }
-        let mut filled = entry.clone();
-        for (name, value) in values {
-            filled = filled.replace(&format!("{{{name}}}"), value);
-        }
-        line.push(filled);
-    }
-    if command.iter().all(|entry| places(entry).next().is_none()) {
-        line.extend(all());
-    }
-    line
-}
-
-/// The environment variable of a value: `SEEDLOOP_` and its name in capitals, what is neither letter nor digit as `_`.
-fn variable(name: &str) -> String {
-    let letter = |c: char| match c {
-        c if c.is_ascii_alphanumeric() => c.to_ascii_uppercase(),
-        _ => '_',
-    };
-    format!("SEEDLOOP_{}", name.chars().map(letter).collect::<String>())
-}
-
-#[cfg(test)]
-mod tests {
-    use super::{arguments, matches, variable};
-    use std::collections::BTreeMap;
-
-    #[test]
-    fn values_take_their_places_or_come_last() {
-        let values: BTreeMap<String, String> = [("mu", "0.3"), ("seed", "1")]
-            .map(|(k, v)| (k.to_owned(), v.to_owned()))
-            .into();
-        let line = |command: &[&str]| {
-            let command: Vec<String> = command.iter().map(|c| (*c).to_owned()).collect();
-            arguments(&command, &values).join(" ")
-        };
-        assert_eq!(line(&["run"]), "run mu=0.3 seed=1");
-        assert_eq!(line(&["run", "-var", "f", "{mu}"]), "run -var f 0.3");
-        assert_eq!(line(&["run", "{arguments}", "x"]), "run mu=0.3 seed=1 x");
-        assert_eq!(variable("apparatus.speed"), "SEEDLOOP_APPARATUS_SPEED");
-    }
-
-    #[test]
-    fn a_star_stands_for_any_text() {
-        for (name, pattern, expected) in [
-            ("bed10.vtk", "bed*.vtk", true),
-            ("bed.vtk", "bed*.vtk", true),
-            ("abed1.vtk", "bed*.vtk", false),
-            ("bed1.vtk.gz", "bed*.vtk", false),
-            ("a_b_c", "a*b*c", true),
-            ("x", "*", true),
-        ] {
-            assert_eq!(matches(name, pattern), expected, "{name} {pattern}");
-        }
-    }
 }

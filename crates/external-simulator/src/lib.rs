@@ -13,9 +13,11 @@
 
 mod bed;
 mod command;
+mod command_line;
 mod deck;
 mod drum;
 mod error;
+mod file_pattern;
 mod folder;
 mod peer;
 mod process;

@@ -24,8 +24,8 @@
 //! The forms are those of `[Mellmann2001]`, who tells them by Froude number, filling and friction at the wall. The limits
 //! are ours: `docs/steady-state.md` shows what drums of 1 to 110 rpm gave.
 
-use crate::motion::{SLIDING_BELOW, SeriesPoint};
 use crate::run::Regime;
+use crate::series::{SLIDING_BELOW, SeriesPoint};
 use serde::{Deserialize, Serialize};
 
 /// Carried share above which the bed waits.
@@ -158,7 +158,7 @@ pub(crate) fn mean(values: impl Iterator<Item = f64>) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::{BedMotion, MotionEvidence};
-    use crate::motion::SeriesPoint;
+    use crate::series::SeriesPoint;
     use random_stream::Stream;
     use std::f64::consts::PI;
 

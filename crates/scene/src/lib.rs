@@ -20,6 +20,7 @@ mod flow;
 mod frame;
 mod health;
 mod interactions;
+mod keeper;
 mod limits;
 mod motion;
 mod named_setting;
@@ -33,6 +34,7 @@ mod release;
 mod retry;
 mod run;
 mod seed;
+mod series;
 mod settings;
 mod start_slope;
 mod steady;
@@ -50,7 +52,8 @@ pub use error::Error;
 pub use filling::{FillingLibrary, SeedBody};
 pub use flow::{FlowingLayer, avalanche_period, fill_level, flowing_layer};
 pub use frame::{Frame, FrameReading, drum_picture, read_frame};
-pub use motion::{Keeper, NoKeeper, Progress, RunStage, SeriesPoint, StopFlag};
+pub use keeper::{Keeper, NoKeeper, RunStage, StopFlag};
+pub use motion::Progress;
 pub use named_setting::{NamedSetting, SettingKind};
 pub use obstacles::{VibrationSettings, WallSettings};
 pub use parse::{NumberChange, Override, like_names, setting_at};
@@ -62,6 +65,7 @@ pub use run::{
     starting_frame,
 };
 pub use seed::{FillingSettings, SOLID_FRACTION, SeedSettings};
+pub use series::SeriesPoint;
 pub use settings::{
     CameraSettings, ContactSettings, LiquidSettings, MaterialSettings, ModelSettings, Protocol,
     RollingLaw, Scene,

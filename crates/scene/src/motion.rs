@@ -3,51 +3,20 @@
 use crate::bonded::BondedSeeds;
 use crate::build::Built;
 use crate::factory::Factory;
+use crate::keeper::{Keeper, RunStage};
 use crate::phase_times::Stopwatch;
+use crate::series::{SeriesPoint, series_point};
 use crate::start_slope::start_slope;
 use crate::steady::{SteadyRule, SteadyState, swing_time};
 use crate::{Error, Frame, Scene};
 use dem_solver::{Motion, Snapshot, Template, World};
 use nalgebra::{Rotation3, Vector3};
 use serde::{Deserialize, Serialize};
-use std::f64::consts::{PI, TAU};
-use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Time between the values of the series that decide whether the run is steady, s.
 pub(crate) const SERIES_INTERVAL: f64 = 0.02;
 /// Kinetic energy of a seed at rest over the energy of a fall by its own size.
 const AT_REST: f64 = 1e-4;
-/// Seeds at the shell count for the slip within this angle of the centre of mass, rad.
-const MIDDLE_OF_BED: f64 = PI / 6.0;
-
-/// State of the bed at one moment.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct SeriesPoint {
-    /// Time since the drive started, s.
-    pub time_s: f64,
-    /// Direction of the centre of mass from straight down, counter-clockwise positive, deg.
-    pub centre_of_mass_deg: f64,
-    /// 1 minus the speed of the seeds at the shell over the speed of the shell, within 30 deg of
-    /// the centre of mass: at the edges of the bed seeds come to rest or turn back.
-    pub shell_slip: f64,
-    /// Power of the moving walls on the seeds, W. Over a time in which the bed is steady, its
-    /// mean is what friction and dashpots take.
-    pub drive_power_w: f64,
-    /// Kinetic energy of all seeds, J.
-    pub kinetic_energy_j: f64,
-    /// Share of the seeds that touch nothing; none of bonded seeds.
-    pub airborne_share: Option<f64>,
-}
-
-/// Share of the shell's speed that the bed must keep to count as rolling; below, it slides.
-pub(crate) const SLIDING_BELOW: f64 = 0.5;
-
-impl SeriesPoint {
-    /// Whether the bed turns with the shell.
-    pub fn rolls(&self) -> bool {
-        self.shell_slip <= SLIDING_BELOW
-    }
-}
 
 /// How far a run has come: all that it goes on from.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -79,88 +48,6 @@ impl Progress {
     /// Why attempts with longer steps broke off before.
     pub(crate) fn broken_off(&self) -> &[String] {
         &self.broken_off
-    }
-}
-
-/// How far a run is.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct RunStage {
-    /// Whether the drive runs, or the wall is on its way; the seeds settle before that.
-    pub driven: bool,
-    /// Time since the drive started, or since the seeds began to settle, s.
-    pub time_s: f64,
-    /// Most time that this may take, s.
-    pub limit_s: f64,
-    /// Frames that were taken, and frames that are wanted.
-    pub frames: [usize; 2],
-}
-
-/// Where the state of a run is kept on its way.
-///
-/// It is asked after each interval of the series. What it costs to keep a state is some milliseconds
-/// and megabytes, so that it should not keep every one.
-pub trait Keeper {
-    /// Whether a state is wanted now.
-    fn is_due(&mut self) -> bool;
-
-    /// Keeps a state.
-    ///
-    /// # Errors
-    ///
-    /// A state that cannot be kept, in words.
-    fn keep(&mut self, progress: &Progress) -> Result<(), String>;
-
-    /// Hears how far the run is.
-    fn hear(&mut self, stage: &RunStage) {
-        let _ = stage;
-    }
-
-    /// Whether the run is to end here, with its state kept.
-    fn is_stopped(&self) -> bool {
-        false
-    }
-
-    /// Hears that an attempt has left what can be believed, and that the run begins anew with half the step. No state kept
-    /// before counts any longer.
-    ///
-    /// # Errors
-    ///
-    /// States that cannot be given up, in words.
-    fn begin_anew(&mut self, why: &str) -> Result<(), String> {
-        let _ = why;
-        Ok(())
-    }
-}
-
-/// Keeps nothing.
-#[derive(Debug, Clone, Copy)]
-pub struct NoKeeper;
-
-impl Keeper for NoKeeper {
-    fn is_due(&mut self) -> bool {
-        false
-    }
-
-    fn keep(&mut self, _: &Progress) -> Result<(), String> {
-        Ok(())
-    }
-}
-
-/// Keeps nothing, and ends the run when a flag is raised.
-#[derive(Debug, Clone, Copy)]
-pub struct StopFlag<'a>(pub &'a AtomicBool);
-
-impl Keeper for StopFlag<'_> {
-    fn is_due(&mut self) -> bool {
-        false
-    }
-
-    fn keep(&mut self, _: &Progress) -> Result<(), String> {
-        Ok(())
-    }
-
-    fn is_stopped(&self) -> bool {
-        self.0.load(Ordering::SeqCst)
     }
 }
 
@@ -523,62 +410,4 @@ pub(crate) fn snapshot(built: &Built, time: f64) -> Frame {
         velocity: bodies.velocity.clone(),
         spin: bodies.spin.clone(),
     }
-}
-
-/// Direction of the centre of mass and slip at the shell.
-fn series_point(scene: &Scene, built: &Built, seeds: &Frame, share: f64) -> SeriesPoint {
-    let (radius, spin) = (scene.apparatus.radius(), scene.apparatus.speed());
-    let mut centre = Vector3::zeros();
-    for p in &seeds.position {
-        centre += p;
-    }
-    let lowest = centre.x.atan2(-centre.y);
-    let (mut speed, mut n) = (0.0, 0_usize);
-    for (i, p) in seeds.position.iter().enumerate() {
-        let from_axis = p.xy().norm();
-        let aside = (p.x.atan2(-p.y) - lowest + PI).rem_euclid(TAU) - PI;
-        let body = &built.bodies[seeds.kind[i]].clump;
-        let at_shell = from_axis > radius - body.bounding_radius();
-        if at_shell && aside.abs() < MIDDLE_OF_BED {
-            let v = seeds.velocity[i];
-            speed += (p.x * v.y - p.y * v.x) / from_axis;
-            n += 1;
-        }
-    }
-    let surface_speed = spin * share * radius;
-    let slip = if n > 0 && surface_speed != 0.0 {
-        1.0 - speed / n as f64 / surface_speed
-    } else {
-        0.0
-    };
-    SeriesPoint {
-        time_s: seeds.time,
-        centre_of_mass_deg: lowest.to_degrees(),
-        shell_slip: slip,
-        drive_power_w: drive_power(&built.world),
-        kinetic_energy_j: built.world.kinetic_energy(),
-        airborne_share: built.bonds.is_none().then(|| airborne(&built.world)),
-    }
-}
-
-/// Share of the bodies on which no contact acted in the last step.
-fn airborne(world: &World) -> f64 {
-    let forces = &world.bodies().force;
-    let free = forces.iter().filter(|f| **f == Vector3::zeros()).count();
-    free as f64 / forces.len().max(1) as f64
-}
-
-/// Power of the moving walls on the seeds in the last step, W; vibrations are left out.
-fn drive_power(world: &World) -> f64 {
-    let torques = world.wall_torque().iter();
-    let turning = world.walls().iter().zip(torques);
-    let meshes = world.mesh_walls().zip(world.mesh_loads());
-    turning
-        .map(|(wall, torque)| -torque * wall.spin)
-        .sum::<f64>()
-        - meshes
-            .map(|(wall, (force, torque))| {
-                force.dot(&wall.motion.velocity) + torque.dot(&wall.motion.spin)
-            })
-            .sum::<f64>()
 }

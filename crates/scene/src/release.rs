@@ -1,9 +1,8 @@
 //! Heap and box collapse: fill, settle, lift a wall, wait for rest, read the slope.
 
 use crate::build::Built;
-use crate::motion::{
-    Keeper, Progress, Running, SERIES_INTERVAL, advance, rest_energy, settle, snapshot,
-};
+use crate::keeper::Keeper;
+use crate::motion::{Progress, Running, SERIES_INTERVAL, advance, rest_energy, settle, snapshot};
 use crate::outline::{FLANK, Outline, TOE, TOP, View};
 use crate::phase_times::Stopwatch;
 use crate::{Apparatus, Error, Frame, ObservableValues, Scene, SeedBody};

@@ -1,6 +1,7 @@
 //! A run that diverges is tried again with half the time step.
 
-use crate::motion::{Keeper, Progress};
+use crate::keeper::Keeper;
+use crate::motion::Progress;
 use crate::run::{RunResult, run_on};
 use crate::{Error, FillingLibrary, Scene};
 

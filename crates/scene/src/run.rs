@@ -5,12 +5,13 @@ use crate::bed_motion::{BedMotion, MotionEvidence, mean};
 use crate::bench::run_bench;
 use crate::build::{Built, assemble, build, build_filled, seed_bodies};
 use crate::flow::{avalanche_period, fill_level, flowing_layer};
+use crate::keeper::{Keeper, NoKeeper};
 use crate::motion::{
-    Keeper, NoKeeper, Progress, Rotation, Running, SERIES_INTERVAL, SeriesPoint, rotate, settle,
-    snapshot, start_drive,
+    Progress, Rotation, Running, SERIES_INTERVAL, rotate, settle, snapshot, start_drive,
 };
 use crate::obstacles::mesh_walls;
 use crate::phase_times::{PhaseTimes, Stopwatch};
+use crate::series::SeriesPoint;
 use crate::steady::SteadyState;
 use crate::{Error, FillingLibrary, Frame, FrameReading, Scene, SeedBody, read_frame};
 use dem_solver::{Census, Placement, World};

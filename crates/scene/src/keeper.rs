@@ -1,0 +1,86 @@
+//! Who hears how far a run is, keeps its state and may end it.
+
+use crate::motion::Progress;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// How far a run is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RunStage {
+    /// Whether the drive runs, or the wall is on its way; the seeds settle before that.
+    pub driven: bool,
+    /// Time since the drive started, or since the seeds began to settle, s.
+    pub time_s: f64,
+    /// Most time that this may take, s.
+    pub limit_s: f64,
+    /// Frames that were taken, and frames that are wanted.
+    pub frames: [usize; 2],
+}
+
+/// Where the state of a run is kept on its way.
+///
+/// It is asked after each interval of the series. What it costs to keep a state is some milliseconds
+/// and megabytes, so that it should not keep every one.
+pub trait Keeper {
+    /// Whether a state is wanted now.
+    fn is_due(&mut self) -> bool;
+
+    /// Keeps a state.
+    ///
+    /// # Errors
+    ///
+    /// A state that cannot be kept, in words.
+    fn keep(&mut self, progress: &Progress) -> Result<(), String>;
+
+    /// Hears how far the run is.
+    fn hear(&mut self, stage: &RunStage) {
+        let _ = stage;
+    }
+
+    /// Whether the run is to end here, with its state kept.
+    fn is_stopped(&self) -> bool {
+        false
+    }
+
+    /// Hears that an attempt has left what can be believed, and that the run begins anew with half the step. No state kept
+    /// before counts any longer.
+    ///
+    /// # Errors
+    ///
+    /// States that cannot be given up, in words.
+    fn begin_anew(&mut self, why: &str) -> Result<(), String> {
+        let _ = why;
+        Ok(())
+    }
+}
+
+/// Keeps nothing.
+#[derive(Debug, Clone, Copy)]
+pub struct NoKeeper;
+
+impl Keeper for NoKeeper {
+    fn is_due(&mut self) -> bool {
+        false
+    }
+
+    fn keep(&mut self, _: &Progress) -> Result<(), String> {
+        Ok(())
+    }
+}
+
+/// Keeps nothing, and ends the run when a flag is raised.
+#[derive(Debug, Clone, Copy)]
+pub struct StopFlag<'a>(pub &'a AtomicBool);
+
+impl Keeper for StopFlag<'_> {
+    fn is_due(&mut self) -> bool {
+        false
+    }
+
+    fn keep(&mut self, _: &Progress) -> Result<(), String> {
+        Ok(())
+    }
+
+    fn is_stopped(&self) -> bool {
+        self.0.load(Ordering::SeqCst)
+    }
+}
