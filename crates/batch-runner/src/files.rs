@@ -2,14 +2,10 @@
 
 use serde::Serialize;
 use std::fs::{File, OpenOptions, TryLockError};
-use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
 use crate::Error;
 use crate::error::io;
-
-/// Ending of a file that is being written.
-const ASIDE_ENDING: &str = "aside";
 
 /// The files of one task; all begin with its name.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -69,21 +65,9 @@ impl TaskFiles {
     }
 }
 
-/// Writes a file aside, forces it to the disk, and renames it over its name.
+/// Writes a file, whole or not at all.
 pub(crate) fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), Error> {
-    let aside = path.with_added_extension(ASIDE_ENDING);
-    // What was left behind, or a link that somebody planted, is not written through.
-    let _ = std::fs::remove_file(&aside);
-    let mut file = File::create_new(&aside).map_err(io("create", &aside))?;
-    file.write_all(bytes)
-        .and_then(|()| file.sync_all())
-        .map_err(io("write", &aside))?;
-    std::fs::rename(&aside, path).map_err(io("rename", &aside))?;
-    // The name is safe once the folder is on the disk; some systems cannot force a folder.
-    if let Some(Ok(folder)) = path.parent().map(File::open) {
-        let _ = folder.sync_all();
-    }
-    Ok(())
+    run_store::write_whole(path, bytes).map_err(io("write", path))
 }
 
 /// Writes a value as JSON, whole or not at all.

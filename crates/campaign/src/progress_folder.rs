@@ -209,18 +209,10 @@ impl<'a> ProgressFolder<'a> {
         }
     }
 
-    /// Writes a file aside and gives it its name. It is not forced to the disk: after a loss of power the next one replaces it.
+    /// Writes a file, whole or not at all; after a loss of power the next one replaces it.
     fn write(&self, name: &str, content: &impl Serialize) -> std::io::Result<()> {
         fs::create_dir_all(&self.folder)?;
-        let aside = format!(".{name}.{}.aside", std::process::id());
-        let aside = self.folder.join(aside);
-        let written = fs::write(&aside, serde_json::to_vec(content)?)
-            .and_then(|()| fs::rename(&aside, self.folder.join(name)));
-        if written.is_err() {
-            // A hidden file that stays is in nobody's way.
-            let _ = fs::remove_file(&aside);
-        }
-        written
+        run_store::write_often(&self.folder.join(name), &serde_json::to_vec(content)?)
     }
 }
 

@@ -40,6 +40,7 @@ mod sealed;
 mod set_aside;
 mod store;
 mod view;
+mod write_whole;
 
 pub use canonical::{SCHEMA, canonical_json, run_key};
 pub use claim::{Attempt, CLAIM_LIFE, Claim, Holder};
@@ -51,3 +52,4 @@ pub use sealed::{seal, seal_text, unseal, unseal_text};
 pub use set_aside::set_file_aside;
 pub use store::{Lookup, Store};
 pub use view::{FolderView, read_record, record_path};
+pub use write_whole::{write_often, write_whole};

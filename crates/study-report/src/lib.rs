@@ -38,4 +38,4 @@ pub use answer::{Answer, answer};
 pub use error::Error;
 pub use exploration::{SurfaceWithSliders, explored_surface};
 pub use input::{ComparedValue, DiagnosisInput, ReportInput};
-pub use output::{Extent, write, write_diagnosis, write_whole};
+pub use output::{Extent, write, write_diagnosis};
