@@ -4,11 +4,14 @@ mod anova;
 mod cases;
 mod information;
 mod lack_of_fit;
+pub(crate) mod least_squares;
 mod matrix;
+pub(crate) mod refine;
 mod replicates;
 mod terms;
 mod typed;
 mod warnings;
+pub(crate) mod wide;
 
 pub use anova::{AnovaRow, OrderRow, SequentialModel};
 pub use cases::Case;
@@ -26,9 +29,9 @@ pub use warnings::Warning;
 use experiment_design::Factor;
 use serde::{Deserialize, Serialize};
 
-use crate::least_squares::{LeastSquares, least_squares};
-use crate::natural::natural_terms;
-use crate::refine::refine;
+use crate::fit::least_squares::{LeastSquares, least_squares};
+use crate::fit::refine::refine;
+use crate::surface::natural::natural_terms;
 use crate::{BoxExtremes, Canonical, Error, Model, NamedValues, Observations};
 use probability::t_two_sided_quantile;
 
@@ -279,8 +282,8 @@ fn assemble(
         warnings: Vec::new(),
     };
     if let Ok(quadratic) = fit.quadratic() {
-        fit.canonical = crate::canonical::canonical(&quadratic, factors);
-        fit.box_extremes = Some(crate::extremes::box_extremes(&quadratic, factors));
+        fit.canonical = crate::surface::canonical::canonical(&quadratic, factors);
+        fit.box_extremes = Some(crate::surface::extremes::box_extremes(&quadratic, factors));
     }
     fit.warnings = warnings::warnings(&fit);
     fit

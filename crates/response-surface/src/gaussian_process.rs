@@ -5,7 +5,7 @@ use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 use serde::Serialize;
 
 use crate::fit::pooled_variance;
-use crate::simplex::minimum;
+use crate::goals::simplex::minimum;
 use crate::{Error, Model, Observations};
 use probability::normal_quantile;
 

@@ -1,12 +1,16 @@
 //! Polynomial models and their formulas.
 
+pub(crate) mod categorical;
+pub(crate) mod formula;
+pub(crate) mod transform;
+
 use std::fmt;
 
 use experiment_design::Factor;
 use serde::{Deserialize, Serialize};
 
-use crate::wide::Wide;
-use crate::{Error, formula};
+use crate::Error;
+use crate::fit::wide::Wide;
 
 /// A product of powers of the coded factors; all powers zero is the intercept.
 #[derive(Debug, Clone, PartialEq, Eq)]

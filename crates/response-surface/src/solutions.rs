@@ -113,7 +113,7 @@ pub fn solutions(fit: &Fit, request: &SolutionRequest) -> Result<Solutions, Erro
     let quadratic = fit.quadratic()?;
     let target_se = check(fit, request)?;
     let error = chosen_error(fit, request.error)?;
-    let reachable = crate::extremes::box_extremes(&quadratic, &fit.factors);
+    let reachable = crate::surface::extremes::box_extremes(&quadratic, &fit.factors);
     let rounding = quadratic.rounding();
     let touches = |end: &f64| (request.target - end).abs() <= rounding;
     let ends = [reachable.min.value, reachable.max.value];

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::matrix::Matrix;
 use super::{FTest, f_test, positive_df, ratio};
-use crate::least_squares::LeastSquares;
+use crate::fit::least_squares::LeastSquares;
 use crate::{Model, NamedValues};
 use probability::f_upper_tail;
 

@@ -6,7 +6,7 @@ use super::anova::Sums;
 use super::matrix::Matrix;
 use super::ratio;
 use crate::Observations;
-use crate::least_squares::LeastSquares;
+use crate::fit::least_squares::LeastSquares;
 
 /// Below this a 1 - leverage is rounding: the observation is fitted exactly.
 const FITTED_EXACTLY: f64 = 1e-10;

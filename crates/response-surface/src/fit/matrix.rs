@@ -1,6 +1,6 @@
 //! The model matrix with its weights.
 
-use crate::wide::Wide;
+use crate::fit::wide::Wide;
 use crate::{Error, Model, Observations, Weighting};
 
 /// Degrees of freedom that the pooled variance counts for in shrunk weights: chosen by us. With

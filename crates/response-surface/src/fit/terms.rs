@@ -6,8 +6,8 @@ use super::anova::Sums;
 use super::matrix::Matrix;
 use super::{positive_df, ratio};
 use crate::NamedValues;
-use crate::least_squares::LeastSquares;
-use crate::wide::Wide;
+use crate::fit::least_squares::LeastSquares;
+use crate::fit::wide::Wide;
 use probability::{t_two_sided_quantile, t_two_sided_tail};
 
 /// A coefficient with its test against the residuals.

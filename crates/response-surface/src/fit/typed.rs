@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::matrix::Matrix;
 use super::{TermRow, ratio};
-use crate::least_squares::{LeastSquares, last_adds};
+use crate::fit::least_squares::{LeastSquares, last_adds};
 use crate::{Model, NamedValues, Term};
 use probability::f_upper_tail;
 

@@ -1,7 +1,7 @@
 //! Solutions along one factor, the others held.
 
-use crate::prediction::check_point;
-use crate::quadratic::Quadratic;
+use crate::surface::prediction::check_point;
+use crate::surface::quadratic::Quadratic;
 use crate::{Error, Fit};
 
 /// Natural values of factor `i` (from 0) at which the surface has the value `target` while the

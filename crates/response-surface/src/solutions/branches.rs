@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::Fit;
-use crate::quadratic::Quadratic;
+use crate::surface::quadratic::Quadratic;
 
 /// Greatest number of nodes of the grid; it sets how fine the grid is for many factors.
 const MOST_NODES: usize = 60_000;

@@ -8,7 +8,7 @@ use super::along::quadratic_roots;
 use super::range::golden_minimum;
 use super::region::{GivenOthers, Membership};
 use super::{Measured, SolutionRequest};
-use crate::quadratic::{Face, Quadratic, faces, free_places, point_on_face};
+use crate::surface::quadratic::{Face, Quadratic, faces, free_places, point_on_face};
 use crate::{Fit, NamedValues};
 
 /// Weight of the squared coded distance from the middle of the range for a factor without a
@@ -189,7 +189,7 @@ fn nearest_zero(quadratic: &Quadratic, metric: &Metric) -> Option<Vec<f64>> {
 /// The zeros are extremes. A single one is found as such; of many, as along the bottom of a valley, the nearest is that of
 /// the set one rounding further in, which lies within the root of the rounding of it.
 fn touching(quadratic: &Quadratic, metric: &Metric, rounding: f64) -> Option<Vec<f64>> {
-    let span = crate::extremes::span(quadratic);
+    let span = crate::surface::extremes::span(quadratic);
     let ends = [(span.lowest, span.min, 1.0), (span.highest, span.max, -1.0)];
     let (extreme, value, inward) = ends
         .into_iter()

@@ -2,8 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::extremes::span;
-use crate::quadratic::{Face, Quadratic};
+use crate::surface::extremes::span;
+use crate::surface::quadratic::{Face, Quadratic};
 use crate::{Fit, NamedValues};
 
 /// Steps of the scan over the range of a factor. A gap or an island of solutions narrower than a

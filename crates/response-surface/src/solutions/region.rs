@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::range::{Interval, pieces};
 use crate::fit::ErrorVariance;
-use crate::quadratic::Quadratic;
+use crate::surface::quadratic::Quadratic;
 use crate::{Fit, NamedValues};
 
 /// Points x of the box with `|yhat(x) - T| <= t sqrt(s^2 x'Cx + s_T^2)`.

@@ -5,8 +5,8 @@ use random_stream::Stream;
 use serde::{Deserialize, Serialize};
 
 use super::along::quadratic_roots;
-use crate::propagation::{coded_variances, transmitted_variance};
-use crate::quadratic::Quadratic;
+use crate::surface::propagation::{coded_variances, transmitted_variance};
+use crate::surface::quadratic::Quadratic;
 use crate::{Error, Fit};
 
 /// Lines on which solutions are looked for.

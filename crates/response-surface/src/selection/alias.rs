@@ -3,7 +3,7 @@
 use experiment_design::Design;
 
 use crate::fit::Matrix;
-use crate::least_squares::least_squares;
+use crate::fit::least_squares::least_squares;
 use crate::{Error, Fit, Model, NamedValues, Observations};
 
 /// Greatest number of factors for which products of three are looked at.

@@ -4,8 +4,8 @@ use experiment_design::Design;
 use random_stream::Stream;
 use serde::Serialize;
 
+use crate::fit::least_squares::{basis, least_squares};
 use crate::fit::{Matrix, ratio};
-use crate::least_squares::{basis, least_squares};
 use crate::{Error, Model, NamedValues, Observations, Term, Weighting};
 use probability::{noncentral_f_upper_tail, t_two_sided_quantile};
 
@@ -154,7 +154,8 @@ pub fn evaluate(design: &Design, model: &Model, over: Over<'_>) -> Result<Evalua
     let shares = (0..20).map(|i| variances[place(i)]);
     evaluation.variance_by_share = shares.chain([greatest]).collect();
     evaluation.power = powers(model, &matrix, &solved.xtx_inverse, n - p);
-    evaluation.alias = crate::alias::of_matrix(model, &matrix, &data, &solved.xtx_inverse);
+    evaluation.alias =
+        crate::selection::alias::of_matrix(model, &matrix, &data, &solved.xtx_inverse);
     Ok(evaluation)
 }
 

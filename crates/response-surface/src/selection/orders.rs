@@ -3,8 +3,8 @@
 use experiment_design::Factor;
 use serde::{Deserialize, Serialize};
 
+use crate::fit::least_squares::{Basis, basis};
 use crate::fit::{FTest, Matrix, PureError, f_test, pure_error_of, ratio};
-use crate::least_squares::{Basis, basis};
 use crate::{Error, Model, Observations, Weighting};
 use probability::f_upper_tail;
 

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::fit::ErrorVariance;
-use crate::prediction::check_point;
+use crate::surface::prediction::check_point;
 use crate::{Error, Fit};
 use probability::{chi_squared_upper_tail, normal_cdf, normal_density};
 

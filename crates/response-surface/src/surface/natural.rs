@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use experiment_design::Factor;
 
 use crate::fit::TermRow;
-use crate::wide::Wide;
+use crate::fit::wide::Wide;
 use crate::{Model, NamedValues, Term};
 
 /// Coefficients in natural units with their tests.

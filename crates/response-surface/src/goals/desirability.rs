@@ -4,8 +4,8 @@ use experiment_design::Factor;
 use serde::{Deserialize, Serialize};
 
 use crate::fit::ErrorSource;
-use crate::propagation::{coded_variances, transmitted_variance};
-use crate::quadratic::Quadratic;
+use crate::surface::propagation::{coded_variances, transmitted_variance};
+use crate::surface::quadratic::Quadratic;
 use crate::{Error, Fit, Prediction};
 
 /// Greatest number of solutions returned.

@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, SymmetricEigen};
 use serde::{Deserialize, Serialize};
 
-use crate::quadratic::Quadratic;
+use crate::surface::quadratic::Quadratic;
 use crate::{Error, Fit};
 
 /// The greatest or least value of the surface on a sphere about the centre.

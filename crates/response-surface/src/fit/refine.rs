@@ -1,6 +1,6 @@
 //! Refinement of a least-squares solution with numbers of twice the usual length.
 
-use crate::wide::Wide;
+use crate::fit::wide::Wide;
 
 /// Steps of refinement. Each gains the digits that X'WX leaves in usual arithmetic, eight or more
 /// for models in coded units; three exhaust what the data hold.

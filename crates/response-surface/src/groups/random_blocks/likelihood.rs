@@ -4,7 +4,7 @@ use nalgebra::{Matrix2, Vector2};
 
 use crate::Error;
 use crate::fit::Matrix;
-use crate::least_squares::least_squares;
+use crate::fit::least_squares::least_squares;
 
 /// Step of numerical derivatives as a share of the variances. With two step widths the error of the
 /// formula falls with the fourth power, and rounding of the likelihood (1e-13) costs about 1e-7.

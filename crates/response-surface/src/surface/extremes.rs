@@ -3,7 +3,7 @@
 use experiment_design::Factor;
 use serde::{Deserialize, Serialize};
 
-use crate::quadratic::{Face, Quadratic, faces, point_on_face};
+use crate::surface::quadratic::{Face, Quadratic, faces, point_on_face};
 
 /// The two extremes of the surface over the ranges of the factors.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -111,7 +111,7 @@ pub(crate) fn box_extremes(quadratic: &Quadratic, factors: &[Factor]) -> BoxExtr
 #[cfg(test)]
 mod tests {
     use super::span;
-    use crate::quadratic::Quadratic;
+    use crate::surface::quadratic::Quadratic;
     use nalgebra::{DMatrix, DVector};
 
     /// `x0^2 - x0 x1 - x1 / 10` and 30 lines: the extremes of the curved part are -0.35 (at 1/2, 1) and 2.1 (at 1, -1),

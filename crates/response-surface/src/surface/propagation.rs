@@ -5,8 +5,8 @@ use nalgebra::DMatrix;
 use serde::{Deserialize, Serialize};
 
 use crate::fit::ErrorVariance;
-use crate::prediction::check_point;
-use crate::quadratic::Quadratic;
+use crate::surface::prediction::check_point;
+use crate::surface::quadratic::Quadratic;
 use crate::{Error, Fit};
 
 /// The scatter of the response where the factors scatter about their settings.

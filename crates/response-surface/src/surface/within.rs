@@ -2,7 +2,7 @@
 
 use experiment_design::Factor;
 
-use crate::natural::rebased;
+use crate::surface::natural::rebased;
 use crate::{BoxExtremes, Error, Fit};
 
 impl Fit {
@@ -11,7 +11,7 @@ impl Fit {
     /// # Errors
     /// [`Error::DegreeTooHigh`].
     pub fn extremes(&self) -> Result<BoxExtremes, Error> {
-        Ok(crate::extremes::box_extremes(
+        Ok(crate::surface::extremes::box_extremes(
             &self.quadratic()?,
             &self.factors,
         ))

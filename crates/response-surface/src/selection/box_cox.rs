@@ -4,7 +4,7 @@ use experiment_design::Factor;
 use serde::{Deserialize, Serialize};
 
 use crate::fit::Matrix;
-use crate::least_squares::basis;
+use crate::fit::least_squares::basis;
 use crate::{Error, Model, Observations, Weighting};
 use probability::chi_squared_quantile;
 

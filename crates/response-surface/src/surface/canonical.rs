@@ -4,7 +4,7 @@ use experiment_design::Factor;
 use nalgebra::SymmetricEigen;
 use serde::{Deserialize, Serialize};
 
-use crate::quadratic::Quadratic;
+use crate::surface::quadratic::Quadratic;
 
 /// An eigenvalue smaller than this share of the greatest makes a ridge: along it the stationary
 /// point is not determined by the data's digits.

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::fit::ratio;
-use crate::wide::Wide;
+use crate::fit::wide::Wide;
 use crate::{Error, NamedValues};
 use probability::f_upper_tail;
 
