@@ -9,6 +9,22 @@
 //! [`johnson_kendall_roberts`] and [`linear_cohesion`] (dry adhesion). [`material`] holds the elastic constants of the two sides,
 //! [`hard_contact`] the time step that they allow.
 //! Nothing here knows bodies, lists or time stepping.
+//!
+//! ```
+//! use contact_law::{HertzMindlin, Material, NormalForceEnd, PairParameters, material};
+//! let soft = Material::new(0.25, 4e6)?;
+//! let moduli = material::effective_moduli(&soft, &soft);
+//! let parameters = PairParameters {
+//!     restitution: 0.5,
+//!     static_friction: 0.3,
+//!     rolling_friction: 0.0,
+//! };
+//! let law = HertzMindlin::new(moduli, &parameters, NormalForceEnd::Clipped)?;
+//! // Hertz: the stiffness grows with the root of the overlap.
+//! let [thin, thick] = [1e-6, 4e-6].map(|overlap| law.normal_stiffness(overlap, 1e-3));
+//! assert!((thick / thin - 2.0).abs() < 1e-12);
+//! # Ok::<(), contact_law::Error>(())
+//! ```
 
 pub mod bond;
 pub mod capillary_bridge;

@@ -3,6 +3,40 @@
 //! A [`World`] holds bodies (copies of a few [`clump::Clump`] templates), analytic walls, walls of
 //! triangles and the contact laws between them, and moves them step by step.
 //!
+//! ```
+//! use clump::Clump;
+//! use contact_law::{Material, NormalForceEnd, PairParameters};
+//! use dem_solver::{
+//!     DashpotMass, Interaction, InteractionSettings, Placement, Settings, Template, World,
+//! };
+//! use nalgebra::{UnitQuaternion, Vector3};
+//! let surface = InteractionSettings {
+//!     materials: [Material::new(0.25, 4e6)?; 2],
+//!     parameters: PairParameters {
+//!         restitution: 0.5,
+//!         static_friction: 0.3,
+//!         rolling_friction: 0.0,
+//!     },
+//!     attraction: 0.0,
+//!     end: NormalForceEnd::Clipped,
+//! };
+//! let settings = Settings {
+//!     time_step: 1e-5,
+//!     gravity: Vector3::new(0.0, -9.81, 0.0),
+//!     skin: 3e-4,
+//!     margin: 1e-3,
+//! };
+//! let ball = Template::new(&Clump::sphere(2e-3, 1000.0)?, 0, DashpotMass::Body);
+//! let start = Placement::at_rest(0, Vector3::zeros(), UnitQuaternion::identity());
+//! let mut world = World::new(settings, vec![ball], vec![Interaction::new(&surface)?], vec![], &[start])?;
+//! for _ in 0..1000 {
+//!     world.step()?;
+//! }
+//! // A free fall of 10 ms.
+//! assert!((world.bodies().velocity[0].y + 0.0981).abs() < 1e-9);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
 //! Invariants:
 //!
 //! - the same input gives the same bits, whatever the instruction set of the processor and the

@@ -5,6 +5,18 @@
 //! until the surface is steady, takes frames as the camera would see them and measures each with
 //! the same code that measures photos. In a heap or a box a wall is lifted instead, and the slope is read
 //! from the outline at rest. A bench test (slider, drop, tilt) handles single seeds on a plate. A run is decided by the scene and a seed alone.
+//!
+//! ```
+//! use scene::{Override, Scene};
+//! let file = fixture_files::fixture("cotton/drum.toml");
+//! let faster = Override {
+//!     name: "rpm".into(),
+//!     value: "20".into(),
+//! };
+//! let drum = Scene::read(&file, &[faster])?;
+//! assert!((drum.apparatus.speed() - 20.0 * std::f64::consts::TAU / 60.0).abs() < 1e-12);
+//! # Ok::<(), scene::Error>(())
+//! ```
 
 mod apparatus;
 mod bed_motion;
