@@ -66,7 +66,7 @@ pub struct HeapReading {
 }
 
 /// Where a picture shows the heap.
-struct Shown {
+struct HeapShare {
     /// The channel in which heap and air were parted.
     channel: Channel,
     /// The tone of the heap against the air.
@@ -77,7 +77,7 @@ struct Shown {
     share: PhotoPixels,
 }
 
-impl Shown {
+impl HeapShare {
     /// Parts the heap from the air below the upper border.
     fn of(picture: &PhotoPixels, settings: &Settings) -> Result<Self, Refusal> {
         let factor = picture.width().div_ceil(MOST_COLUMNS).max(1);
@@ -102,12 +102,12 @@ impl Shown {
 
 /// Finds the outline of a heap and measures it.
 pub(crate) fn read_heap(picture: &PhotoPixels, settings: &Settings) -> Result<HeapReading, Unfit> {
-    let Shown {
+    let HeapShare {
         channel,
         foreground,
         scale,
         share,
-    } = Shown::of(picture, settings)?;
+    } = HeapShare::of(picture, settings)?;
     let (mut outline, cut) = outline(&share);
     let in_picture = |cell: f64| (cell + 0.5) * scale - 0.5;
     outline.retain(|(i, j)| {

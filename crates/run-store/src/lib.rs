@@ -52,4 +52,4 @@ pub use sealed::{seal, seal_text, unseal, unseal_text};
 pub use set_aside::set_file_aside;
 pub use store::{Lookup, Store};
 pub use view::{FolderView, read_record, record_path};
-pub use write_whole::{write_often, write_whole};
+pub use write_whole::{write_whole, write_whole_unsynced};

@@ -24,7 +24,7 @@ pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<()> {
 /// # Errors
 ///
 /// As [`write_whole`].
-pub fn write_often(path: &Path, bytes: &[u8]) -> Result<()> {
+pub fn write_whole_unsynced(path: &Path, bytes: &[u8]) -> Result<()> {
     write(path, bytes, |_| Ok(()))
 }
 
@@ -46,14 +46,14 @@ fn write(path: &Path, bytes: &[u8], before_its_name: impl Fn(&File) -> Result<()
 
 #[cfg(test)]
 mod tests {
-    use super::{write_often, write_whole};
+    use super::{write_whole, write_whole_unsynced};
     use std::fs;
 
     #[test]
     fn a_written_file_replaces_the_old_one_and_leaves_nothing_beside_it() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("result.json");
-        for write in [write_whole, write_often] {
+        for write in [write_whole, write_whole_unsynced] {
             for text in ["first, and longer", "second"] {
                 write(&path, text.as_bytes()).unwrap();
                 assert_eq!(fs::read_to_string(&path).unwrap(), text);
@@ -68,7 +68,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("report.html");
         fs::create_dir_all(path.join("occupied")).unwrap();
-        for write in [write_whole, write_often] {
+        for write in [write_whole, write_whole_unsynced] {
             write(&path, b"text").unwrap_err();
             assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1, "a piece");
         }

@@ -21,7 +21,7 @@ use dem_solver::{Motion, Shape};
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
-/// Observables of a drum; the first 11 need no more than pictures, the first 19 no more than where the spheres lie from moment to moment.
+/// Observables of a drum; the first 19 need no more than where the spheres lie from moment to moment.
 const DRUM_OBSERVABLES: [&str; 26] = [
     "angle_deg",
     "angle_by_position_deg",
@@ -51,8 +51,18 @@ const DRUM_OBSERVABLES: [&str; 26] = [
     "avalanche_period_s",
 ];
 
-/// Observables of a drum that pictures give; those that need more come out only where a run knows it.
-pub const OBSERVABLES_OF_PICTURES: &[&str] = DRUM_OBSERVABLES.split_at(11).0;
+/// Observables of a drum that pictures give whose times are not known.
+pub const OBSERVABLES_OF_PICTURES: [&str; 9] = [
+    "angle_deg",
+    "curvature",
+    "s_shape",
+    "shape_4",
+    "shape_5",
+    "fill_level",
+    "toe_position_deg",
+    "top_position_deg",
+    "fluctuation_deg",
+];
 
 /// Observables of a drum that the places of its spheres give, velocities unknown: without these there is no slip of seeds, and
 /// where the bed is never carried along no time of waiting.

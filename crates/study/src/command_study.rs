@@ -117,7 +117,7 @@ impl CommandChecker<'_> {
         let results = &self.entry.results;
         let read = match (&results.positions, &results.pictures) {
             (Some(_), _) => OBSERVABLES_OF_A_BED,
-            (None, Some(_)) => OBSERVABLES_OF_PICTURES,
+            (None, Some(_)) => &OBSERVABLES_OF_PICTURES,
             (None, None) => &[],
         };
         let told = scene.observables.iter().flatten().map(String::as_str);

@@ -6,7 +6,7 @@ use external_simulator::{
     CommandModel, CommandSettings, CommandSimulator, DrumDescription, Keep, ResultFiles,
 };
 use run_store::Store;
-use scene::{FillingLibrary, Override, Scene};
+use scene::{FillingLibrary, OBSERVABLES_OF_PICTURES, Override, Scene};
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -312,4 +312,8 @@ fn positions_of_another_code_are_read_by_the_same_ruler() {
     let angle = by_picture.observables["angle_deg"].mean;
     // Pictures hold grey levels of 8 bits a channel.
     assert!((angle - expected).abs() < 0.02, "{angle} for {expected}");
+    let mut said = OBSERVABLES_OF_PICTURES;
+    said.sort_unstable();
+    let given: Vec<&str> = by_picture.observables.keys().map(String::as_str).collect();
+    assert_eq!(given, said, "what a study is told that pictures give");
 }

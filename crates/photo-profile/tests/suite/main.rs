@@ -10,4 +10,5 @@ mod mutated_files;
 mod other_library;
 mod real_photos;
 mod refusals;
+mod regions;
 mod synthetic_pictures;

@@ -5,3 +5,4 @@
 mod behaviour;
 mod fixtures;
 mod limits;
+mod problem_file;

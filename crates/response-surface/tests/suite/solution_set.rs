@@ -15,6 +15,22 @@ use response_surface::{
 };
 use serde_json::Value;
 
+/// Error of the model, standard deviation of the target, and what the reference calls both.
+const CASES: [(ErrorSource, Option<f64>, &str); 4] = [
+    (ErrorSource::Residual, None, "model_mse"),
+    (
+        ErrorSource::Residual,
+        Some(0.59),
+        "model_mse_plus_target_sem",
+    ),
+    (ErrorSource::Replicates, None, "replicate_var"),
+    (
+        ErrorSource::Replicates,
+        Some(0.59),
+        "replicate_var_plus_target_sem",
+    ),
+];
+
 fn expected() -> Value {
     let text = include_str!("../../../../fixtures/paper/recomputed.json");
     serde_json::from_str::<Value>(text).unwrap()["contour_38_87"].clone()
@@ -163,21 +179,7 @@ fn intervals_given_the_others_agree_to_a_step_of_the_reference() {
         sd: Some(1.0),
         n: Some(1),
     });
-    let cases = [
-        (ErrorSource::Residual, None, "model_mse"),
-        (
-            ErrorSource::Residual,
-            Some(0.59),
-            "model_mse_plus_target_sem",
-        ),
-        (ErrorSource::Replicates, None, "replicate_var"),
-        (
-            ErrorSource::Replicates,
-            Some(0.59),
-            "replicate_var_plus_target_sem",
-        ),
-    ];
-    for (error, target_sd, key) in cases {
+    for (error, target_sd, key) in CASES {
         let request = SolutionRequest {
             target_sd,
             target_n: target_sd.map(|_| 10),
@@ -202,21 +204,7 @@ fn intervals_given_the_others_agree_to_a_step_of_the_reference() {
 #[test]
 fn box_fractions_agree_with_the_reference_grid() {
     let (fit, expected) = (study(), expected());
-    let cases = [
-        (ErrorSource::Residual, None, "model_mse"),
-        (
-            ErrorSource::Residual,
-            Some(0.59),
-            "model_mse_plus_target_sem",
-        ),
-        (ErrorSource::Replicates, None, "replicate_var"),
-        (
-            ErrorSource::Replicates,
-            Some(0.59),
-            "replicate_var_plus_target_sem",
-        ),
-    ];
-    for (error, target_sd, key) in cases {
+    for (error, target_sd, key) in CASES {
         let request = SolutionRequest {
             target_sd,
             target_n: target_sd.map(|_| 10),

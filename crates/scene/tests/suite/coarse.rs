@@ -33,7 +33,6 @@ pub(crate) fn of_file(name: &str, changes: &[(&str, &str)]) -> Scene {
 }
 
 /// Five coarse seeds in a small drum that turns for a time, s.
-#[allow(dead_code, reason = "not every test file needs it")]
 pub(crate) fn five_seeds(time_s: &str) -> Scene {
     drum(&[
         ("apparatus.inner_diameter", "40 mm"),
