@@ -4,9 +4,9 @@
 //! sliding friction) with [`viscoelastic_damping`] and [`rate_dependent_friction`],
 //! [`rolling_constant_torque`] and [`rolling_spring_dashpot`] (rolling resistance, types A and C) with the arm of
 //! [`rolling_lever`],
-//! [`constant_attraction`] (cohesion), [`capillary_bridge`] and [`viscous_bridge`] (liquid bridges). With forces added to a
-//! step: [`bond`] (bonded agglomerates). As functions only, not offered by the force loop:
-//! [`johnson_kendall_roberts`] and [`linear_cohesion`] (dry adhesion). [`material`] holds the elastic constants of the two sides,
+//! [`constant_attraction`] and [`linear_cohesion`] (cohesion), [`capillary_bridge`] and [`viscous_bridge`] (liquid bridges). With forces added to a
+//! step: [`bond`] (bonded agglomerates). As a function only, not offered by the force loop:
+//! [`johnson_kendall_roberts`] (dry adhesion). [`material`] holds the elastic constants of the two sides,
 //! [`hard_contact`] the time step that they allow.
 //! Nothing here knows bodies, lists or time stepping.
 //!
@@ -45,6 +45,7 @@ pub use capillary_bridge::{BridgeForce, CapillaryBridge};
 pub use hertz_mindlin::{
     ContactForce, ContactGeometry, HertzMindlin, NormalForceEnd, PairParameters,
 };
+pub use linear_cohesion::LinearCohesion;
 pub use material::{EffectiveModuli, Material};
 pub use rate_dependent_friction::RateDependentFriction;
 pub use rolling_lever::RollingLever;

@@ -150,7 +150,7 @@ impl Interaction {
         let force = self
             .law
             .force(&geometry, approach, sliding, kept, time_step);
-        let pull = self.attraction(overlap, pair.bridge_volume);
+        let pull = self.attraction(overlap, geometry.reduced_radius, pair.bridge_volume);
         let mut on_i = force.tangential - normal * (force.normal - pull);
         let bridge = [overlap, pair.bridge_volume];
         if let Some(drag) = self.drag(bridge, &normal, approach, &sliding) {
@@ -207,7 +207,7 @@ impl Interaction {
         let force = self
             .law
             .force(&geometry, approach, sliding, kept, time_step);
-        let pull = self.attraction(overlap, contact.bridge_volume);
+        let pull = self.attraction(overlap, geometry.reduced_radius, contact.bridge_volume);
         let mut on_body = force.tangential - normal * (force.normal - pull);
         let bridge = [overlap, contact.bridge_volume];
         if let Some(drag) = self.drag(bridge, &normal, approach, &sliding) {
@@ -421,7 +421,7 @@ mod tests {
             free.rolling_friction = 0.0;
             let slides = free.between_spheres(&pair, 1e-9);
             let torque = (rolls.torque_i - slides.torque_i).norm();
-            let normal_force = law.attraction(1e-5, 0.0) - slides.force.dot(&NORMAL);
+            let normal_force = law.attraction(1e-5, 0.5e-3, 0.0) - slides.force.dot(&NORMAL);
             let expected = 0.1 * normal_force * 0.5 * arm;
             assert!(
                 (torque / expected - 1.0).abs() < 1e-9,

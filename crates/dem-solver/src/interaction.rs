@@ -6,8 +6,9 @@
 )]
 
 use contact_law::{
-    BridgeForce, HertzMindlin, Material, NormalForceEnd, PairParameters, RateDependentFriction,
-    RollingLever, RollingSpringDashpot, ViscoelasticDamping, constant_attraction, material,
+    BridgeForce, HertzMindlin, LinearCohesion, Material, NormalForceEnd, PairParameters,
+    RateDependentFriction, RollingLever, RollingSpringDashpot, ViscoelasticDamping,
+    constant_attraction, material,
 };
 use nalgebra::Vector3;
 
@@ -24,6 +25,8 @@ pub struct Interaction {
     pub(crate) rolling_lever: RollingLever,
     /// Attraction while touching, N.
     attraction: f64,
+    /// Attraction by the area of contact.
+    linear_cohesion: Option<LinearCohesion>,
     /// Bridge of liquid that forms when the surfaces touch.
     bridge: Option<BridgeForce>,
 }
@@ -39,6 +42,8 @@ pub struct OptionalLaws {
     pub rolling_spring: Option<RollingSpringDashpot>,
     /// Arm of rolling resistance, of either type.
     pub rolling_lever: RollingLever,
+    /// Attraction by the area of contact.
+    pub linear_cohesion: Option<LinearCohesion>,
     /// Bridge of liquid.
     pub bridge: Option<BridgeForce>,
 }
@@ -70,6 +75,7 @@ impl Interaction {
             rolling_spring: None,
             rolling_lever: RollingLever::default(),
             attraction: constant_attraction::check(settings.attraction)?,
+            linear_cohesion: None,
             bridge: None,
         })
     }
@@ -87,6 +93,7 @@ impl Interaction {
             },
             rolling_spring: further.rolling_spring,
             rolling_lever: further.rolling_lever,
+            linear_cohesion: further.linear_cohesion,
             bridge: further.bridge,
             ..self
         }
@@ -123,6 +130,7 @@ impl Interaction {
             rolling_spring: None,
             rolling_lever: self.rolling_lever,
             attraction: self.attraction,
+            linear_cohesion: None,
             bridge: None,
         }
     }
@@ -132,16 +140,27 @@ impl Interaction {
         &self.law
     }
 
-    /// Attraction at an overlap (m, negative for a gap) with a bridge of a volume (m³), N.
+    /// Attraction at an overlap (m, negative for a gap) of surfaces of a reduced radius (m) with a bridge of a volume (m³), N.
     #[inline(always)]
-    pub(crate) fn attraction(&self, overlap: f64, bridge_volume: f64) -> f64 {
+    pub(crate) fn attraction(&self, overlap: f64, reduced_radius: f64, bridge_volume: f64) -> f64 {
+        let by_area = self
+            .linear_cohesion
+            .map_or(0.0, |law| law.attraction(reduced_radius, overlap));
         match &self.bridge {
-            None => self.attraction,
+            None => self.attraction + by_area,
             Some(bridge) => {
                 let touching = if overlap > 0.0 { self.attraction } else { 0.0 };
-                touching + bridge.attraction(-overlap, bridge_volume)
+                touching + by_area + bridge.attraction(-overlap, bridge_volume)
             }
         }
+    }
+
+    /// Energy that a contact of an overlap and a reduced radius (m) has by its attraction, without a bridge, J.
+    pub(crate) fn energy_of_attraction(&self, overlap: f64, reduced_radius: f64) -> f64 {
+        let by_area = self
+            .linear_cohesion
+            .map_or(0.0, |law| law.energy(reduced_radius, overlap));
+        -self.attraction * overlap - by_area
     }
 
     /// Force on body i beside that of a dry contact without attraction: what the bridge resists the speed of approach (m/s)

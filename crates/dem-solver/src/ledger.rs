@@ -237,7 +237,8 @@ fn contact(
     interaction: &Interaction,
     effect: &ContactWrench,
 ) -> Contact {
-    let (law, pull) = (interaction.law(), interaction.attraction(overlap, 0.0));
+    let law = interaction.law();
+    let pull = interaction.attraction(overlap, radius, 0.0);
     let spring = 2.0 / 3.0 * law.normal_stiffness(overlap, radius) * overlap;
     let stiffness = law.tangential_stiffness(overlap, radius);
     Contact {
@@ -249,7 +250,7 @@ fn contact(
         rolling: effect.torque_i - arms[0].cross(&effect.force),
         spring: [
             spring - pull,
-            law.elastic_energy(overlap, radius) - pull * overlap,
+            law.elastic_energy(overlap, radius) + interaction.energy_of_attraction(overlap, radius),
         ],
         memory: effect.memory,
         stored: 0.5 * stiffness * effect.memory.slip.norm_squared(),

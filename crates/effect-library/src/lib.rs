@@ -19,6 +19,7 @@ mod drive_ripple;
 mod drive_slip;
 mod dry_adhesion;
 mod filling_smoothness;
+mod linear_cohesion;
 mod liquid_bridges;
 mod rate_dependent_friction;
 mod rig_vibration;
@@ -119,21 +120,22 @@ pub enum Error {
     Scene(#[from] scene::Error),
 }
 
-/// The refusal of a quantity, under the name of the effect that led to it.
-pub(crate) fn refused(name: &'static str, error: &quantity::Error) -> Error {
+/// A refusal with its reason, under the name of the effect that led to it.
+pub(crate) fn refused(name: &'static str, reason: &dyn std::fmt::Display) -> Error {
     Error::Setting {
         name,
-        reason: error.to_string(),
+        reason: reason.to_string(),
     }
 }
 
 /// All effects. Adding one is adding its file and its line here.
-pub static LIBRARY: [Effect; 25] = [
+pub static LIBRARY: [Effect; 26] = [
     rolling_resistance::EFFECT,
     rolling_spring::EFFECT,
     speed_dependent_restitution::EFFECT,
     rate_dependent_friction::EFFECT,
     cohesion::EFFECT,
+    linear_cohesion::EFFECT,
     liquid_bridges::EFFECT,
     dry_adhesion::EFFECT,
     softened_stiffness::EFFECT,

@@ -34,10 +34,8 @@ fn apply(scene: &mut Scene, amplitude: f64, _: &FillingLibrary) -> Result<(), Er
     };
     let w = std::f64::consts::TAU * declared.frequency.si();
     if w == 0.0 {
-        return Err(Error::Setting {
-            name: EFFECT.name,
-            reason: "the vibration of the scene has a frequency of 0; state one above 0 Hz".into(),
-        });
+        let reason = "the vibration of the scene has a frequency of 0; state one above 0 Hz";
+        return Err(crate::refused(EFFECT.name, &reason));
     }
     let [x, y, z] = declared.amplitude;
     let raised = y.si() + amplitude * scene.model.gravity_m_s2 / (w * w);

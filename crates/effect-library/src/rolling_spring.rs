@@ -1,7 +1,7 @@
 //! Rolling resistance of type C: a spring that yields, so that a seed at rest feels no torque.
 
 use crate::rolling_resistance::raise_rolling_friction;
-use crate::{Effect, Entry, Error};
+use crate::{Effect, Entry, Error, refused};
 use scene::{FillingLibrary, RollingLaw, Scene};
 
 /// Rolling resistance of type C in every contact.
@@ -21,6 +21,10 @@ pub(crate) const EFFECT: Effect = Effect {
 };
 
 fn apply(scene: &mut Scene, amplitude: f64, _: &FillingLibrary) -> Result<(), Error> {
+    if scene.model.rolling_law == RollingLaw::SpringDashpot {
+        let reason = "the rolling resistance of the scene is of this type already, so that more of it is rolling-resistance";
+        return Err(refused(EFFECT.name, &reason));
+    }
     scene.model.rolling_law = RollingLaw::SpringDashpot;
     raise_rolling_friction(scene, amplitude, EFFECT.name)
 }
@@ -29,6 +33,16 @@ fn apply(scene: &mut Scene, amplitude: f64, _: &FillingLibrary) -> Result<(), Er
 mod tests {
     use crate::{apply, tests::small_drum};
     use scene::FillingLibrary;
+
+    /// Where the declared law is type C already, this effect would be a copy of rolling-resistance, and each would always tie
+    /// with the other.
+    #[test]
+    fn more_of_a_declared_spring_is_another_effect() {
+        let (mut scene, fillings) = (small_drum(), FillingLibrary::default());
+        scene.model.rolling_law = scene::RollingLaw::SpringDashpot;
+        let error = apply(&mut scene, "rolling-spring", 0.2, &fillings).unwrap_err();
+        assert!(error.to_string().contains("rolling-resistance"), "{error}");
+    }
 
     /// Every contact of the study, which has no rolling friction, gets the coefficient, and the law is type C.
     #[test]

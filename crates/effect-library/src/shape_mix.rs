@@ -1,6 +1,6 @@
 //! Mix of shapes: other than declared.
 
-use crate::{Effect, Entry, Error};
+use crate::{Effect, Entry, Error, refused};
 use scene::{FillingLibrary, Scene, SeedSettings};
 
 /// Seeds of the first kind taken for seeds of the others.
@@ -20,10 +20,7 @@ pub(crate) const EFFECT: Effect = Effect {
 };
 
 fn apply(scene: &mut Scene, amplitude: f64, _: &FillingLibrary) -> Result<(), Error> {
-    let refused = |reason: String| Error::Setting {
-        name: EFFECT.name,
-        reason,
-    };
+    let refused = |reason: String| refused(EFFECT.name, &reason);
     scene.fix_seeds();
     let total = scene.seed_count();
     let declared = scene.seed.first().map_or(0, |first| scene.count_of(first));

@@ -120,6 +120,13 @@ pub(crate) fn supported<'a>(scene: &'a Scene, tool: &'static str) -> Result<&'a 
     if scene.contact.values().any(pulls) {
         return missing("a constant attraction", "remove attraction_n");
     }
+    let coheres = |c: &ContactSettings| c.cohesion_energy_density_j_m3.is_some_and(|k| k != 0.0);
+    if scene.contact.values().any(coheres) {
+        return missing(
+            "an attraction by the area of contact",
+            "remove cohesion_energy_density_j_m3",
+        );
+    }
     if scene.model.bond_number != 0.0 {
         return missing("a constant attraction", "set model.bond_number to 0");
     }

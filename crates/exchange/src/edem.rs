@@ -172,7 +172,8 @@ fn check(scene: &Scene) -> Result<(), Error> {
     let pulls = scene
         .contact
         .values()
-        .any(|c| c.attraction_n.is_some_and(|f| f != 0.0));
+        .flat_map(|c| [c.attraction_n, c.cohesion_energy_density_j_m3])
+        .any(|stated| stated.is_some_and(|value| value != 0.0));
     if pulls || scene.model.bond_number != 0.0 || scene.model.liquid.is_some() {
         return missing("attraction or liquid", "remove it from the scene");
     }

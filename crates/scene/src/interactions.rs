@@ -5,7 +5,7 @@ use crate::{Error, LiquidSettings, Scene, SeedBody, SeedSettings};
 use contact_law::material::effective_moduli;
 use contact_law::rolling_spring_dashpot::{DAMPING_RATIO, STIFFNESS_RATIO};
 use contact_law::{
-    BridgeForce, CapillaryBridge, Material, PairParameters, RateDependentFriction,
+    BridgeForce, CapillaryBridge, LinearCohesion, Material, PairParameters, RateDependentFriction,
     RollingSpringDashpot, ViscoelasticDamping, ViscousBridge, constant_attraction, hard_contact,
 };
 use dem_solver::{Interaction, InteractionSettings, OptionalLaws};
@@ -101,6 +101,9 @@ fn optional_laws(
     let rate_dependent = contact
         .friction_rate
         .map(|change| RateDependentFriction::new(change, HALF_SPEED));
+    let linear_cohesion = contact
+        .cohesion_energy_density_j_m3
+        .map(LinearCohesion::new);
     let bridge = scene
         .model
         .liquid
@@ -110,6 +113,7 @@ fn optional_laws(
         rate_dependent: rate_dependent.transpose()?,
         rolling_spring,
         rolling_lever: scene.model.rolling_lever,
+        linear_cohesion: linear_cohesion.transpose()?,
         bridge: bridge.transpose()?.flatten(),
     })
 }
@@ -247,13 +251,14 @@ mod tests {
         };
         let plain = table(&drum(&[]));
         let mut seen = vec![plain.clone()];
-        for change in 0..4 {
+        for change in 0..5 {
             let mut scene = drum(&[]);
             let contact = scene.contact.get_mut("seed-seed").unwrap();
             match change {
                 0 => contact.viscoelastic_damping = Some(0.5),
                 1 => contact.friction_rate = Some(0.5),
                 2 => scene.model.rolling_law = crate::RollingLaw::SpringDashpot,
+                3 => contact.cohesion_energy_density_j_m3 = Some(1e4),
                 _ => {
                     let angle = Angle::from_si(0.0).unwrap();
                     scene.model.liquid = Some(LiquidSettings::new(0.01, 0.07, angle));

@@ -69,6 +69,9 @@ pub struct ContactSettings {
     /// Attraction of a touching pair of spheres beside that of the Bond number, N; 0 where absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub attraction_n: Option<f64>,
+    /// Cohesion energy density, J/m³: attraction over the area of contact ([`contact_law::linear_cohesion`]); 0 where absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub cohesion_energy_density_j_m3: Option<f64>,
     /// Share, 0 to 1, of viscoelastic damping, whose restitution falls with the speed; the restitution
     /// stated holds at 1 m/s ([`contact_law::viscoelastic_damping`]). 0 where absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]

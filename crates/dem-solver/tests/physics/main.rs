@@ -3,6 +3,7 @@
 //! One topic a file; [`scene`] builds the worlds.
 
 mod bridge;
+mod cohesion;
 mod drum;
 mod energy;
 mod free_rotation;

@@ -9,7 +9,9 @@ use crate::scene::{
     ball, box_of_planes, cluster, interaction, rough, run, scattered, seed_and_block,
     seed_and_block_with, smooth, sticky, wet_bridge, wetted, world,
 };
-use contact_law::{RateDependentFriction, RollingLever, RollingSpringDashpot, ViscoelasticDamping};
+use contact_law::{
+    LinearCohesion, RateDependentFriction, RollingLever, RollingSpringDashpot, ViscoelasticDamping,
+};
 use dem_solver::{
     DashpotMass, MeshWall, Motion, OptionalLaws, Placement, Settings, Shape, Template, Vibration,
     Wall, World, plain,
@@ -197,6 +199,7 @@ fn loads_are_those_of_the_plain_loop_with_every_law() {
         rate_dependent: RateDependentFriction::new(-0.5, 0.05).ok(),
         rolling_spring: RollingSpringDashpot::new(0.2, 0.3, 2.25).ok(),
         rolling_lever: RollingLever::Sphere,
+        linear_cohesion: LinearCohesion::new(1e4).ok(),
         bridge: Some(wet_bridge()),
     };
     let surface = interaction(&sticky()).with(&further);
@@ -234,6 +237,7 @@ fn loads_are_those_of_the_plain_loop_for_plain_spheres() {
         rate_dependent: Some(RateDependentFriction::new(-0.5, 0.05).expect("possible")),
         rolling_spring: Some(RollingSpringDashpot::new(0.2, 0.3, 2.25).expect("possible")),
         rolling_lever: RollingLever::Sphere,
+        linear_cohesion: LinearCohesion::new(1e4).ok(),
         bridge: Some(wet_bridge()),
     };
     let places = fallen(1.0, drum(1.0));

@@ -4,7 +4,9 @@ use crate::scene::{
     ball, box_of_planes, interaction, run, scattered, seed_and_block, settings, sticky, wet_bridge,
     wetted, world,
 };
-use contact_law::{RateDependentFriction, RollingLever, RollingSpringDashpot, ViscoelasticDamping};
+use contact_law::{
+    LinearCohesion, RateDependentFriction, RollingLever, RollingSpringDashpot, ViscoelasticDamping,
+};
 use dem_solver::{MeshWall, Motion, OptionalLaws, Placement, Template, World};
 use nalgebra::Vector3;
 use random_stream::Stream;
@@ -142,6 +144,7 @@ fn a_world_goes_on_from_a_snapshot_with_the_same_bits() {
         rate_dependent: RateDependentFriction::new(-0.5, 0.05).ok(),
         rolling_spring: RollingSpringDashpot::new(0.2, 0.3, 2.25).ok(),
         rolling_lever: RollingLever::Centre,
+        linear_cohesion: LinearCohesion::new(1e4).ok(),
         bridge: Some(wet_bridge()),
     };
     let fresh = |filling: Filling| {

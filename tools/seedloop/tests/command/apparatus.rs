@@ -260,6 +260,11 @@ fn what_a_deck_cannot_carry_is_refused() {
             "attraction_n",
         ),
         (
+            "restitution = 0.06",
+            "restitution = 0.06\ncohesion_energy_density_j_m3 = 1e4",
+            "cohesion_energy_density_j_m3",
+        ),
+        (
             "[model]",
             "[surroundings]\nair_drag = 1.0\n\n[model]",
             "surroundings",
