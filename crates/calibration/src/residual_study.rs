@@ -253,7 +253,8 @@ fn looked_at(fits: &Fits<'_>, mut linear: Linearisation, fit: &Visited) -> Resul
     if !quiet.contains(&diagnosis.verdict) {
         let suspects = fits.suspects(&linear, fit, &diagnosis)?;
         if !suspects.is_empty() {
-            let runs = suspects.into_iter().zip(FIRST_BLOCK_ANEW..);
+            let suspects = suspects.into_iter().map(|(j, setting)| (j, vec![setting]));
+            let runs = suspects.zip(FIRST_BLOCK_ANEW..);
             linear = fits.measured_anew(linear, fit, runs, &mut looks)?;
             (file, diagnosis) = diagnosed(&linear)?;
         }

@@ -7,12 +7,13 @@ use scene::{FillingLibrary, Scene, VibrationSettings};
 /// Frequency of the mains, Hz, where the scene states no frequency.
 const MAINS: f64 = 50.0;
 
-/// A vertical vibration of the whole rig at the frequency of the mains.
+/// A vertical vibration of an apparatus that a motor turns, at the frequency of the mains.
 pub(crate) const EFFECT: Effect = Effect {
     name: "rig-vibration",
-    physics: "A motor or a bearing shakes the rig. Shaken contacts slip below their \
-              friction limit, and the bed settles at a lower angle; near one gravity \
-              seeds begin to hop.",
+    physics: "A motor or a bearing shakes the rig that it turns. Shaken contacts slip \
+              below their friction limit, and the bed settles at a lower angle; near one \
+              gravity seeds begin to hop. A heap or a bench test has no motor and stays \
+              at rest, unless its scene states a vibration.",
     formula: "acceleration of the rig = amplitude x g sin(2 pi f t), upward, with f = 50 \
               Hz",
     unit: "g",
@@ -24,6 +25,11 @@ pub(crate) const EFFECT: Effect = Effect {
 };
 
 fn apply(scene: &mut Scene, amplitude: f64, _: &FillingLibrary) -> Result<(), Error> {
+    if scene.apparatus.speed() == 0.0 && scene.surroundings.vibration.is_none() {
+        let reason =
+            "no motor turns the apparatus; state surroundings.vibration where something shakes it";
+        return Err(refused(EFFECT.name, &reason));
+    }
     let refused = |e: quantity::Error| refused(EFFECT.name, &e);
     let declared = match scene.surroundings.vibration.take() {
         Some(vibration) => vibration,
@@ -49,7 +55,23 @@ fn apply(scene: &mut Scene, amplitude: f64, _: &FillingLibrary) -> Result<(), Er
 #[cfg(test)]
 mod tests {
     use crate::{apply, tests::small_drum};
-    use scene::FillingLibrary;
+    use fixture_files::fixture;
+    use scene::{FillingLibrary, Scene};
+
+    /// A heap feels nothing of the motor of a drum, but what its own scene states.
+    #[test]
+    fn what_no_motor_turns_is_shaken_only_where_its_scene_says_so() {
+        let fillings = FillingLibrary::default();
+        let heap = fixture("other-code/heap.toml");
+        let mut scene = Scene::read(&heap, &[]).unwrap();
+        let error = apply(&mut scene, "rig-vibration", 0.5, &fillings).unwrap_err();
+        assert!(error.to_string().contains("no motor"), "{error}");
+        let drum = fixture("other-code/drum.toml");
+        let mut shaken = Scene::read(&drum, &[]).unwrap();
+        apply(&mut shaken, "rig-vibration", 0.5, &fillings).unwrap();
+        scene.surroundings = shaken.surroundings;
+        apply(&mut scene, "rig-vibration", 0.5, &fillings).unwrap();
+    }
 
     /// The peak acceleration A (2 pi f)^2 is the amplitude times gravity, upward only, and adds to that
     /// of the scene. Rounding only.

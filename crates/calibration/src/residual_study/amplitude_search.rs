@@ -2,14 +2,16 @@
 
 use super::fits::{Fits, Looks, Visited, failed_run};
 use super::linearisation::Linearisation;
-use super::runs::{At, Means, Setting};
-use super::{ResidualPlan, assemble, refit};
+use super::runs::{self, At, Means, Setting};
+use super::{DeclaredParameter, ResidualPlan, assemble, refit};
 use crate::Error;
 use residual_diagnosis::Diagnosis;
 
 /// Blocks of seeds of the search, one a point: those that the best suspects leave are for the others.
 pub(crate) const BLOCKS_OF_SEARCH: [u64; 6] = [21, 22, 23, 24, 25, 26];
-/// Most points of one suspect.
+/// Blocks of seeds of the search that goes on with slopes of the parameters beside the effect.
+pub(crate) const BLOCKS_OF_FURTHER_SEARCH: [u64; 6] = [27, 28, 29, 30, 31, 32];
+/// Most points of one suspect in each search.
 pub(crate) const MOST_POINTS: usize = 4;
 /// Drop of the deviance below which another point is not worth its runs: that of one parameter by chance.
 const WORTH_A_RUN: f64 = 1.0;
@@ -60,6 +62,9 @@ impl Fits<'_> {
     /// Between the amplitudes that were run what the effect does is interpolated, beyond the last it goes on; parameters and
     /// amplitude are fitted, run, and the point is added, until another would gain nothing. What is left in the end is what
     /// runs leave. An effect that shares the noise of the fit, as a camera does, keeps its sensitivity.
+    ///
+    /// Beside an effect the parameters may act otherwise than without it: friction holds a bed at rest, and little of one that
+    /// is shaken. Where more than noise is left, their slopes are measured at the best point, and the search goes on with these.
     pub(super) fn searched(
         &self,
         mut linear: Linearisation,
@@ -68,6 +73,7 @@ impl Fits<'_> {
         known: &mut Looks,
     ) -> Result<Linearisation, Error> {
         let mut blocks = BLOCKS_OF_SEARCH.into_iter();
+        let mut further = BLOCKS_OF_FURTHER_SEARCH.into_iter();
         for (effect, setting) in suspects {
             let effect = *effect;
             if linear.shares_noise(effect) {
@@ -75,12 +81,20 @@ impl Fits<'_> {
             }
             let looks = known.at.iter().filter(|look| look.0 == effect);
             let looks: Vec<Visited> = looks.map(|look| look.1.clone()).collect();
-            let begin = (looks.clone(), setting);
+            let mut points = looks.clone();
             let warnings = &mut known.warnings;
-            let found = self.search(&linear, effect, fit, begin, (&mut blocks, warnings))?;
-            let Some(end) = found else {
+            let runs = (&mut blocks, &mut *warnings);
+            let found = self.search(&linear, effect, fit, (&mut points, setting), runs)?;
+            let Some(mut end) = found else {
                 continue;
             };
+            if self.leaves_structure(&linear, &end)?
+                && let Some(beside) = self.slopes_beside(&linear, &end)?
+            {
+                let runs = (&mut further, warnings);
+                let found = self.search(&beside, effect, fit, (&mut points, setting), runs)?;
+                end = found.unwrap_or(end);
+            }
             if looks.iter().all(|look| look.setting != end.setting) {
                 let from = (&fit.setting, &fit.means);
                 linear = linear.with_secant(self.plan, effect, from, (&end.setting, &end.means));
@@ -91,27 +105,71 @@ impl Fits<'_> {
         Ok(linear)
     }
 
+    /// Whether runs at a point leave more than noise.
+    fn leaves_structure(&self, linear: &Linearisation, at: &Visited) -> Result<bool, Error> {
+        let misfit = assemble::misfit(self.plan, self.observed, linear, &at.means)?;
+        let values = assemble::used_values(self.plan, self.observed);
+        Ok(misfit > assemble::likely_mean_square(values))
+    }
+
+    /// The slopes of the parameters beside a point at which an effect is on, with its seeds; none where a step cannot be run.
+    fn slopes_beside(
+        &self,
+        linear: &Linearisation,
+        at: &Visited,
+    ) -> Result<Option<Linearisation>, Error> {
+        let step_of = |d: &DeclaredParameter| {
+            let end = at.setting.parameters[&d.name] + d.step;
+            if (d.bounds[0]..=d.bounds[1]).contains(&end) {
+                d.step
+            } else {
+                -d.step
+            }
+        };
+        let steps: Vec<f64> = self.plan.declared.iter().map(step_of).collect();
+        let moved = |(d, step): (&DeclaredParameter, &f64)| {
+            let mut setting = at.setting.clone();
+            let value = at.setting.parameters[&d.name] + step;
+            setting
+                .parameters
+                .insert(d.name.clone(), value.clamp(d.bounds[0], d.bounds[1]));
+            (setting, at.block)
+        };
+        let settings: Vec<_> = self.plan.declared.iter().zip(&steps).map(moved).collect();
+        let means = runs::means_of_each(self.worker, self.plan, &settings)?;
+        let means: Option<Vec<Means>> = means.into_iter().map(Result::ok).collect();
+        let Some(means) = means else {
+            return Ok(None);
+        };
+        let length = |(d, (setting, _)): (&DeclaredParameter, &(Setting, u64))| {
+            setting.parameters[&d.name] - at.setting.parameters[&d.name]
+        };
+        let lengths = self.plan.declared.iter().zip(&settings).map(length);
+        let steps: Vec<(Means, f64)> = means.into_iter().zip(lengths).collect();
+        Ok(Some(linear.clone().with_slopes_beside(&at.means, &steps)))
+    }
+
     /// The point with an effect that fits best, from points that were run and where to begin without one; none where
-    /// nothing could be run. Each new point takes a block of seeds, as long as there is one.
+    /// nothing could be run. Each new point takes a block of seeds, as long as there is one, and joins the others.
     fn search(
         &self,
         linear: &Linearisation,
         effect: usize,
         fit: &Visited,
-        (mut points, begin): (Vec<Visited>, &Setting),
+        (points, begin): (&mut Vec<Visited>, &Setting),
         (blocks, warnings): (&mut impl Iterator<Item = u64>, &mut Vec<String>),
     ) -> Result<Option<Visited>, Error> {
         let (plan, observed) = (self.plan, self.observed);
         let cost = |v: &Visited| assemble::cost(plan, observed, linear, &v.setting, &v.means);
         let mut best: Option<(f64, Visited)> = None;
-        for point in &points {
+        for point in points.iter() {
             better(&mut best, cost(point)?, point);
         }
         for _ in 0..MOST_POINTS {
             let setting = match &best {
                 None => begin.clone(),
                 Some((lowest, _)) => {
-                    match self.next_point(linear, effect, fit, &points, *lowest)? {
+                    match self.next_point(linear, effect, fit, points, *lowest)? {
                         Some(setting) => setting,
                         None => break,
                     }

@@ -195,6 +195,28 @@ pub(super) fn misfit(
     used.map(|e| e.whitened_mse).ok_or(NOTHING_USED)
 }
 
+/// Sum of squares of the difference of two means on the used conditions, in standard deviations of their noise.
+pub(super) fn change(
+    plan: &ResidualPlan,
+    observed: &Observed,
+    linear: &Linearisation,
+    from: &Means,
+    to: &Means,
+) -> Result<f64, Error> {
+    let mut sum = 0.0;
+    for c in (0..plan.conditions.len()).filter(|&c| plan.conditions[c].used) {
+        let measured = observed.measured(c);
+        let moved = measured
+            .iter()
+            .map(|&k| to.values[c][k] - from.values[c][k]);
+        let moved = DVector::from_iterator(measured.len(), moved);
+        let runs = 1.0 / from.n[c] as f64 + 1.0 / to.n[c] as f64;
+        let white = root_of_runs(observed, linear, runs, c)?.solve_lower_triangular(&moved);
+        sum += white.map_or(0.0, |white| white.norm_squared());
+    }
+    Ok(sum)
+}
+
 /// Number of values at the used conditions.
 pub(super) fn used_values(plan: &ResidualPlan, observed: &Observed) -> usize {
     let used = (0..plan.conditions.len()).filter(|&c| plan.conditions[c].used);

@@ -15,7 +15,7 @@ pub(crate) const MOST_SUSPECTS: usize = 3;
 pub(crate) const BLOCKS_OF_FIT: [u64; 3] = [1, 4, 5];
 pub(crate) const BLOCKS_WITH_EFFECTS: [u64; 4] = [2, 3, 12, 13];
 pub(super) const FIRST_BLOCK_ANEW: u64 = 6;
-/// Largest number of effects whose slope is noise at the probe and is measured at the largest amplitude instead, and the
+/// Largest number of effects whose slope is noise at the probe and is measured at the largest amplitudes instead, and the
 /// first of their blocks of seeds.
 pub(crate) const MOST_NOISY: usize = 6;
 pub(super) const FIRST_BLOCK_OF_NOISY: u64 = 14;
@@ -149,62 +149,79 @@ impl Fits<'_> {
         suspects.into_iter().map(setting).collect()
     }
 
-    /// Effects whose slope is no more than noise, each at its largest amplitude: more of it, not more runs, is what lifts a
-    /// slope out of its noise.
-    pub(super) fn noisy(&self, fit: &Visited, diagnosis: &Diagnosis) -> Vec<(usize, Setting)> {
+    /// Effects whose slope is no more than noise, each at the ends of its range: more of it, not more runs, is what lifts a
+    /// slope out of its noise, and what does nothing on one side may do much on the other, as friction that a bed needs to be
+    /// carried along.
+    pub(super) fn noisy(&self, fit: &Visited, diagnosis: &Diagnosis) -> Vec<(usize, Vec<Setting>)> {
         let effects = self.plan.effects.iter().enumerate();
         let noise = effects.filter(|(_, e)| {
             let candidate = diagnosis.candidates.get(&e.name);
             candidate.is_some_and(|c| c.unseen == Some(Unseen::SlopeIsNoise))
         });
-        let at_most = |(j, e): (usize, &EffectProbe)| {
-            let [low, high] = e.range;
-            let most = if high.abs() >= low.abs() { high } else { low };
-            let mut setting = fit.setting.clone();
-            setting.effects.insert(e.name.clone(), most);
-            (j, setting)
+        let at_ends = |(j, e): (usize, &EffectProbe)| {
+            let ends = e.range.iter().filter(|end| **end != 0.0);
+            let setting = |end: &f64| {
+                let mut setting = fit.setting.clone();
+                setting.effects.insert(e.name.clone(), *end);
+                setting
+            };
+            (j, ends.map(setting).collect())
         };
-        noise.map(at_most).take(MOST_NOISY).collect()
+        noise.map(at_ends).take(MOST_NOISY).collect()
     }
 
-    /// Runs each suspect at its setting and takes its sensitivity from there; notes these runs, or that one cannot be
+    /// Runs each suspect at its settings and takes its sensitivity from there; notes these runs, or that one cannot be
     /// run.
     ///
-    /// An effect that shares the noise of the runs without it gets their seeds, the others those of their own block.
+    /// Of several settings of an effect that counts at which the runs change most: that is asked of the simulator alone, so
+    /// that no choice among them fits the data. An effect that shares the noise of the runs without it gets their seeds, the
+    /// others those of their own block.
     pub(super) fn measured_anew(
         &self,
         mut linear: Linearisation,
         fit: &Visited,
-        suspects: impl Iterator<Item = ((usize, Setting), u64)>,
+        suspects: impl Iterator<Item = ((usize, Vec<Setting>), u64)>,
         known: &mut Looks,
     ) -> Result<Linearisation, Error> {
         let plan = self.plan;
         let (mut effects, mut settings) = (Vec::new(), Vec::new());
-        for ((effect, setting), own) in suspects {
-            let shares = linear.shares_noise(effect);
-            effects.push(effect);
-            settings.push((setting, if shares { fit.block } else { own }));
+        for ((effect, of_effect), own) in suspects {
+            let block = if linear.shares_noise(effect) {
+                fit.block
+            } else {
+                own
+            };
+            effects.extend(of_effect.iter().map(|_| effect));
+            settings.extend(of_effect.into_iter().map(|setting| (setting, block)));
         }
         let means = runs::means_of_each(self.worker, plan, &settings)?;
+        let mut looks: Vec<(usize, f64, Visited)> = Vec::new();
         for ((effect, (setting, block)), means) in effects.into_iter().zip(settings).zip(means) {
             let name = &plan.effects[effect].name;
             match means {
                 Ok(means) => {
-                    let from = (&fit.setting, &fit.means);
-                    linear = linear.with_secant(plan, effect, from, (&setting, &means));
+                    let change =
+                        assemble::change(plan, self.observed, &linear, &fit.means, &means)?;
                     let look = Visited {
                         setting,
                         means,
                         block,
                     };
-                    known.at.push((effect, look));
+                    looks.push((effect, change, look));
                 }
                 Err(reason) => known.warnings.push(format!(
-                    "{name} could not be run at the amplitude {:.3} that the data ask for, so that it is \
-                     judged by its sensitivity further away: {reason}",
+                    "{name} could not be run at the amplitude {:.3}, so that it is judged by its sensitivity \
+                     elsewhere: {reason}",
                     setting.effects[name]
                 )),
             }
+        }
+        // The last look at an effect is the one that counts.
+        looks.sort_by(|a, b| a.1.total_cmp(&b.1));
+        for (effect, _, look) in looks {
+            let (from, to) = ((&fit.setting, &fit.means), (&look.setting, &look.means));
+            linear = linear.with_secant(plan, effect, from, to);
+            known.at.push((effect, look));
         }
         Ok(linear)
     }

@@ -202,6 +202,21 @@ impl Linearisation {
         if shares { self } else { self.with_scatter(on) }
     }
 
+    /// The same with the slopes of the parameters beside a point, by the means there and a step away in each of them, with the
+    /// lengths of the steps. What a parameter does not move at the start it moves nowhere.
+    pub(super) fn with_slopes_beside(mut self, at: &Means, steps: &[(Means, f64)]) -> Self {
+        for (c, slopes) in self.declared.iter_mut().enumerate() {
+            for (k, of_observable) in slopes.iter_mut().enumerate() {
+                for (j, (means, length)) in steps.iter().enumerate() {
+                    if self.moves[j][c] && *length != 0.0 {
+                        of_observable[j] = (means.values[c][k] - at.values[c][k]) / length;
+                    }
+                }
+            }
+        }
+        self
+    }
+
     /// The means that the slopes promise at a setting, from those of a point.
     pub(super) fn means_at(
         &self,
