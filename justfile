@@ -151,11 +151,11 @@ water-beads:
     done
 
 # Installs the Debian package where it is missing; apt-get may need root.
-# Let two spheres meet in a thick liquid in the real LIGGGHTS, and hold it to the values that are kept (seconds).
+# Let two spheres meet in the real LIGGGHTS, in a thick liquid and with cohesion, and hold it to the values that are kept (seconds).
 [group('other codes and clusters')]
-liggghts-liquid:
+liggghts-pairs:
     command -v liggghts > /dev/null || apt-get install --yes liggghts
-    cargo test --release --locked -p verification --test liggghts_bridge -- --ignored --nocapture
+    cargo test --release --locked -p verification --test liggghts_pairs -- --ignored --nocapture
 
 # Calibrate two small drums, of spheres and of seeds, by LAMMPS and by the solver here (an hour).
 [group('other codes and clusters')]
