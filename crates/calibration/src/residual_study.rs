@@ -97,6 +97,8 @@ impl ResidualStudy {
 pub struct AddedEffect {
     /// Amplitudes by effect.
     pub effects: BTreeMap<String, f64>,
+    /// Standard errors of these, by the slopes beyond them; of noise, without what the slopes beside leave out.
+    pub standard_errors: BTreeMap<String, f64>,
     /// Declared parameters after the fit with the effect on.
     pub fitted: BTreeMap<String, f64>,
     /// Simulated means, (conditions, observables).
@@ -183,6 +185,7 @@ fn study_of_all(
     let sets = sets_to_add(&diagnosis);
     let (mut added, failed) = fits.with_each(&linear, &sets, &fit, &looks)?;
     diagnosis.warnings.extend(failed);
+    diagnosis.amplitudes.extend(amplitudes_of(&added));
     if added.len() == sets.len() {
         // What could not be run was not refuted.
         diagnosis = checked(&fits, &linear, &fit, (&errors_before, &added), diagnosis)?;
@@ -274,6 +277,18 @@ fn looked_at(fits: &Fits<'_>, mut linear: Linearisation, fit: &Visited) -> Resul
         diagnosis,
         looks,
     })
+}
+
+/// The amplitudes that real runs fit, with their errors: of an effect in several models that in the first.
+fn amplitudes_of(added: &[AddedEffect]) -> BTreeMap<String, [f64; 2]> {
+    let mut all = BTreeMap::new();
+    for model in added {
+        for (name, error) in &model.standard_errors {
+            let told = [model.effects[name], *error];
+            all.entry(name.clone()).or_insert(told);
+        }
+    }
+    all
 }
 
 /// Holds a diagnosis against the kept conditions, by the real runs of the models that it proposes.

@@ -6,7 +6,7 @@ use super::worker::Worker;
 use super::{AddedEffect, EffectProbe, Observed, ResidualPlan, assemble, refit};
 use crate::Error;
 use residual_diagnosis::{CandidateResult, Diagnosis, Unseen};
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Largest number of effects whose sensitivity is measured anew at a time.
 pub(crate) const MOST_SUSPECTS: usize = 3;
@@ -19,6 +19,9 @@ pub(super) const FIRST_BLOCK_ANEW: u64 = 6;
 /// first of their blocks of seeds.
 pub(crate) const MOST_NOISY: usize = 6;
 pub(super) const FIRST_BLOCK_OF_NOISY: u64 = 14;
+
+/// How far beyond its end an amplitude is run for its error, over it.
+const BEYOND: f64 = 0.5;
 
 /// Effects to be added together, one set a model: those that are named, or of a tie each of the best explanations
 /// in turn.
@@ -275,15 +278,67 @@ impl Fits<'_> {
             let (end, _) = self.descend(linear, effects, about, best, BLOCKS_WITH_EFFECTS)?;
             end
         };
-        let means = end
-            .means
-            .with_kept(self.run(&end.setting, end.block, At::Kept)?);
+        let standard_errors = self.amplitude_errors(linear, effects, &end)?;
+        let kept = self.run(&end.setting, end.block, At::Kept)?;
+        let means = end.means.with_kept(kept);
         Ok(AddedEffect {
+            standard_errors,
             errors: assemble::errors(self.plan, self.observed, linear, &means)?,
             effects: end.setting.effects,
             fitted: end.setting.parameters,
             simulated: means.values,
         })
+    }
+
+    /// Standard errors of the amplitudes at which a fit ended, by the slopes beyond them; without those that could not be run.
+    ///
+    /// What an effect does may saturate: the slope from where it is off says that an amplitude is known well which half as
+    /// much more would not change. So each is run half beyond its end, or short of it where its range ends before.
+    fn amplitude_errors(
+        &self,
+        linear: &Linearisation,
+        effects: &[String],
+        end: &Visited,
+    ) -> Result<BTreeMap<String, f64>, Error> {
+        let plan = self.plan;
+        let number = |name: &String| plan.effects.iter().position(|e| e.name == *name);
+        let beyond = |j: usize| {
+            let EffectProbe {
+                name, range, probe, ..
+            } = &plan.effects[j];
+            let amplitude = end.setting.amplitude(name);
+            let step = if amplitude == 0.0 {
+                *probe
+            } else {
+                BEYOND * amplitude
+            };
+            let [far, near] = [amplitude + step, amplitude - step];
+            let mut setting = end.setting.clone();
+            let reached = (range[0]..=range[1]).contains(&far);
+            setting
+                .effects
+                .insert(name.clone(), if reached { far } else { near });
+            (j, setting)
+        };
+        let beyond: Vec<_> = effects.iter().filter_map(number).map(beyond).collect();
+        let settings: Vec<_> = beyond.iter().map(|(_, s)| (s.clone(), end.block)).collect();
+        let means = runs::means_of_each(self.worker, plan, &settings)?;
+        let mut local = linear.clone();
+        let mut known = Vec::new();
+        for ((j, setting), means) in beyond.iter().zip(means) {
+            if let Ok(means) = means {
+                let from = (&end.setting, &end.means);
+                local = local.with_secant(plan, *j, from, (setting, &means));
+                known.push(plan.effects[*j].name.clone());
+            }
+        }
+        let at = (&end.setting, &end.means);
+        let errors = refit::standard_errors(plan, self.observed, &local, effects, at)?;
+        let each = effects.iter().cloned().zip(errors);
+        let told = each.filter(|(name, _)| known.contains(name));
+        Ok(told
+            .filter_map(|(name, error)| Some((name, error?)))
+            .collect())
     }
 
     /// Runs where the fit by the linear model about a point ends, and corrects that where it misses, with the

@@ -16,15 +16,7 @@ pub(super) fn with_effects(
     effects: &[String],
     (point, means): (&Setting, &Means),
 ) -> Result<Setting, Error> {
-    let taken: Vec<usize> = effects
-        .iter()
-        .filter_map(|name| plan.effects.iter().position(|e| e.name == *name))
-        .collect();
-    let parameter = |d: &super::DeclaredParameter| point.parameters[&d.name];
-    let parameters: Vec<f64> = plan.declared.iter().map(parameter).collect();
-    let amplitude = |&j: &usize| point.effects[&plan.effects[j].name];
-    let amplitudes: Vec<f64> = taken.iter().map(amplitude).collect();
-    let at: Vec<f64> = parameters.into_iter().chain(amplitudes).collect();
+    let (taken, at) = unknowns(plan, effects, point);
     let (matrix, target) = linear_problem(plan, observed, linear, &taken, (&at, means))?;
     let amplitudes = |end: usize| taken.iter().map(move |&j| plan.effects[j].range[end]);
     let bounds = |end: usize| plan.declared.iter().map(move |d| d.bounds[end]);
@@ -49,6 +41,44 @@ pub(super) fn with_effects(
             .insert(plan.effects[j].name.clone(), *amplitude);
     }
     Ok(setting)
+}
+
+/// Standard errors of the amplitudes of some effects, fitted together with the parameters, by the slopes at a point; none
+/// where these do not tell them.
+///
+/// # Formula
+///
+/// The roots of the diagonal of `(A' A)^-1`, A the whitened slopes with the rows of the priors.
+pub(super) fn standard_errors(
+    plan: &ResidualPlan,
+    observed: &Observed,
+    linear: &Linearisation,
+    effects: &[String],
+    (point, means): (&Setting, &Means),
+) -> Result<Vec<Option<f64>>, Error> {
+    let (taken, at) = unknowns(plan, effects, point);
+    let (matrix, _) = linear_problem(plan, observed, linear, &taken, (&at, means))?;
+    let inverse = matrix.tr_mul(&matrix).try_inverse();
+    let error = |i: usize| {
+        let j = plan.declared.len() + i;
+        let square = inverse.as_ref()?[(j, j)];
+        (square > 0.0 && square.is_finite()).then(|| square.sqrt())
+    };
+    Ok((0..taken.len()).map(error).collect())
+}
+
+/// The numbers of some effects, and the parameters and their amplitudes at a point.
+fn unknowns(plan: &ResidualPlan, effects: &[String], point: &Setting) -> (Vec<usize>, Vec<f64>) {
+    let numbers = effects
+        .iter()
+        .filter_map(|name| plan.effects.iter().position(|e| e.name == *name));
+    let taken: Vec<usize> = numbers.collect();
+    let amplitudes = taken
+        .iter()
+        .map(|&j| point.amplitude(&plan.effects[j].name));
+    let at = point.declared_values(plan).into_iter().chain(amplitudes);
+    let at = at.collect();
+    (taken, at)
 }
 
 /// Whitened rows of the used conditions and of the priors, and what a step from a point (parameters, then amplitudes) should

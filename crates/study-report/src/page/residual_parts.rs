@@ -4,7 +4,7 @@ use crate::numbers::{
     DASH, digits, digits_or_dash, fixed, fixed_or_dash, listed, observable, p_in_words, p_value,
     with_error,
 };
-use crate::residual::{models, stages};
+use crate::residual::{amplitudes, models, stages};
 use calibration::ResidualStudy;
 use report::{Column, Report, Table, Tone, counted};
 use residual_diagnosis::Verdict;
@@ -163,16 +163,7 @@ pub(super) fn errors(report: &mut Report, study: &ResidualStudy) -> Result<(), r
 
 /// The added effects with their amplitudes.
 pub(super) fn added(study: &ResidualStudy) -> Option<String> {
-    let after = study.after.as_ref()?;
-    let one = |(name, amplitude): (&String, &f64)| {
-        let se = study.diagnosis.candidates.get(name).and_then(|c| c.se);
-        format!(
-            "{name}, amplitude {} (standard error by the linear prediction {})",
-            digits(*amplitude),
-            digits_or_dash(se)
-        )
-    };
-    Some(after.effects.iter().map(one).collect::<Vec<_>>().join("; "))
+    study.after.as_ref().map(amplitudes)
 }
 
 /// Why no single effect is added.
