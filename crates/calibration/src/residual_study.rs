@@ -95,10 +95,10 @@ impl ResidualStudy {
 /// The model with an effect added, by real runs.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct AddedEffect {
-    /// Amplitudes by effect.
+    /// Amplitudes by effect, of the runs.
     pub effects: BTreeMap<String, f64>,
-    /// Standard errors of these, by the slopes beyond them; of noise, without what the slopes beside leave out.
-    pub standard_errors: BTreeMap<String, f64>,
+    /// Amplitudes that the data ask for about these, by the slopes beyond them, with the standard errors of noise.
+    pub estimates: BTreeMap<String, [f64; 2]>,
     /// Declared parameters after the fit with the effect on.
     pub fitted: BTreeMap<String, f64>,
     /// Simulated means, (conditions, observables).
@@ -279,14 +279,11 @@ fn looked_at(fits: &Fits<'_>, mut linear: Linearisation, fit: &Visited) -> Resul
     })
 }
 
-/// The amplitudes that real runs fit, with their errors: of an effect in several models that in the first.
+/// The amplitudes that the data ask for, with their errors: of an effect in several models that in the first.
 fn amplitudes_of(added: &[AddedEffect]) -> BTreeMap<String, [f64; 2]> {
     let mut all = BTreeMap::new();
-    for model in added {
-        for (name, error) in &model.standard_errors {
-            let told = [model.effects[name], *error];
-            all.entry(name.clone()).or_insert(told);
-        }
+    for (name, estimate) in added.iter().flat_map(|model| &model.estimates) {
+        all.entry(name.clone()).or_insert(*estimate);
     }
     all
 }

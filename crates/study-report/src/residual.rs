@@ -1,6 +1,6 @@
 //! What charts, tables and text of a residual study share.
 
-use super::numbers::with_error;
+use super::numbers::digits;
 use calibration::{AddedEffect, ErrorPair, RealErrors, ResidualStudy, StudyCondition};
 use report::Role;
 
@@ -79,12 +79,9 @@ pub(crate) fn models(study: &ResidualStudy) -> Vec<(String, &AddedEffect)> {
     after.chain(rivals).collect()
 }
 
-/// The effects of a model with their amplitudes and their errors.
-pub(crate) fn amplitudes(added: &AddedEffect) -> String {
-    let one = |(name, amplitude): (&String, &f64)| {
-        let error = added.standard_errors.get(name).copied();
-        format!("{name} {}", with_error(*amplitude, error, ""))
-    };
+/// The effects of a model with their amplitudes.
+fn amplitudes(added: &AddedEffect) -> String {
+    let one = |(name, amplitude): (&String, &f64)| format!("{name} {}", digits(*amplitude));
     let all: Vec<String> = added.effects.iter().map(one).collect();
     all.join(" and ")
 }

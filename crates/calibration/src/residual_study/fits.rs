@@ -20,7 +20,7 @@ pub(super) const FIRST_BLOCK_ANEW: u64 = 6;
 pub(crate) const MOST_NOISY: usize = 6;
 pub(super) const FIRST_BLOCK_OF_NOISY: u64 = 14;
 
-/// How far beyond its end an amplitude is run for its error, over it.
+/// How far beyond its end an amplitude is run for its estimate, over it.
 const BEYOND: f64 = 0.5;
 
 /// Effects to be added together, one set a model: those that are named, or of a tie each of the best explanations
@@ -278,11 +278,11 @@ impl Fits<'_> {
             let (end, _) = self.descend(linear, effects, about, best, BLOCKS_WITH_EFFECTS)?;
             end
         };
-        let standard_errors = self.amplitude_errors(linear, effects, &end)?;
+        let estimates = self.estimates(linear, effects, &end)?;
         let kept = self.run(&end.setting, end.block, At::Kept)?;
         let means = end.means.with_kept(kept);
         Ok(AddedEffect {
-            standard_errors,
+            estimates,
             errors: assemble::errors(self.plan, self.observed, linear, &means)?,
             effects: end.setting.effects,
             fitted: end.setting.parameters,
@@ -290,16 +290,18 @@ impl Fits<'_> {
         })
     }
 
-    /// Standard errors of the amplitudes at which a fit ended, by the slopes beyond them; without those that could not be run.
+    /// Amplitudes that the data ask for about the end of a fit, with their standard errors, by the slopes beyond it; without those
+    /// that could not be run.
     ///
-    /// What an effect does may saturate: the slope from where it is off says that an amplitude is known well which half as
-    /// much more would not change. So each is run half beyond its end, or short of it where its range ends before.
-    fn amplitude_errors(
+    /// A fit by runs ends where what is left is noise, and not quite at the best point. What an effect does may saturate: the
+    /// slope from where it is off says that an amplitude is known well which half as much more would not change. So each is run
+    /// half beyond its end, or short of it where its range ends before, and fitted once more by these slopes.
+    fn estimates(
         &self,
         linear: &Linearisation,
         effects: &[String],
         end: &Visited,
-    ) -> Result<BTreeMap<String, f64>, Error> {
+    ) -> Result<BTreeMap<String, [f64; 2]>, Error> {
         let plan = self.plan;
         let number = |name: &String| plan.effects.iter().position(|e| e.name == *name);
         let beyond = |j: usize| {
@@ -334,11 +336,14 @@ impl Fits<'_> {
         }
         let at = (&end.setting, &end.means);
         let errors = refit::standard_errors(plan, self.observed, &local, effects, at)?;
+        let asked = refit::with_effects(plan, self.observed, &local, effects, at)?;
         let each = effects.iter().cloned().zip(errors);
         let told = each.filter(|(name, _)| known.contains(name));
-        Ok(told
-            .filter_map(|(name, error)| Some((name, error?)))
-            .collect())
+        let estimate = |(name, error): (String, Option<f64>)| {
+            let amplitude = asked.amplitude(&name);
+            Some((name, [amplitude, error?]))
+        };
+        Ok(told.filter_map(estimate).collect())
     }
 
     /// Runs where the fit by the linear model about a point ends, and corrects that where it misses, with the

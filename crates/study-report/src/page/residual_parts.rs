@@ -4,7 +4,7 @@ use crate::numbers::{
     DASH, digits, digits_or_dash, fixed, fixed_or_dash, listed, observable, p_in_words, p_value,
     with_error,
 };
-use crate::residual::{amplitudes, models, stages};
+use crate::residual::{models, stages};
 use calibration::ResidualStudy;
 use report::{Column, Report, Table, Tone, counted};
 use residual_diagnosis::Verdict;
@@ -163,7 +163,18 @@ pub(super) fn errors(report: &mut Report, study: &ResidualStudy) -> Result<(), r
 
 /// The added effects with their amplitudes.
 pub(super) fn added(study: &ResidualStudy) -> Option<String> {
-    study.after.as_ref().map(amplitudes)
+    let after = study.after.as_ref()?;
+    let one = |(name, amplitude): (&String, &f64)| {
+        let run = format!("{name}, {} in these runs", digits(*amplitude));
+        match after.estimates.get(name) {
+            Some([estimate, error]) => format!(
+                "{run} (about them the data ask for {})",
+                with_error(*estimate, Some(*error), "")
+            ),
+            None => run,
+        }
+    };
+    Some(after.effects.iter().map(one).collect::<Vec<_>>().join("; "))
 }
 
 /// Why no single effect is added.
