@@ -94,6 +94,7 @@ impl Fits<'_> {
                 let runs = (&mut further, warnings);
                 let found = self.search(&beside, effect, fit, (&mut points, setting), runs)?;
                 end = found.unwrap_or(end);
+                known.beside.insert(effect, beside);
             }
             if looks.iter().all(|look| look.setting != end.setting) {
                 let from = (&fit.setting, &fit.means);

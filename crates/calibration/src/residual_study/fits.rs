@@ -20,6 +20,8 @@ pub(super) const FIRST_BLOCK_ANEW: u64 = 6;
 pub(crate) const MOST_NOISY: usize = 6;
 pub(super) const FIRST_BLOCK_OF_NOISY: u64 = 14;
 
+/// Block of seeds where the end of a fit with effects is corrected by the slopes about it.
+const BLOCK_OF_ESTIMATE: u64 = 33;
 /// How far beyond its end an amplitude is run for its estimate, over it.
 const BEYOND: f64 = 0.5;
 
@@ -73,6 +75,8 @@ pub(super) struct Looks {
     pub(super) at: Vec<(usize, Visited)>,
     /// Those whose amplitude was searched: the last look is where that ended.
     pub(super) searched: BTreeSet<usize>,
+    /// Slopes of the parameters beside those where they were measured there.
+    pub(super) beside: BTreeMap<usize, Linearisation>,
     /// Those that could not be run.
     pub(super) warnings: Vec<String>,
 }
@@ -278,7 +282,10 @@ impl Fits<'_> {
             let (end, _) = self.descend(linear, effects, about, best, BLOCKS_WITH_EFFECTS)?;
             end
         };
-        let estimates = self.estimates(linear, effects, &end)?;
+        let beside = found.and_then(|look| looks.beside.get(&look.0));
+        let about = beside.unwrap_or(linear);
+        let (asked, estimates) = self.estimates(about, effects, &end)?;
+        let end = self.better_end(linear, end, asked)?;
         let kept = self.run(&end.setting, end.block, At::Kept)?;
         let means = end.means.with_kept(kept);
         Ok(AddedEffect {
@@ -290,8 +297,8 @@ impl Fits<'_> {
         })
     }
 
-    /// Amplitudes that the data ask for about the end of a fit, with their standard errors, by the slopes beyond it; without those
-    /// that could not be run.
+    /// What the data ask for about the end of a fit, by the slopes beyond it, and the amplitudes with their standard errors;
+    /// without those that could not be run.
     ///
     /// A fit by runs ends where what is left is noise, and not quite at the best point. What an effect does may saturate: the
     /// slope from where it is off says that an amplitude is known well which half as much more would not change. So each is run
@@ -301,7 +308,7 @@ impl Fits<'_> {
         linear: &Linearisation,
         effects: &[String],
         end: &Visited,
-    ) -> Result<BTreeMap<String, [f64; 2]>, Error> {
+    ) -> Result<(Setting, BTreeMap<String, [f64; 2]>), Error> {
         let plan = self.plan;
         let number = |name: &String| plan.effects.iter().position(|e| e.name == *name);
         let beyond = |j: usize| {
@@ -343,7 +350,34 @@ impl Fits<'_> {
             let amplitude = asked.amplitude(&name);
             Some((name, [amplitude, error?]))
         };
-        Ok(told.filter_map(estimate).collect())
+        let estimates = told.filter_map(estimate).collect();
+        Ok((asked, estimates))
+    }
+
+    /// Runs what is asked for about the end of a fit; the better of both.
+    fn better_end(
+        &self,
+        linear: &Linearisation,
+        end: Visited,
+        asked: Setting,
+    ) -> Result<Visited, Error> {
+        let cost =
+            |v: &Visited| assemble::cost(self.plan, self.observed, linear, &v.setting, &v.means);
+        if asked == end.setting {
+            return Ok(end);
+        }
+        let block = BLOCK_OF_ESTIMATE;
+        let there = match self.run(&asked, block, At::Used) {
+            Ok(means) => Visited {
+                setting: asked,
+                means,
+                block,
+            },
+            Err(error) if failed_run(&error).is_some() => return Ok(end),
+            Err(error) => return Err(error),
+        };
+        let is_better = cost(&there)? < cost(&end)?;
+        Ok(if is_better { there } else { end })
     }
 
     /// Runs where the fit by the linear model about a point ends, and corrects that where it misses, with the
