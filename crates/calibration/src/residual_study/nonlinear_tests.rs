@@ -354,3 +354,22 @@ fn the_error_of_an_amplitude_knows_that_more_of_it_does_no_more() {
         assert!(se > 3.0 * by_slope, "seed {seed}: {se}, {by_slope}");
     }
 }
+
+/// What the slopes about the end of a fit ask for is run, and taken where it fits better: in some of four campaigns the amplitude of
+/// the model is that estimate, to the last bit.
+#[test]
+fn the_end_of_a_fit_is_run_once_more_where_the_slopes_about_it_lead() {
+    let taken = (1..=4).filter(|&seed| {
+        let folder = tempfile::tempdir().unwrap();
+        let store = Store::open(folder.path()).unwrap();
+        let campaign = Campaign::new(&store, 2, &Silent);
+        let plan = plan(seed);
+        let truth = |rpm, fill| interacting(rpm, fill, 0.7, 0.4, [3.0, 0.0]);
+        let data = measured(&plan, seed, truth);
+        let study = study_residual(&campaign, &INTERACTING, &plan, &data).unwrap();
+        let after = study.after.unwrap();
+        after.effects["bend"] == after.estimates["bend"][0]
+    });
+    let taken = taken.count();
+    assert!(taken > 0, "{taken} of 4");
+}
