@@ -69,6 +69,13 @@ pub(crate) fn restitution_of_body(restitution: f64, mass_share: f64) -> f64 {
     }
 }
 
+/// Whether a contact attracts by its area.
+pub(crate) fn coheres(contact: &ContactSettings) -> bool {
+    contact
+        .cohesion_energy_density_j_m3
+        .is_some_and(|k| k != 0.0)
+}
+
 /// Lever arm of a contact about the centre of a seed over the radius of its sphere: the mean over the
 /// spheres at the surface.
 pub(crate) fn lever_share(body: &SeedBody) -> f64 {
@@ -119,13 +126,6 @@ pub(crate) fn supported<'a>(scene: &'a Scene, tool: &'static str) -> Result<&'a 
     let pulls = |c: &ContactSettings| c.attraction_n.is_some_and(|force| force != 0.0);
     if scene.contact.values().any(pulls) {
         return missing("a constant attraction", "remove attraction_n");
-    }
-    let coheres = |c: &ContactSettings| c.cohesion_energy_density_j_m3.is_some_and(|k| k != 0.0);
-    if scene.contact.values().any(coheres) {
-        return missing(
-            "an attraction by the area of contact",
-            "remove cohesion_energy_density_j_m3",
-        );
     }
     if scene.model.bond_number != 0.0 {
         return missing("a constant attraction", "set model.bond_number to 0");

@@ -14,7 +14,7 @@
 
 use crate::Error;
 use crate::drum_deck::{
-    FINER, Shares, are_spheres, density_of_sphere, restitution_of_body, steps, supported,
+    FINER, Shares, are_spheres, coheres, density_of_sphere, restitution_of_body, steps, supported,
 };
 use crate::vtk::{File, add};
 use contact_law::{Material, NormalForceEnd, material::effective_moduli};
@@ -99,7 +99,20 @@ pub fn deck(
 ///
 /// As of [`setup`].
 pub fn check(scene: &Scene) -> Result<(), Error> {
-    supported(scene, TOOL).map(|_| ())
+    runnable(scene).map(|_| ())
+}
+
+/// The drum, if LAMMPS can run the scene.
+fn runnable(scene: &Scene) -> Result<&Drum, Error> {
+    let drum = supported(scene, TOOL)?;
+    if scene.contact.values().any(coheres) {
+        return Err(Error::NotThere {
+            what: "an attraction by the area of contact".into(),
+            tool: TOOL,
+            way_out: "remove cohesion_energy_density_j_m3",
+        });
+    }
+    Ok(drum)
 }
 
 /// The same files, but `in.drum`, the first, ends before the first run; `time_step` is that of the deck, s.
@@ -113,7 +126,7 @@ pub fn setup(
     start: &Frame,
     time_step: f64,
 ) -> Result<Vec<File>, Error> {
-    let drum = supported(scene, TOOL)?;
+    let drum = runnable(scene)?;
     let file = |name: &str, text| File {
         name: name.into(),
         text,

@@ -8,12 +8,13 @@
 //! | dashpot with the mass of the sphere | LIGGGHTS takes that of the rigid body: the ratio b is scaled by sqrt(`m_sphere` / `m_body`) and turned back into a restitution |
 //! | clipped end of the normal force | `limitForce on` |
 //! | rolling friction of type A with the arm of the body or of the sphere | `rolling_friction cdt torsionTorque on`, whose arm is the reduced radius of the spheres: with the arm of the body the coefficient is scaled by arm over radius |
+//! | cohesion by the area of contact | `cohesion sjkr` |
 //! | mass and inertia of the seed | `mass` and `inertia_tensor` of the template |
 //! | places of the seeds | [`deck`] lets seeds rain into the turning drum; [`setup`] can also put each where a frame has it, by an insertion of its own |
 
 use crate::Error;
 use crate::drum_deck::{
-    FINER, Shares, are_spheres, density_of_sphere, restitution_of_body, steps, supported,
+    FINER, Shares, are_spheres, coheres, density_of_sphere, restitution_of_body, steps, supported,
 };
 use crate::vtk::{File, add};
 use contact_law::NormalForceEnd;
@@ -291,7 +292,7 @@ struct Law {
     /// Commands that state the properties of the materials and their pairs.
     properties: String,
     /// The model, before the shape of a wall.
-    model: &'static str,
+    model: String,
     /// Its settings, behind the shape.
     settings: String,
 }
@@ -316,7 +317,7 @@ fn law(scene: &Scene, drum: &Drum, bodies: &[Arc<SeedBody>]) -> Result<Law, Erro
         list(table.map(|k| of(contacts[k])))
     };
     let shares = Shares::of(scene, bodies);
-    let properties = format!(
+    let mut properties = format!(
         "fix young all property/global youngsModulus peratomtype {}\n\
          fix poisson all property/global poissonsRatio peratomtype {}\n\
          fix restitution all property/global coefficientRestitution peratomtypepair 3 {}\n\
@@ -329,12 +330,21 @@ fn law(scene: &Scene, drum: &Drum, bodies: &[Arc<SeedBody>]) -> Result<Law, Erro
         pairs(&|c| c.rolling_friction.get() * shares.lever),
     );
     let rolls = contacts.iter().any(|c| c.rolling_friction.get() > 0.0);
-    let (model, mut settings) = if rolls {
-        let model = "model hertz tangential history rolling_friction cdt";
-        (model, " torsionTorque on".to_owned())
-    } else {
-        ("model hertz tangential history", String::new())
-    };
+    let mut model = "model hertz tangential history".to_owned();
+    let mut settings = String::new();
+    if contacts.iter().any(|c| coheres(c)) {
+        model.push_str(" cohesion sjkr");
+        let densities = pairs(&|c| c.cohesion_energy_density_j_m3.unwrap_or(0.0));
+        let words = "fix cohesion all property/global cohesionEnergyDensity peratomtypepair 3";
+        properties.extend([
+            words, " ", &densities, "
+",
+        ]);
+    }
+    if rolls {
+        model.push_str(" rolling_friction cdt");
+        settings.push_str(" torsionTorque on");
+    }
     if scene.model.normal_force_end == NormalForceEnd::Clipped {
         settings.push_str(" limitForce on");
     }
@@ -595,6 +605,29 @@ mod tests {
         assert_eq!(greatest(RollingLever::Sphere), 0.1);
         let of_body = greatest(RollingLever::Centre);
         assert!((0.50..1.03).contains(&of_body), "{of_body}");
+    }
+
+    /// Cohesion of the seeds among themselves goes out for their pair, 0 for the walls, and the model is on in all contacts; a scene
+    /// without it names no cohesion.
+    #[test]
+    fn cohesion_by_area_goes_out_as_sjkr() {
+        let mut scene = drum();
+        let (_, bodies, step) = starting_frame(&scene, &FillingLibrary::default(), 1).unwrap();
+        let deck = |scene: &Scene| deck(scene, &bodies, step, 1).unwrap()[0].text.clone();
+        assert!(!deck(&scene).contains("cohesion"));
+        let own = scene.contact.get_mut("seed-seed").unwrap();
+        own.cohesion_energy_density_j_m3 = Some(4e3);
+        let text = deck(&scene);
+        assert_eq!(
+            text.matches("tangential history cohesion sjkr").count(),
+            3,
+            "{text}"
+        );
+        let line = text.lines().find(|l| l.contains("fix cohesion ")).unwrap();
+        let words = line.split_whitespace().skip(7);
+        let numbers: Vec<f64> = words.map(|w| w.parse().unwrap()).collect();
+        assert_eq!(numbers[0], 4e3);
+        assert!(numbers[1..].iter().all(|k| *k == 0.0), "{line}");
     }
 
     #[test]
