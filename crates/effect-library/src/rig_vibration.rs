@@ -30,23 +30,23 @@ fn apply(scene: &mut Scene, amplitude: f64, _: &FillingLibrary) -> Result<(), Er
             "no motor turns the apparatus; state surroundings.vibration where something shakes it";
         return Err(refused(EFFECT.name, &reason));
     }
-    let refused = |e: quantity::Error| refused(EFFECT.name, &e);
+    let out_of_range = |e: quantity::Error| refused(EFFECT.name, &e);
     let declared = match scene.surroundings.vibration.take() {
         Some(vibration) => vibration,
         None => VibrationSettings {
-            amplitude: [Length::from_si(0.0).map_err(refused)?; 3],
-            frequency: Frequency::from_si(MAINS).map_err(refused)?,
+            amplitude: [Length::from_si(0.0).map_err(out_of_range)?; 3],
+            frequency: Frequency::from_si(MAINS).map_err(out_of_range)?,
         },
     };
     let w = std::f64::consts::TAU * declared.frequency.si();
     if w == 0.0 {
         let reason = "the vibration of the scene has a frequency of 0; state one above 0 Hz";
-        return Err(crate::refused(EFFECT.name, &reason));
+        return Err(refused(EFFECT.name, &reason));
     }
     let [x, y, z] = declared.amplitude;
     let raised = y.si() + amplitude * scene.model.gravity_m_s2 / (w * w);
     scene.surroundings.vibration = Some(VibrationSettings {
-        amplitude: [x, Length::from_si(raised).map_err(refused)?, z],
+        amplitude: [x, Length::from_si(raised).map_err(out_of_range)?, z],
         ..declared
     });
     Ok(())

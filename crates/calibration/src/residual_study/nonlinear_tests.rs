@@ -2,8 +2,7 @@
 
 use super::linearisation::Linearisation;
 use super::runs::{At, Setting, means};
-use super::study_residual;
-use super::tests::{Toy, measured, observed, outcome, plan, truth};
+use super::tests::{Toy, measured, observed, outcome, plan, studied, truth};
 use super::worker::Worker;
 use campaign::{Campaign, RunOutcome, RunRequest, Silent, Simulator, SimulatorError};
 use residual_diagnosis::Verdict;
@@ -50,13 +49,10 @@ const SATURATING: Formula = Formula {
 #[test]
 fn an_effect_that_saturates_is_judged_at_its_own_fit() {
     for seed in 1..=3 {
-        let folder = tempfile::tempdir().unwrap();
-        let store = Store::open(folder.path()).unwrap();
-        let campaign = Campaign::new(&store, 2, &Silent);
         let plan = plan(seed);
         let truth = |rpm, fill| saturating(rpm, fill, 0.7, 0.4, [0.5, 0.0]);
         let data = measured(&plan, seed, truth);
-        let study = study_residual(&campaign, &SATURATING, &plan, &data).unwrap();
+        let study = studied(&SATURATING, &plan, &data);
         let diagnosis = &study.diagnosis;
         assert_eq!(
             diagnosis.verdict,
@@ -93,13 +89,10 @@ const BENT: Formula = Formula {
 #[test]
 fn a_bent_effect_is_searched_where_the_data_pull_it() {
     for seed in 1..=4 {
-        let folder = tempfile::tempdir().unwrap();
-        let store = Store::open(folder.path()).unwrap();
-        let campaign = Campaign::new(&store, 2, &Silent);
         let plan = plan(seed);
         let truth = |rpm, fill| bent(rpm, fill, 0.7, 0.4, [4.5, 0.0]);
         let data = measured(&plan, seed, truth);
-        let study = study_residual(&campaign, &BENT, &plan, &data).unwrap();
+        let study = studied(&BENT, &plan, &data);
         let diagnosis = &study.diagnosis;
         let summary = diagnosis.summary();
         assert_eq!(diagnosis.verdict, Verdict::Named, "seed {seed}: {summary}");
@@ -133,12 +126,9 @@ impl Simulator for Brittle {
 /// A search that meets an amplitude that cannot be run ends there, and the answer says so.
 #[test]
 fn a_search_that_cannot_go_on_is_told() {
-    let folder = tempfile::tempdir().unwrap();
-    let store = Store::open(folder.path()).unwrap();
-    let campaign = Campaign::new(&store, 2, &Silent);
     let plan = plan(1);
     let data = measured(&plan, 1, |rpm, fill| bent(rpm, fill, 0.7, 0.4, [4.5, 0.0]));
-    let study = study_residual(&campaign, &Brittle, &plan, &data).unwrap();
+    let study = studied(&Brittle, &plan, &data);
     assert_ne!(study.diagnosis.verdict, Verdict::Named);
     let said = study.diagnosis.warnings.join("; ");
     assert!(
@@ -199,13 +189,10 @@ const INTERACTING: Formula = Formula {
 #[test]
 fn slopes_that_runs_contradict_are_corrected() {
     for seed in 1..=6 {
-        let folder = tempfile::tempdir().unwrap();
-        let store = Store::open(folder.path()).unwrap();
-        let campaign = Campaign::new(&store, 2, &Silent);
         let plan = plan(seed);
         let truth = |rpm, fill| interacting(rpm, fill, 0.7, 0.4, [3.0, 0.0]);
         let data = measured(&plan, seed, truth);
-        let study = study_residual(&campaign, &INTERACTING, &plan, &data).unwrap();
+        let study = studied(&INTERACTING, &plan, &data);
         let summary = study.diagnosis.summary();
         assert_eq!(study.diagnosis.effects, ["bend"], "seed {seed}: {summary}");
         let errors = study.after.unwrap().errors;
@@ -272,15 +259,12 @@ const ONE_SIDED: Formula = Formula {
 /// at which something moves counts.
 #[test]
 fn an_effect_that_acts_on_one_side_is_looked_at_on_both() {
-    let folder = tempfile::tempdir().unwrap();
-    let store = Store::open(folder.path()).unwrap();
-    let campaign = Campaign::new(&store, 2, &Silent);
     let mut plan = plan(1);
     plan.effects[0].range = [-5.0, 5.0];
     let data = measured(&plan, 1, |rpm, fill| {
         one_sided(rpm, fill, 0.7, 0.4, [-2.0, 0.0])
     });
-    let study = study_residual(&campaign, &ONE_SIDED, &plan, &data).unwrap();
+    let study = studied(&ONE_SIDED, &plan, &data);
     let summary = study.diagnosis.summary();
     assert_eq!(study.diagnosis.effects, ["bend"], "{summary}");
     let found = study.after.unwrap().effects["bend"];
@@ -304,9 +288,6 @@ const SHAKEN: Formula = Formula {
 #[test]
 fn slopes_of_the_parameters_are_measured_beside_an_effect_that_changes_them() {
     for seed in 1..=2 {
-        let folder = tempfile::tempdir().unwrap();
-        let store = Store::open(folder.path()).unwrap();
-        let campaign = Campaign::new(&store, 2, &Silent);
         let mut plan = plan(seed);
         plan.effects[0].probe = 0.5;
         for (declared, mean) in plan.declared.iter_mut().zip([1.2, 0.5]) {
@@ -315,7 +296,7 @@ fn slopes_of_the_parameters_are_measured_beside_an_effect_that_changes_them() {
         }
         let truth = |rpm, fill| shaken(rpm, fill, 1.2, 0.5, [2.5, 0.0]);
         let data = measured(&plan, seed, truth);
-        let study = study_residual(&campaign, &SHAKEN, &plan, &data).unwrap();
+        let study = studied(&SHAKEN, &plan, &data);
         let summary = study.diagnosis.summary();
         assert_eq!(study.diagnosis.effects, ["bend"], "seed {seed}: {summary}");
         let after = study.after.unwrap();
@@ -340,13 +321,10 @@ const SATED: Formula = Formula {
 #[test]
 fn the_error_of_an_amplitude_knows_that_more_of_it_does_no_more() {
     for seed in 1..=3 {
-        let folder = tempfile::tempdir().unwrap();
-        let store = Store::open(folder.path()).unwrap();
-        let campaign = Campaign::new(&store, 2, &Silent);
         let plan = plan(seed);
         let truth = |rpm, fill| sated(rpm, fill, 0.7, 0.4, [1.2, 0.0]);
         let data = measured(&plan, seed, truth);
-        let study = study_residual(&campaign, &SATED, &plan, &data).unwrap();
+        let study = studied(&SATED, &plan, &data);
         let [amplitude, se] = study.diagnosis.amplitudes["bend"];
         let off = (amplitude - 1.2).abs();
         let by_slope = study.diagnosis.candidates["bend"].se.unwrap();
@@ -360,13 +338,10 @@ fn the_error_of_an_amplitude_knows_that_more_of_it_does_no_more() {
 #[test]
 fn the_end_of_a_fit_is_run_once_more_where_the_slopes_about_it_lead() {
     let taken = (1..=4).filter(|&seed| {
-        let folder = tempfile::tempdir().unwrap();
-        let store = Store::open(folder.path()).unwrap();
-        let campaign = Campaign::new(&store, 2, &Silent);
         let plan = plan(seed);
         let truth = |rpm, fill| interacting(rpm, fill, 0.7, 0.4, [3.0, 0.0]);
         let data = measured(&plan, seed, truth);
-        let study = study_residual(&campaign, &INTERACTING, &plan, &data).unwrap();
+        let study = studied(&INTERACTING, &plan, &data);
         let after = study.after.unwrap();
         after.effects["bend"] == after.estimates["bend"][0]
     });

@@ -1,6 +1,7 @@
 use super::fits::sets_to_add;
 use super::{
-    DeclaredParameter, EffectProbe, Observed, ResidualPlan, StudyCondition, study_residual,
+    DeclaredParameter, EffectProbe, Observed, ResidualPlan, ResidualStudy, StudyCondition,
+    study_residual,
 };
 use crate::Laboratory;
 use campaign::{Campaign, RunOutcome, RunRequest, Silent, Simulator, SimulatorError};
@@ -107,6 +108,18 @@ pub(super) fn plan(seed: u64) -> ResidualPlan {
         seed,
         candidates: Vec::new(),
     }
+}
+
+/// The study of a simulator, on two threads, in a folder that is gone afterwards.
+pub(super) fn studied(
+    simulator: &dyn Simulator,
+    plan: &ResidualPlan,
+    data: &Observed,
+) -> ResidualStudy {
+    let folder = tempfile::tempdir().unwrap();
+    let store = Store::open(folder.path()).unwrap();
+    let campaign = Campaign::new(&store, 2, &Silent);
+    study_residual(&campaign, simulator, plan, data).unwrap()
 }
 
 pub(super) fn observed(plan: &ResidualPlan, effects: [f64; 2], seed: u64) -> Observed {
@@ -398,12 +411,9 @@ pub(super) fn plan_of_twins() -> ResidualPlan {
 /// error on the kept conditions falls to the noise, as for a lone effect above.
 #[test]
 fn tied_effects_are_added_in_turn() {
-    let folder = tempfile::tempdir().unwrap();
-    let store = Store::open(folder.path()).unwrap();
-    let campaign = Campaign::new(&store, 2, &Silent);
     let plan = plan_of_twins();
     let data = observed(&plan, [2.0, 0.0], 1);
-    let study = study_residual(&campaign, &Twins, &plan, &data).unwrap();
+    let study = studied(&Twins, &plan, &data);
     let diagnosis = &study.diagnosis;
     assert_eq!(diagnosis.verdict, Verdict::Tie, "{}", diagnosis.summary());
     assert_eq!(diagnosis.effects, ["bend", "bow"]);
@@ -430,15 +440,12 @@ fn tied_effects_are_added_in_turn() {
 /// the slopes tells twins apart; these data are none of those.)
 #[test]
 fn a_tied_effect_that_cannot_be_run_is_told_and_left_out() {
-    let folder = tempfile::tempdir().unwrap();
-    let store = Store::open(folder.path()).unwrap();
-    let campaign = Campaign::new(&store, 2, &Silent);
     let mut plan = plan_of_twins();
     for condition in plan.conditions.iter_mut().filter(|c| !c.used) {
         condition.condition.insert("rpm".into(), 25.0);
     }
     let data = observed(&plan, [2.0, 0.0], 2);
-    let study = study_residual(&campaign, &Twins, &plan, &data).unwrap();
+    let study = studied(&Twins, &plan, &data);
     assert_eq!(study.diagnosis.verdict, Verdict::Tie);
     assert_eq!(study.rivals.len(), 1);
     assert!(study.rivals[0].effects.contains_key("bend"));

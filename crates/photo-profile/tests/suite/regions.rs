@@ -1,5 +1,6 @@
 //! A part of a picture, read in the pixels of the whole.
 
+use crate::refusals::binarised_arc;
 use drawn_pictures::{HeapScene, Scene};
 use image::{GrayImage, Luma, imageops};
 use photo_profile::{
@@ -75,29 +76,11 @@ fn all_places_of_a_part_move_by_its_corner() {
         grain: [20.0, 12.0],
         ..Scene::default()
     };
-    // A bed in a tenth of a drum whose rim has the tone of the air.
-    let mut an_arc = Scene {
-        size: 400,
-        radius: 172.0,
-        height: -0.7,
-        inclination: 15.0_f64.to_radians(),
-        grain: [12.0, 7.2],
-        bed: 0.0,
-        air: 255.0,
-        outside: 255.0,
-        rim: 255.0,
-        rim_width: 0.0,
-        ..Scene::default()
-    }
-    .draw();
-    for pixel in an_arc.pixels_mut() {
-        pixel.0[0] = if pixel.0[0] < 128 { 0 } else { 255 };
-    }
     let cases = [
         (Scene::default().draw(), usual, "bed"),
         (HeapScene::default().draw(), heap, "heap"),
         (coarse.draw(), strict, "boundary"),
-        (an_arc, usual, "candidate"),
+        (binarised_arc(15.0, 12.0), usual, "candidate"),
     ];
     for (picture, settings, kind) in &cases {
         let [alone, part] = both(picture, settings);
