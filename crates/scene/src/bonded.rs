@@ -134,17 +134,18 @@ impl Parts {
         bonds.into_iter().max().unwrap_or(0)
     }
 
-    /// Bonds the spheres of a world, and the longest time step that resolves them, s.
+    /// Bonds the spheres of a world of a scene file, and the longest time step that resolves them, s.
     ///
     /// # Errors
     ///
     /// Invalid bonds.
     pub(crate) fn bond(
         self,
-        settings: &BondedSettings,
+        (settings, file): (&BondedSettings, &str),
         world: &World,
     ) -> Result<(BondedSeeds, f64), Error> {
         let law = settings.law().map_err(|source| Error::Contact {
+            file: file.into(),
             pair: "model.bonds".into(),
             source,
         })?;

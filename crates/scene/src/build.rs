@@ -125,7 +125,7 @@ pub(crate) fn assemble(
     }
     let bonds = match (parts, settings) {
         (Some(parts), Some(settings)) => {
-            let (bonds, longest) = parts.bond(settings, &world)?;
+            let (bonds, longest) = parts.bond((settings, &scene.file), &world)?;
             time_steps = time_steps.at_most(scene, longest)?;
             world.set_time_step(time_steps.settling)?;
             Some(bonds)

@@ -1,6 +1,7 @@
 //! What is invalid in a scene.
 
 use crate::apparatus::BenchTest;
+use crate::interactions;
 use crate::{Apparatus, Error, Scene};
 
 /// Longest time between the two pictures of a pair, s: gravity alone would add 12 mm to the way of a seed.
@@ -34,6 +35,7 @@ impl Scene {
             self.check_bench(test, &mut found);
         }
         self.check_names(&mut found);
+        self.check_contacts(&mut found);
         let all = found.into_iter();
         all.map(|error| error.in_file(&self.file)).collect()
     }
@@ -321,6 +323,18 @@ impl Scene {
             }
         }
         pairs
+    }
+
+    /// Finds values of the optional laws of contacts out of range.
+    fn check_contacts(&self, found: &mut Vec<Error>) {
+        for (pair, contact) in &self.contact {
+            let refusals = interactions::refusals(contact);
+            found.extend(refusals.into_iter().map(|source| Error::Contact {
+                file: self.file.clone(),
+                pair: pair.clone(),
+                source,
+            }));
+        }
     }
 
     /// Finds names that refer to nothing, and contacts that nobody states.

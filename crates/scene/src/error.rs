@@ -135,8 +135,10 @@ pub enum Error {
         source: clump::Error,
     },
     /// A contact parameter is out of range.
-    #[error("contact '{pair}': {source}")]
+    #[error("{file}: contact '{pair}': {source}")]
     Contact {
+        /// The file.
+        file: String,
         /// Names of the two materials.
         pair: String,
         /// Why.

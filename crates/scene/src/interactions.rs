@@ -1,7 +1,7 @@
 //! From the contacts of a scene to the laws of the solver.
 
 use crate::settings::RollingLaw;
-use crate::{Error, LiquidSettings, Scene, SeedBody, SeedSettings};
+use crate::{ContactSettings, Error, LiquidSettings, Scene, SeedBody, SeedSettings};
 use contact_law::material::effective_moduli;
 use contact_law::rolling_spring_dashpot::{DAMPING_RATIO, STIFFNESS_RATIO};
 use contact_law::{
@@ -15,14 +15,38 @@ use std::sync::Arc;
 /// seeds in a flowing layer.
 const HALF_SPEED: f64 = 0.05;
 
+/// An overlap that a law takes, for a check that needs none, m.
+const ANY_OVERLAP: f64 = 1e-6;
+
 /// Liquid content at which the bridges have half of the force of smooth surfaces: less stays in the
 /// valleys of the roughness.
 const HALF_WETTED: f64 = 0.001;
+
+/// What the optional laws of a contact refuse of its values; none of them needs the bodies for that.
+pub(crate) fn refusals(contact: &ContactSettings) -> Vec<contact_law::Error> {
+    let attraction = contact.attraction_n.map(constant_attraction::check);
+    let cohesion = contact.cohesion_energy_density_j_m3;
+    let cohesion = cohesion.map(LinearCohesion::new);
+    let damping = contact.viscoelastic_damping;
+    let damping = damping.map(|share| ViscoelasticDamping::new(share, ANY_OVERLAP));
+    let rate = contact.friction_rate;
+    let rate = rate.map(|change| RateDependentFriction::new(change, HALF_SPEED));
+    [
+        attraction.and_then(Result::err),
+        cohesion.and_then(Result::err),
+        damping.and_then(Result::err),
+        rate.and_then(Result::err),
+    ]
+    .into_iter()
+    .flatten()
+    .collect()
+}
 
 /// Elastic constants of a named material; `pair` is named in the message.
 pub(crate) fn material_of(scene: &Scene, name: &str, pair: &str) -> Result<Material, Error> {
     let m = &scene.material[name];
     let refused = |source| Error::Contact {
+        file: scene.file.clone(),
         pair: pair.to_owned(),
         source,
     };
@@ -47,6 +71,7 @@ pub(crate) fn interactions(
         for b in names {
             let pair = format!("{a}-{b}");
             let refused = |source| Error::Contact {
+                file: scene.file.clone(),
                 pair: pair.clone(),
                 source,
             };

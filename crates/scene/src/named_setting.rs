@@ -1,6 +1,6 @@
 //! Settings of a scene found by their names, for tables whose columns name them.
 
-use crate::parse::{LEFT_OUT, SHORT_NAMES, leaves, make_room, setting_at, whole_path};
+use crate::parse::{SHORT_NAMES, leaves, left_out, make_room, setting_at, whole_path};
 use crate::{Error, Scene};
 use toml::Value;
 
@@ -76,9 +76,9 @@ impl Scene {
             setting_at(&table, path).is_some()
         };
         let mut names = leaves(&table);
-        for path in LEFT_OUT {
-            if there(path) && !names.iter().any(|name| name == path) {
-                names.push(path.to_owned());
+        for (path, _) in left_out(&table) {
+            if there(&path) && !names.contains(&path) {
+                names.push(path);
             }
         }
         let short = SHORT_NAMES.iter().filter(|(_, path, _)| there(path));
@@ -98,7 +98,7 @@ fn is_quantity(text: &str) -> bool {
 #[cfg(test)]
 mod tests {
     use super::SettingKind;
-    use crate::{Error, Scene};
+    use crate::{Error, Override, Scene};
     use std::path::Path;
 
     /// A sled of a ball on a plate: no drum, so that nothing turns.
@@ -150,5 +150,49 @@ mod tests {
         let names = scene.setting_names();
         assert!(names.contains(&friction) && names.contains(&"time_step_s".to_owned()));
         assert!(!names.contains(&"rpm".to_owned()), "{names:?}");
+    }
+
+    #[test]
+    fn what_a_scene_leaves_out_can_be_set_by_name() {
+        let settings = [
+            ("cohesion_energy_density_j_m3", "4000"),
+            ("friction_rate", "-0.5"),
+            ("max_angle_error", "2 deg"),
+        ];
+        let set = |name: &str, value: &str| Override {
+            name: name.into(),
+            value: value.into(),
+        };
+        let changes = settings.map(|(name, value)| set(name, value));
+        let scene = Scene::from_text(SLED, "sled.toml", Path::new(""), &changes).unwrap();
+        let contact = &scene.contact["pea-steel"];
+        assert_eq!(contact.cohesion_energy_density_j_m3, Some(4000.0));
+        assert_eq!(contact.friction_rate, Some(-0.5));
+        assert_eq!(contact.attraction_n, None, "what nobody sets stays out");
+        assert!(scene.camera.max_angle_error.is_some());
+        let names = scene.setting_names();
+        let adhesion = "contact.pea-steel.attraction_n";
+        assert!(names.iter().any(|name| name == adhesion), "{names:?}");
+        // A section that is left out as well comes with its setting, and is checked: nothing blows at a bench test.
+        let told = scene.with(&[set("air_drag", "1")]).unwrap_err().to_string();
+        assert!(
+            told.starts_with("sled.toml: [surroundings] is stated"),
+            "{told}"
+        );
+        // A pair of materials that has no contact is a mistake, and none is made up.
+        let brass = set("contact.pea-brass.friction_rate", "0.1");
+        let refused = scene.with(&[brass]).unwrap_err();
+        assert!(matches!(refused, Error::UnknownSetting { .. }), "{refused}");
+        // A value out of range is told with file and contact when the scene is read.
+        let told = scene.with(&[set("cohesion_energy_density_j_m3", "-5")]);
+        let told = told.unwrap_err().to_string();
+        assert!(
+            told.starts_with("sled.toml: contact 'pea-steel': "),
+            "{told}"
+        );
+        assert!(
+            told.contains("-5") && told.contains("0 J/m³ to 1e12 J/m³"),
+            "{told}"
+        );
     }
 }

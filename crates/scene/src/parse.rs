@@ -16,21 +16,35 @@ pub struct Override {
 /// Time step of the solver.
 const TIME_STEP: &str = "protocol.time_step";
 
-/// Settings that can be set where the file leaves them out and no default stands there: quantities, a number, a switch.
-pub(crate) const LEFT_OUT: [&str; 7] = [
+/// Quantities that can be set where the file leaves them out and no default stands there.
+const LEFT_OUT_QUANTITIES: [&str; 8] = [
     TIME_STEP,
     "protocol.start_up",
     "protocol.start_slope",
     "protocol.angle_error",
     "protocol.insertion_rate",
-    FLOW_STEP_SHARE,
-    COVERS_AT_REST,
+    "camera.distance",
+    "camera.pair_interval",
+    "camera.max_angle_error",
 ];
 
-/// The number among them.
-const FLOW_STEP_SHARE: &str = "protocol.flow_step_share";
+/// Numbers likewise.
+const LEFT_OUT_NUMBERS: [&str; 4] = [
+    "protocol.flow_step_share",
+    "protocol.session",
+    "surroundings.air_drag",
+    "surroundings.charge_nc",
+];
 
-/// The switch among them.
+/// Numbers of each contact likewise.
+const LEFT_OUT_OF_A_CONTACT: [&str; 4] = [
+    "attraction_n",
+    "cohesion_energy_density_j_m3",
+    "viscoelastic_damping",
+    "friction_rate",
+];
+
+/// A switch likewise.
 const COVERS_AT_REST: &str = "apparatus.covers_at_rest";
 
 /// Settings named in a message about a name that is none.
@@ -243,17 +257,39 @@ pub struct NumberChange {
     pub unit: Option<String>,
 }
 
+/// Settings that can be set where a scene leaves them out and no default stands there, each with a value of its kind.
+pub(crate) fn left_out(table: &Table) -> Vec<(String, Value)> {
+    let contacts = table.get("contact").and_then(Value::as_table);
+    let pairs = contacts.into_iter().flat_map(Table::keys);
+    let of_pairs = pairs.flat_map(|pair| {
+        LEFT_OUT_OF_A_CONTACT.map(|key| (format!("contact.{pair}.{key}"), Value::Float(0.0)))
+    });
+    let quantities = LEFT_OUT_QUANTITIES.map(|p| (p.to_owned(), Value::String(String::new())));
+    let numbers = LEFT_OUT_NUMBERS.map(|p| (p.to_owned(), Value::Float(1.0)));
+    let switch = (COVERS_AT_REST.to_owned(), Value::Boolean(false));
+    let all = quantities.into_iter().chain(numbers).chain([switch]);
+    all.chain(of_pairs).collect()
+}
+
 /// Makes room for a setting without a default that the scene leaves out.
 pub(crate) fn make_room(table: &mut Table, path: &str) {
-    if LEFT_OUT.contains(&path)
-        && let Some((section, key)) = path.split_once('.')
-        && let Some(Value::Table(section)) = table.get_mut(section)
-    {
-        section.entry(key).or_insert_with(|| match path {
-            FLOW_STEP_SHARE => Value::Float(1.0),
-            COVERS_AT_REST => Value::Boolean(false),
-            _ => Value::String(String::new()),
-        });
+    let mut known = left_out(table).into_iter();
+    let Some((_, value)) = known.find(|(known, _)| known == path) else {
+        return;
+    };
+    let mut section = table;
+    let mut keys = path.split('.').peekable();
+    while let Some(key) = keys.next() {
+        let is_last = keys.peek().is_none();
+        let empty = if is_last {
+            value.clone()
+        } else {
+            Value::Table(Table::new())
+        };
+        match section.entry(key).or_insert(empty) {
+            Value::Table(below) => section = below,
+            _ => return,
+        }
     }
 }
 
@@ -283,7 +319,7 @@ fn apply(table: &mut Table, change: &Override, file: &str) -> Result<(), Error> 
 /// The path that a whole or short name stands for.
 pub(crate) fn whole_path(table: &Table, name: &str, file: &str) -> Result<String, Error> {
     let mut all = leaves(table);
-    all.extend(LEFT_OUT.map(str::to_owned));
+    all.extend(left_out(table).into_iter().map(|(path, _)| path));
     all.sort();
     all.dedup();
     if all.iter().any(|path| path == name) {
