@@ -146,6 +146,29 @@ impl Bodies {
         }
     }
 
+    /// The bodies in another order: into each place the body of a place of now.
+    pub(crate) fn reordered(&self, order: &[usize]) -> Self {
+        fn column<T: Copy>(values: &[T], order: &[usize]) -> Vec<T> {
+            // What is kept apart from a snapshot is empty there.
+            let known = order.iter().filter_map(|&k| values.get(k).copied());
+            known.collect()
+        }
+        Self {
+            template: column(&self.template, order),
+            position: column(&self.position, order),
+            velocity: column(&self.velocity, order),
+            orientation: column(&self.orientation, order),
+            spin: column(&self.spin, order),
+            angular_momentum: column(&self.angular_momentum, order),
+            rotation: column(&self.rotation, order),
+            cells_to_metres: column(&self.cells_to_metres, order),
+            force: column(&self.force, order),
+            torque: column(&self.torque, order),
+            travel: column(&self.travel, order),
+            shift: column(&self.shift, order),
+        }
+    }
+
     /// Adds a body.
     pub(crate) fn push(&mut self, placement: &Placement, template: &Template) {
         let rotation = placement.orientation.to_rotation_matrix().into_inner();

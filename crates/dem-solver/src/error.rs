@@ -170,6 +170,12 @@ pub enum Error {
         /// What the world has.
         expected: String,
     },
+    /// An order of the bodies that leaves some out or names some twice.
+    #[error("the order of the bodies does not name each of the {bodies} bodies once")]
+    NoOrder {
+        /// Number of bodies.
+        bodies: usize,
+    },
     /// A world that the energy ledger cannot book.
     #[error("the energy ledger does not know the energy of {what}: leave them out of this world")]
     NotInLedger {

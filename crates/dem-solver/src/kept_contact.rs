@@ -15,3 +15,27 @@ pub(crate) struct KeptContact {
     /// What is remembered.
     pub(crate) memory: Memory,
 }
+
+impl KeptContact {
+    /// The contact of two bodies that go to other places. Where the second comes to stand before the first, their sides
+    /// are exchanged, and what acted on the one acts on the other.
+    pub(crate) fn between(&self, places: &[usize]) -> Self {
+        let (body, other) = (places[self.body], places[self.other]);
+        if body < other {
+            return Self {
+                body,
+                other,
+                ..*self
+            };
+        }
+        Self {
+            body: other,
+            other: body,
+            key: self.key.rotate_left(16),
+            memory: Memory {
+                slip: -self.memory.slip,
+                rolling: -self.memory.rolling,
+            },
+        }
+    }
+}

@@ -29,7 +29,7 @@ const SAME_CONTACT: f64 = 0.9;
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub(crate) struct MeshContact {
     /// The body.
-    body: usize,
+    pub(crate) body: usize,
     /// The wall.
     wall: usize,
     /// The contact.
@@ -145,6 +145,11 @@ impl MeshWalls {
         for moving in &mut self.moving {
             moving.travel = 0.0;
         }
+    }
+
+    /// Forgets which bodies are near, and their contacts.
+    pub(crate) fn forget(&mut self) {
+        self.near.clear();
     }
 
     /// Adds the forces of all walls.

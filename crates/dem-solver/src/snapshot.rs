@@ -58,6 +58,29 @@ impl Snapshot {
         })
     }
 
+    /// The same with the bodies in another order: into each place the body of a place of now. `places` tells where each
+    /// goes.
+    pub(crate) fn reordered(self, order: &[usize], places: &[usize]) -> Self {
+        let mut pairs: Vec<_> = self.pairs.iter().map(|c| c.between(places)).collect();
+        pairs.sort_by_key(|contact| (contact.body, contact.other, contact.key));
+        let mut walls = self.walls;
+        for contact in &mut walls {
+            contact.body = places[contact.body];
+        }
+        walls.sort_by_key(|contact| (contact.body, contact.other));
+        let mut meshes = self.meshes;
+        for contact in &mut meshes {
+            contact.body = places[contact.body];
+        }
+        Self {
+            bodies: self.bodies.reordered(order),
+            pairs,
+            walls,
+            meshes,
+            ..self
+        }
+    }
+
     /// Refuses a snapshot of another world than that of these bodies, and so many walls and walls of triangles.
     pub(crate) fn check(
         &self,

@@ -1,5 +1,6 @@
 //! The world: bodies, walls, laws, and the step.
 
+mod order;
 mod state;
 mod wet;
 
@@ -578,20 +579,25 @@ impl World {
         };
     }
 
-    /// Finds the pairs of bodies and of bodies and walls.
-    fn search_pairs(&mut self) -> Result<(), Error> {
+    /// Refuses a body that is at no place, or has come there on no way.
+    fn check_finite(&self) -> Result<(), Error> {
         let lost = |body: &usize| {
             let position = &self.bodies.position[*body];
             !position.iter().all(|c| c.is_finite()) || !self.bodies.travel[*body].is_finite()
         };
-        if let Some(body) = (0..self.bodies.len()).find(lost) {
-            let time_step = self.settings.time_step;
-            return Err(Error::Diverged {
+        let found = (0..self.bodies.len()).find(lost);
+        found.map_or(Ok(()), |body| {
+            Err(Error::Diverged {
                 body,
                 time: self.time,
-                time_step,
-            });
-        }
+                time_step: self.settings.time_step,
+            })
+        })
+    }
+
+    /// Finds the pairs of bodies and of bodies and walls.
+    fn search_pairs(&mut self) -> Result<(), Error> {
+        self.check_finite()?;
         let (bodies, radii, margin) = (&self.bodies, &self.radii, self.settings.margin);
         self.grid.sort(&bodies.position, radii, margin);
         if self.templates.iter().all(|template| template.is_sphere) {

@@ -33,6 +33,8 @@ pub(crate) struct Built {
     pub(crate) factory: Option<Factory>,
     /// What holds the spheres of the seeds together; none where the seeds are rigid.
     pub(crate) bonds: Option<BondedSeeds>,
+    /// Numbers of the seeds by their places in the world, as far as it was sorted; empty where each stands in its own.
+    pub(crate) numbers: Vec<usize>,
 }
 
 /// Fewest bodies for each thread of a run: with fewer the threads wait for each other.
@@ -143,6 +145,7 @@ pub(crate) fn assemble(
         time_steps,
         factory: None,
         bonds,
+        numbers: Vec::new(),
     })
 }
 

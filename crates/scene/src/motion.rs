@@ -4,6 +4,7 @@ use crate::bonded::BondedSeeds;
 use crate::build::Built;
 use crate::factory::Factory;
 use crate::keeper::{Keeper, RunStage};
+use crate::memory_order::placements_in_order;
 use crate::phase_times::Stopwatch;
 use crate::series::{SeriesPoint, series_point};
 use crate::start_slope::start_slope;
@@ -34,6 +35,9 @@ pub struct Progress {
     /// Bonds that have broken, by their number; none where seeds are rigid.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     broken: Vec<usize>,
+    /// Numbers of the seeds by their places in the world, where it was sorted.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    numbers: Vec<usize>,
     /// Why attempts with longer steps broke off before.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     broken_off: Vec<String>,
@@ -84,9 +88,8 @@ impl<'a> Running<'a> {
                 frames: Vec::new(),
             });
         };
-        let Progress { world, .. } = &left;
         if let Some(factory) = &built.factory {
-            let inside: Vec<_> = world.placements().collect();
+            let inside = placements_in_order(&left.world, &left.numbers);
             let kinds: Vec<_> = inside.iter().map(|p| p.template).collect();
             if !factory.began_with(&kinds) {
                 return Err(Error::NotKept {
@@ -106,6 +109,7 @@ impl<'a> Running<'a> {
                 reason: "its frames are of other seeds".into(),
             });
         }
+        built.put_in_order(&left.numbers)?;
         built.world.resume(left.world)?;
         if let Some(bonds) = &mut built.bonds {
             let known = bonds.set_broken(&left.broken);
@@ -163,6 +167,7 @@ impl<'a> Running<'a> {
             series: self.series.clone(),
             frames: self.frames.clone(),
             broken: (self.built.bonds.as_ref()).map_or_else(Vec::new, BondedSeeds::broken),
+            numbers: self.built.numbers.clone(),
             broken_off: self.scene.protocol.broken_off.clone(),
         };
         keeper.keep(&progress).map_err(|reason| Error::NotKept {
@@ -249,7 +254,8 @@ pub(crate) fn rest_energy(scene: &Scene, world: &World) -> f64 {
 /// Moves the world by a time (s), and looks whether it can still be believed.
 pub(crate) fn advance(scene: &Scene, built: &mut Built, time: f64) -> Result<(), Error> {
     let world = &mut built.world;
-    let end = world.time() + time - 0.5 * world.settings().time_step;
+    let before = world.time();
+    let end = before + time - 0.5 * world.settings().time_step;
     while world.time() < end {
         match (&mut built.bonds, &built.surroundings) {
             (Some(bonds), _) => bonds.step(world)?,
@@ -265,7 +271,11 @@ pub(crate) fn advance(scene: &Scene, built: &mut Built, time: f64) -> Result<(),
         .map_err(|source| Error::Unhealthy {
             file: scene.file.clone(),
             source,
-        })
+        })?;
+    if built.is_to_be_sorted([before, built.world.time()]) {
+        built.sort()?;
+    }
+    Ok(())
 }
 
 /// What is kept of the rotation.
@@ -401,13 +411,5 @@ pub(crate) fn snapshot(built: &Built, time: f64) -> Frame {
     if let Some(bonds) = &built.bonds {
         return bonds.frame(built, time);
     }
-    let bodies = built.world.bodies();
-    Frame {
-        time,
-        kind: bodies.template.clone(),
-        position: bodies.position.clone(),
-        orientation: bodies.orientation.clone(),
-        velocity: bodies.velocity.clone(),
-        spin: bodies.spin.clone(),
-    }
+    built.seeds_in_order(time)
 }

@@ -6,7 +6,9 @@ use crate::scenes::{BenchmarkScene, SEEDS_OF_STUDY};
 use dem_solver::{Bodies, Placement, World};
 use nalgebra::Vector3;
 use quantity::Length;
-use scene::{Apparatus, FillingLibrary, Frame, Scene, SeedBody, running_world, settled_world};
+use scene::{
+    Apparatus, FillingLibrary, Frame, SORTED_FROM, Scene, SeedBody, running_world, settled_world,
+};
 use std::sync::Arc;
 
 /// Rotation after which the surface flows: the first avalanche comes after 0.7 s at 10 rpm.
@@ -120,7 +122,7 @@ pub(crate) struct SeedDrum {
 impl SeedDrum {
     /// The solver's world.
     pub(crate) fn world(&self) -> anyhow::Result<World> {
-        Ok(running_world(&self.scene, &self.library, &self.placements)?)
+        as_in_a_run(running_world(&self.scene, &self.library, &self.placements)?)
     }
 
     /// The seeds as a frame.
@@ -154,6 +156,14 @@ fn set_width(scene: &mut Scene, width: f64) -> anyhow::Result<()> {
     };
     drum.width = Length::from_si(width)?;
     Ok(())
+}
+
+/// A world with its bodies in the order in memory that a run of a scene keeps.
+pub(crate) fn as_in_a_run(mut world: World) -> anyhow::Result<World> {
+    if world.bodies().len() >= SORTED_FROM {
+        world.sort_bodies()?;
+    }
+    Ok(world)
 }
 
 /// Copies of a moving bed beside each other along the axis, each `width` (m) long.

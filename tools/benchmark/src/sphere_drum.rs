@@ -4,7 +4,7 @@ use crate::arguments::Arguments;
 use crate::contacts::Contacts;
 use crate::measure::{Row, measure_world};
 use crate::scenes::{BenchmarkScene, SPHERES_OF_TILE};
-use crate::seed_drum::side_by_side;
+use crate::seed_drum::{as_in_a_run, side_by_side};
 use clump::Clump;
 use dem_solver::{DashpotMass, Placement, Settings, Shape, Template, Wall, World};
 use nalgebra::{UnitQuaternion, Vector3};
@@ -120,7 +120,7 @@ impl SphereDrum {
             skin: SKIN * RADIUS,
             margin: MARGIN * RADIUS,
         };
-        Ok(World::new(
+        as_in_a_run(World::new(
             settings,
             vec![template],
             self.contacts.interactions()?,

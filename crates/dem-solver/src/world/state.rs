@@ -61,6 +61,14 @@ impl World {
         }
         let (walls, mesh_walls) = (self.walls.len(), self.mesh_walls.moving.len());
         snapshot.check(&self.bodies, walls, mesh_walls)?;
+        self.take_up(snapshot)
+    }
+
+    /// Continues from a snapshot, which fits this world.
+    pub(super) fn take_up(&mut self, snapshot: Snapshot) -> Result<(), Error> {
+        // Lists of before may be of other bodies.
+        self.cut_parts();
+        self.mesh_walls.forget();
         self.bodies = snapshot.bodies;
         self.bodies.shift.resize(self.bodies.position.len(), 0.0);
         for (wall, spin) in self.walls.iter_mut().zip(snapshot.spins) {

@@ -1,0 +1,83 @@
+//! Bodies sorted in memory while a large bed mixes, and frames that count them as they began.
+
+use crate::build::Built;
+use crate::{Error, Frame};
+use dem_solver::{Placement, Snapshot};
+
+/// Fewest bodies that are sorted. Smaller beds lie in the caches, whatever their order.
+pub const SORTED_FROM: usize = 4096;
+
+/// Time after which they are sorted again, s: a bed that rolls has moved by some seeds.
+const INTERVAL: f64 = 0.2;
+
+impl Built {
+    /// Whether the bodies are sorted when the world has come from one time to another, s. It follows from the world alone,
+    /// so that a run that goes on from where it was left sorts at the same times.
+    pub(crate) fn is_to_be_sorted(&self, [before, now]: [f64; 2]) -> bool {
+        // Bonds name the bodies that they hold.
+        self.bonds.is_none()
+            && self.world.bodies().len() >= SORTED_FROM
+            && (before / INTERVAL).floor() < (now / INTERVAL).floor()
+    }
+
+    /// Sorts the bodies, and remembers which seed is where.
+    pub(crate) fn sort(&mut self) -> Result<(), Error> {
+        let order = self.world.sort_bodies()?;
+        self.numbers = order.iter().map(|&place| self.number(place)).collect();
+        Ok(())
+    }
+
+    /// The number of the seed in a place: seeds that a factory makes behind the last sorting are in order.
+    fn number(&self, place: usize) -> usize {
+        self.numbers.get(place).copied().unwrap_or(place)
+    }
+
+    /// Poses of all seeds, in the order of their numbers.
+    pub(crate) fn seeds_in_order(&self, time: f64) -> Frame {
+        let bodies = self.world.bodies();
+        let places = places(&self.numbers, bodies.len());
+        Frame {
+            time,
+            kind: column(&bodies.template, &places),
+            position: column(&bodies.position, &places),
+            orientation: column(&bodies.orientation, &places),
+            velocity: column(&bodies.velocity, &places),
+            spin: column(&bodies.spin, &places),
+        }
+    }
+
+    /// Puts a world that was just built into the order of one that was left.
+    pub(crate) fn put_in_order(&mut self, numbers: &[usize]) -> Result<(), Error> {
+        if numbers.is_empty() {
+            return Ok(());
+        }
+        numbers.clone_into(&mut self.numbers);
+        let all = 0..self.world.bodies().len();
+        let order: Vec<usize> = all.map(|place| self.number(place)).collect();
+        Ok(self.world.reorder(&order)?)
+    }
+}
+
+/// The seeds of a world that was left, in the order of their numbers.
+pub(crate) fn placements_in_order(world: &Snapshot, numbers: &[usize]) -> Vec<Placement> {
+    let all: Vec<_> = world.placements().collect();
+    let places = places(numbers, all.len());
+    column(&all, &places)
+}
+
+/// Values of the seeds that stand in some places.
+fn column<T: Copy>(values: &[T], places: &[usize]) -> Vec<T> {
+    places.iter().map(|&place| values[place]).collect()
+}
+
+/// The place of each of so many seeds; those that `numbers` does not reach stand in order. Numbers that name no seed leave
+/// theirs where they would stand.
+fn places(numbers: &[usize], seeds: usize) -> Vec<usize> {
+    let mut places: Vec<usize> = (0..seeds).collect();
+    for (place, &number) in numbers.iter().enumerate().take(seeds) {
+        if let Some(own) = places.get_mut(number) {
+            *own = place;
+        }
+    }
+    places
+}
