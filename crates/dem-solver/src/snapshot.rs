@@ -58,9 +58,8 @@ impl Snapshot {
         })
     }
 
-    /// The same with the bodies in another order: into each place the body of a place of now. `places` tells where each
-    /// goes.
-    pub(crate) fn reordered(self, order: &[usize], places: &[usize]) -> Self {
+    /// The same with the contacts of bodies that have gone to other places.
+    pub(crate) fn renumbered(self, places: &[usize]) -> Self {
         let mut pairs: Vec<_> = self.pairs.iter().map(|c| c.between(places)).collect();
         pairs.sort_by_key(|contact| (contact.body, contact.other, contact.key));
         let mut walls = self.walls;
@@ -73,7 +72,6 @@ impl Snapshot {
             contact.body = places[contact.body];
         }
         Self {
-            bodies: self.bodies.reordered(order),
             pairs,
             walls,
             meshes,

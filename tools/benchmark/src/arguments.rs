@@ -64,6 +64,10 @@ pub(crate) struct Arguments {
     #[arg(long, conflicts_with_all = ["peers", "scaling", "against"])]
     pub(crate) phases: bool,
 
+    /// Leave the bodies in a random order in memory, as in a bed that has mixed and is not sorted
+    #[arg(long, conflicts_with_all = ["peers", "scaling", "against"])]
+    pub(crate) unsorted: bool,
+
     /// Wait for a line before each block: what --against starts
     #[arg(long, hide = true, requires = "subject")]
     pub(crate) on_demand: bool,

@@ -108,6 +108,9 @@ fn in_own_process(arguments: &Arguments, scene: BenchmarkScene) -> anyhow::Resul
     if arguments.phases {
         command.arg("--phases");
     }
+    if arguments.unsorted {
+        command.arg("--unsorted");
+    }
     if arguments.common.quiet {
         command.arg("--quiet");
     }

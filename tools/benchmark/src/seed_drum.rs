@@ -6,6 +6,7 @@ use crate::scenes::{BenchmarkScene, SEEDS_OF_STUDY};
 use dem_solver::{Bodies, Placement, World};
 use nalgebra::Vector3;
 use quantity::Length;
+use random_stream::Stream;
 use scene::{
     Apparatus, FillingLibrary, Frame, SORTED_FROM, Scene, SeedBody, running_world, settled_world,
 };
@@ -21,7 +22,7 @@ pub(crate) fn measure(arguments: &Arguments, count: usize) -> anyhow::Result<Row
     let name = BenchmarkScene::Seeds(count);
     measure_world(
         &name.to_string(),
-        &mut flow.world()?,
+        &mut as_asked(flow.world()?, arguments)?,
         spheres,
         name.block_steps(),
         (arguments.blocks, arguments.phases),
@@ -156,6 +157,16 @@ fn set_width(scene: &mut Scene, width: f64) -> anyhow::Result<()> {
     };
     drum.width = Length::from_si(width)?;
     Ok(())
+}
+
+/// A world with its bodies in a random order in memory where that is asked for.
+pub(crate) fn as_asked(mut world: World, arguments: &Arguments) -> anyhow::Result<World> {
+    if arguments.unsorted {
+        let mut order: Vec<usize> = (0..world.bodies().len()).collect();
+        Stream::new(arguments.seed, "order in memory").shuffle(&mut order);
+        world.reorder(&order)?;
+    }
+    Ok(world)
 }
 
 /// A world with its bodies in the order in memory that a run of a scene keeps.

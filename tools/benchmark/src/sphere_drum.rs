@@ -4,7 +4,7 @@ use crate::arguments::Arguments;
 use crate::contacts::Contacts;
 use crate::measure::{Row, measure_world};
 use crate::scenes::{BenchmarkScene, SPHERES_OF_TILE};
-use crate::seed_drum::{as_in_a_run, side_by_side};
+use crate::seed_drum::{as_asked, as_in_a_run, side_by_side};
 use clump::Clump;
 use dem_solver::{DashpotMass, Placement, Settings, Shape, Template, Wall, World};
 use nalgebra::{UnitQuaternion, Vector3};
@@ -50,7 +50,7 @@ pub(crate) struct SphereDrum {
 
 /// Measures a drum with this many spheres.
 pub(crate) fn measure(arguments: &Arguments, count: usize) -> anyhow::Result<Row> {
-    let mut world = flowing(arguments, count)?.world(TIME_STEP)?;
+    let mut world = as_asked(flowing(arguments, count)?.world(TIME_STEP)?, arguments)?;
     let name = BenchmarkScene::Spheres(count);
     measure_world(
         &name.to_string(),

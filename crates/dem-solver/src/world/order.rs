@@ -36,7 +36,8 @@ impl World {
         self.check_finite()?;
         let bodies = self.bodies.len();
         let places = places(order, bodies).ok_or(Error::NoOrder { bodies })?;
-        let snapshot = self.snapshot().reordered(order, &places);
+        let bodies = self.bodies.reordered(order);
+        let snapshot = self.snapshot_with(bodies).renumbered(&places);
         self.radii = order.iter().map(|&k| self.radii[k]).collect();
         self.take_up(snapshot)
     }

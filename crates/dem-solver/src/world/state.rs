@@ -1,6 +1,7 @@
 //! The state of a world between two steps: taken, and continued from.
 
 use super::World;
+use crate::bodies::Bodies;
 use crate::error::Error;
 use crate::kept_contact::KeptContact;
 use crate::mesh_wall::Moving;
@@ -20,8 +21,12 @@ impl World {
 
     /// The state between two steps.
     pub fn snapshot(&self) -> Snapshot {
+        self.snapshot_with(self.bodies.clone())
+    }
+
+    /// The state between two steps with a copy of the bodies.
+    pub(super) fn snapshot_with(&self, mut bodies: Bodies) -> Snapshot {
         let loads = self.wall_load.iter().zip(&self.wall_torque);
-        let mut bodies = self.bodies.clone();
         // Ways count from the search that the lists come from.
         bodies.travel.fill(0.0);
         bodies.shift.clear();
