@@ -61,6 +61,12 @@ impl Capsule {
         self.half_length + self.radius
     }
 
+    /// Its volume, m³.
+    fn volume(&self) -> f64 {
+        let across = std::f64::consts::PI * self.radius * self.radius;
+        across * (2.0 * self.half_length + 4.0 / 3.0 * self.radius)
+    }
+
     /// The capsule of a body at a place (m), turned.
     pub(crate) fn at(&self, centre: Vector3<f64>, turn: &UnitQuaternion<f64>) -> Placed {
         Placed {
@@ -92,7 +98,7 @@ pub(crate) struct Room<'a> {
 /// Places are the points of a cubic grid, filled from the bottom up, with a small random offset;
 /// at each the orientation is drawn until the body is clear of walls and of bodies placed before.
 /// The grid is made finer until all bodies have a place. Where no grid has enough, as with bodies of unlike sizes, they are
-/// inserted one after another at random places, the largest first.
+/// inserted one after another at random places, the largest first, and shaken where they leave no room.
 ///
 /// # Errors
 ///
@@ -214,16 +220,20 @@ pub(crate) fn try_place(
         let [w, i, j, k] = stream.rotation();
         let turn = UnitQuaternion::new_normalize(Quaternion::new(w, i, j, k));
         let body = capsule.at(centre, &turn);
-        let inside = [-1.0, 0.0, 1.0].iter().all(|s| {
-            let point = centre + body.half * *s;
-            room.apparatus.has_room(&point, capsule.radius)
-        });
-        let inside = inside && is_clear_of(room.obstacles, &body);
-        if inside && near.iter().all(|other| clear(&body, other)) {
+        if is_inside(room, &body) && near.iter().all(|other| clear(&body, other)) {
             return Some((body, turn));
         }
     }
     None
+}
+
+/// Whether a capsule is clear of all walls.
+fn is_inside(room: Room<'_>, body: &Placed) -> bool {
+    let inside = [-1.0, 0.0, 1.0].iter().all(|s| {
+        let point = body.centre + body.half * *s;
+        room.apparatus.has_room(&point, body.radius)
+    });
+    inside && is_clear_of(room.obstacles, body)
 }
 
 /// Whether a capsule is clear of triangles: by balls along it, a half of its radius apart.
