@@ -380,6 +380,9 @@ fn candidates(file: &ProblemFile) -> Result<Vec<Candidate>, Error> {
     for name in file.signs.keys() {
         known(name, "signs")?;
     }
+    for name in &file.not_run {
+        known(name, "not_run")?;
+    }
     Ok(file
         .library
         .iter()
@@ -387,6 +390,7 @@ fn candidates(file: &ProblemFile) -> Result<Vec<Candidate>, Error> {
             name: name.clone(),
             ends: file.largest_amplitudes.get(name).map(|l| l.ends()),
             sign: file.signs.get(name).copied().unwrap_or_default(),
+            was_run: !file.not_run.contains(name),
         })
         .collect())
 }

@@ -160,7 +160,7 @@ impl Decision {
     /// Looks for effects to name once a candidate stands out.
     fn name(&mut self, problem: &Problem, options: &Options) -> Result<(), Error> {
         let taken = self.take_effects(problem, options)?;
-        let groups = self.tie_groups(problem, &taken.fit)?;
+        let groups = self.tie_groups(problem, &taken.fit, options)?;
         let mut members: Vec<usize> = groups.iter().flatten().copied().collect();
         members.sort_unstable();
         members.dedup();
@@ -232,8 +232,14 @@ impl Decision {
     }
 
     /// Each effect that was taken, and behind it the testable candidates that would do nearly as well in its
-    /// place, the best first: deviance not more than the limit above.
-    fn tie_groups(&self, problem: &Problem, taken: &Fit) -> Result<Vec<Vec<usize>>, Error> {
+    /// place, the best first: deviance not more than the limit above. One that could not be run where it would explain the
+    /// residual is not passed over for its sensitivity of elsewhere, as long as that leaves no more than noise.
+    fn tie_groups(
+        &self,
+        problem: &Problem,
+        taken: &Fit,
+        options: &Options,
+    ) -> Result<Vec<Vec<usize>>, Error> {
         let mut groups = Vec::new();
         for &held in &taken.effects {
             let others: Vec<usize> = taken
@@ -247,8 +253,15 @@ impl Decision {
                 let mut effects = others.clone();
                 effects.push(rival);
                 let fit = Fit::new(problem, &effects)?;
-                let works = fit.amplitude(rival) != 0.0;
-                if works && fit.deviance - taken.deviance <= self.tie_limit {
+                if fit.amplitude(rival) == 0.0 {
+                    continue;
+                }
+                let near = fit.deviance - taken.deviance <= self.tie_limit;
+                let unrefuted = || {
+                    let gates = Gates::new(problem, &fit, &self.testable, options);
+                    !problem.candidates[rival].was_run && gates.adequate()
+                };
+                if near || unrefuted() {
                     rivals.push((fit.deviance, rival));
                 }
             }

@@ -188,6 +188,7 @@ fn drawn_problem(design: &PowerDesign, stream: &mut Stream) -> Problem {
         name: format!("effect {j}"),
         ends: None,
         sign: Sign::Any,
+        was_run: true,
     };
     Problem {
         id: "power".into(),

@@ -43,6 +43,8 @@ pub(crate) struct Candidate {
     pub(crate) ends: Option<[f64; 2]>,
     /// Physically possible sign of its amplitude.
     pub(crate) sign: Sign,
+    /// Whether the simulator could be run where it would explain the residual, or nobody said that it could not.
+    pub(crate) was_run: bool,
 }
 
 impl Candidate {

@@ -179,6 +179,10 @@ pub struct ProblemFile {
     pub largest_amplitudes: BTreeMap<String, Largest>,
     /// Physically possible sign of an amplitude, by effect; any where absent.
     pub signs: BTreeMap<String, Sign>,
+    /// Effects that the simulator could not be run with at the amplitude that would explain the residual: their sensitivities
+    /// are of elsewhere.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub not_run: Vec<String>,
     /// Conditions kept for the check, never used in the fit.
     pub unused_conditions: Vec<Condition>,
     /// Observed minus simulated on the unused conditions (unused rows).

@@ -65,6 +65,7 @@ pub(super) fn problem(
     let of_effect = |(j, variance): (usize, &f64)| {
         of_run(*variance, &|c| linear.moves[plan.declared.len() + j][c])
     };
+    let name_of = |&effect: &usize| plan.effects[effect].name.clone();
     let any_prior = plan.declared.iter().any(|d| d.prior.is_some());
     ProblemFile {
         id: plan.id.clone(),
@@ -123,6 +124,7 @@ pub(super) fn problem(
             .iter()
             .map(|e| (e.name.clone(), e.sign()))
             .collect(),
+        not_run: linear.not_run.iter().map(name_of).collect(),
         ..ProblemFile::default()
     }
 }

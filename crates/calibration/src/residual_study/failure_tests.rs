@@ -113,6 +113,21 @@ fn a_study_goes_on_without_the_runs_that_fail() {
     assert!(study.left_out_conditions.is_empty());
 }
 
+/// "bend" diverges beyond half of what was planted. Its sensitivity of below still explains the data, and the problem says
+/// that it was not run there; an effect that was run is not in that list.
+#[test]
+fn an_effect_that_diverges_where_it_would_explain_the_data_is_marked() {
+    let mut plan = plan(1);
+    plan.effects[0].probe = 0.5;
+    let (found, _) = study(&plan, |r| r.effect("bend") > 1.0);
+    let found = found.unwrap();
+    assert_eq!(found.problem.not_run, ["bend"]);
+    let effects = &found.diagnosis.effects;
+    assert!(effects.contains(&"bend".to_owned()), "{effects:?}");
+    let (whole, _) = study(&plan, |_| false);
+    assert!(whole.unwrap().problem.not_run.is_empty());
+}
+
 /// The toy, of which runs with the effect "tilt", and some others, show no shape.
 struct Shapeless;
 

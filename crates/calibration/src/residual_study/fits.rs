@@ -216,11 +216,14 @@ impl Fits<'_> {
                     };
                     looks.push((effect, change, look));
                 }
-                Err(reason) => known.warnings.push(format!(
-                    "{name} could not be run at the amplitude {:.3}, so that it is judged by its sensitivity \
-                     elsewhere: {reason}",
-                    setting.effects[name]
-                )),
+                Err(reason) => {
+                    linear.not_run.insert(effect);
+                    known.warnings.push(format!(
+                        "{name} could not be run at the amplitude {:.3}, so that it is judged by its sensitivity \
+                         elsewhere: {reason}",
+                        setting.effects[name]
+                    ));
+                }
             }
         }
         // The last look at an effect is the one that counts.

@@ -40,6 +40,8 @@ pub(super) struct Linearisation {
     pub(super) noise_dof: f64,
     /// Scatter of all runs so far.
     scatter: Scatter,
+    /// Effects that could not be run at the amplitude that would explain the data.
+    pub(super) not_run: BTreeSet<usize>,
 }
 
 impl Linearisation {
@@ -135,6 +137,7 @@ impl Linearisation {
             noise_dof,
             nominal,
             scatter,
+            not_run: BTreeSet::new(),
         }
     }
 
@@ -176,6 +179,7 @@ impl Linearisation {
         (fit, at_fit): (&Setting, &Means),
         (setting, on): (&Setting, &Means),
     ) -> Self {
+        self.not_run.remove(&effect);
         let name = &plan.effects[effect].name;
         let amplitude = setting.amplitude(name) - fit.amplitude(name);
         let moved = |d: &DeclaredParameter| setting.parameters[&d.name] - fit.parameters[&d.name];

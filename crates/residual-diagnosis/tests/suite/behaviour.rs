@@ -264,6 +264,43 @@ fn effect_smaller_than_the_noise_is_not_testable() {
 
 /// The truth is named while its amplitude is possible. Where only a third of it is, nine tenths of the
 /// residual's distance stay: the effect alone is not named, and its amplitude is that third.
+/// An effect like the planted one, whose sensitivity is off by more than a tie allows but leaves no more than noise: runs would
+/// refute it, and where none could be made nothing has. One that leaves structure is refuted all the same, and so is one that
+/// does not help.
+#[test]
+fn an_effect_that_could_not_be_run_is_not_passed_over() {
+    let like_slip = |k: f64| {
+        let mut file = with_effect(0, 1.5, 4);
+        for row in &mut file.sensitivities_library {
+            row[2] = row[0] + k * row[1];
+        }
+        file
+    };
+    for (k, leaves_noise) in [(0.3, true), (0.7, false)] {
+        let mut file = like_slip(k);
+        let known = diagnosed(file.clone());
+        assert_eq!(known.effects, ["slip"], "{k}");
+        let p = known.candidates["drag"].p_adequacy.unwrap();
+        assert_eq!(p > 0.05, leaves_noise, "{k}: {p}");
+        file.not_run = vec!["drag".into()];
+        let found = diagnosed(file.clone());
+        let expected: &[&str] = if leaves_noise {
+            &["slip", "drag"]
+        } else {
+            &["slip"]
+        };
+        assert_eq!(found.effects, expected, "{k}");
+        let tied = found.verdict == Verdict::Tie;
+        assert_eq!(tied, leaves_noise, "{k}: {:?}", found.verdict);
+        file.not_run = vec!["wind".into()];
+        let refused = Problem::try_from(file).unwrap_err().to_string();
+        assert!(
+            refused.contains("not_run") && refused.contains("wind"),
+            "{refused}"
+        );
+    }
+}
+
 #[test]
 fn an_effect_beyond_what_is_possible_explains_nothing() {
     let mut file = with_effect(0, 0.0, 4);
