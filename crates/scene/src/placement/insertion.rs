@@ -1,7 +1,7 @@
 //! Random sequential insertion: bodies put at random places, one after another. Where one finds no place, those that are
 //! there are shaken, as molecules of a dense gas, and it is tried again.
 
-use super::{Capsule, Placed, Room, is_inside, try_place};
+use super::{Capsule, Placed, Room, clear, is_inside, try_place};
 use clump::Clump;
 use dem_solver::Placement;
 use nalgebra::{UnitQuaternion, Vector3};
@@ -88,7 +88,7 @@ impl Inserted<'_> {
                 half: Vector3::zeros(),
                 radius: capsule.radius,
             };
-            if !near.iter().all(|other| super::clear(&core, other)) {
+            if !near.iter().all(|other| clear(&core, other)) {
                 return None;
             }
             try_place(self.room, capsule, |_| centre, &near, stream)
@@ -110,8 +110,7 @@ impl Inserted<'_> {
                 ..before
             };
             let near = self.near(&after.centre, Some(number));
-            if is_inside(self.room, &after) && near.iter().all(|other| super::clear(&after, other))
-            {
+            if is_inside(self.room, &after) && near.iter().all(|other| clear(&after, other)) {
                 self.cells.remove(number, &before.centre);
                 self.cells.add(number, &after.centre);
                 self.bodies[number].1 = after;
