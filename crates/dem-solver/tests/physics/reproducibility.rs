@@ -234,7 +234,7 @@ fn the_order_of_the_bodies_changes_rounding_alone() {
                 assert!(way < 1e-15, "{way} m");
             }
         }
-        // A world that was built alike takes up the state in the same order, and goes on with the same bits.
+        // So little moves in a step that the order stays.
         let order = sorted.sort_bodies().unwrap();
         assert!(order.is_sorted(), "a sorted bed is sorted");
         let refused = turned.reorder(&vec![0; n]).unwrap_err().to_string();
