@@ -148,7 +148,8 @@ fn a_secant_to_another_point_leaves_out_what_the_parameters_do() {
     let store = Store::open(folder.path()).unwrap();
     let campaign = Campaign::new(&store, 2, &Silent);
     let plan = plan(7);
-    let (linear, _) = Linearisation::run(&Worker::new(&campaign, &Toy), &plan).unwrap();
+    let (mut linear, _) = Linearisation::run(&Worker::new(&campaign, &Toy), &plan).unwrap();
+    linear.not_run.extend([0, 1]);
     let fit = Setting::declared(&plan, &[0.5, 0.5]);
     let mut on = Setting::declared(&plan, &[1.1, 0.2]);
     on.effects.insert("bend".into(), 2.0);
@@ -164,6 +165,8 @@ fn a_secant_to_another_point_leaves_out_what_the_parameters_do() {
     };
     let (at_fit, at_on) = (run(&fit, 1), run(&on, 6));
     let linear = linear.with_secant(&plan, 0, (&fit, &at_fit), (&on, &at_on));
+    // What was run is no longer among those that could not be run.
+    assert_eq!(linear.not_run, [1].into());
     for (c, slopes) in plan.conditions.iter().zip(&linear.library) {
         let (rpm, fill) = (c.condition["rpm"], c.condition["fill"]);
         for (slopes, expected) in slopes.iter().zip([0.004 * rpm * rpm, fill * fill]) {
