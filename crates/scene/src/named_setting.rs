@@ -183,16 +183,19 @@ mod tests {
         let brass = set("contact.pea-brass.friction_rate", "0.1");
         let refused = scene.with(&[brass]).unwrap_err();
         assert!(matches!(refused, Error::UnknownSetting { .. }), "{refused}");
-        // A value out of range is told with file and contact when the scene is read.
-        let told = scene.with(&[set("cohesion_energy_density_j_m3", "-5")]);
-        let told = told.unwrap_err().to_string();
-        assert!(
-            told.starts_with("sled.toml: contact 'pea-steel': "),
-            "{told}"
-        );
-        assert!(
-            told.contains("-5") && told.contains("0 J/m³ to 1e12 J/m³"),
-            "{told}"
-        );
+        // A value out of range is told with file, contact and range when the scene is read.
+        for (name, value, range) in [
+            ("attraction_n", "-1e-6", "0 N to 1e9 N"),
+            ("cohesion_energy_density_j_m3", "-5", "0 J/m³ to 1e12 J/m³"),
+            ("viscoelastic_damping", "1.5", "0 to 1"),
+            ("friction_rate", "-1.5", "-0.95 to 10"),
+        ] {
+            let told = scene.with(&[set(name, value)]).unwrap_err().to_string();
+            assert!(
+                told.starts_with("sled.toml: contact 'pea-steel': "),
+                "{told}"
+            );
+            assert!(told.contains(range), "{told}");
+        }
     }
 }
