@@ -122,13 +122,6 @@ impl Outcome {
         models.find_map(|model| model.effects.get(truth).copied())
     }
 
-    /// What the structured residual holds beyond noise, standard deviations: the root of T less its degrees of freedom,
-    /// which is its mean under noise alone.
-    pub(crate) fn signal(&self) -> Option<f64> {
-        let residual = self.study()?.diagnosis.structured_residual;
-        Some((residual.t0? - residual.df as f64).max(0.0).sqrt())
-    }
-
     /// Whitened mean square on the conditions kept aside, without an effect, and with the best explanation where the
     /// answer has one.
     pub(crate) fn kept(&self) -> Option<(f64, Option<f64>)> {

@@ -19,9 +19,8 @@ other seeds. One drum and one heap are kept aside. All rows share the runs for t
 about the start), within what is physically possible; effects that cannot reach half of it are left out. `answer`:
 the truth named, in a tie (number of effects), another name (`false`), `unknown`, or `none`, for each truth in turn. `kept`:
 whitened mean square on what is kept aside, by real runs, before and after the best explanation; 1 is noise.
-`signal`: the root of what the structured residual holds beyond its degrees of freedom, in standard deviations; below 2
-nobody can see it. `ideal`, among the goals: what a rule could tell that knew the truth's direction, by the linear
-problem of each campaign. Slopes are exact and effects proportional there, so that this bound is generous.
+`ideal`, among the goals: what a rule could tell that knew the truth's direction, by the linear problem of each
+campaign. Slopes are exact and effects proportional there, so that this bound is generous.
 ";
 
 /// Bound below which the likelihood errs in more than one case of six.
@@ -97,7 +96,7 @@ impl Page {
     /// One row for each effect and size.
     fn write_table(&self, text: &mut String) {
         text.push_str(
-            "| hidden | size | amplitude: hidden, found | answer | kept: before -> after | signal |\n|---|--:|---|---|---|---|\n",
+            "| hidden | size | amplitude: hidden, found | answer | kept: before -> after |\n|---|--:|---|---|---|\n",
         );
         let mut rows: BTreeMap<(&str, u64), Vec<&Outcome>> = BTreeMap::new();
         for outcome in &self.outcomes {
@@ -118,17 +117,12 @@ impl Page {
                 Some((before, None)) => format!("{before:.1}"),
                 None => String::new(),
             });
-            let signal = row.iter().map(|o| {
-                let signal = o.signal();
-                signal.map_or_else(String::new, |signal| format!("{signal:.1}"))
-            });
             let _ = writeln!(
                 text,
-                "| {name} | {sizes} | {} | {} | {} | {} |",
+                "| {name} | {sizes} | {} | {} | {} |",
                 join(amplitudes),
                 join(row.iter().map(|o| answer(o))),
                 join(kept),
-                join(signal),
             );
         }
     }
