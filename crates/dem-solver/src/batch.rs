@@ -11,7 +11,10 @@
 
 use crate::contact::{ContactWrench, Memory, SpherePair};
 use crate::interaction::Interaction;
+use crate::load::Load;
 use crate::sphere_contact::SphereContact;
+use crate::transpose::{GROUP, transposed};
+use fearless_simd::f64x8;
 use fearless_simd::prelude::*;
 use nalgebra::Vector3;
 
@@ -36,14 +39,82 @@ struct Input {
     bridge_volume: [f64; ROOM],
 }
 
-/// Fields of [`ContactWrench`], one entry a contact.
+/// What comes out of the law, one entry a contact: fields of [`ContactWrench`], and the loads that they make.
 #[derive(Debug, Clone)]
-struct Output {
+pub(crate) struct Output {
     force: Column,
     torque_i: Column,
     torque_j: Column,
     slip: Column,
     rolling: Column,
+    /// Loads on both bodies.
+    loads: [[Load; 2]; ROOM],
+}
+
+impl Default for Output {
+    fn default() -> Self {
+        const EMPTY: Column = [[0.0; ROOM]; 3];
+        Self {
+            force: EMPTY,
+            torque_i: EMPTY,
+            torque_j: EMPTY,
+            slip: EMPTY,
+            rolling: EMPTY,
+            loads: [[Load::default(); 2]; ROOM],
+        }
+    }
+}
+
+impl Output {
+    /// Notes what the law says of contact `k`.
+    #[inline(always)]
+    pub(crate) fn write(&mut self, k: usize, wrench: &ContactWrench) {
+        write(&mut self.force, k, &wrench.force);
+        write(&mut self.torque_i, k, &wrench.torque_i);
+        write(&mut self.torque_j, k, &wrench.torque_j);
+        write(&mut self.slip, k, &wrench.memory.slip);
+        write(&mut self.rolling, k, &wrench.memory.rolling);
+    }
+
+    /// Makes loads of the forces and torques of the first `n` contacts.
+    #[inline(always)]
+    pub(crate) fn make_loads<S: Simd>(&mut self, simd: S, n: usize) {
+        let zero = f64x8::splat(simd, 0.0);
+        for first in (0..n.min(ROOM)).step_by(GROUP) {
+            let [x, y, z] = group(simd, &self.force, first);
+            let [u, v, w] = group(simd, &self.torque_i, first);
+            let on_i = transposed([x, y, z, zero, u, v, w, zero]);
+            let [u, v, w] = group(simd, &self.torque_j, first);
+            let on_j = transposed([-x, -y, -z, zero, u, v, w, zero]);
+            for l in 0..GROUP {
+                let loads = &mut self.loads[first + l];
+                on_i[l].store_slice(&mut loads[0].row);
+                on_j[l].store_slice(&mut loads[1].row);
+            }
+        }
+    }
+
+    /// Loads of contact `k` on both bodies.
+    #[inline(always)]
+    pub(crate) fn loads(&self, k: usize) -> &[Load; 2] {
+        &self.loads[k]
+    }
+
+    /// What contact `k` has to remember.
+    #[inline(always)]
+    pub(crate) fn memory(&self, k: usize) -> Memory {
+        Memory {
+            slip: read(&self.slip, k),
+            rolling: read(&self.rolling, k),
+        }
+    }
+}
+
+/// A vector of each contact of the group from `first` on.
+#[inline(always)]
+fn group<S: Simd>(simd: S, columns: &Column, first: usize) -> [f64x8<S>; 3] {
+    let of = |c: usize| f64x8::from_slice(simd, &columns[c][first..first + GROUP]);
+    [of(0), of(1), of(2)]
 }
 
 /// Contacts that wait for their forces.
@@ -83,13 +154,7 @@ impl Default for Batch {
                 dashpot_masses: [[0.0; ROOM]; 2],
                 bridge_volume: [0.0; ROOM],
             }),
-            output: Box::new(Output {
-                force: EMPTY,
-                torque_i: EMPTY,
-                torque_j: EMPTY,
-                slip: EMPTY,
-                rolling: EMPTY,
-            }),
+            output: Box::default(),
         }
     }
 }
@@ -108,68 +173,47 @@ pub(crate) fn read(column: &Column, k: usize) -> Vector3<f64> {
     Vector3::new(column[0][k], column[1][k], column[2][k])
 }
 
-/// Force and torques of one contact.
+/// What one contact does to its two bodies.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct ContactLoad {
     /// The two bodies.
     pub(crate) bodies: [usize; 2],
-    /// Force on the first, the opposite of that on the second, N.
-    pub(crate) force: Vector3<f64>,
-    /// Torques on both, N m.
-    pub(crate) torques: [Vector3<f64>; 2],
+    /// What it does to each.
+    pub(crate) loads: [Load; 2],
 }
 
 /// Where the loads of contacts go: to the bodies, or to a list that is given to them later.
 pub(crate) trait Sink {
-    /// Takes the load of a contact.
-    fn take(&mut self, load: &ContactLoad);
+    /// Takes the loads that a contact puts on two bodies.
+    fn take(&mut self, bodies: [usize; 2], loads: &[Load; 2]);
 }
 
-/// Forces (N) and torques (N m) of a range of bodies.
+/// Loads of a range of bodies.
 #[derive(Debug)]
 pub(crate) struct Loads<'a> {
     /// The first body.
     pub(crate) first: usize,
-    /// Forces, N.
-    pub(crate) force: &'a mut [Vector3<f64>],
-    /// Torques, N m.
-    pub(crate) torque: &'a mut [Vector3<f64>],
+    /// All of them.
+    pub(crate) all: &'a mut [Load],
 }
 
 impl<'a> Loads<'a> {
-    /// Adds a force (N) and a torque (N m) to a body of the range.
+    /// Adds to the load of a body of the range.
     #[inline(always)]
-    pub(crate) fn add(&mut self, body: usize, force: &Vector3<f64>, torque: &Vector3<f64>) {
-        self.force[body - self.first] += force;
-        self.torque[body - self.first] += torque;
-    }
-
-    /// Adds what a contact does to its first body.
-    #[inline(always)]
-    pub(crate) fn take_first(&mut self, load: &ContactLoad) {
-        self.add(load.bodies[0], &load.force, &load.torques[0]);
-    }
-
-    /// Adds what a contact does to its second body.
-    #[inline(always)]
-    pub(crate) fn take_second(&mut self, load: &ContactLoad) {
-        self.force[load.bodies[1] - self.first] -= load.force;
-        self.torque[load.bodies[1] - self.first] += load.torques[1];
+    pub(crate) fn add(&mut self, body: usize, load: &Load) {
+        self.all[body - self.first] += *load;
     }
 
     /// The loads of the bodies before `middle` and of those from there on.
     pub(crate) fn split_at(self, middle: usize) -> (Self, Loads<'a>) {
-        let (force, later_force) = self.force.split_at_mut(middle - self.first);
-        let (torque, later_torque) = self.torque.split_at_mut(middle - self.first);
+        let (earlier, later) = self.all.split_at_mut(middle - self.first);
         let earlier = Self {
             first: self.first,
-            force,
-            torque,
+            all: earlier,
         };
-        let later = Self {
+        let later = Loads {
             first: middle,
-            force: later_force,
-            torque: later_torque,
+            all: later,
         };
         (earlier, later)
     }
@@ -177,9 +221,9 @@ impl<'a> Loads<'a> {
 
 impl Sink for Loads<'_> {
     #[inline(always)]
-    fn take(&mut self, load: &ContactLoad) {
-        self.take_first(load);
-        self.take_second(load);
+    fn take(&mut self, bodies: [usize; 2], loads: &[Load; 2]) {
+        self.add(bodies[0], &loads[0]);
+        self.add(bodies[1], &loads[1]);
     }
 }
 
@@ -239,17 +283,10 @@ impl Batch {
             #[inline(always)]
             |law| compute(law, input, output, n, time_step),
         );
-        let output = &*self.output;
+        output.make_loads(simd, n);
         for k in 0..self.n {
-            sink.take(&ContactLoad {
-                bodies: self.bodies[k],
-                force: read(&output.force, k),
-                torques: [read(&output.torque_i, k), read(&output.torque_j, k)],
-            });
-            touches[self.touch[k]].memory = Memory {
-                slip: read(&output.slip, k),
-                rolling: read(&output.rolling, k),
-            };
+            sink.take(self.bodies[k], self.output.loads(k));
+            touches[self.touch[k]].memory = self.output.memory(k);
         }
         self.n = 0;
     }
@@ -290,16 +327,6 @@ fn compute(law: &Interaction, input: &Input, output: &mut Output, n: usize, time
             dashpot_masses: [input.dashpot_masses[0][k], input.dashpot_masses[1][k]],
             bridge_volume: input.bridge_volume[k],
         };
-        let ContactWrench {
-            force,
-            torque_i,
-            torque_j,
-            memory,
-        } = law.between_spheres(&pair, time_step);
-        write(&mut output.force, k, &force);
-        write(&mut output.torque_i, k, &torque_i);
-        write(&mut output.torque_j, k, &torque_j);
-        write(&mut output.slip, k, &memory.slip);
-        write(&mut output.rolling, k, &memory.rolling);
+        output.write(k, &law.between_spheres(&pair, time_step));
     }
 }

@@ -6,6 +6,7 @@
 )]
 
 use crate::contact::Mover;
+use crate::load::Load;
 use crate::spheres::sphere::Sphere;
 use crate::template::Template;
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
@@ -62,10 +63,8 @@ pub struct Bodies {
     pub(crate) rotation: Vec<Matrix3<f64>>,
     /// The same times the size of a cell of the template (m), row by row, for the overlap test.
     pub(crate) cells_to_metres: Vec<[f32; 9]>,
-    /// Contact forces of the last step, N.
-    pub force: Vec<Vector3<f64>>,
-    /// Contact torques of the last step about the centre of mass, N m.
-    pub torque: Vec<Vector3<f64>>,
+    /// Contact forces and torques of the last step.
+    pub load: Vec<Load>,
     /// Upper bound of the way of the centre of any sphere since the last broad phase, in the frame
     /// that turns with the reference spin, m.
     pub(crate) travel: Vec<f32>,
@@ -92,8 +91,7 @@ impl Bodies {
             self.angular_momentum.len(),
             self.rotation.len(),
             self.cells_to_metres.len(),
-            self.force.len(),
-            self.torque.len(),
+            self.load.len(),
             self.travel.len(),
         ];
         let finite = |vectors: &[Vector3<f64>]| vectors.iter().flatten().all(|x| x.is_finite());
@@ -139,8 +137,7 @@ impl Bodies {
             angular_momentum: &mut self.angular_momentum,
             rotation: &mut self.rotation,
             cells_to_metres: &mut self.cells_to_metres,
-            force: &self.force,
-            torque: &self.torque,
+            load: &self.load,
             travel: &mut self.travel,
             shift: &mut self.shift,
         }
@@ -162,8 +159,7 @@ impl Bodies {
             angular_momentum: column(&self.angular_momentum, order),
             rotation: column(&self.rotation, order),
             cells_to_metres: column(&self.cells_to_metres, order),
-            force: column(&self.force, order),
-            torque: column(&self.torque, order),
+            load: column(&self.load, order),
             travel: column(&self.travel, order),
             shift: column(&self.shift, order),
         }
@@ -183,8 +179,7 @@ impl Bodies {
         self.rotation.push(rotation);
         self.cells_to_metres
             .push(scaled_single(&rotation, template.cell));
-        self.force.push(Vector3::zeros());
-        self.torque.push(Vector3::zeros());
+        self.load.push(Load::default());
         self.travel.push(0.0);
         self.shift.push(0.0);
     }
@@ -203,8 +198,7 @@ pub(crate) struct BodySlices<'a> {
     pub(crate) angular_momentum: &'a mut [Vector3<f64>],
     pub(crate) rotation: &'a mut [Matrix3<f64>],
     pub(crate) cells_to_metres: &'a mut [[f32; 9]],
-    pub(crate) force: &'a [Vector3<f64>],
-    pub(crate) torque: &'a [Vector3<f64>],
+    pub(crate) load: &'a [Load],
     pub(crate) travel: &'a mut [f32],
     pub(crate) shift: &'a mut [f32],
 }
@@ -226,8 +220,7 @@ impl BodySlices<'_> {
         let angular_momentum = self.angular_momentum.split_at_mut(middle);
         let rotation = self.rotation.split_at_mut(middle);
         let cells_to_metres = self.cells_to_metres.split_at_mut(middle);
-        let force = self.force.split_at(middle);
-        let torque = self.torque.split_at(middle);
+        let load = self.load.split_at(middle);
         let travel = self.travel.split_at_mut(middle);
         let shift = self.shift.split_at_mut(middle);
         (
@@ -241,8 +234,7 @@ impl BodySlices<'_> {
                 angular_momentum: angular_momentum.0,
                 rotation: rotation.0,
                 cells_to_metres: cells_to_metres.0,
-                force: force.0,
-                torque: torque.0,
+                load: load.0,
                 travel: travel.0,
                 shift: shift.0,
             },
@@ -256,8 +248,7 @@ impl BodySlices<'_> {
                 angular_momentum: angular_momentum.1,
                 rotation: rotation.1,
                 cells_to_metres: cells_to_metres.1,
-                force: force.1,
-                torque: torque.1,
+                load: load.1,
                 travel: travel.1,
                 shift: shift.1,
             },

@@ -13,6 +13,7 @@ mod agglomerate;
 
 pub use agglomerate::{Agglomerate, agglomerate};
 
+use crate::load::Load;
 use crate::{Bodies, World};
 use contact_law::bond::{Bond, Deformation, ReducedInertia};
 use nalgebra::{UnitQuaternion, Vector3};
@@ -158,10 +159,9 @@ impl Bonds {
                 link.broken = true;
                 continue;
             }
-            bodies.force[i] += load.force;
-            bodies.force[j] -= load.force;
-            bodies.torque[i] += load.moment + arm_i.cross(&load.force);
-            bodies.torque[j] -= load.moment + arm_j.cross(&load.force);
+            let [on_i, on_j] = [arm_i, arm_j].map(|arm| load.moment + arm.cross(&load.force));
+            bodies.load[i] += Load::new(&load.force, &on_i);
+            bodies.load[j] += Load::new(&-load.force, &-on_j);
         }
     }
 

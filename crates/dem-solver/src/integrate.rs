@@ -141,8 +141,8 @@ fn gather(
     write(&mut motion.rotation, k, rows(&bodies.rotation[i]));
     motion.travel[k] = f64::from(bodies.travel[i]);
     motion.shift[k] = f64::from(bodies.shift[i]);
-    write(&mut drive.force, k, bodies.force[i].into());
-    write(&mut drive.torque, k, bodies.torque[i].into());
+    write(&mut drive.force, k, bodies.load[i].force().into());
+    write(&mut drive.torque, k, bodies.load[i].torque().into());
     drive.inverse_mass[k] = template.inverse_mass;
     write(
         &mut drive.inverse_inertia,

@@ -11,6 +11,7 @@ use crate::contact::{ContactWrench, Memory, Mover, SphereWall};
 use crate::context::Context;
 use crate::error::Error;
 use crate::liquid::bridge_volume;
+use crate::load::Load;
 use crate::mesh_wall::{MeshWall, Motion, Moving};
 use crate::shared_mass::Shares;
 use crate::template::{OuterSphere, Template};
@@ -172,8 +173,7 @@ impl MeshWalls {
                 moving,
                 context,
             );
-            bodies.force[near.body] += total.force;
-            bodies.torque[near.body] += total.torque_i;
+            bodies.load[near.body] += Load::new(&total.force, &total.torque_i);
             moving.force -= total.force;
             let arm = body.position - moving.pivot();
             moving.torque -= arm.cross(&total.force) + total.torque_i;

@@ -9,6 +9,7 @@ use crate::broad_phase::BodyGrid;
 use crate::census::Census;
 use crate::context::Context;
 use crate::kept_contact::KeptContact;
+use crate::load::Load;
 use crate::neighbours::Neighbours;
 use crate::pair_force::add_pair_forces;
 use crate::spheres::force::add_sphere_forces;
@@ -54,14 +55,15 @@ struct Outbox {
 
 impl Sink for Outbox {
     #[inline]
-    fn take(&mut self, load: &ContactLoad) {
-        let other = load.bodies[1];
+    fn take(&mut self, bodies: [usize; 2], loads: &[Load; 2]) {
+        let other = bodies[1];
         if other >= self.end {
             let place = self.ends.partition_point(|end| *end <= other);
             let number = u32::try_from(self.loads.len()).unwrap_or(u32::MAX);
             self.abroad[place].push(number);
         }
-        self.loads.push(*load);
+        let loads = *loads;
+        self.loads.push(ContactLoad { bodies, loads });
     }
 }
 
@@ -222,14 +224,15 @@ pub(crate) fn give_loads(parts: &[Part], receivers: Range<usize>, mut loads: Loa
         for part in &parts[..receiver] {
             let outbox = &part.outbox;
             for &number in &outbox.abroad[receiver] {
-                loads.take_second(&outbox.loads[number as usize]);
+                let load = &outbox.loads[number as usize];
+                loads.add(load.bodies[1], &load.loads[1]);
             }
         }
         let own = &parts[receiver];
         for load in &own.outbox.loads {
-            loads.take_first(load);
+            loads.add(load.bodies[0], &load.loads[0]);
             if load.bodies[1] < own.range.end {
-                loads.take_second(load);
+                loads.add(load.bodies[1], &load.loads[1]);
             }
         }
         own.give_wall_forces(&mut loads);

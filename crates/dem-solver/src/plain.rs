@@ -5,13 +5,13 @@
 use crate::contact::{ContactWrench, Memory, SpherePair, SphereWall};
 use crate::interaction::Interaction;
 use crate::liquid::bridge_volume;
+use crate::load::Load;
 use crate::mesh_force::{TriangleContact, find_contacts};
 use crate::pair_force::PairFrame;
 use crate::shared_mass::Shares;
 use crate::template::OuterSphere;
 use crate::wall_force::sphere_at_wall;
 use crate::world::World;
-use nalgebra::Vector3;
 use std::collections::BTreeMap;
 
 /// What the contacts remember, by (body, body or wall, sphere pair).
@@ -37,15 +37,6 @@ impl History {
     }
 }
 
-/// Force (N) and torque (N m) on one body.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Load {
-    /// Force, N.
-    pub force: Vector3<f64>,
-    /// Torque about the centre of mass, N m.
-    pub torque: Vector3<f64>,
-}
-
 /// Contact loads on all bodies that the next step of a world will use.
 ///
 /// `history` holds what the contacts remember of the step before, and of this step afterwards: starting
@@ -59,18 +50,15 @@ pub fn loads(world: &World, history: &mut History) -> Vec<Load> {
             let known = |key| history.pairs.get(&(i, j, key)).copied();
             find_pairs(world, [i, j], known, |key, _, _, effect| {
                 next.pairs.insert((i, j, key), effect.memory);
-                loads[i].force += effect.force;
-                loads[j].force -= effect.force;
-                loads[i].torque += effect.torque_i;
-                loads[j].torque += effect.torque_j;
+                loads[i] += Load::new(&effect.force, &effect.torque_i);
+                loads[j] += Load::new(&-effect.force, &effect.torque_j);
             });
         }
         for w in 0..world.walls().len() {
             let known = |key| history.walls.get(&(i, w, key)).copied();
             find_at_wall(world, i, w, known, |key, _, _, effect| {
                 next.walls.insert((i, w, key), effect.memory);
-                loads[i].force += effect.force;
-                loads[i].torque += effect.torque_i;
+                loads[i] += Load::new(&effect.force, &effect.torque_i);
             });
         }
         mesh_loads(world, i, history, &mut next, &mut loads[i]);
@@ -176,8 +164,7 @@ fn mesh_loads(world: &World, i: usize, before: &History, next: &mut History, loa
             moving,
             &context,
         );
-        load.force += effect.force;
-        load.torque += effect.torque_i;
+        *load += Load::new(&effect.force, &effect.torque_i);
         next.meshes.insert((i, w), touches);
     }
 }

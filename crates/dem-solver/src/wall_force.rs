@@ -11,6 +11,7 @@ use crate::contact::{ContactWrench, Memory, Mover, SphereWall};
 use crate::context::{Context, Cutoffs};
 use crate::kept_contact::KeptContact;
 use crate::liquid::bridge_volume;
+use crate::load::Load;
 use crate::shared_mass::Shares;
 use crate::sphere_contact::SphereContact;
 use crate::template::{OuterSphere, Template};
@@ -100,7 +101,7 @@ impl WallNeighbours {
     pub(crate) fn give_forces(&self, loads: &mut Loads<'_>) {
         for near in &self.near {
             if let Some(total) = &near.total {
-                loads.add(near.body, &total.force, &total.torque_i);
+                loads.add(near.body, &Load::new(&total.force, &total.torque_i));
             }
         }
     }

@@ -15,6 +15,7 @@ use crate::error::Error;
 use crate::integrate::Surroundings;
 use crate::interaction::Interaction;
 use crate::liquid::{Liquid, most_given};
+use crate::load::Load;
 use crate::mesh_force::MeshWalls;
 use crate::mesh_wall::{MeshWall, Motion, Moving};
 use crate::part::{Part, give_loads};
@@ -381,16 +382,14 @@ impl World {
 
     /// Finds the forces of contacts of bodies and of bodies and walls that are no triangles.
     fn find_loads(&mut self) {
-        self.bodies.force.fill(Vector3::zeros());
-        self.bodies.torque.fill(Vector3::zeros());
+        self.bodies.load.fill(Load::default());
         self.wall_load.fill(Vector3::zeros());
         self.wall_torque.fill(0.0);
-        let (mut force, mut torque) = (take(&mut self.bodies.force), take(&mut self.bodies.torque));
+        let mut on_bodies = take(&mut self.bodies.load);
         let (mut parts, mut workspaces) = (take(&mut self.parts), take(&mut self.workspaces));
         let mut loads = Loads {
             first: 0,
-            force: &mut force,
-            torque: &mut torque,
+            all: &mut on_bodies,
         };
         let (level, bodies, walls, context) =
             (self.level, &self.bodies, &self.walls, self.context());
@@ -420,7 +419,7 @@ impl World {
             part.add_to_walls(&self.bodies.position, on_walls);
         }
         (self.parts, self.workspaces) = (parts, workspaces);
-        (self.bodies.force, self.bodies.torque) = (force, torque);
+        self.bodies.load = on_bodies;
     }
 
     /// Adds the forces of contacts with walls of triangles.

@@ -77,9 +77,9 @@ pub(crate) fn series_point(scene: &Scene, built: &Built, seeds: &Frame, share: f
 
 /// Share of the bodies on which no contact acted in the last step.
 fn airborne(world: &World) -> f64 {
-    let forces = &world.bodies().force;
-    let free = forces.iter().filter(|f| **f == Vector3::zeros()).count();
-    free as f64 / forces.len().max(1) as f64
+    let loads = &world.bodies().load;
+    let free = loads.iter().filter(|load| load.force() == Vector3::zeros());
+    free.count() as f64 / loads.len().max(1) as f64
 }
 
 /// Power of the moving walls on the seeds in the last step, W; vibrations are left out.

@@ -20,7 +20,7 @@
 //! `[Jaeger1996]`; the camera is taken as moving with the rig.
 
 use crate::{Apparatus, Error, Scene, SeedBody, VibrationSettings};
-use dem_solver::Bodies;
+use dem_solver::{Bodies, Load};
 use nalgebra::Vector3;
 use quantity::Length;
 use serde::{Deserialize, Serialize};
@@ -146,7 +146,7 @@ impl Surroundings {
             if self.charge > 0.0 {
                 force += self.towards_walls(&bodies.position[i], kind.radius);
             }
-            bodies.force[i] += force;
+            bodies.load[i] += Load::of_force(&force);
         }
     }
 

@@ -10,7 +10,7 @@ use crate::row::{Basis, Kind, Row, Tolerance};
 use crate::worlds::{DENSITY, ball, settings, soft_surface, world};
 use contact_law::bond::{Bond, BondSettings, BondStrength};
 use dem_solver::bonds::Bonds;
-use dem_solver::{Placement, World};
+use dem_solver::{Load, Placement, World};
 use nalgebra::{UnitQuaternion, Vector3};
 
 /// Number of bonds.
@@ -67,11 +67,10 @@ fn loaded(
             bonds.add_forces(bodies);
             for k in 1..=N {
                 let (velocity, spin) = (bodies.velocity[k], bodies.spin[k]);
-                bodies.force[k] -= velocity * drag;
-                bodies.torque[k] -= spin * (drag * RADIUS * RADIUS);
+                bodies.load[k] +=
+                    Load::new(&(-velocity * drag), &(-spin * (drag * RADIUS * RADIUS)));
             }
-            bodies.force[N] += force;
-            bodies.torque[N] += torque;
+            bodies.load[N] += Load::new(&force, &torque);
         })?;
     }
     let bodies = world.bodies();

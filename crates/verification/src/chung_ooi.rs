@@ -219,7 +219,7 @@ fn peak(world: &mut World) -> Result<(f64, f64), CheckError> {
         world.step()?;
         if world.census().sphere_contacts + world.n_wall_contacts() > 0 {
             n += 1;
-            force = force.max(world.bodies().force[0].norm());
+            force = force.max(world.bodies().load[0].force().norm());
         } else if n > 0 {
             return Ok((force, f64::from(n) * world.settings().time_step));
         }

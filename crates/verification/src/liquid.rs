@@ -86,8 +86,8 @@ fn rupture() -> Result<Vec<Row>, CheckError> {
     for _ in 0..200_000 {
         let before = apart(&world)[0];
         world.step()?;
-        let pulls = world.bodies().force[0].x > 0.0;
-        if formed.is_infinite() && world.bodies().force[0].x != 0.0 {
+        let pulls = world.bodies().load[0].force().x > 0.0;
+        if formed.is_infinite() && world.bodies().load[0].force().x != 0.0 {
             formed = before;
         }
         if pulls {

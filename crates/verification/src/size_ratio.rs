@@ -8,6 +8,7 @@
 use crate::CheckError;
 use crate::row::{Basis, Kind, Row, Tolerance};
 use crate::worlds::{DENSITY, GRAVITY, ball, clipped, settings, soft_surface, thrown, world};
+use dem_solver::Load;
 use nalgebra::Vector3;
 use random_stream::Stream;
 
@@ -47,7 +48,7 @@ fn passes(small: f64, friction: f64, limit: f64) -> Result<usize, CheckError> {
         )?;
         let weight = Vector3::y() * (-GRAVITY * DENSITY * clump::volume_of_sphere(small));
         while world.time() < limit && world.bodies().position[3].y > -LARGE {
-            world.step_with(|bodies| bodies.force[3] += weight)?;
+            world.step_with(|bodies| bodies.load[3] += Load::of_force(&weight))?;
         }
         passed += usize::from(world.bodies().position[3].y <= -LARGE);
     }

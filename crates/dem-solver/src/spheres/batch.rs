@@ -1,27 +1,26 @@
-//! Contacts of bodies of one sphere, collected side by side for the law.
+//! Pairs of bodies of one sphere, side by side for the law.
 
 #![expect(
     clippy::inline_always,
     reason = "the hot loops are vectorised only when inlined"
 )]
 
-use crate::batch::{Column, ContactLoad, ROOM, Sink, by_law, read, write};
+use crate::batch::{Column, Output, ROOM, Sink, by_law, read, write};
 use crate::contact::{Memory, SpherePair};
 use crate::context::Context;
 use crate::interaction::Interaction;
-use crate::spheres::pairs::SpherePairs;
-use crate::spheres::sphere::{Row, Sphere, vector};
+use crate::liquid::bridge_volume;
+use crate::spheres::pairs::{SpherePairs, TOUCHES};
+use crate::spheres::sphere::Sphere;
+use crate::transpose::{GROUP, four_columns, transposed};
 use fearless_simd::prelude::*;
+use fearless_simd::{f64x4, f64x8, mask64x8};
 use nalgebra::Vector3;
 
-/// Contacts that wait for their forces.
+/// Where the pairs of a batch that may touch stand side by side.
 #[derive(Debug, Clone)]
 pub(crate) struct SphereBatch {
-    /// Number of contacts.
-    pub(super) n: usize,
-    /// Interaction of all of them.
-    pub(super) interaction: usize,
-    /// The pairs.
+    /// The pairs, filled up with the last one to whole groups.
     pair: [u32; ROOM],
     /// What goes into the law.
     input: Box<Input>,
@@ -40,24 +39,14 @@ struct Input {
     radii: [[f64; ROOM]; 2],
     dashpot_masses: [[f64; ROOM]; 2],
     bridge_volume: [f64; ROOM],
-}
-
-/// What comes out of the law, one entry a contact; fields as of [`ContactWrench`](crate::contact::ContactWrench).
-#[derive(Debug, Clone)]
-struct Output {
-    force: Column,
-    torque_i: Column,
-    torque_j: Column,
-    slip: Column,
-    rolling: Column,
+    /// Gap up to which a contact holds that was made, m.
+    reach: [f64; ROOM],
 }
 
 impl Default for SphereBatch {
     fn default() -> Self {
         const EMPTY: Column = [[0.0; ROOM]; 3];
         Self {
-            n: 0,
-            interaction: 0,
             pair: [0; ROOM],
             input: Box::new(Input {
                 between: EMPTY,
@@ -68,85 +57,151 @@ impl Default for SphereBatch {
                 radii: [[0.0; ROOM]; 2],
                 dashpot_masses: [[0.0; ROOM]; 2],
                 bridge_volume: [0.0; ROOM],
+                reach: [0.0; ROOM],
             }),
-            output: Box::new(Output {
-                force: EMPTY,
-                torque_i: EMPTY,
-                torque_j: EMPTY,
-                slip: EMPTY,
-                rolling: EMPTY,
-            }),
+            output: Box::default(),
         }
     }
 }
 
 impl SphereBatch {
-    /// Whether a contact of this interaction has no place before the batch is worked off.
-    #[inline(always)]
-    pub(super) fn must_be_applied(&self, interaction: usize) -> bool {
-        self.n == ROOM || (self.n > 0 && self.interaction != interaction)
-    }
-
-    /// Writes a contact into the next free place, without taking it.
-    #[inline(always)]
-    pub(super) fn put(
-        &mut self,
-        pair: u32,
-        [a, b]: [&Sphere; 2],
-        pairs: &SpherePairs,
-        bridge_volume: f64,
-    ) {
-        let (n, input) = (self.n, &mut *self.input);
-        self.pair[n] = pair;
-        write(&mut input.between, n, &between(&a.position, &b.position));
-        write(&mut input.velocity, n, &between(&b.velocity, &a.velocity));
-        write(&mut input.spins[0], n, &vector(&a.spin));
-        write(&mut input.spins[1], n, &vector(&b.spin));
-        write(&mut input.slip, n, &pairs.slip[pair as usize]);
-        if let Some(rolling) = pairs.rolling.get(pair as usize) {
-            write(&mut input.rolling, n, rolling);
-        }
-        input.radii[0][n] = a.position[3];
-        input.radii[1][n] = b.position[3];
-        input.dashpot_masses[0][n] = a.velocity[3];
-        input.dashpot_masses[1][n] = b.velocity[3];
-        input.bridge_volume[n] = bridge_volume;
-    }
-
-    /// Computes all contacts, gives their loads to a sink and empties the batch.
+    /// Computes the contacts of at most [`ROOM`] pairs of one interaction, gives their loads to a sink and notes what
+    /// they remember; of pairs that are apart, when they are to be looked at again.
     #[inline(always)]
     pub(super) fn apply<S: Simd>(
         &mut self,
         simd: S,
+        now: &[u32],
         pairs: &mut SpherePairs,
+        travel: &[f32],
         context: &Context<'_>,
         sink: &mut impl Sink,
     ) {
-        if self.n == 0 {
-            return;
+        let (n, last) = (now.len(), now[now.len() - 1]);
+        self.pair[..n].copy_from_slice(now);
+        let full = n.next_multiple_of(GROUP).min(ROOM);
+        self.pair[n..full].fill(last);
+        let law = context.interactions[pairs.ends[last as usize].interaction as usize];
+        if context.cutoffs.reach > 0.0 {
+            self.find_bridges(n, &law, pairs, context.liquid);
         }
-        let (input, output, n) = (&*self.input, &mut *self.output, self.n);
+        let touching = self.collect(simd, full, pairs, context.spheres);
+        let (input, output) = (&*self.input, &mut *self.output);
         let time_step = context.time_step;
         by_law(
             simd,
-            context.interactions[self.interaction],
+            law,
             #[inline(always)]
-            |law| compute(law, input, output, n, time_step),
+            |law| compute(law, input, output, full, time_step),
         );
-        let output = &*self.output;
+        output.make_loads(simd, full);
         for k in 0..n {
             let pair = self.pair[k] as usize;
-            sink.take(&ContactLoad {
-                bodies: pairs.ends[pair].bodies(),
-                force: read(&output.force, k),
-                torques: [read(&output.torque_i, k), read(&output.torque_j, k)],
-            });
-            pairs.slip[pair] = read(&output.slip, k);
-            if let Some(rolling) = pairs.rolling.get_mut(pair) {
-                *rolling = read(&output.rolling, k);
+            let bodies = pairs.ends[pair].bodies();
+            if touching & (1 << k) == 0 {
+                let gap = gap(bodies.map(|body| &context.spheres[body]));
+                let ways = travel[bodies[0]] + travel[bodies[1]];
+                pairs.wake[pair] = ways + (gap - context.cutoffs.safety);
+                pairs.remember(pair, &Memory::default());
+                continue;
+            }
+            sink.take(bodies, self.output.loads(k));
+            pairs.wake[pair] = TOUCHES;
+            pairs.remember(pair, &self.output.memory(k));
+        }
+    }
+
+    /// Finds the bridges of liquid of the first `n` pairs, and how far they reach: only where a contact was made.
+    fn find_bridges(&mut self, n: usize, law: &Interaction, pairs: &SpherePairs, liquid: &[f64]) {
+        let input = &mut *self.input;
+        for (k, &pair) in self.pair[..n].iter().enumerate() {
+            let pair = pair as usize;
+            let volume = bridge_volume(law, liquid, pairs.ends[pair].bodies());
+            input.bridge_volume[k] = volume;
+            input.reach[k] = if pairs.touches(pair) {
+                law.reach(volume)
+            } else {
+                0.0
+            };
+        }
+    }
+
+    /// Puts what the spheres and the memories of the first pairs are into columns. The set bits of what is returned
+    /// are those whose gap is below their reach; two spheres in one place have no direction in which to part and
+    /// count as apart.
+    #[inline(always)]
+    fn collect<S: Simd>(
+        &mut self,
+        simd: S,
+        full: usize,
+        pairs: &SpherePairs,
+        spheres: &[Sphere],
+    ) -> u64 {
+        let mut touching = 0;
+        let input = &mut *self.input;
+        let zero = f64x8::splat(simd, 0.0);
+        let position = mask64x8::from_bitmask(simd, 0b0000_1111);
+        let first_radius = mask64x8::from_bitmask(simd, 0b0000_1000);
+        let second_radius = mask64x8::from_bitmask(simd, 0b1000_0000);
+        for first in (0..full).step_by(GROUP) {
+            let (mut motions, mut spins, mut slips) = ([zero; 8], [zero; 8], [zero; 4]);
+            let mut kept = [f64x4::splat(simd, 0.0); 8];
+            for l in 0..GROUP {
+                let k = self.pair[first + l] as usize;
+                let [i, j] = pairs.ends[k].bodies();
+                let [a, b] = [&spheres[i], &spheres[j]];
+                let [of_a, of_b] = [a, b].map(|sphere| f64x8::simd_from(simd, sphere.motion));
+                let apart = position.select(of_b - of_a, of_a - of_b);
+                let apart = second_radius.select(of_b, apart);
+                motions[l] = first_radius.select(of_a, apart);
+                let spin: f64x4<S> = a.spin.simd_into(simd);
+                spins[l] = spin.combine(b.spin);
+                kept[l] = pairs.slip[k].simd_into(simd);
+            }
+            for l in 0..4 {
+                slips[l] = kept[2 * l].combine(kept[2 * l + 1]);
+            }
+            let [x, y, z, a, u, v, w, b] = transposed(motions);
+            let square = x * x + y * y + z * z;
+            let sum = a + b + f64x8::from_slice(simd, &input.reach[first..first + GROUP]);
+            let touches = square.simd_lt(sum * sum) & square.simd_gt(zero);
+            touching |= touches.to_bitmask() << first;
+            store(&mut input.between, first, [x, y, z]);
+            a.store_slice(&mut input.radii[0][first..first + GROUP]);
+            store(&mut input.velocity, first, [u, v, w]);
+            b.store_slice(&mut input.radii[1][first..first + GROUP]);
+            let [x, y, z, a, u, v, w, b] = transposed(spins);
+            store(&mut input.spins[0], first, [x, y, z]);
+            a.store_slice(&mut input.dashpot_masses[0][first..first + GROUP]);
+            store(&mut input.spins[1], first, [u, v, w]);
+            b.store_slice(&mut input.dashpot_masses[1][first..first + GROUP]);
+            let [x, y, z, _] = four_columns(slips);
+            store(&mut input.slip, first, [x, y, z]);
+        }
+        if pairs.remembers_rolling() {
+            for (k, &pair) in self.pair[..full].iter().enumerate() {
+                write(&mut input.rolling, k, &pairs.rolling[pair as usize]);
             }
         }
-        self.n = 0;
+        touching
+    }
+}
+
+/// Gap of two spheres, m.
+#[expect(
+    clippy::cast_possible_truncation,
+    reason = "the way up to the touch is shortened by a safety distance"
+)]
+fn gap([a, b]: [&Sphere; 2]) -> f32 {
+    let distance = (b.position() - a.position()).norm();
+    (distance - a.radius() - b.radius()) as f32
+}
+
+/// Writes a vector of each contact of a group into columns.
+#[inline(always)]
+fn store<S: Simd>(columns: &mut Column, first: usize, values: [f64x8<S>; 3]) {
+    for (column, values) in columns.iter_mut().zip(&values) {
+        values.store_slice(&mut column[first..first + GROUP]);
     }
 }
 
@@ -168,17 +223,6 @@ fn compute(law: &Interaction, input: &Input, output: &mut Output, n: usize, time
             dashpot_masses: [input.dashpot_masses[0][k], input.dashpot_masses[1][k]],
             bridge_volume: input.bridge_volume[k],
         };
-        let effect = law.between_spheres(&pair, time_step);
-        write(&mut output.force, k, &effect.force);
-        write(&mut output.torque_i, k, &effect.torque_i);
-        write(&mut output.torque_j, k, &effect.torque_j);
-        write(&mut output.slip, k, &effect.memory.slip);
-        write(&mut output.rolling, k, &effect.memory.rolling);
+        output.write(k, &law.between_spheres(&pair, time_step));
     }
-}
-
-/// From the centre of a to that of b, m.
-#[inline(always)]
-pub(super) fn between(a: &Row, b: &Row) -> Vector3<f64> {
-    Vector3::new(b[0] - a[0], b[1] - a[1], b[2] - a[2])
 }

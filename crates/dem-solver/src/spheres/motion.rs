@@ -100,8 +100,10 @@ fn gather(
         &mut motion.momentum,
         &bodies.angular_momentum[block.clone()],
     );
-    read_all(&mut motion.force, &bodies.force[block.clone()]);
-    read_all(&mut motion.torque, &bodies.torque[block.clone()]);
+    for (k, load) in bodies.load[block.clone()].iter().enumerate().take(ROOM) {
+        write(&mut motion.force, k, load.force().into());
+        write(&mut motion.torque, k, load.torque().into());
+    }
     let orientations = bodies.orientation[block.clone()].iter();
     for (k, orientation) in orientations.enumerate().take(ROOM) {
         let q = orientation.quaternion();

@@ -9,6 +9,7 @@
     reason = "the hot loops are vectorised only when inlined"
 )]
 
+use crate::batch::ROOM;
 use crate::census::Census;
 use crate::contact::Memory;
 use crate::context::Context;
@@ -16,6 +17,7 @@ use crate::interaction::Interaction;
 use crate::kept_contact::KeptContact;
 use crate::lanes::stored;
 use crate::lanes::{HALF, NUMBERS, keep, make_room};
+use crate::spheres::sphere::{Row, row, vector};
 use crate::travel::lowered;
 use fearless_simd::prelude::*;
 use fearless_simd::{f32x8, u32x8};
@@ -60,7 +62,7 @@ pub(crate) struct SpherePairs {
     /// touches, else where it could.
     pub(crate) wake: Vec<f32>,
     /// Tangential displacement of the contact, m; 0 where there is none.
-    pub(crate) slip: Vec<Vector3<f64>>,
+    pub(crate) slip: Vec<Row>,
     /// Torque of the rolling spring of the contact, N m; 0 where there is none. Empty in a world without
     /// rolling springs.
     pub(crate) rolling: Vec<Vector3<f64>>,
@@ -69,6 +71,11 @@ pub(crate) struct SpherePairs {
 }
 
 impl SpherePairs {
+    /// Whether there are rolling springs.
+    pub(super) fn remembers_rolling(&self) -> bool {
+        self.remembers_rolling
+    }
+
     /// Number of pairs.
     pub(crate) fn len(&self) -> usize {
         self.slip.len()
@@ -160,10 +167,20 @@ impl SpherePairs {
         n
     }
 
+    /// How many of these pairs, from the first one on, have its interaction and fit into a batch.
+    #[inline(always)]
+    pub(super) fn of_one_interaction(&self, pairs: &[u32]) -> usize {
+        let of = |&pair: &u32| self.ends[pair as usize].interaction;
+        let batch = &pairs[..pairs.len().min(ROOM)];
+        let first = batch.first().map(of);
+        let others = batch.iter().position(|pair| Some(of(pair)) != first);
+        others.unwrap_or(batch.len())
+    }
+
     /// What the contact of a pair remembers.
     pub(crate) fn memory(&self, k: usize) -> Memory {
         Memory {
-            slip: self.slip[k],
+            slip: vector(&self.slip[k]),
             rolling: self.rolling.get(k).copied().unwrap_or_default(),
         }
     }
@@ -171,7 +188,7 @@ impl SpherePairs {
     /// Sets what the contact of a pair remembers.
     #[inline(always)]
     pub(crate) fn remember(&mut self, k: usize, memory: &Memory) {
-        self.slip[k] = memory.slip;
+        self.slip[k] = row(&memory.slip, 0.0);
         if let Some(rolling) = self.rolling.get_mut(k) {
             *rolling = memory.rolling;
         }
@@ -231,6 +248,6 @@ impl SpherePairs {
 }
 
 /// What a column holds of an entry that is known; 0 of one that is not.
-pub(crate) fn remembered(column: &[Vector3<f64>], known: Option<usize>) -> Vector3<f64> {
-    known.map_or_else(Vector3::zeros, |k| column[k])
+pub(crate) fn remembered<T: Copy + Default>(column: &[T], known: Option<usize>) -> T {
+    known.map_or_else(T::default, |k| column[k])
 }

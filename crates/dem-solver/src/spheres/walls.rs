@@ -17,6 +17,7 @@ use crate::interaction::Interaction;
 use crate::kept_contact::KeptContact;
 use crate::lanes::stored;
 use crate::liquid::bridge_volume;
+use crate::load::Load;
 use crate::spheres::pairs::{TOUCHES, UNKNOWN, remembered};
 use crate::travel::lowered;
 use crate::wall::Wall;
@@ -249,7 +250,7 @@ impl SphereWalls {
     /// Gives the forces found to the bodies.
     pub(crate) fn give_forces(&self, loads: &mut Loads<'_>) {
         for load in &self.loads {
-            loads.add(load.body, &load.force, &load.torque);
+            loads.add(load.body, &Load::new(&load.force, &load.torque));
         }
     }
 

@@ -63,7 +63,7 @@ fn a_bridge_pulls_by_its_law_until_it_breaks() {
         let [a, b] = [world.bodies().position[0], world.bodies().position[1]];
         let gap = (b - a).norm() - 2.0 * RADIUS;
         world.step().expect("steps");
-        let pull = world.bodies().force[0].x;
+        let pull = world.bodies().load[0].force().x;
         if gap > 1e-9 && gap < rupture {
             let expected = bridge.attraction(gap, VOLUME);
             assert!(
@@ -98,7 +98,7 @@ fn a_viscous_bridge_resists_parting_by_its_law() {
         let gap = (bodies.position[1] - bodies.position[0]).norm() - 2.0 * RADIUS;
         let speed = (bodies.velocity[1] - bodies.velocity[0]).x;
         world.step().expect("steps");
-        let pull = world.bodies().force[0].x;
+        let pull = world.bodies().load[0].force().x;
         if gap > 1e-9 && gap < 1e-4 {
             let expected = viscous.resistance(gap, VOLUME)[0] * speed;
             assert!(
@@ -255,7 +255,7 @@ fn a_bridge_at_triangles_has_the_liquid_that_the_ball_gives() {
     for _ in 0..3000 {
         let gap = -world.bodies().position[0].y - RADIUS;
         world.step().expect("steps");
-        let pull = world.bodies().force[0].y;
+        let pull = world.bodies().load[0].force().y;
         if gap > 1e-9 && gap < rupture {
             let expected = bridge.attraction(gap, VOLUME);
             assert!(

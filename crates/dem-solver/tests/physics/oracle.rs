@@ -139,12 +139,12 @@ fn hold_to_the_plain_loop(world: &mut World, history: &mut plain::History, n: us
         // coordinates over the overlap (1e3): 1e-12 of the largest load.
         let largest = expected
             .iter()
-            .map(|load| load.force.norm())
+            .map(|load| load.force().norm())
             .fold(0.0, f64::max);
         let lever = world.templates()[0].smallest_radius() * 8.0;
         for (k, load) in expected.iter().enumerate() {
-            let force = (bodies.force[k] - load.force).norm();
-            let torque = (bodies.torque[k] - load.torque).norm();
+            let force = (bodies.load[k].force() - load.force()).norm();
+            let torque = (bodies.load[k].torque() - load.torque()).norm();
             assert!(
                 force <= 1e-11 * largest,
                 "force on body {k} at {time} s: {force}"

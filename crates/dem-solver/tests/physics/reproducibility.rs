@@ -220,15 +220,18 @@ fn the_order_of_the_bodies_changes_rounding_alone() {
         back.reorder(&backwards).unwrap();
         assert!(back.snapshot() == kept, "something is lost on the way");
         run(&mut world, 1);
-        let (before, forces) = (world.bodies(), &world.bodies().force);
-        let largest = forces.iter().map(Vector3::norm).fold(0.0, f64::max);
+        let (before, loads) = (world.bodies(), &world.bodies().load);
+        let largest = loads
+            .iter()
+            .map(|load| load.force().norm())
+            .fold(0.0, f64::max);
         for (other, order) in [(&mut sorted, order), (&mut turned, backwards)] {
             run(other, 1);
             let after = other.bodies();
             for (place, &former) in order.iter().enumerate() {
-                let force = (after.force[place] - before.force[former]).norm();
+                let force = (after.load[place].force() - before.load[former].force()).norm();
                 assert!(force < 1e-12 * largest, "{force} N of {largest}");
-                let torque = (after.torque[place] - before.torque[former]).norm();
+                let torque = (after.load[place].torque() - before.load[former].torque()).norm();
                 assert!(torque < 1e-14 * largest, "{torque} N m");
                 let way = (after.position[place] - before.position[former]).norm();
                 assert!(way < 1e-15, "{way} m");

@@ -3,7 +3,7 @@
 use super::plate::{Plate, lowest, moved};
 use super::{BenchParts, Repeat};
 use crate::Error;
-use dem_solver::{Placement, World};
+use dem_solver::{Load, Placement, World};
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 use random_stream::Stream;
 
@@ -73,7 +73,7 @@ fn one(
     let reach = parts.body.clump.bounding_radius();
     let (mut highest, mut moving, mut touched) = (0.0_f64, 0.0, false);
     while world.time() < limit {
-        world.step_with(|bodies| bodies.force[0].y -= weight)?;
+        world.step_with(|bodies| bodies.load[0] += Load::of_force(&(-Vector3::y() * weight)))?;
         let at = world.bodies().position[0].y;
         let low = parts.lowest(&world);
         touched |= low <= first_touch;

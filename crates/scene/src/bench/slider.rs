@@ -4,7 +4,7 @@
 use super::plate::{Plate, extent, flat, glued, highest, lowest, rigid};
 use super::{BenchParts, Repeat};
 use crate::Error;
-use dem_solver::Placement;
+use dem_solver::{Load, Placement};
 use nalgebra::{UnitQuaternion, Vector3};
 use random_stream::Stream;
 
@@ -52,12 +52,11 @@ fn one(parts: &BenchParts, stream: &mut Stream) -> Result<Repeat, Error> {
         world.step_with(|bodies| {
             let velocity = bodies.velocity[0];
             pull = stiffness * (drive - bodies.position[0].x) + damping * (SPEED - velocity.x);
-            bodies.force[0] += Vector3::new(pull, -weight, 0.0);
             // The tractor holds the sled upright and straight; up and down it is damped a little, as
             // a sled of ten seeds' weight would be by its seeds.
-            bodies.force[0].y -= damping * velocity.y;
-            bodies.force[0].z = 0.0;
-            bodies.torque[0] = Vector3::zeros();
+            let force = bodies.load[0].force() + Vector3::new(pull, -weight, 0.0);
+            let upwards = force.y - damping * velocity.y;
+            bodies.load[0] = Load::of_force(&Vector3::new(force.x, upwards, 0.0));
         })?;
         if world.time() > TIMES[0] {
             sum += pull / weight;

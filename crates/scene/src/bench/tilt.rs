@@ -3,7 +3,7 @@
 use super::plate::{Plate, moved};
 use super::{BenchParts, Repeat};
 use crate::Error;
-use dem_solver::Placement;
+use dem_solver::{Load, Placement};
 use nalgebra::{UnitQuaternion, Vector3};
 use random_stream::Stream;
 
@@ -86,7 +86,7 @@ fn one(
         let now = world.time();
         let tilt = rested_at.map_or(0.0, |since| now - since) * RATE;
         let pull = Vector3::new(tilt.sin(), -tilt.cos(), 0.0) * weight;
-        world.step_with(|bodies| bodies.force[0] += pull)?;
+        world.step_with(|bodies| bodies.load[0] += Load::of_force(&pull))?;
         if rested_at.is_none() {
             if !parts.is_at_rest(&world) {
                 moving = now;

@@ -2,6 +2,7 @@ use super::{Kind, Surroundings, drag, image_force};
 use crate::build::{Built, build};
 use crate::motion::advance;
 use crate::{FillingLibrary, Override, Scene};
+use dem_solver::Load;
 use fixture_files::fixture;
 use nalgebra::Vector3;
 
@@ -37,7 +38,8 @@ fn thrown(scene: &Scene) -> Built {
     let mut built = build(scene, &FillingLibrary::default(), 1).unwrap();
     let impulse = 94.5e-6 * 5.0;
     let force = impulse / built.world.settings().time_step;
-    let throw = |bodies: &mut dem_solver::Bodies| bodies.force[0].y += force;
+    let throw =
+        |bodies: &mut dem_solver::Bodies| bodies.load[0] += Load::of_force(&(Vector3::y() * force));
     built.world.step_with(throw).unwrap();
     if let Some(surroundings) = &mut built.surroundings {
         surroundings.start(built.world.time());
