@@ -39,7 +39,7 @@ struct Input {
     radii: [[f64; ROOM]; 2],
     dashpot_masses: [[f64; ROOM]; 2],
     bridge_volume: [f64; ROOM],
-    /// Gap up to which a contact holds that was made, m.
+    /// Gap up to which a contact holds that was made, m; 0 in a dry world.
     reach: [f64; ROOM],
 }
 
@@ -150,7 +150,8 @@ impl SphereBatch {
                 let k = self.pair[first + l] as usize;
                 let [i, j] = pairs.ends[k].bodies();
                 let [a, b] = [&spheres[i], &spheres[j]];
-                let [of_a, of_b] = [a, b].map(|sphere| f64x8::simd_from(simd, sphere.motion));
+                let of_a = f64x8::simd_from(simd, a.motion);
+                let of_b = f64x8::simd_from(simd, b.motion);
                 let apart = position.select(of_b - of_a, of_a - of_b);
                 let apart = second_radius.select(of_b, apart);
                 motions[l] = first_radius.select(of_a, apart);
