@@ -1,7 +1,7 @@
 //! Contacts that barely exist: the single-precision search must not miss what double precision
 //! calls a contact, whatever the size of the bodies.
 
-use crate::scene::{seed_and_block, settings, smooth, world};
+use crate::scene::{ball, seed_and_block, settings, smooth, world};
 use dem_solver::{Placement, Settings, World, plain};
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 use random_stream::Stream;
@@ -79,4 +79,29 @@ fn faintest_contact_is_found_at_any_size() {
             );
         }
     }
+}
+
+/// Two balls in one place have no direction in which to part: they do not touch, and a third that touches both gets the
+/// same from each. It stands one micrometre in, where the force of one is some 6e-5 N; what two equal forces and their
+/// sum round by is 1e-16 of that.
+#[test]
+fn two_balls_in_one_place_leave_each_other_alone() {
+    let radius = 1e-3;
+    let third = Vector3::x() * (2.0 * radius - 1e-6);
+    let pulled = |places: &[Vector3<f64>]| {
+        let at_rest = |&place| Placement::at_rest(0, place, UnitQuaternion::identity());
+        let starts: Vec<_> = places.iter().map(at_rest).collect();
+        let settings = settings(1e-7, Vector3::zeros());
+        let mut world = world(settings, &smooth(), vec![ball(radius)], Vec::new(), &starts);
+        world.step().expect("nothing moves far in a step");
+        let loads = world.bodies().load.iter();
+        loads.map(|load| load.force().x).collect::<Vec<_>>()
+    };
+    let [one, other] = pulled(&[Vector3::zeros(), third])[..] else {
+        panic!("two bodies")
+    };
+    assert!(one < 0.0 && one == -other, "{one} and {other} N");
+    let three = pulled(&[Vector3::zeros(), Vector3::zeros(), third]);
+    assert!(three[..2] == [one, one], "{three:?} N, alone {one} N");
+    assert!((three[2] / other - 2.0).abs() < 1e-15, "{three:?} N");
 }

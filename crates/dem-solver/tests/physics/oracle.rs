@@ -241,10 +241,9 @@ fn loads_are_those_of_the_plain_loop_for_plain_spheres() {
         bridge: Some(wet_bridge()),
     };
     let places = fallen(1.0, drum(1.0));
-    let templates = || {
-        let seed = seed_and_block(1.0).swap_remove(0);
-        wetted(vec![seed, ball(1.3e-3), ball(1e-3)])
-    };
+    // Of two materials, so that neighbours in a list have different laws.
+    let small = cluster(&[([0.0; 3], 1e-3)], 1, DashpotMass::Body);
+    let balls = vec![ball(1.3e-3), small];
     let settings = Settings {
         time_step: 2e-5,
         ..settings_of(1.0)
@@ -253,12 +252,15 @@ fn loads_are_those_of_the_plain_loop_for_plain_spheres() {
     let most = |seeds: bool, further: OptionalLaws| {
         let mut starts = places.clone();
         for (k, start) in starts.iter_mut().enumerate() {
-            start.template = if seeds && k % 4 == 0 { 0 } else { 1 + k % 2 };
+            start.template = if seeds && k % 4 == 0 { 2 } else { k % 2 };
         }
-        let surface = interaction(&sticky()).with(&further);
-        let laws = vec![surface; 4];
+        // A world that has no seed takes the path of plain spheres.
+        let mut templates = balls.clone();
+        templates.extend(seeds.then(|| seed_and_block(1.0).swap_remove(0)));
+        let [own, other] = [sticky(), rough(0.4, 0.2)].map(|s| interaction(&s).with(&further));
+        let laws = vec![own, other, other, own];
         let mut world =
-            World::new(settings, templates(), laws, drum(1.0), &starts).expect("possible");
+            World::new(settings, wetted(templates), laws, drum(1.0), &starts).expect("possible");
         world
             .set_wall_spin("shell", 4.0)
             .expect("the shell may turn");
