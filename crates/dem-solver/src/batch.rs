@@ -173,18 +173,9 @@ pub(crate) fn read(column: &Column, k: usize) -> Vector3<f64> {
     Vector3::new(column[0][k], column[1][k], column[2][k])
 }
 
-/// What one contact does to its two bodies.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct ContactLoad {
-    /// The two bodies.
-    pub(crate) bodies: [usize; 2],
-    /// What it does to each.
-    pub(crate) loads: [Load; 2],
-}
-
 /// Where the loads of contacts go: to the bodies, or to a list that is given to them later.
 pub(crate) trait Sink {
-    /// Takes the loads that a contact puts on two bodies.
+    /// Takes the loads that a contact puts on two bodies; their forces are opposite.
     fn take(&mut self, bodies: [usize; 2], loads: &[Load; 2]);
 }
 

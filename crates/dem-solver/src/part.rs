@@ -3,7 +3,12 @@
 //! A body gets its loads in the order of the bodies of the contacts, whatever thread found
 //! them, so that the sums do not depend on the number of parts or threads.
 
-use crate::batch::{ContactLoad, Loads, Sink};
+#![expect(
+    clippy::inline_always,
+    reason = "the hot loops are vectorised only when inlined"
+)]
+
+use crate::batch::{Loads, Sink};
 use crate::bodies::Bodies;
 use crate::broad_phase::BodyGrid;
 use crate::census::Census;
@@ -18,7 +23,8 @@ use crate::spheres::walls::SphereWalls;
 use crate::wall::Wall;
 use crate::wall_force::WallNeighbours;
 use crate::workspace::Workspace;
-use fearless_simd::Level;
+use fearless_simd::prelude::*;
+use fearless_simd::{Level, dispatch};
 use nalgebra::Vector3;
 use std::ops::Range;
 use std::sync::Arc;
@@ -38,6 +44,31 @@ pub(crate) struct Part {
     spheres_at_walls: SphereWalls,
     /// Loads found and not yet given to the bodies.
     outbox: Outbox,
+}
+
+/// What one contact does to its two bodies, in half the memory of two [`Load`]s.
+#[derive(Debug, Clone, Copy)]
+struct ContactLoad {
+    /// The two bodies.
+    bodies: [usize; 2],
+    /// Force on the first, the opposite of that on the second, N.
+    force: Vector3<f64>,
+    /// Torques on both, N m.
+    torques: [Vector3<f64>; 2],
+}
+
+impl ContactLoad {
+    /// Adds what the contact does to its first body.
+    #[inline(always)]
+    fn give_first(&self, loads: &mut Loads<'_>) {
+        loads.add(self.bodies[0], &Load::new(&self.force, &self.torques[0]));
+    }
+
+    /// Adds what the contact does to its second body.
+    #[inline(always)]
+    fn give_second(&self, loads: &mut Loads<'_>) {
+        loads.add(self.bodies[1], &Load::new(&-self.force, &self.torques[1]));
+    }
 }
 
 /// Loads of the contacts of a part in the order in which they were found.
@@ -62,8 +93,11 @@ impl Sink for Outbox {
             let number = u32::try_from(self.loads.len()).unwrap_or(u32::MAX);
             self.abroad[place].push(number);
         }
-        let loads = *loads;
-        self.loads.push(ContactLoad { bodies, loads });
+        self.loads.push(ContactLoad {
+            bodies,
+            force: loads[0].force(),
+            torques: [loads[0].torque(), loads[1].torque()],
+        });
     }
 }
 
@@ -210,31 +244,44 @@ impl Part {
 
 /// Gives the loads that were kept, of pairs and of walls, to the bodies of some parts; `loads` are those of these
 /// bodies. Halves are done at the same time.
-pub(crate) fn give_loads(parts: &[Part], receivers: Range<usize>, mut loads: Loads<'_>) {
+pub(crate) fn give_loads(
+    level: Level,
+    parts: &[Part],
+    receivers: Range<usize>,
+    mut loads: Loads<'_>,
+) {
     if receivers.len() > 1 {
         let middle = receivers.start + receivers.len() / 2;
         let (low, high) = loads.split_at(parts[middle].range.start);
         rayon::join(
-            || give_loads(parts, receivers.start..middle, low),
-            || give_loads(parts, middle..receivers.end, high),
+            || give_loads(level, parts, receivers.start..middle, low),
+            || give_loads(level, parts, middle..receivers.end, high),
         );
         return;
     }
     for receiver in receivers {
-        for part in &parts[..receiver] {
-            let outbox = &part.outbox;
-            for &number in &outbox.abroad[receiver] {
-                let load = &outbox.loads[number as usize];
-                loads.add(load.bodies[1], &load.loads[1]);
-            }
+        dispatch!(level, simd => simd.vectorize(
+            #[inline(always)]
+            || give_to(parts, receiver, &mut loads),
+        ));
+        parts[receiver].give_wall_forces(&mut loads);
+    }
+}
+
+/// Gives the loads of pairs that were kept to the bodies of one part.
+#[inline(always)]
+fn give_to(parts: &[Part], receiver: usize, loads: &mut Loads<'_>) {
+    for part in &parts[..receiver] {
+        let outbox = &part.outbox;
+        for &number in &outbox.abroad[receiver] {
+            outbox.loads[number as usize].give_second(loads);
         }
-        let own = &parts[receiver];
-        for load in &own.outbox.loads {
-            loads.add(load.bodies[0], &load.loads[0]);
-            if load.bodies[1] < own.range.end {
-                loads.add(load.bodies[1], &load.loads[1]);
-            }
+    }
+    let own = &parts[receiver];
+    for load in &own.outbox.loads {
+        load.give_first(loads);
+        if load.bodies[1] < own.range.end {
+            load.give_second(loads);
         }
-        own.give_wall_forces(&mut loads);
     }
 }

@@ -401,7 +401,7 @@ impl World {
                     part.keep_loads(level, bodies, walls, &context, workspace);
                 }
             });
-            give_loads(&parts, 0..parts.len(), loads);
+            give_loads(level, &parts, 0..parts.len(), loads);
         } else {
             let workspace = &mut workspaces[0];
             for part in &mut parts {
