@@ -248,7 +248,7 @@ impl Bed {
                 centre_of_mass_deg: self.series.iter().map(|p| p.centre_of_mass_deg).collect(),
             },
             timing: timing(took, self.moments.last().map_or(0, |m| m.spheres.len())),
-            last_frame_png_base64: picture.transpose()?.map(png_in_base64),
+            last_frame_png_base64: picture.transpose()?.as_ref().map(png_in_base64),
             last_bodies: None,
         })
     }

@@ -1,11 +1,11 @@
 //! What a record of a run keeps beside its observables.
 
 use crate::{BodyDetails, Effort, Error};
-use image::{DynamicImage, ImageFormat, RgbImage};
+use image::RgbImage;
+use image::codecs::png::PngEncoder;
 use run_store::Record;
 use scene::{Ending, FrameReading, PhaseTimes, RunResult, Scene, drum_picture, error_of_mean};
 use serde::{Deserialize, Serialize};
-use std::io::Cursor;
 use surface_profile::summarise;
 
 /// What is wrong with a release that ended before its seeds rested.
@@ -281,11 +281,8 @@ fn picture(scene: &Scene, result: &RunResult) -> Result<Option<String>, Error> {
     let Some(frame) = frame else {
         return Ok(None);
     };
-    Ok(Some(png_in_base64(drum_picture(
-        scene,
-        &result.bodies,
-        frame,
-    )?)))
+    let drawn = drum_picture(scene, &result.bodies, frame)?;
+    Ok(Some(png_in_base64(&drawn)))
 }
 
 /// A picture as PNG in base 64, the form in which a record keeps it.
@@ -293,11 +290,11 @@ fn picture(scene: &Scene, result: &RunResult) -> Result<Option<String>, Error> {
 /// # Panics
 ///
 /// Never: memory takes every picture that was drawn.
-pub fn png_in_base64(picture: RgbImage) -> String {
+pub fn png_in_base64(picture: &RgbImage) -> String {
     use base64::Engine as _;
-    let mut bytes = Cursor::new(Vec::new());
-    DynamicImage::from(picture)
-        .write_to(&mut bytes, ImageFormat::Png)
+    let mut bytes = Vec::new();
+    picture
+        .write_with_encoder(PngEncoder::new(&mut bytes))
         .expect("memory takes every picture that was drawn");
-    base64::engine::general_purpose::STANDARD.encode(bytes.into_inner())
+    base64::engine::general_purpose::STANDARD.encode(bytes)
 }

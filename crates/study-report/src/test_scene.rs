@@ -2,11 +2,10 @@
 
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
-use image::{DynamicImage, ImageFormat};
+use image::codecs::png::PngEncoder;
 use run_store::{Observation, Record};
 use scene::Scene;
 use serde_json::json;
-use std::io::Cursor;
 use std::path::Path;
 
 /// The text of the scene.
@@ -71,11 +70,11 @@ pub(crate) fn drum(folder: &Path) -> Scene {
 /// A frame as PNG.
 pub(crate) fn frame() -> Vec<u8> {
     let picture = drawn_pictures::Scene::default().draw();
-    let mut bytes = Cursor::new(Vec::new());
-    DynamicImage::from(picture)
-        .write_to(&mut bytes, ImageFormat::Png)
+    let mut bytes = Vec::new();
+    picture
+        .write_with_encoder(PngEncoder::new(&mut bytes))
         .unwrap();
-    bytes.into_inner()
+    bytes
 }
 
 /// Two peas of 3 mm, one of them turned: kind, place (m), rotation w, x, y, z.

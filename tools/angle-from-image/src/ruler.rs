@@ -5,7 +5,8 @@ use crate::page::{jpeg, side};
 use crate::results::{ImageResult, Origin, Points};
 use anyhow::{Context as _, ensure};
 use command_line::file_sha256;
-use image::{DynamicImage, ImageFormat};
+use image::DynamicImage;
+use image::codecs::png::PngEncoder;
 use photo_profile::{
     Frames, Mask, PhotoPixels, Settings, marked, measure_given_surface, measure_photo, overlay,
     read_frames, rectify,
@@ -14,7 +15,6 @@ use rayon::iter::{
     IndexedParallelIterator as _, IntoParallelIterator as _, IntoParallelRefIterator as _,
     ParallelIterator as _,
 };
-use std::io::Cursor;
 use std::iter::StepBy;
 use std::path::{Path, PathBuf};
 
@@ -238,7 +238,7 @@ impl OpenFilm {
 fn png(picture: &image::RgbImage) -> anyhow::Result<Vec<u8>> {
     let mut bytes = Vec::new();
     picture
-        .write_to(&mut Cursor::new(&mut bytes), ImageFormat::Png)
+        .write_with_encoder(PngEncoder::new(&mut bytes))
         .context("cannot draw an overlay")?;
     Ok(bytes)
 }

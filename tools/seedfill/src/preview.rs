@@ -119,9 +119,9 @@ fn png_of(
     view: &ObjectView,
 ) -> anyhow::Result<Vec<u8>> {
     let image = render_object(spheres, triangles, view).context("cannot draw the preview")?;
-    let mut bytes = std::io::Cursor::new(Vec::new());
+    let mut bytes = Vec::new();
     image
-        .write_to(&mut bytes, image::ImageFormat::Png)
+        .write_with_encoder(image::codecs::png::PngEncoder::new(&mut bytes))
         .context("cannot draw the preview")?;
-    Ok(bytes.into_inner())
+    Ok(bytes)
 }

@@ -66,7 +66,7 @@ pub(super) fn pictures(input: &ReportInput<'_>) -> Result<Vec<NamedPicture>, Err
         let view = ObjectView::oblique(PIXELS);
         let picture = render_object(&bed.spheres(), &[], &view)
             .map_err(|e| picture_error(&name, &e.to_string()))?;
-        let bytes = png_bytes(&name, picture)?;
+        let bytes = png_bytes(&name, &picture)?;
         pictures.push(NamedPicture::png(name, bytes).only_in_page());
     }
     Ok(pictures)

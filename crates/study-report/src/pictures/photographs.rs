@@ -5,10 +5,10 @@ use super::run_charts::check_runs;
 use crate::run_details::RunDetails;
 use crate::{Error, ReportInput};
 use frame_render::{ObjectView, RenderSphere, render_object};
-use image::{DynamicImage, ImageFormat, RgbImage};
+use image::codecs::png::PngEncoder;
+use image::{ImageFormat, RgbImage};
 use photo_profile::{Settings, measure_image, overlay_gray};
 use scene::{Apparatus, SeedBody};
-use std::io::Cursor;
 use std::sync::Arc;
 
 /// Colour of the spheres, sRGB.
@@ -82,7 +82,7 @@ pub(crate) fn seeds(input: &ReportInput<'_>) -> Result<Vec<NamedPicture>, Error>
         for (name, coat) in coats {
             let wrong = |e: frame_render::Error| picture_error(&name, &e.to_string());
             let picture = render_object(&spheres, coat, &view).map_err(wrong)?;
-            let bytes = png_bytes(&name, picture)?;
+            let bytes = png_bytes(&name, &picture)?;
             pictures.push(NamedPicture::png(name, bytes));
         }
     }
@@ -125,18 +125,18 @@ pub(super) fn with_reading(name: &str, frame: &[u8]) -> Result<Vec<u8>, Error> {
         .into_luma8();
     let settings = Settings::default();
     match measure_image(&picture, &settings) {
-        Ok(reading) => png_bytes(name, overlay_gray(&picture, &reading, &settings)),
+        Ok(reading) => png_bytes(name, &overlay_gray(&picture, &reading, &settings)),
         Err(_) => Ok(frame.to_vec()),
     }
 }
 
 /// A picture as the bytes of a PNG file.
-pub(super) fn png_bytes(name: &str, picture: RgbImage) -> Result<Vec<u8>, Error> {
-    let mut bytes = Cursor::new(Vec::new());
-    DynamicImage::from(picture)
-        .write_to(&mut bytes, ImageFormat::Png)
+pub(super) fn png_bytes(name: &str, picture: &RgbImage) -> Result<Vec<u8>, Error> {
+    let mut bytes = Vec::new();
+    picture
+        .write_with_encoder(PngEncoder::new(&mut bytes))
         .map_err(|e| picture_error(name, &e.to_string()))?;
-    Ok(bytes.into_inner())
+    Ok(bytes)
 }
 
 /// An error about a picture.
