@@ -144,8 +144,8 @@ impl SphereBatch {
         let first_radius = mask64x8::from_bitmask(simd, 0b0000_1000);
         let second_radius = mask64x8::from_bitmask(simd, 0b1000_0000);
         for first in (0..full).step_by(GROUP) {
-            let (mut motions, mut spins, mut slips) = ([zero; 8], [zero; 8], [zero; 4]);
-            let mut kept = [f64x4::splat(simd, 0.0); 8];
+            let (mut motions, mut spins) = ([zero; 8], [zero; 8]);
+            let mut slips = [f64x4::splat(simd, 0.0); 8];
             for l in 0..GROUP {
                 let k = self.pair[first + l] as usize;
                 let [i, j] = pairs.ends[k].bodies();
@@ -157,10 +157,7 @@ impl SphereBatch {
                 motions[l] = first_radius.select(of_a, apart);
                 let spin: f64x4<S> = a.spin.simd_into(simd);
                 spins[l] = spin.combine(b.spin);
-                kept[l] = pairs.slip[k].simd_into(simd);
-            }
-            for l in 0..4 {
-                slips[l] = kept[2 * l].combine(kept[2 * l + 1]);
+                slips[l] = pairs.slip[k].simd_into(simd);
             }
             let [x, y, z, a, u, v, w, b] = transposed(motions);
             let square = x * x + y * y + z * z;
