@@ -79,7 +79,7 @@ fn four_by_four<S: Simd>(rows: [f64x4<S>; 4]) -> [f64x4<S>; 4] {
 
 #[cfg(test)]
 mod tests {
-    use super::{four_columns, transposed};
+    use super::{dealt, four_columns, transposed};
     use fearless_simd::prelude::*;
     use fearless_simd::{Level, dispatch, f64x4, f64x8};
 
@@ -95,9 +95,12 @@ mod tests {
     fn assert_transposed<S: Simd>(simd: S) {
         let number = |row: usize, place: usize| (10 * row + place) as f64;
         let rows = std::array::from_fn(|r| f64x8::from_fn(simd, |p| number(r, p)));
-        for (c, column) in transposed(rows).iter().enumerate() {
-            let expected = f64x8::from_fn(simd, |k| number(k, c));
-            assert_eq!(column.as_slice(), expected.as_slice());
+        // Dealing is right on any registers, if not fast.
+        for columns in [transposed(rows), dealt(rows)] {
+            for (c, column) in columns.iter().enumerate() {
+                let expected = f64x8::from_fn(simd, |k| number(k, c));
+                assert_eq!(column.as_slice(), expected.as_slice());
+            }
         }
         let rows = std::array::from_fn(|r| f64x4::from_fn(simd, |p| number(r, p)));
         for (c, column) in four_columns(rows).iter().enumerate() {
