@@ -8,7 +8,7 @@ use crate::unit::Kind;
 pub enum Error {
     /// The text does not start with a number.
     #[error(
-        "\"{text}\" is no {expected}: write a number with a decimal point and a unit, such as \
+        "\"{text}\" is not {expected}: write a number with a decimal point and a unit, such as \
          \"{}\" (accepted units: {})", expected.example(), expected.accepted()
     )]
     NoNumber {

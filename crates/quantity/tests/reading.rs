@@ -62,6 +62,7 @@ fn text_that_is_no_decimal_number_is_refused() {
     ] {
         let error = Length::parse(text).expect_err(text);
         assert!(matches!(error, Error::NoNumber { .. }), "{text}: {error}");
+        assert!(error.to_string().contains("is not a length"), "{error}");
     }
 }
 

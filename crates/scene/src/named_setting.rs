@@ -98,6 +98,7 @@ fn is_quantity(text: &str) -> bool {
 #[cfg(test)]
 mod tests {
     use super::SettingKind;
+    use crate::parse::like_names;
     use crate::{Error, Override, Scene};
     use std::path::Path;
 
@@ -140,6 +141,13 @@ mod tests {
             scene.named_setting("poisson_ratio"),
             Err(Error::AmbiguousSetting { .. })
         ));
+        // Of settings with one last word that with the most like path comes first.
+        let paths = [
+            "contact.pea-clear.static_friction",
+            "contact.pea-pea.static_friction",
+        ];
+        let like = like_names(&paths.map(str::to_owned), "contact.pea-pea.static_frction");
+        assert!(like.starts_with(paths[1]), "{like}");
         // A setting that the file leaves out has a short name too, and a misspelt one is told with those like it, not with all.
         assert_eq!(found("flow_step_share").0, "protocol.flow_step_share");
         let told = scene.named_setting("static_frction").unwrap_err();

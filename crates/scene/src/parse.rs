@@ -345,17 +345,19 @@ pub(crate) fn whole_path(table: &Table, name: &str, file: &str) -> Result<String
     }
 }
 
-/// The eight settings whose last word is most like that of a name, as a list for a message.
+/// The eight settings whose last word is most like that of a name, as a list for a message; of like words the most like
+/// path comes first.
 pub fn like_names(all: &[String], name: &str) -> String {
     let last = |path: &str| path.rsplit('.').next().unwrap_or(path).to_owned();
     let wanted = last(name);
     let likeness = |path: &String| {
         let word = last(path);
         let holds = f64::from(u8::from(word.contains(&wanted)));
-        holds + strsim::jaro_winkler(&word, &wanted)
+        let whole = strsim::jaro_winkler(path, name);
+        (holds + strsim::jaro_winkler(&word, &wanted), whole)
     };
     let mut nearest: Vec<_> = all.iter().map(|path| (likeness(path), path)).collect();
-    nearest.sort_by(|a, b| b.0.total_cmp(&a.0));
+    nearest.sort_by(|(a, _), (b, _)| b.0.total_cmp(&a.0).then(b.1.total_cmp(&a.1)));
     let names = nearest.into_iter().take(LIKE_NAMES);
     names
         .map(|(_, path)| path.clone())
