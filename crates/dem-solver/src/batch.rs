@@ -189,6 +189,14 @@ pub(crate) struct Loads<'a> {
 }
 
 impl<'a> Loads<'a> {
+    /// The same loads for a while.
+    pub(crate) fn reborrowed(&mut self) -> Loads<'_> {
+        Loads {
+            first: self.first,
+            all: self.all,
+        }
+    }
+
     /// Adds to the load of a body of the range.
     #[inline(always)]
     pub(crate) fn add(&mut self, body: usize, load: &Load) {

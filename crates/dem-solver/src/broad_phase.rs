@@ -68,7 +68,7 @@ impl BodyGrid {
         self.fill_cells(positions);
     }
 
-    /// Calls `found` with each body i of a range and its partners j > i, in rising order: the
+    /// Calls `found` with each body i of a range and its partners j < i, in rising order: the
     /// bodies closer than the sum of both radii and the margin. Positions and radii as in
     /// [`Self::sort`].
     pub(crate) fn for_each_body(
@@ -93,7 +93,7 @@ impl BodyGrid {
                 dispatch!(level, simd => self.near(simd, range, &centre, near, |j| {
                     let other = j as usize;
                     let limit = reach + radii[other];
-                    if other > i && (positions[other] - p).norm_squared() < limit * limit {
+                    if other < i && (positions[other] - p).norm_squared() < limit * limit {
                         partners.push(j);
                     }
                 }));
@@ -241,7 +241,7 @@ mod tests {
             radii,
             &mut Vec::new(),
             |i, partners| {
-                found.extend(partners.iter().map(|&j| (i, j as usize)));
+                found.extend(partners.iter().map(|&j| (j as usize, i)));
             },
         );
         found
@@ -257,8 +257,8 @@ mod tests {
         let radii: Vec<f64> = (0..300).map(|_| stream.between(0.01, 0.06)).collect();
         let found = pairs(&mut BodyGrid::default(), &positions, &radii);
         let mut expected = Vec::new();
-        for i in 0..300 {
-            for j in i + 1..300 {
+        for j in 0..300 {
+            for i in 0..j {
                 if (positions[i] - positions[j]).norm() < radii[i] + radii[j] + 0.02 {
                     expected.push((i, j));
                 }

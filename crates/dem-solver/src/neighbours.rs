@@ -46,7 +46,7 @@ pub(crate) struct Chunk {
 /// arrays go on for one group of eight behind the last pair.
 #[derive(Debug, Clone, Default)]
 struct PairTable {
-    /// The other body.
+    /// The earlier body.
     other: Vec<u32>,
     /// Sum of the travels of both bodies above which the pair is awake, m: minus infinity for a
     /// pair that touches, else where its nearest spheres could.
@@ -129,7 +129,7 @@ impl Lists {
     }
 }
 
-/// The pairs of a range of bodies with all bodies behind them.
+/// The pairs of a range of bodies with all bodies before them.
 ///
 /// Chunks and touches lie in the order in which the force loop visits the pairs, so that the
 /// loop reads memory from front to back. A list that grows out of its place goes to the end;
@@ -138,7 +138,7 @@ impl Lists {
 pub(crate) struct Neighbours {
     /// The first body of the range.
     first: usize,
-    /// Entries, grouped by the first body.
+    /// Entries, grouped by the later body.
     table: PairTable,
     /// Lists of the same entries.
     pub(crate) lists: Vec<Lists>,
@@ -180,34 +180,34 @@ impl Neighbours {
     /// All contacts, as of the last step.
     pub(crate) fn kept(&self) -> impl Iterator<Item = KeptContact> + '_ {
         let bodies = self.start.windows(2).zip(self.first..);
-        let pairs = bodies.flat_map(|(w, i)| (w[0] as usize..w[1] as usize).map(move |k| (i, k)));
-        pairs.flat_map(|(i, k)| {
+        let pairs = bodies.flat_map(|(w, j)| (w[0] as usize..w[1] as usize).map(move |k| (j, k)));
+        pairs.flat_map(|(j, k)| {
             let lists = &self.lists[k];
-            let other = self.other(k);
+            let body = self.other(k);
             self.touches[lists.touches()]
                 .iter()
                 .map(move |t| KeptContact {
-                    body: i,
-                    other,
+                    body,
+                    other: j,
                     key: t.key,
                     memory: t.memory,
                 })
         })
     }
 
-    /// Takes up the contacts of its bodies, which come in order; the pairs are listed and have none
-    /// yet. The number taken.
+    /// Takes up the contacts of its bodies with those before them, pair by pair; the pairs are listed and have none yet.
+    /// The number taken.
     pub(crate) fn recall(&mut self, contacts: &[KeptContact]) -> usize {
         let range = self.range();
         let mut taken = 0;
         for pair in contacts.chunk_by(|a, b| (a.body, a.other) == (b.body, b.other)) {
-            if !range.contains(&pair[0].body) {
+            if !range.contains(&pair[0].other) {
                 continue;
             }
-            let place = pair[0].body - self.first;
+            let place = pair[0].other - self.first;
             let (from, to) = (self.start[place] as usize, self.start[place + 1] as usize);
             let found =
-                self.table.other[from..to].binary_search_by_key(&pair[0].other, |&j| j as usize);
+                self.table.other[from..to].binary_search_by_key(&pair[0].body, |&i| i as usize);
             if let Ok(at) = found {
                 let lists = &mut self.lists[from + at];
                 lists.touch = stored(self.touches.len());
@@ -254,26 +254,26 @@ impl Neighbours {
         self.start.push(0);
     }
 
-    /// Adds the partners of body `i`, in rising order, keeping what is known of old pairs.
+    /// Adds the partners of body `j`, in rising order, keeping what is known of old pairs.
     ///
     /// `travel` is the travel of the bodies up to now; the caller sets it to 0 afterwards, so
     /// the limits of the pairs that stay are lowered by it.
-    pub(crate) fn add(&mut self, i: usize, partners: &[u32], travel: &[f32], old: &Previous) {
-        let place = i - self.first;
+    pub(crate) fn add(&mut self, j: usize, partners: &[u32], travel: &[f32], old: &Previous) {
+        let place = j - self.first;
         let (mut k, end) = match old.start.get(place..place + 2) {
             Some(range) => (range[0] as usize, range[1] as usize),
             None => (0, 0),
         };
         self.poses
             .resize(self.lists.len() + partners.len(), Pose::NONE);
-        for &j in partners {
-            while k < end && old.table.other[k] < j {
+        for &i in partners {
+            while k < end && old.table.other[k] < i {
                 k += 1;
             }
-            if k < end && old.table.other[k] == j {
+            if k < end && old.table.other[k] == i {
                 let lists = old.lists[k];
-                let limit = lowered(lists.limit, travel[i] + travel[j as usize]);
-                self.table.push(j, lists.n_candidates, limit);
+                let limit = lowered(lists.limit, travel[i as usize] + travel[j]);
+                self.table.push(i, lists.n_candidates, limit);
                 self.poses[self.lists.len()] = old.poses[k];
                 let moved = &old.chunks[lists.chunks()];
                 let chunk = stored(self.chunks.len());
@@ -286,7 +286,7 @@ impl Neighbours {
                 });
                 k += 1;
             } else {
-                self.table.push(j, 0, f32::NEG_INFINITY);
+                self.table.push(i, 0, f32::NEG_INFINITY);
                 self.lists.push(Lists::NEW);
             }
         }
@@ -298,27 +298,26 @@ impl Neighbours {
         self.table.pad();
     }
 
-    /// The other body of pair `k`.
+    /// The earlier body of pair `k`.
     #[inline(always)]
     pub(crate) fn other(&self, k: usize) -> usize {
         self.table.other[k] as usize
     }
 
-    /// Looks at pair `k` of body `i`, whose covered motion is used up; makes its list anew where
+    /// Looks at pair `k` of bodies `i` and `j`, whose covered motion is used up; makes its list anew where
     /// the true relative motion demands it.
     #[inline(always)]
     pub(crate) fn refresh<S: Simd>(
         &mut self,
         simd: S,
         k: usize,
-        i: usize,
+        [i, j]: [usize; 2],
         bodies: &Bodies,
         context: &Context<'_>,
         scratch: &mut Scratch,
     ) {
         let (templates, cutoffs) = (context.templates, context.cutoffs);
         self.n_checks += 1;
-        let j = self.other(k);
         let travel = bodies.travel[i] + bodies.travel[j];
         let (a, b) = (
             &templates[bodies.template[i]],
@@ -360,17 +359,17 @@ impl Neighbours {
         self.table.wake[k] = travel.min(self.lists[k].limit);
     }
 
-    /// Writes the pairs of body `i` that need attention in this step to the front of `awake` and returns how
+    /// Writes the pairs of body `j` that need attention in this step to the front of `awake` and returns how
     /// many there are. Nine of ten pairs sleep, so that the loop over all of them must not branch.
     #[inline(always)]
     pub(crate) fn find_awake<S: Simd>(
         &self,
         simd: S,
-        i: usize,
+        j: usize,
         travel: &[f32],
         awake: &mut Vec<u32>,
     ) -> usize {
-        let place = i - self.first;
+        let place = j - self.first;
         let (from, to) = (self.start[place], self.start[place + 1]);
         make_room(awake, (to - from) as usize + CHUNK);
         let mut n = 0;
@@ -378,7 +377,7 @@ impl Neighbours {
         for first in (from..to).step_by(CHUNK) {
             let group = first as usize..first as usize + CHUNK;
             let others = &self.table.other[group.clone()];
-            let ways = f32x8::from_fn(simd, |l| travel[others[l] as usize]) + travel[i];
+            let ways = f32x8::from_fn(simd, |l| travel[others[l] as usize]) + travel[j];
             let wake = f32x8::from_slice(simd, &self.table.wake[group]);
             let pairs = numbers + first;
             let is_awake = ways.simd_gt(wake) & pairs.simd_lt(to);

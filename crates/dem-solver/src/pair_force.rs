@@ -105,7 +105,7 @@ fn find_near<S: Simd>(
     (n_near, gap)
 }
 
-/// Finds the forces between the bodies of a range and those behind them.
+/// Finds the forces between the bodies of a range and those before them.
 pub(crate) fn add_pair_forces(
     level: Level,
     neighbours: &mut Neighbours,
@@ -145,15 +145,15 @@ fn add_pair_forces_on<S: Simd>(
         context,
         sink,
     };
-    for i in neighbours.range() {
-        let own = &context.templates[bodies.template[i]];
-        let n_awake = neighbours.find_awake(simd, i, &bodies.travel, awake);
+    for j in neighbours.range() {
+        let own = &context.templates[bodies.template[j]];
+        let n_awake = neighbours.find_awake(simd, j, &bodies.travel, awake);
         for &k in &awake[..n_awake] {
             let k = k as usize;
-            let j = neighbours.other(k);
-            let templates = [own, &context.templates[bodies.template[j]]];
+            let i = neighbours.other(k);
+            let templates = [&context.templates[bodies.template[i]], own];
             if bodies.travel[i] + bodies.travel[j] > neighbours.lists[k].limit {
-                neighbours.refresh(simd, k, i, bodies, context, scratch);
+                neighbours.refresh(simd, k, [i, j], bodies, context, scratch);
             }
             if neighbours.lists[k].n_candidates > 0 {
                 collector.collect_listed(neighbours, k, [i, j], templates);

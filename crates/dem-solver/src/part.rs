@@ -1,7 +1,8 @@
 //! A range of bodies with its lists: the part of a step that one thread does.
 //!
 //! A body gets its loads in the order of the bodies of the contacts, whatever thread found
-//! them, so that the sums do not depend on the number of parts or threads.
+//! them, so that the sums do not depend on the number of parts or threads: a pair is listed at its later body, so a part
+//! adds first what its own pairs do to its bodies, and then what the pairs of the parts behind it do to them.
 
 #![expect(
     clippy::inline_always,
@@ -23,9 +24,9 @@ use crate::spheres::walls::SphereWalls;
 use crate::wall::Wall;
 use crate::wall_force::WallNeighbours;
 use crate::workspace::Workspace;
-use fearless_simd::prelude::*;
-use fearless_simd::{Level, dispatch};
+use fearless_simd::Level;
 use nalgebra::Vector3;
+use std::mem::take;
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -34,7 +35,7 @@ use std::sync::Arc;
 pub(crate) struct Part {
     /// The bodies.
     range: Range<usize>,
-    /// Their pairs with the bodies behind them; empty in a world of spheres.
+    /// Their pairs with the bodies before them; empty in a world of spheres.
     neighbours: Neighbours,
     /// The same in a world of spheres; empty in another.
     spheres: SpherePairs,
@@ -42,62 +43,52 @@ pub(crate) struct Part {
     walls: WallNeighbours,
     /// The same in a world of spheres; empty in another.
     spheres_at_walls: SphereWalls,
-    /// Loads found and not yet given to the bodies.
+    /// Loads on bodies of the parts before it, not yet given to them.
     outbox: Outbox,
 }
-
-/// What one contact does to its two bodies, in half the memory of two [`Load`]s.
+/// A load on a body of another part.
 #[derive(Debug, Clone, Copy)]
-struct ContactLoad {
-    /// The two bodies.
-    bodies: [usize; 2],
-    /// Force on the first, the opposite of that on the second, N.
-    force: Vector3<f64>,
-    /// Torques on both, N m.
-    torques: [Vector3<f64>; 2],
+struct LoadAbroad {
+    /// The body.
+    body: usize,
+    /// What one contact does to it.
+    load: Load,
 }
 
-impl ContactLoad {
-    /// Adds what the contact does to its first body.
-    #[inline(always)]
-    fn give_first(&self, loads: &mut Loads<'_>) {
-        loads.add(self.bodies[0], &Load::new(&self.force, &self.torques[0]));
-    }
-
-    /// Adds what the contact does to its second body.
-    #[inline(always)]
-    fn give_second(&self, loads: &mut Loads<'_>) {
-        loads.add(self.bodies[1], &Load::new(&-self.force, &self.torques[1]));
-    }
-}
-
-/// Loads of the contacts of a part in the order in which they were found.
+/// Loads that a part has found on the bodies of the parts before it.
 #[derive(Debug, Clone, Default)]
 struct Outbox {
-    /// The loads.
-    loads: Vec<ContactLoad>,
-    /// For each part the loads whose second body is there; empty for the own one.
-    abroad: Vec<Vec<u32>>,
-    /// End of the own bodies.
-    end: usize,
-    /// Ends of the bodies of all parts.
+    /// For each of these parts its loads, in the order in which they were found.
+    loads: Vec<Vec<LoadAbroad>>,
+    /// Ends of the bodies of these parts.
     ends: Arc<[usize]>,
 }
 
-impl Sink for Outbox {
-    #[inline]
-    fn take(&mut self, bodies: [usize; 2], loads: &[Load; 2]) {
-        let other = bodies[1];
-        if other >= self.end {
-            let place = self.ends.partition_point(|end| *end <= other);
-            let number = u32::try_from(self.loads.len()).unwrap_or(u32::MAX);
-            self.abroad[place].push(number);
+/// Where the contacts of a part put their loads: on its own bodies at once, all others into its outbox.
+struct OwnLoads<'a> {
+    /// Loads of the own bodies.
+    own: Loads<'a>,
+    /// The others.
+    outbox: &'a mut Outbox,
+}
+
+impl Sink for OwnLoads<'_> {
+    #[inline(always)]
+    fn take(&mut self, [other, own]: [usize; 2], [on_other, on_own]: &[Load; 2]) {
+        if other < self.own.first {
+            self.outbox.put(other, on_other);
+        } else {
+            self.own.add(other, on_other);
         }
-        self.loads.push(ContactLoad {
-            bodies,
-            force: loads[0].force(),
-            torques: [loads[0].torque(), loads[1].torque()],
-        });
+        self.own.add(own, on_own);
+    }
+}
+
+impl Outbox {
+    /// Keeps a load on a body of a part before this one.
+    fn put(&mut self, body: usize, load: &Load) {
+        let part = self.ends.partition_point(|end| *end <= body);
+        self.loads[part].push(LoadAbroad { body, load: *load });
     }
 }
 
@@ -109,10 +100,8 @@ impl Part {
         let part = |k: usize| Self {
             range: edge(k)..edge(k + 1),
             outbox: Outbox {
-                abroad: vec![Vec::new(); n_parts],
-                end: edge(k + 1),
+                loads: vec![Vec::new(); k],
                 ends: Arc::clone(&ends),
-                ..Outbox::default()
             },
             ..Self::default()
         };
@@ -225,63 +214,78 @@ impl Part {
         }
     }
 
-    /// [`Self::find_loads`], with the loads kept for [`give_loads`].
-    pub(crate) fn keep_loads(
+    /// [`Self::find_loads`] with the loads of the own bodies alone; those on bodies of other parts are kept for
+    /// [`give_loads`].
+    fn find_own_loads(
         &mut self,
         level: Level,
         bodies: &Bodies,
         walls: &[Wall],
         context: &Context<'_>,
         workspace: &mut Workspace,
+        own: Loads<'_>,
     ) {
-        let mut outbox = std::mem::take(&mut self.outbox);
-        outbox.loads.clear();
-        outbox.abroad.iter_mut().for_each(Vec::clear);
-        self.find_loads(level, bodies, walls, context, workspace, &mut outbox);
+        let mut outbox = take(&mut self.outbox);
+        outbox.loads.iter_mut().for_each(Vec::clear);
+        let mut sink = OwnLoads {
+            own,
+            outbox: &mut outbox,
+        };
+        self.find_loads(level, bodies, walls, context, workspace, &mut sink);
         self.outbox = outbox;
     }
 }
 
-/// Gives the loads that were kept, of pairs and of walls, to the bodies of some parts; `loads` are those of these
-/// bodies. Halves are done at the same time.
-pub(crate) fn give_loads(
+/// [`Part::find_loads`] of all parts, as many in a row for each workspace; `loads` are those of their bodies. Halves are
+/// done at the same time. What the parts keep for each other is given by [`give_loads`].
+pub(crate) fn find_loads(
     level: Level,
-    parts: &[Part],
-    receivers: Range<usize>,
+    parts: &mut [Part],
+    bodies: &Bodies,
+    walls: &[Wall],
+    context: &Context<'_>,
+    workspaces: &mut [Workspace],
     mut loads: Loads<'_>,
 ) {
+    if workspaces.len() > 1 {
+        let middle = workspaces.len() / 2;
+        let (low, high) = parts.split_at_mut(parts.len() / workspaces.len() * middle);
+        let of_parts = loads.split_at(high[0].range.start);
+        let of_workspaces = workspaces.split_at_mut(middle);
+        let find = |parts: &mut [Part], workspaces: &mut [Workspace], loads: Loads<'_>| {
+            find_loads(level, parts, bodies, walls, context, workspaces, loads);
+        };
+        rayon::join(
+            || find(low, of_workspaces.0, of_parts.0),
+            || find(high, of_workspaces.1, of_parts.1),
+        );
+        return;
+    }
+    for part in parts {
+        let (own, later) = loads.split_at(part.range.end);
+        part.find_own_loads(level, bodies, walls, context, &mut workspaces[0], own);
+        loads = later;
+    }
+}
+
+/// Gives the loads that were kept, and those of walls, to the bodies of some parts; `loads` are those of these bodies.
+/// Halves are done at the same time.
+pub(crate) fn give_loads(parts: &[Part], receivers: Range<usize>, mut loads: Loads<'_>) {
     if receivers.len() > 1 {
         let middle = receivers.start + receivers.len() / 2;
         let (low, high) = loads.split_at(parts[middle].range.start);
         rayon::join(
-            || give_loads(level, parts, receivers.start..middle, low),
-            || give_loads(level, parts, middle..receivers.end, high),
+            || give_loads(parts, receivers.start..middle, low),
+            || give_loads(parts, middle..receivers.end, high),
         );
         return;
     }
     for receiver in receivers {
-        dispatch!(level, simd => simd.vectorize(
-            #[inline(always)]
-            || give_to(parts, receiver, &mut loads),
-        ));
+        for part in &parts[receiver + 1..] {
+            for abroad in &part.outbox.loads[receiver] {
+                loads.add(abroad.body, &abroad.load);
+            }
+        }
         parts[receiver].give_wall_forces(&mut loads);
-    }
-}
-
-/// Gives the loads of pairs that were kept to the bodies of one part.
-#[inline(always)]
-fn give_to(parts: &[Part], receiver: usize, loads: &mut Loads<'_>) {
-    for part in &parts[..receiver] {
-        let outbox = &part.outbox;
-        for &number in &outbox.abroad[receiver] {
-            outbox.loads[number as usize].give_second(loads);
-        }
-    }
-    let own = &parts[receiver];
-    for load in &own.outbox.loads {
-        load.give_first(loads);
-        if load.bodies[1] < own.range.end {
-            load.give_second(loads);
-        }
     }
 }

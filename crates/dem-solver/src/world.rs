@@ -18,7 +18,7 @@ use crate::liquid::{Liquid, most_given};
 use crate::load::Load;
 use crate::mesh_force::MeshWalls;
 use crate::mesh_wall::{MeshWall, Motion, Moving};
-use crate::part::{Part, give_loads};
+use crate::part::{Part, find_loads, give_loads};
 use crate::phases::{Clock, StepPhases};
 use crate::settings::Settings;
 use crate::spheres::sphere::Sphere;
@@ -394,14 +394,17 @@ impl World {
         let (level, bodies, walls, context) =
             (self.level, &self.bodies, &self.walls, self.context());
         if self.pool.is_some() {
-            let piece = parts.len() / workspaces.len();
-            let pieces = parts.par_chunks_mut(piece).zip(workspaces.par_iter_mut());
-            pieces.for_each(|(piece, workspace)| {
-                for part in piece {
-                    part.keep_loads(level, bodies, walls, &context, workspace);
-                }
-            });
-            give_loads(level, &parts, 0..parts.len(), loads);
+            let all = loads.reborrowed();
+            find_loads(
+                level,
+                &mut parts,
+                bodies,
+                walls,
+                &context,
+                &mut workspaces,
+                all,
+            );
+            give_loads(&parts, 0..parts.len(), loads);
         } else {
             let workspace = &mut workspaces[0];
             for part in &mut parts {

@@ -18,7 +18,7 @@ use fearless_simd::{Level, dispatch};
 /// Pairs looked at together: what is known of them stays in the cache between the passes.
 const BLOCK: usize = 1024;
 
-/// Finds the forces between the bodies of a range and those behind them.
+/// Finds the forces between the bodies of a range and those before them.
 pub(crate) fn add_sphere_forces(
     level: Level,
     pairs: &mut SpherePairs,

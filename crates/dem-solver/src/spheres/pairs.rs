@@ -31,23 +31,23 @@ pub(crate) const UNKNOWN: f32 = -1e30;
 /// The bodies of a pair.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Ends {
+    /// The body before it.
+    other: u32,
     /// The body of the range.
     own: u32,
-    /// The other body.
-    other: u32,
     /// Place of the interaction of both in the table.
     pub(crate) interaction: u32,
 }
 
 impl Ends {
-    /// Both bodies.
+    /// Both bodies, in order.
     #[inline(always)]
     pub(crate) fn bodies(&self) -> [usize; 2] {
-        [self.own as usize, self.other as usize]
+        [self.other as usize, self.own as usize]
     }
 }
 
-/// The pairs of a range of bodies with all bodies behind them, in the order of both bodies.
+/// The pairs of a range of bodies with all bodies before them, in the order of the later body, then of the other.
 ///
 /// All columns that are read in groups go on for one group behind the last pair.
 #[derive(Debug, Clone, Default)]
@@ -95,36 +95,36 @@ impl SpherePairs {
         self.rolling.clear();
     }
 
-    /// Adds the partners of body `i`, in rising order, keeping what is known of old pairs.
+    /// Adds the partners of body `j`, in rising order, keeping what is known of old pairs.
     ///
     /// `template` is the body type of each body, `travel` the travel up to now (m); the caller sets it to
     /// 0 afterwards, so what the pairs that stay have used up of it is taken off.
     pub(crate) fn add(
         &mut self,
-        i: usize,
+        j: usize,
         partners: &[u32],
         (template, travel): (&[usize], &[f32]),
         context: &Context<'_>,
         old: &Self,
     ) {
-        let place = i - self.first;
+        let place = j - self.first;
         let (mut k, end) = match old.start.get(place..place + 2) {
             Some(range) => (range[0] as usize, range[1] as usize),
             None => (0, 0),
         };
         let material = |body: usize| context.templates[template[body]].material;
-        for &j in partners {
-            while k < end && old.ends[k].other < j {
+        for &i in partners {
+            while k < end && old.ends[k].other < i {
                 k += 1;
             }
-            let other = j as usize;
-            let known = (k < end && old.ends[k].other == j).then_some(k);
-            let ways = travel[i] + travel[other];
+            let other = i as usize;
+            let known = (k < end && old.ends[k].other == i).then_some(k);
+            let ways = travel[other] + travel[j];
             let wake = known.map_or(UNKNOWN, |k| lowered(old.wake[k], ways));
-            let interaction = context.interaction_index(material(i), material(other));
+            let interaction = context.interaction_index(material(other), material(j));
             self.ends.push(Ends {
-                own: stored(i),
-                other: j,
+                other: i,
+                own: stored(j),
                 interaction: stored(interaction),
             });
             self.wake.push(wake);
@@ -204,21 +204,21 @@ impl SpherePairs {
     pub(crate) fn kept(&self) -> impl Iterator<Item = KeptContact> + '_ {
         let touching = (0..self.len()).filter(|&k| self.touches(k));
         touching.map(|k| KeptContact {
-            body: self.ends[k].own as usize,
-            other: self.ends[k].other as usize,
+            body: self.ends[k].other as usize,
+            other: self.ends[k].own as usize,
             key: 0,
             memory: self.memory(k),
         })
     }
 
-    /// Takes up the contacts of its bodies, which come in order; the pairs are listed and have none
-    /// yet. The number taken.
+    /// Takes up the contacts of its bodies with those before them; the pairs are listed and have none yet. The number
+    /// taken.
     pub(crate) fn recall(&mut self, contacts: &[KeptContact]) -> usize {
         let n_bodies = self.start.len().saturating_sub(1);
         let mut taken = 0;
         for contact in contacts {
             let Some(place) = contact
-                .body
+                .other
                 .checked_sub(self.first)
                 .filter(|p| *p < n_bodies)
             else {
@@ -226,7 +226,7 @@ impl SpherePairs {
             };
             let (from, to) = (self.start[place] as usize, self.start[place + 1] as usize);
             let pairs = &self.ends[from..to];
-            if let Ok(at) = pairs.binary_search_by_key(&contact.other, |e| e.other as usize) {
+            if let Ok(at) = pairs.binary_search_by_key(&contact.body, |e| e.other as usize) {
                 self.wake[from + at] = TOUCHES;
                 self.remember(from + at, &contact.memory);
                 taken += 1;
