@@ -24,7 +24,8 @@ use crate::template::Template;
 use crate::travel::lowered;
 use fearless_simd::prelude::*;
 use fearless_simd::{f32x8, u32x8};
-use std::ops::Range;
+use std::hint::black_box;
+use std::ops::{BitXor, Range};
 
 /// Candidates handled together. A chunk fills two lines of the cache; the lists of the study's drum hold one and
 /// a half a pair.
@@ -126,6 +127,36 @@ impl Lists {
     #[inline(always)]
     pub(crate) fn touches(&self) -> Range<usize> {
         self.touch as usize..(self.touch + self.n_touches) as usize
+    }
+}
+
+/// A pair that needs attention in this step.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Due {
+    /// The pair.
+    pair: u32,
+    /// Its bodies, in order.
+    bodies: [u32; 2],
+}
+
+impl Due {
+    /// The pair.
+    #[inline(always)]
+    pub(crate) fn pair(&self) -> usize {
+        self.pair as usize
+    }
+
+    /// Its bodies, in order.
+    #[inline(always)]
+    pub(crate) fn bodies(&self) -> [usize; 2] {
+        self.bodies.map(|body| body as usize)
+    }
+
+    /// Sum of the travels of both, m.
+    #[inline(always)]
+    fn travel(&self, travel: &[f32]) -> f32 {
+        let [i, j] = self.bodies();
+        travel[i] + travel[j]
     }
 }
 
@@ -300,25 +331,66 @@ impl Neighbours {
 
     /// The earlier body of pair `k`.
     #[inline(always)]
-    pub(crate) fn other(&self, k: usize) -> usize {
+    fn other(&self, k: usize) -> usize {
         self.table.other[k] as usize
     }
 
-    /// Looks at pair `k` of bodies `i` and `j`, whose covered motion is used up; makes its list anew where
+    /// A pair of body `j`.
+    #[inline(always)]
+    pub(crate) fn due(&self, pair: u32, j: usize) -> Due {
+        Due {
+            pair,
+            bodies: [self.table.other[pair as usize], stored(j)],
+        }
+    }
+
+    /// Lists those pairs whose covered motion is used up.
+    #[inline(always)]
+    pub(crate) fn find_stale(&self, due: &[Due], travel: &[f32], stale: &mut Vec<Due>) {
+        stale.clear();
+        let is_stale = |pair: &&Due| pair.travel(travel) > self.lists[pair.pair()].limit;
+        stale.extend(due.iter().filter(is_stale));
+    }
+
+    /// Reads the poses of some pairs, so that they are fetched side by side and not one after the other.
+    #[inline(always)]
+    pub(crate) fn fetch_poses(&self, pairs: &[Due]) {
+        let poses = pairs.iter().map(|pair| &self.poses[pair.pair()]);
+        black_box(poses.map(Pose::both_ends).fold(0, BitXor::bitxor));
+    }
+
+    /// Reads the candidates and what touched of some pairs, so that they are fetched side by side and not one after the
+    /// other.
+    #[inline(always)]
+    pub(crate) fn fetch_candidates(&self, pairs: &[Due]) {
+        let mut read = 0;
+        for pair in pairs {
+            let lists = &self.lists[pair.pair()];
+            for chunk in &self.chunks[lists.chunks()] {
+                read ^= chunk.key[0] ^ u32::from(chunk.i[0][0].cast_unsigned());
+            }
+            for touch in &self.touches[lists.touches()] {
+                read ^= touch.key;
+            }
+        }
+        black_box(read);
+    }
+
+    /// Looks at a pair whose covered motion is used up; makes its list anew where
     /// the true relative motion demands it.
     #[inline(always)]
     pub(crate) fn refresh<S: Simd>(
         &mut self,
         simd: S,
-        k: usize,
-        [i, j]: [usize; 2],
+        pair: &Due,
         bodies: &Bodies,
         context: &Context<'_>,
         scratch: &mut Scratch,
     ) {
         let (templates, cutoffs) = (context.templates, context.cutoffs);
         self.n_checks += 1;
-        let travel = bodies.travel[i] + bodies.travel[j];
+        let (k, [i, j]) = (pair.pair(), pair.bodies());
+        let travel = pair.travel(&bodies.travel);
         let (a, b) = (
             &templates[bodies.template[i]],
             &templates[bodies.template[j]],

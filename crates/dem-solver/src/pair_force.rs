@@ -11,7 +11,7 @@ use crate::contact::{Memory, SpherePair};
 use crate::context::{Context, Cutoffs};
 use crate::lanes::{NUMBERS, keep, make_room};
 use crate::liquid::bridge_volume;
-use crate::neighbours::{CHUNK, Chunk, Neighbours};
+use crate::neighbours::{CHUNK, Chunk, Due, Neighbours};
 use crate::shared_mass::Shares;
 use crate::sphere_contact::SphereContact;
 use crate::template::Template;
@@ -19,6 +19,10 @@ use crate::workspace::Workspace;
 use fearless_simd::prelude::*;
 use fearless_simd::{Level, dispatch, f32x8, u32x8};
 use nalgebra::{Matrix3, Vector3};
+
+/// Bodies whose pairs are looked at together. What is known of a pair that is awake lies anywhere among those that sleep;
+/// for some at a time it is fetched side by side, and stays in the first-level cache until it is used.
+const BLOCK: usize = 16;
 
 /// Whole numbers as numbers in a register.
 #[inline(always)]
@@ -130,6 +134,8 @@ fn add_pair_forces_on<S: Simd>(
     let Workspace {
         batch,
         awake,
+        due,
+        stale,
         near,
         touches,
         scratch,
@@ -145,19 +151,22 @@ fn add_pair_forces_on<S: Simd>(
         context,
         sink,
     };
-    for j in neighbours.range() {
-        let own = &context.templates[bodies.template[j]];
-        let n_awake = neighbours.find_awake(simd, j, &bodies.travel, awake);
-        for &k in &awake[..n_awake] {
-            let k = k as usize;
-            let i = neighbours.other(k);
-            let templates = [&context.templates[bodies.template[i]], own];
-            if bodies.travel[i] + bodies.travel[j] > neighbours.lists[k].limit {
-                neighbours.refresh(simd, k, [i, j], bodies, context, scratch);
-            }
-            if neighbours.lists[k].n_candidates > 0 {
-                collector.collect_listed(neighbours, k, [i, j], templates);
-            }
+    let range = neighbours.range();
+    for first in range.clone().step_by(BLOCK) {
+        due.clear();
+        for j in first..range.end.min(first + BLOCK) {
+            let n_awake = neighbours.find_awake(simd, j, &bodies.travel, awake);
+            let pairs = awake[..n_awake].iter();
+            due.extend(pairs.map(|&pair| neighbours.due(pair, j)));
+        }
+        neighbours.find_stale(due, &bodies.travel, stale);
+        neighbours.fetch_poses(stale);
+        for pair in stale.iter() {
+            neighbours.refresh(simd, pair, bodies, context, scratch);
+        }
+        neighbours.fetch_candidates(due);
+        for pair in due.iter() {
+            collector.collect_listed(neighbours, pair);
         }
     }
     collector.apply();
@@ -212,21 +221,20 @@ impl<S: Simd, K: Sink> Collector<'_, S, K> {
         });
     }
 
-    /// Puts the touching spheres in the list of pair `k` into the batch.
+    /// Puts the touching spheres in the list of a pair into the batch.
     #[inline(always)]
     #[expect(
         clippy::cast_possible_truncation,
         reason = "the overlap test has a safety distance"
     )]
-    fn collect_listed(
-        &mut self,
-        neighbours: &mut Neighbours,
-        k: usize,
-        [i, j]: [usize; 2],
-        templates: [&Template; 2],
-    ) {
+    fn collect_listed(&mut self, neighbours: &mut Neighbours, pair: &Due) {
         let (bodies, context) = (self.bodies, self.context);
+        let (k, [i, j]) = (pair.pair(), pair.bodies());
         let lists = &mut neighbours.lists[k];
+        if lists.n_candidates == 0 {
+            return;
+        }
+        let templates = [i, j].map(|body| &context.templates[bodies.template[body]]);
         let old = lists.touches();
         let first = self.touches.len();
         let interaction = context.interaction_index(templates[0].material, templates[1].material);

@@ -51,6 +51,12 @@ impl Pose {
         }
     }
 
+    /// Something of the first and the last number: whoever reads it has the whole pose in the cache.
+    #[inline(always)]
+    pub(crate) fn both_ends(&self) -> u32 {
+        self.rotation[0].to_bits() ^ self.reach.to_bits()
+    }
+
     /// Relative motion that the list covers, m; negative when there is no list.
     pub(crate) fn reach(&self) -> f32 {
         self.reach

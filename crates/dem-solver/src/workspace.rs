@@ -2,7 +2,7 @@
 
 use crate::batch::Batch;
 use crate::candidates::Scratch;
-use crate::neighbours::Previous;
+use crate::neighbours::{Due, Previous};
 use crate::sphere_contact::SphereContact;
 use crate::spheres::batch::SphereBatch;
 use crate::spheres::pairs::SpherePairs;
@@ -15,6 +15,10 @@ pub(crate) struct Workspace {
     pub(crate) batch: Batch,
     /// Pairs of some bodies that are awake.
     pub(crate) awake: Vec<u32>,
+    /// The same with their bodies.
+    pub(crate) due: Vec<Due>,
+    /// Those of them whose covered motion is used up.
+    pub(crate) stale: Vec<Due>,
     /// Keys of the candidates of one pair that may touch.
     pub(crate) near: Vec<u32>,
     /// Touching pairs of spheres of this step.
