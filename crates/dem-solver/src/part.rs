@@ -191,6 +191,13 @@ impl Part {
         census
     }
 
+    /// Sets the loads of its bodies to zero. No contact of an earlier part acts on them.
+    pub(crate) fn clear(&self, loads: &mut Loads<'_>) {
+        let first = loads.first;
+        let own = self.range.start - first..self.range.end - first;
+        loads.all[own].fill(Load::default());
+    }
+
     /// Finds the loads of all contacts of the part and gives those of pairs to a sink.
     pub(crate) fn find_loads(
         &mut self,
@@ -214,8 +221,8 @@ impl Part {
         }
     }
 
-    /// [`Self::find_loads`] with the loads of the own bodies alone; those on bodies of other parts are kept for
-    /// [`give_loads`].
+    /// [`Self::clear`] and [`Self::find_loads`] with the loads of the own bodies alone; those on bodies of other parts are
+    /// kept for [`give_loads`].
     fn find_own_loads(
         &mut self,
         level: Level,
@@ -223,8 +230,9 @@ impl Part {
         walls: &[Wall],
         context: &Context<'_>,
         workspace: &mut Workspace,
-        own: Loads<'_>,
+        mut own: Loads<'_>,
     ) {
+        self.clear(&mut own);
         let mut outbox = take(&mut self.outbox);
         outbox.loads.iter_mut().for_each(Vec::clear);
         let mut sink = OwnLoads {

@@ -15,7 +15,6 @@ use crate::error::Error;
 use crate::integrate::Surroundings;
 use crate::interaction::Interaction;
 use crate::liquid::{Liquid, most_given};
-use crate::load::Load;
 use crate::mesh_force::MeshWalls;
 use crate::mesh_wall::{MeshWall, Motion, Moving};
 use crate::part::{Part, find_loads, give_loads};
@@ -382,7 +381,6 @@ impl World {
 
     /// Finds the forces of contacts of bodies and of bodies and walls that are no triangles.
     fn find_loads(&mut self) {
-        self.bodies.load.fill(Load::default());
         self.wall_load.fill(Vector3::zeros());
         self.wall_torque.fill(0.0);
         let mut on_bodies = take(&mut self.bodies.load);
@@ -408,6 +406,7 @@ impl World {
         } else {
             let workspace = &mut workspaces[0];
             for part in &mut parts {
+                part.clear(&mut loads);
                 part.find_loads(level, bodies, walls, &context, workspace, &mut loads);
             }
             for part in &parts {
