@@ -189,12 +189,9 @@ pub(crate) struct Loads<'a> {
 }
 
 impl<'a> Loads<'a> {
-    /// The same loads for a while.
-    pub(crate) fn reborrowed(&mut self) -> Loads<'_> {
-        Loads {
-            first: self.first,
-            all: self.all,
-        }
+    /// The loads of all bodies.
+    pub(crate) fn of(all: &'a mut [Load]) -> Self {
+        Self { first: 0, all }
     }
 
     /// Adds to the load of a body of the range.

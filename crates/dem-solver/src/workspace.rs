@@ -13,9 +13,9 @@ use crate::spheres::walls::{SphereWalls, WallBatch};
 pub(crate) struct Workspace {
     /// Contacts that wait for their forces.
     pub(crate) batch: Batch,
-    /// Pairs of some bodies that are awake.
+    /// Pairs that are awake, of one body or of a block of spheres.
     pub(crate) awake: Vec<u32>,
-    /// The same with their bodies.
+    /// Pairs of some bodies that are awake, with their bodies.
     pub(crate) due: Vec<Due>,
     /// Those of them whose covered motion is used up.
     pub(crate) stale: Vec<Due>,

@@ -385,26 +385,14 @@ impl World {
         self.wall_torque.fill(0.0);
         let mut on_bodies = take(&mut self.bodies.load);
         let (mut parts, mut workspaces) = (take(&mut self.parts), take(&mut self.workspaces));
-        let mut loads = Loads {
-            first: 0,
-            all: &mut on_bodies,
-        };
         let (level, bodies, walls, context) =
             (self.level, &self.bodies, &self.walls, self.context());
         if self.pool.is_some() {
-            let all = loads.reborrowed();
-            find_loads(
-                level,
-                &mut parts,
-                bodies,
-                walls,
-                &context,
-                &mut workspaces,
-                all,
-            );
-            give_loads(&parts, 0..parts.len(), loads);
+            let (all, workspaces) = (Loads::of(&mut on_bodies), &mut workspaces);
+            find_loads(level, &mut parts, bodies, walls, &context, workspaces, all);
+            give_loads(&parts, 0..parts.len(), Loads::of(&mut on_bodies));
         } else {
-            let workspace = &mut workspaces[0];
+            let (workspace, mut loads) = (&mut workspaces[0], Loads::of(&mut on_bodies));
             for part in &mut parts {
                 part.clear(&mut loads);
                 part.find_loads(level, bodies, walls, &context, workspace, &mut loads);
