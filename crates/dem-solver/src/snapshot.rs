@@ -18,9 +18,9 @@ use serde::{Deserialize, Serialize};
 pub struct Snapshot {
     /// Bodies.
     pub(crate) bodies: Bodies,
-    /// Contacts of bodies, in order of the bodies and spheres.
+    /// Contacts of bodies, in order of the later body, then of the other, then of the spheres.
     pub(crate) pairs: Vec<KeptContact>,
-    /// Contacts of bodies and walls, likewise.
+    /// Contacts of bodies and walls, in order of the bodies, walls and spheres.
     pub(crate) walls: Vec<KeptContact>,
     /// Contacts of bodies and walls of triangles, likewise.
     pub(crate) meshes: Vec<MeshContact>,
@@ -61,7 +61,7 @@ impl Snapshot {
     /// The same with the contacts of bodies that have gone to other places.
     pub(crate) fn renumbered(self, places: &[usize]) -> Self {
         let mut pairs: Vec<_> = self.pairs.iter().map(|c| c.between(places)).collect();
-        pairs.sort_by_key(|contact| (contact.body, contact.other, contact.key));
+        pairs.sort_by_key(|contact| (contact.other, contact.body, contact.key));
         let mut walls = self.walls;
         for contact in &mut walls {
             contact.body = places[contact.body];

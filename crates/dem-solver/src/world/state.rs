@@ -33,12 +33,9 @@ impl World {
         // Lists of spheres lie wall by wall in each part.
         let mut walls: Vec<_> = self.kept_walls().collect();
         walls.sort_by_key(|contact| (contact.body, contact.other));
-        // Pairs are listed at their later body.
-        let mut pairs: Vec<_> = self.kept_pairs().collect();
-        pairs.sort_by_key(|contact| (contact.body, contact.other, contact.key));
         Snapshot {
             bodies,
-            pairs,
+            pairs: self.kept_pairs().collect(),
             walls,
             meshes: self.mesh_walls.kept(),
             paths: self.mesh_walls.moving.iter().map(Moving::path).collect(),
