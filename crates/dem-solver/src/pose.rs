@@ -10,6 +10,7 @@ use nalgebra::{UnitQuaternion, Vector3, Vector4};
 
 /// Relative pose of a pair when its list was made, rounded by less than the safety distance.
 #[derive(Debug, Clone, Copy)]
+#[repr(C)]
 pub(crate) struct Pose {
     /// Orientation of j in the frame of i as a unit quaternion: i, j, k, w.
     rotation: [f32; 4],
