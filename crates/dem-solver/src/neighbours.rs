@@ -154,7 +154,7 @@ impl Due {
 
     /// Sum of the travels of both, m.
     #[inline(always)]
-    fn travel(&self, travel: &[f32]) -> f32 {
+    pub(crate) fn travel(&self, travel: &[f32]) -> f32 {
         let [i, j] = self.bodies();
         travel[i] + travel[j]
     }
@@ -214,7 +214,7 @@ impl Neighbours {
         let pairs = bodies.flat_map(|(w, j)| (w[0] as usize..w[1] as usize).map(move |k| (j, k)));
         pairs.flat_map(|(j, k)| {
             let lists = &self.lists[k];
-            let body = self.other(k);
+            let body = self.table.other[k] as usize;
             self.touches[lists.touches()]
                 .iter()
                 .map(move |t| KeptContact {
@@ -327,12 +327,6 @@ impl Neighbours {
     /// Ends a list that was begun.
     pub(crate) fn end(&mut self) {
         self.table.pad();
-    }
-
-    /// The earlier body of pair `k`.
-    #[inline(always)]
-    fn other(&self, k: usize) -> usize {
-        self.table.other[k] as usize
     }
 
     /// A pair of body `j`.

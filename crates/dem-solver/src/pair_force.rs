@@ -257,7 +257,7 @@ impl<S: Simd, K: Sink> Collector<'_, S, K> {
         if n_near == 0 {
             // The touches move on without a pair that sleeps.
             (lists.touch, lists.n_touches) = (0, 0);
-            neighbours.sleep(k, bodies.travel[i] + bodies.travel[j] + gap);
+            neighbours.sleep(k, pair.travel(&bodies.travel) + gap);
             return;
         }
         let frame = PairFrame::new(bodies, [i, j]);

@@ -60,8 +60,7 @@ impl Snapshot {
 
     /// The same with the contacts of bodies that have gone to other places.
     pub(crate) fn renumbered(self, places: &[usize]) -> Self {
-        let mut pairs: Vec<_> = self.pairs.iter().map(|c| c.between(places)).collect();
-        pairs.sort_by_key(|contact| (contact.other, contact.body, contact.key));
+        let pairs = self.pairs.iter().map(|c| c.between(places)).collect();
         let mut walls = self.walls;
         for contact in &mut walls {
             contact.body = places[contact.body];
