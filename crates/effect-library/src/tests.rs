@@ -136,7 +136,10 @@ fn rolling_resistance_and_cohesion_raise_the_bed() {
             let late = &result.series[result.series.len() / 2..];
             late.iter().map(|p| p.centre_of_mass_deg).sum::<f64>() / late.len() as f64
         };
-        f64::midpoint(of_run(5), of_run(6))
+        std::thread::scope(|scope| {
+            let other = scope.spawn(|| of_run(6));
+            f64::midpoint(of_run(5), other.join().unwrap())
+        })
     };
     let plain = mean("cohesion", 0.0);
     for (name, amplitude) in [("rolling-resistance", 0.4), ("cohesion", 1.0)] {

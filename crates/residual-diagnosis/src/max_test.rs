@@ -40,13 +40,12 @@ impl MaxTest {
         let n = all.len();
         let correlation = DMatrix::from_fn(n, n, |i, j| all[i].dot(all[j]));
         let factor = root(correlation);
-        let mut normals = DVector::zeros(n);
+        let (mut normals, mut z) = (DVector::zeros(n), DVector::zeros(n));
         let mut maxima: Vec<f64> = (0..draws)
             .map(|_| {
-                let mut z = DVector::zeros(n);
                 for _ in 0..MOST_TRIES {
                     normals.iter_mut().for_each(|x| *x = stream.normal());
-                    z = &factor * &normals;
+                    factor.mul_to(&normals, &mut z);
                     // A draw and its mirror image are equally likely.
                     let outside = |sign: f64| z.iter().skip(m).all(|z| z * sign >= 0.0);
                     if outside(1.0) {
@@ -77,10 +76,8 @@ impl MaxTest {
 
     /// The statistic that is exceeded with chance `alpha`; infinite when there are too few draws.
     pub(crate) fn critical(&self, alpha: f64) -> f64 {
-        let first = self.maxima.iter().position(|&m| self.p(m) <= alpha);
-        first
-            .and_then(|i| self.maxima.get(i).copied())
-            .unwrap_or(f64::INFINITY)
+        let first = self.maxima.partition_point(|&m| self.p(m) > alpha);
+        self.maxima.get(first).copied().unwrap_or(f64::INFINITY)
     }
 }
 

@@ -3,6 +3,7 @@
 use super::toy::{Toy, measured, model, parameter, problem, run_with, shown};
 use calibration::{LoopSettings, Measurement, Role};
 use random_stream::Stream;
+use rayon::prelude::*;
 
 /// Drawn studies.
 const STUDIES: u64 = 2000;
@@ -47,8 +48,7 @@ fn intervals_hold_the_truth_in_95_of_100_studies() {
         noise: RUN,
     };
     let names = ["one", "two", "three"];
-    let (mut held, mut asked) = ([0_u32; 2], 0_u32);
-    for study in 0..STUDIES {
+    let held = |study: u64| {
         let mut stream = Stream::new(study, "drawn study");
         let counts = [8, 12, 10];
         let measurements = (0..3).map(|k| drawn(&mut stream, k, names[k], counts[k]));
@@ -63,12 +63,13 @@ fn intervals_hold_the_truth_in_95_of_100_studies() {
             ..LoopSettings::default()
         };
         let result = run_with(&toy, &problem, &settings).unwrap();
-        asked += 1;
-        for (j, p) in result.parameters.iter().enumerate() {
-            let [low, high] = p.interval95;
-            held[j] += u32::from(low <= TRUTH[j] && TRUTH[j] <= high);
-        }
-    }
-    let share = f64::from(held[0] + held[1]) / f64::from(2 * asked);
-    assert!((0.94..=0.96).contains(&share), "{held:?} of {asked}");
+        [0, 1].map(|j| {
+            let [low, high] = result.parameters[j].interval95;
+            u32::from(low <= TRUTH[j] && TRUTH[j] <= high)
+        })
+    };
+    let studies = (0..STUDIES).into_par_iter().map(held);
+    let held = studies.reduce(|| [0; 2], |[a, b], [c, d]| [a + c, b + d]);
+    let share = f64::from(held[0] + held[1]) / (2 * STUDIES) as f64;
+    assert!((0.94..=0.96).contains(&share), "{held:?} of {STUDIES}");
 }

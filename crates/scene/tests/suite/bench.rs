@@ -47,7 +47,7 @@ fn ball(apparatus: &str) -> Scene {
     Scene::from_text(&text, "ball.toml", &folder, &[]).unwrap()
 }
 
-/// The cotton study's seeds with few spheres on a bench.
+/// The cotton study's seeds with few spheres on a bench, an eighth as stiff: a third of the steps.
 fn cotton(apparatus: &str) -> Scene {
     let file = fixture("cotton/drum.toml");
     let text = std::fs::read_to_string(&file).unwrap();
@@ -55,6 +55,7 @@ fn cotton(apparatus: &str) -> Scene {
     let to = text.find("[[seed]]").unwrap();
     let text = format!("{}[apparatus]\n{apparatus}\n{}", &text[..from], &text[to..])
         .replace("start_slope", "# start_slope")
+        .replace("4.01 MPa", "0.5 MPa")
         .replace(
             "0.45 mm\", sphere_count = 146",
             "0.8 mm\", sphere_count = 20",

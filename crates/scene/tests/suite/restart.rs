@@ -117,6 +117,29 @@ impl Keeper for StopAfter {
     }
 }
 
+/// Keeps the states after some intervals and lets the run go on.
+struct KeepAfter<'a> {
+    /// Intervals gone.
+    gone: usize,
+    /// After how many of them a state is kept.
+    stops: &'a [usize],
+    /// The states as they would stand in a file.
+    states: Vec<String>,
+}
+
+impl Keeper for KeepAfter<'_> {
+    fn is_due(&mut self) -> bool {
+        self.gone += 1;
+        self.stops.contains(&self.gone)
+    }
+
+    fn keep(&mut self, progress: &Progress) -> Result<(), String> {
+        let text = serde_json::to_string(progress).map_err(|e| e.to_string())?;
+        self.states.push(text);
+        Ok(())
+    }
+}
+
 /// Everything that a run tells, as text with all digits.
 fn all_of(result: &RunResult) -> String {
     let (series, frames) = (&result.series, &result.frames);
@@ -161,21 +184,13 @@ fn a_large_bed_is_sorted_and_its_seeds_keep_their_numbers() {
     let mut made = large_bed();
     made.protocol.insertion_rate = Some("42000 1/s".parse().expect("a rate"));
     for scene in [large_bed(), made] {
-        let library = FillingLibrary::default();
-        let state_after = |intervals: usize| {
-            let mut stop = StopAfter {
-                left: intervals,
-                text: None,
-            };
-            let _ = run_on(&scene, &library, 3, 1, None, &mut stop);
-            let text = stop.text.expect("a state was kept");
-            serde_json::from_str::<serde_json::Value>(&text).expect("reads back")
+        let (result, states) = goes_on_with_the_same_bits(&scene, &[6, 12]);
+        let [before, after] = &states[..] else {
+            panic!("two states");
         };
-        let (before, after) = (state_after(6), state_after(12));
         assert!(before.get("numbers").is_none(), "sorted too early");
         let numbers = after["numbers"].as_array().expect("it was sorted");
         assert!(numbers.len() >= SORTED_FROM);
-        let result = run(&scene, &library, 3).expect("runs");
         let frame = result.frames.last().expect("frames are asked for");
         let bodies = &before["world"]["bodies"];
         assert_eq!(serde_json::json!(frame.kind), bodies["template"]);
@@ -189,7 +204,6 @@ fn a_large_bed_is_sorted_and_its_seeds_keep_their_numbers() {
         }
         let moved = (squares / frame.position.len() as f64).sqrt();
         assert!((1e-5..2e-3).contains(&moved), "{moved} m along the axis");
-        goes_on_with_the_same_bits(&scene, &[6, 12]);
     }
 }
 
@@ -228,27 +242,42 @@ fn a_run_ends_when_its_flag_is_raised() {
     }
 }
 
-fn goes_on_with_the_same_bits(scene: &Scene, stops: &[usize]) {
+/// Stopped after the first of these intervals, and with the states that a run which is not stopped keeps after the others:
+/// every digit is that of the run that went on. That run and its states.
+fn goes_on_with_the_same_bits(
+    scene: &Scene,
+    stops: &[usize],
+) -> (RunResult, Vec<serde_json::Value>) {
     let library = FillingLibrary::default();
-    let whole = all_of(&run(scene, &library, 3).expect("runs"));
-    for &intervals in stops {
-        let mut stop = StopAfter {
-            left: intervals,
-            text: None,
-        };
-        let stopped = run_on(scene, &library, 3, 1, None, &mut stop).expect_err("stopped");
-        assert!(stopped.to_string().contains("stopped here"), "{stopped}");
-        let left = serde_json::from_str(&stop.text.expect("a state was kept")).expect("reads back");
+    let mut keeper = KeepAfter {
+        gone: 0,
+        stops,
+        states: Vec::new(),
+    };
+    let whole = run_on(scene, &library, 3, 1, None, &mut keeper).expect("runs");
+    let mut states = keeper.states;
+    assert_eq!(states.len(), stops.len());
+    let mut stop = StopAfter {
+        left: stops[0],
+        text: None,
+    };
+    let stopped = run_on(scene, &library, 3, 1, None, &mut stop).expect_err("stopped");
+    assert!(stopped.to_string().contains("stopped here"), "{stopped}");
+    states[0] = stop.text.expect("a state was kept");
+    for (state, intervals) in states.iter().zip(stops) {
+        let left = serde_json::from_str(state).expect("reads back");
         let mut never = StopAfter {
             left: usize::MAX,
             text: None,
         };
         let continued = run_on(scene, &library, 3, 1, Some(left), &mut never).expect("goes on");
         assert!(
-            all_of(&continued) == whole,
+            all_of(&continued) == all_of(&whole),
             "stopped after {intervals} intervals"
         );
     }
+    let read = |state: &String| serde_json::from_str(state).expect("reads back");
+    (whole, states.iter().map(read).collect())
 }
 
 /// Hears of attempts that broke off, and stops the run after so many intervals of the one after them.

@@ -12,7 +12,7 @@ name = "tiny"
 [[scene]]
 name = "drum"
 file = "tiny.toml"
-changes = ["seed.0.count = 100", "protocol.frames = 4", "protocol.rotation_limit = 2 s", "protocol.start_slope = 0 deg"]
+changes = ["seed.0.count = 60", "protocol.frames = 4", "protocol.start_slope = 0 deg", "camera.pixels = 240"]
 
 [[parameter]]
 symbol = "F"

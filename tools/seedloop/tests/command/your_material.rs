@@ -11,10 +11,11 @@ const GUIDE: &str = include_str!("../../../../docs/guide.md");
 
 /// What stands in the place of the drum of the example: small enough for a test, and the loop about it no larger than
 /// it must be.
-const SMALLER: [(&str, &str); 3] = [
+const SMALLER: [(&str, &str); 4] = [
     ("inner_diameter = \"200 mm\"", "inner_diameter = \"60 mm\""),
     ("width = \"30 mm\"", "width = \"10 mm\""),
     ("sphere = \"6 mm\"", "sphere = \"4 mm\""),
+    ("shear_modulus = \"5 MPa\"", "shear_modulus = \"1 MPa\""),
 ];
 /// Likewise for the trial of the study, whose drum is larger than that.
 const SMALLER_TRIAL: [(&str, &str); 2] = [
@@ -80,7 +81,7 @@ fn take_photos(folder: &Path) {
 fn shrink(folder: &Path) {
     let file = folder.join("drum.toml");
     let mut scene = smaller(&fs::read_to_string(&file).unwrap(), &SMALLER);
-    scene.push_str("\n[protocol]\nframes = 4\nsettle_limit = \"0.3 s\"\n");
+    scene.push_str("\n[protocol]\nframes = 3\nsettle_limit = \"0.2 s\"\n[camera]\npixels = 240\n");
     fs::write(file, scene).unwrap();
 }
 

@@ -4,6 +4,7 @@ use crate::{RADIUS, SEEDS, command, drum, kept, mean_and_variance, run_deck};
 use exchange::Moment;
 use exchange::vtk::File;
 use exchange::{lammps, liggghts};
+use rayon::prelude::*;
 use scene::{FillingLibrary, Scene, starting_frame};
 
 /// Moments of a dump that count, 0.1 s apart: the last 2 of 3 s of rotation.
@@ -46,7 +47,8 @@ fn here(scene: &Scene, library: &FillingLibrary, seed: u64) -> [f64; 4] {
 /// All runs here.
 fn all_here(scene: &Scene) -> Vec<[f64; 4]> {
     let library = FillingLibrary::default();
-    SEEDS.map(|seed| here(scene, &library, seed)).to_vec()
+    let runs = SEEDS.par_iter().map(|&seed| here(scene, &library, seed));
+    runs.collect()
 }
 
 /// Difference of the means of one observable and its standard error.
