@@ -2,9 +2,11 @@
 
 use crate::camera::to_level;
 use crate::{Disturbance, Scene};
-use image::{DynamicImage, GrayImage, ImageEncoder as _, ImageFormat, Luma};
+use image::codecs::jpeg::{JpegDecoder, JpegEncoder};
+use image::{DynamicImage, GrayImage, ImageEncoder as _, Luma};
 use random_stream::Stream;
 use std::f64::consts::PI;
+use std::io::Cursor;
 
 /// What is expected of a picture.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -98,10 +100,15 @@ fn jpeg(picture: GrayImage, quality: f64) -> GrayImage {
     let mut bytes = Vec::new();
     let quality = to_level(quality);
     let (width, height) = picture.dimensions();
-    let written = image::codecs::jpeg::JpegEncoder::new_with_quality(&mut bytes, quality)
-        .write_image(&picture, width, height, image::ExtendedColorType::L8);
+    let written = JpegEncoder::new_with_quality(&mut bytes, quality).write_image(
+        &picture,
+        width,
+        height,
+        image::ExtendedColorType::L8,
+    );
     written
-        .and_then(|()| image::load_from_memory_with_format(&bytes, ImageFormat::Jpeg))
+        .and_then(|()| JpegDecoder::new(Cursor::new(&bytes)))
+        .and_then(DynamicImage::from_decoder)
         .map_or(picture, DynamicImage::into_luma8)
 }
 

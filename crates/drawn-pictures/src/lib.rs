@@ -16,11 +16,13 @@
 mod camera;
 mod disturbance;
 mod drum;
+mod file;
 mod heap;
 mod kinds;
 mod paint;
 
 pub use disturbance::Disturbance;
 pub use drum::Scene;
+pub use file::save;
 pub use heap::HeapScene;
 pub use kinds::{Class, Kind, Trial, kinds};

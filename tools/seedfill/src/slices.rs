@@ -4,6 +4,7 @@ use crate::arguments::{Arguments, length_in_metres};
 use anyhow::{Context as _, bail, ensure};
 use image::{DynamicImage, GrayImage};
 use input_file::files_in;
+use photo_profile::read_photo;
 use std::io::Cursor;
 use std::path::{Path, PathBuf};
 use tiff::decoder::{Decoder, DecodingResult};
@@ -104,7 +105,7 @@ fn slices_in(file: &Path) -> anyhow::Result<Vec<Slice>> {
     if image::guess_format(&bytes)? == image::ImageFormat::Tiff {
         return tiff_slices(&bytes);
     }
-    let picture = image::load_from_memory(&bytes)?;
+    let picture = read_photo(file)?;
     let size = [picture.width() as usize, picture.height() as usize];
     let values = match picture {
         DynamicImage::ImageLuma16(grey) => grey.into_raw(),

@@ -6,8 +6,8 @@
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests fail like tests")]
 
-use drawn_pictures::Scene;
-use image::{DynamicImage, ImageFormat};
+use drawn_pictures::{Scene, save};
+use image::DynamicImage;
 use photo_profile::{Mode, PhotoPixels, Settings, measure_photo, read_frames};
 use random_stream::Stream;
 use std::path::PathBuf;
@@ -65,20 +65,11 @@ fn try_damaged_files(tries: usize) {
         ..Scene::default()
     };
     let picture = DynamicImage::ImageLuma8(scene.draw()).to_rgb8();
-    let formats = [
-        ImageFormat::Png,
-        ImageFormat::Jpeg,
-        ImageFormat::Bmp,
-        ImageFormat::Gif,
-    ];
-    let wholes: Vec<Vec<u8>> = formats
-        .iter()
-        .map(|format| {
-            let mut bytes = std::io::Cursor::new(Vec::new());
-            picture.write_to(&mut bytes, *format).unwrap();
-            bytes.into_inner()
-        })
-        .collect();
+    let wholes = ["png", "jpg", "bmp", "gif"].map(|ending| {
+        let path = folder.join("whole").with_extension(ending);
+        save(picture.clone(), &path).unwrap();
+        std::fs::read(path).unwrap()
+    });
     let mut random = Stream::new(7, "damaged files");
     let (mut errors, mut read) = (0, 0);
     for number in 0..tries {

@@ -5,10 +5,11 @@ use super::run_charts::check_runs;
 use crate::run_details::RunDetails;
 use crate::{Error, ReportInput};
 use frame_render::{ObjectView, RenderSphere, render_object};
-use image::codecs::png::PngEncoder;
-use image::{ImageFormat, RgbImage};
+use image::codecs::png::{PngDecoder, PngEncoder};
+use image::{DynamicImage, RgbImage};
 use photo_profile::{Settings, measure_image, overlay_gray};
 use scene::{Apparatus, SeedBody};
+use std::io::Cursor;
 use std::sync::Arc;
 
 /// Colour of the spheres, sRGB.
@@ -120,7 +121,8 @@ pub(crate) fn shows_drum(input: &ReportInput<'_>, model: &str) -> bool {
 
 /// A frame with the line that the reader of photos fits to it; the frame as it is where he refuses it.
 pub(super) fn with_reading(name: &str, frame: &[u8]) -> Result<Vec<u8>, Error> {
-    let picture = image::load_from_memory_with_format(frame, ImageFormat::Png)
+    let picture = PngDecoder::new(Cursor::new(frame))
+        .and_then(DynamicImage::from_decoder)
         .map_err(|e| picture_error(name, &e.to_string()))?
         .into_luma8();
     let settings = Settings::default();

@@ -15,7 +15,7 @@ fn with_pictures(scenes: &[Scene], more: &str) -> Study {
     std::fs::create_dir(folder.path("photos")).expect("a new folder");
     for (k, scene) in scenes.iter().enumerate() {
         let file = folder.path(&format!("photos/{k:03}.png"));
-        scene.draw().save(file).expect("written");
+        drawn_pictures::save(scene.draw(), file).expect("written");
     }
     folder.read(None).expect("a study that is right")
 }

@@ -229,7 +229,7 @@ fn photos_are_read_as_the_file_says() {
         }
         let mut mask = image::GrayImage::from_pixel(406, 406, image::Luma([255]));
         mask.put_pixel(0, 0, image::Luma([0]));
-        mask.save(folder.path("mask.png")).unwrap();
+        drawn_pictures::save(mask, folder.path("mask.png")).unwrap();
     }
     let [as_is, turned] = [as_is, turned].map(|folder| folder.read(None).unwrap());
     let angles = &as_is.photos[0].angles_deg;

@@ -3,9 +3,9 @@
 
 use super::{folder, text};
 use drawn_pictures::Scene;
-use image::{GrayImage, ImageFormat};
+use image::GrayImage;
+use image::codecs::pnm::PnmEncoder;
 use serde_json::Value;
-use std::io::Cursor;
 use std::os::unix::fs::PermissionsExt as _;
 use std::path::Path;
 use std::process::{Command, Output};
@@ -28,14 +28,14 @@ const SLOPES: [f64; 6] = [30.0, 32.0, 34.0, 36.0, 38.0, 40.0];
 /// A folder with a film and the two programs: `ffmpeg` gives these pictures and then runs `end`.
 fn films(name: &str, pictures: &[GrayImage], end: &str) -> std::path::PathBuf {
     let folder = folder(name);
-    let mut bytes = Cursor::new(Vec::new());
+    let mut bytes = Vec::new();
     for picture in pictures {
         let colour = image::DynamicImage::from(picture.clone()).to_rgb8();
-        let mut one = Cursor::new(Vec::new());
-        colour.write_to(&mut one, ImageFormat::Pnm).unwrap();
-        std::io::Write::write_all(&mut bytes, &one.into_inner()).unwrap();
+        colour
+            .write_with_encoder(PnmEncoder::new(&mut bytes))
+            .unwrap();
     }
-    std::fs::write(folder.join("pictures.ppm"), bytes.into_inner()).unwrap();
+    std::fs::write(folder.join("pictures.ppm"), bytes).unwrap();
     std::fs::write(folder.join("film.mp4"), "a film").unwrap();
     program(&folder, "ffprobe", "echo 25/2");
     let cat = format!("cat '{}'\n{end}", folder.join("pictures.ppm").display());
@@ -157,9 +157,7 @@ fn a_film_that_cannot_be_read_is_an_error() {
 fn real_films_are_read() {
     let folder = super::folder("real films");
     for (number, slope) in SLOPES.iter().enumerate() {
-        drum(*slope)
-            .save(folder.join(format!("{number}.png")))
-            .unwrap();
+        drawn_pictures::save(drum(*slope), folder.join(format!("{number}.png"))).unwrap();
     }
     for (name, codec) in [
         ("a.mp4", "libx264"),

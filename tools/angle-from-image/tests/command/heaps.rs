@@ -1,6 +1,7 @@
 //! Heaps.
 
 use super::{GOOD, folder, photo, run, text};
+use drawn_pictures::save;
 use serde_json::Value;
 
 /// A heap with flanks of 0.5 and 0.66 rad, 28.6 and 37.8 degrees, mean 33.2: both flanks, the apex
@@ -9,14 +10,12 @@ use serde_json::Value;
 fn a_heap_gives_both_flanks_and_a_drum_none() {
     let folder = folder("heap");
     let path = folder.join("heap.png");
-    drawn_pictures::HeapScene {
+    let heap = drawn_pictures::HeapScene {
         flanks: [0.5, 0.66],
         rounding: 0.005,
         ..drawn_pictures::HeapScene::default()
-    }
-    .draw()
-    .save(&path)
-    .unwrap();
+    };
+    save(heap.draw(), &path).unwrap();
     let overlay = folder.join("overlay.png");
     let output = run(&[
         path.to_str().unwrap(),
@@ -62,13 +61,13 @@ fn what_a_heap_shows_of_its_foot_and_its_camera_is_told() {
         spread: 0.5,
         ..plain
     };
-    with_foot.draw().save(&spread).unwrap();
+    save(with_foot.draw(), &spread).unwrap();
     let from_above = drawn_pictures::HeapScene {
         lean: 2.0_f64.to_radians(),
         elevation: 12.0_f64.to_radians(),
         ..plain
     };
-    from_above.draw().save(&above).unwrap();
+    save(from_above.draw(), &above).unwrap();
     let (spread, above) = (spread.to_str().unwrap(), above.to_str().unwrap());
     let output = run(&[spread, "--mode", "heap"]);
     let told = text(&output.stdout);

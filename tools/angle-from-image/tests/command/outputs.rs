@@ -1,6 +1,7 @@
 //! Tables, pages, overlays and help.
 
 use super::{GOOD, REFUSED, folder, photo, run, table_of, text};
+use image::codecs::jpeg::JpegDecoder;
 use serde_json::Value;
 
 /// The table of the same pictures as CSV and as workbook holds the same fields; a name that is no table of ours is CSV.
@@ -72,7 +73,7 @@ fn an_overlay_is_written_once_and_replaced_only_by_force() {
         "--quiet",
     ];
     assert_eq!(run(&arguments).status.code(), Some(0));
-    let drawn = image::open(&out).unwrap().to_rgb8();
+    let drawn = photo_profile::read_photo(&out).unwrap().to_rgb8();
     assert_eq!(drawn.dimensions(), (406, 406));
     let green = drawn.pixels().filter(|p| p.0 == [0, 200, 60]).count();
     assert!(green > 300, "{green} green pixels of the surface");
@@ -118,7 +119,7 @@ fn a_table_has_a_row_for_every_picture() {
     }
     let heap = folder.join("heap.png");
     let scene = drawn_pictures::HeapScene::default();
-    scene.draw().save(&heap).unwrap();
+    drawn_pictures::save(scene.draw(), &heap).unwrap();
     let heaps = folder.join("heaps.csv");
     let words = [heap.to_str().unwrap(), "--mode", "heap", "--json", "--csv"];
     let output = run(&[&words[..], &[heaps.to_str().unwrap()]].concat());
@@ -182,7 +183,8 @@ fn a_page_shows_every_picture_and_how_to_go_on() {
         let bytes = base64::engine::general_purpose::STANDARD
             .decode(data)
             .unwrap();
-        let drawn = image::load_from_memory(&bytes).unwrap().to_rgb8();
+        let drawn = JpegDecoder::new(std::io::Cursor::new(&bytes)).unwrap();
+        let drawn = image::DynamicImage::from_decoder(drawn).unwrap().to_rgb8();
         let is_blue = |p: &&image::Rgb<u8>| p.0[2] > 180 && p.0[0] < 120 && p.0[1] < 170;
         let blue = drawn.pixels().filter(is_blue).count();
         assert!(blue > 500, "{blue} blue pixels of the circle");

@@ -1,6 +1,7 @@
 //! What a photo gives, and how to go on without an angle.
 
 use super::{GOOD, REFUSED, folder, photo, run, text};
+use drawn_pictures::save;
 use serde_json::Value;
 
 /// The hand reading of the chord is 35.0 +- 0.8 degrees, of the middle 41.2 +- 1.0.
@@ -186,7 +187,7 @@ fn a_refusal_names_the_flag_to_go_on_with() {
         for pixel in picture.pixels_mut().filter(|_| name == "low.png") {
             pixel.0[0] = if pixel.0[0] < 128 { 0 } else { 255 };
         }
-        picture.save(&file).unwrap();
+        save(picture, &file).unwrap();
         let words = [&[file.to_str().unwrap(), "--json"], more].concat();
         let refused: Value = serde_json::from_slice(&run(&words).stdout).unwrap();
         assert!(
@@ -207,9 +208,8 @@ fn a_refusal_names_the_flag_to_go_on_with() {
         assert!(ends[0] < 30.0 && 30.0 < ends[1], "{ends:?} by {flag}");
     }
     let blank = folder.join("blank.png");
-    image::GrayImage::from_pixel(300, 200, image::Luma([99]))
-        .save(&blank)
-        .unwrap();
+    let grey = image::GrayImage::from_pixel(300, 200, image::Luma([99]));
+    save(grey, &blank).unwrap();
     let said = text(&run(&[blank.to_str().unwrap()]).stdout);
     assert!(said.contains("--drum CX,CY,R"), "{said}");
 }

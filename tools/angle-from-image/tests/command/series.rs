@@ -1,6 +1,7 @@
 //! Folders and series.
 
 use super::{GOOD, folder, photo, run, text};
+use drawn_pictures::save;
 use serde_json::Value;
 
 #[test]
@@ -96,7 +97,7 @@ fn pictures_at_a_rate_tell_avalanches() {
             ..drawn_pictures::Scene::default()
         };
         let file = folder.join(format!("{k:02}.png"));
-        scene.draw().save(file).unwrap();
+        save(scene.draw(), file).unwrap();
     }
     let observables = |more: &[&str]| -> Value {
         let all = [&[folder.to_str().unwrap(), "--json", "--quiet"], more].concat();
@@ -131,10 +132,10 @@ fn tiff_and_webp_in_a_folder_are_read_and_what_is_skipped_is_named() {
         ..drawn_pictures::Scene::default()
     }
     .draw();
-    drawn.save(folder.join("a.png")).unwrap();
-    drawn.save(folder.join("b.tif")).unwrap();
+    save(drawn.clone(), folder.join("a.png")).unwrap();
+    save(drawn.clone(), folder.join("b.tif")).unwrap();
     let colour = image::DynamicImage::from(drawn).into_rgb8();
-    colour.save(folder.join("c.webp")).unwrap();
+    save(colour, folder.join("c.webp")).unwrap();
     std::fs::write(folder.join("film.avi"), "no picture").unwrap();
     let output = run(&[folder.to_str().unwrap(), "--json", "--quiet"]);
     assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));

@@ -1,7 +1,7 @@
 //! Which part of a picture is looked at, and which way is level in it.
 
 use super::{folder, run, text};
-use drawn_pictures::Scene;
+use drawn_pictures::{Scene, save};
 use image::{GrayImage, Luma, imageops};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
@@ -34,10 +34,10 @@ fn a_region_is_measured_alone_in_the_pixels_of_the_whole() {
     let mut both = GrayImage::from_pixel(640, 320, Luma([120]));
     for (angle, left) in [(30.0, 10), (40.0, 330)] {
         let alone = drum(angle).draw();
-        alone.save(folder.join(format!("{left}.png"))).unwrap();
+        save(alone.clone(), folder.join(format!("{left}.png"))).unwrap();
         imageops::replace(&mut both, &alone, left, 10);
     }
-    both.save(&path).unwrap();
+    save(both, &path).unwrap();
     for left in [10.0, 330.0] {
         let alone = read(&folder.join(format!("{left}.png")), &[]);
         let region = format!("{left},10,300,300");
@@ -94,8 +94,8 @@ fn what_a_mask_hides_does_not_count() {
             seen.put_pixel(x, y, Luma([0]));
         }
     }
-    picture.save(&path).unwrap();
-    seen.save(&mask).unwrap();
+    save(picture, &path).unwrap();
+    save(seen, &mask).unwrap();
     let without = read(&path, &[]);
     let off = without["angle_deg"]
         .as_f64()
@@ -113,9 +113,8 @@ fn what_a_mask_hides_does_not_count() {
     }
     for (width, level) in [(299, 255), (300, 0)] {
         let wrong: PathBuf = folder.join("wrong.png");
-        GrayImage::from_pixel(width, 300, Luma([level]))
-            .save(&wrong)
-            .unwrap();
+        let mask = GrayImage::from_pixel(width, 300, Luma([level]));
+        save(mask, &wrong).unwrap();
         let output = run(&[path.to_str().unwrap(), "--mask", wrong.to_str().unwrap()]);
         assert_eq!(output.status.code(), Some(2), "{width}");
         assert!(
@@ -131,7 +130,7 @@ fn what_a_mask_hides_does_not_count() {
 #[test]
 fn a_plumb_line_or_a_level_tells_the_horizontal() {
     let path = folder("plumb").join("turned.png");
-    drum(38.0).draw().save(&path).unwrap();
+    save(drum(38.0).draw(), &path).unwrap();
     let as_is = read(&path, &[])["angle_deg"].as_f64().unwrap();
     for words in [
         ["--plumb-line", "50,20;60.481,220"],
@@ -165,7 +164,7 @@ fn a_plumb_line_or_a_level_tells_the_horizontal() {
 fn a_surface_that_is_stated_has_the_angle_of_its_places() {
     let folder = folder("surface");
     let path = folder.join("drum.png");
-    drum(35.0).draw().save(&path).unwrap();
+    save(drum(35.0).draw(), &path).unwrap();
     let found = read(&path, &[]);
     assert!(found.get("surface_given").is_none());
     let points = found["surface"].as_array().unwrap();
