@@ -124,7 +124,16 @@ fn stacks_that_cannot_be_meant_are_refused() {
     let other = ImageBuffer::from_pixel(N + 1, N, Luma([0_u16]));
     save(&other, &mixed.join("b.png"));
     let one = mixed.join("a.png");
+    let (cut, text_file) = (
+        folder.path().join("cut.png"),
+        folder.path().join("text.png"),
+    );
+    let whole = std::fs::read(&one).unwrap();
+    std::fs::write(&cut, &whole[..whole.len() / 2]).unwrap();
+    std::fs::write(&text_file, "no picture").unwrap();
     for (place, words, told) in [
+        (&cut, &["--voxel", "0.1mm"][..], "cut.png (PNG, JPEG"),
+        (&text_file, &["--voxel", "0.1mm"], "text.png (PNG, JPEG"),
         (&pictures, &[][..], "--voxel"),
         (&empty, &["--voxel", "0.1mm"], "holds no slice"),
         (&mixed, &["--voxel", "0.1mm"], "behind slices of 40 by 40"),
