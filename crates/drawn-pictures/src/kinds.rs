@@ -398,3 +398,26 @@ fn hopeless() -> Vec<Kind> {
         with("crumbled cliff", Finish::Cliff, plain),
     ]
 }
+
+#[cfg(test)]
+mod tests {
+    use super::jpeg;
+    use crate::Scene;
+    use image::GrayImage;
+
+    /// Quality 100 divides by steps of one level, which leaves less than one of 255 levels in the mean square; quality 5 by steps
+    /// of 100 and more, which an edge of bed and air shows with several levels.
+    #[test]
+    fn a_jpeg_loses_more_at_a_lower_quality() {
+        let picture = Scene::default().draw();
+        let loss = |quality: f64| {
+            let back: GrayImage = jpeg(picture.clone(), quality);
+            assert_eq!(back.dimensions(), picture.dimensions());
+            let pairs = back.iter().zip(picture.iter());
+            let squares = pairs.map(|(a, b)| (f64::from(*a) - f64::from(*b)).powi(2));
+            (squares.sum::<f64>() / picture.len() as f64).sqrt()
+        };
+        let (little, much) = (loss(100.0), loss(5.0));
+        assert!(little < 1.0 && much > 2.0, "{little} and {much} levels");
+    }
+}

@@ -19,7 +19,7 @@ pub const MOST_PIXELS: u64 = 120_000_000;
 /// # Errors
 /// [`Error::Read`], [`Error::Decode`], [`Error::Truncated`] and [`Error::TooLarge`].
 pub fn read_photo(path: &Path) -> Result<DynamicImage, Error> {
-    decode(path, &read_bytes(path)?)
+    decode_photo(path, &read_bytes(path)?)
 }
 
 /// The pictures in a file, in order: one of a photo, many of an animation or a film.
@@ -97,7 +97,7 @@ pub fn read_frames(path: &Path) -> Result<Frames, Error> {
 /// The frames of an animation, or the one picture of any other file.
 fn decoded_frames(path: &Path) -> Result<Vec<DynamicImage>, Error> {
     let bytes = read_bytes(path)?;
-    let first = decode(path, &bytes)?;
+    let first = decode_photo(path, &bytes)?;
     let failed = |source: image::ImageError| Error::Decode {
         path: path.to_path_buf(),
         source,
@@ -152,8 +152,11 @@ fn read_bytes(path: &Path) -> Result<Vec<u8>, Error> {
     })
 }
 
-/// Decodes the bytes of a picture file.
-fn decode(path: &Path, bytes: &[u8]) -> Result<DynamicImage, Error> {
+/// [`read_photo`] of a file whose bytes are read already; `path` stands in messages.
+///
+/// # Errors
+/// [`Error::Decode`], [`Error::Truncated`] and [`Error::TooLarge`].
+pub fn decode_photo(path: &Path, bytes: &[u8]) -> Result<DynamicImage, Error> {
     let failed = |source: image::ImageError| Error::Decode {
         path: path.to_path_buf(),
         source,

@@ -68,7 +68,7 @@ mod uncertainty;
 mod view;
 
 pub use channel::Channel;
-pub use decode::{Frames, MOST_PIXELS, read_frames, read_photo};
+pub use decode::{Frames, MOST_PIXELS, decode_photo, read_frames, read_photo};
 pub use error::Error;
 pub use files::{one_of, picture_files, skipped_files};
 pub use given_surface::{LEAST_PLACES, measure_given_surface};

@@ -4,7 +4,7 @@ use crate::arguments::{Arguments, length_in_metres};
 use anyhow::{Context as _, bail, ensure};
 use image::{DynamicImage, GrayImage, ImageFormat};
 use input_file::files_in;
-use photo_profile::read_photo;
+use photo_profile::decode_photo;
 use std::io::Cursor;
 use std::path::{Path, PathBuf};
 use tiff::decoder::{Decoder, DecodingResult};
@@ -105,7 +105,7 @@ fn slices_in(file: &Path) -> anyhow::Result<Vec<Slice>> {
     if image::guess_format(&bytes).is_ok_and(|format| format == ImageFormat::Tiff) {
         return tiff_slices(&bytes);
     }
-    let picture = read_photo(file)?;
+    let picture = decode_photo(file, &bytes)?;
     let size = [picture.width() as usize, picture.height() as usize];
     let values = match picture {
         DynamicImage::ImageLuma16(grey) => grey.into_raw(),

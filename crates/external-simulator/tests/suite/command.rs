@@ -5,7 +5,6 @@ use exchange::{csv, vtk};
 use external_simulator::{
     CommandModel, CommandSettings, CommandSimulator, DrumDescription, Keep, ResultFiles,
 };
-use image::codecs::png::PngEncoder;
 use run_store::Store;
 use scene::{FillingLibrary, OBSERVABLES_OF_PICTURES, Override, Scene};
 use std::collections::BTreeMap;
@@ -303,8 +302,7 @@ fn positions_of_another_code_are_read_by_the_same_ruler() {
     let bodies = &run.bodies;
     for (k, frame) in frames.iter().enumerate() {
         let picture = scene::drum_picture(&scene, bodies, frame).unwrap();
-        let file = std::fs::File::create(handed.join(format!("frame{k}.png"))).unwrap();
-        picture.write_with_encoder(PngEncoder::new(file)).unwrap();
+        drawn_pictures::save(picture, handed.join(format!("frame{k}.png"))).unwrap();
     }
     script.settings.results = ResultFiles {
         pictures: Some("frame*.png".into()),

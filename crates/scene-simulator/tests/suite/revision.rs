@@ -109,7 +109,8 @@ fn belong_to_the_revision(found: &[(&str, f64)], pinned: &[f64]) {
         .iter()
         .zip(pinned)
         .filter(|((_, found), pinned)| {
-            (found - *pinned).abs() > ROUNDING * f64::max(pinned.abs(), LEAST)
+            let is_pinned = (found - *pinned).abs() <= ROUNDING * f64::max(pinned.abs(), LEAST);
+            !is_pinned
         })
         .map(|((name, found), pinned)| format!("{name}: {found:.9e} and not {pinned:.9e}"))
         .collect();

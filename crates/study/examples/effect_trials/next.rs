@@ -16,9 +16,6 @@ first measurement that it recommends of four (another filling, another speed, a 
 seeds and noise of reading, and all is diagnosed again. `A plan would do`: the answer said that this measurement, alone or
 with others on offer, makes the separation of the effects in question as large as a name needs. `Too little`: it said that
 nothing on offer does.
-
-| hidden | followed | tie with the truth at first | then: truth alone | tie with the truth | without the truth |
-|---|--:|--:|--:|--:|--:|
 ";
 
 /// What an answer expects of the measurement that it recommends: what it should tell apart or show is then as clear as a
@@ -114,24 +111,6 @@ pub(crate) fn recommended(outcome: &Outcome) -> Option<Recommended<'_>> {
 /// The page in Markdown.
 pub(crate) fn text(all: &[Next], outcomes: &[Outcome], work: &Work) -> String {
     let mut text = HEAD.to_owned();
-    let mut rows: BTreeMap<&str, Vec<&Next>> = BTreeMap::new();
-    for next in all {
-        if let Some((name, _)) = &next.then.hidden.effect {
-            rows.entry(name).or_default().push(next);
-        }
-    }
-    for (name, of_effect) in rows {
-        let count = |is: &dyn Fn(&Next) -> bool| of_effect.iter().filter(|next| is(next)).count();
-        let _ = writeln!(
-            text,
-            "| {name} | {} | {} | {} | {} | {} |",
-            of_effect.len(),
-            count(&|next| next.was_tie(true)),
-            count(&|next| next.then.told() == Some(Told::Named)),
-            count(&Next::is_tie),
-            count(&|next| next.then.told() == Some(Told::False)),
-        );
-    }
     let measured = counted(all.iter().map(|next| format!("`{}`", next.measured)));
     let _ = writeln!(text, "\nMeasured next: {measured}.");
     write_rates(all, &mut text);

@@ -1,7 +1,7 @@
 //! Bodies given as stacks of slices.
 
 use super::{json_of, path_text, seedfill, text};
-use image::codecs::png::PngEncoder;
+use drawn_pictures::save;
 use image::{ImageBuffer, Luma};
 use std::f64::consts::PI;
 use std::path::Path;
@@ -30,19 +30,12 @@ fn slice(z: u32) -> ImageBuffer<Luma<u16>, Vec<u16>> {
     })
 }
 
-/// Writes a slice as a PNG file.
-fn save(slice: &ImageBuffer<Luma<u16>, Vec<u16>>, file: &Path) {
-    let file = std::fs::File::create(file).expect("the folder of the test");
-    slice
-        .write_with_encoder(PngEncoder::new(file))
-        .expect("a picture");
-}
-
 /// Writes the stack as pictures into a folder.
 fn write_pictures(folder: &Path) {
     std::fs::create_dir(folder).expect("the folder of the test");
     for z in 0..N {
-        save(&slice(z), &folder.join(format!("slice_{z}.png")));
+        let file = folder.join(format!("slice_{z}.png"));
+        save(slice(z), file).expect("the folder of the test");
     }
     std::fs::write(folder.join("notes.txt"), "of the tomograph").expect("the folder of the test");
 }
@@ -120,9 +113,9 @@ fn stacks_that_cannot_be_meant_are_refused() {
     write_pictures(&pictures);
     std::fs::create_dir(&empty).unwrap();
     std::fs::create_dir(&mixed).unwrap();
-    save(&slice(0), &mixed.join("a.png"));
+    save(slice(0), mixed.join("a.png")).unwrap();
     let other = ImageBuffer::from_pixel(N + 1, N, Luma([0_u16]));
-    save(&other, &mixed.join("b.png"));
+    save(other, mixed.join("b.png")).unwrap();
     let one = mixed.join("a.png");
     let (cut, text_file) = (
         folder.path().join("cut.png"),
