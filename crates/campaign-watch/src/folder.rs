@@ -27,6 +27,9 @@ pub struct CampaignFolder {
     path: PathBuf,
     /// Lists of runs by number, with what their file was when it was read.
     lists: BTreeMap<usize, (Option<Stamp>, PlannedList)>,
+    /// Place of each run in the lists, by key: runs whose files are of one time ended in this order. A clock of files
+    /// that ticks every few milliseconds, or every second, cannot tell them apart.
+    places: BTreeMap<String, usize>,
     /// Records by key.
     records: BTreeMap<String, Seen>,
     /// Frames of the latest runs, PNG, by key.
@@ -138,6 +141,7 @@ impl CampaignFolder {
         Ok(Self {
             path: path.to_owned(),
             lists: BTreeMap::new(),
+            places: BTreeMap::new(),
             records: BTreeMap::new(),
             frames: BTreeMap::new(),
         })
@@ -185,7 +189,9 @@ impl CampaignFolder {
 
     /// Reads the lists whose files are new or other than before.
     fn read_lists(&mut self, number: usize, problems: &mut Vec<String>) {
+        let before = self.lists.len();
         self.lists.retain(|i, _| *i <= number);
+        let mut is_changed = self.lists.len() != before;
         for i in 1..=number {
             let path = PlannedList::path(&self.path, i);
             let stamp = stamp_of(&path);
@@ -194,10 +200,25 @@ impl CampaignFolder {
                 continue;
             }
             match PlannedList::read(&self.path, i) {
-                Ok(list) => drop(self.lists.insert(i, (stamp, list.unwrap_or_default()))),
+                Ok(list) => {
+                    self.lists.insert(i, (stamp, list.unwrap_or_default()));
+                    is_changed = true;
+                }
                 Err(why) => problems.push(format!("{}: {why}", path.display())),
             }
         }
+        if is_changed {
+            self.places.clear();
+            let planned = self.lists.values().flat_map(|(_, list)| &list.runs);
+            for (place, run) in planned.enumerate() {
+                self.places.entry(run.key.clone()).or_insert(place);
+            }
+        }
+    }
+
+    /// What runs are sorted by: when one ended, then its place in the lists, then its key.
+    fn end<'a>(&self, key: &'a str, run: &Run) -> (Duration, Option<usize>, &'a str) {
+        (run.finished, self.places.get(key).copied(), key)
     }
 
     /// Reads records that are new, the latest first; gives the number of those that are left for the next look.
@@ -259,18 +280,14 @@ impl CampaignFolder {
 
     /// Keys of the latest runs with a frame, the latest first.
     fn latest_frames(&self) -> Vec<&str> {
-        let finished = |key: &String| match self.records.get(key) {
-            Some(Seen::Run(run)) => run.finished,
-            _ => Duration::ZERO,
+        let end = |key: &'_ String| match self.records.get_key_value(key) {
+            Some((key, Seen::Run(run))) => Some(self.end(key, run)),
+            _ => None,
         };
-        let mut keys: Vec<(Duration, &str)> = self
-            .frames
-            .keys()
-            .map(|key| (finished(key), key.as_str()))
-            .collect();
-        keys.sort_unstable_by(|a, b| b.cmp(a));
-        let latest = keys.into_iter().take(MOST_FRAMES);
-        latest.map(|(_, key)| key).collect()
+        let mut ends: Vec<_> = self.frames.keys().filter_map(end).collect();
+        ends.sort_unstable_by(|a, b| b.cmp(a));
+        let latest = ends.into_iter().take(MOST_FRAMES);
+        latest.map(|(.., key)| key).collect()
     }
 
     /// Puts together what was read.
@@ -309,7 +326,7 @@ impl CampaignFolder {
                 Seen::Damaged(..) => None,
             })
             .collect();
-        runs.sort_by(|a, b| (a.run.finished, a.key).cmp(&(b.run.finished, b.key)));
+        runs.sort_by_key(|asked| self.end(asked.key, asked.run));
         Snapshot {
             path: &self.path,
             is_used: view.is_used,
