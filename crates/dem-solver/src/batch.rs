@@ -13,8 +13,8 @@ use crate::contact::{ContactWrench, Memory, SpherePair};
 use crate::interaction::Interaction;
 use crate::load::Load;
 use crate::sphere_contact::SphereContact;
-use crate::transpose::{GROUP, transposed};
-use fearless_simd::f64x8;
+use crate::transpose::{Row, four_by_four, vector};
+use fearless_simd::f64x4;
 use fearless_simd::prelude::*;
 use nalgebra::Vector3;
 
@@ -39,7 +39,10 @@ struct Input {
     bridge_volume: [f64; ROOM],
 }
 
-/// What comes out of the law, one entry a contact: fields of [`ContactWrench`], and the loads that they make.
+/// Contacts that are handed over together: where registers hold four numbers, what they are given fits into these.
+const TOGETHER: usize = 4;
+
+/// What comes out of the law, one entry a contact: fields of [`ContactWrench`].
 #[derive(Debug, Clone)]
 pub(crate) struct Output {
     force: Column,
@@ -47,8 +50,6 @@ pub(crate) struct Output {
     torque_j: Column,
     slip: Column,
     rolling: Column,
-    /// Loads on both bodies.
-    loads: [[Load; 2]; ROOM],
 }
 
 impl Default for Output {
@@ -60,7 +61,6 @@ impl Default for Output {
             torque_j: EMPTY,
             slip: EMPTY,
             rolling: EMPTY,
-            loads: [[Load::default(); 2]; ROOM],
         }
     }
 }
@@ -76,45 +76,54 @@ impl Output {
         write(&mut self.rolling, k, &wrench.memory.rolling);
     }
 
-    /// Makes loads of the forces and torques of the first `n` contacts.
+    /// Hands over the first `n` contacts in order: the number of each, the loads on both bodies and the slip to
+    /// remember. They are made in registers and go straight to where they stay.
     #[inline(always)]
-    pub(crate) fn make_loads<S: Simd>(&mut self, simd: S, n: usize) {
-        let zero = f64x8::splat(simd, 0.0);
-        for first in (0..n.min(ROOM)).step_by(GROUP) {
-            let [x, y, z] = group(simd, &self.force, first);
-            let [u, v, w] = group(simd, &self.torque_i, first);
-            let on_i = transposed([x, y, z, zero, u, v, w, zero]);
-            let [u, v, w] = group(simd, &self.torque_j, first);
-            let on_j = transposed([-x, -y, -z, zero, u, v, w, zero]);
-            for l in 0..GROUP {
-                let loads = &mut self.loads[first + l];
-                on_i[l].store_slice(&mut loads[0].row);
-                on_j[l].store_slice(&mut loads[1].row);
-            }
+    pub(crate) fn hand_over<S: Simd>(
+        &self,
+        simd: S,
+        n: usize,
+        mut to: impl FnMut(usize, &[Load; 2], Row),
+    ) {
+        for first in (0..n.min(ROOM)).step_by(TOGETHER) {
+            let [f, g, h, i] = rows(simd, &self.force, first);
+            let [t, u, v, w] = rows(simd, &self.torque_i, first);
+            let [o, p, q, r] = rows(simd, &self.torque_j, first);
+            let [a, b, c, d] = rows(simd, &self.slip, first);
+            // Written out: a loop would put all of it into memory first.
+            hand_over(first, n, [f, t, o, a], &mut to);
+            hand_over(first + 1, n, [g, u, p, b], &mut to);
+            hand_over(first + 2, n, [h, v, q, c], &mut to);
+            hand_over(first + 3, n, [i, w, r, d], &mut to);
         }
     }
 
-    /// Loads of contact `k` on both bodies.
+    /// Torque of the rolling spring of contact `k` to remember, N m.
     #[inline(always)]
-    pub(crate) fn loads(&self, k: usize) -> &[Load; 2] {
-        &self.loads[k]
-    }
-
-    /// What contact `k` has to remember.
-    #[inline(always)]
-    pub(crate) fn memory(&self, k: usize) -> Memory {
-        Memory {
-            slip: read(&self.slip, k),
-            rolling: read(&self.rolling, k),
-        }
+    pub(crate) fn rolling(&self, k: usize) -> Vector3<f64> {
+        read(&self.rolling, k)
     }
 }
 
-/// A vector of each contact of the group from `first` on.
+/// Hands over contact `k` of `n`: its force, the torques on both bodies and its slip.
 #[inline(always)]
-fn group<S: Simd>(simd: S, columns: &Column, first: usize) -> [f64x8<S>; 3] {
-    let of = |c: usize| f64x8::from_slice(simd, &columns[c][first..first + GROUP]);
-    [of(0), of(1), of(2)]
+fn hand_over<S: Simd>(
+    k: usize,
+    n: usize,
+    [force, on_i, on_j, slip]: [f64x4<S>; 4],
+    to: &mut impl FnMut(usize, &[Load; 2], Row),
+) {
+    if k < n {
+        let loads = [Load::of_rows(force, on_i), Load::of_rows(-force, on_j)];
+        to(k, &loads, slip.into());
+    }
+}
+
+/// The vectors of four contacts from `first` on, a zero behind each.
+#[inline(always)]
+fn rows<S: Simd>(simd: S, columns: &Column, first: usize) -> [f64x4<S>; TOGETHER] {
+    let of = |c: usize| f64x4::from_slice(simd, &columns[c][first..first + TOGETHER]);
+    four_by_four([of(0), of(1), of(2), f64x4::splat(simd, 0.0)])
 }
 
 /// Contacts that wait for their forces.
@@ -279,11 +288,18 @@ impl Batch {
             #[inline(always)]
             |law| compute(law, input, output, n, time_step),
         );
-        output.make_loads(simd, n);
-        for k in 0..self.n {
-            sink.take(self.bodies[k], self.output.loads(k));
-            touches[self.touch[k]].memory = self.output.memory(k);
-        }
+        output.hand_over(
+            simd,
+            n,
+            #[inline(always)]
+            |k, loads, slip| {
+                sink.take(self.bodies[k], loads);
+                touches[self.touch[k]].memory = Memory {
+                    slip: vector(&slip),
+                    rolling: output.rolling(k),
+                };
+            },
+        );
         self.n = 0;
     }
 }

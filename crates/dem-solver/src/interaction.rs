@@ -135,6 +135,15 @@ impl Interaction {
         }
     }
 
+    /// [`Self::plain`] without rolling friction.
+    #[inline(always)]
+    pub(crate) fn smooth(&self) -> Self {
+        Self {
+            rolling_friction: 0.0,
+            ..self.plain()
+        }
+    }
+
     /// Elastic, damping and sliding part.
     pub(crate) fn law(&self) -> &HertzMindlin {
         &self.law

@@ -5,6 +5,8 @@
     reason = "the hot loops are vectorised only when inlined"
 )]
 
+use fearless_simd::f64x4;
+use fearless_simd::prelude::*;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 use std::ops::AddAssign;
@@ -25,6 +27,14 @@ impl Load {
         let (f, t) = (force, torque);
         Self {
             row: [f.x, f.y, f.z, 0.0, t.x, t.y, t.z, 0.0],
+        }
+    }
+
+    /// A force and a torque, each with a zero behind it.
+    #[inline(always)]
+    pub(crate) fn of_rows<S: Simd>(force: f64x4<S>, torque: f64x4<S>) -> Self {
+        Self {
+            row: force.combine(torque).into(),
         }
     }
 

@@ -9,6 +9,22 @@
 
 use fearless_simd::prelude::*;
 use fearless_simd::{f64x2, f64x4, f64x8};
+use nalgebra::Vector3;
+
+/// Three coordinates and a fourth number that goes along, so that they are read and written together.
+pub(crate) type Row = [f64; 4];
+
+/// A vector and a number beside it.
+#[inline(always)]
+pub(crate) fn row(vector: &Vector3<f64>, beside: f64) -> Row {
+    [vector.x, vector.y, vector.z, beside]
+}
+
+/// The vector of a row.
+#[inline(always)]
+pub(crate) fn vector(row: &Row) -> Vector3<f64> {
+    Vector3::new(row[0], row[1], row[2])
+}
 
 /// Contacts whose numbers change from rows to columns together.
 pub(crate) const GROUP: usize = 8;
@@ -66,7 +82,7 @@ fn dealt<S: Simd>(rows: [f64x8<S>; 8]) -> [f64x8<S>; 8] {
 
 /// Four rows of four numbers as columns, by halves: where registers are narrow, numbers that change the half cost most.
 #[inline(always)]
-fn four_by_four<S: Simd>(rows: [f64x4<S>; 4]) -> [f64x4<S>; 4] {
+pub(crate) fn four_by_four<S: Simd>(rows: [f64x4<S>; 4]) -> [f64x4<S>; 4] {
     let two_columns = |[a, b, c, d]: [f64x2<S>; 4]| {
         let first = a.zip_low(b).combine(c.zip_low(d));
         (first, a.zip_high(b).combine(c.zip_high(d)))

@@ -12,7 +12,7 @@ use crate::interaction::Interaction;
 use crate::liquid::bridge_volume;
 use crate::spheres::pairs::{SpherePairs, TOUCHES};
 use crate::spheres::sphere::Sphere;
-use crate::transpose::{GROUP, four_columns, transposed};
+use crate::transpose::{GROUP, Row, four_columns, transposed};
 use fearless_simd::prelude::*;
 use fearless_simd::{f64x4, f64x8, mask64x8};
 use nalgebra::Vector3;
@@ -78,7 +78,9 @@ impl SphereBatch {
         sink: &mut impl Sink,
     ) {
         let (n, last) = (now.len(), now[now.len() - 1]);
-        self.pair[..n].copy_from_slice(now);
+        for (pair, now) in self.pair.iter_mut().zip(now) {
+            *pair = *now;
+        }
         let full = n.next_multiple_of(GROUP).min(ROOM);
         self.pair[n..full].fill(last);
         let law = context.interactions[pairs.ends[last as usize].interaction as usize];
@@ -88,27 +90,36 @@ impl SphereBatch {
         let touching = self.collect(simd, full, pairs, context.spheres);
         let (input, output) = (&*self.input, &mut *self.output);
         let time_step = context.time_step;
-        by_law(
-            simd,
-            law,
-            #[inline(always)]
-            |law| compute(law, input, output, full, time_step),
-        );
-        output.make_loads(simd, full);
-        for k in 0..n {
-            let pair = self.pair[k] as usize;
-            let bodies = pairs.ends[pair].bodies();
-            if touching & (1 << k) == 0 {
-                let gap = gap(bodies.map(|body| &context.spheres[body]));
-                let ways = travel[bodies[0]] + travel[bodies[1]];
-                pairs.wake[pair] = ways + (gap - context.cutoffs.safety);
-                pairs.remember(pair, &Memory::default());
-                continue;
-            }
-            sink.take(bodies, self.output.loads(k));
-            pairs.wake[pair] = TOUCHES;
-            pairs.remember(pair, &self.output.memory(k));
+        if law == law.smooth() {
+            // The compiler leaves out the arms of rolling friction where it sees that there is none.
+            simd.vectorize(
+                #[inline(always)]
+                || compute(&law.smooth(), input, output, full, time_step),
+            );
+        } else {
+            by_law(
+                simd,
+                law,
+                #[inline(always)]
+                |law| compute(law, input, output, full, time_step),
+            );
         }
+        output.hand_over(
+            simd,
+            n,
+            #[inline(always)]
+            |k, loads, slip| {
+                let pair = self.pair[k] as usize;
+                let bodies = pairs.ends[pair].bodies();
+                if touching & (1 << k) == 0 {
+                    sleep(pairs, pair, travel, context);
+                } else {
+                    sink.take(bodies, loads);
+                    pairs.wake[pair] = TOUCHES;
+                    pairs.remember(pair, slip, output.rolling(k));
+                }
+            },
+        );
     }
 
     /// Finds the bridges of liquid of the first `n` pairs, and how far they reach: only where a contact was made.
@@ -183,6 +194,16 @@ impl SphereBatch {
         }
         touching
     }
+}
+
+/// Notes when a pair that is apart is to be looked at again.
+#[inline(never)]
+fn sleep(pairs: &mut SpherePairs, pair: usize, travel: &[f32], context: &Context<'_>) {
+    let bodies = pairs.ends[pair].bodies();
+    let gap = gap(bodies.map(|body| &context.spheres[body]));
+    let ways = travel[bodies[0]] + travel[bodies[1]];
+    pairs.wake[pair] = ways + (gap - context.cutoffs.safety);
+    pairs.remember(pair, Row::default(), Vector3::zeros());
 }
 
 /// Gap of two spheres, m.

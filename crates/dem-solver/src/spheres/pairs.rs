@@ -17,7 +17,7 @@ use crate::interaction::Interaction;
 use crate::kept_contact::KeptContact;
 use crate::lanes::stored;
 use crate::lanes::{HALF, NUMBERS, keep, make_room};
-use crate::spheres::sphere::{Row, row, vector};
+use crate::transpose::{Row, row, vector};
 use crate::travel::lowered;
 use fearless_simd::prelude::*;
 use fearless_simd::{f32x8, u32x8};
@@ -68,6 +68,8 @@ pub(crate) struct SpherePairs {
     pub(crate) rolling: Vec<Vector3<f64>>,
     /// Whether there are rolling springs.
     remembers_rolling: bool,
+    /// Whether not all pairs have the interaction of the first one.
+    has_several_interactions: bool,
 }
 
 impl SpherePairs {
@@ -87,6 +89,7 @@ impl SpherePairs {
         std::mem::swap(self, old);
         self.first = first;
         self.remembers_rolling = interactions.iter().any(Interaction::remembers_rolling);
+        self.has_several_interactions = false;
         self.start.clear();
         self.start.push(0);
         self.ends.clear();
@@ -121,11 +124,13 @@ impl SpherePairs {
             let known = (k < end && old.ends[k].other == i).then_some(k);
             let ways = travel[other] + travel[j];
             let wake = known.map_or(UNKNOWN, |k| lowered(old.wake[k], ways));
-            let interaction = context.interaction_index(material(other), material(j));
+            let interaction = stored(context.interaction_index(material(other), material(j)));
+            let first = self.ends.first().map_or(interaction, |e| e.interaction);
+            self.has_several_interactions |= interaction != first;
             self.ends.push(Ends {
                 other: i,
                 own: stored(j),
-                interaction: stored(interaction),
+                interaction,
             });
             self.wake.push(wake);
             self.slip.push(remembered(&old.slip, known));
@@ -170,6 +175,9 @@ impl SpherePairs {
     /// How many of these pairs, from the first one on, have its interaction and fit into a batch.
     #[inline(always)]
     pub(super) fn of_one_interaction(&self, pairs: &[u32]) -> usize {
+        if !self.has_several_interactions {
+            return pairs.len().min(ROOM);
+        }
         let of = |&pair: &u32| self.ends[pair as usize].interaction;
         let batch = &pairs[..pairs.len().min(ROOM)];
         let first = batch.first().map(of);
@@ -185,12 +193,12 @@ impl SpherePairs {
         }
     }
 
-    /// Sets what the contact of a pair remembers.
+    /// Sets what the contact of a pair remembers: its slip (m) and the torque of its rolling spring (N m).
     #[inline(always)]
-    pub(crate) fn remember(&mut self, k: usize, memory: &Memory) {
-        self.slip[k] = row(&memory.slip, 0.0);
-        if let Some(rolling) = self.rolling.get_mut(k) {
-            *rolling = memory.rolling;
+    pub(crate) fn remember(&mut self, k: usize, slip: Row, rolling: Vector3<f64>) {
+        self.slip[k] = slip;
+        if let Some(kept) = self.rolling.get_mut(k) {
+            *kept = rolling;
         }
     }
 
@@ -228,7 +236,8 @@ impl SpherePairs {
             let pairs = &self.ends[from..to];
             if let Ok(at) = pairs.binary_search_by_key(&contact.body, |e| e.other as usize) {
                 self.wake[from + at] = TOUCHES;
-                self.remember(from + at, &contact.memory);
+                let memory = &contact.memory;
+                self.remember(from + at, row(&memory.slip, 0.0), memory.rolling);
                 taken += 1;
             }
         }

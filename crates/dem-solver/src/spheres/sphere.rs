@@ -7,10 +7,8 @@
 
 use crate::contact::Mover;
 use crate::template::OuterSphere;
+use crate::transpose::{Row, row};
 use nalgebra::Vector3;
-
-/// Three coordinates and a fourth number that goes along, so that they are read and written together.
-pub(crate) type Row = [f64; 4];
 
 /// All of a sphere that a contact needs, in two lines of the cache; a copy of what stands in the bodies.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -84,16 +82,4 @@ impl Sphere {
 fn rows(first: &Vector3<f64>, second: &Vector3<f64>, behind: f64) -> [f64; 8] {
     let (a, b) = (first, second);
     [a.x, a.y, a.z, behind, b.x, b.y, b.z, behind]
-}
-
-/// A vector and a number beside it.
-#[inline(always)]
-pub(crate) fn row(vector: &Vector3<f64>, beside: f64) -> Row {
-    [vector.x, vector.y, vector.z, beside]
-}
-
-/// The vector of a row.
-#[inline(always)]
-pub(crate) fn vector(row: &Row) -> Vector3<f64> {
-    Vector3::new(row[0], row[1], row[2])
 }
