@@ -86,15 +86,16 @@ impl Output {
         mut to: impl FnMut(usize, &[Load; 2], Row),
     ) {
         for first in (0..n.min(ROOM)).step_by(TOGETHER) {
-            let [f, g, h, i] = rows(simd, &self.force, first);
-            let [t, u, v, w] = rows(simd, &self.torque_i, first);
-            let [o, p, q, r] = rows(simd, &self.torque_j, first);
-            let [a, b, c, d] = rows(simd, &self.slip, first);
+            let forces = rows(simd, &self.force, first);
+            let on_i = rows(simd, &self.torque_i, first);
+            let on_j = rows(simd, &self.torque_j, first);
+            let slips = rows(simd, &self.slip, first);
+            let of = |l: usize| [forces[l], on_i[l], on_j[l], slips[l]];
             // Written out: a loop would put all of it into memory first.
-            hand_over(first, n, [f, t, o, a], &mut to);
-            hand_over(first + 1, n, [g, u, p, b], &mut to);
-            hand_over(first + 2, n, [h, v, q, c], &mut to);
-            hand_over(first + 3, n, [i, w, r, d], &mut to);
+            hand_over_one(first, n, of(0), &mut to);
+            hand_over_one(first + 1, n, of(1), &mut to);
+            hand_over_one(first + 2, n, of(2), &mut to);
+            hand_over_one(first + 3, n, of(3), &mut to);
         }
     }
 
@@ -107,7 +108,7 @@ impl Output {
 
 /// Hands over contact `k` of `n`: its force, the torques on both bodies and its slip.
 #[inline(always)]
-fn hand_over<S: Simd>(
+fn hand_over_one<S: Simd>(
     k: usize,
     n: usize,
     [force, on_i, on_j, slip]: [f64x4<S>; 4],
