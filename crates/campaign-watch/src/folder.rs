@@ -189,9 +189,7 @@ impl CampaignFolder {
 
     /// Reads the lists whose files are new or other than before.
     fn read_lists(&mut self, number: usize, problems: &mut Vec<String>) {
-        let before = self.lists.len();
         self.lists.retain(|i, _| *i <= number);
-        let mut is_changed = self.lists.len() != before;
         for i in 1..=number {
             let path = PlannedList::path(&self.path, i);
             let stamp = stamp_of(&path);
@@ -200,19 +198,14 @@ impl CampaignFolder {
                 continue;
             }
             match PlannedList::read(&self.path, i) {
-                Ok(list) => {
-                    self.lists.insert(i, (stamp, list.unwrap_or_default()));
-                    is_changed = true;
-                }
+                Ok(list) => drop(self.lists.insert(i, (stamp, list.unwrap_or_default()))),
                 Err(why) => problems.push(format!("{}: {why}", path.display())),
             }
         }
-        if is_changed {
-            self.places.clear();
-            let planned = self.lists.values().flat_map(|(_, list)| &list.runs);
-            for (place, run) in planned.enumerate() {
-                self.places.entry(run.key.clone()).or_insert(place);
-            }
+        self.places.clear();
+        let planned = self.lists.values().flat_map(|(_, list)| &list.runs);
+        for (place, run) in planned.enumerate() {
+            self.places.entry(run.key.clone()).or_insert(place);
         }
     }
 
@@ -280,7 +273,7 @@ impl CampaignFolder {
 
     /// Keys of the latest runs with a frame, the latest first.
     fn latest_frames(&self) -> Vec<&str> {
-        let end = |key: &'_ String| match self.records.get_key_value(key) {
+        let end = |key: &String| match self.records.get_key_value(key) {
             Some((key, Seen::Run(run))) => Some(self.end(key, run)),
             _ => None,
         };
