@@ -87,6 +87,7 @@ mod template;
 mod transpose;
 mod travel;
 mod wall;
+mod wall_batch;
 mod wall_force;
 mod workspace;
 mod world;

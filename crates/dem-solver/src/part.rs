@@ -211,7 +211,9 @@ impl Part {
         if context.spheres.is_empty() {
             let pairs = &mut self.neighbours;
             add_pair_forces(level, pairs, bodies, workspace, context, sink);
-            self.walls.find_forces(bodies, walls, context);
+            let batch = &mut workspace.at_walls;
+            let near = &mut self.walls;
+            near.find_forces(level, bodies, walls, context, batch);
         } else {
             let (pairs, travel) = (&mut self.spheres, bodies.travel.as_slice());
             add_sphere_forces(level, pairs, travel, workspace, context, sink);

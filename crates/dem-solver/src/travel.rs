@@ -5,6 +5,12 @@
     reason = "the hot loops are vectorised only when inlined"
 )]
 
+/// Travel above which a contact wakes that touches, m.
+pub(crate) const TOUCHES: f32 = f32::NEG_INFINITY;
+
+/// The same of one that has not been looked at, m: below all travels, and still a number when it is lowered.
+pub(crate) const UNKNOWN: f32 = -1e30;
+
 /// A length in single precision, never shorter than the given one, so that a sum of many ways
 /// that are short against it is not too short either.
 #[inline(always)]

@@ -6,7 +6,9 @@ use crate::neighbours::{Due, Previous};
 use crate::sphere_contact::SphereContact;
 use crate::spheres::batch::SphereBatch;
 use crate::spheres::pairs::SpherePairs;
-use crate::spheres::walls::{SphereWalls, WallBatch};
+use crate::spheres::walls::SphereWalls;
+use crate::wall_batch::WallBatch;
+use crate::wall_force::Place;
 
 /// Buffers that no part needs between two visits, so that the parts of a piece of work share one set.
 #[derive(Debug, Clone, Default)]
@@ -29,12 +31,14 @@ pub(crate) struct Workspace {
     pub(crate) partners: Vec<u32>,
     /// Lists before the broad phase.
     pub(crate) previous: Previous,
+    /// Contacts of bodies at walls that wait for their forces.
+    pub(crate) at_walls: WallBatch<Place>,
     /// Contacts of bodies of one sphere that wait for their forces.
     pub(crate) spheres: SphereBatch,
     /// Pairs of bodies of one sphere before the broad phase.
     pub(crate) previous_spheres: SpherePairs,
     /// Contacts of bodies of one sphere at walls that wait for their forces.
-    pub(crate) spheres_at_walls: WallBatch,
+    pub(crate) spheres_at_walls: WallBatch<usize>,
     /// Bodies of one sphere near walls before the broad phase.
     pub(crate) previous_at_walls: SphereWalls,
 }

@@ -18,15 +18,10 @@ use crate::kept_contact::KeptContact;
 use crate::lanes::stored;
 use crate::lanes::{HALF, NUMBERS, keep, make_room};
 use crate::transpose::{Row, row, vector};
-use crate::travel::lowered;
+use crate::travel::{TOUCHES, UNKNOWN, lowered};
 use fearless_simd::prelude::*;
 use fearless_simd::{f32x8, u32x8};
 use nalgebra::Vector3;
-
-/// Sum of travels above which a pair wakes that touches, m.
-pub(crate) const TOUCHES: f32 = f32::NEG_INFINITY;
-/// The same of a pair that has not been looked at, m: below all travels, and still a number when it is lowered.
-pub(crate) const UNKNOWN: f32 = -1e30;
 
 /// The bodies of a pair.
 #[derive(Debug, Clone, Copy, Default)]

@@ -9,21 +9,21 @@
     reason = "the hot loops are vectorised only when inlined"
 )]
 
-use crate::batch::{Column, Loads, ROOM, by_law, read, write};
+use crate::batch::Loads;
 use crate::bodies::Bodies;
-use crate::contact::{Memory, Mover, SphereWall};
+use crate::contact::{ContactWrench, Memory};
 use crate::context::Context;
 use crate::interaction::Interaction;
 use crate::kept_contact::KeptContact;
 use crate::lanes::stored;
 use crate::liquid::bridge_volume;
 use crate::load::Load;
-use crate::spheres::pairs::{TOUCHES, UNKNOWN, remembered};
-use crate::travel::lowered;
+use crate::spheres::pairs::remembered;
+use crate::travel::{TOUCHES, UNKNOWN, lowered};
 use crate::wall::Wall;
+use crate::wall_batch::WallBatch;
 use crate::wall_force::sphere_at_wall;
-use fearless_simd::prelude::*;
-use fearless_simd::{Level, dispatch};
+use fearless_simd::Level;
 use nalgebra::Vector3;
 use std::ops::Range;
 
@@ -55,78 +55,6 @@ struct WallLoad {
     force: Vector3<f64>,
     /// Torque on the body, N m.
     torque: Vector3<f64>,
-}
-
-/// Contacts at walls that wait for their forces.
-#[derive(Debug, Clone)]
-pub(crate) struct WallBatch {
-    /// Number of contacts.
-    n: usize,
-    /// Interaction of all of them.
-    interaction: usize,
-    /// Their entries.
-    entry: [usize; ROOM],
-    /// What goes into the law.
-    input: Box<Input>,
-    /// What comes out.
-    output: Box<Output>,
-}
-
-/// What goes into the law, one entry a contact; fields as of [`SphereWall`], [`Mover`] and [`Memory`].
-#[derive(Debug, Clone)]
-struct Input {
-    normal: Column,
-    arm: Column,
-    wall_velocity: Column,
-    wall_spin: Column,
-    velocity: Column,
-    spin: Column,
-    slip: Column,
-    rolling: Column,
-    overlap: [f64; ROOM],
-    radius: [f64; ROOM],
-    mass: [f64; ROOM],
-    bridge_volume: [f64; ROOM],
-}
-
-/// What comes out of the law, one entry a contact.
-#[derive(Debug, Clone)]
-struct Output {
-    force: Column,
-    torque: Column,
-    slip: Column,
-    rolling: Column,
-}
-
-impl Default for WallBatch {
-    fn default() -> Self {
-        const EMPTY: Column = [[0.0; ROOM]; 3];
-        Self {
-            n: 0,
-            interaction: 0,
-            entry: [0; ROOM],
-            input: Box::new(Input {
-                normal: EMPTY,
-                arm: EMPTY,
-                wall_velocity: EMPTY,
-                wall_spin: EMPTY,
-                velocity: EMPTY,
-                spin: EMPTY,
-                slip: EMPTY,
-                rolling: EMPTY,
-                overlap: [0.0; ROOM],
-                radius: [0.0; ROOM],
-                mass: [0.0; ROOM],
-                bridge_volume: [0.0; ROOM],
-            }),
-            output: Box::new(Output {
-                force: EMPTY,
-                torque: EMPTY,
-                slip: EMPTY,
-                rolling: EMPTY,
-            }),
-        }
-    }
 }
 
 impl SphereWalls {
@@ -187,40 +115,27 @@ impl SphereWalls {
     }
 
     /// Finds the forces of all walls.
+    #[expect(
+        clippy::cast_possible_truncation,
+        reason = "the way up to the touch is shortened by a safety distance"
+    )]
     pub(crate) fn find_forces(
         &mut self,
         level: Level,
         travel: &[f32],
         walls: &[Wall],
         context: &Context<'_>,
-        batch: &mut WallBatch,
+        batch: &mut WallBatch<usize>,
     ) {
         self.loads.clear();
-        dispatch!(level, simd => self.find_forces_on(simd, travel, walls, context, batch));
-    }
-
-    /// [`Self::find_forces`] on one instruction set.
-    #[inline(always)]
-    #[expect(
-        clippy::cast_possible_truncation,
-        reason = "the way up to the touch is shortened by a safety distance"
-    )]
-    fn find_forces_on<S: Simd>(
-        &mut self,
-        simd: S,
-        travel: &[f32],
-        walls: &[Wall],
-        context: &Context<'_>,
-        batch: &mut WallBatch,
-    ) {
         for k in 0..self.body.len() {
             let body = self.body[k] as usize;
             if travel[body] <= self.wake[k] {
                 continue;
             }
             let interaction = self.interaction[k] as usize;
-            if batch.must_be_applied(interaction) {
-                batch.apply(simd, self, context);
+            if !batch.has_room(interaction) {
+                batch.apply(level, context, |entry, wrench| self.take(entry, wrench));
             }
             let sphere = &context.spheres[body];
             let wall = &walls[self.wall[k] as usize];
@@ -244,7 +159,19 @@ impl SphereWalls {
             contact.bridge_volume = volume;
             batch.put(k, interaction, &contact, &mover, &self.memory(k));
         }
-        batch.apply(simd, self, context);
+        batch.apply(level, context, |entry, wrench| self.take(entry, wrench));
+    }
+
+    /// Takes what the law says of the contact of an entry.
+    #[inline(always)]
+    fn take(&mut self, entry: usize, wrench: &ContactWrench) {
+        self.loads.push(WallLoad {
+            body: self.body[entry] as usize,
+            wall: self.wall[entry] as usize,
+            force: wrench.force,
+            torque: wrench.torque_i,
+        });
+        self.remember(entry, &wrench.memory);
     }
 
     /// Gives the forces found to the bodies.
@@ -322,107 +249,5 @@ impl SphereWalls {
     /// Number of touching spheres of all walls.
     pub(crate) fn n_contacts(&self) -> usize {
         (0..self.body.len()).filter(|&k| self.touches(k)).count()
-    }
-}
-
-impl WallBatch {
-    /// Whether a contact of this interaction has no place before the batch is worked off.
-    #[inline(always)]
-    fn must_be_applied(&self, interaction: usize) -> bool {
-        self.n == ROOM || (self.n > 0 && self.interaction != interaction)
-    }
-
-    /// Adds the contact of an entry; the caller has asked [`Self::must_be_applied`] before.
-    #[inline(always)]
-    fn put(
-        &mut self,
-        entry: usize,
-        interaction: usize,
-        contact: &SphereWall,
-        body: &Mover,
-        memory: &Memory,
-    ) {
-        let (n, input) = (self.n, &mut *self.input);
-        self.interaction = interaction;
-        self.entry[n] = entry;
-        write(&mut input.normal, n, &contact.normal);
-        write(&mut input.arm, n, &contact.arm);
-        write(&mut input.wall_velocity, n, &contact.wall_velocity);
-        write(&mut input.wall_spin, n, &contact.wall_spin);
-        write(&mut input.velocity, n, &body.velocity);
-        write(&mut input.spin, n, &body.spin);
-        write(&mut input.slip, n, &memory.slip);
-        write(&mut input.rolling, n, &memory.rolling);
-        input.overlap[n] = contact.geometry.overlap;
-        input.radius[n] = contact.geometry.reduced_radius;
-        input.mass[n] = contact.geometry.reduced_mass;
-        input.bridge_volume[n] = contact.bridge_volume;
-        self.n = n + 1;
-    }
-
-    /// Computes all contacts, keeps their loads and empties the batch.
-    #[inline(always)]
-    fn apply<S: Simd>(&mut self, simd: S, walls: &mut SphereWalls, context: &Context<'_>) {
-        if self.n == 0 {
-            return;
-        }
-        let (input, output, n) = (&*self.input, &mut *self.output, self.n);
-        let time_step = context.time_step;
-        by_law(
-            simd,
-            context.interactions[self.interaction],
-            #[inline(always)]
-            |law| compute(law, input, output, n, time_step),
-        );
-        let output = &*self.output;
-        for k in 0..n {
-            let entry = self.entry[k];
-            walls.loads.push(WallLoad {
-                body: walls.body[entry] as usize,
-                wall: walls.wall[entry] as usize,
-                force: read(&output.force, k),
-                torque: read(&output.torque, k),
-            });
-            let memory = Memory {
-                slip: read(&output.slip, k),
-                rolling: read(&output.rolling, k),
-            };
-            walls.remember(entry, &memory);
-        }
-        self.n = 0;
-    }
-}
-
-/// Runs the law over the first `n` contacts.
-#[inline(always)]
-fn compute(law: &Interaction, input: &Input, output: &mut Output, n: usize, time_step: f64) {
-    for k in 0..n.min(ROOM) {
-        let contact = SphereWall {
-            normal: read(&input.normal, k),
-            arm: read(&input.arm, k),
-            wall_velocity: read(&input.wall_velocity, k),
-            wall_spin: read(&input.wall_spin, k),
-            geometry: contact_law::ContactGeometry {
-                overlap: input.overlap[k],
-                reduced_radius: input.radius[k],
-                reduced_mass: input.mass[k],
-            },
-            bridge_volume: input.bridge_volume[k],
-        };
-        let body = Mover {
-            // The arm says where the contact is.
-            position: Vector3::zeros(),
-            velocity: read(&input.velocity, k),
-            spin: read(&input.spin, k),
-        };
-        let memory = Memory {
-            slip: read(&input.slip, k),
-            rolling: read(&input.rolling, k),
-        };
-        let effect = law.at_wall(&contact, &body, memory, time_step);
-        write(&mut output.force, k, &effect.force);
-        write(&mut output.torque, k, &effect.torque_i);
-        write(&mut output.slip, k, &effect.memory.slip);
-        write(&mut output.rolling, k, &effect.memory.rolling);
     }
 }
