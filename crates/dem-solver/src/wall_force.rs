@@ -7,14 +7,15 @@
 
 use crate::batch::Loads;
 use crate::bodies::Bodies;
-use crate::contact::{ContactWrench, Memory, Mover, SphereWall};
+use crate::contact::{Memory, Mover, SphereWall};
 use crate::context::{Context, Cutoffs};
 use crate::kept_contact::KeptContact;
 use crate::liquid::bridge_volume;
 use crate::load::Load;
 use crate::shared_mass::Shares;
+use crate::sphere_contact::SphereContact;
 use crate::template::{OuterSphere, Template};
-use crate::travel::{TOUCHES, lowered};
+use crate::travel::{TOUCHES, UNKNOWN, lowered};
 use crate::wall::{Nearest, Wall};
 use crate::wall_batch::WallBatch;
 use contact_law::ContactGeometry;
@@ -22,19 +23,8 @@ use fearless_simd::Level;
 use nalgebra::{Matrix3, Vector3};
 use std::ops::Range;
 
-/// A sphere that may touch the wall before its body has moved by the skin.
-#[derive(Debug, Clone, Copy)]
-struct Candidate {
-    /// What its contact remembers; 0 where it does not touch.
-    memory: Memory,
-    /// Travel of the body above which it is awake, m: [`TOUCHES`] where it touches, else where it could.
-    wake: f32,
-    /// Its number.
-    sphere: u16,
-}
-
 /// A body near a wall.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 struct Near {
     /// The body.
     body: usize,
@@ -44,8 +34,12 @@ struct Near {
     limit: f32,
     /// Travel of the body up to which none of the candidates is awake, m: [`TOUCHES`] where one of them touches.
     wake: f32,
-    /// Spheres within the skin of the wall, by number.
-    candidates: Vec<Candidate>,
+    /// Numbers of the spheres that may touch before the body has moved by the skin, in order.
+    candidates: Vec<u16>,
+    /// Travel of the body above which each of them is awake, m: [`TOUCHES`] where it touches, else where it could.
+    wakes: Vec<f32>,
+    /// What the contact of each of them remembers; 0 where it does not touch.
+    memories: Vec<Memory>,
     /// Force (N) and torque (N m) on the body in this step.
     force: Vector3<f64>,
     torque: Vector3<f64>,
@@ -61,9 +55,14 @@ pub(crate) struct WallNeighbours {
     old: Vec<Near>,
     /// Entries not in use, kept for their buffers.
     spare: Vec<Near>,
-    /// Candidates of the list before of one entry.
-    before: Vec<Candidate>,
+    /// Contacts of the list before of one entry.
+    before: Vec<SphereContact>,
+    /// Candidates of one entry that are awake.
+    awake: Vec<usize>,
 }
+
+/// Candidates that are looked at together.
+const GROUP: usize = 8;
 
 /// Where a contact belongs: its entry and its candidate.
 pub(crate) type Place = [usize; 2];
@@ -131,47 +130,35 @@ impl WallNeighbours {
                 rotation: &bodies.rotation[near.body],
                 template,
             };
-            let shares = near.shares(&body, wall, travel);
+            near.wake = near.find_awake(travel, &mut self.awake);
+            let shares = near.shares(&body, wall, &self.awake);
             (near.force, near.torque) = Default::default();
-            near.wake = near.limit;
-            for k in 0..self.near[at].candidates.len() {
-                let candidate = &mut self.near[at].candidates[k];
-                if travel > candidate.wake {
-                    let mut contact = body.at_wall(candidate.sphere, wall);
-                    let gap = -contact.geometry.overlap;
-                    let reach = if candidate.touches() {
-                        law.reach(volume)
-                    } else {
-                        0.0
-                    };
-                    if gap >= reach {
-                        candidate.wake = travel + (gap as f32 - context.cutoffs.safety);
-                        candidate.memory = Memory::default();
-                    } else {
-                        candidate.wake = TOUCHES;
-                        let memory = candidate.memory;
-                        contact.bridge_volume = volume;
-                        contact.share_mass(shares.as_ref());
-                        if !batch.has_room(interaction) {
-                            batch.apply(level, context, |place, wrench| self.take(place, wrench));
-                        }
-                        batch.put([at, k], interaction, &contact, &body.mover, &memory);
-                    }
-                }
+            for &k in &self.awake {
                 let near = &mut self.near[at];
-                near.wake = near.wake.min(near.candidates[k].wake);
+                let mut contact = body.at_wall(near.candidates[k], wall);
+                let gap = -contact.geometry.overlap;
+                let reach = if near.wakes[k] == TOUCHES {
+                    law.reach(volume)
+                } else {
+                    0.0
+                };
+                if gap >= reach {
+                    near.wakes[k] = travel + (gap as f32 - context.cutoffs.safety);
+                    near.wake = near.wake.min(near.wakes[k]);
+                    near.memories[k] = Memory::default();
+                    continue;
+                }
+                (near.wakes[k], near.wake) = (TOUCHES, TOUCHES);
+                let memory = near.memories[k];
+                contact.bridge_volume = volume;
+                contact.share_mass(shares.as_ref());
+                if !batch.has_room(interaction) {
+                    apply(&mut self.near, level, context, batch);
+                }
+                batch.put([at, k], interaction, &contact, &body.mover, &memory);
             }
         }
-        batch.apply(level, context, |place, wrench| self.take(place, wrench));
-    }
-
-    /// Takes what the law says of a contact.
-    #[inline(always)]
-    fn take(&mut self, [at, k]: Place, wrench: &ContactWrench) {
-        let near = &mut self.near[at];
-        near.force += wrench.force;
-        near.torque += wrench.torque_i;
-        near.candidates[k].memory = wrench.memory;
+        apply(&mut self.near, level, context, batch);
     }
 
     /// The entries at which something touches.
@@ -202,11 +189,11 @@ impl WallNeighbours {
     /// All contacts.
     pub(crate) fn kept(&self) -> impl Iterator<Item = KeptContact> + '_ {
         self.near.iter().flat_map(|near| {
-            near.touches().map(|candidate| KeptContact {
+            near.touches().map(|touch| KeptContact {
                 body: near.body,
                 other: near.wall,
-                key: u32::from(candidate.sphere) << 16,
-                memory: candidate.memory,
+                key: touch.key,
+                memory: touch.memory,
             })
         })
     }
@@ -217,11 +204,8 @@ impl WallNeighbours {
         for contact in contacts {
             let place = (contact.other, contact.body);
             if let Ok(at) = self.near.binary_search_by_key(&place, Near::place) {
-                self.near[at].candidates.push(Candidate {
-                    memory: contact.memory,
-                    wake: TOUCHES,
-                    sphere: u16::try_from(contact.key >> 16).unwrap_or(u16::MAX),
-                });
+                let sphere = u16::try_from(contact.key >> 16).unwrap_or(u16::MAX);
+                self.near[at].list(sphere, TOUCHES, contact.memory);
                 taken += 1;
             }
         }
@@ -234,27 +218,17 @@ impl WallNeighbours {
     }
 }
 
-impl Candidate {
-    /// Whether it touched in the last step.
-    #[inline(always)]
-    fn touches(&self) -> bool {
-        self.wake == TOUCHES
-    }
-}
-
 impl Near {
-    /// An entry without a list, with the buffer of one not in use.
+    /// An entry without a list, with the buffers of one not in use.
     fn fresh(body: usize, wall: usize, spare: Option<Self>) -> Self {
-        let mut candidates = spare.map_or_else(Vec::new, |near| near.candidates);
-        candidates.clear();
+        let mut near = spare.unwrap_or_default();
+        near.clear();
         Self {
             body,
             wall,
-            limit: f32::NEG_INFINITY,
-            wake: TOUCHES,
-            candidates,
-            force: Vector3::zeros(),
-            torque: Vector3::zeros(),
+            limit: UNKNOWN,
+            wake: UNKNOWN,
+            ..near
         }
     }
 
@@ -267,14 +241,32 @@ impl Near {
     fn lower(&mut self, travel: f32) {
         self.limit = lowered(self.limit, travel);
         self.wake = lowered(self.wake, travel);
-        for candidate in &mut self.candidates {
-            candidate.wake = lowered(candidate.wake, travel);
+        for wake in &mut self.wakes {
+            *wake = lowered(*wake, travel);
         }
     }
 
-    /// The candidates that touched in the last step.
-    fn touches(&self) -> impl Iterator<Item = &Candidate> {
-        self.candidates.iter().filter(|c| c.touches())
+    /// Forgets the list.
+    fn clear(&mut self) {
+        self.candidates.clear();
+        self.wakes.clear();
+        self.memories.clear();
+    }
+
+    /// Adds a candidate to the list.
+    fn list(&mut self, sphere: u16, wake: f32, memory: Memory) {
+        self.candidates.push(sphere);
+        self.wakes.push(wake);
+        self.memories.push(memory);
+    }
+
+    /// The contacts of the last step.
+    fn touches(&self) -> impl Iterator<Item = SphereContact> {
+        let touching = (0..self.wakes.len()).filter(|&k| self.wakes[k] == TOUCHES);
+        touching.map(|k| SphereContact {
+            key: key(self.candidates[k]),
+            memory: self.memories[k],
+        })
     }
 
     /// Lists the spheres that may touch before the body has moved by the skin.
@@ -288,38 +280,68 @@ impl Near {
         template: &Template,
         wall: &Wall,
         cutoffs: Cutoffs,
-        before: &mut Vec<Candidate>,
+        before: &mut Vec<SphereContact>,
     ) {
         let (position, rotation) = (bodies.position[self.body], bodies.rotation[self.body]);
         let travel = bodies.travel[self.body];
         before.clear();
-        before.append(&mut self.candidates);
+        before.extend(self.touches());
+        self.clear();
         let mut nearest = f64::INFINITY;
         for (sphere, shape) in (0_u16..).zip(&template.spheres) {
             let centre = position + rotation * shape.centre;
             let gap = wall.distance(&centre) - shape.radius;
             nearest = nearest.min(gap);
             if gap < f64::from(cutoffs.skin) {
-                let known = before.iter().find(|c| c.sphere == sphere && c.touches());
-                self.candidates.push(known.copied().unwrap_or(Candidate {
-                    memory: Memory::default(),
-                    wake: travel + (gap as f32 - cutoffs.safety),
-                    sphere,
-                }));
+                let known = before.iter().find(|touch| touch.key == key(sphere));
+                let gap = gap as f32 - cutoffs.safety;
+                let wake = known.map_or(travel + gap, |_| TOUCHES);
+                let memory = known.map_or_else(Memory::default, |touch| touch.memory);
+                self.list(sphere, wake, memory);
             }
         }
         // Without candidates the body may move until its nearest sphere could touch.
         let reach = (nearest as f32).max(cutoffs.skin) - cutoffs.safety;
         self.limit = travel + reach;
-        let wakes = self.candidates.iter().map(|c| c.wake);
-        self.wake = wakes.fold(self.limit, f32::min);
+        self.wake = self.wakes.iter().copied().fold(self.limit, f32::min);
     }
 
-    /// How the body shares its mass among its contacts; none where it does not.
+    /// Lists the candidates that are awake at a travel (m), and returns the travel at which the next of the others wakes.
     #[inline(always)]
-    fn shares(&self, body: &Posed<'_>, wall: &Wall, travel: f32) -> Option<Shares> {
-        let awake = self.candidates.iter().filter(|c| travel > c.wake);
-        let radii = awake.map(|c| body.at_wall(c.sphere, wall).contact_radius());
+    fn find_awake(&self, travel: f32, awake: &mut Vec<usize>) -> f32 {
+        awake.clear();
+        let mut next = [self.limit; GROUP];
+        let (groups, rest) = self.wakes.as_chunks::<GROUP>();
+        for (g, group) in groups.iter().enumerate() {
+            let mut any = false;
+            for (next, wake) in next.iter_mut().zip(group) {
+                let is_awake = travel > *wake;
+                any |= is_awake;
+                let wake = if is_awake { f32::INFINITY } else { *wake };
+                *next = if wake < *next { wake } else { *next };
+            }
+            if any {
+                let lanes = (0..GROUP).filter(|&l| travel > group[l]);
+                awake.extend(lanes.map(|l| g * GROUP + l));
+            }
+        }
+        for (k, wake) in (groups.len() * GROUP..).zip(rest) {
+            if travel > *wake {
+                awake.push(k);
+            } else {
+                next[0] = next[0].min(*wake);
+            }
+        }
+        next.into_iter().fold(f32::INFINITY, f32::min)
+    }
+
+    /// How the body shares its mass among its contacts, which are among those that are awake; none where it does not.
+    #[inline(always)]
+    fn shares(&self, body: &Posed<'_>, wall: &Wall, awake: &[usize]) -> Option<Shares> {
+        let touching = awake
+            .iter()
+            .map(|&k| body.at_wall(self.candidates[k], wall));
+        let radii = touching.map(|contact| contact.contact_radius());
         Shares::new([body.template.shares_mass, false], radii)
     }
 }
@@ -342,6 +364,21 @@ impl Posed<'_> {
         let centre = self.mover.position + self.rotation * sphere.centre;
         sphere_at_wall(&self.mover, sphere, &centre, wall, &wall.nearest(&centre))
     }
+}
+
+/// Runs the law over the contacts of a batch and gives their entries what it says.
+fn apply(near: &mut [Near], level: Level, context: &Context<'_>, batch: &mut WallBatch<Place>) {
+    batch.apply(level, context, |[at, k], wrench| {
+        let near = &mut near[at];
+        near.force += wrench.force;
+        near.torque += wrench.torque_i;
+        near.memories[k] = wrench.memory;
+    });
+}
+
+/// The key of the contact of a sphere.
+fn key(sphere: u16) -> u32 {
+    u32::from(sphere) << 16
 }
 
 /// Geometry of a sphere of a body at a wall, without liquid; the overlap is negative where they do not touch.
