@@ -19,6 +19,7 @@ use crate::travel::rounded_up;
 use fearless_simd::prelude::*;
 use fearless_simd::{Level, dispatch};
 use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3};
+use std::cell::RefCell;
 
 /// What a step needs beside the bodies.
 #[derive(Debug, Clone, Copy)]
@@ -61,6 +62,38 @@ struct Drive {
     arm: [f64; ROOM],
 }
 
+/// Bodies that are moved together.
+#[derive(Debug)]
+struct Block {
+    motion: Motion,
+    drive: Drive,
+}
+
+thread_local! {
+    /// The block of this thread. It is kept: to fill it with zeros takes a tenth of a step of one body.
+    static BLOCK: RefCell<Block> = const {
+        RefCell::new(Block {
+            motion: Motion {
+                position: [[0.0; ROOM]; 3],
+                velocity: [[0.0; ROOM]; 3],
+                momentum: [[0.0; ROOM]; 3],
+                orientation: [[0.0; ROOM]; 4],
+                rotation: [[0.0; ROOM]; 9],
+                spin: [[0.0; ROOM]; 3],
+                travel: [0.0; ROOM],
+                shift: [0.0; ROOM],
+            },
+            drive: Drive {
+                force: [[0.0; ROOM]; 3],
+                torque: [[0.0; ROOM]; 3],
+                inverse_mass: [0.0; ROOM],
+                inverse_inertia: [[0.0; ROOM]; 3],
+                arm: [0.0; ROOM],
+            },
+        })
+    };
+}
+
 /// Writes numbers into column `k`.
 #[inline(always)]
 pub(crate) fn write<const N: usize>(columns: &mut Columns<N>, k: usize, value: [f64; N]) {
@@ -82,35 +115,29 @@ pub(crate) fn advance_bodies(
     templates: &[Template],
     around: &Surroundings,
 ) -> (f32, f32) {
-    let mut motion = Motion {
-        position: [[0.0; ROOM]; 3],
-        velocity: [[0.0; ROOM]; 3],
-        momentum: [[0.0; ROOM]; 3],
-        orientation: [[0.0; ROOM]; 4],
-        rotation: [[0.0; ROOM]; 9],
-        spin: [[0.0; ROOM]; 3],
-        travel: [0.0; ROOM],
-        shift: [0.0; ROOM],
-    };
-    let mut drive = Drive {
-        force: [[0.0; ROOM]; 3],
-        torque: [[0.0; ROOM]; 3],
-        inverse_mass: [0.0; ROOM],
-        inverse_inertia: [[0.0; ROOM]; 3],
-        arm: [0.0; ROOM],
-    };
+    BLOCK.with_borrow_mut(|block| advance_in(block, level, bodies, templates, around))
+}
+
+/// [`advance_bodies`] in a block.
+fn advance_in(
+    Block { motion, drive }: &mut Block,
+    level: Level,
+    bodies: &mut BodySlices<'_>,
+    templates: &[Template],
+    around: &Surroundings,
+) -> (f32, f32) {
     let (mut longest, mut sum) = (0.0_f32, 0.0_f32);
     for first in (0..bodies.len()).step_by(ROOM) {
         let block = first..bodies.len().min(first + ROOM);
         for (k, i) in block.clone().enumerate() {
-            gather(bodies, templates, i, k, &mut motion, &mut drive);
+            gather(bodies, templates, i, k, motion, drive);
         }
         dispatch!(level, simd => simd.vectorize(
             #[inline(always)]
-            || move_block(&mut motion, &drive, around, block.len()),
+            || move_block(motion, drive, around, block.len()),
         ));
         for (k, i) in block.enumerate() {
-            scatter(&motion, k, bodies, i, templates);
+            scatter(motion, k, bodies, i, templates);
             longest = longest.max(bodies.shift[i]);
             sum += bodies.travel[i];
         }

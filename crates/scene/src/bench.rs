@@ -33,6 +33,8 @@ struct BenchParts {
     name: String,
     /// The seed.
     body: Arc<SeedBody>,
+    /// Its bounding radius, m.
+    radius: f64,
     /// Interactions of the materials seed (0) and plate (1), row by row.
     interactions: Vec<Interaction>,
     /// Which mass enters the dashpots.
@@ -63,6 +65,7 @@ impl BenchParts {
         Ok(Self {
             name: kind.name.clone(),
             interactions: interactions(&single, bodies, &[&kind.material, test.plate])?,
+            radius: body.clump.bounding_radius(),
             body,
             dashpot_mass: scene.model.dashpot_mass,
             time_step: steps.settling / FINER,
@@ -107,7 +110,7 @@ impl BenchParts {
     /// Whether body 0, the seed, has too little energy to rise by a hundredth of its size; a plate of seeds has
     /// next to none.
     fn is_at_rest(&self, world: &World) -> bool {
-        world.kinetic_energy() < 0.01 * self.weight() * self.body.clump.bounding_radius()
+        world.kinetic_energy() < 0.01 * self.weight() * self.radius
     }
 
     /// Lowest point of body 0, the seed, m.

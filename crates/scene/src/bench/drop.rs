@@ -70,7 +70,7 @@ fn one(
     let weight = parts.weight();
     // A flight back to the height of the drop, and as long again for tumbling.
     let limit = 1.0 + 4.0 * speed / parts.gravity;
-    let reach = parts.body.clump.bounding_radius();
+    let reach = parts.radius;
     let (mut highest, mut moving, mut touched) = (0.0_f64, 0.0, false);
     while world.time() < limit {
         world.step_with(|bodies| bodies.load[0] += Load::of_force(&(-Vector3::y() * weight)))?;

@@ -32,7 +32,7 @@ impl Plate {
     /// Where over the plate a seed is put, m from its middle: there on a smooth plate, on seeds at a random
     /// place within half a seed of it.
     pub(super) fn place(&self, parts: &BenchParts, stream: &mut Stream) -> Vector3<f64> {
-        let half = 0.5 * parts.body.clump.bounding_radius();
+        let half = 0.5 * parts.radius;
         match self {
             Self::Smooth => Vector3::zeros(),
             Self::Seeds(_) => {

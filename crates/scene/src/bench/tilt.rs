@@ -100,11 +100,14 @@ fn one(
         let bodies = world.bodies();
         let (position, orientation) = (bodies.position[0], bodies.orientation[0]);
         let (from, before) = *rested.get_or_insert((position, orientation));
-        let turned = (orientation * before.inverse()).scaled_axis().z.abs();
+        let turn = orientation * before.inverse();
+        // No angle is more than pi times the length of the vector part, which is far cheaper.
+        let may_have_rolled = turn.imag().norm() > TURN / std::f64::consts::PI;
+        let rolled = may_have_rolled && turn.scaled_axis().z.abs() > TURN;
         let way = (position - from).norm();
-        let slid = way > WAY * parts.body.clump.bounding_radius();
-        if turned > TURN || slid {
-            return Ok(Some(Repeat::new(tilt.tan(), turned <= TURN, &world)));
+        let slid = way > WAY * parts.radius;
+        if rolled || slid {
+            return Ok(Some(Repeat::new(tilt.tan(), !rolled, &world)));
         }
     }
     Ok(None)
