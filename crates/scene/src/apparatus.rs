@@ -278,6 +278,11 @@ impl Apparatus {
         self.bench_test().is_some()
     }
 
+    /// Repeats of a bench test; none where the apparatus holds a bed.
+    pub fn repeats(&self) -> Option<usize> {
+        self.bench_test().map(|test| test.repeats)
+    }
+
     /// Inner radius, half the length of a box, m; 0 in a bench test, which holds no bed.
     pub fn radius(&self) -> f64 {
         match self {

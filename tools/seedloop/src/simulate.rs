@@ -302,7 +302,10 @@ fn run_and_keep(
 ) -> anyhow::Result<Record> {
     let common = &arguments.common;
     let (scene, seed) = (single.scene(), arguments.seed);
-    common.log(|| format!("running {} seeds, seed {seed}", scene.seed_count()));
+    common.log(|| match scene.apparatus.repeats() {
+        Some(repeats) => format!("running {repeats} repeats of the bench test, seed {seed}"),
+        None => format!("running {} seeds, seed {seed}", scene.seed_count()),
+    });
     let folder = arguments.out.as_deref();
     let mut state = StateFile::new(
         folder,

@@ -60,7 +60,7 @@ fn a_run_gives_the_observables_that_its_scene_names() {
         } else {
             "seed.0.count=80"
         };
-        let settings = ["--set", "time_s=1", "--set", count, "--json", "--quiet"];
+        let settings = ["--set", "time_s=1", "--set", count, "--json"];
         let output = folder.simulate(&settings);
         assert_code(&output, 0);
         let json = json(&output);
@@ -77,6 +77,9 @@ fn a_run_gives_the_observables_that_its_scene_names() {
         named.sort_unstable();
         assert_eq!(given, named, "{apparatus}");
         assert_eq!(json["regime"].is_null(), scene.apparatus.is_bench_test());
+        let told = String::from_utf8_lossy(&output.stderr);
+        let is_told = told.contains("running 2 repeats of the bench test");
+        assert_eq!(is_told, scene.apparatus.is_bench_test(), "{told}");
     }
 }
 
