@@ -337,30 +337,33 @@ impl Scene {
         }
     }
 
+    /// What is wrong with the name of a material; none where it is defined.
+    pub(crate) fn undefined(&self, material: &str) -> Option<Error> {
+        let known: Vec<_> = self.material.keys().map(String::as_str).collect();
+        (!self.material.contains_key(material)).then(|| Error::Undefined {
+            file: self.file.clone(),
+            what: "material",
+            name: material.into(),
+            known: known.join(", "),
+        })
+    }
+
     /// Finds names that refer to nothing, and contacts that nobody states.
     fn check_names(&self, found: &mut Vec<Error>) {
         let seeds = self.seed.iter().map(|s| s.material.as_str());
         let in_contacts = self.contact.keys().flat_map(|pair| pair.split('-'));
-        let mut unknown: Vec<&str> = Vec::new();
+        let mut names: Vec<&str> = Vec::new();
         for name in self
             .wall_materials()
             .into_iter()
             .chain(seeds)
             .chain(in_contacts)
         {
-            if !self.material.contains_key(name) && !unknown.contains(&name) {
-                unknown.push(name);
+            if !names.contains(&name) {
+                names.push(name);
             }
         }
-        let known: Vec<_> = self.material.keys().map(String::as_str).collect();
-        for name in unknown {
-            found.push(Error::Undefined {
-                file: self.file.clone(),
-                what: "material",
-                name: name.into(),
-                known: known.join(", "),
-            });
-        }
+        found.extend(names.into_iter().filter_map(|name| self.undefined(name)));
         for [a, b] in self.touching_pairs() {
             if self.contact_of(a, b).is_none() {
                 found.push(Error::MissingContact {

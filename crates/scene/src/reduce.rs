@@ -20,6 +20,7 @@ impl Scene {
         // A wrong name must be told as it stands in the arguments.
         if let Some(test) = scene.apparatus.bench_test() {
             scene.tested_seed(test)?;
+            scene.undefined(test.plate).map_or(Ok(()), Err)?;
         }
         let scene = scene.reduced();
         scene.check()?;

@@ -145,10 +145,15 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
     );
     let header = Header::new(arguments.seed, inputs)?;
     require_memory([&scene], 1)?;
-    if let Some(file) = &arguments.arrays {
+    let of_frames = [
+        ("--frame", &arguments.frame),
+        ("--arrays", &arguments.arrays),
+    ];
+    for (flag, file) in of_frames {
+        let Some(file) = file else { continue };
         ensure!(
             !scene.apparatus.is_bench_test(),
-            "--arrays {}: a bench test has no frames; leave it out",
+            "{flag} {}: a bench test has no frames; leave it out",
             file.display()
         );
     }

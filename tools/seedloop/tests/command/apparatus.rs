@@ -169,6 +169,23 @@ fn bench_measurements_become_a_coefficient_with_its_interval() {
     );
 }
 
+/// A plate that the scene does not define is told with all materials that it does, and a bench test has no frame to show;
+/// both before anything runs.
+#[test]
+fn what_a_bench_test_cannot_have_is_refused_before_it_runs() {
+    let sled = "kind = \"slider\"\nplate = \"tough_resin\"\nrepeats = 2\n";
+    let scene = TinyScene::changed(DRUM, sled);
+    for words in [["--frame", "a.png"], ["--arrays", "a.npz"]] {
+        let output = scene.simulate(&words);
+        assert_error(&output, &[words[0], words[1], "a bench test has no frames"]);
+        assert!(!String::from_utf8_lossy(&output.stderr).contains("running"));
+    }
+    let words = ["bench-test", "tilt", "--scene", "tiny.toml"];
+    let words = [&words[..], &["--plate", "wood", "--repeats", "2"]].concat();
+    let output = seedloop(scene.path("").as_path(), &words);
+    assert_error(&output, &["'wood'", "clear_resin, seed, tough_resin"]);
+}
+
 /// A sled on a smooth plate shows the friction of its spheres, whatever their number: Coulomb's law;
 /// 1 % is what still swings.
 #[test]
