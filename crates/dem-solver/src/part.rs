@@ -211,9 +211,8 @@ impl Part {
         if context.spheres.is_empty() {
             let pairs = &mut self.neighbours;
             add_pair_forces(level, pairs, bodies, workspace, context, sink);
-            let batch = &mut workspace.at_walls;
             let near = &mut self.walls;
-            near.find_forces(level, bodies, walls, context, batch);
+            near.find_forces(level, bodies, walls, context, workspace);
         } else {
             let (pairs, travel) = (&mut self.spheres, bodies.travel.as_slice());
             add_sphere_forces(level, pairs, travel, workspace, context, sink);

@@ -10,6 +10,7 @@ use crate::bodies::Bodies;
 use crate::contact::{Memory, Mover, SphereWall};
 use crate::context::{Context, Cutoffs};
 use crate::kept_contact::KeptContact;
+use crate::lanes::stored;
 use crate::liquid::bridge_volume;
 use crate::load::Load;
 use crate::shared_mass::Shares;
@@ -18,6 +19,7 @@ use crate::template::{OuterSphere, Template};
 use crate::travel::{TOUCHES, UNKNOWN, lowered};
 use crate::wall::{Nearest, Wall};
 use crate::wall_batch::WallBatch;
+use crate::workspace::Workspace;
 use contact_law::ContactGeometry;
 use fearless_simd::Level;
 use nalgebra::{Matrix3, Vector3};
@@ -55,10 +57,6 @@ pub(crate) struct WallNeighbours {
     old: Vec<Near>,
     /// Entries not in use, kept for their buffers.
     spare: Vec<Near>,
-    /// Contacts of the list before of one entry.
-    before: Vec<SphereContact>,
-    /// Candidates of one entry that are awake.
-    awake: Vec<usize>,
 }
 
 /// Candidates that are looked at together.
@@ -109,15 +107,21 @@ impl WallNeighbours {
         bodies: &Bodies,
         walls: &[Wall],
         context: &Context<'_>,
-        batch: &mut WallBatch<Place>,
+        workspace: &mut Workspace,
     ) {
+        let Workspace {
+            at_walls: batch,
+            awake,
+            touches,
+            ..
+        } = workspace;
         for at in 0..self.near.len() {
             let near = &mut self.near[at];
             let travel = bodies.travel[near.body];
             let template = &context.templates[bodies.template[near.body]];
             let wall = &walls[near.wall];
             if travel > near.limit {
-                near.list_candidates(bodies, template, wall, context.cutoffs, &mut self.before);
+                near.list_candidates(bodies, template, wall, context.cutoffs, touches);
             }
             if travel <= near.wake {
                 continue;
@@ -130,10 +134,10 @@ impl WallNeighbours {
                 rotation: &bodies.rotation[near.body],
                 template,
             };
-            near.wake = near.find_awake(travel, &mut self.awake);
-            let shares = near.shares(&body, wall, &self.awake);
+            near.wake = near.find_awake(travel, awake);
+            let shares = near.shares(&body, wall, awake);
             (near.force, near.torque) = Default::default();
-            for &k in &self.awake {
+            for k in awake.iter().map(|&k| k as usize) {
                 let near = &mut self.near[at];
                 let mut contact = body.at_wall(near.candidates[k], wall);
                 let gap = -contact.geometry.overlap;
@@ -308,7 +312,7 @@ impl Near {
 
     /// Lists the candidates that are awake at a travel (m), and returns the travel at which the next of the others wakes.
     #[inline(always)]
-    fn find_awake(&self, travel: f32, awake: &mut Vec<usize>) -> f32 {
+    fn find_awake(&self, travel: f32, awake: &mut Vec<u32>) -> f32 {
         awake.clear();
         let mut next = [self.limit; GROUP];
         let (groups, rest) = self.wakes.as_chunks::<GROUP>();
@@ -322,12 +326,12 @@ impl Near {
             }
             if any {
                 let lanes = (0..GROUP).filter(|&l| travel > group[l]);
-                awake.extend(lanes.map(|l| g * GROUP + l));
+                awake.extend(lanes.map(|l| stored(g * GROUP + l)));
             }
         }
         for (k, wake) in (groups.len() * GROUP..).zip(rest) {
             if travel > *wake {
-                awake.push(k);
+                awake.push(stored(k));
             } else {
                 next[0] = next[0].min(*wake);
             }
@@ -337,10 +341,10 @@ impl Near {
 
     /// How the body shares its mass among its contacts, which are among those that are awake; none where it does not.
     #[inline(always)]
-    fn shares(&self, body: &Posed<'_>, wall: &Wall, awake: &[usize]) -> Option<Shares> {
+    fn shares(&self, body: &Posed<'_>, wall: &Wall, awake: &[u32]) -> Option<Shares> {
         let touching = awake
             .iter()
-            .map(|&k| body.at_wall(self.candidates[k], wall));
+            .map(|&k| body.at_wall(self.candidates[k as usize], wall));
         let radii = touching.map(|contact| contact.contact_radius());
         Shares::new([body.template.shares_mass, false], radii)
     }

@@ -15,7 +15,7 @@ use crate::wall_force::Place;
 pub(crate) struct Workspace {
     /// Contacts that wait for their forces.
     pub(crate) batch: Batch,
-    /// Pairs that are awake, of one body or of a block of spheres.
+    /// What is awake: pairs of one body or of a block of spheres, or candidates of a body at a wall.
     pub(crate) awake: Vec<u32>,
     /// Pairs of some bodies that are awake, with their bodies.
     pub(crate) due: Vec<Due>,
@@ -23,7 +23,7 @@ pub(crate) struct Workspace {
     pub(crate) stale: Vec<Due>,
     /// Keys of the candidates of one pair that may touch.
     pub(crate) near: Vec<u32>,
-    /// Touching pairs of spheres of this step.
+    /// Touching pairs of spheres of this step; then those of a body at a wall whose list is made anew.
     pub(crate) touches: Vec<SphereContact>,
     /// Buffers of the search for candidates.
     pub(crate) scratch: Scratch,
