@@ -100,10 +100,7 @@ fn one(
         let bodies = world.bodies();
         let (position, orientation) = (bodies.position[0], bodies.orientation[0]);
         let (from, before) = *rested.get_or_insert((position, orientation));
-        let turn = orientation * before.inverse();
-        // No angle is more than pi times the length of the vector part, which is far cheaper.
-        let may_have_rolled = turn.imag().norm() > TURN / std::f64::consts::PI;
-        let rolled = may_have_rolled && turn.scaled_axis().z.abs() > TURN;
+        let rolled = has_rolled(&(orientation * before.inverse()));
         let way = (position - from).norm();
         let slid = way > WAY * parts.radius;
         if rolled || slid {
@@ -111,4 +108,38 @@ fn one(
         }
     }
     Ok(None)
+}
+
+/// Whether a turn since the rest goes by [`TURN`] about the long axis, which lies along z. Asked in each step: no angle is more
+/// than pi times the length of the vector part, which is far cheaper to find.
+fn has_rolled(turn: &UnitQuaternion<f64>) -> bool {
+    let may_have = turn.imag().norm() > TURN / std::f64::consts::PI;
+    may_have && turn.scaled_axis().z.abs() > TURN
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{TURN, has_rolled};
+    use nalgebra::{UnitQuaternion, UnitVector3, Vector3};
+
+    /// Turns of up to half a revolution, both ways, about the long axis and about one that leans by 37 degrees: what counts is
+    /// the part along the long axis, 1 and 0.8 of the angle. A thousandth beside the limit decides.
+    #[test]
+    fn rolling_begins_at_its_turn_about_the_long_axis() {
+        for (axis, part) in [
+            (Vector3::z(), 1.0),
+            (Vector3::new(0.6, 0.0, 0.8), 0.8),
+            (Vector3::x(), 0.0),
+        ] {
+            let axis = UnitVector3::new_normalize(axis);
+            for share in [0.0, 0.3, 0.999, 1.001, 1.5, 4.0] {
+                for limit in [TURN, -TURN, TURN / 0.8, -TURN / 0.8] {
+                    let angle = share * limit;
+                    let turn = UnitQuaternion::from_axis_angle(&axis, angle);
+                    let expected = angle.abs() * part > TURN;
+                    assert_eq!(has_rolled(&turn), expected, "{angle} about {axis:?}");
+                }
+            }
+        }
+    }
 }
