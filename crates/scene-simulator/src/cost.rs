@@ -9,9 +9,6 @@ use scene::{Apparatus, Scene};
 /// depends on it.
 pub const SECONDS_PER_COST: f64 = 0.0025;
 
-/// How much finer than in a drum a bench test is stepped.
-const FINER: f64 = 20.0;
-
 /// Simulated time of one repeat of a bench test, s: the pull of the sled is fixed, a drop and a tilt end with the
 /// motion of the seed (measured on coated cotton seeds, 4 repeats each).
 const PULL_S: f64 = 0.75;
@@ -30,11 +27,11 @@ const SEEDED_PLATE: f64 = 3.0;
 ///
 /// (number of moving seeds) * (simulated time, s) / (time step as a share of a hard contact). In a drum or a release
 /// the time is that to settle and that of the rotation ([`Scene::expected_rotation`]); the number of spheres hardly matters there (146 in
-/// place of 20 a seed: 9 % more), since few of them touch. In a bench test it is that of all repeats, with steps 20
-/// times as fine.
+/// place of 20 a seed: 9 % more), since few of them touch. In a bench test it is that of all repeats, with steps as
+/// much finer as [`Apparatus::finer`] says.
 ///
-/// Measured over this, 2 to 4 repeats or frames: drums of 40 to 306 seeds 0.9 to 1.9 ms, bench tests of seeds of 20
-/// spheres 0.7 to 3.4 ms. Drop and pull on a plate of seeds of 146 spheres take up to 10 ms.
+/// Measured over this: drums of 40 to 306 seeds 0.9 to 1.9 ms; bench tests of smooth seeds of 12 spheres 1.1 to 4.5 ms, of
+/// which tilts that end early take a tenth.
 pub(crate) fn expected_cost(scene: &Scene) -> f64 {
     let (seeds, time_s) = match &scene.apparatus {
         Apparatus::Slider(test) => (1.0, bench_s(scene, &test.plate, test.repeats, PULL_S)),
@@ -52,5 +49,5 @@ pub(crate) fn expected_cost(scene: &Scene) -> f64 {
 fn bench_s(scene: &Scene, plate: &str, repeats: usize, repeat_s: f64) -> f64 {
     let is_seeded = scene.seed.iter().any(|seed| seed.material == plate);
     let per_step = if is_seeded { SEEDED_PLATE } else { 1.0 };
-    FINER * per_step * repeats as f64 * repeat_s
+    scene.apparatus.finer() * per_step * repeats as f64 * repeat_s
 }

@@ -21,11 +21,6 @@ use dem_solver::{Census, Interaction, Settings, Template, World};
 use nalgebra::{UnitQuaternion, Vector3};
 use std::sync::Arc;
 
-/// How much finer than in a drum a bench test is stepped. A drum's step puts about three steps into a
-/// hard contact, which is enough for a bed but not for the rebound of a single seed: with it some drops
-/// came back higher than they fell (restitution up to 1.06 of 40 drops).
-const FINER: f64 = 20.0;
-
 /// A seed, and how it meets its like and a plate.
 #[derive(Debug)]
 struct BenchParts {
@@ -68,7 +63,7 @@ impl BenchParts {
             radius: body.clump.bounding_radius(),
             body,
             dashpot_mass: scene.model.dashpot_mass,
-            time_step: steps.settling / FINER,
+            time_step: steps.settling / scene.apparatus.finer(),
             gravity: scene.model.gravity_m_s2,
             on_seeds: test.plate == kind.material,
         })
@@ -226,6 +221,19 @@ pub(crate) fn run_bench(
             ..PhaseTimes::default()
         },
     }))
+}
+
+impl Apparatus {
+    /// How much finer than its seeds in a bed a bench test is stepped; 1 for a bed. Why so much, each test says
+    /// (docs/time-step.md).
+    pub fn finer(&self) -> f64 {
+        match self {
+            Self::Drop(_) => drop::FINER,
+            Self::Slider(_) => slider::FINER,
+            Self::Tilt(_) => tilt::FINER,
+            Self::Drum(_) | Self::Metering(_) | Self::Heap(_) | Self::BoxCollapse(_) => 1.0,
+        }
+    }
 }
 
 impl Scene {

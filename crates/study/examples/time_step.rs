@@ -1,11 +1,12 @@
-//! What the time step does to the angle of a drum, by friction and filling, and to that of soft beads.
+//! What the time step does to the angle of a drum, by friction and filling, to that of soft beads, and to bench tests.
 //!
 //! `cargo run --release -p study --example time_step -- FOLDER [RUNS]`
 //!
 //! Runs the study's drum, cut to 100 mm and 320 seeds, with RUNS seeds (default 4) at each friction, filling and step and prints
 //! means with standard errors over the runs that came to their end. Too long a step throws seeds out, which ends a run: the
-//! table says how many were left, and the reasons go to standard error. Before it stands a table of soft beads, whose step follows
-//! from their bed at rest, with 2 RUNS seeds. Finished runs are kept in FOLDER and found again.
+//! table says how many were left, and the reasons go to standard error. Before it stand a table of bench tests, which are
+//! stepped finer, and one of soft beads, whose step follows from their bed at rest, both with 2 RUNS seeds. Finished runs are kept
+//! in FOLDER and found again.
 
 #![expect(clippy::print_stdout, reason = "the table is the purpose")]
 #![expect(
@@ -19,7 +20,7 @@ mod small_drum;
 use campaign::{Campaign, RunRequest, Silent};
 use records::{folder_and_runs, mean_and_error};
 use run_store::{Record, Store};
-use scene::{Override, Scene};
+use scene::{Apparatus, Drop, Override, Scene, Slider, Tilt};
 use scene_simulator::{Binding, RunDetails, SceneSimulator};
 use small_drum::small_drum;
 use std::collections::BTreeMap;
@@ -56,6 +57,18 @@ const BEADS: [[&str; 2]; 4] = [
     ["0.02 MPa", "0"],
 ];
 
+/// Shares of bench tests: a quarter of the default, the default, and the longest.
+const SHARES_OF_TESTS: [f64; 3] = [0.09, DEFAULT_SHARE, 1.0];
+
+/// Plates of bench tests: smooth, and covered with seeds.
+const PLATES: [&str; 2] = ["tough_resin", "seed"];
+
+/// Changes of the study's scene: with rolling friction that a tilted seed has to overcome.
+const ROLLING: [(&str, &str); 2] = [
+    ("contact.seed-tough_resin.rolling_friction", "0.1"),
+    ("contact.seed-seed.rolling_friction", "0.1"),
+];
+
 /// Spheres of a seed.
 const SPHERES: [&str; 2] = ["seed.0.filling.sphere_count", "seed.1.filling.sphere_count"];
 
@@ -81,6 +94,70 @@ fn step_of(records: &[Record]) -> Result<String, Box<dyn Error>> {
     Ok(format!("{:.3}", 1e3 * step))
 }
 
+/// The bench tests of the study's seeds on a plate.
+fn tests(plate: &str) -> Result<[Apparatus; 3], Box<dyn Error>> {
+    let (plate, seed) = (plate.to_owned(), None);
+    let sled = Slider {
+        plate: plate.clone(),
+        seed: seed.clone(),
+        repeats: 5,
+    };
+    let tilt = Tilt {
+        plate: plate.clone(),
+        seed: seed.clone(),
+        repeats: 15,
+    };
+    let drop = Drop {
+        plate,
+        seed,
+        repeats: 40,
+        height: "200 mm".parse()?,
+    };
+    Ok([
+        Apparatus::Slider(sled),
+        Apparatus::Tilt(tilt),
+        Apparatus::Drop(drop),
+    ])
+}
+
+/// What a bench test shows.
+fn shown(test: &Apparatus) -> &'static str {
+    match test {
+        Apparatus::Slider(_) => "shown_static_friction",
+        Apparatus::Tilt(_) => "shown_rolling_friction",
+        _ => "shown_restitution",
+    }
+}
+
+/// Scenes of all bench tests, by what they show and the plate.
+fn test_scenes() -> Result<BTreeMap<String, Scene>, Box<dyn Error>> {
+    let seeds = scene_with("fixtures/cotton/measured.toml", &ROLLING)?;
+    let mut scenes = BTreeMap::new();
+    for plate in PLATES {
+        for apparatus in tests(plate)? {
+            let name = format!("{} on {plate}", shown(&apparatus));
+            let scene = Scene {
+                apparatus,
+                ..seeds.clone()
+            };
+            scenes.insert(name, scene);
+        }
+    }
+    Ok(scenes)
+}
+
+/// A scene with changes.
+fn scene_with(file: &str, changes: &[(&str, &str)]) -> Result<Scene, scene::Error> {
+    let changes: Vec<Override> = changes
+        .iter()
+        .map(|(name, value)| Override {
+            name: (*name).to_owned(),
+            value: (*value).to_owned(),
+        })
+        .collect();
+    Scene::read(Path::new(file), &changes)
+}
+
 /// A drum of soft beads.
 fn beads([modulus, rolling]: [&str; 2]) -> Result<Scene, scene::Error> {
     let changes = [
@@ -90,11 +167,7 @@ fn beads([modulus, rolling]: [&str; 2]) -> Result<Scene, scene::Error> {
         ("contact.bead-bead.rolling_friction", rolling),
         ("contact.bead-wall.rolling_friction", rolling),
     ];
-    let changes = changes.map(|(name, value)| Override {
-        name: name.to_owned(),
-        value: value.to_owned(),
-    });
-    Scene::read(Path::new("fixtures/other-code/drum.toml"), &changes)
+    scene_with("fixtures/other-code/drum.toml", &changes)
 }
 
 /// The records of so many seeds of a model with these parameters; why a run is missing goes to standard error.
@@ -172,6 +245,25 @@ fn table_of_seeds(
     Ok(())
 }
 
+/// The table of bench tests.
+fn table_of_tests(campaign: &Campaign<'_>, runs: u64) -> Result<(), Box<dyn Error>> {
+    let scenes = test_scenes()?;
+    let share = (STEPS[0].to_owned(), Binding::of_path(STEPS[0]));
+    let simulator = SceneSimulator::new(scenes.clone(), [share].into())?.with_retries(0);
+    let shares = SHARES_OF_TESTS.map(|share| format!("{share:.2}"));
+    println!("| bench test | {} |", shares.join(" | "));
+    println!("|---|{}", "--:|".repeat(SHARES_OF_TESTS.len()));
+    for (model, scene) in &scenes {
+        let mut cells = Vec::new();
+        for share in SHARES_OF_TESTS {
+            let records = records_of(campaign, &simulator, model, &[(STEPS[0], share)], runs)?;
+            cells.push(mean_and_error(&records, shown(&scene.apparatus), 4));
+        }
+        println!("| {model} | {} |", cells.join(" | "));
+    }
+    Ok(())
+}
+
 /// The table of soft beads.
 fn table_of_beads(
     campaign: &Campaign<'_>,
@@ -215,6 +307,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     let store = Store::open(folder)?;
     let threads = std::thread::available_parallelism().map_or(1, usize::from);
     let campaign = Campaign::new(&store, threads, &Silent);
+    table_of_tests(&campaign, 2 * runs)?;
+    println!();
     table_of_beads(&campaign, &soft, 2 * runs)?;
     println!();
     table_of_seeds(&campaign, &seeds, runs)

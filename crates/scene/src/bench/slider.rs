@@ -8,6 +8,10 @@ use dem_solver::{Load, Placement};
 use nalgebra::{UnitQuaternion, Vector3};
 use random_stream::Stream;
 
+/// How much finer than a bed it is stepped. Nothing is hit: with the step of a bed the friction is the same to four digits,
+/// and the longest step that `protocol.step_share` allows is still shorter than the usual one of a bed.
+pub(super) const FINER: f64 = 4.0;
+
 /// Seeds along each side of the sled.
 const SIDE: usize = 3;
 

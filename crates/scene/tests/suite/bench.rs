@@ -171,6 +171,31 @@ fn the_same_seed_gives_the_same_bits() {
     }
 }
 
+/// A sled and a seed on a smooth plate that tilts hit nothing: the longest step that a scene may ask for shows what a tenth of it
+/// shows. A thousandth is far less than repeats differ by, 0.01 to 0.1.
+#[test]
+fn pulls_and_tilts_do_not_hang_on_the_step() {
+    for (kind, plate, name) in [
+        ("slider", "seed", "shown_static_friction"),
+        ("slider", "tough_resin", "shown_static_friction"),
+        ("tilt", "tough_resin", "shown_rolling_friction"),
+    ] {
+        let shown = |share: f64| {
+            let mut scene = cotton(&format!(
+                "kind = \"{kind}\"\nplate = \"{plate}\"\nrepeats = 3"
+            ));
+            scene.protocol.step_share = share;
+            values(&go(&scene, 1), name)
+        };
+        for (long, short) in shown(1.0).into_iter().zip(shown(0.1)) {
+            assert!(
+                (long - short).abs() < 1e-3,
+                "{kind} on {plate}: {long}, {short}"
+            );
+        }
+    }
+}
+
 /// What a bench test cannot have or lacks is told by its key, and a bed is not asked of it.
 #[test]
 fn wrong_bench_scenes_are_refused() {
