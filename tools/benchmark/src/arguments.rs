@@ -18,7 +18,8 @@ use std::path::PathBuf;
 )]
 pub(crate) struct Arguments {
     /// Scenes: seeds-N (the drum of the study, its length in proportion to N) or spheres-N (plain
-    /// spheres); or calls: frame (drawn and read), photo-12mp, seedfill, analyse [default: seeds 300, 1200, 4800 and spheres 2000, 10000, 100000; with --peers the
+    /// spheres); or calls: frame (drawn and read), photo-12mp, seedfill, analyse, and the bench tests
+    /// sled and tilt (two repeats) [default: seeds 300, 1200, 4800 and spheres 2000, 10000, 100000; with --peers the
     /// spheres alone, with --scaling seeds 1200 and 4800, with --against seeds 1200]
     #[arg(value_name = "WHAT")]
     subject: Vec<Subject>,

@@ -1,4 +1,4 @@
-//! What is measured beside the solver: reading a picture, filling a mesh, analysing a table.
+//! What is measured beside a bed: reading a picture, filling a mesh, analysing a table, bench tests of one seed.
 
 use crate::arguments::Arguments;
 use crate::measure::{peak_memory_mib, processor_seconds};
@@ -11,6 +11,7 @@ use image::{DynamicImage, imageops};
 use photo_profile::{PhotoPixels, Settings, measure_photo};
 use probability::median;
 use response_surface::{Cell, Model, Observations, Weighting, box_cox, fit};
+use scene::{Apparatus, FillingLibrary, Slider, Tilt};
 use serde::{Deserialize, Serialize};
 use std::fmt;
 use std::path::Path;
@@ -22,6 +23,8 @@ const SEEDS_OF_FRAME: usize = 300;
 const MESH: &str = "fixtures/stl/cotton_ellipsoidal.stl";
 /// Radius of the spheres in it, m: that of the study.
 const RADIUS: f64 = 0.45e-3;
+/// Repeats of a bench test.
+const REPEATS: usize = 2;
 /// Sides of the photo, px: 12 megapixels.
 const PHOTO: [u32; 2] = [4000, 3000];
 
@@ -36,16 +39,27 @@ pub(crate) enum Instrument {
     Seedfill,
     /// A central composite design of five factors is analysed.
     Analyse,
+    /// A sled of seeds is pulled over a plate of seeds.
+    Sled,
+    /// A seed rolls off a plate of the drum's material.
+    Tilt,
 }
 
 impl Instrument {
     /// All of them.
-    pub(crate) const ALL: [Self; 4] = [Self::Frame, Self::Photo12Mp, Self::Seedfill, Self::Analyse];
+    pub(crate) const ALL: [Self; 6] = [
+        Self::Frame,
+        Self::Photo12Mp,
+        Self::Seedfill,
+        Self::Analyse,
+        Self::Sled,
+        Self::Tilt,
+    ];
 
     /// Calls of a block: the kernel counts the time of a process in steps of some milliseconds.
     pub(crate) fn block_calls(self) -> usize {
         match self {
-            Self::Frame | Self::Photo12Mp | Self::Seedfill => 1,
+            Self::Frame | Self::Photo12Mp | Self::Seedfill | Self::Sled | Self::Tilt => 1,
             Self::Analyse => 50,
         }
     }
@@ -57,6 +71,8 @@ impl Instrument {
             Self::Photo12Mp => "photo-12mp",
             Self::Seedfill => "seedfill",
             Self::Analyse => "analyse",
+            Self::Sled => "sled",
+            Self::Tilt => "tilt",
         }
     }
 }
@@ -106,7 +122,39 @@ pub(crate) fn prepare(arguments: &Arguments, instrument: Instrument) -> anyhow::
         Instrument::Photo12Mp => Ok(photo()),
         Instrument::Seedfill => Ok(Box::new(filled)),
         Instrument::Analyse => analysis(),
+        Instrument::Sled => bench_test(arguments, |_, seeds| {
+            Apparatus::Slider(Slider {
+                plate: seeds,
+                seed: None,
+                repeats: REPEATS,
+            })
+        }),
+        Instrument::Tilt => bench_test(arguments, |shell, _| {
+            Apparatus::Tilt(Tilt {
+                plate: shell,
+                seed: None,
+                repeats: REPEATS,
+            })
+        }),
     }
+}
+
+/// A bench test of the first kind of seed in the drum, by the materials of the shell and of the seeds.
+fn bench_test(
+    arguments: &Arguments,
+    test: impl Fn(String, String) -> Apparatus,
+) -> anyhow::Result<Call> {
+    let scene = scene::Scene::read(&arguments.drum, &[])?;
+    let (Apparatus::Drum(drum), Some(kind)) = (&scene.apparatus, scene.seed.first()) else {
+        anyhow::bail!("{} holds no drum of seeds", arguments.drum.display());
+    };
+    let apparatus = test(drum.shell.clone(), kind.material.clone());
+    let scene = scene::Scene { apparatus, ..scene };
+    let (library, seed) = (FillingLibrary::default(), arguments.seed);
+    Ok(Box::new(move || {
+        let result = scene::run(&scene, &library, seed)?;
+        Ok(format!("{:?}", result.observables))
+    }))
 }
 
 /// Drawing and reading a frame of a flowing drum.
