@@ -16,6 +16,10 @@ pub(crate) const LEAST_START_UP: f64 = 1.5;
 pub(crate) const LEAST_KEPT: usize = 4;
 /// Chance of a trend, and of halves that scatter unequally, in a bed that is steady: such a bed runs a little longer.
 const ALPHA: f64 = 0.05;
+/// What may be left of a drift over all that is kept, and of the scatter of a half, deg, or the standard error that is asked for
+/// where that is less: a bed that slides creeps to its place without scatter, and any remainder would be significant. The
+/// angle of one picture is not read better.
+const NEGLIGIBLE: f64 = 0.1;
 /// Degrees of freedom that one swing gives the scatter of a half: measured 3.3 to 4.0 in 12 kinds of bed.
 const FREEDOM_OF_SWING: f64 = 3.5;
 /// Standard deviation of the means of swings over that within a swing: measured 0.31 to 0.59 in 12 kinds of bed. Four
@@ -78,21 +82,21 @@ pub struct SteadyState {
     pub cut: usize,
     /// Values of the series in one swing of the bed.
     pub swing: usize,
-    /// Standard error of the mean of the series behind the cut, unit of the series; none where it is shorter than two
+    /// Standard error of the mean of the series behind the cut, deg; none where it is shorter than two
     /// swings.
     pub standard_error: Option<f64>,
     /// Why it does not count as steady; none where it does.
     pub doubt: Option<Doubt>,
 }
 
-/// What a rotation is asked to show, in values of its series.
+/// What a rotation is asked to show, in values of its series, which is in degrees.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SteadyRule {
     /// Values in one swing.
     pub swing: usize,
     /// Least number of values before what is kept.
     pub start_up: usize,
-    /// Largest standard error of the mean of the series, its unit; any where absent.
+    /// Largest standard error of the mean of the series, deg; any where absent.
     pub error: Option<f64>,
 }
 
@@ -137,7 +141,8 @@ impl SteadyRule {
     ///
     /// The means of whole swings are taken for independent: what a swing takes up comes down within it. Over four or more
     /// of them the line of least squares must have a slope within Student's t, and the variances of the two halves, with
-    /// 3.5 degrees of freedom a swing, a ratio within F, each at 5 %. The scatter of the means about the line is pooled
+    /// 3.5 degrees of freedom a swing, a ratio within F, each at 5 %; a rise of less than 0.1 deg over all of them, and halves
+    /// that both scatter by less, do not count. The scatter of the means about the line is pooled
     /// with 0.4 times that within swings, which counts for 6 degrees of freedom. Three places to cut, and not all: one
     /// that is picked from many passes by chance. `rolls` says of each value whether the bed rolled.
     pub fn judge(&self, series: &[f64], rolls: &[bool]) -> SteadyState {
@@ -186,7 +191,8 @@ impl SteadyRule {
         let (early, late) = kept.split_at(kept.len() / 2);
         let (a, b) = (variance(early), variance(late));
         let freedom = FREEDOM_OF_SWING * 0.5 * kept.len() as f64 / self.swing as f64;
-        if a.max(b) > quantile_of_f(freedom) * a.min(b) {
+        let counts = a.max(b) > self.negligible().powi(2);
+        if counts && a.max(b) > quantile_of_f(freedom) * a.min(b) {
             return Some(Doubt::ScattersUnequally);
         }
         let error = error_of_mean(kept, self.swing);
@@ -198,7 +204,12 @@ impl SteadyRule {
 }
 
 impl SteadyRule {
-    /// Whether the means of swings rise or fall by more than they scatter.
+    /// What does not count, deg.
+    fn negligible(&self) -> f64 {
+        self.error.map_or(NEGLIGIBLE, |error| error.min(NEGLIGIBLE))
+    }
+
+    /// Whether the means of swings rise or fall by more than they scatter, and by more than counts.
     fn drifts(&self, kept: &[f64]) -> bool {
         let means = batch_means(kept, self.swing);
         let n = means.len() as f64;
@@ -214,7 +225,9 @@ impl SteadyRule {
         let within: f64 = whole.chunks_exact(self.swing).map(variance).sum::<f64>() / n;
         let freedom = FREEDOM_OF_RATIO + n - 2.0;
         let pooled = FREEDOM_OF_RATIO * MEANS_OVER_VALUES.powi(2) * within + about;
-        slope.abs() > quantile_of_t(freedom) * (pooled / freedom / squares).sqrt()
+        let is_significant =
+            slope.abs() > quantile_of_t(freedom) * (pooled / freedom / squares).sqrt();
+        is_significant && slope.abs() * (n - 1.0) > self.negligible()
     }
 }
 

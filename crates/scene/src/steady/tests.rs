@@ -132,6 +132,46 @@ fn a_drift_is_told() {
     }
 }
 
+/// A bed that slides creeps to its place and lies still: it falls by so many deg in the first of four swings, and by half as much
+/// in each that follows. The line through means at 7/8, 3/8, 1/8 and 0 of the fall has a slope of -0.2875 of it, 0.86 over three swings.
+/// Where that is 0.09 deg the bed is steady, where it is 0.11 or an error of 0.05 deg is asked for it is not.
+#[test]
+fn a_creep_counts_where_an_angle_would_show_it() {
+    let creeping = |rise: f64| -> Vec<f64> {
+        let fall = rise / (3.0 * 0.2875);
+        let levels = [0.875, 0.375, 0.125, 0.0];
+        let kept = levels.into_iter().flat_map(|level| [level; SWING]);
+        let before = std::iter::repeat_n(1.0, 52);
+        before.chain(kept).map(|v| 30.0 + fall * v).collect()
+    };
+    let doubt = |rise: f64, error: Option<f64>| {
+        let series = creeping(rise);
+        let rule = SteadyRule { error, ..rule() };
+        rule.judge(&series, &vec![false; series.len()]).doubt
+    };
+    assert_eq!(doubt(0.09, None), None);
+    assert_eq!(doubt(0.11, None), Some(Doubt::Drifts));
+    assert_eq!(doubt(0.09, Some(0.05)), Some(Doubt::Drifts));
+}
+
+/// Halves that scatter by 0.02 and 0.08 deg are both still; by 0.1 and 0.4 deg the bed began to swing (F of 16, 7 and 7 degrees
+/// of freedom).
+#[test]
+fn a_scatter_counts_where_an_angle_would_show_it() {
+    let doubt = |size: f64| {
+        let mut stream = Stream::new(5, "scatter");
+        let mut half = |scatter: f64| -> Vec<f64> {
+            (0..2 * SWING)
+                .map(|_| 30.0 + scatter * stream.normal())
+                .collect()
+        };
+        let series = [vec![30.0; 52], half(size), half(4.0 * size)].concat();
+        rule().judge(&series, &vec![false; series.len()]).doubt
+    };
+    assert_eq!(doubt(0.02), None);
+    assert_eq!(doubt(0.1), Some(Doubt::ScattersUnequally));
+}
+
 /// A bed that slumps by 20 deg towards its slope with a time constant of two swings: after six swings most are asked to run
 /// on; after 30 nearly all are believed, behind ten or more where the slump still shows, and the mean is that of the
 /// bed within 0.5 deg.
