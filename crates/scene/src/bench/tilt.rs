@@ -3,6 +3,7 @@
 use super::plate::{Plate, moved};
 use super::{BenchParts, Repeat};
 use crate::Error;
+use contact_law::rolling_constant_torque::SMALL_SPIN;
 use dem_solver::{Load, Placement};
 use nalgebra::{UnitQuaternion, Vector3};
 use random_stream::Stream;
@@ -29,17 +30,22 @@ const LONGEST_REST: f64 = 2.0;
 /// Time without motion after which it rests there, s.
 const STILL: f64 = 0.1;
 
-/// Rolling has begun when the seed has turned by this angle about its long axis, rad.
+/// Rolling has begun when the seed has turned by this angle about its long axis without a stop, rad.
 const TURN: f64 = 0.5;
 
-/// Sliding has begun when it has gone this way in seed radii without turning so far.
+/// Sliding has begun when it has gone this way in seed radii without a stop and without turning so far.
 const WAY: f64 = 2.0;
 
 /// Seeds put on plates of seeds until one starts, at most.
 const TRIES: usize = 10;
 
+/// Spin up to which a seed has not started, rad/s; at its bounding radius this is the speed. So fast a seed can creep under
+/// rolling friction of type A, which holds nothing at rest: what it resists at most is overcome at this spin.
+const CREEP: f64 = SMALL_SPIN;
+
 /// Tangent of the starting angle for `repeats` seeds, and whether each slid instead of rolling; then the angle
-/// tells the static friction.
+/// tells the static friction. The starting angle is that at which the seed last crept or rested before it rolled or slid
+/// away, not that of the plate when this shows.
 ///
 /// The long axis lies across the slope, as on the bench; the seed is turned about it at random and
 /// comes to rest before the plate is tilted. A plate of seeds is laid anew for each, and the seed put on it
@@ -85,7 +91,7 @@ fn one(
     let mut world = plate.world(parts, parts.template(), start)?;
     let weight = parts.weight();
     let (mut moving, mut rested_at) = (0.0, None);
-    let mut rested = None;
+    let mut start = None;
     while rested_at.is_none_or(|since| world.time() - since < TILTING) {
         let now = world.time();
         let tilt = rested_at.map_or(0.0, |since| now - since) * RATE;
@@ -103,12 +109,18 @@ fn one(
         }
         let bodies = world.bodies();
         let (position, orientation) = (bodies.position[0], bodies.orientation[0]);
-        let (from, before) = *rested.get_or_insert((position, orientation));
+        let creeps =
+            bodies.spin[0].norm() <= CREEP && bodies.velocity[0].norm() <= CREEP * parts.radius;
+        let here = (position, orientation, tilt);
+        if creeps {
+            start = Some(here);
+        }
+        let (from, before, started_at) = *start.get_or_insert(here);
         let rolled = has_rolled(&(orientation * before.inverse()));
         let way = (position - from).norm();
         let slid = way > WAY * parts.radius;
         if rolled || slid {
-            return Ok(Some(Repeat::new(tilt.tan(), !rolled, &world)));
+            return Ok(Some(Repeat::new(started_at.tan(), !rolled, &world)));
         }
     }
     Ok(None)

@@ -107,7 +107,7 @@ fn records(folder: &Path) -> Vec<(String, SystemTime)> {
 }
 
 /// Design, runs and analysis in three commands. A sphere begins to roll where the tangent of the slope reaches its
-/// rolling friction: the shown one is a line over it, up to the time in which the rolling is noticed (a share of 1e-5 of
+/// rolling friction: the shown one is a line over it, up to the lag of its creep (a share of 1e-5 of
 /// the variance in runs of this scene; 1 % is let pass).
 #[test]
 fn a_design_is_run_and_analysed_without_a_script() {
