@@ -126,7 +126,7 @@ fn one(
     Ok(None)
 }
 
-/// Whether a turn since the rest goes by [`TURN`] about the long axis, which lies along z. Asked in each step: no angle is more
+/// Whether a turn since the start goes by [`TURN`] about the long axis, which lies along z. Asked in each step: no angle is more
 /// than pi times the length of the vector part, which is far cheaper to find.
 fn has_rolled(turn: &UnitQuaternion<f64>) -> bool {
     let may_have = turn.imag().norm() > TURN / std::f64::consts::PI;
