@@ -20,12 +20,11 @@ mod small_drum;
 use campaign::{Campaign, RunRequest, Silent};
 use records::{folder_and_runs, mean_and_error};
 use run_store::{Record, Store};
-use scene::{Apparatus, Drop, Override, Scene, Slider, Tilt};
+use scene::{Apparatus, Drop, Scene, Slider, Tilt};
 use scene_simulator::{Binding, RunDetails, SceneSimulator};
-use small_drum::small_drum;
+use small_drum::{scene_with, small_drum};
 use std::collections::BTreeMap;
 use std::error::Error;
-use std::path::Path;
 
 /// Time steps as shares of a hard contact; the first is the reference.
 const SHARES: [f64; 5] = [0.09, 0.30, 0.36, 0.42, 0.50];
@@ -144,18 +143,6 @@ fn test_scenes() -> Result<BTreeMap<String, Scene>, Box<dyn Error>> {
         }
     }
     Ok(scenes)
-}
-
-/// A scene with changes.
-fn scene_with(file: &str, changes: &[(&str, &str)]) -> Result<Scene, scene::Error> {
-    let changes: Vec<Override> = changes
-        .iter()
-        .map(|(name, value)| Override {
-            name: (*name).to_owned(),
-            value: (*value).to_owned(),
-        })
-        .collect();
-    Scene::read(Path::new(file), &changes)
 }
 
 /// A drum of soft beads.

@@ -91,7 +91,7 @@ fn one(
     let mut world = plate.world(parts, parts.template(), start)?;
     let weight = parts.weight();
     let (mut moving, mut rested_at) = (0.0, None);
-    let mut start = None;
+    let mut begun = None;
     while rested_at.is_none_or(|since| world.time() - since < TILTING) {
         let now = world.time();
         let tilt = rested_at.map_or(0.0, |since| now - since) * RATE;
@@ -113,9 +113,9 @@ fn one(
             bodies.spin[0].norm() <= CREEP && bodies.velocity[0].norm() <= CREEP * parts.radius;
         let here = (position, orientation, tilt);
         if creeps {
-            start = Some(here);
+            begun = Some(here);
         }
-        let (from, before, started_at) = *start.get_or_insert(here);
+        let (from, before, started_at) = *begun.get_or_insert(here);
         let rolled = has_rolled(&(orientation * before.inverse()));
         let way = (position - from).norm();
         let slid = way > WAY * parts.radius;

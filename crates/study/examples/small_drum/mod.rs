@@ -16,8 +16,13 @@ const SMALL: [(&str, &str); 6] = [
 
 /// The small drum of a scene file of the study, with further changes.
 pub(crate) fn small_drum(file: &str, further: &[(&str, &str)]) -> Result<Scene, Error> {
-    let all = SMALL.iter().chain(further);
-    let changes: Vec<Override> = all
+    scene_with(file, &[&SMALL, further].concat())
+}
+
+/// The scene of a file, with changes.
+pub(crate) fn scene_with(file: &str, changes: &[(&str, &str)]) -> Result<Scene, Error> {
+    let changes: Vec<Override> = changes
+        .iter()
         .map(|(name, value)| Override {
             name: (*name).into(),
             value: (*value).into(),
