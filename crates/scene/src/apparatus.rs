@@ -5,6 +5,7 @@ mod drop;
 mod drum;
 mod heap;
 mod metering;
+mod read;
 mod slider;
 mod tilt;
 
@@ -19,7 +20,7 @@ pub use tilt::Tilt;
 use crate::Error;
 use dem_solver::{Motion, Shape};
 use nalgebra::Vector3;
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 
 /// Observables of a drum; the first 19 need no more than where the spheres lie from moment to moment.
 const DRUM_OBSERVABLES: [&str; 26] = [
@@ -69,7 +70,7 @@ pub const OBSERVABLES_OF_PICTURES: [&str; 9] = [
 pub const OBSERVABLES_OF_A_BED: &[&str] = DRUM_OBSERVABLES.split_at(19).0;
 
 /// A machine that moves seeds.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 #[serde(tag = "kind", rename_all = "kebab-case")]
 pub enum Apparatus {
     /// Rotating drum between two covers.

@@ -83,16 +83,27 @@ pub enum Error {
         /// What it must be.
         requirement: String,
     },
-    /// The apparatus is too small for the seeds.
+    /// The apparatus has no room for the seeds where they start.
     #[error(
         "{count} seeds do not fit into the apparatus without touching; about {places} do: take \
-         fewer seeds or a larger apparatus"
+         fewer seeds or a larger apparatus, or let them rain in (protocol.insertion_rate)"
     )]
     TooManySeeds {
         /// Seeds asked for.
         count: usize,
         /// Places found.
         places: usize,
+    },
+    /// The apparatus was full before all seeds had rained in.
+    #[error(
+        "the apparatus was full when {inside} of {count} seeds had rained in: take fewer seeds, a larger \
+         apparatus, or a lower protocol.insertion_rate"
+    )]
+    FullBeforeAllSeeds {
+        /// Seeds asked for.
+        count: usize,
+        /// Those that found room.
+        inside: usize,
     },
     /// The mesh of a seed is refused.
     #[error("mesh of seed '{seed}': {source}")]

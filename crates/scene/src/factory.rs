@@ -12,7 +12,7 @@
 //! `[CottonStudy, section 2.4.3]`: 4400 and 600 seeds a second.
 
 use crate::build::Built;
-use crate::placement::{Capsule, Placed, Room, TRIES, try_place};
+use crate::placement::{Capsule, Placed, Room, TRIES, is_free, try_place};
 use crate::{Apparatus, Error, Scene};
 use dem_solver::Placement;
 use nalgebra::Vector3;
@@ -59,9 +59,9 @@ impl Factory {
         if inside == self.order.len() {
             return Ok(());
         }
-        Err(Error::TooManySeeds {
+        Err(Error::FullBeforeAllSeeds {
             count: self.order.len(),
-            places: inside,
+            inside,
         })
     }
 
@@ -117,7 +117,8 @@ impl Factory {
                 let high = Vector3::new(high.x, top, high.z);
                 Vector3::from_fn(|axis, _| stream.between(low[axis], high[axis]))
             };
-            let found = try_place(room, capsules[kind], low_first, &near, &mut stream);
+            let fits = |body: &Placed, _: &_| is_free(room, body, &near);
+            let found = try_place(capsules[kind], low_first, fits, &mut stream);
             let Some((body, turn)) = found else {
                 break;
             };

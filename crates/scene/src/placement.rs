@@ -5,6 +5,7 @@ mod insertion;
 use crate::{Apparatus, Error};
 use clump::Clump;
 use dem_solver::Placement;
+use insertion::Outline;
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 use random_stream::Stream;
 
@@ -98,7 +99,8 @@ pub(crate) struct Room<'a> {
 /// Places are the points of a cubic grid, filled from the bottom up, with a small random offset;
 /// at each the orientation is drawn until the body is clear of walls and of bodies placed before.
 /// The grid is made finer until all bodies have a place. Where no grid has enough, as with bodies of unlike sizes, they are
-/// inserted one after another at random places, the largest first, and shaken where they leave no room.
+/// inserted one after another at random places, the largest first, and shaken where they leave no room: by their capsules,
+/// and where these are too large, as about flat bodies, by their spheres.
 ///
 /// # Errors
 ///
@@ -142,11 +144,16 @@ pub(crate) fn place(
         places = places.max(placed.len());
         spacing *= 0.97;
     }
-    let placed = insertion::insert(room, &capsules, kinds, seed);
-    if placed.len() == count {
-        return Ok(placed);
+    // The capsule of a single sphere is that sphere.
+    let are_balls = kinds.iter().all(|(clump, _)| clump.spheres().len() == 1);
+    let outlines = [Outline::Capsules, Outline::Spheres];
+    for outline in outlines.into_iter().take(if are_balls { 1 } else { 2 }) {
+        let placed = insertion::insert(room, outline, kinds, seed);
+        if placed.len() == count {
+            return Ok(placed);
+        }
+        places = places.max(placed.len());
     }
-    let places = places.max(placed.len());
     Err(Error::TooManySeeds { count, places })
 }
 
@@ -197,7 +204,8 @@ fn fill_grid(
                 let beside = |stream: &mut Stream| {
                     at + Vector3::from_fn(|_, _| stream.between(-0.1, 0.1) * spacing)
                 };
-                if let Some((body, turn)) = try_place(room, capsule, beside, &near, stream) {
+                let fits = |body: &Placed, _: &_| is_free(room, body, &near);
+                if let Some((body, turn)) = try_place(capsule, beside, fits, stream) {
                     placed.push(body);
                     result.push(Placement::at_rest(kind, body.centre, turn));
                 }
@@ -207,12 +215,11 @@ fn fill_grid(
     result
 }
 
-/// Draws places (m) and orientations until the body is clear of walls and of the bodies near it.
+/// Draws places (m) and orientations until the body fits.
 pub(crate) fn try_place(
-    room: Room<'_>,
     capsule: Capsule,
     mut draw: impl FnMut(&mut Stream) -> Vector3<f64>,
-    near: &[&Placed],
+    fits: impl Fn(&Placed, &UnitQuaternion<f64>) -> bool,
     stream: &mut Stream,
 ) -> Option<(Placed, UnitQuaternion<f64>)> {
     for _ in 0..TRIES {
@@ -220,11 +227,16 @@ pub(crate) fn try_place(
         let [w, i, j, k] = stream.rotation();
         let turn = UnitQuaternion::new_normalize(Quaternion::new(w, i, j, k));
         let body = capsule.at(centre, &turn);
-        if is_inside(room, &body) && near.iter().all(|other| clear(&body, other)) {
+        if fits(&body, &turn) {
             return Some((body, turn));
         }
     }
     None
+}
+
+/// Whether a capsule is clear of all walls and of the capsules near it.
+pub(crate) fn is_free(room: Room<'_>, body: &Placed, near: &[&Placed]) -> bool {
+    is_inside(room, body) && near.iter().all(|other| clear(body, other))
 }
 
 /// Whether a capsule is clear of all walls.

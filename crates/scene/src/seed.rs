@@ -1,7 +1,7 @@
 //! One kind of seed: its shape, its mass, and how many there are.
 
 use crate::{Error, Scene};
-use quantity::{Density, Length, Mass};
+use quantity::{Density, Length, Mass, significant};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::FRAC_PI_6;
 use std::path::PathBuf;
@@ -12,6 +12,11 @@ pub const SOLID_FRACTION: f64 = 0.6;
 
 /// Largest volume of the seeds over that of the apparatus, above which no fill level is possible.
 const FULLEST: f64 = 1.0;
+
+/// Densities that a body may have, kg/m³: from half of the lightest foamed beads (10) to the densest metal (osmium,
+/// 22 590). A mass in a unit a thousand times off, or a size ten times off, of anything from 25 to 5000 kg/m³ lies
+/// outside.
+const DENSITIES: std::ops::RangeInclusive<f64> = 5.0..=25_000.0;
 
 /// One kind of seed: exactly one of `mesh`, `sphere` and `ellipsoid`, one of `mass` and `density`, one of
 /// `count`, `total_mass` and `fill_level`.
@@ -61,7 +66,7 @@ pub struct SeedSettings {
     /// How mesh or ellipsoid are filled with spheres.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub filling: Option<FillingSettings>,
-    /// Volume of the mesh, m³, where mass or number follow from it.
+    /// Volume of the mesh, m³.
     #[serde(skip)]
     pub(crate) mesh_volume: Option<f64>,
 }
@@ -112,7 +117,7 @@ impl FillingSettings {
 }
 
 impl SeedSettings {
-    /// Volume of one seed, m³; none where the shape is a mesh whose volume nothing needs.
+    /// Volume of one seed, m³; none where the shape is a mesh that was not read.
     pub fn volume(&self) -> Option<f64> {
         let axes = match (self.sphere, self.ellipsoid) {
             (Some(diameter), _) => Some([diameter; 3]),
@@ -127,6 +132,16 @@ impl SeedSettings {
     pub fn mass_kg(&self) -> f64 {
         let by_density = || Some(self.density?.si() * self.volume()?);
         self.mass.map(Mass::si).or_else(by_density).unwrap_or(0.0)
+    }
+
+    /// Density of the seed, kg/m³, stated or by its mass and volume; none where one of them is not known.
+    ///
+    /// # Formula
+    ///
+    /// `m / V`: V the volume of the shape, whatever spheres stand for it.
+    pub fn density_kg_m3(&self) -> Option<f64> {
+        let by_mass = || Some(self.mass?.si() / self.volume()?);
+        self.density.map(Density::si).or_else(by_mass)
     }
 
     /// States the mass of one seed.
@@ -275,11 +290,20 @@ impl SeedSettings {
             let holds = (0.01..=100.0).contains(&scale);
             require(holds, "scale", scale.to_string(), "0.01 to 100");
         }
-    }
-
-    /// Whether mass or number follow from the volume of the mesh.
-    fn needs_mesh_volume(&self) -> bool {
-        self.mesh.is_some() && (self.density.is_some() || self.fill_level.is_some())
+        if let Some(density) = self.density_kg_m3() {
+            let derived = self.mass.zip(self.volume());
+            let value = derived.map_or_else(
+                || format!("{density} kg/m3"),
+                |(mass, volume)| {
+                    let (mg, mm3) = (1e6 * mass.si(), 1e9 * volume);
+                    let [density, mg, mm3] = [density, mg, mm3].map(|v| significant(v, 4));
+                    format!("{density} kg/m3 (mass {mg} mg over volume {mm3} mm3)")
+                },
+            );
+            let (least, most) = (DENSITIES.start(), DENSITIES.end());
+            let requirement = format!("{least} to {most} kg/m3; mind the units of mass and size");
+            require(DENSITIES.contains(&density), "density", value, &requirement);
+        }
     }
 }
 
@@ -309,6 +333,24 @@ impl Scene {
         kind.count.unwrap_or_else(derived)
     }
 
+    /// Kinds of seeds as people read them: `380 pea (147 mg, 1300 kg/m3)`; without a number where single seeds are
+    /// tested, without a density where no volume is known.
+    pub fn seeds_in_words(&self) -> String {
+        let words = |kind: &SeedSettings| {
+            let number = if self.apparatus.is_bench_test() {
+                String::new()
+            } else {
+                format!("{} ", self.count_of(kind))
+            };
+            let mass = significant(1e6 * kind.mass_kg(), 4);
+            let density = kind.density_kg_m3().map_or_else(String::new, |density| {
+                format!(", {} kg/m3", significant(density, 4))
+            });
+            format!("{number}{} ({mass} mg{density})", kind.name)
+        };
+        self.seed.iter().map(words).collect::<Vec<_>>().join(", ")
+    }
+
     /// States masses and numbers of the seeds as they are now, where they follow from density, total mass or fill
     /// level: a later change of size or apparatus leaves them alone.
     pub fn fix_seeds(&mut self) {
@@ -318,12 +360,10 @@ impl Scene {
             if let Ok(mass) = Mass::from_si(kind.mass_kg()) {
                 kind.set_mass(mass);
             }
-            kind.mesh_volume = None;
         }
     }
 
-    /// Writes down the defaults of the seeds, and the volumes of meshes that masses or numbers follow from; those of
-    /// `known` seeds are taken over.
+    /// Writes down the defaults of the seeds and the volumes of their meshes; those of `known` seeds are taken over.
     ///
     /// # Errors
     ///
@@ -333,9 +373,7 @@ impl Scene {
             if kind.fill_level.is_some() && kind.solid_fraction.is_none() {
                 kind.solid_fraction = Some(SOLID_FRACTION);
             }
-            let (true, Some(mesh), Some(unit)) =
-                (kind.needs_mesh_volume(), &kind.mesh, kind.mesh_unit)
-            else {
+            let (Some(mesh), Some(unit)) = (&kind.mesh, kind.mesh_unit) else {
                 continue;
             };
             let same = |other: &&SeedSettings| {

@@ -2,11 +2,12 @@
 //! there are shaken, as molecules of a dense gas, and it is tried again.
 
 use super::{Capsule, Placed, Room, clear, is_inside, try_place};
-use clump::Clump;
+use clump::{Clump, Sphere};
 use dem_solver::Placement;
 use nalgebra::{UnitQuaternion, Vector3};
 use random_stream::Stream;
-use std::collections::BTreeMap;
+use std::collections::HashMap;
+use std::f64::consts::FRAC_PI_6;
 
 /// Places drawn for a body before the others are shaken: our choice. Equal balls jam at 0.38 of the volume; at 0.3 a place in
 /// some tens is free.
@@ -15,38 +16,54 @@ const MOST_PLACES: usize = 2000;
 /// How often all are shaken for the bodies that found no place: our choice.
 const MOST_SHAKES: usize = 300;
 
+/// The same where spheres stand for the bodies, which takes ten times as long: our choice.
+const MOST_SHAKES_OF_SPHERES: usize = 60;
+
 /// Share of the volume beyond which nothing is shaken: equal balls crystallise at 0.49 `[HooverRee1968]`.
 const DENSE: f64 = 0.45;
 
 /// Longest step of a body that is shaken along each axis, over its radius: our choice, about the gaps of a dense gas.
 const STEP: f64 = 0.5;
 
+/// What stands for a body.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Outline {
+    /// Its capsule.
+    Capsules,
+    /// Its spheres: slower, and leaves the most room.
+    Spheres,
+}
+
 /// Inserts `kinds[k].1` bodies of each kind, the largest kinds first, as far as there is room.
 pub(super) fn insert(
     room: Room<'_>,
-    capsules: &[Capsule],
+    outline: Outline,
     kinds: &[(&Clump, usize)],
     seed: u64,
 ) -> Vec<Placement> {
+    let shapes = kinds.iter().map(|(clump, _)| Shape::of(clump, outline));
+    let shapes: Vec<Shape<'_>> = shapes.collect();
+    let reach = |kind: usize| shapes[kind].capsule.reach();
     let mut stream = Stream::new(seed, "insertion");
     let mut order: Vec<usize> = (0..kinds.len()).collect();
-    order.sort_by(|a, b| capsules[*b].reach().total_cmp(&capsules[*a].reach()));
-    let largest = order.first().map_or(0.0, |kind| capsules[*kind].reach());
+    order.sort_by(|a, b| reach(*b).total_cmp(&reach(*a)));
+    let largest = order.first().map_or(0.0, |kind| reach(*kind));
+    let mut shakes = match outline {
+        _ if is_dense(room, &shapes, kinds) => MOST_SHAKES,
+        Outline::Capsules => 0,
+        Outline::Spheres => MOST_SHAKES - MOST_SHAKES_OF_SPHERES,
+    };
     let mut inserted = Inserted {
         room,
+        shapes,
         cells: Cells::new(2.0 * largest),
         bodies: Vec::new(),
-    };
-    let mut shakes = if is_dense(room, capsules, kinds) {
-        MOST_SHAKES
-    } else {
-        0
     };
     let all = order
         .iter()
         .flat_map(|&kind| std::iter::repeat_n(kind, kinds[kind].1));
     for kind in all {
-        while !inserted.add(kind, capsules[kind], &mut stream) {
+        while !inserted.add(kind, &mut stream) {
             if shakes == MOST_SHAKES {
                 return inserted.placements();
             }
@@ -58,80 +75,199 @@ pub(super) fn insert(
 }
 
 /// Whether bodies would take more of the box about the apparatus than a gas does that can still be shaken.
-fn is_dense(room: Room<'_>, capsules: &[Capsule], kinds: &[(&Clump, usize)]) -> bool {
+fn is_dense(room: Room<'_>, shapes: &[Shape<'_>], kinds: &[(&Clump, usize)]) -> bool {
     let [low, high] = room.apparatus.room();
-    let outlines = capsules.iter().zip(kinds);
-    let volumes = outlines.map(|(capsule, kind)| capsule.volume() * kind.1 as f64);
+    let volumes = shapes.iter().zip(kinds);
+    let volumes = volumes.map(|(shape, kind)| shape.volume * kind.1 as f64);
     volumes.sum::<f64>() > DENSE * (high - low).product()
+}
+
+/// A kind of bodies.
+struct Shape<'a> {
+    /// The capsule about one.
+    capsule: Capsule,
+    /// Its spheres; none where the capsule stands for it.
+    spheres: Option<&'a [Sphere]>,
+    /// Radius of a ball about its middle that it fills, whichever way it is turned, m.
+    core: f64,
+    /// Volume, m³; rough where spheres stand for it.
+    volume: f64,
+}
+
+impl<'a> Shape<'a> {
+    /// That of a body.
+    fn of(clump: &'a Clump, outline: Outline) -> Self {
+        let capsule = Capsule::around(clump);
+        if outline == Outline::Capsules {
+            return Self {
+                capsule,
+                spheres: None,
+                core: capsule.radius,
+                volume: capsule.volume(),
+            };
+        }
+        let spheres = clump.spheres();
+        let inner = spheres.iter().map(|s| s.radius - s.centre.norm());
+        // An ellipsoid of the same extents.
+        let extents = [0, 1, 2].map(|axis: usize| {
+            let ends = spheres
+                .iter()
+                .map(|s| (s.centre[axis] - s.radius, s.centre[axis] + s.radius));
+            let (low, high) = ends.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), end| {
+                (low.min(end.0), high.max(end.1))
+            });
+            high - low
+        });
+        Self {
+            capsule,
+            spheres: Some(spheres),
+            core: inner.fold(0.0, f64::max),
+            volume: FRAC_PI_6 * extents.iter().product::<f64>(),
+        }
+    }
+}
+
+/// A body at a place.
+struct Body {
+    /// Its kind.
+    kind: usize,
+    /// Its capsule.
+    capsule: Placed,
+    /// How it is turned.
+    turn: UnitQuaternion<f64>,
+    /// Its spheres; none where its capsule stands for it.
+    balls: Vec<Placed>,
 }
 
 /// The bodies that are there.
 struct Inserted<'a> {
     /// What leaves room for them.
     room: Room<'a>,
+    /// What stands for them, by kind.
+    shapes: Vec<Shape<'a>>,
     /// Their numbers by place.
     cells: Cells,
-    /// Kind, outline and turn of each.
-    bodies: Vec<(usize, Placed, UnitQuaternion<f64>)>,
+    /// Each of them.
+    bodies: Vec<Body>,
 }
 
 impl Inserted<'_> {
     /// Adds a body of a kind, if one of the places that are drawn is free.
-    fn add(&mut self, kind: usize, capsule: Capsule, stream: &mut Stream) -> bool {
+    fn add(&mut self, kind: usize, stream: &mut Stream) -> bool {
         let [low, high] = self.room.apparatus.room();
+        let shape = &self.shapes[kind];
         let found = (0..MOST_PLACES).find_map(|_| {
             let centre = Vector3::from_fn(|axis, _| stream.between(low[axis], high[axis]));
             let near = self.near(&centre, None);
             // Its core does not turn.
-            let core = Placed {
-                centre,
-                half: Vector3::zeros(),
-                radius: capsule.radius,
+            let core = ball(centre, shape.core);
+            let is_clear_of_core = |other: &&Body| {
+                if shape.spheres.is_none() {
+                    return clear(&core, &other.capsule);
+                }
+                let gap = (centre - other.capsule.centre).norm();
+                gap > shape.core + self.shapes[other.kind].core
             };
-            if !near.iter().all(|other| clear(&core, other)) {
+            if !near.iter().all(is_clear_of_core) {
                 return None;
             }
-            try_place(self.room, capsule, |_| centre, &near, stream)
+            let fits = |capsule: &Placed, turn: &UnitQuaternion<f64>| {
+                self.is_free(&self.body(kind, *capsule, *turn), &near)
+            };
+            try_place(shape.capsule, |_| centre, fits, stream)
         });
-        if let Some((body, turn)) = found {
-            self.cells.add(self.bodies.len(), &body.centre);
-            self.bodies.push((kind, body, turn));
-        }
-        found.is_some()
+        let Some((capsule, turn)) = found else {
+            return false;
+        };
+        self.cells.add(self.bodies.len(), &capsule.centre);
+        self.bodies.push(self.body(kind, capsule, turn));
+        true
     }
 
     /// Moves each body by a random step, where it is clear of all others there.
     fn shake(&mut self, stream: &mut Stream) {
         for number in 0..self.bodies.len() {
-            let (_, before, _) = self.bodies[number];
-            let step = Vector3::from_fn(|_, _| stream.between(-STEP, STEP)) * before.radius;
-            let after = Placed {
-                centre: before.centre + step,
-                ..before
+            let before = &self.bodies[number];
+            let from = before.capsule.centre;
+            let step = Vector3::from_fn(|_, _| stream.between(-STEP, STEP)) * before.capsule.radius;
+            let capsule = Placed {
+                centre: from + step,
+                ..before.capsule
             };
-            let near = self.near(&after.centre, Some(number));
-            if is_inside(self.room, &after) && near.iter().all(|other| clear(&after, other)) {
-                self.cells.remove(number, &before.centre);
-                self.cells.add(number, &after.centre);
-                self.bodies[number].1 = after;
+            let near = self.near(&capsule.centre, Some(number));
+            let after = self.body(before.kind, capsule, before.turn);
+            if self.is_free(&after, &near) {
+                self.cells.remove(number, &from);
+                self.cells.add(number, &capsule.centre);
+                self.bodies[number] = after;
             }
         }
     }
 
+    /// A body of a kind.
+    fn body(&self, kind: usize, capsule: Placed, turn: UnitQuaternion<f64>) -> Body {
+        let spheres = self.shapes[kind].spheres.iter().copied().flatten();
+        let placed = |s: &Sphere| ball(capsule.centre + turn * s.centre, s.radius);
+        Body {
+            kind,
+            capsule,
+            turn,
+            balls: spheres.map(placed).collect(),
+        }
+    }
+
+    /// Whether a body is clear of all walls and of the bodies near it.
+    fn is_free(&self, body: &Body, near: &[&Body]) -> bool {
+        let whole = std::slice::from_ref(&body.capsule);
+        let parts = if body.balls.is_empty() {
+            whole
+        } else {
+            &body.balls
+        };
+        parts.iter().all(|part| is_inside(self.room, part))
+            && near.iter().all(|other| are_clear(body, other))
+    }
+
     /// All bodies but one that one at a place may touch.
-    fn near(&self, place: &Vector3<f64>, but: Option<usize>) -> Vec<&Placed> {
+    fn near(&self, place: &Vector3<f64>, but: Option<usize>) -> Vec<&Body> {
         let numbers = self.cells.near(place);
         let others = numbers.filter(|number| Some(*number) != but);
-        others.map(|number| &self.bodies[number].1).collect()
+        others.map(|number| &self.bodies[number]).collect()
     }
 
     /// Where they are.
     fn placements(&self) -> Vec<Placement> {
         let bodies = self.bodies.iter();
         bodies
-            .map(|(kind, body, turn)| Placement::at_rest(*kind, body.centre, *turn))
+            .map(|body| Placement::at_rest(body.kind, body.capsule.centre, body.turn))
             .collect()
     }
+}
+
+/// A ball: a capsule without length.
+fn ball(centre: Vector3<f64>, radius: f64) -> Placed {
+    Placed {
+        centre,
+        half: Vector3::zeros(),
+        radius,
+    }
+}
+
+/// Whether two bodies do not touch.
+fn are_clear(a: &Body, b: &Body) -> bool {
+    if clear(&a.capsule, &b.capsule) {
+        return true;
+    }
+    if a.balls.is_empty() {
+        return false;
+    }
+    let mut in_reach = a.balls.iter().filter(|ball| !clear(ball, &b.capsule));
+    in_reach.all(|ball| {
+        b.balls.iter().all(|other| {
+            let reach = ball.radius + other.radius;
+            (ball.centre - other.centre).norm_squared() > reach * reach
+        })
+    })
 }
 
 /// Bodies by the cell in which they lie.
@@ -139,7 +275,7 @@ struct Cells {
     /// Edge of a cell, m: no body reaches beyond the next one.
     edge: f64,
     /// The numbers of the bodies of each cell.
-    bodies: BTreeMap<[i64; 3], Vec<usize>>,
+    bodies: HashMap<[i64; 3], Vec<usize>>,
 }
 
 impl Cells {
@@ -147,7 +283,7 @@ impl Cells {
     fn new(edge: f64) -> Self {
         Self {
             edge,
-            bodies: BTreeMap::new(),
+            bodies: HashMap::new(),
         }
     }
 

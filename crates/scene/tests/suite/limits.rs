@@ -175,3 +175,36 @@ fn memory_is_estimated_to_its_order() {
     scene.protocol.frames = 5000;
     assert!(scene.estimated_memory() > 10.0 * few);
 }
+
+/// A wrong line of the apparatus is told with its key and the kind, not only with the place of its table; so is one that is
+/// changed from outside.
+#[test]
+fn a_wrong_setting_of_the_apparatus_is_told_with_its_key() {
+    let read = |text: &str| Scene::from_text(text, "beads.toml", Path::new("."), &[]);
+    let kind = "kind = \"drum\"\n";
+    for (line, instead, words) in [
+        (
+            "\"40 mm\"",
+            "40",
+            ["inner_diameter of the drum", "40 has no unit"],
+        ),
+        ("\"20 rpm\"", "\"20 rpn\"", ["speed of the drum", "\"rpn\""]),
+        ("shell =", "shel =", ["unknown field `shel`", "`shell`"]),
+        ("width = \"12 mm\"\n", "", ["drum", "missing field `width`"]),
+        ("\"drum\"", "\"drm\"", ["`drm`", "`drum`"]),
+        ("\"drum\"", "3", ["kind = 3", "drum"]),
+        (kind, "", ["kind is missing", "box-collapse"]),
+    ] {
+        let text = BEADS.replacen(line, instead, 1);
+        assert_ne!(text, BEADS, "{line}");
+        let message = read(&text).expect_err(line).to_string();
+        for word in ["beads.toml", "[apparatus]"].iter().chain(&words) {
+            assert!(message.contains(word), "{line}: {message}");
+        }
+    }
+    let message = beads("apparatus.width", "12").expect_err("no unit");
+    assert!(
+        message.to_string().contains("width of the drum"),
+        "{message}"
+    );
+}

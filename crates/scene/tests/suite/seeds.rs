@@ -328,3 +328,72 @@ fn balls_of_unlike_sizes_have_room_between_each_other() {
         "{error}"
     );
 }
+
+/// Flat seeds that fill 0.35 of the drum are twice as many as their capsules have room for, which are balls as wide as they
+/// are. They start all the same, at the same places for the same seed, and no sphere touches one of another seed or a wall.
+#[test]
+fn flat_seeds_start_where_their_spheres_have_room() {
+    let lentil =
+        "ellipsoid = [\"6 mm\", \"6 mm\", \"2.4 mm\"]\nmass = \"60 mg\"\nfill_level = 0.35";
+    let scene = read(lentil).unwrap();
+    let library = FillingLibrary::default();
+    let (frame, bodies, ..) = starting_frame(&scene, &library, 3).unwrap();
+    // 0.35 of 84.8 cm3, 0.6 of that solid, 45.2 mm3 each.
+    assert_eq!(frame.position.len(), 394);
+    let spheres: Vec<_> = (0..frame.position.len())
+        .flat_map(|body| {
+            let (place, turn) = (frame.position[body], frame.orientation[body]);
+            let own = bodies[frame.kind[body]].clump.spheres().iter();
+            own.map(move |s| (body, place + turn * s.centre, s.radius))
+        })
+        .collect();
+    for (i, (body, a, radius)) in spheres.iter().enumerate() {
+        assert!(
+            a.xy().norm() + radius < 30e-3 && a.z.abs() + radius < 15e-3,
+            "a sphere of seed {body} is in a wall"
+        );
+        for (other, b, their) in &spheres[i + 1..] {
+            assert!(
+                body == other || (a - b).norm() > radius + their,
+                "seeds {body} and {other} overlap"
+            );
+        }
+    }
+    let (again, ..) = starting_frame(&scene, &library, 3).unwrap();
+    assert_eq!(frame, again);
+}
+
+/// A mass in grams that was meant in milligrams, or a size in centimetres that was meant in millimetres, gives a density
+/// that nothing has: that is told with mass and volume, of balls, ellipsoids and meshes alike. What foam and tungsten
+/// weigh is taken.
+#[test]
+fn a_density_that_nothing_has_is_refused() {
+    // 113.1 mm3.
+    let pea = |mass: &str| format!("sphere = \"6 mm\"\nmass = \"{mass}\"\ncount = 3");
+    for mass in ["1.2 mg", "0.147 g", "2.2 g"] {
+        read(&pea(mass)).unwrap();
+    }
+    let of_mesh = |mass: &str| {
+        let file = fixture("stl/sphere.stl");
+        format!(
+            "mesh = '{}'\nmesh_unit = \"mm\"\nmass = \"{mass}\"\ncount = 3\n\
+             filling = {{ method = \"pack\", sphere_radius = \"0.3 mm\", seed = 1 }}",
+            file.display()
+        )
+    };
+    read(&of_mesh("5 mg")).unwrap();
+    for wrong in [
+        pea("147 g"),
+        pea("0.3 mg"),
+        "sphere = \"6 cm\"\nmass = \"147 mg\"\ncount = 3".to_owned(),
+        "sphere = \"6 mm\"\ndensity = \"1.3 kg/m3\"\ncount = 3".to_owned(),
+        "ellipsoid = [\"6 mm\", \"6 mm\", \"6 mm\"]\nmass = \"147 g\"\ncount = 3".to_owned(),
+        of_mesh("5 g"),
+    ] {
+        let error = read(&wrong).unwrap_err().to_string();
+        assert!(
+            error.contains("density of seed 'pea' is") && error.contains("mind the units"),
+            "{wrong}: {error}"
+        );
+    }
+}

@@ -258,11 +258,11 @@ fn numbers_that_no_quantity_has_are_refused() {
     }
 }
 
-/// Peas of 59 mm do not fit into a drum that is 20 mm wide: that is told when the study is read, and not when the
+/// Peas of 30 mm do not fit into a drum that is 20 mm wide: that is told when the study is read, and not when the
 /// design comes to the end of the range.
 #[test]
 fn a_range_at_whose_end_a_scene_cannot_be_built_is_refused() {
-    let diameter = "[[parameter]]\nsymbol = \"D\"\nsets = [\"seed.0.sphere\"]\nunit = \"mm\"\nlow = 5.0\nhigh = 59.0\n";
+    let diameter = "[[parameter]]\nsymbol = \"D\"\nsets = [\"seed.0.sphere\"]\nunit = \"mm\"\nlow = 5.0\nhigh = 30.0\n";
     let message = wrong(&with(diameter));
     tells(
         &message,

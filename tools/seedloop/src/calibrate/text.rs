@@ -38,6 +38,12 @@ pub(crate) fn plan(study: &Study, price: &Price, threads: usize) -> String {
             format_args!("  {}: depends on {on}\n", model.name),
         );
     }
+    for (name, scene) in &study.scenes {
+        add(
+            &mut text,
+            format_args!("  scene {name}: {}\n", scene.seeds_in_words()),
+        );
+    }
     for series in &study.photos {
         for (name, value) in &series.values {
             let (mean, sd, n) = (

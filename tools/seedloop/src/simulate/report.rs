@@ -43,6 +43,8 @@ pub(super) struct Report {
     parameters: BTreeMap<String, Value>,
     /// The settings that were changed, as given.
     changed: BTreeMap<String, String>,
+    /// Kinds of seeds with their number, mass and density.
+    seeds: String,
     /// Content key of the run.
     record: String,
     /// Whether the results come from a record that was there before.
@@ -117,6 +119,7 @@ impl Report {
             timing: details.timing,
             parameters: settings_of(scene)?,
             changed: changed(changes),
+            seeds: scene.seeds_in_words(),
             record: record.key().to_owned(),
             reused: outcome.reused,
         })
@@ -194,6 +197,7 @@ impl Report {
             }
             text.push('\n');
         }
+        add(&mut text, format_args!("seeds: {}\n", self.seeds));
         let timing = &self.timing;
         let per_step = timing
             .us_per_step
