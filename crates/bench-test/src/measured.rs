@@ -13,6 +13,10 @@
 use crate::Error;
 use experiment_design::table::Table;
 
+/// Largest pull over normal force that is believed: the tangent of 80 degrees, at which no seed holds on to another. Our
+/// choice.
+const MOST_FRICTION: f64 = 6.0;
+
 /// A bench test.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Test {
@@ -91,6 +95,11 @@ pub fn coefficients(test: Test, table: &Table) -> Result<Vec<f64>, Error> {
                 if load == 0.0 {
                     return Err(refused(1, "above 0"));
                 }
+                if pull > MOST_FRICTION * load {
+                    let requirement =
+                        "at most six times the normal force; mind that both are in newtons";
+                    return Err(refused(0, requirement));
+                }
                 pull / load
             }
             Test::Tilt => cell(0)?.to_radians().tan(),
@@ -130,6 +139,8 @@ mod tests {
         refused(Test::Tilt, "angle_deg\n95\n", &["line 2", "'95'"]);
         let higher = "drop_height_mm,rebound_height_mm\n100,120\n";
         refused(Test::Drop, higher, &["line 2", "'120'", "drop height"]);
+        let of_masses = "pull_force_n,normal_force_n\n0.32,1\n320,1\n";
+        refused(Test::Slider, of_masses, &["line 3", "'320'", "newtons"]);
         let text = "pull_force_n,normal_force_n\n0.1,1\n0.1,x\n";
         refused(Test::Slider, text, &["line 3", "'x'", "normal_force_n"]);
     }

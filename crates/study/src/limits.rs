@@ -20,14 +20,18 @@ pub(crate) const MOST_RUNS: usize = 1000;
 /// Longest time of a run of a program of the user, s: a year.
 pub(crate) const MOST_TIME_S: f64 = 3.2e7;
 
-/// Between which values the mean of an observable can lie, by its name, with its unit.
+/// Between which values the mean of an observable can lie, by its name, with its unit and the slip that leads outside.
 pub(crate) fn range_of(observable: &str) -> ([f64; 2], &'static str) {
     match observable {
-        // The slope of a surface, always that of the side that stands higher.
-        "angle_deg" | "angle_of_repose_deg" => ([0.0, 90.0], " deg"),
-        "fill_level" => ([0.0, 1.0], ""),
+        // The slope of a surface, always that of the side that stands higher. Upright is 1.57 in radians, and no seeds
+        // lie as level as that in degrees.
+        "angle_deg" | "angle_of_repose_deg" => ([1.6, 90.0], " deg, in degrees and not in radians"),
+        "fill_level" | "shown_restitution" => ([0.0, 1.0], ""),
         _ if observable.ends_with("_deg") => ([-360.0, 360.0], " deg"),
-        _ if observable.starts_with("shown_") => ([0.0, MOST], ""),
+        // Seeds that interlock show up to the tangent of 80 degrees, where a tilt ends.
+        "shown_static_friction" | "shown_rolling_friction" => {
+            ([0.0, 6.0], ", a ratio of forces or a tangent and no angle")
+        }
         _ => ([-MOST, MOST], ""),
     }
 }
@@ -48,7 +52,7 @@ mod tests {
     /// An inclination is between level and upright; of a name that says nothing nothing is known.
     #[test]
     fn angles_have_a_range_by_their_name() {
-        assert_eq!(range_of("angle_deg"), ([0.0, 90.0], " deg"));
+        assert_eq!(range_of("angle_deg").0, [1.6, 90.0]);
         assert_eq!(range_of("toe_position_deg"), ([-360.0, 360.0], " deg"));
         assert_eq!(range_of("flow_g_s").0, [-1e15, 1e15]);
     }

@@ -32,11 +32,7 @@ pub(crate) struct Arguments {
 
     /// Measurements with the columns `drop_height_mm,rebound_height_mm` (drop),
     /// `pull_force_n,normal_force_n` (slider) or `angle_deg` (tilt): CSV or an Excel workbook
-    #[arg(
-        value_name = "DATA.csv",
-        required_unless_present = "scene",
-        conflicts_with = "scene"
-    )]
+    #[arg(value_name = "DATA.csv", conflicts_with = "scene")]
     data: Option<PathBuf>,
 
     /// Does the test with the solver: seeds and contacts of this scene
@@ -56,7 +52,12 @@ pub(crate) struct Arguments {
     kind: Option<String>,
 
     /// Height of the drop; the study does not state its own
-    #[arg(long, value_name = "MM", default_value_t = 200.0)]
+    #[arg(
+        long,
+        value_name = "MM",
+        default_value_t = 200.0,
+        allow_negative_numbers = true
+    )]
     height_mm: f64,
 
     /// Number of repeats [default: 40 drops, 5 pulls, 20 tilts]

@@ -8,7 +8,7 @@ use std::path::Path;
 
 /// The revision for which the numbers below hold. A change of any of them is a change of the physics: old records then lie, and
 /// the revision in `simulator.rs` must be raised with the numbers here.
-const REVISION: &str = "physics 15";
+const REVISION: &str = "physics 16";
 
 /// Numbers are told with nine digits. Processors without the same vector registers round otherwise; over these few contacts that
 /// stays below this share, and no law, step or seed of randomness can be changed by so little.
@@ -136,9 +136,21 @@ fn the_revision_belongs_to_the_bench_tests() {
             "slider",
             shown(&bench("slider", ""), "shown_static_friction"),
         ),
+        (
+            "slider on seeds",
+            shown(
+                &bench("slider", "").replace("glass", "seed"),
+                "shown_static_friction",
+            ),
+        ),
         ("tilt", shown(&bench("tilt", ""), "shown_rolling_friction")),
     ];
-    let pinned = [6.086703318e-1, 3.000000000e-1, 3.055001783e-1];
+    let pinned = [
+        6.086703318e-1,
+        3.000000000e-1,
+        4.051437609e-1,
+        3.055001783e-1,
+    ];
     belong_to_the_revision(&found, &pinned);
 }
 

@@ -106,8 +106,9 @@ pub(super) fn flat() -> UnitQuaternion<f64> {
 
 /// Spheres of `n_x` by `n_z` seeds that lie flat side by side, centred on the origin.
 ///
-/// Each is turned at random about the vertical. In a row along x each begins where the one before ends;
-/// along z each is pushed against the rows before until it touches.
+/// Each is turned at random about the vertical. Each row along x begins at random within a seed, and in it each seed begins
+/// where the one before ends; along z each is pushed against the rows before until it touches. With rows that begin
+/// side by side round seeds would make a lattice, into whose pits all seeds of a sled fall at once.
 pub(super) fn glued(
     parts: &BenchParts,
     n_x: usize,
@@ -126,8 +127,12 @@ pub(super) fn glued(
             laid.push(moved(seed, Vector3::x() * (end - from)));
             end += to - from;
         }
+        let start = stream.between(-0.5, 0.5) * end / n_x as f64;
         for k in before..laid.len() {
-            let seed = moved(std::mem::take(&mut laid[k]), Vector3::x() * (-0.5 * end));
+            let seed = moved(
+                std::mem::take(&mut laid[k]),
+                Vector3::x() * (start - 0.5 * end),
+            );
             let others = laid[..before].iter().flatten().copied();
             let others: Vec<Sphere> = others.collect();
             let shift = touching_shift(&seed, &others, 2).unwrap_or(0.0);

@@ -94,13 +94,38 @@ fn a_ball_comes_back_with_the_restitution_put_in() {
     assert!(result.n_steps > 100);
 }
 
-/// Balls on a smooth plate slide by Coulomb's law; 0.5 % is what the sled still swings.
+/// Balls on a smooth plate slide by Coulomb's law at each moment; 1e-4 is what the sled may still gain in speed up or down.
 #[test]
 fn a_sled_of_balls_shows_the_friction_put_in() {
     let scene = ball("kind = \"slider\"\nplate = \"steel\"\nrepeats = 2");
     for shown in values(&go(&scene, 1), "shown_static_friction") {
-        assert!((shown / 0.35 - 1.0).abs() < 0.005, "{shown}");
+        assert!((shown / 0.35 - 1.0).abs() < 1e-4, "{shown}");
     }
+}
+
+/// Balls lie on plate and sled at random: each pull meets other bumps, so that a mean of pulls has an error. Bumps give back on
+/// the way down what they took on the way up, but for what friction and collisions keep: the longer way along the slopes shows
+/// a little more than the 0.2 put in, and without friction each pull shows nearly nothing. A damper that holds the sled adds
+/// 0.008, a lattice into whose pits all nine balls fall at once 0.015. Means of 12 pulls stray by 0.0015. Where the height that
+/// is won or lost on the short way counts, pulls differ by up to 0.13, and without friction show up to 0.09.
+#[test]
+fn pulls_of_balls_over_balls_differ_and_lose_nothing_to_the_tractor() {
+    let balls = |friction: f64| {
+        let mut scene = ball("kind = \"slider\"\nplate = \"pea\"\nrepeats = 12");
+        let contact = scene.contact.get_mut("pea-pea").unwrap();
+        contact.static_friction = quantity::FrictionCoefficient::new(friction).unwrap();
+        // The way of a pull is three quarters of a ball.
+        scene.seed[0].sphere = Some("8 mm".parse().unwrap());
+        values(&go(&scene, 1), "shown_static_friction")
+    };
+    let mean = |shown: &[f64]| shown.iter().sum::<f64>() / 12.0;
+    let shown = balls(0.2);
+    assert!(mean(&shown) > 0.2 && mean(&shown) < 0.214, "{shown:?}");
+    let least = shown.iter().copied().fold(f64::MAX, f64::min);
+    let most = shown.iter().copied().fold(0.0, f64::max);
+    assert!((0.003..0.03).contains(&(most - least)), "{shown:?}");
+    let without = balls(0.0);
+    assert!(without.iter().all(|f| f.abs() < 0.005), "{without:?}");
 }
 
 /// A ball starts to roll where its weight overcomes the rolling resistance, at the tangent that was put in. Type A lets it creep

@@ -237,9 +237,20 @@ fn numbers_that_no_quantity_has_are_refused() {
         (
             "mean = 33.1",
             "mean = -1.0",
-            vec!["angle_deg", "0 to 90 deg"],
+            vec!["angle_deg", "1.6 to 90 deg"],
         ),
-        ("mean = 33.1", "mean = 1e308", vec!["0 to 90 deg"]),
+        ("mean = 33.1", "mean = 1e308", vec!["1.6 to 90 deg"]),
+        ("mean = 33.1", "mean = 0.578", vec!["and not in radians"]),
+        (
+            "angle_deg = { mean = 33.1",
+            "shown_static_friction = { mean = 34.0",
+            vec!["shown_static_friction", "0 to 6", "no angle"],
+        ),
+        (
+            "angle_deg = { mean = 33.1",
+            "shown_restitution = { mean = 1.2",
+            vec!["shown_restitution", "0 to 1"],
+        ),
         ("sd = 0.8", "sd = 1e308", vec!["above 0, at most 1e15"]),
         ("n = 10", "n = 1e300", vec!["1 or more, at most 1e15"]),
         ("[0.0, 1.5]", "[0.0, 1e308]", vec!["limits", "1e15"]),

@@ -184,6 +184,13 @@ fn what_a_bench_test_cannot_have_is_refused_before_it_runs() {
     let words = [&words[..], &["--plate", "wood", "--repeats", "2"]].concat();
     let output = seedloop(scene.path("").as_path(), &words);
     assert_error(&output, &["'wood'", "clear_resin, seed, tough_resin"]);
+    let of = |words: &str| {
+        let words: Vec<&str> = words.split(' ').collect();
+        seedloop(scene.path("").as_path(), &words)
+    };
+    assert_error(&of("bench-test drop"), &["DATA.csv", "--scene SCENE.toml"]);
+    let low = "bench-test drop --scene tiny.toml --plate tough_resin --height-mm -5";
+    assert_error(&of(low), &["height", "-0.005 m"]);
 }
 
 /// A sled on a smooth plate shows the friction of its spheres, whatever their number: Coulomb's law;
