@@ -48,10 +48,10 @@ pub(super) fn insert(
     let mut order: Vec<usize> = (0..kinds.len()).collect();
     order.sort_by(|a, b| reach(*b).total_cmp(&reach(*a)));
     let largest = order.first().map_or(0.0, |kind| reach(*kind));
-    let mut shakes = match outline {
-        _ if is_dense(room, &shapes, kinds) => MOST_SHAKES,
-        Outline::Capsules => 0,
-        Outline::Spheres => MOST_SHAKES - MOST_SHAKES_OF_SPHERES,
+    let mut shakes_left = match outline {
+        _ if is_dense(room, &shapes, kinds) => 0,
+        Outline::Capsules => MOST_SHAKES,
+        Outline::Spheres => MOST_SHAKES_OF_SPHERES,
     };
     let mut inserted = Inserted {
         room,
@@ -64,11 +64,11 @@ pub(super) fn insert(
         .flat_map(|&kind| std::iter::repeat_n(kind, kinds[kind].1));
     for kind in all {
         while !inserted.add(kind, &mut stream) {
-            if shakes == MOST_SHAKES {
+            if shakes_left == 0 {
                 return inserted.placements();
             }
             inserted.shake(&mut stream);
-            shakes += 1;
+            shakes_left -= 1;
         }
     }
     inserted.placements()
