@@ -218,8 +218,11 @@ fn comparisons(role: &str, rows: &[Comparison]) -> String {
     text
 }
 
-/// A value with its error.
+/// A value with its error; without where repeats differ by rounding alone.
 fn with_error(value: f64, error: f64) -> String {
+    if error <= 1e-9 * value.abs() {
+        return significant(value, 5);
+    }
     format!("{} +- {}", significant(value, 5), significant(error, 3))
 }
 
