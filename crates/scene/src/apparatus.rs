@@ -326,6 +326,14 @@ impl Apparatus {
         }
     }
 
+    /// Time in which the speed rises to its full, s; none where it has it at once.
+    pub(crate) fn ramp(&self) -> Option<f64> {
+        match self {
+            Self::Drum(drum) => drum.ramp.map(quantity::Time::si),
+            _ => None,
+        }
+    }
+
     /// The speed with its unit, for messages.
     pub(crate) fn speed_text(&self) -> String {
         match self {

@@ -195,6 +195,11 @@ impl Scene {
                 requirement,
             );
         }
+        if let Some(ramp) = self.apparatus.ramp() {
+            let holds = ramp < p.rotation_limit.si();
+            let requirement = "below protocol.rotation_limit: only behind it the bed can be steady";
+            require(holds, "apparatus.ramp", format!("{ramp} s"), requirement);
+        }
         if let Some(error) = p.angle_error {
             let holds = error.si() > 0.0;
             require(holds, "protocol.angle_error", error.to_string(), "above 0");

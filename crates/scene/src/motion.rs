@@ -384,7 +384,7 @@ fn steady_rule(scene: &Scene, swing: f64) -> SteadyRule {
     let protocol = &scene.protocol;
     SteadyRule::for_bed(
         swing,
-        protocol.start_up.map(quantity::Time::si),
+        scene.start_up(swing),
         protocol.rotation_limit.si(),
         SERIES_INTERVAL,
         protocol.angle_error.map(|e| e.si().to_degrees()),

@@ -44,7 +44,14 @@ const LEFT_OUT_OF_A_CONTACT: [&str; 4] = [
     "friction_rate",
 ];
 
-/// A switch likewise.
+/// Quantities of a drum likewise.
+const LEFT_OUT_OF_A_DRUM: [&str; 3] = [
+    "apparatus.ramp",
+    "apparatus.reverse_every",
+    "apparatus.tilt",
+];
+
+/// A switch of a drum likewise.
 const COVERS_AT_REST: &str = "apparatus.covers_at_rest";
 
 /// Settings named in a message about a name that is none.
@@ -264,11 +271,17 @@ pub(crate) fn left_out(table: &Table) -> Vec<(String, Value)> {
     let of_pairs = pairs.flat_map(|pair| {
         LEFT_OUT_OF_A_CONTACT.map(|key| (format!("contact.{pair}.{key}"), Value::Float(0.0)))
     });
-    let quantities = LEFT_OUT_QUANTITIES.map(|p| (p.to_owned(), Value::String(String::new())));
+    let quantity = |path: &str| (path.to_owned(), Value::String(String::new()));
     let numbers = LEFT_OUT_NUMBERS.map(|p| (p.to_owned(), Value::Float(1.0)));
-    let switch = (COVERS_AT_REST.to_owned(), Value::Boolean(false));
-    let all = quantities.into_iter().chain(numbers).chain([switch]);
-    all.chain(of_pairs).collect()
+    let kind = setting_at(table, "apparatus.kind").and_then(Value::as_str);
+    let of_drum = (kind == Some("drum")).then(|| {
+        let switch = (COVERS_AT_REST.to_owned(), Value::Boolean(false));
+        LEFT_OUT_OF_A_DRUM.map(quantity).into_iter().chain([switch])
+    });
+    let all = LEFT_OUT_QUANTITIES.map(quantity).into_iter().chain(numbers);
+    all.chain(of_drum.into_iter().flatten())
+        .chain(of_pairs)
+        .collect()
 }
 
 /// Makes room for a setting without a default that the scene leaves out.

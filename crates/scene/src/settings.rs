@@ -321,10 +321,21 @@ impl Scene {
     pub fn expected_rotation(&self) -> f64 {
         let protocol = &self.protocol;
         let swing = expected_swing(self.apparatus.radius(), self.model.gravity_m_s2);
-        let start_up = protocol.start_up.map_or(0.0, Time::si);
+        let start_up = self.start_up(swing).unwrap_or(0.0);
         let frames = protocol.frames as f64 * protocol.frame_interval.si();
         let kept = frames.max(LEAST_KEPT as f64 * swing);
         (start_up.max(LEAST_START_UP * swing) + kept).min(protocol.rotation_limit.si())
+    }
+
+    /// Time of rotation, s, before which nothing is kept of a bed that swings in a time (s): what the protocol states, and 1.5
+    /// swings behind the ramp of the drive; none where there is neither.
+    pub(crate) fn start_up(&self, swing: f64) -> Option<f64> {
+        let stated = self.protocol.start_up.map(Time::si);
+        let behind_ramp = self
+            .apparatus
+            .ramp()
+            .map(|ramp| ramp + LEAST_START_UP * swing);
+        stated.into_iter().chain(behind_ramp).reduce(f64::max)
     }
 
     /// Contact of two materials, in either order of the names.

@@ -32,7 +32,7 @@ const BEADS: &str = r#"
     frames = 3
 "#;
 
-fn beads(name: &str, value: &str) -> Result<Scene, Error> {
+pub(crate) fn beads(name: &str, value: &str) -> Result<Scene, Error> {
     let set = Override {
         name: name.into(),
         value: value.into(),
@@ -60,6 +60,7 @@ fn settings_that_no_run_can_have_are_refused_with_their_limit() {
         ("rpm", "1e9", vec!["apparatus.speed", "at most 2135 rpm"]),
         ("rpm", "-2136", vec!["at most 2135 rpm"]),
         ("model.gravity_m_s2", "1e-300", vec!["0.001 to 1000"]),
+        ("ramp", "1.2 s", vec!["below protocol.rotation_limit"]),
     ] {
         let told = beads(name, value).unwrap_err().to_string();
         let path = name.rsplit('.').next().unwrap_or(name);

@@ -1,8 +1,9 @@
 //! How a drum starts: a bed that is laid at a slope before it turns, and the time steps of both phases.
 
+use crate::limits::beads;
 use fixture_files::fixture;
 use quantity::{Angle, Length, Time};
-use scene::{FillingLibrary, LiquidSettings, Override, Scene, settled_world, starting_frame};
+use scene::{FillingLibrary, LiquidSettings, Override, Scene, run, settled_world, starting_frame};
 
 /// A slice of the study's drum with coarse seeds, and further changes.
 fn drum(changes: &[(&str, &str)]) -> Result<Scene, scene::Error> {
@@ -134,6 +135,28 @@ fn the_time_step_stands_the_viscosity_of_the_liquid() -> Result<(), scene::Error
     Ok(())
 }
 
+/// A bed that is driven ever faster is not steady, however little it rises: what is kept begins 1.5 swings behind the ramp, and
+/// a run is expected to last as much longer.
+#[test]
+fn nothing_is_kept_of_a_ramp() -> Result<(), scene::Error> {
+    let scene = beads("protocol.rotation_limit", "6 s")?;
+    let set = |name: &str, value: &str| Override {
+        name: name.into(),
+        value: value.into(),
+    };
+    let ramped = scene.with(&[set("ramp", "2 s")])?;
+    let longer = ramped.expected_rotation() - scene.expected_rotation();
+    assert!((longer - 2.0).abs() < 1e-12, "{longer}");
+    let kept_from = |scene: &Scene| -> Result<f64, scene::Error> {
+        let result = run(scene, &FillingLibrary::default(), 1)?;
+        // The bed is looked at every 20 ms.
+        Ok(0.02 * result.ending.cut() as f64)
+    };
+    let (at_once, behind) = (kept_from(&scene)?, kept_from(&ramped)?);
+    assert!(at_once < 2.0 && behind > 2.2, "{at_once} s, {behind} s");
+    Ok(())
+}
+
 /// What stands in no file can be set, a number and a switch as well as a quantity; a drum alone has covers.
 #[test]
 fn settings_that_a_file_leaves_out_can_be_set() -> Result<(), scene::Error> {
@@ -145,6 +168,7 @@ fn settings_that_a_file_leaves_out_can_be_set() -> Result<(), scene::Error> {
     let changes = [
         set("protocol.flow_step_share", "0.2"),
         set("apparatus.covers_at_rest", "true"),
+        set("ramp", "0.5 s"),
     ];
     let scene = Scene::read(&file.join("measured.toml"), &changes)?;
     assert_eq!(scene.protocol.flow_step_share, Some(0.2));
@@ -152,6 +176,7 @@ fn settings_that_a_file_leaves_out_can_be_set() -> Result<(), scene::Error> {
         panic!("a drum")
     };
     assert!(drum.covers_at_rest, "the switch is set");
+    assert_eq!(drum.ramp.map(Time::si), Some(0.5));
     let other = Scene::read(&file.join("heap.toml"), &changes[1..]);
     assert!(other.is_err(), "a heap has no covers");
     Ok(())

@@ -134,6 +134,14 @@ impl Report {
                  protocol.rotation_limit"
             ));
         }
+        if self.motion.as_deref() == Some("surging")
+            && !self.parameters.contains_key("apparatus.ramp")
+        {
+            warnings.push(
+                "the bed slides and swings on from its start: apparatus.ramp gives it an even one"
+                    .to_owned(),
+            );
+        }
         let broken_off = self.timing.retried.len();
         if broken_off > 0 {
             warnings.push(format!(

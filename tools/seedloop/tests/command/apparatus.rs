@@ -151,6 +151,46 @@ fn a_wall_from_a_mesh_takes_part() {
     assert_eq!(inputs, 4, "the scene, two seeds and the wall");
 }
 
+/// Beads that slide on a smooth shell: Coulomb friction damps no swing, so that a bed that was started at once swings on until
+/// the end and is carried again and again. That is told with the way out, which helps.
+#[test]
+fn a_bed_that_swings_on_from_its_start_is_told_to_start_evenly() {
+    let folder = tempfile::tempdir().unwrap();
+    let beads = r#"
+        apparatus = { kind = "drum", inner_diameter = "50 mm", width = "12 mm", speed = "15 rpm", shell = "acrylic", cover = "acrylic" }
+        [[seed]]
+        name = "bead"
+        sphere = "4 mm"
+        density = "1300 kg/m3"
+        fill_level = 0.3
+        material = "bead"
+        [material]
+        bead = { poisson_ratio = 0.3, shear_modulus = "0.5 MPa" }
+        acrylic = { poisson_ratio = 0.35, shear_modulus = "10 MPa" }
+        [contact]
+        bead-bead = { restitution = 0.5, static_friction = 0.8 }
+        bead-acrylic = { restitution = 0.5, static_friction = 0.1 }
+    "#;
+    fs::write(folder.path().join("beads.toml"), beads).unwrap();
+    let run = |more: &[&str]| {
+        let output = seedloop(
+            folder.path(),
+            &[&["simulate", "beads.toml", "--json"], more].concat(),
+        );
+        let told = String::from_utf8_lossy(&output.stderr).into_owned();
+        (json(&output)["motion"].clone(), told)
+    };
+    let (motion, told) = run(&[]);
+    assert_eq!(motion, "surging");
+    assert!(
+        told.contains("apparatus.ramp gives it an even one"),
+        "{told}"
+    );
+    let (motion, told) = run(&["--set", "ramp=2 s", "--set", "rotation_limit=12 s"]);
+    assert_eq!(motion, "sliding");
+    assert!(!told.contains("ramp"), "{told}");
+}
+
 #[test]
 fn bench_measurements_become_a_coefficient_with_its_interval() {
     let folder = tempfile::tempdir().unwrap();
