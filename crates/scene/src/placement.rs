@@ -5,7 +5,6 @@ mod insertion;
 use crate::{Apparatus, Error};
 use clump::Clump;
 use dem_solver::Placement;
-use insertion::Outline;
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 use random_stream::Stream;
 
@@ -144,10 +143,7 @@ pub(crate) fn place(
         places = places.max(placed.len());
         spacing *= 0.97;
     }
-    // The capsule of a single sphere is that sphere.
-    let are_balls = kinds.iter().all(|(clump, _)| clump.spheres().len() == 1);
-    let outlines = [Outline::Capsules, Outline::Spheres];
-    for outline in outlines.into_iter().take(if are_balls { 1 } else { 2 }) {
+    for outline in insertion::outlines(kinds) {
         let placed = insertion::insert(room, outline, kinds, seed);
         if placed.len() == count {
             return Ok(placed);

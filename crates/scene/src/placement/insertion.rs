@@ -34,6 +34,27 @@ pub(super) enum Outline {
     Spheres,
 }
 
+/// Share of its capsule that a body must fill for the capsule to be tried: that of a flat seed is a ball, and moves about in
+/// vain. Our choice, between seeds as flat as 6 by 6 by 2.4 mm (0.4) and ellipsoids as long as 9 by 5 by 4.5 mm (0.7).
+const LEAST_FILLED: f64 = 0.5;
+
+/// The outlines that are worth a try, in turn.
+pub(super) fn outlines(kinds: &[(&Clump, usize)]) -> Vec<Outline> {
+    let volumes = [Outline::Capsules, Outline::Spheres].map(|outline| {
+        let volume =
+            |(clump, count): &(&Clump, usize)| Shape::of(clump, outline).volume * *count as f64;
+        kinds.iter().map(volume).sum::<f64>()
+    });
+    let [of_capsules, of_bodies] = volumes;
+    // The capsule of a single sphere is that sphere.
+    let are_balls = kinds.iter().all(|(clump, _)| clump.spheres().len() == 1);
+    match of_bodies / of_capsules {
+        _ if are_balls => vec![Outline::Capsules],
+        filled if filled < LEAST_FILLED => vec![Outline::Spheres],
+        _ => vec![Outline::Capsules, Outline::Spheres],
+    }
+}
+
 /// Inserts `kinds[k].1` bodies of each kind, the largest kinds first, as far as there is room.
 pub(super) fn insert(
     room: Room<'_>,
