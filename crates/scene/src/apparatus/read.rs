@@ -20,21 +20,16 @@ const KINDS: [&str; 7] = [
 impl<'de> Deserialize<'de> for Apparatus {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         let mut table = Table::deserialize(deserializer)?;
-        let listed = || KINDS.join(", ");
+        let refused =
+            |what: String| D::Error::custom(format!("{what}; it is one of {}", KINDS.join(", ")));
         let kind = match table.remove("kind") {
             Some(Value::String(kind)) => kind,
             Some(other) => {
-                let (value, listed) = (other, listed());
-                return Err(D::Error::custom(format!(
-                    "kind = {value} is no name of an apparatus; it is one of {listed}"
+                return Err(refused(format!(
+                    "kind = {other} is no name of an apparatus"
                 )));
             }
-            None => {
-                let listed = listed();
-                return Err(D::Error::custom(format!(
-                    "kind is missing; it is one of {listed}"
-                )));
-            }
+            None => return Err(refused("kind is missing".to_owned())),
         };
         let read = match kind.as_str() {
             "drum" => settings(table).map(Self::Drum),
