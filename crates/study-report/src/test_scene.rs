@@ -22,7 +22,7 @@ cover = "steel"
 name = "pea"
 mesh = "sphere.stl"
 mesh_unit = "mm"
-mass = "120 mg"
+mass = "5.4 mg"
 count = 100
 material = "pea"
 filling = { method = "pack", sphere_radius = "0.99 mm", sphere_count = 1, seed = 1 }
