@@ -26,6 +26,7 @@ mod build;
 mod check;
 mod drum_camera;
 mod error;
+mod extent;
 mod factory;
 mod filling;
 mod flow;

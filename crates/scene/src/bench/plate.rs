@@ -2,6 +2,7 @@
 
 use super::BenchParts;
 use crate::Error;
+use crate::extent::extent;
 use clump::{Clump, MassProperties, Sphere};
 use dem_solver::{DashpotMass, Placement, Shape, Template, Wall, World};
 use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3};
@@ -167,16 +168,6 @@ pub(super) fn moved(mut spheres: Vec<Sphere>, shift: Vector3<f64>) -> Vec<Sphere
         sphere.centre += shift;
     }
     spheres
-}
-
-/// Ends of spheres along an axis, m.
-pub(super) fn extent(spheres: &[Sphere], axis: usize) -> [f64; 2] {
-    let low = spheres.iter().map(|s| s.centre[axis] - s.radius);
-    let high = spheres.iter().map(|s| s.centre[axis] + s.radius);
-    [
-        low.fold(f64::INFINITY, f64::min),
-        high.fold(f64::NEG_INFINITY, f64::max),
-    ]
 }
 
 /// Lowest point of spheres, m.

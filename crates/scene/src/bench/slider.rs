@@ -1,9 +1,10 @@
 //! The slider: seeds glued to a sled that is pulled over a plate; the pull over the weight is the
 //! coefficient of friction.
 
-use super::plate::{Plate, extent, flat, glued, rigid};
+use super::plate::{Plate, flat, glued, rigid};
 use super::{BenchParts, Repeat};
 use crate::Error;
+use crate::extent::extent;
 use dem_solver::{Load, Placement};
 use nalgebra::{UnitQuaternion, Vector3};
 use random_stream::Stream;

@@ -2,6 +2,7 @@
 //! there are shaken, as molecules of a dense gas, and it is tried again.
 
 use super::{Capsule, Placed, Room, clear, is_inside, try_place};
+use crate::extent::extent;
 use clump::{Clump, Sphere};
 use dem_solver::Placement;
 use nalgebra::{UnitQuaternion, Vector3};
@@ -130,13 +131,8 @@ impl<'a> Shape<'a> {
         let spheres = clump.spheres();
         let inner = spheres.iter().map(|s| s.radius - s.centre.norm());
         // An ellipsoid of the same extents.
-        let extents = [0, 1, 2].map(|axis: usize| {
-            let ends = spheres
-                .iter()
-                .map(|s| (s.centre[axis] - s.radius, s.centre[axis] + s.radius));
-            let (low, high) = ends.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), end| {
-                (low.min(end.0), high.max(end.1))
-            });
+        let extents = [0, 1, 2].map(|axis| {
+            let [low, high] = extent(spheres, axis);
             high - low
         });
         Self {
