@@ -69,6 +69,12 @@ impl FillingLibrary {
         bodies.insert(key, Arc::clone(&body));
         Ok(body)
     }
+
+    /// Whether no body was made yet.
+    pub fn is_empty(&self) -> bool {
+        let bodies = self.bodies.lock().unwrap_or_else(PoisonError::into_inner);
+        bodies.is_empty()
+    }
 }
 
 /// Makes the body of a shape.

@@ -112,11 +112,11 @@ impl Resolved {
         values.extend(taken.map(|(name, value)| (name.clone(), *value)));
         let (model, is_new) = self.models.number_of(&entry.scene, &entry.condition, scene);
         let built = &self.models.scenes[model];
-        if let (true, Err(error)) = (is_new, built.build_check(&scenes.fillings)) {
+        if is_new && let Err(error) = built.build_check(&scenes.fillings) {
             let what = format!("{}: the scene cannot be built:", words(entry));
             problems.add(document.problem(&entry.path, what, error.to_string()));
         }
-        if let (true, Some(Err(error))) = (is_new, scenes.peer.map(|peer| peer.check(built))) {
+        if is_new && let Some(Err(error)) = scenes.peer.map(|peer| peer.check(built)) {
             let what = format!("{}:", words(entry));
             problems.add(document.problem(&entry.path, what, error.to_string()));
         }
