@@ -47,12 +47,32 @@ mod your_material;
 
 use fixture_files::fixture;
 use serde_json::Value;
-use std::path::Path;
+use std::ffi::{OsStr, OsString};
+use std::iter;
+use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
+use std::sync::OnceLock;
+
+/// The search path for programs, with the folder of the Python interpreter first. Where `python3` is a script that chooses
+/// an interpreter, the choice takes longer than a run of the example, and there are hundreds.
+fn program_path() -> &'static OsStr {
+    static PATH: OnceLock<OsString> = OnceLock::new();
+    PATH.get_or_init(|| {
+        let words = [
+            "-c",
+            "import os, sys; print(os.path.dirname(sys.executable))",
+        ];
+        let folder = Command::new("python3").args(words).output().unwrap().stdout;
+        let others = std::env::var_os("PATH").unwrap_or_default();
+        let first = PathBuf::from(text(&folder).trim());
+        std::env::join_paths(iter::once(first).chain(std::env::split_paths(&others))).unwrap()
+    })
+}
 
 /// Runs the command in a folder.
 fn seedloop(folder: &Path, words: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_seedloop"))
+        .env("PATH", program_path())
         .current_dir(folder)
         .args(words)
         .output()
