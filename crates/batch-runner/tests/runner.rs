@@ -328,56 +328,62 @@ impl Drop for RaiseAtEnd<'_> {
 
 /// Background processes as a batch system, with a command for states and without: the same records; a task that is
 /// killed with its script is seen by its silence, and its runs are done again.
-#[test]
-fn command_lines_stand_for_any_batch_system() {
-    for has_status in [true, false] {
-        let slurm = FakeSlurm::new();
-        let status = "for job in {jobs}; do kill -0 $job 2> /dev/null && echo $job running || echo $job ended; done";
-        let settings = BatchSettings {
-            seconds_per_cost: None,
-            // A machine that is busy may be late by a second or two with a sign of life.
-            heartbeat_s: 1.0,
-            command: Some(CommandLines {
-                submit: format!(
-                    "sh {{script}} < /dev/null > /dev/null 2>&1 & echo $! | tee -a '{}'",
-                    slurm.path("pids").display()
-                ),
-                status: has_status.then(|| status.into()),
-                cancel: Some("kill {jobs}".into()),
-            }),
-            ..slurm.settings()
-        };
-        let runner =
-            batch_runner::BatchRunner::command(slurm.path("batch"), slurm.worker(), settings);
-        let runner = runner.unwrap();
-        let store = Store::open(slurm.path("runs")).unwrap();
-        let mut list = requests(5, 0.1);
-        let long = requests(1, 60.0)[0].clone();
-        let campaign = Campaign::new(&store, 1, &Silent).with_executor(&runner);
-        let records = campaign.run_all(&simulator(), &list).unwrap();
-        assert_eq!(records, local(&list));
-        assert_eq!(slurm.noted("began"), 5);
-        list.push(long);
-        let stop = AtomicBool::new(false);
-        std::thread::scope(|scope| {
-            scope.spawn(|| {
-                let _end = RaiseAtEnd(&stop);
-                until("the long run has begun", || slurm.noted("began") == 6);
-                // The script first: it would leave the code of its worker.
-                let pids = std::fs::read_to_string(slurm.path("pids")).unwrap();
-                let notes = std::fs::read_to_string(slurm.path("notes")).unwrap();
-                for text in [pids, notes] {
-                    let last = text.split_whitespace().last().unwrap().to_owned();
-                    Command::new("kill").args(["-9", &last]).status().unwrap();
-                }
-                until("it has begun again", || slurm.noted("began") == 7);
-            });
-            let error = campaign
-                .with_stop(&stop)
-                .run_all(&simulator(), &list)
-                .unwrap_err();
-            assert!(matches!(error, Error::Stopped { n_done: 5, .. }), "{error}");
+fn command_lines_stand_for_a_batch_system(has_status: bool) {
+    let slurm = FakeSlurm::new();
+    let status = "for job in {jobs}; do kill -0 $job 2> /dev/null && echo $job running || echo $job ended; done";
+    let settings = BatchSettings {
+        seconds_per_cost: None,
+        // A machine that is busy may be late by a second or two with a sign of life.
+        heartbeat_s: 1.0,
+        command: Some(CommandLines {
+            submit: format!(
+                "sh {{script}} < /dev/null > /dev/null 2>&1 & echo $! | tee -a '{}'",
+                slurm.path("pids").display()
+            ),
+            status: has_status.then(|| status.into()),
+            cancel: Some("kill {jobs}".into()),
+        }),
+        ..slurm.settings()
+    };
+    let runner = batch_runner::BatchRunner::command(slurm.path("batch"), slurm.worker(), settings);
+    let runner = runner.unwrap();
+    let store = Store::open(slurm.path("runs")).unwrap();
+    let mut list = requests(5, 0.1);
+    let long = requests(1, 60.0)[0].clone();
+    let campaign = Campaign::new(&store, 1, &Silent).with_executor(&runner);
+    let records = campaign.run_all(&simulator(), &list).unwrap();
+    assert_eq!(records, local(&list));
+    assert_eq!(slurm.noted("began"), 5);
+    list.push(long);
+    let stop = AtomicBool::new(false);
+    std::thread::scope(|scope| {
+        scope.spawn(|| {
+            let _end = RaiseAtEnd(&stop);
+            until("the long run has begun", || slurm.noted("began") == 6);
+            // The script first: it would leave the code of its worker.
+            let pids = std::fs::read_to_string(slurm.path("pids")).unwrap();
+            let notes = std::fs::read_to_string(slurm.path("notes")).unwrap();
+            for text in [pids, notes] {
+                let last = text.split_whitespace().last().unwrap().to_owned();
+                Command::new("kill").args(["-9", &last]).status().unwrap();
+            }
+            until("it has begun again", || slurm.noted("began") == 7);
         });
-        assert_eq!((slurm.noted("began"), slurm.noted("ended")), (7, 5));
-    }
+        let error = campaign
+            .with_stop(&stop)
+            .run_all(&simulator(), &list)
+            .unwrap_err();
+        assert!(matches!(error, Error::Stopped { n_done: 5, .. }), "{error}");
+    });
+    assert_eq!((slurm.noted("began"), slurm.noted("ended")), (7, 5));
+}
+
+#[test]
+fn command_lines_stand_for_a_batch_system_that_tells_states() {
+    command_lines_stand_for_a_batch_system(true);
+}
+
+#[test]
+fn command_lines_stand_for_a_batch_system_that_tells_no_states() {
+    command_lines_stand_for_a_batch_system(false);
 }
