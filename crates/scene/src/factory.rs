@@ -15,7 +15,7 @@ use crate::build::Built;
 use crate::placement::{Capsule, Placed, Room, TRIES, is_free, try_place};
 use crate::{Apparatus, Error, Scene};
 use dem_solver::Placement;
-use nalgebra::Vector3;
+use nalgebra::{UnitQuaternion, Vector3};
 use random_stream::Stream;
 
 /// Where seeds appear: above this share of the height of the apparatus.
@@ -117,7 +117,9 @@ impl Factory {
                 let high = Vector3::new(high.x, top, high.z);
                 Vector3::from_fn(|axis, _| stream.between(low[axis], high[axis]))
             };
-            let fits = |body: &Placed, _: &_| is_free(room, body, &near);
+            let fits = |body: &Placed, turn: &UnitQuaternion<f64>| {
+                is_free(room, body, &near).then_some((*body, *turn))
+            };
             let found = try_place(capsules[kind], low_first, fits, &mut stream);
             let Some((body, turn)) = found else {
                 break;

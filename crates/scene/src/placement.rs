@@ -200,7 +200,9 @@ fn fill_grid(
                 let beside = |stream: &mut Stream| {
                     at + Vector3::from_fn(|_, _| stream.between(-0.1, 0.1) * spacing)
                 };
-                let fits = |body: &Placed, _: &_| is_free(room, body, &near);
+                let fits = |body: &Placed, turn: &UnitQuaternion<f64>| {
+                    is_free(room, body, &near).then_some((*body, *turn))
+                };
                 if let Some((body, turn)) = try_place(capsule, beside, fits, stream) {
                     placed.push(body);
                     result.push(Placement::at_rest(kind, body.centre, turn));
@@ -211,20 +213,21 @@ fn fill_grid(
     result
 }
 
-/// Draws places (m) and orientations until the body fits.
-pub(crate) fn try_place(
+/// Draws places (m) and orientations until the body fits; what is said of the one that does.
+pub(crate) fn try_place<T>(
     capsule: Capsule,
     mut draw: impl FnMut(&mut Stream) -> Vector3<f64>,
-    fits: impl Fn(&Placed, &UnitQuaternion<f64>) -> bool,
+    fits: impl Fn(&Placed, &UnitQuaternion<f64>) -> Option<T>,
     stream: &mut Stream,
-) -> Option<(Placed, UnitQuaternion<f64>)> {
+) -> Option<T> {
     for _ in 0..TRIES {
         let centre = draw(stream);
         let [w, i, j, k] = stream.rotation();
         let turn = UnitQuaternion::new_normalize(Quaternion::new(w, i, j, k));
         let body = capsule.at(centre, &turn);
-        if fits(&body, &turn) {
-            return Some((body, turn));
+        let found = fits(&body, &turn);
+        if found.is_some() {
+            return found;
         }
     }
     None
@@ -237,11 +240,13 @@ pub(crate) fn is_free(room: Room<'_>, body: &Placed, near: &[&Placed]) -> bool {
 
 /// Whether a capsule is clear of all walls.
 fn is_inside(room: Room<'_>, body: &Placed) -> bool {
-    let inside = [-1.0, 0.0, 1.0].iter().all(|s| {
-        let point = body.centre + body.half * *s;
-        room.apparatus.has_room(&point, body.radius)
-    });
-    inside && is_clear_of(room.obstacles, body)
+    let has_room = |point: &Vector3<f64>| room.apparatus.has_room(point, body.radius);
+    // A ball has no ends.
+    let ends_inside = || {
+        let is_ball = body.half == Vector3::zeros();
+        is_ball || (has_room(&(body.centre - body.half)) && has_room(&(body.centre + body.half)))
+    };
+    has_room(&body.centre) && ends_inside() && is_clear_of(room.obstacles, body)
 }
 
 /// Whether a capsule is clear of triangles: by balls along it, a half of its radius apart.

@@ -189,15 +189,15 @@ impl Inserted<'_> {
                 return None;
             }
             let fits = |capsule: &Placed, turn: &UnitQuaternion<f64>| {
-                self.is_free(&self.body(kind, *capsule, *turn), &near)
+                self.free_body(kind, *capsule, *turn, &near)
             };
             try_place(shape.capsule, |_| centre, fits, stream)
         });
-        let Some((capsule, turn)) = found else {
+        let Some(body) = found else {
             return false;
         };
-        self.cells.add(self.bodies.len(), &capsule.centre);
-        self.bodies.push(self.body(kind, capsule, turn));
+        self.cells.add(self.bodies.len(), &body.capsule.centre);
+        self.bodies.push(body);
         true
     }
 
@@ -212,8 +212,7 @@ impl Inserted<'_> {
                 ..before.capsule
             };
             let near = self.near(&capsule.centre, Some(number));
-            let after = self.body(before.kind, capsule, before.turn);
-            if self.is_free(&after, &near) {
+            if let Some(after) = self.free_body(before.kind, capsule, before.turn, &near) {
                 self.cells.remove(number, &from);
                 self.cells.add(number, &capsule.centre);
                 self.bodies[number] = after;
@@ -221,28 +220,40 @@ impl Inserted<'_> {
         }
     }
 
-    /// A body of a kind.
-    fn body(&self, kind: usize, capsule: Placed, turn: UnitQuaternion<f64>) -> Body {
-        let spheres = self.shapes[kind].spheres.iter().copied().flatten();
-        let placed = |s: &Sphere| ball(capsule.centre + turn * s.centre, s.radius);
-        Body {
+    /// A body of a kind, if it is clear of all walls and of the bodies near it.
+    fn free_body(
+        &self,
+        kind: usize,
+        capsule: Placed,
+        turn: UnitQuaternion<f64>,
+        near: &[&Body],
+    ) -> Option<Body> {
+        let mut body = Body {
             kind,
             capsule,
             turn,
-            balls: spheres.map(placed).collect(),
-        }
-    }
-
-    /// Whether a body is clear of all walls and of the bodies near it.
-    fn is_free(&self, body: &Body, near: &[&Body]) -> bool {
-        let whole = std::slice::from_ref(&body.capsule);
-        let parts = if body.balls.is_empty() {
-            whole
-        } else {
-            &body.balls
+            balls: Vec::new(),
         };
-        parts.iter().all(|part| is_inside(self.room, part))
-            && near.iter().all(|other| are_clear(body, other))
+        let is_inside_whole = is_inside(self.room, &capsule);
+        let is_clear_of_balls =
+            |ball: &Placed, others: &[&Body]| others.iter().all(|other| is_clear_of(ball, other));
+        let Some(spheres) = self.shapes[kind].spheres else {
+            let is_free = is_inside_whole && is_clear_of_balls(&capsule, near);
+            return is_free.then_some(body);
+        };
+        // What its capsule does not touch, none of its spheres does.
+        let touched = near.iter().filter(|other| !clear(&capsule, &other.capsule));
+        let touched: Vec<&Body> = touched.copied().collect();
+        // One after the other: a body that does not fit is mostly refused by one of the first.
+        for s in spheres {
+            let ball = ball(capsule.centre + turn * s.centre, s.radius);
+            let is_inside = is_inside_whole || is_inside(self.room, &ball);
+            if !(is_inside && is_clear_of_balls(&ball, &touched)) {
+                return None;
+            }
+            body.balls.push(ball);
+        }
+        Some(body)
     }
 
     /// All bodies but one that one at a place may touch.
@@ -270,21 +281,16 @@ fn ball(centre: Vector3<f64>, radius: f64) -> Placed {
     }
 }
 
-/// Whether two bodies do not touch.
-fn are_clear(a: &Body, b: &Body) -> bool {
-    if clear(&a.capsule, &b.capsule) {
+/// Whether a ball, or a capsule where capsules stand for bodies, is clear of a body.
+fn is_clear_of(part: &Placed, body: &Body) -> bool {
+    if clear(part, &body.capsule) {
         return true;
     }
-    if a.balls.is_empty() {
-        return false;
-    }
-    let mut in_reach = a.balls.iter().filter(|ball| !clear(ball, &b.capsule));
-    in_reach.all(|ball| {
-        b.balls.iter().all(|other| {
-            let reach = ball.radius + other.radius;
-            (ball.centre - other.centre).norm_squared() > reach * reach
-        })
-    })
+    let parts_from = |ball: &Placed| {
+        let reach = part.radius + ball.radius;
+        (part.centre - ball.centre).norm_squared() > reach * reach
+    };
+    !body.balls.is_empty() && body.balls.iter().all(parts_from)
 }
 
 /// Bodies by the cell in which they lie.
