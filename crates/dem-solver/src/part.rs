@@ -100,7 +100,7 @@ impl Part {
         let part = |k: usize| Self {
             range: edge(k)..edge(k + 1),
             outbox: Outbox {
-                loads: vec![Vec::new(); k],
+                loads: Vec::new(),
                 ends: Arc::clone(&ends),
             },
             ..Self::default()
@@ -140,6 +140,16 @@ impl Part {
             let near = &mut self.spheres_at_walls;
             near.rebuild(range, bodies, walls, margin, context, previous);
         }
+    }
+
+    /// The bodies.
+    pub(crate) fn range(&self) -> Range<usize> {
+        self.range.clone()
+    }
+
+    /// The first of all bodies that are listed as partners, in a world of spheres; none where there is none.
+    pub(crate) fn lowest_partner(&self) -> Option<usize> {
+        self.spheres.lowest_partner()
     }
 
     /// Contacts of bodies, as of the last step.
@@ -235,6 +245,8 @@ impl Part {
     ) {
         self.clear(&mut own);
         let mut outbox = take(&mut self.outbox);
+        let before = outbox.ends.partition_point(|end| *end <= self.range.start);
+        outbox.loads.resize_with(before, Vec::new);
         outbox.loads.iter_mut().for_each(Vec::clear);
         let mut sink = OwnLoads {
             own,

@@ -2,6 +2,7 @@
 
 mod order;
 mod state;
+mod sweep;
 mod wet;
 
 use crate::advance::advance;
@@ -33,7 +34,7 @@ use std::sync::Arc;
 
 /// Pieces of work for each thread: enough that no thread waits long for another.
 const PIECES_PER_THREAD: usize = 4;
-/// Most bodies of a part: a workspace holds the lists of one part of before.
+/// Most bodies of a part of a world that is not swept: a workspace holds the lists of one part of before.
 const MOST_BODIES_OF_PART: usize = 1 << 14;
 
 /// Bodies, walls and laws, and the time.
@@ -61,6 +62,8 @@ pub struct World {
     n_steps: u64,
     /// Lists of ranges of bodies.
     parts: Vec<Part>,
+    /// For each part the last one whose contacts act on its bodies, where the world is swept.
+    last_partners: Vec<usize>,
     /// What the threads work with, one for each piece of work; a piece is as many parts in a row.
     workspaces: Vec<Workspace>,
     /// Threads of one step; none if it runs on the caller's.
@@ -135,6 +138,7 @@ impl World {
             time: 0.0,
             n_steps: 0,
             parts: Vec::new(),
+            last_partners: Vec::new(),
             workspaces: vec![Workspace::default()],
             pool: None,
             grid: BodyGrid::default(),
@@ -198,7 +202,12 @@ impl World {
     fn cut_parts(&mut self) {
         self.longest = f32::INFINITY;
         let (n_bodies, pieces) = (self.bodies.len(), self.workspaces.len());
-        let parts_of_piece = n_bodies.div_ceil(pieces * MOST_BODIES_OF_PART).max(1);
+        let most = if self.pool.is_none() && self.is_of_spheres() {
+            sweep::BODIES_OF_PART
+        } else {
+            MOST_BODIES_OF_PART
+        };
+        let parts_of_piece = n_bodies.div_ceil(pieces * most).max(1);
         self.parts = Part::cut(n_bodies, pieces * parts_of_piece);
     }
 
@@ -422,11 +431,7 @@ impl World {
 
     /// Moves the bodies, and the time.
     fn move_bodies(&mut self) {
-        let around = Surroundings {
-            time_step: self.settings.time_step,
-            gravity: self.settings.gravity,
-            reference_spin: self.reference_spin,
-        };
+        let around = self.surroundings();
         self.longest = advance(
             self.level,
             self.pool.is_some(),
@@ -437,6 +442,15 @@ impl World {
         self.n_steps += 1;
         self.time += self.settings.time_step;
         self.mesh_walls.advance(self.settings.time_step, self.time);
+    }
+
+    /// What moves the bodies beside their loads.
+    fn surroundings(&self) -> Surroundings {
+        Surroundings {
+            time_step: self.settings.time_step,
+            gravity: self.settings.gravity,
+            reference_spin: self.reference_spin,
+        }
     }
 
     /// Counts from now on how long the phases of the steps take.
@@ -589,8 +603,9 @@ impl World {
         self.check_finite()?;
         let (bodies, radii, margin) = (&self.bodies, &self.radii, self.settings.margin);
         self.grid.sort(&bodies.position, radii, margin);
-        if self.templates.iter().all(|template| template.is_sphere) {
-            bodies.copy_to_spheres(&self.templates, &mut self.spheres);
+        if self.is_of_spheres() {
+            self.bodies
+                .copy_to_spheres(&self.templates, &mut self.spheres);
         }
         let (mut parts, mut workspaces) = (take(&mut self.parts), take(&mut self.workspaces));
         let (level, grid, context) = (self.level, &self.grid, self.context());
@@ -609,6 +624,9 @@ impl World {
             }),
         }
         (self.parts, self.workspaces) = (parts, workspaces);
+        if self.can_be_swept() {
+            self.last_partners = sweep::last_partners(&self.parts);
+        }
         // A bridge may pass from a triangle to one that is not listed: that must stay beyond its reach.
         let at_triangles = margin + f64::from(self.cutoffs.reach);
         self.mesh_walls

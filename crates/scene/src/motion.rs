@@ -259,7 +259,7 @@ pub(crate) fn advance(scene: &Scene, built: &mut Built, time: f64) -> Result<(),
     while world.time() < end {
         match (&mut built.bonds, &built.surroundings) {
             (Some(bonds), _) => bonds.step(world)?,
-            (None, None) => world.step()?,
+            (None, None) => world.steps_until(end)?,
             (None, Some(surroundings)) => {
                 let now = world.time();
                 world.step_with(|bodies| surroundings.add_forces(now, bodies))?;

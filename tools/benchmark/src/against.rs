@@ -123,9 +123,7 @@ impl Work {
         let start = processor_seconds()?;
         let times = match self {
             Self::Step(world) => {
-                for _ in 0..BLOCK_STEPS {
-                    world.step()?;
-                }
+                world.steps(BLOCK_STEPS as u64)?;
                 BLOCK_STEPS as f64
             }
             Self::Call(call, calls, result) => {

@@ -69,9 +69,7 @@ pub(crate) fn measure_world(
             world.count_phases();
         }
         let start = processor_seconds()?;
-        for _ in 0..block_steps {
-            world.step()?;
-        }
+        world.steps(block_steps as u64)?;
         if block > 0 {
             blocks.push((processor_seconds()? - start) / block_steps as f64 * 1e6);
         }

@@ -158,11 +158,7 @@ fn lattice(drum: &SphereDrum, seed: u64) -> Vec<Placement> {
 
 /// Moves a world by a time, s.
 fn run(world: &mut World, seconds: f64) -> Result<(), dem_solver::Error> {
-    let end = world.time() + seconds;
-    while world.time() < end {
-        world.step()?;
-    }
-    Ok(())
+    world.steps_until(world.time() + seconds)
 }
 
 #[cfg(test)]

@@ -78,6 +78,12 @@ impl SpherePairs {
         self.slip.len()
     }
 
+    /// The first of all partners; none where there are no pairs.
+    pub(crate) fn lowest_partner(&self) -> Option<usize> {
+        let pairs = self.ends[..self.len()].iter();
+        pairs.map(|ends| ends.other as usize).min()
+    }
+
     /// Begins a new list and moves the old one out of the way; partners of each body follow in order,
     /// from the first one on, through [`Self::add`].
     pub(crate) fn begin(&mut self, first: usize, interactions: &[Interaction], old: &mut Self) {
