@@ -88,8 +88,12 @@ pub fn design_from_table(table: &Table, factors: &[Factor]) -> Result<Design, Er
     Design::with_runs(DesignKind::Given, factors, Vec::new(), runs)
 }
 
-/// Checks the natural value beside a coded one, if there is such a column.
-fn check_natural(table: &Table, row: &Row, factor: &Factor, coded: f64) -> Result<(), Error> {
+/// Checks the natural value beside a coded one, if there is such a column: it must agree with the range of the factor to 1e-9
+/// of the half-range.
+///
+/// # Errors
+/// [`Error::BadNumber`]; [`Error::CodingMismatch`].
+pub fn check_natural(table: &Table, row: &Row, factor: &Factor, coded: f64) -> Result<(), Error> {
     let Ok(column) = table.column(&format!("{}_natural", factor.symbol())) else {
         return Ok(());
     };

@@ -5,6 +5,7 @@
 
 use crate::quantile_search::quantile_of;
 use statrs::function::beta::checked_beta_reg;
+use statrs::function::gamma::ln_gamma;
 
 /// P(F >= f) with `df1` and `df2` degrees of freedom; none where it is undefined.
 ///
@@ -35,12 +36,18 @@ pub fn f_quantile(tail: f64, df1: f64, df2: f64) -> Option<f64> {
 pub fn noncentral_f_upper_tail(f: f64, df: f64, lambda: f64) -> f64 {
     let half = 0.5 * lambda;
     let x = df / (df + f);
+    let tail = |j: f64| checked_beta_reg(df / 2.0, 0.5 + j, x).unwrap_or(0.0);
+    // What is farther than 12 standard deviations from the mean weighs less than 1e-30.
+    let around = 12.0 * half.sqrt() + 40.0;
+    let mut j = (half - around).max(0.0).floor();
+    // Each tail is larger than the one before.
+    if tail(j) > 1.0 - f64::EPSILON {
+        return 1.0;
+    }
     let mut sum = 0.0;
-    let mut log_weight = -half;
-    let last = half + 12.0 * half.sqrt() + 40.0;
-    let mut j = 0.0;
-    while j <= last {
-        sum += log_weight.exp() * checked_beta_reg(df / 2.0, 0.5 + j, x).unwrap_or(0.0);
+    let mut log_weight = j * half.max(f64::MIN_POSITIVE).ln() - half - ln_gamma(j + 1.0);
+    while j <= half + around {
+        sum += log_weight.exp() * tail(j);
         j += 1.0;
         log_weight += half.max(f64::MIN_POSITIVE).ln() - j.ln();
     }
@@ -49,7 +56,7 @@ pub fn noncentral_f_upper_tail(f: f64, df: f64, lambda: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::{f_quantile, f_upper_tail, noncentral_f_upper_tail};
+    use super::{checked_beta_reg, f_quantile, f_upper_tail, noncentral_f_upper_tail};
 
     /// F with 2 and d: (1 + 2 f / d)^(-d/2). 1e-12 relative covers the rounding of the incomplete beta function.
     #[test]
@@ -83,5 +90,24 @@ mod tests {
         assert!((got - by_r).abs() < 1e-10, "{got}");
         let central = noncentral_f_upper_tail(5.317_655_071_578_714, 8.0, 0.0);
         assert!((central - 0.05).abs() < 1e-12);
+    }
+
+    /// Far from 0 the sum begins near its largest terms: it is that of all terms, and where all tails are 1 it is 1 at once.
+    #[test]
+    fn a_large_noncentrality_changes_no_sum() {
+        let (f, df, half) = (2000.0, 8.0, 1000.0_f64);
+        let mut log_weight = -half;
+        let mut all = 0.0;
+        for j in 0..2000 {
+            let tail = checked_beta_reg(df / 2.0, 0.5 + f64::from(j), df / (df + f)).unwrap();
+            all += log_weight.exp() * tail;
+            log_weight += half.ln() - f64::from(j + 1).ln();
+        }
+        let got = noncentral_f_upper_tail(f, df, 2.0 * half);
+        assert!(
+            (0.3..0.7).contains(&all) && (got - all).abs() < 1e-9,
+            "{got}, {all}"
+        );
+        assert_eq!(noncentral_f_upper_tail(5.0, 8.0, 1e9), 1.0);
     }
 }

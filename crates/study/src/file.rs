@@ -264,6 +264,13 @@ impl StudyFile {
             problems.add(document.problem("effect", "[[effect]]", problem));
         }
         let effects = parts::each(&effects, problems, simulator::effect);
+        for (k, effect) in effects.iter().enumerate() {
+            if effects[..k].iter().any(|before| before.name == effect.name) {
+                let words = format!("[[effect]] {}: name", effect.name);
+                let problem = "stands there twice: give each effect a name of its own";
+                problems.add(document.problem(&effect.path, words, problem));
+            }
+        }
         let candidates = root.list("candidate", problems);
         let candidates = parts::each(&candidates, problems, candidate::candidate);
         let candidates = root.table.contains_key("candidate").then_some(candidates);

@@ -87,6 +87,7 @@ impl Resolver<'_> {
             problems.add(self.wrong(entry, "symbol", format!(": {error}")));
         }
         self.check_paths(entry, problems);
+        self.check_conditions(entry, problems);
         let standing = self.standing(entry, problems);
         let limits = Self::limits(entry, defaults);
         self.check_numbers(entry, limits, problems);
@@ -186,6 +187,14 @@ impl Resolver<'_> {
                 let Some(value) = leaf(table, path) else {
                     continue;
                 };
+                if value.is_integer() {
+                    let problem = format!(
+                        "'{path}' is a whole number ({value}), and a parameter takes each value of its range: study \
+                         it by conditions"
+                    );
+                    problems.add(self.wrong(entry, "sets", problem));
+                    continue;
+                }
                 match number(value, entry.unit.as_deref()) {
                     Ok(value) => {
                         first.get_or_insert(value);
@@ -254,6 +263,14 @@ impl Resolver<'_> {
                 prior.mean, prior.sd
             );
             problems.add(self.wrong(entry, "prior", problem));
+        } else if let Some(prior) = entry.prior
+            && !(least..=most).contains(&prior.mean)
+        {
+            let problem = format!(
+                "has the mean {}, outside the limits {least} to {most}: correct it, or state wider limits",
+                prior.mean
+            );
+            problems.add(self.wrong(entry, "prior", problem));
         }
     }
 
@@ -282,6 +299,27 @@ impl Resolver<'_> {
 }
 
 impl Resolver<'_> {
+    /// Refuses settings that a condition of a measurement states: they would have the value of the parameter in all of them.
+    fn check_conditions(&self, entry: &ParameterEntry, problems: &mut Problems) {
+        let models = self.models.models.iter().zip(&self.models.scenes);
+        for (model, scene) in models {
+            for name in model.condition.keys() {
+                let Ok(setting) = scene.named_setting(name) else {
+                    continue;
+                };
+                if entry.sets.contains(&setting.path) {
+                    let problem = format!(
+                        "'{}' is what the condition '{name}' of {} states: a parameter has one value under all \
+                         conditions; remove one of both",
+                        setting.path, model.name
+                    );
+                    problems.add(self.wrong(entry, "sets", problem));
+                    return;
+                }
+            }
+        }
+    }
+
     /// Refuses a range at whose ends a measured scene cannot be built, such as seeds that do not fit any more; contacts
     /// build nothing.
     fn check_builds(&self, entry: &ParameterEntry, problems: &mut Problems) {

@@ -17,6 +17,8 @@ pub(crate) const SPEED: &str = "surface_speed_m_s";
 /// Observables that a run gives only where its bed moves so, or its frames lie close enough. A run without one is lost to a fit
 /// that asks for it: they are taken over where the file says so.
 pub(crate) const NOT_IN_EVERY_RUN: [&str; 4] = [MEMORY, SIZE, WAITING, SPEED];
+/// Scatter, over the mean, of values that are the same but for the rounding of their mean.
+const ROUNDING: f64 = 1e-12;
 /// Fewest independent frames that tell a standard deviation: it is known to a third then.
 const LEAST_FRAMES: f64 = 5.0;
 
@@ -134,7 +136,7 @@ fn means(frames: &[FrameValues], observables: &[&str], series: &mut PhotoSeries)
             _ => None,
         };
         match taken {
-            Some(taken) if taken.sd > 0.0 => {
+            Some(taken) if taken.sd > ROUNDING * taken.mean.abs() => {
                 series.values.insert((*name).to_owned(), taken);
                 if all.len() == 1 {
                     series.remarks.push(format!(

@@ -35,6 +35,13 @@ pub(super) fn choices(fields: &Fields<'_>, of_command: bool, problems: &mut Prob
         effects.check_keys(&keys::EFFECTS, problems);
         let found: Option<Vec<String>> =
             effects.optional("search", "a list of names of effects", problems);
+        let names = found.iter().flatten();
+        for (k, name) in names.clone().enumerate() {
+            if names.clone().take(k).any(|before| before == name) {
+                let problem = format!("names '{name}' twice: remove one of them");
+                problems.add(effects.wrong("search", problem));
+            }
+        }
         // Those of a program of the user stand in the file, and are looked for there.
         for name in found.iter().flatten().filter(|_| !of_command) {
             if let Err(error) = effect_library::find(name) {

@@ -213,6 +213,11 @@ pub(super) fn measured(fields: &Fields<'_>, problems: &mut Problems) -> Option<M
     }
     let photo = fields.table("photo", problems);
     let photo = photo.map(|photo| photo_options(&photo, problems));
+    let names_none = fields.table.get("photos").and_then(Value::as_array);
+    if names_none.is_some_and(Vec::is_empty) {
+        let problem = "is empty: name a folder or files, or remove the line";
+        problems.add(fields.wrong("photos", problem));
+    }
     let only_photos_wrong = fields.table.contains_key("photos") && photos.is_empty();
     if values.is_empty() && photos.is_empty() && !only_photos_wrong {
         let mut others = fields.table.keys();

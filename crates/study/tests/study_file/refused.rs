@@ -269,6 +269,43 @@ fn numbers_that_no_quantity_has_are_refused() {
     }
 }
 
+/// What a study states twice, or in two ways of which one would be passed over in silence.
+#[test]
+fn what_contradicts_itself_is_refused() {
+    let speed = "sets = [\"apparatus.speed\"]\nunit = \"rpm\"";
+    for (from, to, words) in [
+        (
+            "mean = 0.4, sd",
+            "mean = 5.0, sd",
+            vec!["prior", "mean 5, outside the limits 0 to 1.5"],
+        ),
+        (
+            "role = \"fit\"",
+            "role = \"fit\"\nphotos = []",
+            vec!["photos", "is empty"],
+        ),
+        (
+            "sets = [\"contact.pea-wall.static_friction\"]\nlow = 0.1\nhigh = 0.6\nlimits = [0.0, 1.5]\nstart = 0.25\nprior = { mean = 0.4, sd = 0.05 }",
+            &format!("{speed}\nlow = 10.0\nhigh = 40.0"),
+            vec![
+                "W",
+                "'apparatus.speed'",
+                "condition 'apparatus.speed'",
+                "one value",
+            ],
+        ),
+        (
+            "contact.pea-pea.static_friction",
+            "seed.0.count",
+            vec!["F", "'seed.0.count' is a whole number"],
+        ),
+    ] {
+        tells(&wrong(&changed(from, to)), &words);
+    }
+    let twice = with("[effects]\nsearch = [\"cohesion\", \"camera-roll\", \"cohesion\"]");
+    tells(&wrong(&twice), &["search", "'cohesion' twice"]);
+}
+
 /// Peas of 30 mm do not fit into a drum that is 20 mm wide: that is told when the study is read, and not when the
 /// design comes to the end of the range.
 #[test]

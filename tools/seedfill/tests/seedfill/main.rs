@@ -353,14 +353,24 @@ fn given_spheres_are_measured() {
         let (a, b) = (measured["fit"][key].as_f64(), filled["fit"][key].as_f64());
         assert!((a.unwrap() / b.unwrap() - 1.0).abs() < 1e-9, "{key}");
     }
-    std::fs::write(&csv, "x,y,z,radius\n0,0,0,1\n0,0,nan,1\n").unwrap();
-    let refused = run();
-    assert_eq!(refused.status.code(), Some(2));
-    assert!(
-        text(&refused.stderr).contains("line 3"),
-        "{}",
-        text(&refused.stderr)
-    );
+    for (table, place) in [
+        ("x,y,z,radius\n0,0,0,1\n0,0,nan,1\n", "line 3"),
+        ("radius,x,y,z\n1,0,0,0\n", "line 1: the columns"),
+        ("1 000,3,3,2\n", "line 1: expected"),
+        ("0,0,0,1,0\n", "line 1: expected"),
+        ("x;y;z;radius\n1,5;1;1;0,5;2\n", "line 2: expected"),
+    ] {
+        std::fs::write(&csv, table).unwrap();
+        let refused = run();
+        assert_eq!(refused.status.code(), Some(2), "{table}");
+        let told = text(&refused.stderr);
+        assert!(told.contains(place), "{told}");
+    }
+    // A spreadsheet of a country with decimal commas.
+    std::fs::write(&csv, "x;y;z;radius\n0,5;0;0;0,75\n").unwrap();
+    let read = json_of(&run());
+    assert_eq!(read["spheres"], 1);
+    assert_eq!(read["radius_mm"], 0.75);
 }
 
 #[test]

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use anyhow::{Context as _, bail, ensure};
 use experiment_design::Factor;
-use experiment_design::table::{Row, Table, factors_from_table};
+use experiment_design::table::{Row, Table, check_natural, factors_from_table};
 use response_surface::{Categorical, Cell, Model, Observations, Transform};
 use serde::Serialize;
 
@@ -72,6 +72,9 @@ pub(super) fn read(arguments: &Arguments) -> anyhow::Result<Data> {
     check_columns(&table, &columns, response).with_context(place)?;
     let coding = coding(arguments, &table, &columns).with_context(place)?;
     let factors = factors(arguments, &table, (given, &columns), coding)?;
+    if coding == Coding::Coded {
+        check_naturals(&table, &columns, &factors).with_context(place)?;
+    }
     let cells = Cells {
         table: &table,
         factors: columns.into_iter().zip(factors.clone()).collect(),
@@ -376,6 +379,16 @@ fn coding(arguments: &Arguments, table: &Table, columns: &[usize]) -> anyhow::Re
         }
     }
     Ok(Coding::Coded)
+}
+
+/// Refuses coded values that contradict the natural ones beside them, in the rows that have a value of the factor.
+fn check_naturals(table: &Table, columns: &[usize], factors: &[Factor]) -> anyhow::Result<()> {
+    for row in table.rows() {
+        for (factor, &column) in factors.iter().zip(columns) {
+            check_natural(table, row, factor, table.number(row, column)?)?;
+        }
+    }
+    Ok(())
 }
 
 /// Name of the column of natural values beside that of a factor.

@@ -1,12 +1,13 @@
 //! What a calibration says on standard output.
 
-use calibration::{Comparison, Estimate};
+use calibration::{Comparison, DiagnosisStage, Estimate};
 use campaign::time_in_words;
 use command_line::significant;
 use std::collections::BTreeMap;
 use std::fmt::{Arguments, Write as _};
 use std::path::{Path, PathBuf};
 use study::{ComparedValue, Price, Study, StudyResult};
+use study_report::answer;
 
 /// Appends to a text.
 fn add(text: &mut String, more: Arguments<'_>) {
@@ -136,6 +137,10 @@ pub(super) fn result(result: &StudyResult, folder: &Path, files: &[PathBuf]) -> 
         add(&mut text, format_args!("note: {remark}\n"));
     }
     add(&mut text, format_args!("\n{}\n", found.verdict));
+    if let DiagnosisStage::Done(done) = &found.diagnosis {
+        let headline = answer(done).headline;
+        add(&mut text, format_args!("diagnosis: {headline}\n"));
+    }
     add(
         &mut text,
         format_args!("results: {}\n", folder.join("result.json").display()),

@@ -54,6 +54,22 @@ fn the_analysis_of_table_5_has_the_recomputed_r2() {
     assert!((r2 - 0.9919).abs() < 5e-5, "as printed, to its last digit");
 }
 
+/// The coded value and the natural one beside it, of which one was edited: neither is passed over in silence.
+#[test]
+fn values_that_contradict_each_other_are_refused() {
+    let folder = tempdir().unwrap();
+    let table = "run,B,B_natural,angle\n1,-1,0.30,30\n2,0,0.36,31\n3,1,0.40,32\n4,0,0.36,31.2\n";
+    fs::write(folder.path().join("data.csv"), table).unwrap();
+    let words = "analyse data.csv --response angle --model linear --factors";
+    let words: Vec<&str> = words.split(' ').collect();
+    let analyse = |factors: &str| seedloop(folder.path(), &[&words[..], &[factors]].concat());
+    assert_error(&analyse("B=0.30:0.42"), &["line 4", "'B'", "0.4", "0.42"]);
+    assert_error(&analyse("B=30:42"), &["line 2", "'B'", "30", "0.3"]);
+    let sound = table.replace("0.40", "0.42");
+    fs::write(folder.path().join("data.csv"), sound).unwrap();
+    assert_code(&analyse("B=0.30:0.42"), 0);
+}
+
 #[test]
 fn a_column_that_is_missing_is_named() {
     let data = fixture("paper/bbd_table5.csv");
