@@ -278,7 +278,7 @@ impl Estimated {
     }
 }
 
-/// Runs of all models with the parameters in use before.
+/// Runs of all models with the parameters in use before; an error where none of them gives a result.
 fn before(runner: &Runner<'_>) -> Result<BTreeMap<usize, Samples>, Error> {
     let start: Vec<f64> = runner.problem.parameters.iter().map(|p| p.start).collect();
     let n = runner.settings.before_runs;
@@ -287,7 +287,18 @@ fn before(runner: &Runner<'_>) -> Result<BTreeMap<usize, Samples>, Error> {
         let seed = first_seed(runner.settings, STAGE_BEFORE, model);
         wanted(seed, model, &vec![start.clone(); n])
     });
-    runner.run(&list.collect::<Vec<_>>())
+    let runs = runner.run(&list.collect::<Vec<_>>())?;
+    let n_failed: usize = runs.values().map(|samples| samples.failed.len()).sum();
+    let first = runs.values().find_map(|samples| samples.failed.first());
+    match first {
+        Some((_, reason)) if runs.values().all(|samples| samples.done.is_empty()) => {
+            Err(Error::AllFailed {
+                n: n_failed,
+                reason: reason.clone(),
+            })
+        }
+        _ => Ok(runs),
+    }
 }
 
 /// What the models say that the fit did not use.

@@ -25,7 +25,11 @@ pub enum Error {
     /// Runs too few for a surface.
     #[error(
         "{n} runs of {model} are too few for a surface{}",
-        if reasons.is_empty() { String::new() } else { format!(": {}", reasons.join("; ")) }
+        match reasons.as_slice() {
+            [] => String::new(),
+            [only] => format!(": {only}"),
+            [first, others @ ..] => format!(": {first}; {} more failed", others.len()),
+        }
     )]
     TooFewRuns {
         /// Name of the model.
@@ -34,6 +38,17 @@ pub enum Error {
         n: usize,
         /// Why others could not.
         reasons: Vec<String>,
+    },
+    /// No run with the parameters in use before gives a result: the simulator does not work.
+    #[error(
+        "all {n} runs with the parameters in use before failed, and nothing else was run: {reason}; where only these \
+         parameters fail, set before_runs = 0 in [design]"
+    )]
+    AllFailed {
+        /// Number of runs.
+        n: usize,
+        /// Why the first failed.
+        reason: String,
     },
     /// A screening whose failed runs leave too few to fix its effects.
     #[error(

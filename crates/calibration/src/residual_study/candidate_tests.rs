@@ -1,6 +1,6 @@
 //! Which candidate tells tied effects apart, and the study with it.
 
-use super::tests::{MEASURED_SD, Toy, observed, plan_of_twins, scratch, truth};
+use super::tests::{MEASURED_SD, Toy, observed, plan_of_twins, truth};
 use super::{CandidateMeasurement, ResidualPlan, ResidualStudy, StudyCondition, study_residual};
 use campaign::{Campaign, RunOutcome, RunRequest, Silent, Simulator, SimulatorError};
 use residual_diagnosis::{Purpose, Verdict};
@@ -59,8 +59,7 @@ fn plan() -> ResidualPlan {
 
 /// The study of a plan with "bend" hidden, and the number of its runs.
 fn study(plan: &ResidualPlan) -> (ResidualStudy, usize) {
-    let folder = scratch();
-    let store = Store::open(folder.path()).unwrap();
+    let store = Store::in_memory();
     let campaign = Campaign::new(&store, 2, &Silent);
     let data = observed(plan, [2.0, 0.0], 1);
     let study = study_residual(&campaign, &Twins, plan, &data).unwrap();
@@ -108,8 +107,7 @@ fn the_first_candidate_resolves_the_tie() {
     let values = BTreeMap::from([("angle".to_owned(), angle), ("shape".to_owned(), shape)]);
     let (plan, data) = tied.with_measured(fast, &values);
     assert_eq!(plan.candidates.len(), 2);
-    let folder = scratch();
-    let store = Store::open(folder.path()).unwrap();
+    let store = Store::in_memory();
     let campaign = Campaign::new(&store, 2, &Silent);
     let study = study_residual(&campaign, &Twins, &plan, &data).unwrap();
     assert_eq!(

@@ -2,7 +2,7 @@
 
 use super::linearisation::Linearisation;
 use super::runs::{At, Setting, means};
-use super::tests::{Toy, measured, observed, outcome, plan, scratch, studied, truth};
+use super::tests::{Toy, measured, observed, outcome, plan, studied, truth};
 use super::worker::Worker;
 use campaign::{Campaign, RunOutcome, RunRequest, Silent, Simulator, SimulatorError};
 use residual_diagnosis::Verdict;
@@ -144,8 +144,7 @@ fn a_search_that_cannot_go_on_is_told() {
 /// that, a fifteenth of the error with the wrong sign.
 #[test]
 fn a_secant_to_another_point_leaves_out_what_the_parameters_do() {
-    let folder = scratch();
-    let store = Store::open(folder.path()).unwrap();
+    let store = Store::in_memory();
     let campaign = Campaign::new(&store, 2, &Silent);
     let plan = plan(7);
     let (mut linear, _) = Linearisation::run(&Worker::new(&campaign, &Toy), &plan).unwrap();
@@ -208,8 +207,7 @@ fn slopes_that_runs_contradict_are_corrected() {
 /// limit (the seed is fixed); where "bend" depends on "a", the corrected slopes go through both points.
 #[test]
 fn slopes_are_corrected_only_where_runs_contradict_them() {
-    let folder = scratch();
-    let store = Store::open(folder.path()).unwrap();
+    let store = Store::in_memory();
     let campaign = Campaign::new(&store, 2, &Silent);
     let plan = plan(8);
     let data = observed(&plan, [0.0; 2], 8);

@@ -1,7 +1,7 @@
 use super::runs::{Means, Setting};
 use super::scatter::Scatter;
 use super::slopes::{Points, Slopes};
-use super::tests::{plan, scratch};
+use super::tests::plan;
 use super::{
     DeclaredParameter, EffectProbe, Observed, ResidualPlan, StudyCondition, study_residual,
 };
@@ -93,8 +93,7 @@ fn box_plan(seed: u64) -> ResidualPlan {
 fn slopes_that_are_noise_forgive_nothing() {
     let mut named = 0;
     for seed in 0..40 {
-        let folder = scratch();
-        let store = Store::open(folder.path()).unwrap();
+        let store = Store::in_memory();
         let campaign = Campaign::new(&store, 2, &Silent);
         let plan = box_plan(seed);
         let mut stream = Stream::new(seed, "measured");

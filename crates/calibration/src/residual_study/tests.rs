@@ -9,7 +9,6 @@ use random_stream::Stream;
 use residual_diagnosis::{CovarianceInput, Verdict};
 use run_store::{Observation, Store};
 use std::collections::BTreeMap;
-use tempfile::TempDir;
 
 /// Noise of one run, and of one measurement.
 const RUN_SD: f64 = 0.1;
@@ -111,21 +110,13 @@ pub(super) fn plan(seed: u64) -> ResidualPlan {
     }
 }
 
-/// A folder for the records of a closed form, gone afterwards: in memory where the system keeps such folders. To make and
-/// delete thousands of files takes a disk as long as all else that these tests do.
-pub(super) fn scratch() -> TempDir {
-    let in_memory = tempfile::tempdir_in("/dev/shm");
-    in_memory.or_else(|_| tempfile::tempdir()).unwrap()
-}
-
-/// The study of a simulator, on two threads, in a folder that is gone afterwards.
+/// The study of a simulator, on two threads.
 pub(super) fn studied(
     simulator: &dyn Simulator,
     plan: &ResidualPlan,
     data: &Observed,
 ) -> ResidualStudy {
-    let folder = scratch();
-    let store = Store::open(folder.path()).unwrap();
+    let store = Store::in_memory();
     let campaign = Campaign::new(&store, 2, &Silent);
     study_residual(&campaign, simulator, plan, data).unwrap()
 }
@@ -159,8 +150,7 @@ pub(super) fn measured(
 /// square of 6 rows lies below 3 with a chance of 0.995.
 #[test]
 fn a_planted_effect_is_named_and_the_kept_error_falls() {
-    let folder = scratch();
-    let store = Store::open(folder.path()).unwrap();
+    let store = Store::in_memory();
     let campaign = Campaign::new(&store, 2, &Silent);
     let plan = plan(1);
     let study = study_residual(&campaign, &Toy, &plan, &observed(&plan, [2.0, 0.0], 1)).unwrap();
@@ -189,8 +179,7 @@ fn a_planted_effect_is_named_and_the_kept_error_falls() {
 /// Without a planted effect nothing is named; the seed is fixed, and a right rule errs in 5 %.
 #[test]
 fn nothing_is_named_where_nothing_is_hidden() {
-    let folder = scratch();
-    let store = Store::open(folder.path()).unwrap();
+    let store = Store::in_memory();
     let campaign = Campaign::new(&store, 2, &Silent);
     let plan = plan(2);
     let study = study_residual(&campaign, &Toy, &plan, &observed(&plan, [0.0, 0.0], 2)).unwrap();
@@ -218,8 +207,7 @@ fn few_campaigns_without_a_hidden_effect_report_one() {
     let campaigns = 2000;
     let mut reported = 0;
     for seed in 0..campaigns {
-        let folder = scratch();
-        let store = Store::open(folder.path()).unwrap();
+        let store = Store::in_memory();
         let campaign = Campaign::new(&store, 2, &Silent);
         let plan = plan(1000 + seed);
         let observed = observed(&plan, [0.0, 0.0], seed);
@@ -232,8 +220,7 @@ fn few_campaigns_without_a_hidden_effect_report_one() {
 
 #[test]
 fn one_replicate_is_refused_because_it_gives_no_noise() {
-    let folder = scratch();
-    let store = Store::open(folder.path()).unwrap();
+    let store = Store::in_memory();
     let campaign = Campaign::new(&store, 1, &Silent);
     let plan = ResidualPlan {
         replicates: 1,
@@ -252,8 +239,7 @@ fn one_replicate_is_refused_because_it_gives_no_noise() {
 /// for bit, and the reason is kept.
 #[test]
 fn an_effect_that_cannot_be_run_is_left_out_with_its_reason() {
-    let folder = scratch();
-    let store = Store::open(folder.path()).unwrap();
+    let store = Store::in_memory();
     let campaign = Campaign::new(&store, 2, &Silent);
     let plan = plan(1);
     let mut more = plan.clone();
@@ -278,8 +264,7 @@ fn an_effect_that_cannot_be_run_is_left_out_with_its_reason() {
 /// another has a noise of its own.
 #[test]
 fn an_effect_of_the_camera_shares_the_noise_of_the_start() {
-    let folder = scratch();
-    let store = Store::open(folder.path()).unwrap();
+    let store = Store::in_memory();
     let campaign = Campaign::new(&store, 2, &Silent);
     let plan = plan(5);
     let mut more = plan.clone();
@@ -318,8 +303,7 @@ fn an_effect_of_the_camera_shares_the_noise_of_the_start() {
 /// four times its standard error, sqrt(2/36); a mean within five standard errors.
 #[test]
 fn a_laboratory_states_its_own_noise() {
-    let folder = scratch();
-    let store = Store::open(folder.path()).unwrap();
+    let store = Store::in_memory();
     let campaign = Campaign::new(&store, 2, &Silent);
     let plan = plan(6);
     let laboratory = Laboratory {
@@ -356,8 +340,7 @@ fn a_laboratory_states_its_own_noise() {
 /// study is that of the first alone.
 #[test]
 fn a_value_that_was_not_measured_has_no_weight() {
-    let folder = scratch();
-    let store = Store::open(folder.path()).unwrap();
+    let store = Store::in_memory();
     let campaign = Campaign::new(&store, 2, &Silent);
     let both = plan(1);
     let mut data = observed(&both, [2.0, 0.0], 1);
@@ -481,8 +464,7 @@ fn an_observable_that_does_not_scatter_can_be_fitted() {
             Ok(outcome)
         }
     }
-    let folder = scratch();
-    let store = Store::open(folder.path()).unwrap();
+    let store = Store::in_memory();
     let campaign = Campaign::new(&store, 2, &Silent);
     let plan = plan(9);
     let data = measured(&plan, 9, |rpm, fill| {
@@ -495,8 +477,7 @@ fn an_observable_that_does_not_scatter_can_be_fitted() {
 /// group in its place, three models at most, and never an effect twice in one.
 #[test]
 fn models_to_be_run_begin_with_what_was_taken() {
-    let folder = scratch();
-    let store = Store::open(folder.path()).unwrap();
+    let store = Store::in_memory();
     let campaign = Campaign::new(&store, 2, &Silent);
     let plan = plan(2);
     let data = observed(&plan, [0.0; 2], 2);
@@ -542,8 +523,7 @@ impl Simulator for DrumAndSled {
 #[test]
 fn an_effect_is_zero_in_a_scene_that_cannot_carry_it() {
     let diagnosed = |with_sled: bool| {
-        let folder = scratch();
-        let store = Store::open(folder.path()).unwrap();
+        let store = Store::in_memory();
         let campaign = Campaign::new(&store, 2, &Silent);
         let mut plan = plan(1);
         let mut data = measured(&plan, 1, |rpm, fill| {
@@ -604,8 +584,7 @@ fn an_effect_is_zero_in_a_scene_that_cannot_carry_it() {
 /// where it stands out, and is found.
 #[test]
 fn a_slope_that_is_noise_is_measured_at_the_largest_amplitude() {
-    let folder = scratch();
-    let store = Store::open(folder.path()).unwrap();
+    let store = Store::in_memory();
     let campaign = Campaign::new(&store, 2, &Silent);
     let mut plan = plan(1);
     plan.effects[0].probe = 0.02;

@@ -65,7 +65,8 @@ fn a_screening_goes_on_without_the_runs_that_fail() {
     assert!(screening.n_runs < 12, "{}", screening.n_runs);
 }
 
-/// Where every run fails there is no surface: an error with the model and the reason, not a result.
+/// A simulator that never works is found out by the first list, two runs, and nothing else is run. Where that list is left
+/// out there is no surface: an error with the model and the reason, not a result.
 #[test]
 fn a_model_that_never_runs_is_an_error_with_its_reason() {
     let toy = Toy {
@@ -78,6 +79,15 @@ fn a_model_that_never_runs_is_an_error_with_its_reason() {
         vec![measured(0, "y", Role::Fit, (1.0, 0.05))],
     );
     let error = run(&toy, &problem).unwrap_err().to_string();
+    assert!(
+        error.contains("all 2 runs") && error.contains("the drum is empty"),
+        "{error}"
+    );
+    let settings = LoopSettings {
+        before_runs: 0,
+        ..LoopSettings::default()
+    };
+    let error = run_with(&toy, &problem, &settings).unwrap_err().to_string();
     assert!(
         error.contains("0 runs of m") && error.contains("the drum is empty"),
         "{error}"
