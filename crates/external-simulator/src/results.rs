@@ -5,6 +5,9 @@ use serde_json::Value;
 use std::collections::BTreeMap;
 use std::path::Path;
 
+/// Largest size of an angle, deg: a turn. What is larger stands for no result, as -999 does.
+const MOST_DEGREES: f64 = 360.0;
+
 /// What a file of results says.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(crate) struct Results {
@@ -53,6 +56,13 @@ pub(crate) fn read(path: &Path) -> Result<Results, String> {
                 "{name}: {key} = {value} must be a finite number, or a table with mean, sd and n"
             )
         })?;
+        if key.ends_with("_deg") && observation.mean.abs() > MOST_DEGREES {
+            return Err(format!(
+                "{name}: {key} = {} must lie within {MOST_DEGREES} deg: a run without a result ends with another exit \
+                 code than 0, and no number stands for it",
+                observation.mean
+            ));
+        }
         results.observables.insert(key, observation);
     }
     Ok(results)
@@ -97,6 +107,16 @@ mod tests {
         let path = folder.path().join("results.json");
         std::fs::write(&path, text).unwrap();
         read(&path)
+    }
+
+    /// A number that stands for "no result" is none.
+    #[test]
+    fn an_angle_beyond_a_turn_is_refused() {
+        let error = told(r#"{"angle_deg": -999}"#).unwrap_err();
+        assert!(
+            error.contains("angle_deg = -999 must lie within 360 deg"),
+            "{error}"
+        );
     }
 
     #[test]
