@@ -54,8 +54,12 @@ pub fn write_hand_over(
 ) -> Result<Vec<PathBuf>, Error> {
     let estimates = result.calibration.parameters.clone();
     let path = folder.join("parameters.toml");
+    let found = &result.calibration;
+    let met = if found.met { "" } else { "NOT MET: " };
+    // The file is passed on alone.
+    let verdict = format!("{met}{}", found.verdict).replace('\n', "\n# ");
     let text = parameter_file(&estimates).to_toml()?;
-    write(&path, text.as_bytes())?;
+    write(&path, format!("# {verdict}\n\n{text}").as_bytes())?;
     let mut written = vec![path];
     let fillings = FillingLibrary::default();
     for (name, scene) in &study.scenes {

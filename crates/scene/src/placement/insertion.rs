@@ -235,10 +235,10 @@ impl Inserted<'_> {
             balls: Vec::new(),
         };
         let is_inside_whole = is_inside(self.room, &capsule);
-        let is_clear_of_balls =
-            |ball: &Placed, others: &[&Body]| others.iter().all(|other| is_clear_of(ball, other));
+        let is_apart =
+            |part: &Placed, others: &[&Body]| others.iter().all(|other| are_apart(part, other));
         let Some(spheres) = self.shapes[kind].spheres else {
-            let is_free = is_inside_whole && is_clear_of_balls(&capsule, near);
+            let is_free = is_inside_whole && is_apart(&capsule, near);
             return is_free.then_some(body);
         };
         // What its capsule does not touch, none of its spheres does.
@@ -248,7 +248,7 @@ impl Inserted<'_> {
         for s in spheres {
             let ball = ball(capsule.centre + turn * s.centre, s.radius);
             let is_inside = is_inside_whole || is_inside(self.room, &ball);
-            if !(is_inside && is_clear_of_balls(&ball, &touched)) {
+            if !(is_inside && is_apart(&ball, &touched)) {
                 return None;
             }
             body.balls.push(ball);
@@ -281,8 +281,8 @@ fn ball(centre: Vector3<f64>, radius: f64) -> Placed {
     }
 }
 
-/// Whether a ball, or a capsule where capsules stand for bodies, is clear of a body.
-fn is_clear_of(part: &Placed, body: &Body) -> bool {
+/// Whether a ball, or a capsule where capsules stand for bodies, does not touch a body.
+fn are_apart(part: &Placed, body: &Body) -> bool {
     if clear(part, &body.capsule) {
         return true;
     }

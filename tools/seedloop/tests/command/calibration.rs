@@ -134,6 +134,10 @@ fn fails(here: &Path) {
     let sentence = "the fit is met, but the check on shown_static_friction of sled at seed.0.density = 2500 kg/m3";
     assert!(said.contains(sentence), "{said}");
     assert!(said.contains("the parameters do not hold there"), "{said}");
+    // What is passed on alone says so too.
+    let file = fs::read_to_string(here.join("out/bench/parameters.toml")).unwrap();
+    let begin = format!("# NOT MET: {sentence}");
+    assert!(file.starts_with(&begin), "{file}");
 }
 
 /// Five slips, told together with their lines, before any run.
