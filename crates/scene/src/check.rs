@@ -330,7 +330,7 @@ impl Scene {
         pairs
     }
 
-    /// Finds values of the optional laws of contacts out of range.
+    /// Finds values of the laws of contacts out of range.
     fn check_contacts(&self, found: &mut Vec<Error>) {
         for (pair, contact) in &self.contact {
             let refusals = interactions::refusals(contact);

@@ -22,8 +22,25 @@ const ANY_OVERLAP: f64 = 1e-6;
 /// valleys of the roughness.
 const HALF_WETTED: f64 = 0.001;
 
-/// What the optional laws of a contact refuse of its values; none of them needs the bodies for that.
+/// Coefficients of two materials that never meet.
+const WITHOUT_CONTACT: PairParameters = PairParameters {
+    restitution: 1.0,
+    static_friction: 0.0,
+    rolling_friction: 0.0,
+};
+
+/// The coefficients of a contact.
+fn parameters_of(contact: &ContactSettings) -> PairParameters {
+    PairParameters {
+        restitution: contact.restitution.get(),
+        static_friction: contact.static_friction.get(),
+        rolling_friction: contact.rolling_friction.get(),
+    }
+}
+
+/// What the laws of a contact refuse of its values; none of them needs the bodies for that.
 pub(crate) fn refusals(contact: &ContactSettings) -> Vec<contact_law::Error> {
+    let coefficients = parameters_of(contact).check();
     let attraction = contact.attraction_n.map(constant_attraction::check);
     let cohesion = contact.cohesion_energy_density_j_m3;
     let cohesion = cohesion.map(LinearCohesion::new);
@@ -32,6 +49,7 @@ pub(crate) fn refusals(contact: &ContactSettings) -> Vec<contact_law::Error> {
     let rate = contact.friction_rate;
     let rate = rate.map(|change| RateDependentFriction::new(change, HALF_SPEED));
     [
+        coefficients.err(),
         attraction.and_then(Result::err),
         cohesion.and_then(Result::err),
         damping.and_then(Result::err),
@@ -77,11 +95,7 @@ pub(crate) fn interactions(
             };
             // Two walls never meet: their entry is filled with an inert law.
             let contact = scene.contact_of(a, b);
-            let parameters = PairParameters {
-                restitution: contact.map_or(1.0, |c| c.restitution.get()),
-                static_friction: contact.map_or(0.0, |c| c.static_friction.get()),
-                rolling_friction: contact.map_or(0.0, |c| c.rolling_friction.get()),
-            };
+            let parameters = contact.map_or(WITHOUT_CONTACT, parameters_of);
             let settings = InteractionSettings {
                 materials: [material_of(scene, a, &pair)?, material_of(scene, b, &pair)?],
                 parameters,

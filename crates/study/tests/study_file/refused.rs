@@ -228,6 +228,10 @@ fn limits_that_the_scene_refuses_are_told() {
         &wrong(&changed("limits = [0.0, 1.5]", "limits = [-1.0, 1.5]")),
         &["limits", "reach -1", "friction", "narrow them"],
     );
+    tells(
+        &wrong(&changed("limits = [0.0, 1.5]", "limits = [0.0, 50.0]")),
+        &["limits", "reach 50", "static friction is 50", "0 to 10"],
+    );
 }
 
 /// An angle of repose is between level and upright; squares of larger numbers than 1e15 need not be finite.
