@@ -110,6 +110,28 @@ impl Common {
         Ok(())
     }
 
+    /// [`Self::try_outputs`] of a command that reads `inputs`.
+    ///
+    /// # Errors
+    /// As there; a result in the place of an input, which `--force` would replace.
+    pub fn try_outputs_beside<'f>(
+        &'f self,
+        inputs: impl IntoIterator<Item = &'f PathBuf>,
+        files: impl IntoIterator<Item = &'f PathBuf>,
+    ) -> anyhow::Result<()> {
+        let real = |file: &PathBuf| file.canonicalize().ok();
+        let inputs: BTreeSet<PathBuf> = inputs.into_iter().filter_map(real).collect();
+        let files: Vec<&PathBuf> = files.into_iter().collect();
+        for file in files.iter().copied().chain(&self.json) {
+            anyhow::ensure!(
+                !real(file).is_some_and(|file| inputs.contains(&file)),
+                "{} is read by this command and is not replaced by results: give another name",
+                file.display()
+            );
+        }
+        self.try_outputs(files)
+    }
+
     /// Refuses to replace a file by JSON that does not call itself JSON: with `--json photo.jpg
     /// --force` the photo was probably meant as input.
     fn protect_input(&self, file: &Path) -> anyhow::Result<()> {

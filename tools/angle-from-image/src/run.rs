@@ -135,18 +135,7 @@ fn try_outputs(arguments: &Arguments, files: &[PathBuf]) -> anyhow::Result<()> {
         .chain(arguments.csv.clone())
         .chain(arguments.html.clone())
         .collect();
-    let inputs: Vec<PathBuf> = files.iter().filter_map(|f| f.canonicalize().ok()).collect();
-    for out in &outputs {
-        let onto = out
-            .canonicalize()
-            .is_ok_and(|place| inputs.contains(&place));
-        anyhow::ensure!(
-            !onto,
-            "{} is a picture to be read and is not replaced by results: give another name",
-            out.display()
-        );
-    }
-    arguments.common.try_outputs(&outputs)
+    arguments.common.try_outputs_beside(files, &outputs)
 }
 
 /// The name with a number before its ending: `out.png` becomes `out-003.png`.

@@ -24,7 +24,18 @@ pub(crate) fn try_all(arguments: &Arguments) -> anyhow::Result<()> {
         &arguments.preview,
         &arguments.html,
     ];
-    arguments.common.try_outputs(files.into_iter().flatten())
+    let inputs = arguments.mesh.iter().chain(&arguments.spheres);
+    let files = files.into_iter().flatten();
+    arguments.common.try_outputs_beside(inputs, files)?;
+    let is_png = |file: &Path| {
+        file.extension()
+            .is_some_and(|e| e.eq_ignore_ascii_case("png"))
+    };
+    anyhow::ensure!(
+        arguments.preview.as_deref().is_none_or(is_png),
+        "--preview: the picture is written as PNG; give a name that ends in .png"
+    );
+    Ok(())
 }
 
 /// Format of the spheres, where they are asked for.

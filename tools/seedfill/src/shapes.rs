@@ -61,7 +61,7 @@ pub(crate) fn run(arguments: &Arguments, file: &PathBuf) -> anyhow::Result<u8> {
     arguments.repair()?;
     // A name of a workbook that cannot be written is refused before the work.
     table_file::bytes_for(file, "mesh\nmesh\n")?;
-    common.try_outputs([file])?;
+    common.try_outputs_beside(&arguments.mesh, [file])?;
     let mut meshes = Vec::new();
     for mesh in &arguments.mesh {
         let row = row_of(arguments, mesh, settings.as_ref());

@@ -252,7 +252,8 @@ struct Report<'a> {
 /// Files that cannot be read or written, columns that are missing, terms that the runs cannot
 /// separate.
 pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
-    arguments.common.try_outputs(&arguments.html)?;
+    let (inputs, files) = ([&arguments.data], &arguments.html);
+    arguments.common.try_outputs_beside(inputs, files)?;
     arguments.plots.as_deref().map_or(Ok(()), try_folder)?;
     if arguments.groups {
         return groups::run(arguments);

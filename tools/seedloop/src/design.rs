@@ -178,7 +178,8 @@ enum Axial {
 /// # Errors
 /// Files that cannot be read or written, factors or counts that the design does not exist for.
 pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
-    arguments.common.try_outputs([&arguments.out])?;
+    let (inputs, files) = ([&arguments.factors], [&arguments.out]);
+    arguments.common.try_outputs_beside(inputs, files)?;
     let path = &arguments.factors;
     let table = table_file::read(path)?;
     let factors = factors_from_table(&table).with_context(|| path.display().to_string())?;

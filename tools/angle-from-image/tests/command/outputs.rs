@@ -137,7 +137,7 @@ fn a_table_has_a_row_for_every_picture() {
         heap.to_str().unwrap(),
     ]);
     assert_eq!(onto.status.code(), Some(2), "a picture is not replaced");
-    assert!(text(&onto.stderr).contains("is a picture to be read"));
+    assert!(text(&onto.stderr).contains("is read by this command"));
 }
 
 /// A page of a measured, a refused and an unread file, whose names are markup: everything is in the page, nothing is markup

@@ -373,6 +373,30 @@ fn given_spheres_are_measured() {
     assert_eq!(read["radius_mm"], 0.75);
 }
 
+/// `--force` replaces results of before, and never what the command reads.
+#[test]
+fn a_mesh_is_not_replaced_by_its_filling() {
+    let folder = tempfile::tempdir().unwrap();
+    let mesh = folder.path().join("seed.stl");
+    std::fs::copy(fixture("cotton_flat.stl"), &mesh).unwrap();
+    let mesh = path_text(&mesh);
+    for out in ["--out", "--union", "--preview"] {
+        let run = Command::new(env!("CARGO_BIN_EXE_seedfill"))
+            .args([
+                mesh, "--radius", "0.8", out, mesh, "--format", "csv", "--force",
+            ])
+            .output()
+            .expect("the command starts");
+        let told = text(&run.stderr);
+        assert_eq!(run.status.code(), Some(2), "{told}");
+        assert!(told.contains("is read by this command"), "{told}");
+    }
+    assert_eq!(
+        std::fs::read(mesh).unwrap(),
+        std::fs::read(fixture("cotton_flat.stl")).unwrap()
+    );
+}
+
 #[test]
 fn broken_meshes_end_with_code_2_and_the_name_of_the_file() {
     let folder = tempfile::tempdir().unwrap();
