@@ -248,9 +248,15 @@ fn photos_are_read_as_the_file_says() {
 fn copies_of_one_photo_are_told() {
     let angle = "angle_deg = { mean = 35.1, sd = 0.8, n = 10 }";
     let photo = fixture("photos/granudrum_mccA_15rpm_avg.bmp");
-    let copies = changed(angle, &format!("photos = [{photo:?}, {photo:?}]"));
+    let five = [&photo; 5];
+    let copies = changed(angle, &format!("photos = {five:?}"));
     let problems = Folder::new(&copies).read(None).unwrap_err().to_string();
-    assert!(problems.contains("copies of one photo"), "{problems}");
+    for name in ["angle_deg", "curvature"] {
+        let told = format!(
+            "{name}: left out, all frames show the same value: are they copies of one photo?"
+        );
+        assert!(problems.contains(&told), "{problems}");
+    }
 }
 
 #[test]
