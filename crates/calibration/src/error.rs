@@ -28,7 +28,7 @@ pub enum Error {
         match reasons.as_slice() {
             [] => String::new(),
             [only] => format!(": {only}"),
-            [first, others @ ..] => format!(": {first}; {} more failed", others.len()),
+            [first, others @ ..] => format!(": {first}; other reasons: {}", others.len()),
         }
     )]
     TooFewRuns {

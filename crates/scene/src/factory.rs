@@ -12,7 +12,7 @@
 //! `[CottonStudy, section 2.4.3]`: 4400 and 600 seeds a second.
 
 use crate::build::Built;
-use crate::placement::{Capsule, Placed, Room, TRIES, is_free, try_place};
+use crate::placement::{Capsule, Placed, Room, TRIES, if_free, try_place};
 use crate::{Apparatus, Error, Scene};
 use dem_solver::Placement;
 use nalgebra::{UnitQuaternion, Vector3};
@@ -117,9 +117,7 @@ impl Factory {
                 let high = Vector3::new(high.x, top, high.z);
                 Vector3::from_fn(|axis, _| stream.between(low[axis], high[axis]))
             };
-            let fits = |body: &Placed, turn: &UnitQuaternion<f64>| {
-                is_free(room, body, &near).then_some((*body, *turn))
-            };
+            let fits = |body: &Placed, turn: &UnitQuaternion<f64>| if_free(room, body, turn, &near);
             let found = try_place(capsules[kind], low_first, fits, &mut stream);
             let Some((body, turn)) = found else {
                 break;

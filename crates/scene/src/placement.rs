@@ -200,9 +200,8 @@ fn fill_grid(
                 let beside = |stream: &mut Stream| {
                     at + Vector3::from_fn(|_, _| stream.between(-0.1, 0.1) * spacing)
                 };
-                let fits = |body: &Placed, turn: &UnitQuaternion<f64>| {
-                    is_free(room, body, &near).then_some((*body, *turn))
-                };
+                let fits =
+                    |body: &Placed, turn: &UnitQuaternion<f64>| if_free(room, body, turn, &near);
                 if let Some((body, turn)) = try_place(capsule, beside, fits, stream) {
                     placed.push(body);
                     result.push(Placement::at_rest(kind, body.centre, turn));
@@ -233,9 +232,15 @@ pub(crate) fn try_place<T>(
     None
 }
 
-/// Whether a capsule is clear of all walls and of the capsules near it.
-pub(crate) fn is_free(room: Room<'_>, body: &Placed, near: &[&Placed]) -> bool {
-    is_inside(room, body) && near.iter().all(|other| clear(body, other))
+/// A capsule and its turn, if it is clear of all walls and of the capsules near it.
+pub(crate) fn if_free(
+    room: Room<'_>,
+    body: &Placed,
+    turn: &UnitQuaternion<f64>,
+    near: &[&Placed],
+) -> Option<(Placed, UnitQuaternion<f64>)> {
+    let is_free = is_inside(room, body) && near.iter().all(|other| clear(body, other));
+    is_free.then_some((*body, *turn))
 }
 
 /// Whether a capsule is clear of all walls.

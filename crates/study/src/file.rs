@@ -263,14 +263,14 @@ impl StudyFile {
             let problem = "are those of a program of the user: set kind = \"command\" in [simulator], or remove them";
             problems.add(document.problem("effect", "[[effect]]", problem));
         }
-        let effects = parts::each(&effects, problems, simulator::effect);
-        for (k, effect) in effects.iter().enumerate() {
-            if effects[..k].iter().any(|before| before.name == effect.name) {
-                let words = format!("[[effect]] {}: name", effect.name);
-                let problem = "stands there twice: give each effect a name of its own";
-                problems.add(document.problem(&effect.path, words, problem));
-            }
-        }
+        let mut effects = parts::each(&effects, problems, simulator::effect);
+        parts::refuse_twice(
+            document,
+            "effect",
+            &mut effects,
+            |e| (&e.name, &e.path),
+            problems,
+        );
         let candidates = root.list("candidate", problems);
         let candidates = parts::each(&candidates, problems, candidate::candidate);
         let candidates = root.table.contains_key("candidate").then_some(candidates);
@@ -289,7 +289,13 @@ impl StudyFile {
             (parts::scene, parts::parameter)
         };
         let mut scenes: Vec<_> = parts::each(&scenes, problems, scene);
-        parts::refuse_twice(document, &mut scenes, problems);
+        parts::refuse_twice(
+            document,
+            "scene",
+            &mut scenes,
+            |s| (&s.name, &s.path),
+            problems,
+        );
         let profiles = root.table("profile", problems);
         let profiles = profiles.map_or_else(BTreeMap::new, |all| {
             let mut found = BTreeMap::new();

@@ -223,7 +223,7 @@ mod tests {
     use super::{Choices, Document, Path, Problems, Scenes, StudyFile};
 
     /// The drum of the example holds 1200 seeds, its slice under the conditions 320: as it is it would not fit, and to try
-    /// takes ten seconds. Nothing is made of it.
+    /// takes seconds. Nothing is made of it.
     #[test]
     fn a_scene_measured_under_conditions_is_not_built_without_one() {
         let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fixtures/cotton");

@@ -27,14 +27,14 @@ pub(crate) fn try_all(arguments: &Arguments) -> anyhow::Result<()> {
     let inputs = arguments.mesh.iter().chain(&arguments.spheres);
     let files = files.into_iter().flatten();
     arguments.common.try_outputs_beside(inputs, files)?;
-    let is_png = |file: &Path| {
-        file.extension()
-            .is_some_and(|e| e.eq_ignore_ascii_case("png"))
-    };
-    anyhow::ensure!(
-        arguments.preview.as_deref().is_none_or(is_png),
-        "--preview: the picture is written as PNG; give a name that ends in .png"
-    );
+    if let Some(file) = &arguments.preview {
+        anyhow::ensure!(
+            file.extension()
+                .is_some_and(|end| end.eq_ignore_ascii_case("png")),
+            "--preview {}: the picture is written as PNG; give a name that ends in .png",
+            file.display()
+        );
+    }
     Ok(())
 }
 

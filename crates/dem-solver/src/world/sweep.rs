@@ -18,8 +18,8 @@ use crate::phases::Clock;
 use nalgebra::Vector3;
 use std::mem::take;
 
-/// Steps of a sweep: our choice, with 100 000 spheres on a processor with 32 MiB of cache. Two steps take 0.69 of the time
-/// of single ones, four 0.62, eight as much.
+/// Steps of a sweep: our choice, as eight gain no more with 100 000 spheres on a processor with 32 MiB of cache
+/// (`benchmark --against` builds with other numbers).
 const MOST_STEPS: usize = 4;
 
 /// Bodies of a part of a world that is swept: our choice; 512 to 2048 cost the same.

@@ -100,21 +100,24 @@ pub(super) fn changes(fields: &Fields<'_>, problems: &mut Problems) -> Vec<Strin
     changes.into_iter().filter(|c| c.contains('=')).collect()
 }
 
-/// Leaves out scenes whose name stands there twice.
-pub(super) fn refuse_twice(
+/// Leaves out entries of a kind whose name stands there twice; `named` gives the name of one and where it stands.
+pub(super) fn refuse_twice<T>(
     document: &Document,
-    scenes: &mut Vec<SceneEntry>,
+    kind: &str,
+    entries: &mut Vec<T>,
+    named: impl Fn(&T) -> (&str, &str),
     problems: &mut Problems,
 ) {
     let mut seen: Vec<String> = Vec::new();
-    scenes.retain(|scene| {
-        let twice = seen.contains(&scene.name);
+    entries.retain(|entry| {
+        let (name, path) = named(entry);
+        let twice = seen.iter().any(|before| before == name);
         if twice {
-            let what = format!("[[scene]] '{}'", scene.name);
-            let problem = "stands there twice: give each scene a name of its own";
-            problems.add(document.problem(&scene.path, what, problem));
+            let what = format!("[[{kind}]] '{name}'");
+            let problem = format!("stands there twice: give each {kind} a name of its own");
+            problems.add(document.problem(path, what, problem));
         }
-        seen.push(scene.name.clone());
+        seen.push(name.to_owned());
         !twice
     });
 }

@@ -373,6 +373,24 @@ fn given_spheres_are_measured() {
     assert_eq!(read["radius_mm"], 0.75);
 }
 
+#[test]
+fn a_preview_is_a_png_by_its_name() {
+    let folder = tempfile::tempdir().unwrap();
+    let (mesh, preview) = (fixture("cotton_flat.stl"), folder.path().join("seed.jpg"));
+    let run = Command::new(env!("CARGO_BIN_EXE_seedfill"))
+        .args([path_text(&mesh), "--radius", "0.8", "--preview"])
+        .arg(&preview)
+        .output()
+        .expect("the command starts");
+    let told = text(&run.stderr);
+    assert_eq!(run.status.code(), Some(2), "{told}");
+    assert!(
+        told.contains("seed.jpg: the picture is written as PNG"),
+        "{told}"
+    );
+    assert!(!preview.exists());
+}
+
 /// `--force` replaces results of before, and never what the command reads.
 #[test]
 fn a_mesh_is_not_replaced_by_its_filling() {

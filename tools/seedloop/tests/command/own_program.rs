@@ -153,11 +153,13 @@ fn what_is_wrong_is_told() {
         .replace("version = \"mill 1\"", "release = \"mill 1\"")
         .replace("wall_limit = \"1 min\"", "wall_limit = \"1 mile\"")
         .replace("condition = { rpm = 40 }", "condition = { seed = 40 }");
-    fs::write(&path, study).unwrap();
+    let again = "[[effect]]\nname = \"cohesion\"\nprobe = 1.0\nrange = [0.0, 2.0]\n";
+    fs::write(&path, format!("{study}\n{again}")).unwrap();
     let output = seedloop(folder.path(), &words);
     assert_code(&output, 2);
     let told = text(&output.stderr);
     for word in [
+        "[[effect]] 'cohesion' stands there twice",
         "'heap_deg'",
         "has no 'version'",
         "release",
