@@ -320,6 +320,8 @@ fn checked(
 #[cfg(test)]
 mod candidate_tests;
 #[cfg(test)]
+mod estimate_tests;
+#[cfg(test)]
 mod failure_tests;
 #[cfg(test)]
 mod nonlinear_tests;

@@ -170,6 +170,20 @@ pub(super) fn root_of_runs(
     }
 }
 
+/// Trace of the covariance of a run at a condition, whitened by [`root`] for so many times that of a run.
+pub(super) fn share_of_run(
+    observed: &Observed,
+    linear: &Linearisation,
+    runs: f64,
+    condition: usize,
+) -> Result<f64, Error> {
+    let root = root(observed, linear, runs, condition)?;
+    let of_run = of_measured(observed, &linear.run_covariance[condition], condition);
+    let half = root.solve_lower_triangular(&of_run);
+    let whole = half.and_then(|half| root.solve_lower_triangular(&half.transpose()));
+    Ok(whole.map_or(0.0, |whole| whole.trace()))
+}
+
 /// Degrees of freedom for each observable from which on the scatter of the runs tells their covariance.
 const RUNS_TO_KNOW: usize = 3;
 
@@ -289,10 +303,7 @@ pub(super) fn contrast_on_kept(
             let white = root.solve_lower_triangular(&residual(&simulated[c]));
             list.extend(white.iter().flat_map(|w| w.iter().copied()));
         }
-        let of_runs = of_measured(observed, &scaled(&linear.run_covariance[c], share), c);
-        let half = root.solve_lower_triangular(&of_runs);
-        let whole = half.and_then(|half| root.solve_lower_triangular(&half.transpose()));
-        shared += whole.map_or(0.0, |whole| whole.trace());
+        shared += share * share_of_run(observed, linear, share, c)?;
     }
     let any = !with.is_empty();
     Ok(any.then(|| Contrast::new(&with, &without, shared)))

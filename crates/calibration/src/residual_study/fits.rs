@@ -22,8 +22,8 @@ pub(super) const FIRST_BLOCK_OF_NOISY: u64 = 14;
 
 /// Block of seeds where the end of a fit with effects is corrected by the slopes about it.
 const BLOCK_OF_ESTIMATE: u64 = 33;
-/// How far beyond its end an amplitude is run for its estimate, over it.
-const BEYOND: f64 = 0.5;
+/// An amplitude is run at twice its end for its estimate; at least so much farther, over it, or else short of it by as much.
+const ROOM: f64 = 0.5;
 
 /// Effects to be added together, one set a model: those that are named, or of a tie each of the best explanations
 /// in turn.
@@ -304,8 +304,9 @@ impl Fits<'_> {
     /// without those that could not be run.
     ///
     /// A fit by runs ends where what is left is noise, and not quite at the best point. What an effect does may saturate: the
-    /// slope from where it is off says that an amplitude is known well which half as much more would not change. So each is run
-    /// half beyond its end, or short of it where its range ends before, and fitted once more by these slopes.
+    /// slope from where it is off says that an amplitude is known well which more of it would not change. So each is run at
+    /// twice its end, at least by its probe farther, or short of it where its range ends before, and fitted once more by these
+    /// slopes. Nearer by, they would be noise, which the fit would follow.
     fn estimates(
         &self,
         linear: &Linearisation,
@@ -315,21 +316,17 @@ impl Fits<'_> {
         let plan = self.plan;
         let number = |name: &String| plan.effects.iter().position(|e| e.name == *name);
         let beyond = |j: usize| {
-            let EffectProbe {
-                name, range, probe, ..
-            } = &plan.effects[j];
+            let EffectProbe { name, probe, .. } = &plan.effects[j];
+            let [low, high] = plan.effects[j].range;
             let amplitude = end.setting.amplitude(name);
-            let step = if amplitude == 0.0 {
-                *probe
-            } else {
-                BEYOND * amplitude
-            };
-            let [far, near] = [amplitude + step, amplitude - step];
+            let away = if amplitude == 0.0 { *probe } else { amplitude };
+            let step = amplitude.abs().max(probe.abs()).copysign(away);
+            let far = (amplitude + step).clamp(low, high);
+            let is_room = (far - amplitude).abs() >= ROOM * step.abs();
             let mut setting = end.setting.clone();
-            let reached = (range[0]..=range[1]).contains(&far);
-            setting
-                .effects
-                .insert(name.clone(), if reached { far } else { near });
+            let near = (amplitude - ROOM * step).clamp(low, high);
+            let there = if is_room { far } else { near };
+            setting.effects.insert(name.clone(), there);
             (j, setting)
         };
         let beyond: Vec<_> = effects.iter().filter_map(number).map(beyond).collect();

@@ -4,7 +4,7 @@ use super::linearisation::Linearisation;
 use super::runs::{Means, Setting};
 use super::{Observed, ResidualPlan, assemble};
 use crate::Error;
-use nalgebra::{DMatrix, DVector, Matrix, RowDVector};
+use nalgebra::{Cholesky, DMatrix, DVector, Matrix, RowDVector};
 use residual_diagnosis::least_squares_step;
 
 /// Fits parameters and the amplitudes of some effects together to the used conditions and the priors, about the means
@@ -48,7 +48,10 @@ pub(super) fn with_effects(
 ///
 /// # Formula
 ///
-/// The roots of the diagonal of `(A' A)^-1`, A the whitened slopes with the rows of the priors.
+/// The roots of the diagonal of `M^-1 A' A M^-1` with `M = A' A - s N`: A are the whitened slopes with the rows of the priors,
+/// and N is what their noise adds to `A' A` on average. By `A' A` alone a slope that is half noise would seem to tell twice of
+/// what it tells `[Fuller1987, section 2.2]`. The s is 1, or less where M would not be positive definite: the least
+/// eigenvalue of `A' A` over N, less one part in the number of rows.
 pub(super) fn standard_errors(
     plan: &ResidualPlan,
     observed: &Observed,
@@ -58,13 +61,54 @@ pub(super) fn standard_errors(
 ) -> Result<Vec<Option<f64>>, Error> {
     let (taken, at) = unknowns(plan, effects, point);
     let (matrix, _) = linear_problem(plan, observed, linear, &taken, (&at, means))?;
-    let inverse = matrix.tr_mul(&matrix).try_inverse();
+    let whole = matrix.tr_mul(&matrix);
+    let noise = noise_of_slopes(plan, observed, linear, &taken, means)?;
+    let covariance = covariance(&whole, &noise, matrix.nrows());
     let error = |i: usize| {
         let j = plan.declared.len() + i;
-        let square = inverse.as_ref()?[(j, j)];
+        let square = covariance.as_ref()?[(j, j)];
         (square > 0.0 && square.is_finite()).then(|| square.sqrt())
     };
     Ok((0..taken.len()).map(error).collect())
+}
+
+/// Covariance of a fit by slopes of which so much is noise; none where even the noisy ones do not tell all unknowns.
+fn covariance(whole: &DMatrix<f64>, noise: &DMatrix<f64>, rows: usize) -> Option<DMatrix<f64>> {
+    let root = Cholesky::new(whole.clone())?.l();
+    let half = root.solve_lower_triangular(noise)?;
+    let share = root.solve_lower_triangular(&half.transpose())?;
+    let largest = share.symmetric_eigenvalues().max();
+    let part = (1.0 / largest - 1.0 / rows as f64).clamp(0.0, 1.0);
+    let part = if largest > 0.0 { part } else { 0.0 };
+    let signal = Cholesky::new(whole - noise * part)?.inverse();
+    Some(&signal * whole * &signal)
+}
+
+/// What the noise of the slopes adds on average to the products of the whitened slopes, (parameters, then amplitudes) squared.
+fn noise_of_slopes(
+    plan: &ResidualPlan,
+    observed: &Observed,
+    linear: &Linearisation,
+    taken: &[usize],
+    means: &Means,
+) -> Result<DMatrix<f64>, Error> {
+    let p = plan.declared.len();
+    let n = p + taken.len();
+    let mut noise = DMatrix::zeros(n, n);
+    for c in (0..plan.conditions.len()).filter(|&c| plan.conditions[c].used) {
+        let run = assemble::share_of_run(observed, linear, 1.0 / means.n[c] as f64, c)?;
+        for error in linear.declared_errors.iter().filter(|error| error.at[c]) {
+            let along = DVector::from_column_slice(&error.along);
+            let mut of_declared = noise.view_mut((0, 0), (p, p));
+            of_declared += &along * along.transpose() * run;
+        }
+        for (i, &j) in taken.iter().enumerate() {
+            if linear.moves[p + j][c] {
+                noise[(p + i, p + i)] += run * linear.library_variance[j];
+            }
+        }
+    }
+    Ok(noise)
 }
 
 /// The numbers of some effects, and the parameters and their amplitudes at a point.
