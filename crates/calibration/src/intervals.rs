@@ -1,6 +1,7 @@
 //! From the least misfit to standard errors, intervals, correlations, and what the data leave open.
 
 use crate::joint_fit::{JointFit, Minimum, Whitening};
+use crate::noisy_slopes::standing_out;
 use crate::{Error, Estimate, FitTest, OpenCombination, Parameter};
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 use probability::{f_upper_tail, normal_quantile, t_two_sided_quantile};
@@ -68,7 +69,8 @@ impl Uncertainty {
     ///
     /// # Formula
     ///
-    /// Covariance `C = (J'V^-1 J + P)^-1`, J the slopes of the surfaces, P the precisions of the priors. The parameters
+    /// Covariance `C = (J'V^-1 J + P)^-1`, J the slopes of the surfaces [as far as they stand out of their
+    /// noise](standing_out), P the precisions of the priors. The parameters
     /// are `C J'V^-1 y + ...`, so that the variance of parameter j is a sum of parts, one for each measured variance
     /// (n - 1 degrees of freedom) and one for each surface (n - p); what priors and limits add is known. Its effective degrees of freedom are those of
     /// Satterthwaite: `(sum of parts)² / sum of (part² / degrees of freedom)` `[Satterthwaite1946]`. Because the weights are
@@ -85,9 +87,12 @@ impl Uncertainty {
             .iter()
             .map(|p| p.limits[1] - p.limits[0])
             .collect();
-        let scaled = DMatrix::from_fn(jacobian.nrows(), k, |i, j| {
+        let mut scaled = DMatrix::from_fn(jacobian.nrows(), k, |i, j| {
             -jacobian[(i, j)] / fit.region.half(j) * width[j]
         });
+        let by_surfaces = scaled.rows(0, n).into_owned();
+        let known = standing_out(fit, best, whitening, (&by_surfaces, &width));
+        scaled.rows_mut(0, n).copy_from(&known);
         let data = scaled.rows(0, n).tr_mul(&scaled.rows(0, n));
         let all = scaled.tr_mul(&scaled);
         let unscale =

@@ -366,6 +366,18 @@ fn distinct(minima: Vec<Minimum>) -> Vec<Minimum> {
 }
 
 impl Whitening {
+    /// A covariance of the targets of the block that begins at `first`, in the units of whitened values: `L^-1 C L^-T`, L the root
+    /// of V.
+    pub(crate) fn whitened(&self, first: usize, covariance: &DMatrix<f64>) -> DMatrix<f64> {
+        let mut whitened = covariance.clone();
+        for (_, root) in self.blocks.iter().filter(|(at, _)| *at == first) {
+            root.solve_lower_triangular_mut(&mut whitened);
+            whitened.transpose_mut();
+            root.solve_lower_triangular_mut(&mut whitened);
+        }
+        whitened
+    }
+
     /// Rows of gains for whitened values as gains for the values themselves: `G L^-1` block by block, L the roots of V.
     pub(crate) fn plain(&self, gains: &DMatrix<f64>) -> DMatrix<f64> {
         let mut plain = gains.clone();

@@ -83,6 +83,7 @@ mod intervals;
 mod joint;
 mod joint_fit;
 mod laboratory;
+mod noisy_slopes;
 mod planned;
 mod power;
 mod problem;

@@ -145,15 +145,30 @@ impl Surface {
         .collect()
     }
 
+    /// Covariance of the slopes of an observable over the variance of a run: for the parameters of the model in their order, per
+    /// unit of each.
+    ///
+    /// # Formula
+    ///
+    /// `R (X'X)^-1 R'`, R the derivatives of the terms.
+    pub(crate) fn slope_covariance(&self, at: &[f64]) -> DMatrix<f64> {
+        let coded = self.coded(at);
+        let k = self.parameters.len();
+        let rows = (0..k).map(|place| slope_of_terms(self.degree, &coded, place));
+        let rows: Vec<_> = rows.map(DVector::from_vec).collect();
+        let half = |place: usize| self.region.half(self.parameters[place]);
+        DMatrix::from_fn(k, k, |a, b| {
+            (&self.inverse * &rows[a]).dot(&rows[b]) / (half(a) * half(b))
+        })
+    }
+
     /// The slope along parameter `j` over its standard error; 0 where the model does not depend on it.
     pub(crate) fn slope_in_errors(&self, k: usize, j: usize, at: &[f64]) -> f64 {
         let Some(place) = self.parameters.iter().position(|p| *p == j) else {
             return 0.0;
         };
-        let row = slope_of_terms(self.degree, &self.coded(at), place);
-        let row = DVector::from_vec(row);
-        let slope = row.dot(&self.coefficients.column(k));
-        let variance = quadratic_form(&self.inverse, &row) * self.covariance[(k, k)];
+        let slope = self.slopes(k, at)[place];
+        let variance = self.slope_covariance(at)[(place, place)] * self.covariance[(k, k)];
         if variance > 0.0 {
             slope / variance.sqrt()
         } else if slope == 0.0 {
