@@ -136,7 +136,13 @@ fn means(frames: &[FrameValues], observables: &[&str], series: &mut PhotoSeries)
             _ => None,
         };
         match taken {
-            Some(taken) if taken.sd > ROUNDING * taken.mean.abs() => {
+            Some(mut taken) if taken.sd > ROUNDING * taken.mean.abs() => {
+                if k == 0 && taken.sd < reading_error(frames) {
+                    taken.sd = reading_error(frames);
+                    series.remarks.push(format!(
+                        "{name}: the photos agree by chance better than each is read; its sd is the error of the reading"
+                    ));
+                }
                 series.values.insert((*name).to_owned(), taken);
                 if all.len() == 1 {
                     series.remarks.push(format!(
@@ -156,6 +162,13 @@ fn means(frames: &[FrameValues], observables: &[&str], series: &mut PhotoSeries)
         }
     }
     columns
+}
+
+/// Root mean square of the standard errors with which the frames are read, in the unit of their first value. Frames scatter by
+/// that, however few of them agree.
+fn reading_error(frames: &[FrameValues]) -> f64 {
+    let squares = frames.iter().map(|f| f.error * f.error);
+    (squares.sum::<f64>() / frames.len().max(1) as f64).sqrt()
 }
 
 /// The standard deviation of the angle between frames, deg; none of too few. Its column are the squares about the mean, as the

@@ -145,8 +145,8 @@ fn out_of_range(settings: &LoopSettings) -> Option<(&'static str, String)> {
         ("centre_points", settings.centre_points, 0),
         ("screening_least", settings.screening_least, 1),
         ("before_runs", settings.before_runs, 0),
-        ("confirmation_runs", settings.confirmation_runs, 1),
-        ("check_runs", settings.check_runs, 1),
+        ("confirmation_runs", settings.confirmation_runs, 2),
+        ("check_runs", settings.check_runs, 2),
         ("most_confirmations", settings.most_confirmations, 0),
         ("most_boxes", settings.most_boxes, 1),
         // They give the noise of the simulator.

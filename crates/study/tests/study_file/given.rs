@@ -259,6 +259,29 @@ fn copies_of_one_photo_are_told() {
     }
 }
 
+/// A photo and itself moved by a pixel agree far better than either is read: what is known of their mean is the error of the
+/// reading.
+#[test]
+fn photos_that_agree_are_not_known_better_than_they_are_read() {
+    let angle = "angle_deg = { mean = 35.1, sd = 0.8, n = 10 }";
+    let folder = Folder::new(&changed(angle, "photos = [\"0.bmp\", \"1.bmp\"]"));
+    let photo = image::open(fixture("photos/granudrum_mccA_15rpm_avg.bmp")).unwrap();
+    photo.save(folder.path("0.bmp")).unwrap();
+    let mut moved = photo.to_luma8();
+    image::imageops::overlay(&mut moved, &photo.to_luma8(), 1, 0);
+    moved.save(folder.path("1.bmp")).unwrap();
+    let study = folder.read(None).unwrap();
+    let photos = &study.photos[0];
+    let value = &photos.values["angle_deg"];
+    let scatter = (photos.angles_deg[0] - photos.angles_deg[1]).abs() / 2.0_f64.sqrt();
+    let squares = photos.angle_se_deg.iter().map(|se| se * se / 2.0);
+    let read = squares.sum::<f64>().sqrt();
+    assert!(scatter > 0.0 && scatter < 0.5 * read, "{scatter} {read}");
+    assert!((value.sd - read).abs() < 1e-12, "{} {read}", value.sd);
+    let told = photos.remarks.join(" ");
+    assert!(told.contains("agree by chance"), "{told}");
+}
+
 #[test]
 fn every_file_that_is_read_is_hashed() {
     let study = right(STUDY);

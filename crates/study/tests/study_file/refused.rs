@@ -265,7 +265,8 @@ fn numbers_that_no_quantity_has_are_refused() {
     for (key, value, words) in [
         ("replicates", "1000000000", "1 to 1000"),
         ("before_runs", "1000000000", "0 to 1000"),
-        ("check_runs", "1001", "1 to 1000"),
+        ("check_runs", "1001", "2 to 1000"),
+        ("confirmation_runs", "1", "2 to 1000"),
         ("most_boxes", "10000000000000", "1 to 1000"),
     ] {
         let study = with(&format!("[design]\n{key} = {value}"));
