@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use command_line::significant;
 use response_surface::{
-    Contrasts, FactorShare, GroupSum, NamedValues, RandomBlocks, Share, Sobol, Spread,
+    BoxCox, Contrasts, FactorShare, GroupSum, NamedValues, RandomBlocks, Share, Sobol, Spread,
 };
 
 use super::Report;
@@ -28,7 +28,7 @@ pub(super) fn beside(report: &Report<'_>) -> String {
     }
     interactions(&mut text, report);
     if let Some(b) = &report.box_cox {
-        let ([low, high], best) = (b.interval95, b.best);
+        let [best, low, high] = [b.best, b.interval95[0], b.interval95[1]].map(|x| power(b, x));
         let verdict = if b.keeps_the_response {
             "1 is in it"
         } else {
@@ -36,7 +36,7 @@ pub(super) fn beside(report: &Report<'_>) -> String {
         };
         let _ = writeln!(
             text,
-            "Box-Cox power {best:.2}, 95 % {low:.2} to {high:.2}: {verdict}"
+            "Box-Cox power {best}, 95 % {low} to {high}: {verdict}"
         );
     }
     if let Some(spread) = &report.spread {
@@ -47,6 +47,16 @@ pub(super) fn beside(report: &Report<'_>) -> String {
     }
     rivals(&mut text, report);
     text
+}
+
+/// A power of the response as read; at an end of those tried it may be beyond.
+pub(super) fn power(profile: &BoxCox, x: f64) -> String {
+    let ends = [profile.lambda.first(), profile.lambda.last()];
+    match ends.map(|end| end == Some(&x)) {
+        [true, _] => format!("{x} or less"),
+        [_, true] => format!("{x} or more"),
+        _ => format!("{x:.2}"),
+    }
 }
 
 /// Shares of the variance of the surface, largest total first; pairs that make less than noise are left to the JSON.
@@ -259,5 +269,25 @@ fn rivals(text: &mut String, report: &Report<'_>) {
             percent(regime.box_fraction),
             percent(regime.leave_one_out_accuracy)
         );
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::power;
+    use response_surface::BoxCox;
+
+    /// Powers are tried up to 2: one that is best there is 2 or more.
+    #[test]
+    fn a_power_at_an_end_of_those_tried_is_told_as_such() {
+        let profile = BoxCox {
+            lambda: vec![-2.0, 0.5, 2.0],
+            ln_sse: vec![0.0; 3],
+            best: 2.0,
+            interval95: [-2.0, 2.0],
+            keeps_the_response: true,
+        };
+        let told = [-2.0, 0.5, 2.0].map(|x| power(&profile, x));
+        assert_eq!(told, ["-2 or less", "0.50", "2 or more"]);
     }
 }

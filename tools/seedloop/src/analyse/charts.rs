@@ -17,6 +17,7 @@ use response_surface::fit::{Case, TermRow};
 use response_surface::{BoxCox, Categorical, Fit, Lenth, RidgePoint};
 
 use super::Report;
+use super::beside::power;
 use super::extras::Ridge;
 use crate::levels;
 use pairs::along;
@@ -55,15 +56,18 @@ fn powers(profile: &BoxCox, n: usize) -> LineSeries {
     let points: Vec<SeriesPoint> = points.map(|(x, y)| SeriesPoint::new(*x, *y, 0.0)).collect();
     let least = points.iter().map(|p| p.y).fold(f64::INFINITY, f64::min);
     let limit = chi_squared_quantile(0.05, 1.0).map(|rise| least + rise / n as f64);
-    let [low, high] = profile.interval95;
+    let [low, high] = profile.interval95.map(|end| power(profile, end));
     let mut series = vec![Series {
-        name: format!("Box-Cox profile, best {:.2}", profile.best),
+        name: format!("Box-Cox profile, best {}", power(profile, profile.best)),
         points: points.clone(),
     }];
     if let Some(limit) = limit {
         series.push(Series {
-            name: format!("95 % interval, {low:.2} to {high:.2}"),
-            points: [low, high].map(|x| SeriesPoint::new(x, limit, 0.0)).into(),
+            name: format!("95 % interval, {low} to {high}"),
+            points: profile
+                .interval95
+                .map(|x| SeriesPoint::new(x, limit, 0.0))
+                .into(),
         });
     }
     let itself = points.iter().find(|p| p.x == 1.0);
