@@ -207,12 +207,12 @@ fn costs_ahead(simulator: &dyn Simulator, stages: &[PlannedStage]) -> Vec<f64> {
         .collect()
 }
 
-/// Runs that the stages beside the search need; how many the search needs is known where nothing is screened.
+/// Runs that the [stages](crate::planned) beside the search need; how many the search needs is known where nothing is screened.
 ///
 /// # Errors
 ///
 /// [`Error::Budget`] where the runs that are certain are more than the settings allow.
-fn within_budget(stages: &[PlannedStage], settings: &LoopSettings) -> Result<usize, Error> {
+pub fn within_budget(stages: &[PlannedStage], settings: &LoopSettings) -> Result<usize, Error> {
     let runs = |i: usize| stages[i].requests.len();
     let elsewhere: usize = (0..stages.len()).filter(|i| *i != SURFACES).map(runs).sum();
     let certain = if runs(SCREENING) == 0 {

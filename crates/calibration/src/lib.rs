@@ -99,7 +99,7 @@ mod surface;
 mod verdict;
 
 pub use budget::runs_needed;
-pub use calibrate::calibrate;
+pub use calibrate::{calibrate, within_budget};
 pub use diagnosis_stage::{diagnose_at, most_runs_of_candidates, most_runs_of_diagnosis};
 pub use error::Error;
 pub use laboratory::Laboratory;

@@ -48,7 +48,7 @@ impl std::fmt::Debug for RunSettings<'_> {
 ///
 /// # Errors
 ///
-/// A design that cannot be made, a mesh or a record that cannot be read.
+/// A design that cannot be made, a mesh or a record that cannot be read, a budget that is smaller than the runs that are certain.
 pub fn plan_study(study: &Study, seed: u64, folder: &Path) -> Result<Price, Error> {
     let simulator = study.simulator(folder)?;
     let settings = study.settings_with(seed);
@@ -56,7 +56,13 @@ pub fn plan_study(study: &Study, seed: u64, folder: &Path) -> Result<Price, Erro
     let runs = folder.join("runs");
     // Planning makes no folder.
     let store = runs.is_dir().then(|| Store::open(&runs)).transpose()?;
-    price::of(&simulator, &stages, study.budget, store.as_ref())
+    let price = price::of(&simulator, &stages, study.budget, store.as_ref())?;
+    let within = LoopSettings {
+        most_runs: price.most_runs,
+        ..settings
+    };
+    calibration::within_budget(&stages, &within)?;
+    Ok(price)
 }
 
 /// Most runs that [`run_diagnosis`] may need.

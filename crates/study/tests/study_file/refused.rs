@@ -274,6 +274,19 @@ fn numbers_that_no_quantity_has_are_refused() {
     }
 }
 
+/// A plan that the budget cannot pay is told before any run, as the loop would tell it.
+#[test]
+fn a_budget_below_the_runs_that_are_certain_is_refused_by_the_plan() {
+    let folder = Folder::new(&with("[budget]\nruns = 3"));
+    let study = folder.read(None).unwrap();
+    let error = study::plan_study(&study, 1, &folder.path("out")).unwrap_err();
+    let told = error.to_string();
+    assert!(
+        told.contains("runs are needed, and the budget is 3"),
+        "{told}"
+    );
+}
+
 /// What a study states twice, or in two ways of which one would be passed over in silence.
 #[test]
 fn what_contradicts_itself_is_refused() {
