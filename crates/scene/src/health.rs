@@ -15,19 +15,7 @@ pub(crate) fn limits(scene: &Scene, bodies: &[Arc<SeedBody>]) -> HealthLimits {
     let [low, high] = scene.apparatus.room();
     let (size, gravity) = ((high - low).norm(), scene.model.gravity_m_s2);
     let wall = scene.apparatus.speed().abs() * scene.apparatus.radius();
-    let meshes = scene.wall.iter().map(|w| {
-        let speed = w
-            .velocity
-            .map_or(0.0, |v| v.iter().map(|c| c.si().abs()).sum::<f64>());
-        let spin = w
-            .spin
-            .map_or(0.0, |v| v.iter().map(|c| c.si().abs()).sum::<f64>());
-        let swing = w.vibration.as_ref().map_or(0.0, |v| {
-            let way: f64 = v.amplitude.iter().map(|c| c.si().abs()).sum();
-            std::f64::consts::TAU * v.frequency.si() * way
-        });
-        speed + spin * size + swing
-    });
+    let meshes = scene.wall.iter().map(|w| w.fastest(size));
     let fall = (2.0 * gravity * size).sqrt();
     let length = bodies
         .iter()

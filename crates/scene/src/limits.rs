@@ -20,6 +20,9 @@ const MOST_SEEDS: usize = 1_000_000;
 /// lie at the shell.
 const MOST_ACCELERATION: f64 = 1000.0;
 
+/// Greatest speed of a wall from a mesh, m/s: three times that of the fans that throw seeds.
+const MOST_WALL_SPEED: f64 = 100.0;
+
 /// Memory of a seed in the solver, with its share of the contacts, B (docs/benchmarks.md: 106 MiB for 19 200 seeds).
 const BYTES_OF_SEED: f64 = 6e3;
 
@@ -58,6 +61,7 @@ impl Scene {
         found.extend(self.check_times());
         found.extend(self.check_frames());
         found.extend(self.check_numbers());
+        found.extend(self.check_walls());
         let (radius, speed) = (self.apparatus.radius(), self.apparatus.speed());
         if radius * speed * speed > MOST_ACCELERATION {
             let most = (MOST_ACCELERATION / radius).sqrt() * 60.0 / std::f64::consts::TAU;
@@ -70,6 +74,18 @@ impl Scene {
                 &requirement,
             ));
         }
+    }
+
+    /// The first wall from a mesh that is too fast somewhere in the apparatus.
+    fn check_walls(&self) -> Option<Error> {
+        let [low, high] = self.apparatus.room();
+        let size = (high - low).norm();
+        let mut walls = self.wall.iter();
+        let wall = walls.find(|w| w.fastest(size) > MOST_WALL_SPEED)?;
+        let name = format!("velocity, spin and vibration of wall '{}'", wall.name);
+        let speed = format!("{:.4e} m/s within {size:.3} m", wall.fastest(size));
+        let requirement = format!("at most {MOST_WALL_SPEED} m/s");
+        Some(bad(&name, speed, &requirement))
     }
 
     /// The first time of the protocol that is too long, or the fixed step that does not fit them.

@@ -1,11 +1,13 @@
 //! Walls of triangles in a scene: those of the apparatus and those that the user brings.
 
 use crate::apparatus::NamedMesh;
-use crate::{Error, Scene};
+use crate::check::bad;
+use crate::{Apparatus, Error, Scene};
 use dem_solver::{Motion, Vibration};
 use nalgebra::Vector3;
 use quantity::{AngularSpeed, Frequency, Length, Speed};
 use serde::{Deserialize, Serialize};
+use std::f64::consts::TAU;
 use std::path::PathBuf;
 
 /// A wall from a mesh, with prescribed motion. It moves from the start of the drive on; while the
@@ -50,6 +52,41 @@ pub struct VibrationSettings {
 }
 
 impl WallSettings {
+    /// Greatest speed that it can have within so many metres, m/s.
+    pub(crate) fn fastest(&self, size: f64) -> f64 {
+        let speed = |v: [Speed; 3]| v.iter().map(|c| c.si().abs()).sum::<f64>();
+        let spin = |v: [AngularSpeed; 3]| v.iter().map(|c| c.si().abs()).sum::<f64>();
+        let swing = |v: &VibrationSettings| {
+            let way: f64 = v.amplitude.iter().map(|c| c.si().abs()).sum();
+            TAU * v.frequency.si() * way
+        };
+        self.velocity.map_or(0.0, speed)
+            + size * self.spin.map_or(0.0, spin)
+            + self.vibration.as_ref().map_or(0.0, swing)
+    }
+
+    /// Refuses a wall that stays where no seed can be: all of it outside the ball about a drum or a device. From an open floor
+    /// seeds roll away.
+    fn check_place(&self, scene: &Scene, triangles: &[[Vector3<f64>; 3]]) -> Result<(), Error> {
+        if !matches!(scene.apparatus, Apparatus::Drum(_) | Apparatus::Metering(_)) {
+            return Ok(());
+        }
+        let [low, high] = scene.apparatus.room();
+        let (middle, radius) = (0.5 * (low + high), 0.5 * (high - low).norm());
+        let distance = |corners| (triangle::nearest_on_triangle(&middle, corners) - middle).norm();
+        let nearest = triangles.iter().map(distance).fold(f64::INFINITY, f64::min);
+        if nearest <= radius || self.velocity.is_some() {
+            return Ok(());
+        }
+        Err(bad(
+            &format!("place of wall '{}'", self.name),
+            format!("{nearest:.4} m from the middle at the nearest"),
+            &format!(
+                "at most {radius:.4} m, beyond which no seed is: look at its position and its mesh_unit"
+            ),
+        ))
+    }
+
     /// Reads the mesh and puts it in its place.
     fn read(&self, scene: &Scene) -> Result<NamedMesh, Error> {
         let path = scene.folder.join(&self.mesh);
@@ -63,15 +100,17 @@ impl WallSettings {
         let shift = lengths(self.position);
         let mesh = &mesh.mesh;
         let triangles = (0..mesh.triangles().len()).map(|t| mesh.corners(t).map(|c| c + shift));
+        let triangles: Vec<_> = triangles.collect();
+        self.check_place(scene, &triangles)?;
         let velocity = self.velocity.map(|v| Vector3::from(v.map(Speed::si)));
         let spin = self.spin.map(|v| Vector3::from(v.map(AngularSpeed::si)));
         let vibration = self.vibration.as_ref().map(|v| Vibration {
             amplitude: Vector3::from(v.amplitude.map(Length::si)),
-            angular_frequency: std::f64::consts::TAU * v.frequency.si(),
+            angular_frequency: TAU * v.frequency.si(),
         });
         Ok(NamedMesh {
             name: self.name.clone(),
-            triangles: triangles.collect(),
+            triangles,
             material: self.material.clone(),
             motion: Motion {
                 velocity: velocity.unwrap_or_default(),

@@ -127,12 +127,13 @@ fn a_wall_of_an_unknown_material_or_without_a_mesh_is_named() {
     assert_error(&scene.simulate(&[]), &["baffle.stl"]);
 }
 
-/// A turning bent plate in the bed takes part: the mesh is read, placed and moved.
-#[test]
-fn a_wall_from_a_mesh_takes_part() {
-    let wall = "[[wall]]\nname = \"baffle\"\nmesh = \"baffle.stl\"\nmesh_unit = \"mm\"\n\
-                material = \"clear_resin\"\nspin = [\"0 rpm\", \"0 rpm\", \"30 rpm\"]\n\n[material.seed]";
-    let scene = TinyScene::changed("[material.seed]", wall);
+/// A bent plate 20 mm wide in the drum, with further lines of its wall.
+fn with_baffle(more: &str) -> TinyScene {
+    let wall = format!(
+        "[[wall]]\nname = \"baffle\"\nmesh = \"baffle.stl\"\nmesh_unit = \"mm\"\n\
+         material = \"clear_resin\"\n{more}\n\n[material.seed]"
+    );
+    let scene = TinyScene::changed("[material.seed]", &wall);
     let facet = |a: &str, b: &str, c: &str| {
         format!(
             "facet normal 0 0 0\nouter loop\nvertex {a}\nvertex {b}\nvertex {c}\nendloop\nendfacet\n"
@@ -145,10 +146,28 @@ fn a_wall_from_a_mesh_takes_part() {
         facet(a, c, d)
     );
     fs::write(scene.path("baffle.stl"), text).unwrap();
+    scene
+}
+
+/// A turning bent plate in the bed takes part: the mesh is read, placed and moved.
+#[test]
+fn a_wall_from_a_mesh_takes_part() {
+    let scene = with_baffle("spin = [\"0 rpm\", \"0 rpm\", \"30 rpm\"]");
     let output = scene.simulate(&["time_s=0.2", "frames=2", "--json", "--quiet"]);
     assert_code(&output, 0);
     let inputs = json(&output)["inputs"].as_object().unwrap().len();
     assert_eq!(inputs, 4, "the scene, two seeds and the wall");
+}
+
+/// A wall a metre away touches nothing, and one that turns a thousand million times a minute is a slip of the pen.
+#[test]
+fn a_wall_that_touches_nothing_or_is_too_fast_is_refused() {
+    let away = with_baffle("position = [\"1 m\", \"0 m\", \"0 m\"]");
+    let words = ["place of wall 'baffle'", "0.99", "position", "mesh_unit"];
+    assert_error(&away.simulate(&["--quiet"]), &words);
+    let fast = with_baffle("spin = [\"0 rpm\", \"0 rpm\", \"1e9 rpm\"]");
+    let words = ["tiny.toml", "spin", "wall 'baffle'", "at most 100 m/s"];
+    assert_error(&fast.simulate(&["--quiet"]), &words);
 }
 
 /// Beads that slide on a smooth shell: Coulomb friction damps no swing, so that a bed that was started at once swings on until
