@@ -101,6 +101,8 @@ pub struct AddedEffect {
     pub estimates: BTreeMap<String, [f64; 2]>,
     /// Declared parameters after the fit with the effect on.
     pub fitted: BTreeMap<String, f64>,
+    /// Their standard errors; without those that the slopes do not tell.
+    pub fitted_se: BTreeMap<String, f64>,
     /// Simulated means, (conditions, observables).
     pub simulated: Vec<Vec<f64>>,
     /// Errors.

@@ -153,9 +153,8 @@ fn parameters(study: &ResidualStudy) -> Option<String> {
             result.and_then(|r| r.se_without),
             "",
         );
-        let after = models.iter().enumerate().filter_map(|(i, (_, model))| {
-            // The error is that of the best explanation.
-            let se = result.and_then(|r| r.se).filter(|_| i == 0);
+        let after = models.iter().filter_map(|(_, model)| {
+            let se = model.fitted_se.get(name).copied();
             Some(with_error(*model.fitted.get(name)?, se, ""))
         });
         let after: Vec<String> = after.collect();

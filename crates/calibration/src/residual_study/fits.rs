@@ -92,6 +92,16 @@ pub(super) struct Visited {
     pub(super) block: u64,
 }
 
+/// What the data ask for about the end of a fit with effects.
+struct Asked {
+    /// Parameters and amplitudes.
+    setting: Setting,
+    /// The amplitudes with their standard errors.
+    estimates: BTreeMap<String, [f64; 2]>,
+    /// Standard errors of the parameters.
+    fitted_se: BTreeMap<String, f64>,
+}
+
 impl Fits<'_> {
     /// Fits the declared parameters without an effect; with the points that were run on the way. The start is one of
     /// those among which the best is taken.
@@ -287,8 +297,12 @@ impl Fits<'_> {
         };
         let beside = found.and_then(|look| looks.beside.get(&look.0));
         let about = beside.unwrap_or(linear);
-        let (asked, estimates) = self.estimates(about, effects, &end)?;
-        let end = self.better_end(linear, end, asked)?;
+        let Asked {
+            setting,
+            estimates,
+            fitted_se,
+        } = self.estimates(about, effects, &end)?;
+        let end = self.better_end(linear, end, setting)?;
         let kept = self.run(&end.setting, end.block, At::Kept)?;
         let means = end.means.with_kept(kept);
         Ok(AddedEffect {
@@ -296,12 +310,12 @@ impl Fits<'_> {
             errors: assemble::errors(self.plan, self.observed, linear, &means)?,
             effects: end.setting.effects,
             fitted: end.setting.parameters,
+            fitted_se,
             simulated: means.values,
         })
     }
 
-    /// What the data ask for about the end of a fit, by the slopes beyond it, and the amplitudes with their standard errors;
-    /// without those that could not be run.
+    /// What the data ask for about the end of a fit, by the slopes beyond it; without the amplitudes that could not be run.
     ///
     /// A fit by runs ends where what is left is noise, and not quite at the best point. What an effect does may saturate: the
     /// slope from where it is off says that an amplitude is known well which more of it would not change. So each is run at
@@ -312,7 +326,7 @@ impl Fits<'_> {
         linear: &Linearisation,
         effects: &[String],
         end: &Visited,
-    ) -> Result<(Setting, BTreeMap<String, [f64; 2]>), Error> {
+    ) -> Result<Asked, Error> {
         let plan = self.plan;
         let number = |name: &String| plan.effects.iter().position(|e| e.name == *name);
         let beyond = |j: usize| {
@@ -343,15 +357,22 @@ impl Fits<'_> {
         }
         let at = (&end.setting, &end.means);
         let errors = refit::standard_errors(plan, self.observed, &local, effects, at)?;
-        let asked = refit::with_effects(plan, self.observed, &local, effects, at)?;
-        let each = effects.iter().cloned().zip(errors);
-        let told = each.filter(|(name, _)| known.contains(name));
-        let estimate = |(name, error): (String, Option<f64>)| {
-            let amplitude = asked.amplitude(&name);
-            Some((name, [amplitude, error?]))
+        let (of_parameters, of_effects) = errors.split_at(plan.declared.len());
+        let setting = refit::with_effects(plan, self.observed, &local, effects, at)?;
+        let told = effects.iter().zip(of_effects);
+        let told = told.filter(|(name, _)| known.contains(name));
+        let estimate = |(name, error): (&String, &Option<f64>)| {
+            let amplitude = setting.amplitude(name);
+            Some((name.clone(), [amplitude, (*error)?]))
         };
         let estimates = told.filter_map(estimate).collect();
-        Ok((asked, estimates))
+        let parameters = plan.declared.iter().zip(of_parameters);
+        let fitted_se = parameters.filter_map(|(d, error)| Some((d.name.clone(), (*error)?)));
+        Ok(Asked {
+            fitted_se: fitted_se.collect(),
+            estimates,
+            setting,
+        })
     }
 
     /// Runs what is asked for about the end of a fit; the better of both.

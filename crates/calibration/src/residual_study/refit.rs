@@ -43,8 +43,8 @@ pub(super) fn with_effects(
     Ok(setting)
 }
 
-/// Standard errors of the amplitudes of some effects, fitted together with the parameters, by the slopes at a point; none
-/// where these do not tell them.
+/// Standard errors of the parameters and, behind them, of the amplitudes of some effects, fitted together by the slopes at a
+/// point; none where these do not tell them.
 ///
 /// # Formula
 ///
@@ -64,12 +64,11 @@ pub(super) fn standard_errors(
     let whole = matrix.tr_mul(&matrix);
     let noise = noise_of_slopes(plan, observed, linear, &taken, means)?;
     let covariance = covariance(&whole, &noise, matrix.nrows());
-    let error = |i: usize| {
-        let j = plan.declared.len() + i;
+    let error = |j: usize| {
         let square = covariance.as_ref()?[(j, j)];
         (square > 0.0 && square.is_finite()).then(|| square.sqrt())
     };
-    Ok((0..taken.len()).map(error).collect())
+    Ok((0..at.len()).map(error).collect())
 }
 
 /// Covariance of a fit by slopes of which so much is noise; none where even the noisy ones do not tell all unknowns.
