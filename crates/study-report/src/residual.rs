@@ -12,7 +12,8 @@ pub(crate) fn condition_name(condition: &StudyCondition) -> String {
         _ => format!("{name} {value}"),
     };
     if condition.condition.is_empty() {
-        return "as measured".into();
+        let scene = condition.model.clone();
+        return scene.unwrap_or_else(|| "as measured".into());
     }
     condition
         .condition
@@ -94,8 +95,8 @@ mod tests {
 
     #[test]
     fn conditions_are_named_with_their_units() {
-        let condition = |pairs: &[(&str, f64)]| StudyCondition {
-            model: None,
+        let condition = |model: Option<&str>, pairs: &[(&str, f64)]| StudyCondition {
+            model: model.map(str::to_owned),
             observables: None,
             condition: pairs
                 .iter()
@@ -103,8 +104,9 @@ mod tests {
                 .collect::<BTreeMap<_, _>>(),
             used: true,
         };
-        let name = condition_name(&condition(&[("rpm", 5.0), ("seed_count", 418.0)]));
+        let name = condition_name(&condition(None, &[("rpm", 5.0), ("seed_count", 418.0)]));
         assert_eq!(name, "5 rpm, 418 seeds");
-        assert_eq!(condition_name(&condition(&[])), "as measured");
+        assert_eq!(condition_name(&condition(None, &[])), "as measured");
+        assert_eq!(condition_name(&condition(Some("heap"), &[])), "heap");
     }
 }

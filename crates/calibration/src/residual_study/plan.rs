@@ -24,7 +24,7 @@ pub struct StudyCondition {
 
 impl StudyCondition {
     /// What the runs give under the name of an observable of the plan; none where it is not read here.
-    pub(super) fn name_of<'a>(&'a self, observable: &'a str) -> Option<&'a str> {
+    pub fn name_of<'a>(&'a self, observable: &'a str) -> Option<&'a str> {
         match &self.observables {
             None => Some(observable),
             Some(names) => names.get(observable).map(String::as_str),

@@ -8,6 +8,7 @@ use crate::residual::{models, stages};
 use calibration::ResidualStudy;
 use report::{Column, Report, Table, Tone, counted};
 use residual_diagnosis::Verdict;
+use std::collections::BTreeMap;
 
 /// The colour of a verdict: green where an answer was found, also where it is "nothing".
 pub(super) fn answer_colour(verdict: Verdict) -> Tone {
@@ -60,12 +61,16 @@ pub(super) fn parameters(report: &mut Report, study: &ResidualStudy) -> Result<(
     let names = models.iter().map(|(name, _)| format!("fitted {name}"));
     columns.extend(names.map(Column::number));
     let mut table = Table::new(
-        "Declared parameters, each in its unit: start, standard deviation of its prior, fitted without and with the \
-         added effect.",
+        "Declared parameters: start, standard deviation of its prior, fitted without and with the added effect, ± standard \
+         errors.",
         columns,
     )?;
+    let or_dash = |value: Option<f64>, se| {
+        value.map_or_else(|| DASH.to_owned(), |value| with_error(value, se, ""))
+    };
     for d in &study.plan.declared {
         let fitted = study.fitted.get(&d.name).copied();
+        let result = study.diagnosis.declared.get(&d.name);
         let shift = d
             .prior
             .zip(fitted)
@@ -74,11 +79,12 @@ pub(super) fn parameters(report: &mut Report, study: &ResidualStudy) -> Result<(
             d.name.clone(),
             digits(d.start),
             digits_or_dash(d.prior.map(|p| p[1])),
-            digits_or_dash(fitted),
+            or_dash(fitted, result.and_then(|r| r.se_without)),
             fixed_or_dash(shift, 1),
         ];
-        let after = models.iter().map(|(_, m)| m.fitted.get(&d.name).copied());
-        row.extend(after.map(digits_or_dash));
+        let of = |values: &BTreeMap<String, f64>| values.get(&d.name).copied();
+        let after = models.iter();
+        row.extend(after.map(|(_, m)| or_dash(of(&m.fitted), of(&m.fitted_se))));
         table.row(row)?;
     }
     report.table(&table);
@@ -196,7 +202,11 @@ pub(super) fn not_added(study: &ResidualStudy) -> &'static str {
 /// What each observable alone says of the effect that stands out.
 pub(super) fn support(report: &mut Report, study: &ResidualStudy) -> Result<(), report::Error> {
     let support = &study.diagnosis.observable_support;
-    let Some(first) = support.first() else {
+    // The rows of one observable may be fewer than the parameters.
+    let Some(first) = support
+        .first()
+        .filter(|_| support.iter().any(|row| row.z.is_some()))
+    else {
         return Ok(());
     };
     let mut table = Table::new(

@@ -127,7 +127,11 @@ fn conditions(report: &mut Report, study: &ResidualStudy) -> Result<(), Error> {
     for (c, condition) in study.plan.conditions.iter().enumerate() {
         let role = if condition.used { "used" } else { "kept" };
         let mut row = vec![residual::condition_name(condition), role.to_owned()];
-        for k in 0..study.plan.observables.len() {
+        for (k, name) in study.plan.observables.iter().enumerate() {
+            if condition.name_of(name).is_none() {
+                row.extend(vec![DASH.to_owned(); 2 + models.len()]);
+                continue;
+            }
             let se = study.observed.standard_error(c, k);
             row.push(match study.observed.values[c][k] {
                 Some(value) => with_error(value, Some(se), ""),

@@ -1,10 +1,11 @@
 //! The files of a report: whole, repeatable, in full precision.
 
-use super::headings;
+use super::{headings, rows};
 use crate::test_input::{example, spent};
 use crate::test_residual::twins;
 use crate::test_study::study;
 use crate::{DiagnosisInput, Extent, write, write_diagnosis};
+use calibration::ResidualStudy;
 use std::collections::BTreeMap;
 
 /// The lines of a table on disk.
@@ -97,26 +98,65 @@ fn files_are_whole_and_the_same_input_gives_the_same_bytes() {
     assert!(page.ends_with(b"</html>\n"));
 }
 
+/// A heap of which no angle is read beside the drum: dashes, neither zeros nor a number, under its own name. An observable of
+/// which no rows tell alone has no table for it.
 #[test]
-fn a_diagnosis_alone_has_a_page_with_the_same_section() {
-    let study = twins();
-    let (inputs, reasons) = (
-        BTreeMap::new(),
-        BTreeMap::from([("wind".into(), "no air".into())]),
+fn what_a_condition_does_not_show_is_a_dash() {
+    let mut study = twins();
+    let heap = &mut study.plan.conditions[0];
+    heap.model = Some("heap".into());
+    heap.condition.clear();
+    heap.observables = Some(BTreeMap::new());
+    study.observed.values[0][0] = None;
+    for row in &mut study.diagnosis.observable_support {
+        row.z = None;
+    }
+    let page = page_of(&study);
+    let told = rows(&page, "heap");
+    let dashes = vec!["–"; 4];
+    assert!(
+        told.iter()
+            .any(|row| row[1] == "used" && row[2..] == dashes),
+        "{told:?}"
     );
-    let defaults = vec!["effects: all".to_owned()];
-    let input = DiagnosisInput {
+    assert!(!page.contains("Which observable carries the verdict"));
+    assert!(page_of(&twins()).contains("Which observable carries the verdict"));
+}
+
+/// What the page of a diagnosis alone is made of.
+fn input_of(study: &ResidualStudy) -> DiagnosisInput<'_> {
+    static NOTHING: BTreeMap<String, String> = BTreeMap::new();
+    DiagnosisInput {
         name: "twins",
         version: "9.8.7",
         seed: 3,
-        inputs: &inputs,
+        inputs: &NOTHING,
         parameters: &[],
-        defaults: &defaults,
-        not_applicable: &reasons,
+        defaults: &[],
+        not_applicable: &NOTHING,
         planned_runs: 77,
         spent: spent(),
-        study: &study,
+        study,
         trials: &[],
+    }
+}
+
+/// That page.
+fn page_of(study: &ResidualStudy) -> String {
+    let folder = tempfile::tempdir().unwrap();
+    write_diagnosis(folder.path(), &input_of(study), Extent::Page).unwrap();
+    std::fs::read_to_string(folder.path().join("report.html")).unwrap()
+}
+
+#[test]
+fn a_diagnosis_alone_has_a_page_with_the_same_section() {
+    let study = twins();
+    let reasons = BTreeMap::from([("wind".into(), "no air".into())]);
+    let defaults = vec!["effects: all".to_owned()];
+    let input = DiagnosisInput {
+        defaults: &defaults,
+        not_applicable: &reasons,
+        ..input_of(&study)
     };
     let folder = tempfile::tempdir().unwrap();
     write_diagnosis(folder.path(), &input, Extent::WithParts).unwrap();
