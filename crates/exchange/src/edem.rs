@@ -23,7 +23,7 @@ use crate::Error;
 use crate::drum_deck::{FINER, Shares, lever_share, restitution_of_body};
 use crate::vtk::{File, add};
 use contact_law::{NormalForceEnd, RollingLever};
-use scene::{RollingLaw, Scene, SeedBody};
+use scene::{Apparatus, RollingLaw, Scene, SeedBody};
 use std::sync::Arc;
 
 /// The tool, for messages.
@@ -47,6 +47,7 @@ pub fn tables(scene: &Scene, bodies: &[Arc<SeedBody>], time_step: f64) -> Result
     table.add_materials(scene);
     table.add_particles(scene, bodies);
     table.add_interactions(scene, bodies);
+    table.add_drum(&scene.apparatus);
     let gravity = -scene.model.gravity_m_s2;
     let at = ["Physics", "environment", "Gravity Y", "m/s2"];
     table.add(at, gravity, "as it is");
@@ -113,11 +114,26 @@ impl Table {
         }
     }
 
-    /// Mass and inertia of the seeds.
+    /// The drum that holds the seeds: about Z, between two covers.
+    fn add_drum(&mut self, apparatus: &Apparatus) {
+        if matches!(apparatus, Apparatus::Drum(_)) {
+            let of = |setting, unit| ["Geometry", "drum", setting, unit];
+            let radius = apparatus.radius();
+            self.add(of("Inner radius", "m"), radius, "as it is");
+            let length = apparatus.width();
+            self.add(of("Length along Z", "m"), length, "as it is");
+            let speed = apparatus.speed();
+            self.add(of("Angular velocity about Z", "rad/s"), speed, "as it is");
+        }
+    }
+
+    /// Number, mass and inertia of the seeds.
     fn add_particles(&mut self, scene: &Scene, bodies: &[Arc<SeedBody>]) {
         for (seed, body) in scene.seed.iter().zip(bodies) {
             let (name, inertia) = (&seed.name, body.clump.inertia());
             let mass = body.clump.mass();
+            let number = scene.count_of(seed) as f64;
+            self.add(["Particle", name, "Number", "1"], number, "as it is");
             self.add(["Particle", name, "Mass", "kg"], mass, "override");
             for (axis, moment) in ["X", "Y", "Z"].iter().zip(inertia.iter()) {
                 let setting = format!("Moment of inertia {axis}");
@@ -234,6 +250,16 @@ mod tests {
         assert_eq!(files.len(), 3, "the spheres of both kinds");
         let mass = value(&files[0].text, &scene.seed[0].name, "Mass");
         assert!((mass / 94.5e-6 - 1.0).abs() < 1e-12);
+        let number = value(&files[0].text, &scene.seed[0].name, "Number");
+        assert_eq!(number, scene.count_of(&scene.seed[0]) as f64);
+        let turn = value(&files[0].text, "drum", "Angular velocity");
+        let [radius, length] =
+            ["Inner radius", "Length"].map(|setting| value(&files[0].text, "drum", setting));
+        // The drum of the study: 140 mm across, 46 mm wide.
+        assert_eq!(
+            [radius, length, turn],
+            [0.07, 0.046, scene.apparatus.speed()]
+        );
 
         scene.model.rolling_law = RollingLaw::SpringDashpot;
         let error = tables(&scene, &bodies, step).unwrap_err().to_string();
