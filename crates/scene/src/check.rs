@@ -9,6 +9,11 @@ const MOST_PAIR_INTERVAL: f64 = 0.05;
 /// Largest slope at which a bed may be laid, rad.
 pub(crate) const MOST_START_SLOPE: f64 = std::f64::consts::FRAC_PI_4;
 
+/// Whether a name can stand in a line of a table.
+fn is_name(name: &str) -> bool {
+    !name.trim().is_empty() && !name.contains(|c: char| c.is_control() || ",\"".contains(c))
+}
+
 impl Scene {
     /// Refuses what is invalid; for scenes that were changed after reading.
     ///
@@ -392,6 +397,13 @@ impl Scene {
                     requirement,
                 ));
             }
+        }
+        let own_names = self.seed.iter().map(|s| ("seed.name", &s.name));
+        let own_names = own_names.chain(self.wall.iter().map(|w| ("wall.name", &w.name)));
+        let own_names = own_names.chain(self.material.keys().map(|name| ("material", name)));
+        for (key, name) in own_names.filter(|(_, name)| !is_name(name)) {
+            let requirement = "not empty, and without line breaks, commas and quotation marks: it stands in tables";
+            found.push(bad(key, format!("{name:?}"), requirement));
         }
         let walls = self.apparatus.mesh_walls().into_iter();
         let own: Vec<String> = walls.map(|wall| wall.name).collect();

@@ -82,6 +82,20 @@ fn settings_that_no_run_can_have_are_refused_with_their_limit() {
     }
 }
 
+/// A name stands in tables and in names of files: one that breaks a line there is refused.
+#[test]
+fn names_that_break_a_table_are_refused() {
+    for name in ["", " ", "a\\nb", "a, b", "a\\u0000", "a\\\"b"] {
+        let text = BEADS.replace("name = \"bead\"", &format!("name = \"{name}\""));
+        let told = Scene::from_text(&text, "beads.toml", Path::new("."), &[]).unwrap_err();
+        let told = told.to_string();
+        assert!(told.contains("beads.toml: seed.name is"), "{name}: {told}");
+        assert!(!told.contains('\n'), "{told}");
+    }
+    let text = BEADS.replace("name = \"bead\"", "name = \"soy bean (dry) 7.2 mm\"");
+    assert!(Scene::from_text(&text, "beads.toml", Path::new("."), &[]).is_ok());
+}
+
 /// The numbers of several kinds are added without overflow, and a number that follows from a mass is as one that is stated.
 #[test]
 fn many_seeds_are_refused_however_they_are_stated() {
