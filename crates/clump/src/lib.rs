@@ -10,6 +10,11 @@ pub mod files;
 use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
 use serde::{Deserialize, Serialize};
 
+/// Densities that a body may have, kg/m³: from half of the lightest foamed beads (10) to the densest metal (osmium,
+/// 22 590). A mass in a unit a thousand times off, or a size ten times off, of anything from 25 to 5000 kg/m³ lies
+/// outside.
+pub const DENSITIES: std::ops::RangeInclusive<f64> = 5.0..=25_000.0;
+
 /// One sphere of a body.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Sphere {

@@ -1,6 +1,7 @@
 //! One kind of seed: its shape, its mass, and how many there are.
 
 use crate::{Error, Scene};
+use clump::DENSITIES;
 use quantity::{Density, Length, Mass, significant};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::FRAC_PI_6;
@@ -12,11 +13,6 @@ pub const SOLID_FRACTION: f64 = 0.6;
 
 /// Largest volume of the seeds over that of the apparatus, above which no fill level is possible.
 const FULLEST: f64 = 1.0;
-
-/// Densities that a body may have, kg/m³: from half of the lightest foamed beads (10) to the densest metal (osmium,
-/// 22 590). A mass in a unit a thousand times off, or a size ten times off, of anything from 25 to 5000 kg/m³ lies
-/// outside.
-const DENSITIES: std::ops::RangeInclusive<f64> = 5.0..=25_000.0;
 
 /// One kind of seed: exactly one of `mesh`, `sphere` and `ellipsoid`, one of `mass` and `density`, one of
 /// `count`, `total_mass` and `fill_level`.

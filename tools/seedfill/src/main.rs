@@ -16,9 +16,10 @@ mod target;
 mod trial_bed;
 mod union_file;
 
+use anyhow::Context as _;
 use arguments::{Arguments, MethodName, length_in_metres};
-use clump::Sphere;
-use command_line::{DONE, Header, NOT_MET};
+use clump::{DENSITIES, Sphere};
+use command_line::{DONE, Header, NOT_MET, significant};
 use price::Price;
 use sphere_fill::{Connectivity, Error, FillSettings, fill, measure};
 use sphere_table::read_spheres;
@@ -58,6 +59,7 @@ fn fill_one(arguments: &Arguments, mesh: &Path) -> anyhow::Result<u8> {
     outputs::try_all(arguments)?;
     let start = Instant::now();
     let read = read_body(arguments, mesh)?;
+    check_density(arguments, read.report.volume).with_context(|| mesh.display().to_string())?;
     let bodies = inputs(arguments, mesh)?;
     let inputs = bodies.iter().chain(&arguments.spheres);
     let header = Header::new(arguments.seed, inputs)?;
@@ -189,6 +191,25 @@ fn task_of(arguments: &Arguments) -> anyhow::Result<Task> {
         (None, Some(radius)) => Ok(Task::Fill(settings_of(arguments, radius)?)),
         (None, None) => anyhow::bail!("--radius is needed"),
     }
+}
+
+/// Refuses a mass or a density that no seed of a volume (m³) has.
+fn check_density(arguments: &Arguments, volume: Option<f64>) -> anyhow::Result<()> {
+    let Some((volume, mass)) = volume.and_then(|v| Some((v, arguments.mass_of(v)?))) else {
+        return Ok(());
+    };
+    let density = mass / volume;
+    anyhow::ensure!(
+        DENSITIES.contains(&density),
+        "the density is {} kg/m3 (mass {} mg over volume {} mm3): it must be {} to {} kg/m3; --mass is in kg, --density in \
+         kg/m3, and --unit says what one unit of the mesh is",
+        significant(density, 4),
+        significant(1e6 * mass, 4),
+        significant(1e9 * volume, 4),
+        DENSITIES.start(),
+        DENSITIES.end()
+    );
+    Ok(())
 }
 
 /// Settings of the filling from the arguments.

@@ -479,13 +479,22 @@ fn a_mesh_in_another_unit_is_warned_of() {
 fn usage_that_cannot_be_meant_ends_with_code_2() {
     let mesh = fixture("cotton_flat.stl");
     let mesh = path_text(&mesh);
-    let cases: [(&[&str], &str); 9] = [
+    let cases: [(&[&str], &str); 11] = [
         (&[mesh], "--radius"),
         (&[mesh, "--radius", "nan"], "positive"),
         (&[mesh, "--radius", "-0.45"], "positive"),
         (&[mesh, "--radius", "0.45", "--unit", "inch"], "inch"),
         (&[mesh, "--radius", "0.45", "--count", "0"], "at least 1"),
         (&[mesh, "--radius", "0.45", "--mass", "0"], "--mass"),
+        // 94.5 mg typed as milligrams, and a density in g/cm3.
+        (
+            &[mesh, "--radius", "0.45", "--mass", "94.5"],
+            "5 to 25000 kg/m3; --mass is in kg",
+        ),
+        (
+            &[mesh, "--radius", "0.45", "--density", "1.05"],
+            "the density is 1.050 kg/m3",
+        ),
         (
             &[mesh, "--radius", "0.45", "--mass", "1", "--density", "900"],
             "--density",
