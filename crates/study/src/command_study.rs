@@ -52,6 +52,7 @@ impl CommandChecker<'_> {
     /// Resolves all measurements.
     pub(crate) fn resolve(&self, problems: &mut Problems) -> CommandResolved {
         self.check_names(problems);
+        self.check_template(problems);
         for scene in &self.file.scenes {
             self.check_scene(scene, problems);
         }
@@ -270,6 +271,20 @@ impl CommandChecker<'_> {
                 ));
             }
             before.push((name, key));
+        }
+    }
+
+    /// Refuses a template that is no folder.
+    fn check_template(&self, problems: &mut Problems) {
+        let Some(template) = &self.entry.template else {
+            return;
+        };
+        let folder = self.folder.join(template);
+        if !folder.is_dir() {
+            let what = format!("[simulator] template = '{}'", template.display());
+            let problem = format!("names no folder: there is no {}", folder.display());
+            let path = below("simulator", "template");
+            problems.add(self.document.problem(&path, what, problem));
         }
     }
 

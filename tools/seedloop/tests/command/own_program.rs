@@ -152,6 +152,7 @@ fn what_is_wrong_is_told() {
     let study = study
         .replace("version = \"mill 1\"", "release = \"mill 1\"")
         .replace("wall_limit = \"1 min\"", "wall_limit = \"1 mile\"")
+        .replace("template = \"mill\"", "template = \"mil\"")
         .replace("condition = { rpm = 40 }", "condition = { seed = 40 }");
     let again = "[[effect]]\nname = \"cohesion\"\nprobe = 1.0\nrange = [0.0, 2.0]\n";
     fs::write(&path, format!("{study}\n{again}")).unwrap();
@@ -164,6 +165,7 @@ fn what_is_wrong_is_told() {
         "has no 'version'",
         "release",
         "1 mile",
+        "study.toml, line 15: [simulator] template = 'mil' names no folder",
         "'seed'",
         "nothing was run",
     ] {
