@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
+use super::replicates::ROUNDING;
 use super::{FTest, Replicates, f_test, ratio};
 use crate::Observations;
 use probability::f_upper_tail;
@@ -34,7 +35,7 @@ pub struct LackOfFit {
     pub p: Option<f64>,
 }
 
-/// Pure error of the rows that have the same settings and block as an earlier one; none if there
+/// Pure error of the rows that have the same settings and block as an earlier one, without what is rounding; none if there
 /// are none.
 pub(crate) fn pure_error(data: &Observations, weights: &[f64]) -> Option<PureError> {
     let cells = data.cells();
@@ -46,10 +47,12 @@ pub(crate) fn pure_error(data: &Observations, weights: &[f64]) -> Option<PureErr
             .map(|&j| weights[j] * cells[j].mean)
             .sum::<f64>()
             / total;
-        ss += group
-            .iter()
-            .map(|&j| weights[j] * (cells[j].mean - mean).powi(2))
-            .sum::<f64>();
+        let squares = group.iter();
+        let squares = squares.map(|&j| weights[j] * (cells[j].mean - mean).powi(2));
+        let squares: f64 = squares.sum();
+        if squares > total * (ROUNDING * mean).powi(2) {
+            ss += squares;
+        }
         df += group.len() - 1;
     }
     (df > 0).then(|| PureError {

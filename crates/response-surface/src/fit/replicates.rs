@@ -87,7 +87,7 @@ pub(crate) fn replicates(
         .filter(|(cell, _)| cell.n > 1);
     let weighted = weighted.filter_map(|(cell, weight)| {
         let runs = cell.n as f64;
-        Some((runs - 1.0) * weight * cell.sd?.powi(2) / runs)
+        Some((runs - 1.0) * weight * variance_of(cell)? / runs)
     });
     let of_mean = weighted.sum::<f64>() / df as f64;
     let test = |(name, row): (&str, &TermRow)| {
@@ -106,6 +106,16 @@ pub(crate) fn replicates(
     })
 }
 
+/// Scatter of runs over the size of their mean, below which it is rounding: they do not scatter.
+pub(crate) const ROUNDING: f64 = 1e-12;
+
+/// Variance of the runs of a cell, 0 where it is rounding; none where it is not known.
+fn variance_of(cell: &crate::Cell) -> Option<f64> {
+    let sd = cell.sd?;
+    let scatters = sd > ROUNDING * cell.mean.abs();
+    Some(if scatters { sd * sd } else { 0.0 })
+}
+
 /// Variance within a cell.
 #[derive(Debug, Clone, Copy)]
 struct Spread {
@@ -119,9 +129,9 @@ struct Spread {
 fn spreads(data: &Observations) -> Vec<Spread> {
     let known = data.cells().iter().filter(|cell| cell.n > 1);
     let spread = |cell: &crate::Cell| {
-        cell.sd.map(|sd| Spread {
+        Some(Spread {
             df: cell.n - 1,
-            variance: sd * sd,
+            variance: variance_of(cell)?,
         })
     };
     known.filter_map(spread).collect()

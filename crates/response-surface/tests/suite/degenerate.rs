@@ -26,6 +26,36 @@ fn grid(surface: &dyn Fn(f64, f64) -> f64) -> Observations {
     Observations::from_cells(cells.collect()).expect("whole rows")
 }
 
+/// Runs of a bench test without chance differ by their rounding alone, 1e-16 of their mean. Against that any model would lack
+/// something: no test is made against them, as rows or within a cell, and none warns.
+#[test]
+fn repeats_that_differ_by_rounding_test_nothing() {
+    let f = factors(&["x"]);
+    let model = Model::linear(&f).expect("symbols");
+    let bent = |x: f64| 0.04 + 0.01 * x + 1e-6 * x * x;
+    let levels = [-1.0, -0.5, 0.0, 0.5, 1.0];
+    let twice = |x: f64| {
+        let moved = bent(x) * (1.0 + 4.0 * f64::EPSILON);
+        [Cell::single(vec![x], bent(x)), Cell::single(vec![x], moved)]
+    };
+    let rows = Observations::from_cells(levels.into_iter().flat_map(twice).collect());
+    let within = |x: f64| Cell {
+        sd: Some(1e-17),
+        n: 3,
+        ..Cell::single(vec![x], bent(x))
+    };
+    let cells = Observations::from_cells(levels.into_iter().map(within).collect());
+    for data in [rows, cells].map(|data| data.expect("whole rows")) {
+        let fitted = fit(&f, &model, &data).expect("more rows than terms");
+        let of_rows = fitted.lack_of_fit.as_ref().and_then(|l| l.p);
+        let replicates = fitted.replicates.as_ref();
+        let of_cells = replicates.and_then(|r| r.lack_of_fit_vs_replicates.as_ref()?.p);
+        assert_eq!((of_rows, of_cells), (None, None));
+        let warned = format!("{:?}", fitted.warnings);
+        assert!(!warned.contains("LackOfFit"), "{warned}");
+    }
+}
+
 /// Two runs lie equally far from their median: their distances do not scatter, F would be 0/0 or, with rounding, any
 /// large number. Bartlett's test stands. Larger groups keep their test, and pairs beside them change nothing in it.
 #[test]
