@@ -67,7 +67,7 @@ pub fn calibrate(
     let mut search = Search::new(runner(2), screened.active, elsewhere);
     let found = search.run(announce)?;
     clock.begin("confirmation by fresh runs");
-    let confirmed = confirm(&runner(3), &search, found)?;
+    let confirmed = confirm(&runner(3), &mut search, found, announce)?;
     let estimate = Estimated::new(asked, &confirmed)?;
     clock.begin("check");
     let checked = check(&runner(4), &confirmed, &estimate)?;
@@ -95,6 +95,7 @@ pub fn calibrate(
     remarks.extend(failures(problem, "in the screening", &screened.runs));
     remarks.extend(failures(problem, "at the estimate", &checked.at_estimate));
     remarks.extend(states(problem, &checked.at_estimate));
+    remarks.extend(other_solutions(problem, &estimate));
     let (met, verdict) = verdict(problem, &estimate, &fit, &checks, &confirmed);
     Ok(Calibration {
         id: problem.id.clone(),
@@ -276,6 +277,24 @@ impl Estimated {
             parameters,
         })
     }
+}
+
+/// That other parameters, apart from the estimate, do nearly as well.
+fn other_solutions(problem: &CalibrationProblem, estimate: &Estimated) -> Option<String> {
+    let others = estimate.solutions.separate.get(1..)?;
+    let point = |at: &Vec<f64>| -> String {
+        let each = problem.parameters.iter().zip(at);
+        let each = each.map(|(p, x)| format!("{} = {}", p.symbol, significant(*x, 4)));
+        each.collect::<Vec<_>>().join(", ")
+    };
+    let others: Vec<String> = others.iter().map(point).collect();
+    (!others.is_empty()).then(|| {
+        format!(
+            "the fit has separate solutions, of which the estimate is the best; also {} does nearly as well: measure what \
+             tells them apart",
+            others.join("; also ")
+        )
+    })
 }
 
 /// Runs of all models with the parameters in use before; an error where none of them gives a result.

@@ -30,16 +30,18 @@ pub(crate) struct Confirmed {
     pub(crate) remarks: Vec<String>,
 }
 
-/// Runs the models of the fit at the estimate; where they contradict a surface by more than its error, it is shifted to
-/// meet them and the estimate is made again, a few rounds at most.
+/// Runs the models of the fit at the estimate. Where they tell that a surface misses the runs by more than they scatter, the
+/// search goes on in a smaller box; where none is left and they contradict a surface by more than its error, it is shifted to
+/// meet them. The estimate is made again, a few rounds at most.
 ///
 /// # Errors
 ///
 /// A model of which no run gives a result, a campaign that was stopped.
 pub(crate) fn confirm(
     runner: &Runner<'_>,
-    search: &Search<'_>,
+    search: &mut Search<'_>,
     mut found: Found,
+    announce: &dyn Fn(&str),
 ) -> Result<Confirmed, Error> {
     let mut rounds = Vec::new();
     let mut remarks = Vec::new();
@@ -50,12 +52,22 @@ pub(crate) fn confirm(
         let runs = fresh_runs(runner, &found, round)?;
         let (rows, corrected) = compare(runner, search, &found, &runs, &mut remarks)?;
         let limit = quantile_of(ALPHA / rows.len().max(1) as f64, f64::INFINITY);
-        let confirmed = rows.iter().all(|row| !row.matters || row.z.abs() <= limit);
+        let agrees = rows.iter().all(|row| !row.matters || row.z.abs() <= limit);
+        let at = found.best.clone();
+        let mut is_nearer = false;
+        if round + 1 < most {
+            (found, is_nearer) = search.nearer(found, &runs, announce)?;
+        }
+        let confirmed = agrees && !is_nearer;
         rounds.push(ConfirmationRound {
-            at: found.best.clone(),
+            at,
             rows,
             confirmed,
         });
+        if is_nearer {
+            round += 1;
+            continue;
+        }
         if confirmed || round + 1 >= most {
             if !confirmed {
                 remarks.push(format!(

@@ -83,6 +83,7 @@ mod intervals;
 mod joint;
 mod joint_fit;
 mod laboratory;
+mod lack_of_fit;
 mod noisy_slopes;
 mod planned;
 mod power;

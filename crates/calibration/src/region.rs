@@ -49,6 +49,11 @@ impl Region {
         0.5 * (self.high[j] - self.low[j])
     }
 
+    /// Half widths of all ranges.
+    pub(crate) fn halves(&self) -> Vec<f64> {
+        (0..self.low.len()).map(|j| self.half(j)).collect()
+    }
+
     /// The point in the middle.
     pub(crate) fn middle(&self) -> Vec<f64> {
         (0..self.low.len()).map(|j| self.centre(j)).collect()

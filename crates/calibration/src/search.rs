@@ -3,6 +3,7 @@
 use crate::designs::surface_design;
 use crate::intervals::best_of;
 use crate::joint_fit::{JointFit, Minimum, Whitening};
+use crate::lack_of_fit::{Missed, missed};
 use crate::region::Region;
 use crate::samples::{Asked, Runner, Sample, Samples, Wanted, first_seed, observables, wanted};
 use crate::surface::{Degree, Surface, of_regime, too_few, usual_regime};
@@ -23,6 +24,8 @@ const WORTH: f64 = 0.05;
 const NEAR: f64 = 1.25;
 /// Least and largest way from a face to the middle of the next box, in half widths.
 const WAY: [f64; 2] = [0.25, 2.0];
+/// Width of the next box over that of one whose surfaces miss their runs.
+const NEARER: f64 = 0.4;
 /// First stage number of the boxes; the stage sets the seeds.
 const STAGE_OF_BOXES: u64 = 10;
 
@@ -63,7 +66,7 @@ pub(crate) struct Search<'a> {
 
 /// Where the search goes from a box.
 enum Next {
-    /// Nowhere: what is best lies inside, or where nothing is to be gained beyond.
+    /// Nowhere: what is best lies inside, or where nothing is to be gained beyond, and the surfaces meet their runs.
     Stay,
     /// To another box, with the reason.
     Move(Region, String),
@@ -88,25 +91,71 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Searches box after box until the best point lies inside, or nothing more can be done.
+    /// Searches box after box until the best point lies inside and the surfaces meet their runs, or nothing more can be done.
     ///
     /// # Errors
     ///
     /// Runs too few for any surface in the first box; a campaign that was stopped.
     pub(crate) fn run(&mut self, announce: &dyn Fn(&str)) -> Result<Found, Error> {
-        let parameters = &self.runner.problem.parameters;
-        let mut region = Region::first(parameters);
-        let mut why = "the box of the file".to_owned();
-        let mut found: Option<Found> = None;
-        for number in 0..self.runner.settings.most_boxes.max(1) {
+        let region = Region::first(&self.runner.problem.parameters);
+        let why = "the box of the file".to_owned();
+        let found = self.onward(region, why, None, announce)?;
+        found.ok_or(Error::Search {
+            what: "the estimate",
+            reason: "no box was searched".into(),
+        })
+    }
+
+    /// Goes on in a smaller box where fresh runs at the best point, or the runs behind a surface, tell that it misses them; what
+    /// was found before otherwise, or where no box is left.
+    ///
+    /// # Errors
+    ///
+    /// A campaign that was stopped.
+    pub(crate) fn nearer(
+        &mut self,
+        found: Found,
+        fresh: &BTreeMap<usize, Samples>,
+        announce: &dyn Fn(&str),
+    ) -> Result<(Found, bool), Error> {
+        let boxes = self.boxes.len();
+        match self.smaller(&found, fresh) {
+            Next::Move(region, why) if boxes < self.most_boxes() => {
+                let before = found.best.clone();
+                let now = self.onward(region, why, Some(found), announce)?;
+                let now = now.ok_or(Error::Search {
+                    what: "the estimate",
+                    reason: "no box was searched".into(),
+                })?;
+                let moved = self.boxes.len() > boxes || now.best != before;
+                Ok((now, moved))
+            }
+            _ => Ok((found, false)),
+        }
+    }
+
+    /// Most boxes of the search.
+    fn most_boxes(&self) -> usize {
+        self.runner.settings.most_boxes.max(1)
+    }
+
+    /// Searches box after box from one on; what was found before where that cannot be searched.
+    fn onward(
+        &mut self,
+        mut region: Region,
+        mut why: String,
+        mut found: Option<Found>,
+        announce: &dyn Fn(&str),
+    ) -> Result<Option<Found>, Error> {
+        while self.boxes.len() < self.most_boxes() {
+            let number = self.boxes.len();
             if number > 0 {
                 announce(&format!("box {}: {why}", number + 1));
             }
             let n_runs = match self.sample(&region, number) {
                 Err(error @ Error::Budget { .. }) if found.is_some() => {
-                    self.remarks.push(format!(
-                        "the search ended with the estimate on the edge of its last box: {error}"
-                    ));
+                    self.remarks
+                        .push(format!("the search ended although {why}: {error}"));
                     break;
                 }
                 n_runs => n_runs?,
@@ -116,7 +165,7 @@ impl<'a> Search<'a> {
                 (Err(error), None) => return Err(error),
                 (Err(error), Some(_)) => {
                     self.remarks.push(format!(
-                        "the search ended at the edge of its last box, because beyond it no surface could be made: {error}"
+                        "the search ended although {why}, because in the next box no surface could be made: {error}"
                     ));
                     break;
                 }
@@ -134,20 +183,17 @@ impl<'a> Search<'a> {
             found = Some(now);
             match next {
                 Next::Stay => break,
-                Next::Move(..) if number + 1 == self.runner.settings.most_boxes.max(1) => {
+                Next::Move(_, reason) if self.boxes.len() == self.most_boxes() => {
                     self.remarks.push(format!(
-                        "the search ended after {} boxes with the estimate on the edge of the last: raise most_boxes, or \
-                         begin nearer",
-                        number + 1
+                        "the search ended after {} boxes although {reason}: raise most_boxes, or begin nearer, with a \
+                         smaller box",
+                        self.boxes.len()
                     ));
                 }
                 Next::Move(to, reason) => (region, why) = (to, reason),
             }
         }
-        found.ok_or(Error::Search {
-            what: "the estimate",
-            reason: "no box was searched".into(),
-        })
+        Ok(found)
     }
 
     /// Runs the designs of the models for which a box is new; the number of new runs.
@@ -284,13 +330,61 @@ impl<'a> Search<'a> {
             ));
         }
         if moved.is_empty() {
-            return Ok(Next::Stay);
+            return Ok(self.smaller(found, &BTreeMap::new()));
         }
         let region = Region::about(&centre, &half, parameters);
         Ok(Next::Move(
             region,
             format!("the misfit falls towards {}", moved.join(", ")),
         ))
+    }
+
+    /// A smaller box about the best point, along the parameters of the surfaces that miss their runs; nowhere where none does.
+    ///
+    /// What is curved otherwise than a polynomial is less so in a smaller box. But there slopes are known less well: along a
+    /// parameter whose slope would no longer stand out of its noise the box stays.
+    fn smaller(&self, found: &Found, fresh: &BTreeMap<usize, Samples>) -> Next {
+        let problem = self.runner.problem;
+        let (mut half, mut centre) = (found.region.halves(), found.region.middle());
+        let mut worst: Option<Missed> = None;
+        for surface in &found.surfaces {
+            let at_best = fresh.get(&surface.model).map_or(&[][..], |runs| &runs.done);
+            let (at_best, _) = of_regime(at_best, self.regime(surface.model));
+            let used = self.used(surface, &found.region);
+            for missed in missed(problem, surface, &used, (&found.best, &at_best)) {
+                // A curved surface may be flat at its best point.
+                let stays_known = |j: usize| {
+                    let at = [found.best.clone(), found.region.middle()];
+                    let z = at.map(|at| missed.slope_in_errors(surface, j, &at).abs());
+                    NEARER * z[0].max(z[1]) > ACTS
+                };
+                let along: Vec<usize> = self.active[&surface.model]
+                    .iter()
+                    .copied()
+                    .filter(|&j| stays_known(j))
+                    .collect();
+                for &j in &along {
+                    half[j] = NEARER * found.region.half(j);
+                    centre[j] = found.best[j];
+                }
+                let is_worse = |other: &Missed| missed.in_errors > other.in_errors;
+                if !along.is_empty() && worst.as_ref().is_none_or(is_worse) {
+                    worst = Some(missed);
+                }
+            }
+        }
+        worst.map_or(Next::Stay, |worst| {
+            let region = Region::about(&centre, &half, &problem.parameters);
+            Next::Move(region, worst.told(problem))
+        })
+    }
+
+    /// The runs behind the surface of a model in a box.
+    fn used(&self, surface: &Surface, region: &Region) -> Vec<&Sample> {
+        let samples = self.samples.get(&surface.model);
+        let done = samples.map_or(&[][..], |samples| &samples.done);
+        let (inside, _) = of_regime(done, self.regime(surface.model));
+        near(inside, &surface.parameters, region)
     }
 
     /// The surfaces as the result tells them.

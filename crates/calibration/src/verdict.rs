@@ -36,7 +36,13 @@ pub(crate) fn verdict(
     let not_met = missed(fit);
     if !not_met.is_empty() {
         let why = if on_limits.is_empty() {
-            ": no parameters in the boxes that were searched do".to_owned()
+            let priors = problem.parameters.iter().any(|p| p.prior.is_some());
+            let besides = if priors {
+                " that agree with their priors"
+            } else {
+                ""
+            };
+            format!(": by the surfaces no parameters{besides} in the boxes that were searched do")
         } else {
             format!(
                 ", with {}: within the limits no parameters do",
@@ -94,9 +100,10 @@ pub(crate) fn verdict(
 const BEARABLE: f64 = 3.0;
 
 /// What makes checks that hold worth next to nothing, as further parts of the sentence: parameters or simulated means that
-/// are known so little that three times the difference that the measurement alone would bear would pass.
+/// are known so little, or measurements of so few values, that three times the difference that a measurement of many would bear
+/// would pass.
 fn doubts(check: &[Comparison]) -> String {
-    let (mut parameters, mut runs) = (Vec::new(), Vec::new());
+    let (mut parameters, mut runs, mut repeats) = (Vec::new(), Vec::new(), Vec::new());
     for row in check {
         let error = row.measured.sd / row.measured.n.sqrt();
         let of_parameters = row.parameter_se.unwrap_or(0.0);
@@ -109,7 +116,9 @@ fn doubts(check: &[Comparison]) -> String {
             "{}, which would bear a difference of {bears:.2},",
             name(row)
         );
-        if of_parameters > row.simulated.se {
+        if row.z_limit > BEARABLE * 2.0 && error >= of_parameters.hypot(row.simulated.se) {
+            repeats.push(told);
+        } else if of_parameters > row.simulated.se {
             parameters.push(told);
         } else {
             runs.push(told);
@@ -130,6 +139,11 @@ fn doubts(check: &[Comparison]) -> String {
             "the simulated mean is known",
             &runs,
             ": it needs more check_runs",
+        )
+        + &part(
+            "the measurement was repeated",
+            &repeats,
+            ": measure it more often",
         )
 }
 

@@ -1,7 +1,7 @@
 //! Estimates, intervals and what the data leave open.
 
 use super::toy::{Toy, measured, model, parameter, problem, run, shown, value};
-use calibration::{LoopSettings, Prior, Role};
+use calibration::{LoopSettings, Measurement, Prior, Role};
 
 /// y = 2 a without noise, measured 1.2 +- 0.1 (ten values): a = 0.6, se = 0.1 / sqrt(10) / 2, and the interval is
 /// t(9) = 2.262 standard errors wide on each side, because the standard deviation comes from ten values.
@@ -186,6 +186,16 @@ fn two_separate_solutions_are_both_told() {
         (separate[0] - 0.2).abs() < 1e-6 && (separate[1] - 0.8).abs() < 1e-6,
         "{separate:?}"
     );
+    let other = if result.parameters[0].value > 0.5 {
+        "also a = 0.2"
+    } else {
+        "also a = 0.8"
+    };
+    let told = result.remarks.join(" ");
+    assert!(
+        told.contains("separate solutions") && told.contains(other),
+        "{told}"
+    );
 }
 
 /// The check is measured of another model, y2 = 3 a at a = 0.6: predicted 1.8. What was measured, 1.8, holds; 2.4, which is
@@ -316,6 +326,36 @@ fn a_check_of_two_runs_that_scatter_is_told_as_such() {
     for part in ["would bear a difference of 2.4", "more check_runs"] {
         assert!(result.verdict.contains(part), "{}", result.verdict);
     }
+}
+
+/// A check measured twice has one degree of freedom: Student's t of 12.7 is what it would bear, whatever the runs. It is the
+/// measurement that needs more values.
+#[test]
+fn a_check_that_was_measured_twice_is_told_as_such() {
+    let toy = Toy {
+        law: |model, p| shown("y", if model == "fit" { 2.0 } else { 3.0 } * p("a")),
+        noise: 0.001,
+    };
+    let problem = problem(
+        vec![parameter("a", [0.0, 1.0])],
+        vec![model("fit", &[0]), model("kept", &[0])],
+        vec![
+            measured(0, "y", Role::Fit, (1.2, 0.005)),
+            Measurement {
+                n: 2.0,
+                ..measured(1, "y", Role::Check, (2.5, 0.3))
+            },
+        ],
+    );
+    let result = run(&toy, &problem).unwrap();
+    assert!(result.check[0].holds, "{:?}", result.check);
+    for part in [
+        "the measurement was repeated so little",
+        "measure it more often",
+    ] {
+        assert!(result.verdict.contains(part), "{}", result.verdict);
+    }
+    assert!(!result.verdict.contains("check_runs"), "{}", result.verdict);
 }
 
 /// The check is another observable of the same runs, z = 3 a, measured far from what a = 0.6 shows: the surfaces know it, and

@@ -140,12 +140,18 @@ fn fixed_part(a: &Estimate, b: &Estimate, slope: f64) -> String {
 fn solutions(page: &mut Page<'_>) -> Result<(), Error> {
     let found = page.input.calibration;
     let set = &found.solutions;
+    let share = digits(100.0 * set.share_of_box);
+    let said = if found.fit.iter().all(|row| row.holds) {
+        format!("{share} % of the last box agrees with all measurements of the fit at 95 %.")
+    } else {
+        format!(
+            "No point of the last box agrees with all measurements of the fit; {share} % of it does nearly as well as the best \
+             point (at 95 %)."
+        )
+    };
     page.report
         .subsection("The set of solutions")
-        .paragraph(&format!(
-            "{} % of the last box agrees with all measurements of the fit at 95 %.",
-            digits(100.0 * set.share_of_box)
-        ));
+        .paragraph(&said);
     let names = (1..=set.separate.len()).map(|k| Column::number(format!("solution {k}")));
     let mut columns = vec![
         Column::text("parameter"),
