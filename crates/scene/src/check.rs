@@ -360,6 +360,17 @@ impl Scene {
 
     /// Finds names that refer to nothing, and contacts that nobody states.
     fn check_names(&self, found: &mut Vec<Error>) {
+        let own_names = self.seed.iter().map(|s| ("seed.name", &s.name));
+        let own_names = own_names.chain(self.wall.iter().map(|w| ("wall.name", &w.name)));
+        let own_names = own_names.chain(self.material.keys().map(|name| ("material", name)));
+        for (key, name) in own_names.filter(|(_, name)| !is_name(name)) {
+            let requirement = "not empty, and without line breaks, commas and quotation marks: it stands in tables";
+            found.push(bad(key, format!("{name:?}"), requirement));
+        }
+        for name in self.material.keys().filter(|name| name.contains('-')) {
+            let requirement = "without '-', which stands between the two materials of a contact: write _ or a blank";
+            found.push(bad("material", format!("{name:?}"), requirement));
+        }
         let seeds = self.seed.iter().map(|s| s.material.as_str());
         let in_contacts = self.contact.keys().flat_map(|pair| pair.split('-'));
         let mut names: Vec<&str> = Vec::new();
@@ -397,13 +408,6 @@ impl Scene {
                     requirement,
                 ));
             }
-        }
-        let own_names = self.seed.iter().map(|s| ("seed.name", &s.name));
-        let own_names = own_names.chain(self.wall.iter().map(|w| ("wall.name", &w.name)));
-        let own_names = own_names.chain(self.material.keys().map(|name| ("material", name)));
-        for (key, name) in own_names.filter(|(_, name)| !is_name(name)) {
-            let requirement = "not empty, and without line breaks, commas and quotation marks: it stands in tables";
-            found.push(bad(key, format!("{name:?}"), requirement));
         }
         let walls = self.apparatus.mesh_walls().into_iter();
         let own: Vec<String> = walls.map(|wall| wall.name).collect();

@@ -92,6 +92,13 @@ fn names_that_break_a_table_are_refused() {
         assert!(told.contains("beads.toml: seed.name is"), "{name}: {told}");
         assert!(!told.contains('\n'), "{told}");
     }
+    let dashed = BEADS.replace("glass", "crown-glass");
+    let told = Scene::from_text(&dashed, "beads.toml", Path::new("."), &[]).unwrap_err();
+    let told = told.to_string();
+    assert!(
+        told.contains("material is \"crown-glass\"") && told.contains("without '-'"),
+        "{told}"
+    );
     let text = BEADS.replace("name = \"bead\"", "name = \"soy bean (dry) 7.2 mm\"");
     assert!(Scene::from_text(&text, "beads.toml", Path::new("."), &[]).is_ok());
 }
