@@ -11,8 +11,8 @@ use std::collections::BTreeMap;
 const TAILS: f64 = 0.05;
 /// Beyond so many degrees of freedom Student's quantile is the normal one to five digits.
 const MANY: f64 = 1e6;
-/// Standard error along a combination, in widths of the limits, from which its 95 % interval is as wide as the limits.
-const OPEN: f64 = 0.255;
+/// Half the width of the limits, in widths of them: a combination with such a half interval or a wider one is open.
+const OPEN: f64 = 0.5;
 /// Information of an even spread over the limits, in 1 / widths²: the variance of that is 1/12.
 const EVEN_SPREAD: f64 = 12.0;
 /// Share of a parameter (its squared weights) in open combinations from which it counts as open itself.
@@ -58,9 +58,9 @@ fn directions(information: &DMatrix<f64>) -> Vec<Direction> {
     .collect()
 }
 
-/// Whether a parameter takes part in a combination whose interval is as wide as the limits.
-fn is_open(directions: &[Direction], j: usize) -> bool {
-    let open = directions.iter().filter(|d| d.se >= OPEN);
+/// Whether a parameter takes part in a combination whose interval, `t` standard errors to each side, is as wide as the limits.
+fn is_open(directions: &[Direction], j: usize, t: f64) -> bool {
+    let open = directions.iter().filter(|d| t * d.se >= OPEN);
     open.map(|d| d.weights[j].powi(2)).sum::<f64>() > SHARE
 }
 
@@ -139,7 +139,8 @@ impl Uncertainty {
     fn standard_error(&self, j: usize, parameter: &Parameter) -> Option<f64> {
         let se = self.covariance[(j, j)].sqrt();
         let width = parameter.limits[1] - parameter.limits[0];
-        (se < OPEN * width && !is_open(&self.directions, j)).then_some(se)
+        let t = self.quantile(j);
+        (t * se < OPEN * width && !is_open(&self.directions, j, t)).then_some(se)
     }
 
     /// Combinations of parameters whose interval is as wide as the limits, by the data alone.
@@ -148,7 +149,13 @@ impl Uncertainty {
         parameters: &[Parameter],
         free: &[bool],
     ) -> Vec<OpenCombination> {
-        let open = self.by_data.iter().filter(|d| d.se >= OPEN);
+        // Of a combination no degrees of freedom are known: those of its parameters, the fewest.
+        let free_ones = (0..parameters.len()).filter(|&j| free[j]);
+        let t = |d: &Direction| {
+            let taking_part = free_ones.clone().filter(|&j| d.weights[j].powi(2) > SHARE);
+            taking_part.map(|j| self.quantile(j)).fold(0.0, f64::max)
+        };
+        let open = self.by_data.iter().filter(|d| t(d) * d.se >= OPEN);
         open.filter_map(|direction| {
             let weights: BTreeMap<String, f64> = direction
                 .weights
@@ -204,7 +211,8 @@ pub(crate) fn estimates(
             value,
             se: se.filter(|_| fit.free[j]),
             interval95,
-            fixed_by_data: fit.free[j] && !is_open(&uncertainty.by_data, j),
+            fixed_by_data: fit.free[j]
+                && !is_open(&uncertainty.by_data, j, uncertainty.quantile(j)),
             at_limit: fit.free[j]
                 && ((value - least).abs() < ON_A_LIMIT * width
                     || (most - value).abs() < ON_A_LIMIT * width),

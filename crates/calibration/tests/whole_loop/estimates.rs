@@ -80,6 +80,29 @@ fn a_curved_simulator_gives_its_parameters_back() {
     assert!(result.met, "{}", result.verdict);
 }
 
+/// y = 2 a was measured twice, 1.0 +- 0.3: the standard error of a is 0.106, and Student's t of 12.7 makes its interval wider than
+/// all that is possible. By ten values of the same scatter it is fixed.
+#[test]
+fn two_values_fix_nothing_that_student_does_not() {
+    let toy = Toy {
+        law: |_, p| shown("y", 2.0 * p("a")),
+        noise: 0.001,
+    };
+    let fixed = |n: f64| {
+        let measured = Measurement {
+            n,
+            ..measured(0, "y", Role::Fit, (1.0, 0.3))
+        };
+        let parameters = vec![parameter("a", [0.0, 1.0])];
+        let problem = problem(parameters, vec![model("m", &[0])], vec![measured]);
+        let result = run(&toy, &problem).unwrap();
+        let a = &result.parameters[0];
+        (a.fixed_by_data, a.se.is_some(), a.interval95 == [0.0, 1.0])
+    };
+    assert_eq!(fixed(2.0), (false, false, true));
+    assert_eq!(fixed(10.0), (true, true, false));
+}
+
 /// b acts on nothing: the data cannot fix it, its interval is all that is possible, and a is not disturbed.
 #[test]
 fn a_dead_parameter_is_told_as_open() {
