@@ -295,7 +295,14 @@ struct Law {
     model: String,
     /// Its settings, behind the shape.
     settings: String,
+    /// Whether a material is softer than it takes without being told.
+    is_soft: bool,
 }
+
+/// Restitutions that it takes lie above this.
+const LEAST_RESTITUTION: f64 = 0.05;
+/// Young's modulus below which it wants to be told that particles are soft, Pa.
+const SOFT: f64 = 5e6;
 
 /// The laws of the contacts of a scene.
 fn law(scene: &Scene, drum: &Drum, bodies: &[Arc<SeedBody>]) -> Result<Law, Error> {
@@ -317,6 +324,25 @@ fn law(scene: &Scene, drum: &Drum, bodies: &[Arc<SeedBody>]) -> Result<Law, Erro
         list(table.map(|k| of(contacts[k])))
     };
     let shares = Shares::of(scene, bodies);
+    let refused = |what: String, way_out| {
+        Err(Error::NotThere {
+            what,
+            tool: TOOL,
+            way_out,
+        })
+    };
+    for (contact, name) in contacts.iter().zip(names) {
+        let restitution = restitution_of_body(contact.restitution.get(), shares.mass);
+        if restitution <= LEAST_RESTITUTION {
+            let shown = quantity::significant(restitution, 3);
+            let what = format!("restitution {shown} between {} and {name}", names[0]);
+            return refused(what, "it takes values above 0.05 alone");
+        }
+    }
+    if let Some((negative, name)) = poisson.iter().zip(names).find(|(nu, _)| **nu < 0.0) {
+        let what = format!("Poisson's ratio {negative} of {name}");
+        return refused(what, "it takes values from 0 to 0.5 alone");
+    }
     let mut properties = format!(
         "fix young all property/global youngsModulus peratomtype {}\n\
          fix poisson all property/global poissonsRatio peratomtype {}\n\
@@ -349,6 +375,7 @@ fn law(scene: &Scene, drum: &Drum, bodies: &[Arc<SeedBody>]) -> Result<Law, Erro
         settings.push_str(" limitForce on");
     }
     Ok(Law {
+        is_soft: young.iter().any(|modulus| *modulus < SOFT),
         properties,
         model,
         settings,
@@ -433,7 +460,7 @@ fn script(
          boundary f f f\n\
          newton off\n\
          communicate single vel yes\n\
-         hard_particles yes\n\
+         hard_particles yes\n{soft}\
          region box block {low} {high} {low} {high} {} {} units box\n\
          create_box 3 box\n\
          neighbor {smallest:e} bin\n\
@@ -455,6 +482,11 @@ fn script(
         down.sin(),
         low = -1.6 * radius,
         high = 1.6 * radius,
+        soft = if law.is_soft {
+            "soft_particles yes\n"
+        } else {
+            ""
+        },
         properties = law.properties,
         model = law.model,
         settings = law.settings,
@@ -498,6 +530,40 @@ mod tests {
     fn drum() -> Scene {
         let file = fixture("cotton/drum.toml");
         Scene::read(&file, &[]).unwrap()
+    }
+
+    /// What it stops at when it reads a deck is refused here, or told to it: soft seeds, and restitutions of 0.05 or less. These
+    /// spheres have the mass of their body.
+    #[test]
+    fn what_it_would_stop_at_is_refused_or_told() {
+        let deck_of = |changes: &[(&str, &str)]| {
+            let set = changes.iter().map(|(name, value)| scene::Override {
+                name: (*name).into(),
+                value: (*value).into(),
+            });
+            let set: Vec<_> = set.collect();
+            let scene = Scene::read(&fixture("peers-study/spheres.toml"), &set).unwrap();
+            let (_, bodies, step) = starting_frame(&scene, &FillingLibrary::default(), 1).unwrap();
+            deck(&scene, &bodies, step, 1).map(|files| files[0].text.clone())
+        };
+        let hard = deck_of(&[]).unwrap();
+        assert!(!hard.contains("soft_particles"), "{hard}");
+        let soft = deck_of(&[("material.bead.shear_modulus", "1 MPa")]).unwrap();
+        assert!(
+            soft.contains("hard_particles yes\nsoft_particles yes\n"),
+            "{soft}"
+        );
+        for (name, value, word) in [
+            ("contact.bead-bead.restitution", "0.02", "restitution 0.02"),
+            (
+                "material.bead.poisson_ratio",
+                "-0.2",
+                "Poisson's ratio -0.2",
+            ),
+        ] {
+            let told = deck_of(&[(name, value)]).unwrap_err().to_string();
+            assert!(told.contains(word) && told.contains("LIGGGHTS"), "{told}");
+        }
     }
 
     /// Values by hand for the study's drum: `E = 2 G (1 + nu)` = 9.1428e6 Pa; 10 rpm. Restitution 0.06 has b = 0.66713;
