@@ -3,6 +3,7 @@
 use crate::file::{MeasuredCorrelation, MeasuredValue, PhotoOptions};
 use crate::photo_values::{SPEED, Wanted, take_over};
 use campaign::in_full;
+use command_line::file_sha256;
 use photo_profile::{
     DrumPixels, MAX_ANGLE_ERROR, Mask, Mode, PhotoPixels, PhotoReading, PixelPoint, Settings,
     measure_photo, one_of, picture_files, read_frames, rectify, surface_shift,
@@ -55,6 +56,32 @@ pub(crate) struct Shown<'a> {
     pub(crate) radius: Option<f64>,
     /// Observables that the scene gives.
     pub(crate) observables: &'a [&'a str],
+}
+
+/// That files have the bytes of one before them: a copy of a photo is no further one.
+fn copies(files: &[PathBuf]) -> Option<String> {
+    let mut seen: BTreeMap<String, &PathBuf> = BTreeMap::new();
+    let mut copies = Vec::new();
+    for file in files {
+        // A file that cannot be read is told where it is read.
+        let Ok(hash) = file_sha256(file) else {
+            continue;
+        };
+        match seen.get(&hash) {
+            Some(other) => copies.push((file, *other)),
+            None => {
+                seen.insert(hash, file);
+            }
+        }
+    }
+    let (copy, other) = copies.first()?;
+    Some(format!(
+        "{} of {} photos are copies of others, as '{}' of '{}': they count as further ones; take them out",
+        copies.len(),
+        files.len(),
+        copy.display(),
+        other.display()
+    ))
 }
 
 /// Reads all photos of a measurement; every one that cannot be measured is told.
@@ -114,6 +141,7 @@ pub(crate) fn read(
         correlations: Vec::new(),
         remarks: Vec::new(),
     };
+    series.remarks.extend(copies(&series.files));
     if let Some(first) = lost.first() {
         let (lost, all) = (lost.len(), lost.len() + speeds.len());
         let remark = format!("{SPEED}: {lost} of {all} pairs of pictures do not tell it: {first}");

@@ -236,6 +236,11 @@ fn photos_are_read_as_the_file_says() {
     assert_eq!(angles.len(), 5);
     let found = &turned.photos[0].angles_deg;
     assert_eq!(found.len(), 3);
+    let told = as_is.photos[0].remarks.join(" ");
+    assert!(
+        told.contains("3 of 5 photos are copies of others"),
+        "{told}"
+    );
     for (found, angle) in found.iter().zip(angles.iter().step_by(2)) {
         assert!((found - angle - 3.0).abs() < 0.2, "{found} for {angle}");
     }
