@@ -304,6 +304,17 @@ impl SeedSettings {
 }
 
 impl Scene {
+    /// Share of the volume of the apparatus that the settled bed takes by the numbers and volumes of its seeds; none in a bench
+    /// test, or where a volume is not known without the mesh.
+    pub fn expected_fill(&self) -> Option<f64> {
+        let volume = |kind: &SeedSettings| {
+            let solid = kind.solid_fraction.unwrap_or(SOLID_FRACTION);
+            Some(self.count_of(kind) as f64 * kind.volume()? / solid)
+        };
+        let all: Option<Vec<f64>> = self.seed.iter().map(volume).collect();
+        Some(all?.iter().sum::<f64>() / self.apparatus.bed_volume()?)
+    }
+
     /// Number of seeds of a kind, whichever of its keys states it; rounded to the nearest. 1 in a bench test that
     /// states none.
     pub fn count_of(&self, kind: &SeedSettings) -> usize {

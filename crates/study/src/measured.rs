@@ -7,9 +7,13 @@ use crate::photos::{self, PhotoSeries, Shown};
 use crate::problem::Problems;
 use crate::scenes::{Models, Scenes, condition_text};
 use calibration::{Correlation, Measurement};
+use quantity::significant;
 use scene::OBSERVABLES_OF_A_BED;
 use scene::{Apparatus, Scene};
 use std::path::Path;
+
+/// Difference of two fill levels from which a bed is another one: a share of the drum that no packing of the same seeds makes.
+const FILL_OF_ANOTHER_BED: f64 = 0.1;
 
 /// Measurements, their models, and the photos behind them.
 #[derive(Debug, Default)]
@@ -107,11 +111,14 @@ impl Resolved {
             radius: Some(scene.apparatus.radius()),
             observables: &observables,
         };
-        let series = read_photos(document, entry, folder, shown, problems);
+        let mut series = read_photos(document, entry, folder, shown, problems);
         let taken = series.iter().flat_map(|s| &s.values);
         values.extend(taken.map(|(name, value)| (name.clone(), *value)));
         let (model, is_new) = self.models.number_of(&entry.scene, &entry.condition, scene);
         let built = &self.models.scenes[model];
+        if let Some(series) = &mut series {
+            series.remarks.extend(other_fill(built, series));
+        }
         if is_new && let Err(error) = built.build_check(&scenes.fillings) {
             let what = format!("{}: the scene cannot be built:", words(entry));
             problems.add(document.problem(&entry.path, what, error.to_string()));
@@ -137,6 +144,22 @@ impl Resolved {
         self.correlations.extend(found);
         self.photos.extend(series);
     }
+}
+
+/// That photos of a drum show it filled otherwise than the seeds of the scene fill it: no parameter meets that.
+fn other_fill(scene: &Scene, series: &PhotoSeries) -> Option<String> {
+    let shown = series.values.get("fill_level")?.mean;
+    let expected = scene.expected_fill()?;
+    let is_other = matches!(scene.apparatus, Apparatus::Drum(_))
+        && (shown - expected).abs() > FILL_OF_ANOTHER_BED;
+    is_other.then(|| {
+        format!(
+            "fill_level: the photos show {} of the drum filled, and the seeds of the scene fill about {}: look at their \
+             fill_level, count or total_mass",
+            significant(shown, 2),
+            significant(expected, 2)
+        )
+    })
 }
 
 /// The photos of a measurement in a folder; none where it has none, or they cannot be read, which is
