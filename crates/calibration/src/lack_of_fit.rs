@@ -57,8 +57,8 @@ impl Missed {
 ///
 /// # Formula
 ///
-/// Pure error is the mean square of the repeats about their means, d its degrees of freedom. The residuals of the surface without
-/// their share of it are compared with it by F `[Myers2016, chapter 2]`, and so is `d² / (1/n + h)`, by `F(1, d)`: d the
+/// Pure error is the mean square of the repeats about their means, q its degrees of freedom. The residuals of the surface without
+/// their share of it are compared with it by F `[Myers2016, chapter 2]`, and so is `m² / (1/n + h)`, by `F(1, q)`: m the
 /// difference of the mean of n fresh runs and the surface, h the leverage there.
 pub(crate) fn missed(
     problem: &CalibrationProblem,

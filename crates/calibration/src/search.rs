@@ -106,8 +106,8 @@ impl<'a> Search<'a> {
         })
     }
 
-    /// Goes on in a smaller box where fresh runs at the best point, or the runs behind a surface, tell that it misses them; what
-    /// was found before otherwise, or where no box is left.
+    /// Goes on in a smaller box where fresh runs at the best point, or the runs behind a surface, tell that it misses them, and
+    /// says whether it did; what was found before otherwise, or where no box is left.
     ///
     /// # Errors
     ///
@@ -121,14 +121,12 @@ impl<'a> Search<'a> {
         let boxes = self.boxes.len();
         match self.smaller(&found, fresh) {
             Next::Move(region, why) if boxes < self.most_boxes() => {
-                let before = found.best.clone();
                 let now = self.onward(region, why, Some(found), announce)?;
                 let now = now.ok_or(Error::Search {
                     what: "the estimate",
                     reason: "no box was searched".into(),
                 })?;
-                let moved = self.boxes.len() > boxes || now.best != before;
-                Ok((now, moved))
+                Ok((now, self.boxes.len() > boxes))
             }
             _ => Ok((found, false)),
         }
@@ -395,8 +393,8 @@ impl<'a> Search<'a> {
             let model = surface.model;
             let samples = self.samples.get(&model).cloned().unwrap_or_default();
             let regime = self.regime.get(&model).cloned().unwrap_or_default();
-            let (inside, outside) = of_regime(&samples.done, &regime);
-            let used = near(inside, &surface.parameters, &found.region);
+            let (_, outside) = of_regime(&samples.done, &regime);
+            let used = self.used(surface, &found.region);
             let own =
                 |at: &[f64]| -> Vec<f64> { surface.parameters.iter().map(|&j| at[j]).collect() };
             let mut left_out: Vec<LeftOut> = outside
