@@ -265,7 +265,7 @@ impl Estimated {
     fn new(asked: Asked<'_>, confirmed: &Confirmed) -> Result<Self, Error> {
         let problem = asked.problem;
         let found = &confirmed.found;
-        let fit = found.fit(&problem.parameters, &problem.fitted());
+        let fit = found.fit(problem);
         let best = best_of(&found.minima)?;
         let uncertainty = Uncertainty::new(&fit, best, &found.whitening);
         let parameters = estimates(&fit, best, &found.whitening, &uncertainty);

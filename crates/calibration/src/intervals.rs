@@ -1,6 +1,6 @@
 //! From the least misfit to standard errors, intervals, correlations, and what the data leave open.
 
-use crate::joint_fit::{JointFit, Minimum, Whitening};
+use crate::joint_fit::{JointFit, Minimum, Target, Whitening};
 use crate::noisy_slopes::standing_out;
 use crate::{Error, Estimate, FitTest, OpenCombination, Parameter};
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
@@ -71,12 +71,14 @@ impl Uncertainty {
     ///
     /// Covariance `C = (J'V^-1 J + P)^-1`, J the slopes of the surfaces [as far as they stand out of their
     /// noise](standing_out), P the precisions of the priors. The parameters
-    /// are `C J'V^-1 y + ...`, so that the variance of parameter j is a sum of parts, one for each measured variance
-    /// (n - 1 degrees of freedom) and one for each surface (n - p); what priors and limits add is known. Its effective degrees of freedom are those of
-    /// Satterthwaite: `(sum of parts)² / sum of (part² / degrees of freedom)` `[Satterthwaite1946]`. Because the weights are
-    /// estimated too, C grows to `C + C (sum over i of 4 (1 - h_i) / d_i j_i j_i') C`, `j_i` the whitened slopes of
-    /// measurement i, `d_i` the degrees of freedom of its variance, `h_i = j_i' C j_i` `[KenwardRoger1997, section 2, for
-    /// independent variances]`.
+    /// are `C J'V^-1 y + ...`, so that the variance of parameter j is a sum of parts, one for each measured mean or group of
+    /// correlated ones (n - 1 degrees of freedom) and one for each surface (n - p); what priors and limits add is known. Its
+    /// effective degrees of freedom are those of Satterthwaite: `(sum of parts)² / sum of (part² / degrees of freedom)`
+    /// `[Satterthwaite1946]`. Because V is estimated too, C grows to
+    /// `C + 2 C sum over parts of (A'(M B M + M tr(B M)) A / d) C`: A the slopes, M the part of V and `B = 1 - A C A'`, all
+    /// whitened by V, d the degrees of freedom of the part, an estimated (Wishart) covariance matrix
+    /// `[KenwardRoger1997, section 2]`. For independent variances that is `4 (1 - h_i) / d_i` times `j_i j_i'`, measurement by
+    /// measurement, `j_i` its row of A and `h_i = j_i' C j_i`.
     pub(crate) fn new(fit: &JointFit<'_>, best: &Minimum, whitening: &Whitening) -> Self {
         let k = fit.parameters.len();
         let (_, jacobian) = fit.residuals(&best.coded, whitening, &[]);
@@ -99,7 +101,7 @@ impl Uncertainty {
             |m: DMatrix<f64>| DMatrix::from_fn(k, k, |i, j| m[(i, j)] * width[i] * width[j]);
         let covariance = bounded_inverse(&all);
         let degrees_of_freedom = effective(fit, best, whitening, &scaled, &covariance);
-        let grown = with_estimated_weights(fit, best, &scaled, &covariance);
+        let grown = with_estimated_weights(fit, best, whitening, &scaled, &covariance);
         let inflation = (0..k).map(|j| grown[(j, j)] / covariance[(j, j)]).collect();
         Self {
             directions: directions(&all),
@@ -293,15 +295,11 @@ fn effective(
     let whitened_gain = covariance * scaled.rows(0, n).transpose();
     let gain = whitening.plain(&whitened_gain);
     let mut squares = vec![0.0; fit.parameters.len()];
-    let mut add = |j: usize, part: f64, dof: f64| squares[j] += part * part / dof;
     for (first, block) in fit.blocks() {
-        let surface = fit.surface_covariance(block, &at);
-        let dof = fit.surfaces[block[0].surface].degrees_of_freedom;
-        for j in 0..fit.parameters.len() {
-            let g = gain.row(j).columns(first, block.len()).transpose();
-            add(j, (&surface * &g).dot(&g), dof);
-            for (target, g) in block.iter().zip(g.iter()) {
-                add(j, g * g * target.variance, target.degrees_of_freedom);
+        for part in estimated_parts(fit, block, &at) {
+            for (j, squares) in squares.iter_mut().enumerate() {
+                let g = gain.row(j).columns(first, block.len()).transpose();
+                *squares += (&part.covariance * &g).dot(&g).powi(2) / part.degrees_of_freedom;
             }
         }
     }
@@ -317,19 +315,71 @@ fn effective(
     .collect()
 }
 
+/// A covariance that was estimated: part of V of one block.
+struct EstimatedPart {
+    /// The covariance, over the targets of the block.
+    covariance: DMatrix<f64>,
+    /// Degrees of freedom of its estimate.
+    degrees_of_freedom: f64,
+}
+
+/// What V of a block is made of: the covariance of the surface, and one of each group of measured means that go together. Means
+/// that do were read from the same frames: of their degrees of freedom the fewest count.
+fn estimated_parts(fit: &JointFit<'_>, block: &[Target], at: &[f64]) -> Vec<EstimatedPart> {
+    let measured = fit.measured_covariance(block);
+    let mut parts = vec![EstimatedPart {
+        covariance: fit.surface_covariance(block, at),
+        degrees_of_freedom: fit.surfaces[block[0].surface].degrees_of_freedom,
+    }];
+    let mut grouped = vec![false; block.len()];
+    for first in 0..block.len() {
+        if grouped[first] {
+            continue;
+        }
+        grouped[first] = true;
+        let mut group = vec![first];
+        let mut next = 0;
+        while let Some(&a) = group.get(next) {
+            for b in 0..block.len() {
+                if !grouped[b] && measured[(a, b)] != 0.0 {
+                    grouped[b] = true;
+                    group.push(b);
+                }
+            }
+            next += 1;
+        }
+        let inside = |k: usize| f64::from(u8::from(group.contains(&k)));
+        let (n, each) = (block.len(), group.iter());
+        let degrees = each.map(|&k| block[k].degrees_of_freedom);
+        parts.push(EstimatedPart {
+            covariance: DMatrix::from_fn(n, n, |a, b| measured[(a, b)] * inside(a) * inside(b)),
+            degrees_of_freedom: degrees.fold(f64::INFINITY, f64::min),
+        });
+    }
+    parts
+}
+
 /// The covariance of the parameters where the weights are estimates.
 fn with_estimated_weights(
     fit: &JointFit<'_>,
     best: &Minimum,
+    whitening: &Whitening,
     scaled: &DMatrix<f64>,
     covariance: &DMatrix<f64>,
 ) -> DMatrix<f64> {
+    let at = fit.natural(&best.coded);
     let k = fit.parameters.len();
     let mut sum = DMatrix::zeros(k, k);
-    for (i, dof) in variance_dof(fit, best).into_iter().enumerate() {
-        let slopes = scaled.row(i).transpose();
-        let leverage = (covariance * &slopes).dot(&slopes);
-        sum += &slopes * slopes.transpose() * (4.0 * (1.0 - leverage).max(0.0) / dof);
+    for (first, block) in fit.blocks() {
+        let n = block.len();
+        let slopes = scaled.rows(first, n);
+        let left = DMatrix::identity(n, n) - slopes * covariance * slopes.transpose();
+        for part in estimated_parts(fit, block, &at) {
+            let part_of_v = whitening.whitened(first, &part.covariance);
+            let turned =
+                &part_of_v * &left * &part_of_v + &part_of_v * (&left * &part_of_v).trace();
+            sum += slopes.transpose() * turned * slopes * (2.0 / part.degrees_of_freedom);
+        }
     }
     covariance + covariance * sum * covariance
 }

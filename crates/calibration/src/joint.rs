@@ -101,8 +101,10 @@ pub(crate) fn joint_estimate(
     surfaces: &[Surface],
 ) -> Result<JointEstimate, Error> {
     let problem = asked.problem;
-    let used = problem.measurements.iter().filter(|m| m.role != Role::Show);
-    let fit = JointFit::new(&problem.parameters, region, surfaces, &used);
+    let roles = [Role::Fit, Role::Check];
+    let used = problem.measurements.iter();
+    let used = used.filter(|m| roles.contains(&m.role));
+    let fit = JointFit::new(problem, region, surfaces, &roles);
     let (minima, whitening) = fit.solve(asked.settings.seed)?;
     let best = best_of(&minima)?;
     let uncertainty = Uncertainty::new(&fit, best, &whitening);

@@ -2,14 +2,15 @@
 //!
 //! # Formula
 //!
-//! Q(theta) = r' V^-1 r + sum over priors of ((theta - mean) / sd)², with r = measured - surface(theta), V the variances
-//! of the measured means plus the covariance of the surfaces there, `x'(X'X)^-1 x` times that of a run. V is taken at
+//! Q(theta) = r' V^-1 r + sum over priors of ((theta - mean) / sd)², with r = measured - surface(theta), V the covariance
+//! of the measured means plus that of the surfaces there, `x'(X'X)^-1 x` times that of a run. V is taken at
 //! the last estimate and renewed until it stands. The least Q is searched inside the box by Levenberg's and
 //! Marquardt's steps from many starts `[Marquardt1963]`.
 
+use crate::correlated::correlation_of;
 use crate::region::Region;
 use crate::surface::Surface;
-use crate::{Error, Measurement, Parameter};
+use crate::{CalibrationProblem, Error, Parameter, Role};
 use nalgebra::{Cholesky, DMatrix, DVector};
 use random_stream::Stream;
 
@@ -25,6 +26,8 @@ const FLAT: f64 = 1e-13;
 /// A measured mean that the estimate uses.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Target {
+    /// Number of the measurement in the problem.
+    pub(crate) measurement: usize,
     /// Number of the surfaces in the list of the fit.
     pub(crate) surface: usize,
     /// Place of the observable there.
@@ -40,6 +43,8 @@ pub(crate) struct Target {
 /// Surfaces, measurements and priors in a box.
 #[derive(Debug)]
 pub(crate) struct JointFit<'a> {
+    /// What was measured, and how its means go together.
+    problem: &'a CalibrationProblem,
     /// Parameters of the problem.
     pub(crate) parameters: &'a [Parameter],
     /// Where the search is made; its coordinates are -1 to 1 there.
@@ -80,18 +85,22 @@ pub(crate) struct Leash {
 }
 
 impl<'a> JointFit<'a> {
-    /// Joins measurements to surfaces; a parameter on which no surface and no prior depends stays at its start.
-    pub(crate) fn new<'m>(
-        parameters: &'a [Parameter],
+    /// Joins the measurements of some roles to surfaces; a parameter on which no surface and no prior depends stays at its
+    /// start.
+    pub(crate) fn new(
+        problem: &'a CalibrationProblem,
         region: &'a Region,
         surfaces: &'a [Surface],
-        measurements: &(impl Iterator<Item = &'m Measurement> + Clone),
+        roles: &[Role],
     ) -> Self {
+        let parameters = &problem.parameters;
         let mut targets = Vec::new();
         for (s, surface) in surfaces.iter().enumerate() {
-            let of_model = measurements.clone().filter(|m| m.model == surface.model);
-            targets.extend(of_model.filter_map(|m| {
+            let all = problem.measurements.iter().enumerate();
+            let of_model = all.filter(|(_, m)| m.model == surface.model && roles.contains(&m.role));
+            targets.extend(of_model.filter_map(|(measurement, m)| {
                 Some(Target {
+                    measurement,
                     surface: s,
                     observable: surface.place(&m.observable)?,
                     mean: m.mean,
@@ -104,6 +113,7 @@ impl<'a> JointFit<'a> {
         let each = parameters.iter().enumerate();
         let free = each.map(|(j, p)| acts(j) || p.prior.is_some());
         Self {
+            problem,
             parameters,
             region,
             surfaces,
@@ -143,6 +153,19 @@ impl<'a> JointFit<'a> {
         })
     }
 
+    /// Correlation of the measured means of two targets.
+    pub(crate) fn correlation(&self, a: &Target, b: &Target) -> f64 {
+        correlation_of(self.problem, a.measurement, b.measurement)
+    }
+
+    /// Covariance of the measured means of one block.
+    pub(crate) fn measured_covariance(&self, block: &[Target]) -> DMatrix<f64> {
+        DMatrix::from_fn(block.len(), block.len(), |a, b| {
+            let (a, b) = (&block[a], &block[b]);
+            self.correlation(a, b) * (a.variance * b.variance).sqrt()
+        })
+    }
+
     /// Targets of each surface, with the number of the first.
     pub(crate) fn blocks(&self) -> Vec<(usize, &[Target])> {
         let mut first = 0;
@@ -164,10 +187,7 @@ impl<'a> JointFit<'a> {
     pub(crate) fn whitening(&self, at: &[f64]) -> Result<Whitening, Error> {
         let mut blocks = Vec::new();
         for (first, block) in self.blocks() {
-            let mut covariance = self.surface_covariance(block, at);
-            for (k, target) in block.iter().enumerate() {
-                covariance[(k, k)] += target.variance;
-            }
+            let covariance = self.surface_covariance(block, at) + self.measured_covariance(block);
             let root = Cholesky::new(covariance).ok_or(Error::Search {
                 what: "the weights of the measurements",
                 reason: "their covariance is not positive definite: are two observables the same?"

@@ -143,11 +143,6 @@ pub struct CalibrationProblem {
 pub const MOST_PARAMETERS: usize = 12;
 
 impl CalibrationProblem {
-    /// What an estimate may see: the measurements of role fit, in their order.
-    pub(crate) fn fitted(&self) -> impl Iterator<Item = &Measurement> + Clone {
-        self.measurements.iter().filter(|m| m.role == Role::Fit)
-    }
-
     /// The same with nothing that could be measured next.
     #[must_use]
     pub fn without_candidates(&self) -> Self {

@@ -7,9 +7,7 @@ use crate::lack_of_fit::{Missed, missed};
 use crate::region::Region;
 use crate::samples::{Asked, Runner, Sample, Samples, Wanted, first_seed, observables, wanted};
 use crate::surface::{Degree, Surface, of_regime, too_few, usual_regime};
-use crate::{
-    CalibrationProblem, Error, LeftOut, Measurement, ModelSurfaces, SearchBox, SurfaceDesign,
-};
+use crate::{CalibrationProblem, Error, LeftOut, ModelSurfaces, Role, SearchBox, SurfaceDesign};
 use quantity::significant;
 use response_surface::{Model, Observations};
 use std::collections::{BTreeMap, BTreeSet};
@@ -269,13 +267,7 @@ impl<'a> Search<'a> {
 
     /// The best point over surfaces in a box.
     pub(crate) fn solve(&self, region: Region, surfaces: Vec<Surface>) -> Result<Found, Error> {
-        let parameters = &self.runner.problem.parameters;
-        let fit = JointFit::new(
-            parameters,
-            &region,
-            &surfaces,
-            &self.runner.problem.fitted(),
-        );
+        let fit = JointFit::new(self.runner.problem, &region, &surfaces, &[Role::Fit]);
         let (minima, whitening) = fit.solve(self.runner.settings.seed)?;
         let best = fit.natural(&best_of(&minima)?.coded);
         let free = fit.free.clone();
@@ -296,7 +288,7 @@ impl<'a> Search<'a> {
     /// through the best point says, and grows with the way.
     fn next(&self, found: &Found) -> Result<Next, Error> {
         let parameters = &self.runner.problem.parameters;
-        let fit = found.fit(parameters, &self.runner.problem.fitted());
+        let fit = found.fit(self.runner.problem);
         let best = best_of(&found.minima)?;
         let (r, jacobian) = fit.residuals(&best.coded, &found.whitening, &[]);
         let (mut centre, mut half) = (found.region.middle(), Vec::new());
@@ -448,12 +440,8 @@ impl<'a> Search<'a> {
 
 impl Found {
     /// The joint fit over the surfaces.
-    pub(crate) fn fit<'f, 'm>(
-        &'f self,
-        parameters: &'f [crate::Parameter],
-        measurements: &(impl Iterator<Item = &'m Measurement> + Clone),
-    ) -> JointFit<'f> {
-        JointFit::new(parameters, &self.region, &self.surfaces, measurements)
+    pub(crate) fn fit<'f>(&'f self, problem: &'f CalibrationProblem) -> JointFit<'f> {
+        JointFit::new(problem, &self.region, &self.surfaces, &[Role::Fit])
     }
 }
 

@@ -1,7 +1,7 @@
 //! How often the 95 % intervals hold the truth.
 
 use super::toy::{Law, Shown, Toy, measured, model, parameter, problem, run_with, shown};
-use calibration::{LoopSettings, Measurement, Role};
+use calibration::{Correlation, LoopSettings, Measurement, Role};
 use random_stream::Stream;
 use rayon::prelude::*;
 
@@ -72,6 +72,62 @@ fn intervals_hold_the_truth_in_95_of_100_studies() {
     let held = studies.reduce(|| [0; 2], |[a, b], [c, d]| [a + c, b + d]);
     let share = f64::from(held[0] + held[1]) / (2 * STUDIES) as f64;
     assert!((0.94..=0.96).contains(&share), "{held:?} of {STUDIES}");
+}
+
+/// Ten frames as a camera would have drawn them, two observables in each: means, standard deviations and correlation.
+fn frames(stream: &mut Stream, correlation: f64) -> ([(f64, f64); 2], f64) {
+    let frame = |_| {
+        let (y, z) = (stream.normal(), stream.normal());
+        let z = correlation * y + (1.0 - correlation * correlation).sqrt() * z;
+        [0.4 + 0.12 * y, 0.6 + 0.18 * z]
+    };
+    let values: Vec<[f64; 2]> = (0..10).map(frame).collect();
+    let mean = [0, 1].map(|k| values.iter().map(|v| v[k]).sum::<f64>() / 10.0);
+    let products = |i: usize, j: usize| {
+        values
+            .iter()
+            .map(|v| (v[i] - mean[i]) * (v[j] - mean[j]))
+            .sum::<f64>()
+    };
+    let sd = [0, 1].map(|k| (products(k, k) / 9.0).sqrt());
+    let found = products(0, 1) / (9.0 * sd[0] * sd[1]);
+    ([0, 1].map(|k| (mean[k], sd[k])), found)
+}
+
+/// One parameter from two means of the same ten frames, whose correlation is told as the frames show it. Of 1000 studies the share
+/// that holds the truth has a standard error of 0.7 %: 95 +- 2 % is three of them. Fitted as if they were independent, all hold it
+/// at a correlation of -0.9 and 88 % at 0.9.
+#[test]
+fn intervals_of_correlated_means_hold_the_truth_as_often() {
+    let toy = Toy {
+        law: |_, p| {
+            let values = vec![("y", p("a")), ("z", 1.5 * p("a"))];
+            Ok(Shown { values, regime: "" })
+        },
+        noise: 0.02,
+    };
+    for correlation in [-0.9, 0.9] {
+        let held = |study: &u64| {
+            let (means, value) = frames(&mut Stream::new(*study, "drawn study"), correlation);
+            let of = |name: &str, mean| measured(0, name, Role::Fit, mean);
+            let mut problem = problem(
+                vec![parameter("a", [0.0, 1.0])],
+                vec![model("m", &[0])],
+                vec![of("y", means[0]), of("z", means[1])],
+            );
+            problem.correlations.push(Correlation { a: 0, b: 1, value });
+            let settings = LoopSettings {
+                seed: 10_000_000 * (study + 1),
+                before_runs: 0,
+                ..LoopSettings::default()
+            };
+            let result = run_with(&toy, &problem, &settings).expect("a study that runs");
+            let [low, high] = result.parameters[0].interval95;
+            low <= 0.4 && 0.4 <= high
+        };
+        let held = (0..1000).into_par_iter().filter(held).count();
+        assert!((930..=970).contains(&held), "{held} at {correlation}");
+    }
 }
 
 /// What six experiments show of one number: five times to nothing of it.

@@ -1,7 +1,7 @@
 //! Estimates, intervals and what the data leave open.
 
-use super::toy::{Toy, measured, model, parameter, problem, run, shown, value};
-use calibration::{LoopSettings, Measurement, Prior, Role};
+use super::toy::{Shown, Toy, measured, model, parameter, problem, run, shown, value};
+use calibration::{Correlation, LoopSettings, Measurement, Prior, Role};
 
 /// y = 2 a without noise, measured 1.2 +- 0.1 (ten values): a = 0.6, se = 0.1 / sqrt(10) / 2, and the interval is
 /// t(9) = 2.262 standard errors wide on each side, because the standard deviation comes from ten values.
@@ -38,6 +38,44 @@ fn a_line_through_one_measurement_has_the_estimate_and_the_interval_of_the_hand(
     );
 }
 
+/// y = z = a, measured 0.5 +- 0.1 and 0.6 +- 0.2 by single values of known error. The best weights of two correlated means are
+/// `(s_z² - r s_y s_z)` and `(s_y² - r s_y s_z)` over their sum; at r = -0.5 that is 5/7 and 2/7, and the variance is
+/// `s_y² s_z² (1 - r²) / (s_y² + s_z² - 2 r s_y s_z) = 0.03 / 7`.
+#[test]
+fn correlated_means_have_the_weights_of_the_hand() {
+    let toy = Toy {
+        law: |_, p| {
+            let values = vec![("y", p("a")), ("z", p("a"))];
+            Ok(Shown { values, regime: "" })
+        },
+        noise: 0.0,
+    };
+    let single = |name: &str, mean| Measurement {
+        n: 1.0,
+        ..measured(0, name, Role::Fit, mean)
+    };
+    let mut problem = problem(
+        vec![parameter("a", [0.0, 1.0])],
+        vec![model("m", &[0])],
+        vec![single("y", (0.5, 0.1)), single("z", (0.6, 0.2))],
+    );
+    problem.correlations.push(Correlation {
+        a: 1,
+        b: 0,
+        value: -0.5,
+    });
+    let result = run(&toy, &problem).unwrap();
+    let a = &result.parameters[0];
+    assert!(
+        (a.value - (5.0 * 0.5 + 2.0 * 0.6) / 7.0).abs() < 1e-6,
+        "{a:?}"
+    );
+    assert!(
+        (a.se.unwrap() - (0.03_f64 / 7.0).sqrt()).abs() < 1e-6,
+        "{a:?}"
+    );
+}
+
 /// Two observables of one model and one of another; a and b appear in all of them. The measured values are those of
 /// a = 0.3, b = 0.7; one measurement more than parameters tests the fit.
 #[test]
@@ -47,7 +85,7 @@ fn a_curved_simulator_gives_its_parameters_back() {
             let (a, b) = (p("a"), p("b"));
             if model == "first" {
                 let values = vec![("y", (1.0 + a).ln() + 0.5 * b), ("z", a * b)];
-                return Ok(super::toy::Shown { values, regime: "" });
+                return Ok(Shown { values, regime: "" });
             }
             shown("w", a.exp() - b)
         },
@@ -389,7 +427,7 @@ fn a_check_on_the_runs_of_the_fit_moves_nothing_either() {
     let toy = Toy {
         law: |_, p| {
             let values = vec![("y", 2.0 * p("a")), ("z", 3.0 * p("a"))];
-            Ok(super::toy::Shown { values, regime: "" })
+            Ok(Shown { values, regime: "" })
         },
         noise: 0.01,
     };
