@@ -20,7 +20,7 @@ const HEAD: &str = "# How often the diagnosis is right
 
 Campaigns with known truth, drawn from the design of a problem: its conditions, sensitivities and noise. Drawn are
 the noise of the values, its estimate, the noise of the sensitivities (the rules see others than made the
-data), declared parameters mis-tuned with twice their standard errors, and bench means about the true values.
+data), declared parameters mis-tuned with the covariance of their fit, and bench means about the true values.
 Effects act linearly here; what the curvature of a real simulator adds shows only in campaigns by the
 simulator itself ([campaigns](effect-trials/campaigns.md)).
 

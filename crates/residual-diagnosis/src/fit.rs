@@ -215,14 +215,6 @@ impl Fit {
         Ok(Self::inside(whitened, &self.effects, limits))
     }
 
-    /// Standard errors of the declared parameters, in their units.
-    pub(crate) fn parameter_errors(&self) -> Vec<f64> {
-        let covariance = self.parameter_covariance();
-        (0..self.shift.len())
-            .map(|k| covariance[(k, k)].sqrt())
-            .collect()
-    }
-
     /// Covariance of the declared parameters, products of their units; 0 for those that are held.
     pub(crate) fn parameter_covariance(&self) -> DMatrix<f64> {
         let of_free = self.space.coefficient_covariance();

@@ -81,8 +81,8 @@ impl MaxTest {
     }
 }
 
-/// A factor F with F F' = the correlation, which may be singular.
-fn root(correlation: DMatrix<f64>) -> DMatrix<f64> {
+/// A factor F with F F' = a correlation or covariance, which may be singular.
+pub(crate) fn root(correlation: DMatrix<f64>) -> DMatrix<f64> {
     if correlation.is_empty() {
         return correlation;
     }
@@ -95,7 +95,7 @@ fn root(correlation: DMatrix<f64>) -> DMatrix<f64> {
 }
 
 /// Draws from chi2 with any number of degrees of freedom `[MarsagliaTsang2000]`.
-fn chi_squared(dof: f64, stream: &mut Stream) -> f64 {
+pub(crate) fn chi_squared(dof: f64, stream: &mut Stream) -> f64 {
     let shape = dof / 2.0;
     if shape < 1.0 {
         // Their boost: Gamma(a) = Gamma(a + 1) U^(1/a).

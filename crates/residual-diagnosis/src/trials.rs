@@ -1,6 +1,6 @@
 //! What the rules say when the truth is known: drawn campaigns of the user's own design.
 
-use nalgebra::DVector;
+use nalgebra::{DMatrix, DVector};
 use random_stream::Stream;
 use serde::Serialize;
 
@@ -10,6 +10,7 @@ use crate::detectability::testable;
 use crate::diagnose::decide_and_check;
 use crate::diagnosis::Verdict;
 use crate::fit::Fit;
+use crate::max_test::{chi_squared, root};
 use crate::next_measurement::SEPARATION_TO_REACH;
 use crate::problem::{Part, Prior, Problem};
 use crate::smooth_basis::smooth_basis;
@@ -17,8 +18,6 @@ use crate::{Error, Options};
 
 /// Draws of the null distribution in each trial: the level of a gate is then right within 0.0035.
 const DRAWS: usize = 2000;
-/// Mis-tuning of the declared parameters, in standard errors of their fit.
-const MISTUNING: f64 = 2.0;
 
 /// What is hidden in a drawn campaign. Strengths are detectabilities |a||u|: amplitude over its
 /// standard error after re-tuning.
@@ -132,7 +131,7 @@ impl TrialRow {
 ///
 /// Drawn are: the noise of the values from the covariance V; its estimate, V times chi2/dof, where V
 /// is estimated; the noise of the sensitivities, so that the rules work with others than made the
-/// data; the mis-tuning of the declared parameters, normal with twice their standard errors; the
+/// data; the mis-tuning of the declared parameters, normal with the covariance of their fit; the
 /// bench means of the priors about the true values. The residual of the problem is not used. Conditions that
 /// the problem keeps unused get data of the same truth, and a naming stands only if it lowers the error
 /// there, as in [`crate::diagnose`]. Effects act linearly with the sensitivities of the problem: what a real
@@ -186,8 +185,8 @@ struct Design<'a> {
     problem: &'a Problem,
     /// Nothing on.
     nominal: Fit,
-    /// Standard errors of the declared parameters.
-    parameter_errors: Vec<f64>,
+    /// A root of the covariance of the declared parameters.
+    parameter_root: DMatrix<f64>,
     /// Candidates that could be seen.
     testable: Vec<usize>,
 }
@@ -197,7 +196,7 @@ impl<'a> Design<'a> {
     fn new(problem: &'a Problem) -> Result<Self, Error> {
         let nominal = Fit::new(problem, &[])?;
         Ok(Self {
-            parameter_errors: nominal.parameter_errors(),
+            parameter_root: scaled_root(&nominal.parameter_covariance()),
             testable: testable(problem, &nominal),
             nominal,
             problem,
@@ -295,11 +294,8 @@ impl<'a> Design<'a> {
                 other[row] = sign * strength * part.covariance.diagonal()[row].sqrt();
             }
         }
-        let mistuned = self.parameter_errors.iter();
-        let shift: Vec<f64> = mistuned
-            .map(|se| MISTUNING * se * stream.normal())
-            .collect();
-        let shift = DVector::from_vec(shift);
+        let normal = DVector::from_fn(self.parameter_root.ncols(), |_, _| stream.normal());
+        let shift = &self.parameter_root * normal;
         let mut problem = self.problem.clone();
         problem.used.residual =
             other + &part.library * &amplitudes + drawn_residual(part, &shift, stream);
@@ -308,7 +304,7 @@ impl<'a> Design<'a> {
         }
         let mut scale = 1.0;
         if let Some(dof) = self.problem.covariance_dof {
-            scale = chi_square(dof, stream) / dof;
+            scale = chi_squared(dof, stream) / dof;
         }
         blur(&mut problem.used, scale, stream);
         if matches!(truth, Truth::Outsider { .. }) {
@@ -410,6 +406,14 @@ struct Streams {
     unused: Stream,
 }
 
+/// A root of a covariance of numbers with units of their own; 0 for those that are known.
+fn scaled_root(covariance: &DMatrix<f64>) -> DMatrix<f64> {
+    let errors = covariance.diagonal().map(f64::sqrt);
+    let each = errors.map(|se| if se > 0.0 { 1.0 / se } else { 0.0 });
+    let scale = DMatrix::from_diagonal(&each);
+    DMatrix::from_diagonal(&errors) * root(&scale * covariance * &scale)
+}
+
 /// What mis-tuned parameters and noise make of the residual.
 fn drawn_residual(part: &Part, shift: &DVector<f64>, stream: &mut Stream) -> DVector<f64> {
     &part.declared * shift + noise(&part.covariance, stream)
@@ -445,15 +449,4 @@ fn drawn_prior(prior: &Prior, shift: &DVector<f64>, stream: &mut Stream) -> Prio
         root: prior.root.clone(),
         offset: &prior.root * shift + noise,
     }
-}
-
-/// A chi-square number of whole degrees of freedom, by its definition.
-fn chi_square(dof: f64, stream: &mut Stream) -> f64 {
-    let mut sum = 0.0;
-    let mut left = dof.round().max(1.0);
-    while left > 0.0 {
-        sum += stream.normal().powi(2);
-        left -= 1.0;
-    }
-    sum
 }
