@@ -234,8 +234,29 @@ fn end(
 ) -> f64 {
     let t = uncertainty.quantile(j);
     let half = t * uncertainty.covariance[(j, j)].sqrt() / fit.region.half(j);
-    let line = fit.region.natural(j, best.coded[j] + side * half);
     let limit = best.misfit + t * t * uncertainty.inflation[j];
+    if let Some(x) = crossing(fit, best, whitening, (j, side), half, limit) {
+        return fit.region.natural(j, x);
+    }
+    let line = fit.region.natural(j, best.coded[j] + side * half);
+    let edge = fit.region.natural(j, side);
+    if side > 0.0 {
+        line.max(edge)
+    } else {
+        line.min(edge)
+    }
+}
+
+/// Where the least Q over all other parameters rises above a limit on the way from a minimum along parameter j, coded; none
+/// where it does not do so inside the box. `step` is how far is looked first.
+pub(crate) fn crossing(
+    fit: &JointFit<'_>,
+    from: &Minimum,
+    whitening: &Whitening,
+    (j, side): (usize, f64),
+    step: f64,
+    limit: f64,
+) -> Option<f64> {
     let mut free = fit.free.clone();
     free[j] = false;
     let profile = |from: &[f64], x: f64| {
@@ -243,29 +264,21 @@ fn end(
         start[j] = x;
         fit.minimise(&start, whitening, &free, &[])
     };
-    // The far end of the bracket: the edge of the box, or nearer where Q is above the limit already.
-    let (mut inside, mut from) = (best.coded[j], best.coded.clone());
-    let mut outside = None;
-    let mut step = half.max(1e-9);
-    while outside.is_none() {
-        let x = (best.coded[j] + side * step).clamp(-1.0, 1.0);
+    let (mut inside, mut from) = (from.coded[j], from.coded.clone());
+    let begin = inside;
+    let mut step = step.max(1e-9);
+    let mut outside = loop {
+        let x = (begin + side * step).clamp(-1.0, 1.0);
         let there = profile(&from, x);
         if there.misfit > limit {
-            outside = Some(x);
-        } else if x.abs() >= 1.0 {
-            let edge = fit.region.natural(j, side);
-            let beyond = if side > 0.0 {
-                line.max(edge)
-            } else {
-                line.min(edge)
-            };
-            return beyond;
-        } else {
-            (inside, from) = (x, there.coded);
-            step *= 1.5;
+            break x;
         }
-    }
-    let mut outside = outside.unwrap_or(side);
+        if x.abs() >= 1.0 {
+            return None;
+        }
+        (inside, from) = (x, there.coded);
+        step *= 1.5;
+    };
     for _ in 0..HALVINGS {
         let middle = 0.5 * (inside + outside);
         let there = profile(&from, middle);
@@ -278,7 +291,7 @@ fn end(
             break;
         }
     }
-    fit.region.natural(j, 0.5 * (inside + outside))
+    Some(0.5 * (inside + outside))
 }
 
 /// Effective degrees of freedom of the variance of each parameter.

@@ -1,5 +1,6 @@
 //! The whole set of solutions: every combination of parameters that agrees with the measurements.
 
+use crate::intervals::{best_of, crossing};
 use crate::joint_fit::{JointFit, Leash, Minimum, Whitening};
 use crate::{Error, Estimate, SolutionSet};
 use nalgebra::DVector;
@@ -14,6 +15,8 @@ const KEPT: usize = 500;
 const MOST_SEPARATE: usize = 8;
 /// Places between two minima at which a way from one to the other is sought.
 const PLACES: usize = 9;
+/// How far is looked first for an end of the set, in halves of the box.
+const FIRST_LOOK: f64 = 0.05;
 /// Weight of the leash that holds such a place.
 const LEASH: f64 = 1e4;
 
@@ -23,7 +26,8 @@ const LEASH: f64 = 1e4;
 ///
 /// A point belongs to the set where Q is at most its least value plus the 95 % quantile of chi² for as many degrees of
 /// freedom as parameters are searched. Two minima are one solution where a way leads from one to the other inside the
-/// set: on planes across the straight line between them, Q is made least.
+/// set: on planes across the straight line between them, Q is made least. The set ends along a parameter where the least Q over
+/// all others leaves it.
 ///
 /// # Errors
 ///
@@ -35,7 +39,7 @@ pub(crate) fn solution_set(
     estimates: &[Estimate],
     seed: u64,
 ) -> Result<SolutionSet, Error> {
-    let best = crate::intervals::best_of(minima)?;
+    let best = best_of(minima)?;
     let n = fit.n_free().max(1);
     let rise = chi_squared_quantile(0.05, n as f64).ok_or(Error::Search {
         what: "the set of solutions",
@@ -56,26 +60,36 @@ pub(crate) fn solution_set(
         }
     }
     let separate = separate(fit, minima, whitening, limit);
+    // A narrow set is met by few points: its ends are those of the ways from the minima, or a point where one lies farther.
     let extent = estimates.iter().enumerate().map(|(j, estimate)| {
-        let values = points.iter().chain(&separate).map(|p| p[j]);
-        let low = values.clone().fold(estimate.value, f64::min);
-        [low, values.fold(estimate.value, f64::max)]
+        if !fit.free[j] {
+            return [estimate.value; 2];
+        }
+        let ends = separate.iter().flat_map(|minimum| {
+            [-1.0, 1.0].map(|side| {
+                let end = crossing(fit, minimum, whitening, (j, side), FIRST_LOOK, limit);
+                fit.region.natural(j, end.unwrap_or(side))
+            })
+        });
+        let values: Vec<f64> = points.iter().map(|p| p[j]).chain(ends).collect();
+        let low = values.iter().copied().fold(estimate.value, f64::min);
+        [low, values.iter().copied().fold(estimate.value, f64::max)]
     });
     Ok(SolutionSet {
         share_of_box: points.len() as f64 / DRAWN as f64,
         extent: extent.collect(),
-        separate,
+        separate: separate.iter().map(|m| fit.natural(&m.coded)).collect(),
         points: points.into_iter().take(KEPT).collect(),
     })
 }
 
 /// Minima inside the set to which no way inside it leads from a better one.
-fn separate(
+fn separate<'m>(
     fit: &JointFit<'_>,
-    minima: &[Minimum],
+    minima: &'m [Minimum],
     whitening: &Whitening,
     limit: f64,
-) -> Vec<Vec<f64>> {
+) -> Vec<&'m Minimum> {
     let mut kept: Vec<&Minimum> = Vec::new();
     for minimum in minima.iter().filter(|m| m.misfit <= limit) {
         let joined = |other: &&Minimum| is_joined(fit, other, minimum, whitening, limit);
@@ -83,7 +97,7 @@ fn separate(
             kept.push(minimum);
         }
     }
-    kept.iter().map(|m| fit.natural(&m.coded)).collect()
+    kept
 }
 
 /// Whether a way inside the set leads from one minimum to another.

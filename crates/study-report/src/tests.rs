@@ -144,7 +144,7 @@ fn parameters_correlations_and_open_combinations_are_told() {
     assert_eq!(row(&page, "E"), ["E", "−0.62", "1.00"]);
     assert!(page.contains("These measurements fix only the sum of F and E"));
     assert!(page.contains("0.610 with 1 degree of freedom, p = 0.4348"));
-    assert!(page.contains("4.20 % of the last box"));
+    assert!(page.contains("Of the last box 4.20 %"));
     let set = rows(&page, "F name of F");
     assert_eq!(set[1][1..], ["0.280", "0.380", "0.330", "0.290"]);
     // (0.34 - 0.33) / 0.021.

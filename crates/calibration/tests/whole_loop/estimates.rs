@@ -225,6 +225,14 @@ fn a_prior_fixes_what_the_data_leave_open() {
     let se_of_b = (0.02_f64.powi(2) + 0.05_f64.powi(2) / 10.0).sqrt();
     assert!((b.se.unwrap() - se_of_b).abs() < 1e-6, "{b:?}");
     assert!(!a.fixed_by_data && !b.fixed_by_data, "{a:?} {b:?}");
+    // The set is an ellipse: it ends where one parameter alone is off by sqrt(chi2(2)) = sqrt(5.991) standard errors. Of 4096
+    // points drawn from the box some twenty lie in it.
+    let extent = &result.solutions.extent;
+    for ([low, high], (value, se)) in extent.iter().zip([(0.3, 0.02), (0.7, se_of_b)]) {
+        let half = 5.991_465_f64.sqrt() * se;
+        assert!((low - (value - half)).abs() < 1e-5, "{extent:?}");
+        assert!((high - (value + half)).abs() < 1e-5, "{extent:?}");
+    }
 }
 
 /// y = (a - 0.5)² = 0.09 holds at a = 0.2 and at a = 0.8, and nowhere between.
@@ -246,6 +254,13 @@ fn two_separate_solutions_are_both_told() {
     assert!(
         (separate[0] - 0.2).abs() < 1e-6 && (separate[1] - 0.8).abs() < 1e-6,
         "{separate:?}"
+    );
+    // The set ends where y is off by sqrt(chi2(1)) = 1.96 standard errors, beyond either solution.
+    let far = (0.09 + 1.959_964 * 0.01 / 10_f64.sqrt()).sqrt();
+    let [low, high] = result.solutions.extent[0];
+    assert!(
+        (low - (0.5 - far)).abs() < 1e-5 && (high - (0.5 + far)).abs() < 1e-5,
+        "{low} {high}"
     );
     let other = if result.parameters[0].value > 0.5 {
         "also a = 0.2"

@@ -140,9 +140,14 @@ fn fixed_part(a: &Estimate, b: &Estimate, slope: f64) -> String {
 fn solutions(page: &mut Page<'_>) -> Result<(), Error> {
     let found = page.input.calibration;
     let set = &found.solutions;
-    let share = digits(100.0 * set.share_of_box);
+    // None of some thousand drawn points lies in a narrow set.
+    let share = if set.share_of_box > 0.0 {
+        digits(100.0 * set.share_of_box)
+    } else {
+        "less than 0.1".to_owned()
+    };
     let said = if found.fit.iter().all(|row| row.holds) {
-        format!("{share} % of the last box agrees with all measurements of the fit at 95 %.")
+        format!("Of the last box {share} % agrees with all measurements of the fit at 95 %.")
     } else {
         format!(
             "No point of the last box agrees with all measurements of the fit; {share} % of it does nearly as well as the best \
