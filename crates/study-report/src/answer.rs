@@ -5,6 +5,9 @@ use crate::residual::models;
 use calibration::{AddedEffect, ResidualStudy};
 use residual_diagnosis::{Limit, Unseen, Verdict};
 
+/// Distance from an end of its range, in widths of it, at which an effect lies there.
+const AT_AN_END: f64 = 1e-6;
+
 /// An answer in a sentence, and what stands behind it.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Answer {
@@ -27,6 +30,7 @@ pub fn answer(study: &ResidualStudy) -> Answer {
         (parameters_question, parameters(study)),
         ("What else it could be", others(study)),
         ("Parameters at a limit", at_limits(study)),
+        ("Effects at an end of their range", at_ends(study)),
         ("What could not be seen", unseen(study)),
         ("Measure next", next(study)),
     ];
@@ -220,6 +224,32 @@ fn at_limits(study: &ResidualStudy) -> Option<String> {
     })
 }
 
+/// Effects of which the data would have more than their range holds.
+fn at_ends(study: &ResidualStudy) -> Option<String> {
+    let d = &study.diagnosis;
+    let at_end = |name: &String| {
+        let amplitude = d.candidates.get(name)?.amplitude?;
+        let probe = study.plan.effects.iter().find(|e| e.name == *name)?;
+        let [low, high] = probe.range;
+        let mut ends = probe.range.into_iter().filter(|end| *end != 0.0);
+        let end = ends.find(|end| (amplitude - end).abs() <= AT_AN_END * (high - low))?;
+        Some(format!("{name} at {}", digits(end)))
+    };
+    let all: Vec<String> = d
+        .effects
+        .iter()
+        .chain(&d.suspects)
+        .filter_map(at_end)
+        .collect();
+    (!all.is_empty()).then(|| {
+        format!(
+            "{}: the data would have more. Where it can be larger, widen the range of its [[effect]] before anything else is \
+             measured; where not, it is not all that is missing",
+            all.join(", ")
+        )
+    })
+}
+
 /// Effects that could not be seen, by the reason.
 fn unseen(study: &ResidualStudy) -> Option<String> {
     let of = |reason: Unseen| -> Vec<String> {
@@ -275,6 +305,25 @@ mod tests {
         for name in &study.diagnosis.effects {
             assert!(told.headline.contains(name.as_str()), "{told:?}");
         }
+    }
+
+    /// An effect of which the data ask for as much as its range holds is told with that end; one inside its range is not.
+    #[test]
+    fn an_effect_at_an_end_of_its_range_is_told() {
+        let mut study = twins();
+        let line = |study: &_| {
+            let lines = answer(study).lines.into_iter();
+            let mut found = lines.filter(|(q, _)| *q == "Effects at an end of their range");
+            found.next().map(|(_, text)| text)
+        };
+        assert_eq!(line(&study), None);
+        let name = study.diagnosis.effects[0].clone();
+        let amplitude = study.diagnosis.candidates[&name].amplitude.unwrap();
+        let probe = study.plan.effects.iter_mut().find(|e| e.name == name);
+        probe.unwrap().range = [-amplitude, amplitude];
+        let told = line(&study).unwrap();
+        assert!(told.starts_with(&format!("{name} at ")), "{told}");
+        assert!(told.contains("widen"), "{told}");
     }
 
     /// A parameter at a limit is on the first screen.
