@@ -12,6 +12,8 @@ use super::Arguments;
 
 /// Farthest coded value of a natural column: axial points of the largest designs lie at 4.
 const FARTHEST: f64 = 5.0;
+/// Least spread of a natural column, in widths of the range of its factor: a table of a design covers the whole of it.
+const NARROWEST: f64 = 0.01;
 
 /// What the columns of the factors hold.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -396,7 +398,8 @@ pub(super) fn natural_name(symbol: &str) -> String {
     format!("{symbol}_natural")
 }
 
-/// Refuses values so far outside the given range that the column can hardly be natural, unless told so.
+/// Refuses values so far outside the given range that the column can hardly be natural, or so close together that their unit can
+/// hardly be that of the range, unless told so.
 fn check_range(
     arguments: &Arguments,
     table: &Table,
@@ -409,6 +412,15 @@ fn check_range(
         arguments.natural || far <= FARTHEST,
         "column '{}' holds {least} to {greatest}, far outside the range {} to {} of the factor: give --coded if \
          the column is coded, --natural if it is meant",
+        table.header()[column],
+        factor.low(),
+        factor.high()
+    );
+    let spread = greatest - least;
+    ensure!(
+        arguments.natural || spread == 0.0 || spread >= NARROWEST * (factor.high() - factor.low()),
+        "column '{}' holds {least} to {greatest}, next to nothing of the range {} to {} of the factor: give both in the same \
+         unit, or --natural if it is meant",
         table.header()[column],
         factor.low(),
         factor.high()

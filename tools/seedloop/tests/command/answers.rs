@@ -210,6 +210,27 @@ fn the_columns_of_a_design_are_coded_though_they_miss_the_ends() {
     assert_code(&run(&format!("{analyse} --coded")), 0);
 }
 
+/// Sizes in metres beside a range in millimetres lie all at one place of it; what fits would be a slope per nothing. In
+/// millimetres, and as told, they are taken.
+#[test]
+fn values_in_another_unit_than_their_range_are_refused() {
+    let folder = tempdir().unwrap();
+    let table = |scale: f64| {
+        let rows = [5.0, 20.0, 35.0, 50.0, 27.5].map(|d| format!("{},{}\n", d * scale, 30.0 + d));
+        format!("D,y\n{}", rows.concat())
+    };
+    fs::write(folder.path().join("mm.csv"), table(1.0)).unwrap();
+    fs::write(folder.path().join("m.csv"), table(1e-3)).unwrap();
+    let analyse = |file: &str, more: &str| {
+        let words = format!("analyse {file} --factors D=5:50 --response y --model linear{more}");
+        seedloop(folder.path(), &words.split(' ').collect::<Vec<_>>())
+    };
+    assert_code(&analyse("mm.csv", ""), 0);
+    let words = ["m.csv", "'D'", "0.005", "5 to 50", "unit", "--natural"];
+    assert_error(&analyse("m.csv", ""), &words);
+    assert_code(&analyse("m.csv", " --natural"), 0);
+}
+
 /// A path or a second stage from an analysis of coded values, asked for in natural units, would run in a
 /// wrong direction: the slopes belong to other ranges.
 #[test]
