@@ -3,9 +3,13 @@
 //! A pipe would be waited for, a device such as `/dev/zero` never ends, and a folder has no content: each is an error that says
 //! so. Links are followed, since a user may keep his data elsewhere.
 
+mod toml_slip;
+
 use std::fs::File;
 use std::io::{Error, ErrorKind, Read as _, Result};
 use std::path::{Path, PathBuf};
+
+pub use toml_slip::toml_slip;
 
 /// Largest file that is read, bytes (2 GiB): our choice, ten times the largest mesh of a scanner that we know.
 pub const MOST_BYTES: u64 = 1 << 31;

@@ -1,6 +1,7 @@
 //! Reading a scene file, and changing single settings of it.
 
 use crate::{Error, Scene, SeedSettings};
+use input_file::toml_slip;
 use std::path::{Path, PathBuf};
 use toml::{Table, Value};
 
@@ -117,7 +118,10 @@ impl Scene {
             message: e.to_string(),
         };
         // The plain text is read first, so that a message can name the line.
-        let mut scene: Self = toml::from_str(text).map_err(wrong)?;
+        let mut scene: Self = toml::from_str(text).map_err(|e| Error::Text {
+            file: file.into(),
+            message: with_way_out(text, &e),
+        })?;
         if !overrides.is_empty() {
             // Settings that the text leaves out and that have a default can be changed too.
             let mut table = scene.table()?;
@@ -232,6 +236,22 @@ impl Scene {
         let scene = scene.completed(&self.file, &self.folder, &self.seed)?;
         scene.check()?;
         Ok(scene)
+    }
+}
+
+/// The message of an error, with the way out where the line is no TOML by a usual slip.
+fn with_way_out(text: &str, error: &toml::de::Error) -> String {
+    let told = error.to_string();
+    if toml::from_str::<Table>(text).is_ok() {
+        return told;
+    }
+    let line = error.span().and_then(|span| {
+        let before = text.get(..span.start)?;
+        text.lines().nth(before.matches('\n').count())
+    });
+    match line.and_then(toml_slip) {
+        Some(slip) => format!("{}; {slip}", told.trim_end()),
+        None => told,
     }
 }
 

@@ -15,6 +15,7 @@ use external_simulator::CommandModel;
 use scene::{OBSERVABLES_OF_A_BED, OBSERVABLES_OF_PICTURES};
 use std::collections::BTreeMap;
 use std::path::Path;
+use toml::Value;
 
 /// Names that every run has.
 const TAKEN: [&str; 2] = ["scene", "seed"];
@@ -308,8 +309,13 @@ impl CommandChecker<'_> {
     fn check_scene(&self, scene: &SceneEntry, problems: &mut Problems) {
         let file = self.file;
         let words = format!("[[scene]] '{}':", scene.name);
+        // Of one that is wrong elsewhere the symbol is known all the same.
+        let parameters = self.document.table.get("parameter");
+        let parameters = parameters.and_then(Value::as_array).into_iter().flatten();
+        let symbols = parameters.filter_map(|p| p.get("symbol").and_then(Value::as_str));
+        let symbols: Vec<&str> = symbols.collect();
         for name in scene.parameters.iter().flatten() {
-            if !file.parameters.iter().any(|p| p.symbol == *name) {
+            if !symbols.contains(&name.as_str()) {
                 let path = below(&scene.path, "parameters");
                 let what = format!("{words} parameters: '{name}'");
                 let problem = "is the symbol of no [[parameter]]";

@@ -1,8 +1,9 @@
 //! A TOML file with the lines of its keys, and its tables read key by key.
 
 use crate::problem::{Problem, Problems};
+use input_file::toml_slip;
 use serde::de::DeserializeOwned;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use toml::de::{DeTable, DeValue};
 use toml::{Table, Value};
 
@@ -23,12 +24,20 @@ impl Document {
         let (spanned, errors) = DeTable::parse_recoverable(text);
         let before = problems.count();
         let line_of = |at: usize| 1 + text[..at.min(text.len())].matches('\n').count();
+        let mut told = BTreeSet::new();
         for error in errors {
+            // What follows in a line that could not be read is read wrongly.
+            let line = error.span().map(|span| line_of(span.start));
+            if !told.insert(line) {
+                continue;
+            }
+            let slip = line.and_then(|n| toml_slip(text.lines().nth(n - 1)?));
+            let reason = slip.unwrap_or_else(|| error.message().replace('\n', ", "));
             problems.add(Problem {
                 file: file.into(),
-                line: error.span().map(|span| line_of(span.start)),
+                line,
                 what: "the text".into(),
-                problem: format!("is no TOML: {}", error.message().replace('\n', ", ")),
+                problem: format!("is no TOML: {reason}"),
             });
         }
         if problems.count() > before {

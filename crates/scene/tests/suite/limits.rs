@@ -198,6 +198,30 @@ fn memory_is_estimated_to_its_order() {
     assert!(scene.estimated_memory() > 10.0 * few);
 }
 
+/// A line that is no TOML by a slip is told with its number and with what to write; one that is none for another reason has the
+/// words of the parser alone.
+#[test]
+fn a_slip_of_the_pen_is_told_with_what_to_write() {
+    for (instead, words) in [
+        ("0,04", "; write decimals with a point"),
+        ("40 mm", "; write it in quotes, \"40 mm\""),
+        ("\"40 mm\" \"50 mm\"", "expected newline"),
+    ] {
+        let text = BEADS.replacen("\"40 mm\"", instead, 1);
+        let line = 1 + text[..text.find(instead).unwrap()].matches('\n').count();
+        let read = Scene::from_text(&text, "beads.toml", Path::new("."), &[]);
+        let message = read.expect_err(instead).to_string();
+        for word in ["beads.toml", &format!("line {line},"), words] {
+            assert!(message.contains(word), "{instead}: {message}");
+        }
+        assert_eq!(
+            message.contains("; write"),
+            words.starts_with(';'),
+            "{message}"
+        );
+    }
+}
+
 /// A wrong line of the apparatus is told with its key and the kind, not only with the place of its table; so is one that is
 /// changed from outside.
 #[test]

@@ -59,6 +59,22 @@ fn text_that_is_no_toml_is_told_with_its_line() {
     );
 }
 
+/// A slip is told once with what to write; all that a parser makes of the rest of its line is not told.
+#[test]
+fn a_slip_is_told_once_with_what_to_write() {
+    let study = changed("low = 0.1", "low = 0,1").replacen("sd = 0.8", "sd = 0,8", 1);
+    let error = Folder::new(&study).read(None).unwrap_err();
+    let Error::Problems { list } = &error else {
+        panic!("{error}");
+    };
+    assert_eq!(list.len(), 2, "{error}");
+    for problem in list {
+        assert!(problem.problem.contains("with a point"), "{error}");
+    }
+    let study = changed("role = \"check\"", "role = check");
+    tells(&wrong(&study), &["no TOML", "in quotes, \"check\""]);
+}
+
 #[test]
 fn a_study_of_nothing_lacks_its_three_lists() {
     tells(
