@@ -51,7 +51,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             let mut truths = usual_truths(&problem, strength)?;
             // Nothing hidden has no strength: once is enough.
             truths.retain(|t| i == 0 || *t != Truth::Nothing);
-            rows.extend(trials(&problem, &truths, number, SEED)?);
+            rows.extend(trials(&problem, &truths, number, SEED, 0)?);
         }
         print_rows(&rows);
         print_summary(&rows);

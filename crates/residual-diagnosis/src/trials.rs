@@ -2,6 +2,8 @@
 
 use nalgebra::{DMatrix, DVector};
 use random_stream::Stream;
+use rayon::ThreadPoolBuilder;
+use rayon::prelude::*;
 use serde::Serialize;
 
 use crate::before_after::Stages;
@@ -127,7 +129,7 @@ impl TrialRow {
     }
 }
 
-/// Draws campaigns of the design of a problem with known truth, and decides about each.
+/// Draws campaigns of the design of a problem with known truth, and decides about each, on so many threads: 0 for all cores.
 ///
 /// Drawn are: the noise of the values from the covariance V; its estimate, V times chi2/dof, where V
 /// is estimated; the noise of the sensitivities, so that the rules work with others than made the
@@ -145,12 +147,19 @@ pub fn trials(
     truths: &[Truth],
     number: usize,
     seed: u64,
+    threads: usize,
 ) -> Result<Vec<TrialRow>, Error> {
     let design = Design::new(problem)?;
-    truths
-        .iter()
-        .map(|truth| design.row(truth, number, seed))
-        .collect()
+    // Each truth has numbers of its own: threads change no bit.
+    let rows = || {
+        let rows = truths.par_iter();
+        rows.map(|truth| design.row(truth, number, seed)).collect()
+    };
+    match ThreadPoolBuilder::new().num_threads(threads).build() {
+        Ok(pool) => pool.install(rows),
+        // Without threads of their own they are drawn on those that there are.
+        Err(_) => rows(),
+    }
 }
 
 /// The usual truths of a library at one strength: nothing, each testable effect, two effects, each

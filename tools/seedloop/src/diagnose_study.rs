@@ -76,7 +76,7 @@ pub(crate) fn run(path: &Path, options: &Options, common: &Common) -> anyhow::Re
     let planned = plan_text(&study, &at, runs);
     if options.plan_only {
         common.print(planned.trim_end())?;
-        common.print(power::text(&study, &folder, options.seed)?.trim_end())?;
+        common.print(power::text(&study, &folder, options.seed, common.threads())?.trim_end())?;
         common.emit_json(&study.problem)?;
         return Ok(DONE);
     }
@@ -114,7 +114,7 @@ pub(crate) fn run(path: &Path, options: &Options, common: &Common) -> anyhow::Re
     let (done, code) = match &result.diagnosis {
         DiagnosisStage::Done(done) => {
             write_json(&folder.join("problem.json"), &done.problem)?;
-            report::write(&folder, &study, &result, done, options.extent)?;
+            report::write(&folder, &study, &result, done, options.extent, common)?;
             common.print(found_text(&study, done).trim_end())?;
             let next = next::text(&study, &result, &folder);
             if !next.is_empty() {

@@ -228,7 +228,7 @@ fn false_alarms_are_forecast_as_they_are() {
         let plan = plan(1000 + seed);
         let study = studied(&Toy, &plan, &observed(&plan, [0.0, 0.0], seed));
         let problem = Problem::try_from(study.problem).unwrap();
-        trials(&problem, &[Truth::Nothing], 100, seed).unwrap()[0].alarm()
+        trials(&problem, &[Truth::Nothing], 100, seed, 0).unwrap()[0].alarm()
     };
     let mean = (0..20).map(forecast).sum::<f64>() / 20.0;
     assert!((0.02..0.08).contains(&mean), "{mean}");

@@ -101,7 +101,7 @@ pub(crate) fn diagnosed(file: ProblemFile) -> residual_diagnosis::Diagnosis {
 fn rules_err_as_seldom_as_promised_when_the_truth_is_known() {
     let problem = Problem::try_from(design()).expect("the design is sound");
     let truths = usual_truths(&problem, 7.0).expect("it can be fitted");
-    for row in trials(&problem, &truths, 400, 3).expect("it can be simulated") {
+    for row in trials(&problem, &truths, 400, 3, 0).expect("it can be simulated") {
         let share = |count: usize| count as f64 / row.trials as f64;
         let sum = row.none + row.named + row.tied + row.false_name + row.unknown + row.recheck;
         assert_eq!(sum, row.trials);
@@ -127,6 +127,15 @@ fn rules_err_as_seldom_as_promised_when_the_truth_is_known() {
     }
 }
 
+/// Each truth is drawn from numbers of its own: threads change no bit.
+#[test]
+fn threads_change_no_drawn_campaign() {
+    let problem = Problem::try_from(design()).expect("the design is sound");
+    let truths = usual_truths(&problem, 5.0).expect("it can be fitted");
+    let drawn = |threads| trials(&problem, &truths, 10, 7, threads).expect("it can be simulated");
+    assert_eq!(drawn(1), drawn(3));
+}
+
 /// The unused conditions repeat the used ones. An effect of strength s is s standard deviations of what p = 2
 /// re-tuned parameters cannot absorb, spread over n = 24 rows, and a fit adds the scatter of what it fits: the
 /// whitened mean square is 1 + (s^2 + p) / n without the effect and 1 + (p + 1) / n with it. By chi square its
@@ -141,7 +150,7 @@ fn a_rightly_named_effect_leaves_noise_on_unused_conditions() {
         name: "slip".into(),
         strength: 9.0,
     };
-    let rows = trials(&problem, &[truth], 200, 3).expect("it can be simulated");
+    let rows = trials(&problem, &[truth], 200, 3, 0).expect("it can be simulated");
     let errors = rows[0].unused.expect("there are unused conditions");
     assert!(errors.namings > 180, "{errors:?}");
     assert!(

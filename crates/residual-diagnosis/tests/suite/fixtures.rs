@@ -158,7 +158,7 @@ fn same_problem_and_seed_give_the_same_diagnosis() {
 fn taken_out(fixture: &str, name: &str, strength: f64, number: usize) -> TrialRow {
     let name = name.to_owned();
     let truth = Truth::TakenOut { name, strength };
-    let mut rows = trials(&problem(fixture), &[truth], number, 1).expect("it can be simulated");
+    let mut rows = trials(&problem(fixture), &[truth], number, 1, 0).expect("it can be simulated");
     rows.pop().expect("one row for one truth")
 }
 
@@ -224,7 +224,7 @@ fn named_set_holds_the_truth_although_sensitivities_are_noisy() {
         name: name.into(),
         strength: 9.0,
     });
-    let rows = trials(&problem, &truths, 40, 1).expect("it can be simulated");
+    let rows = trials(&problem, &truths, 40, 1, 0).expect("it can be simulated");
     let right: usize = rows.iter().map(|r| r.named + r.tied).sum();
     let wrong: usize = rows.iter().map(|r| r.false_name).sum();
     assert!(right > 150, "too few namings: {rows:?}");

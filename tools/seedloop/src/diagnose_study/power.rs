@@ -17,7 +17,12 @@ const CAMPAIGNS: usize = 100;
 /// # Errors
 ///
 /// A problem in the folder that cannot be read, campaigns that cannot be drawn.
-pub(super) fn text(study: &Study, folder: &Path, seed: u64) -> anyhow::Result<String> {
+pub(super) fn text(
+    study: &Study,
+    folder: &Path,
+    seed: u64,
+    threads: usize,
+) -> anyhow::Result<String> {
     let settings = calibration::LoopSettings {
         seed,
         ..study.settings.clone()
@@ -29,7 +34,7 @@ pub(super) fn text(study: &Study, folder: &Path, seed: u64) -> anyhow::Result<St
         "what {} values, {} parameters and {} effects can tell of a hidden effect, % of drawn campaigns",
         table.values, table.parameters, table.effects
     );
-    let known = of_folder(folder, &table, seed)?;
+    let known = of_folder(folder, &table, seed, threads)?;
     out.push_str(match known {
         Some(_) => " with the sensitivities of the diagnosis in the result folder\n",
         None => {
@@ -92,7 +97,12 @@ fn line(out: &mut String, words: &str, row: &Power) {
 }
 
 /// The power by the sensitivities that an earlier diagnosis found; none without one of as many parameters and values.
-fn of_folder(folder: &Path, table: &PowerTable, seed: u64) -> anyhow::Result<Option<Vec<Power>>> {
+fn of_folder(
+    folder: &Path,
+    table: &PowerTable,
+    seed: u64,
+    threads: usize,
+) -> anyhow::Result<Option<Vec<Power>>> {
     let path = folder.join("problem.json");
     if !path.is_file() {
         return Ok(None);
@@ -114,7 +124,10 @@ fn of_folder(folder: &Path, table: &PowerTable, seed: u64) -> anyhow::Result<Opt
             return Ok(None);
         }
         let each = CAMPAIGNS.div_ceil(truths.len());
-        rows.push(pooled(size, &trials(&problem, &truths, each, seed)?));
+        rows.push(pooled(
+            size,
+            &trials(&problem, &truths, each, seed, threads)?,
+        ));
     }
     Ok(Some(rows))
 }

@@ -2,13 +2,16 @@
 
 use anyhow::Context as _;
 use calibration::{ResidualStudy, runs_needed};
+use command_line::Common;
 use residual_diagnosis::{Problem, TrialRow, trials, usual_truths};
 use std::path::Path;
 use study::{DiagnosisResult, Study};
 use study_report::{DiagnosisInput, Extent};
 
-/// Drawn campaigns of each truth: the standard error of a rate of 0.05 is 0.015.
-const TRIALS: usize = 200;
+/// Most drawn campaigns of each truth: the standard error of a rate of 0.05 is 0.015.
+const MOST_TRIALS: usize = 200;
+/// Drawn campaigns of all truths together, of a library of twenty effects a minute of two cores.
+const CAMPAIGNS: usize = 4000;
 /// Detectability of the effects planted in them, in standard errors: the size from which a naming can be expected.
 const STRENGTH: f64 = 6.0;
 
@@ -22,6 +25,7 @@ pub(super) fn write(
     result: &DiagnosisResult,
     done: &ResidualStudy,
     extent: Extent,
+    common: &Common,
 ) -> anyhow::Result<()> {
     let defaults = result.defaults.iter();
     let defaults: Vec<String> = defaults
@@ -38,18 +42,25 @@ pub(super) fn write(
         planned_runs: runs_needed(&done.plan),
         spent: result.spent,
         study: done,
-        trials: &known_truth(done, result.seed)?,
+        trials: &known_truth(done, result.seed, common)?,
     };
     study_report::write_diagnosis(folder, &input, extent)
         .with_context(|| format!("cannot write the report into {}", folder.display()))
 }
 
 /// Drawn campaigns with known truth for this very design; none where nothing can be tested.
-fn known_truth(done: &ResidualStudy, seed: u64) -> anyhow::Result<Vec<TrialRow>> {
+fn known_truth(done: &ResidualStudy, seed: u64, common: &Common) -> anyhow::Result<Vec<TrialRow>> {
     if done.diagnosis.structured_residual.t0.is_none() {
         return Ok(Vec::new());
     }
     let problem = Problem::try_from(done.problem.clone())?;
     let truths = usual_truths(&problem, STRENGTH)?;
-    Ok(trials(&problem, &truths, TRIALS, seed)?)
+    let each = CAMPAIGNS.div_ceil(truths.len()).min(MOST_TRIALS);
+    common.log(|| {
+        format!(
+            "drawing {} campaigns with known truth for the report",
+            each * truths.len()
+        )
+    });
+    Ok(trials(&problem, &truths, each, seed, common.threads())?)
 }
