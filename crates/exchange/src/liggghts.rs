@@ -18,6 +18,7 @@ use crate::drum_deck::{
 };
 use crate::vtk::{File, add};
 use contact_law::NormalForceEnd;
+use dem_solver::DashpotMass;
 use nalgebra::Vector3;
 use quantity::Frequency;
 use scene::{ContactSettings, Drum, Frame, RollingLaw, Scene, SeedBody};
@@ -121,9 +122,12 @@ fn runnable(scene: &Scene) -> Result<&Drum, Error> {
 ///
 /// # Errors
 ///
-/// As of [`setup`].
+/// As of [`setup`]; of the restitution of seeds of several spheres, which hangs on their bodies, only there.
 pub fn check(scene: &Scene) -> Result<(), Error> {
-    runnable(scene).map(|_| ())
+    let drum = runnable(scene)?;
+    let whole = scene.model.dashpot_mass != DashpotMass::Sphere;
+    let share_is_one = whole || scene.seed.iter().all(|seed| seed.sphere.is_some());
+    refuse_values(scene, drum, if share_is_one { 1.0 } else { 0.0 })
 }
 
 /// Time in which the seeds rain in and come to lie, s.
@@ -304,12 +308,13 @@ const LEAST_RESTITUTION: f64 = 0.05;
 /// Young's modulus below which it wants to be told that particles are soft, Pa.
 const SOFT: f64 = 5e6;
 
-/// The laws of the contacts of a scene.
-fn law(scene: &Scene, drum: &Drum, bodies: &[Arc<SeedBody>]) -> Result<Law, Error> {
-    let names = [&scene.seed[0].material, &drum.shell, &drum.cover];
-    let materials = names.map(|name| &scene.material[name]);
-    let young = materials.map(|m| 2.0 * m.shear_modulus.si() * (1.0 + m.poisson_ratio.get()));
-    let poisson = materials.map(|m| m.poisson_ratio.get());
+/// The materials of seeds, shell and cover.
+fn surfaces<'a>(scene: &'a Scene, drum: &'a Drum) -> [&'a String; 3] {
+    [&scene.seed[0].material, &drum.shell, &drum.cover]
+}
+
+/// The contacts of the first material with each.
+fn contacts<'a>(scene: &'a Scene, names: [&String; 3]) -> Result<[&'a ContactSettings; 3], Error> {
     let contact = |name: &String| -> Result<&ContactSettings, Error> {
         let missing = || scene::Error::MissingContact {
             file: scene.file.clone(),
@@ -317,13 +322,12 @@ fn law(scene: &Scene, drum: &Drum, bodies: &[Arc<SeedBody>]) -> Result<Law, Erro
         };
         Ok(scene.contact_of(names[0], name).ok_or_else(missing)?)
     };
-    let contacts = [contact(names[0])?, contact(names[1])?, contact(names[2])?];
-    // Row by row; shell and cover never meet.
-    let pairs = |of: &dyn Fn(&ContactSettings) -> f64| {
-        let table = (0..3).flat_map(|i| (0..3).map(move |j| usize::max(i, j)));
-        list(table.map(|k| of(contacts[k])))
-    };
-    let shares = Shares::of(scene, bodies);
+    Ok([contact(names[0])?, contact(names[1])?, contact(names[2])?])
+}
+
+/// Refuses values at which it stops when it reads a deck; `mass_share` is that of a sphere that touches, over its body.
+fn refuse_values(scene: &Scene, drum: &Drum, mass_share: f64) -> Result<(), Error> {
+    let names = surfaces(scene, drum);
     let refused = |what: String, way_out| {
         Err(Error::NotThere {
             what,
@@ -331,18 +335,38 @@ fn law(scene: &Scene, drum: &Drum, bodies: &[Arc<SeedBody>]) -> Result<Law, Erro
             way_out,
         })
     };
-    for (contact, name) in contacts.iter().zip(names) {
-        let restitution = restitution_of_body(contact.restitution.get(), shares.mass);
+    for (contact, name) in contacts(scene, names)?.iter().zip(names) {
+        let restitution = restitution_of_body(contact.restitution.get(), mass_share);
         if restitution <= LEAST_RESTITUTION {
             let shown = quantity::significant(restitution, 3);
             let what = format!("restitution {shown} between {} and {name}", names[0]);
             return refused(what, "it takes values above 0.05 alone");
         }
     }
-    if let Some((negative, name)) = poisson.iter().zip(names).find(|(nu, _)| **nu < 0.0) {
-        let what = format!("Poisson's ratio {negative} of {name}");
-        return refused(what, "it takes values from 0 to 0.5 alone");
+    for name in names {
+        let ratio = scene.material[name].poisson_ratio.get();
+        if ratio < 0.0 {
+            let what = format!("Poisson's ratio {ratio} of {name}");
+            return refused(what, "it takes values from 0 to 0.5 alone");
+        }
     }
+    Ok(())
+}
+
+/// The laws of the contacts of a scene.
+fn law(scene: &Scene, drum: &Drum, bodies: &[Arc<SeedBody>]) -> Result<Law, Error> {
+    let names = surfaces(scene, drum);
+    let materials = names.map(|name| &scene.material[name]);
+    let young = materials.map(|m| 2.0 * m.shear_modulus.si() * (1.0 + m.poisson_ratio.get()));
+    let poisson = materials.map(|m| m.poisson_ratio.get());
+    let contacts = contacts(scene, names)?;
+    // Row by row; shell and cover never meet.
+    let pairs = |of: &dyn Fn(&ContactSettings) -> f64| {
+        let table = (0..3).flat_map(|i| (0..3).map(move |j| usize::max(i, j)));
+        list(table.map(|k| of(contacts[k])))
+    };
+    let shares = Shares::of(scene, bodies);
+    refuse_values(scene, drum, shares.mass)?;
     let mut properties = format!(
         "fix young all property/global youngsModulus peratomtype {}\n\
          fix poisson all property/global poissonsRatio peratomtype {}\n\
@@ -520,7 +544,7 @@ fn list(numbers: impl IntoIterator<Item = f64>) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::{Start, deck, first_of, primes_from, setup};
+    use super::{Start, check, deck, first_of, primes_from, setup};
     use contact_law::RollingLever;
     use fixture_files::fixture;
     use nalgebra::Vector3;
@@ -544,7 +568,10 @@ mod tests {
             let set: Vec<_> = set.collect();
             let scene = Scene::read(&fixture("peers-study/spheres.toml"), &set).unwrap();
             let (_, bodies, step) = starting_frame(&scene, &FillingLibrary::default(), 1).unwrap();
-            deck(&scene, &bodies, step, 1).map(|files| files[0].text.clone())
+            let deck = deck(&scene, &bodies, step, 1).map(|files| files[0].text.clone());
+            // What hangs on no body is known before there is one.
+            assert_eq!(check(&scene).is_ok(), deck.is_ok());
+            deck
         };
         let hard = deck_of(&[]).unwrap();
         assert!(!hard.contains("soft_particles"), "{hard}");

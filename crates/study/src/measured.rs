@@ -96,7 +96,8 @@ impl Resolved {
         for (name, value) in &entry.values {
             if observables.contains(&name.as_str()) {
                 values.push((name.clone(), *value));
-            } else {
+            } else if !observables.is_empty() {
+                // Where a code shows nothing of an apparatus, that it does not take it is told below.
                 let what = format!("{}: '{name}'", words(entry));
                 let problem = format!(
                     "is neither a key of [[measured]] ({}) nor an observable of this scene, which gives {}",

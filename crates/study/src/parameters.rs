@@ -9,6 +9,7 @@ use crate::scenes::Models;
 use crate::setting::{change, leaf, number, paths, table_of};
 use calibration::{MOST_PARAMETERS, Parameter};
 use experiment_design::Factor;
+use external_simulator::Peer;
 use scene::{FillingLibrary, Scene, like_names};
 use toml::Table;
 
@@ -64,6 +65,8 @@ pub(crate) struct Resolver<'a> {
     pub(crate) tables: &'a [(&'a Scene, Table)],
     /// Bodies of the seeds; none where a program of the user knows them.
     pub(crate) fillings: Option<&'a FillingLibrary>,
+    /// The other code that runs the scenes, if one does.
+    pub(crate) peer: Option<Peer>,
 }
 
 impl Resolver<'_> {
@@ -96,6 +99,7 @@ impl Resolver<'_> {
         }
         if problems.count() == before {
             self.check_builds(entry, problems);
+            self.check_peer(entry, limits, problems);
         }
         let start = entry.start.or_else(|| {
             let value = standing?;
@@ -337,6 +341,38 @@ impl Resolver<'_> {
                 let name = &self.models.models[model].name;
                 let problem =
                     format!("= {value} is where {name} cannot be built: {error}; narrow the range");
+                problems.add(self.wrong(entry, key, problem));
+            }
+        }
+    }
+}
+
+impl Resolver<'_> {
+    /// Refuses a range or limits at whose ends another code does not take a measured scene that it takes as it stands.
+    fn check_peer(&self, entry: &ParameterEntry, limits: [f64; 2], problems: &mut Problems) {
+        let Some(peer) = self.peer else {
+            return;
+        };
+        let [least, most] = limits;
+        let ends = [
+            ("low", entry.low),
+            ("high", entry.high),
+            ("limits", least),
+            ("limits", most),
+        ];
+        let mut told = Vec::new();
+        for (key, value) in ends {
+            let taken = |model: &usize| peer.check(&self.models.scenes[*model]).is_ok();
+            let models = (0..self.models.models.len()).filter(taken);
+            let refused = models.filter_map(|model| {
+                let scene = self.models.at(model, entry, value)?.ok()?;
+                peer.check(&scene).err()
+            });
+            let first = refused.take(1).next();
+            if let Some(error) = first.filter(|_| !told.contains(&value)) {
+                told.push(value);
+                let word = if key == "limits" { "reach" } else { "=" };
+                let problem = format!("{word} {value}: {error}; narrow the range and state limits");
                 problems.add(self.wrong(entry, key, problem));
             }
         }

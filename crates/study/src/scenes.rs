@@ -187,7 +187,7 @@ impl Models {
     }
 
     /// The scene of a model at a value of a parameter; none where it has none of its settings.
-    fn at(
+    pub(crate) fn at(
         &self,
         model: usize,
         entry: &ParameterEntry,

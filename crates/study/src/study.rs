@@ -352,6 +352,7 @@ impl Checker<'_> {
             complete: false,
             tables: &[],
             fillings: None,
+            peer: None,
         };
         let all = file.parameters.iter();
         let parameters = all
@@ -435,6 +436,7 @@ impl Checker<'_> {
             complete: measured_well,
             tables: &tables,
             fillings: measured_well.then_some(&scenes.fillings),
+            peer: scenes.peer.filter(|_| measured_well),
         };
         let problems = &mut self.problems;
         let all = self.file.parameters.iter();

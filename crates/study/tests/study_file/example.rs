@@ -204,3 +204,44 @@ fn what_another_code_does_not_have_is_refused() {
         assert!(error.contains(word), "{word}: {error}");
     }
 }
+
+/// LIGGGHTS stops at restitutions of 0.05 and less: a range or limits that reach them are refused before any run, by key, and
+/// what the solver here or LAMMPS takes is not. A bench test is told as what it does not have, and not as one without observables.
+#[test]
+fn ends_at_which_another_code_would_stop_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let scene = fixture("peers-study/spheres.toml");
+    std::fs::copy(scene, folder.path().join("spheres.toml")).unwrap();
+    let path = folder.path().join("study.toml");
+    let right = std::fs::read_to_string(fixture("peers-study/study-spheres.toml")).unwrap();
+    let restitution = right.replacen("static_friction", "restitution", 1);
+    let range = |text: &str| restitution.replacen("low = 0.1", text, 1);
+    let read = |text: &str, profile| {
+        std::fs::write(&path, text).unwrap();
+        Study::read(&path, Some(profile)).map(|_| ())
+    };
+    let low = range("low = 0.02\nlimits = [0.02, 0.9]");
+    for profile in ["lammps", "liggghts"] {
+        let told = read(&low, profile).err().map(|e| e.to_string());
+        let told = told.unwrap_or_default();
+        for word in ["low = 0.02", "LIGGGHTS", "above 0.05", "narrow the range"] {
+            assert_eq!(told.contains(word), profile == "liggghts", "{told}");
+        }
+    }
+    let told = read(&range("low = 0.1"), "liggghts")
+        .unwrap_err()
+        .to_string();
+    assert!(told.contains("limits reach 0.001"), "{told}");
+    read(&range("low = 0.1\nlimits = [0.06, 0.999]"), "liggghts").unwrap();
+
+    let sled = "[[scene]]\nname = \"sled\"\nfile = \"spheres.toml\"\napparatus = { kind = \"slider\", plate = \"bead\" }\n\n";
+    let measured = "[[measured]]\nscene = \"sled\"\nrole = \"fit\"\nshown_static_friction = { mean = 0.3, sd = 0.02, n = 5 }\n\n";
+    let with_sled = right
+        .replacen("[[parameter]]", &format!("{sled}[[parameter]]"), 1)
+        .replacen("[effects]", &format!("{measured}[effects]"), 1);
+    let told = read(&with_sled, "liggghts").unwrap_err().to_string();
+    assert!(
+        told.contains("sled") && told.contains("LIGGGHTS") && !told.contains("which gives"),
+        "{told}"
+    );
+}
