@@ -57,6 +57,8 @@ const COVERS_AT_REST: &str = "apparatus.covers_at_rest";
 
 /// Settings named in a message about a name that is none.
 const LIKE_NAMES: usize = 8;
+/// How much less like than the best, by Jaro and Winkler, a name may be that is offered beside it.
+const NEARLY_AS_LIKE: f64 = 0.15;
 
 /// Short names that stand for a setting with its unit: (name, path, unit).
 pub(crate) const SHORT_NAMES: [(&str, &str, &str); 3] = [
@@ -378,8 +380,8 @@ pub(crate) fn whole_path(table: &Table, name: &str, file: &str) -> Result<String
     }
 }
 
-/// The eight settings whose last word is most like that of a name, as a list for a message; of like words the most like
-/// path comes first.
+/// The settings whose last word is most like that of a name, eight at most, as a list for a message; of like words the most like
+/// path comes first. Words that are much less like than the best are left out.
 pub fn like_names(all: &[String], name: &str) -> String {
     let last = |path: &str| path.rsplit('.').next().unwrap_or(path).to_owned();
     let wanted = last(name);
@@ -391,6 +393,8 @@ pub fn like_names(all: &[String], name: &str) -> String {
     };
     let mut nearest: Vec<_> = all.iter().map(|path| (likeness(path), path)).collect();
     nearest.sort_by(|(a, _), (b, _)| b.0.total_cmp(&a.0).then(b.1.total_cmp(&a.1)));
+    let best = nearest.first().map_or(0.0, |(likeness, _)| likeness.0);
+    nearest.retain(|(likeness, _)| likeness.0 >= best - NEARLY_AS_LIKE);
     let names = nearest.into_iter().take(LIKE_NAMES);
     names
         .map(|(_, path)| path.clone())
