@@ -1,14 +1,17 @@
 //! Fresh runs at the estimate: do they confirm the surfaces, or correct them?
 
+use crate::comparison::compare as compared;
 use crate::intervals::quantile_of;
 use crate::samples::{Runner, Sample, Samples, first_seed, wanted};
 use crate::search::{Found, Search};
 use crate::surface::{Surface, of_regime, usual_regime};
-use crate::{ConfirmationRound, ConfirmationRow, Error, SimulatedMean};
+use crate::{ConfirmationRound, ConfirmationRow, Error, Role, SimulatedMean};
 use std::collections::BTreeMap;
 
 /// Chance that surfaces which are right are contradicted in a round.
 const ALPHA: f64 = 0.01;
+/// Chance that a surface which is right misses a measurement.
+const ALPHA_OF_A_MEASUREMENT: f64 = 0.05;
 /// Share of the standard error of a measurement up to which a difference does not matter: it moves the estimate by so
 /// little of its own error.
 const IMMATERIAL: f64 = 0.1;
@@ -30,9 +33,17 @@ pub(crate) struct Confirmed {
     pub(crate) remarks: Vec<String>,
 }
 
+/// A row of a round.
+struct Judged {
+    /// The row.
+    row: ConfirmationRow,
+    /// Whether a measurement is met by its surface and missed by its runs.
+    decides: bool,
+}
+
 /// Runs the models of the fit at the estimate. Where they tell that a surface misses the runs by more than they scatter, the
 /// search goes on in a smaller box; where none is left and they contradict a surface by more than its error, it is shifted to
-/// meet them. The estimate is made again, a few rounds at most.
+/// meet them, and so it is where they miss a measurement that it meets: one of both is wrong. The estimate is made again, a few rounds at most.
 ///
 /// # Errors
 ///
@@ -51,8 +62,10 @@ pub(crate) fn confirm(
     loop {
         let runs = fresh_runs(runner, &found, round)?;
         let (rows, corrected) = compare(runner, search, &found, &runs, &mut remarks)?;
-        let limit = quantile_of(ALPHA / rows.len().max(1) as f64, f64::INFINITY);
-        let agrees = rows.iter().all(|row| !row.matters || row.z.abs() <= limit);
+        let limit = normal_limit(ALPHA / rows.len().max(1) as f64);
+        let agrees = rows
+            .iter()
+            .all(|Judged { row, decides }| !row.matters || (!decides && row.z.abs() <= limit));
         let at = found.best.clone();
         let mut is_nearer = false;
         if round + 1 < most {
@@ -61,7 +74,7 @@ pub(crate) fn confirm(
         let confirmed = agrees && !is_nearer;
         rounds.push(ConfirmationRound {
             at,
-            rows,
+            rows: rows.into_iter().map(|judged| judged.row).collect(),
             confirmed,
         });
         if is_nearer {
@@ -109,11 +122,21 @@ fn compare(
     found: &Found,
     runs: &BTreeMap<usize, Samples>,
     remarks: &mut Vec<String>,
-) -> Result<(Vec<ConfirmationRow>, Vec<Surface>), Error> {
+) -> Result<(Vec<Judged>, Vec<Surface>), Error> {
     let problem = runner.problem;
     let (mut rows, mut corrected) = (Vec::new(), Vec::new());
+    let by_model = found.surfaces.iter().map(|s| (s.model, s.clone()));
+    let met = compared(
+        runner.asked,
+        Role::Fit,
+        runs,
+        &by_model.collect(),
+        None,
+        &found.best,
+    );
     for surface in &found.surfaces {
-        let name = &problem.models[surface.model].name;
+        let model = &problem.models[surface.model];
+        let name = &model.name;
         let samples = runs.get(&surface.model).cloned().unwrap_or_default();
         let n = samples.done.len();
         if n == 0 {
@@ -140,9 +163,7 @@ fn compare(
         let mut contradicted = false;
         for (k, observable) in surface.observables.iter().enumerate() {
             let measured = |m: &&crate::Measurement| {
-                m.model == surface.model
-                    && m.observable == *observable
-                    && m.role == crate::Role::Fit
+                m.model == surface.model && m.observable == *observable && m.role == Role::Fit
             };
             let Some(measured) = problem.measurements.iter().find(measured) else {
                 continue;
@@ -150,8 +171,17 @@ fn compare(
             let mut row = row(name, &pooled, (k, observable), &found.best, (means[k], n));
             let difference = (row.simulated.mean - row.predicted).abs();
             row.matters = difference > IMMATERIAL * measured.variance().sqrt();
-            contradicted |= row.matters && row.z.abs() > normal_limit();
-            rows.push(row);
+            let is_missed = met.iter().any(|m| {
+                !m.holds
+                    && m.observable == *observable
+                    && m.scene == model.scene
+                    && m.condition == model.condition
+            });
+            let error = measured.variance().sqrt().hypot(row.predicted_se);
+            let off = (measured.mean - row.predicted).abs();
+            let decides = is_missed && off <= error * normal_limit(ALPHA_OF_A_MEASUREMENT);
+            contradicted |= row.matters && (decides || row.z.abs() > normal_limit(ALPHA));
+            rows.push(Judged { row, decides });
         }
         corrected.push(if contradicted {
             pooled.anchored(&found.best, &means, n)
@@ -196,9 +226,9 @@ fn row(
     }
 }
 
-/// |z| beyond which one row contradicts its surface.
-fn normal_limit() -> f64 {
-    quantile_of(ALPHA, f64::INFINITY)
+/// |z| that is exceeded with a chance of `alpha`.
+fn normal_limit(alpha: f64) -> f64 {
+    quantile_of(alpha, f64::INFINITY)
 }
 
 /// The normal score with the two-sided tail of Student's t.

@@ -27,28 +27,9 @@ pub(crate) fn verdict(
             "some measurements could not be simulated at the estimate: the remarks say why".into(),
         );
     }
-    let on_limits: Vec<String> = estimate
-        .parameters
-        .iter()
-        .filter(|p| p.at_limit)
-        .map(|p| format!("{} at its limit {}", p.symbol, p.value))
-        .collect();
     let not_met = missed(fit);
     if !not_met.is_empty() {
-        let why = if on_limits.is_empty() {
-            let priors = problem.parameters.iter().any(|p| p.prior.is_some());
-            let besides = if priors {
-                " that agree with their priors"
-            } else {
-                ""
-            };
-            format!(": by the surfaces no parameters{besides} in the boxes that were searched do")
-        } else {
-            format!(
-                ", with {}: within the limits no parameters do",
-                on_limits.join(" and ")
-            )
-        };
+        let why = why_not_met(problem, estimate, confirmed);
         return (
             false,
             format!("the fit does not meet {}{why}", not_met.join(", ")),
@@ -94,6 +75,37 @@ pub(crate) fn verdict(
         true,
         format!("{fit_words}, and {check_words}{}", doubts(check)),
     )
+}
+
+/// Why measurements of the fit are not met, as the end of the sentence.
+fn why_not_met(
+    problem: &CalibrationProblem,
+    estimate: &Estimated,
+    confirmed: &Confirmed,
+) -> String {
+    if !confirmed.agrees {
+        return ": fresh runs at the estimate do not agree with the surfaces by which it was chosen"
+            .into();
+    }
+    let on_limits: Vec<String> = estimate
+        .parameters
+        .iter()
+        .filter(|p| p.at_limit)
+        .map(|p| format!("{} at its limit {}", p.symbol, p.value))
+        .collect();
+    if !on_limits.is_empty() {
+        return format!(
+            ", with {}: within the limits no parameters do",
+            on_limits.join(" and ")
+        );
+    }
+    let priors = problem.parameters.iter().any(|p| p.prior.is_some());
+    let besides = if priors {
+        " that agree with their priors"
+    } else {
+        ""
+    };
+    format!(": by the surfaces no parameters{besides} in the boxes that were searched do")
 }
 
 /// How much larger than twice the standard error of a measurement a difference may be that its check still bears.

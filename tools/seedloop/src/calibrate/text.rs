@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 use std::fmt::{Arguments, Write as _};
 use std::path::{Path, PathBuf};
 use study::{ComparedValue, Price, Study, StudyResult};
-use study_report::answer;
+use study_report::{answer, open_in_words};
 
 /// Appends to a text.
 fn add(text: &mut String, more: Arguments<'_>) {
@@ -125,6 +125,10 @@ fn priced(text: &mut String, price: &Price, threads: usize) {
 pub(super) fn result(result: &StudyResult, folder: &Path, files: &[PathBuf]) -> String {
     let found = &result.calibration;
     let mut text = parameters(&found.parameters);
+    for open in &found.open_combinations {
+        let words = open_in_words(open, &found.parameters);
+        add(&mut text, format_args!("  {words}\n"));
+    }
     for (role, rows) in [
         ("fit", &found.fit),
         ("check", &found.check),
@@ -176,7 +180,11 @@ pub(crate) fn parameters(estimates: &[Estimate]) -> String {
         let fixed = if e.fixed_by_data {
             "the data"
         } else {
-            "nothing measured"
+            // It is known by its prior, or not at all.
+            match e.se {
+                Some(_) => "its prior",
+                None => "nothing: open",
+            }
         };
         let limit = if e.at_limit { ", at its limit" } else { "" };
         add(
