@@ -8,6 +8,7 @@ use crate::region::Region;
 use crate::samples::{Asked, Runner, Sample, Samples, Wanted, first_seed, observables, wanted};
 use crate::surface::{Degree, Surface, of_regime, too_few, usual_regime};
 use crate::{CalibrationProblem, Error, LeftOut, ModelSurfaces, Role, SearchBox, SurfaceDesign};
+use nalgebra::{DMatrix, DVector};
 use quantity::significant;
 use response_surface::{Model, Observations};
 use std::collections::{BTreeMap, BTreeSet};
@@ -20,6 +21,8 @@ const ACTS: f64 = 3.0;
 const WORTH: f64 = 0.05;
 /// Runs of boxes before are used again up to so many half widths from the middle of the new one.
 const NEAR: f64 = 1.25;
+/// Singular values below this are those of columns that do nothing.
+const IMITATED: f64 = 1e-12;
 /// Least and largest way from a face to the middle of the next box, in half widths.
 const WAY: [f64; 2] = [0.25, 2.0];
 /// Width of the next box over that of one whose surfaces miss their runs.
@@ -298,7 +301,7 @@ impl<'a> Search<'a> {
             let x = best.coded[j];
             let face = found.region.natural(j, x.signum());
             let at_limit = face <= parameter.limits[0] || face >= parameter.limits[1];
-            let column = jacobian.column(j);
+            let column = with_others(&fit, &jacobian, best, j);
             let pull = -column.dot(&r) * x.signum();
             let information = column.norm_squared();
             let gain = pull * pull / information;
@@ -486,6 +489,27 @@ fn near<'s>(samples: Vec<&'s Sample>, active: &[usize], region: &Region) -> Vec<
             .all(|&j| region.coded(j, s.at[j]).abs() <= NEAR)
     };
     samples.into_iter().filter(is_near).collect()
+}
+
+/// How the whitened residuals change with parameter j, coded, while those that lie inside the box follow it: the part of its column
+/// that theirs cannot imitate. Of two parameters that act alike one alone gains next to nothing beyond its face, and both together
+/// much.
+fn with_others(
+    fit: &JointFit<'_>,
+    jacobian: &DMatrix<f64>,
+    best: &Minimum,
+    j: usize,
+) -> DVector<f64> {
+    let follows = |k: &usize| *k != j && fit.free[*k] && best.coded[*k].abs() <= ON_THE_FACE;
+    let others: Vec<usize> = (0..fit.parameters.len()).filter(follows).collect();
+    let column = jacobian.column(j).into_owned();
+    if others.is_empty() {
+        return column;
+    }
+    let others = jacobian.select_columns(&others);
+    let along = others.clone().svd(true, true).solve(&column, IMITATED);
+    // Both sides of the decomposition are there, so that it can be solved.
+    along.map_or_else(|_| column.clone(), |along| &column - others * along)
 }
 
 /// Whether a parameter acts on a measured observable beyond doubt.

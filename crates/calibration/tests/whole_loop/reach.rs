@@ -1,6 +1,6 @@
 //! Measurements out of reach of the first box.
 
-use super::toy::{Toy, measured, model, parameter, problem, run, run_with, shown, value};
+use super::toy::{Shown, Toy, measured, model, parameter, problem, run, run_with, shown, value};
 use calibration::{LoopSettings, Role};
 
 /// y = 2 a, measured 3.0: a = 1.5 lies above the first box 0 to 0.5, inside the limits 0 to 2. And below it, from the box
@@ -234,4 +234,36 @@ fn a_spent_budget_ends_the_search_with_what_there_is() {
         refused.to_string().starts_with("12 runs are needed"),
         "{refused}"
     );
+}
+
+/// Two parameters act nearly alike: y = a + 3 b and z = a + 3.1 b. The truth, a = 0.1 and b = 0.3, lies beyond the face a = 0.3 of the
+/// box. There a alone gains next to nothing, for what it mends of y it spoils of z; both together meet all. The box moves, and
+/// the estimate is the truth within four of its standard errors; a search that looks along a alone stops at the face, and tells
+/// that nothing meets the measurements.
+#[test]
+fn a_box_moves_where_two_parameters_gain_together() {
+    let toy = Toy {
+        law: |_, p| {
+            let values = vec![("y", p("a") + 3.0 * p("b")), ("z", p("a") + 3.1 * p("b"))];
+            Ok(Shown { values, regime: "" })
+        },
+        noise: 0.0005,
+    };
+    let mut a = parameter("a", [0.3, 0.7]);
+    a.limits = [0.0, 1.0];
+    let problem = problem(
+        vec![a, parameter("b", [0.0, 0.4])],
+        vec![model("m", &[0, 1])],
+        vec![
+            measured(0, "y", Role::Fit, (1.0, 0.002)),
+            measured(0, "z", Role::Fit, (1.03, 0.002)),
+        ],
+    );
+    let result = run(&toy, &problem).unwrap();
+    assert!(result.met, "{}", result.verdict);
+    for (p, truth) in result.parameters.iter().zip([0.1, 0.3]) {
+        let se = p.se.unwrap();
+        assert!((p.value - truth).abs() < 4.0 * se, "{p:?}");
+    }
+    assert!(result.boxes.len() > 1, "{:?}", result.boxes);
 }
