@@ -43,7 +43,8 @@ struct Judged {
 
 /// Runs the models of the fit at the estimate. Where they tell that a surface misses the runs by more than they scatter, the
 /// search goes on in a smaller box; where none is left and they contradict a surface by more than its error, it is shifted to
-/// meet them, and so it is where they miss a measurement that it meets: one of both is wrong. The estimate is made again, a few rounds at most.
+/// meet them, and so it is where they miss a measurement that it meets: one of both is wrong. The estimate is made again, a few
+/// rounds at most.
 ///
 /// # Errors
 ///

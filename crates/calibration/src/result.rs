@@ -196,7 +196,7 @@ pub struct SolutionSet {
     pub extent: Vec<[f64; 2]>,
     /// Separate best points, the best first, in the order of the parameters.
     pub separate: Vec<Vec<f64>>,
-    /// Points of the set, drawn evenly from the box, in the order of the parameters; at most 500.
+    /// Points of the set, drawn evenly from the set, in the order of the parameters; at most 500.
     pub points: Vec<Vec<f64>>,
 }
 

@@ -7,7 +7,7 @@ use nalgebra::DVector;
 use probability::chi_squared_quantile;
 use random_stream::Stream;
 
-/// Points drawn from the box.
+/// Points drawn between the ends of the set.
 const DRAWN: usize = 4096;
 /// Points that are kept for pictures.
 const KEPT: usize = 500;
@@ -27,7 +27,7 @@ const LEASH: f64 = 1e4;
 /// A point belongs to the set where Q is at most its least value plus the 95 % quantile of chi² for as many degrees of
 /// freedom as parameters are searched. Two minima are one solution where a way leads from one to the other inside the
 /// set: on planes across the straight line between them, Q is made least. The set ends along a parameter where the least Q over
-/// all others leaves it.
+/// all others leaves it; its points are drawn evenly between these ends.
 ///
 /// # Errors
 ///
@@ -46,37 +46,51 @@ pub(crate) fn solution_set(
         reason: format!("chi squared has no quantile for {n} degrees of freedom"),
     })?;
     let limit = best.misfit + rise;
-    let mut stream = Stream::new(seed, "solution set");
-    let mut points = Vec::new();
-    for _ in 0..DRAWN {
-        let mut coded: Vec<f64> = (0..fit.free.len())
-            .map(|_| stream.between(-1.0, 1.0))
-            .collect();
-        for (x, _) in coded.iter_mut().zip(&fit.free).filter(|(_, free)| !**free) {
-            *x = 0.0;
-        }
-        if fit.misfit(&coded, whitening) <= limit {
-            points.push(fit.natural(&coded));
-        }
-    }
     let separate = separate(fit, minima, whitening, limit);
-    // A narrow set is met by few points: its ends are those of the ways from the minima, or a point where one lies farther.
-    let extent = estimates.iter().enumerate().map(|(j, estimate)| {
-        if !fit.free[j] {
-            return [estimate.value; 2];
-        }
-        let ends = separate.iter().flat_map(|minimum| {
-            [-1.0, 1.0].map(|side| {
-                let end = crossing(fit, minimum, whitening, (j, side), FIRST_LOOK, limit);
-                fit.region.natural(j, end.unwrap_or(side))
-            })
+    // Coded ends; what is not searched stays in the middle.
+    let ends: Vec<[f64; 2]> = (0..fit.free.len())
+        .map(|j| {
+            let end = |side: f64| {
+                let ends = separate.iter().map(|minimum| {
+                    let end = crossing(fit, minimum, whitening, (j, side), FIRST_LOOK, limit);
+                    side * end.unwrap_or(side)
+                });
+                side * ends.fold(-1.0, f64::max)
+            };
+            if fit.free[j] {
+                [-1.0, 1.0].map(end)
+            } else {
+                [0.0; 2]
+            }
+        })
+        .collect();
+    // A narrow set would be met by few points of the whole box.
+    let mut stream = Stream::new(seed, "solution set");
+    let drawn = (0..DRAWN).map(|_| {
+        let point = ends.iter().zip(&fit.free);
+        let point = point.map(|([low, high], free)| {
+            if *free {
+                stream.between(*low, *high)
+            } else {
+                0.0
+            }
         });
-        let values: Vec<f64> = points.iter().map(|p| p[j]).chain(ends).collect();
-        let low = values.iter().copied().fold(estimate.value, f64::min);
-        [low, values.iter().copied().fold(estimate.value, f64::max)]
+        point.collect::<Vec<f64>>()
+    });
+    let inside = drawn.filter(|coded| fit.misfit(coded, whitening) <= limit);
+    let points: Vec<Vec<f64>> = inside.map(|coded| fit.natural(&coded)).collect();
+    let within = ends.iter().zip(&fit.free).filter(|(_, free)| **free);
+    let share_of_ends: f64 = within.map(|([low, high], _)| 0.5 * (high - low)).product();
+    let extent = ends.iter().zip(estimates).enumerate();
+    let extent = extent.map(|(j, (ends, estimate))| {
+        if fit.free[j] {
+            ends.map(|end| fit.region.natural(j, end))
+        } else {
+            [estimate.value; 2]
+        }
     });
     Ok(SolutionSet {
-        share_of_box: points.len() as f64 / DRAWN as f64,
+        share_of_box: share_of_ends * points.len() as f64 / DRAWN as f64,
         extent: extent.collect(),
         separate: separate.iter().map(|m| fit.natural(&m.coded)).collect(),
         points: points.into_iter().take(KEPT).collect(),

@@ -128,7 +128,7 @@ fn solutions(page: &mut Page<'_>) -> Result<(), Error> {
                 ""
             };
             let caption = format!(
-                "Points of the set of solutions: {} against {}, drawn evenly from the box{others}.",
+                "Points of the set of solutions: {} against {}, drawn evenly from the set{others}.",
                 y.symbol, x.symbol
             );
             Some((format!("{} and {}", x.symbol, y.symbol), svg, caption))
