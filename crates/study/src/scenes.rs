@@ -7,7 +7,7 @@ use crate::setting::{change, leaf, table_of};
 use calibration::Model;
 use external_simulator::Peer;
 use scene::{Apparatus, FillingLibrary, Override, Scene};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 /// The scenes of a study, each read once with its changes.
@@ -45,11 +45,24 @@ impl<'a> Scenes<'a> {
     ) -> Self {
         let mut by_name = BTreeMap::new();
         let fillings = FillingLibrary::default();
+        let mut told = BTreeSet::new();
         for entry in &file.scenes {
             let further = choices.changes.get(&entry.name);
             let further = further.map_or(&[][..], Vec::as_slice);
             let at = |reason: String| scene_problem(document, entry, reason);
-            match read_scene(entry, folder, further) {
+            let of_file = folder.join(entry.file.clone().unwrap_or_default());
+            let scene = match Scene::read_all(&of_file, &[]) {
+                Ok(scene) => scene,
+                Err(reasons) => {
+                    // Scenes of one file have its mistakes in common.
+                    if told.insert(of_file) {
+                        let reasons = reasons.iter().map(ToString::to_string);
+                        reasons.for_each(|reason| problems.add(at(reason)));
+                    }
+                    continue;
+                }
+            };
+            match changed(scene, entry, further) {
                 Ok(scene) => {
                     // A scene that is measured is built under each of its conditions instead.
                     let measured = file.measured.iter().any(|m| m.scene == entry.name);
@@ -97,12 +110,9 @@ fn scene_problem(document: &Document, entry: &SceneEntry, reason: String) -> Pro
     document.problem(&entry.path, what, reason)
 }
 
-/// One scene, or all that is wrong with it.
-fn read_scene(entry: &SceneEntry, folder: &Path, further: &[String]) -> Result<Scene, Vec<String>> {
-    let file = folder.join(entry.file.clone().unwrap_or_default());
+/// The scene of a file as an entry changes it, or all that is wrong with that.
+fn changed(mut scene: Scene, entry: &SceneEntry, further: &[String]) -> Result<Scene, Vec<String>> {
     let told = |error: scene::Error| vec![error.to_string()];
-    let mut scene = Scene::read_all(&file, &[])
-        .map_err(|all| all.iter().map(ToString::to_string).collect::<Vec<_>>())?;
     if let Some(apparatus) = &entry.apparatus {
         let apparatus: Apparatus = apparatus
             .clone()

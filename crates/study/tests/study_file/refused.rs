@@ -59,6 +59,19 @@ fn text_that_is_no_toml_is_told_with_its_line() {
     );
 }
 
+/// Drum and sled are of one file: what is wrong in it is told once, with the first of them.
+#[test]
+fn a_mistake_in_a_file_of_two_scenes_is_told_once() {
+    let folder = Folder::new(STUDY);
+    folder.write("drum.toml", &DRUM.replacen("count = 100", "cuont = 100", 1));
+    let error = folder.read(None).unwrap_err();
+    let Error::Problems { list } = &error else {
+        panic!("{error}");
+    };
+    assert_eq!(list.len(), 1, "{error}");
+    tells(&error.to_string(), &["'drum'", "drum.toml", "cuont"]);
+}
+
 /// A slip is told once with what to write; all that a parser makes of the rest of its line is not told.
 #[test]
 fn a_slip_is_told_once_with_what_to_write() {
