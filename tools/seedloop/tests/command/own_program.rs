@@ -69,7 +69,7 @@ fn a_program_of_the_user_is_calibrated() {
     assert!(said.contains("\ndiagnosis: Nothing is missing"), "{said}");
 }
 
-/// One angle of one drum tells 0.75 mu_s + 0.8 mu_r and no more: what is printed says that both are open, and what is fixed
+/// One angle of one drum tells `0.75 mu_s + 0.8 mu_r` and no more: what is printed says that both are open, and what is fixed
 /// instead; the factor 0.8 / 0.75 = 1.07 is known to the noise of the runs.
 #[test]
 fn what_one_angle_leaves_open_is_printed() {
