@@ -50,6 +50,8 @@ fn values(code: &str) -> impl Iterator<Item = &str> {
 
 /// What is wrong with a value that stands there without quotes.
 fn bare(value: &str) -> Option<String> {
+    // A quote that was not opened stands at the end.
+    let value = value.trim_end_matches(['"', '\'']);
     let first = value.chars().next()?;
     let word = first.is_alphabetic() && !["true", "false", "inf", "nan"].contains(&value);
     let with_unit = first.is_ascii_digit() && value.parse::<f64>().is_err();
@@ -73,6 +75,7 @@ mod tests {
             ("kind = command", "\"command\""),
             ("role = fit # or check", "\"fit\""),
             ("width = 30 mm", "\"30 mm\""),
+            ("width = 30 mm\" # a slice", "\"30 mm\""),
             ("condition = { rpm = fast }", "\"fast\""),
         ] {
             let told = toml_slip(line).unwrap_or_default();

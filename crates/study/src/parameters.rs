@@ -364,12 +364,15 @@ impl Resolver<'_> {
         for (key, value) in ends {
             let taken = |model: &usize| peer.check(&self.models.scenes[*model]).is_ok();
             let models = (0..self.models.models.len()).filter(taken);
-            let refused = models.filter_map(|model| {
+            let mut refused = models.filter_map(|model| {
                 let scene = self.models.at(model, entry, value)?.ok()?;
                 peer.check(&scene).err()
             });
-            let first = refused.take(1).next();
-            if let Some(error) = first.filter(|_| !told.contains(&value)) {
+            // Limits are often the ends of the range.
+            if told.contains(&value) {
+                continue;
+            }
+            if let Some(error) = refused.next() {
                 told.push(value);
                 let word = if key == "limits" { "reach" } else { "=" };
                 let problem = format!("{word} {value}: {error}; narrow the range and state limits");

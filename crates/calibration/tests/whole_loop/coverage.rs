@@ -1,7 +1,9 @@
 //! How often the 95 % intervals hold the truth.
 
-use super::toy::{Law, Shown, Toy, measured, model, parameter, problem, run_with, shown};
-use calibration::{Correlation, LoopSettings, Measurement, Role};
+use super::toy::{
+    Law, Shown, Toy, measured, model, parameter, problem, run_with, settings_of, shown,
+};
+use calibration::{Correlation, Measurement, Role};
 use random_stream::Stream;
 use rayon::prelude::*;
 
@@ -57,11 +59,7 @@ fn intervals_hold_the_truth_in_95_of_100_studies() {
             names.iter().map(|n| model(n, &[0, 1])).collect(),
             measurements.collect(),
         );
-        let settings = LoopSettings {
-            seed: 10_000_000 * (study + 1),
-            before_runs: 0,
-            ..LoopSettings::default()
-        };
+        let settings = settings_of(study);
         let result = run_with(&toy, &problem, &settings).unwrap();
         [0, 1].map(|j| {
             let [low, high] = result.parameters[j].interval95;
@@ -116,11 +114,7 @@ fn intervals_of_correlated_means_hold_the_truth_as_often() {
                 vec![of("y", means[0]), of("z", means[1])],
             );
             problem.correlations.push(Correlation { a: 0, b: 1, value });
-            let settings = LoopSettings {
-                seed: 10_000_000 * (study + 1),
-                before_runs: 0,
-                ..LoopSettings::default()
-            };
+            let settings = settings_of(*study);
             let result = run_with(&toy, &problem, &settings).expect("a study that runs");
             let [low, high] = result.parameters[0].interval95;
             low <= 0.4 && 0.4 <= high
@@ -150,11 +144,7 @@ fn studies_that_fix_b(law: Law) -> usize {
             (0..6).map(|k| model(&k.to_string(), &[0, 1])).collect(),
             measurements,
         );
-        let settings = LoopSettings {
-            seed: 10_000_000 * (study + 1),
-            before_runs: 0,
-            ..LoopSettings::default()
-        };
+        let settings = settings_of(*study);
         let result = run_with(&toy, &problem, &settings);
         result.expect("a study that runs").parameters[1].fixed_by_data
     };
@@ -197,11 +187,7 @@ fn a_saturating_response_is_fitted_where_a_parabola_follows_it() {
             vec![model("m", &[0])],
             vec![measured(0, "y", Role::Fit, (mean, 0.25 * 10.0_f64.sqrt()))],
         );
-        let settings = LoopSettings {
-            seed: 10_000_000 * (study + 1),
-            before_runs: 0,
-            ..LoopSettings::default()
-        };
+        let settings = settings_of(study);
         let result = run_with(&toy, &problem, &settings).expect("a study that runs");
         let [low, high] = result.parameters[0].interval95;
         [result.met, low <= truth && truth <= high]

@@ -128,6 +128,15 @@ pub(crate) fn run(toy: &Toy, problem: &CalibrationProblem) -> Result<Calibration
     run_with(toy, problem, &LoopSettings::default())
 }
 
+/// The settings of one of many drawn studies: its runs share no seed with those of another.
+pub(crate) fn settings_of(study: u64) -> LoopSettings {
+    LoopSettings {
+        seed: 10_000_000 * (study + 1),
+        before_runs: 0,
+        ..LoopSettings::default()
+    }
+}
+
 /// The loop in a store of its own.
 pub(crate) fn run_with(
     toy: &Toy,

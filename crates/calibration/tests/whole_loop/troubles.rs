@@ -1,6 +1,8 @@
 //! What is invalid, and what goes wrong on the way.
 
-use super::toy::{Law, Toy, measured, model, parameter, problem, run, run_with, shown, value};
+use super::toy::{
+    Law, Toy, measured, model, parameter, problem, run, run_with, settings_of, shown, value,
+};
 use calibration::{LoopSettings, Role, planned};
 
 /// A run fails beyond a = 0.85: its point is left out with the reason, and the loop goes on.
@@ -278,11 +280,7 @@ fn ends(law: Law) -> (usize, usize) {
     let error = 0.06 / 10_f64.sqrt();
     let (mut not_met, mut wrong) = (0, 0);
     for seed in 0..100 {
-        let settings = LoopSettings {
-            seed: 10_000_000 * (seed + 1),
-            before_runs: 0,
-            ..LoopSettings::default()
-        };
+        let settings = settings_of(seed);
         let result = run_with(&toy, &problem, &settings).expect("a study that runs");
         let row = &result.confirmations.last().expect("a round").rows[0];
         let meets = (row.predicted - 0.7).abs() < 2.0 * error.hypot(row.predicted_se);
