@@ -86,6 +86,13 @@ fn a_slip_is_told_once_with_what_to_write() {
     }
     let study = changed("role = \"check\"", "role = check");
     tells(&wrong(&study), &["no TOML", "in quotes, \"check\""]);
+    // Without a usual slip it is the first that the parser found in the line.
+    let study = changed("sd = 0.8, n = 10", "sd == 0.8,, n =");
+    let error = Folder::new(&study).read(None).unwrap_err();
+    let Error::Problems { list } = &error else {
+        panic!("{error}");
+    };
+    assert_eq!(list.len(), 1, "{error}");
 }
 
 #[test]
