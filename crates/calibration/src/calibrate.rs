@@ -96,6 +96,8 @@ pub fn calibrate(
     remarks.extend(failures(problem, "at the estimate", &checked.at_estimate));
     remarks.extend(states(problem, &checked.at_estimate));
     remarks.extend(other_solutions(problem, &estimate));
+    let show = row(Role::Show, &checked.at_estimate, covariance, at);
+    remarks.extend(missed_but_shown(&show));
     let (met, verdict) = verdict(problem, &estimate, &fit, &checks, &confirmed);
     Ok(Calibration {
         id: problem.id.clone(),
@@ -104,7 +106,7 @@ pub fn calibrate(
             .iter()
             .flat_map(|role| row(*role, &before, None, &start))
             .collect::<Vec<Comparison>>(),
-        show: row(Role::Show, &checked.at_estimate, covariance, at),
+        show,
         surfaces: search.told(&confirmed.found)?,
         boxes: search.boxes,
         cost: clock.end(),
@@ -125,6 +127,19 @@ pub fn calibrate(
         met,
         verdict,
     })
+}
+
+/// Measurements that are only shown and that the simulation misses: inputs may be wrong, or the model.
+fn missed_but_shown(show: &[Comparison]) -> Vec<String> {
+    let missed = show.iter().filter(|row| !row.holds);
+    missed
+        .map(|row| {
+            format!(
+                "{} is shown and not judged, and the simulation misses it",
+                crate::verdict::name(row)
+            )
+        })
+        .collect()
 }
 
 /// The diagnosis at a point, as far as the budget allows after so many runs: what to measure next is asked where it does.

@@ -1,7 +1,7 @@
 //! Fresh runs at the estimate: do they confirm the surfaces, or correct them?
 
 use crate::comparison::compare as compared;
-use crate::intervals::quantile_of;
+use crate::intervals::{best_of, quantile_of};
 use crate::samples::{Runner, Sample, Samples, first_seed, wanted};
 use crate::search::{Found, Search};
 use crate::surface::{Surface, of_regime, usual_regime};
@@ -15,6 +15,9 @@ const ALPHA_OF_A_MEASUREMENT: f64 = 0.05;
 /// Share of the standard error of a measurement up to which a difference does not matter: it moves the estimate by so
 /// little of its own error.
 const IMMATERIAL: f64 = 0.1;
+/// Rise of the misfit from the estimate to where the runs were made, up to which they count as runs at the estimate: half a
+/// standard error.
+const SETTLED: f64 = 0.25;
 /// First stage number of the rounds.
 const STAGE: u64 = 50;
 
@@ -41,14 +44,14 @@ struct Judged {
     decides: bool,
 }
 
-/// Runs the models of the fit at the estimate. Where they tell that a surface misses the runs by more than they scatter, the
-/// search goes on in a smaller box; where none is left and they contradict a surface by more than its error, it is shifted to
-/// meet them, and so it is where they miss a measurement that it meets: one of both is wrong. The estimate is made again, a few
-/// rounds at most.
+/// Runs the models of the fit at the estimate, and makes it again with surfaces that meet these runs: what a polynomial misses of
+/// a response biases the estimate as long as noise hides it. If runs and surfaces disagree, or the estimate moves, fresh runs follow
+/// at the new one, a few rounds at most. If the runs show that a surface misses them by more than they scatter, the search goes on
+/// in a smaller box.
 ///
 /// # Errors
 ///
-/// A model of which no run gives a result, a campaign that was stopped.
+/// A campaign that was stopped, a covariance that is not positive definite.
 pub(crate) fn confirm(
     runner: &Runner<'_>,
     search: &mut Search<'_>,
@@ -57,33 +60,45 @@ pub(crate) fn confirm(
 ) -> Result<Confirmed, Error> {
     let mut rounds = Vec::new();
     let mut remarks = Vec::new();
-    let settings = runner.settings;
-    let most = settings.most_confirmations.max(1);
-    let mut round = 0;
+    let most = runner.settings.most_confirmations.max(1);
+    // Surfaces of the box as its design shows them, and the fresh runs in it, one group a round.
+    let mut of_design = found.surfaces.clone();
+    let mut fresh: BTreeMap<usize, Vec<Vec<Sample>>> = BTreeMap::new();
     loop {
-        let runs = fresh_runs(runner, &found, round)?;
-        let (rows, corrected) = compare(runner, search, &found, &runs, &mut remarks)?;
+        let last = rounds.len() + 1 >= most;
+        let runs = fresh_runs(runner, &found, rounds.len())?;
+        let rows = compare(runner, search, &found, &runs, &mut remarks);
         let limit = normal_limit(ALPHA / rows.len().max(1) as f64);
         let agrees = rows
             .iter()
             .all(|Judged { row, decides }| !row.matters || (!decides && row.z.abs() <= limit));
         let at = found.best.clone();
         let mut is_nearer = false;
-        if round + 1 < most {
+        if !last {
             (found, is_nearer) = search.nearer(found, &runs, announce)?;
         }
-        let confirmed = agrees && !is_nearer;
         rounds.push(ConfirmationRound {
-            at,
+            at: at.clone(),
             rows: rows.into_iter().map(|judged| judged.row).collect(),
-            confirmed,
+            confirmed: agrees && !is_nearer,
         });
         if is_nearer {
-            round += 1;
+            of_design.clone_from(&found.surfaces);
+            fresh.clear();
             continue;
         }
-        if confirmed || round + 1 >= most {
-            if !confirmed {
+        for (model, samples) in &runs {
+            let (group, _) = of_regime(&samples.done, &usual_regime(&samples.done));
+            let group = group.into_iter().cloned().collect();
+            fresh.entry(*model).or_default().push(group);
+        }
+        let surfaces = of_design.iter().map(|surface| met_by(surface, &fresh));
+        found = search.solve(found.region.clone(), surfaces.collect())?;
+        // The new surfaces may meet a measurement that these runs miss: further ones decide which is right.
+        let again = compare(runner, search, &found, &runs, &mut Vec::new());
+        let agrees = agrees && !again.iter().any(|judged| judged.decides);
+        if last || (agrees && is_settled(runner, &found, &at)?) {
+            if !agrees {
                 remarks.push(format!(
                     "after {most} rounds the fresh runs still differ from what the surfaces predict by more than their error"
                 ));
@@ -92,13 +107,28 @@ pub(crate) fn confirm(
                 found,
                 runs,
                 rounds,
-                agrees: confirmed,
+                agrees,
                 remarks,
             });
         }
-        found = search.solve(found.region.clone(), corrected)?;
-        round += 1;
     }
+}
+
+/// A surface that meets the fresh runs of its model.
+fn met_by(surface: &Surface, fresh: &BTreeMap<usize, Vec<Vec<Sample>>>) -> Surface {
+    let groups = fresh.get(&surface.model).map_or(&[][..], Vec::as_slice);
+    let groups: Vec<Vec<&Sample>> = groups.iter().map(|g| g.iter().collect()).collect();
+    surface.with_scatter(&groups).anchored(&groups.concat())
+}
+
+/// Whether the estimate lies so near to where the runs were made that these count as runs at the estimate.
+fn is_settled(runner: &Runner<'_>, found: &Found, at: &[f64]) -> Result<bool, Error> {
+    let fit = found.fit(runner.problem);
+    let coded: Vec<f64> = (0..at.len())
+        .map(|j| found.region.coded(j, at[j]).clamp(-1.0, 1.0))
+        .collect();
+    let rise = fit.misfit(&coded, &found.whitening) - best_of(&found.minima)?.misfit;
+    Ok(rise <= SETTLED)
 }
 
 /// The models of the fit at the estimate.
@@ -116,16 +146,16 @@ fn fresh_runs(
     runner.run(&list)
 }
 
-/// Rows of a round, and the surfaces corrected by its runs where they are contradicted.
+/// Rows of a round.
 fn compare(
     runner: &Runner<'_>,
     search: &Search<'_>,
     found: &Found,
     runs: &BTreeMap<usize, Samples>,
     remarks: &mut Vec<String>,
-) -> Result<(Vec<Judged>, Vec<Surface>), Error> {
+) -> Vec<Judged> {
     let problem = runner.problem;
-    let (mut rows, mut corrected) = (Vec::new(), Vec::new());
+    let mut rows = Vec::new();
     let by_model = found.surfaces.iter().map(|s| (s.model, s.clone()));
     let met = compared(
         runner.asked,
@@ -141,11 +171,11 @@ fn compare(
         let samples = runs.get(&surface.model).cloned().unwrap_or_default();
         let n = samples.done.len();
         if n == 0 {
-            let reason = samples.failed.first().map(|f| f.1.clone());
-            return Err(Error::NoRun {
-                model: name.clone(),
-                reason: reason.unwrap_or_default(),
-            });
+            let reason = samples.failed.first().map_or("", |f| &f.1);
+            remarks.push(format!(
+                "no run of {name} gives a result at the estimate, so that nothing confirms its surface: {reason}"
+            ));
+            continue;
         }
         let regime = search.regime(surface.model);
         let others = samples.done.iter().filter(|s| s.regime != regime).count();
@@ -161,7 +191,6 @@ fn compare(
         let means: Vec<f64> = (0..surface.observables.len())
             .map(|k| mean(&group, &surface.observables[k]))
             .collect();
-        let mut contradicted = false;
         for (k, observable) in surface.observables.iter().enumerate() {
             let measured = |m: &&crate::Measurement| {
                 m.model == surface.model && m.observable == *observable && m.role == Role::Fit
@@ -181,16 +210,10 @@ fn compare(
             let error = measured.variance().sqrt().hypot(row.predicted_se);
             let off = (measured.mean - row.predicted).abs();
             let decides = is_missed && off <= error * normal_limit(ALPHA_OF_A_MEASUREMENT);
-            contradicted |= row.matters && (decides || row.z.abs() > normal_limit(ALPHA));
             rows.push(Judged { row, decides });
         }
-        corrected.push(if contradicted {
-            pooled.anchored(&found.best, &means, n)
-        } else {
-            surface.clone()
-        });
     }
-    Ok((rows, corrected))
+    rows
 }
 
 /// One observable at the estimate: what the surface says, what the runs show.

@@ -62,14 +62,6 @@ pub enum Error {
         /// Why the first of them failed.
         reason: String,
     },
-    /// No run of a model gives a result at the estimate.
-    #[error("no run of {model} gives a result at the estimate: {reason}")]
-    NoRun {
-        /// Name of the model.
-        model: String,
-        /// Why the first failed.
-        reason: String,
-    },
     /// Too few replicates of a condition for its mean.
     #[error("{left} of {of} runs of {name} gave a result, and a mean needs two: {reason}")]
     Cell {

@@ -36,6 +36,8 @@ pub(crate) struct Uncertainty {
     inflation: Vec<f64>,
     /// Effective degrees of freedom of each variance.
     degrees_of_freedom: Vec<f64>,
+    /// Whether slopes count that the surfaces have: along a combination that was dropped as noise they do not.
+    of_the_surfaces: bool,
 }
 
 /// A combination of parameters, in widths of the limits.
@@ -74,11 +76,13 @@ impl Uncertainty {
     /// are `C J'V^-1 y + ...`, so that the variance of parameter j is a sum of parts, one for each measured mean or group of
     /// correlated ones (n - 1 degrees of freedom) and one for each surface (n - p); what priors and limits add is known. Its
     /// effective degrees of freedom are those of Satterthwaite: `(sum of parts)² / sum of (part² / degrees of freedom)`
-    /// `[Satterthwaite1946]`. Because V is estimated too, C grows to
+    /// `[Satterthwaite1946]`; what an even spread over the limits adds is no knowledge and counts in neither sum. Because V is
+    /// estimated too, C grows to
     /// `C + 2 C sum over parts of (A'(M B M + M tr(B M)) A / d) C`: A the slopes, M the part of V and `B = 1 - A C A'`, all
     /// whitened by V, d the degrees of freedom of the part, an estimated (Wishart) covariance matrix
     /// `[KenwardRoger1997, section 2]`. For independent variances that is `4 (1 - h_i) / d_i` times `j_i j_i'`, measurement by
-    /// measurement, `j_i` its row of A and `h_i = j_i' C j_i`.
+    /// measurement, `j_i` its row of A and `h_i = j_i' C j_i`. A covariance whose correlations were shrunk by a share l counts as
+    /// independent variances by l and as a whole matrix by the rest.
     pub(crate) fn new(fit: &JointFit<'_>, best: &Minimum, whitening: &Whitening) -> Self {
         let k = fit.parameters.len();
         let (_, jacobian) = fit.residuals(&best.coded, whitening, &[]);
@@ -94,7 +98,7 @@ impl Uncertainty {
         });
         let by_surfaces = scaled.rows(0, n).into_owned();
         let known = standing_out(fit, best, whitening, (&by_surfaces, &width));
-        scaled.rows_mut(0, n).copy_from(&known);
+        scaled.rows_mut(0, n).copy_from(&known.slopes);
         let data = scaled.rows(0, n).tr_mul(&scaled.rows(0, n));
         let all = scaled.tr_mul(&scaled);
         let unscale =
@@ -109,6 +113,7 @@ impl Uncertainty {
             covariance: unscale(grown),
             inflation,
             degrees_of_freedom,
+            of_the_surfaces: !known.dropped,
         }
     }
 
@@ -181,8 +186,8 @@ impl Uncertainty {
 ///
 /// An end of an interval is where the least Q over all other parameters has risen by t² times the growth of the variance
 /// by estimated weights, t Student's quantile for the effective degrees of freedom (profile); for a plane that is
-/// `value +- t se`. Outside the box the surfaces say nothing:
-/// there the end is that of the plane, at least the edge of the box. Ends are cut at the limits.
+/// `value +- t se`. If slopes were dropped as noise, the surfaces still have them, and the end is that of the plane. Outside the box
+/// the surfaces say nothing: there the end is that of the plane too, at least the edge of the box. Ends are cut at the limits.
 pub(crate) fn estimates(
     fit: &JointFit<'_>,
     best: &Minimum,
@@ -234,6 +239,9 @@ fn end(
 ) -> f64 {
     let t = uncertainty.quantile(j);
     let half = t * uncertainty.covariance[(j, j)].sqrt() / fit.region.half(j);
+    if !uncertainty.of_the_surfaces {
+        return fit.region.natural(j, best.coded[j] + side * half);
+    }
     let limit = best.misfit + t * t * uncertainty.inflation[j];
     if let Some(x) = crossing(fit, best, whitening, (j, side), half, limit) {
         return fit.region.natural(j, x);
@@ -316,11 +324,14 @@ fn effective(
             }
         }
     }
-    // What priors and limits add is known: it has all degrees of freedom.
+    // What priors add is known: it has all degrees of freedom.
+    let information = scaled.tr_mul(scaled);
+    let spread = spread_added(&information);
+    let of_spread = covariance * spread * covariance;
     let each = squares.iter().enumerate();
     each.map(|(j, squares)| {
         if *squares > 0.0 {
-            covariance[(j, j)].powi(2) / squares
+            (covariance[(j, j)] - of_spread[(j, j)]).powi(2) / squares
         } else {
             f64::INFINITY
         }
@@ -334,6 +345,8 @@ struct EstimatedPart {
     covariance: DMatrix<f64>,
     /// Degrees of freedom of its estimate.
     degrees_of_freedom: f64,
+    /// Share by which its correlations were shrunk.
+    shrinkage: f64,
 }
 
 /// What V of a block is made of: the covariance of the surface, and one of each group of measured means that go together. Means
@@ -343,6 +356,7 @@ fn estimated_parts(fit: &JointFit<'_>, block: &[Target], at: &[f64]) -> Vec<Esti
     let mut parts = vec![EstimatedPart {
         covariance: fit.surface_covariance(block, at),
         degrees_of_freedom: fit.surfaces[block[0].surface].degrees_of_freedom,
+        shrinkage: fit.surfaces[block[0].surface].shrinkage,
     }];
     let mut grouped = vec![false; block.len()];
     for first in 0..block.len() {
@@ -367,6 +381,7 @@ fn estimated_parts(fit: &JointFit<'_>, block: &[Target], at: &[f64]) -> Vec<Esti
         parts.push(EstimatedPart {
             covariance: DMatrix::from_fn(n, n, |a, b| measured[(a, b)] * inside(a) * inside(b)),
             degrees_of_freedom: degrees.fold(f64::INFINITY, f64::min),
+            shrinkage: 0.0,
         });
     }
     parts
@@ -388,10 +403,19 @@ fn with_estimated_weights(
         let slopes = scaled.rows(first, n);
         let left = DMatrix::identity(n, n) - slopes * covariance * slopes.transpose();
         for part in estimated_parts(fit, block, &at) {
-            let part_of_v = whitening.whitened(first, &part.covariance);
-            let turned =
-                &part_of_v * &left * &part_of_v + &part_of_v * (&left * &part_of_v).trace();
-            sum += slopes.transpose() * turned * slopes * (2.0 / part.degrees_of_freedom);
+            let turned = |covariance: &DMatrix<f64>| {
+                let m = whitening.whitened(first, covariance);
+                &m * &left * &m + &m * (&left * &m).trace()
+            };
+            let mut whole = turned(&part.covariance) * (1.0 - part.shrinkage);
+            if part.shrinkage > 0.0 {
+                for k in 0..n {
+                    let mut alone = DMatrix::zeros(n, n);
+                    alone[(k, k)] = part.covariance[(k, k)];
+                    whole += turned(&alone) * part.shrinkage;
+                }
+            }
+            sum += slopes.transpose() * whole * slopes * (2.0 / part.degrees_of_freedom);
         }
     }
     covariance + covariance * sum * covariance
@@ -416,9 +440,19 @@ fn variance_dof(fit: &JointFit<'_>, best: &Minimum) -> Vec<f64> {
 /// The inverse of an information matrix in widths of the limits; along directions of which less is known than the limits
 /// say, the variance is that of an even spread over them.
 fn bounded_inverse(information: &DMatrix<f64>) -> DMatrix<f64> {
-    let eigen = SymmetricEigen::new(information.clone());
-    let values = eigen.eigenvalues.map(|v| 1.0 / v.max(EVEN_SPREAD));
-    &eigen.eigenvectors * DMatrix::from_diagonal(&values) * eigen.eigenvectors.transpose()
+    along_directions(information, |v| 1.0 / v.max(EVEN_SPREAD))
+}
+
+/// The information that an even spread over the limits adds to an information matrix along directions of which less is known.
+fn spread_added(information: &DMatrix<f64>) -> DMatrix<f64> {
+    along_directions(information, |v| (EVEN_SPREAD - v).max(0.0))
+}
+
+/// A symmetric matrix with other values along its principal directions.
+fn along_directions(matrix: &DMatrix<f64>, value: impl Fn(f64) -> f64) -> DMatrix<f64> {
+    let eigen = SymmetricEigen::new(matrix.clone());
+    let values = DMatrix::from_diagonal(&eigen.eigenvalues.map(value));
+    &eigen.eigenvectors * values * eigen.eigenvectors.transpose()
 }
 
 /// Two-sided 95 % quantile of Student's distribution, of the normal one for very many degrees of freedom.

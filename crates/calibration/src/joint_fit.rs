@@ -127,6 +127,13 @@ impl<'a> JointFit<'a> {
         self.free.iter().filter(|f| **f).count()
     }
 
+    /// Whether the fit uses a surface; otherwise it is that of a check, in a joint estimate.
+    pub(crate) fn is_fitted(&self, surface: usize) -> bool {
+        let model = self.surfaces[surface].model;
+        let mut measurements = self.problem.measurements.iter();
+        measurements.any(|m| m.model == model && m.role == Role::Fit)
+    }
+
     /// Number of priors.
     pub(crate) fn n_priors(&self) -> usize {
         self.parameters.iter().filter(|p| p.prior.is_some()).count()

@@ -71,6 +71,7 @@
 //! # Ok::<(), calibration::Error>(())
 //! ```
 
+mod before_any_run;
 mod budget;
 mod calibrate;
 mod comparison;

@@ -150,10 +150,26 @@ pub fn study_residual(
                 plan.conditions.remove(*condition);
                 observed.values.remove(*condition);
                 observed.covariance.remove(*condition);
+                leave_out_unmeasured(&mut plan, &mut observed);
             }
             _ => return Err(error),
         }
     }
+}
+
+/// Leaves out the observables that were measured at no condition: nothing would tell how their runs scatter.
+fn leave_out_unmeasured(plan: &mut ResidualPlan, observed: &mut Observed) {
+    let measured = |k: &usize| observed.values.iter().any(|row| row[*k].is_some());
+    let kept: Vec<usize> = (0..plan.observables.len()).filter(measured).collect();
+    let names: Vec<String> = kept.iter().map(|&k| plan.observables[k].clone()).collect();
+    let of_kept = |row: &Vec<f64>| kept.iter().map(|&k| row[k]).collect();
+    for row in &mut observed.values {
+        *row = kept.iter().map(|&k| row[k]).collect();
+    }
+    for block in &mut observed.covariance {
+        *block = kept.iter().map(|&k| of_kept(&block[k])).collect();
+    }
+    plan.observables = names;
 }
 
 /// The study of a plan whose conditions can all be run.

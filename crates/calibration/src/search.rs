@@ -159,16 +159,14 @@ impl<'a> Search<'a> {
                 }
                 n_runs => n_runs?,
             };
-            let surfaces = match (self.surfaces(&region), &found) {
-                (Ok(surfaces), _) => surfaces,
-                (Err(error), None) => return Err(error),
-                (Err(error), Some(_)) => {
-                    self.remarks.push(format!(
-                        "the search ended although {why}, because in the next box no surface could be made: {error}"
-                    ));
-                    break;
-                }
-            };
+            let (surfaces, failed) = self.surfaces(&region);
+            if let (Some((_, error)), Some(_)) = (failed.first(), &found) {
+                self.remarks.push(format!(
+                    "the search ended although {why}, because in the next box no surface could be made: {error}"
+                ));
+                break;
+            }
+            self.leave_out(failed)?;
             let now = self.solve(region.clone(), surfaces)?;
             self.boxes.push(SearchBox {
                 low: region.low.clone(),
@@ -238,10 +236,28 @@ impl<'a> Search<'a> {
         self.samples.contains_key(&model) && self.boxes.iter().any(same)
     }
 
-    /// Surfaces of all models over the runs that lie in a box or near it, in their usual regime.
-    fn surfaces(&self, region: &Region) -> Result<Vec<Surface>, Error> {
-        let each = self.active.iter();
-        each.map(|(&model, active)| {
+    /// Goes on without the models of which no surface can be made; their measurements are not met.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::TooFewRuns`] if no other model is left.
+    fn leave_out(&mut self, failed: Vec<(usize, Error)>) -> Result<(), Error> {
+        for (model, error) in failed {
+            if self.active.len() == 1 {
+                return Err(error);
+            }
+            self.active.remove(&model);
+            let name = &self.runner.problem.models[model].name;
+            self.remarks
+                .push(format!("the fit is made without {name}: {error}"));
+        }
+        Ok(())
+    }
+
+    /// Surfaces over the runs that lie in a box or near it, in their usual regime, and the models of which none can be made.
+    fn surfaces(&self, region: &Region) -> (Vec<Surface>, Vec<(usize, Error)>) {
+        let (mut surfaces, mut failed) = (Vec::new(), Vec::new());
+        for (&model, active) in &self.active {
             let samples = self.samples.get(&model).cloned().unwrap_or_default();
             let regime = self.regime.get(&model).cloned().unwrap_or_default();
             let (inside, outside) = of_regime(&samples.done, &regime);
@@ -253,19 +269,18 @@ impl<'a> Search<'a> {
             };
             let surface = Surface::fit((model, active), &names, region, &near, most);
             let enough = surface.filter(|s| active.is_empty() || s.degree != Degree::Constant);
-            enough.ok_or_else(|| {
-                let other = outside.iter().map(|(_, reason)| reason.clone());
-                let failed = samples.failed.iter().map(|(_, reason)| reason.clone());
-                let reasons: BTreeSet<_> = other.chain(failed).collect();
-                let reasons: Vec<_> = reasons.into_iter().collect();
-                too_few(
-                    &self.runner.problem.models[model].name,
-                    near.len(),
-                    &reasons,
-                )
-            })
-        })
-        .collect()
+            if let Some(surface) = enough {
+                surfaces.push(surface);
+                continue;
+            }
+            let other = outside.iter().map(|(_, reason)| reason.clone());
+            let of_failed = samples.failed.iter().map(|(_, reason)| reason.clone());
+            let reasons: BTreeSet<_> = other.chain(of_failed).collect();
+            let reasons: Vec<_> = reasons.into_iter().collect();
+            let name = &self.runner.problem.models[model].name;
+            failed.push((model, too_few(name, near.len(), &reasons)));
+        }
+        (surfaces, failed)
     }
 
     /// The best point over surfaces in a box.
@@ -513,7 +528,7 @@ fn with_others(
 }
 
 /// Whether a parameter acts on a measured observable beyond doubt.
-fn acts(fit: &JointFit<'_>, j: usize, at: &[f64]) -> bool {
+pub(crate) fn acts(fit: &JointFit<'_>, j: usize, at: &[f64]) -> bool {
     let slope =
         |t: &crate::joint_fit::Target| fit.surfaces[t.surface].slope_in_errors(t.observable, j, at);
     fit.targets.iter().any(|t| slope(t).abs() > ACTS)

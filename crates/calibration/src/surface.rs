@@ -20,11 +20,11 @@ pub(crate) enum Degree {
     Quadratic,
 }
 
-/// Fresh runs at a point that a surface missed: it is shifted there, and keeps its slopes.
+/// Fresh runs near the estimate: the surface is shifted to meet their mean, and keeps its slopes.
 #[derive(Debug, Clone, PartialEq)]
 struct Anchor {
-    /// Coded parameters of the model.
-    coded: Vec<f64>,
+    /// Mean of the terms of the polynomial over the runs.
+    terms: DVector<f64>,
     /// What is added, by observable.
     shift: Vec<f64>,
     /// Number of runs.
@@ -48,8 +48,12 @@ pub(crate) struct Surface {
     coefficients: DMatrix<f64>,
     /// (X'X)^-1.
     inverse: DMatrix<f64>,
-    /// Covariance of the observables of one run about the surface.
+    /// Sums of products of the residuals of the observables.
+    products: DMatrix<f64>,
+    /// Covariance of the observables of one run about the surface, its correlations shrunk.
     pub(crate) covariance: DMatrix<f64>,
+    /// Share by which the correlations were shrunk.
+    pub(crate) shrinkage: f64,
     /// Its degrees of freedom.
     pub(crate) degrees_of_freedom: f64,
     /// Correction by fresh runs.
@@ -63,7 +67,7 @@ impl Surface {
     /// # Formula
     ///
     /// Ordinary least squares over single runs: `b = (X'X)^-1 X'y`, the covariance of a run about the surface is
-    /// `R'R / (n - p)`, R the residuals of all observables.
+    /// `R'R / (n - p)`, R the residuals of all observables, with [shrunk correlations](shrunk).
     pub(crate) fn fit(
         (model, parameters): (usize, &[usize]),
         observables: &[String],
@@ -94,6 +98,8 @@ impl Surface {
             let coefficients = &inverse * x.tr_mul(&y);
             let residual = &y - &x * &coefficients;
             let dof = (rows.len() - p) as f64;
+            let products = residual.tr_mul(&residual);
+            let (covariance, shrinkage) = shrunk(&products, dof);
             return Some(Self {
                 model,
                 parameters: parameters.to_vec(),
@@ -102,7 +108,9 @@ impl Surface {
                 degree,
                 coefficients,
                 inverse,
-                covariance: residual.tr_mul(&residual) / dof,
+                products,
+                covariance,
+                shrinkage,
                 degrees_of_freedom: dof,
                 anchor: None,
             });
@@ -182,35 +190,43 @@ impl Surface {
     ///
     /// # Formula
     ///
-    /// `x'(X'X)^-1 x`; where n fresh runs at x0 corrected it, `1/n + (x - x0)'(X'X)^-1 (x - x0)`.
+    /// `x'(X'X)^-1 x`; with n fresh runs `1/n + (x - x0)'(X'X)^-1 (x - x0)`, x0 the mean of their terms.
     pub(crate) fn leverage(&self, at: &[f64]) -> f64 {
         let row = DVector::from_vec(terms(self.degree, &self.coded(at)));
         match &self.anchor {
             None => quadratic_form(&self.inverse, &row),
-            Some(anchor) => {
-                let from = DVector::from_vec(terms(self.degree, &anchor.coded));
-                quadratic_form(&self.inverse, &(row - from)) + 1.0 / anchor.n
-            }
+            Some(anchor) => quadratic_form(&self.inverse, &(row - &anchor.terms)) + 1.0 / anchor.n,
         }
     }
 
-    /// The surface shifted so that it meets the means of `n` fresh runs at a point.
-    pub(crate) fn anchored(&self, at: &[f64], means: &[f64], n: usize) -> Self {
+    /// The surface shifted so that it meets fresh runs on average; itself without any.
+    ///
+    /// What a polynomial misses of the response does not bias it there, whether a test sees the miss or not.
+    pub(crate) fn anchored(&self, fresh: &[&Sample]) -> Self {
         let mut shifted = self.clone();
         shifted.anchor = None;
-        let shift = means.iter().enumerate();
-        let shift = shift.map(|(k, mean)| mean - shifted.value(k, at)).collect();
-        shifted.anchor = Some(Anchor {
-            coded: self.coded(at),
+        let n = fresh.len() as f64;
+        if fresh.is_empty() {
+            return shifted;
+        }
+        let mean_over = |of: &dyn Fn(&Sample) -> f64| fresh.iter().map(|s| of(s)).sum::<f64>() / n;
+        let names = self.observables.iter().enumerate();
+        let shift = names
+            .map(|(k, name)| mean_over(&|s| s.values[name] - shifted.value(k, &s.at)))
+            .collect();
+        let rows = fresh.iter().map(|s| terms(self.degree, &self.coded(&s.at)));
+        let sum = rows.map(DVector::from_vec).reduce(|sum, row| sum + row);
+        shifted.anchor = sum.map(|sum| Anchor {
+            terms: sum / n,
             shift,
-            n: n as f64,
+            n,
         });
         shifted
     }
 
     /// The same with the scatter of further runs of the model pooled into that of a run.
     pub(crate) fn with_scatter(&self, groups: &[Vec<&Sample>]) -> Self {
-        let mut products = &self.covariance * self.degrees_of_freedom;
+        let mut products = self.products.clone();
         let mut dof = self.degrees_of_freedom;
         for group in groups.iter().filter(|g| g.len() > 1) {
             let n = group.len();
@@ -222,12 +238,54 @@ impl Surface {
             products += centred.tr_mul(&centred);
             dof += (n - 1) as f64;
         }
+        let (covariance, shrinkage) = shrunk(&products, dof);
         Self {
-            covariance: products / dof,
+            products,
+            covariance,
+            shrinkage,
             degrees_of_freedom: dof,
             ..self.clone()
         }
     }
+}
+
+/// A covariance from sums of products, and the share by which its correlations were shrunk.
+///
+/// With few degrees of freedom for many observables the plain estimate is singular, and weighted least squares leans on
+/// combinations whose variance happens to be small.
+///
+/// # Formula
+///
+/// The variances are `products / d`. A correlation r becomes `(1 - l) r` with `l = sum var(r) / sum r²` over all pairs, 1 at most,
+/// and `var(r) = 1 / d`, that of independent normal values `[SchaeferStrimmer2005, table 1]`. Since r² is 1 at most, l is never
+/// less than 1 / d, and the result is positive definite wherever the variances are positive.
+fn shrunk(products: &DMatrix<f64>, degrees_of_freedom: f64) -> (DMatrix<f64>, f64) {
+    let n = products.nrows();
+    let root = |k: usize| products[(k, k)].max(0.0).sqrt();
+    let correlation = |a: usize, b: usize| {
+        let scale = root(a) * root(b);
+        if scale > 0.0 {
+            products[(a, b)] / scale
+        } else {
+            0.0
+        }
+    };
+    let pairs = (0..n).flat_map(|a| (0..a).map(move |b| (a, b)));
+    let (mut variance, mut square) = (0.0, 0.0);
+    for (a, b) in pairs.filter(|&(a, b)| root(a) * root(b) > 0.0) {
+        variance += 1.0 / degrees_of_freedom;
+        square += correlation(a, b).powi(2);
+    }
+    let share = if square > variance {
+        variance / square
+    } else {
+        1.0
+    };
+    let covariance = DMatrix::from_fn(n, n, |a, b| {
+        let kept = if a == b { 1.0 } else { 1.0 - share };
+        kept * products[(a, b)] / degrees_of_freedom
+    });
+    (covariance, share)
 }
 
 /// Terms of a polynomial at a coded point: 1, each x, then each product of two, squares included.
@@ -315,9 +373,10 @@ pub(crate) fn too_few(model: &str, n: usize, left_out: &[String]) -> Error {
 
 #[cfg(test)]
 mod tests {
-    use super::{Degree, Surface};
+    use super::{Degree, Surface, shrunk};
     use crate::region::Region;
     use crate::samples::Sample;
+    use nalgebra::DMatrix;
     use std::collections::BTreeMap;
 
     fn region() -> Region {
@@ -367,13 +426,30 @@ mod tests {
     /// With n fresh runs at a point the surface goes through their mean, with the variance of that mean.
     #[test]
     fn an_anchored_surface_goes_through_the_fresh_runs() {
-        let surface = fitted(&grid()).anchored(&[0.5, 20.0], &[3.0], 4);
+        let shift = 3.0 - (1.0 + 0.25 - 0.1 * 0.5 * 20.0);
+        let fresh = [0.1, -0.1, 0.2, -0.2].map(|noise| sample(0.5, 20.0, shift + noise));
+        let surface = fitted(&grid()).anchored(&fresh.iter().collect::<Vec<_>>());
         assert!((surface.value(0, &[0.5, 20.0]) - 3.0).abs() < 1e-12);
         assert!((surface.leverage(&[0.5, 20.0]) - 0.25).abs() < 1e-12);
         assert!(
             surface.leverage(&[1.5, 20.0]) > 0.25,
             "it knows less elsewhere"
         );
+    }
+
+    /// Of three observables over 4 degrees of freedom the products are singular; shrunk they are not. By hand: correlations 1, 0.5 and
+    /// 0.5, so that l = (3 / 4) / (1 + 0.25 + 0.25) = 0.5.
+    #[test]
+    fn a_covariance_of_few_runs_is_positive_definite() {
+        let products = [4.0, 4.0, 2.0, 4.0, 4.0, 2.0, 2.0, 2.0, 4.0_f64];
+        let products = DMatrix::from_row_slice(3, 3, &products);
+        assert!(products.determinant().abs() < 1e-12);
+        let (covariance, share) = shrunk(&products, 4.0);
+        assert!((share - 0.5).abs() < 1e-15, "{share}");
+        let expected = [1.0, 0.5, 0.25, 0.5, 1.0, 0.25, 0.25, 0.25, 1.0];
+        let expected = DMatrix::from_row_slice(3, 3, &expected);
+        assert!((&covariance - expected).amax() < 1e-15, "{covariance}");
+        assert!(nalgebra::Cholesky::new(covariance).is_some());
     }
 
     /// Three runs do not fix the six terms of a quadratic in two parameters, nor leave a degree of freedom for a plane:

@@ -2,6 +2,7 @@
 
 use crate::calibrate::Estimated;
 use crate::confirmation::Confirmed;
+use crate::search::acts;
 use crate::{CalibrationProblem, Comparison};
 use quantity::significant;
 
@@ -61,11 +62,24 @@ pub(crate) fn verdict(
             "the fresh runs at the estimate do not agree with the surfaces it rests on".into(),
         );
     }
+    let doubts = doubts(check);
+    if let Some(why) = open_parameters(problem, estimate, confirmed) {
+        return (false, why + &doubts.words);
+    }
     let fit_words = if estimate.test.degrees_of_freedom == 0 {
         "all measurements of the fit are met, which as many parameters as measurements always allow"
     } else {
         "all measurements of the fit are met"
     };
+    if !check.is_empty() && doubts.rows == check.len() {
+        return (
+            false,
+            format!(
+                "{fit_words}, but no check could have failed{}",
+                doubts.words
+            ),
+        );
+    }
     let check_words = match check.len() {
         0 => "nothing was kept to check them".to_owned(),
         1 => "the one kept for the check holds".to_owned(),
@@ -73,8 +87,46 @@ pub(crate) fn verdict(
     };
     (
         true,
-        format!("{fit_words}, and {check_words}{}", doubts(check)),
+        format!("{fit_words}, and {check_words}{}", doubts.words),
     )
+}
+
+/// That parameters are not fixed although all measurements are met; none if all are.
+fn open_parameters(
+    problem: &CalibrationProblem,
+    estimate: &Estimated,
+    confirmed: &Confirmed,
+) -> Option<String> {
+    let found = &confirmed.found;
+    let each = estimate.parameters.iter().zip(&found.free).enumerate();
+    let open: Vec<usize> = each
+        .filter(|(_, (p, free))| **free && p.se.is_none())
+        .map(|(j, _)| j)
+        .collect();
+    if open.is_empty() {
+        return None;
+    }
+    let symbols: Vec<&str> = open
+        .iter()
+        .map(|&j| problem.parameters[j].symbol.as_str())
+        .collect();
+    let symbols = symbols.join(" and ");
+    let fit = found.fit(problem);
+    let middle = found.region.middle();
+    let responds = |&j: &usize| acts(&fit, j, &found.best) || acts(&fit, j, &middle);
+    let why = if let Some(why) = problem.cannot_be_met() {
+        format!(": {why}")
+    } else if !open.iter().any(responds) {
+        ": no fitted observable responds to them within their ranges by more than the runs scatter; does the simulator use \
+         them?"
+            .into()
+    } else {
+        ", so that their values are no result: measure what depends on them otherwise, or fix them"
+            .into()
+    };
+    Some(format!(
+        "all measurements of the fit are met, but they do not fix {symbols}{why}"
+    ))
 }
 
 /// Why measurements of the fit are not met, as the end of the sentence.
@@ -111,10 +163,18 @@ fn why_not_met(
 /// How much larger than twice the standard error of a measurement a difference may be that its check still bears.
 const BEARABLE: f64 = 3.0;
 
-/// What makes checks that hold worth next to nothing, as further parts of the sentence: parameters or simulated means that
+/// Checks that hold and are worth next to nothing.
+struct Doubts {
+    /// Their number.
+    rows: usize,
+    /// Why, as further parts of the sentence.
+    words: String,
+}
+
+/// Checks that hold although little could have failed: parameters or simulated means that
 /// are known so little, or measurements of so few values, that three times the difference that a measurement of many would bear
 /// would pass.
-fn doubts(check: &[Comparison]) -> String {
+fn doubts(check: &[Comparison]) -> Doubts {
     let (mut parameters, mut runs, mut repeats) = (Vec::new(), Vec::new(), Vec::new());
     for row in check {
         let error = row.measured.sd / row.measured.n.sqrt();
@@ -146,21 +206,24 @@ fn doubts(check: &[Comparison]) -> String {
             )
         }
     };
-    part("the parameters are known", &parameters, "")
-        + &part(
-            "the simulated mean is known",
-            &runs,
-            ": it needs more check_runs",
-        )
-        + &part(
-            "the measurement was repeated",
-            &repeats,
-            ": measure it more often",
-        )
+    Doubts {
+        rows: parameters.len() + runs.len() + repeats.len(),
+        words: part("the parameters are known", &parameters, "")
+            + &part(
+                "the simulated mean is known",
+                &runs,
+                ": it needs more check_runs",
+            )
+            + &part(
+                "the measurement was repeated",
+                &repeats,
+                ": measure it more often",
+            ),
+    }
 }
 
 /// A measurement in words.
-fn name(row: &Comparison) -> String {
+pub(crate) fn name(row: &Comparison) -> String {
     let condition: Vec<String> = row
         .condition
         .iter()

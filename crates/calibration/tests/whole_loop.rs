@@ -2,6 +2,7 @@
 
 mod whole_loop {
     mod coverage;
+    mod drawn_studies;
     mod estimates;
     mod reach;
     mod toy;

@@ -304,13 +304,10 @@ impl SeedSettings {
 }
 
 impl Scene {
-    /// Share of the volume of the apparatus that the settled bed takes by the numbers and volumes of its seeds; none in a bench
-    /// test, or where a volume is not known without the mesh.
-    pub fn expected_fill(&self) -> Option<f64> {
-        let volume = |kind: &SeedSettings| {
-            let solid = kind.solid_fraction.unwrap_or(SOLID_FRACTION);
-            Some(self.count_of(kind) as f64 * kind.volume()? / solid)
-        };
+    /// Share of the volume of the apparatus that the seeds themselves take, without the voids between them; none in a bench
+    /// test, or if a volume is not known without the mesh.
+    pub fn solid_share(&self) -> Option<f64> {
+        let volume = |kind: &SeedSettings| Some(self.count_of(kind) as f64 * kind.volume()?);
         let all: Option<Vec<f64>> = self.seed.iter().map(volume).collect();
         Some(all?.iter().sum::<f64>() / self.apparatus.bed_volume()?)
     }

@@ -167,9 +167,12 @@ pub struct PhotoOptions {
     /// second tells how far the surface went. None where each picture stands alone.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub pair_interval_s: Option<f64>,
-    /// Observables to be taken over that not every run gives.
+    /// Observables to be taken over besides the usual ones.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub also: Vec<String>,
+    /// Observables that are not to be taken over.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub leave_out: Vec<String>,
 }
 
 /// A value that somebody published.

@@ -79,7 +79,7 @@ pub(crate) const CANDIDATE: [&str; 6] = ["scene", "condition", "observables", "s
 /// Keys of an observable.
 pub(crate) const VALUE: [&str; 3] = ["mean", "sd", "n"];
 /// Keys of `photo`.
-pub(crate) const PHOTO: [&str; 15] = [
+pub(crate) const PHOTO: [&str; 16] = [
     "definition",
     "roll",
     "plumb_line",
@@ -95,6 +95,7 @@ pub(crate) const PHOTO: [&str; 15] = [
     "frame_interval",
     "pair_interval",
     "also",
+    "leave_out",
 ];
 /// Keys of `[[compare]]`.
 pub(crate) const COMPARE: [&str; 4] = ["result", "value", "sd", "source"];

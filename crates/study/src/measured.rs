@@ -3,17 +3,19 @@
 use crate::correlated::correlations_of;
 use crate::document::{Document, below};
 use crate::file::{MeasuredEntry, MeasuredValue};
+use crate::photo_values::FILL;
 use crate::photos::{self, PhotoSeries, Shown};
 use crate::problem::Problems;
 use crate::scenes::{Models, Scenes, condition_text};
-use calibration::{Correlation, Measurement};
+use calibration::{Correlation, Measurement, Role};
 use quantity::significant;
 use scene::OBSERVABLES_OF_A_BED;
 use scene::{Apparatus, Scene};
 use std::path::Path;
 
-/// Difference of two fill levels from which a bed is another one: a share of the drum that no packing of the same seeds makes.
-const FILL_OF_ANOTHER_BED: f64 = 0.1;
+/// Least and largest share of the volume of a bed that grains take, chosen wide: spheres that flow in a narrow drum take 0.45, long or
+/// sticky grains less; ordered spheres take 0.74, mixed sizes more.
+const PACKINGS: [f64; 2] = [0.3, 0.85];
 
 /// Measurements, their models, and the photos behind them.
 #[derive(Debug, Default)]
@@ -118,7 +120,7 @@ impl Resolved {
         let (model, is_new) = self.models.number_of(&entry.scene, &entry.condition, scene);
         let built = &self.models.scenes[model];
         if let Some(series) = &mut series {
-            series.remarks.extend(other_fill(built, series));
+            series.remarks.extend(impossible_fill(built, series));
         }
         if is_new && let Err(error) = built.build_check(&scenes.fillings) {
             let what = format!("{}: the scene cannot be built:", words(entry));
@@ -128,11 +130,15 @@ impl Resolved {
             let what = format!("{}:", words(entry));
             problems.add(document.problem(&entry.path, what, error.to_string()));
         }
-        for (observable, MeasuredValue { mean, sd, n }) in values {
+        let values = values.into_iter().map(|value| (value, entry.role));
+        // What the scene is told is shown beside the photos and judged by nobody.
+        let told = series.as_ref().and_then(|s| s.further.get(FILL));
+        let told = told.map(|value| ((FILL.to_owned(), *value), Role::Show));
+        for ((observable, MeasuredValue { mean, sd, n }), role) in values.chain(told) {
             let measurement = Measurement {
                 model,
                 observable,
-                role: entry.role,
+                role,
                 mean,
                 sd,
                 n,
@@ -147,18 +153,21 @@ impl Resolved {
     }
 }
 
-/// That photos of a drum show it filled otherwise than the seeds of the scene fill it: no parameter meets that.
-fn other_fill(scene: &Scene, series: &PhotoSeries) -> Option<String> {
-    let shown = series.values.get("fill_level")?.mean;
-    let expected = scene.expected_fill()?;
-    let is_other = matches!(scene.apparatus, Apparatus::Drum(_))
-        && (shown - expected).abs() > FILL_OF_ANOTHER_BED;
-    is_other.then(|| {
+/// That photos of a drum show a bed that no packing of the seeds of the scene makes. A settled bed of the scene is compared with them
+/// when it has been run.
+fn impossible_fill(scene: &Scene, series: &PhotoSeries) -> Option<String> {
+    let mut shown = [&series.values, &series.further].into_iter();
+    let shown = shown.find_map(|values| values.get(FILL))?.mean;
+    let solid = scene.solid_share()? / shown;
+    let [least, most] = PACKINGS;
+    let impossible =
+        matches!(scene.apparatus, Apparatus::Drum(_)) && !(least..=most).contains(&solid);
+    impossible.then(|| {
         format!(
-            "fill_level: the photos show {} of the drum filled, and the seeds of the scene fill about {}: look at their \
-             fill_level, count or total_mass",
+            "{FILL}: the photos show {} of the drum filled; the seeds of the scene would take {} of the volume of such a bed, and no \
+             packing takes less than {least} or more than {most}: look at their fill_level, count or total_mass",
             significant(shown, 2),
-            significant(expected, 2)
+            significant(solid, 2)
         )
     })
 }

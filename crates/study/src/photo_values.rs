@@ -14,9 +14,29 @@ const SIZE: &str = "avalanche_size_deg";
 const WAITING: &str = "avalanche_waiting_time_s";
 /// Name of the speed of the surface.
 pub(crate) const SPEED: &str = "surface_speed_m_s";
-/// Observables that a run gives only where its bed moves so, or its frames lie close enough. A run without one is lost to a fit
-/// that asks for it: they are taken over where the file says so.
-pub(crate) const NOT_IN_EVERY_RUN: [&str; 4] = [MEMORY, SIZE, WAITING, SPEED];
+/// Name of the share of the drum that the bed fills.
+pub(crate) const FILL: &str = "fill_level";
+/// Observables that are taken over only if the file names them.
+///
+/// A run gives [`MEMORY`], [`SIZE`], [`WAITING`] and [`SPEED`] only if its bed moves so, or its frames lie close enough; a fit that
+/// asks for one of them loses each run without it. [`FILL`] is what the scene is told (number or mass of its seeds): fitted, a
+/// small mistake of that input moves the parameters by many standard errors, since pictures show it to a thousandth.
+pub(crate) const IF_NAMED: [&str; 5] = [FILL, MEMORY, SIZE, WAITING, SPEED];
+/// All observables that photos of drums and heaps give.
+pub(crate) const OF_PHOTOS: [&str; 12] = [
+    "angle_deg",
+    "angle_of_repose_deg",
+    "curvature",
+    "s_shape",
+    "shape_4",
+    "shape_5",
+    FLUCTUATION,
+    FILL,
+    MEMORY,
+    SIZE,
+    WAITING,
+    SPEED,
+];
 /// Scatter, over the mean, of values that are the same but for the rounding of their mean.
 const ROUNDING: f64 = 1e-12;
 /// Fewest independent frames that tell a standard deviation: it is known to a third then.
@@ -30,8 +50,10 @@ type Column = (&'static str, Vec<f64>);
 pub(crate) struct Wanted<'a> {
     /// Observables that the scene gives.
     pub(crate) observables: &'a [&'a str],
-    /// Of those that not every run gives, the ones that the file names.
+    /// Of [`IF_NAMED`], the ones that the file names.
     pub(crate) also: &'a [String],
+    /// Observables that the file leaves out.
+    pub(crate) leave_out: &'a [String],
     /// Time between frames, s, where it is known.
     pub(crate) interval: Option<f64>,
 }
@@ -43,7 +65,7 @@ pub(crate) fn take_over(
     wanted: Wanted<'_>,
     series: &mut PhotoSeries,
 ) {
-    let mut columns = means(frames, wanted.observables, series);
+    let mut columns = means(frames, wanted, series);
     let interval = wanted.interval;
     if let Some(interval) = interval {
         memory(interval, wanted, series);
@@ -69,7 +91,7 @@ pub(crate) fn take_over(
             "{FLUCTUATION}: left out, the size of the avalanches gives it"
         ));
     } else {
-        columns.extend(fluctuation(wanted.observables, series));
+        columns.extend(fluctuation(wanted, series));
     }
     for name in wanted
         .also
@@ -80,7 +102,23 @@ pub(crate) fn take_over(
             .remarks
             .push(format!("{name}: left out, the photos do not show it"));
     }
+    for name in wanted.leave_out {
+        let remark = format!("{name}: left out, as photo.leave_out says");
+        series.remarks.push(remark);
+    }
     correlate(&columns, series);
+}
+
+impl Wanted<'_> {
+    /// Whether the scene gives an observable and the file does not leave it out.
+    fn takes(&self, name: &str) -> bool {
+        self.observables.contains(&name) && !self.leave_out.iter().any(|out| out == name)
+    }
+
+    /// Whether the file names an observable among those that are taken over only then.
+    fn names(&self, name: &str) -> bool {
+        self.also.iter().any(|also| also == name)
+    }
 }
 
 /// Takes over an observable that not every run gives where the file names it, and says it otherwise; whether it was taken over.
@@ -90,8 +128,8 @@ fn tell(
     wanted: Wanted<'_>,
     series: &mut PhotoSeries,
 ) -> bool {
-    let given = wanted.observables.contains(&name);
-    let taken = given && wanted.also.iter().any(|also| also == name);
+    let given = wanted.takes(name);
+    let taken = given && wanted.names(name);
     if taken {
         series.values.insert(name.to_owned(), value);
     } else {
@@ -106,13 +144,13 @@ fn tell(
 }
 
 /// Means over the frames; the values of those that have an error.
-fn means(frames: &[FrameValues], observables: &[&str], series: &mut PhotoSeries) -> Vec<Column> {
+fn means(frames: &[FrameValues], wanted: Wanted<'_>, series: &mut PhotoSeries) -> Vec<Column> {
     let mut columns = Vec::new();
     let Some(first) = frames.first() else {
         return columns;
     };
     for (k, (name, value)) in first.values.iter().enumerate() {
-        if !observables.contains(name) {
+        if !wanted.takes(name) {
             continue;
         }
         let all = frames.iter().filter_map(|f| Some(f.values.get(k)?.1));
@@ -142,6 +180,14 @@ fn means(frames: &[FrameValues], observables: &[&str], series: &mut PhotoSeries)
                     series.remarks.push(format!(
                         "{name}: the photos agree by chance better than each is read; its sd is the error of the reading"
                     ));
+                }
+                if *name == FILL && !wanted.names(name) {
+                    series.further.insert((*name).to_owned(), taken);
+                    series.remarks.push(format!(
+                        "{FILL}: compared and not fitted, since it follows from the number or mass of the seeds; name it in \
+                         photo.also to fit it"
+                    ));
+                    continue;
                 }
                 series.values.insert((*name).to_owned(), taken);
                 if all.len() == 1 {
@@ -177,10 +223,10 @@ fn reading_error(frames: &[FrameValues]) -> f64 {
 /// # Formula
 ///
 /// The standard error of the standard deviation s of n independent normal values is `s / sqrt(2 (n - 1))`.
-fn fluctuation(observables: &[&str], series: &mut PhotoSeries) -> Option<Column> {
+fn fluctuation(wanted: Wanted<'_>, series: &mut PhotoSeries) -> Option<Column> {
     let angles = summarise(&series.angles_deg).ok()?;
     let told = angles.sd > 0.0 && angles.n_effective >= LEAST_FRAMES;
-    if !told || !observables.contains(&FLUCTUATION) {
+    if !told || !wanted.takes(FLUCTUATION) {
         return None;
     }
     let value = MeasuredValue {

@@ -28,7 +28,7 @@ pub struct PhotoSeries {
     pub angle_se_deg: Vec<f64>,
     /// What was taken over from them.
     pub values: BTreeMap<String, MeasuredValue>,
-    /// What they tell besides, and was not taken over since not every run gives it.
+    /// What they tell besides, and was not taken over since the file does not name it.
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     pub further: BTreeMap<String, MeasuredValue>,
     /// How their means go together, estimated from the frames and shrunk towards 0 where they are few
@@ -150,6 +150,7 @@ pub(crate) fn read(
     let wanted = Wanted {
         observables: shown.observables,
         also: &options.also,
+        leave_out: &options.leave_out,
         interval: options
             .frame_interval_s
             .map(|interval| interval * every.get() as f64),

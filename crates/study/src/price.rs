@@ -36,6 +36,8 @@ pub struct Price {
     pub measured: bool,
     /// Most runs by the budget; none without one.
     pub most_runs: Option<usize>,
+    /// Why no result can count as met, whatever the runs show; none if one can.
+    pub cannot_be_met: Option<String>,
 }
 
 /// Prices the stages, by the pace of the planned runs that a store has, or by a guess. A budget in core hours is turned
@@ -91,6 +93,7 @@ pub(crate) fn of(
         runs,
         at_most_further,
         core_s,
+        cannot_be_met: None,
     })
 }
 

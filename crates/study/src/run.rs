@@ -62,7 +62,10 @@ pub fn plan_study(study: &Study, seed: u64, folder: &Path) -> Result<Price, Erro
         ..settings
     };
     calibration::within_budget(&stages, &within)?;
-    Ok(price)
+    Ok(Price {
+        cannot_be_met: study.problem.cannot_be_met(),
+        ..price
+    })
 }
 
 /// Most runs that [`run_diagnosis`] may need.

@@ -75,7 +75,11 @@ pub(crate) fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<u8> 
     if arguments.plan {
         common.print(plan.trim_end())?;
         common.emit_json(&price)?;
-        return Ok(DONE);
+        return Ok(if price.cannot_be_met.is_some() {
+            NOT_MET
+        } else {
+            DONE
+        });
     }
     try_folder(&folder)?;
     refuse_used_folder(&folder, arguments.resume, common)?;

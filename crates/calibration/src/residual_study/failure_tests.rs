@@ -1,7 +1,7 @@
 use super::runs::{At, Setting, means};
 use super::tests::{Toy, observed, plan};
 use super::worker::Worker;
-use super::{ResidualPlan, ResidualStudy, study_residual};
+use super::{ResidualPlan, ResidualStudy, StudyCondition, study_residual};
 use crate::Error;
 use campaign::{Campaign, RunOutcome, RunRequest, Silent, Simulator, SimulatorError};
 use residual_diagnosis::Verdict;
@@ -200,5 +200,60 @@ fn a_study_without_any_condition_is_an_error() {
     assert!(
         error.contains("a mean needs two") && error.contains("body 3 has run away"),
         "{error}"
+    );
+}
+
+/// "bench" is measured at one condition alone, in a scene of its own, and all runs there fail: it is left out with its observable, and
+/// the planted effect is found by the others. Left behind without a run, the observable would have no degrees of freedom.
+#[test]
+fn a_condition_that_always_fails_takes_its_own_observable_with_it() {
+    let mut plan = plan(1);
+    let mut data = observed(&plan, [2.0, 0.0], 1);
+    plan.observables.push("bench".into());
+    for values in &mut data.values {
+        values.push(None);
+    }
+    for block in &mut data.covariance {
+        for row in &mut *block {
+            row.push(0.0);
+        }
+        block.push(vec![0.0; 3]);
+    }
+    let own = BTreeMap::from(["angle", "shape"].map(|name| (name.to_owned(), name.to_owned())));
+    for condition in &mut plan.conditions {
+        condition.observables = Some(own.clone());
+    }
+    plan.conditions.push(StudyCondition {
+        model: Some("bench".into()),
+        condition: BTreeMap::from([("rpm".to_owned(), 10.0), ("fill".to_owned(), 0.3)]),
+        observables: Some(BTreeMap::from([("bench".to_owned(), "angle".to_owned())])),
+        used: true,
+    });
+    data.values.push(vec![None, None, Some(1.0)]);
+    data.covariance.push(vec![
+        vec![0.0, 0.0, 0.0],
+        vec![0.0, 0.0, 0.0],
+        vec![0.0, 0.0, 0.01],
+    ]);
+    let store = Store::in_memory();
+    let campaign = Campaign::new(&store, 2, &Silent);
+    let simulator = Diverging {
+        rule: |r: &RunRequest| r.model == "bench",
+        begun: Mutex::default(),
+    };
+    let study = study_residual(&campaign, &simulator, &plan, &data).unwrap();
+    assert_eq!(
+        study.diagnosis.verdict,
+        Verdict::Named,
+        "{}",
+        study.diagnosis.summary()
+    );
+    assert_eq!(study.diagnosis.effects, ["bend"]);
+    assert_eq!(study.plan.observables, ["angle", "shape"]);
+    assert!(study.noise_dof > 0.0);
+    assert!(
+        study.left_out_conditions.contains_key("bench"),
+        "{:?}",
+        study.left_out_conditions
     );
 }

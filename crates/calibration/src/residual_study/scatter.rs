@@ -118,6 +118,10 @@ impl Scatter {
         let dof = |k: usize| {
             let own = self.conditions.iter().map(|p| p.variance(k).1);
             let known: Vec<f64> = own.filter(|d| *d > 0.0).collect();
+            if known.is_empty() {
+                // Its runs tell nothing of any scatter: it limits that of no other.
+                return f64::INFINITY;
+            }
             let inverses: f64 = known.iter().map(|d| (moderations[k].dof + d).recip()).sum();
             (known.len() as f64 / inverses).min(all.dof[k][k] as f64)
         };

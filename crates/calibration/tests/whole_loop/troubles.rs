@@ -124,6 +124,94 @@ fn a_check_whose_runs_fail_is_not_met_and_says_why() {
     assert!(remark.contains("the bed shows no surface"), "{remark}");
 }
 
+/// One of three fitted experiments never runs: the parameters are fitted by the others, 2 a = 1.2, and the result is not met and says
+/// which experiment failed and why.
+#[test]
+fn an_experiment_that_never_runs_costs_itself_and_not_the_study() {
+    let toy = Toy {
+        law: |model, p| match model {
+            "drop" => Err("the seed neither rebounds nor rests".into()),
+            "other" => shown("y", 3.0 * p("a")),
+            _ => shown("y", 2.0 * p("a")),
+        },
+        noise: 0.01,
+    };
+    let problem = problem(
+        vec![parameter("a", [0.0, 1.0])],
+        ["fit", "other", "drop"]
+            .map(|name| model(name, &[0]))
+            .into(),
+        vec![
+            measured(0, "y", Role::Fit, (1.2, 0.05)),
+            measured(1, "y", Role::Fit, (1.8, 0.05)),
+            measured(2, "y", Role::Fit, (0.1, 0.05)),
+        ],
+    );
+    let result = run(&toy, &problem).unwrap();
+    assert!(!result.met, "{}", result.verdict);
+    assert!(result.parameters[0].fixed_by_data);
+    // The standard error of a is some 0.006; 0.03 is five of them.
+    assert!(
+        (value(&result, "a") - 0.6).abs() < 0.03,
+        "{:?}",
+        result.parameters
+    );
+    let told = |r: &&String| {
+        r.contains("the fit is made without drop") && r.contains("neither rebounds nor rests")
+    };
+    assert!(
+        result.remarks.iter().any(|r| told(&r)),
+        "{:?}",
+        result.remarks
+    );
+}
+
+/// A program that reads none of its parameters meets every measurement by chance: that fixes nothing, and is no success.
+#[test]
+fn a_simulator_that_does_not_respond_is_not_met() {
+    let toy = Toy {
+        law: |model, _| shown("y", if model == "one" { 0.3 } else { 0.5 }),
+        noise: 0.02,
+    };
+    let problem = problem(
+        vec![parameter("a", [0.0, 1.0]), parameter("b", [0.0, 1.0])],
+        ["one", "two", "three", "kept"]
+            .map(|name| model(name, &[0, 1]))
+            .into(),
+        vec![
+            measured(0, "y", Role::Fit, (0.3, 0.1)),
+            measured(1, "y", Role::Fit, (0.5, 0.1)),
+            measured(2, "y", Role::Fit, (0.5, 0.1)),
+            measured(3, "y", Role::Check, (0.5, 0.1)),
+        ],
+    );
+    let result = run(&toy, &problem).unwrap();
+    assert!(!result.met, "{}", result.verdict);
+    let told = "do not fix a and b: no fitted observable responds to them";
+    assert!(result.verdict.contains(told), "{}", result.verdict);
+}
+
+/// One measured value and two parameters: every point of a line meets it.
+#[test]
+fn fewer_values_than_parameters_are_not_met() {
+    let toy = Toy {
+        law: |_, p| shown("y", p("a") + p("b")),
+        noise: 0.01,
+    };
+    let problem = problem(
+        vec![parameter("a", [0.0, 1.0]), parameter("b", [0.0, 1.0])],
+        vec![model("m", &[0, 1]), model("kept", &[0, 1])],
+        vec![
+            measured(0, "y", Role::Fit, (1.0, 0.1)),
+            measured(1, "y", Role::Check, (1.0, 0.1)),
+        ],
+    );
+    let result = run(&toy, &problem).unwrap();
+    assert!(!result.met, "{}", result.verdict);
+    let told = "1 fitted value depends on a and b, fewer than these 2 parameters";
+    assert!(result.verdict.contains(told), "{}", result.verdict);
+}
+
 /// A run that lacks a measured observable names it and what it gave.
 #[test]
 fn a_missing_observable_is_named_with_those_that_are_there() {

@@ -3,7 +3,7 @@
 use super::PhotoOptions;
 use crate::document::Fields;
 use crate::keys;
-use crate::photo_values::NOT_IN_EVERY_RUN;
+use crate::photo_values::{IF_NAMED, OF_PHOTOS};
 use crate::problem::Problems;
 use photo_profile::{PixelPoint, PixelRegion, roll_by_level, roll_by_plumb_line};
 use quantity::{Angle, Time};
@@ -48,19 +48,34 @@ pub(super) fn photo_options(fields: &Fields<'_>, problems: &mut Problems) -> Pho
     let also = also.unwrap_or_default();
     for name in also
         .iter()
-        .filter(|name| !NOT_IN_EVERY_RUN.contains(&name.as_str()))
+        .filter(|name| !IF_NAMED.contains(&name.as_str()))
     {
         let problem = format!(
             "'{name}' is none of the observables that are left to choice: {}; all others are taken over where photos show \
              them",
-            NOT_IN_EVERY_RUN.join(", ")
+            IF_NAMED.join(", ")
         );
         problems.add(fields.wrong("also", problem));
+    }
+    let leave_out: Option<Vec<String>> = fields.optional("leave_out", names, problems);
+    let leave_out = leave_out.unwrap_or_default();
+    for name in &leave_out {
+        if !OF_PHOTOS.contains(&name.as_str()) {
+            let problem = format!(
+                "'{name}' is none of the observables that photos give: {}",
+                OF_PHOTOS.join(", ")
+            );
+            problems.add(fields.wrong("leave_out", problem));
+        } else if also.contains(name) {
+            let problem = format!("'{name}' is named in also, too: remove it from one of both");
+            problems.add(fields.wrong("leave_out", problem));
+        }
     }
     PhotoOptions {
         frame_interval_s,
         pair_interval_s,
         also,
+        leave_out,
         roll_rad,
         elevation_rad: elevation_rad.unwrap_or(0.0),
         max_angle_error_rad,

@@ -53,7 +53,7 @@ fn photos_tell_how_their_means_go_together() {
             }
         })
         .collect();
-    let study = with_pictures(&scenes, "");
+    let study = with_pictures(&scenes, "photo = { also = [\"fill_level\"] }");
     let found = of(&study, "angle_deg", "curvature");
     assert!(
         (0.4..0.95).contains(&found),

@@ -190,14 +190,7 @@ fn a_folder_of_photos_gives_mean_scatter_and_shape() {
     let names: Vec<&str> = study.photos[0].values.keys().map(String::as_str).collect();
     assert_eq!(
         names,
-        [
-            "angle_deg",
-            "curvature",
-            "fill_level",
-            "s_shape",
-            "shape_4",
-            "shape_5"
-        ]
+        ["angle_deg", "curvature", "s_shape", "shape_4", "shape_5"]
     );
     let [a, b] = study.photos[0].angles_deg[..] else {
         panic!("two angles")
@@ -207,6 +200,37 @@ fn a_folder_of_photos_gives_mean_scatter_and_shape() {
     assert!((angle.mean - 0.5 * (a + b)).abs() < 1e-12);
     assert!((angle.sd - (a - b).abs() / 2.0_f64.sqrt()).abs() < 1e-12);
     assert_eq!(study.problem.measurements.len(), 9);
+    // The scene is told how far it is filled: what the photos show of that is no answer of the model.
+    let fill = study.problem.measurements.iter();
+    let fill: Vec<_> = fill.filter(|m| m.observable == "fill_level").collect();
+    assert_eq!(fill.len(), 1);
+    assert_eq!(fill[0].role, calibration::Role::Show);
+    assert_eq!(fill[0].mean, study.photos[0].further["fill_level"].mean);
+}
+
+/// Shapes that the user does not trust take no part, and the remark says so; the rest stays.
+#[test]
+fn observables_of_photos_are_left_out_by_name() {
+    let folder = Folder::new(&changed(
+        "angle_deg = { mean = 35.1, sd = 0.8, n = 10 }",
+        "photos = \"photos\"\nphoto = { leave_out = [\"s_shape\", \"shape_4\", \"shape_5\", \"fill_level\"] }",
+    ));
+    std::fs::create_dir(folder.path("photos")).unwrap();
+    for rpm in [15, 45] {
+        let name = format!("photos/granudrum_mccA_{rpm}rpm_avg.bmp");
+        let to = folder.path(&format!("photos/{rpm}.bmp"));
+        std::fs::copy(fixture(&name), to).unwrap();
+    }
+    let study = folder.read(None).unwrap();
+    let photos = &study.photos[0];
+    let names: Vec<&str> = photos.values.keys().map(String::as_str).collect();
+    assert_eq!(names, ["angle_deg", "curvature"]);
+    assert!(photos.further.is_empty(), "{:?}", photos.further);
+    let told = photos.remarks.join("; ");
+    assert!(
+        told.contains("s_shape: left out, as photo.leave_out says"),
+        "{told}"
+    );
 }
 
 /// Every second of five photos, turned by a mark that leans by atan(10.481 / 200) = 3.000 degrees, a part of each and
@@ -236,12 +260,12 @@ fn photos_are_read_as_the_file_says() {
     assert_eq!(angles.len(), 5);
     let found = &turned.photos[0].angles_deg;
     assert_eq!(found.len(), 3);
-    // 100 spheres of 6 mm, 0.6 of the volume of their bed, in 100 mm x 20 mm: 0.12.
+    // 100 spheres of 6 mm are 11.3 cm3, in half of 157 cm3 (100 mm x 20 mm): 0.14 of the volume of the bed.
     let told = as_is.photos[0].remarks.join(" ");
     for part in [
         "3 of 5 photos are copies of others",
         "show 0.5",
-        "fill about 0.12",
+        "would take 0.1",
     ] {
         assert!(told.contains(part), "{part}: {told}");
     }

@@ -110,6 +110,11 @@ fn reading_options_that_cannot_be_meant_are_refused() {
         &["definition", "roll", "corners", "foreground", "rol"],
     );
     let angle = "angle_deg = { mean = 35.1, sd = 0.8, n = 10 }";
+    let unknown = changed(
+        angle,
+        "photos = \".\"\nphoto = { leave_out = [\"angel_deg\"] }",
+    );
+    tells(&wrong(&unknown), &["leave_out", "'angel_deg'", "s_shape, "]);
     let steep = changed(angle, "photos = \".\"\nphoto = { elevation = \"40 deg\" }");
     tells(&wrong(&steep), &["elevation", "0 to 30 degrees"]);
     let twice = changed(

@@ -78,6 +78,9 @@ pub(crate) fn plan(study: &Study, price: &Price, threads: usize) -> String {
         );
     }
     priced(&mut text, price, threads);
+    if let Some(why) = &price.cannot_be_met {
+        add(&mut text, format_args!("  cannot be met: {why}\n"));
+    }
     text
 }
 
