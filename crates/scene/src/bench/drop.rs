@@ -33,7 +33,7 @@ const REST: f64 = 0.02;
 ///
 /// # Errors
 ///
-/// A solver that stops, a seed that neither comes to the top of its rebound nor to rest.
+/// A solver that stops.
 pub(super) fn drop(
     parts: &BenchParts,
     height: f64,
@@ -41,13 +41,13 @@ pub(super) fn drop(
     seed: u64,
 ) -> Result<Vec<Repeat>, Error> {
     let mut stream = Stream::new(seed, "drop test");
-    (1..=repeats)
-        .map(|repeat| {
+    (0..repeats)
+        .map(|_| {
             let [w, x, y, z] = stream.rotation();
             let turn = UnitQuaternion::new_normalize(Quaternion::new(w, x, y, z));
             let plate = Plate::of(parts, SIDE, SIDE, &mut stream);
             let aside = plate.place(parts, &mut stream);
-            let (rebound, world) = one(parts, &plate, height, (turn, aside), repeat)?;
+            let (rebound, world) = one(parts, &plate, height, (turn, aside))?;
             Ok(Repeat::new((rebound / height).sqrt(), false, &world))
         })
         .collect()
@@ -60,7 +60,6 @@ fn one(
     plate: &Plate,
     height: f64,
     (turn, aside): (UnitQuaternion<f64>, Vector3<f64>),
-    repeat: usize,
 ) -> Result<(f64, World), Error> {
     let spheres = moved(parts.turned(&turn), aside);
     let lift = plate.lift(&spheres);
@@ -95,9 +94,6 @@ fn one(
             return Ok((highest, world));
         }
     }
-    Err(Error::NoEvent {
-        repeat,
-        what: "the seed neither rebounds nor rests",
-        limit,
-    })
+    // It rolls or rocks on where it fell; no later bounce is as high as those before.
+    Ok((highest, world))
 }

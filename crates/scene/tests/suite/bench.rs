@@ -94,6 +94,17 @@ fn a_ball_comes_back_with_the_restitution_put_in() {
     assert!(result.n_steps > 100);
 }
 
+/// A ball that is thrown aside by the balls it falls on rolls away for ever, since nothing hinders its rolling: it never rests. How high
+/// it came back is known all the same: less than the 0.4 of two balls that meet head on gives, and not nothing for all.
+#[test]
+fn a_seed_that_never_rests_has_a_rebound() {
+    let scene = ball("kind = \"drop\"\nplate = \"pea\"\nheight = \"20 mm\"\nrepeats = 4");
+    let shown = values(&go(&scene, 1), "shown_restitution");
+    assert_eq!(shown.len(), 4);
+    assert!(shown.iter().all(|e| (0.0..0.41).contains(e)), "{shown:?}");
+    assert!(shown.iter().any(|e| *e > 0.01), "{shown:?}");
+}
+
 /// Balls on a smooth plate slide by Coulomb's law at each moment; 1e-4 is what the sled may still gain in speed up or down.
 #[test]
 fn a_sled_of_balls_shows_the_friction_put_in() {
