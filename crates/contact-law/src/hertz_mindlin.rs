@@ -151,7 +151,7 @@ impl HertzMindlin {
             1e14,
             "0.01 Pa to 1e14 Pa",
         )?;
-        let damping = 2.0 * (5.0_f64 / 6.0).sqrt() * damping_ratio(parameters.restitution);
+        let damping = damping_factor(parameters.restitution);
         Ok(Self {
             moduli,
             normal_damping: damping * (2.0 * moduli.young).sqrt(),
@@ -263,6 +263,11 @@ pub fn damping_ratio(restitution: f64) -> f64 {
     }
     let log = restitution.ln();
     -log / log.hypot(std::f64::consts::PI)
+}
+
+/// Dashpot of a contact over the root of stiffness times mass, `2 sqrt(5/6) b`.
+pub(crate) fn damping_factor(restitution: f64) -> f64 {
+    2.0 * (5.0_f64 / 6.0).sqrt() * damping_ratio(restitution)
 }
 
 /// Time step of the Rayleigh wave over a sphere, pi R sqrt(rho/G) / (0.1631 nu + 0.8766), s.

@@ -151,7 +151,7 @@ impl Interaction {
 
     /// Attraction at an overlap (m, negative for a gap) of surfaces of a reduced radius (m) with a bridge of a volume (m³), N.
     #[inline(always)]
-    pub(crate) fn attraction(&self, overlap: f64, reduced_radius: f64, bridge_volume: f64) -> f64 {
+    pub fn attraction(&self, overlap: f64, reduced_radius: f64, bridge_volume: f64) -> f64 {
         let by_area = self
             .linear_cohesion
             .map_or(0.0, |law| law.attraction(reduced_radius, overlap));

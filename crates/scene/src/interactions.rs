@@ -6,7 +6,8 @@ use contact_law::material::effective_moduli;
 use contact_law::rolling_spring_dashpot::{DAMPING_RATIO, STIFFNESS_RATIO};
 use contact_law::{
     BridgeForce, CapillaryBridge, LinearCohesion, Material, PairParameters, RateDependentFriction,
-    RollingSpringDashpot, ViscoelasticDamping, ViscousBridge, constant_attraction, hard_contact,
+    RollingSpringDashpot, ViscoelasticDamping, ViscousBridge, constant_attraction,
+    hard_contact::{self, Meeting},
 };
 use dem_solver::{Interaction, InteractionSettings, OptionalLaws};
 use std::sync::Arc;
@@ -177,14 +178,14 @@ fn reference_overlap(
     names: [&str; 2],
     materials: &[Material; 2],
 ) -> f64 {
-    let young = effective_moduli(&materials[0], &materials[1]).young;
+    let blow = Meeting::usual(effective_moduli(&materials[0], &materials[1]).young);
     let seeds = names
         .iter()
         .flat_map(|name| of_material(scene, bodies, name));
     let overlaps = seeds.map(|(_, body)| {
         let outer = body.outer.spheres().iter();
         let largest = outer.map(|s| s.radius).fold(0.0, f64::max);
-        hard_contact::overlap(body.clump.mass(), largest, young)
+        hard_contact::overlap(body.clump.mass(), largest, &blow)
     });
     overlaps.fold(f64::INFINITY, f64::min)
 }

@@ -1,11 +1,12 @@
 //! Heap and box collapse: fill, settle, lift a wall, wait for rest, read the slope.
 
 use crate::build::Built;
+use crate::driven_pile::is_driven_by_rolling;
 use crate::keeper::Keeper;
 use crate::motion::{Progress, Running, SERIES_INTERVAL, advance, rest_energy, settle, snapshot};
 use crate::outline::{FLANK, Outline, TOE, TOP, View};
 use crate::phase_times::Stopwatch;
-use crate::{Apparatus, Error, Frame, ObservableValues, Scene, SeedBody};
+use crate::{Apparatus, Doubt, Error, Frame, ObservableValues, Scene, SeedBody};
 use clump::Sphere;
 use std::sync::Arc;
 
@@ -18,8 +19,8 @@ pub(crate) struct Released {
     pub(crate) frame: Frame,
     /// Observables.
     pub(crate) observables: Vec<ObservableValues>,
-    /// Whether they rested before the limit.
-    pub(crate) rested: bool,
+    /// Why they do not count as at rest; none where they rested before the limit.
+    pub(crate) doubt: Option<Doubt>,
     /// Times by the clock of settling, of running out and of reading the pile, s.
     pub(crate) laps_s: [f64; 3],
 }
@@ -56,13 +57,20 @@ pub(crate) fn release(
     }
     let measuring = watch.lap();
     let built = running.built;
+    let doubt = if rested {
+        None
+    } else if is_driven_by_rolling(scene, &built) {
+        Some(Doubt::DrivenByRolling)
+    } else {
+        Some(Doubt::NotAtRest)
+    };
     let frame = snapshot(&built, built.world.time() - start);
     let observables = pile_observables(scene, &frame, &built.bodies);
     Ok(Released {
         built,
         frame,
         observables,
-        rested,
+        doubt,
         laps_s: [settling, measuring, watch.lap()],
     })
 }

@@ -4,6 +4,7 @@ use crate::apparatus::Apparatus;
 use crate::bed_motion::{BedMotion, MotionEvidence, mean};
 use crate::bench::run_bench;
 use crate::build::{Built, assemble, build, build_filled, seed_bodies};
+use crate::driven_pile::is_driven_by_rolling;
 use crate::flow::{avalanche_period, fill_level, flowing_layer};
 use crate::keeper::{Keeper, NoKeeper};
 use crate::motion::{
@@ -13,7 +14,7 @@ use crate::obstacles::mesh_walls;
 use crate::phase_times::{PhaseTimes, Stopwatch};
 use crate::series::SeriesPoint;
 use crate::steady::SteadyState;
-use crate::{Error, FillingLibrary, Frame, FrameReading, Scene, SeedBody, read_frame};
+use crate::{Doubt, Error, FillingLibrary, Frame, FrameReading, Scene, SeedBody, read_frame};
 use dem_solver::{Census, Placement, World};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
@@ -39,8 +40,8 @@ pub enum Regime {
 pub enum Ending {
     /// All repeats of a bench test were done.
     Tested,
-    /// A wall was lifted, and the seeds came to rest before the limit, or did not.
-    Rested(bool),
+    /// A wall was lifted, and the seeds came to rest before the limit, or why they do not count as at rest.
+    Rested(Option<Doubt>),
     /// The drive turned: what is kept of it.
     Turned(SteadyState),
 }
@@ -51,8 +52,17 @@ impl Ending {
     pub fn is_steady(&self) -> Option<bool> {
         match self {
             Self::Tested => None,
-            Self::Rested(rested) => Some(*rested),
+            Self::Rested(doubt) => Some(doubt.is_none()),
             Self::Turned(state) => Some(state.doubt.is_none()),
+        }
+    }
+
+    /// Why what is kept is neither a steady state nor rest; none where it is, and in a bench test.
+    pub fn doubt(&self) -> Option<Doubt> {
+        match self {
+            Self::Tested => None,
+            Self::Rested(doubt) => *doubt,
+            Self::Turned(state) => state.doubt,
         }
     }
 
@@ -171,9 +181,12 @@ pub fn run_on(
     let Rotation {
         series,
         frames,
-        state,
+        mut state,
         start_up_s,
     } = rotate(&mut running, keeper)?;
+    if is_driven_by_rolling(scene, &running.built) {
+        state.doubt = Some(Doubt::DrivenByRolling);
+    }
     phases.start_up_s = start_up_s;
     phases.measuring_s = watch.lap() - start_up_s;
     let built = running.built;
@@ -309,7 +322,7 @@ fn released(
     let Built { world, bodies, .. } = result.built;
     Ok(RunResult {
         series: Vec::new(),
-        ending: Ending::Rested(result.rested),
+        ending: Ending::Rested(result.doubt),
         frames: vec![result.frame],
         readings: Vec::new(),
         filling_angles: Vec::new(),

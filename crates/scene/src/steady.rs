@@ -46,7 +46,7 @@ pub(crate) fn expected_swing(radius: f64, gravity: f64) -> f64 {
     swing_time(0.5 * radius * radius, arm, radius, gravity)
 }
 
-/// Why a rotation does not count as steady.
+/// Why a bed does not count as steady, or as one at rest.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Doubt {
@@ -60,6 +60,10 @@ pub enum Doubt {
     ChangesRegime,
     /// The mean is not known as well as was asked for.
     NotSharp,
+    /// Seeds that were let go still move.
+    NotAtRest,
+    /// Rolling friction of type A turns the seeds to and fro within a step, however long it lasts.
+    DrivenByRolling,
 }
 
 impl Doubt {
@@ -71,6 +75,11 @@ impl Doubt {
             Self::ScattersUnequally => "swings more in one half of the time than in the other",
             Self::ChangesRegime => "rolls in one half of the time and slides in the other",
             Self::NotSharp => "swings too much for the standard error asked for",
+            Self::NotAtRest => "had not come to rest",
+            Self::DrivenByRolling => {
+                "is driven by its own rolling torque, which turns the seeds to and fro within a time step: lower \
+                 protocol.step_share to a quarter, or take model.rolling_law = \"spring-dashpot\""
+            }
         }
     }
 }

@@ -1,9 +1,13 @@
 //! The time step of a run: what the hardest contact allows.
 
+use crate::health::meeting_speed;
 use crate::interactions::{material_of, mean_radius};
+use crate::rest_load::{RestLoad, largest_radius};
 use crate::{Error, RollingLaw, Scene, SeedBody, SeedSettings};
+use contact_law::ViscousBridge;
+use contact_law::hard_contact::{self, BodyDashpots, Meeting};
 use contact_law::material::effective_moduli;
-use contact_law::{ViscousBridge, hard_contact};
+use dem_solver::DashpotMass;
 use std::sync::Arc;
 
 /// How much shorter a contact with a rolling spring counts: spring and sliding together swing faster than the
@@ -25,6 +29,11 @@ const STICKING: [f64; 3] = [0.35, 0.5, 0.7];
 /// with rolling friction stand 0.5 deg too low at 0.7, and 3 deg at 1.4 (docs/time-step.md). Packings with rolling friction are right
 /// at 0.9.
 const AT_REST: [f64; 2] = [1.0, 0.7];
+
+/// Change of the spin by rolling friction of type A under attraction in one step, over the spin that the load gives on a way of the
+/// radius. Heaps of peas with attractions of 5 to 122 weights are right at this share and wrong at four times as much
+/// (docs/time-step.md).
+const TURN_OF_STEP: f64 = 0.005;
 
 /// Contacts of a seed in a bed: as many as spheres of one size can touch one of them.
 const CONTACTS_AT_REST: f64 = 12.0;
@@ -65,7 +74,8 @@ impl TimeSteps {
             RollingLaw::SpringDashpot => ROLLING_SPRING,
         };
         let hard = stiffer * sticking(scene) * hardest_contact(scene, bodies)?;
-        let duration = hard.min(limit_at_rest(scene, bodies)? / hard_contact::STEP_SHARE);
+        let at_rest = AtRest::of(scene, bodies)?;
+        let duration = hard.min(at_rest.longest() / hard_contact::STEP_SHARE);
         let share = protocol.step_share;
         let viscous = viscous_limit(scene, bodies);
         let longest = (share * duration).min(viscous);
@@ -73,9 +83,14 @@ impl TimeSteps {
             Some(step) if step.si() > longest => {
                 let reason = if longest == viscous {
                     "what the viscosity of model.liquid allows".into()
+                } else if duration < hard && at_rest.rolling < at_rest.springs {
+                    format!(
+                        "what a rolling friction of constant torque under this attraction allows at protocol.step_share = \
+                         {share} (model.rolling_law = \"spring-dashpot\" does not need it)"
+                    )
                 } else if duration < hard {
                     format!(
-                        "what soft contacts under the weight of the bed allow at protocol.step_share = {share}"
+                        "what soft contacts under the load of the bed at rest allow at protocol.step_share = {share}"
                     )
                 } else {
                     format!(
@@ -198,73 +213,69 @@ fn viscous_limit(scene: &Scene, bodies: &[Arc<SeedBody>]) -> f64 {
     limits.fold(f64::INFINITY, f64::min)
 }
 
-/// Longest time step of a bed at rest, s, for a share of [`hard_contact::STEP_SHARE`]; without end where seeds are bonded, and on
+/// Longest time steps of a bed at rest, s, for a share of [`hard_contact::STEP_SHARE`]; without end where seeds are bonded, and on
 /// the bench, where there is no bed.
-///
-/// In a bed of soft seeds the contacts are nearly as stiff at rest as in a hard contact, and each seed has many: the
-/// bed then swings too fast for the step, slides where it should stick and stands too low, without a seed that flies off. The
-/// torque of a rolling friction of type A, which changes its sign with the spin, drives the swing.
-///
-/// # Formula
-///
-/// `dt = 2 X / w` with `w² = 12 k_t / (2/7 m)`: what is stable for a sphere held at twelve contacts. `k_t = 8 G* sqrt(R d)` is
-/// their stiffness along the surface at the overlap d under the weight of as many seeds as lie above each other,
-/// `N^(1/3) m g = 4/3 E* sqrt(R) d^(3/2)`; R = half of the largest radius. X is 1, or 0.7 for seeds of one sphere with a
-/// rolling friction of type A (docs/time-step.md).
-fn limit_at_rest(scene: &Scene, bodies: &[Arc<SeedBody>]) -> Result<f64, Error> {
-    if scene.model.bonds.is_some() || scene.apparatus.is_bench_test() {
-        return Ok(f64::INFINITY);
-    }
-    let counts = scene.seed.iter().map(|seed| scene.count_of(seed) as f64);
-    let above = counts.sum::<f64>().cbrt();
-    let mut least = f64::INFINITY;
-    for (seed, body) in scene.seed.iter().zip(bodies) {
-        let material = material_of(scene, &seed.material, &seed.name)?;
-        let moduli = effective_moduli(&material, &material);
-        let (mass, radius) = (body.clump.mass(), 0.5 * largest_radius(body));
-        let weight = above * mass * scene.model.gravity_m_s2;
-        let overlap = (0.75 * weight / (moduli.young * radius.sqrt())).powf(2.0 / 3.0);
-        if overlap > 2.0 * radius {
-            let least = material.shear_modulus * (0.5 * overlap / radius).powf(1.5);
-            return Err(Error::BadValue {
-                name: format!("material.{}.shear_modulus", seed.material),
-                value: format!("{} Pa", material.shear_modulus),
-                requirement: format!(
-                    "at least {least:.1e} Pa: the weight of the bed would press spheres of seed '{}' by more than their radius",
-                    seed.name
-                ),
-            });
-        }
-        let tangential = 8.0 * moduli.shear * (radius * overlap).sqrt();
-        let frequency = (CONTACTS_AT_REST * tangential / (2.0 / 7.0 * mass)).sqrt();
-        let [share, of_rolling] = AT_REST;
-        let share = if body.outer.spheres().len() == 1 && rolls_with_constant_torque(scene, seed) {
-            of_rolling
-        } else {
-            share
+#[derive(Debug, Clone, Copy)]
+struct AtRest {
+    /// What the springs of the contacts bear.
+    springs: f64,
+    /// What the rolling friction of type A bears that attraction loads.
+    rolling: f64,
+}
+
+impl AtRest {
+    /// The longest steps with all kinds of seeds.
+    ///
+    /// In a bed of soft seeds the contacts are nearly as stiff at rest as in a hard contact, and each seed has many: the
+    /// bed then swings too fast for the step, slides where it should stick and stands too low, without a seed that flies off. The
+    /// torque of a rolling friction of type A, which changes its sign with the spin, drives the swing.
+    ///
+    /// Attraction loads all contacts alike, those at the surface too. Their torques of type A then turn a seed within a step to and
+    /// fro: the bed shakes, and the rolling friction that it shows is less than that put in.
+    ///
+    /// # Formula
+    ///
+    /// `dt = 2 X / w` with `w² = 12 k_t / (2/7 m)`: what is stable for a sphere held at twelve contacts. `k_t = 8 G* sqrt(R d)` is
+    /// their stiffness along the surface at the [load at rest](RestLoad::of). X is 1, or 0.7 for seeds of one sphere with a
+    /// rolling friction of type A (docs/time-step.md).
+    ///
+    /// `dt = 0.005 sqrt(P r I) / (12 T)`: the change of the spin by twelve torques T, each that which the attraction of a
+    /// contact gives, is 0.005 of the spin `sqrt(P r / I)` that the load P gives on a way of the bounding radius r; I is the least
+    /// moment of inertia.
+    fn of(scene: &Scene, bodies: &[Arc<SeedBody>]) -> Result<Self, Error> {
+        let mut least = Self {
+            springs: f64::INFINITY,
+            rolling: f64::INFINITY,
         };
-        least = least.min(2.0 * share / frequency);
+        if scene.model.bonds.is_some() || scene.apparatus.is_bench_test() {
+            return Ok(least);
+        }
+        for (seed, body) in scene.seed.iter().zip(bodies) {
+            let load = RestLoad::of(scene, bodies, (seed, body))?;
+            let tangential = 8.0 * load.shear * (load.radius * load.overlap).sqrt();
+            let mass = body.clump.mass();
+            let frequency = (CONTACTS_AT_REST * tangential / (2.0 / 7.0 * mass)).sqrt();
+            let [share, of_rolling] = AT_REST;
+            let share = if body.outer.spheres().len() == 1 && load.rolls_with_constant_torque {
+                of_rolling
+            } else {
+                share
+            };
+            least.springs = least.springs.min(2.0 * share / frequency);
+            if load.torque_by_attraction > 0.0 {
+                let inertia = body.clump.inertia().min();
+                let scale = (load.force * body.clump.bounding_radius() * inertia).sqrt();
+                let turning = CONTACTS_AT_REST * load.torque_by_attraction;
+                least.rolling = least.rolling.min(TURN_OF_STEP * scale / turning);
+            }
+        }
+        Ok(least)
     }
-    Ok(least)
-}
 
-/// Whether anything that a seed touches hinders its rolling by a torque of type A.
-fn rolls_with_constant_torque(scene: &Scene, seed: &SeedSettings) -> bool {
-    let hindered = |[a, b]: &[&str; 2]| {
-        let contact = scene.contact_of(a, b);
-        contact.is_some_and(|contact| contact.rolling_friction.get() > 0.0)
-    };
-    scene.model.rolling_law == RollingLaw::ConstantTorque
-        && scene
-            .touching_pairs()
-            .iter()
-            .any(|pair| pair.contains(&seed.material.as_str()) && hindered(pair))
-}
-
-/// Radius of the largest sphere at the surface of a seed, m.
-fn largest_radius(body: &SeedBody) -> f64 {
-    let radii = body.outer.spheres().iter().map(|s| s.radius);
-    radii.fold(0.0, f64::max)
+    /// The shorter of the two, s.
+    fn longest(self) -> f64 {
+        self.springs.min(self.rolling)
+    }
 }
 
 /// Mass that a contact of a seed feels, kg: that at its tip, or of its lightest sphere where seeds are bonded.
@@ -299,32 +310,50 @@ fn sticking(scene: &Scene) -> f64 {
 
 /// Duration of the hardest contact of any seed with any material, s: the least [of two seeds or of a seed with a
 /// wall](hard_contact::duration_between), or of the lightest sphere where seeds are bonded.
-pub(crate) fn hardest_contact(scene: &Scene, bodies: &[Arc<SeedBody>]) -> Result<f64, Error> {
+fn hardest_contact(scene: &Scene, bodies: &[Arc<SeedBody>]) -> Result<f64, Error> {
     let kinds: Vec<_> = scene.seed.iter().zip(bodies).collect();
     let mut least = f64::INFINITY;
     for (number, (seed, body)) in kinds.iter().enumerate() {
-        let young = |name: &str| {
-            let pair = format!("{}-{name}", seed.material);
-            let materials = [
-                material_of(scene, &seed.material, &pair)?,
-                material_of(scene, name, &pair)?,
-            ];
-            Ok::<f64, Error>(effective_moduli(&materials[0], &materials[1]).young)
-        };
+        let with = |name: &str| meeting(scene, [&seed.material, name]);
         let mut met = Vec::new();
         for wall in scene.wall_materials() {
-            met.push((None, young(wall)?));
+            met.push((None, with(wall)?));
         }
         for (other, met_body) in &kinds[number..] {
-            met.push((Some(&met_body.outer), young(&other.material)?));
+            met.push((Some(&met_body.outer), with(&other.material)?));
         }
-        for (other, young) in met {
+        for (other, meeting) in met {
             least = least.min(if scene.model.bonds.is_some() {
-                hard_contact::duration(lightest_mass(scene, body), largest_radius(body), young)
+                hard_contact::duration(lightest_mass(scene, body), largest_radius(body), &meeting)
             } else {
-                hard_contact::duration_between(&body.outer, other, young)
+                hard_contact::duration_between(&body.outer, other, &meeting)
             });
         }
     }
     Ok(least)
+}
+
+/// How two materials meet.
+fn meeting(scene: &Scene, names: [&str; 2]) -> Result<Meeting, Error> {
+    let pair = names.join("-");
+    let [a, b] = [
+        material_of(scene, names[0], &pair)?,
+        material_of(scene, names[1], &pair)?,
+    ];
+    let contact = scene.contact_of(names[0], names[1]);
+    let dashpots = |shared| {
+        contact.map(|contact| BodyDashpots {
+            restitution: contact.restitution.get(),
+            shared,
+        })
+    };
+    Ok(Meeting {
+        young: effective_moduli(&a, &b).young,
+        speed: meeting_speed(scene),
+        dashpots: match scene.model.dashpot_mass {
+            DashpotMass::Sphere => None,
+            DashpotMass::Body => dashpots(false),
+            DashpotMass::Shared => dashpots(true),
+        },
+    })
 }

@@ -3,9 +3,10 @@
 use crate::arguments::Arguments;
 use crate::trial_bed::near_groups;
 use anyhow::Context as _;
+use contact_law::Material;
+use contact_law::hard_contact::{self, Meeting};
 use contact_law::hertz_mindlin::rayleigh_time_step;
 use contact_law::material::effective_moduli;
-use contact_law::{Material, hard_contact};
 use serde::Serialize;
 use sphere_fill::{Filling, InertiaSource};
 use std::path::Path;
@@ -136,9 +137,10 @@ impl Price {
 fn time_step(filling: &Filling, mass: f64, others: &[Material; 2]) -> anyhow::Result<f64> {
     let body = filling.clump(mass, InertiaSource::Mesh)?;
     let outer = body.without_hidden_spheres();
-    let [seed, wall] = others.map(|other| effective_moduli(&others[0], &other).young);
-    let with_seed = hard_contact::duration_between(&outer, Some(&outer), seed);
-    let with_wall = hard_contact::duration_between(&outer, None, wall);
+    let [seed, wall] =
+        others.map(|other| Meeting::usual(effective_moduli(&others[0], &other).young));
+    let with_seed = hard_contact::duration_between(&outer, Some(&outer), &seed);
+    let with_wall = hard_contact::duration_between(&outer, None, &wall);
     Ok(hard_contact::STEP_SHARE * with_seed.min(with_wall))
 }
 

@@ -1,6 +1,6 @@
 //! How long bodies of many spheres are in hard contact, where many of their spheres touch at once.
 
-use super::{DURATION, SPEED, duration, overlap};
+use super::{DURATION, Meeting, duration, overlap};
 use clump::{Clump, Sphere};
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 use std::f64::consts::TAU;
@@ -20,7 +20,7 @@ const HALVINGS: u32 = 40;
 
 /// Duration of the hardest contact of a body with another, or with a flat wall where there is none, s.
 ///
-/// The bodies have the spheres at their surfaces; `young` is the effective modulus E*, Pa.
+/// The bodies have the spheres at their surfaces.
 ///
 /// # Formula
 ///
@@ -29,15 +29,26 @@ const HALVINGS: u32 = 40;
 /// meeting the bodies come together along the line of their centres until the springs hold the energy of the motion,
 /// `sum_ij 8/15 E* sqrt(R_ij) d_ij^(5/2) = m_e v²/2`, with `d_ij` the overlap of two spheres and `R_ij` their effective radius.
 /// The stiffness is then `k = sum_ij 2 E* sqrt(R_ij d_ij)`. One pair collides for `2.9432 sqrt(15/8) sqrt(m_e/k)`, which is
-/// taken for any number of them.
+/// taken for any number of them. Where dashpots know the mass of the body, each duration counts by what they
+/// [leave of the stable step](super::stable_share), at their stiffness then.
 ///
 /// The effective mass is `1/m_e = sum (1/m + l²/I)` over the bodies, with l the reach from the centre of mass of the
 /// sphere that touches first and I the largest moment of inertia: that of a push along the surface. A sphere of uniform
 /// density feels 2/7 of its mass.
-pub fn duration_between(body: &Clump, other: Option<&Clump>, young: f64) -> f64 {
+pub fn duration_between(body: &Clump, other: Option<&Clump>, meeting: &Meeting) -> f64 {
     let radii = body.spheres().iter().map(|s| s.radius);
     let largest = radii.fold(0.0, f64::max);
-    let alone = duration(body.mass_felt_at_tip(), largest, young);
+    let felt = body.mass_felt_at_tip();
+    // The damping ratio of one spring does not depend on its stiffness. A single sphere damps with its own mass in any case.
+    let several = |body: &Clump| body.spheres().len() > 1;
+    let meeting = &Meeting {
+        dashpots: meeting
+            .dashpots
+            .filter(|_| several(body) || other.is_some_and(several)),
+        ..*meeting
+    };
+    let left = meeting.left_by_dashpots(std::iter::once(1.0), body.mass(), felt);
+    let alone = left * duration(felt, largest, meeting);
     let meetings = (0..MEETINGS).map(|number| {
         let [turn, opposite] = turns(number);
         let below = Partner::turned(body, &turn);
@@ -45,7 +56,7 @@ pub fn duration_between(body: &Clump, other: Option<&Clump>, young: f64) -> f64 
             Some(other) => Partner::turned(other, &opposite),
             None => Partner::wall(body.bounding_radius()),
         };
-        duration_of_meeting(below, above, young)
+        duration_of_meeting(below, above, meeting)
     });
     alone.min(SELDOM * meetings.fold(f64::INFINITY, f64::min))
 }
@@ -185,14 +196,15 @@ fn first_touch<'a>(below: &'a Partner, above: &'a Partner) -> Option<(f64, [&'a 
 
 /// Duration of the contact of two that come together along z, as stiff as at their deepest overlap, s: see
 /// [`duration_between`].
-fn duration_of_meeting(mut below: Partner, mut above: Partner, young: f64) -> f64 {
+fn duration_of_meeting(mut below: Partner, mut above: Partner, meeting: &Meeting) -> f64 {
     sort(&mut below, &mut above);
     let Some((first, [low, high])) = first_touch(&below, &above) else {
         return f64::INFINITY;
     };
     let mass = 1.0 / (below.inverse_mass_at(low) + above.inverse_mass_at(high));
     let effective = Pair::of(low, high).radius;
-    let energy = 0.5 * mass * SPEED * SPEED;
+    let Meeting { young, speed, .. } = *meeting;
+    let energy = 0.5 * mass * speed * speed;
     let held = |pairs: &[Pair], height: f64| {
         let each = pairs.iter().map(|pair| {
             let overlap = pair.overlap(height);
@@ -202,7 +214,7 @@ fn duration_of_meeting(mut below: Partner, mut above: Partner, young: f64) -> f6
     };
     // Two spheres head on would hold the energy at this depth; two that graze each other hold it deeper, and soft ones
     // not before their centres are level, where more depth would part them.
-    let mut deepest = overlap(mass, effective, young);
+    let mut deepest = overlap(mass, effective, meeting);
     let mut pairs = touching(&below, &above, first - deepest);
     while held(&pairs, first - deepest) < energy && deepest < first {
         deepest *= 1.5;
@@ -220,8 +232,10 @@ fn duration_of_meeting(mut below: Partner, mut above: Partner, young: f64) -> f6
     let springs = pairs
         .iter()
         .map(|pair| (pair.radius * pair.overlap(first - deepest)).sqrt());
-    let stiffness = 2.0 * young * springs.sum::<f64>();
-    DURATION * (15.0 / 8.0 * mass / stiffness).sqrt()
+    let stiffness = 2.0 * young * springs.clone().sum::<f64>();
+    let whole = 1.0 / (below.inverse_mass + above.inverse_mass);
+    let left = meeting.left_by_dashpots(springs, whole, mass);
+    left * DURATION * (15.0 / 8.0 * mass / stiffness).sqrt()
 }
 
 /// Pairs of spheres that touch when the upper body is at a height over the lower one; both sorted by what touches first.
@@ -247,12 +261,16 @@ mod tests {
         MEETINGS, Pair, Partner, duration_between, duration_of_meeting, first_touch, sort,
         touching, turns,
     };
-    use crate::hard_contact::duration;
+    use crate::hard_contact::{BodyDashpots, Meeting, duration};
     use clump::{Clump, MassProperties, Sphere, properties_of_spheres};
     use nalgebra::{UnitQuaternion, Vector3};
 
     const RADIUS: f64 = 2e-3;
-    const YOUNG: f64 = 1e6;
+    const USUAL: Meeting = Meeting {
+        young: 1e6,
+        speed: 1.0,
+        dashpots: None,
+    };
 
     /// A ball whose surface is so many spheres, one in the other; mass and inertia are those of one.
     fn ball(spheres: usize) -> Clump {
@@ -274,15 +292,15 @@ mod tests {
     fn a_ball_meets_a_wall_and_its_like_as_one_sphere_does() {
         let body = ball(1);
         let felt = 2.0 / 7.0 * body.mass();
-        let wall = duration_of_meeting(at_rest(&body), Partner::wall(RADIUS), YOUNG);
-        let expected = duration(felt, RADIUS, YOUNG);
+        let wall = duration_of_meeting(at_rest(&body), Partner::wall(RADIUS), &USUAL);
+        let expected = duration(felt, RADIUS, &USUAL);
         assert!((wall / expected - 1.0).abs() < 3e-4, "{wall} {expected}");
-        let like = duration_of_meeting(at_rest(&body), at_rest(&body), YOUNG);
-        let expected = duration(0.5 * felt, 0.5 * RADIUS, YOUNG);
+        let like = duration_of_meeting(at_rest(&body), at_rest(&body), &USUAL);
+        let expected = duration(0.5 * felt, 0.5 * RADIUS, &USUAL);
         assert!((like / expected - 1.0).abs() < 1e-9, "{like} {expected}");
         // Hardest is then the wall: the contact of two counts 1.6 times.
-        let hardest = duration_between(&body, Some(&body), YOUNG);
-        assert!((hardest / duration(felt, RADIUS, YOUNG) - 1.0).abs() < 1e-9);
+        let hardest = duration_between(&body, Some(&body), &USUAL);
+        assert!((hardest / duration(felt, RADIUS, &USUAL) - 1.0).abs() < 1e-9);
     }
 
     /// Ten spheres in one place are ten springs at a wall and a hundred between two such balls: the duration falls with the
@@ -290,17 +308,69 @@ mod tests {
     #[test]
     fn spheres_in_one_place_are_springs_side_by_side() {
         let [one, ten] = [ball(1), ball(10)];
-        let wall = |body| duration_of_meeting(at_rest(body), Partner::wall(RADIUS), YOUNG);
+        let wall = |body| duration_of_meeting(at_rest(body), Partner::wall(RADIUS), &USUAL);
         let ratio = wall(&ten) / wall(&one);
         assert!((ratio * 10_f64.powf(0.4) - 1.0).abs() < 1e-9, "{ratio}");
-        let like = |body| duration_of_meeting(at_rest(body), at_rest(body), YOUNG);
+        let like = |body| duration_of_meeting(at_rest(body), at_rest(body), &USUAL);
         let ratio = like(&ten) / like(&one);
         assert!((ratio * 100_f64.powf(0.4) - 1.0).abs() < 1e-9, "{ratio}");
-        let hardest = |body| duration_between(body, Some(body), YOUNG);
+        let hardest = |body| duration_between(body, Some(body), &USUAL);
         let ratio = hardest(&ten) / hardest(&one);
         let two = 0.5_f64.powf(0.4) * 0.5_f64.powf(-0.2);
         let expected = 1.6 * two * 100_f64.powf(-0.4);
         assert!((ratio / expected - 1.0).abs() < 1e-9, "{ratio} {expected}");
+    }
+
+    /// Dashpots that know the mass of the body leave of the duration what a damped mass bears: of a ball of ten spheres at a wall, of
+    /// which 2/7 is felt, with b = 0.591 for a restitution of 0.1, `z = sqrt(5/6) b sqrt(7/2)`, and `sqrt(10)` times as much if the
+    /// spheres do not share. One sphere damps with its own mass in any case. Rounding of the digits of b only.
+    #[test]
+    fn dashpots_of_the_whole_body_shorten_the_contacts_of_many_spheres() {
+        let damped = |shared| Meeting {
+            dashpots: Some(BodyDashpots {
+                restitution: 0.1,
+                shared,
+            }),
+            ..USUAL
+        };
+        let [one, ten] = [ball(1), ball(10)];
+        let hardest = |body: &Clump, meeting: Meeting| duration_between(body, None, &meeting);
+        assert_eq!(hardest(&one, damped(true)), hardest(&one, USUAL));
+        let ratio = (5.0_f64 / 6.0).sqrt() * 0.5911 * 3.5_f64.sqrt();
+        for (shared, ratio) in [(true, ratio), (false, ratio * 10_f64.sqrt())] {
+            let left = hardest(&ten, damped(shared)) / hardest(&ten, USUAL);
+            let expected = ratio.hypot(1.0) - ratio;
+            assert!((left / expected - 1.0).abs() < 1e-3, "{left} {expected}");
+        }
+    }
+
+    /// The faster two meet, the shorter: one sphere by the power 1/5, and bodies of many spheres more, since deeper down more of them
+    /// touch.
+    #[test]
+    fn fast_bodies_of_many_spheres_meet_shorter_than_one_sphere() {
+        let fast = Meeting {
+            speed: 4.0,
+            ..USUAL
+        };
+        let ratio = |body: &Clump| {
+            let wall = |meeting| duration_of_meeting(at_rest(body), Partner::wall(RADIUS), meeting);
+            wall(&fast) / wall(&USUAL)
+        };
+        let one = 4.0_f64.powf(-0.2);
+        assert!((ratio(&ball(1)) / one - 1.0).abs() < 3e-4);
+        // The second sphere stands back by more than the slow meeting is deep.
+        let spheres = [0.0, 3e-4].map(|back| Sphere {
+            centre: Vector3::new(0.0, 0.0, -back),
+            radius: RADIUS,
+        });
+        let mass = ball(1).mass();
+        let properties = MassProperties {
+            mass,
+            centre: Vector3::zeros(),
+            inertia: nalgebra::Matrix3::from_diagonal(&Vector3::new(1e9, 2e9, 3e9)),
+        };
+        let pair = Clump::new(&spheres, &properties).expect("a pair");
+        assert!(ratio(&pair) < 0.95 * one, "{} {one}", ratio(&pair));
     }
 
     /// Of two spheres side by side, one stands back. Beyond the deepest overlap of the other, 0.34 mm, it does not touch; nearer, the
@@ -320,8 +390,8 @@ mod tests {
             };
             Clump::new(&spheres, &properties).expect("a pair")
         };
-        let wall = |back| duration_of_meeting(at_rest(&pair(back)), Partner::wall(RADIUS), YOUNG);
-        let alone = duration(1e-4, RADIUS, YOUNG);
+        let wall = |back| duration_of_meeting(at_rest(&pair(back)), Partner::wall(RADIUS), &USUAL);
+        let alone = duration(1e-4, RADIUS, &USUAL);
         let far = wall(1e-3) / alone;
         assert!((far - 1.0).abs() < 3e-4, "{far}");
         let between = wall(2e-4) / alone;

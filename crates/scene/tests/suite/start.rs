@@ -4,6 +4,7 @@ use crate::limits::beads;
 use fixture_files::fixture;
 use quantity::{Angle, Length, Time};
 use scene::{FillingLibrary, LiquidSettings, Override, Scene, run, settled_world, starting_frame};
+use std::path::Path;
 
 /// A slice of the study's drum with coarse seeds, and further changes.
 fn drum(changes: &[(&str, &str)]) -> Result<Scene, scene::Error> {
@@ -132,6 +133,127 @@ fn the_time_step_stands_the_viscosity_of_the_liquid() -> Result<(), scene::Error
     fixed.protocol.time_step = Some(Time::from_si(2.0 * thick).unwrap());
     let error = starting_frame(&fixed, &library, 1).unwrap_err().to_string();
     assert!(error.contains("viscosity of model.liquid"), "{error}");
+    Ok(())
+}
+
+/// A heap of sticky peas, 4 mm, 42 mg, with changes.
+fn peas(changes: &[(&str, &str)]) -> Result<Scene, scene::Error> {
+    let text = r#"
+        [apparatus]
+        kind = "heap"
+        inner_diameter = "40 mm"
+        height = "80 mm"
+        lift_speed = "50 mm/s"
+        floor = "wall"
+        cylinder = "wall"
+        [[seed]]
+        name = "pea"
+        sphere = "4 mm"
+        density = "1250 kg/m3"
+        count = 216
+        material = "pea"
+        [material]
+        pea = { poisson_ratio = 0.3, shear_modulus = "2 MPa" }
+        wall = { poisson_ratio = 0.3, shear_modulus = "1 GPa" }
+        [contact]
+        pea-pea = { restitution = 0.3, static_friction = 0.6, rolling_friction = 0.3, attraction_n = 0.002 }
+        pea-wall = { restitution = 0.3, static_friction = 0.2, rolling_friction = 0.1 }
+    "#;
+    let set = |(name, value): &(&str, &str)| Override {
+        name: (*name).to_owned(),
+        value: (*value).to_owned(),
+    };
+    let changes: Vec<Override> = changes.iter().map(set).collect();
+    Scene::from_text(text, "peas.toml", Path::new("."), &changes)
+}
+
+/// The torques of type A that the attraction gives at twelve contacts turn a pea in one step by 0.005 of `sqrt(P r / I)`: with an
+/// attraction F, six weights of 216 peas on each other and the half radius as arm
+/// `12 0.3 F r/2 dt / I = 0.005 sqrt((6 m g + F) r / I)`. Rounding only. The other law of rolling and peas without rolling friction
+/// keep the step of hard contacts, to the last bit for weak attractions; what the attraction is made of does not matter.
+#[test]
+fn the_time_step_stands_rolling_friction_under_attraction() -> Result<(), scene::Error> {
+    const ATTRACTION: &str = "contact.pea-pea.attraction_n";
+    let library = FillingLibrary::default();
+    let step = |changes: &[(&str, &str)]| {
+        let scene = peas(changes)?;
+        Ok::<f64, scene::Error>(starting_frame(&scene, &library, 1)?.2)
+    };
+    let dry = step(&[(ATTRACTION, "0")])?;
+    let radius: f64 = 2e-3;
+    let mass = 4.0 / 3.0 * std::f64::consts::PI * radius.powi(3) * 1250.0;
+    let inertia = 0.4 * mass * radius * radius;
+    for (text, attraction) in [("0.002", 0.002), ("0.05", 0.05)] {
+        let got = step(&[(ATTRACTION, text)])?;
+        let load = 6.0 * mass * 9.81 + attraction;
+        let spin = 0.005 * (load * radius / inertia).sqrt();
+        let expected = spin * inertia / (12.0 * 0.3 * attraction * 0.5 * radius);
+        assert!((got / expected - 1.0).abs() < 1e-9, "{got} s, {expected} s");
+        assert!(got < 0.4 * dry, "{got} s, dry {dry} s");
+    }
+    let weak = [(ATTRACTION, "0.0002")];
+    for change in [
+        ("model.rolling_law", "spring-dashpot"),
+        ("contact.pea-pea.rolling_friction", "0"),
+    ] {
+        let without = step(&[(ATTRACTION, "0"), change])?;
+        assert_eq!(step(&[weak[0], change])?, without, "{change:?}");
+    }
+    // As many newtons by the Bond number, which pulls at the wall too, where the whole radius is the arm and 0.1 the friction.
+    let bond = (0.002 / (mass * 9.81)).to_string();
+    let by_bond = step(&[(ATTRACTION, "0"), ("model.bond_number", &bond)])?;
+    assert!((by_bond / step(&[])? - 1.0).abs() < 1e-9, "{by_bond} s");
+    let mut wet = peas(&[(ATTRACTION, "0")])?;
+    wet.model.liquid = Some(LiquidSettings::new(
+        0.01,
+        0.07,
+        Angle::from_si(0.0).unwrap(),
+    ));
+    let wet = starting_frame(&wet, &library, 1)?.2;
+    // 2 pi r g 10/11 = 0.8 mN between peas, which counts 0.3/2, and twice that at a wall, which counts 0.1: the wall decides.
+    let attraction = 4.0 * std::f64::consts::PI * radius * 0.07 / 1.1;
+    let load = 6.0 * mass * 9.81 + attraction;
+    let spin = 0.005 * (load * radius / inertia).sqrt();
+    let expected = spin * inertia / (12.0 * 0.1 * attraction * radius);
+    assert!((wet / expected - 1.0).abs() < 1e-9, "{wet} s, {expected} s");
+    Ok(())
+}
+
+/// Springs of contacts at rest carry the attraction too: peas of 2 kPa that pull at each other by 4 mN, and do not roll, take the step
+/// of `2 / w` with the load `6 m g + F`, whose stiffness grows by its power 1/3. An attraction that presses them flat is refused, with the
+/// modulus that bears it.
+#[test]
+fn the_time_step_stands_springs_under_attraction() -> Result<(), scene::Error> {
+    let library = FillingLibrary::default();
+    let soft = [
+        ("material.pea.shear_modulus", "2 kPa"),
+        ("contact.pea-pea.static_friction", "0.1"),
+        ("contact.pea-pea.rolling_friction", "0"),
+        ("contact.pea-wall.rolling_friction", "0"),
+    ];
+    let step = |attraction: &'static str| {
+        let scene = peas(&[&soft[..], &[("contact.pea-pea.attraction_n", attraction)]].concat())?;
+        Ok::<f64, scene::Error>(starting_frame(&scene, &library, 1)?.2)
+    };
+    let weight = 6.0 * 4.0 / 3.0 * std::f64::consts::PI * 8e-9 * 1250.0 * 9.81;
+    let ratio = step("0.004")? / step("0")?;
+    let expected = ((weight + 0.004) / weight).powf(-1.0 / 6.0);
+    assert!((ratio / expected - 1.0).abs() < 1e-9, "{ratio} {expected}");
+    let error = step("1").unwrap_err().to_string();
+    assert!(error.contains("and the attraction would press"), "{error}");
+    let modulus = error
+        .split("at least ")
+        .nth(1)
+        .and_then(|rest| rest.split(' ').next());
+    let modulus: f64 = modulus.and_then(|m| m.parse().ok()).expect("a modulus");
+    let bears = format!("{} Pa", 1.1 * modulus);
+    let mut changes = soft.to_vec();
+    changes[0].1 = &bears;
+    changes.push(("contact.pea-pea.attraction_n", "1"));
+    assert!(
+        starting_frame(&peas(&changes)?, &library, 1).is_ok(),
+        "{bears}"
+    );
     Ok(())
 }
 

@@ -1,0 +1,140 @@
+//! What loads the contacts of a bed at rest: weight and attraction.
+
+use crate::interactions::{interactions, material_of};
+use crate::{Error, RollingLaw, Scene, SeedBody, SeedSettings};
+use contact_law::RollingLever;
+use contact_law::material::effective_moduli;
+use dem_solver::Interaction;
+use std::sync::Arc;
+
+/// Steps towards the overlap at which the spring carries weight and attraction. The attraction by area grows with the overlap at most,
+/// so that each step leaves two thirds of the error.
+const ROUNDS: usize = 100;
+
+/// The most loaded contact of a kind of seed in a bed at rest.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct RestLoad {
+    /// Weight of the seeds above and attraction, N.
+    pub(crate) force: f64,
+    /// Reduced radius, m.
+    pub(crate) radius: f64,
+    /// Overlap, m.
+    pub(crate) overlap: f64,
+    /// Effective shear modulus, Pa.
+    pub(crate) shear: f64,
+    /// Whether anything that the seed touches hinders its rolling by a torque of type A.
+    pub(crate) rolls_with_constant_torque: bool,
+    /// Greatest torque of that kind that the attraction of a contact alone gives, N m; 0 where nothing attracts.
+    pub(crate) torque_by_attraction: f64,
+}
+
+/// What a seed touches: its law, and rolling friction of type A over the lever arm of the seed, 0 where it has none.
+struct Touched {
+    law: Interaction,
+    rolling: f64,
+}
+
+impl RestLoad {
+    /// That of a kind of seed, with as many seeds above it as lie on each other, `N^(1/3)`.
+    ///
+    /// # Formula
+    ///
+    /// `4/3 E* sqrt(R) d^(3/2) = N^(1/3) m g + F(d)`, with F the greatest attraction of a contact of the seed at the overlap d, of
+    /// constant size, by area or of a bridge of liquid; R = half of the largest radius.
+    ///
+    /// # Errors
+    ///
+    /// Spheres that would be pressed by more than their radius, laws that are refused.
+    pub(crate) fn of(
+        scene: &Scene,
+        bodies: &[Arc<SeedBody>],
+        (seed, body): (&SeedSettings, &SeedBody),
+    ) -> Result<Self, Error> {
+        let counts = scene.seed.iter().map(|seed| scene.count_of(seed) as f64);
+        let above = counts.sum::<f64>().cbrt();
+        let material = material_of(scene, &seed.material, &seed.name)?;
+        let moduli = effective_moduli(&material, &material);
+        let radius = 0.5 * largest_radius(body);
+        let weight = above * body.clump.mass() * scene.model.gravity_m_s2;
+        let touched = touched_by(scene, bodies, seed)?;
+        let pull = |touched: &Touched, overlap: f64| touched.law.attraction(overlap, radius, 0.0);
+        let force = |overlap: f64| {
+            let pulls = touched.iter().map(|touched| pull(touched, overlap));
+            weight + pulls.fold(0.0, f64::max)
+        };
+        let pressed = |force: f64| (0.75 * force / (moduli.young * radius.sqrt())).powf(2.0 / 3.0);
+        let (mut overlap, deepest) = (pressed(force(0.0)), 2.0 * radius);
+        for _ in 0..ROUNDS {
+            overlap = pressed(force(overlap.min(deepest)));
+        }
+        if overlap > deepest {
+            let carried = moduli.young * radius.sqrt() * deepest.powf(1.5) / 0.75;
+            let least = material.shear_modulus * force(deepest) / carried;
+            let loads = if force(deepest) > weight {
+                "the weight of the bed and the attraction"
+            } else {
+                "the weight of the bed"
+            };
+            return Err(Error::BadValue {
+                name: format!("material.{}.shear_modulus", seed.material),
+                value: format!("{} Pa", material.shear_modulus),
+                requirement: format!(
+                    "at least {least:.1e} Pa: {loads} would press spheres of seed '{}' by more than their radius",
+                    seed.name
+                ),
+            });
+        }
+        let lever = match scene.model.rolling_lever {
+            RollingLever::Centre => body.clump.bounding_radius(),
+            RollingLever::Sphere => 2.0 * radius,
+        };
+        let torques = touched
+            .iter()
+            .map(|touched| touched.rolling * pull(touched, overlap) * lever);
+        Ok(Self {
+            force: force(overlap),
+            radius,
+            overlap,
+            shear: moduli.shear,
+            rolls_with_constant_torque: touched.iter().any(|touched| touched.rolling > 0.0),
+            torque_by_attraction: torques.fold(0.0, f64::max),
+        })
+    }
+}
+
+/// All that a kind of seed touches.
+fn touched_by(
+    scene: &Scene,
+    bodies: &[Arc<SeedBody>],
+    seed: &SeedSettings,
+) -> Result<Vec<Touched>, Error> {
+    let own = seed.material.as_str();
+    let pairs = scene.touching_pairs();
+    let with_it = pairs.iter().filter(|pair| pair.contains(&own));
+    let constant = scene.model.rolling_law == RollingLaw::ConstantTorque;
+    let mut touched = Vec::new();
+    for [a, b] in with_it {
+        let other = if *a == own { b } else { a };
+        let contact = scene.contact_of(own, other);
+        let rolling = contact.map_or(0.0, |contact| contact.rolling_friction.get());
+        // The second entry of the first row is the law between the two.
+        let table = interactions(scene, bodies, &[own, other])?;
+        let is_seed = scene.seed.iter().any(|seed| seed.material == **other);
+        touched.push(Touched {
+            law: table[1],
+            // Two seeds share the arm.
+            rolling: match (constant, is_seed) {
+                (false, _) => 0.0,
+                (true, true) => 0.5 * rolling,
+                (true, false) => rolling,
+            },
+        });
+    }
+    Ok(touched)
+}
+
+/// Radius of the largest sphere at the surface of a seed, m.
+pub(crate) fn largest_radius(body: &SeedBody) -> f64 {
+    let radii = body.outer.spheres().iter().map(|s| s.radius);
+    radii.fold(0.0, f64::max)
+}
