@@ -8,9 +8,6 @@ use scene::{Ending, FrameReading, PhaseTimes, RunResult, Scene, drum_picture, er
 use serde::{Deserialize, Serialize};
 use surface_profile::summarise;
 
-/// What is wrong with a release that ended before its seeds rested.
-const NOT_RESTED: &str = "had not come to rest";
-
 /// What is worth keeping of a run besides the observables and the regime.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -156,10 +153,7 @@ impl RunDetails {
         let froude = scene.apparatus.froude_number(scene.model.gravity_m_s2);
         Ok(Self {
             steady: result.ending.is_steady(),
-            doubt: match result.ending {
-                Ending::Rested(false) => Some(NOT_RESTED.to_owned()),
-                _ => turned.and_then(|s| s.doubt).map(|d| d.words().to_owned()),
-            },
+            doubt: result.ending.doubt().map(|doubt| doubt.words().to_owned()),
             swing_s: swing,
             start_up_s: start_up.map(|p| p.time_s),
             motion: result.motion.and_then(crate::outcome::word),

@@ -4,11 +4,11 @@ use crate::surface::{SurfaceReadings, over_frames, scatter_of};
 use crate::{Error, RunDetails};
 use campaign::RunOutcome;
 use run_store::Observation;
-use scene::{Apparatus, Ending, RunResult, Scene};
+use scene::{Apparatus, Doubt, Ending, RunResult, Scene};
 use serde::Serialize;
 use std::collections::BTreeMap;
 
-/// The regime of a run whose bed was not steady before its limit.
+/// The regime of a run whose bed was not steady before its limit, or is driven by its own rolling torque.
 pub const NOT_STEADY: &str = "not steady";
 
 /// What a run took; it is kept in the details and changes no result.
@@ -92,10 +92,12 @@ fn no_surface(result: &RunResult) -> scene::Error {
 
 /// How a run ended up: a turning bed that was not steady is no rolling one and no sliding one, so that it enters no mean
 /// of either. What was let go keeps its regime though beads may still roll over the floor: its slope stands, and without
-/// rolling friction they never stop. The details say why in both cases.
+/// rolling friction they never stop; not where their own rolling torque drives them. The details say why in all cases.
 fn regime_of(result: &RunResult) -> Option<String> {
-    match result.ending {
-        Ending::Turned(state) if state.doubt.is_some() => Some(NOT_STEADY.to_owned()),
+    match (&result.ending, result.ending.doubt()) {
+        (Ending::Turned(_), Some(_)) | (_, Some(Doubt::DrivenByRolling)) => {
+            Some(NOT_STEADY.to_owned())
+        }
         _ => word(result.regime),
     }
 }

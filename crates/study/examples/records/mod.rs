@@ -28,7 +28,16 @@ pub(crate) fn folder_and_runs(
 /// Mean and standard error of an observable over the runs that were steady; the mean alone of one, "-" of none.
 pub(crate) fn mean_and_error(records: &[Record], observable: &str, digits: usize) -> String {
     let steady = records.iter().filter(|r| r.regime() != Some(NOT_STEADY));
-    let means = steady.filter_map(|r| r.observable(observable));
+    mean_and_error_of_all(steady, observable, digits)
+}
+
+/// The same over all runs.
+pub(crate) fn mean_and_error_of_all<'a>(
+    records: impl IntoIterator<Item = &'a Record>,
+    observable: &str,
+    digits: usize,
+) -> String {
+    let means = records.into_iter().filter_map(|r| r.observable(observable));
     let values: Vec<f64> = means.map(|o| o.mean).collect();
     let n = values.len() as f64;
     if values.is_empty() {

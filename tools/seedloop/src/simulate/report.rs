@@ -4,7 +4,7 @@ use super::Outcome;
 use anyhow::Context as _;
 use command_line::{Header, significant};
 use run_store::Observation;
-use scene::{Override, Scene};
+use scene::{Doubt, Override, Scene};
 use scene_simulator::{FrameDetails, RunDetails, TimingDetails};
 use serde::Serialize;
 use serde_json::Value;
@@ -128,7 +128,12 @@ impl Report {
     /// What the user should know of the result.
     pub(super) fn warnings(&self) -> Vec<String> {
         let mut warnings = Vec::new();
-        if let Some(doubt) = &self.doubt {
+        if let Some(doubt) = &self.doubt
+            && doubt == Doubt::DrivenByRolling.words()
+        {
+            // More time would not help.
+            warnings.push(format!("not steady: at the limit the bed {doubt}"));
+        } else if let Some(doubt) = &self.doubt {
             warnings.push(format!(
                 "not steady: at the limit the bed {doubt}; its means are those of a passing state. Raise \
                  protocol.rotation_limit"

@@ -7,6 +7,53 @@ use std::fs;
 use std::process::{Command, Output, Stdio};
 use std::time::Duration;
 
+/// A heap whose rolling friction shakes it is not said to rest, and not advised to go on: what is said names the cause and the way on, in
+/// JSON and beside the result.
+#[test]
+fn a_heap_that_its_own_rolling_torque_drives_is_no_heap_at_rest() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("heap.toml");
+    let heap = r#"
+        [apparatus]
+        kind = "heap"
+        inner_diameter = "20 mm"
+        height = "40 mm"
+        lift_speed = "200 mm/s"
+        floor = "wall"
+        cylinder = "wall"
+        [[seed]]
+        name = "pea"
+        sphere = "4 mm"
+        density = "1250 kg/m3"
+        count = 30
+        material = "pea"
+        [material]
+        pea = { poisson_ratio = 0.3, shear_modulus = "2 MPa" }
+        wall = { poisson_ratio = 0.3, shear_modulus = "1 GPa" }
+        [contact]
+        pea-pea = { restitution = 0.3, static_friction = 0.6, rolling_friction = 10.0 }
+        pea-wall = { restitution = 0.3, static_friction = 0.2, rolling_friction = 10.0 }
+        [protocol]
+        rotation_limit = "0.4 s"
+    "#;
+    fs::write(&file, heap).unwrap();
+    let output = Command::new(env!("CARGO_BIN_EXE_seedloop"))
+        .arg("simulate")
+        .arg(&file)
+        .arg("--json")
+        .output()
+        .unwrap();
+    assert_code(&output, 0);
+    let (json, told) = (json(&output), text(&output.stderr));
+    assert_eq!(json["regime"], "not steady");
+    assert_eq!(json["steady"], false);
+    let doubt = json["doubt"].as_str().unwrap();
+    assert!(doubt.contains("its own rolling torque"), "{doubt}");
+    assert!(doubt.contains("spring-dashpot"), "{doubt}");
+    assert!(told.contains(doubt), "{told}");
+    assert!(!told.contains("Raise protocol.rotation_limit"), "{told}");
+}
+
 /// Scripts rely on these keys.
 #[test]
 fn a_run_gives_its_observables_parameters_timing_and_origin() {
