@@ -120,7 +120,7 @@ mod tests {
         assert!(!driven && energy < 1.0, "{driven}, {energy}");
     }
 
-    /// A heap and a drum whose dry seeds hinder each other's rolling ten times as much as their weight could turn them never rest, and
+    /// A heap whose dry seeds hinder each other's rolling ten times as much as their weight could turn them never rests, and
     /// the run says why and what to change.
     #[test]
     fn a_run_that_ends_with_driven_seeds_says_so() {

@@ -136,6 +136,44 @@ fn the_time_step_stands_the_viscosity_of_the_liquid() -> Result<(), scene::Error
     Ok(())
 }
 
+/// Dashpots of whole bodies shorten the step of seeds of many spheres, and more so if the spheres do not share the mass; beads damp with
+/// their own mass in any case, and keep their step to the last bit.
+#[test]
+fn the_time_step_stands_dashpots_of_whole_bodies() -> Result<(), scene::Error> {
+    const MASS: &str = "model.dashpot_mass";
+    let library = FillingLibrary::default();
+    let step = |scene: &Scene| Ok::<f64, scene::Error>(starting_frame(scene, &library, 1)?.2);
+    let own = step(&drum(&[])?)?;
+    let shared = step(&drum(&[(MASS, "shared")])?)?;
+    let body = step(&drum(&[(MASS, "body")])?)?;
+    assert!(body < shared && shared < 0.6 * own, "{body} {shared} {own}");
+    let of_beads = step(&beads(MASS, "sphere")?)?;
+    for mass in ["shared", "body"] {
+        assert_eq!(step(&beads(MASS, mass)?)?, of_beads, "{mass}");
+    }
+    Ok(())
+}
+
+/// In a drum of 0.8 m seeds meet with 2.19 m/s: a step is shorter by the power 1/5 of that or by more, since more spheres touch deeper
+/// down. In a drum of 0.1 m it is that of the study's to the last bit.
+#[test]
+fn the_time_step_falls_with_the_speed_of_meetings() -> Result<(), scene::Error> {
+    let library = FillingLibrary::default();
+    let step = |diameter: &str| {
+        let scene = drum(&[("apparatus.inner_diameter", diameter)])?;
+        Ok::<f64, scene::Error>(starting_frame(&scene, &library, 1)?.2)
+    };
+    let small = step("140 mm")?;
+    assert_eq!(step("100 mm")?, small);
+    let ratio = step("800 mm")? / small;
+    let alone = 2.19_f64.powf(-0.2);
+    assert!(
+        ratio < 1.0001 * alone && ratio > 0.8 * alone,
+        "{ratio} {alone}"
+    );
+    Ok(())
+}
+
 /// A heap of sticky peas, 4 mm, 42 mg, with changes.
 fn peas(changes: &[(&str, &str)]) -> Result<Scene, scene::Error> {
     let text = r#"
