@@ -74,7 +74,7 @@ pub fn box_behnken(factors: &[Factor], n_centre: usize) -> Result<Design, Error>
 ///
 /// # Errors
 /// As [`box_behnken`]; [`Error::FactorCount`] for 3 factors (no orthogonal blocks exist);
-/// [`Error::CountOutOfRange`] unless each block gets the same number of centre runs.
+/// [`Error::UnequalCentres`] unless each block gets the same number of centre runs.
 pub fn box_behnken_in_blocks(factors: &[Factor], n_centre: usize) -> Result<Design, Error> {
     let design = box_behnken(factors, n_centre)?;
     let k = factors.len();
@@ -92,11 +92,9 @@ pub fn box_behnken_in_blocks(factors: &[Factor], n_centre: usize) -> Result<Desi
         _ => 2,
     };
     if !n_centre.is_multiple_of(n_blocks) || n_centre == 0 {
-        return Err(Error::CountOutOfRange {
-            what: "centre runs of a blocked Box-Behnken design (a multiple of its blocks)",
+        return Err(Error::UnequalCentres {
             given: n_centre,
-            least: n_blocks,
-            most: 10_000,
+            blocks: n_blocks,
         });
     }
     let edge = design.runs().len() - n_centre;

@@ -9,6 +9,9 @@ const MOST_COLUMNS: usize = 32;
 /// Fewest columns: below, the runs cannot hold the squares.
 const LEAST_COLUMNS: usize = 4;
 
+/// Least number of factors: two have no interaction that three levels of this kind could clear.
+const LEAST_FACTORS: usize = 3;
+
 /// A definitive screening design: 2 c runs in mirrored pairs, each with one factor in its middle, and centre runs.
 ///
 /// c is the least order of a conference matrix that holds the factors and `n_fake` further columns, which are left out of
@@ -23,7 +26,7 @@ const LEAST_COLUMNS: usize = 4;
 ///
 /// # Errors
 /// [`Error::FactorCount`] for fewer than three factors, or more than fit 32 columns with the fake ones;
-/// [`Error::CountOutOfRange`] without a centre run; those of [`check_factors`].
+/// [`Error::CountOutOfRange`] without a centre run, or with more fake factors than leave room for three; those of [`check_factors`].
 pub fn definitive_screening(
     factors: &[Factor],
     n_fake: usize,
@@ -31,14 +34,23 @@ pub fn definitive_screening(
 ) -> Result<Design, Error> {
     check_factors(factors)?;
     let k = factors.len();
-    let room = MOST_COLUMNS.saturating_sub(n_fake);
-    let found = (k + n_fake.min(MOST_COLUMNS)).max(LEAST_COLUMNS);
+    let most_fake = MOST_COLUMNS - LEAST_FACTORS;
+    if n_fake > most_fake {
+        return Err(Error::CountOutOfRange {
+            what: "fake factors",
+            given: n_fake,
+            least: 0,
+            most: most_fake,
+        });
+    }
+    let room = MOST_COLUMNS - n_fake;
+    let found = (k + n_fake).max(LEAST_COLUMNS);
     let matrix = (found..=MOST_COLUMNS).find_map(conference_matrix);
-    let Some(matrix) = matrix.filter(|_| (3..=room).contains(&k)) else {
+    let Some(matrix) = matrix.filter(|_| (LEAST_FACTORS..=room).contains(&k)) else {
         return Err(Error::FactorCount {
             design: "definitive screening",
             given: k,
-            least: 3,
+            least: LEAST_FACTORS,
             most: room,
             way_out: "take a central composite design for two factors, a Plackett-Burman design for many, or fewer fake \
                       factors",
@@ -109,7 +121,7 @@ mod tests {
 
     #[test]
     fn what_cannot_be_made_is_refused() {
-        for (k, fake) in [(2, 2), (31, 2), (3, 40)] {
+        for (k, fake) in [(2, 2), (31, 2), (4, 29)] {
             let error = definitive_screening(&coded_factors(k), fake, 1);
             assert!(
                 matches!(error, Err(Error::FactorCount { .. })),
@@ -117,5 +129,10 @@ mod tests {
             );
         }
         assert!(definitive_screening(&coded_factors(4), 2, 0).is_err());
+        let limit = definitive_screening(&coded_factors(3), 40, 1);
+        assert!(matches!(
+            limit,
+            Err(Error::CountOutOfRange { most: 29, .. })
+        ));
     }
 }

@@ -90,6 +90,36 @@ pub enum Error {
          constraint away"
     )]
     NoRoom,
+    /// Centre runs cannot be shared out among blocks.
+    #[error(
+        "{given} centre runs cannot be shared out equally among {blocks} blocks; take a multiple of {blocks}, such as {}",
+        given.div_ceil(*blocks).max(1) * blocks
+    )]
+    UnequalCentres {
+        /// Number of centre runs asked for.
+        given: usize,
+        /// Number of blocks.
+        blocks: usize,
+    },
+    /// No candidate of a second stage lies near the contour.
+    #[error(
+        "no point of the grid of {levels} levels lies near the contour; widen the ranges, or choose another target"
+    )]
+    NoneNear {
+        /// Levels of each factor.
+        levels: usize,
+    },
+    /// No fraction of a factorial has the resolution asked for.
+    #[error(
+        "no fraction of the factorial of {factors} factors has resolution {resolution}: its half has {factors}, and 3 is the \
+         least that keeps main effects apart; ask for 3 to {factors}, or take the full factorial"
+    )]
+    NoFraction {
+        /// Number of factors.
+        factors: usize,
+        /// Resolution asked for.
+        resolution: usize,
+    },
     /// A count is out of its range.
     #[error("the number of {what} is {given}; it must lie in {least} to {most}")]
     CountOutOfRange {
@@ -120,6 +150,28 @@ pub enum Error {
     EmptyTable {
         /// `header` or `rows`.
         what: &'static str,
+    },
+    /// The text has too many lines, or a line too many fields.
+    #[error(
+        "the table has {given} {what}; at most {most} are read, as many as a sheet of a workbook has"
+    )]
+    TooLarge {
+        /// `lines` or `columns`.
+        what: &'static str,
+        /// How many there are, or more.
+        given: usize,
+        /// How many are read.
+        most: usize,
+    },
+    /// A row of totals, means or the like stands among the runs.
+    #[error(
+        "{place}: '{text}' stands in a column of numbers: a row of totals is no run; delete it, or begin it with #"
+    )]
+    SummaryRow {
+        /// Where the word stands, in words.
+        place: String,
+        /// The word.
+        text: String,
     },
     /// A row has another number of fields than the header.
     #[error("line {line} has {given} fields, the header has {expected}")]

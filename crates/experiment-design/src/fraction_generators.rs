@@ -5,12 +5,15 @@ use crate::fractional_factorial::{fraction, spell};
 use crate::full_factorial::two_level_rows;
 use crate::{Design, Error, Factor, Fraction, check_factors};
 
+/// Most generators: m of them make 2^m - 1 defining words, which are all reported.
+const MOST_GENERATORS: usize = 15;
+
 /// The fraction in which further factors are products of earlier ones, such as `D=ABC` (`D=A:B:C`
 /// for longer symbols; a minus sign, `D=-ABC`, takes the other half). The factors without a
 /// generator are the basic ones, in their order.
 ///
 /// # Errors
-/// [`Error::BadGenerator`]; those of [`crate::fractional_factorial`] for the centre runs.
+/// [`Error::BadGenerator`]; [`Error::CountOutOfRange`] for more than 15 generators or ten other factors; those of [`crate::fractional_factorial`] for the centre runs.
 pub fn fraction_with_generators(
     factors: &[Factor],
     generators: &[String],
@@ -59,6 +62,14 @@ pub fn fraction_with_generators(
             most: 10,
         });
     }
+    if made.len() > MOST_GENERATORS {
+        return Err(Error::CountOutOfRange {
+            what: "generators",
+            given: made.len(),
+            least: 0,
+            most: MOST_GENERATORS,
+        });
+    }
     let mut rows = Vec::new();
     for corner in two_level_rows(basic.len()) {
         let mut row = vec![0.0; factors.len()];
@@ -89,6 +100,13 @@ pub fn fraction_with_generators(
 /// runs, or that the other words give.
 pub fn in_blocks(design: &Design, words: &[String]) -> Result<(Design, Vec<String>), Error> {
     let factors = design.factors();
+    // 2^m blocks need as many runs; more words could not be listed with their products.
+    if words.len() as u32 > design.runs().len().ilog2() {
+        return Err(Error::BadGenerator {
+            generator: words.join(", "),
+            reason: "so many products make more blocks than there are runs; give fewer",
+        });
+    }
     let mut masks = Vec::new();
     for word in words {
         let refuse = |reason| Error::BadGenerator {

@@ -9,7 +9,10 @@ use crate::{Design, DesignKind, Error, Factor, check_factors};
 /// Generators of least aberration: number of factors, number of basic factors, and for each
 /// further factor the basic factors whose product it is `[Fries1980]`,
 /// `[Box2005, table of fractions of least aberration]`.
-const GENERATORS: [(usize, usize, &[&str]); 26] = [
+///
+/// Every number of halvings from one to the most that leaves each main effect a column of its own is there, the most halved last.
+/// Those of more than 128 runs come from a search through all defining relations of their size.
+const GENERATORS: [(usize, usize, &[&str]); 33] = [
     (3, 2, &["AB"]),
     (4, 3, &["ABC"]),
     (5, 4, &["ABCD"]),
@@ -25,14 +28,21 @@ const GENERATORS: [(usize, usize, &[&str]); 26] = [
     (8, 6, &["ABCD", "ABEF"]),
     (8, 5, &["ABC", "ABD", "BCDE"]),
     (8, 4, &["BCD", "ACD", "ABC", "ABD"]),
+    (9, 8, &["ABCDEFGH"]),
     (9, 7, &["ACDFG", "BCEFG"]),
     (9, 6, &["ABCD", "ACEF", "CDEF"]),
     (9, 5, &["BCDE", "ACDE", "ABDE", "ABCE"]),
     (9, 4, &["ABC", "BCD", "ACD", "ABD", "ABCD"]),
+    (10, 9, &["ABCDEFGHI"]),
+    (10, 8, &["ABEFGH", "CDEFGH"]),
     (10, 7, &["ABCG", "BCDE", "ACDF"]),
     (10, 6, &["BCDF", "ACDF", "ABDE", "ABCE"]),
     (10, 5, &["ABCD", "ABCE", "ABDE", "ACDE", "BCDE"]),
     (10, 4, &["ABC", "BCD", "ACD", "ABD", "ABCD", "AB"]),
+    (11, 10, &["ABCDEFGHIJ"]),
+    (11, 9, &["ABFGHI", "CDEFGHI"]),
+    (11, 8, &["ACDGH", "AEFGH", "BCDEFGH"]),
+    (11, 7, &["ACEG", "BCFG", "DEFG", "ABCDEFG"]),
     (11, 6, &["CDE", "ABCD", "ABF", "BDEF", "ADEF"]),
     (11, 5, &["ABC", "BCD", "CDE", "ACD", "ADE", "BDE"]),
     (11, 4, &["ABC", "BCD", "ACD", "ABD", "ABCD", "AB", "AC"]),
@@ -66,6 +76,48 @@ pub fn fractional_factorial(
     halvings: usize,
     n_centre: usize,
 ) -> Result<Fraction, Error> {
+    let fractions = fractions_of(factors)?;
+    let k = factors.len();
+    let most = fractions.iter().map(|(basic, _)| k - basic).max();
+    let Some((basic, masks)) = fractions.iter().find(|(basic, _)| k - basic == halvings) else {
+        return Err(Error::CountOutOfRange {
+            what: "halvings of the full factorial",
+            given: halvings,
+            least: 1,
+            most: most.unwrap_or(0),
+        });
+    };
+    from_masks(factors, *basic, masks, n_centre)
+}
+
+/// The fraction of fewest runs whose resolution is at least `resolution`, for 3 to 11 factors.
+///
+/// # Source
+/// As [`fractional_factorial`].
+///
+/// # Errors
+/// [`Error::NoFraction`] if only the full factorial has that resolution, or for a resolution below 3, which leaves main effects
+/// aliased with each other; otherwise those of [`fractional_factorial`].
+pub fn fraction_of_resolution(
+    factors: &[Factor],
+    resolution: usize,
+    n_centre: usize,
+) -> Result<Fraction, Error> {
+    let reached = |masks: &[usize], basic| words_of(masks, basic).map(usize::count_ones).min();
+    let fractions = fractions_of(factors)?;
+    let found = fractions.iter().rev().find(|(basic, masks)| {
+        resolution >= 3 && reached(masks, *basic).is_some_and(|least| least as usize >= resolution)
+    });
+    let (basic, masks) = found.ok_or(Error::NoFraction {
+        factors: factors.len(),
+        resolution,
+    })?;
+    from_masks(factors, *basic, masks, n_centre)
+}
+
+/// The tabulated fractions of so many factors, each halved once more than the one before it: its number of basic factors and the
+/// products that make the others.
+fn fractions_of(factors: &[Factor]) -> Result<Vec<(usize, Vec<usize>)>, Error> {
     check_factors(factors)?;
     let k = factors.len();
     if !(3..=11).contains(&k) {
@@ -74,28 +126,23 @@ pub fn fractional_factorial(
             given: k,
             least: 3,
             most: 11,
-            way_out: "take a full factorial for fewer, a Plackett-Burman design for more",
+            way_out: "take a full factorial for fewer; for more a Plackett-Burman design, or your own generators",
         });
     }
-    let most = GENERATORS
-        .iter()
-        .filter(|g| g.0 == k)
-        .map(|g| k - g.1)
-        .max()
-        .unwrap_or(0);
-    let Some((_, basic, products)) = GENERATORS
-        .iter()
-        .find(|(n, basic, _)| *n == k && k - basic == halvings)
-    else {
-        return Err(Error::CountOutOfRange {
-            what: "halvings of the full factorial",
-            given: halvings,
-            least: 1,
-            most,
-        });
-    };
-    let masks: Vec<usize> = products.iter().map(|word| mask(word)).collect();
-    from_masks(factors, *basic, &masks, n_centre)
+    let rows = GENERATORS.iter().filter(|(n, _, _)| *n == k);
+    let masks = |words: &[&str]| words.iter().map(|word| mask(word)).collect();
+    Ok(rows
+        .map(|(_, basic, words)| (*basic, masks(words)))
+        .collect())
+}
+
+/// The defining words that the products `masks` of the basic factors make, without their signs.
+fn words_of(masks: &[usize], basic: usize) -> impl Iterator<Item = usize> {
+    let generating: Vec<usize> = (basic..).zip(masks).map(|(i, m)| m | 1 << i).collect();
+    (1..1_usize << generating.len()).map(move |choice| {
+        let chosen = (0..generating.len()).filter(|i| choice >> i & 1 == 1);
+        chosen.fold(0, |word, i| word ^ generating[i])
+    })
 }
 
 /// A fraction whose further factors are the products `masks` of the basic ones.
@@ -171,7 +218,7 @@ fn alias_sets(factors: &[Factor], words: &[(usize, f64)]) -> Vec<Vec<String>> {
         let partners: Vec<(usize, f64)> = words
             .iter()
             .map(|(m, sign)| (m ^ effect, *sign))
-            .filter(|(m, _)| effects.contains(m))
+            .filter(|(m, _)| matches!(m.count_ones(), 1 | 2))
             .collect();
         if partners.is_empty() || partners.iter().any(|(m, _)| effects[..i].contains(m)) {
             continue;
@@ -208,19 +255,25 @@ fn mask(word: &str) -> usize {
 
 #[cfg(test)]
 mod tests {
-    use super::{GENERATORS, fractional_factorial};
-    use crate::Factor;
+    use super::{GENERATORS, fraction_of_resolution, fractional_factorial};
+    use crate::{Error, Factor};
 
-    /// Published resolutions; every defining word is checked to be +1 in every run (exact).
+    fn some_factors(k: usize) -> Vec<Factor> {
+        let factor = |i| Factor::coded_only(&format!("x{i}")).unwrap();
+        (0..k).map(factor).collect()
+    }
+
+    /// Published resolutions; those of more than 128 runs are the greatest that the lengths of their words allow, as each factor
+    /// lies in half of the words. Every defining word is checked to be +1 in every run (exact).
     #[test]
     fn resolutions_are_the_published_ones_and_words_are_constant() {
         let published = [
-            3, 4, 5, 3, 6, 4, 3, 7, 4, 4, 3, 8, 5, 4, 4, 6, 4, 4, 3, 5, 4, 4, 3, 4, 4, 3,
+            3, 4, 5, 3, 6, 4, 3, 7, 4, 4, 3, 8, 5, 4, 4, 9, 6, 4, 4, 3, 10, 6, 5, 4, 4, 3, 11, 7,
+            6, 5, 4, 4, 3,
         ];
+        assert_eq!(GENERATORS.len(), published.len());
         for ((k, basic, _), resolution) in GENERATORS.iter().zip(published) {
-            let factors: Vec<Factor> = (0..*k)
-                .map(|i| Factor::coded_only(&format!("x{i}")).unwrap())
-                .collect();
+            let factors = some_factors(*k);
             let fraction = fractional_factorial(&factors, k - basic, 0).unwrap();
             assert_eq!(fraction.resolution, resolution, "2^({k}-{})", k - basic);
             assert_eq!(fraction.design.runs().len(), 1 << basic);
@@ -235,14 +288,72 @@ mod tests {
         }
     }
 
+    /// The most halvings leave the fewest runs that have a column for each of k main effects: `2^(k - p) > k`. The limit that a
+    /// refusal names is that one, and every number within it is made.
     #[test]
-    fn fractions_that_do_not_exist_are_refused() {
-        let factors: Vec<Factor> = ["A", "B", "C"]
-            .iter()
-            .map(|s| Factor::coded_only(s).unwrap())
-            .collect();
-        assert!(fractional_factorial(&factors, 0, 0).is_err());
-        assert!(fractional_factorial(&factors, 2, 0).is_err());
-        assert!(fractional_factorial(&factors[..2], 1, 0).is_err());
+    fn every_number_of_halvings_is_made_up_to_the_limit_that_is_named() {
+        for k in 3..=11 {
+            let factors = some_factors(k);
+            let most = (1..k).rfind(|p| 1 << (k - p) > k).unwrap();
+            for halvings in 0..=k + 1 {
+                match fractional_factorial(&factors, halvings, 0) {
+                    Ok(fraction) => {
+                        assert!((1..=most).contains(&halvings));
+                        assert_eq!(fraction.design.runs().len(), 1 << (k - halvings));
+                    }
+                    Err(error) => {
+                        assert!(!(1..=most).contains(&halvings), "{k}, {halvings}: {error}");
+                        let limits = |e: &Error| match e {
+                            Error::CountOutOfRange { least, most, .. } => (*least, *most),
+                            other => panic!("{other}"),
+                        };
+                        assert_eq!(limits(&error), (1, most));
+                    }
+                }
+            }
+        }
+        for k in [2, 12] {
+            let refused = fractional_factorial(&some_factors(k), 1, 0);
+            assert!(matches!(refused, Err(Error::FactorCount { given, .. }) if given == k));
+        }
+    }
+
+    /// The fewest runs of resolution III, IV and V for 3 to 11 factors; none of resolution V for three and four factors, whose
+    /// halves have III and IV.
+    ///
+    /// Source: `[Box2005, table of fractions of least aberration]`, for 11 factors 128 runs.
+    #[test]
+    fn the_smallest_fraction_of_a_resolution_has_the_published_number_of_runs() {
+        let published = [
+            [4, 0, 0],
+            [8, 8, 0],
+            [8, 16, 16],
+            [8, 16, 32],
+            [8, 16, 64],
+            [16, 16, 64],
+            [16, 32, 128],
+            [16, 32, 128],
+            [16, 32, 128],
+        ];
+        for (k, runs) in (3..).zip(published) {
+            let factors = some_factors(k);
+            for (resolution, runs) in (3..).zip(runs) {
+                match fraction_of_resolution(&factors, resolution, 0) {
+                    Ok(fraction) => {
+                        assert_eq!(fraction.design.runs().len(), runs, "{k}, {resolution}");
+                        assert!(fraction.resolution >= resolution);
+                    }
+                    Err(error) => {
+                        assert_eq!(runs, 0, "{error}");
+                        let expected = Error::NoFraction {
+                            factors: k,
+                            resolution,
+                        };
+                        assert_eq!(error, expected);
+                    }
+                }
+            }
+            assert!(fraction_of_resolution(&factors, 2, 0).is_err());
+        }
     }
 }

@@ -24,7 +24,7 @@ pub fn full_factorial(factors: &[Factor], n_centre: usize) -> Result<Design, Err
             given: k,
             least: 1,
             most: MOST_FACTORS,
-            way_out: "take a fraction (up to 8 factors), a Plackett-Burman design or a Latin \
+            way_out: "take a fraction (up to 11 factors), a Plackett-Burman design or a Latin \
                       hypercube",
         });
     }

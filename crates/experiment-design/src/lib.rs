@@ -46,7 +46,7 @@ pub use design::{Design, DesignKind, Run};
 pub use error::Error;
 pub use factor::{Factor, check_factors};
 pub use fraction_generators::{fraction_with_generators, in_blocks};
-pub use fractional_factorial::{Fraction, fractional_factorial};
+pub use fractional_factorial::{Fraction, fraction_of_resolution, fractional_factorial};
 pub use full_factorial::{full_factorial, mixed_factorial};
 pub use latin_hypercube::latin_hypercube;
 pub use optimal::{Criterion, optimal_design, optimal_rows};

@@ -9,7 +9,7 @@ use crate::{Criterion, Design, DesignKind, Error, Factor, Region, check_factors}
 /// grid of levels -1, -1/2, 0, 1/2, +1: the second stage of an experiment near a contour.
 ///
 /// # Errors
-/// As [`crate::optimal_rows`]; [`Error::CountOutOfRange`] if no point of the grid is allowed.
+/// As [`crate::optimal_rows`]; [`Error::NoneNear`] if no point of the grid is allowed.
 pub fn augmented_near(
     factors: &[Factor],
     criterion: Criterion,
@@ -44,11 +44,15 @@ pub fn augmented_near(
     let candidates: Vec<Vec<f64>> = (0..count).map(point).filter(|x| allowed(x)).collect();
     let target = Target::new(&Region::cube(k), criterion, given, seed, row);
     let terms = target.terms();
-    if candidates.is_empty() || given.len() + n_runs < terms || n_runs > 500 {
+    if candidates.is_empty() {
+        return Err(Error::NoneNear { levels });
+    }
+    let least = terms.saturating_sub(given.len());
+    if !(least..=500).contains(&n_runs) {
         return Err(Error::CountOutOfRange {
-            what: "points of the grid near the contour, and runs of both stages together",
-            given: candidates.len().min(given.len() + n_runs),
-            least: terms,
+            what: "runs to add (both stages together need one per term)",
+            given: n_runs,
+            least,
             most: 500,
         });
     }
