@@ -11,7 +11,7 @@ mod records;
 mod write;
 
 pub use dialect::text_of_bytes;
-pub use read::{Row, Table, cell_name};
+pub use read::{Row, Table, cell_name, is_row_index, split_unit};
 pub use write::{csv_field, design_to_csv, factors_to_csv};
 
 use crate::{Design, DesignKind, Error, Factor, Run, check_factors};

@@ -20,6 +20,10 @@ pub use write::bytes_for;
 use experiment_design::table::{Table, text_of_bytes};
 use std::path::Path;
 
+/// Largest file of a table, bytes (128 MiB): our choice, a hundred times the largest table of an experiment that we know. The
+/// rows in memory take some two to five times the file.
+const MOST_BYTES: u64 = 1 << 27;
+
 /// First bytes of a ZIP archive, which a workbook is.
 const ZIP: &[u8] = b"PK\x03\x04";
 
@@ -33,14 +37,23 @@ const COMPOUND: &[u8] = &[0xd0, 0xcf, 0x11, 0xe0];
 /// cell, with its place.
 pub fn read(path: &Path) -> Result<Table, Error> {
     let (file, sheet) = names::split(path);
-    let bytes = input_file::read(&file).map_err(|source| Error::Read {
+    let unread = |source| Error::Read {
         path: file.clone(),
         source,
-    })?;
+    };
     let refused = |what: String| Error::Workbook {
         path: file.clone(),
         what,
     };
+    // A folder has a size too; the reader says what it is.
+    let size = std::fs::metadata(&file).map_err(unread)?;
+    if size.is_file() && size.len() > MOST_BYTES {
+        return Err(refused(format!(
+            "it has {} bytes; a table of {MOST_BYTES} at most is read: leave rows or columns out, or average repeats",
+            size.len()
+        )));
+    }
+    let bytes = input_file::read(&file).map_err(unread)?;
     if bytes.starts_with(ZIP) {
         return workbook::table(&bytes, &file, sheet.as_deref()).map_err(refused);
     }
@@ -54,5 +67,5 @@ pub fn read(path: &Path) -> Result<Table, Error> {
             "it is named as a workbook but holds none; save it as .xlsx, or name it .csv if it is text".to_owned(),
         ));
     }
-    Table::parse(&text_of_bytes(&bytes)).map_err(|source| Error::Table { path: file, source })
+    Table::parse(&text_of_bytes(bytes)).map_err(|source| Error::Table { path: file, source })
 }

@@ -5,17 +5,57 @@
 
 use crate::workbook::Workbook;
 use calamine::{DataRef, Dimensions, ExcelDateTime};
-use experiment_design::table::{Table, cell_name};
+use experiment_design::table::{Table, cell_name, is_row_index};
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 
-/// Most cells of a table, empty ones included: our choice, 1.2 GB of texts. A few bytes of a file can claim more.
+/// Most cells of a table, empty ones included (our choice): 4 bytes each. A few bytes of a file can claim more.
 const MOST_CELLS: usize = 50_000_000;
 
-/// The cells of a sheet that hold something, by row and column, from 0.
-pub(crate) type Cells = BTreeMap<u32, BTreeMap<u32, String>>;
+/// What the cells that hold something may take together.
+#[derive(Debug)]
+pub(crate) struct Room {
+    /// Number of cells.
+    cells: usize,
+    /// Bytes of their texts. A text that many cells share is one in the file and many in the table.
+    bytes: usize,
+}
+
+/// Our choice: a million runs of five columns.
+const MOST_FILLED: usize = 5_000_000;
+/// Our choice: 25 bytes for each of them, as in the longest numbers.
+const MOST_TEXT: usize = 1 << 27;
+
+impl Default for Room {
+    fn default() -> Self {
+        Self {
+            cells: MOST_FILLED,
+            bytes: MOST_TEXT,
+        }
+    }
+}
+
+impl Room {
+    /// Takes the room of a cell; none if there is no more.
+    fn take(&mut self, bytes: usize) -> Option<()> {
+        self.cells = self.cells.checked_sub(1)?;
+        self.bytes = self.bytes.checked_sub(bytes)?;
+        Some(())
+    }
+}
+
+/// The cells of a row that hold something: columns, from 0 and ascending, and texts.
+type Filled = Vec<(u32, String)>;
+
+/// The cells of a sheet that hold something, by row, from 0.
+pub(crate) type Cells = BTreeMap<u32, Filled>;
 
 /// Reads the cells of a sheet that hold something.
-pub(crate) fn cells(workbook: &mut Workbook<'_>, name: &str) -> Result<Cells, String> {
+pub(crate) fn cells(
+    workbook: &mut Workbook<'_>,
+    name: &str,
+    room: &mut Room,
+) -> Result<Cells, String> {
     let damaged = |error: calamine::XlsxError| {
         format!("sheet '{name}' cannot be read ({error}); save the workbook again")
     };
@@ -23,21 +63,37 @@ pub(crate) fn cells(workbook: &mut Workbook<'_>, name: &str) -> Result<Cells, St
     let mut cells = Cells::new();
     while let Some(cell) = reader.next_cell_with_formula_metadata().map_err(damaged)? {
         let (row, column) = cell.pos;
-        let text = text(&cell.value);
         if cell.formula.is_some() && matches!(cell.value, DataRef::Empty) {
             return Err(format!(
                 "sheet '{name}', cell {}: a formula without its value; open the workbook in a spreadsheet program and save it",
                 cell_name(row as usize + 1, column as usize)
             ));
         }
+        let text = text(&cell.value);
         if !text.trim().is_empty() {
-            cells.entry(row).or_default().insert(column, text);
+            room.take(text.len()).ok_or_else(|| {
+                format!(
+                    "sheet '{name}', cell {}: here the workbook exceeds {MOST_FILLED} cells or {MOST_TEXT} bytes of text; at \
+                     most so many are read",
+                    cell_name(row as usize + 1, column as usize)
+                )
+            })?;
+            cells
+                .entry(row)
+                .or_default()
+                .push((column, text.into_owned()));
         }
     }
+    for row in cells.values_mut() {
+        // A cell that is written twice holds what comes last.
+        row.reverse();
+        row.sort_by_key(|(column, _)| *column);
+        row.dedup_by_key(|(column, _)| *column);
+    }
     cells.retain(|_, row| {
-        let first = row.values().next();
+        let first = row.first();
         // `#N/A` and its like are errors of a cell, no comments.
-        first.is_none_or(|text| !text.starts_with('#') || is_error(text))
+        first.is_none_or(|(_, text)| !text.starts_with('#') || is_error(text))
     });
     Ok(cells)
 }
@@ -53,8 +109,18 @@ pub(crate) fn table(
             "sheet '{name}' has no cells; it needs a row of column names and rows of values"
         ));
     };
-    let first = header.first_key_value().map_or(0, |(column, _)| *column);
-    let last = header.last_key_value().map_or(0, |(column, _)| *column);
+    let [mut first, last] = [header.first(), header.last()].map(|cell| cell.map_or(0, |c| c.0));
+    // The numbers of the rows that a program writes before a table have no name.
+    let leftmost = cells.values().filter_map(|row| Some(row.first()?.0)).min();
+    if let Some(left) = leftmost.filter(|left| *left < first) {
+        let index = cells.values().map(|row| match row.first() {
+            Some((column, text)) if *column == left => text.as_str(),
+            _ => "",
+        });
+        if is_row_index(index) {
+            first = left;
+        }
+    }
     let place = |row: u32, column: u32| {
         format!(
             "sheet '{name}', cell {}",
@@ -82,13 +148,17 @@ pub(crate) fn table(
         ));
     }
     for (&row, values) in &cells {
-        if let Some((&column, text)) = values
-            .iter()
-            .find(|(column, _)| !header.contains_key(column))
-        {
+        let unnamed = |(column, _): &&(u32, String)| {
+            header
+                .binary_search_by_key(column, |(own, _)| *own)
+                .is_err()
+                && !(*column == first && header[0].0 != first)
+        };
+        if let Some((column, text)) = values.iter().find(unnamed) {
             return Err(format!(
-                "{}: '{text}' has no column name above it in row {}; give it one, or move it to another sheet",
-                place(row, column),
+                "{}: '{text}' has no column name above it in row {}; give it one, move it to another sheet, or begin a row \
+                 of titles above the names with #",
+                place(row, *column),
                 top + 1
             ));
         }
@@ -101,27 +171,31 @@ pub(crate) fn table(
         ));
     }
     let rows = [(top, header)].into_iter().chain(cells);
-    let rows = rows.map(|(row, mut values)| {
-        let fields = (first..=last).map(|column| values.remove(&column).unwrap_or_default());
-        (row as usize + 1, fields.collect())
+    let rows = rows.map(|(row, values)| {
+        let mut fields = vec![String::new(); width];
+        for (column, text) in values {
+            fields[(column - first) as usize] = text;
+        }
+        (row as usize + 1, fields)
     });
     Table::of_cells(name, first as usize, rows).map_err(|error| format!("sheet '{name}': {error}"))
 }
 
 /// The content of a cell as text; a number reads back bit for bit.
-fn text(value: &DataRef<'_>) -> String {
-    match value {
-        DataRef::Empty => String::new(),
+fn text<'a>(value: &'a DataRef<'_>) -> Cow<'a, str> {
+    let owned = match value {
+        DataRef::Empty => return Cow::Borrowed(""),
+        DataRef::String(text) | DataRef::DateTimeIso(text) | DataRef::DurationIso(text) => {
+            return Cow::Borrowed(text);
+        }
+        DataRef::SharedString(text) => return Cow::Borrowed(text),
         DataRef::Int(value) => value.to_string(),
         DataRef::Float(value) => value.to_string(),
-        DataRef::String(text) | DataRef::DateTimeIso(text) | DataRef::DurationIso(text) => {
-            text.clone()
-        }
-        DataRef::SharedString(text) => (*text).to_owned(),
         DataRef::Bool(value) => value.to_string(),
         DataRef::DateTime(value) => date(value),
         DataRef::Error(error) => error.to_string(),
-    }
+    };
+    Cow::Owned(owned)
 }
 
 /// Whether a text is the error of a cell, such as `#DIV/0!`.

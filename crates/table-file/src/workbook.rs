@@ -19,6 +19,8 @@ pub(crate) fn table(bytes: &[u8], file: &Path, named: Option<&str>) -> Result<Ta
     })?;
     let sheets = workbook.sheets_metadata().iter();
     let sheets = sheets.filter(|sheet| sheet.typ == SheetType::WorkSheet);
+    // Of all sheets together: many names may lead to one part.
+    let mut room = sheet::Room::default();
     let sheets: Vec<(String, bool)> = sheets
         .map(|sheet| (sheet.name.clone(), sheet.visible == SheetVisible::Visible))
         .collect();
@@ -27,12 +29,12 @@ pub(crate) fn table(bytes: &[u8], file: &Path, named: Option<&str>) -> Result<Ta
             let names = quoted(sheets.iter().map(|(name, _)| name));
             return Err(format!("it has no sheet '{named}'; its sheets are {names}"));
         };
-        let cells = sheet::cells(&mut workbook, name)?;
+        let cells = sheet::cells(&mut workbook, name, &mut room)?;
         return sheet::table(&mut workbook, name, cells);
     }
     let mut filled = Vec::new();
     for (name, _) in sheets.into_iter().filter(|(_, visible)| *visible) {
-        let cells = sheet::cells(&mut workbook, &name)?;
+        let cells = sheet::cells(&mut workbook, &name, &mut room)?;
         if !cells.is_empty() {
             filled.push((name, cells));
         }

@@ -32,7 +32,7 @@ fuzz_target!(|bytes: &[u8]| match READER.as_str() {
         let _ = study::Study::read(&on_disk(bytes, "toml"), None);
     }
     "table" => {
-        let text = experiment_design::table::text_of_bytes(bytes);
+        let text = experiment_design::table::text_of_bytes(bytes.to_vec());
         let _ = experiment_design::table::Table::parse(&text);
         let _ = experiment_design::table::factors_from_csv(&text);
     }

@@ -9,12 +9,14 @@ Markdown table, several programs one column each, and a last line that counts. T
 first program did otherwise than meant.
 """
 
+import io
 import itertools
 import json
 import pathlib
 import subprocess
 import sys
 import tempfile
+import zipfile
 
 FACTORS = "symbol,name,unit,low,high\nA,friction,,0.2,0.4\nB,restitution,,0.3,0.7\nC,speed,rpm,10,30\n"
 MIDDLE = (0.3, 0.5, 20)
@@ -62,8 +64,104 @@ def column(change, header=None):
     return table([change([*r], i) for i, r in enumerate(ROWS)], header)
 
 
+def workbook(rows, merged="", strings=None, second=None):
+    """A workbook as programs write it: rows of cells, numbers as numbers, None as no cell; a cell that begins with < is XML."""
+    def cell(row, column, value):
+        name = f"{chr(65 + column)}{row}"
+        if value is None:
+            return ""
+        if isinstance(value, str) and value.startswith("<"):
+            return value.replace("CELL", name)
+        if isinstance(value, (int, float)):
+            return f'<c r="{name}"><v>{value!r}</v></c>'
+        return f'<c r="{name}" t="inlineStr"><is><t>{value}</t></is></c>'
+
+    def sheet(rows, merged=""):
+        body = "".join(
+            f'<row r="{r}">' + "".join(cell(r, c, v) for c, v in enumerate(line)) + "</row>" for r, line in enumerate(rows, 1))
+        return f'<worksheet xmlns="{main}"><sheetData>{body}</sheetData>{merged}</worksheet>'
+
+    main = "http://schemas.openxmlformats.org/spreadsheetml/2006/main"
+    relations = "http://schemas.openxmlformats.org/officeDocument/2006/relationships"
+    package = "http://schemas.openxmlformats.org/package/2006/relationships"
+    sheets = [sheet(rows, merged)] + ([sheet(second)] if second is not None else [])
+    names = "".join(f'<sheet name="Sheet{i}" sheetId="{i}" r:id="r{i}"/>' for i in range(1, len(sheets) + 1))
+    targets = "".join(
+        f'<Relationship Id="r{i}" Type="{relations}/worksheet" Target="worksheets/sheet{i}.xml"/>' for i in range(1, len(sheets) + 1))
+    parts = {
+        "_rels/.rels": f'<Relationships xmlns="{package}"><Relationship Id="r" Type="{relations}/officeDocument" '
+                       'Target="xl/workbook.xml"/></Relationships>',
+        "xl/workbook.xml": f'<workbook xmlns="{main}" xmlns:r="{relations}"><sheets>{names}</sheets></workbook>',
+        "xl/_rels/workbook.xml.rels": f'<Relationships xmlns="{package}">{targets}</Relationships>',
+        "[Content_Types].xml": '<Types xmlns="http://schemas.openxmlformats.org/package/2006/content-types"/>',
+    }
+    parts |= {f"xl/worksheets/sheet{i}.xml": text for i, text in enumerate(sheets, 1)}
+    if strings is not None:
+        parts["xl/sharedStrings.xml"] = strings
+    out = io.BytesIO()
+    with zipfile.ZipFile(out, "w", zipfile.ZIP_DEFLATED) as archive:
+        for name, text in parts.items():
+            archive.writestr(name, text)
+    return out.getvalue()
+
+
+NUMBERS = [[float(c) for c in row] for row in ROWS]
+
+
+def book(change=lambda row, i: row, header=None, before=(), behind=(), **more):
+    """The table as a workbook, each row changed."""
+    rows = [[*change([*row], i)] for i, row in enumerate(NUMBERS)]
+    return workbook([*before, header or HEADER, *rows, *behind], **more)
+
+
+def one(value, column=3):
+    """The table as a workbook with another cell in its fifth row."""
+    def change(row, i):
+        row[column] = value(row[column]) if callable(value) and i == 4 else value if i == 4 else row[column]
+        return row
+    return book(change)
+
+
 SAME, REFUSED = "same", "refused"
 CASES = [
+    # Workbooks.
+    ("a workbook", book(), SAME),
+    ("row numbers from 0 before it, as pandas writes", book(lambda r, i: [i, *r], [None, *HEADER]), SAME),
+    ("row numbers from 1 before it", book(lambda r, i: [i + 1, *r], [None, *HEADER]), SAME),
+    ("row numbers in another order", book(lambda r, i: [14 - i, *r], [None, *HEADER]), SAME),
+    ("a column 'Unnamed: 0'", book(lambda r, i: [i, *r], ["Unnamed: 0", *HEADER]), SAME),
+    ("names of the rows without a name", book(lambda r, i: [f"run {i}", *r], [None, *HEADER]), REFUSED),
+    ("a title above, marked with #", book(before=[["# drum of Tuesday"], []]), SAME),
+    ("a title above", book(before=[["Results of Tuesday"]]), REFUSED),
+    ("a merged title above", book(before=[["Results"]], merged='<mergeCells><mergeCell ref="A1:D1"/></mergeCells>'), REFUSED),
+    ("a row of units below the names", book(lambda r, i: ["", "", "rpm", "deg"] if i == 0 else r), REFUSED),
+    ("units behind the names", book(header=["A", "B", "C [rpm]", "angle (deg)"]), SAME),
+    ("a name of two lines", book(header=["A", "B", "C\n[rpm]", "angle"]), SAME),
+    ("an empty column between", book(lambda r, i: [*r[:2], None, *r[2:]], ["A", "B", None, "C", "angle"]), SAME),
+    ("empty cells behind", book(lambda r, i: [*r, "<c r=\"CELL\" s=\"0\"/>"]), SAME),
+    ("an empty row between", book(lambda r, i: r, behind=[[], [None, None]]), SAME),
+    ("a row of means below", book(lambda r, i: [i, *r], ["run", *HEADER], behind=[["Mean", 0.3, 0.5, 20.0, 35.0]]), REFUSED),
+    ("a sum below the response", book(behind=[[None, None, None, 530.2]]), REFUSED),
+    ("a word beside a sum", book(behind=[["Total", None, None, 530.2]]), REFUSED),
+    ("notes beside the table", book(lambda r, i: [*r, None, "new belt"] if i == 3 else r), REFUSED),
+    ("a date for a number", one('<c r="CELL" t="d"><v>2026-11-25</v></c>'), REFUSED),
+    ("a truth value for a number", one('<c r="CELL" t="b"><v>1</v></c>'), REFUSED),
+    ("an error for a number", one('<c r="CELL" t="e"><v>#DIV/0!</v></c>'), REFUSED),
+    ("a formula without its value", one('<c r="CELL"><f>1+2</f></c>'), REFUSED),
+    ("a formula with its value", one(lambda v: f'<c r="CELL"><f>1*{v!r}</f><v>{v!r}</v></c>'), SAME),
+    ("a number as text", one(lambda v: f"{v!r}"), SAME),
+    ("a number as text with blanks", one(lambda v: f"\u00a0{v!r} "), SAME),
+    ("a decimal comma as text", one(lambda v: f"{v!r}".replace(".", ",")), REFUSED),
+    ("thousands with a comma as text", one("1,034.5"), REFUSED),
+    ("per cent as text", one(lambda v: f"{v!r} %"), REFUSED),
+    ("names in two rows", book(header=["A", "B", "C", None], before=[[None, None, None, "angle"]]), REFUSED),
+    ("a second sheet with notes", book(second=[["notes"], ["new belt"]]), REFUSED),
+    ("an empty second sheet", book(second=[]), SAME),
+    ("4 000 000 000 announced texts", book(strings='<sst xmlns="http://schemas.openxmlformats.org/spreadsheetml/2006/main" '
+                                                  'count="1" uniqueCount="4000000000"><si><t>a</t></si></sst>'), REFUSED),
+    ("row numbers before a CSV table", column(lambda r, i: [str(i), *r], ["Unnamed: 0", *HEADER]), SAME),
+    ("a mean below a CSV table", table([[str(i), *r] for i, r in enumerate(ROWS)] + [["mean", "0.3", "0.5", "20", "35"]],
+                                       ["run", *HEADER]), REFUSED),
     # The same table in another dress.
     ("as written", table(), SAME),
     ("ends of lines CR LF", table(end="\r\n"), SAME),

@@ -2,8 +2,8 @@
 
 /// The text of a file: UTF-8, UTF-16 with its byte order mark, or else Latin-1 (ISO 8859-1), which every sequence of bytes
 /// is.
-pub fn text_of_bytes(bytes: &[u8]) -> String {
-    let wide = |order: fn([u8; 2]) -> u16| {
+pub fn text_of_bytes(bytes: Vec<u8>) -> String {
+    let wide = |bytes: &[u8], order: fn([u8; 2]) -> u16| -> String {
         let units = bytes[2..]
             .chunks_exact(2)
             .map(|pair| order([pair[0], pair[1]]));
@@ -12,13 +12,13 @@ pub fn text_of_bytes(bytes: &[u8]) -> String {
             .map(|c| c.unwrap_or(char::REPLACEMENT_CHARACTER))
             .collect()
     };
-    match bytes {
-        [0xff, 0xfe, ..] => wide(u16::from_le_bytes),
-        [0xfe, 0xff, ..] => wide(u16::from_be_bytes),
-        _ => match std::str::from_utf8(bytes) {
-            Ok(text) => text.to_owned(),
-            Err(_) => bytes.iter().map(|&byte| char::from(byte)).collect(),
-        },
+    match &bytes[..] {
+        [0xff, 0xfe, ..] => wide(&bytes, u16::from_le_bytes),
+        [0xfe, 0xff, ..] => wide(&bytes, u16::from_be_bytes),
+        _ => String::from_utf8(bytes).unwrap_or_else(|error| {
+            let bytes = error.into_bytes();
+            bytes.iter().map(|&byte| char::from(byte)).collect()
+        }),
     }
 }
 
@@ -104,7 +104,7 @@ mod tests {
             returns.as_bytes(),
             with_empty_rows.as_bytes(),
         ] {
-            let table = Table::parse(&text_of_bytes(bytes)).unwrap();
+            let table = Table::parse(&text_of_bytes(bytes.to_vec())).unwrap();
             assert_eq!(table.header(), plain.header());
             assert_eq!(table.rows().len(), 2);
             for (row, expected) in table.rows().iter().zip(plain.rows()) {
@@ -132,7 +132,7 @@ mod tests {
     #[test]
     fn a_file_that_is_no_text_is_refused_as_such() {
         let picture = b"\x89PNG\r\n\x1a\n\0\0\0\x0dIHDR\"";
-        let found = Table::parse(&text_of_bytes(picture));
+        let found = Table::parse(&text_of_bytes(picture.to_vec()));
         assert_eq!(found, Err(crate::Error::NotText));
     }
 

@@ -1,7 +1,9 @@
 //! Tables of text fields, from CSV text or from the cells of a sheet.
 
+use std::borrow::Cow;
+
 use super::dialect;
-use super::records::Records;
+use super::records::{MOST_FIELDS, Records};
 use crate::Error;
 
 /// A table of text fields with named columns.
@@ -26,16 +28,51 @@ struct Sheet {
     first_column: usize,
 }
 
-/// A row of a table.
+/// A row of a table. The fields are kept in one text: a text for each would take many times the size of a file of numbers.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Row {
     /// Line in the text or row of the sheet, from 1.
     line: usize,
-    /// The fields without their quotes.
-    fields: Vec<String>,
+    /// The fields without their quotes, one behind the other.
+    text: Box<str>,
+    /// Where each field ends in the text, bytes.
+    ends: Box<[u32]>,
 }
 
 impl Row {
+    /// A row of fields.
+    fn new<T: AsRef<str>>(line: usize, fields: impl IntoIterator<Item = T>) -> Self {
+        let (mut text, mut ends) = (String::new(), Vec::new());
+        for field in fields {
+            text.push_str(field.as_ref());
+            // Tables of more bytes are not read.
+            ends.push(u32::try_from(text.len()).unwrap_or(u32::MAX));
+        }
+        Self {
+            line,
+            text: text.into(),
+            ends: ends.into(),
+        }
+    }
+
+    /// Number of fields.
+    fn len(&self) -> usize {
+        self.ends.len()
+    }
+
+    /// A field as it stands; empty beyond the last.
+    fn field(&self, column: usize) -> &str {
+        let end = |i: usize| self.ends.get(i).map(|end| *end as usize);
+        let start = column.checked_sub(1).map_or(Some(0), end);
+        let range = start.zip(end(column)).map(|(start, end)| start..end);
+        range.and_then(|range| self.text.get(range)).unwrap_or("")
+    }
+
+    /// The fields in their order.
+    fn fields(&self) -> impl Iterator<Item = &str> {
+        (0..self.len()).map(|column| self.field(column))
+    }
+
     /// Line in the text or row of the sheet, from 1.
     pub fn line(&self) -> usize {
         self.line
@@ -43,7 +80,7 @@ impl Row {
 
     /// The field in a column, trimmed; empty beyond the last column.
     pub fn text(&self, column: usize) -> &str {
-        self.fields.get(column).map_or("", |field| field.trim())
+        self.field(column).trim()
     }
 }
 
@@ -53,10 +90,20 @@ impl Table {
     /// of the table has a point. Lines without any text in their fields are skipped: spreadsheets write them for empty rows.
     ///
     /// # Errors
-    /// [`Error::NotText`], [`Error::EmptyTable`], [`Error::FieldCount`], [`Error::OpenQuote`].
+    /// [`Error::NotText`], [`Error::TooLarge`], [`Error::EmptyTable`], [`Error::FieldCount`], [`Error::OpenQuote`],
+    /// [`Error::SummaryRow`].
     pub fn parse(text: &str) -> Result<Self, Error> {
         if text.contains('\0') {
             return Err(Error::NotText);
+        }
+        let ends = |end: u8| text.bytes().filter(|byte| *byte == end).count();
+        let lines = ends(b'\n').max(ends(b'\r'));
+        if lines > MOST_LINES {
+            return Err(Error::TooLarge {
+                what: "lines",
+                given: lines,
+                most: MOST_LINES,
+            });
         }
         let text = text.strip_prefix('\u{feff}').unwrap_or(text);
         let mut rows = Vec::new();
@@ -77,27 +124,26 @@ impl Table {
             let by = *separator.get_or_insert_with(|| dialect::separator(line));
             let fields = records.take(by);
             let fields = fields.ok_or(Error::OpenQuote { line: line_number })?;
-            let fields = fields
-                .iter()
-                .map(|field| dialect::as_meant(field).to_owned());
-            let fields: Vec<String> = fields.collect();
-            if fields.iter().any(|field| !field.trim().is_empty()) {
-                rows.push(Row {
-                    line: line_number,
-                    fields,
+            if fields.len() > MOST_FIELDS {
+                return Err(Error::TooLarge {
+                    what: "columns",
+                    given: fields.len(),
+                    most: MOST_FIELDS,
                 });
             }
+            if fields.iter().any(|field| !field.trim().is_empty()) {
+                let fields = fields.iter().map(|field| dialect::as_meant(field));
+                rows.push(Row::new(line_number, fields));
+            }
         }
-        let pointed = |row: &Row| {
-            row.fields
-                .iter()
-                .any(|field| dialect::has_decimal_point(field))
-        };
+        let pointed = |row: &Row| row.fields().any(dialect::has_decimal_point);
         if separator.is_some_and(|c| c != ',') && !rows.iter().skip(1).any(pointed) {
-            for field in rows.iter_mut().skip(1).flat_map(|row| &mut row.fields) {
-                if let Some(number) = dialect::with_decimal_point(field) {
-                    *field = number;
-                }
+            for row in rows.iter_mut().skip(1) {
+                let point = |field| match dialect::with_decimal_point(field) {
+                    Some(number) => Cow::Owned(number),
+                    None => Cow::Borrowed(field),
+                };
+                *row = Row::new(row.line, row.fields().map(point));
             }
         }
         Self::of_rows(rows, None)
@@ -107,13 +153,15 @@ impl Table {
     /// and its cells as text. `first_column` is the column of the sheet, from 0, in which they begin.
     ///
     /// # Errors
-    /// [`Error::EmptyTable`], [`Error::FieldCount`].
+    /// [`Error::EmptyTable`], [`Error::FieldCount`], [`Error::SummaryRow`].
     pub fn of_cells(
         sheet: &str,
         first_column: usize,
         rows: impl IntoIterator<Item = (usize, Vec<String>)>,
     ) -> Result<Self, Error> {
-        let rows = rows.into_iter().map(|(line, fields)| Row { line, fields });
+        let rows = rows
+            .into_iter()
+            .map(|(line, fields)| Row::new(line, fields));
         let sheet = Sheet {
             name: sheet.to_owned(),
             first_column,
@@ -121,31 +169,61 @@ impl Table {
         Self::of_rows(rows.collect(), Some(sheet))
     }
 
-    /// A table from its rows, the first of them the column names.
-    fn of_rows(mut rows: Vec<Row>, sheet: Option<Sheet>) -> Result<Self, Error> {
+    /// A table from its rows, the first of them the column names. A first column that only counts the rows is left out.
+    fn of_rows(mut rows: Vec<Row>, mut sheet: Option<Sheet>) -> Result<Self, Error> {
         if rows.is_empty() {
             return Err(Error::EmptyTable { what: "header" });
         }
         let first = rows.remove(0);
         let header_line = first.line;
-        let names = first.fields.iter();
-        let header: Vec<String> = names.map(|name| name.trim().to_owned()).collect();
+        let words = |name: &str| name.split_whitespace().collect::<Vec<_>>().join(" ");
+        let mut header: Vec<String> = first.fields().map(words).collect();
         if rows.is_empty() {
             return Err(Error::EmptyTable { what: "rows" });
         }
-        match rows.iter().find(|row| row.fields.len() != header.len()) {
-            Some(row) => Err(Error::FieldCount {
+        if let Some(row) = rows.iter().find(|row| row.len() != header.len()) {
+            return Err(Error::FieldCount {
                 line: row.line,
                 expected: header.len(),
-                given: row.fields.len(),
-            }),
-            None => Ok(Self {
-                header_line,
-                header,
-                rows,
-                sheet,
-            }),
+                given: row.len(),
+            });
         }
+        let unnamed = ["", "Unnamed: 0"].contains(&header[0].as_str());
+        if unnamed && header.len() > 1 && is_row_index(rows.iter().map(|row| row.text(0))) {
+            header.remove(0);
+            for row in &mut rows {
+                *row = Row::new(row.line, row.fields().skip(1));
+            }
+            if let Some(sheet) = &mut sheet {
+                sheet.first_column += 1;
+            }
+        }
+        let table = Self {
+            header_line,
+            header,
+            rows,
+            sheet,
+        };
+        table.check_summaries()?;
+        Ok(table)
+    }
+
+    /// Refuses a row of totals, means or the like: a word for one in a column that otherwise holds numbers, or nothing.
+    fn check_summaries(&self) -> Result<(), Error> {
+        for row in &self.rows {
+            for column in (0..self.header.len()).filter(|&column| is_summary(row.text(column))) {
+                let others = self.rows.iter().map(|row| row.text(column));
+                let mut others = others.filter(|text| !is_summary(text)).peekable();
+                let is_number = |text: &str| text.is_empty() || text.parse::<f64>().is_ok();
+                if others.peek().is_some() && others.all(is_number) {
+                    return Err(Error::SummaryRow {
+                        place: self.place(row, column),
+                        text: row.text(column).to_owned(),
+                    });
+                }
+            }
+        }
+        Ok(())
     }
 
     /// Where a field stands, in words: its line and column, or its sheet and cell.
@@ -192,8 +270,8 @@ impl Table {
         &self.rows
     }
 
-    /// Index of the column with this name; where there is none, of the only column that has the
-    /// name and a unit after it (`theta` finds `theta_deg`).
+    /// Index of the column with this name; if there is none, of the only column that has the name and a unit after it
+    /// (`theta` finds `theta_deg`, `theta (deg)` and `theta [deg]`).
     ///
     /// # Errors
     /// [`Error::MissingColumn`], [`Error::DuplicateColumn`] or [`Error::AmbiguousColumn`].
@@ -206,6 +284,9 @@ impl Table {
                 .collect()
         };
         let with_unit = |column: &str| {
+            if split_unit(column).is_some_and(|(own, _)| own == name) {
+                return true;
+            }
             let rest = column
                 .strip_prefix(name)
                 .and_then(|rest| rest.strip_prefix('_'));
@@ -286,6 +367,63 @@ impl Table {
     }
 }
 
+/// A column name with its unit in brackets behind it, `Temp (deg C)` or `Temp [deg C]`, as both; none for any other name.
+pub fn split_unit(column: &str) -> Option<(&str, &str)> {
+    let brackets = [('(', ')'), ('[', ']')].into_iter();
+    let mut parts = brackets.filter_map(|(open, close)| {
+        let (name, unit) = column.strip_suffix(close)?.split_once(open)?;
+        let (name, unit) = (name.trim(), unit.trim());
+        (!name.is_empty() && !unit.is_empty()).then_some((name, unit))
+    });
+    parts.next()
+}
+
+/// Whether the texts of a column are whole numbers, each once: the numbers of the rows, which programs write without a name
+/// before the columns of a table.
+pub fn is_row_index<'a>(texts: impl Iterator<Item = &'a str>) -> bool {
+    let numbers: Option<Vec<u64>> = texts.map(|text| text.trim().parse().ok()).collect();
+    numbers.is_some_and(|mut numbers| {
+        let count = numbers.len();
+        numbers.sort_unstable();
+        numbers.dedup();
+        numbers.len() == count
+    })
+}
+
+/// Words for rows below a table that sum its columns up.
+const SUMMARIES: [&str; 18] = [
+    "total",
+    "totals",
+    "sum",
+    "mean",
+    "average",
+    "avg",
+    "median",
+    "sd",
+    "std",
+    "stdev",
+    "std dev",
+    "std. dev.",
+    "standard deviation",
+    "min",
+    "max",
+    "count",
+    "summe",
+    "mittelwert",
+];
+
+/// Whether a text is a word for such a row.
+fn is_summary(text: &str) -> bool {
+    let longest = 20;
+    text.len() <= longest && {
+        let word = text.trim_end_matches(':').trim().to_lowercase();
+        SUMMARIES.contains(&word.as_str())
+    }
+}
+
+/// Most lines of a text, comments included: the rows of a sheet of a workbook.
+const MOST_LINES: usize = 1_048_576;
+
 /// The name of a cell as spreadsheets show it, B7: `row` from 1, `column` from 0.
 pub fn cell_name(row: usize, column: usize) -> String {
     let mut letters = Vec::new();
@@ -346,6 +484,80 @@ mod tests {
             two.column("theta"),
             Err(Error::AmbiguousColumn { .. })
         ));
+    }
+
+    /// The numbers of the rows that pandas writes before a table are no column of it, whatever the order of the rows and the
+    /// name that it gives them when it reads its own file; other numbers without a name stay.
+    #[test]
+    fn a_first_column_that_counts_the_rows_is_left_out() {
+        for text in [
+            ",B,y\n0,1,36\n1,-1,35\n",
+            ",B,y\n1,1,36\n2,-1,35\n",
+            ",B,y\n7,1,36\n3,-1,35\n",
+            "Unnamed: 0,B,y\n0,1,36\n1,-1,35\n",
+        ] {
+            let table = Table::parse(text).unwrap();
+            assert_eq!(table.header(), ["B", "y"], "{text}");
+            assert_eq!(table.rows()[1].text(0), "-1");
+            assert_eq!(table.number(&table.rows()[1], 1), Ok(35.0));
+        }
+        for text in [
+            ",B\n0,1\n0,2\n",
+            ",B\n0.5,1\n1,2\n",
+            ",B\na,1\nb,2\n",
+            "n,B\n0,1\n1,2\n",
+        ] {
+            assert_eq!(Table::parse(text).unwrap().header().len(), 2, "{text}");
+        }
+    }
+
+    /// A mean below the runs is no run, also where it is one number more in the column of the response.
+    #[test]
+    fn a_row_of_totals_is_refused_with_its_place() {
+        for (text, place) in [
+            (
+                "run,B,y\n1,-1,35\n2,1,37\nMean:,0,36\n",
+                "line 4, column 'run': 'Mean:'",
+            ),
+            ("run,B,y\n1,-1,35\n2,1,37\nmean,0,36\nSD,1,1\n", "line 4"),
+            (
+                "B,y,remark\n-1,35,\n1,37,\n0,72,Total\n",
+                "line 4, column 'remark': 'Total'",
+            ),
+        ] {
+            let told = Table::parse(text).unwrap_err().to_string();
+            assert!(told.contains(place) && told.contains('#'), "{told}");
+        }
+        // Names of levels, and remarks, may be such words.
+        for text in [
+            "end,y\nmin,1\nmax,2\n",
+            "y,remark\n1,mean load\n2,total\n3,new belt\n",
+        ] {
+            assert!(Table::parse(text).is_ok(), "{text}");
+        }
+    }
+
+    /// Units in brackets behind a name, blanks and line breaks within it.
+    #[test]
+    fn names_of_columns_are_found_as_people_write_them() {
+        let table = Table::parse("Temp (deg C),\"Extraction\n  Yield [%]\",n\n1,2,3\n").unwrap();
+        assert_eq!(table.column("Temp"), Ok(0));
+        assert_eq!(table.column("Temp (deg C)"), Ok(0));
+        assert_eq!(table.column("Extraction Yield"), Ok(1));
+        assert_eq!(table.column("Extraction Yield [%]"), Ok(1));
+    }
+
+    /// A file of line ends, or of separators, is refused before its fields are made.
+    #[test]
+    fn tables_beyond_the_size_of_a_sheet_are_refused() {
+        for (text, what) in [
+            ("1\n".repeat(1_048_577), "lines"),
+            (",".repeat(1_000_000), "columns"),
+        ] {
+            assert!(
+                matches!(Table::parse(&text), Err(Error::TooLarge { what: told, .. }) if told == what)
+            );
+        }
     }
 
     #[test]

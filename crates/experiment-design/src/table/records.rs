@@ -1,5 +1,8 @@
 //! The records of a CSV text: fields, quotes, and which line each begins in.
 
+/// Most fields of a record: the columns of a sheet of a workbook.
+pub(super) const MOST_FIELDS: usize = 16_384;
+
 /// A text that is read record by record.
 pub(super) struct Records<'a> {
     /// What is left of it.
@@ -36,7 +39,8 @@ impl<'a> Records<'a> {
 
     /// Takes the next record: fields between separators, in quotes where one begins with a quote. A doubled quote inside quotes is
     /// a quote, and separators and ends of lines are text there; a quote within a field without quotes is one, too (5", for
-    /// five inches). None if a quote stays open to the end of the text.
+    /// five inches). None if a quote stays open to the end of the text. A record with more fields than [`MOST_FIELDS`] ends
+    /// behind them.
     pub(super) fn take(&mut self, separator: char) -> Option<Vec<String>> {
         let mut fields = vec![String::new()];
         let (mut quoted, mut was_quoted) = (false, false);
@@ -56,6 +60,10 @@ impl<'a> Records<'a> {
             } else if c == '"' && !was_quoted && field.trim().is_empty() {
                 (quoted, was_quoted) = (true, true);
             } else if c == separator {
+                if fields.len() > MOST_FIELDS {
+                    // Enough to refuse it; a line of separators alone would fill the memory.
+                    return Some(fields);
+                }
                 fields.push(String::new());
                 was_quoted = false;
             } else if c == self.end {
