@@ -42,6 +42,22 @@ pub enum Error {
         /// What is wrong.
         what: &'static str,
     },
+    /// The brackets of a formula are nested too deeply.
+    #[error(
+        "the model formula has more than {most} brackets within each other; write it with fewer"
+    )]
+    DeepFormula {
+        /// Deepest brackets that are read.
+        most: usize,
+    },
+    /// A formula is too long.
+    #[error("the model formula has {bytes} bytes; at most {most} are read")]
+    LongFormula {
+        /// Its bytes.
+        bytes: usize,
+        /// Most bytes.
+        most: usize,
+    },
     /// The model has terms only for other factors than the given ones.
     #[error("the model is for the factors {model}, but the factors given are {given}")]
     FactorMismatch {
@@ -125,6 +141,15 @@ pub enum Error {
     DegreeTooHigh {
         /// Degree of the model.
         degree: usize,
+    },
+    /// The bounds of a goal do not ascend.
+    #[error(
+        "the bounds of a goal must ascend, LOW below HIGH and a value between them, and these do not: {}",
+        bounds.iter().map(ToString::to_string).collect::<Vec<_>>().join(":")
+    )]
+    GoalOrder {
+        /// The bounds as given.
+        bounds: Vec<f64>,
     },
     /// A setting of a request is out of its range.
     #[error("{what} is {value}; it must be {range}")]

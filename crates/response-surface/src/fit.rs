@@ -32,7 +32,7 @@ use serde::{Deserialize, Serialize};
 use crate::fit::least_squares::{LeastSquares, least_squares};
 use crate::fit::refine::refine;
 use crate::surface::natural::natural_terms;
-use crate::{BoxExtremes, Canonical, Error, Model, NamedValues, Observations};
+use crate::{BoxExtremes, Canonical, DataRegion, Error, Model, NamedValues, Observations};
 use probability::t_two_sided_quantile;
 
 /// What the weights of the observations are taken from.
@@ -129,13 +129,13 @@ pub struct Fit {
     pub pure_error: Option<PureError>,
     /// Test of the misfit against all repeats: repeated rows and replicates within rows.
     pub lack_of_fit_all_repeats: Option<FTest>,
-    /// Sums of squares of each term of Type I, II and III with their tests.
+    /// Sums of squares of each term of Type I, II and III with their tests, in the order in which the terms enter.
     pub anova: NamedValues<TypedRow>,
     /// Likelihood with its penalties; none without residuals.
     pub information: Option<Information>,
     /// Greatest over least singular value of the columns scaled to unit length.
     pub condition: Option<f64>,
-    /// Sum of squares that each term adds to those before it (Type I).
+    /// Sum of squares that each term adds to those that enter before it (Type I), in that order.
     pub ss_sequential: NamedValues<f64>,
     /// The same by degree.
     pub sequential_model_ss: SequentialModel,
@@ -150,6 +150,9 @@ pub struct Fit {
     pub coef_natural_units: NamedValues<f64>,
     /// Coefficients in natural units with their tests; no sums of squares.
     pub terms_natural: NamedValues<TermRow>,
+    /// What the settings of the data span; none in analyses of older versions.
+    #[serde(default)]
+    pub data_region: Option<DataRegion>,
     /// Stationary point of a quadratic; none for models without curvature or of higher degree.
     pub canonical: Option<Canonical>,
     /// Least and greatest value over the box; none for models of higher degree than two.
@@ -221,6 +224,7 @@ fn assemble(
     let sums = anova::sums(matrix, refined.residuals);
     let mse = positive_df(df_resid).map(|df| sums.sse / df);
     let terms = terms::rows(matrix, &refined.coefficients, &solved, &sums, df_resid);
+    let entering = anova::entering(matrix, model, &solved);
     let cases = cases::cases(data, matrix, &solved, &sums, df_resid);
     let press = cases::press(&cases, &matrix.weights);
     let pure_error = lack_of_fit::pure_error(data, &matrix.weights);
@@ -254,7 +258,11 @@ fn assemble(
         lack_of_fit: pure_error
             .as_ref()
             .and_then(|pure| lack_of_fit::lack_of_fit(sums.sse, df_resid, pure)),
-        ss_sequential: anova::sequential(matrix, &solved),
+        ss_sequential: entering
+            .iter()
+            .filter(|(j, _)| *j >= matrix.intercept)
+            .map(|(j, ss)| (matrix.names[*j].clone(), *ss))
+            .collect(),
         sequential_model_ss: anova::sequential_by_degree(matrix, model, &solved, &sums),
         by_order: anova::by_order(matrix, model, &solved, &sums, df_resid),
         vif: terms::variance_inflation(matrix, &solved),
@@ -263,6 +271,7 @@ fn assemble(
             .map(|(name, row)| (name.to_owned(), row.coef))
             .collect(),
         terms_natural,
+        data_region: None,
         canonical: None,
         box_extremes: None,
         lack_of_fit_all_repeats: lack_of_fit::against_all_repeats(
@@ -271,7 +280,7 @@ fn assemble(
             pure_error.as_ref(),
             replicates.as_ref(),
         ),
-        anova: typed::rows(matrix, model, &solved, &terms, mse, df_resid),
+        anova: typed::rows(matrix, model, &solved, &entering, &terms, mse, df_resid),
         information: information::information(&sums, &matrix.weights, p),
         condition: condition(&solved),
         pure_error,
@@ -281,8 +290,11 @@ fn assemble(
         xtx_inverse: solved.xtx_inverse,
         warnings: Vec::new(),
     };
+    let settings: Vec<Vec<f64>> = fit.cases.iter().map(|c| fit.natural(&c.coded)).collect();
+    fit.data_region = DataRegion::of(&settings);
     if let Ok(quadratic) = fit.quadratic() {
-        fit.canonical = crate::surface::canonical::canonical(&quadratic, factors);
+        let region = fit.data_region.as_ref();
+        fit.canonical = crate::surface::canonical::canonical(&quadratic, factors, region);
         fit.box_extremes = Some(crate::surface::extremes::box_extremes(&quadratic, factors));
     }
     fit.warnings = warnings::warnings(&fit);
@@ -326,6 +338,32 @@ impl Fit {
     pub fn best_error_variance(&self) -> Option<ErrorVariance> {
         self.error_variance(ErrorSource::AllRepeats)
             .or_else(|| self.error_variance(ErrorSource::Residual))
+    }
+
+    /// The error variance asked for, or the best one there is.
+    ///
+    /// # Errors
+    /// [`Error::NoErrorVariance`] if the one asked for is undefined.
+    pub fn chosen_error(
+        &self,
+        source: Option<ErrorSource>,
+    ) -> Result<Option<ErrorVariance>, Error> {
+        let Some(source) = source else {
+            return Ok(self.best_error_variance());
+        };
+        let source_of_error = match source {
+            ErrorSource::Residual => "residual",
+            ErrorSource::RepeatedRows => "repeated-rows",
+            ErrorSource::Replicates => "replicates",
+            ErrorSource::AllRepeats => "all-repeats",
+        };
+        match self.error_variance(source) {
+            Some(error) => Ok(Some(error)),
+            None => Err(Error::NoErrorVariance {
+                source_of_error,
+                way_out: "choose another error, or add replicates",
+            }),
+        }
     }
 
     /// Coefficients of the model terms (blocks left out), in the order of the model.

@@ -66,6 +66,8 @@ pub struct Model {
     symbols: Vec<String>,
     /// The terms; the first is the intercept, if there is one.
     terms: Vec<Term>,
+    /// Places of the terms in the order in which a formula lets them enter the Type I sums of squares.
+    entry: Vec<usize>,
 }
 
 /// A model as it stands in a file.
@@ -75,12 +77,16 @@ struct ModelText {
     symbols: Vec<String>,
     /// The terms joined by ` + `.
     formula: String,
+    /// Places of the terms in the order in which they enter; missing if it is the order of the formula.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    entry: Option<Vec<usize>>,
 }
 
 impl From<Model> for ModelText {
     fn from(model: Model) -> Self {
         Self {
             formula: model.to_string(),
+            entry: (!model.entry.is_sorted()).then_some(model.entry),
             symbols: model.symbols,
         }
     }
@@ -90,7 +96,19 @@ impl TryFrom<ModelText> for Model {
     type Error = Error;
 
     fn try_from(text: ModelText) -> Result<Self, Error> {
-        Self::parse_symbols(&text.formula, text.symbols)
+        let model = Self::parse_symbols(&text.formula, text.symbols)?;
+        let places = (0..model.terms.len()).collect();
+        let entry = text.entry.unwrap_or_else(|| Vec::clone(&places));
+        let mut sorted = entry.clone();
+        sorted.sort_unstable();
+        if sorted != places {
+            return Err(Error::Length {
+                what: "places of the terms in their order of entry, each once",
+                expected: places.len(),
+                given: entry.len(),
+            });
+        }
+        Ok(Self { entry, ..model })
     }
 }
 
@@ -100,7 +118,8 @@ impl Model {
     /// `B + B:E`, `I(B^2)` is `B^2`, and `- B:E` takes a term away.
     ///
     /// The intercept is part of the model unless the formula has `0 +` or `- 1`; the response is then 0 where all
-    /// **coded** values are. The order of the terms is that of [`Model`], whatever the order in the formula.
+    /// **coded** values are. The order of the terms is that of [`Model`], whatever the order in the formula;
+    /// [`Model::entry`] keeps that of the formula.
     ///
     /// # Errors
     /// [`Error::BadTerm`], [`Error::DuplicateTerm`], [`Error::TooManyTerms`], or [`Error::Design`] for repeated symbols.
@@ -133,6 +152,7 @@ impl Model {
             all.into_iter().filter(|term| keep(term)).collect()
         };
         let mut through_zero = false;
+        let mut is_written = false;
         let mut terms: Vec<Term> = match formula.trim() {
             "mean" => Vec::new(),
             "linear" => up_to(1, &|_| true),
@@ -142,6 +162,7 @@ impl Model {
             formula => {
                 let parsed = formula::parse(formula, &symbols)?;
                 through_zero = parsed.through_zero;
+                is_written = true;
                 parsed.terms
             }
         };
@@ -156,7 +177,21 @@ impl Model {
         if !through_zero && !terms.contains(&intercept) {
             terms.push(intercept);
         }
-        Ok(Self::from_terms(symbols, terms))
+        let mut entering = terms.clone();
+        let model = Self::from_terms(symbols, terms);
+        if !is_written {
+            return Ok(model);
+        }
+        // R's terms(): products of more factors later, otherwise as written. A power is one factor.
+        entering.sort_by_key(Term::n_factors);
+        Ok(model.entering(&entering))
+    }
+
+    /// The same model with its terms entering in the order given, which has each of them once.
+    pub(crate) fn entering(mut self, order: &[Term]) -> Self {
+        let place = |term: &Term| order.iter().position(|other| other == term);
+        self.entry.sort_by_key(|&i| place(&self.terms[i]));
+        self
     }
 
     /// A model of terms in any order.
@@ -170,7 +205,11 @@ impl Model {
                 .collect::<Vec<_>>();
             (term.degree(), usize::MAX - term.n_factors(), lead)
         });
-        Self { symbols, terms }
+        Self {
+            symbols,
+            entry: (0..terms.len()).collect(),
+            terms,
+        }
     }
 
     /// All terms up to a degree.
@@ -181,9 +220,13 @@ impl Model {
     /// A model of some of the terms of this one, those at `keep` with true.
     pub(crate) fn subset(&self, keep: &[bool]) -> Self {
         let kept = self.terms.iter().zip(keep).filter(|(_, keep)| **keep);
+        let entry = self.entry.iter().filter(|&&i| keep[i]);
         Self {
             symbols: self.symbols.clone(),
             terms: kept.map(|(term, _)| term.clone()).collect(),
+            entry: entry
+                .map(|&i| keep[..i].iter().filter(|keep| **keep).count())
+                .collect(),
         }
     }
 
@@ -199,6 +242,7 @@ impl Model {
         Self {
             symbols: left(&self.symbols, places),
             terms: self.terms.iter().map(term).collect(),
+            entry: self.entry.clone(),
         }
     }
 
@@ -215,6 +259,12 @@ impl Model {
     /// The terms; the first is the intercept, if there is one.
     pub fn terms(&self) -> &[Term] {
         &self.terms
+    }
+
+    /// Places of the terms in the order in which they enter the Type I sums of squares: of a written formula that of R's
+    /// `terms()`, products of more factors later and otherwise as written; of a named model that of its terms.
+    pub fn entry(&self) -> &[usize] {
+        &self.entry
     }
 
     /// Greatest sum of powers of a term.

@@ -62,6 +62,9 @@ impl Cell {
     }
 }
 
+/// Most runs behind a mean (our choice): the most runs of a design.
+const MOST_REPLICATES: usize = 1_000_000;
+
 /// Coded settings of a cell and the responses of its runs.
 type Group<'a> = (&'a [f64], Vec<f64>);
 
@@ -82,12 +85,23 @@ impl Observations {
     /// ones lose their digits or are zero.
     pub const SMALLEST: f64 = 1e-140;
 
+    /// Whether a standard deviation can be the scatter of values of a size, both in one unit: zero, or between 1e-20 and 1e9 of
+    /// the size, and between [`Observations::SMALLEST`] and [`Observations::LARGEST`]. Values that are equal but for rounding
+    /// scatter by 1e-16 of their size, and no quantity scatters by much more than its greatest value; the limits leave room on
+    /// both sides (our choice). A size of zero sets no limit of its own.
+    pub fn is_plausible_sd(sd: f64, size: f64) -> bool {
+        let in_numbers = (Self::SMALLEST..=Self::LARGEST).contains(&sd);
+        let beside = sd / size.abs();
+        sd == 0.0 || (in_numbers && (size == 0.0 || (1e-20..=1e9).contains(&beside)))
+    }
+
     /// Takes cells as they are.
     ///
     /// # Errors
     /// [`Error::Length`] without cells or with rows of different length;
     /// [`Error::BadObservation`] for values that are not finite, a negative sd, or n = 0, and for responses whose
-    /// squares are no numbers: beyond [`Observations::LARGEST`], or all below [`Observations::SMALLEST`].
+    /// squares are no numbers: beyond [`Observations::LARGEST`], or all below [`Observations::SMALLEST`]; for an sd that is no
+    /// scatter of such responses ([`Observations::is_plausible_sd`]), or more than a million runs in a cell.
     pub fn from_cells(cells: Vec<Cell>) -> Result<Self, Error> {
         let Some(first) = cells.first() else {
             return Err(Error::Length {
@@ -115,6 +129,17 @@ impl Observations {
                 what: "the greatest mean",
                 value: cells[i].mean,
                 way_out: "squares of responses below 1e-140 are zero here; give them in a smaller unit",
+            });
+        }
+        let size = greatest.map_or(0.0, |(_, size)| size);
+        let spreads = cells.iter().enumerate();
+        let mut spreads = spreads.filter_map(|(i, cell)| Some((i, cell.sd?)));
+        if let Some((i, value)) = spreads.find(|(_, sd)| !Self::is_plausible_sd(*sd, size)) {
+            return Err(Error::BadObservation {
+                row: i + 1,
+                what: "the standard deviation",
+                value,
+                way_out: "this is no scatter of responses of this size; correct it, or write 0 for runs that are all alike",
             });
         }
         Ok(Self {
@@ -260,8 +285,12 @@ fn check_cell(row: usize, cell: &Cell) -> Result<(), Error> {
             "squares of numbers beyond 1e140 are no numbers here; give it in a larger unit",
         );
     }
-    if cell.n == 0 {
-        return refuse("the number of replicates", 0.0, "it must be at least 1");
+    if !(1..=MOST_REPLICATES).contains(&cell.n) {
+        return refuse(
+            "the number of replicates",
+            cell.n as f64,
+            "it must be at least 1 and at most a million",
+        );
     }
     Ok(())
 }
@@ -292,5 +321,37 @@ mod tests {
             ..Cell::single(vec![0.5], 1.0)
         };
         assert!(Observations::from_cells(vec![wide]).is_err());
+    }
+
+    /// Scatter that no runs have, and numbers of runs that nobody made, are refused with their row; runs that are all alike, or
+    /// but for rounding, are not.
+    #[test]
+    fn a_scatter_that_cannot_be_one_is_refused_with_its_row() {
+        let cells = |sd: f64, n: usize| {
+            let cell = |mean: f64, sd: f64, n: usize| Cell {
+                sd: Some(sd),
+                n,
+                ..Cell::single(vec![0.5], mean)
+            };
+            Observations::from_cells(vec![cell(36.0, 0.5, 5), cell(-2.0, sd, n)])
+        };
+        for (sd, n) in [
+            (1e-320, 5),
+            (1e-25, 5),
+            (1e12, 5),
+            (1e300, 5),
+            (0.5, 0),
+            (0.5, 10_000_000),
+            (0.5, usize::MAX),
+        ] {
+            let found = cells(sd, n);
+            assert!(
+                matches!(found, Err(Error::BadObservation { row: 2, .. })),
+                "{sd:e}, {n}: {found:?}"
+            );
+        }
+        for sd in [0.0, 4e-16, 0.5, 200.0] {
+            assert!(cells(sd, 5).is_ok(), "{sd:e}");
+        }
     }
 }

@@ -24,7 +24,7 @@ pub use robust::{Robust, most_robust};
 use serde::{Deserialize, Serialize};
 
 use crate::fit::{ErrorSource, ErrorVariance};
-use crate::{BoxExtremes, Error, Fit, NamedValues};
+use crate::{BoxExtremes, Error, Fit, NamedValues, Observations};
 use probability::t_two_sided_quantile;
 
 /// A measured value of a factor.
@@ -112,7 +112,7 @@ pub struct Solutions {
 pub fn solutions(fit: &Fit, request: &SolutionRequest) -> Result<Solutions, Error> {
     let quadratic = fit.quadratic()?;
     let target_se = check(fit, request)?;
-    let error = chosen_error(fit, request.error)?;
+    let error = fit.chosen_error(request.error)?;
     let reachable = crate::surface::extremes::box_extremes(&quadratic, &fit.factors);
     let rounding = quadratic.rounding();
     let touches = |end: &f64| (request.target - end).abs() <= rounding;
@@ -154,26 +154,6 @@ pub fn solutions(fit: &Fit, request: &SolutionRequest) -> Result<Solutions, Erro
     })
 }
 
-/// The error variance asked for, or the best one there is.
-fn chosen_error(fit: &Fit, source: Option<ErrorSource>) -> Result<Option<ErrorVariance>, Error> {
-    let Some(source) = source else {
-        return Ok(fit.best_error_variance());
-    };
-    let source_of_error = match source {
-        ErrorSource::Residual => "residual",
-        ErrorSource::RepeatedRows => "repeated-rows",
-        ErrorSource::Replicates => "replicates",
-        ErrorSource::AllRepeats => "all-repeats",
-    };
-    match fit.error_variance(source) {
-        Some(error) => Ok(Some(error)),
-        None => Err(Error::NoErrorVariance {
-            source_of_error,
-            way_out: "choose another error, or add replicates",
-        }),
-    }
-}
-
 /// Checks the numbers of a request and returns the standard error of the target.
 fn check(fit: &Fit, request: &SolutionRequest) -> Result<Option<f64>, Error> {
     let refuse = |what, value, range| Err(Error::SettingOutOfRange { what, value, range });
@@ -187,12 +167,16 @@ fn check(fit: &Fit, request: &SolutionRequest) -> Result<Option<f64>, Error> {
             given: request.near.len(),
         });
     }
-    for near in request.near.iter().flatten() {
+    for (near, factor) in request.near.iter().zip(&fit.factors) {
+        let Some(near) = near else { continue };
         if !near.value.is_finite() {
             return refuse("a measured value", near.value, "a finite number");
         }
-        if let Some(sd) = near.sd.filter(|sd| !(*sd > 0.0 && sd.is_finite())) {
-            return refuse("the sd of a measured value", sd, "above zero");
+        let size = factor.half_range().max(near.value.abs());
+        let is_sd = |sd: f64| sd > 0.0 && Observations::is_plausible_sd(sd, size);
+        if let Some(sd) = near.sd.filter(|sd| !is_sd(*sd)) {
+            let range = "above zero, and a plausible scatter of that factor";
+            return refuse("the sd of a measured value", sd, range);
         }
         if near.n == Some(0) {
             return refuse("the number of measurements", 0.0, "at least 1");
@@ -200,8 +184,11 @@ fn check(fit: &Fit, request: &SolutionRequest) -> Result<Option<f64>, Error> {
     }
     match (request.target_sd, request.target_n) {
         (None, None) => Ok(None),
-        (Some(sd), _) if !(sd >= 0.0 && sd.is_finite()) => {
-            refuse("the sd of the target", sd, "zero or more")
+        (Some(sd), _)
+            if !Observations::is_plausible_sd(sd, request.target.abs().max(fit.mean.abs())) =>
+        {
+            let range = "zero, or a plausible scatter of the response";
+            refuse("the sd of the target", sd, range)
         }
         (Some(sd), Some(n)) if n > 0 => Ok(Some(sd / (n as f64).sqrt())),
         (_, None) => refuse(

@@ -1,6 +1,7 @@
 //! The fitted surface: its shape, its predictions and their scatter.
 
 pub(crate) mod canonical;
+pub(crate) mod data_region;
 pub(crate) mod extremes;
 pub(crate) mod natural;
 pub(crate) mod prediction;

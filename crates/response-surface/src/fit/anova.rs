@@ -4,8 +4,8 @@ use serde::{Deserialize, Serialize};
 
 use super::matrix::Matrix;
 use super::{FTest, f_test, positive_df, ratio};
-use crate::fit::least_squares::LeastSquares;
-use crate::{Model, NamedValues};
+use crate::Model;
+use crate::fit::least_squares::{LeastSquares, each_adds};
 use probability::f_upper_tail;
 
 /// A line of an analysis of variance.
@@ -110,14 +110,31 @@ pub(crate) fn model_row(sums: &Sums, df_resid: usize) -> AnovaRow {
     AnovaRow { ss, df, ms, f, p }
 }
 
-/// Sum of squares that each column but the intercept adds to those before it.
-pub(crate) fn sequential(matrix: &Matrix, solved: &LeastSquares) -> NamedValues<f64> {
-    let pairs = matrix
-        .names
+/// Sum of squares that each column adds to those that enter before it, with the place of the column: the intercept, blocks, then
+/// the terms in the order of entry of the model.
+pub(crate) fn entering(matrix: &Matrix, model: &Model, solved: &LeastSquares) -> Vec<(usize, f64)> {
+    let after = matrix.n_blocks;
+    let column = |&term: &usize| {
+        if term < matrix.intercept {
+            term
+        } else {
+            term + after
+        }
+    };
+    let (first, rest): (Vec<usize>, Vec<usize>) = model
+        .entry()
         .iter()
-        .cloned()
-        .zip(solved.sequential_ss.iter().copied());
-    pairs.skip(matrix.intercept).collect()
+        .map(column)
+        .partition(|&j| j < matrix.intercept);
+    let blocks = matrix.intercept..matrix.first();
+    let order: Vec<usize> = first.into_iter().chain(blocks).chain(rest).collect();
+    let added = if order.is_sorted() {
+        solved.sequential_ss.clone()
+    } else {
+        let columns = order.iter().map(|&j| solved.triangle[j].clone());
+        each_adds(columns.collect(), solved.rotated.clone())
+    };
+    order.into_iter().zip(added).collect()
 }
 
 /// The same, summed by kind of term.

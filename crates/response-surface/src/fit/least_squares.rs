@@ -92,20 +92,31 @@ pub(crate) fn least_squares(
     })
 }
 
-/// Sum of squares that the last of some columns adds to the others; 0 if it depends on them.
-pub(crate) fn last_adds(mut columns: Vec<Vec<f64>>, mut target: Vec<f64>) -> f64 {
+/// Sum of squares that each of some columns adds to those before it; 0 for all if any depends on those before it.
+pub(crate) fn each_adds(mut columns: Vec<Vec<f64>>, mut target: Vec<f64>) -> Vec<f64> {
     let m = columns.len();
+    let scales = unit_lengths(&mut columns);
+    let names = vec![String::new(); m];
+    match triangularise(&mut columns, &mut target, &scales, &names) {
+        Ok(_) => target[..m].iter().map(|z| z * z).collect(),
+        Err(_) => vec![0.0; m],
+    }
+}
+
+/// Scales columns to unit length and returns the lengths that they had.
+fn unit_lengths(columns: &mut [Vec<f64>]) -> Vec<f64> {
     let scales: Vec<f64> = columns.iter().map(|c| norm(c)).collect();
     for (column, scale) in columns.iter_mut().zip(&scales) {
         for x in column {
             *x /= scale.max(f64::MIN_POSITIVE);
         }
     }
-    let names = vec![String::new(); m];
-    match triangularise(&mut columns, &mut target, &scales, &names) {
-        Ok(_) => target[m - 1] * target[m - 1],
-        Err(_) => 0.0,
-    }
+    scales
+}
+
+/// Sum of squares that the last of some columns adds to the others; 0 if it depends on them.
+pub(crate) fn last_adds(columns: Vec<Vec<f64>>, target: Vec<f64>) -> f64 {
+    each_adds(columns, target).pop().unwrap_or(0.0)
 }
 
 /// An orthonormal basis built column by column, so that the fits of all leading sets of columns

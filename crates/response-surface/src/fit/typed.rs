@@ -22,7 +22,7 @@ pub struct TypedSum {
 /// The three types of one term.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct TypedRow {
-    /// After the terms before it in the order of the model.
+    /// After the terms that enter before it ([`Model::entry`]).
     pub type_i: TypedSum,
     /// After all terms that do not contain it: A is contained in AB and in A^2.
     pub type_ii: TypedSum,
@@ -30,7 +30,7 @@ pub struct TypedRow {
     pub type_iii: TypedSum,
 }
 
-/// The rows of all terms but the intercept and blocks.
+/// The rows of all terms but the intercept and blocks, in the order in which they enter.
 ///
 /// # Source
 /// `[Yates1934]` for the types; reduction on the triangle of the full model `[Golub2013]`.
@@ -38,6 +38,7 @@ pub(crate) fn rows(
     matrix: &Matrix,
     model: &Model,
     solved: &LeastSquares,
+    entering: &[(usize, f64)],
     terms: &NamedValues<TermRow>,
     mse: Option<f64>,
     df_resid: usize,
@@ -51,18 +52,19 @@ pub(crate) fn rows(
         }
     };
     let first = matrix.intercept + matrix.n_blocks;
-    let row = |j: usize| {
+    let row = |&(j, added): &(usize, f64)| {
         let term = &model.terms()[j - matrix.n_blocks];
         let partial = terms.get(&matrix.names[j]).and_then(|row| row.ss_partial);
         let name = matrix.names[j].clone();
         let row = TypedRow {
-            type_i: sum(solved.sequential_ss[j]),
+            type_i: sum(added),
             type_ii: sum(type_two(matrix, model, solved, term, j)),
             type_iii: sum(partial.unwrap_or(0.0)),
         };
         (name, row)
     };
-    (first..matrix.names.len()).map(row).collect()
+    let own = entering.iter().filter(|(j, _)| *j >= first);
+    own.map(row).collect()
 }
 
 /// Sum of squares of column `j` after all columns whose terms do not contain `term`.

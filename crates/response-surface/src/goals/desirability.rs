@@ -4,6 +4,7 @@ use experiment_design::Factor;
 use serde::{Deserialize, Serialize};
 
 use crate::fit::ErrorSource;
+use crate::surface::prediction::check_point;
 use crate::surface::propagation::{coded_variances, transmitted_variance};
 use crate::surface::quadratic::Quadratic;
 use crate::{Error, Fit, Prediction};
@@ -124,21 +125,30 @@ impl Goal {
 
     /// Refuses invalid numbers.
     fn check(&self) -> Result<(), Error> {
-        let ascending = match self.aim {
-            Aim::Target { low, value, high } => low < value && value < high,
+        let bounds = match self.aim {
+            Aim::Target { low, value, high } => vec![low, value, high],
             Aim::Maximise { low, high }
             | Aim::Minimise { low, high }
-            | Aim::Range { low, high } => low < high,
+            | Aim::Range { low, high } => vec![low, high],
         };
-        let positive = |x: f64| x > 0.0 && x.is_finite();
-        if ascending && positive(self.weight) && positive(self.importance) {
-            return Ok(());
+        let ascending =
+            bounds.iter().all(|x| x.is_finite()) && bounds.windows(2).all(|w| w[0] < w[1]);
+        if !ascending {
+            return Err(Error::GoalOrder { bounds });
         }
-        Err(Error::SettingOutOfRange {
-            what: "a goal's least bound less its next one, or its weight or importance",
-            value: self.weight.min(self.importance),
-            range: "bounds ascending, weight and importance above 0",
-        })
+        let positive = |x: f64| x > 0.0 && x.is_finite();
+        let numbers = [
+            ("the weight of a goal", self.weight),
+            ("the importance of a goal", self.importance),
+        ];
+        match numbers.into_iter().find(|(_, value)| !positive(*value)) {
+            None => Ok(()),
+            Some((what, value)) => Err(Error::SettingOutOfRange {
+                what,
+                value,
+                range: "above 0",
+            }),
+        }
     }
 }
 
@@ -154,63 +164,17 @@ impl Goal {
 ///
 /// # Errors
 /// [`Error::Length`] unless there is one goal per response; [`Error::FactorMismatch`] for responses
-/// over different factors or ranges; [`Error::SettingOutOfRange`] for an invalid goal;
-/// [`Error::DegreeTooHigh`] for goals of the scatter.
+/// over different factors or ranges; [`Error::SettingOutOfRange`] or [`Error::GoalOrder`] for an invalid goal;
+/// [`Error::DegreeTooHigh`] for goals of the scatter; [`Error::NoErrorVariance`] if the error asked for is undefined.
 pub fn compromises(
     fits: &[Fit],
     goals: &[Goal],
     scatter: &[ScatterGoal],
+    error: Option<ErrorSource>,
 ) -> Result<Vec<Compromise>, Error> {
-    let Some(first) = fits.first().filter(|_| fits.len() == goals.len()) else {
-        return Err(Error::Length {
-            what: "goals, one per response",
-            expected: fits.len(),
-            given: goals.len(),
-        });
-    };
-    let symbols = |fit: &Fit| -> Vec<String> {
-        let range = |f: &Factor| format!("{} {} to {}", f.symbol(), f.low(), f.high());
-        fit.factors.iter().map(range).collect()
-    };
-    for fit in fits {
-        if symbols(fit) != symbols(first) {
-            return Err(Error::FactorMismatch {
-                model: symbols(first).join(", "),
-                given: symbols(fit).join(", "),
-            });
-        }
-    }
-    goals.iter().try_for_each(Goal::check)?;
-    let scatters = Transmitted::all(fits, scatter)?;
-    let all_goals: Vec<Goal> = goals
-        .iter()
-        .copied()
-        .chain(scatter.iter().map(|s| s.goal))
-        .collect();
-    let surfaces: Vec<Vec<f64>> = fits.iter().map(Fit::coefficients).collect();
-    let value = |i: usize, x: &[f64]| -> f64 {
-        fits[i]
-            .formula
-            .row(x)
-            .iter()
-            .zip(&surfaces[i])
-            .map(|(t, c)| t * c)
-            .sum()
-    };
-    let cost = |x: &[f64]| -> f64 {
-        let means = (0..fits.len()).map(|i| value(i, x));
-        let values: Vec<f64> = means.chain(scatters.iter().map(|s| s.sd(x))).collect();
-        let total = overall(&all_goals, &values);
-        if total > 0.0 {
-            return -total;
-        }
-        all_goals
-            .iter()
-            .zip(values)
-            .map(|(g, y)| g.shortfall(y))
-            .sum()
-    };
-    let k = first.factors.len();
+    let wanted = Wanted::new(fits, goals, scatter)?;
+    let k = fits[0].factors.len();
+    let cost = |x: &[f64]| wanted.cost(x);
     let mut found: Vec<(f64, Vec<f64>)> = (0..STARTS)
         .map(|i| {
             let mut x: Vec<f64> = (0..k).map(|j| start(i, j)).collect();
@@ -226,9 +190,110 @@ pub fn compromises(
             kept.push(x);
         }
     }
-    kept.into_iter()
-        .map(|x| compromise(fits, &all_goals, &scatters, x))
-        .collect()
+    kept.into_iter().map(|x| wanted.at(x, error)).collect()
+}
+
+/// What a setting is worth, in or beyond the box: a natural point, units of the factors.
+///
+/// # Errors
+/// Those of [`compromises`]; [`Error::Length`] for a wrong number of values, [`Error::SettingOutOfRange`] for one that is not
+/// finite.
+pub fn compromise_at(
+    fits: &[Fit],
+    goals: &[Goal],
+    scatter: &[ScatterGoal],
+    natural: &[f64],
+    error: Option<ErrorSource>,
+) -> Result<Compromise, Error> {
+    let wanted = Wanted::new(fits, goals, scatter)?;
+    check_point(&fits[0], natural)?;
+    let mut found = wanted.at(fits[0].coded(natural), error)?;
+    // As given, without the rounding of coded values.
+    found.natural = natural.to_vec();
+    Ok(found)
+}
+
+/// Responses with their goals, checked.
+struct Wanted<'a> {
+    /// The responses.
+    fits: &'a [Fit],
+    /// Coefficients of each response.
+    coefficients: Vec<Vec<f64>>,
+    /// What hands scatter on.
+    scatters: Vec<Transmitted>,
+    /// Goals of the responses, then those of the scatter.
+    goals: Vec<Goal>,
+}
+
+impl<'a> Wanted<'a> {
+    /// Checks responses and goals.
+    fn new(fits: &'a [Fit], goals: &[Goal], scatter: &[ScatterGoal]) -> Result<Self, Error> {
+        let Some(first) = fits.first().filter(|_| fits.len() == goals.len()) else {
+            return Err(Error::Length {
+                what: "goals, one per response",
+                expected: fits.len(),
+                given: goals.len(),
+            });
+        };
+        let symbols = |fit: &Fit| -> Vec<String> {
+            let range = |f: &Factor| format!("{} {} to {}", f.symbol(), f.low(), f.high());
+            fit.factors.iter().map(range).collect()
+        };
+        for fit in fits {
+            if symbols(fit) != symbols(first) {
+                return Err(Error::FactorMismatch {
+                    model: symbols(first).join(", "),
+                    given: symbols(fit).join(", "),
+                });
+            }
+        }
+        goals.iter().try_for_each(Goal::check)?;
+        let of_scatter = scatter.iter().map(|s| s.goal);
+        Ok(Self {
+            fits,
+            coefficients: fits.iter().map(Fit::coefficients).collect(),
+            scatters: Transmitted::all(fits, scatter)?,
+            goals: goals.iter().copied().chain(of_scatter).collect(),
+        })
+    }
+
+    /// The responses at a coded point, then the standard deviations handed on.
+    fn values(&self, x: &[f64]) -> Vec<f64> {
+        let mean = |(fit, coefficients): (&Fit, &Vec<f64>)| -> f64 {
+            let row = fit.formula.row(x);
+            row.iter().zip(coefficients).map(|(t, c)| t * c).sum()
+        };
+        let means = self.fits.iter().zip(&self.coefficients).map(mean);
+        means.chain(self.scatters.iter().map(|s| s.sd(x))).collect()
+    }
+
+    /// What the search makes least: less the desirability, or how far the point is from being worth something.
+    fn cost(&self, x: &[f64]) -> f64 {
+        let values = self.values(x);
+        let total = overall(&self.goals, &values);
+        if total > 0.0 {
+            return -total;
+        }
+        let goals = self.goals.iter().zip(values);
+        goals.map(|(goal, y)| goal.shortfall(y)).sum()
+    }
+
+    /// The setting at a coded point with its predictions.
+    fn at(&self, coded: Vec<f64>, error: Option<ErrorSource>) -> Result<Compromise, Error> {
+        let natural = self.fits[0].natural(&coded);
+        let predicted = |fit: &Fit| fit.predict_with(&natural, fit.chosen_error(error)?);
+        let predictions = self.fits.iter().map(predicted).collect::<Result<_, _>>()?;
+        let values = self.values(&coded);
+        let goals = self.goals.iter().zip(&values);
+        Ok(Compromise {
+            desirability: overall(&self.goals, &values),
+            each: goals.map(|(goal, y)| goal.desirability(*y)).collect(),
+            transmitted_sd: values[self.fits.len()..].to_vec(),
+            coded,
+            natural,
+            predictions,
+        })
+    }
 }
 
 /// What hands scatter on to a response.
@@ -310,38 +375,4 @@ fn within_box(x: &mut [f64], cost: &dyn Fn(&[f64]) -> f64) -> f64 {
         }
     }
     reached
-}
-
-/// A setting with its predictions.
-fn compromise(
-    fits: &[Fit],
-    goals: &[Goal],
-    scatters: &[Transmitted],
-    coded: Vec<f64>,
-) -> Result<Compromise, Error> {
-    let natural = fits[0].natural(&coded);
-    let predictions: Vec<Prediction> = fits
-        .iter()
-        .map(|fit| {
-            let error = fit
-                .error_variance(ErrorSource::AllRepeats)
-                .or_else(|| fit.error_variance(ErrorSource::Residual));
-            fit.predict_with(&natural, error)
-        })
-        .collect::<Result<_, _>>()?;
-    let transmitted_sd: Vec<f64> = scatters.iter().map(|s| s.sd(&coded)).collect();
-    let means = fits.iter().map(|fit| fit.value(&coded));
-    let values: Vec<f64> = means.chain(transmitted_sd.iter().copied()).collect();
-    Ok(Compromise {
-        desirability: overall(goals, &values),
-        each: goals
-            .iter()
-            .zip(&values)
-            .map(|(g, y)| g.desirability(*y))
-            .collect(),
-        coded,
-        natural,
-        predictions,
-        transmitted_sd,
-    })
 }

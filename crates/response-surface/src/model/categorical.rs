@@ -170,7 +170,12 @@ impl CategoricalModel {
         let all = terms
             .iter()
             .map(|(_, powers)| Term::from_powers(powers.clone()));
-        let model = Model::from_terms(names, all.collect());
+        let entering = written.entry().iter().flat_map(|place| {
+            let own = terms.iter().filter(move |(owner, _)| owner == place);
+            own.map(|(_, powers)| Term::from_powers(powers.clone()))
+        });
+        let entering: Vec<Term> = entering.collect();
+        let model = Model::from_terms(names, all.collect()).entering(&entering);
         let owner = |term: &Term| {
             let found = terms.iter().find(|(_, powers)| powers == term.powers());
             found.map_or(0, |(place, _)| *place)
@@ -183,7 +188,7 @@ impl CategoricalModel {
         })
     }
 
-    /// Tests every term as written, all its columns together, with sums of squares of Type I, II and
+    /// Tests every term as written, in the order of [`Model::entry`], all its columns together, with sums of squares of Type I, II and
     /// III (see [`crate::fit::TypedRow`]); `fit` is the fit of the whole model.
     ///
     /// # Errors
@@ -203,12 +208,14 @@ impl CategoricalModel {
             Ok(fit_weighted(&self.factors, &model, data, weighting)?.sse)
         };
         let terms = self.written.terms();
+        let entry = self.written.entry();
         let mut rows = Vec::new();
-        for (i, term) in terms
-            .iter()
-            .enumerate()
-            .filter(|(_, term)| term.degree() > 0)
-        {
+        for (rank, &i) in entry.iter().enumerate() {
+            let term = &terms[i];
+            if term.degree() == 0 {
+                continue;
+            }
+            let earlier = &entry[..rank];
             let df = self.part_of.iter().filter(|&&place| place == i).count();
             let beside = |j: usize| j != i && !terms[j].contains(term);
             let test = |ss: f64| {
@@ -219,7 +226,9 @@ impl CategoricalModel {
             };
             let row = GroupRow {
                 df,
-                type_i: test(sse(&|j| j < i)? - sse(&|j| j <= i)?),
+                type_i: test(
+                    sse(&|j| earlier.contains(&j))? - sse(&|j| j == i || earlier.contains(&j))?,
+                ),
                 type_ii: test(sse(&beside)? - sse(&|j| j == i || beside(j))?),
                 type_iii: test(sse(&|j| j != i)? - fit.sse),
             };
@@ -287,6 +296,50 @@ mod tests {
         assert!(Categorical::new("wall", vec!["steel".to_owned()]).is_err());
         let twice = vec!["steel".to_owned(), "steel".to_owned()];
         assert!(Categorical::new("wall", twice).is_err());
+    }
+
+    /// Seven runs of two named factors that are not balanced. Between the groups of either factor alone the sum of squares is
+    /// that of the one-way analysis, so the one that the formula names first has it as its Type I sum (rounding: 1e-12).
+    #[test]
+    fn the_first_factor_of_the_formula_has_the_sum_between_its_groups() {
+        let runs = [
+            ("steel", "a", 12.8),
+            ("steel", "a", 13.7),
+            ("steel", "b", 12.0),
+            ("glass", "a", 12.2),
+            ("glass", "b", 9.2),
+            ("glass", "b", 10.4),
+            ("glass", "b", 10.3),
+        ];
+        let two = |symbol: &str, levels: [&str; 2]| {
+            Categorical::new(symbol, levels.map(str::to_owned).to_vec()).unwrap()
+        };
+        let named = [two("wall", ["glass", "steel"]), two("operator", ["a", "b"])];
+        let cells = runs.map(|(wall, operator, y)| {
+            let coded = [named[0].coded(wall), named[1].coded(operator)];
+            Cell::single(coded.into_iter().flatten().flatten().collect(), y)
+        });
+        let data = Observations::from_cells(cells.to_vec()).unwrap();
+        let y = runs.map(|(_, _, y)| y);
+        let between =
+            |labels: [&str; 7]| one_way(&labels.map(str::to_owned), &y).unwrap().between_ss;
+        let walls = between(runs.map(|(wall, _, _)| wall));
+        let operators = between(runs.map(|(_, operator, _)| operator));
+        for (formula, first, ss) in [
+            ("wall + operator", "wall", walls),
+            ("operator + wall", "operator", operators),
+            ("operator*wall", "operator", operators),
+        ] {
+            let model = CategoricalModel::parse(formula, &[], &named).unwrap();
+            let fit = fit_weighted(&model.factors, &model.model, &data, Weighting::Counts).unwrap();
+            let rows = model.tests(&fit, &data, Weighting::Counts).unwrap();
+            let (name, row) = rows.iter().next().unwrap();
+            assert_eq!(name, first, "{formula}");
+            assert!((row.type_i.ss - ss).abs() < 1e-12, "{formula}: {row:?}");
+            let column = format!("{first}.{}", if first == "wall" { "glass" } else { "a" });
+            let of_column = fit.anova.get(&column).unwrap().type_i.ss;
+            assert!((of_column - ss).abs() < 1e-12, "{formula}: {of_column}");
+        }
     }
 
     /// With levels alone the test is the one-way analysis of variance, and the surface at a level is

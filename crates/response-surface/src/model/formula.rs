@@ -1,9 +1,15 @@
 //! Model formulas, with the operators of R.
 
+use std::collections::BTreeSet;
+
 use crate::{Error, Term};
 
 /// Greatest power of one factor in a term.
 pub(crate) const MOST_POWER: u8 = 12;
+/// Deepest brackets of a formula: the reader calls itself for each, and its stack ends.
+const MOST_DEPTH: usize = 64;
+/// Longest formula, bytes (our choice): 2000 terms of ten factors.
+const MOST_BYTES: usize = 100_000;
 /// Most terms that a formula may have, of crossings in brackets too.
 const MOST_TERMS: usize = 2000;
 
@@ -26,10 +32,17 @@ pub(crate) struct Parsed {
 /// # Source
 /// Operators: `[WilkinsonRogers1973]`.
 pub(crate) fn parse(formula: &str, symbols: &[String]) -> Result<Parsed, Error> {
+    if formula.len() > MOST_BYTES {
+        return Err(Error::LongFormula {
+            bytes: formula.len(),
+            most: MOST_BYTES,
+        });
+    }
     let mut reader = Reader {
         formula,
         rest: formula,
         symbols,
+        depth: 0,
     };
     let parsed = reader.sum()?;
     if reader.peek().is_some() {
@@ -46,6 +59,8 @@ struct Reader<'a> {
     rest: &'a str,
     /// Symbols of the factors.
     symbols: &'a [String],
+    /// Brackets that are open.
+    depth: usize,
 }
 
 /// What a part of a formula stands for.
@@ -156,25 +171,24 @@ impl Reader<'_> {
                 return Ok(part);
             };
             let other = self.product()?;
-            let mut terms = part.terms.clone();
-            if nested {
+            let own = part.terms.iter().cloned();
+            let terms = if nested {
                 // b within all that a has.
                 let all = part
                     .terms
                     .iter()
                     .skip(1)
                     .fold(part.terms[0].clone(), |a, b| joint(&a, b));
-                terms.extend(other.terms.iter().map(|b| joint(&all, b)));
+                self.once_each(own.chain(other.terms.iter().map(|b| joint(&all, b))))?
             } else {
-                terms.extend(other.terms.iter().cloned());
                 let pairs = part.terms.iter();
-                terms.extend(pairs.flat_map(|a| other.terms.iter().map(move |b| joint(a, b))));
-            }
+                let pairs = pairs.flat_map(|a| other.terms.iter().map(move |b| joint(a, b)));
+                self.once_each(own.chain(other.terms.iter().cloned()).chain(pairs))?
+            };
             part = Part {
-                terms: once_each(terms),
+                terms,
                 is_plain: false,
             };
-            self.check_count(part.terms.len())?;
         }
     }
 
@@ -185,15 +199,14 @@ impl Reader<'_> {
             let other = self.atom()?;
             let mut terms = Vec::new();
             for a in &part.terms {
-                for b in &other.terms {
-                    terms.push(self.times(a, b)?);
-                }
+                let products = other.terms.iter().map(|b| self.times(a, b));
+                let products = products.collect::<Result<Vec<Term>, Error>>()?;
+                terms = self.once_each(terms.into_iter().chain(products))?;
             }
             part = Part {
-                terms: once_each(terms),
+                terms,
                 is_plain: part.is_plain && other.is_plain,
             };
-            self.check_count(part.terms.len())?;
         }
         Ok(part)
     }
@@ -209,7 +222,12 @@ impl Reader<'_> {
             return Ok(plain(Term::from_powers(vec![0; self.symbols.len()])));
         }
         if self.take('(') {
+            if self.depth == MOST_DEPTH {
+                return Err(Error::DeepFormula { most: MOST_DEPTH });
+            }
+            self.depth += 1;
             let sum = self.sum()?;
+            self.depth -= 1;
             if !self.take(')') || sum.through_zero || sum.terms.is_empty() {
                 self.rest = before;
                 return Err(self.bad());
@@ -219,9 +237,7 @@ impl Reader<'_> {
             for _ in 1..order {
                 let pairs = terms.iter();
                 let next = pairs.flat_map(|a| sum.terms.iter().map(move |b| joint(a, b)));
-                let next: Vec<Term> = next.collect();
-                terms = once_each(terms.into_iter().chain(next).collect());
-                self.check_count(terms.len())?;
+                terms = self.once_each(terms.iter().cloned().chain(next))?;
             }
             return Ok(Part {
                 terms,
@@ -301,6 +317,19 @@ impl Reader<'_> {
         Ok(term)
     }
 
+    /// The terms, each at its first place only; an error as soon as there are more than [`MOST_TERMS`], because two long brackets
+    /// cross to millions.
+    fn once_each(&self, terms: impl Iterator<Item = Term>) -> Result<Vec<Term>, Error> {
+        let (mut kept, mut seen) = (Vec::new(), BTreeSet::new());
+        for term in terms {
+            if seen.insert(term.powers().to_vec()) {
+                kept.push(term);
+                self.check_count(kept.len())?;
+            }
+        }
+        Ok(kept)
+    }
+
     /// Refuses more terms than [`MOST_TERMS`].
     fn check_count(&self, terms: usize) -> Result<(), Error> {
         if terms <= MOST_TERMS {
@@ -317,17 +346,6 @@ impl Reader<'_> {
 fn joint(a: &Term, b: &Term) -> Term {
     let powers = a.powers().iter().zip(b.powers());
     Term::from_powers(powers.map(|(a, b)| *a.max(b)).collect())
-}
-
-/// The terms, each at its first place only.
-fn once_each(terms: Vec<Term>) -> Vec<Term> {
-    let mut kept: Vec<Term> = Vec::with_capacity(terms.len());
-    for term in terms {
-        if !kept.contains(&term) {
-            kept.push(term);
-        }
-    }
-    kept
 }
 
 /// A term as it is written.
@@ -413,6 +431,16 @@ mod tests {
                 other => panic!("{formula}: {other:?}"),
             }
         }
+        let nested = |n: usize| read(&format!("{}A{}", "(".repeat(n), ")".repeat(n)));
+        assert_eq!(nested(64).unwrap(), "A");
+        for depth in [65, 30_000] {
+            assert!(matches!(
+                nested(depth),
+                Err(Error::DeepFormula { most: 64 })
+            ));
+        }
+        let long = "A + ".repeat(30_000);
+        assert!(matches!(read(&long), Err(Error::LongFormula { .. })));
         assert!(matches!(
             read("A + B + A"),
             Err(Error::DuplicateTerm { .. })

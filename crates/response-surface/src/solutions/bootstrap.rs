@@ -5,7 +5,7 @@ use random_stream::Stream;
 use serde::{Deserialize, Serialize};
 
 use super::nearest::{metrics, nearest};
-use super::{SolutionRequest, check, chosen_error};
+use super::{SolutionRequest, check};
 use crate::fit::ErrorVariance;
 use crate::{Error, Fit, NamedValues};
 
@@ -76,7 +76,9 @@ pub fn bootstrap(
         source_of_error: "residual",
         way_out: "add replicates, or fit fewer terms",
     };
-    let error = chosen_error(fit, request.error)?.ok_or_else(|| undefined.clone())?;
+    let error = fit
+        .chosen_error(request.error)?
+        .ok_or_else(|| undefined.clone())?;
     let lower = Cholesky::new(model_covariance(fit)).ok_or(undefined)?.l() * error.variance.sqrt();
     let centre = DVector::from_vec(fit.coefficients());
     let metrics = metrics(fit, request);

@@ -4,6 +4,7 @@ use experiment_design::Factor;
 use nalgebra::SymmetricEigen;
 use serde::{Deserialize, Serialize};
 
+use crate::DataRegion;
 use crate::surface::quadratic::Quadratic;
 
 /// An eigenvalue smaller than this share of the greatest makes a ridge: along it the stationary
@@ -33,8 +34,11 @@ pub struct Canonical {
     pub eigenvectors_columns: Vec<Vec<f64>>,
     /// What the stationary point is.
     pub kind: StationaryKind,
-    /// Whether it lies within the ranges of the factors (the data box); none on a ridge.
+    /// Whether it lies within the ranges of the factors; none on a ridge.
     pub inside_box: Option<bool>,
+    /// Whether it lies within what the data span; none on a ridge.
+    #[serde(default)]
+    pub inside_data: Option<bool>,
     /// Largest |coded coordinate|: 1 is the edge of the box; none on a ridge.
     pub reach_coded: Option<f64>,
 }
@@ -54,7 +58,11 @@ pub enum StationaryKind {
 }
 
 /// Canonical form of a quadratic; none without curvature.
-pub(crate) fn canonical(quadratic: &Quadratic, factors: &[Factor]) -> Option<Canonical> {
+pub(crate) fn canonical(
+    quadratic: &Quadratic,
+    factors: &[Factor],
+    region: Option<&DataRegion>,
+) -> Option<Canonical> {
     let half = &quadratic.hessian * 0.5;
     let size = half.amax();
     if size == 0.0 {
@@ -83,8 +91,11 @@ pub(crate) fn canonical(quadratic: &Quadratic, factors: &[Factor]) -> Option<Can
         .as_ref()
         .map(|x| x.iter().fold(0.0_f64, |reach, x| reach.max(x.abs())));
     let natural = |x: &Vec<f64>| factors.iter().zip(x).map(|(f, &x)| f.natural(x)).collect();
+    let natural: Option<Vec<f64>> = coded.as_ref().map(natural);
+    let inside = region.zip(natural.as_ref());
     Some(Canonical {
-        stationary_natural: coded.as_ref().map(natural),
+        inside_data: inside.map(|(region, point)| region.holds(point)),
+        stationary_natural: natural,
         value: coded.as_ref().map(|x| quadratic.value(x)),
         stationary_coded: coded,
         eigenvalues_ascending: values,

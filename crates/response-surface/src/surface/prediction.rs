@@ -25,7 +25,7 @@ pub struct Prediction {
     pub se_pred: Option<f64>,
     /// 95 % prediction interval of such a mean.
     pub pi95: Option<[f64; 2]>,
-    /// Whether a factor lies outside its range: the model was not made there.
+    /// Whether the point lies outside what the data span ([`Fit::is_beyond_data`]): the model was not made there.
     pub extrapolated: bool,
 }
 
@@ -75,7 +75,7 @@ impl Fit {
         let (se_mean, se_pred) = (se(leverage), se(1.0 + leverage));
         Ok(Prediction {
             natural: natural.to_vec(),
-            extrapolated: coded.iter().any(|x| x.abs() > 1.0 + 1e-9),
+            extrapolated: self.is_beyond_data(natural),
             coded,
             mean,
             leverage,

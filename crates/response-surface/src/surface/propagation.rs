@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use crate::fit::ErrorVariance;
 use crate::surface::prediction::check_point;
 use crate::surface::quadratic::Quadratic;
-use crate::{Error, Fit};
+use crate::{Error, Fit, Observations};
 
 /// The scatter of the response where the factors scatter about their settings.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -70,11 +70,13 @@ pub(crate) fn coded_variances(factors: &[Factor], sd: &[f64]) -> Result<Vec<f64>
             given: sd.len(),
         });
     }
-    if let Some(&value) = sd.iter().find(|sd| !(**sd >= 0.0 && sd.is_finite())) {
+    let size = |factor: &Factor| factor.half_range().max(factor.mid().abs());
+    let mut pairs = factors.iter().zip(sd);
+    if let Some((_, &value)) = pairs.find(|(f, sd)| !Observations::is_plausible_sd(**sd, size(f))) {
         return Err(Error::SettingOutOfRange {
             what: "the standard deviation of a factor",
             value,
-            range: "zero or more",
+            range: "zero, or a plausible scatter of that factor",
         });
     }
     let coded = factors.iter().zip(sd);

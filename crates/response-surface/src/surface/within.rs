@@ -2,8 +2,9 @@
 
 use experiment_design::Factor;
 
+use crate::fit::Case;
 use crate::surface::natural::rebased;
-use crate::{BoxExtremes, Error, Fit};
+use crate::{BoxExtremes, DataRegion, Error, Fit};
 
 impl Fit {
     /// Least and greatest value over the ranges of the factors.
@@ -79,6 +80,19 @@ impl Fit {
         Ok(self.remapped(factors, &lines, &dropped))
     }
 
+    /// What the data span in the factors that are left when some places are dropped.
+    fn region_without(&self, dropped: &[usize]) -> Option<DataRegion> {
+        if dropped.is_empty() || self.cases.is_empty() {
+            return Some(self.data_region.as_ref()?.without(dropped));
+        }
+        let left = |case: &Case| -> Vec<f64> {
+            let natural = self.natural(&case.coded).into_iter().enumerate();
+            let kept = natural.filter(|(j, _)| !dropped.contains(j));
+            kept.map(|(_, value)| value).collect()
+        };
+        DataRegion::of(&self.cases.iter().map(left).collect::<Vec<_>>())
+    }
+
     /// The same surface in other coordinates: the old coded value is offset + slope x'. Dropped
     /// coordinates have slope 0.
     fn remapped(&self, factors: Vec<Factor>, lines: &[(f64, f64)], dropped: &[usize]) -> Self {
@@ -103,6 +117,7 @@ impl Fit {
             formula,
             xtx_inverse: covariance,
             cases: Vec::new(),
+            data_region: self.region_without(dropped),
             canonical: None,
             box_extremes: None,
             ..self.clone()
@@ -148,6 +163,8 @@ mod tests {
             let (a, b) = (old.predict(&point).unwrap(), new.predict(&point).unwrap());
             assert!((a.mean - b.mean).abs() < 1e-12 && (a.leverage - b.leverage).abs() < 1e-12);
         }
-        assert!(new.predict(&[9.0, 0.5, 5.8]).unwrap().extrapolated);
+        // Bounds are a question, the data are what is known: 9 is beyond the new bounds of A, and 11 beyond the data.
+        assert!(!new.predict(&[9.0, 0.5, 5.5]).unwrap().extrapolated);
+        assert!(new.predict(&[11.0, 0.5, 5.5]).unwrap().extrapolated);
     }
 }

@@ -185,7 +185,7 @@ fn compromises_lie_where_the_weighted_product_is_greatest() {
         weight: 1.0,
         importance,
     };
-    let best = |r1, r2| compromises(&fits, &[goal(r1), goal(r2)], &[]).unwrap()[0].clone();
+    let best = |r1, r2| compromises(&fits, &[goal(r1), goal(r2)], &[], None).unwrap()[0].clone();
     let middle = best(1.0, 1.0);
     assert!((middle.desirability - 0.5).abs() < 1e-9 && middle.coded[0].abs() < 1e-4);
     assert!((best(3.0, 1.0).coded[0] - 0.5).abs() < 1e-4);
@@ -198,7 +198,7 @@ fn compromises_lie_where_the_weighted_product_is_greatest() {
         weight: 2.0,
         importance: 1.0,
     };
-    let at = compromises(&fits[..1], &[target], &[]).unwrap()[0].clone();
+    let at = compromises(&fits[..1], &[target], &[], None).unwrap()[0].clone();
     assert!((at.coded[0] - 0.7).abs() < 1e-6 && at.desirability > 1.0 - 1e-6);
     // Weight 2 squares the share of the way: (0.35 / 0.7)^2.
     assert!((target.desirability(0.35) - 0.25).abs() < 1e-12);
@@ -209,7 +209,11 @@ fn compromises_lie_where_the_weighted_product_is_greatest() {
         },
         ..target
     };
-    assert!(compromises(&fits[..1], &[range], &[]).unwrap().is_empty());
+    assert!(
+        compromises(&fits[..1], &[range], &[], None)
+            .unwrap()
+            .is_empty()
+    );
     let wrong = Goal {
         aim: Aim::Range {
             low: 6.0,
@@ -217,7 +221,7 @@ fn compromises_lie_where_the_weighted_product_is_greatest() {
         },
         ..target
     };
-    assert!(compromises(&fits[..1], &[wrong], &[]).is_err());
+    assert!(compromises(&fits[..1], &[wrong], &[], None).is_err());
 }
 
 /// A mean of n new runs lies in its interval in 95 % of cases: of 600 experiments with 3 runs each

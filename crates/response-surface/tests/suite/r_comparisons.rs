@@ -6,6 +6,8 @@ use experiment_design::Factor;
 use experiment_design::table::Table;
 use fixture_files::fixture;
 use response_surface::{Cell, Fit, Model, Observations, contrasts, fit, one_way};
+
+use crate::r::table::in_kept_order;
 use serde_json::Value;
 use std::path::PathBuf;
 
@@ -116,7 +118,7 @@ fn fitted(name: &str, symbols: &[&str], formula: &str) -> Fit {
         }
     };
     let data = Observations::from_cells(table.rows().iter().map(cell).collect()).unwrap();
-    fit(&factors, &Model::parse(formula, &factors).unwrap(), &data).unwrap()
+    fit(&factors, &in_kept_order(formula, &factors).unwrap(), &data).unwrap()
 }
 
 /// Limit: 1e-9 relative, as the other comparisons; the residuals are small differences of large sums.
@@ -171,4 +173,80 @@ fn lenths_margins_of_a_saturated_model_agree_with_r() {
     }
     let unsaturated = fitted("saturated.csv", &["A", "B"], "A*B");
     assert!(contrasts(&unsaturated).is_none());
+}
+
+/// Two correlated factors: coded settings and response.
+const CORRELATED: [[f64; 3]; 12] = [
+    [0.693, 0.506, 2.8814],
+    [0.982, 1.17, 3.881],
+    [0.157, 0.118, 0.2487],
+    [0.528, 0.4, 2.0667],
+    [0.03, 0.253, 0.551],
+    [0.441, 0.73, 1.6253],
+    [0.5, 0.681, 2.129],
+    [0.457, 0.459, 2.8213],
+    [0.84, 0.942, 3.4481],
+    [0.315, 0.336, 1.2536],
+    [0.766, 0.737, 3.1465],
+    [0.847, 0.786, 3.8871],
+];
+
+/// The order is that of R's `anova(lm(y ~ ...))`: `terms()` puts products of more factors behind, and otherwise leaves the order as
+/// written, powers in `I()` among the main effects. `B + A` gives 11.428 and 3.744 there (to the digits printed), `A + B`
+/// 15.169 and 0.0034. Each sum is what its term takes off the residuals of the terms before it (rounding: 1e-10).
+#[test]
+fn type_one_sums_follow_the_order_of_the_formula() {
+    let factors = ["A", "B"].map(|s| Factor::coded_only(s).unwrap());
+    let cells = CORRELATED.map(|[a, b, y]| Cell::single(vec![a, b], y));
+    let data = Observations::from_cells(cells.to_vec()).unwrap();
+    let fitted =
+        |formula: &str| fit(&factors, &Model::parse(formula, &factors).unwrap(), &data).unwrap();
+    let sums = |formula: &str| -> Vec<(String, f64)> {
+        let rows = fitted(formula);
+        let rows = rows
+            .anova
+            .iter()
+            .map(|(name, row)| (name.to_owned(), row.type_i.ss));
+        rows.collect()
+    };
+    for (formula, expected) in [
+        ("B + A", [("B", 11.428), ("A", 3.744)]),
+        ("A + B", [("A", 15.169), ("B", 0.0034)]),
+    ] {
+        for ((name, ss), (wanted, value)) in sums(formula).into_iter().zip(expected) {
+            assert_eq!(name, wanted, "{formula}");
+            assert!((ss - value).abs() < 5e-4, "{formula}, {name}: {ss}");
+        }
+    }
+    for (formula, order) in [
+        ("B*A", &["B", "A", "A:B"][..]),
+        ("B + I(B^2) + A", &["B", "B^2", "A"]),
+        ("A:B + B + A", &["B", "A", "A:B"]),
+        ("B + A + A:B + I(B^2)", &["B", "A", "B^2", "A:B"]),
+        ("quadratic", &["A", "B", "A:B", "A^2", "B^2"]),
+    ] {
+        let got = sums(formula);
+        let names: Vec<String> = order
+            .iter()
+            .map(|term| term.replace([':', '^'], ""))
+            .collect();
+        assert!(
+            got.iter().map(|(name, _)| name).eq(&names),
+            "{formula}: {got:?}"
+        );
+        for (i, (name, ss)) in got.iter().enumerate() {
+            let up_to = |n: usize| {
+                if n == 0 {
+                    "mean".to_owned()
+                } else {
+                    order[..n].join(" + ")
+                }
+            };
+            let taken = fitted(&up_to(i)).sse - fitted(&up_to(i + 1)).sse;
+            assert!(
+                (ss - taken).abs() < 1e-10,
+                "{formula}, {name}: {ss} against {taken}"
+            );
+        }
+    }
 }

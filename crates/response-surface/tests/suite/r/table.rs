@@ -167,11 +167,21 @@ fn of_cases(f: &Fit, r: &Value) -> Vec<(&'static str, f64)> {
     ]
 }
 
+/// A model whose terms enter in the order of `Model`, as R was asked for with `keep.order = TRUE`; of a written formula they
+/// would enter as `anova(lm(...))` lets them.
+pub(crate) fn in_kept_order(formula: &str, factors: &[Factor]) -> Result<Model, Box<dyn Error>> {
+    let model = Model::parse(formula, factors)?;
+    let places: Vec<usize> = (0..model.terms().len()).collect();
+    let mut text = serde_json::to_value(&model)?;
+    text["entry"] = serde_json::to_value(places)?;
+    Ok(serde_json::from_value(text)?)
+}
+
 /// One regression.
 fn regression(name: &str, r: &Value) -> Result<Row, Box<dyn Error>> {
     let (factors, cells) = read(name, r)?;
     let data = Observations::from_cells(cells)?;
-    let model = Model::parse(&strings(&r["terms"]).join(" + "), &factors)?;
+    let model = in_kept_order(&strings(&r["terms"]).join(" + "), &factors)?;
     let f = fit(&factors, &model, &data)?;
     let differences = [of_terms(&f, r), of_fit(&f, r), of_cases(&f, r)].concat();
     Ok(Row {
