@@ -152,7 +152,7 @@ impl Model {
             all.into_iter().filter(|term| keep(term)).collect()
         };
         let mut through_zero = false;
-        let mut is_written = false;
+        let mut written = None;
         let mut terms: Vec<Term> = match formula.trim() {
             "mean" => Vec::new(),
             "linear" => up_to(1, &|_| true),
@@ -162,7 +162,7 @@ impl Model {
             formula => {
                 let parsed = formula::parse(formula, &symbols)?;
                 through_zero = parsed.through_zero;
-                is_written = true;
+                written = Some(parsed.as_they_are);
                 parsed.terms
             }
         };
@@ -179,11 +179,17 @@ impl Model {
         }
         let mut entering = terms.clone();
         let model = Self::from_terms(symbols, terms);
-        if !is_written {
+        let Some(as_they_are) = written else {
             return Ok(model);
-        }
-        // R's terms(): products of more factors later, otherwise as written. A power is one factor.
-        entering.sort_by_key(Term::n_factors);
+        };
+        // R's terms(): products of more factors later, otherwise as written. A power is one factor, and so is I(...).
+        entering.sort_by_key(|term| {
+            if as_they_are.contains(term) {
+                1
+            } else {
+                term.n_factors()
+            }
+        });
         Ok(model.entering(&entering))
     }
 

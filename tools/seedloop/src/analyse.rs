@@ -94,11 +94,11 @@ pub(crate) struct Arguments {
     dummies: Vec<String>,
 
     /// The columns of the factors hold coded values [default: seen from the data]
-    #[arg(long, conflicts_with = "natural")]
+    #[arg(long, conflicts_with = "natural", requires = "factors")]
     coded: bool,
 
     /// The columns of the factors hold natural values
-    #[arg(long)]
+    #[arg(long, requires = "factors")]
     natural: bool,
 
     /// What the weights of the rows are taken from
@@ -110,9 +110,9 @@ pub(crate) struct Arguments {
     reduce: Option<Rule>,
 
     /// Limit of p for --reduce p, and for the main effects whose interactions are looked for with
-    /// --dummies
-    #[arg(long, value_name = "P", default_value_t = 0.1)]
-    alpha: f64,
+    /// --dummies [default: 0.1]
+    #[arg(long, value_name = "P")]
+    alpha: Option<f64>,
 
     /// Fits a Gaussian process as well and compares it by leaving cells out
     #[arg(long)]
@@ -132,7 +132,7 @@ pub(crate) struct Arguments {
     regime: Option<(String, String)>,
 
     /// Compares the groups that the one column of --factors names (one-way analysis of variance)
-    #[arg(long)]
+    #[arg(long, requires = "factors", conflicts_with_all = UNREAD_BY_GROUPS)]
     groups: bool,
 
     /// Writes the charts into this folder as SVG and PNG
@@ -146,6 +146,26 @@ pub(crate) struct Arguments {
     #[command(flatten)]
     common: Common,
 }
+
+/// Flags that a comparison of groups has no use for: one that is left unread would be taken for one that was followed.
+const UNREAD_BY_GROUPS: [&str; 13] = [
+    "model",
+    "block",
+    "batch",
+    "dummies",
+    "coded",
+    "natural",
+    "weights",
+    "reduce",
+    "alpha",
+    "gaussian_process",
+    "regime",
+    "plots",
+    "html",
+];
+
+/// Limit of p if none is given.
+const ALPHA: f64 = 0.1;
 
 /// What the weights are taken from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -258,6 +278,12 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
     if arguments.groups {
         return groups::run(arguments);
     }
+    ensure!(
+        arguments.alpha.is_none()
+            || arguments.reduce == Some(Rule::P)
+            || !arguments.dummies.is_empty(),
+        "--alpha is for --reduce p and for --dummies; leave it out"
+    );
     let mut data = read(arguments)?;
     let boundary = extras::split_regimes(arguments, &mut data)?;
     let (named, mut model) = asked_model(arguments, &mut data)?;
@@ -332,7 +358,14 @@ fn report<'a>(
         weighting,
         is_named,
     } = *fits;
-    let search = || interaction_search(&data.factors, observations, weighting, arguments.alpha);
+    let search = || {
+        interaction_search(
+            &data.factors,
+            observations,
+            weighting,
+            arguments.alpha.unwrap_or(ALPHA),
+        )
+    };
     let screened = !arguments.dummies.is_empty();
     let unnamed = !is_named;
     let gaussian_process = extras::comparison(arguments, &data.factors, observations, fit)?;
@@ -368,7 +401,12 @@ fn report<'a>(
         random_batches: extras::batches(data, model, weighting)?,
         interaction_search: screened.then(search).transpose()?,
         regime: None,
-        warning_texts: fit.warnings.iter().map(ToString::to_string).collect(),
+        warning_texts: data
+            .warnings
+            .iter()
+            .cloned()
+            .chain(fit.warnings.iter().map(ToString::to_string))
+            .collect(),
     })
 }
 
@@ -428,7 +466,7 @@ fn fitted(
         return Ok((fit, Vec::new()));
     };
     let rule = match rule {
-        Rule::P => ReductionRule::PValue(arguments.alpha),
+        Rule::P => ReductionRule::PValue(arguments.alpha.unwrap_or(ALPHA)),
         Rule::Aicc => ReductionRule::Aicc,
         Rule::Bic => ReductionRule::Bic,
     };

@@ -11,6 +11,9 @@ use scene::{Apparatus, Drop, FillingLibrary, RunResult, Slider, Tilt};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
+/// Height of a drop if none is given, mm.
+const HEIGHT_MM: f64 = 200.0;
+
 /// A bench test.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum Kind {
@@ -51,22 +54,22 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "NAME", requires = "scene")]
     kind: Option<String>,
 
-    /// Height of the drop; the study does not state its own
+    /// Height of the drop; the study does not state its own [default: 200]
     #[arg(
         long,
         value_name = "MM",
-        default_value_t = 200.0,
+        requires = "scene",
         allow_negative_numbers = true
     )]
-    height_mm: f64,
+    height_mm: Option<f64>,
 
     /// Number of repeats [default: 40 drops, 5 pulls, 20 tilts]
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", requires = "scene")]
     repeats: Option<usize>,
 
-    /// Seed of orientations
-    #[arg(long, value_name = "N", default_value_t = 1)]
-    seed: u64,
+    /// Seed of orientations [default: 1]
+    #[arg(long, value_name = "N", requires = "scene")]
+    seed: Option<u64>,
 
     #[command(flatten)]
     common: Common,
@@ -98,6 +101,22 @@ struct Report {
 pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
     let common = &arguments.common;
     common.try_outputs([])?;
+    // The parser asks for no --scene beside a table, which excludes it.
+    let simulates = arguments.repeats.is_some()
+        || arguments.seed.is_some()
+        || arguments.height_mm.is_some()
+        || arguments.set_file.is_some()
+        || arguments.plate.is_some()
+        || arguments.kind.is_some();
+    ensure!(
+        arguments.scene.is_some() || !simulates,
+        "--repeats, --seed, --height-mm, --set-file, --plate and --kind are for a test with the solver; give --scene in place \
+         of a table, or leave them out"
+    );
+    ensure!(
+        arguments.test == Kind::Drop || arguments.height_mm.is_none(),
+        "--height-mm is for drop"
+    );
     let report = match (&arguments.scene, &arguments.data) {
         (Some(file), _) => simulated(arguments, file)?,
         (None, Some(file)) => measured(arguments.test, file)?,
@@ -183,7 +202,7 @@ fn simulated(arguments: &Arguments, file: &Path) -> anyhow::Result<Report> {
         Kind::Slider => contact.static_friction.get(),
         Kind::Tilt => contact.rolling_friction.get(),
     };
-    let seed = arguments.seed;
+    let seed = arguments.seed.unwrap_or(1);
     let result = scene::run(&scene, &FillingLibrary::default(), seed)?;
     let slid = values(&result, "slid_share").iter().filter(|s| **s > 0.5);
     let slid = slid.count();
@@ -214,7 +233,8 @@ fn apparatus(
             plate,
             seed,
             repeats,
-            height: Length::from_si(1e-3 * arguments.height_mm).context("--height-mm")?,
+            height: Length::from_si(1e-3 * arguments.height_mm.unwrap_or(HEIGHT_MM))
+                .context("--height-mm")?,
         }),
         Kind::Slider => Apparatus::Slider(Slider {
             plate,

@@ -7,7 +7,7 @@ mod optimal;
 
 use std::path::PathBuf;
 
-use anyhow::{Context as _, ensure};
+use anyhow::Context as _;
 use clap::ValueEnum;
 use command_line::{Common, DONE, Header, significant, write_new};
 use experiment_design::table::factors_from_table;
@@ -57,9 +57,9 @@ pub(crate) struct Arguments {
     #[arg(long)]
     foldover: bool,
 
-    /// Where the axial runs of ccd lie
-    #[arg(long, value_enum, default_value_t = Axial::Face)]
-    axial: Axial,
+    /// Where the axial runs of ccd lie [default: face]
+    #[arg(long, value_enum, conflicts_with = "alpha")]
+    axial: Option<Axial>,
 
     /// Axial distance of ccd in half-ranges, in place of --axial
     #[arg(long, value_name = "HALF-RANGES")]
@@ -95,13 +95,18 @@ pub(crate) struct Arguments {
     #[arg(long)]
     descend: bool,
 
-    /// Distance of the points of a path in half-ranges (steepest)
-    #[arg(long, value_name = "HALF-RANGES", default_value_t = 0.5)]
-    step: f64,
+    /// Distance of the points of a path in half-ranges (steepest) [default: 0.5]
+    #[arg(long, value_name = "HALF-RANGES")]
+    step: Option<f64>,
 
-    /// How often the full factorial is halved (fraction)
-    #[arg(long, value_name = "P", default_value_t = 1)]
-    halvings: usize,
+    /// How often the full factorial is halved (fraction) [default: 1]
+    #[arg(long, value_name = "P", conflicts_with_all = ["generators", "resolution"])]
+    halvings: Option<usize>,
+
+    /// The fraction of fewest runs with this resolution, III, IV, V or 3, 4, 5, ...: main effects clear of each other, of
+    /// two-factor interactions, and these of each other (fraction)
+    #[arg(long, value_name = "R", conflicts_with = "generators", value_parser = resolution_argument)]
+    resolution: Option<usize>,
 
     /// Model that d-optimal and i-optimal are made for, and every design is judged by: linear, 2fi,
     /// quadratic or a formula [default: linear for pb, fraction and dsd, 2fi for full, or quadratic]
@@ -173,6 +178,15 @@ enum Axial {
     Spherical,
 }
 
+/// Reads a resolution in Roman or Arabic numerals.
+fn resolution_argument(text: &str) -> Result<usize, String> {
+    const ROMAN: [&str; 9] = ["III", "IV", "V", "VI", "VII", "VIII", "IX", "X", "XI"];
+    let roman = ROMAN.iter().position(|r| text.eq_ignore_ascii_case(r));
+    let number = roman.map(|place| place + 3).or_else(|| text.parse().ok());
+    let number = number.filter(|r| (3..=11).contains(r));
+    number.ok_or_else(|| "write III, IV, V, ... XI, or 3 to 11".to_owned())
+}
+
 /// Makes the design and writes it.
 ///
 /// # Errors
@@ -191,10 +205,6 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
         facts,
     } = make::make(arguments, &factors, &named)?;
     if arguments.foldover {
-        ensure!(
-            matches!(arguments.kind, Kind::Pb | Kind::Fraction),
-            "--foldover is for pb and fraction"
-        );
         design = design.folded_over();
     }
     let of_cells = if let Some(of_cells) = of_cells {

@@ -22,6 +22,22 @@ use serde::Serialize;
 /// Confidence of the tolerance interval: as customary.
 const CONFIDENCE: f64 = 0.95;
 
+/// Flags that the search for the best setting has no use for: one that is left unread would be taken for one that was
+/// followed.
+const UNREAD_BY_GOALS: [&str; 8] = [
+    "target",
+    "target_sd",
+    "target_n",
+    "near",
+    "confirm",
+    "content",
+    "bootstrap",
+    "seed",
+];
+
+/// Share of all runs that a tolerance interval holds if none is given: as customary.
+const CONTENT: f64 = 0.99;
+
 /// Finds where a fitted surface meets a target: the whole set, its region, the nearest solutions
 #[derive(clap::Args, Debug)]
 #[command(after_help = "Example:\n  seedloop optimise analysis.json --target 36")]
@@ -39,7 +55,7 @@ pub(crate) struct Arguments {
     #[arg(
         long,
         value_name = "GOAL",
-        conflicts_with = "target",
+        conflicts_with_all = UNREAD_BY_GOALS,
         allow_hyphen_values = true
     )]
     goal: Option<String>,
@@ -85,7 +101,7 @@ pub(crate) struct Arguments {
     #[arg(long, value_enum)]
     error: Option<ErrorKind>,
 
-    /// Predicts at this point as well: B=0.33,E=0.06,F=0.10
+    /// Predicts at this point as well, with --goal also what it is worth: B=0.33,E=0.06,F=0.10
     #[arg(long, value_name = "LIST", value_delimiter = ',')]
     at: Vec<String>,
 
@@ -95,16 +111,16 @@ pub(crate) struct Arguments {
     factor_sd: Vec<String>,
 
     /// Redraws the experiment so often and solves each again: how the nearest solution scatters
-    #[arg(long, value_name = "DRAWS", conflicts_with = "goal")]
+    #[arg(long, value_name = "DRAWS")]
     bootstrap: Option<usize>,
 
-    /// Seed of --bootstrap
-    #[arg(long, value_name = "N", default_value_t = 1)]
-    seed: u64,
+    /// Seed of --bootstrap [default: 1]
+    #[arg(long, value_name = "N", requires = "bootstrap")]
+    seed: Option<u64>,
 
-    /// Share of all runs that the tolerance interval at --at holds, with 95 % confidence
-    #[arg(long, value_name = "SHARE", default_value_t = 0.99)]
-    content: f64,
+    /// Share of all runs that the tolerance interval at --at holds, with 95 % confidence [default: 0.99]
+    #[arg(long, value_name = "SHARE", requires = "at")]
+    content: Option<f64>,
 
     #[command(flatten)]
     common: Common,
@@ -121,6 +137,18 @@ enum ErrorKind {
     Replicates,
     /// Both of them
     AllRepeats,
+}
+
+impl Arguments {
+    /// The error variance asked for.
+    fn error(&self) -> Option<ErrorSource> {
+        self.error.map(|kind| match kind {
+            ErrorKind::Residual => ErrorSource::Residual,
+            ErrorKind::RepeatedRows => ErrorSource::RepeatedRows,
+            ErrorKind::Replicates => ErrorSource::Replicates,
+            ErrorKind::AllRepeats => ErrorSource::AllRepeats,
+        })
+    }
 }
 
 /// The answer as it stands in JSON.
@@ -171,21 +199,18 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
         warnings,
     } = read;
     let scale = Scale(transform);
-    let error = arguments.error.map(|kind| match kind {
-        ErrorKind::Residual => ErrorSource::Residual,
-        ErrorKind::RepeatedRows => ErrorSource::RepeatedRows,
-        ErrorKind::Replicates => ErrorSource::Replicates,
-        ErrorKind::AllRepeats => ErrorSource::AllRepeats,
-    });
     let request = SolutionRequest {
         target: scale.of("the target", target)?,
         target_sd: scale.sd(target, arguments.target_sd)?,
         target_n: arguments.target_n,
         near: measured(&fit, &arguments.near)?,
-        error,
+        error: arguments.error(),
     };
     let solutions = solutions(&fit, &request)?;
-    let at = predicted(&fit, &arguments.at, &solutions)?;
+    let at = match point_at(&fit, &arguments.at)? {
+        Some(point) => Some(fit.predict_with(&point, solutions.error)?),
+        None => None,
+    };
     let confirmation = match (&arguments.confirm[..], &at) {
         ([], _) | (_, None) => None,
         (runs, Some(at)) => {
@@ -195,12 +220,17 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
         }
     };
     let tolerance = match &at {
-        Some(at) => fit.tolerance(&at.natural, solutions.error, arguments.content, CONFIDENCE)?,
+        Some(at) => fit.tolerance(
+            &at.natural,
+            solutions.error,
+            arguments.content.unwrap_or(CONTENT),
+            CONFIDENCE,
+        )?,
         None => None,
     };
     let scatter = Scatter::read(&fit, &arguments.factor_sd, &solutions, at.as_ref())?;
     let bootstrap = match arguments.bootstrap {
-        Some(draws) => bootstrap(&fit, &request, draws, arguments.seed)?,
+        Some(draws) => bootstrap(&fit, &request, draws, arguments.seed.unwrap_or(1))?,
         None => Vec::new(),
     };
     let refuted = confirmation.as_ref().and_then(|c| c.confirmed) == Some(false);
@@ -209,7 +239,7 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
     } else {
         NOT_MET
     };
-    let seed = arguments.bootstrap.map(|_| arguments.seed);
+    let seed = arguments.bootstrap.map(|_| arguments.seed.unwrap_or(1));
     let report = Report {
         header: Header::new(seed, [path])?,
         factors: fit.factors.iter().map(|f| f.symbol().to_owned()).collect(),
@@ -253,8 +283,7 @@ impl Scatter {
         if list.is_empty() {
             return Ok(Self::default());
         }
-        let given = measured(fit, list)?;
-        let sd: Vec<f64> = given.iter().map(|m| m.map_or(0.0, |m| m.value)).collect();
+        let sd = factor_sds(fit, list)?;
         let propagated = |point: &[f64]| fit.propagation(point, &sd, solutions.error);
         let mut nearest = Vec::new();
         for (metric, found) in solutions.nearest.iter() {
@@ -266,6 +295,21 @@ impl Scatter {
             most_robust: most_robust(fit, solutions.target, &sd)?,
         })
     }
+}
+
+/// Standard deviations of the factors in use; 0 for one that is not named.
+fn factor_sds(fit: &Fit, list: &[String]) -> anyhow::Result<Vec<f64>> {
+    let given = measured(fit, list)?;
+    let value = |measured: Option<Measured>| match measured {
+        None => Ok(0.0),
+        Some(Measured {
+            value,
+            sd: None,
+            n: None,
+        }) => Ok(value),
+        Some(_) => bail!("--factor-sd takes standard deviations alone, such as B=0.01"),
+    };
+    given.into_iter().map(value).collect()
 }
 
 /// Reads `B=0.32+-0.05/5` and the like into the order of the factors.
@@ -309,12 +353,8 @@ fn measured(fit: &Fit, list: &[String]) -> anyhow::Result<Vec<Option<Measured>>>
     Ok(near)
 }
 
-/// The prediction at the point asked for, if one is.
-fn predicted(
-    fit: &Fit,
-    list: &[String],
-    solutions: &Solutions,
-) -> anyhow::Result<Option<Prediction>> {
+/// The point of `--at` in the units of the factors, if one is given.
+fn point_at(fit: &Fit, list: &[String]) -> anyhow::Result<Option<Vec<f64>>> {
     if list.is_empty() {
         return Ok(None);
     }
@@ -322,7 +362,11 @@ fn predicted(
     for (factor, value) in fit.factors.iter().zip(measured(fit, list)?) {
         let symbol = factor.symbol();
         let value = value.with_context(|| format!("--at needs a value for '{symbol}'"))?;
+        ensure!(
+            value.sd.is_none() && value.n.is_none(),
+            "--at takes settings without a scatter; give that of '{symbol}' with --factor-sd"
+        );
         point.push(value.value);
     }
-    Ok(Some(fit.predict_with(&point, solutions.error)?))
+    Ok(Some(point))
 }

@@ -20,6 +20,8 @@ mod designs;
 mod diagnosis;
 #[path = "command/edges.rs"]
 mod edges;
+#[path = "command/flags.rs"]
+mod flags;
 #[path = "command/help.rs"]
 mod help;
 #[path = "command/interrupted.rs"]

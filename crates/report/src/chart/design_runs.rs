@@ -36,7 +36,7 @@ pub(crate) fn legend_entry(runs: &[DesignRun]) -> Option<LegendEntry<'static>> {
 }
 
 /// Places of the marks, px: those of one place of the plane, which differ in factors that are not shown, stand side by
-/// side around it.
+/// side around it, or beside it where they would leave the plane: a mark on the names of an axis is in neither.
 fn places(runs: &[DesignRun], plot: &Plot) -> Vec<Point> {
     let same = |a: &DesignRun, b: &DesignRun| {
         let [a, b] = [a, b].map(|run| plot.place(run.x, run.y));
@@ -52,9 +52,20 @@ fn places(runs: &[DesignRun], plot: &Plot) -> Vec<Point> {
         let across = (before % IN_A_ROW) as f64 - middle(all.min(IN_A_ROW));
         let down = (before / IN_A_ROW) as f64 - middle(all.div_ceil(IN_A_ROW));
         let Point { x, y } = plot.place(run.x, run.y);
-        at(x + STEP * across, y + STEP * down)
+        // How far the outermost marks stand from the middle of all.
+        let [wide, high] = [all.min(IN_A_ROW), all.div_ceil(IN_A_ROW)].map(|n| STEP * middle(n));
+        let area = &plot.area;
+        at(
+            within(x, [area.left + wide, area.right - wide]) + STEP * across,
+            within(y, [area.top + high, area.bottom - high]) + STEP * down,
+        )
     };
     runs.iter().enumerate().map(place).collect()
+}
+
+/// The nearest number between two ends; the given one if they leave no room.
+fn within(x: f64, [low, high]: [f64; 2]) -> f64 {
+    if low <= high { x.clamp(low, high) } else { x }
 }
 
 /// Keeps names away from the runs.

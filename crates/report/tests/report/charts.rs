@@ -399,6 +399,49 @@ fn runs_at_one_place_stand_side_by_side_and_open_their_part_of_the_page() {
     }
 }
 
+/// Four runs at each corner of the plane, and one on its left edge: the middles of all marks lie in the plane, whose corners are
+/// those of the frame, and the single one on its place. Limit: the two decimals that are written.
+#[test]
+fn marks_at_the_edge_stay_off_the_names_of_the_axes() {
+    let axis = vec![0.0, 0.5, 1.0];
+    let corners = [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0), (1.0, 1.0)];
+    let places = corners.iter().flat_map(|corner| [*corner; 4]);
+    let run = |(x, y): (f64, f64)| DesignRun {
+        name: String::new(),
+        x,
+        y,
+        link: "#run".to_owned(),
+    };
+    let chart = Contour {
+        x_values: axis.clone(),
+        y_values: axis,
+        values: vec![0.0, 1.0, 2.0, 0.0, 1.0, 2.0, 0.0, 1.0, 2.0],
+        points: vec![],
+        region: vec![],
+        runs: places.chain([(0.0, 0.5)]).map(run).collect(),
+        ..examples::contour(&[0.0; 4])
+    };
+    let elements = read(&chart.draw().unwrap());
+    let corner = |element: usize| -> [f64; 2] {
+        let path = elements[element].attribute("d").unwrap();
+        let numbers = path.trim_start_matches('M').split([' ', 'L']).take(2);
+        let numbers: Vec<f64> = numbers.map(|x| x.parse().unwrap()).collect();
+        // The upper left corner of a mark of 4 px.
+        [numbers[0] + 3.6, numbers[1] + 3.6]
+    };
+    let links = (0..elements.len()).filter(|i| elements[*i].name == "a");
+    let middles: Vec<[f64; 2]> = links.map(|link| corner(link + 2)).collect();
+    assert_eq!(middles.len(), 17);
+    // What is drawn within the plane stands in a picture of its own.
+    let frame = elements.iter().filter(|e| e.name == "svg").nth(1).unwrap();
+    let [left, top, width, height] = ["x", "y", "width", "height"].map(|name| frame.number(name));
+    for [x, y] in &middles {
+        assert!((left - 0.03..=left + width + 0.03).contains(x), "{x}");
+        assert!((top - 0.03..=top + height + 0.03).contains(y), "{y}");
+    }
+    assert!((middles[16][0] - left).abs() < 0.03, "{:?}", middles[16]);
+}
+
 /// Up to 40 runs have their numbers; of more only those beyond the limits, so that the numbers stay legible.
 #[test]
 fn runs_beyond_the_limits_are_named_at_every_number_of_runs() {

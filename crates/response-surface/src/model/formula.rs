@@ -18,6 +18,8 @@ const MOST_TERMS: usize = 2000;
 pub(crate) struct Parsed {
     /// The terms as powers of the factors, each once, in the order of the formula; the intercept where it is written.
     pub(crate) terms: Vec<Term>,
+    /// Those written in `I(...)`, which count as one factor each, also a product.
+    pub(crate) as_they_are: Vec<Term>,
     /// Whether the formula has `0 +` or `- 1`.
     pub(crate) through_zero: bool,
 }
@@ -43,11 +45,13 @@ pub(crate) fn parse(formula: &str, symbols: &[String]) -> Result<Parsed, Error> 
         rest: formula,
         symbols,
         depth: 0,
+        as_they_are: Vec::new(),
     };
-    let parsed = reader.sum()?;
+    let mut parsed = reader.sum()?;
     if reader.peek().is_some() {
         return Err(reader.bad());
     }
+    parsed.as_they_are = reader.as_they_are;
     Ok(parsed)
 }
 
@@ -61,6 +65,8 @@ struct Reader<'a> {
     symbols: &'a [String],
     /// Brackets that are open.
     depth: usize,
+    /// Terms written in `I(...)`.
+    as_they_are: Vec<Term>,
 }
 
 /// What a part of a formula stands for.
@@ -155,6 +161,7 @@ impl Reader<'_> {
         }
         Ok(Parsed {
             terms,
+            as_they_are: Vec::new(),
             through_zero,
         })
     }
@@ -255,6 +262,7 @@ impl Reader<'_> {
                 self.rest = before;
                 return Err(self.bad());
             }
+            self.as_they_are.push(term.clone());
             return Ok(plain(term));
         }
         Ok(plain(self.powered()?))

@@ -3,7 +3,7 @@
 //! Limit: 1e-8 relative. R holds coefficients to about 1e-10 on the worst of these sets (squares in
 //! natural units); the measured worst difference is printed by the example `r_agreement`.
 
-pub(crate) mod table;
+mod table;
 
 #[test]
 fn every_quantity_of_every_data_set_agrees_with_r() {

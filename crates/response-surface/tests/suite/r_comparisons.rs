@@ -6,8 +6,6 @@ use experiment_design::Factor;
 use experiment_design::table::Table;
 use fixture_files::fixture;
 use response_surface::{Cell, Fit, Model, Observations, contrasts, fit, one_way};
-
-use crate::r::table::in_kept_order;
 use serde_json::Value;
 use std::path::PathBuf;
 
@@ -118,7 +116,7 @@ fn fitted(name: &str, symbols: &[&str], formula: &str) -> Fit {
         }
     };
     let data = Observations::from_cells(table.rows().iter().map(cell).collect()).unwrap();
-    fit(&factors, &in_kept_order(formula, &factors).unwrap(), &data).unwrap()
+    fit(&factors, &Model::parse(formula, &factors).unwrap(), &data).unwrap()
 }
 
 /// Limit: 1e-9 relative, as the other comparisons; the residuals are small differences of large sums.
@@ -152,7 +150,7 @@ fn lenths_margins_of_a_saturated_model_agree_with_r() {
     let fit = fitted(
         "saturated.csv",
         &["A", "B"],
-        "A + B + A:B + A^2 + B^2 + A^2:B",
+        "A + B + I(A*B) + I(A^2) + I(B^2) + I(A^2*B)",
     );
     let got = contrasts(&fit).unwrap();
     assert!(!got.orthogonal);
@@ -223,6 +221,7 @@ fn type_one_sums_follow_the_order_of_the_formula() {
         ("B + I(B^2) + A", &["B", "B^2", "A"]),
         ("A:B + B + A", &["B", "A", "A:B"]),
         ("B + A + A:B + I(B^2)", &["B", "A", "B^2", "A:B"]),
+        ("B + I(A*B) + A", &["B", "A:B", "A"]),
         ("quadratic", &["A", "B", "A:B", "A^2", "B^2"]),
     ] {
         let got = sums(formula);

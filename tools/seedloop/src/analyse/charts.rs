@@ -373,7 +373,10 @@ fn perturbation(fit: &Fit, response: &str) -> anyhow::Result<Svg> {
         }
     });
     let chart = LineSeries {
-        x: AxisTitle::new("coded distance from the middle", ""),
+        x: AxisTitle::new(
+            "coded distance from the middle, the other factors there",
+            "",
+        ),
         y: AxisTitle::new(response, ""),
         series: series.collect(),
         levels: Vec::new(),

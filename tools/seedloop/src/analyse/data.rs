@@ -3,8 +3,9 @@
 use std::path::PathBuf;
 
 use anyhow::{Context as _, bail, ensure};
+use command_line::significant;
 use experiment_design::Factor;
-use experiment_design::table::{Row, Table, check_natural, factors_from_table};
+use experiment_design::table::{Row, Table, check_natural, factors_from_table, split_unit};
 use response_surface::{Categorical, Cell, Model, Observations, Transform};
 use serde::Serialize;
 
@@ -12,6 +13,10 @@ use super::Arguments;
 
 /// Farthest coded value of a natural column: axial points of the largest designs lie at 4.
 const FARTHEST: f64 = 5.0;
+/// Most rows of an analysis (our choice): each takes about a kilobyte, the model matrix, residuals and influence included.
+const MOST_ROWS: usize = 100_000;
+/// Most replicates of a setting: the most runs of a design.
+const MOST_REPLICATES: usize = 1_000_000;
 /// Least spread of a natural column, in widths of the range of its factor: a table of a design covers the whole of it.
 const NARROWEST: f64 = 0.01;
 
@@ -43,6 +48,8 @@ pub(super) struct Data {
     pub(super) batches: Vec<String>,
     /// Names of the blocks 1, 2, ...; empty where they are numbers.
     pub(super) block_names: Vec<String>,
+    /// What to bear in mind about single cells, with their places.
+    pub(super) warnings: Vec<String>,
 }
 
 /// The file of the factors, if the argument is one.
@@ -62,6 +69,12 @@ pub(super) fn read(arguments: &Arguments) -> anyhow::Result<Data> {
     let path = &arguments.data;
     let place = || path.display().to_string();
     let table = table_file::read(path)?;
+    ensure!(
+        table.rows().len() <= MOST_ROWS,
+        "{}: it has {} rows; an analysis takes {MOST_ROWS} at most: average runs of the same settings, with --n and --sd",
+        place(),
+        table.rows().len()
+    );
     let given = match &arguments.factors {
         Some(list) => given_factors(list)?,
         None => Vec::new(),
@@ -72,6 +85,7 @@ pub(super) fn read(arguments: &Arguments) -> anyhow::Result<Data> {
     }
     let response = table.column(&arguments.response).with_context(place)?;
     check_columns(&table, &columns, response).with_context(place)?;
+    let warnings = lone_values(&table, &columns, response).with_context(place)?;
     let coding = coding(arguments, &table, &columns).with_context(place)?;
     let factors = factors(arguments, &table, (given, &columns), coding)?;
     if coding == Coding::Coded {
@@ -91,12 +105,13 @@ pub(super) fn read(arguments: &Arguments) -> anyhow::Result<Data> {
         cells.sd.is_none() || cells.n.is_some(),
         "--sd needs --n, the column of the number of replicates that the sd was taken over"
     );
-    let cells = table
-        .rows()
-        .iter()
+    let rows = table.rows().iter();
+    let read = rows
         .map(|row| cells.cell(row))
         .collect::<Result<Vec<_>, _>>();
-    let mut cells = cells.with_context(place)?;
+    let read = read.and_then(|read| Ok((cells.spreads(&read)?, read)));
+    let (without_spread, mut cells) = read.with_context(place)?;
+    let warnings = warnings.into_iter().chain(without_spread).collect();
     let labels = |name: Option<&str>, what: &str| labels(&table, name, what).with_context(place);
     let block_names = number_blocks(&mut cells, &labels(arguments.block.as_deref(), "block")?);
     let mut categories = Vec::with_capacity(arguments.categories.len());
@@ -108,6 +123,7 @@ pub(super) fn read(arguments: &Arguments) -> anyhow::Result<Data> {
         regimes: labels(arguments.regime_column(), "regime")?,
         batches: labels(arguments.batch.as_deref(), "batch")?,
         block_names,
+        warnings,
         factors,
         coding,
         cells,
@@ -203,6 +219,50 @@ fn check_columns(table: &Table, factors: &[usize], response: usize) -> anyhow::R
     Ok(())
 }
 
+/// How far a value may lie beyond those of all other rows, in widths of their range, before it is reported: as far as they
+/// reach themselves. The outermost axial runs of a composite come in pairs.
+const LONE: f64 = 1.0;
+/// How far it may lie before it is refused, in widths of their range and sizes of their values: no factor and no response
+/// of an experiment jumps a million times its own size in one row.
+const ABSURD: f64 = 1e6;
+
+/// Refuses a factor or a response that one row alone has at an absurd value, and reports factors that one row alone takes far
+/// beyond all others, each with its place: a slip of a typist costs terms, and the terms do not say where it stands.
+fn lone_values(table: &Table, factors: &[usize], response: usize) -> anyhow::Result<Vec<String>> {
+    let mut warnings = Vec::new();
+    for &column in factors.iter().chain([&response]) {
+        let mut sorted = Vec::with_capacity(table.rows().len());
+        for row in table.rows() {
+            sorted.push((table.number(row, column)?, row));
+        }
+        sorted.sort_by(|a, b| a.0.total_cmp(&b.0));
+        // With fewer rows no two others could tell what is far.
+        let [(low, lowest), (second, _), .., (last, _), (high, highest)] = &sorted[..] else {
+            continue;
+        };
+        for (value, row, [from, to]) in
+            [(low, lowest, [second, high]), (high, highest, [low, last])]
+        {
+            let beyond = (from - value).max(value - to);
+            let (spread, size) = (to - from, from.abs().max(to.abs()));
+            let place = table.place(row, column);
+            let [value, from, to] = [value, from, to].map(|v| significant(*v, 6));
+            ensure!(
+                beyond <= ABSURD * spread.max(size) || spread.max(size) == 0.0,
+                "{place}: {value} lies far outside all other rows, {from} to {to}; correct it, or leave the row out"
+            );
+            if column != response && spread > 0.0 && beyond > LONE * spread {
+                warnings.push(format!(
+                    "{place}: {value} lies {} widths outside the range of all other rows, {from} to {to}; the fit hangs on \
+                     this row, so check it",
+                    significant(beyond / spread, 2)
+                ));
+            }
+        }
+    }
+    Ok(warnings)
+}
+
 /// Where the numbers of a row stand.
 struct Cells<'a> {
     /// The table.
@@ -224,6 +284,46 @@ struct Cells<'a> {
 }
 
 impl Cells<'_> {
+    /// Checks the standard deviations of the rows, and reports the replicates whose standard deviation is missing.
+    fn spreads(&self, cells: &[Cell]) -> anyhow::Result<Option<String>> {
+        let Some(column) = self.sd else {
+            return Ok(None);
+        };
+        let rows = || self.table.rows().iter().zip(cells);
+        let size = cells.iter().map(|cell| cell.mean.abs()).fold(0.0, f64::max);
+        for (row, cell) in rows() {
+            let place = self.table.place(row, column);
+            let Some(sd) = cell.sd else { continue };
+            ensure!(
+                Observations::is_plausible_sd(sd, size),
+                "{place}: {sd:e} is no standard deviation of responses up to {size}; correct it, or write 0 for runs that \
+                 are all alike"
+            );
+            ensure!(
+                cell.n > 1 || sd == 0.0,
+                "{place}: {sd} is given as the standard deviation of a single run (n = 1), which has none; correct n, or \
+                 leave the cell empty"
+            );
+        }
+        let missing = rows().filter(|(_, cell)| cell.n > 1 && cell.sd.is_none());
+        let missing: Vec<(&Row, usize)> = missing.map(|(row, cell)| (row, cell.n - 1)).collect();
+        if missing.is_empty() {
+            return Ok(None);
+        }
+        let degrees = |pairs: &mut dyn Iterator<Item = usize>| pairs.sum::<usize>();
+        let lost = degrees(&mut missing.iter().map(|(_, df)| *df));
+        let all = degrees(&mut cells.iter().map(|cell| cell.n - 1));
+        let places: Vec<String> = missing
+            .iter()
+            .map(|(row, _)| self.table.place(row, column))
+            .collect();
+        Ok(Some(format!(
+            "{}: no standard deviation of these replicates: the error of replicates has {} degrees of freedom in place of {all}",
+            listed(&places),
+            all - lost
+        )))
+    }
+
     /// Reads one row.
     fn cell(&self, row: &Row) -> anyhow::Result<Cell> {
         let mut coded = Vec::with_capacity(self.factors.len() + self.dummies.len());
@@ -241,6 +341,13 @@ impl Cells<'_> {
             Some(column) => self.table.count(row, &self.table.header()[column])?,
             None => None,
         };
+        if let (Some(n), Some(column)) = (n, self.n) {
+            ensure!(
+                n <= MOST_REPLICATES,
+                "{}: {n} replicates of one setting; at most {MOST_REPLICATES} are believed",
+                self.table.place(row, column)
+            );
+        }
         let sd = self
             .sd
             .map(|column| self.table.optional_number(row, column))
@@ -267,6 +374,16 @@ impl Cells<'_> {
             n: n.unwrap_or(1),
             block: 1,
         })
+    }
+}
+
+/// Some places with commas between them, the first few of many.
+fn listed(places: &[String]) -> String {
+    const MOST: usize = 5;
+    let shown = places[..places.len().min(MOST)].join(", ");
+    match places.len().checked_sub(MOST) {
+        Some(more @ 1..) => format!("{shown} and {more} more"),
+        _ => shown,
     }
 }
 
@@ -330,17 +447,20 @@ fn given_factors(argument: &str) -> anyhow::Result<Vec<(String, Option<Factor>)>
     }
     let mut given = Vec::new();
     for part in argument.split(',').map(str::trim) {
-        let symbol = part
-            .split_once('=')
-            .map_or(part, |(symbol, _)| symbol)
-            .trim();
+        let (column, range) = match part.split_once('=') {
+            Some((column, range)) => (column.trim(), Some(range)),
+            None => (part, None),
+        };
+        // A unit behind the name of a column is no part of the symbol, and the symbol finds the column.
+        let (symbol, unit) = split_unit(column).unwrap_or((column, "1"));
         ensure!(
-            !symbol.contains(char::is_whitespace),
-            "the factor '{symbol}' has a blank in its name, and could not stand in a formula; rename its column, such as {}",
-            symbol.split_whitespace().collect::<Vec<_>>().join("_")
+            Factor::coded_only(symbol).is_ok() || symbol.is_empty(),
+            "the factor '{symbol}' could not stand in a formula, whose symbols are letters, digits, '_' and '.'; rename its \
+             column, such as {}",
+            suggested_symbol(symbol)
         );
-        let Some((symbol, range)) = part.split_once('=') else {
-            given.push((part.to_owned(), None));
+        let Some(range) = range else {
+            given.push((symbol.to_owned(), None));
             continue;
         };
         let bounds = range.split_once(':').and_then(|(low, high)| {
@@ -352,13 +472,24 @@ fn given_factors(argument: &str) -> anyhow::Result<Vec<(String, Option<Factor>)>
         let Some((low, high)) = bounds else {
             bail!("'{part}' is no factor with its range; write it as B=0.30:0.42");
         };
-        let symbol = symbol.trim();
         given.push((
             symbol.to_owned(),
-            Some(Factor::new(symbol, "", "1", low, high)?),
+            Some(Factor::new(symbol, "", unit, low, high)?),
         ));
     }
     Ok(given)
+}
+
+/// A name that may stand in a formula, made of another.
+fn suggested_symbol(name: &str) -> String {
+    let words = name.split(|c: char| !c.is_ascii_alphanumeric());
+    let words: Vec<&str> = words.filter(|word| !word.is_empty()).collect();
+    let joined = words.join("_");
+    if Factor::coded_only(&joined).is_ok() {
+        joined
+    } else {
+        format!("x{joined}")
+    }
 }
 
 /// What the columns hold: as told; coded if each has its natural values beside it, as in a file of `design`; coded
@@ -407,15 +538,17 @@ fn check_range(
     factor: &Factor,
 ) -> anyhow::Result<()> {
     let (least, greatest) = extremes(table, column)?;
-    let far = factor.coded(least).abs().max(factor.coded(greatest).abs());
-    ensure!(
-        arguments.natural || far <= FARTHEST,
-        "column '{}' holds {least} to {greatest}, far outside the range {} to {} of the factor: give --coded if \
-         the column is coded, --natural if it is meant",
-        table.header()[column],
-        factor.low(),
-        factor.high()
-    );
+    for row in table.rows() {
+        let value = table.number(row, column)?;
+        ensure!(
+            arguments.natural || factor.coded(value).abs() <= FARTHEST,
+            "{}: {value} lies far outside the range {} to {} of the factor (the column holds {least} to {greatest}): correct \
+             it, or give --coded if the column is coded, --natural if it is meant",
+            table.place(row, column),
+            factor.low(),
+            factor.high()
+        );
+    }
     let spread = greatest - least;
     ensure!(
         arguments.natural || spread == 0.0 || spread >= NARROWEST * (factor.high() - factor.low()),
@@ -448,7 +581,8 @@ fn seen_factor(
 ) -> anyhow::Result<Factor> {
     if coding == Coding::Natural {
         let (low, high) = extremes(table, column)?;
-        return Ok(Factor::new(symbol, "", "1", low, high)?);
+        let unit = split_unit(&table.header()[column]).map_or("1", |(_, unit)| unit);
+        return Ok(Factor::new(symbol, "", unit, low, high)?);
     }
     let Ok(natural) = table.column(&natural_name(symbol)) else {
         return Ok(Factor::coded_only(symbol)?);

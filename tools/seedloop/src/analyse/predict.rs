@@ -166,7 +166,7 @@ pub(super) fn text(predictions: &[Predicted]) -> String {
     for predicted in predictions {
         let p = &predicted.polynomial;
         let outside = if p.extrapolated {
-            ", outside the ranges"
+            ", outside what the runs span"
         } else {
             ""
         };

@@ -170,10 +170,13 @@ fn stationary(text: &mut String, fit: &Fit) {
     let place: Vec<String> = pairs
         .map(|(f, x)| format!("{} = {}", f.symbol(), significant(*x, 6)))
         .collect();
-    let side = if canonical.inside_box == Some(true) {
-        "inside the ranges"
-    } else {
-        "outside the ranges: no optimum of these data"
+    let side = match (canonical.inside_box, canonical.inside_data) {
+        (Some(true), Some(false)) => {
+            "inside the ranges but farther out than the runs: no optimum of these data"
+        }
+        (Some(true), _) => "inside the ranges",
+        (_, Some(true)) => "outside the ranges but within what the runs span",
+        (_, _) => "outside the data: no optimum of these data",
     };
     let _ = writeln!(
         text,

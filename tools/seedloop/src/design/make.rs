@@ -6,8 +6,9 @@ use anyhow::{Context as _, ensure};
 use experiment_design::{
     AxialDistance, Coordinate, Criterion, Design, DesignKind, Factor, Fraction, Region,
     box_behnken, box_behnken_in_blocks, central_composite, central_composite_in_blocks,
-    definitive_screening, fraction_with_generators, fractional_factorial, full_factorial,
-    in_blocks, latin_hypercube, mixed_factorial, plackett_burman, plackett_burman_with_runs,
+    definitive_screening, fraction_of_resolution, fraction_with_generators, fractional_factorial,
+    full_factorial, in_blocks, latin_hypercube, mixed_factorial, plackett_burman,
+    plackett_burman_with_runs,
 };
 use response_surface::{Categorical, Fit, Transform, ridge_path};
 use serde::Deserialize;
@@ -65,9 +66,10 @@ pub(super) fn make(
             central_composite_in_blocks(factors, cube, all / 3)?.into()
         }
         Kind::Ccd => {
-            let distance = arguments
-                .alpha
-                .map_or(axial(arguments.axial), AxialDistance::At);
+            let distance = arguments.alpha.map_or(
+                axial(arguments.axial.unwrap_or(Axial::Face)),
+                AxialDistance::At,
+            );
             central_composite(factors, distance, centre(5))?.into()
         }
         Kind::Full if arguments.levels.is_empty() => {
@@ -83,8 +85,10 @@ pub(super) fn make(
             mixed_factorial(factors, &levels, centre(0))?.into()
         }
         Kind::Fraction => {
-            let fraction = if arguments.generators.is_empty() {
-                fractional_factorial(factors, arguments.halvings, centre(0))?
+            let fraction = if let Some(resolution) = arguments.resolution {
+                fraction_of_resolution(factors, resolution, centre(0))?
+            } else if arguments.generators.is_empty() {
+                fractional_factorial(factors, arguments.halvings.unwrap_or(1), centre(0))?
             } else {
                 fraction_with_generators(factors, &arguments.generators, centre(0))?
             };
@@ -107,11 +111,51 @@ pub(super) fn make(
     })
 }
 
-/// Refuses arguments that the kind does not take.
+/// Refuses arguments that the kind does not take: one that is left unread would be taken for one that was followed.
 fn check(arguments: &Arguments) -> anyhow::Result<()> {
     use Kind::{Bbd, Ccd, DOptimal, Dsd, Fraction, Full, IOptimal, Lhs, Pb, Steepest};
     let kind = arguments.kind;
     let is_optimal = matches!(kind, DOptimal | IOptimal);
+    let only = |is_given: bool, flag: &str, kinds: &[Kind], names: &str| {
+        ensure!(
+            !is_given || kinds.contains(&kind),
+            "{flag} is for {names}; leave it out"
+        );
+        Ok(())
+    };
+    only(
+        arguments.halvings.is_some(),
+        "--halvings",
+        &[Fraction],
+        "fraction",
+    )?;
+    only(
+        arguments.resolution.is_some(),
+        "--resolution",
+        &[Fraction],
+        "fraction",
+    )?;
+    only(arguments.axial.is_some(), "--axial", &[Ccd], "ccd")?;
+    only(arguments.step.is_some(), "--step", &[Steepest], "steepest")?;
+    only(arguments.descend, "--descend", &[Steepest], "steepest")?;
+    only(
+        arguments.foldover,
+        "--foldover",
+        &[Pb, Fraction],
+        "pb and fraction",
+    )?;
+    ensure!(
+        kind == Steepest || arguments.analysis.is_none() || arguments.target.is_some(),
+        "--analysis is for steepest, and for a second stage beside --target"
+    );
+    ensure!(
+        kind != Steepest || arguments.model.is_none(),
+        "a path has no model to be judged by; leave --model out"
+    );
+    ensure!(
+        arguments.target.is_none() || is_optimal,
+        "--target is for d-optimal and i-optimal"
+    );
     ensure!(
         matches!(kind, Bbd | Ccd | Full | Fraction | Dsd) || arguments.centre.is_none(),
         "--centre is for bbd, ccd, full, fraction and dsd"
@@ -156,8 +200,8 @@ fn check(arguments: &Arguments) -> anyhow::Result<()> {
         "--blocks takes products such as ABC for full and fraction, `orthogonal` for bbd and ccd"
     );
     ensure!(
-        !orthogonal || arguments.alpha.is_none(),
-        "--blocks orthogonal sets the axial distance itself; leave --alpha out"
+        !orthogonal || (arguments.alpha.is_none() && arguments.axial.is_none()),
+        "--blocks orthogonal sets the axial distance itself; leave --alpha and --axial out"
     );
     ensure!(
         is_optimal || arguments.augment.is_none(),
@@ -252,7 +296,7 @@ fn path(arguments: &Arguments, factors: &[Factor]) -> anyhow::Result<Made> {
     let (fit, transform) = analysis(arguments, factors)?;
     // Up is where the response rises, be it where its function falls.
     let falls = transform.is_some_and(Transform::falls);
-    let step = arguments.step;
+    let step = arguments.step.unwrap_or(0.5);
     ensure!(
         step > 0.0 && step <= 10.0,
         "--step is {step}; it must lie above 0 and be 10 at most"

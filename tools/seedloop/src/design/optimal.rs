@@ -161,8 +161,7 @@ fn near_target(
         let se = (error.variance * fit.leverage(x)).sqrt();
         region.holds(x) && (fit.value(x) - on_scale).abs() < limit * se
     };
-    let design = add(&near)
-        .context("no second stage near the target; is it within reach of the surface?")?;
+    let design = add(&near)?;
     Ok(Made {
         facts: json!({ "near_target": target, "added_runs": arguments.runs, "error": error }),
         ..design.into()

@@ -3,9 +3,10 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, ensure};
-use command_line::{Common, DONE, Header, NOT_MET, significant};
+use command_line::{DONE, Header, NOT_MET, significant};
 use response_surface::{
-    Aim, Compromise, Fit, Goal, Prediction, ScatterGoal, Transform, compromises,
+    Aim, Compromise, Fit, Goal, OpenBound, Prediction, ScatterGoal, Transform, compromise_at,
+    compromises,
 };
 use serde::Serialize;
 
@@ -28,6 +29,10 @@ struct Report {
     exists: bool,
     /// The settings, best first.
     compromises: Vec<Compromise>,
+    /// Bounds that each setting lies on although the runs go on beyond them.
+    open_bounds: Vec<Vec<OpenBound>>,
+    /// What the point asked for is worth; null without `--at`.
+    at: Option<Compromise>,
     /// What to bear in mind, such as bounds beyond the data.
     warnings: Vec<String>,
 }
@@ -67,7 +72,13 @@ pub(super) fn run(arguments: &Arguments, first: Read) -> anyhow::Result<u8> {
         arguments.factor_sd.is_empty() || !scatter.is_empty(),
         "--factor-sd beside --goal needs --also transmitted=min:0:LIMIT"
     );
-    let found = compromises(&fits, &goals, &scatter)?;
+    let error = arguments.error();
+    let found = compromises(&fits, &goals, &scatter, error)?;
+    let at = match super::point_at(&fits[0], &arguments.at)? {
+        Some(point) => Some(compromise_at(&fits, &goals, &scatter, &point, error)?),
+        None => None,
+    };
+    let open = found.iter().map(|found| fits[0].open_bounds(&found.coded));
     let symbols: Vec<String> = fits[0]
         .factors
         .iter()
@@ -80,12 +91,14 @@ pub(super) fn run(arguments: &Arguments, first: Read) -> anyhow::Result<u8> {
         goals,
         scatter_goals: scatter,
         exists,
+        open_bounds: open.collect(),
         compromises: found,
+        at,
         warnings,
     };
     let common = &arguments.common;
     common.emit_json(&report)?;
-    describe(common, &fits, &report)?;
+    describe(arguments, &fits, &report)?;
     Ok(if exists { DONE } else { NOT_MET })
 }
 
@@ -102,13 +115,17 @@ fn untransformed(file: &Path, transform: Option<Transform>) -> anyhow::Result<()
 }
 
 /// Prints the settings, and the errors that their intervals are made with.
-fn describe(common: &Common, fits: &[Fit], report: &Report) -> anyhow::Result<()> {
+fn describe(arguments: &Arguments, fits: &[Fit], report: &Report) -> anyhow::Result<()> {
+    let common = &arguments.common;
     if !report.exists {
         common.print(
             "no setting within the bounds is worth anything for all responses; widen the goals",
         )?;
     }
-    for compromise in &report.compromises {
+    let settings = report.compromises.iter().zip(&report.open_bounds);
+    let settings = settings.map(|(compromise, open)| ("", compromise, &open[..]));
+    let asked = report.at.iter().map(|at| ("point asked for: ", at, &[][..]));
+    for (what, compromise, open) in settings.chain(asked) {
         let point = super::words::point(&fits[0], &compromise.natural);
         let value = |p: &Prediction| {
             let interval = p.ci95.map_or_else(String::new, |[low, high]| {
@@ -120,18 +137,23 @@ fn describe(common: &Common, fits: &[Fit], report: &Report) -> anyhow::Result<()
         let handed = |sd: &f64| format!("; transmitted sd {}", significant(*sd, 4));
         let handed: String = compromise.transmitted_sd.iter().map(handed).collect();
         common.print(format!(
-            "desirability {:.4} at {point}: {}{handed}",
+            "{what}desirability {:.4} at {point}: {}{handed}",
             compromise.desirability,
             values.join("; ")
         ))?;
+        if compromise.predictions.iter().any(|p| p.extrapolated) {
+            common.print(super::words::BEYOND_DATA)?;
+        }
+        super::words::go_on(common, &fits[0], open)?;
     }
-    for (i, fit) in fits.iter().enumerate().filter(|_| report.exists) {
+    let is_answered = report.exists || report.at.is_some();
+    for (i, fit) in fits.iter().enumerate().filter(|_| is_answered) {
         let which = if fits.len() > 1 {
             format!("response {}: ", i + 1)
         } else {
             String::new()
         };
-        let error = super::words::error(fit, fit.best_error_variance());
+        let error = super::words::error(fit, fit.chosen_error(arguments.error())?);
         common.print(format!("{which}{error}"))?;
     }
     Ok(())
@@ -147,10 +169,9 @@ fn scatter_goal(arguments: &Arguments, text: &str, first: &Fit) -> anyhow::Resul
         text.contains(':'),
         "'transmitted={text}' needs its numbers: transmitted=min:LOW:HIGH"
     );
-    let given = super::measured(first, &arguments.factor_sd)?;
     Ok(ScatterGoal {
         response: 0,
-        factor_sd: given.iter().map(|m| m.map_or(0.0, |m| m.value)).collect(),
+        factor_sd: super::factor_sds(first, &arguments.factor_sd)?,
         goal: goal(text, first)?,
     })
 }

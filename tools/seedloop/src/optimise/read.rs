@@ -45,7 +45,6 @@ pub(super) fn read(path: &Path, arguments: &Arguments) -> anyhow::Result<Read> {
         format!("{place} is no analysis; write one with seedloop analyse --json")
     })?;
     let named: Named = serde_json::from_str(&text).with_context(|| place.to_string())?;
-    let data = ranges_of_data(&fit);
     let transform = named.transform;
     let fit = at_levels(fit, named.categories, &arguments.level)?;
     let mut factors = fit.factors.clone();
@@ -72,8 +71,11 @@ pub(super) fn read(path: &Path, arguments: &Arguments) -> anyhow::Result<Read> {
     } else {
         fit.within(&factors)?
     };
-    let pairs = fit.factors.iter().zip(&data);
-    let warnings: Vec<String> = pairs.filter_map(|(f, data)| beyond(f, *data)).collect();
+    let data = fit.data_region.iter();
+    let data = data.flat_map(|region| region.low.iter().zip(&region.high));
+    let pairs = fit.factors.iter().zip(data);
+    let warnings = pairs.filter_map(|(f, (low, high))| beyond(f, [*low, *high]));
+    let warnings: Vec<String> = warnings.collect();
     for warning in &warnings {
         arguments
             .common
@@ -84,18 +86,6 @@ pub(super) fn read(path: &Path, arguments: &Arguments) -> anyhow::Result<Read> {
         transform,
         warnings,
     })
-}
-
-/// Least and greatest value of each factor in the data, units of the factors; the columns of named levels are
-/// behind.
-fn ranges_of_data(fit: &Fit) -> Vec<[f64; 2]> {
-    let range = |(j, factor): (usize, &Factor)| {
-        let coded = || fit.cases.iter().map(|case| case.coded[j]);
-        let (low, high) = (coded().reduce(f64::min), coded().reduce(f64::max));
-        let ends = [low.unwrap_or(-1.0), high.unwrap_or(1.0)];
-        ends.map(|x| factor.natural(x))
-    };
-    fit.factors.iter().enumerate().map(range).collect()
 }
 
 /// Warns of a range that goes far beyond the data.

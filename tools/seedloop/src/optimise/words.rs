@@ -6,9 +6,34 @@ use command_line::{Common, significant};
 use experiment_design::Factor;
 use probability::t_two_sided_quantile;
 use response_surface::solutions::{Bootstrap, Region};
-use response_surface::{Confirmation, ErrorSource, ErrorVariance, Fit, NamedValues, Solutions};
+use response_surface::{
+    Confirmation, ErrorSource, ErrorVariance, Fit, NamedValues, OpenBound, Solutions,
+};
 
 use super::{CONFIDENCE, Report};
+
+/// What is said of a prediction outside what the data span.
+pub(super) const BEYOND_DATA: &str = "  beyond what the runs span: the model was not made there";
+
+/// Prints the bounds that a setting lies on although the runs go on beyond them.
+pub(super) fn go_on(common: &Common, fit: &Fit, open: &[OpenBound]) -> anyhow::Result<()> {
+    for OpenBound {
+        symbol,
+        bound,
+        data,
+    } in open
+    {
+        let factor = fit.factors.iter().find(|f| f.symbol() == symbol);
+        let ends = factor.map_or([*bound; 2], |f| [f.low().min(*data), f.high().max(*data)]);
+        let [low, high] = ends;
+        common.print(format!(
+            "  {symbol} is on its bound {}, and the runs go on to {}: --bounds {symbol}={low}:{high} goes there",
+            value(*bound),
+            value(*data)
+        ))?;
+    }
+    Ok(())
+}
 
 /// Prints the answer.
 pub(super) fn describe(common: &Common, fit: &Fit, report: &Report) -> anyhow::Result<()> {
@@ -133,6 +158,7 @@ fn reach(common: &Common, fit: &Fit, solutions: &Solutions) -> anyhow::Result<()
             value(closest.value),
             point(fit, &closest.natural)
         ))?;
+        go_on(common, fit, &fit.open_bounds(&closest.coded))?;
     }
     if solutions.tangent {
         common.print(
@@ -186,6 +212,10 @@ fn nearest(common: &Common, fit: &Fit, report: &Report) -> anyhow::Result<()> {
             point(fit, &nearest.solution),
             significant(nearest.distance, 4)
         ))?;
+        if fit.is_beyond_data(&nearest.solution) {
+            common.print(BEYOND_DATA)?;
+        }
+        go_on(common, fit, &fit.open_bounds(&fit.coded(&nearest.solution)))?;
         for (symbol, given) in nearest.given_others.iter().flat_map(NamedValues::iter) {
             let (low, high) = (value(given.natural.low), value(given.natural.high));
             let below = if given.open_below { " (bound)" } else { "" };
@@ -271,7 +301,7 @@ fn at_point(common: &Common, fit: &Fit, report: &Report) -> anyhow::Result<()> {
         value(at.mean)
     ))?;
     if at.extrapolated {
-        common.print("  beyond the ranges of the factors: the model was not made there")?;
+        common.print(BEYOND_DATA)?;
     }
     if let Some([low, high]) = at.ci95.map(|ends| ends.map(value)) {
         common.print(format!("  95 % confidence of the mean: {low} to {high}"))?;

@@ -121,8 +121,7 @@ fn blocks_and_orders_have_their_tests_and_saturated_models_their_margins() {
         assert!(line.unwrap().contains(f), "{line:?}");
     }
     fs::copy(fixture("r/saturated.csv"), folder.path().join("s.csv")).unwrap();
-    let words =
-        "analyse s.csv --coded --factors A,B --response y --model A*B+A^2+B^2+A^2:B --json=-";
+    let words = "analyse s.csv --coded --factors A,B --response y --model A+B+I(A*B)+I(A^2)+I(B^2)+I(A^2*B) --json=-";
     let report = json(&run(&folder, words));
     let pse = report["contrasts"]["lenth"]["pse"].as_f64().unwrap();
     let expected = by_r()["lenth"]["pse"].as_f64().unwrap();

@@ -261,11 +261,46 @@ fn limits_that_cannot_be_meant_are_refused() {
             &["lhs", "--runs", "5", "--fake-factors", "2"],
             &["--fake-factors is for dsd"],
         ),
-        (&["dsd", "--fake-factors", "40"], &["fewer fake"]),
+        (
+            &["dsd", "--fake-factors", "40"],
+            &["fake factors", "0 to 29"],
+        ),
     ] {
         let fixed = ["--factors", "f.csv", "--out", "x.csv"];
         let output = seedloop(folder.path(), &[&["design"][..], words, &fixed].concat());
         assert_error(&output, parts);
         assert!(!folder.path().join("x.csv").exists());
     }
+}
+
+/// 128 runs of resolution V for eleven factors, by halvings and by the resolution; a limit that is named is the one that was hit.
+#[test]
+fn a_fraction_is_asked_for_by_its_resolution() {
+    let eleven = factors(11);
+    for words in [
+        &["fraction", "--halvings", "4"][..],
+        &["fraction", "--resolution", "V"],
+        &["fraction", "--resolution", "5"],
+    ] {
+        let made = designed(eleven.path(), words, &[]);
+        assert_eq!(made["facts"]["resolution"], 5);
+        assert_eq!(made["runs"].as_array().unwrap().len(), 128);
+    }
+    let refused = |words: &[&str], says: &[&str]| {
+        let fixed = ["design", "fraction", "--factors", "f.csv", "--out", "x.csv"];
+        assert_error(&seedloop(eleven.path(), &[&fixed, words].concat()), says);
+    };
+    refused(&["--halvings", "8"], &["8", "1 to 7"]);
+    refused(&["--resolution", "II"], &["III, IV, V"]);
+    let four = factors(4);
+    let words = "design fraction --factors f.csv --out x.csv --resolution 5";
+    let words: Vec<&str> = words.split(' ').collect();
+    let says = ["4 factors", "resolution 5", "full factorial"];
+    assert_error(&seedloop(four.path(), &words), &says);
+    let words = "design bbd --factors f.csv --out x.csv --blocks orthogonal --centre 4";
+    let words: Vec<&str> = words.split(' ').collect();
+    assert_error(
+        &seedloop(four.path(), &words),
+        &["multiple of 3", "such as 6"],
+    );
 }

@@ -305,3 +305,202 @@ fn the_page_of_an_analysis_begins_with_its_verdict() {
     assert!(page.contains("script-src &#39;sha256-") || page.contains("script-src 'sha256-"));
     assert!(!page.contains("unsafe-inline"));
 }
+
+/// A maximum at radius 1.24 in a rotatable composite of two factors, whose axial runs lie at 1.41: beyond the ranges, within the
+/// runs. The surface is y = 35 + 6 a - 2.5 a^2 + 0.3 b - 1.5 b^2 with a scatter of hundredths: its maximum lies at a = 1.2.
+#[test]
+fn an_optimum_between_the_ranges_and_the_axial_runs_is_one_of_these_data() {
+    let alpha = 2.0_f64.sqrt();
+    let corners = [(-1.0, -1.0), (1.0, -1.0), (-1.0, 1.0), (1.0, 1.0)];
+    let axial = [(-alpha, 0.0), (alpha, 0.0), (0.0, -alpha), (0.0, alpha)];
+    let runs = corners
+        .into_iter()
+        .chain(axial)
+        .chain([(0.0, 0.0); 5])
+        .enumerate();
+    let line = |(i, (a, b)): (usize, (f64, f64))| {
+        let scatter = [0.02, -0.03, 0.01, 0.03, -0.02][i % 5];
+        let y = 35.0 + 6.0 * a - 2.5 * a * a + 0.3 * b - 1.5 * b * b + scatter;
+        format!("{},{},{y}\n", 15.0 + 5.0 * a, 2.0 + b)
+    };
+    let folder = table(&format!("A,B,y\n{}", runs.map(line).collect::<String>()));
+    let said = analyse(
+        &folder,
+        "--factors A=10:20,B=1:3 --response y --json a.json",
+    );
+    assert_code(&said, 0);
+    let told = text(&said.stdout);
+    assert!(
+        told.contains("outside the ranges but within what the runs span"),
+        "{told}"
+    );
+    let analysis = read(folder.path(), "a.json");
+    assert_eq!(analysis["canonical"]["inside_box"], false);
+    assert_eq!(analysis["canonical"]["inside_data"], true);
+    let at = |point: &str| {
+        let report = json(&optimise(
+            &folder,
+            &format!("--at {point} --target 38 --json=-"),
+        ));
+        report["at"]["extrapolated"].as_bool().unwrap()
+    };
+    assert!(!at("A=21.2,B=2.1"), "radius 1.24");
+    assert!(at("A=20.5,B=3.1"), "radius 1.56 within the box of the runs");
+    // The best setting lies on the bound of the range, which is no bound of the data.
+    let said = optimise(&folder, "--goal max");
+    let told = text(&said.stdout);
+    assert!(
+        told.contains("A is on its bound 20") && told.contains("--bounds A=10:22.07"),
+        "{told}"
+    );
+    let further = optimise(&folder, "--goal max --bounds A=10:22 --json=-");
+    let best = &json(&further)["compromises"][0];
+    assert!(
+        (best["natural"][0].as_f64().unwrap() - 21.0).abs() < 0.1,
+        "{best}"
+    );
+    assert_eq!(best["predictions"][0]["extrapolated"], false);
+    let said = optimise(&folder, "--target 45");
+    assert_code(&said, 1);
+    assert!(text(&said.stdout).contains("A is on its bound 20"));
+}
+
+/// The desirability of a plane that rises from 1 to 3 where it is 2.5, and the same by a goal whose bounds stand in the wrong
+/// order.
+#[test]
+fn a_goal_says_what_a_point_is_worth() {
+    let folder = table("x,z,y\n-1,-1,1\n1,-1,2\n-1,1,2\n1,1,3\n0,0,2.02\n0,0,1.98\n");
+    let words = "--factors x,z --response y --coded --model linear --json a.json";
+    assert_code(&analyse(&folder, words), 0);
+    let said = optimise(&folder, "--goal max:1:3 --at x=0.5,z=0.5 --json=-");
+    assert_code(&said, 0);
+    let worth = json(&said)["at"]["desirability"].as_f64().unwrap();
+    assert!((worth - 0.75).abs() < 1e-12, "{worth}");
+    let said = optimise(&folder, "--goal max:1:3 --at x=0.5,z=0.5 --error residual");
+    let told = text(&said.stdout);
+    assert!(
+        told.contains("desirability 0.7500 at x = 0.500000, z = 0.500000"),
+        "{told}"
+    );
+    assert!(told.contains("error: the residuals of the fit"), "{told}");
+    assert_error(
+        &optimise(&folder, "--goal max:3:1"),
+        &["must ascend", "3:1"],
+    );
+    assert_error(
+        &optimise(&folder, "--goal max:1:3^0"),
+        &["the weight of a goal is 0", "above 0"],
+    );
+}
+
+/// Cells that no experiment has are named with line and column: 9e99 for a level, 10 for 1, and a scatter of 1e-320.
+#[test]
+fn absurd_cells_are_named_with_their_place() {
+    let rows = |level: &str| {
+        format!(
+            "B,E,y\n-1,-1,28.4\n-1,1,27.8\n1,{level},30.9\n1,1,33.4\n0,0,29.8\n0,0,29.7\n0,0,30.2\n"
+        )
+    };
+    let words = "--factors B,E --response y --model 2fi";
+    let refused = analyse(&table(&rows("9e99")), words);
+    assert_error(
+        &refused,
+        &["line 4, column 'E'", "e99", "far outside all other rows"],
+    );
+    let said = analyse(&table(&rows("10")), words);
+    assert_code(&said, 0);
+    let warned = text(&said.stderr);
+    assert!(
+        warned.contains("line 4, column 'E': 10.0000 lies 4.5 widths outside"),
+        "{warned}"
+    );
+    let said = analyse(&table(&rows("-1")), words);
+    assert!(!text(&said.stderr).contains("widths outside"));
+    let response = analyse(&table(&rows("-1").replace("33.4", "33.4e20")), words);
+    assert_error(
+        &response,
+        &["line 5, column 'y'", "far outside all other rows"],
+    );
+    let spreads = |sd: &str, n: &str| {
+        let table = table(&format!(
+            "A,m,s,n\n-1,3,0.2,5\n1,4,{sd},{n}\n0,3.4,0.25,5\n0,3.6,0.2,5\n"
+        ));
+        analyse(
+            &table,
+            "--factors A --response m --sd s --n n --model linear",
+        )
+    };
+    for (sd, n, says) in [
+        ("1e-320", "5", "column 's'"),
+        ("1e300", "5", "column 's'"),
+        ("0.2", "1", "single run"),
+        ("0.2", "99999999", "at most 1000000"),
+    ] {
+        assert_error(&spreads(sd, n), &["line 3", says]);
+    }
+    // Replicates without their scatter are weighed all the same, and their degrees of freedom are missed aloud.
+    let said = spreads("", "5");
+    assert_code(&said, 0);
+    let warned = text(&said.stderr);
+    assert!(
+        warned.contains("line 3, column 's'")
+            && warned.contains("12 degrees of freedom in place of 16"),
+        "{warned}"
+    );
+    assert!(!text(&spreads("", "1").stderr).contains("in place of"));
+}
+
+/// A target whose scatter is none, and a hostile formula, are refused before anything is computed.
+#[test]
+fn hostile_words_are_refused() {
+    let folder = table("x,y\n-1,1\n1,3\n0,2.1\n0,1.9\n");
+    assert_code(
+        &analyse(
+            &folder,
+            "--factors x --response y --model linear --json a.json",
+        ),
+        0,
+    );
+    for (words, says) in [
+        (
+            "--target 2 --target-sd 1e-320 --target-n 5",
+            "the sd of the target",
+        ),
+        ("--target 2 --near x=0+-1e300", "the sd of a measured value"),
+        (
+            "--target 2 --factor-sd x=1e300",
+            "the standard deviation of a factor",
+        ),
+    ] {
+        assert_error(&optimise(&folder, words), &[says, "plausible"]);
+    }
+    let deep = format!("{}x{}", "(".repeat(10_000), ")".repeat(10_000));
+    let words = format!("--factors x --response y --model {deep}");
+    assert_error(&analyse(&folder, &words), &["more than 64 brackets"]);
+}
+
+/// The picture of a design of three factors says where the third is held, and no mark lies outside the plane: four marks side by
+/// side at its edge stand within it.
+#[test]
+fn a_contour_names_the_factor_that_is_held_and_keeps_its_marks_inside() {
+    let corners = (0..8).map(|i| [i & 1, i >> 1 & 1, i >> 2 & 1].map(|bit| 2 * bit - 1));
+    let line = |[a, b, c]: [i32; 3]| {
+        format!(
+            "{a},{b},{c},{}\n{a},{b},{c},{}.1\n",
+            5 + a + b * c,
+            5 + a + b * c
+        )
+    };
+    let rows: String = corners.map(line).collect();
+    let folder = table(&format!("A,B,C,y\n{rows}0,0,0,5\n0,0,0,5.2\n"));
+    let words = "--factors A,B,C --response y --model 2fi --plots p";
+    assert_code(&analyse(&folder, words), 0);
+    let svg = |name: &str| fs::read_to_string(folder.path().join("p").join(name)).unwrap();
+    for name in ["contour-A-B.svg", "surface-A-B.svg", "interaction-A-B.svg"] {
+        assert!(svg(name).contains("y at C = 0"), "{name}");
+    }
+    let contour = svg("contour-A-B.svg");
+    // Two runs of one setting are one mark, and say so.
+    assert_eq!(contour.matches("<title>Run ").count(), 9, "{contour}");
+    assert!(contour.contains("<title>Run 1, 2: A = -1"));
+}

@@ -1,6 +1,6 @@
 //! Tables as people have them: workbooks beside CSV, numbers of every size.
 
-use crate::{assert_code, assert_error, seedloop, text};
+use crate::{assert_code, assert_error, fixture, seedloop, text};
 use serde_json::Value;
 use std::fs;
 use std::path::Path;
@@ -271,4 +271,74 @@ fn coefficients_that_are_rounding_are_shown_as_zero() {
         told.contains("3.30000") && told.contains("-1.70000"),
         "{told}"
     );
+}
+
+/// A design that goes through pandas, `read_csv` and `to_excel` with all defaults, has the numbers of the rows before it, in no
+/// column of a name: the analysis is that of the design itself. Names with a unit in brackets are found by the name alone.
+#[test]
+fn a_design_that_went_through_pandas_is_analysed_alike() {
+    let folder = folder();
+    let here = folder.path();
+    let csv = fs::read_to_string(here.join("data.csv")).unwrap();
+    let mut lines = csv.lines();
+    let header = lines.next().unwrap();
+    let pandas = |name: &str| {
+        let rows = csv.lines().skip(1).enumerate();
+        let rows: String = rows.map(|(i, line)| format!("{i},{line}\n")).collect();
+        format!("{name},{header}\n{rows}")
+    };
+    fs::write(here.join("again.csv"), pandas("")).unwrap();
+    fs::write(here.join("twice.csv"), pandas("Unnamed: 0")).unwrap();
+    let answer = |file: &str, words: &str| {
+        let output = words_in(here, &format!("analyse {file} --response theta {words}"));
+        assert_code(&output, 0);
+        text(&output.stdout).to_owned()
+    };
+    let expected = answer("data.csv", "--factors factors.csv");
+    for file in ["again.csv", "twice.csv"] {
+        assert_eq!(answer(file, "--factors factors.csv"), expected, "{file}");
+    }
+    let named = csv
+        .replace("theta_deg", "theta [deg]")
+        .replace("B_natural", "Temp (deg C)")
+        .replace("E_natural", "x2")
+        .replace("F_natural", "x3");
+    fs::write(here.join("named.csv"), named).unwrap();
+    let found = answer("named.csv", "--factors Temp,x2,x3");
+    let full = seedloop(
+        here,
+        &[
+            "analyse",
+            "named.csv",
+            "--response",
+            "theta",
+            "--factors",
+            "Temp (deg C),x2,x3",
+        ],
+    );
+    assert_code(&full, 0);
+    assert_eq!(text(&full.stdout), found);
+    let [csv, xlsx] = ["tables/pandas.csv", "tables/pandas.xlsx"].map(|name| {
+        let file = fixture(name);
+        let factors = "Temp (ºC),Time (min),Solvent (%)";
+        let words = ["analyse", file.to_str().unwrap(), "--factors", factors];
+        let all = [&words[..], &["--response", "Extraction Yield (%)"]].concat();
+        let output = seedloop(here, &all);
+        assert_code(&output, 0);
+        text(&output.stdout).to_owned()
+    });
+    assert_eq!(csv, xlsx);
+    assert!(csv.contains("Temp:Time"), "{csv}");
+    let refused = seedloop(
+        here,
+        &[
+            "analyse",
+            "named.csv",
+            "--response",
+            "theta",
+            "--factors",
+            "Temp of bath (deg C),E",
+        ],
+    );
+    assert_error(&refused, &["'Temp of bath'", "such as Temp_of_bath"]);
 }

@@ -169,7 +169,7 @@ fn of_cases(f: &Fit, r: &Value) -> Vec<(&'static str, f64)> {
 
 /// A model whose terms enter in the order of `Model`, as R was asked for with `keep.order = TRUE`; of a written formula they
 /// would enter as `anova(lm(...))` lets them.
-pub(crate) fn in_kept_order(formula: &str, factors: &[Factor]) -> Result<Model, Box<dyn Error>> {
+fn in_kept_order(formula: &str, factors: &[Factor]) -> Result<Model, Box<dyn Error>> {
     let model = Model::parse(formula, factors)?;
     let places: Vec<usize> = (0..model.terms().len()).collect();
     let mut text = serde_json::to_value(&model)?;

@@ -5,16 +5,69 @@ use report::{
     AxisTitle, Contour, Cube, CubeEdge, DesignRun, LineSeries, Series, SeriesPoint, Surface, Svg,
 };
 use response_surface::fit::Case;
-use response_surface::{ErrorSource, Fit};
+use response_surface::{DataRegion, ErrorSource, Fit};
 
 use super::{LINE, Named};
 
 /// Points along each axis of a contour or surface.
 const GRID: usize = 31;
 
+/// Most rows of the data that are marked: more would cover the surface.
+const MOST_MARKED: usize = 1000;
+
+/// Longest text about the factors that are held, characters: a title of an axis has room for some sixty.
+const MOST_HELD: usize = 36;
+
 /// Coded values along a range.
 pub(super) fn along(count: usize) -> impl Iterator<Item = f64> {
     (0..count).map(move |i| 2.0 * i as f64 / (count - 1) as f64 - 1.0)
+}
+
+/// Coded values along the range of a factor, and along what the data span beyond it.
+fn along_data(fit: &Fit, j: usize) -> Vec<f64> {
+    let region = fit.data_region.as_ref();
+    let coded = |ends: fn(&DataRegion) -> &[f64]| region.map(|r| fit.factors[j].coded(ends(r)[j]));
+    let low = coded(|r| &r.low).map_or(-1.0, |x| x.min(-1.0));
+    let high = coded(|r| &r.high).map_or(1.0, |x| x.max(1.0));
+    let point = |x: f64| low + (high - low) * (x + 1.0) / 2.0;
+    along(GRID).map(point).collect()
+}
+
+/// The response with the values at which the factors that are not shown are held.
+pub(super) fn response_at(fit: &Fit, response: &str, shown: &[usize]) -> AxisTitle {
+    let others = fit.factors.iter().enumerate();
+    let others = others.filter(|(j, _)| !shown.contains(j));
+    let held: Vec<String> = others
+        .map(|(_, f)| {
+            let unit = f.unit().trim_start_matches('1');
+            format!("{} = {} {unit}", f.symbol(), significant(f.mid(), 4))
+        })
+        .map(|text| text.trim_end().to_owned())
+        .collect();
+    let words = held.join(", ");
+    AxisTitle::new(
+        match held.len() {
+            0 => response.to_owned(),
+            _ if words.chars().count() <= MOST_HELD => format!("{response} at {words}"),
+            _ => format!("{response}, the other factors in the middle"),
+        },
+        "",
+    )
+}
+
+/// How far each node of a grid lies beyond what the data span, squared half-widths; nothing if all lie within.
+fn beyond_data(fit: &Fit, nodes: impl Iterator<Item = Vec<f64>>) -> Vec<f64> {
+    let Some(region) = &fit.data_region else {
+        return Vec::new();
+    };
+    let radius = region.radius.powi(2);
+    let beyond = nodes.map(|coded| region.distance(&fit.natural(&coded)).powi(2) - radius);
+    let beyond: Vec<f64> = beyond.collect();
+    if beyond.iter().any(|by| *by > 1e-9) {
+        beyond
+    } else {
+        Vec::new()
+    }
 }
 
 /// Contour, surface and interaction of every pair of factors, the others in the middle.
@@ -26,30 +79,33 @@ pub(super) fn draw(fit: &Fit, response: &str, charts: &mut Vec<Named>) -> anyhow
             let title = |f: &experiment_design::Factor| {
                 AxisTitle::new(f.symbol(), f.unit().trim_start_matches('1'))
             };
-            let at = |x: f64, y: f64| {
+            let [across, up] = [i, j].map(|j| along_data(fit, j));
+            let node = |x: f64, y: f64| {
                 let mut coded = vec![0.0; k];
                 (coded[i], coded[j]) = (x, y);
-                fit.value(&coded)
+                coded
             };
-            let values: Vec<f64> = along(GRID)
-                .flat_map(|y| along(GRID).map(move |x| (x, y)))
-                .map(|(x, y)| at(x, y))
-                .collect();
-            let (x_values, y_values): (Vec<f64>, Vec<f64>) =
-                along(GRID).map(|x| (a.natural(x), b.natural(x))).unzip();
+            let nodes = || {
+                up.iter()
+                    .flat_map(|&y| across.iter().map(move |&x| node(x, y)))
+            };
+            let values: Vec<f64> = nodes().map(|coded| fit.value(&coded)).collect();
+            let x_values: Vec<f64> = across.iter().map(|&x| a.natural(x)).collect();
+            let y_values: Vec<f64> = up.iter().map(|&y| b.natural(y)).collect();
+            let response = response_at(fit, response, &[i, j]);
             let name = format!("{}-{}", a.symbol(), b.symbol());
             let flat = values.iter().all(|v| *v == values[0]);
             if !flat {
                 let contour = Contour {
                     x: title(a),
                     y: title(b),
-                    response: AxisTitle::new(response, ""),
+                    response: response.clone(),
                     x_values: x_values.clone(),
                     y_values: y_values.clone(),
                     values: values.clone(),
                     target: None,
-                    region_name: String::new(),
-                    region: Vec::new(),
+                    region_name: "beyond what the runs span".to_owned(),
+                    region: beyond_data(fit, nodes()),
                     points: Vec::new(),
                     runs: runs_of(fit, [i, j]),
                 };
@@ -57,7 +113,7 @@ pub(super) fn draw(fit: &Fit, response: &str, charts: &mut Vec<Named>) -> anyhow
                 let surface = Surface {
                     x: title(a),
                     y: title(b),
-                    response: AxisTitle::new(response, ""),
+                    response: response.clone(),
                     x_values,
                     y_values,
                     values,
@@ -66,29 +122,43 @@ pub(super) fn draw(fit: &Fit, response: &str, charts: &mut Vec<Named>) -> anyhow
             }
             charts.push((
                 format!("interaction-{name}"),
-                interaction(fit, response, i, j)?,
+                interaction(fit, &response, i, j)?,
             ));
         }
     }
     Ok(())
 }
 
-/// The rows of the data in the plane of two factors.
+/// The settings of the data in the plane of two factors, one mark for all rows of one setting.
 fn runs_of(fit: &Fit, [i, j]: [usize; 2]) -> Vec<DesignRun> {
-    let run = |case: &Case| {
+    if fit.cases.len() > MOST_MARKED {
+        return Vec::new();
+    }
+    let mut groups: Vec<(&Case, Vec<String>)> = Vec::new();
+    for case in &fit.cases {
+        let run = case.run.to_string();
+        match groups
+            .iter_mut()
+            .find(|(first, _)| first.coded == case.coded)
+        {
+            Some((_, runs)) => runs.push(run),
+            None => groups.push((case, vec![run])),
+        }
+    }
+    let run = |(case, runs): (&Case, Vec<String>)| {
         let natural = fit.natural(&case.coded);
         let settings = fit.factors.iter().zip(&natural);
         let settings: Vec<String> = settings
             .map(|(f, x)| format!("{} = {}", f.symbol(), significant(*x, 4)))
             .collect();
         DesignRun {
-            name: format!("Run {}: {}", case.run, settings.join(", ")),
+            name: format!("Run {}: {}", runs.join(", "), settings.join(", ")),
             x: natural[i],
             y: natural[j],
             link: String::new(),
         }
     };
-    fit.cases.iter().map(run).collect()
+    groups.into_iter().map(run).collect()
 }
 
 /// The response at the corners of every three factors, the others in the middle.
@@ -114,7 +184,7 @@ pub(super) fn cubes(fit: &Fit, response: &str, charts: &mut Vec<Named>) -> anyho
                 };
                 let chart = Cube {
                     edges: [a, b, c].map(edge),
-                    response: AxisTitle::new(response, ""),
+                    response: response_at(fit, response, &[a, b, c]),
                     values: std::array::from_fn(value),
                 };
                 let name = [a, b, c].map(|j| fit.factors[j].symbol()).join("-");
@@ -126,7 +196,7 @@ pub(super) fn cubes(fit: &Fit, response: &str, charts: &mut Vec<Named>) -> anyho
 }
 
 /// The response along one factor at both ends of another, with 95 % intervals.
-fn interaction(fit: &Fit, response: &str, i: usize, j: usize) -> anyhow::Result<Svg> {
+fn interaction(fit: &Fit, response: &AxisTitle, i: usize, j: usize) -> anyhow::Result<Svg> {
     let (a, b) = (&fit.factors[i], &fit.factors[j]);
     let error = fit
         .error_variance(ErrorSource::AllRepeats)
@@ -148,7 +218,7 @@ fn interaction(fit: &Fit, response: &str, i: usize, j: usize) -> anyhow::Result<
     }
     let chart = LineSeries {
         x: AxisTitle::new(a.symbol(), a.unit().trim_start_matches('1')),
-        y: AxisTitle::new(response, ""),
+        y: response.clone(),
         series,
         levels: Vec::new(),
     };
