@@ -5,6 +5,7 @@
 
 use crate::workbook::Workbook;
 use calamine::{DataRef, Dimensions, ExcelDateTime};
+use experiment_design::Error;
 use experiment_design::table::{Table, cell_name, is_row_index};
 use std::borrow::Cow;
 use std::collections::BTreeMap;
@@ -178,7 +179,10 @@ pub(crate) fn table(
         }
         (row as usize + 1, fields)
     });
-    Table::of_cells(name, first as usize, rows).map_err(|error| format!("sheet '{name}': {error}"))
+    Table::of_cells(name, first as usize, rows).map_err(|error| match error {
+        Error::SummaryRow { .. } => error.to_string(),
+        error => format!("sheet '{name}': {error}"),
+    })
 }
 
 /// The content of a cell as text; a number reads back bit for bit.
