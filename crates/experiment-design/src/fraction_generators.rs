@@ -101,7 +101,7 @@ pub fn fraction_with_generators(
 pub fn in_blocks(design: &Design, words: &[String]) -> Result<(Design, Vec<String>), Error> {
     let factors = design.factors();
     // 2^m blocks need as many runs; more words could not be listed with their products.
-    if words.len() as u32 > design.runs().len().ilog2() {
+    if words.len() > design.runs().len().ilog2() as usize {
         return Err(Error::BadGenerator {
             generator: words.join(", "),
             reason: "so many products make more blocks than there are runs; give fewer",

@@ -258,11 +258,7 @@ fn assemble(
         lack_of_fit: pure_error
             .as_ref()
             .and_then(|pure| lack_of_fit::lack_of_fit(sums.sse, df_resid, pure)),
-        ss_sequential: entering
-            .iter()
-            .filter(|(j, _)| *j >= matrix.intercept)
-            .map(|(j, ss)| (matrix.names[*j].clone(), *ss))
-            .collect(),
+        ss_sequential: anova::sequential(matrix, &entering),
         sequential_model_ss: anova::sequential_by_degree(matrix, model, &solved, &sums),
         by_order: anova::by_order(matrix, model, &solved, &sums, df_resid),
         vif: terms::variance_inflation(matrix, &solved),
@@ -290,18 +286,24 @@ fn assemble(
         xtx_inverse: solved.xtx_inverse,
         warnings: Vec::new(),
     };
-    let settings: Vec<Vec<f64>> = fit.cases.iter().map(|c| fit.natural(&c.coded)).collect();
-    fit.data_region = DataRegion::of(&settings);
-    if let Ok(quadratic) = fit.quadratic() {
-        let region = fit.data_region.as_ref();
-        fit.canonical = crate::surface::canonical::canonical(&quadratic, factors, region);
-        fit.box_extremes = Some(crate::surface::extremes::box_extremes(&quadratic, factors));
-    }
+    fit.add_shape();
     fit.warnings = warnings::warnings(&fit);
     fit
 }
 
 impl Fit {
+    /// Adds what the data span, and the shape of a surface of degree two at most.
+    fn add_shape(&mut self) {
+        let cases = self.cases.iter();
+        let settings: Vec<Vec<f64>> = cases.map(|case| self.natural(&case.coded)).collect();
+        self.data_region = DataRegion::of(&settings);
+        if let Ok(quadratic) = self.quadratic() {
+            let (factors, region) = (&self.factors, self.data_region.as_ref());
+            self.canonical = crate::surface::canonical::canonical(&quadratic, factors, region);
+            self.box_extremes = Some(crate::surface::extremes::box_extremes(&quadratic, factors));
+        }
+    }
+
     /// Number of runs whose mean has weight 1: the variance of a run over that of such a mean, or the mean number
     /// of runs in a cell where no replicates tell.
     pub fn runs_of_unit_weight(&self) -> f64 {

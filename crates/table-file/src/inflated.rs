@@ -85,7 +85,9 @@ impl Announced {
 
 impl Write for Announced {
     fn write(&mut self, bytes: &[u8]) -> IoResult<usize> {
-        bytes.iter().for_each(|byte| self.take(*byte));
+        for byte in bytes {
+            self.take(*byte);
+        }
         Ok(bytes.len())
     }
 

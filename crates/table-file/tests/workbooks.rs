@@ -383,13 +383,21 @@ fn a_workbook_that_announces_more_than_it_holds_is_refused() {
 /// One text of 32 kB that six thousand cells share is 32 kB in the file, and would be 200 MB in the table.
 #[test]
 fn a_text_that_many_cells_share_is_counted_for_each() {
-    let text = "steel ".repeat(5400);
-    let (_folder, file) = book(&["Runs"], |_, sheet| {
-        put(sheet, 0, 0, &[&["wall"]]);
-        for row in 1..6000 {
-            sheet.write_string(row, 0, &text).unwrap();
-        }
+    let whole = bytes_for(Path::new("book.xlsx"), "wall\nsteel\n").unwrap();
+    let long = with_part(&whole, "xl/sharedStrings.xml", |xml| {
+        let text = String::from_utf8(xml.to_vec()).unwrap();
+        text.replace("steel", &"steel ".repeat(5400)).into_bytes()
     });
+    let bytes = with_part(&long, "xl/worksheets/sheet1.xml", |xml| {
+        let text = String::from_utf8(xml.to_vec()).unwrap();
+        let rows: String = (3..6000)
+            .map(|row| format!("<row r=\"{row}\"><c r=\"A{row}\" t=\"s\"><v>1</v></c></row>"))
+            .collect();
+        assert!(text.contains("<c r=\"A2\" t=\"s\"><v>1</v></c>"), "{text}");
+        text.replace("</sheetData>", &(rows + "</sheetData>"))
+            .into_bytes()
+    });
+    let (_folder, file) = kept(&bytes);
     let told = refused(&file);
     assert!(
         told.contains("bytes of text") && told.contains("cell A"),

@@ -4,8 +4,8 @@ use serde::{Deserialize, Serialize};
 
 use super::matrix::Matrix;
 use super::{FTest, f_test, positive_df, ratio};
-use crate::Model;
 use crate::fit::least_squares::{LeastSquares, each_adds};
+use crate::{Model, NamedValues};
 use probability::f_upper_tail;
 
 /// A line of an analysis of variance.
@@ -137,7 +137,13 @@ pub(crate) fn entering(matrix: &Matrix, model: &Model, solved: &LeastSquares) ->
     order.into_iter().zip(added).collect()
 }
 
-/// The same, summed by kind of term.
+/// The same by name, without the intercept.
+pub(crate) fn sequential(matrix: &Matrix, entering: &[(usize, f64)]) -> NamedValues<f64> {
+    let own = entering.iter().filter(|(j, _)| *j >= matrix.intercept);
+    own.map(|(j, ss)| (matrix.names[*j].clone(), *ss)).collect()
+}
+
+/// Sum of squares that each column adds to those before it in the matrix, summed by kind of term.
 pub(crate) fn sequential_by_degree(
     matrix: &Matrix,
     model: &Model,
