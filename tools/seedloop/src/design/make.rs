@@ -113,7 +113,7 @@ pub(super) fn make(
 
 /// Refuses arguments that the kind does not take: one that is left unread would be taken for one that was followed.
 fn check(arguments: &Arguments) -> anyhow::Result<()> {
-    use Kind::{Bbd, Ccd, DOptimal, Dsd, Fraction, Full, IOptimal, Lhs, Pb, Steepest};
+    use Kind::{Ccd, DOptimal, Fraction, IOptimal, Pb, Steepest};
     let kind = arguments.kind;
     let is_optimal = matches!(kind, DOptimal | IOptimal);
     let only = |is_given: bool, flag: &str, kinds: &[Kind], names: &str| {
@@ -156,6 +156,14 @@ fn check(arguments: &Arguments) -> anyhow::Result<()> {
         arguments.target.is_none() || is_optimal,
         "--target is for d-optimal and i-optimal"
     );
+    check_runs(arguments)
+}
+
+/// Refuses arguments about runs and their limits that the kind does not take.
+fn check_runs(arguments: &Arguments) -> anyhow::Result<()> {
+    use Kind::{Bbd, Ccd, DOptimal, Dsd, Fraction, Full, IOptimal, Lhs, Pb, Steepest};
+    let kind = arguments.kind;
+    let is_optimal = matches!(kind, DOptimal | IOptimal);
     ensure!(
         matches!(kind, Bbd | Ccd | Full | Fraction | Dsd) || arguments.centre.is_none(),
         "--centre is for bbd, ccd, full, fraction and dsd"

@@ -124,7 +124,10 @@ fn describe(arguments: &Arguments, fits: &[Fit], report: &Report) -> anyhow::Res
     }
     let settings = report.compromises.iter().zip(&report.open_bounds);
     let settings = settings.map(|(compromise, open)| ("", compromise, &open[..]));
-    let asked = report.at.iter().map(|at| ("point asked for: ", at, &[][..]));
+    let asked = report
+        .at
+        .iter()
+        .map(|at| ("point asked for: ", at, &[][..]));
     for (what, compromise, open) in settings.chain(asked) {
         let point = super::words::point(&fits[0], &compromise.natural);
         let value = |p: &Prediction| {

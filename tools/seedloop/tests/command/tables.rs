@@ -284,8 +284,8 @@ fn a_design_that_went_through_pandas_is_analysed_alike() {
     let header = lines.next().unwrap();
     let pandas = |name: &str| {
         let rows = csv.lines().skip(1).enumerate();
-        let rows: String = rows.map(|(i, line)| format!("{i},{line}\n")).collect();
-        format!("{name},{header}\n{rows}")
+        let rows: Vec<String> = rows.map(|(i, line)| format!("{i},{line}\n")).collect();
+        format!("{name},{header}\n{}", rows.concat())
     };
     fs::write(here.join("again.csv"), pandas("")).unwrap();
     fs::write(here.join("twice.csv"), pandas("Unnamed: 0")).unwrap();
