@@ -1,4 +1,4 @@
-//! Bodies of spheres written as the files of other programs.
+//! Bodies of spheres written as the files of other programs, and tables of spheres read ([`read_spheres`]).
 //!
 //! | format | frame | unit | what the file holds |
 //! |---|---|---|---|
@@ -31,8 +31,11 @@ mod liggghts;
 mod pfc;
 mod principal;
 mod rows;
+mod table;
 mod vtk;
 mod yade;
+
+pub use table::{TableError, read_spheres};
 
 use crate::Sphere;
 use nalgebra::{Matrix3, Vector3};

@@ -29,7 +29,11 @@ fn apply(scene: &mut Scene, amplitude: f64, fillings: &FillingLibrary) -> Result
     let roughness = scene
         .seed
         .iter()
-        .map(|seed| Ok(fillings.body(scene, seed)?.report.roughness_rms))
+        .map(|seed| {
+            let body = fillings.body(scene, seed)?;
+            let shape = body.shape.as_ref();
+            Ok(shape.map_or(0.0, |shape| shape.report.roughness_rms))
+        })
         .collect::<Result<Vec<f64>, scene::Error>>()?;
     let refused = |e: quantity::Error| Error::Setting {
         name: EFFECT.name,
@@ -40,10 +44,17 @@ fn apply(scene: &mut Scene, amplitude: f64, fillings: &FillingLibrary) -> Result
         let Some(filling) = seed.filling().map_err(refused)? else {
             return Err(Error::Setting {
                 name: EFFECT.name,
-                reason: format!(
-                    "seed '{}' is one sphere, which is smooth already",
-                    seed.name
-                ),
+                reason: if seed.spheres.is_some() {
+                    format!(
+                        "seed '{}' is a table of spheres, which fill no other shape",
+                        seed.name
+                    )
+                } else {
+                    format!(
+                        "seed '{}' is one sphere, which is smooth already",
+                        seed.name
+                    )
+                },
             });
         };
         seed.filling = Some(FillingSettings {

@@ -2,8 +2,8 @@
 
 use crate::{Effect, Entry, Error, refused};
 use contact_law::linear_cohesion::contact_area;
-use contact_law::{Material, material};
-use scene::{FillingLibrary, MaterialSettings, Scene, SeedSettings};
+use contact_law::material;
+use scene::{FillingLibrary, Scene, SeedSettings};
 
 /// An attraction in proportion to the area of contact in every contact.
 pub(crate) const EFFECT: Effect = Effect {
@@ -48,21 +48,15 @@ fn density_of_weight(scene: &Scene, fillings: &FillingLibrary) -> Result<f64, Er
 
 /// Effective Young's modulus of a seed against its like, Pa.
 fn reduced_modulus(scene: &Scene, seed: &SeedSettings) -> Result<f64, Error> {
-    let MaterialSettings {
-        poisson_ratio,
-        shear_modulus,
-    } = scene.material[&seed.material];
-    let own = Material::new(poisson_ratio.get(), shear_modulus.si())
-        .map_err(|e| refused(EFFECT.name, &e))?;
+    let own = scene.material[&seed.material].constants();
+    let own = own.map_err(|e| refused(EFFECT.name, &e))?;
     Ok(material::effective_moduli(&own, &own).young)
 }
 
 #[cfg(test)]
 mod tests {
     use crate::{apply, tests::small_drum};
-    use contact_law::{
-        HertzMindlin, LinearCohesion, Material, NormalForceEnd, PairParameters, material,
-    };
+    use contact_law::{HertzMindlin, LinearCohesion, NormalForceEnd, PairParameters, material};
     use scene::FillingLibrary;
 
     /// At amplitude 0.5 two seeds, as spheres of their volume, pressed by the weight of one attract each other by half of that
@@ -81,8 +75,7 @@ mod tests {
         let seed = &scene.seed[0];
         let weight = seed.mass_kg() * scene.model.gravity_m_s2;
         let radius = 0.5 * fillings.body(&scene, seed).unwrap().volume_radius();
-        let m = scene.material["seed"];
-        let m = Material::new(m.poisson_ratio.get(), m.shear_modulus.si()).unwrap();
+        let m = scene.material["seed"].constants().unwrap();
         let parameters = PairParameters {
             restitution: 1.0,
             static_friction: 0.0,

@@ -1,10 +1,9 @@
 //! Stiffness of the seeds: lower than that of real ones.
 
 use crate::{Effect, Entry, Error, refused};
-use quantity::Pressure;
 use scene::{FillingLibrary, Scene};
 
-/// A lower shear modulus of every seed material.
+/// A lower modulus of every seed material.
 pub(crate) const EFFECT: Effect = Effect {
     name: "softened-stiffness",
     physics: "Models are often made softer to save time steps. Contacts then last longer \
@@ -25,7 +24,8 @@ fn apply(scene: &mut Scene, amplitude: f64, _: &FillingLibrary) -> Result<(), Er
     let factor = 10_f64.powf(-amplitude);
     for (name, material) in &mut scene.material {
         if soft.contains(name) {
-            material.shear_modulus = Pressure::from_si(material.shear_modulus.si() * factor)
+            *material = material
+                .stiffened(factor)
                 .map_err(|e| refused(EFFECT.name, &e))?;
         }
     }
@@ -48,7 +48,7 @@ mod tests {
             &FillingLibrary::default(),
         )
         .unwrap();
-        let soft = scene.material["seed"].shear_modulus.si();
+        let soft = scene.material["seed"].shear_modulus_pa();
         assert!((soft / 4.01e5 - 1.0).abs() < 1e-12, "{soft}");
         assert_eq!(
             scene.material["tough_resin"],

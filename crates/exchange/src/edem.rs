@@ -100,7 +100,7 @@ impl Table {
     fn add_materials(&mut self, scene: &Scene) {
         for (name, material) in &scene.material {
             let poisson = material.poisson_ratio.get();
-            let shear = material.shear_modulus.si();
+            let shear = material.shear_modulus_pa();
             self.add(
                 ["Bulk material", name, "Poisson's ratio", "1"],
                 poisson,

@@ -24,13 +24,10 @@ pub struct Fraction {
 ///
 /// # Formula
 ///
-/// `V_k = V R_k^3 / sum R^3`, with V the volume of the mesh of the seed: the fractions of a seed add up to the volume that
+/// `V_k = V R_k^3 / sum R^3`, with V the volume of the seed: the fractions of a seed add up to the volume that
 /// the seed takes from the fluid, however much its spheres overlap or leave free.
 pub fn fractions(frame: &Frame, bodies: &[Arc<SeedBody>]) -> Vec<Fraction> {
-    let volumes: Vec<f64> = bodies
-        .iter()
-        .map(|b| b.mesh.mesh.moments().volume)
-        .collect();
+    let volumes: Vec<f64> = bodies.iter().map(|b| b.volume).collect();
     let mut all = Vec::new();
     for (body, &kind) in frame.kind.iter().enumerate() {
         let clump = &bodies[kind].clump;
@@ -80,7 +77,7 @@ mod tests {
         for (body, &kind) in frame.kind.iter().enumerate() {
             let own = all.iter().filter(|f| f.body == body);
             let volume: f64 = own.clone().map(|f| f.volume).sum();
-            let expected = bodies[kind].mesh.mesh.moments().volume;
+            let expected = bodies[kind].volume;
             assert!((volume / expected - 1.0).abs() < 1e-12, "{volume} m3");
             let momentum: nalgebra::Vector3<f64> = own.clone().map(|f| f.velocity * f.volume).sum();
             let fastest = own.map(|f| f.velocity.norm()).fold(0.0, f64::max);

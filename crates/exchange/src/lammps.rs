@@ -165,10 +165,7 @@ fn contact(scene: &Scene, bodies: &[Arc<SeedBody>], other: &str) -> Result<Granu
         pair: format!("{seed}-{other}"),
     };
     let c = scene.contact_of(seed, other).ok_or_else(missing)?;
-    let material = |name: &str| {
-        let m = &scene.material[name];
-        Material::new(m.poisson_ratio.get(), m.shear_modulus.si())
-    };
+    let material = |name: &str| scene.material[name].constants();
     let shares = Shares::of(scene, bodies);
     Ok(convert(&Conversion {
         materials: [material(seed)?, material(other)?],

@@ -34,7 +34,7 @@ pub struct SceneSimulator {
     models: BTreeMap<String, Model>,
     /// What the symbols of parameters stand for.
     bindings: BTreeMap<String, Binding>,
-    /// SHA-256 of each mesh by its file, in lower-case hexadecimal.
+    /// SHA-256 of each file of a shape, in lower-case hexadecimal.
     meshes: BTreeMap<PathBuf, String>,
     /// Bodies made so far.
     fillings: FillingLibrary,
@@ -69,7 +69,7 @@ impl SceneSimulator {
     ) -> Result<Self, Error> {
         let mut meshes = BTreeMap::new();
         for scene in models.values() {
-            for mesh in scene.mesh_files() {
+            for mesh in scene.shape_files() {
                 let file = scene.folder.join(mesh);
                 let bytes = input_file::read(&file).map_err(|source| Error::Mesh {
                     file: scene.file.clone(),
@@ -200,17 +200,18 @@ impl SceneSimulator {
         Ok(all)
     }
 
-    /// The scene with its meshes by name and content, `seed.stl sha256:...`, wherever and however their paths are written.
+    /// The scene with the files of its shapes by name and content, `seed.stl sha256:...`, wherever and however their paths are written.
     ///
     /// # Errors
     ///
-    /// A mesh that no scene had at the start.
+    /// A file that no scene had at the start.
     fn by_content(&self, mut scene: Scene) -> Result<Scene, SimulatorError> {
         let folder = scene.folder.clone();
-        let of_seeds = scene.seed.iter_mut().filter_map(|s| s.mesh.as_mut());
+        let of_seeds = scene.seed.iter_mut();
+        let of_seeds = of_seeds.flat_map(|s| s.mesh.iter_mut().chain(s.spheres.iter_mut()));
         for mesh in of_seeds.chain(scene.wall.iter_mut().map(|w| &mut w.mesh)) {
             let Some(digest) = self.meshes.get(&folder.join(&*mesh)) else {
-                let told = format!("mesh '{}' was not read at the start", mesh.display());
+                let told = format!("'{}' was not read at the start", mesh.display());
                 return Err(refused(told));
             };
             let name = mesh.file_name().unwrap_or_default().to_string_lossy();

@@ -23,13 +23,13 @@ pub enum Error {
         message: String,
     },
     /// A setting has no such name.
-    #[error("no setting '{name}' in {file}; settings with a like name: {near}")]
+    #[error("no setting '{name}' in {file}; {near}")]
     UnknownSetting {
         /// The name given.
         name: String,
         /// The file.
         file: String,
-        /// Names that could be meant.
+        /// What could be meant: the name here of what another code calls so, or settings with a like name.
         near: String,
     },
     /// A short name stands for several settings.
@@ -112,6 +112,14 @@ pub enum Error {
         seed: String,
         /// Why.
         source: trimesh::Error,
+    },
+    /// The table of the spheres of a seed is refused.
+    #[error("spheres of seed '{seed}': {source}")]
+    Spheres {
+        /// Name of the seed.
+        seed: String,
+        /// Why.
+        source: clump::files::TableError,
     },
     /// The mesh of a wall is refused.
     #[error("mesh of wall '{wall}': {source}")]

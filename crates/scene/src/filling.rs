@@ -1,8 +1,8 @@
 //! From the shape of a seed to a body, once for each distinct filling.
 
 use crate::{Error, Scene, SeedSettings};
-use clump::{Clump, volume_of_sphere};
-use sphere_fill::{FillSettings, FitReport, InertiaSource};
+use clump::{Clump, MassProperties, volume_of_sphere};
+use sphere_fill::{FillSettings, FitReport, InertiaSource, union_moments};
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, PoisonError};
 use trimesh::{CheckedMesh, LengthUnit, TriMesh, read_mesh};
@@ -20,18 +20,27 @@ pub struct SeedBody {
     pub outer: Clump,
     /// Spheres in the frame of the mesh, m.
     pub spheres: Vec<clump::Sphere>,
-    /// The mesh.
-    pub mesh: CheckedMesh,
-    /// Fit of the spheres, before a scale of the seed.
-    pub report: FitReport,
+    /// Volume of the seed, m³: of the shape, or of the union of the spheres where these are the shape.
+    pub volume: f64,
+    /// The shape that the spheres stand for; none where the spheres are the shape.
+    pub shape: Option<FilledShape>,
     /// Density of the spheres by the study's eq. (9), kg/m³.
     pub fraction_density: f64,
 }
 
+/// A shape that spheres stand for.
+#[derive(Debug, Clone)]
+pub struct FilledShape {
+    /// Its mesh.
+    pub mesh: CheckedMesh,
+    /// Fit of the spheres, before a scale of the seed.
+    pub report: FitReport,
+}
+
 impl SeedBody {
-    /// Radius of the sphere with the volume of the mesh, m.
+    /// Radius of the sphere with the volume of the seed, m.
     pub fn volume_radius(&self) -> f64 {
-        (3.0 * self.mesh.mesh.moments().volume / (4.0 * std::f64::consts::PI)).cbrt()
+        (3.0 * self.volume / (4.0 * std::f64::consts::PI)).cbrt()
     }
 }
 
@@ -49,13 +58,14 @@ impl FillingLibrary {
     ///
     /// A mesh that is refused or cannot be filled.
     pub fn body(&self, scene: &Scene, seed: &SeedSettings) -> Result<Arc<SeedBody>, Error> {
-        let shape = match &seed.mesh {
-            Some(mesh) => scene.folder.join(mesh).display().to_string(),
+        let shape = match seed.shape_file() {
+            Some(file) => scene.folder.join(file).display().to_string(),
             None => format!("{:?} {:?}", seed.sphere, seed.ellipsoid),
         };
         let key = format!(
-            "{shape} {:?} {:?} {} {:?}",
+            "{shape} {:?} {:?} {:?} {} {:?}",
             seed.mesh_unit,
+            seed.spheres_unit,
             seed.filling,
             seed.mass_kg(),
             seed.scale
@@ -80,6 +90,7 @@ impl FillingLibrary {
 /// Makes the body of a shape.
 fn make(scene: &Scene, seed: &SeedSettings) -> Result<SeedBody, Error> {
     let body = match (&seed.mesh, seed.sphere, seed.ellipsoid) {
+        _ if seed.spheres.is_some() => listed(seed, seed.listed_spheres(&scene.folder)?)?,
         (Some(mesh), _, _) => {
             let unit = seed.mesh_unit.unwrap_or(LengthUnit::Metre);
             let mesh = read_mesh(&scene.folder.join(mesh), unit);
@@ -91,7 +102,7 @@ fn make(scene: &Scene, seed: &SeedSettings) -> Result<SeedBody, Error> {
             return Err(Error::SeedKeys {
                 file: scene.file.clone(),
                 seed: seed.name.clone(),
-                problem: "no shape is stated; state mesh, sphere or ellipsoid".into(),
+                problem: "no shape is stated; state mesh, sphere, ellipsoid or spheres".into(),
             });
         }
     };
@@ -142,8 +153,11 @@ fn filled(seed: &SeedSettings, mesh: CheckedMesh) -> Result<SeedBody, Error> {
         clump,
         fraction_density: filling.fraction_density(mass),
         spheres: filling.spheres,
-        report: filling.report,
-        mesh,
+        volume: filling.mesh_moments.volume,
+        shape: Some(FilledShape {
+            mesh,
+            report: filling.report,
+        }),
     })
 }
 
@@ -163,8 +177,34 @@ fn ball(seed: &SeedSettings, radius: f64) -> Result<SeedBody, Error> {
         clump,
         fraction_density: density,
         spheres: filling.spheres,
-        report: filling.report,
-        mesh,
+        volume: filling.mesh_moments.volume,
+        shape: Some(FilledShape {
+            mesh,
+            report: filling.report,
+        }),
+    })
+}
+
+/// A body of the spheres of a list as they are: its mass is spread evenly over their union.
+fn listed(seed: &SeedSettings, spheres: Vec<clump::Sphere>) -> Result<SeedBody, Error> {
+    let (union, mass) = (union_moments(&spheres), seed.mass_kg());
+    let properties = MassProperties {
+        mass,
+        centre: union.centroid,
+        inertia: union.inertia * (mass / union.volume),
+    };
+    let clump = Clump::new(&spheres, &properties).map_err(|source| Error::Body {
+        seed: seed.name.clone(),
+        source,
+    })?;
+    let volumes = spheres.iter().map(|s| volume_of_sphere(s.radius));
+    Ok(SeedBody {
+        outer: clump.without_hidden_spheres(),
+        clump,
+        fraction_density: mass / volumes.sum::<f64>(),
+        spheres,
+        volume: union.volume,
+        shape: None,
     })
 }
 
@@ -188,7 +228,13 @@ fn grown(mesh: &TriMesh, factor: f64) -> Result<CheckedMesh, trimesh::Error> {
 /// The body with all lengths multiplied by a factor. It is made from the filling of the mesh as it is,
 /// since a search for another filling could end in another packing.
 fn scaled(body: &SeedBody, factor: f64, seed: &str) -> Result<SeedBody, Error> {
-    let mesh = grown(&body.mesh.mesh, factor).map_err(|source| Error::Mesh {
+    let shape = body.shape.as_ref().map(|shape| {
+        Ok(FilledShape {
+            mesh: grown(&shape.mesh.mesh, factor)?,
+            report: shape.report,
+        })
+    });
+    let shape = shape.transpose().map_err(|source| Error::Mesh {
         seed: seed.to_owned(),
         source,
     })?;
@@ -205,7 +251,7 @@ fn scaled(body: &SeedBody, factor: f64, seed: &str) -> Result<SeedBody, Error> {
         outer: body.outer.scaled(factor).map_err(refused)?,
         spheres: body.spheres.iter().map(larger).collect(),
         fraction_density: body.fraction_density / factor.powi(3),
-        mesh,
-        report: body.report,
+        volume: body.volume * factor.powi(3),
+        shape,
     })
 }

@@ -63,13 +63,12 @@ pub(crate) fn refusals(contact: &ContactSettings) -> Vec<contact_law::Error> {
 
 /// Elastic constants of a named material; `pair` is named in the message.
 pub(crate) fn material_of(scene: &Scene, name: &str, pair: &str) -> Result<Material, Error> {
-    let m = &scene.material[name];
     let refused = |source| Error::Contact {
         file: scene.file.clone(),
         pair: pair.to_owned(),
         source,
     };
-    Material::new(m.poisson_ratio.get(), m.shear_modulus.si()).map_err(refused)
+    scene.material[name].constants().map_err(refused)
 }
 
 /// Interactions of all pairs of materials, row by row.

@@ -36,10 +36,12 @@ mod health;
 mod interactions;
 mod keeper;
 mod limits;
+mod material;
 mod memory_order;
 mod motion;
 mod named_setting;
 mod obstacles;
+mod other_names;
 mod outline;
 mod parse;
 mod phase_times;
@@ -65,10 +67,11 @@ pub use bed_motion::{BedMotion, MotionEvidence};
 pub use bonded::BondedSettings;
 pub use drum_camera::DrumCamera;
 pub use error::Error;
-pub use filling::{FillingLibrary, SeedBody};
+pub use filling::{FilledShape, FillingLibrary, SeedBody};
 pub use flow::{FlowingLayer, avalanche_period, fill_level, flowing_layer};
 pub use frame::{Frame, FrameReading, drum_picture, read_frame};
 pub use keeper::{Keeper, NoKeeper, RunStage, StopFlag};
+pub use material::{MaterialSettings, Stiffness};
 pub use memory_order::SORTED_FROM;
 pub use motion::Progress;
 pub use named_setting::{NamedSetting, SettingKind};
@@ -84,8 +87,7 @@ pub use run::{
 pub use seed::{FillingSettings, SOLID_FRACTION, SeedSettings};
 pub use series::SeriesPoint;
 pub use settings::{
-    CameraSettings, ContactSettings, LiquidSettings, MaterialSettings, ModelSettings, Protocol,
-    RollingLaw, Scene,
+    CameraSettings, ContactSettings, LiquidSettings, ModelSettings, Protocol, RollingLaw, Scene,
 };
 pub use steady::{Doubt, SteadyRule, SteadyState, error_of_mean, swing_time};
 pub use surroundings::SurroundingsSettings;

@@ -2,7 +2,7 @@
 
 use crate::apparatus::NamedMesh;
 use crate::check::bad;
-use crate::{Apparatus, Error, Scene};
+use crate::{Apparatus, Error, Scene, SeedSettings};
 use dem_solver::{Motion, Vibration};
 use nalgebra::Vector3;
 use quantity::{AngularSpeed, Frequency, Length, Speed};
@@ -143,9 +143,9 @@ impl Scene {
         names
     }
 
-    /// All mesh files that a run depends on, relative to the folder of the scene.
-    pub fn mesh_files(&self) -> Vec<&std::path::Path> {
-        let seeds = self.seed.iter().filter_map(|s| s.mesh.as_deref());
+    /// All files of shapes that a run depends on, meshes and tables of spheres, relative to the folder of the scene.
+    pub fn shape_files(&self) -> Vec<&std::path::Path> {
+        let seeds = self.seed.iter().filter_map(SeedSettings::shape_file);
         seeds
             .chain(self.wall.iter().map(|w| w.mesh.as_path()))
             .collect()

@@ -1,5 +1,6 @@
 //! Reading a scene file, and changing single settings of it.
 
+use crate::other_names::way_out;
 use crate::{Error, Scene, SeedSettings};
 use input_file::toml_slip;
 use std::path::{Path, PathBuf};
@@ -50,6 +51,31 @@ const LEFT_OUT_OF_A_DRUM: [&str; 3] = [
     "apparatus.ramp",
     "apparatus.reverse_every",
     "apparatus.tilt",
+];
+
+/// Settings of a seed likewise, each with a value of its kind.
+fn left_out_of_a_seed() -> [(&'static str, Value); 8] {
+    let quantity = || Value::String(String::new());
+    [
+        ("mass", quantity()),
+        ("density", quantity()),
+        ("count", Value::Integer(1)),
+        ("total_mass", quantity()),
+        ("fill_level", Value::Float(0.0)),
+        ("solid_fraction", Value::Float(0.0)),
+        ("scale", Value::Float(1.0)),
+        ("spheres_unit", quantity()),
+    ]
+}
+
+/// Settings of a material likewise.
+const LEFT_OUT_OF_A_MATERIAL: [&str; 2] = ["shear_modulus", "youngs_modulus"];
+
+/// Keys of a section of which a scene states one: a change of one takes the others out. The fraction belongs to the level.
+const ALTERNATIVES: [(&str, &[&str]); 3] = [
+    ("material", &LEFT_OUT_OF_A_MATERIAL),
+    ("seed", &["mass", "density"]),
+    ("seed", &["count", "total_mass", "fill_level"]),
 ];
 
 /// A switch of a drum likewise.
@@ -180,7 +206,7 @@ impl Scene {
         for change in changes {
             let path = whole_path(&table, &change.path, &self.file)?;
             make_room(&mut table, &path);
-            let Some(place) = leaf_mut(&mut table, &path) else {
+            let Some(place) = value_mut(&mut table, &path) else {
                 continue;
             };
             let value = change.value;
@@ -241,11 +267,14 @@ impl Scene {
     }
 }
 
-/// The message of an error, with the way out where the line is no TOML by a usual slip.
+/// The message of an error, with the way out if the line is no TOML by a usual slip, or a key is that of another code.
 fn with_way_out(text: &str, error: &toml::de::Error) -> String {
     let told = error.to_string();
     if toml::from_str::<Table>(text).is_ok() {
-        return told;
+        return match way_out_of_key(&told) {
+            Some(way_out) => format!("{}; {way_out}", told.trim_end()),
+            None => told,
+        };
     }
     let line = error.span().and_then(|span| {
         let before = text.get(..span.start)?;
@@ -255,6 +284,24 @@ fn with_way_out(text: &str, error: &toml::de::Error) -> String {
         Some(slip) => format!("{}; {slip}", told.trim_end()),
         None => told,
     }
+}
+
+/// What to write for the key that a message calls unknown: the keys that it expects stand in the message.
+fn way_out_of_key(told: &str) -> Option<String> {
+    let (_, rest) = told.split_once("unknown field `")?;
+    let (name, expected) = rest.split_once('`')?;
+    way_out(name, |key| expected.contains(&format!("`{key}`")))
+}
+
+/// What a name that is no setting may have meant, of all the names that there are.
+fn meant(all: &[String], name: &str) -> String {
+    let (section, last) = name.rsplit_once('.').unwrap_or(("", name));
+    let is_there = |key: &str| match section {
+        "" => all.iter().any(|path| path.rsplit('.').next() == Some(key)),
+        _ => all.contains(&format!("{section}.{key}")),
+    };
+    way_out(last, is_there)
+        .unwrap_or_else(|| format!("settings with a like name: {}", like_names(all, name)))
 }
 
 /// Text of a file.
@@ -300,32 +347,68 @@ pub(crate) fn left_out(table: &Table) -> Vec<(String, Value)> {
         let switch = (COVERS_AT_REST.to_owned(), Value::Boolean(false));
         LEFT_OUT_OF_A_DRUM.map(quantity).into_iter().chain([switch])
     });
+    let names = table.get("material").and_then(Value::as_table);
+    let of_materials = names.into_iter().flat_map(Table::keys).flat_map(|name| {
+        LEFT_OUT_OF_A_MATERIAL.map(|key| quantity(&format!("material.{name}.{key}")))
+    });
+    let seeds = table.get("seed").and_then(Value::as_array);
+    let of_seeds = (0..seeds.map_or(0, Vec::len))
+        .flat_map(|k| left_out_of_a_seed().map(|(key, value)| (format!("seed.{k}.{key}"), value)));
     let all = LEFT_OUT_QUANTITIES.map(quantity).into_iter().chain(numbers);
     all.chain(of_drum.into_iter().flatten())
         .chain(of_pairs)
+        .chain(of_materials)
+        .chain(of_seeds)
         .collect()
 }
 
-/// Makes room for a setting without a default that the scene leaves out.
+/// The keys that cannot stand beside that of a path.
+fn alternatives(path: &str) -> Vec<&'static str> {
+    let words: Vec<&str> = path.split('.').collect();
+    let [section, _, key] = words[..] else {
+        return Vec::new();
+    };
+    let group = ALTERNATIVES
+        .iter()
+        .find(|(of, keys)| *of == section && keys.contains(&key));
+    let others = group.iter().flat_map(|(_, keys)| keys.iter().copied());
+    let mut others: Vec<&str> = others.filter(|other| *other != key).collect();
+    if others.contains(&"fill_level") {
+        others.push("solid_fraction");
+    }
+    others
+}
+
+/// Makes room for a setting without a default that the scene leaves out; one that cannot stand beside it goes.
 pub(crate) fn make_room(table: &mut Table, path: &str) {
+    let section = path.rsplit_once('.').map_or("", |(section, _)| section);
+    if let Some(Value::Table(section)) = value_mut(table, section) {
+        for other in alternatives(path) {
+            section.remove(other);
+        }
+    }
     let mut known = left_out(table).into_iter();
     let Some((_, value)) = known.find(|(known, _)| known == path) else {
         return;
     };
+    let (sections, key) = path.rsplit_once('.').unwrap_or(("", path));
     let mut section = table;
-    let mut keys = path.split('.').peekable();
-    while let Some(key) = keys.next() {
-        let is_last = keys.peek().is_none();
-        let empty = if is_last {
-            value.clone()
-        } else {
-            Value::Table(Table::new())
+    let mut keys = sections.split('.');
+    while let Some(name) = keys.next() {
+        let below = section.entry(name).or_insert(Value::Table(Table::new()));
+        // The items of a list are there, or the setting is none.
+        let item = match below {
+            Value::Array(list) => keys
+                .next()
+                .and_then(|k| list.get_mut(k.parse::<usize>().ok()?)),
+            other => Some(other),
         };
-        match section.entry(key).or_insert(empty) {
-            Value::Table(below) => section = below,
-            _ => return,
-        }
+        let Some(Value::Table(below)) = item else {
+            return;
+        };
+        section = below;
     }
+    section.entry(key).or_insert(value);
 }
 
 /// Changes one setting of a table.
@@ -339,13 +422,13 @@ fn apply(table: &mut Table, change: &Override, file: &str) -> Result<(), Error> 
     let unknown = || Error::UnknownSetting {
         name: change.name.clone(),
         file: file.into(),
-        near: like_names(&leaves(table), &change.name),
+        near: meant(&leaves(table), &change.name),
     };
     let found = setting_at(table, &path).map(|old| like(old, &text));
     let Some(value) = found else {
         return Err(unknown());
     };
-    if let Some(place) = leaf_mut(table, &path) {
+    if let Some(place) = value_mut(table, &path) {
         *place = value;
     }
     Ok(())
@@ -361,17 +444,22 @@ pub(crate) fn whole_path(table: &Table, name: &str, file: &str) -> Result<String
         return Ok(name.to_owned());
     }
     let ending = format!(".{name}");
-    let fits: Vec<_> = all
+    let mut fits: Vec<_> = all
         .iter()
         .filter(|path| path.ends_with(&ending))
         .cloned()
         .collect();
+    // Who says `density` means the seed that has one, and not another that states its mass.
+    let there = |path: &String| setting_at(table, path).is_some();
+    if fits.iter().any(there) {
+        fits.retain(|path| there(path) || alternatives(path).is_empty());
+    }
     match fits.as_slice() {
         [path] => Ok(path.clone()),
         [] => Err(Error::UnknownSetting {
             name: name.into(),
             file: file.into(),
-            near: like_names(&all, name),
+            near: meant(&all, name),
         }),
         _ => Err(Error::AmbiguousSetting {
             name: name.into(),
@@ -461,7 +549,7 @@ pub fn setting_at<'a>(table: &'a Table, path: &str) -> Option<&'a Value> {
 }
 
 /// The same, to be changed.
-fn leaf_mut<'a>(table: &'a mut Table, path: &str) -> Option<&'a mut Value> {
+fn value_mut<'a>(table: &'a mut Table, path: &str) -> Option<&'a mut Value> {
     let mut keys = path.split('.');
     let mut value = table.get_mut(keys.next()?)?;
     for key in keys {

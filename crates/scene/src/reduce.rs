@@ -6,14 +6,15 @@ use crate::{
 use quantity::FrictionCoefficient;
 
 impl Scene {
-    /// The same seeds, materials and contacts in a bench test, without what only a bed of seeds has: walls,
-    /// surroundings, bonds, and the settings of protocol and camera that go with them.
+    /// The same seeds, materials and contacts in another apparatus, without what it cannot have: in a bench test walls,
+    /// surroundings and bonds; outside a drum its camera and the slope of its bed. What follows from the apparatus, as the number
+    /// of seeds of a fill level, follows from the new one, and from later changes of it.
     ///
     /// # Errors
     ///
     /// As [`Self::check`]: a plate or seed that the scene does not define, a contact that nobody states.
-    pub fn on_bench(&self, apparatus: Apparatus) -> Result<Self, Error> {
-        let scene = Self {
+    pub fn in_apparatus(&self, apparatus: Apparatus) -> Result<Self, Error> {
+        let mut scene = Self {
             apparatus,
             ..self.clone()
         };
@@ -21,8 +22,15 @@ impl Scene {
         if let Some(test) = scene.apparatus.bench_test() {
             scene.tested_seed(test)?;
             scene.undefined(test.plate).map_or(Ok(()), Err)?;
+            scene.wall.clear();
+            scene.surroundings = SurroundingsSettings::default();
+            scene.model.bonds = None;
+            scene.protocol.insertion_rate = None;
         }
-        let scene = scene.reduced();
+        if !matches!(scene.apparatus, Apparatus::Drum(_) | Apparatus::Metering(_)) {
+            scene.camera = CameraSettings::default();
+            scene.protocol.start_slope = None;
+        }
         scene.check()?;
         Ok(scene)
     }

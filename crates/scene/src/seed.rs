@@ -1,20 +1,27 @@
 //! One kind of seed: its shape, its mass, and how many there are.
 
 use crate::{Error, Scene};
-use clump::DENSITIES;
+use clump::files::read_spheres;
+use clump::{DENSITIES, Sphere};
 use quantity::{Density, Length, Mass, significant};
 use serde::{Deserialize, Serialize};
+use sphere_fill::union_moments;
 use std::f64::consts::FRAC_PI_6;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
+use trimesh::LengthUnit;
 
 /// Share of the volume of a poured bed that its seeds take, where a scene states none: our choice. Beds of
 /// spheres reach from 0.55 (loosest random) to 0.64 (densest random); `solid_fraction` states another.
 pub const SOLID_FRACTION: f64 = 0.6;
 
+/// Sizes (m) of seeds for which a table of spheres without a unit is one in mm: our choice, from fine seeds to cobs. In metres
+/// the numbers would be a thousand times smaller.
+const GUESSED_SIZES: std::ops::RangeInclusive<f64> = 1e-4..=0.1;
+
 /// Largest volume of the seeds over that of the apparatus, above which no fill level is possible.
 const FULLEST: f64 = 1.0;
 
-/// One kind of seed: exactly one of `mesh`, `sphere` and `ellipsoid`, one of `mass` and `density`, one of
+/// One kind of seed: exactly one of `mesh`, `sphere`, `ellipsoid` and `spheres`, one of `mass` and `density`, one of
 /// `count`, `total_mass` and `fill_level`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -34,6 +41,13 @@ pub struct SeedSettings {
     /// `filling` is absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub ellipsoid: Option<[Length; 3]>,
+    /// Table of the spheres of a seed, x, y, z and radius, relative to the scene file: the seed is these spheres as they are, and
+    /// its volume that of their union.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub spheres: Option<PathBuf>,
+    /// What one unit of that table is; mm where absent, if the seed is then 0.1 to 100 mm long.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub spheres_unit: Option<trimesh::LengthUnit>,
     /// Mass of one seed.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub mass: Option<Mass>,
@@ -62,9 +76,9 @@ pub struct SeedSettings {
     /// How mesh or ellipsoid are filled with spheres.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub filling: Option<FillingSettings>,
-    /// Volume of the mesh, m³.
+    /// Volume of the mesh, or of the union of the spheres of the table, m³.
     #[serde(skip)]
-    pub(crate) mesh_volume: Option<f64>,
+    pub(crate) file_volume: Option<f64>,
 }
 
 /// How a mesh is filled with spheres.
@@ -113,14 +127,14 @@ impl FillingSettings {
 }
 
 impl SeedSettings {
-    /// Volume of one seed, m³; none where the shape is a mesh that was not read.
+    /// Volume of one seed, m³; none where the shape is a file that was not read.
     pub fn volume(&self) -> Option<f64> {
         let axes = match (self.sphere, self.ellipsoid) {
             (Some(diameter), _) => Some([diameter; 3]),
             (None, axes) => axes,
         };
         let closed_form = axes.map(|axes| FRAC_PI_6 * axes.map(Length::si).iter().product::<f64>());
-        let volume = closed_form.or(self.mesh_volume)?;
+        let volume = closed_form.or(self.file_volume)?;
         Some(volume * self.scale.unwrap_or(1.0).powi(3))
     }
 
@@ -140,9 +154,60 @@ impl SeedSettings {
         self.density.map(Density::si).or_else(by_mass)
     }
 
+    /// The file that holds its shape; none of a shape in closed form.
+    pub(crate) fn shape_file(&self) -> Option<&Path> {
+        self.mesh.as_deref().or(self.spheres.as_deref())
+    }
+
+    /// The spheres of its table, m; none where it states no table.
+    ///
+    /// # Errors
+    ///
+    /// A file that cannot be read or holds something else.
+    pub(crate) fn listed_spheres(&self, folder: &Path) -> Result<Vec<Sphere>, Error> {
+        let path = folder.join(self.spheres.as_deref().unwrap_or(Path::new("")));
+        let text = input_file::read_text(&path).map_err(|source| Error::Read {
+            path: path.clone(),
+            source,
+        })?;
+        let unit = self.spheres_unit.unwrap_or(LengthUnit::Millimetre);
+        read_spheres(&text, &path.display().to_string(), unit.in_metres()).map_err(|source| {
+            Error::Spheres {
+                seed: self.name.clone(),
+                source,
+            }
+        })
+    }
+
     /// States the mass of one seed.
     pub fn set_mass(&mut self, mass: Mass) {
         (self.mass, self.density) = (Some(mass), None);
+    }
+
+    /// Volume of the union of the spheres of its table, m³; a unit that is not stated is written down.
+    ///
+    /// # Errors
+    ///
+    /// A table that cannot be read, or whose unit is not clear.
+    fn measured_list(&mut self, folder: &Path, file: &str) -> Result<f64, Error> {
+        let spheres = self.listed_spheres(folder)?;
+        if self.spheres_unit.is_none() {
+            let reach = |s: &Sphere| (s.centre - spheres[0].centre).norm() + s.radius;
+            let size = 2.0 * spheres.iter().map(reach).fold(0.0, f64::max);
+            if !GUESSED_SIZES.contains(&size) {
+                return Err(Error::SeedKeys {
+                    file: file.to_owned(),
+                    seed: self.name.clone(),
+                    problem: format!(
+                        "spheres is stated without spheres_unit, and in mm the seed would be {} mm long; state what \
+                         one unit of the table is, such as \"m\"",
+                        significant(1e3 * size, 3)
+                    ),
+                });
+            }
+            self.spheres_unit = Some(LengthUnit::Millimetre);
+        }
+        Ok(union_moments(&spheres).volume)
     }
 
     /// States the number of seeds.
@@ -178,6 +243,7 @@ impl SeedSettings {
                 ("mesh", self.mesh.is_some()),
                 ("sphere", self.sphere.is_some()),
                 ("ellipsoid", self.ellipsoid.is_some()),
+                ("spheres", self.spheres.is_some()),
             ],
             &[
                 ("mass", self.mass.is_some()),
@@ -195,7 +261,7 @@ impl SeedSettings {
                 listed.map(|(name, _)| *name).collect::<Vec<_>>()
             };
             let stated = names(false);
-            // A bench test takes single seeds: their number need not be stated.
+            // A bench test takes single seeds, however many are stated, and their number need not be.
             let may_lack = group[0].0 == "count" && scene.apparatus.is_bench_test();
             if stated.len() != 1 && !(stated.is_empty() && may_lack) {
                 let which = if stated.is_empty() {
@@ -209,14 +275,14 @@ impl SeedSettings {
                 ));
             }
         }
-        for problem in self.lone_keys(scene) {
+        for problem in self.lone_keys() {
             tell(problem);
         }
         self.check_values(found);
     }
 
     /// Keys that need another one, or cannot stand beside it.
-    fn lone_keys(&self, scene: &Scene) -> Vec<String> {
+    fn lone_keys(&self) -> Vec<String> {
         let is_mesh = self.mesh.is_some();
         let mut problems = Vec::new();
         let mut tell = |wrong: bool, problem: &str| {
@@ -241,12 +307,16 @@ impl SeedSettings {
             "filling is stated beside sphere, which is one sphere already; remove it",
         );
         tell(
-            self.solid_fraction.is_some() && self.fill_level.is_none(),
-            "solid_fraction is stated without fill_level; remove it",
+            self.spheres.is_some() && self.filling.is_some(),
+            "filling is stated beside spheres, which are the seed as they are; remove it",
         );
         tell(
-            self.fill_level.is_some() && scene.apparatus.bed_volume().is_none(),
-            "fill_level is stated, but the apparatus has no volume to fill; state count or total_mass",
+            self.spheres.is_none() && self.spheres_unit.is_some(),
+            "spheres_unit is stated without spheres; remove it",
+        );
+        tell(
+            self.solid_fraction.is_some() && self.fill_level.is_none(),
+            "solid_fraction is stated without fill_level; remove it",
         );
         problems
     }
@@ -367,23 +437,31 @@ impl Scene {
         }
     }
 
-    /// Writes down the defaults of the seeds and the volumes of their meshes; those of `known` seeds are taken over.
+    /// Writes down the defaults of the seeds and the volumes of the shapes in files; those of `known` seeds are taken over.
     ///
     /// # Errors
     ///
-    /// A mesh that cannot be read or is not closed.
+    /// A mesh that cannot be read or is not closed, a table of spheres that cannot be read or whose unit is not clear.
     pub(crate) fn complete_seeds(&mut self, known: &[SeedSettings]) -> Result<(), Error> {
         for kind in &mut self.seed {
             if kind.fill_level.is_some() && kind.solid_fraction.is_none() {
                 kind.solid_fraction = Some(SOLID_FRACTION);
             }
+            let same = |other: &&SeedSettings| {
+                (&other.mesh, other.mesh_unit) == (&kind.mesh, kind.mesh_unit)
+                    && (&other.spheres, other.spheres_unit) == (&kind.spheres, kind.spheres_unit)
+            };
+            let before = known.iter().find(same).and_then(|other| other.file_volume);
+            if kind.spheres.is_some() {
+                kind.file_volume = Some(match before {
+                    Some(volume) => volume,
+                    None => kind.measured_list(&self.folder, &self.file)?,
+                });
+                continue;
+            }
             let (Some(mesh), Some(unit)) = (&kind.mesh, kind.mesh_unit) else {
                 continue;
             };
-            let same = |other: &&SeedSettings| {
-                other.mesh.as_ref() == Some(mesh) && other.mesh_unit == Some(unit)
-            };
-            let before = known.iter().find(same).and_then(|other| other.mesh_volume);
             let read = || {
                 let read = trimesh::read_mesh(&self.folder.join(mesh), unit)?.mesh;
                 read.require_closed()?;
@@ -393,7 +471,7 @@ impl Scene {
                 seed: kind.name.clone(),
                 source,
             };
-            kind.mesh_volume = Some(before.map_or_else(read, Ok).map_err(refused)?);
+            kind.file_volume = Some(before.map_or_else(read, Ok).map_err(refused)?);
         }
         Ok(())
     }

@@ -1,11 +1,9 @@
 //! What a scene file says.
 
 use crate::steady::{LEAST_KEPT, LEAST_START_UP, expected_swing};
-use crate::{Apparatus, SeedSettings, SurroundingsSettings};
+use crate::{Apparatus, MaterialSettings, SeedSettings, SurroundingsSettings};
 use contact_law::hard_contact;
-use quantity::{
-    Angle, Frequency, FrictionCoefficient, Length, PoissonRatio, Pressure, Restitution, Time,
-};
+use quantity::{Angle, Frequency, FrictionCoefficient, Length, Restitution, Time};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -43,16 +41,6 @@ pub struct Scene {
     /// Name of the file, for messages.
     #[serde(skip)]
     pub file: String,
-}
-
-/// Elastic constants of a material.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct MaterialSettings {
-    /// Poisson's ratio.
-    pub poisson_ratio: PoissonRatio,
-    /// Shear modulus.
-    pub shear_modulus: Pressure,
 }
 
 /// Contact parameters of two materials.

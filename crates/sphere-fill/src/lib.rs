@@ -67,4 +67,5 @@ pub use settings::{FillSettings, Method};
 pub use smooth::Smooth;
 pub use surface::Surface;
 pub use target::Target;
+pub use union_moments::union_moments;
 pub use union_surface::union_surface;

@@ -15,7 +15,7 @@ const CHORDS: f64 = 600_000.0;
 /// Lines parallel to x on a square grid cut the spheres in chords; the union of the chords of a
 /// line is exact, as are its integrals along the line, so only the two directions across are
 /// approximated (midpoint rule).
-pub(crate) fn union_moments(spheres: &[Sphere]) -> VolumeMoments {
+pub fn union_moments(spheres: &[Sphere]) -> VolumeMoments {
     let area: f64 = spheres.iter().map(|s| s.radius * s.radius).sum();
     let step = (std::f64::consts::PI * area / CHORDS).sqrt();
     let mut chords: Vec<Chord> = Vec::new();

@@ -195,7 +195,7 @@ impl DesignTable {
         let mut files = vec![table_file::file_of(&choices.design), choices.scene.clone()];
         files.extend(choices.factors.as_deref().map(table_file::file_of));
         for scene in self.models.values() {
-            for mesh in scene.mesh_files() {
+            for mesh in scene.shape_files() {
                 let file = scene.folder.join(mesh);
                 if !files.contains(&file) {
                     files.push(file);

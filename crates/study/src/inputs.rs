@@ -18,7 +18,7 @@ pub(crate) fn of(
     let of_scenes = file.scenes.iter().filter_map(|s| s.file.as_ref());
     files.extend(of_scenes.map(|file| folder.join(file)));
     for scene in checked.scenes.values().chain(checked.models.values()) {
-        let meshes = scene.mesh_files();
+        let meshes = scene.shape_files();
         files.extend(meshes.iter().map(|mesh| scene.folder.join(mesh)));
     }
     for series in &checked.photos {

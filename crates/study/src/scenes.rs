@@ -118,7 +118,7 @@ fn changed(mut scene: Scene, entry: &SceneEntry, further: &[String]) -> Result<S
             .clone()
             .try_into()
             .map_err(|e: toml::de::Error| vec![format!("apparatus is invalid: {}", e.message())])?;
-        scene = scene.on_bench(apparatus).map_err(told)?;
+        scene = scene.in_apparatus(apparatus).map_err(told)?;
     }
     // One after the other, so that all that are wrong are told.
     let mut wrong = Vec::new();

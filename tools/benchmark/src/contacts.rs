@@ -24,10 +24,7 @@ impl Contacts {
             anyhow::bail!("{}: the benchmark needs a drum with seeds", scene.file);
         };
         let names = [&seed.material, &drum.shell, &drum.cover];
-        let material = |name: &String| {
-            let m = &scene.material[name];
-            Material::new(m.poisson_ratio.get(), m.shear_modulus.si())
-        };
+        let material = |name: &String| scene.material[name].constants();
         let parameters = |name: &String| {
             let contact = scene.contact_of(&seed.material, name);
             let contact = contact.ok_or_else(|| {

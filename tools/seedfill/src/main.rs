@@ -10,7 +10,6 @@ mod price;
 mod shapes;
 mod slices;
 mod sphere_file;
-mod sphere_table;
 mod summary;
 mod target;
 mod trial_bed;
@@ -22,7 +21,6 @@ use clump::{DENSITIES, Sphere};
 use command_line::{DONE, Header, NOT_MET, significant};
 use price::Price;
 use sphere_fill::{Connectivity, Error, FillSettings, fill, measure};
-use sphere_table::read_spheres;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -177,6 +175,17 @@ impl Task {
     }
 }
 
+/// Reads a table of spheres in a unit.
+///
+/// # Errors
+///
+/// A file that cannot be read, a line that is no sphere.
+fn read_table(file: &Path, unit: LengthUnit) -> anyhow::Result<Vec<Sphere>> {
+    let name = file.display().to_string();
+    let text = input_file::read_text(file).with_context(|| format!("cannot read {name}"))?;
+    Ok(read_spheres(&text, &name, unit.in_metres())?)
+}
+
 /// What the arguments ask for.
 fn task_of(arguments: &Arguments) -> anyhow::Result<Task> {
     for (flag, value) in [("mass", arguments.mass), ("density", arguments.density)] {
@@ -187,7 +196,7 @@ fn task_of(arguments: &Arguments) -> anyhow::Result<Task> {
         );
     }
     match (&arguments.spheres, &arguments.radius) {
-        (Some(file), _) => Ok(Task::Measure(read_spheres(file, arguments.unit)?)),
+        (Some(file), _) => Ok(Task::Measure(read_table(file, arguments.unit)?)),
         (None, Some(radius)) => Ok(Task::Fill(settings_of(arguments, radius)?)),
         (None, None) => anyhow::bail!("--radius is needed"),
     }

@@ -193,7 +193,9 @@ fn simulated(arguments: &Arguments, file: &Path) -> anyhow::Result<Report> {
         repeats >= 2,
         "--repeats {repeats}: at least 2 are needed for an interval"
     );
-    let scene = scene.on_bench(apparatus(arguments, plate, seed_name, repeats)?)?;
+    let scene = scene
+        .in_apparatus(apparatus(arguments, plate, seed_name, repeats)?)?
+        .reduced();
     let contact = scene
         .contact_of(&material, plate)
         .context("the contact of seed and plate is missing")?;
@@ -207,7 +209,10 @@ fn simulated(arguments: &Arguments, file: &Path) -> anyhow::Result<Report> {
     let slid = values(&result, "slid_share").iter().filter(|s| **s > 0.5);
     let slid = slid.count();
     let shown = format!("shown_{}", test_of(arguments.test).coefficient());
-    let meshes = scene.mesh_files().into_iter().map(|m| scene.folder.join(m));
+    let meshes = scene
+        .shape_files()
+        .into_iter()
+        .map(|m| scene.folder.join(m));
     let inputs = [file.to_path_buf()].into_iter();
     let inputs = inputs.chain(arguments.set_file.clone()).chain(meshes);
     Ok(Report {

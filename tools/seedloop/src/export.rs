@@ -112,7 +112,7 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
     inputs.extend(arguments.set_file.clone());
     inputs.extend(
         scene
-            .mesh_files()
+            .shape_files()
             .iter()
             .map(|mesh| scene.folder.join(mesh)),
     );

@@ -47,7 +47,7 @@ fn sled(drum: &Scene) -> Scene {
         seed: None,
         repeats: 2,
     };
-    drum.on_bench(scene::Apparatus::Slider(plate))
+    drum.in_apparatus(scene::Apparatus::Slider(plate))
         .expect("the drum has such seeds")
 }
 
@@ -144,7 +144,7 @@ fn a_symbol_sets_all_its_paths_where_they_are() {
 fn the_inputs_follow_the_own_meshes() {
     let folder = tempfile::tempdir().unwrap();
     let base = small_drum();
-    let meshes: Vec<PathBuf> = base.mesh_files().into_iter().map(Into::into).collect();
+    let meshes: Vec<PathBuf> = base.shape_files().into_iter().map(Into::into).collect();
     let write = |of: &str, text: &str| {
         for mesh in &meshes {
             let path = folder.path().join(of).join("scenes").join(mesh);
@@ -256,7 +256,7 @@ fn the_expected_cost_follows_the_work() {
             repeats,
         };
         small_drum()
-            .on_bench(scene::Apparatus::Slider(test))
+            .in_apparatus(scene::Apparatus::Slider(test))
             .unwrap()
     };
     let finer = scene("cotton/drum.toml", &[("protocol.step_share", "0.18")]);

@@ -8,6 +8,7 @@ use crate::pictures::photographs::{
 };
 use crate::pictures::png;
 use report::{Column, SphereViewer, Table, ViewerBody, ViewerKind, ViewerSphere, counted};
+use scene::FilledShape;
 
 /// Adds the section; nothing without seeds.
 pub(super) fn add(page: &mut Page<'_>) -> Result<(), Error> {
@@ -70,14 +71,15 @@ fn pictures(page: &mut Page<'_>, number: usize, seed: &FilledSeed) -> Result<(),
 fn table(page: &mut Page<'_>, seeds: &[FilledSeed]) -> Result<(), Error> {
     let mut table = Table::new(
         "Seeds as bodies. The density is that which the spheres need for the mass of the seed; gaps are those between \
-         the mesh and the union of the spheres, for the filling before a scale of the seed.",
+         the mesh and the union of the spheres, for the filling before a scale of the seed; a seed that is a table of spheres has \
+         none.",
         vec![
             Column::text("seed"),
             Column::text("in"),
             Column::number("spheres (outer)"),
             Column::number("mass (mg)"),
             Column::number("density (kg/m³)"),
-            Column::number("mesh volume (mm³)"),
+            Column::number("volume (mm³)"),
             Column::number("union / mesh"),
             Column::number("rms gap (mm)"),
             Column::number("roughness (mm)"),
@@ -86,7 +88,10 @@ fn table(page: &mut Page<'_>, seeds: &[FilledSeed]) -> Result<(), Error> {
     )?;
     for seed in seeds {
         let body = &seed.body;
-        let fit = &body.report;
+        let of_fit = |value: &dyn Fn(&FilledShape) -> String| {
+            let shape = body.shape.as_ref();
+            shape.map_or_else(|| "-".to_owned(), |shape| value(shape))
+        };
         let outer = body.outer.spheres().len();
         table.row([
             seed.name.clone(),
@@ -94,11 +99,11 @@ fn table(page: &mut Page<'_>, seeds: &[FilledSeed]) -> Result<(), Error> {
             format!("{} ({outer})", body.spheres.len()),
             fixed(body.clump.mass() * 1e6, 1),
             fixed(body.fraction_density, 0),
-            fixed(body.mesh.mesh.moments().volume * 1e9, 2),
-            fixed(fit.union_fraction, 3),
-            fixed(fit.surface_rms * 1e3, 3),
-            fixed(fit.roughness_rms * 1e3, 3),
-            listed(&fit.inertia_error_percent.map(|e| fixed(e, 1))),
+            fixed(body.volume * 1e9, 2),
+            of_fit(&|s| fixed(s.report.union_fraction, 3)),
+            of_fit(&|s| fixed(s.report.surface_rms * 1e3, 3)),
+            of_fit(&|s| fixed(s.report.roughness_rms * 1e3, 3)),
+            of_fit(&|s| listed(&s.report.inertia_error_percent.map(|e| fixed(e, 1)))),
         ])?;
     }
     page.table(&table);

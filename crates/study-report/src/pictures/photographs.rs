@@ -71,10 +71,12 @@ pub(crate) fn seeds(input: &ReportInput<'_>) -> Result<Vec<NamedPicture>, Error>
             colour: SPHERE_COLOUR,
         });
         let spheres: Vec<RenderSphere> = spheres.collect();
-        let mesh = &seed.body.mesh.mesh;
-        let triangles: Vec<[[f64; 3]; 3]> = (0..mesh.triangles().len())
-            .map(|k| mesh.corners(k).map(Into::into))
-            .collect();
+        let shape = seed.body.shape.as_ref();
+        let triangles: Vec<[[f64; 3]; 3]> = shape.map_or_else(Vec::new, |shape| {
+            let mesh = &shape.mesh.mesh;
+            let all = 0..mesh.triangles().len();
+            all.map(|k| mesh.corners(k).map(Into::into)).collect()
+        });
         let view = ObjectView::oblique(SEED_PIXELS);
         let coats = [
             (seed_picture_name(number), triangles.as_slice()),

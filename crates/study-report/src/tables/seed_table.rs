@@ -3,6 +3,7 @@
 use super::csv::{CsvTable, Field};
 use crate::pictures::photographs::filled_seeds;
 use crate::{Error, ReportInput};
+use scene::FilledShape;
 
 /// How well the spheres stand for the seeds.
 pub(super) fn seeds(input: &ReportInput<'_>) -> Result<CsvTable, Error> {
@@ -13,7 +14,7 @@ pub(super) fn seeds(input: &ReportInput<'_>) -> Result<CsvTable, Error> {
         "n_outer_spheres",
         "mass_mg",
         "fraction_density_kg_m3",
-        "mesh_volume_mm3",
+        "volume_mm3",
         "packing_fraction_1",
         "union_fraction_1",
         "max_protrusion_mm",
@@ -29,9 +30,13 @@ pub(super) fn seeds(input: &ReportInput<'_>) -> Result<CsvTable, Error> {
     ];
     let mut table = CsvTable::new("seeds", columns);
     for seed in filled_seeds(input)? {
-        let (body, fit) = (&seed.body, &seed.body.report);
-        let mm = |length: f64| Field::from(length * 1e3);
-        let [first, second, third] = fit.inertia_error_percent.map(Field::from);
+        let body = &seed.body;
+        let of_fit = |value: &dyn Fn(&FilledShape) -> f64| {
+            let shape = body.shape.as_ref();
+            Field::from(shape.map(|shape| value(shape)))
+        };
+        let mm = |value: &dyn Fn(&FilledShape) -> f64| of_fit(&|s| 1e3 * value(s));
+        let error = |k: usize| of_fit(&|s| s.report.inertia_error_percent[k]);
         table.row([
             (&seed.name).into(),
             (&seed.models.join(" ")).into(),
@@ -39,19 +44,19 @@ pub(super) fn seeds(input: &ReportInput<'_>) -> Result<CsvTable, Error> {
             body.outer.spheres().len().into(),
             (body.clump.mass() * 1e6).into(),
             body.fraction_density.into(),
-            (body.mesh.mesh.moments().volume * 1e9).into(),
-            fit.packing_fraction.into(),
-            fit.union_fraction.into(),
-            mm(fit.max_protrusion),
-            mm(fit.max_overlap),
-            mm(fit.surface_rms),
-            mm(fit.surface_hausdorff),
-            mm(fit.roughness_rms),
-            mm(fit.mean_gap),
-            mm(fit.centroid_offset),
-            first,
-            second,
-            third,
+            (body.volume * 1e9).into(),
+            of_fit(&|s| s.report.packing_fraction),
+            of_fit(&|s| s.report.union_fraction),
+            mm(&|s| s.report.max_protrusion),
+            mm(&|s| s.report.max_overlap),
+            mm(&|s| s.report.surface_rms),
+            mm(&|s| s.report.surface_hausdorff),
+            mm(&|s| s.report.roughness_rms),
+            mm(&|s| s.report.mean_gap),
+            mm(&|s| s.report.centroid_offset),
+            error(0),
+            error(1),
+            error(2),
         ]);
     }
     Ok(table)
