@@ -67,11 +67,11 @@ fn rows(scene: &Scene, frame: &Frame, bodies: &[Arc<SeedBody>]) -> String {
 }
 
 /// Reads a table with the columns `x_m`, `y_m`, `z_m` and `radius_m`, with `vx_m_s`, `vy_m_s`, `vz_m_s`, `body` and `time_s` where it
-/// has them; rows of one time are a moment, in the order of the file.
+/// has them; rows of one time are a moment, in the order of the file, and a table without rows is one without spheres.
 ///
 /// # Errors
 ///
-/// A missing column, a cell that is no number, no row.
+/// A table of other columns, a cell that is no number.
 pub fn read(text: &str, file: &str) -> Result<Vec<Moment>, Error> {
     let mut reader = ReaderBuilder::new()
         .flexible(true)
@@ -90,7 +90,14 @@ pub fn read(text: &str, file: &str) -> Result<Vec<Moment>, Error> {
         header_line: 1,
     };
     let velocity = ["vx_m_s", "vy_m_s", "vz_m_s"];
-    let places = rows.places(["x_m", "y_m", "z_m"], "radius_m", velocity, &["body"])?;
+    let places = rows.places(["x_m", "y_m", "z_m"], "radius_m", velocity, &["body"]);
+    let places = places.map_err(|error| Error::OtherKind {
+        file: file.to_owned(),
+        what: match error {
+            Error::Positions { what, .. } => what,
+            other => other.to_string(),
+        },
+    })?;
     let at_time = columns.iter().position(|c| *c == "time_s");
     let mut moments: Vec<Moment> = Vec::new();
     for record in reader.records() {
@@ -115,7 +122,7 @@ pub fn read(text: &str, file: &str) -> Result<Vec<Moment>, Error> {
         }
     }
     if moments.is_empty() {
-        return Err(rows.wrong(2, "the table has no rows".into()));
+        moments.push(Moment::default());
     }
     Ok(moments)
 }

@@ -15,6 +15,13 @@ const BODY: [&str; 3] = ["mol", "id_multisphere", "body"];
 /// Text that is no dump, a missing column, a cell that is no number.
 pub fn read(text: &str, file: &str, first_line: usize) -> Result<Vec<Moment>, Error> {
     let lines: Vec<&str> = text.lines().collect();
+    if lines.is_empty() && first_line == 1 {
+        return Err(Error::Positions {
+            file: file.to_owned(),
+            line: first_line,
+            what: "the file is empty: the program ended while it wrote".to_owned(),
+        });
+    }
     let mut moments = Vec::new();
     let mut at = 0;
     while at < lines.len() {
@@ -24,6 +31,18 @@ pub fn read(text: &str, file: &str, first_line: usize) -> Result<Vec<Moment>, Er
             what: what.to_owned(),
         };
         let item = |offset: usize| lines.get(at + offset).copied().unwrap_or("");
+        let other = |what: &str| Error::OtherKind {
+            file: file.to_owned(),
+            what: what.to_owned(),
+        };
+        if at == 0 && !item(0).starts_with("ITEM: TIMESTEP") {
+            return Err(other("it is no dump, which begins with ITEM: TIMESTEP"));
+        }
+        if item(8).starts_with("ITEM: ENTRIES") {
+            return Err(other(
+                "it is a dump of contacts or other entries, not of spheres",
+            ));
+        }
         if !item(0).starts_with("ITEM: TIMESTEP") || !item(8).starts_with("ITEM: ATOMS") {
             return Err(wrong(0, "a moment of a dump must begin here"));
         }

@@ -56,10 +56,25 @@ pub enum Error {
         /// What is wrong.
         what: String,
     },
+    /// A file is of another kind than one of positions.
+    #[error("{file}: {what}")]
+    OtherKind {
+        /// The file.
+        file: String,
+        /// What it lacks.
+        what: String,
+    },
     /// The scene.
     #[error(transparent)]
     Scene(#[from] scene::Error),
     /// A contact parameter.
     #[error(transparent)]
     Contact(#[from] contact_law::Error),
+}
+
+impl Error {
+    /// Whether a file holds no positions of spheres but something else, such as a restart, a mesh or the box of a domain.
+    pub fn is_other_kind(&self) -> bool {
+        matches!(self, Self::OtherKind { .. })
+    }
 }

@@ -11,16 +11,15 @@ use std::path::Path;
 ///
 /// # Errors
 ///
-/// A file that cannot be read, text of another form, a missing column, a cell that is no number.
+/// A file that cannot be read, a missing column, a cell that is no number; a file of another kind ([`Error::is_other_kind`]).
 pub fn read_positions(path: &Path) -> Result<Vec<Moment>, Error> {
     let bytes = input_file::read(path).map_err(|source| Error::Read {
         path: path.to_owned(),
         source,
     })?;
     let file = path.display().to_string();
-    let text = String::from_utf8(bytes).map_err(|_| Error::Positions {
+    let text = String::from_utf8(bytes).map_err(|_| Error::OtherKind {
         file: file.clone(),
-        line: 1,
         what: "the file is not text: write it in ASCII form".into(),
     })?;
     let ending = path.extension().and_then(|e| e.to_str());

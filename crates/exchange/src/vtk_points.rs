@@ -11,6 +11,8 @@ struct PointArrays<'a> {
     file: &'a str,
     /// Name in small letters, number of components, line, values.
     arrays: Vec<(String, usize, usize, Vec<f64>)>,
+    /// Whether the points are joined to lines, faces or cells, as those of a mesh are.
+    has_faces: bool,
 }
 
 impl PointArrays<'_> {
@@ -27,13 +29,27 @@ impl PointArrays<'_> {
             line: 1,
             what: what.to_owned(),
         };
-        let points = find(&["points"], 3).ok_or_else(|| missing("the file has no points"))?;
+        let other = |what: &str| Error::OtherKind {
+            file: self.file.to_owned(),
+            what: what.to_owned(),
+        };
+        let points = find(&["points"], 3).ok_or_else(|| other("the file has no points"))?;
         let n = points.len() / 3;
+        if n == 0 {
+            return Ok(Moment::default());
+        }
         let (sizes, half) = match find(&["radius"], 1) {
             Some(radii) => (radii, 1.0),
             None => (
-                find(&["diameter"], 1)
-                    .ok_or_else(|| missing("there is no array 'radius' or 'diameter'"))?,
+                find(&["diameter"], 1).ok_or_else(|| {
+                    let what = "there is no array 'radius' or 'diameter'";
+                    // A dump of spheres that ends too early has points alone.
+                    if self.has_faces {
+                        other(what)
+                    } else {
+                        missing(what)
+                    }
+                })?,
                 0.5,
             ),
         };
@@ -142,6 +158,7 @@ pub(crate) fn read_legacy(text: &str, file: &str) -> Result<Moment, Error> {
     let mut arrays = PointArrays {
         file,
         arrays: Vec::new(),
+        has_faces: false,
     };
     let (mut n, mut of_points) = (0, true);
     while let [(line, keyword), rest @ ..] = words {
@@ -158,6 +175,10 @@ pub(crate) fn read_legacy(text: &str, file: &str) -> Result<Moment, Error> {
                     n.saturating_mul(3),
                     rest.get(2..).unwrap_or(&[]),
                 )?
+            }
+            "POLYGONS" | "LINES" | "TRIANGLE_STRIPS" | "CELLS" => {
+                arrays.has_faces = true;
+                rest
             }
             "POINT_DATA" | "CELL_DATA" => {
                 of_points = *keyword == "POINT_DATA";
@@ -209,6 +230,7 @@ pub(crate) fn read_xml(text: &str, file: &str) -> Result<Moment, Error> {
     let mut arrays = PointArrays {
         file,
         arrays: Vec::new(),
+        has_faces: false,
     };
     let (mut rest, mut line, mut is_points) = (text, 1, false);
     while let Some(at) = rest.find('<') {
@@ -220,6 +242,12 @@ pub(crate) fn read_xml(text: &str, file: &str) -> Result<Moment, Error> {
             let (_, value) = tag.split_once(&format!("{name}=\""))?;
             value.split('"').next()
         };
+        if ["<Polys", "<Lines", "<Strips"]
+            .iter()
+            .any(|of| tag.starts_with(of))
+        {
+            arrays.has_faces = true;
+        }
         if tag.starts_with("<Points") {
             is_points = true;
         } else if tag.starts_with("</Points") {

@@ -9,7 +9,7 @@ use scene::{
 };
 use scene_simulator::{
     FrameDetails, NOT_STEADY, RunDetails, SeriesDetails, SurfaceReadings, TimingDetails,
-    effective_number, error_over_swings, over_frames, png_in_base64, scatter_of, word,
+    effective_number, error_over_swings, no_surface, over_frames, png_in_base64, scatter_of, word,
 };
 use std::collections::BTreeMap;
 
@@ -111,7 +111,7 @@ impl Bed {
     ///
     /// # Errors
     ///
-    /// A frame that cannot be drawn; no frame with a surface.
+    /// A frame that cannot be drawn.
     pub(crate) fn outcome(
         &self,
         state: SteadyState,
@@ -125,11 +125,6 @@ impl Bed {
         let readings = self.readings(&frames)?;
         let between = self.drive.interval * every.max(1) as f64;
         let surface = SurfaceReadings::of(&readings, Some(between));
-        if surface.image.is_empty() {
-            return Err(SimulatorError::Failed {
-                reason: no_surface(&readings),
-            });
-        }
         let evidence = self.evidence(kept, &surface);
         let motion = BedMotion::of(&evidence);
         let regime = match state.doubt {
@@ -233,6 +228,8 @@ impl Bed {
             swing_s: Some(swing),
             motion: None,
             froude_number: None,
+            no_surface: no_surface(readings),
+            remarks: Vec::new(),
             frames: FrameDetails {
                 angles_deg: surface.image.clone(),
                 angles_by_position_deg: surface.position.clone(),
@@ -274,15 +271,4 @@ pub(crate) fn timing(took: Took, spheres: usize) -> TimingDetails {
         only_seen: false,
         retried: Vec::new(),
     }
-}
-
-/// Why no frame shows a surface.
-pub(crate) fn no_surface(readings: &[FrameReading]) -> String {
-    let first = readings.first().and_then(|r| r.photo.refused());
-    let first = first.map(|refused| format!("; the first says: {}", refused.reason));
-    format!(
-        "none of the {} frames shows a measurable surface{}",
-        readings.len(),
-        first.unwrap_or_default()
-    )
 }

@@ -1,19 +1,21 @@
 //! Any program as a simulator: it gets values, and leaves observables, positions of spheres, or pictures.
 
-use crate::bed::{Bed, Drive, Took, no_surface, timing};
+use crate::bed::{Bed, Drive, Took, timing};
 use crate::command_line::{arguments, places, variable};
-use crate::drum::{DrumDescription, DrumOfRun, in_order};
+use crate::drum::{DrumDescription, DrumOfRun};
 use crate::file_pattern::matching;
 use crate::folder::{Keep, RunFolder};
+use crate::left_moments::LeftMoments;
 use crate::process::{Failure, LOG, Limits, Process, end_of_log};
 use crate::template::Template;
 use crate::{Error, results};
 use campaign::{RunOutcome, RunRequest, Simulator, SimulatorError, in_full};
-use exchange::{Moment, read_positions};
 use photo_profile::{Settings, measure_photo, read_frames};
 use run_store::Record;
 use scene::{FrameReading, SteadyRule};
-use scene_simulator::{FrameDetails, RunDetails, SECONDS_PER_COST, SeriesDetails, SurfaceReadings};
+use scene_simulator::{
+    FrameDetails, RunDetails, SECONDS_PER_COST, SeriesDetails, SurfaceReadings, no_surface,
+};
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use std::fs;
@@ -263,7 +265,11 @@ impl CommandSimulator {
             };
             add(&mut outcome, told, &file.display().to_string())?;
         }
-        Ok(outcome)
+        // What needs no picture stands though no picture shows a surface.
+        match outcome.details["no_surface"].as_str() {
+            Some(reason) if outcome.observables.is_empty() => Err(reason.to_owned()),
+            _ => Ok(outcome),
+        }
     }
 }
 
@@ -348,11 +354,7 @@ fn read_bed(
     drum: &DrumOfRun,
     took: Took,
 ) -> Result<RunOutcome, Failure> {
-    let mut moments: Vec<Moment> = Vec::new();
-    for file in matching(folder, pattern)? {
-        moments.extend(read_positions(&file).map_err(|error| error.to_string())?);
-    }
-    let moments = in_order(moments)?;
+    let LeftMoments { moments, remarks } = LeftMoments::read(folder, pattern)?;
     let interval = drum.interval(&moments)?;
     let mut bed = Bed::new(Drive {
         camera: drum.camera,
@@ -361,15 +363,18 @@ fn read_bed(
         interval,
     });
     for moment in moments {
-        if moment.spheres.is_empty() {
-            return Err("a moment of the positions holds no sphere".into());
-        }
         bed.push(drum.turned(moment));
     }
     let whole = bed.len() as f64 * interval;
     let rule = SteadyRule::for_bed(bed.swing(), drum.start_up, whole, interval, None);
     let state = bed.judge(&rule);
-    bed.outcome(state, 1, took).map_err(|error| error.in_full())
+    let mut outcome = bed
+        .outcome(state, 1, took)
+        .map_err(|error| error.in_full())?;
+    if !remarks.is_empty() {
+        outcome.details["remarks"] = remarks.into();
+    }
+    Ok(outcome)
 }
 
 /// The surface in pictures.
@@ -389,9 +394,6 @@ fn read_pictures(folder: &Path, pattern: &Path, took: Took) -> Result<RunOutcome
         }
     }
     let surface = SurfaceReadings::of(&readings, None);
-    if surface.image.is_empty() {
-        return Err(no_surface(&readings));
-    }
     Ok(RunOutcome {
         observables: surface.observables(),
         regime: None,
@@ -412,6 +414,8 @@ fn details(
         swing_s: None,
         motion: None,
         froude_number: None,
+        no_surface: no_surface(readings),
+        remarks: Vec::new(),
         frames: FrameDetails {
             times_s: Vec::new(),
             angles_deg: surface.image.clone(),

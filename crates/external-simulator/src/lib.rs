@@ -19,6 +19,7 @@ mod drum;
 mod error;
 mod file_pattern;
 mod folder;
+mod left_moments;
 mod peer;
 mod process;
 mod reading;

@@ -10,23 +10,26 @@ use scene::{DrumCamera, Scene, SteadyRule, read_pile};
 use scene_simulator::over_frames;
 use std::collections::BTreeMap;
 
-/// Observables of a scene from moments of another code, in the axes of CONVENTIONS.md.
+/// Observables of a scene from moments of another code, in the axes of CONVENTIONS.md. Moments without spheres at the start, before
+/// any was put in, are left out; a drum without a measurable surface has no angle.
 ///
 /// A drum was turning from the first moment on, and its moments are `interval` (s) apart; of a heap or a box the last moment
 /// counts, at which it is at rest.
 ///
 /// # Errors
 ///
-/// No moment, a moment without spheres, a drum without a surface or whose bed is not steady, another apparatus.
+/// No moment, a moment without spheres behind one with some, a drum whose bed is not steady, another apparatus.
 pub fn read_scene(
     scene: &Scene,
-    moments: Vec<Moment>,
+    mut moments: Vec<Moment>,
     interval: f64,
 ) -> Result<BTreeMap<String, Observation>, Error> {
     let refused = |problem: &str| Error::Setting {
         what: format!("positions of {}", scene.file),
         problem: problem.to_owned(),
     };
+    let first = moments.iter().position(|m| !m.spheres.is_empty());
+    moments.drain(..first.unwrap_or(0));
     if moments.iter().any(|m| m.spheres.is_empty()) {
         return Err(refused("a moment holds no sphere"));
     }

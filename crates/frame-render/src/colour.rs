@@ -9,6 +9,9 @@ pub const OUTSIDE_COLOUR: [u8; 3] = [20, 20, 22];
 /// Front face of the drum wall.
 pub const RIM_COLOUR: [u8; 3] = [92, 96, 102];
 
+/// Walls of triangles: blue, so that they are told from seeds and covers.
+pub(crate) const WALL_COLOUR: [u8; 3] = [70, 110, 165];
+
 /// Mean colour of a seed coat, luma 110.
 const SEED_COLOUR: [f64; 3] = [124.0, 108.0, 90.0];
 /// Largest relative departure of one seed's colour from the mean.

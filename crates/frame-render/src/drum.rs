@@ -1,10 +1,13 @@
-//! The drum through its end cover.
+//! The drum through its end cover, and what lies on a floor from the side.
 
 use image::{Rgb, RgbImage};
+use nalgebra::Vector3;
 
-use crate::colour::{BACKGROUND_COLOUR, OUTSIDE_COLOUR, RIM_COLOUR, mixed, shaded};
+use crate::coat::{Coat, Faces, check_triangles};
+use crate::colour::{BACKGROUND_COLOUR, OUTSIDE_COLOUR, RIM_COLOUR, WALL_COLOUR, mixed, shaded};
 use crate::depth_buffer::{DepthBuffer, Footprint, Hit};
 use crate::drum_view::{DrumProjection, DrumView};
+use crate::segments::draw_segments;
 use crate::sphere::check_spheres;
 use crate::{Error, RenderSphere};
 
@@ -25,23 +28,104 @@ const BACK_BRIGHTNESS: f64 = 0.78;
 /// # Errors
 /// [`Error`] for a view or a sphere with an invalid value.
 pub fn render_drum(spheres: &[RenderSphere], view: &DrumView) -> Result<RgbImage, Error> {
+    render_drum_with_walls(spheres, &[], view)
+}
+
+/// [`render_drum`] with walls of triangles (three corners each, m), in blue with the same light. A face on edge is a line.
+///
+/// # Errors
+/// [`Error`] for a view, a sphere or a triangle with an invalid value.
+pub fn render_drum_with_walls(
+    spheres: &[RenderSphere],
+    walls: &[[[f64; 3]; 3]],
+    view: &DrumView,
+) -> Result<RgbImage, Error> {
+    let projection = view.projection()?;
+    draw(spheres, walls, view, empty_drum(view, &projection))
+}
+
+/// What lies on a floor, seen from the side along -z by parallel rays: x to the right, y up, a square picture.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SideView {
+    /// Point in the middle of the picture, m.
+    pub centre: [f64; 3],
+    /// Half of the width that is seen, m.
+    pub half_width: f64,
+    /// Extent along z over which things get darker, m.
+    pub depth: f64,
+    /// Width and height of the picture, pixels.
+    pub pixels: u32,
+}
+
+/// Picture of spheres and walls of triangles from the side, before a light wall, with the light of [`render_drum`].
+///
+/// # Errors
+/// [`Error`] for a view, a sphere or a triangle with an invalid value.
+pub fn render_side(
+    spheres: &[RenderSphere],
+    walls: &[[[f64; 3]; 3]],
+    view: &SideView,
+) -> Result<RgbImage, Error> {
+    let camera = DrumView {
+        centre: view.centre,
+        margin: 0.0,
+        rim: 0.0,
+        ..DrumView::new(view.half_width, view.depth, view.pixels)
+    };
+    camera.projection()?;
+    let air = RgbImage::from_pixel(view.pixels, view.pixels, Rgb(BACKGROUND_COLOUR));
+    draw(spheres, walls, &camera, air)
+}
+
+/// Draws spheres and walls over a background.
+fn draw(
+    spheres: &[RenderSphere],
+    walls: &[[[f64; 3]; 3]],
+    view: &DrumView,
+    mut picture: RgbImage,
+) -> Result<RgbImage, Error> {
     let projection = view.projection()?;
     check_spheres(spheres)?;
+    check_triangles(walls)?;
     let mut buffer = DepthBuffer::new(view.pixels);
     let footprint = |sphere: &RenderSphere| footprint_of(sphere, view, &projection);
     for (index, sphere) in (0u32..).zip(spheres) {
         buffer.add(index, &footprint(sphere));
     }
-    let mut picture = empty_drum(view, &projection);
+    let place = |[x, y, z]: [f64; 3]| {
+        let offset = projection.offset_from_metre([x, y]);
+        let near = (z - view.centre[2]) * projection.pixels_per_metre();
+        Vector3::new(offset.right, -offset.down, near)
+    };
+    let coat = Coat::new(view.pixels, walls.iter().map(|t| t.map(place)), Faces::Both);
     for (column, row, pixel) in picture.enumerate_pixels_mut() {
-        let Some(hit) = buffer.hit(column, row) else {
-            continue;
-        };
-        if let Some(sphere) = spheres.get(hit.index) {
+        let hit = buffer.hit(column, row);
+        let wall = coat.layer(column, row);
+        if let Some(wall) = wall.filter(|wall| hit.is_none_or(|hit| wall.near > hit.near)) {
+            let brightness = brightness(wall.normal.z, wall.near, &projection, view);
+            *pixel = shaded(WALL_COLOUR, brightness);
+        } else if let Some(hit) = hit
+            && let Some(sphere) = spheres.get(hit.index)
+        {
             *pixel = seed_pixel(sphere, &footprint(sphere), hit, &projection, view);
         }
     }
+    draw_segments(&mut picture, view, &on_edge(walls), WALL_COLOUR)?;
     Ok(picture)
+}
+
+/// The faces of walls that the camera sees on edge, as lines.
+fn on_edge(walls: &[[[f64; 3]; 3]]) -> Vec<[[f64; 2]; 2]> {
+    let mut lines = Vec::new();
+    for corners in walls {
+        let [a, b, c] = corners.map(Vector3::from);
+        let normal = (b - a).cross(&(c - a));
+        if normal.z.abs() <= 1e-6 * normal.norm() {
+            let ends = [[a, b], [b, c], [c, a]];
+            lines.extend(ends.map(|pair| pair.map(|end| [end.x, end.y])));
+        }
+    }
+    lines
 }
 
 /// Outline of a sphere in the picture.
@@ -66,11 +150,19 @@ fn seed_pixel(
     view: &DrumView,
 ) -> Rgb<u8> {
     let normal = ((hit.near - footprint.near) / footprint.radius).clamp(0.0, 1.0);
+    shaded(
+        sphere.colour,
+        brightness(normal, hit.near, projection, view),
+    )
+}
+
+/// Brightness of a face by the component of its normal toward the camera and its distance toward it, pixels.
+fn brightness(normal: f64, near: f64, projection: &DrumProjection, view: &DrumView) -> f64 {
     let width = view.width * projection.pixels_per_metre();
-    let forward = (hit.near / width + 0.5).clamp(0.0, 1.0);
+    let forward = (near / width + 0.5).clamp(0.0, 1.0);
     let facing = EDGE_BRIGHTNESS + (1.0 - EDGE_BRIGHTNESS) * normal;
     let depth = BACK_BRIGHTNESS + (1.0 - BACK_BRIGHTNESS) * forward;
-    shaded(sphere.colour, facing * depth)
+    facing * depth
 }
 
 /// The drum without a filling; its circles are smoothed over one pixel.

@@ -1,8 +1,8 @@
 //! Pictures of spheres as a camera would see them.
 //!
-//! Two cameras are offered. [`render_drum`] looks along the axis of a rotating drum through its
-//! end cover, so that the picture can be measured like a photograph; [`render_object`] looks at
-//! one particle from a free direction. Both fill a depth buffer with ray-intersected spheres.
+//! Three cameras are offered. [`render_drum`] looks along the axis of a rotating drum through its
+//! end cover, so that the picture can be measured like a photograph; [`render_side`] looks at
+//! what lies on a floor; [`render_object`] looks at one particle from a free direction. All fill a depth buffer with ray-intersected spheres.
 //!
 //! Invariants:
 //! - The same input gives the same bytes on every machine with IEEE arithmetic: one thread, a
@@ -24,6 +24,7 @@
 //! # Ok::<(), frame_render::Error>(())
 //! ```
 
+mod coat;
 mod colour;
 mod depth_buffer;
 mod drum;
@@ -34,7 +35,7 @@ mod segments;
 mod sphere;
 
 pub use colour::{BACKGROUND_COLOUR, OUTSIDE_COLOUR, RIM_COLOUR, seed_colour};
-pub use drum::render_drum;
+pub use drum::{SideView, render_drum, render_drum_with_walls, render_side};
 pub use drum_view::{Camera, DrumProjection, DrumView, PixelPoint};
 pub use error::Error;
 pub use object::{ObjectView, render_object};

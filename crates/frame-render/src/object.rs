@@ -3,6 +3,7 @@
 use image::{Rgb, RgbImage};
 use nalgebra::{Matrix3, Vector3};
 
+use crate::coat::{Coat, Faces, check_triangles};
 use crate::colour::{channel_from, mixed};
 use crate::depth_buffer::{DepthBuffer, Footprint};
 use crate::sphere::check_spheres;
@@ -72,7 +73,10 @@ pub fn render_object(
     for (index, outline) in (0u32..).zip(&outlines) {
         buffer.add(index, outline);
     }
-    let coat = Coat::new(triangles, &camera);
+    let placed = triangles
+        .iter()
+        .map(|t| t.map(|corner| camera.place(corner)));
+    let coat = Coat::new(camera.samples, placed, Faces::Front);
     let middle = f64::from(camera.samples - 1) / 2.0;
     let sampled = RgbImage::from_fn(camera.samples, camera.samples, |column, row| {
         let hit = buffer.hit(column, row);
@@ -94,24 +98,6 @@ pub fn render_object(
         }
     });
     Ok(averaged(&sampled, view.pixels))
-}
-
-/// Refuses corners that are not finite.
-fn check_triangles(triangles: &[[[f64; 3]; 3]]) -> Result<(), Error> {
-    for (index, triangle) in triangles.iter().enumerate() {
-        if let Some(&value) = triangle
-            .as_flattened()
-            .iter()
-            .find(|value| !value.is_finite())
-        {
-            return Err(Error::InvalidCoordinate {
-                what: "triangle",
-                index,
-                value,
-            });
-        }
-    }
-    Ok(())
 }
 
 /// Colour of a surface under both lights; the normal has unit length in camera axes.
@@ -221,99 +207,6 @@ fn camera_axes(toward_camera: [f64; 3]) -> Result<Matrix3<f64>, Error> {
         up.transpose(),
         toward.transpose(),
     ]))
-}
-
-/// The nearest triangle before every sample.
-#[derive(Debug)]
-struct Coat {
-    /// Width and height, samples.
-    samples: u32,
-    /// Distance of the nearest triangle toward the camera, samples; row by row.
-    near: Vec<f64>,
-    /// Place of its normal; without meaning where nothing is near.
-    owner: Vec<u32>,
-    /// Unit normals of the triangles that look at the camera, in camera axes: kept once for each triangle, since
-    /// a picture has millions of samples.
-    normals: Vec<Vector3<f64>>,
-}
-
-/// One sample of the coat.
-#[derive(Debug, Clone, Copy)]
-struct Layer {
-    /// Distance toward the camera, samples.
-    near: f64,
-    /// Unit normal in camera axes.
-    normal: Vector3<f64>,
-}
-
-impl Coat {
-    /// Draws all triangles that look at the camera.
-    fn new(triangles: &[[[f64; 3]; 3]], camera: &CameraView) -> Self {
-        let side = camera.samples as usize;
-        let size = if triangles.is_empty() { 0 } else { side * side };
-        let mut coat = Self {
-            samples: camera.samples,
-            near: vec![f64::NEG_INFINITY; size],
-            owner: vec![0; size],
-            normals: Vec::new(),
-        };
-        for triangle in triangles {
-            coat.add(triangle.map(|corner| camera.place(corner)));
-        }
-        coat
-    }
-
-    /// What the coat shows at a sample, if anything.
-    fn layer(&self, column: u32, row: u32) -> Option<Layer> {
-        let place = row as usize * self.samples as usize + column as usize;
-        let near = *self.near.get(place)?;
-        let normal = *self.normals.get(self.owner[place] as usize)?;
-        (near > f64::NEG_INFINITY).then_some(Layer { near, normal })
-    }
-
-    /// Draws one triangle by its plane and its three edge functions.
-    #[expect(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "clamped to the picture just before; a mesh has fewer than 2^32 triangles"
-    )]
-    fn add(&mut self, corners: [Vector3<f64>; 3]) {
-        let [a, b, c] = corners;
-        let normal = (b - a).cross(&(c - a));
-        // Twice the seen area; 0 for a triangle on edge, negative for one that looks away.
-        if normal.z <= 0.0 {
-            return;
-        }
-        let own = self.normals.len() as u32;
-        self.normals.push(normal.normalize());
-        let middle = f64::from(self.samples - 1) / 2.0;
-        let last = f64::from(self.samples - 1);
-        let range = |values: [f64; 3]| {
-            let least = values.into_iter().fold(f64::INFINITY, f64::min);
-            let most = values.into_iter().fold(f64::NEG_INFINITY, f64::max);
-            ((least + middle).floor().clamp(0.0, last) as u32)
-                ..=((most + middle).ceil().clamp(0.0, last) as u32)
-        };
-        let edge = |from: &Vector3<f64>, to: &Vector3<f64>, x: f64, y: f64| {
-            (to.x - from.x) * (y - from.y) - (to.y - from.y) * (x - from.x)
-        };
-        for row in range([-a.y, -b.y, -c.y]) {
-            for column in range([a.x, b.x, c.x]) {
-                let x = f64::from(column) - middle;
-                let y = middle - f64::from(row);
-                let inside = [edge(&a, &b, x, y), edge(&b, &c, x, y), edge(&c, &a, x, y)];
-                if inside.iter().any(|&value| value < 0.0) {
-                    continue;
-                }
-                let near = a.z - (normal.x * (x - a.x) + normal.y * (y - a.y)) / normal.z;
-                let place = row as usize * self.samples as usize + column as usize;
-                if near > self.near[place] {
-                    self.near[place] = near;
-                    self.owner[place] = own;
-                }
-            }
-        }
-    }
 }
 
 /// Mean of the samples of each pixel.

@@ -4,7 +4,7 @@ use crate::{BodyDetails, Effort, Error};
 use image::RgbImage;
 use image::codecs::png::PngEncoder;
 use run_store::Record;
-use scene::{Ending, FrameReading, PhaseTimes, RunResult, Scene, drum_picture, error_of_mean};
+use scene::{Ending, FrameReading, PhaseTimes, RunResult, Scene, error_of_mean, frame_picture};
 use serde::{Deserialize, Serialize};
 use surface_profile::summarise;
 
@@ -28,13 +28,19 @@ pub struct RunDetails {
     pub motion: Option<String>,
     /// R w^2 / g with the radius R and the angular speed w of the drum and gravity g; none where nothing turns.
     pub froude_number: Option<f64>,
+    /// Why no frame of a drum shows a surface, so that there is no angle; none where one does, and elsewhere.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub no_surface: Option<String>,
+    /// What the user should know of the files that a program left; empty where none was read.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub remarks: Vec<String>,
     /// Readings of the single frames.
     pub frames: FrameDetails,
     /// The bed over time.
     pub series: SeriesDetails,
     /// Steps and times.
     pub timing: TimingDetails,
-    /// What the camera saw last, as PNG in base 64; none where no camera looks at the seeds.
+    /// The last frame, as PNG in base 64; none of a bench test, which has no bed.
     pub last_frame_png_base64: Option<String>,
     /// The seeds in the last frame; none where there is no frame.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -130,16 +136,12 @@ impl RunDetails {
     }
 
     /// The details of a run; angles of the surface by picture and by position, deg.
-    ///
-    /// # Errors
-    ///
-    /// A frame that cannot be drawn.
     pub(crate) fn new(
         scene: &Scene,
         result: &RunResult,
         effort: Effort,
         (image, position): (&[f64], &[f64]),
-    ) -> Result<Self, Error> {
+    ) -> Self {
         let filling = result.filling_angles.iter().map(|a| a.to_degrees());
         let turned = match result.ending {
             Ending::Turned(state) => Some(state),
@@ -151,11 +153,13 @@ impl RunDetails {
         let times: Vec<f64> = result.frames.iter().map(|f| f.time).collect();
         let error = swing.and_then(|swing| error_over_swings(&times, &result.readings, swing));
         let froude = scene.apparatus.froude_number(scene.model.gravity_m_s2);
-        Ok(Self {
+        Self {
             steady: result.ending.is_steady(),
             doubt: result.ending.doubt().map(|doubt| doubt.words().to_owned()),
             swing_s: swing,
             start_up_s: start_up.map(|p| p.time_s),
+            no_surface: no_surface(&result.readings),
+            remarks: Vec::new(),
             motion: result.motion.and_then(crate::outcome::word),
             froude_number: finite(froude).filter(|_| froude > 0.0),
             frames: FrameDetails {
@@ -177,12 +181,12 @@ impl RunDetails {
                 centre_of_mass_deg: result.series.iter().map(|p| p.centre_of_mass_deg).collect(),
             },
             timing: TimingDetails::new(result, effort),
-            last_frame_png_base64: picture(scene, result)?,
+            last_frame_png_base64: picture(scene, result),
             last_bodies: result
                 .frames
                 .last()
                 .map(|frame| BodyDetails::of(frame, &result.bodies)),
-        })
+        }
     }
 }
 
@@ -243,6 +247,30 @@ pub fn error_over_swings(times: &[f64], readings: &[FrameReading], swing: f64) -
     error_of_mean(&means, 1)
 }
 
+/// Why no frame shows a surface, with the reason of the first; none where one does, or no frame is read.
+pub fn no_surface(readings: &[FrameReading]) -> Option<String> {
+    let first = readings.first()?;
+    if readings
+        .iter()
+        .any(|reading| reading.photo.angle().is_some())
+    {
+        return None;
+    }
+    let first = first.photo.refused();
+    let first = first.map(|refused| format!("; the first says: {}", refused.reason));
+    Some(format!(
+        "none of the {} frames shows a measurable surface{}",
+        readings.len(),
+        first.unwrap_or_default()
+    ))
+}
+
+/// Why a run has no angle, as its record says; none where it has one, or was never to have one.
+pub fn no_surface_of(record: &Record) -> Option<String> {
+    let reason = record.details().get("no_surface")?.as_str()?;
+    Some(reason.to_owned())
+}
+
 /// Why no frame tells a speed of the surface; none where one does, or none is asked.
 fn no_surface_speed(readings: &[FrameReading]) -> Option<String> {
     let mut told = readings.iter().filter_map(|r| r.surface_speed.as_ref());
@@ -261,22 +289,11 @@ fn finite(value: f64) -> Option<f64> {
     value.is_finite().then_some(value)
 }
 
-/// What the camera of a scene saw last, as PNG in base 64.
-///
-/// # Errors
-///
-/// A frame that cannot be drawn.
-fn picture(scene: &Scene, result: &RunResult) -> Result<Option<String>, Error> {
-    // The camera of the scene looks into a drum; a bench test has no frame.
-    let frame = result
-        .frames
-        .last()
-        .filter(|_| !scene.apparatus.is_release());
-    let Some(frame) = frame else {
-        return Ok(None);
-    };
-    let drawn = drum_picture(scene, &result.bodies, frame)?;
-    Ok(Some(png_in_base64(&drawn)))
+/// The last frame as PNG in base 64; none of a bench test, and none if it cannot be drawn: no run is lost for its picture.
+fn picture(scene: &Scene, result: &RunResult) -> Option<String> {
+    let frame = result.frames.last()?;
+    let drawn = frame_picture(scene, &result.bodies, frame).ok()??;
+    Some(png_in_base64(&drawn))
 }
 
 /// A picture as PNG in base 64, the form in which a record keeps it.

@@ -25,7 +25,7 @@ pub use body_details::BodyDetails;
 pub use cost::SECONDS_PER_COST;
 pub use details::{
     FrameDetails, RunDetails, SeriesDetails, TimingDetails, effective_number, error_over_swings,
-    png_in_base64,
+    no_surface, no_surface_of, png_in_base64,
 };
 pub use error::Error;
 pub use outcome::{Effort, NOT_STEADY, outcome_of, word};

@@ -4,7 +4,7 @@ use crate::surface::{SurfaceReadings, over_frames, scatter_of};
 use crate::{Error, RunDetails};
 use campaign::RunOutcome;
 use run_store::Observation;
-use scene::{Apparatus, Doubt, Ending, RunResult, Scene};
+use scene::{Doubt, Ending, RunResult, Scene};
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -28,18 +28,16 @@ pub struct Effort {
 
 /// The outcome of a run: observables with their units, regime, and details for the reader.
 ///
-/// An observable that the apparatus does not have is left out: a bench test gives its own values alone.
+/// An observable that the apparatus does not have is left out: a bench test gives its own values alone. So is what no frame
+/// shows: a bed without a measurable surface has no angle, and the details say why; what the places of its seeds tell stays.
 ///
 /// # Errors
 ///
-/// A drum in which no frame could be measured, a frame that cannot be drawn.
+/// Details that have no form in JSON.
 pub fn outcome_of(scene: &Scene, result: &RunResult, effort: Effort) -> Result<RunOutcome, Error> {
     let times: Vec<f64> = result.frames.iter().map(|f| f.time).collect();
     let surface = SurfaceReadings::of(&result.readings, interval_of(&times));
-    if matches!(scene.apparatus, Apparatus::Drum(_)) && surface.image.is_empty() {
-        return Err(no_surface(result).into());
-    }
-    let details = RunDetails::new(scene, result, effort, (&surface.image, &surface.position))?;
+    let details = RunDetails::new(scene, result, effort, (&surface.image, &surface.position));
     Ok(RunOutcome {
         observables: observables(result, &surface),
         regime: regime_of(result),
@@ -79,15 +77,6 @@ fn observables(result: &RunResult, surface: &SurfaceReadings) -> BTreeMap<String
     );
     observables.extend(scatter_of(&mass).map(|o| ("centre_of_mass_fluctuation_deg".to_owned(), o)));
     observables
-}
-
-/// The refusal of a drum without a surface, with the reason of the first frame.
-fn no_surface(result: &RunResult) -> scene::Error {
-    let first = result.readings.first().and_then(|r| r.photo.refused());
-    scene::Error::NoSurface {
-        frames: result.frames.len(),
-        reason: first.map_or_else(String::new, |refused| refused.reason.to_string()),
-    }
 }
 
 /// How a run ended up: a turning bed that was not steady is no rolling one and no sliding one, so that it enters no mean

@@ -135,7 +135,26 @@ impl ParameterFile {
         Ok(toml::to_string(self)?)
     }
 
-    /// The changes that the parameters make in a scene; paths that it does not have are skipped.
+    /// The parameters that the changes of [`Self::overrides`] leave out, since a scene has none of their settings, in words.
+    pub fn not_carried(&self, scene: &Scene, overrides: &[Override]) -> Vec<String> {
+        let is_set = |path: &String| overrides.iter().any(|change| change.name == *path);
+        let left = self.parameter.iter().filter(|p| !p.sets.iter().any(is_set));
+        let told = left.map(|p| {
+            format!(
+                "{}: {} ({}) = {} is not carried over: {} has no {}; state the value yourself, or give the materials the \
+                 names that they were calibrated with",
+                self.file,
+                p.symbol,
+                p.name,
+                p.value,
+                scene.file,
+                p.sets.join(" and no ")
+            )
+        });
+        told.collect()
+    }
+
+    /// The changes that the parameters make in a scene; paths that it does not have are skipped ([`Self::not_carried`]).
     ///
     /// # Errors
     ///

@@ -249,6 +249,18 @@ impl Apparatus {
         }
     }
 
+    /// On which side the lower cover of a tilted drum lies: 1 at the front, towards the camera, -1 at the back; none elsewhere.
+    pub(crate) fn lower_cover(&self) -> Option<f64> {
+        let Self::Drum(Drum {
+            tilt: Some(tilt), ..
+        }) = self
+        else {
+            return None;
+        };
+        let slope = tilt.si().sin();
+        (slope != 0.0).then(|| slope.signum())
+    }
+
     /// Share of the speed at a time after the start of the drive (s); none where it is constant.
     pub(crate) fn share_of_speed(&self, time: f64) -> Option<f64> {
         match self {

@@ -2,7 +2,7 @@
 
 use crate::{Error, FrameReading, Scene};
 use clump::Sphere;
-use frame_render::{DrumView, RenderSphere, render_drum, seed_colour};
+use frame_render::{DrumView, RenderSphere, render_drum_with_walls, seed_colour};
 use image::{DynamicImage, RgbImage};
 use photo_profile::{PhotoPixels, measure_photo, surface_shift};
 use surface_profile::{DensitySettings, Disc, DrumCircle, measure, profile_from_discs};
@@ -58,6 +58,19 @@ impl DrumCamera {
         &self,
         spheres: impl IntoIterator<Item = (usize, Sphere)>,
     ) -> Result<RgbImage, Error> {
+        self.picture_with_walls(spheres, &[])
+    }
+
+    /// The same with walls of triangles (three corners each, m).
+    ///
+    /// # Errors
+    ///
+    /// A view that cannot be drawn.
+    pub(crate) fn picture_with_walls(
+        &self,
+        spheres: impl IntoIterator<Item = (usize, Sphere)>,
+        walls: &[[[f64; 3]; 3]],
+    ) -> Result<RgbImage, Error> {
         let view = DrumView {
             roll: self.roll,
             ..DrumView::new(self.radius, self.width, self.pixels)
@@ -70,7 +83,13 @@ impl DrumCamera {
                 colour: seed_colour(body),
             }
         });
-        Ok(render_drum(&seen.collect::<Vec<_>>(), &view)?)
+        let corner = |[x, y, z]: [f64; 3]| {
+            let size = self.apparent_size(z);
+            [size * x, size * y, z]
+        };
+        let walls: Vec<_> = walls.iter().map(|t| t.map(corner)).collect();
+        let spheres: Vec<_> = seen.collect();
+        Ok(render_drum_with_walls(&spheres, &walls, &view)?)
     }
 
     /// Reads the surface of spheres from their picture, and from their positions as a cross-check.

@@ -222,14 +222,6 @@ pub enum Error {
     /// A frame cannot be measured at all (a refusal is no error).
     #[error(transparent)]
     Photo(#[from] photo_profile::Error),
-    /// No frame of a run shows a surface that can be measured.
-    #[error("none of the {frames} frames shows a measurable surface; the first says: {reason}")]
-    NoSurface {
-        /// Number of frames.
-        frames: usize,
-        /// Why the first was refused.
-        reason: String,
-    },
 }
 
 impl Error {

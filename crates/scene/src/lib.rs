@@ -45,6 +45,7 @@ mod other_names;
 mod outline;
 mod parse;
 mod phase_times;
+mod picture;
 mod placement;
 mod reduce;
 mod release;
@@ -78,6 +79,7 @@ pub use named_setting::{NamedSetting, SettingKind};
 pub use obstacles::{VibrationSettings, WallSettings};
 pub use parse::{NumberChange, Override, like_names, setting_at};
 pub use phase_times::{PhaseTimes, TimeSpent};
+pub use picture::frame_picture;
 pub use release::read_pile;
 pub use retry::{USUAL_RETRIES, run_retrying};
 pub use run::{

@@ -123,6 +123,9 @@ impl Scene {
         if self.model.bonds.is_some() && is_turned {
             names.push("broken_bonds");
         }
+        if self.apparatus.lower_cover().is_some() {
+            names.push("cover_angle_deg");
+        }
         if self.camera.pair_interval.is_some() && matches!(self.apparatus, Apparatus::Drum(_)) {
             names.push("surface_speed_m_s");
         }

@@ -14,11 +14,14 @@ use crate::obstacles::mesh_walls;
 use crate::phase_times::{PhaseTimes, Stopwatch};
 use crate::series::SeriesPoint;
 use crate::steady::SteadyState;
-use crate::{Doubt, Error, FillingLibrary, Frame, FrameReading, Scene, SeedBody, read_frame};
+use crate::{
+    Doubt, DrumCamera, Error, FillingLibrary, Frame, FrameReading, Scene, SeedBody, read_frame,
+};
 use dem_solver::{Census, Placement, World};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 use std::sync::Arc;
+use surface_profile::{DensitySettings, Disc, measure, profile_from_discs};
 
 /// Gap that ends the group of seeds at the rim of the metering device, in seed lengths.
 const GROUP_GAP: f64 = 1.5;
@@ -206,6 +209,7 @@ pub fn run_on(
     let mut observables = bed_observables(scene, &bodies, &frames, steady);
     observables.extend(motion_observables(&evidence));
     observables.extend(filling_angle_by_position(scene, &bodies, &frames));
+    observables.extend(cover_angles(scene, &bodies, &frames));
     if let Some(bonds) = &bonds {
         let broken = bonds.n_broken() as f64;
         observables.push(ObservableValues::new("broken_bonds", "1", vec![broken]));
@@ -412,6 +416,34 @@ fn bed_observables(
         period.into_iter().collect(),
     ));
     all
+}
+
+/// Angles of the trace that the bed leaves at the lower cover of a tilted drum, deg: that of the spheres within their diameter
+/// of the cover, read by the rule of a whole bed ([`surface_profile::profile_from_discs`]). None in a level drum.
+fn cover_angles(
+    scene: &Scene,
+    bodies: &[Arc<SeedBody>],
+    frames: &[Frame],
+) -> Option<ObservableValues> {
+    let side = scene.apparatus.lower_cover()?;
+    let cover = 0.5 * side * scene.apparatus.width();
+    let drum = DrumCamera::of(scene).circle();
+    let of_frame = |frame: &Frame| {
+        let near = frame
+            .spheres(bodies)
+            .filter(|(_, s)| (cover - s.centre.z).abs() < 2.0 * s.radius);
+        let discs: Vec<Disc> = near
+            .map(|(_, s)| Disc {
+                x: s.centre.x,
+                y: s.centre.y,
+                radius: s.radius,
+            })
+            .collect();
+        let points = profile_from_discs(&discs, &drum, &DensitySettings::for_drum(&drum)).ok()?;
+        Some(measure(&points, &drum).ok()?.line.to_degrees())
+    };
+    let angles = frames.iter().filter_map(of_frame).collect();
+    Some(ObservableValues::new("cover_angle_deg", "deg", angles))
 }
 
 /// Where the seeds of a scene start, their bodies, and the time step of the solver (s).

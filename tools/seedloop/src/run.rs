@@ -3,6 +3,7 @@
 use crate::calibrate::{progress_lines, refuse_used_folder};
 use crate::enter::{enter, require_memory, work_of};
 use crate::runner::{Retries, Runner, runner_settings, whole};
+use crate::simulate::all_written;
 use crate::stop::Stop;
 use crate::watched;
 use crate::work::Job;
@@ -10,6 +11,7 @@ use anyhow::Context as _;
 use campaign::{Campaign, ProgressFolder, time_in_words};
 use command_line::{Common, DONE, Header, NOT_MET, Overwrite, try_folder, write_new};
 use run_store::{Observation, Record, Store};
+use scene_simulator::no_surface_of;
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::io::Write as _;
@@ -97,6 +99,8 @@ struct Report {
     n_runs: usize,
     /// Number of runs without a result.
     n_failed: usize,
+    /// Number of runs whose surface no frame shows: they have no angle.
+    n_refused: usize,
     /// The runs, in the order of the design.
     runs: Vec<RunReport>,
 }
@@ -120,7 +124,7 @@ struct RunReport {
     observables: BTreeMap<String, Observation>,
     /// Key of its record; none where there is none.
     record: Option<String>,
-    /// Why it has no result; none where it has.
+    /// Why it has no result, or no angle; none where it has.
     problem: Option<String>,
 }
 
@@ -177,31 +181,38 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
     let file = folder.join("results.csv");
     let text = table.results_csv(&outcomes);
     // The folder was asked for: what lies in it may be renewed.
-    write_new(&file, text.as_bytes(), Overwrite::Allow)?;
-    if table_file::is_workbook_name(&table_file::file_of(&arguments.design)) {
+    let table_written = write_new(&file, text.as_bytes(), Overwrite::Allow);
+    let is_workbook = table_file::is_workbook_name(&table_file::file_of(&arguments.design));
+    let workbook_written = if is_workbook {
         let file = file.with_extension("xlsx");
-        write_new(
-            &file,
-            &table_file::bytes_for(&file, &text)?,
-            Overwrite::Allow,
-        )?;
-    }
+        table_file::bytes_for(&file, &text)
+            .map_err(Into::into)
+            .and_then(|bytes| write_new(&file, &bytes, Overwrite::Allow))
+    } else {
+        Ok(())
+    };
     progress.end(watched::FINISHED);
-    let failed = tell_failures(table.runs(), &outcomes)?;
+    let [failed, refused] = tell_failures(table.runs(), &outcomes)?;
     let file = file.display().to_string();
-    common.print(format!(
-        "{} runs, {failed} without a result: {file}",
-        outcomes.len()
-    ))?;
     let each = table.runs().iter().zip(&outcomes);
-    common.emit_json(&Report {
-        header,
-        results: file,
-        n_runs: outcomes.len(),
-        n_failed: failed,
-        runs: each.map(|(run, outcome)| report(run, outcome)).collect(),
-    })?;
-    Ok(if failed == 0 { DONE } else { NOT_MET })
+    // The runs are done: what cannot be written takes nothing else with it.
+    all_written([
+        table_written,
+        workbook_written,
+        common.print(format!(
+            "{} runs, {failed} without a result, {refused} without a surface: {file}",
+            outcomes.len()
+        )),
+        common.emit_json(&Report {
+            header,
+            results: file,
+            n_runs: outcomes.len(),
+            n_failed: failed,
+            n_refused: refused,
+            runs: each.map(|(run, outcome)| report(run, outcome)).collect(),
+        }),
+    ])?;
+    Ok(if failed + refused == 0 { DONE } else { NOT_MET })
 }
 
 /// What the jobs of the table work on; all paths from the root.
@@ -281,21 +292,26 @@ fn with_header(header: &Header, plan: &DesignPlan) -> anyhow::Result<serde_json:
     Ok(value)
 }
 
-/// Tells every run without a result, also when the log is quiet, and counts them.
-fn tell_failures(runs: &[DesignRun], outcomes: &[Result<Record, String>]) -> anyhow::Result<usize> {
-    let mut failed = 0;
+/// Tells every run without a result or without a surface, also when the log is quiet, and counts both.
+fn tell_failures(
+    runs: &[DesignRun],
+    outcomes: &[Result<Record, String>],
+) -> anyhow::Result<[usize; 2]> {
+    let mut counts = [0, 0];
     for (run, outcome) in runs.iter().zip(outcomes) {
-        if let Err(why) = outcome {
-            failed += 1;
-            let (line, seed) = (run.line, run.request.seed);
-            writeln!(
-                std::io::stderr(),
-                "no result: line {line}, seed {seed}: {why}"
-            )
+        let (kind, what, why) = match outcome {
+            Err(why) => (0, "no result", why.clone()),
+            Ok(record) => match no_surface_of(record) {
+                Some(why) => (1, "no angle", why),
+                None => continue,
+            },
+        };
+        counts[kind] += 1;
+        let (line, seed) = (run.line, run.request.seed);
+        writeln!(std::io::stderr(), "{what}: line {line}, seed {seed}: {why}")
             .context("cannot write to standard error")?;
-        }
     }
-    Ok(failed)
+    Ok(counts)
 }
 
 /// A run as it stands in JSON.
@@ -311,6 +327,8 @@ fn report(run: &DesignRun, outcome: &Result<Record, String>) -> RunReport {
         regime: record.and_then(Record::regime).map(str::to_owned),
         observables: observables.unwrap_or_default(),
         record: record.map(|record| record.key().to_owned()),
-        problem: outcome.as_ref().err().cloned(),
+        problem: outcome
+            .as_ref()
+            .map_or_else(|why| Some(why.clone()), no_surface_of),
     }
 }

@@ -8,14 +8,14 @@ mod state_file;
 use crate::enter::{keep_run, require_memory};
 use crate::runner::Retries;
 use crate::stop::Stop;
-use anyhow::{Context as _, ensure};
+use anyhow::{Context as _, anyhow, ensure};
 use base64::Engine as _;
 use command_line::{Common, DONE, Header, NOT_MET, try_folder, write_new};
 use exchange::npz;
 use input_file::has_ending;
-use report::{Refusal, Report};
+use report::Report;
 use run_store::{Lookup, Record, Store};
-use scene::{Override, Progress, Scene};
+use scene::{Override, Progress, RunResult, Scene};
 use scene_simulator::{ParameterFile, RunDetails};
 use single_run::SingleRun;
 use state_file::{StateFile, state_files};
@@ -39,8 +39,8 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "NAME=VALUE", value_parser = setting)]
     set: Vec<Override>,
 
-    /// Sets the calibrated values of a parameter file, such as the parameters.toml of `seedloop calibrate`;
-    /// settings that the scene does not have are skipped, and --set comes after it
+    /// Sets the calibrated values of a parameter file, such as the parameters.toml of `seedloop calibrate`; values of
+    /// settings that the scene does not have are reported, and --set comes after it
     #[arg(long, value_name = "PARAMETERS.toml")]
     set_file: Option<PathBuf>,
 
@@ -64,7 +64,7 @@ pub(crate) struct Arguments {
     #[command(flatten)]
     retries: Retries,
 
-    /// Writes what the camera saw last
+    /// Writes the last frame: a drum as its camera sees it, with its walls of triangles, a heap or a box from the side
     #[arg(long, value_name = "FILE.png")]
     frame: Option<PathBuf>,
 
@@ -104,7 +104,12 @@ pub(crate) fn read_scene(
     let Some(set_file) = set_file else {
         return Ok((scene, set.to_vec()));
     };
-    let calibrated = ParameterFile::read(set_file)?.overrides(&scene)?;
+    let parameters = ParameterFile::read(set_file)?;
+    let calibrated = parameters.overrides(&scene)?;
+    for warning in parameters.not_carried(&scene, &calibrated) {
+        // It is told even when the log is quiet: a value is missing in what is written.
+        writeln!(std::io::stderr(), "warning: {warning}")?;
+    }
     let changes = [calibrated.as_slice(), set].concat();
     Ok((Scene::read(file, &changes)?, changes))
 }
@@ -122,8 +127,10 @@ fn seconds(text: &str) -> Result<f64, String> {
 struct Outcome {
     /// Its record.
     record: Record,
-    /// Whether the record was there before.
-    reused: bool,
+    /// The run itself; none where the record was there before.
+    result: Option<RunResult>,
+    /// Why the record could not be kept; none where it is, or was not to be.
+    not_kept: Option<anyhow::Error>,
 }
 
 /// Reads the scene, runs it or finds its record, prints.
@@ -166,23 +173,38 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
     let outcome = match stop.result(find_or_run(arguments, &single, &stop)) {
         Ok(Ok(outcome)) => outcome,
         Ok(Err(code)) => return Ok(code),
-        Err(error) if is_refusal(&error) => {
-            let reason = format!("{error:#}");
-            // The reason of a refusal is told even when the log is quiet.
-            writeln!(std::io::stderr(), "refused: {reason}")?;
-            common.emit_json(&Refusal::new(header, reason, single.scene(), &changes)?)?;
-            return Ok(NOT_MET);
-        }
         Err(error) => return Err(error),
     };
     let report = Report::new(header, &outcome, single.scene(), &changes)?;
     for warning in report.warnings() {
         common.log(|| format!("warning: {warning}"));
     }
-    common.print(report.text().trim_end())?;
-    write_frame(arguments, &outcome.record)?;
-    common.emit_json(&report)?;
-    Ok(DONE)
+    if let Some(reason) = report.refusal() {
+        // The reason of a refusal is told even when the log is quiet.
+        writeln!(std::io::stderr(), "refused: {reason}")?;
+    }
+    // The run is done: what cannot be written takes nothing else with it.
+    all_written([
+        common.print(report.text().trim_end()),
+        common.emit_json(&report),
+        outcome.not_kept.map_or(Ok(()), Err),
+        write_frame(arguments, &outcome.record),
+        write_arrays(arguments, single.scene(), outcome.result.as_ref()),
+    ])?;
+    Ok(if report.refusal().is_some() {
+        NOT_MET
+    } else {
+        DONE
+    })
+}
+
+/// All that went wrong while results were written, as one error.
+pub(crate) fn all_written<const N: usize>(written: [anyhow::Result<()>; N]) -> anyhow::Result<()> {
+    let mut wrong = written.into_iter().filter_map(Result::err);
+    let Some(first) = wrong.next() else {
+        return Ok(());
+    };
+    Err(wrong.fold(first, |all, error| anyhow!("{all:#}; {error:#}")))
 }
 
 /// What is kept of a run that is stopped, whose states these files hold, and how to go on.
@@ -198,16 +220,6 @@ fn kept(states: Option<&[PathBuf; 2]>) -> String {
         // While a run is set up, and while the frames of one that has come to its end are read, there is no state.
         None => "no state of the run is kept; the same command begins it anew".to_owned(),
     }
-}
-
-/// Whether an error is an answer (exit 1) and not a fault of the input (exit 2).
-fn is_refusal(error: &anyhow::Error) -> bool {
-    matches!(
-        error.downcast_ref(),
-        Some(scene_simulator::Error::Scene(
-            scene::Error::NoSurface { .. }
-        ))
-    )
 }
 
 /// Tries whether the results can be written, before the work is done.
@@ -267,7 +279,8 @@ fn find_or_run(arguments: &Arguments, single: &SingleRun, stop: &Stop) -> anyhow
                 );
                 return Ok(Outcome {
                     record,
-                    reused: true,
+                    result: None,
+                    not_kept: None,
                 });
             }
             Lookup::Found(_) => ensure!(
@@ -290,11 +303,7 @@ fn find_or_run(arguments: &Arguments, single: &SingleRun, stop: &Stop) -> anyhow
             Lookup::Absent => {}
         }
     }
-    let record = run_and_keep(arguments, single, blank, store.as_ref(), stop)?;
-    Ok(Outcome {
-        record,
-        reused: false,
-    })
+    run_and_keep(arguments, single, blank, store.as_ref(), stop)
 }
 
 /// Runs the scene, from where it was left, and keeps what was asked for.
@@ -304,7 +313,7 @@ fn run_and_keep(
     blank: Record,
     store: Option<&Store>,
     stop: &Stop,
-) -> anyhow::Result<Record> {
+) -> anyhow::Result<Outcome> {
     let common = &arguments.common;
     let (scene, seed) = (single.scene(), arguments.seed);
     common.log(|| match scene.apparatus.repeats() {
@@ -335,16 +344,17 @@ fn run_and_keep(
     } else {
         run
     }?;
-    if let Some(store) = store {
+    let kept = store.map_or(Ok(()), |store| {
         store.put(&record)?;
         state.remove()?;
         common.log(|| format!("record {} in {}", record.key(), place(store)));
-    }
-    if let Some(file) = &arguments.arrays {
-        let frames = npz::archive(scene, &result.frames, &result.bodies)?;
-        write_new(file, &frames, common.overwrite())?;
-    }
-    Ok(record)
+        anyhow::Ok(())
+    });
+    Ok(Outcome {
+        record,
+        result: Some(result),
+        not_kept: kept.err(),
+    })
 }
 
 /// The state from which a run goes on; none where it begins anew.
@@ -378,11 +388,29 @@ fn write_frame(arguments: &Arguments, record: &Record) -> anyhow::Result<()> {
         return Ok(());
     };
     let text = RunDetails::of(record)?.last_frame_png_base64;
-    let text = text.context("the run has no frame to write")?;
+    let text = text.with_context(|| {
+        format!(
+            "{}: the record of the run has no picture; run it again with --force",
+            file.display()
+        )
+    })?;
     let picture = base64::engine::general_purpose::STANDARD
         .decode(text)
         .context("the picture in the record is damaged; run again with --force")?;
     write_new(file, &picture, arguments.common.overwrite())
+}
+
+/// Writes all frames as arrays.
+fn write_arrays(
+    arguments: &Arguments,
+    scene: &Scene,
+    result: Option<&RunResult>,
+) -> anyhow::Result<()> {
+    let (Some(file), Some(result)) = (&arguments.arrays, result) else {
+        return Ok(());
+    };
+    let frames = npz::archive(scene, &result.frames, &result.bodies)?;
+    write_new(file, &frames, arguments.common.overwrite())
 }
 
 /// The folder of a store, for messages.
@@ -393,7 +421,7 @@ fn place(store: &Store) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::{kept, state_files};
+    use super::{all_written, kept, state_files};
 
     /// A state is promised where one is, and only there.
     #[test]
@@ -404,5 +432,17 @@ mod tests {
         std::fs::write(&files[1], "state").unwrap();
         assert!(kept(Some(&files)).contains("--resume goes on"));
         assert!(kept(None).contains("with --out DIR"));
+    }
+
+    /// What could not be written is all told, and nothing else is lost for it.
+    #[test]
+    fn what_cannot_be_written_is_told_at_the_end() {
+        let refused = |what: &str| Err(anyhow::anyhow!("{what} is full"));
+        assert!(all_written([Ok(()), Ok(())]).is_ok());
+        let told = all_written([refused("a.png"), Ok(()), refused("b.npz")]);
+        assert_eq!(
+            told.unwrap_err().to_string(),
+            "a.png is full; b.npz is full"
+        );
     }
 }

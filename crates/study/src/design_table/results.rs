@@ -5,7 +5,7 @@ use super::{DesignTable, cells};
 use experiment_design::table::csv_field;
 use run_store::Record;
 use scene::Scene;
-use scene_simulator::RunDetails;
+use scene_simulator::{RunDetails, no_surface_of};
 use std::collections::BTreeSet;
 
 /// Standard error of the angle over the time of a run.
@@ -24,7 +24,7 @@ pub(super) fn names_of(scene: &Scene) -> Vec<String> {
 impl DesignTable {
     /// The results as a table: one row for each run, in the order of the design, with all its columns, then
     /// `repeat`, `seed`, `regime`, `steady`, the mean of each observable, `standard_error_deg` of the angle where a run
-    /// has one, the `key` of the record, and the `problem` of a run that has none. What a run does not have is empty.
+    /// has one, the `key` of the record, and the `problem` of a run that has none, or no surface to read an angle from. What a run does not have is empty.
     ///
     /// `outcomes` are those of [`DesignTable::run`], in the order of the runs.
     pub fn results_csv(&self, outcomes: &[Result<Record, String>]) -> String {
@@ -61,7 +61,11 @@ impl DesignTable {
                 fields.push(word(record.and_then(error_of)));
             }
             fields.push(record.map_or("", Record::key).to_owned());
-            let problem = outcome.as_ref().err().map(|why| cells::one_line(why));
+            let problem = match outcome {
+                Ok(record) => no_surface_of(record),
+                Err(why) => Some(why.clone()),
+            };
+            let problem = problem.map(|why| cells::one_line(&why));
             fields.push(problem.unwrap_or_default());
             let fields: Vec<String> = fields.iter().map(|field| csv_field(field)).collect();
             text += &(fields.join(",") + "\n");

@@ -11,14 +11,23 @@ use serde_json::Value;
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
+/// Largest difference of the angle by picture and by position that nobody needs to know, deg: the usual one is 0.9 to 1.4
+/// (docs/two-rulers.md), with fewer and larger seeds up to 2.
+const USUAL_DIFFERENCE_DEG: f64 = 3.0;
+/// Likewise of the fill level: a picture shows the highest bed along the axis.
+const USUAL_FILL_DIFFERENCE: f64 = 0.1;
+
 /// A finished run as it stands in JSON.
 #[derive(Debug, Serialize)]
 pub(super) struct Report {
     /// Version, seed, inputs.
     #[serde(flatten)]
     header: Header,
-    /// Always `ok`.
+    /// `ok`, or `refused` where no frame of a drum shows a surface: then there is no angle, and what the places of the seeds tell
+    /// stands.
     verdict: &'static str,
+    /// Why it is refused.
+    reason: Option<String>,
     /// Results by name.
     observables: BTreeMap<String, Observation>,
     /// How the run ended up: `rolling`, `sliding` or `resting`; none where the apparatus has no bed.
@@ -51,46 +60,6 @@ pub(super) struct Report {
     reused: bool,
 }
 
-/// A run whose surface cannot be measured, as it stands in JSON.
-#[derive(Debug, Serialize)]
-pub(super) struct Refusal {
-    /// Version, seed, inputs.
-    #[serde(flatten)]
-    header: Header,
-    /// Always `refused`.
-    verdict: &'static str,
-    /// Why.
-    reason: String,
-    /// No results.
-    observables: BTreeMap<String, Observation>,
-    /// Every setting of the scene, by its dotted path.
-    parameters: BTreeMap<String, Value>,
-    /// The settings that were changed, as given.
-    changed: BTreeMap<String, String>,
-}
-
-impl Refusal {
-    /// Describes a refusal.
-    ///
-    /// # Errors
-    /// A scene that has no form in JSON.
-    pub(super) fn new(
-        header: Header,
-        reason: String,
-        scene: &Scene,
-        changes: &[Override],
-    ) -> anyhow::Result<Self> {
-        Ok(Self {
-            header,
-            verdict: "refused",
-            reason,
-            observables: BTreeMap::new(),
-            parameters: settings_of(scene)?,
-            changed: changed(changes),
-        })
-    }
-}
-
 impl Report {
     /// Describes a finished run.
     ///
@@ -106,7 +75,12 @@ impl Report {
         let details = RunDetails::of(record)?;
         Ok(Self {
             header,
-            verdict: "ok",
+            verdict: if details.no_surface.is_some() {
+                "refused"
+            } else {
+                "ok"
+            },
+            reason: details.no_surface,
             observables: record.observables().clone(),
             regime: record.regime().map(str::to_owned),
             steady: details.steady,
@@ -121,8 +95,40 @@ impl Report {
             changed: changed(changes),
             seeds: scene.seeds_in_words(),
             record: record.key().to_owned(),
-            reused: outcome.reused,
+            reused: outcome.result.is_none(),
         })
+    }
+
+    /// Why there is no angle; none where there is one, or the apparatus has none.
+    pub(super) fn refusal(&self) -> Option<&str> {
+        self.reason.as_deref()
+    }
+
+    /// Where the picture and the places of the seeds show different beds.
+    fn disagreements(&self) -> Vec<String> {
+        let mean = |name: &str| self.observables.get(name).map(|o| o.mean);
+        let mut found = Vec::new();
+        if let Some(between) = self.observables.get("image_minus_position_deg") {
+            let error = between.sd.unwrap_or(0.0) / (between.n.max(1) as f64).sqrt();
+            if between.mean.abs() > USUAL_DIFFERENCE_DEG + 3.0 * error {
+                let (by_image, by_place) = (mean("angle_deg"), mean("angle_by_position_deg"));
+                found.push(format!(
+                    "the picture shows {} deg and the places of the seeds {} deg",
+                    fixed(by_image, 1),
+                    fixed(by_place, 1)
+                ));
+            }
+        }
+        if let (Some(seen), Some(there)) = (mean("fill_level"), mean("fill_level_by_position"))
+            && (seen - there).abs() > USUAL_FILL_DIFFERENCE
+        {
+            found.push(format!(
+                "the bed takes {} of the picture and {} of the drum",
+                fixed(Some(seen), 2),
+                fixed(Some(there), 2)
+            ));
+        }
+        found
     }
 
     /// What the user should know of the result.
@@ -146,6 +152,15 @@ impl Report {
                 "the bed slides and swings on from its start: apparatus.ramp gives it an even one"
                     .to_owned(),
             );
+        }
+        let disagreements = self.disagreements();
+        if !disagreements.is_empty() {
+            warnings.push(format!(
+                "picture and positions disagree: {}; the bed is not alike along the axis. Compare like with like: a photo with \
+                 angle_deg and fill_level, the trace at the lower cover of a tilted drum with cover_angle_deg, the whole bed with \
+                 the values by position",
+                disagreements.join(", ")
+            ));
         }
         let broken_off = self.timing.retried.len();
         if broken_off > 0 {
@@ -282,6 +297,11 @@ fn settings_of(scene: &Scene) -> anyhow::Result<BTreeMap<String, Value>> {
     let mut settings = BTreeMap::new();
     walk(&scene, "", &mut settings);
     Ok(settings)
+}
+
+/// A number with so many decimals.
+fn fixed(value: Option<f64>, decimals: usize) -> String {
+    value.map_or_else(|| "-".to_owned(), |value| format!("{value:.decimals$}"))
 }
 
 /// Appends to a text.

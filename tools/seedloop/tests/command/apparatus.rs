@@ -366,3 +366,31 @@ fn what_a_deck_cannot_carry_is_refused() {
         );
     }
 }
+
+/// A heap is drawn from the side, and its results are written beside.
+#[test]
+fn a_heap_has_a_frame() {
+    let folder = tempfile::tempdir().unwrap();
+    let heap = r#"
+        apparatus = { kind = "heap", inner_diameter = "30 mm", height = "30 mm", lift_speed = "0.5 m/s", floor = "wall", cylinder = "wall" }
+        seed = [{ name = "pea", sphere = "6 mm", density = "1250 kg/m3", count = 12, material = "pea" }]
+        material.pea = { poisson_ratio = 0.3, youngs_modulus = "1 MPa" }
+        material.wall = { poisson_ratio = 0.3, youngs_modulus = "10 MPa" }
+        contact.pea-pea = { restitution = 0.5, static_friction = 0.4, rolling_friction = 0.1 }
+        contact.pea-wall = { restitution = 0.5, static_friction = 0.4, rolling_friction = 0.1 }
+        protocol = { rotation_limit = "0.3 s" }
+    "#;
+    fs::write(folder.path().join("heap.toml"), heap).unwrap();
+    let words = [
+        "simulate",
+        "heap.toml",
+        "--frame",
+        "t.png",
+        "--json",
+        "t.json",
+    ];
+    assert_code(&seedloop(folder.path(), &words), 0);
+    assert!(folder.path().join("t.json").exists());
+    let picture = fs::read(folder.path().join("t.png")).unwrap();
+    assert!(picture.starts_with(b"\x89PNG"));
+}

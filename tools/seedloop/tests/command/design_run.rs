@@ -201,13 +201,16 @@ fn a_run_that_fails_is_told_and_the_others_are_kept() {
         "run few.csv --scene tiny.toml --set time_s=0.2 --set frames=2 --out results --json=-";
     let output = words_in(&scene.path(""), words);
     assert_code(&output, 1);
-    assert!(text(&output.stderr).contains("no result: line 3, seed 2: none of the"));
+    assert!(text(&output.stderr).contains("no angle: line 3, seed 2: none of the"));
     let report = json(&output);
     assert_eq!(
         (&report["n_runs"], &report["n_failed"]),
-        (&2.into(), &1.into())
+        (&2.into(), &0.into())
     );
-    assert!(report["runs"][1]["record"].is_null());
+    assert_eq!(report["n_refused"], 1);
+    // What the places of the seeds tell is there.
+    let second = &report["runs"][1]["observables"];
+    assert!(second["angle_deg"].is_null() && second["centre_of_mass_deg"]["mean"].is_f64());
     let angle = report["runs"][0]["observables"]["angle_deg"]["mean"].to_string();
     let results = fs::read_to_string(scene.path("results/results.csv")).unwrap();
     let lines: Vec<&str> = results.lines().collect();

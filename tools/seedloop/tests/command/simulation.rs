@@ -260,7 +260,7 @@ fn files_that_exist_are_refused_before_the_run() {
     assert_eq!(fs::read_to_string(scene.path("old.png")).unwrap(), "kept");
 }
 
-/// Two seeds in a drum are no bed: no line can be laid through their surface.
+/// Two seeds in a drum are no bed: no line can be laid through their surface. What their places tell is given all the same.
 #[test]
 fn a_surface_that_cannot_be_measured_is_a_refusal() {
     let scene = TinyScene::new();
@@ -283,7 +283,11 @@ fn a_surface_that_cannot_be_measured_is_a_refusal() {
         "{}",
         json["reason"]
     );
-    assert_eq!(json["observables"].as_object().unwrap().len(), 0);
+    let observables = json["observables"].as_object().unwrap();
+    assert!(!observables.contains_key("angle_deg"));
+    for name in ["centre_of_mass_deg", "shell_slip", "drive_power_mw"] {
+        assert!(observables[name]["mean"].is_f64(), "{name}");
+    }
     assert!(
         text(&output.stderr).contains("refused"),
         "told on standard error as well"
@@ -368,10 +372,16 @@ fn calibrated_values_are_taken_from_a_file() {
     assert_eq!(json["parameters"][&walls], 0.22);
     assert_eq!(json["changed"][&friction], "0.47");
     assert_eq!(json["inputs"].as_object().unwrap().len(), 4, "{json}");
+    let log = text(&output.stderr);
+    let left = "P (P) = 0.3 is not carried over: tiny.toml has no contact.pea-pea.static_friction";
+    assert!(log.contains(left), "{log}");
+    assert!(!log.contains("F (F)"), "{log}");
 
     let words = ["export", "lammps", "tiny.toml", "--out", "deck"];
     let words = [&words[..], &["--set-file", "parameters.toml"]].concat();
-    assert_code(&crate::seedloop(&scene.path(""), &words), 0);
+    let export = crate::seedloop(&scene.path(""), &words);
+    assert_code(&export, 0);
+    assert!(text(&export.stderr).contains(left), "{export:?}");
     let deck = fs::read_to_string(scene.path("deck/in.drum")).unwrap();
     assert!(deck.contains("0.47") && deck.contains("0.21"), "{deck}");
 

@@ -1,0 +1,278 @@
+//! A frame as a picture to look at: drums as their camera sees them, heaps and boxes from the side, and walls of triangles.
+
+use crate::motion::SERIES_INTERVAL;
+use crate::obstacles::mesh_walls;
+use crate::{Apparatus, DrumCamera, Error, Frame, Scene, SeedBody};
+use dem_solver::Motion;
+use frame_render::{RenderSphere, SideView, render_side, seed_colour};
+use image::RgbImage;
+use nalgebra::{UnitQuaternion, Vector3};
+use std::sync::Arc;
+
+/// Share of the seeds beyond either end of a heap that may be outside of its picture: a few roll far.
+const STRAYED: f64 = 0.01;
+/// Half of the width that is seen over half of that of the heap: the floor shows beside it.
+const MARGIN: f64 = 1.35;
+/// Height of the floor over the lower border of the picture, over half of the width that is seen.
+const FLOOR: f64 = 0.3;
+
+/// Corners of a triangle, m.
+type Corners = [[f64; 3]; 3];
+
+/// What a frame looks like; none of a bench test, which has no bed.
+///
+/// In a drum with walls of triangles these are drawn too. The angle is read from the picture without them
+/// ([`crate::drum_picture`]), since a reader cannot tell them from seeds.
+///
+/// # Errors
+///
+/// A view that cannot be drawn, a wall whose mesh can no longer be read.
+pub fn frame_picture(
+    scene: &Scene,
+    bodies: &[Arc<SeedBody>],
+    frame: &Frame,
+) -> Result<Option<RgbImage>, Error> {
+    if scene.apparatus.is_bench_test() {
+        return Ok(None);
+    }
+    let walls = walls_at(scene, frame.time)?;
+    if scene.apparatus.is_release() {
+        return from_the_side(scene, bodies, frame, walls).map(Some);
+    }
+    let camera = DrumCamera::of(scene);
+    camera
+        .picture_with_walls(frame.spheres(bodies), &walls)
+        .map(Some)
+}
+
+/// The walls of triangles at a time after the start of the drive, s; the cylinder or gate of a release has been lifted.
+fn walls_at(scene: &Scene, time: f64) -> Result<Vec<Corners>, Error> {
+    let own = scene.apparatus.mesh_walls().len();
+    let mut all = Vec::new();
+    for (number, wall) in mesh_walls(scene)?.into_iter().enumerate() {
+        let is_own = number < own;
+        if is_own && scene.apparatus.is_release() {
+            continue;
+        }
+        // What belongs to the drum follows its schedule.
+        let turned = if is_own {
+            turning_time(scene, time)
+        } else {
+            time
+        };
+        let moved = |corner: &Vector3<f64>| place_of(corner, &wall.motion, time, turned).into();
+        all.extend(wall.triangles.iter().map(|t| t.each_ref().map(moved)));
+    }
+    Ok(all)
+}
+
+/// Time in which a drum at its full speed turns as far as it has by a time, s.
+fn turning_time(scene: &Scene, time: f64) -> f64 {
+    let mut sum = 0.0;
+    let mut at = 0.0;
+    while at < time {
+        let step = SERIES_INTERVAL.min(time - at);
+        sum += step * scene.apparatus.share_of_speed(at).unwrap_or(1.0);
+        at += SERIES_INTERVAL;
+    }
+    sum
+}
+
+/// Where a point of a wall is after a time with its motion, s, in which it turned for so long.
+fn place_of(start: &Vector3<f64>, motion: &Motion, time: f64, turned: f64) -> Vector3<f64> {
+    let turn = UnitQuaternion::from_scaled_axis(turned * motion.spin);
+    let swing = motion.vibration.map_or_else(Vector3::zeros, |vibration| {
+        vibration.amplitude * (vibration.angular_frequency * time).sin()
+    });
+    turn * (start - motion.about) + motion.about + time * motion.velocity + swing
+}
+
+/// A heap or a box from the side.
+fn from_the_side(
+    scene: &Scene,
+    bodies: &[Arc<SeedBody>],
+    frame: &Frame,
+    mut walls: Vec<Corners>,
+) -> Result<RgbImage, Error> {
+    let sorted = |of: fn(&Vector3<f64>) -> f64| {
+        let mut all: Vec<f64> = frame.position.iter().map(of).collect();
+        all.sort_by(f64::total_cmp);
+        all
+    };
+    let quantile = |all: &[f64], share: f64| {
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "a place in the list"
+        )]
+        let place = (share * all.len().saturating_sub(1) as f64).round() as usize;
+        all.get(place).copied().unwrap_or(0.0)
+    };
+    let (along, heights) = (sorted(|p| p.x), sorted(|p| p.y));
+    let size = bodies.iter().map(|b| b.clump.bounding_radius());
+    let size = size.fold(0.0, f64::max);
+    let mut left = quantile(&along, STRAYED) - size;
+    if matches!(scene.apparatus, Apparatus::BoxCollapse(_)) {
+        left = left.min(0.0);
+    }
+    let right = quantile(&along, 1.0 - STRAYED) + size;
+    let top = quantile(&heights, 1.0) + size;
+    let half_width = (0.5 * MARGIN * (right - left)).max(0.6 * top);
+    let middle = 0.5 * (left + right);
+    let reach = frame.position.iter().map(|p| p.z.abs() + size);
+    let reach = reach.fold(size, f64::max);
+    // Floor and back of a box stand as slabs, behind nothing.
+    let mut slab = |[x0, x1]: [f64; 2], [y0, y1]: [f64; 2]| {
+        let [a, b, c, d] = [[x0, y0], [x1, y0], [x1, y1], [x0, y1]].map(|[x, y]| [x, y, reach]);
+        walls.extend([[a, b, c], [a, c, d]]);
+    };
+    slab(
+        [middle - half_width, middle + half_width],
+        [-FLOOR * half_width, 0.0],
+    );
+    if let Apparatus::BoxCollapse(body) = &scene.apparatus {
+        slab([middle - half_width, 0.0], [0.0, body.height.si()]);
+    }
+    let seen = frame.spheres(bodies).map(|(body, s)| RenderSphere {
+        centre: s.centre.into(),
+        radius: s.radius,
+        colour: seed_colour(body),
+    });
+    let view = SideView {
+        centre: [middle, (1.0 - FLOOR) * half_width, 0.0],
+        half_width,
+        depth: 2.0 * reach,
+        pixels: scene.camera.pixels,
+    };
+    Ok(render_side(&seen.collect::<Vec<_>>(), &walls, &view)?)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::frame_picture;
+    use crate::{FillingLibrary, Frame, Scene};
+    use image::{DynamicImage, RgbImage};
+    use nalgebra::{UnitQuaternion, Vector3};
+    use photo_profile::{Mode, PhotoPixels, PhotoReading, Settings, measure_photo};
+
+    /// Balls of 2 mm in an apparatus, with further sections.
+    fn scene(apparatus: &str, more: &str) -> Scene {
+        let text = format!(
+            r#"
+            apparatus = {apparatus}
+            seed = [{{ name = "ball", sphere = "2 mm", density = "1250 kg/m3", count = 9, material = "a" }}]
+            material.a = {{ poisson_ratio = 0.3, shear_modulus = "5 MPa" }}
+            contact.a-a = {{ restitution = 0.5, static_friction = 0.4 }}
+            {more}
+            "#
+        );
+        let folder = fixture_files::fixture("stl");
+        Scene::from_text(&text, "any.toml", &folder, &[]).unwrap()
+    }
+
+    /// The picture of balls at these places, at a time after the start of the drive.
+    fn picture(scene: &Scene, time: f64, places: Vec<Vector3<f64>>) -> Option<RgbImage> {
+        let body = FillingLibrary::default().body(scene, &scene.seed[0]);
+        let n = places.len();
+        let frame = Frame {
+            time,
+            kind: vec![0; n],
+            position: places,
+            orientation: vec![UnitQuaternion::identity(); n],
+            velocity: vec![Vector3::zeros(); n],
+            spin: vec![Vector3::zeros(); n],
+        };
+        frame_picture(scene, &[body.unwrap()], &frame).unwrap()
+    }
+
+    const HEAP: &str = r#"{ kind = "heap", inner_diameter = "40 mm", height = "60 mm", lift_speed = "50 mm/s", floor = "a",
+        cylinder = "a" }"#;
+
+    /// Balls of 2 mm on a cone of 30 degrees, 60 mm high, a few of them far away on the floor: the reader of photos finds both
+    /// flanks; a degree is the roughness of balls of a thirtieth of the height.
+    #[test]
+    fn a_heap_is_drawn_so_that_its_slope_can_be_read() {
+        let slope = 30_f64.to_radians().tan();
+        let grid = || (-70..=70_i32).flat_map(|i| (-70..=70_i32).map(move |j| (i, j)));
+        let on_cone = grid().filter_map(|(i, j)| {
+            let (x, z) = (1.5e-3 * f64::from(i), 1.5e-3 * f64::from(j));
+            let y = 0.06 - slope * x.hypot(z);
+            (y > 0.001).then_some(Vector3::new(x, y, z))
+        });
+        let strays = (0..20).map(|k| Vector3::new(1.0, 0.001, 0.1 * f64::from(k)));
+        let places: Vec<_> = on_cone.chain(strays).collect();
+        let drawn = picture(&scene(HEAP, ""), 1.0, places).unwrap();
+        let pixels = PhotoPixels::from_picture(&DynamicImage::from(drawn));
+        let settings = Settings {
+            mode: Mode::Heap,
+            ..Settings::default()
+        };
+        let PhotoReading::Heap(heap) = measure_photo(&pixels, &settings).unwrap() else {
+            panic!("the heap is refused");
+        };
+        assert!(
+            (heap.mean.to_degrees() - 30.0).abs() < 1.0,
+            "{}",
+            heap.mean.to_degrees()
+        );
+    }
+
+    /// A box has its floor and its back; nothing is drawn of a bench test.
+    #[test]
+    fn a_box_stands_on_its_floor() {
+        let text = r#"{ kind = "box-collapse", length = "40 mm", height = "60 mm", width = "20 mm", lift_speed = "1 m/s",
+            floor = "a", wall = "a" }"#;
+        let places = (0..40)
+            .map(|k| Vector3::new(1e-3 * f64::from(k), 0.001, 0.0))
+            .collect();
+        let drawn = picture(&scene(text, ""), 1.0, places).unwrap();
+        let is_wall = |x: u32, y: u32| {
+            let [r, _, b] = drawn.get_pixel(x, y).0;
+            b > r + 20
+        };
+        assert!(
+            is_wall(240, 470) && is_wall(5, 300),
+            "floor below, back on the left"
+        );
+        assert!(
+            !is_wall(240, 20) && !is_wall(470, 300),
+            "air above and before"
+        );
+        let sled = scene(r#"{ kind = "slider", plate = "a" }"#, "");
+        assert!(picture(&sled, 0.0, Vec::new()).is_none());
+    }
+
+    /// A ball of a mesh, 40 mm to the right of the axis of a drum, that turns by a quarter in a second stands above the axis, and
+    /// before the drive starts on the right. The angle is read from a picture without it.
+    #[test]
+    fn a_wall_is_drawn_where_it_has_moved() {
+        let wall = r#"
+            [[wall]]
+            name = "ball"
+            mesh = "sphere.stl"
+            mesh_unit = "mm"
+            material = "a"
+            position = ["40 mm", "0 mm", "0 mm"]
+            spin = ["0 rpm", "0 rpm", "15 rpm"]
+        "#;
+        let drum = r#"{ kind = "drum", inner_diameter = "120 mm", width = "30 mm", speed = "20 rpm", shell = "a",
+            cover = "a" }"#;
+        let scene = scene(drum, wall);
+        for (time, [x, y]) in [(0.0, [0.04, 0.0]), (1.0, [0.0, 0.04])] {
+            let drawn = picture(&scene, time, vec![Vector3::new(0.0, -0.05, 0.0)]).unwrap();
+            let blue = |x: f64, y: f64| {
+                let scale = 240.0 / (0.06 * 1.08);
+                #[expect(
+                    clippy::cast_possible_truncation,
+                    clippy::cast_sign_loss,
+                    reason = "a place in the picture"
+                )]
+                let at = [239.5 + scale * x, 239.5 - scale * y].map(|p| p as u32);
+                let [r, _, b] = drawn.get_pixel(at[0], at[1]).0;
+                b > r + 20
+            };
+            assert!(blue(x, y), "{time} s");
+            assert!(!blue(y, x) && !blue(0.0, 0.0), "{time} s");
+        }
+    }
+}
