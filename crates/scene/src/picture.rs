@@ -9,10 +9,11 @@ use image::RgbImage;
 use nalgebra::{UnitQuaternion, Vector3};
 use std::sync::Arc;
 
-/// Share of the seeds beyond either end of a heap that may be outside of its picture: a few roll far.
-const STRAYED: f64 = 0.01;
-/// Half of the width that is seen over half of that of the heap: the floor shows beside it.
-const MARGIN: f64 = 1.35;
+/// Share of the seeds on either side that do not count for the width of a picture: of a low heap a tenth may roll far.
+const STRAYED: f64 = 0.1;
+/// Width that is seen over that between those places: 1.35 times a cone, whose tenths lie at 0.45 of its radius, so that the
+/// floor shows beside it.
+const MARGIN: f64 = 3.0;
 /// Height of the floor over the lower border of the picture, over half of the width that is seen.
 const FLOOR: f64 = 0.3;
 

@@ -110,7 +110,7 @@ impl Report {
         let mut found = Vec::new();
         if let Some(between) = self.observables.get("image_minus_position_deg") {
             let error = between.sd.unwrap_or(0.0) / (between.n.max(1) as f64).sqrt();
-            if between.mean.abs() > USUAL_DIFFERENCE_DEG + 3.0 * error {
+            if between.mean.abs() > USUAL_DIFFERENCE_DEG + 2.0 * error {
                 let (by_image, by_place) = (mean("angle_deg"), mean("angle_by_position_deg"));
                 found.push(format!(
                     "the picture shows {} deg and the places of the seeds {} deg",
