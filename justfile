@@ -182,7 +182,7 @@ calibrate-liggghts:
     bash fixtures/peers-study/calibrate.sh liggghts
 
 # Installs what is missing; apt-get may need root. Finished runs in FOLDER are found again.
-# mesh, obj, picture, scene, study, table, workbook, problem, positions, record, state or quantity; finds go to out/fuzz/READER.
+# mesh, obj, spheres, picture, scene, study, table, workbook, problem, positions, record, state or quantity; finds go to out/fuzz/READER.
 # Give a reader of files inputs that a coverage-guided fuzzer makes (seconds).
 [group('trials of the instruments')]
 fuzz READER SECONDS="60":

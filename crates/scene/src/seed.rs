@@ -18,6 +18,9 @@ pub const SOLID_FRACTION: f64 = 0.6;
 /// the numbers would be a thousand times smaller.
 const GUESSED_SIZES: std::ops::RangeInclusive<f64> = 1e-4..=0.1;
 
+/// Sizes of a seed, m: those of `sphere` and `ellipsoid`.
+const SIZES: std::ops::RangeInclusive<f64> = 1e-6..=1.0;
+
 /// Largest volume of the seeds over that of the apparatus, above which no fill level is possible.
 const FULLEST: f64 = 1.0;
 
@@ -191,22 +194,26 @@ impl SeedSettings {
     /// A table that cannot be read, or whose unit is not clear.
     fn measured_list(&mut self, folder: &Path, file: &str) -> Result<f64, Error> {
         let spheres = self.listed_spheres(folder)?;
-        if self.spheres_unit.is_none() {
-            let reach = |s: &Sphere| (s.centre - spheres[0].centre).norm() + s.radius;
-            let size = 2.0 * spheres.iter().map(reach).fold(0.0, f64::max);
-            if !GUESSED_SIZES.contains(&size) {
-                return Err(Error::SeedKeys {
-                    file: file.to_owned(),
-                    seed: self.name.clone(),
-                    problem: format!(
-                        "spheres is stated without spheres_unit, and in mm the seed would be {} mm long; state what \
-                         one unit of the table is, such as \"m\"",
-                        significant(1e3 * size, 3)
-                    ),
-                });
-            }
-            self.spheres_unit = Some(LengthUnit::Millimetre);
+        let reach = |s: &Sphere| (s.centre - spheres[0].centre).norm() + s.radius;
+        let size = 2.0 * spheres.iter().map(reach).fold(0.0, f64::max);
+        let in_mm = significant(1e3 * size, 3);
+        let refused = |problem: String| Error::SeedKeys {
+            file: file.to_owned(),
+            seed: self.name.clone(),
+            problem,
+        };
+        if self.spheres_unit.is_none() && !GUESSED_SIZES.contains(&size) {
+            return Err(refused(format!(
+                "spheres is stated without spheres_unit, and in mm the seed would be {in_mm} mm long; state what one unit of \
+                 the table is, such as \"m\""
+            )));
         }
+        if !SIZES.contains(&size) {
+            return Err(refused(format!(
+                "spheres in the unit stated are {in_mm} mm long together; a seed is 0.001 mm to 1 m: look at spheres_unit"
+            )));
+        }
+        self.spheres_unit.get_or_insert(LengthUnit::Millimetre);
         Ok(union_moments(&spheres).volume)
     }
 
@@ -335,7 +342,7 @@ impl SeedSettings {
             .flatten()
             .map(|axis| ("ellipsoid", axis));
         for (key, length) in self.sphere.iter().map(|d| ("sphere", d)).chain(axes) {
-            let holds = (1e-6..=1.0).contains(&length.si());
+            let holds = SIZES.contains(&length.si());
             require(holds, key, length.to_string(), "0.001 mm to 1 m");
         }
         if let Some(filling) = &self.filling {

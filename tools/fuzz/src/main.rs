@@ -21,6 +21,10 @@ fuzz_target!(|bytes: &[u8]| match READER.as_str() {
     "obj" => {
         let _ = trimesh::parse_mesh(bytes.to_vec(), trimesh::LengthUnit::Millimetre, "mesh.obj");
     }
+    "spheres" => {
+        let text = String::from_utf8_lossy(bytes);
+        let _ = clump::files::read_spheres(&text, "seed.csv", 1e-3);
+    }
     "picture" => {
         let _ = photo_profile::read_frames(&on_disk(bytes, "png"));
     }

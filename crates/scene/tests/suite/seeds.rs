@@ -471,6 +471,8 @@ fn a_table_of_spheres_is_a_seed_as_it_is() {
         unclear.contains("in mm the seed would be 0.00740 mm long; state"),
         "{unclear}"
     );
+    let large = told(&format!("{list}\nspheres_unit = \"m\""));
+    assert!(large.contains("a seed is 0.001 mm to 1 m"), "{large}");
     let stated = read(&format!("{metres}\nspheres_unit = \"m\"")).unwrap();
     assert!((stated.seed[0].volume().unwrap() / volume - 1.0).abs() < 1e-4);
     let absent = told(&list.replace("three", "four"));
