@@ -231,7 +231,7 @@ fill-table *MESHES:
     cargo build --release --locked -p seedfill
     python3 tools/seedfill/compare/fill_table.py "{{programs}}/seedfill" fixtures/stl/cotton_ellipsoidal.stl fixtures/stl/cotton_flat.stl "$@"
 
-# Measure what a step of the study's drum costs with other fillings, beside the price that seedfill tells (five minutes, alone on the machine).
+# Measure what a step of the study's drum costs with other fillings, beside the cost that seedfill counts (five minutes, alone on the machine).
 [group('speed')]
 filling-cost:
     cargo build --release --locked -p seedfill -p seedloop

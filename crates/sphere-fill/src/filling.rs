@@ -157,16 +157,6 @@ impl Filling {
             .collect()
     }
 
-    /// Spheres that a probe of half the radius of the smallest one can touch from outside.
-    ///
-    /// # Errors
-    ///
-    /// Spheres that make no rigid body.
-    pub fn outer_count(&self) -> Result<usize, Error> {
-        let body = self.clump(1.0, InertiaSource::Mesh)?;
-        Ok(body.without_hidden_spheres().spheres().len())
-    }
-
     /// Rigid body of the mass given, kg.
     ///
     /// # Errors

@@ -1,4 +1,4 @@
-"""What a step of a drum costs with other fillings of its seeds, beside the price that seedfill tells.
+"""What a step of a drum costs with other fillings of its seeds, beside the cost that seedfill counts.
 
 usage: filling_cost.py FOLDER_OF_PROGRAMS DRUM.toml MESH.stl
 
@@ -48,25 +48,26 @@ def cost(programs, drum, filling):
     return timing["cpu_s"] * 1e6 / (timing["steps"] * timing["bodies"])
 
 
-def price(programs, mesh, filling):
-    """The relative cost that seedfill tells."""
+def counted(programs, mesh, filling):
+    """The near pairs and the relative cost that seedfill counts."""
     method, radius, count = filling
     words = [f"{programs}/seedfill", mesh, "--method", method, "--radius", str(radius)]
-    words += ["--count", str(count), "--mass", "94.5e-6", "--quiet", "--json"]
-    return output(words)["price"]["relative_cost"]
+    words += ["--count", str(count), "--quiet", "--json"]
+    cost = output(words)["cost"]
+    return cost["near_pairs_per_contact"], cost["relative_step_cost"]
 
 
 def main(programs, drum, mesh):
-    print("| filling | spheres a seed | cost of a seed and step, relative | by `seedfill` |")
-    print("|---|--:|--:|--:|")
+    print("| filling | spheres a seed | near pairs a contact | cost of a seed and step, relative | by `seedfill` |")
+    print("|---|--:|--:|--:|--:|")
     before = cost(programs, drum, PACKED)
     for filling in OTHERS:
         measured = cost(programs, drum, filling)
         behind = cost(programs, drum, PACKED)
         relative = 2.0 * measured / (before + behind)
         method, radius, count = filling
-        told = price(programs, mesh, filling)
-        print(f"| {method}, {radius} mm | {count} | {relative:.2f} | {told:.2f} |", flush=True)
+        near, cost_counted = counted(programs, mesh, filling)
+        print(f"| {method}, {radius} mm | {count} | {near:.1f} | {relative:.2f} | {cost_counted:.2f} |", flush=True)
         before = behind
 
 

@@ -26,7 +26,7 @@ pub(crate) struct Arguments {
 
     /// Write a table of the shapes of all meshes (CSV, or a workbook .xlsx): volume, area, lengths,
     /// elongation, flatness, sphericity; with --radius also the spheres of each filling
-    #[arg(long, value_name = "FILE.csv", conflicts_with_all = ["spheres", "out", "format", "bonds", "bond_gap", "union", "preview", "html", "mass", "density", "timing"])]
+    #[arg(long, value_name = "FILE.csv", conflicts_with_all = ["spheres", "out", "format", "bonds", "bond_gap", "union", "preview", "html", "mass", "density"])]
     pub(crate) shapes: Option<PathBuf>,
 
     /// Radius of the spheres (pack, lattice), or of the smallest allowed (all others)
@@ -38,9 +38,13 @@ pub(crate) struct Arguments {
     )]
     pub(crate) radius: Option<String>,
 
-    /// Place nothing: measure the spheres of a table x,y,z,radius in the unit and frame of the mesh
+    /// Place nothing: measure the spheres of a table x,y,z,radius in the frame of the mesh
     #[arg(long, value_name = "FILE.csv", conflicts_with_all = ["radius", "method", "count", "max_spheres", "target", "roughness", "effort"])]
     pub(crate) spheres: Option<PathBuf>,
+
+    /// Unit of the numbers in that table [default: that of the mesh]
+    #[arg(long, value_name = "UNIT", requires = "spheres")]
+    pub(crate) spheres_unit: Option<LengthUnit>,
 
     /// Unit of the numbers in the mesh: mm, cm, m or um
     #[arg(long, default_value = "mm", value_name = "UNIT")]
@@ -170,47 +174,6 @@ pub(crate) struct Arguments {
     /// Write a report with pictures and the spheres to be turned, one HTML file
     #[arg(long, value_name = "FILE.html")]
     pub(crate) html: Option<PathBuf>,
-
-    /// Shear modulus of the seed in Pa, for the time step (default: cotton seed)
-    #[arg(
-        long,
-        value_name = "PA",
-        default_value_t = 4.01e6,
-        allow_hyphen_values = true
-    )]
-    pub(crate) shear_modulus_pa: f64,
-
-    /// Poisson's ratio of the seed, for the time step (default: cotton seed)
-    #[arg(
-        long,
-        value_name = "RATIO",
-        default_value_t = 0.14,
-        allow_hyphen_values = true
-    )]
-    pub(crate) poisson_ratio: f64,
-
-    /// Shear modulus of the stiffest wall in Pa, for the time step (default: the study's drum)
-    #[arg(
-        long,
-        value_name = "PA",
-        default_value_t = 1.04e9,
-        allow_hyphen_values = true
-    )]
-    pub(crate) wall_shear_modulus_pa: f64,
-
-    /// Poisson's ratio of that wall, for the time step (default: the study's drum)
-    #[arg(
-        long,
-        value_name = "RATIO",
-        default_value_t = 0.42,
-        allow_hyphen_values = true
-    )]
-    pub(crate) wall_poisson_ratio: f64,
-
-    /// JSON of a run with packed seeds (seedloop simulate ... --json RUN.json): its cost of a seed
-    /// and step stands for the one in docs/benchmarks.md
-    #[arg(long, value_name = "RUN.json")]
-    pub(crate) timing: Option<PathBuf>,
 
     #[command(flatten)]
     pub(crate) common: command_line::Common,

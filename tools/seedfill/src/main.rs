@@ -2,24 +2,22 @@
 
 mod arguments;
 mod connections;
+mod cost;
 mod moments;
 mod outputs;
 mod page;
 mod preview;
-mod price;
 mod shapes;
 mod slices;
 mod sphere_file;
 mod summary;
 mod target;
-mod trial_bed;
 mod union_file;
 
 use anyhow::Context as _;
 use arguments::{Arguments, MethodName, length_in_metres};
 use clump::{DENSITIES, Sphere};
 use command_line::{DONE, Header, NOT_MET, significant};
-use price::Price;
 use sphere_fill::{Connectivity, Error, FillSettings, fill, measure};
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
@@ -92,7 +90,6 @@ fn fill_one(arguments: &Arguments, mesh: &Path) -> anyhow::Result<u8> {
     };
     let elapsed_s = start.elapsed().as_secs_f64();
     let connectivity = Connectivity::new(&filling.spheres, bond_gap);
-    let price = Price::new(arguments, &filling)?;
     let measured = Measured {
         mesh: &read.report,
         shape: &read.mesh.shape()?,
@@ -100,7 +97,7 @@ fn fill_one(arguments: &Arguments, mesh: &Path) -> anyhow::Result<u8> {
         connectivity: &connectivity,
     };
     let surface = UnionFile::new(arguments, &filling)?;
-    let summary = Summary::new(header, arguments, &measured, price, elapsed_s).with(surface);
+    let summary = Summary::new(header, arguments, &measured, elapsed_s).with(surface);
     for warning in summary.warnings() {
         common.log(|| format!("warning: {warning}"));
     }

@@ -27,7 +27,7 @@ pub(crate) fn page(
         ("Fit", summary.fit_lines()),
         ("Moments and axes", summary.moment_lines()),
         ("Pieces and contacts", summary.connection_lines()),
-        ("Price", summary.price_lines()),
+        ("Mass and cost", summary.cost_lines()),
     ] {
         report.section(title).facts(&facts(&lines));
     }

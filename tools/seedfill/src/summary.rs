@@ -2,8 +2,8 @@
 
 use crate::arguments::{Arguments, MethodName};
 use crate::connections::Connections;
+use crate::cost::Cost;
 use crate::moments::{Moments, Shape};
-use crate::price::Price;
 use crate::union_file::UnionFile;
 use clump::Sphere;
 use command_line::Header;
@@ -37,7 +37,7 @@ pub(crate) struct Summary {
     warnings: Vec<String>,
     mass_kg: Option<f64>,
     fraction_density_kg_m3: Option<f64>,
-    price: Price,
+    cost: Cost,
     elapsed_s: f64,
     /// x, y, z, radius of each sphere.
     sphere_list: Vec<[f64; 4]>,
@@ -131,7 +131,6 @@ impl Summary {
         header: Header,
         arguments: &Arguments,
         measured: &Measured<'_>,
-        price: Price,
         elapsed_s: f64,
     ) -> Self {
         let (mesh, filling) = (measured.mesh, measured.filling);
@@ -186,7 +185,7 @@ impl Summary {
             union_surface: None,
             mass_kg,
             fraction_density_kg_m3: mass_kg.map(|mass| filling.fraction_density(mass)),
-            price,
+            cost: Cost::new(&filling.spheres),
             elapsed_s,
             sphere_list: filling.spheres.iter().map(|s| in_unit(s, metre)).collect(),
         }
@@ -212,7 +211,7 @@ impl Summary {
             self.fit_lines(),
             self.moment_lines(),
             self.connection_lines(),
-            self.price_lines(),
+            self.cost_lines(),
         ]
         .concat();
         let rows = lines
@@ -256,14 +255,14 @@ impl Summary {
         ]
     }
 
-    /// Names and values of mass, time step and cost.
-    pub(crate) fn price_lines(&self) -> Vec<(&'static str, String)> {
+    /// Names and values of mass and cost.
+    pub(crate) fn cost_lines(&self) -> Vec<(&'static str, String)> {
         let mut lines = Vec::new();
         if let (Some(mass), Some(density)) = (self.mass_kg, self.fraction_density_kg_m3) {
             lines.push(("mass", format!("{mass:.4e} kg")));
             lines.push(("fraction density", format!("{density:.1} kg/m3")));
         }
-        lines.extend(self.price.lines());
+        lines.extend(self.cost.lines());
         lines
     }
 

@@ -241,95 +241,43 @@ fn a_target_is_kept_with_few_spheres_or_refused_with_what_was_reached() {
     );
 }
 
-/// The page holds the figures, two pictures and the viewer; the price follows from the cost of the
-/// run: 1200 packed bodies at 0.5 us a body and step, times the factor of an overlapping filling,
-/// over the time step.
+/// The page holds the figures, two pictures and the viewer. Four times as many spheres of the same surface are nearly in touch with
+/// more: a step costs more.
 #[test]
-fn the_page_and_the_price_of_a_filling() {
+fn the_page_and_the_cost_of_a_filling() {
     let folder = tempfile::tempdir().unwrap();
-    let (html, run) = (folder.path().join("a.html"), folder.path().join("run.json"));
-    let timing = r#"{"timing": {"bodies": 1200, "steps": 2000, "cpu_s": 1.2}}"#;
-    std::fs::write(&run, timing).unwrap();
+    let html = folder.path().join("a.html");
     let mesh = fixture("cotton_flat.stl");
-    let run_with = |count: &str, more: &[&str]| {
-        let words = [
-            path_text(&mesh),
-            "--radius",
-            "0.3",
-            "--method",
-            "surface",
-            "--count",
-            count,
-            "--mass",
-            "94.5e-6",
-            "--json",
-            "--quiet",
-        ];
-        seedfill(&[&words[..], more].concat())
+    let cost_of = |count: &str, more: &[&str]| {
+        let words = [path_text(&mesh), "--radius", "0.3", "--count", count];
+        let method = ["--method", "surface", "--json", "--quiet"];
+        let output = seedfill(&[&words[..], &method, more].concat());
+        assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+        let cost = json_of(&output)["cost"].clone();
+        let number = |key: &str| cost[key].as_f64().unwrap();
+        [
+            number("near_pairs_per_contact"),
+            number("relative_step_cost"),
+        ]
     };
-    let output = run_with(
-        "10",
-        &["--html", path_text(&html), "--timing", path_text(&run)],
-    );
-    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
-    let price = &json_of(&output)["price"];
-    let number = |key: &str| price[key].as_f64().unwrap();
-    let expected = 1200.0 * 0.5e-6 * number("relative_cost") / number("time_step_s");
-    assert!((number("cpu_s_per_drum_s") / expected - 1.0).abs() < 1e-12);
-    // Four times as many spheres of the same surface are nearly in touch with more: a step costs more.
-    let dearer = &json_of(&run_with("40", &[]))["price"]["relative_cost"];
+    let [pairs, step] = cost_of("10", &["--html", path_text(&html)]);
+    let [more_pairs, dearer] = cost_of("40", &[]);
     assert!(
-        dearer.as_f64().unwrap() > 1.1 * number("relative_cost"),
-        "{dearer}"
+        pairs > 1.0 && more_pairs > 2.0 * pairs,
+        "{pairs} {more_pairs}"
     );
-    assert_eq!(price["outer_spheres"], 10);
-    let density = price["density_kg_m3"].as_f64().unwrap();
-    assert!((density - 94.5e-6 / 93.0e-9).abs() < 0.01, "{density}");
+    assert!(dearer > 1.1 * step, "{step} {dearer}");
     let page = std::fs::read_to_string(&html).unwrap();
     for part in [
         "data-bodies=",
         "surface error, rms",
         "stand out",
+        "near pairs of spheres",
         "SHA-256 e2996577",
     ] {
         assert!(page.contains(part), "{part}");
     }
     assert_eq!(page.matches("data:image/png").count(), 3);
-    let on_two = r#"{"timing": {"bodies": 1200, "steps": 2000, "cpu_s": 1.2, "threads": 2}}"#;
-    for (timing, said) in [("{}", "timing.bodies"), (on_two, "--threads 1")] {
-        std::fs::write(&run, timing).unwrap();
-        let words = [
-            path_text(&mesh),
-            "--radius",
-            "1",
-            "--timing",
-            path_text(&run),
-        ];
-        let refused = seedfill(&words);
-        assert_eq!(refused.status.code(), Some(2));
-        assert!(text(&refused.stderr).contains(said));
-    }
-}
-
-/// The study's seeds, coarsely filled, in the study's drum: `seedloop simulate` told this step for
-/// them (`timing.time_step_s`, docs/benchmarks.md), the shorter of those of both seeds. The
-/// arithmetic is the same, so only rounding may differ.
-#[test]
-fn the_time_step_is_that_of_the_solver() {
-    let step_of = |name: &str, count: &str| {
-        let mesh = fixture(name);
-        let output = Command::new(env!("CARGO_BIN_EXE_seedfill"))
-            .args([path_text(&mesh), "--radius", "0.6", "--count", count])
-            .args(["--mass", "94.5e-6", "--json", "--quiet"])
-            .output()
-            .expect("the command starts");
-        json_of(&output)["price"]["time_step_s"].as_f64().unwrap()
-    };
-    let shorter = step_of("cotton_ellipsoidal.stl", "58").min(step_of("cotton_flat.stl", "50"));
-    assert!(
-        (shorter / 92.92846012636716e-6 - 1.0).abs() < 1e-9,
-        "{shorter}"
-    );
 }
 
 /// What is written and read back has the report of the filling, and no other is made.
