@@ -231,6 +231,12 @@ fill-table *MESHES:
     cargo build --release --locked -p seedfill
     python3 tools/seedfill/compare/fill_table.py "{{programs}}/seedfill" fixtures/stl/cotton_ellipsoidal.stl fixtures/stl/cotton_flat.stl "$@"
 
+# Fill one stone at twelve sizes from 10 um to 10 m by every method (two minutes).
+[group('trials of the instruments')]
+fill-sizes:
+    cargo build --release --locked -p seedfill
+    python3 tools/seedfill/compare/sizes.py "{{programs}}/seedfill"
+
 # Measure what a step of the study's drum costs with other fillings, beside the cost that seedfill counts (five minutes, alone on the machine).
 [group('speed')]
 filling-cost:

@@ -44,11 +44,18 @@ pub(crate) fn fewest_spheres(body: &Body<'_>, settings: &FillSettings) -> Result
         };
         fill_body(body, &settings)
     };
-    let most = settings.max_spheres.unwrap_or(MOST);
+    let mut most = settings.max_spheres.unwrap_or(MOST);
     let mut too_few = 0;
     let mut count = 4.min(most);
     let mut best = loop {
-        let filling = with(count)?;
+        let filling = match with(count) {
+            // Nobody asked for this count: what the body holds is the most.
+            Err(Error::CountNotReached { reached, .. }) if reached > 0 => {
+                (most, count) = (reached, reached);
+                continue;
+            }
+            filling => filling?,
+        };
         let met = require_met(body, &filling);
         if met.is_ok() {
             break filling;
@@ -61,11 +68,10 @@ pub(crate) fn fewest_spheres(body: &Body<'_>, settings: &FillSettings) -> Result
     };
     while best.spheres.len() - too_few > 1 {
         let middle = usize::midpoint(too_few, best.spheres.len());
-        let filling = with(middle)?;
-        if require_met(body, &filling).is_ok() {
-            best = filling;
-        } else {
-            too_few = middle;
+        match with(middle) {
+            Ok(filling) if require_met(body, &filling).is_ok() => best = filling,
+            Ok(_) | Err(Error::CountNotReached { .. }) => too_few = middle,
+            Err(error) => return Err(error),
         }
     }
     Ok(best)

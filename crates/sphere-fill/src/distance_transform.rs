@@ -10,7 +10,7 @@ const NODES: f64 = 64.0;
 /// Part of its radius by which a placed sphere lets others in.
 const OVERLAP: f64 = 0.5;
 
-/// Most spheres, when no count is given.
+/// Most spheres, when neither a count nor a limit is given.
 const MOST: usize = 400;
 
 /// Spheres one after another at the deepest point that is left.
@@ -33,7 +33,7 @@ impl Place for DistanceTransform {
         let mut nodes = inner_nodes(body);
         // The largest inscribed sphere may lie between the nodes.
         nodes.push((body.inscribed_centre, body.inscribed_radius));
-        let most = settings.count.unwrap_or(MOST);
+        let most = settings.count_or(MOST);
         let mut spheres: Vec<Sphere> = Vec::new();
         while spheres.len() < most {
             let deepest = nodes.iter().max_by(|a, b| a.1.total_cmp(&b.1));
@@ -53,6 +53,7 @@ impl Place for DistanceTransform {
                 asked,
                 reached: spheres.len(),
                 radius_mm: settings.radius * 1e3,
+                method: settings.method,
             }),
             _ => Ok(spheres),
         }

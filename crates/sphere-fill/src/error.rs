@@ -1,5 +1,8 @@
 //! Why a body cannot be filled.
 
+use crate::Method;
+use quantity::significant;
+
 /// Why a filling is refused.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -25,8 +28,8 @@ pub enum Error {
     #[error(
         "a sphere of radius {} mm does not fit into {mesh}: the largest that does has about {} mm; \
          take a smaller radius or check the unit of the mesh",
-        shown(*radius_mm),
-        shown(*largest_mm)
+        significant(*radius_mm, 4),
+        significant(*largest_mm, 4)
     )]
     RadiusTooLarge {
         /// Mesh.
@@ -38,8 +41,9 @@ pub enum Error {
     },
     /// The radius is so small that the filling would take too many spheres.
     #[error(
-        "a radius of {radius_mm:.3e} mm would take about {estimate:.2e} spheres in {mesh}, more \
-         than {limit}; take a larger radius or check the unit of the mesh"
+        "a radius of {} mm would take about {estimate:.2e} spheres in {mesh}, more \
+         than {limit}; take a larger radius or check the unit of the mesh",
+        significant(*radius_mm, 4)
     )]
     TooManySpheres {
         /// Mesh.
@@ -53,9 +57,9 @@ pub enum Error {
     },
     /// The cells of the surface of the union are too many.
     #[error(
-        "cells of {} mm are too many for the surface of the union: take at least {} mm",
-        shown(*cell_mm),
-        shown(*least_mm)
+        "cells of {} mm are too many for the surface of the union: take at least {} mm (seedfill: --union-cell)",
+        significant(*cell_mm, 4),
+        significant(*least_mm, 4)
     )]
     CellTooSmall {
         /// Edge length of a cell, mm.
@@ -75,9 +79,9 @@ pub enum Error {
     },
     /// The number of spheres asked for was not reached.
     #[error(
-        "{asked} spheres of radius {} mm were asked for in {mesh}, {reached} were placed; raise the \
-         effort, or take fewer or smaller spheres",
-        shown(*radius_mm)
+        "{asked} spheres of radius {} mm were asked for in {mesh}, {reached} were placed; {}take fewer or smaller spheres",
+        significant(*radius_mm, 4),
+        if method.follows_count() { "" } else { "raise the effort, or " }
     )]
     CountNotReached {
         /// Mesh.
@@ -88,13 +92,15 @@ pub enum Error {
         reached: usize,
         /// Radius, mm.
         radius_mm: f64,
+        /// How they were placed: only the search of equal spheres finds more with more effort.
+        method: Method,
     },
     /// The smoothness asked for was not reached.
     #[error(
         "a surface roughness of {} mm was asked for in {mesh}; {spheres} spheres reach {} mm; allow \
          more or smaller spheres",
-        shown(*asked_mm),
-        shown(*reached_mm)
+        significant(*asked_mm, 4),
+        significant(*reached_mm, 4)
     )]
     RoughnessNotReached {
         /// Mesh.
@@ -121,13 +127,4 @@ pub enum Error {
         /// Spheres used.
         spheres: usize,
     },
-}
-
-/// A length in mm with four decimals, or with a power of ten where these would not do.
-fn shown(length_mm: f64) -> String {
-    if (1e-3..1e6).contains(&length_mm.abs()) {
-        format!("{length_mm:.4}")
-    } else {
-        format!("{length_mm:.3e}")
-    }
 }

@@ -4,7 +4,7 @@ use crate::{Body, Error, FillSettings, Place};
 use clump::Sphere;
 use nalgebra::Vector3;
 
-/// Most spheres, when no count is given.
+/// Most spheres, when neither a count nor a limit is given.
 const MOST: usize = 400;
 
 /// Points of the axis at which the depth is measured.
@@ -65,6 +65,7 @@ impl Place for Favier {
                 asked,
                 reached: placed.len(),
                 radius_mm: settings.radius * 1e3,
+                method: settings.method,
             }),
             _ => Ok(placed),
         }
@@ -79,7 +80,7 @@ fn steps(first: &Vector3<f64>, last: &Vector3<f64>, settings: &FillSettings) -> 
         reason = "positive, and a float cast saturates"
     )]
     let steps = ((last - first).norm() / settings.radius).ceil() as usize;
-    steps.min(MOST - 1) + 1
+    (steps + 1).min(settings.count_or(MOST))
 }
 
 /// Unit vector of the axis of least inertia.

@@ -8,7 +8,7 @@ use random_stream::Stream;
 /// Surface points, in random order.
 const SAMPLES: usize = 4000;
 
-/// Most spheres, when no count is given.
+/// Most spheres, when neither a count nor a limit is given.
 const MOST: usize = 400;
 
 /// Overlapping inscribed spheres at random surface points, until the surface is covered.
@@ -32,7 +32,7 @@ impl Place for Ferellec {
         let mut samples = body.mesh.surface_samples(SAMPLES);
         Stream::new(settings.seed, "sphere filling at random surface points").shuffle(&mut samples);
         let tolerance = settings.roughness.unwrap_or(settings.radius / 20.0);
-        let most = settings.count.unwrap_or(MOST);
+        let most = settings.count_or(MOST);
         let mut covered = vec![false; samples.len()];
         let mut spheres = Vec::new();
         // With a count, a second round takes points that are covered already.
@@ -64,6 +64,7 @@ impl Place for Ferellec {
                 asked,
                 reached: spheres.len(),
                 radius_mm: settings.radius * 1e3,
+                method: settings.method,
             }),
             _ => Ok(spheres),
         }

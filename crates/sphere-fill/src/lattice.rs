@@ -45,6 +45,7 @@ impl Place for Lattice {
                     asked,
                     reached: centres.len(),
                     radius_mm: settings.radius * 1e3,
+                    method: settings.method,
                 });
             }
             let depth = |centre: &Vector3<f64>| -grid.at(centre).value;

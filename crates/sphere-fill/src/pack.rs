@@ -92,6 +92,7 @@ impl Place for Pack {
                 asked,
                 reached: centres.len(),
                 radius_mm: settings.radius * 1e3,
+                method: settings.method,
             });
         }
         Ok(in_metres(&centres, settings.radius))

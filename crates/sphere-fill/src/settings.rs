@@ -70,6 +70,11 @@ impl FillSettings {
         }
     }
 
+    /// Spheres at most: the count, or else the limit, or else `most`.
+    pub(crate) fn count_or(&self, most: usize) -> usize {
+        self.count.or(self.max_spheres).unwrap_or(most)
+    }
+
     /// Refuses invalid settings.
     ///
     /// # Errors

@@ -8,7 +8,7 @@ use clump::Sphere;
 /// Surface points at which touching spheres are tried and the fit is measured.
 const SAMPLES: usize = 3000;
 
-/// Most spheres, when no count is given.
+/// Most spheres, when neither a count nor a limit is given.
 const MOST: usize = 400;
 
 /// Overlapping inscribed spheres of several radii, chosen to follow the surface.
@@ -36,7 +36,7 @@ impl Place for Smooth {
             .collect();
         let target = settings.roughness.unwrap_or(settings.radius / 20.0);
         let mut greedy = Greedy::new(&samples, candidates, body.inscribed_radius);
-        let most = settings.count.unwrap_or(MOST);
+        let most = settings.count_or(MOST);
         while greedy.chosen.len() < most {
             let smooth_enough = settings.count.is_none()
                 && !greedy.chosen.is_empty()
@@ -53,6 +53,7 @@ impl Place for Smooth {
                 asked,
                 reached: spheres,
                 radius_mm: settings.radius * 1e3,
+                method: settings.method,
             });
         }
         let reached = greedy.gaps().roughness_rms();

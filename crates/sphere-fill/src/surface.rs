@@ -52,6 +52,7 @@ impl Place for Surface {
                 asked: count,
                 reached,
                 radius_mm: settings.radius * 1e3,
+                method: settings.method,
             });
         }
         if start.is_empty() {

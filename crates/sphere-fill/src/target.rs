@@ -2,6 +2,7 @@
 
 use crate::settings::positive;
 use crate::{Body, Error, Filling, FitReport};
+use quantity::significant;
 use serde::{Deserialize, Serialize};
 
 /// Errors that a filling must keep; what is none is not looked at.
@@ -72,7 +73,8 @@ impl std::fmt::Display for Target {
         let parts = [
             self.volume.map(|v| format!("volume {}", percent(v))),
             self.inertia.map(|i| format!("inertia {}", percent(i))),
-            self.surface.map(|s| format!("surface {:.4} mm", s * 1e3)),
+            self.surface
+                .map(|s| format!("surface {} mm", significant(s * 1e3, 4))),
         ];
         let told: Vec<String> = parts.into_iter().flatten().collect();
         f.write_str(&told.join(", "))

@@ -5,6 +5,7 @@ use crate::orientation::{Edges, shells_of};
 use crate::winding::solid_angle_sum;
 use crate::{BoundingBox, Error, LengthUnit, TriMesh, VolumeMoments};
 use nalgebra::Vector3;
+use quantity::significant;
 
 /// A connected surface.
 #[derive(Debug, Clone, PartialEq)]
@@ -72,7 +73,7 @@ impl TriMesh {
         const TOLD: usize = 5;
         let shells = self.shells();
         let told = shells.iter().take(TOLD);
-        let told: Vec<String> = told.map(|s| format!("{:.4}", s.volume * 1e9)).collect();
+        let told: Vec<String> = told.map(|s| significant(s.volume * 1e9, 4)).collect();
         let more = if shells.len() > TOLD { ", ..." } else { "" };
         told.join(", ") + more
     }

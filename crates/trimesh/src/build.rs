@@ -87,9 +87,10 @@ pub(crate) fn build(
         non_manifold_edges: edges.crowded.len(),
         first_non_manifold_edge: edges.crowded.first().map(middle),
         shells: turned.shells,
-        bodies: turned.bodies,
+        bodies: turned.outer.iter().filter(|&&outer| outer).count(),
+        bodies_apart: turned.bodies_apart(&crossings.pairs),
         orientable: turned.orientable,
-        crossings: crossings.pairs,
+        crossings: crossings.pairs.len(),
         first_crossing: crossings.first,
         folded_share: crossings.folded,
         way_out: is_damaged.then(|| {
@@ -330,6 +331,12 @@ fn report_of(mesh: &TriMesh, unit: LengthUnit, repairs: Repairs) -> MeshReport {
         warnings.push(Warning::Crossings {
             pairs: topology.crossings,
             folded_share: topology.folded_share,
+        });
+    }
+    if topology.watertight() && topology.bodies_apart < topology.bodies {
+        warnings.push(Warning::BodiesCross {
+            bodies: topology.bodies,
+            way_out: Proposal::rebuilt(&bounding_box),
         });
     }
     if topology.shells > 1 {

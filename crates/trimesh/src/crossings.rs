@@ -26,10 +26,10 @@ const FEWEST_POINTS: usize = 100;
 const MOST_POINTS: usize = 1000;
 
 /// Where a surface cuts itself.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub(crate) struct Crossings {
     /// Pairs of triangles without a common vertex of which one pierces the other.
-    pub(crate) pairs: usize,
+    pub(crate) pairs: Vec<[u32; 2]>,
     /// A point where the first pair cross, m.
     pub(crate) first: Option<Vector3<f64>>,
     /// Share of the area that does not part inside from outside.
@@ -60,7 +60,6 @@ impl Crossings {
         // A pair that lies on both sides of a cut is met twice.
         found.dedup_by_key(|crossing| crossing.pair);
         Self {
-            pairs: found.len(),
             first: found.first().map(|crossing| crossing.point),
             folded: if found.is_empty() {
                 0.0
@@ -68,6 +67,7 @@ impl Crossings {
                 folded_share(vertices, triangles)
             },
             unfinished,
+            pairs: found.into_iter().map(|crossing| crossing.pair).collect(),
         }
     }
 }
@@ -298,7 +298,7 @@ mod tests {
         }
         let found = Crossings::new(&vertices, &triangles);
         assert!(plain > 50, "{plain} crossings are too few for a test");
-        assert_eq!((found.pairs, found.unfinished), (plain, false));
+        assert_eq!((found.pairs.len(), found.unfinished), (plain, false));
     }
 
     /// A wedge through a plate: the points lie on the plate, in both.

@@ -1,6 +1,8 @@
 //! What can be wrong with a mesh or its file.
 
 use crate::Proposal;
+use crate::proposal::rounded_up;
+use quantity::significant;
 
 /// Why a mesh is refused.
 #[derive(Debug, thiserror::Error)]
@@ -120,7 +122,9 @@ pub enum Error {
     /// The surface has a hole.
     #[error(
         "{file} is not closed: {open_edges} edges belong to one triangle only, the first at \
-         ({x:.6}, {y:.6}, {z:.6}) mm; holes: {holes}, the widest {widest_mm:.4} mm across; {way_out}"
+         {} mm; holes: {holes}, the widest {} mm across; {way_out}",
+        place(*x, *y, *z),
+        significant(*widest_mm, 4)
     )]
     Open {
         /// File.
@@ -154,8 +158,11 @@ pub enum Error {
     },
     /// Cubes on which a surface cannot be made anew.
     #[error(
-        "{file} cannot be made anew on cubes of {cell_mm} mm: at least {least_mm:.4} mm are handled, and from about {most_mm:.4} mm on \
-         nothing is left of it"
+        "{file} cannot be made anew on cubes of {} mm: at least {} mm are handled, and from about {} mm on nothing is left of \
+         it (seedfill: --rebuild)",
+        significant(*cell_mm, 4),
+        rounded_up(*least_mm),
+        significant(*most_mm, 2)
     )]
     RebuildCell {
         /// File.
@@ -170,7 +177,8 @@ pub enum Error {
     /// An edge belongs to more than two triangles.
     #[error(
         "{file}: {edges} edges belong to more than two triangles, the first at \
-         ({x:.6}, {y:.6}, {z:.6}) mm; {way_out}"
+         {} mm; {way_out}",
+        place(*x, *y, *z)
     )]
     NonManifold {
         /// File.
@@ -195,7 +203,8 @@ pub enum Error {
     /// More than one body, or shells that cut each other.
     #[error(
         "{file} holds {bodies} separate or intersecting bodies in {shells} shells; the largest \
-         enclose {volumes_mm3} mm3: keep one (seedfill: --largest-body)"
+         enclose {volumes_mm3} mm3; {}",
+        parting(*bodies, *apart, way_out)
     )]
     SeveralBodies {
         /// File.
@@ -206,11 +215,16 @@ pub enum Error {
         shells: usize,
         /// Volumes of the largest, mm³.
         volumes_mm3: String,
+        /// Bodies if those that cross count as one.
+        apart: usize,
+        /// What makes one body of those that cross.
+        way_out: Box<Proposal>,
     },
     /// The surface cuts itself.
     #[error(
-        "{file} cuts itself: {pairs} pairs of triangles cross, the first at ({x:.6}, {y:.6}, {z:.6}) mm, and \
-         {folded_percent:.1} % of the surface does not part inside from outside: {way_out}"
+        "{file} cuts itself: {pairs} pairs of triangles cross, the first at {} mm, and \
+         {folded_percent:.1} % of the surface does not part inside from outside: {way_out}",
+        place(*x, *y, *z)
     )]
     CutsItself {
         /// File.
@@ -244,4 +258,22 @@ pub enum Error {
         /// What is allowed.
         must: &'static str,
     },
+}
+
+/// A place for a message, mm, with digits for bodies of every size.
+fn place(x: f64, y: f64, z: f64) -> String {
+    let [x, y, z] = [x, y, z].map(|coordinate| significant(coordinate, 6));
+    format!("({x}, {y}, {z})")
+}
+
+/// What makes one body of several: those that cross are joined, of others the largest is kept.
+fn parting(bodies: usize, apart: usize, join: &Proposal) -> String {
+    let keep = "keep the largest (seedfill: --largest-body)";
+    if apart == bodies {
+        keep.to_owned()
+    } else if apart == 1 {
+        format!("they cross each other: {join}")
+    } else {
+        format!("some cross each other: {join}; then {keep}")
+    }
 }

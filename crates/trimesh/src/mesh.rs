@@ -37,6 +37,16 @@ impl BoundingBox {
         self.high - self.low
     }
 
+    /// Whether a point lies in the box.
+    pub(crate) fn holds(&self, point: &Vector3<f64>) -> bool {
+        (0..3).all(|k| self.low[k] <= point[k] && point[k] <= self.high[k])
+    }
+
+    /// Whether two boxes have a common point.
+    pub fn meets(&self, other: &Self) -> bool {
+        (0..3).all(|k| self.low[k] <= other.high[k] && other.low[k] <= self.high[k])
+    }
+
     /// Middle, m.
     pub fn centre(&self) -> Vector3<f64> {
         (self.low + self.high) * 0.5
@@ -62,6 +72,8 @@ pub struct Topology {
     pub shells: usize,
     /// Shells that bound a body from outside; the others bound cavities.
     pub bodies: usize,
+    /// Bodies if those that cross each other count as one.
+    pub bodies_apart: usize,
     /// Whether the surface has two sides.
     pub orientable: bool,
     /// Pairs of triangles without a common vertex that cross.
@@ -193,6 +205,8 @@ impl TriMesh {
                 bodies,
                 shells,
                 volumes_mm3: self.volumes_told(),
+                apart: topology.bodies_apart,
+                way_out,
             });
         }
         if topology.folded_share > MOST_FOLDED {

@@ -1,10 +1,12 @@
 //! Which triangles meet at an edge, which shells they form, and which way they face.
 
-use crate::winding::solid_angle_sum;
+use crate::BoundingBox;
+use crate::winding_tree::WindingTree;
 use nalgebra::Vector3;
+use std::cell::OnceCell;
 
-/// Shells beyond this number are not tested against each other (cost grows with its square).
-const SHELLS_TESTED: usize = 32;
+/// Shells beyond this number are not tested against each other: the cost grows with its square and is then some seconds.
+const SHELLS_TESTED: usize = 3000;
 
 /// Vertices of one shell that are tested for lying inside another.
 const VERTICES_TESTED: usize = 24;
@@ -180,10 +182,34 @@ pub(crate) struct Turned {
     pub(crate) count: usize,
     /// Connected surfaces.
     pub(crate) shells: usize,
-    /// Shells that bound a body from outside (the others bound cavities).
-    pub(crate) bodies: usize,
+    /// Whether each shell bounds a body from outside (the others bound cavities).
+    pub(crate) outer: Vec<bool>,
+    /// Shell of each triangle.
+    shell_of: Vec<usize>,
     /// Whether the surface has two sides.
     pub(crate) orientable: bool,
+}
+
+impl Turned {
+    /// Bodies if shells count as one where a pair of triangles crosses.
+    pub(crate) fn bodies_apart(&self, crossing: &[[u32; 2]]) -> usize {
+        let mut above: Vec<usize> = (0..self.shells).collect();
+        let root = |above: &[usize], mut shell: usize| {
+            while above[shell] != shell {
+                shell = above[shell];
+            }
+            shell
+        };
+        for pair in crossing {
+            let [a, b] = pair.map(|triangle| root(&above, self.shell_of[triangle as usize]));
+            above[a.max(b)] = a.min(b);
+        }
+        let outer = (0..self.shells).filter(|&shell| self.outer[shell]);
+        let mut bodies: Vec<usize> = outer.map(|shell| root(&above, shell)).collect();
+        bodies.sort_unstable();
+        bodies.dedup();
+        bodies.len()
+    }
 }
 
 /// Turns all triangles so that neighbours agree and, where closed, normals point out of the body.
@@ -200,7 +226,8 @@ pub(crate) fn turn_outward(
         return Turned {
             count: 0,
             shells: found.shells,
-            bodies: found.shells,
+            outer: vec![true; found.shells],
+            shell_of: found.shell_of,
             orientable: false,
         };
     }
@@ -214,12 +241,14 @@ pub(crate) fn turn_outward(
             triangle.swap(1, 2);
         }
     }
-    let mut bodies = 0;
+    let outer = if closed {
+        outer_shells(vertices, triangles, &members)
+    } else {
+        vec![true; found.shells]
+    };
     for shell in 0..found.shells {
-        let outer = !closed || is_outer(vertices, triangles, &members, shell);
-        bodies += usize::from(outer);
         let wrong = if closed {
-            (volume_of(vertices, triangles, &members[shell]) > 0.0) != outer
+            (volume_of(vertices, triangles, &members[shell]) > 0.0) != outer[shell]
         } else {
             let turned = members[shell].iter().filter(|&&t| found.turned[t]).count();
             2 * turned > members[shell].len()
@@ -234,39 +263,68 @@ pub(crate) fn turn_outward(
     Turned {
         count: found.turned.iter().filter(|&&turn| turn).count(),
         shells: found.shells,
-        bodies,
+        outer,
+        shell_of: found.shell_of,
         orientable: true,
     }
 }
 
-/// Whether a shell lies in an even number of others, or cuts one.
-fn is_outer(
+/// Which shells lie in an even number of others, or cut one.
+fn outer_shells(
     vertices: &[Vector3<f64>],
     triangles: &[[usize; 3]],
     members: &[Vec<usize>],
-    shell: usize,
-) -> bool {
+) -> Vec<bool> {
     if members.len() == 1 || members.len() > SHELLS_TESTED {
-        return true;
+        return vec![true; members.len()];
     }
-    let own = &members[shell];
-    let step = own.len().div_ceil(VERTICES_TESTED);
-    let mut depth = 0;
-    for (_, other) in members.iter().enumerate().filter(|(i, _)| *i != shell) {
-        let inside = |&t: &usize| {
-            let point = &vertices[triangles[t][0]];
-            let corners = other.iter().map(|&o| triangles[o].map(|i| vertices[i]));
-            solid_angle_sum(point, corners).abs() > std::f64::consts::TAU
-        };
-        let (n_in, n) = own.iter().step_by(step).fold((0, 0), |(n_in, n), t| {
-            (n_in + usize::from(inside(t)), n + 1)
-        });
-        if n_in > 0 && n_in < n {
-            return true;
+    let corners = |t: &usize| triangles[*t].map(|i| vertices[i]);
+    let solids: Vec<Solid> = members
+        .iter()
+        .map(|own| Solid {
+            bounds: BoundingBox::of(
+                own.iter()
+                    .flat_map(|t| &triangles[*t])
+                    .map(|i| &vertices[*i]),
+            ),
+            tree: OnceCell::new(),
+        })
+        .collect();
+    let holds = |shell: usize, point: &Vector3<f64>| {
+        let tree = || WindingTree::new(members[shell].iter().map(corners).collect());
+        solids[shell].bounds.holds(point)
+            && solids[shell]
+                .tree
+                .get_or_init(tree)
+                .winding_number(point)
+                .abs()
+                > 0.5
+    };
+    let is_outer = |shell: usize| {
+        let own = &members[shell];
+        let step = own.len().div_ceil(VERTICES_TESTED);
+        let points: Vec<Vector3<f64>> = own.iter().step_by(step).map(|t| corners(t)[0]).collect();
+        let mut depth = 0;
+        for other in (0..members.len()).filter(|&other| other != shell) {
+            if !solids[other].bounds.meets(&solids[shell].bounds) {
+                continue;
+            }
+            let inside = points.iter().filter(|point| holds(other, point)).count();
+            if inside > 0 && inside < points.len() {
+                return true;
+            }
+            depth += usize::from(inside > 0);
         }
-        depth += usize::from(n_in > 0);
-    }
-    depth % 2 == 0
+        depth % 2 == 0
+    };
+    (0..members.len()).map(is_outer).collect()
+}
+
+/// What a shell encloses.
+struct Solid {
+    bounds: BoundingBox,
+    /// Its triangles, as soon as a point in the box is asked for.
+    tree: OnceCell<WindingTree>,
 }
 
 /// Enclosed volume of some triangles, positive when they face outward, m³.

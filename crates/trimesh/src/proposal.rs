@@ -113,7 +113,7 @@ impl std::fmt::Display for Proposal {
 }
 
 /// A positive number with two digits, not smaller than it was; others stay.
-fn rounded_up(x: f64) -> f64 {
+pub(crate) fn rounded_up(x: f64) -> f64 {
     if x <= 0.0 {
         return x;
     }
@@ -177,7 +177,7 @@ mod tests {
     use crate::holes::rims_of;
     use crate::orientation::Edges;
     use crate::weld::weld;
-    use crate::{LengthUnit, Repair, shapes};
+    use crate::{LengthUnit, Repair, Warning, shapes};
     use nalgebra::Vector3;
 
     const MM: LengthUnit = LengthUnit::Millimetre;
@@ -307,6 +307,69 @@ mod tests {
             unreachable!("{:?}", proposed(&soup));
         };
         assert!((1e-3..2e-2).contains(&share), "{share}");
+    }
+
+    /// What the refusal of several bodies proposes makes one body of them: those that cross are joined, which has the volume of
+    /// their union, of others the largest is kept. Boxes of 9 x 5 x 4 mm; the second is shifted by 6 mm along x, 0.7 and 0.4 mm
+    /// across. Cubes of 0.1 mm round edges and corners off: 1 %.
+    #[test]
+    fn several_bodies_are_joined_or_parted_as_the_refusal_proposes() {
+        let cuboid = shapes::cuboid([9.0, 5.0, 4.0]).unwrap();
+        let at = |x: f64| -> Vec<[Vector3<f64>; 3]> {
+            let shift = Vector3::new(x, 0.7, 0.4);
+            let corners = |t: usize| cuboid.corners(t).map(|c| c + shift);
+            (0..cuboid.triangles().len()).map(corners).collect()
+        };
+        let first = || {
+            at(0.0)
+                .iter()
+                .map(|t| t.map(|c| c - Vector3::new(0.0, 0.7, 0.4)))
+                .collect()
+        };
+        let union = 360.0 - 3.0 * 4.3 * 3.6;
+        let join = "cross each other: make the surface anew (seedfill: --rebuild ";
+        let keep = "keep the largest (seedfill: --largest-body)";
+        let cases: [(Vec<Vec<_>>, [bool; 2], f64); 3] = [
+            (vec![first(), at(6.0)], [true, false], union),
+            (vec![first(), at(20.0)], [false, true], 180.0),
+            (vec![first(), at(6.0), at(30.0)], [true, true], union),
+        ];
+        for (bodies, proposed, volume) in cases {
+            let soup = bodies.concat();
+            let with =
+                |repair: &Repair| build(soup.clone(), MM, "boxes", repair, Vec::new()).unwrap();
+            let refused = with(&Repair::default());
+            let message = refused.mesh.require_closed().unwrap_err().to_string();
+            assert_eq!(
+                [message.contains(join), message.contains(keep)],
+                proposed,
+                "{message}"
+            );
+            let crossing = |w: &Warning| matches!(w, Warning::BodiesCross { .. });
+            assert_eq!(refused.report.warnings.iter().any(crossing), proposed[0]);
+            let cell = message
+                .split_once(join)
+                .map(|(_, rest)| rest.split_once("mm)").unwrap().0);
+            if proposed == [true, false] {
+                // Followed with the third body.
+                continue;
+            }
+            let read = with(&Repair {
+                rebuild: cell.map(|cell| 1e-3 * cell.parse::<f64>().unwrap()),
+                ..Repair::default()
+            });
+            let body = if proposed[1] {
+                read.mesh.largest_body().unwrap()
+            } else {
+                read
+            };
+            body.mesh.require_closed().unwrap();
+            let found = body.report.volume.unwrap() * 1e9;
+            assert!(
+                (found / volume - 1.0).abs() < 0.01,
+                "{found} instead of {volume}"
+            );
+        }
     }
 
     /// What is pasted is never too small, and has two digits.

@@ -48,7 +48,8 @@ pub(crate) fn rebuild(checked: CheckedMesh, cell: f64, crumbs: f64) -> Result<Ch
     let bounds = report.bounding_box;
     let grid = CubeGrid::around(bounds.low, bounds.high, cell, MOST_NODES)
         .map_err(|nodes| unfit(cell_mm * (nodes / MOST_NODES).cbrt() * 1.05))?;
-    let tree = WindingTree::new(&mesh);
+    let corners = (0..mesh.triangles().len()).map(|t| mesh.corners(t));
+    let tree = WindingTree::new(corners.collect());
     let is_inside = |place: &Vector3<f64>| tree.winding_number(place) > INSIDE;
     let inside = on_all_threads(grid.nodes(), |node| is_inside(&grid.place(node)));
     let mut edges = Vec::new();
@@ -145,6 +146,7 @@ fn told(old: MeshReport, new: MeshReport, rebuilt: Rebuilt, cut: &Changes) -> Me
                 | Warning::NotOrientable
                 | Warning::Crossings { .. }
                 | Warning::CrossingsUnfinished
+                | Warning::BodiesCross { .. }
                 | Warning::SeveralShells { .. }
         )
     };

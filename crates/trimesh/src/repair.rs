@@ -1,6 +1,7 @@
 //! What may be changed in a mesh on reading, and what was.
 
 use nalgebra::Vector3;
+use quantity::significant;
 use serde::Serialize;
 
 /// Share of the area that may be cut away as crumbs, unless another is asked for.
@@ -70,9 +71,9 @@ impl std::fmt::Display for Rebuilt {
         } = self;
         write!(
             f,
-            "made anew on cubes of {:.4} mm: {open_edges} open edges and {crossings} crossings are gone, and with them details \
+            "made anew on cubes of {} mm: {open_edges} open edges and {crossings} crossings are gone, and with them details \
              finer than that",
-            cell * 1e3
+            significant(cell * 1e3, 4)
         )
     }
 }

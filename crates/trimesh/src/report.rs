@@ -1,6 +1,7 @@
 //! What was found and repaired while a mesh was read.
 
-use crate::{BoundingBox, Changes, LengthUnit, Rebuilt};
+use crate::{BoundingBox, Changes, LengthUnit, Proposal, Rebuilt};
+use quantity::significant;
 use serde::{Serialize, Serializer};
 
 /// Longest seed that raises no question, m.
@@ -21,6 +22,18 @@ pub enum Warning {
         unit: LengthUnit,
         /// Unit that would give a seed of common size, and that size, m.
         likely: Option<(LengthUnit, f64)>,
+    },
+    /// The size of a body in a stack of slices is not that of a seed: the edge length of a voxel is probably another one.
+    VoxelSuspect {
+        /// Longest dimension, m.
+        longest: f64,
+    },
+    /// Bodies cross each other.
+    BodiesCross {
+        /// Bodies.
+        bodies: usize,
+        /// What makes one body of those that cross.
+        way_out: Proposal,
     },
     /// The header of a binary STL declares fewer triangles than the file holds; all were read.
     CountCorrected {
@@ -95,6 +108,15 @@ impl std::fmt::Display for Warning {
                 unit,
                 likely,
             } => tell_unit(f, *longest, *unit, *likely),
+            Self::VoxelSuspect { longest } => write!(
+                f,
+                "the longest dimension is {} mm; most seeds have 0.1 to 100 mm: check the edge length of a voxel (seedfill: --voxel)",
+                significant(longest * 1e3, 4)
+            ),
+            Self::BodiesCross { bodies, way_out } => write!(
+                f,
+                "{bodies} bodies, some of which cross each other; to join those, {way_out}"
+            ),
             Self::CountCorrected { declared, found } => write!(
                 f,
                 "the header declares {declared} triangles, the file holds {found}: all were read"
@@ -117,9 +139,9 @@ impl std::fmt::Display for Warning {
                 share,
             } => write!(
                 f,
-                "{holes} {} closed, the widest {:.4} mm across; the lids are {:.3} % of the area",
+                "{holes} {} closed, the widest {} mm across; the lids are {:.3} % of the area",
                 if *holes == 1 { "hole" } else { "holes" },
-                widest * 1e3,
+                significant(widest * 1e3, 4),
                 share * 100.0
             ),
             Self::Rebuilt(rebuilt) => rebuilt.fmt(f),
@@ -163,22 +185,21 @@ fn tell_unit(
     unit: LengthUnit,
     likely: Option<(LengthUnit, f64)>,
 ) -> std::fmt::Result {
-    let size = longest * 1e3;
+    let size = significant(longest * 1e3, 4);
     write!(
         f,
-        "the longest dimension is {size:.4} mm when read in {unit}"
+        "the longest dimension is {size} mm when read in {unit}; most seeds have 0.1 to 100 mm"
     )?;
     match likely {
         Some((other, length)) => {
             let factor = other.in_metres() / unit.in_metres();
-            let length = length * 1e3;
+            let length = significant(length * 1e3, 4);
             write!(
                 f,
-                "; a seed is 0.1 to 100 mm: with the unit {other} (factor \
-                 {factor:e}) it would be {length:.2} mm (seedfill: --unit {other})"
+                ": with the unit {other} (factor {factor:.0e}) it would be {length} mm (seedfill: --unit {other})"
             )
         }
-        None => write!(f, "; a seed is 0.1 to 100 mm: check the unit"),
+        None => write!(f, ": check the unit (seedfill: --unit)"),
     }
 }
 

@@ -71,7 +71,14 @@ impl VoxelStack {
         if cut > 0 {
             warnings.push(Warning::CutAtBorder(cut));
         }
-        build(soup, LengthUnit::Metre, source, repair, warnings)
+        let mut read = build(soup, LengthUnit::Metre, source, repair, warnings)?;
+        for warning in &mut read.report.warnings {
+            // The size follows from the edge length of a voxel, and no unit of numbers in a file from it.
+            if let Warning::UnitSuspect { longest, .. } = *warning {
+                *warning = Warning::VoxelSuspect { longest };
+            }
+        }
+        Ok(read)
     }
 
     /// Values brighter than a threshold at the border of the stack.

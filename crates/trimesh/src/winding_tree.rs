@@ -1,6 +1,5 @@
 //! Winding numbers of many points: far triangles are summed together.
 
-use crate::TriMesh;
 use crate::winding::solid_angle_sum;
 use nalgebra::Vector3;
 use std::f64::consts::PI;
@@ -44,11 +43,10 @@ pub(crate) struct WindingTree {
 
 impl WindingTree {
     /// Halves the triangles at the median of their longest extent, and again.
-    pub(crate) fn new(mesh: &TriMesh) -> Self {
-        let corners = (0..mesh.triangles().len()).map(|t| mesh.corners(t));
+    pub(crate) fn new(corners: Vec<[Vector3<f64>; 3]>) -> Self {
         let mut tree = Self {
             clusters: Vec::new(),
-            corners: corners.collect(),
+            corners,
         };
         if !tree.corners.is_empty() {
             tree.split(0, tree.corners.len());
@@ -146,7 +144,11 @@ mod tests {
     #[test]
     fn far_triangles_may_be_summed_together() {
         let lens = shapes::ellipsoid([4e-3, 3e-3, 1e-3], 24).unwrap();
-        let tree = WindingTree::new(&lens);
+        let tree = WindingTree::new(
+            (0..lens.triangles().len())
+                .map(|t| lens.corners(t))
+                .collect(),
+        );
         let mut worst = 0.0_f64;
         for k in 0..400 {
             let at = |scale: f64, n: u32| scale * (f64::from(k * n % 401) / 200.5 - 1.0);

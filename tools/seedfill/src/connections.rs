@@ -1,6 +1,6 @@
 //! How the spheres hang together, and the table of their bonds.
 
-use crate::arguments::Arguments;
+use crate::arguments::{Arguments, MethodName};
 use command_line::significant;
 use serde::Serialize;
 use sphere_fill::{Connectivity, Filling, SpherePair};
@@ -87,18 +87,57 @@ impl Connections {
         lines
     }
 
-    /// Says that bonds would not hold the spheres together, with the ways out.
-    pub(crate) fn warning(&self) -> Option<String> {
-        (self.pieces > 1).then(|| {
-            let (unit, gap) = (self.unit, rounded_up(self.joining_gap));
+    /// Says that bonds would not hold the spheres together, with the ways out that the flags leave open.
+    pub(crate) fn warning(&self, arguments: &Arguments, smallest_radius: f64) -> Option<String> {
+        if self.pieces == 1 {
+            return None;
+        }
+        let unit = self.unit;
+        let gap = rounded_up(self.joining_gap);
+        let widest = widest_gap(smallest_radius) / unit.in_metres();
+        let by_gap = gap.parse().is_ok_and(|gap: f64| gap <= widest).then(|| {
             format!(
-                "{} spheres lie in {} loose pieces: a rigid body holds them together, bonds do not; a gap of \
-                 {gap} {unit} joins all (--bond-gap {gap}{unit}, in a scene largest_gap of model.bonds), or take \
-                 spheres that overlap (--method surface or smooth)",
-                self.spheres, self.pieces
+                "a gap of {gap} {unit} joins all (--bond-gap {gap}{unit}, in a scene largest_gap of model.bonds)"
             )
-        })
+        });
+        let ways: Vec<String> = by_gap
+            .into_iter()
+            .chain([self.by_spheres(arguments)])
+            .collect();
+        Some(format!(
+            "{} spheres lie in {} loose pieces: a rigid body holds them together, bonds do not; {}",
+            self.spheres,
+            self.pieces,
+            ways.join("; or ")
+        ))
     }
+
+    /// Which other spheres may be one piece.
+    fn by_spheres(&self, arguments: &Arguments) -> String {
+        let n = self.spheres;
+        if arguments.spheres.is_some() {
+            // They were placed elsewhere: no flag changes them.
+            return "place spheres between the pieces".to_owned();
+        }
+        match arguments.method {
+            MethodName::Pack | MethodName::Lattice | MethodName::Favier => {
+                "take spheres that follow the surface and overlap (--method surface or smooth)"
+                    .to_owned()
+            }
+            MethodName::DistanceTransform if arguments.count.is_none() => {
+                "take more and smaller spheres (a smaller --radius)".to_owned()
+            }
+            _ if arguments.max_spheres.is_some() => {
+                format!("take more spheres (--max-spheres above {n})")
+            }
+            _ => format!("take more spheres (--count above {n})"),
+        }
+    }
+}
+
+/// Largest gap that may be bonded, m: through a wider one another sphere might lie between.
+fn widest_gap(smallest_radius: f64) -> f64 {
+    2.0 * smallest_radius
 }
 
 /// A positive length with four digits, the last rounded up, so that a gap of this length is enough.
@@ -119,10 +158,10 @@ pub(crate) fn bond_gap(arguments: &Arguments, smallest_radius: f64) -> anyhow::R
     let gap = crate::arguments::length_in_metres("bond-gap", text, arguments.unit)?;
     let metre = arguments.unit.in_metres();
     anyhow::ensure!(
-        gap <= 2.0 * smallest_radius,
+        gap <= widest_gap(smallest_radius),
         "--bond-gap {text}: it must be at most the diameter of the smallest sphere, {} {}, or spheres were bonded \
          through others",
-        significant(2.0 * smallest_radius / metre, 4),
+        significant(widest_gap(smallest_radius) / metre, 4),
         arguments.unit
     );
     Ok(Some(gap))
@@ -148,4 +187,75 @@ pub(crate) fn bond_table(filling: &Filling, found: &Connectivity, unit: LengthUn
             .expect("a string takes all text");
     }
     text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Connections;
+    use crate::arguments::Arguments;
+    use clap::Parser as _;
+    use clump::Sphere;
+    use nalgebra::Vector3;
+    use sphere_fill::Connectivity;
+
+    /// What is said of two balls of 1 mm, some mm apart, after a command line.
+    fn said(gap: f64, words: &str) -> String {
+        let words = format!("seedfill mesh.stl {words}");
+        let arguments = Arguments::try_parse_from(words.split(' ')).unwrap();
+        let balls = [0.0, 2.0 + gap].map(|x| Sphere {
+            centre: Vector3::new(1e-3 * x, 0.0, 0.0),
+            radius: 1e-3,
+        });
+        let found = Connectivity::new(&balls, None);
+        let connections = Connections::new(&found, 2, arguments.unit);
+        connections.warning(&arguments, 1e-3).unwrap()
+    }
+
+    /// No way out repeats the method in use or names a flag that does not go with those given.
+    #[test]
+    fn advice_on_loose_pieces_goes_with_the_flags_given() {
+        for (words, way) in [
+            ("--radius 1", "(--method surface or smooth)"),
+            (
+                "--radius 1 --method lattice",
+                "(--method surface or smooth)",
+            ),
+            ("--radius 1 --method favier", "(--method surface or smooth)"),
+            ("--radius 1 --method surface", "(--count above 2)"),
+            ("--radius 1 --method smooth --count 2", "(--count above 2)"),
+            ("--radius 1 --method ferellec", "(--count above 2)"),
+            (
+                "--radius 1 --method surface --max-spheres 2",
+                "(--max-spheres above 2)",
+            ),
+            (
+                "--radius 1 --method distance-transform",
+                "(a smaller --radius)",
+            ),
+            (
+                "--radius 1 --method distance-transform --count 2",
+                "(--count above 2)",
+            ),
+            ("--spheres given.csv", "place spheres between the pieces"),
+        ] {
+            let said = said(0.5, words);
+            let gap = "(--bond-gap 0.5000mm, in a scene largest_gap of model.bonds); or ";
+            let (_, rest) = said.split_once(gap).expect(&said);
+            assert!(rest.ends_with(way), "{words}: {said}");
+            let ways = ["--method", "--count", "--max-spheres", "--radius"];
+            let named = ways.iter().filter(|flag| rest.contains(*flag)).count();
+            assert!(named <= 1, "{words}: {said}");
+        }
+    }
+
+    /// A gap wider than a sphere is refused by `--bond-gap`, and so not proposed.
+    #[test]
+    fn a_gap_is_proposed_only_if_it_may_be_bonded() {
+        assert!(said(1.999, "--radius 1").contains("--bond-gap 1.999mm"));
+        let said = said(2.001, "--radius 1");
+        assert!(
+            !said.contains("--bond-gap") && said.contains("--method surface"),
+            "{said}"
+        );
+    }
 }

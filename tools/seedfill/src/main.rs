@@ -9,6 +9,7 @@ mod page;
 mod preview;
 mod shapes;
 mod slices;
+mod sphere_doubt;
 mod sphere_file;
 mod summary;
 mod target;
@@ -16,6 +17,7 @@ mod union_file;
 
 use anyhow::Context as _;
 use arguments::{Arguments, MethodName, length_in_metres};
+use clump::files::read_spheres;
 use clump::{DENSITIES, Sphere};
 use command_line::{DONE, Header, NOT_MET, significant};
 use sphere_fill::{Connectivity, Error, FillSettings, fill, measure};
@@ -25,7 +27,7 @@ use std::process::ExitCode;
 use std::time::Instant;
 use summary::{Measured, Refusal, Summary};
 use target::target_of;
-use trimesh::{Changes, CheckedMesh, MeshReport};
+use trimesh::{Changes, CheckedMesh, LengthUnit, MeshReport};
 use union_file::UnionFile;
 
 fn main() -> ExitCode {
@@ -61,7 +63,9 @@ fn fill_one(arguments: &Arguments, mesh: &Path) -> anyhow::Result<u8> {
     let header = Header::new(arguments.seed, inputs)?;
     common.log(|| {
         let what = match &task {
-            Task::Fill(settings) => format!("sphere radius {:.6} mm", settings.radius * 1e3),
+            Task::Fill(settings) => {
+                format!("sphere radius {} mm", significant(settings.radius * 1e3, 6))
+            }
             Task::Measure(spheres) => format!("{} spheres given", spheres.len()),
         };
         format!("mesh read in {}; {what}", arguments.unit)
@@ -69,6 +73,12 @@ fn fill_one(arguments: &Arguments, mesh: &Path) -> anyhow::Result<u8> {
     for warning in &read.report.warnings {
         common.log(|| format!("warning: {}: {warning}", mesh.display()));
     }
+    let doubt = match &task {
+        Task::Fill(_) => None,
+        Task::Measure(spheres) => {
+            sphere_doubt::doubt(spheres, &read.report.bounding_box, arguments)
+        }
+    };
     let filled = match task {
         Task::Fill(settings) => fill(&read.mesh, &settings),
         Task::Measure(spheres) => measure(&read.mesh, spheres),
@@ -76,17 +86,18 @@ fn fill_one(arguments: &Arguments, mesh: &Path) -> anyhow::Result<u8> {
     let filling = match filled {
         Ok(filling) => filling,
         Err(error) if is_refusal(&error) => {
+            let reason = explained(&error, arguments);
             // The reason of a refusal is told even when the log is quiet.
-            writeln!(std::io::stderr(), "refused: {error}")?;
+            writeln!(std::io::stderr(), "refused: {reason}")?;
             common.emit_json(&Refusal {
                 header,
                 verdict: "refused",
-                reason: error.to_string(),
+                reason,
                 mesh_warnings: read.report.warnings,
             })?;
             return Ok(NOT_MET);
         }
-        Err(error) => return Err(error.into()),
+        Err(error) => anyhow::bail!(explained(&error, arguments)),
     };
     let elapsed_s = start.elapsed().as_secs_f64();
     let connectivity = Connectivity::new(&filling.spheres, bond_gap);
@@ -95,14 +106,36 @@ fn fill_one(arguments: &Arguments, mesh: &Path) -> anyhow::Result<u8> {
         shape: &read.mesh.shape()?,
         filling: &filling,
         connectivity: &connectivity,
+        doubt,
     };
-    let surface = UnionFile::new(arguments, &filling)?;
-    let summary = Summary::new(header, arguments, &measured, elapsed_s).with(surface);
+    let mut failures = outputs::Failures::default();
+    let surface = failures.of(arguments.union.as_ref(), || {
+        UnionFile::new(arguments, &filling)
+    });
+    let summary = Summary::new(header, arguments, &measured, elapsed_s).with(surface.flatten());
     for warning in summary.warnings() {
         common.log(|| format!("warning: {warning}"));
     }
-    outputs::write(arguments, &read.mesh, &measured, &summary)?;
+    outputs::write(arguments, &read.mesh, &measured, summary, failures)?;
     Ok(DONE)
+}
+
+/// The reason why a body is not filled, with what the flags add to it.
+fn explained(error: &Error, arguments: &Arguments) -> String {
+    let unit = arguments.unit;
+    let by_length = matches!(
+        error,
+        Error::RadiusTooLarge { .. } | Error::TooManySpheres { .. }
+    );
+    if !by_length {
+        return error.to_string();
+    }
+    if slices::is_stack(arguments) {
+        return format!("{error} (--voxel); a bare --radius is in {unit}");
+    }
+    format!(
+        "{error} (--unit, now {unit}); a bare --radius is in that unit, another may be written behind it (--radius 0.45mm)"
+    )
 }
 
 /// The files that a body is read from.
@@ -193,7 +226,10 @@ fn task_of(arguments: &Arguments) -> anyhow::Result<Task> {
         );
     }
     match (&arguments.spheres, &arguments.radius) {
-        (Some(file), _) => Ok(Task::Measure(read_table(file, arguments.unit)?)),
+        (Some(file), _) => Ok(Task::Measure(read_table(
+            file,
+            arguments.spheres_unit.unwrap_or(arguments.unit),
+        )?)),
         (None, Some(radius)) => Ok(Task::Fill(settings_of(arguments, radius)?)),
         (None, None) => anyhow::bail!("--radius is needed"),
     }

@@ -2,6 +2,7 @@
 
 use crate::preview::{deviation_picture, lid_picture, picture};
 use crate::summary::{Measured, Summary};
+use command_line::significant;
 use report::{Fact, Report, SphereViewer, ViewerBody, ViewerKind, ViewerSphere};
 use trimesh::TriMesh;
 
@@ -51,8 +52,8 @@ pub(crate) fn page(
     )?;
     let caption = format!(
         "Gap between mesh and spheres: blue where the spheres fall short, red where they stand \
-         out, full colour at {:.4} mm (the gap that 95 % of the surface keeps).",
-        scale * 1e3
+         out, full colour at {} mm (the gap that 95 % of the surface keeps).",
+        significant(scale * 1e3, 3)
     );
     report.picture(
         &coloured,

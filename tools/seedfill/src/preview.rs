@@ -50,7 +50,8 @@ pub(crate) fn deviation_picture(
     let gaps = filling.gaps(mesh, DOTS);
     let mut sizes: Vec<f64> = gaps.iter().map(|(_, gap)| gap.abs()).collect();
     sizes.sort_by(f64::total_cmp);
-    let scale = sizes[DOTS * 95 / 100].max(f64::MIN_POSITIVE);
+    let scale = sizes.get(sizes.len() * 95 / 100).copied();
+    let scale = scale.unwrap_or(0.0).max(f64::MIN_POSITIVE);
     let coloured = gaps
         .iter()
         .map(|(point, gap)| (*point, gap_colour(gap / scale)));

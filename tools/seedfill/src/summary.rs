@@ -6,7 +6,7 @@ use crate::cost::Cost;
 use crate::moments::{Moments, Shape};
 use crate::union_file::UnionFile;
 use clump::Sphere;
-use command_line::Header;
+use command_line::{Header, significant};
 use serde::Serialize;
 use sphere_fill::{Connectivity, Filling, FitReport};
 use trimesh::{BodyShape, LengthUnit, MeshReport, Warning};
@@ -93,6 +93,8 @@ pub(crate) struct Measured<'a> {
     pub(crate) shape: &'a BodyShape,
     pub(crate) filling: &'a Filling,
     pub(crate) connectivity: &'a Connectivity,
+    /// Why given spheres may not be those of the mesh.
+    pub(crate) doubt: Option<String>,
 }
 
 /// A refusal as JSON.
@@ -177,10 +179,14 @@ impl Summary {
             shape: Shape::new(measured.shape, unit),
             fit: fit_in(&filling.report, metre),
             moments: Moments::new(filling, mass_kg, unit),
-            warnings: [sparse(arguments, &filling.report), connections.warning()]
-                .into_iter()
-                .flatten()
-                .collect(),
+            warnings: [
+                measured.doubt.clone(),
+                sparse(arguments, &filling.report),
+                connections.warning(arguments, filling.settings.radius),
+            ]
+            .into_iter()
+            .flatten()
+            .collect(),
             connections,
             union_surface: None,
             mass_kg,
@@ -197,6 +203,11 @@ impl Summary {
             union_surface,
             ..self
         }
+    }
+
+    /// Adds something that the user should know.
+    pub(crate) fn warn(&mut self, warning: String) {
+        self.warnings.push(warning);
     }
 
     /// The surface of the spheres, where it is asked for.
@@ -225,29 +236,29 @@ impl Summary {
         let unit = self.unit;
         let [a, b, c] = self.mesh.bounding_box.size;
         format!(
-            "{} spheres ({}, radius {} {unit}) in {a:.3} x {b:.3} x {c:.3} {unit}, volume {:.4} {unit}3",
+            "{} spheres ({}, radius {} {unit}) in {} x {} x {} {unit}, volume {} {unit}3",
             self.spheres,
             self.method,
-            self.radius,
-            self.mesh.volume.unwrap_or(f64::NAN),
+            significant(self.radius, 6),
+            significant(a, 4),
+            significant(b, 4),
+            significant(c, 4),
+            significant(self.mesh.volume.unwrap_or(f64::NAN), 4),
         )
     }
 
     /// Names and values of the fit.
     pub(crate) fn fit_lines(&self) -> Vec<(&'static str, String)> {
         let (fit, unit) = (&self.fit, self.unit);
-        let length = |value: f64| format!("{value:.4} {unit}");
+        let length = |value: f64| format!("{} {unit}", significant(value, 3));
         vec![
             (
                 "sphere volumes / mesh",
                 format!("{:.4}", fit.packing_fraction),
             ),
             ("union / mesh", format!("{:.4}", fit.union_fraction)),
-            ("largest overlap", format!("{:.2e} {unit}", fit.max_overlap)),
-            (
-                "largest protrusion",
-                format!("{:.2e} {unit}", fit.max_protrusion),
-            ),
+            ("largest overlap", length(fit.max_overlap)),
+            ("largest protrusion", length(fit.max_protrusion)),
             ("surface error, rms", length(fit.surface_rms)),
             ("surface error, largest", length(fit.surface_hausdorff)),
             ("roughness, rms", length(fit.roughness_rms)),

@@ -3,7 +3,10 @@
 use clump::Sphere;
 use nalgebra::{Rotation3, Vector3};
 use proptest::prelude::*;
-use sphere_fill::{Error, FillSettings, Filling, InertiaSource, Method, Target, fill, measure};
+use sphere_fill::{
+    Body, DistanceTransform, Error, Favier, Ferellec, FillSettings, Filling, FitReport,
+    InertiaSource, Lattice, Method, Pack, Place, Smooth, Surface, Target, fill, measure,
+};
 use trimesh::{LengthUnit, SignedDistance, TriMesh, shapes};
 
 const CLUMPS: [Method; 5] = [
@@ -275,6 +278,108 @@ proptest! {
         prop_assert!(a.spheres.len().abs_diff(b.spheres.len()) <= 2);
         prop_assert!(b.report.max_overlap <= 1e-3 * 0.45e-3 * scale);
         prop_assert!(b.report.max_protrusion <= 1e-2 * 0.45e-3 * scale);
+    }
+}
+
+/// All methods from 6 um to 6 m: lengths times a power of two change no bit of a coordinate but its exponent, so the spheres are
+/// the same to the last bit, times that power, if no length, tolerance or limit of the work is absolute. So are the figures.
+#[test]
+fn every_method_fills_a_body_of_any_size_alike() {
+    let still = Rotation3::identity();
+    let bumpy = |c: Vector3<f64>| c * (1.0 + 0.1 * (900.0 * c.x).sin() * (1300.0 * c.y).cos());
+    let ball = shapes::ellipsoid([3.2e-3, 1.7e-3, 1.4e-3], 6).unwrap();
+    let soup: Vec<_> = (0..ball.triangles().len())
+        .map(|t| ball.corners(t).map(bumpy))
+        .collect();
+    let mesh = TriMesh::from_triangles(&soup, LengthUnit::Metre, "bumpy")
+        .unwrap()
+        .mesh;
+    let settings = |factor: f64| FillSettings {
+        effort: 0.02,
+        count: Some(9),
+        ..FillSettings::new(0.45e-3 * factor)
+    };
+    let scaled = |spheres: &[Sphere], factor: f64| -> Vec<Sphere> {
+        let one = |s: &Sphere| Sphere {
+            centre: s.centre * factor,
+            radius: s.radius * factor,
+        };
+        spheres.iter().map(one).collect()
+    };
+    let methods: [(&str, &dyn Place); 7] = [
+        ("pack", &Pack),
+        ("lattice", &Lattice),
+        ("smooth", &Smooth),
+        ("surface", &Surface),
+        ("favier", &Favier),
+        ("ferellec", &Ferellec),
+        ("distance transform", &DistanceTransform),
+    ];
+    let factors = [1.0, 2.0_f64.powi(-10), 2.0_f64.powi(10)];
+    let meshes = factors.map(|factor| moved(&mesh, &still, factor, Vector3::zeros()));
+    let bodies = meshes.each_ref().map(|mesh| Body::new(mesh).unwrap());
+    for (name, method) in methods {
+        let usual = method.place(&bodies[0], &settings(1.0)).unwrap();
+        for (body, factor) in bodies.iter().zip(factors) {
+            let found = method.place(body, &settings(factor)).unwrap();
+            assert_eq!(found, scaled(&usual, factor), "{name} times {factor}");
+        }
+    }
+    let spheres = Favier.place(&bodies[0], &settings(1.0)).unwrap();
+    let [usual, small, large] = [0, 1, 2].map(|k| {
+        let (spheres, factor) = (scaled(&spheres, factors[k]), factors[k]);
+        let report = measure(&meshes[k], spheres).unwrap().report;
+        FitReport {
+            max_protrusion: report.max_protrusion / factor,
+            max_overlap: report.max_overlap / factor,
+            surface_rms: report.surface_rms / factor,
+            surface_hausdorff: report.surface_hausdorff / factor,
+            roughness_rms: report.roughness_rms / factor,
+            mean_gap: report.mean_gap / factor,
+            centroid_offset: report.centroid_offset / factor,
+            ..report
+        }
+    });
+    assert_eq!([small, large], [usual; 2]);
+}
+
+/// The advice of a refusal holds when it is followed: a larger limit allows more spheres than the usual 400; a target that no number
+/// of inscribed spheres reaches is a target that is not reached, not a count that nobody asked for; more effort finds no more of
+/// spheres that are not searched for.
+#[test]
+fn the_advice_of_a_refusal_can_be_followed() {
+    let mesh = seed();
+    let smooth = FillSettings {
+        method: Method::Smooth,
+        max_spheres: Some(410),
+        roughness: Some(1e-9),
+        ..FillSettings::new(0.05e-3)
+    };
+    let refused = fill(&mesh, &smooth).unwrap_err().to_string();
+    assert!(refused.contains("; 410 spheres reach"), "{refused}");
+    let few = FillSettings {
+        method: Method::DistanceTransform,
+        target: Some(Target {
+            surface: Some(1e-9),
+            ..Target::default()
+        }),
+        ..FillSettings::new(0.8e-3)
+    };
+    let refused = fill(&mesh, &few).unwrap_err();
+    assert!(
+        matches!(refused, Error::TargetNotReached { .. }),
+        "{refused}"
+    );
+    for (method, by_effort) in [(Method::DistanceTransform, false), (Method::Lattice, true)] {
+        let many = FillSettings {
+            method,
+            count: Some(300),
+            effort: 0.01,
+            ..FillSettings::new(0.8e-3)
+        };
+        let refused = fill(&mesh, &many).unwrap_err().to_string();
+        assert!(refused.contains("fewer or smaller"), "{refused}");
+        assert_eq!(refused.contains("effort"), by_effort, "{refused}");
     }
 }
 

@@ -332,10 +332,25 @@ fn two_bodies_apart_or_cutting_each_other_are_refused() {
         let message = read.mesh.require_closed().unwrap_err().to_string();
         assert!(
             message.contains("2 separate or intersecting bodies")
-                && message.contains("enclose 180.0000, 180.0000 mm3"),
+                && message.contains("enclose 180.0, 180.0 mm3"),
             "{message}"
         );
     }
+}
+
+/// Forty-eight cavities, none of them a body: 180 mm³ less 48 times 180 / 20³.
+#[test]
+fn a_porous_body_is_one_body() {
+    let pores = (0..48).map(|k| {
+        let place = [k % 4, k / 4 % 4, k / 16].map(f64::from);
+        let shift = Vector3::new(2.0 * place[0] - 3.0, place[1] - 1.5, 1.2 * place[2] - 1.2);
+        moved(&soup(), 0.05, shift)
+    });
+    let all = pores.chain([soup()]).collect::<Vec<_>>().concat();
+    let read = TriMesh::from_triangles(&all, MM, "porous").unwrap();
+    read.mesh.require_closed().unwrap();
+    let exact = 180.0 - 48.0 * 180.0 / 8000.0;
+    assert!((read.report.volume.unwrap() * 1e9 / exact - 1.0).abs() < 1e-12);
 }
 
 /// A body of 180 mm³ with a cavity of 180/8 beside a crumb of 180/1000: the body stays, hollow.
@@ -379,6 +394,17 @@ fn a_size_that_no_seed_has_brings_up_the_likely_unit() {
     );
     let small = warning(LengthUnit::Micrometre).unwrap();
     assert!(small.contains("with the unit mm"), "{small}");
+}
+
+/// Lengths in messages keep their digits in a body of 9 um.
+#[test]
+fn a_small_body_is_refused_with_lengths_that_say_something() {
+    let open: Vec<_> = soup().split_off(1);
+    let read = TriMesh::from_triangles(&open, LengthUnit::Micrometre, "small").unwrap();
+    let message = read.mesh.require_closed().unwrap_err().to_string();
+    assert!(!message.contains("0.0000"), "{message}");
+    // The hole is half of the side of 9 x 5 um: sqrt(106) um across.
+    assert!(message.contains("the widest 0.01030 mm"), "{message}");
 }
 
 /// A seed whose tip is pushed in so far that it comes out at the other end: one closed shell,

@@ -236,7 +236,7 @@ fn a_target_is_kept_with_few_spheres_or_refused_with_what_was_reached() {
     assert_eq!(refused.status.code(), Some(1));
     let reason = json_of(&refused)["reason"].as_str().unwrap().to_owned();
     assert!(
-        reason.contains("20 spheres give") && reason.contains("surface 0.0010 mm"),
+        reason.contains("20 spheres give") && reason.contains("surface 0.001000 mm"),
         "{reason}"
     );
 }
@@ -525,6 +525,169 @@ fn a_hole_is_closed_when_it_is_asked_for_and_told() {
             "{}",
             text(&wrong.stderr)
         );
+    }
+}
+
+/// The numbers of one mesh read as micrometres to metres, 9 um to 9 m: the same spheres, figures and cost in the unit of
+/// the mesh. A factor of ten changes the last bit of a coordinate, which a fit by least squares does not enlarge much: 1e-6.
+#[test]
+fn a_body_is_filled_alike_in_every_unit() {
+    let mesh = fixture("cotton_flat.stl");
+    let filled = |unit: &str| {
+        let words = ["--radius", "0.3", "--method", "surface", "--count", "10"];
+        let more = ["--density", "1000", "--json", "--quiet", "--unit", unit];
+        let output = seedfill(&[&[path_text(&mesh)][..], &words, &more].concat());
+        assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+        let json = json_of(&output);
+        let spheres = json["sphere_list"].as_array().unwrap().iter();
+        let coordinates = spheres.flat_map(|sphere| sphere.as_array().unwrap());
+        let figures = ["surface_rms", "surface_hausdorff", "union_fraction"];
+        let figures = figures.iter().map(|key| &json["fit"][key]);
+        let cost = [
+            &json["cost"]["near_pairs_per_contact"],
+            &json["connections"]["contacts"],
+        ];
+        let numbers = coordinates.chain(figures).chain(cost);
+        numbers
+            .map(|number| number.as_f64().unwrap())
+            .collect::<Vec<_>>()
+    };
+    let usual = filled("mm");
+    for unit in ["um", "cm", "m"] {
+        let other = filled(unit);
+        assert_eq!(other.len(), usual.len());
+        for (a, b) in usual.iter().zip(other) {
+            assert!((a - b).abs() < 1e-6, "{unit}: {b} instead of {a}");
+        }
+    }
+}
+
+/// Files are limited to some kilobytes, so that picture and page cannot be written: table and JSON are there all the same, the
+/// JSON and standard error say what is missing, and the exit code is that of an error.
+#[cfg(unix)]
+#[test]
+fn a_picture_that_cannot_be_written_loses_nothing_else() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = |name: &str| folder.path().join(name);
+    let limited = "trap '' XFSZ; ulimit -f 24; exec \"$0\" \"$@\"";
+    let output = Command::new("sh")
+        .args(["-c", limited, env!("CARGO_BIN_EXE_seedfill")])
+        .args([path_text(&fixture("cotton_flat.stl")), "--radius", "0.8"])
+        .args(["--method", "favier", "--count", "3", "--quiet"])
+        .args(["--out", path_text(&file("a.csv"))])
+        .args(["--preview", path_text(&file("a.png"))])
+        .args(["--html", path_text(&file("a.html"))])
+        .args(["--json", path_text(&file("a.json"))])
+        .output()
+        .expect("a shell");
+    let told = text(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{told}");
+    for name in ["a.png is not written", "a.html is not written"] {
+        assert!(told.contains(name), "{told}");
+    }
+    let table = std::fs::read_to_string(file("a.csv")).unwrap();
+    assert_eq!(table.lines().count(), 4);
+    let json = std::fs::read_to_string(file("a.json")).unwrap();
+    let json: Value = serde_json::from_str(&json).unwrap();
+    assert_eq!(json["spheres"], 3);
+    let warnings = json["warnings"].to_string();
+    assert_eq!(warnings.matches("is not written").count(), 2, "{warnings}");
+    assert!(!file("a.png").exists() && !file("a.html").exists());
+}
+
+/// A cell of the surface of the spheres that is too small ends neither the table nor the JSON.
+#[test]
+fn a_surface_that_cannot_be_made_loses_nothing_else() {
+    let folder = tempfile::tempdir().unwrap();
+    let (csv, stl) = (folder.path().join("a.csv"), folder.path().join("a.stl"));
+    let mesh = fixture("cotton_flat.stl");
+    let words = [
+        path_text(&mesh),
+        "--radius",
+        "1.2",
+        "--method",
+        "favier",
+        "--json",
+    ];
+    let files = ["--out", path_text(&csv), "--union", path_text(&stl)];
+    let output = seedfill(&[&words[..], &files, &["--union-cell", "0.001um"]].concat());
+    let told = text(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{told}");
+    assert!(
+        told.contains("a.stl is not written") && told.contains("--union-cell"),
+        "{told}"
+    );
+    let json = json_of(&output);
+    assert!(json["union_surface"].is_null());
+    let rows = std::fs::read_to_string(&csv).unwrap().lines().count();
+    assert_eq!(json["spheres"], rows - 1);
+}
+
+/// Spheres of a ball of 1 mm in a mesh of its size: read in the wrong unit they are measured with a warning whose flag, followed,
+/// brings the right figures; one small sphere raises no question.
+#[test]
+fn spheres_in_another_unit_than_the_mesh_are_warned_of() {
+    let folder = tempfile::tempdir().unwrap();
+    let csv = folder.path().join("spheres.csv");
+    let mesh = fixture("sphere.stl");
+    let measured = |table: &str, more: &[&str]| {
+        std::fs::write(&csv, table).unwrap();
+        let words = [path_text(&mesh), "--spheres", path_text(&csv), "--json"];
+        let output = Command::new(env!("CARGO_BIN_EXE_seedfill"))
+            .args(words)
+            .args(more)
+            .output()
+            .expect("the command starts");
+        assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+        let json = json_of(&output);
+        let share = json["fit"]["union_fraction"].as_f64().unwrap();
+        (json["warnings"].to_string(), share)
+    };
+    let (none, right) = measured("0,0,0,1\n", &[]);
+    assert_eq!(none, "[]");
+    for (table, unit) in [
+        ("0,0,0,1e-3\n", "m"),
+        ("0,0,0,1000\n", "um"),
+        ("0,0,0,0.1\n", "cm"),
+    ] {
+        let (warning, share) = measured(table, &[]);
+        let flag = format!("(--spheres-unit {unit})");
+        assert!(warning.contains(&flag), "{warning}");
+        assert!((share / right - 1.0).abs() > 0.9);
+        let (warning, share) = measured(table, &["--spheres-unit", unit]);
+        assert_eq!(warning, "[]");
+        assert!((share / right - 1.0).abs() < 1e-9);
+    }
+    // The numbers of the mesh are the wrong ones: both flags that the warning names.
+    let (warning, _) = measured("0,0,0,1\n", &["--unit", "um", "--spheres-unit", "mm"]);
+    assert!(
+        warning.contains("(--unit mm --spheres-unit mm)"),
+        "{warning}"
+    );
+    for table in ["0.5,0,0,0.02\n", "0,0,0,0.4\n"] {
+        assert_eq!(measured(table, &[]).0, "[]", "{table}");
+    }
+    let (warning, _) = measured("9,0,0,1\n", &[]);
+    assert!(warning.contains("beside the mesh"), "{warning}");
+}
+
+/// A radius without a unit is in the unit of the mesh: both are named with their flags, whichever is wrong.
+#[test]
+fn a_radius_in_another_unit_is_answered_with_unit_and_flag() {
+    let mesh = fixture("cotton_flat.stl");
+    for (words, code) in [
+        (["--radius", "0.00045", "--unit", "mm"], 2),
+        (["--radius", "450", "--unit", "mm"], 1),
+        (["--radius", "0.45mm", "--unit", "um"], 1),
+    ] {
+        let output = seedfill(&[&[path_text(&mesh)][..], &words, &["--quiet"]].concat());
+        let told = text(&output.stderr);
+        assert_eq!(output.status.code(), Some(code), "{told}");
+        assert!(
+            told.contains(&format!("--unit, now {}", words[3])),
+            "{told}"
+        );
+        assert!(told.contains("--radius 0.45mm"), "{told}");
     }
 }
 
