@@ -10,6 +10,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
+use crate::canonical::hexadecimal;
 use crate::disk::Disk;
 use crate::error::io;
 use crate::folder::{Folder, Lock, modified, open_plain, try_lock};
@@ -54,7 +55,8 @@ pub struct Holder {
 impl Holder {
     /// Whether it works on this.
     pub(crate) fn does(&self, work: &str) -> bool {
-        self.work.as_ref().is_some_and(|(known, _)| known == work)
+        let name = name_of_work(work);
+        self.work.as_ref().is_some_and(|(known, _)| *known == name)
     }
 }
 
@@ -92,10 +94,15 @@ struct Owner {
 /// What the owner of a claim works on.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 struct Work {
-    /// The work.
+    /// Digest of the work.
     name: String,
     /// When it began by the clock of the file system, s since 1970.
     since_s: u64,
+}
+
+/// What a claim says of some work: a digest, since the text of the work grows with its inputs and a claim is read up to a limit.
+fn name_of_work(work: &str) -> String {
+    hexadecimal(work.as_bytes())
 }
 
 /// A claim file as it was found.
@@ -246,6 +253,7 @@ impl Folder {
         work: Option<&str>,
     ) -> Result<Attempt, Error> {
         let path = names::claim(&self.path, key);
+        let work = work.map(name_of_work);
         let mut holder = Holder {
             process: None,
             work: None,
@@ -257,7 +265,7 @@ impl Folder {
                     return Ok(Attempt::Taken(holder));
                 }
             }
-            if let Some(claim) = self.make_claim(key, life, work)? {
+            if let Some(claim) = self.make_claim(key, life, work.as_deref())? {
                 return Ok(Attempt::Won(claim));
             }
         }

@@ -173,6 +173,29 @@ mod tests {
         assert_eq!(std::fs::read_dir(place.path()).unwrap().count(), 0);
     }
 
+    /// A work whose text is longer than the part of a claim that is read: the owner is known, shared with and renewed, and the folder
+    /// is free once it has left.
+    #[test]
+    fn work_of_any_length_is_known_again() {
+        let place = tempfile::tempdir().unwrap();
+        let [one, two] = [0, 1].map(|_| Store::open(place.path()).unwrap());
+        let work = "d".repeat(100_000);
+        let first = one.enter(&work).unwrap();
+        let Entry::Shared(_, holder) = two.enter(&work).unwrap() else {
+            panic!("the same work");
+        };
+        let here = format!("process {}", std::process::id());
+        assert!(holder.to_string().contains(&here), "{holder}");
+        let Entry::Ours(keeper) = &first else {
+            panic!("nobody else was there");
+        };
+        let claim = keeper.claim.lock().unwrap();
+        assert!(claim.as_ref().unwrap().renew().unwrap());
+        drop(claim);
+        drop(first);
+        assert!(matches!(two.enter("other").unwrap(), Entry::Ours(_)));
+    }
+
     #[test]
     fn a_run_is_kept_by_one_process_at_a_time() {
         let place = tempfile::tempdir().unwrap();
