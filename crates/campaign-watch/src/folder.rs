@@ -188,9 +188,10 @@ impl CampaignFolder {
     }
 
     /// Reads the lists whose files are new or other than before.
-    fn read_lists(&mut self, number: usize, problems: &mut Vec<String>) {
-        self.lists.retain(|i, _| *i <= number);
-        for i in 1..=number {
+    fn read_lists(&mut self, last: usize, problems: &mut Vec<String>) {
+        let numbers = PlannedList::numbers(&self.path, last);
+        self.lists.retain(|i, _| numbers.binary_search(i).is_ok());
+        for i in numbers {
             let path = PlannedList::path(&self.path, i);
             let stamp = stamp_of(&path);
             let known = self.lists.get(&i).map(|(stamp, _)| *stamp);
@@ -303,10 +304,14 @@ impl CampaignFolder {
                 }
             }
         }
-        let list = self.lists.last_key_value().map(|(_, (_, list))| list);
-        let keys = || list.iter().flat_map(|list| &list.runs).map(|run| &run.key);
-        let is_claimed = |key: &&String| view.claimed.binary_search(key).is_ok() && !is_there(key);
         let told = state.as_ref().map(|(state, _)| state);
+        let list = told.and_then(|told| self.lists.get(&told.lists));
+        let keys = || {
+            list.iter()
+                .flat_map(|(_, list)| &list.runs)
+                .map(|run| &run.key)
+        };
+        let is_claimed = |key: &&String| view.claimed.binary_search(key).is_ok() && !is_there(key);
         let mut runs: Vec<AskedRun<'_>> = self
             .records
             .iter()

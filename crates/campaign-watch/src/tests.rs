@@ -4,6 +4,7 @@ use crate::test_campaign::{Served, pixel, plan, run, told};
 use crate::{CampaignFolder, Error};
 use campaign::{CampaignState, PlannedList, ProgressFolder, Silent};
 use run_store::{Attempt, CLAIM_LIFE, Store, record_path};
+use serde_json::json;
 use std::fs;
 use std::io::{Read as _, Write as _};
 use std::path::{Path, PathBuf};
@@ -98,6 +99,38 @@ fn other_hosts_and_origins_are_refused() {
         (format!("Host: {host}\r\nOrigin: https://{host}"), 403),
     ] {
         assert_eq!(ask(&headers), status, "{headers}");
+    }
+}
+
+/// A damaged file of the progress may hold any number: the page shows what is there, at once. 2 s is far above the milliseconds of a
+/// page, and far below a walk to 10^15.
+#[test]
+fn no_number_in_a_damaged_progress_file_holds_up_the_page() {
+    let place = folder();
+    let path = CampaignState::path(place.path());
+    let sound: serde_json::Value = serde_json::from_slice(&fs::read(&path).unwrap()).unwrap();
+    let served = Served::of(place.path());
+    for (name, value) in [
+        ("lists", json!(1_000_000_000_000_000_u64)),
+        ("lists", json!(u64::MAX)),
+        ("lists", json!(0)),
+        ("runs", json!(u64::MAX)),
+        ("failed", json!(u64::MAX)),
+        ("failed_before", json!(u64::MAX)),
+        ("elapsed_s", json!(1e308)),
+        ("left_s", json!(-1e308)),
+        ("lists", json!(-1)),
+    ] {
+        let mut state = sound.clone();
+        state[name] = value.clone();
+        state["plan"]["measured"][0]["mean"] = json!(1e308);
+        fs::write(&path, serde_json::to_vec(&state).unwrap()).unwrap();
+        let begin = Instant::now();
+        let table = served.part("results");
+        assert!(
+            table.contains("40") && begin.elapsed().as_secs() < 2,
+            "{name} {value}: {table}"
+        );
     }
 }
 

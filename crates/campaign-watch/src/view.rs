@@ -58,7 +58,7 @@ fn status(snapshot: &Snapshot<'_>) -> String {
     let list = snapshot.list;
     let known = snapshot.state.as_ref();
     if list.all > 0 {
-        let over = (list.done + list.failed).min(list.all);
+        let over = list.done.saturating_add(list.failed).min(list.all);
         add(
             &mut out,
             format_args!(
@@ -84,12 +84,14 @@ fn status(snapshot: &Snapshot<'_>) -> String {
             format!("{} of {}", list.done, list.all),
         );
         fact("Running", list.running.to_string());
-        let waiting = list
-            .all
-            .saturating_sub(list.done + list.failed + list.running);
+        let begun = list
+            .done
+            .saturating_add(list.failed)
+            .saturating_add(list.running);
+        let waiting = list.all.saturating_sub(begun);
         fact("Waiting", waiting.to_string());
         let before = known.map_or(0, |(state, _)| state.failed_before);
-        fact("Failed", (list.failed + before).to_string());
+        fact("Failed", list.failed.saturating_add(before).to_string());
     }
     fact("Records in the folder", snapshot.records.to_string());
     if let Some((state, age)) = known {

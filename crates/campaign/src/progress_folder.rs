@@ -296,6 +296,24 @@ impl PlannedList {
         campaign.join(FOLDER).join(list_name(number))
     }
 
+    /// Numbers of the lists that lie in the folder of a campaign, from 1 to `last`, in their order: an earlier campaign in the folder
+    /// may have left more, and the state of a damaged file may speak of any number.
+    pub fn numbers(campaign: &Path, last: usize) -> Vec<usize> {
+        let entries = fs::read_dir(campaign.join(FOLDER)).into_iter().flatten();
+        let number = |entry: std::io::Result<fs::DirEntry>| {
+            let name = entry.ok()?.file_name();
+            let digits = name
+                .to_str()?
+                .strip_prefix("list-")?
+                .strip_suffix(".json")?;
+            let number: usize = digits.parse().ok()?;
+            (number.to_string() == digits && (1..=last).contains(&number)).then_some(number)
+        };
+        let mut numbers: Vec<usize> = entries.filter_map(number).collect();
+        numbers.sort_unstable();
+        numbers
+    }
+
     /// Reads a list of the campaign of a folder, from 1; none where it is missing.
     ///
     /// # Errors
