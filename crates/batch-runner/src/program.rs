@@ -1,5 +1,6 @@
 //! Running the commands of a batch system.
 
+use rustix::process::{Pid, Signal, kill_process_group};
 use std::fs::File;
 use std::io::{Read as _, Seek as _, SeekFrom};
 use std::os::unix::process::CommandExt as _;
@@ -47,8 +48,11 @@ pub(crate) fn output_of(
             break status;
         }
         if begin.elapsed().as_secs_f64() > limit_s {
-            // It may end by itself in this moment; then nothing is left to be done.
-            let _ = child.kill();
+            // With all that it started: a script that hangs often hangs in its child. One that ends by itself in this moment is waited for
+            // below, so that its number stays that of its group.
+            if let Some(group) = Pid::from_raw(child.id().cast_signed()) {
+                let _ = kill_process_group(group, Signal::KILL);
+            }
             let _ = child.wait();
             return Err(Error::Silent {
                 command: shown,
@@ -127,6 +131,17 @@ mod tests {
         );
         let error = output_of("no-such-program", &[], 10.0).unwrap_err();
         assert!(matches!(error, Error::NoProgram { .. }), "{error}");
+    }
+
+    /// The child would write its file after 0.5 s.
+    #[test]
+    fn a_command_that_is_too_slow_ends_with_its_children() {
+        let folder = tempfile::tempdir().unwrap();
+        let mark = folder.path().join("mark");
+        let line = format!("(sleep 0.5; touch {}) & wait", mark.display());
+        assert!(matches!(sh(&line, 0.1), Err(Error::Silent { .. })));
+        std::thread::sleep(std::time::Duration::from_secs(1));
+        assert!(!mark.exists(), "the child lived on");
     }
 
     /// Half a second is far from the 20 s that both commands would take.

@@ -5,6 +5,7 @@ use crate::command_line::{arguments, places, variable};
 use crate::drum::{DrumDescription, DrumOfRun};
 use crate::file_pattern::matching;
 use crate::folder::{Keep, RunFolder};
+use crate::guard::Guard;
 use crate::left_moments::LeftMoments;
 use crate::process::{Failure, LOG, Limits, Process, end_of_log};
 use crate::template::Template;
@@ -96,6 +97,8 @@ pub struct CommandSimulator {
     models: BTreeMap<String, CommandModel>,
     /// Raised by someone who wants running runs to end.
     stop: Arc<AtomicBool>,
+    /// Ends running programs if this process cannot.
+    guard: Arc<Guard>,
 }
 
 impl CommandSimulator {
@@ -157,6 +160,7 @@ impl CommandSimulator {
             template,
             models,
             stop: Arc::default(),
+            guard: Arc::default(),
         })
     }
 
@@ -220,6 +224,7 @@ impl CommandSimulator {
         let limits = Limits {
             wall: Duration::from_secs_f64(settings.wall_limit_s),
             stop: Arc::clone(&self.stop),
+            guard: Arc::clone(&self.guard),
         };
         let begin = Instant::now();
         let arguments = arguments(&settings.command, values);

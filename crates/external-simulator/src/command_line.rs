@@ -33,7 +33,7 @@ pub(crate) fn arguments(command: &[String], values: &BTreeMap<String, String>) -
 }
 
 /// The environment variable of a value: `SEEDLOOP_` and its name in capitals, what is neither letter nor digit as `_`.
-pub(crate) fn variable(name: &str) -> String {
+pub fn variable(name: &str) -> String {
     let letter = |c: char| match c {
         c if c.is_ascii_alphanumeric() => c.to_ascii_uppercase(),
         _ => '_',

@@ -9,7 +9,8 @@
 //!
 //! Invariants:
 //! - a run that fails, hangs or leaves nothing fails alone, and its files and its log stay where the message says;
-//! - a program and all that it started end with their run.
+//! - a program and all that it started end with their run, also when this process is killed. What leaves the group of processes of
+//!   the program, as `setsid` does, is out of reach.
 
 mod bed;
 mod command;
@@ -19,6 +20,7 @@ mod drum;
 mod error;
 mod file_pattern;
 mod folder;
+mod guard;
 mod left_moments;
 mod peer;
 mod process;
@@ -28,6 +30,7 @@ mod session;
 mod template;
 
 pub use command::{CommandModel, CommandSettings, CommandSimulator, ResultFiles};
+pub use command_line::variable;
 pub use drum::DrumDescription;
 pub use error::Error;
 pub use folder::Keep;

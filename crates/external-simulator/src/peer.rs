@@ -3,6 +3,7 @@
 use crate::bed::{Bed, Drive, Took};
 use crate::deck::Deck;
 use crate::folder::{Keep, RunFolder};
+use crate::guard::Guard;
 use crate::process::{Failure, Limits};
 use crate::session::{Session, version_line};
 use campaign::{RunOutcome, RunRequest, Simulator, SimulatorError};
@@ -95,6 +96,8 @@ pub struct PeerSimulator {
     code: String,
     /// Raised by someone who wants running runs to end.
     stop: Arc<AtomicBool>,
+    /// Ends running programs if this process cannot.
+    guard: Arc<Guard>,
 }
 
 impl PeerSimulator {
@@ -115,6 +118,7 @@ impl PeerSimulator {
             settings,
             code,
             stop: Arc::default(),
+            guard: Arc::default(),
         })
     }
 
@@ -142,6 +146,7 @@ impl PeerSimulator {
         let limits = Limits {
             wall: Duration::from_secs_f64(settings.wall_limit_s),
             stop: Arc::clone(&self.stop),
+            guard: Arc::clone(&self.guard),
         };
         let (command, environment) = (&settings.command, &settings.environment);
         let mut session = Session::start(command, environment, &folder.path, &limits)?;

@@ -1,5 +1,7 @@
 //! A program in a folder: its log, its time limit, its end.
 
+use crate::guard::Guard;
+use rustix::process::{Pid, Signal, WaitId, WaitIdOptions, kill_process_group, waitid};
 use std::fs::{self, File};
 use std::io;
 use std::os::unix::process::CommandExt as _;
@@ -16,12 +18,19 @@ pub(crate) const LOG: &str = "output.log";
 const TOLD: usize = 2000;
 /// First and longest wait between two looks at a running program.
 const WAITS: [Duration; 2] = [Duration::from_millis(1), Duration::from_millis(200)];
+/// Time that a program has to end by itself when it is told to, so that `mpirun` can end its ranks, which have groups of their
+/// own. Our choice, well within the two seconds that a stopped command has.
+const GRACE: Duration = Duration::from_millis(300);
 
 /// A program that runs.
 #[derive(Debug)]
 pub(crate) struct Process {
     /// The program.
     child: Child,
+    /// The group of processes that it leads.
+    group: Option<Pid>,
+    /// How it ended; none while it runs.
+    over: Option<ExitStatus>,
     /// Where it runs.
     folder: PathBuf,
     /// When it began.
@@ -37,6 +46,8 @@ pub(crate) struct Limits {
     pub(crate) wall: Duration,
     /// Raised by someone who wants it to end.
     pub(crate) stop: Arc<AtomicBool>,
+    /// Ends it if this process cannot.
+    pub(crate) guard: Arc<Guard>,
 }
 
 /// Why a program gave no result; the end of its log is part of it.
@@ -45,7 +56,7 @@ pub(crate) type Failure = String;
 impl Process {
     /// Starts a program in a folder; what it prints goes to a file there. With `input`, it reads what is sent to it.
     ///
-    /// The program is the leader of a group of processes, so that all that it starts can be ended with it.
+    /// The program is the leader of a group of processes, which ends with it: what it leaves running is ended too.
     pub(crate) fn start(
         arguments: &[String],
         environment: &[(String, String)],
@@ -70,8 +81,14 @@ impl Process {
             .spawn()
             .map_err(|error| cannot_start(program, &error))?;
         let stdin = child.stdin.take();
+        let group = Pid::from_raw(child.id().cast_signed());
+        if let Some(group) = group {
+            limits.guard.watch(group);
+        }
         let process = Self {
             child,
+            group,
+            over: None,
             folder: folder.to_owned(),
             begin: Instant::now(),
             limits: limits.clone(),
@@ -112,10 +129,36 @@ impl Process {
         }
     }
 
-    /// How the program ended; none while it runs.
+    /// How the program ended; none while it runs. With it ends what it left running.
     fn ended(&mut self) -> Result<Option<ExitStatus>, Failure> {
-        let status = self.child.try_wait();
-        status.map_err(|error| format!("the program cannot be watched: {error}"))
+        if self.over.is_none() && self.has_exited()? {
+            self.close()?;
+        }
+        Ok(self.over)
+    }
+
+    /// Whether the program has exited. It is not taken off the list of processes yet, so that its number stays that of its group.
+    fn has_exited(&self) -> Result<bool, Failure> {
+        let Some(group) = self.group else {
+            return Ok(true);
+        };
+        let options = WaitIdOptions::EXITED | WaitIdOptions::NOHANG | WaitIdOptions::NOWAIT;
+        match waitid(WaitId::Pid(group), options) {
+            Ok(status) => Ok(status.is_some()),
+            Err(error) => Err(not_watched(&error.into())),
+        }
+    }
+
+    /// Ends all that is left of the group of the program, and takes the program off the list of processes.
+    fn close(&mut self) -> Result<(), Failure> {
+        if let Some(group) = self.group.take() {
+            // A group that is gone already needs no end.
+            let _ = kill_process_group(group, Signal::KILL);
+            self.limits.guard.forget(group);
+        }
+        let status = self.child.wait();
+        self.over = Some(status.map_err(|error| not_watched(&error))?);
+        Ok(())
     }
 
     /// Fails where the program took too long or is to end; it is then ended.
@@ -134,13 +177,17 @@ impl Process {
         )))
     }
 
-    /// Ends the program and all that it started.
+    /// Ends the program and all that it started: it is asked to end, and does so at once after a short time.
     fn end(&mut self) {
-        if let Some(group) = rustix::process::Pid::from_raw(self.child.id().cast_signed()) {
-            // Where the group is gone already there is nothing to end.
-            let _ = rustix::process::kill_process_group(group, rustix::process::Signal::KILL);
+        if let Some(group) = self.group {
+            let _ = kill_process_group(group, Signal::TERM);
+            let begin = Instant::now();
+            while begin.elapsed() < GRACE && self.has_exited() == Ok(false) {
+                sleep(WAITS[0]);
+            }
         }
-        let _ = self.child.wait();
+        // The run has no result in any case.
+        let _ = self.close();
     }
 
     /// What happened, with the end of the log.
@@ -151,10 +198,15 @@ impl Process {
 
 impl Drop for Process {
     fn drop(&mut self) {
-        if matches!(self.child.try_wait(), Ok(None)) {
+        if self.over.is_none() {
             self.end();
         }
     }
+}
+
+/// That the system does not say how a program is.
+fn not_watched(error: &io::Error) -> Failure {
+    format!("the program cannot be watched: {error}")
 }
 
 /// Why a program cannot be started, with the way out.
@@ -229,6 +281,34 @@ mod tests {
         raise.join().unwrap();
         std::thread::sleep(Duration::from_millis(1300));
         assert!(!mark.exists(), "the child lived on");
+    }
+
+    /// The child of a program that ended well, or with a failure, would write its file after 0.4 s: a second later there is none.
+    #[test]
+    fn what_a_program_leaves_running_ends_with_it() {
+        let folder = tempfile::tempdir().unwrap();
+        for code in [0, 3] {
+            let mark = folder.path().join(code.to_string());
+            let script = format!("(sleep 0.4; touch {}) & exit {code}", mark.display());
+            assert_eq!(shell(&script, 10.0).is_ok(), code == 0);
+        }
+        std::thread::sleep(Duration::from_secs(1));
+        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
+    }
+
+    /// A program that does not answer to SIGTERM is ended all the same, and one that does can clear up first.
+    #[test]
+    fn a_program_is_asked_before_it_is_ended() {
+        let folder = tempfile::tempdir().unwrap();
+        let mark = folder.path().join("mark");
+        let deaf = "trap '' TERM; sleep 60 & wait; sleep 60";
+        assert!(shell(deaf, 0.1).is_err());
+        let clears = format!(
+            "trap 'touch {}; exit 1' TERM; sleep 60 & wait",
+            mark.display()
+        );
+        assert!(shell(&clears, 0.1).is_err());
+        assert!(mark.exists());
     }
 
     #[test]

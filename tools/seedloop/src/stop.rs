@@ -1,9 +1,10 @@
-//! Ctrl-C and SIGTERM end a command within two seconds, and what is done is kept.
+//! Ctrl-C, SIGTERM and SIGHUP, which a closed terminal or a lost connection sends, end a command within two seconds, and what is
+//! done is kept.
 
 use anyhow::Context as _;
-use signal_hook::consts::{SIGINT, SIGTERM};
+use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
 use signal_hook::iterator::Signals;
-use std::io::Write as _;
+use std::io::{IsTerminal as _, Write as _};
 use std::path::Path;
 use std::process::exit;
 use std::sync::Arc;
@@ -47,13 +48,14 @@ impl std::fmt::Debug for Told {
 }
 
 impl Stop {
-    /// Listens to Ctrl-C and SIGTERM. `kept` tells, when the command ends, the end of a sentence: what is kept, and how to go on.
+    /// Listens to Ctrl-C, SIGTERM and, unless `nohup` asked to ignore it, SIGHUP. `kept` tells, when the command ends, the end of a sentence: what is kept, and how to go on.
     ///
     /// # Errors
     /// A system that does not let the process listen.
     pub(crate) fn new(kept: impl Fn() -> String + Send + Sync + 'static) -> anyhow::Result<Self> {
-        let mut signals =
-            Signals::new([SIGINT, SIGTERM]).context("cannot listen to Ctrl-C and SIGTERM")?;
+        let mut numbers = vec![SIGINT, SIGTERM];
+        numbers.extend((!ignores_hang_up()).then_some(SIGHUP));
+        let mut signals = Signals::new(numbers).context("cannot listen to Ctrl-C and SIGTERM")?;
         let stop = Self {
             flag: Arc::default(),
             state: Arc::new(State {
@@ -117,10 +119,10 @@ impl State {
     fn tell(&self) -> u8 {
         let signal = self.signal.load(Ordering::SeqCst);
         if !self.told.swap(true, Ordering::SeqCst) {
-            let name = if i32::from(signal) == SIGTERM {
-                "SIGTERM"
-            } else {
-                "Ctrl-C"
+            let name = match i32::from(signal) {
+                SIGTERM => "SIGTERM",
+                SIGHUP => "SIGHUP (the terminal was closed)",
+                _ => "Ctrl-C",
             };
             // A closed standard error is no reason to go on.
             let _ = writeln!(std::io::stderr(), "stopped by {name}: {}", (self.kept.0)());
@@ -131,5 +133,37 @@ impl State {
     /// Ends the process: for a run that does not break off in time. What is written is written whole or not at all.
     fn end(&self) {
         exit(self.tell().into());
+    }
+}
+
+/// Whether the process was started, as by `nohup`, to live on after its terminal.
+fn ignores_hang_up() -> bool {
+    match std::fs::read_to_string("/proc/self/status") {
+        Ok(status) => is_ignored(&status, SIGHUP),
+        // A system without this file does not say it; `nohup` then leaves no terminal to standard error.
+        Err(_) => !std::io::stderr().is_terminal(),
+    }
+}
+
+/// Whether the status of a process, as Linux writes it, has a signal among those that are ignored: bit N - 1 of `SigIgn` is signal
+/// N.
+fn is_ignored(status: &str, signal: i32) -> bool {
+    let mask = status
+        .lines()
+        .find_map(|line| line.strip_prefix("SigIgn:"))
+        .and_then(|digits| u64::from_str_radix(digits.trim(), 16).ok());
+    mask.is_some_and(|mask| mask >> (signal - 1) & 1 == 1)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{SIGHUP, SIGINT, is_ignored};
+
+    /// The line that `nohup` leads to: SIGHUP is signal 1, the lowest bit; SIGINT is 2.
+    #[test]
+    fn an_ignored_signal_is_read_from_the_status() {
+        let status = "Name:\tseedloop\nSigBlk:\t0000000000000003\nSigIgn:\t0000000000001001\n";
+        assert!(is_ignored(status, SIGHUP) && !is_ignored(status, SIGINT));
+        assert!(!is_ignored("Name:\tseedloop\n", SIGHUP));
     }
 }
