@@ -48,7 +48,7 @@ pub use disk::{Disk, Fault};
 pub use error::Error;
 pub use owner::{ClaimKeeper, Entry};
 pub use record::{Observation, Record};
-pub use sealed::{seal, seal_text, unseal, unseal_text};
+pub use sealed::{seal, seal_text, seal_without, unseal, unseal_text};
 pub use set_aside::set_file_aside;
 pub use store::{Lookup, Store};
 pub use view::{FolderView, read_record, record_path};

@@ -8,11 +8,17 @@ use crate::canonical::{digest, hexadecimal};
 /// Name of the digest in a file.
 const DIGEST: &str = "digest";
 
+/// Name of the list of what the digest does not count.
+const UNCOUNTED: &str = "not_in_digest";
+
 /// Something with its digest.
 #[derive(Serialize)]
 struct Sealed<'a, T> {
-    /// SHA-256 of everything else in the file, see [`digest`].
+    /// SHA-256 of everything else in the file that counts, see [`digest`].
     digest: &'a str,
+    /// Where the fields are that do not count.
+    #[serde(rename = "not_in_digest", skip_serializing_if = "<[_]>::is_empty")]
+    uncounted: &'a [&'a str],
     /// The rest of the file.
     #[serde(flatten)]
     content: &'a T,
@@ -24,11 +30,25 @@ struct Sealed<'a, T> {
 ///
 /// Something that has no form in JSON, or no names.
 pub fn seal(content: &impl Serialize) -> Result<Vec<u8>, serde_json::Error> {
+    seal_without(content, &[])
+}
+
+/// The same with fields that the digest does not count, such as times by the clock, each by its JSON pointer (`/cost/wall_s`,
+/// RFC 6901). The file lists them in `not_in_digest`, and the digest counts that list.
+///
+/// # Errors
+///
+/// As [`seal`].
+pub fn seal_without(
+    content: &impl Serialize,
+    uncounted: &[&str],
+) -> Result<Vec<u8>, serde_json::Error> {
     // As a reader will see it: a number of single precision has other digits in a value than in a text.
     let seen: Value = serde_json::from_slice(&serde_json::to_vec(content)?)?;
-    let found = digest(&seen).map_err(serde::ser::Error::custom)?;
+    let found = digest(&counted(&seen, uncounted)).map_err(serde::ser::Error::custom)?;
     let file = Sealed {
         digest: &found,
+        uncounted,
         content,
     };
     let mut bytes = serde_json::to_vec_pretty(&file)?;
@@ -36,7 +56,7 @@ pub fn seal(content: &impl Serialize) -> Result<Vec<u8>, serde_json::Error> {
     Ok(bytes)
 }
 
-/// Reads what [`seal`] wrote; white space and the order of the names do not count.
+/// Reads what [`seal`] or [`seal_without`] wrote; white space and the order of the names do not count.
 ///
 /// # Errors
 ///
@@ -47,8 +67,32 @@ pub fn unseal(bytes: &[u8]) -> Result<Value, String> {
         return Err("it has no names".to_owned());
     };
     let told = take_digest(fields)?;
-    check(&value, &told)?;
+    let uncounted = match fields.remove(UNCOUNTED) {
+        None => Vec::new(),
+        Some(list) => serde_json::from_value::<Vec<String>>(list)
+            .map_err(|why| format!("its {UNCOUNTED} is no list of names: {why}"))?,
+    };
+    let uncounted: Vec<&str> = uncounted.iter().map(String::as_str).collect();
+    check(&counted(&value, &uncounted), &told)?;
     Ok(value)
+}
+
+/// What a digest counts: the content without some fields, and with the list of these where there are any.
+fn counted(content: &Value, uncounted: &[&str]) -> Value {
+    let mut value = content.clone();
+    for pointer in uncounted {
+        if let Some((owner, name)) = pointer.rsplit_once('/')
+            && let Some(Value::Object(fields)) = value.pointer_mut(owner)
+        {
+            fields.remove(name);
+        }
+    }
+    if let Value::Object(fields) = &mut value
+        && !uncounted.is_empty()
+    {
+        fields.insert(UNCOUNTED.to_owned(), uncounted.to_vec().into());
+    }
+    value
 }
 
 /// Takes the digest out of the fields of a file.

@@ -8,7 +8,9 @@
 mod common;
 
 use common::record;
-use run_store::{Lookup, Observation, Record, SCHEMA, Store, seal, seal_text, unseal, unseal_text};
+use run_store::{
+    Lookup, Observation, Record, SCHEMA, Store, seal, seal_text, seal_without, unseal, unseal_text,
+};
 use serde_json::json;
 use std::fs;
 use std::path::PathBuf;
@@ -178,6 +180,30 @@ fn no_damage_of_a_state_or_a_result_is_believed() {
         }
     }
     assert!(states > 9000 && results > 9000, "{states} {results}");
+}
+
+/// Fields that depend on the clock change no digest and may be altered; all else counts, the list of these fields too.
+#[test]
+fn a_digest_leaves_out_the_fields_that_it_names() {
+    let content = |runs: u32, wall_s: f64| json!({"cost": {"runs": runs, "wall_s": wall_s}});
+    let clock = ["/cost/wall_s", "/none/there"];
+    let sealed = |runs, wall_s| seal_without(&content(runs, wall_s), &clock).unwrap();
+    let text = String::from_utf8(sealed(3, 1.5)).unwrap();
+    assert_eq!(unseal(text.as_bytes()).unwrap(), content(3, 1.5));
+    let digest = |bytes: Vec<u8>| {
+        serde_json::from_slice::<serde_json::Value>(&bytes).unwrap()["digest"].clone()
+    };
+    assert_eq!(digest(sealed(3, 1.5)), digest(sealed(3, 2.5)));
+    assert_ne!(digest(sealed(3, 1.5)), digest(sealed(4, 1.5)));
+    let later = text.replace("1.5", "2.5");
+    assert_eq!(unseal(later.as_bytes()).unwrap(), content(3, 2.5));
+    for altered in [
+        text.replace(": 3", ": 4"),
+        text.replace("/cost/wall_s", "/cost"),
+        text.replace("not_in_digest", "other"),
+    ] {
+        assert!(unseal(altered.as_bytes()).is_err(), "{altered}");
+    }
 }
 
 /// Every digit of a record counts: each is changed to the next one, and the file is not believed. Only in the last digit

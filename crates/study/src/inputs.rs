@@ -7,7 +7,8 @@ use command_line::file_sha256;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
-/// SHA-256 of the study file, its scenes, their meshes, its photos and its template, by path.
+/// SHA-256 of the study file, its scenes, their meshes, its photos and its template, by path from the folder of the study file: the same
+/// however the path of the study was typed.
 pub(crate) fn of(
     path: &Path,
     file: &StudyFile,
@@ -35,7 +36,8 @@ pub(crate) fn of(
             path: file.clone(),
             source: std::io::Error::other(format!("{error:#}")),
         })?;
-        inputs.insert(file.display().to_string(), hash);
+        let name = file.strip_prefix(folder).unwrap_or(&file);
+        inputs.insert(name.display().to_string(), hash);
     }
     Ok(inputs)
 }

@@ -39,6 +39,11 @@ pub struct StudyResult {
     pub spent: TimeSpent,
 }
 
+impl StudyResult {
+    /// What depends in its JSON on the clock and on which runs were there before, by pointers.
+    pub const CLOCK: [&str; 1] = ["/cost"];
+}
+
 /// What a study cost.
 #[derive(Debug, Serialize)]
 struct Cost<'a> {
@@ -130,4 +135,9 @@ pub struct DiagnosisResult {
     /// What its runs and this call cost.
     #[serde(flatten)]
     pub spent: TimeSpent,
+}
+
+impl DiagnosisResult {
+    /// What depends in its JSON on the clock, by pointers.
+    pub const CLOCK: [&str; 4] = ["/core_s", "/phases", "/wall_s", "/waiting_s"];
 }

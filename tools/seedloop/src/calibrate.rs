@@ -13,7 +13,9 @@ use campaign::{Executor, LineProgress, ProgressFolder};
 use command_line::{Common, DONE, NOT_MET, Overwrite, try_folder};
 use std::io::IsTerminal as _;
 use std::path::{Path, PathBuf};
-use study::{RunSettings, Study, plan_study, run_study, write_hand_over, write_result};
+use study::{
+    RunSettings, Study, StudyResult, plan_study, run_study, write_hand_over, write_result,
+};
 use study_report::Extent;
 
 pub(crate) use text::plan;
@@ -70,6 +72,7 @@ pub(crate) fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<u8> 
     common.try_outputs([])?;
     let out = arguments.out.clone();
     let folder = out.unwrap_or_else(|| PathBuf::from("out").join(study.folder_name()));
+    try_folder(&folder)?;
     let price = plan_study(&study, arguments.seed, &folder)?;
     let plan = plan(&study, &price, common.threads());
     if arguments.plan {
@@ -81,7 +84,6 @@ pub(crate) fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<u8> 
             DONE
         });
     }
-    try_folder(&folder)?;
     refuse_used_folder(&folder, arguments.resume, common)?;
     require_memory(study.models.values(), common.threads())?;
     let work = work_of(
@@ -120,7 +122,7 @@ pub(crate) fn run(arguments: &Arguments, common: &Common) -> anyhow::Result<u8> 
     };
     let files = write_hand_over(&folder, &study, &mut result)
         .with_context(|| format!("cannot write the results into {}", folder.display()))?;
-    write_result(&folder.join("result.json"), &result)?;
+    write_result(&folder.join("result.json"), &result, &StudyResult::CLOCK)?;
     let extent = Extent::with_parts(arguments.report_files);
     report::write(&folder, &study, &simulator, &result, extent)?;
     progress.end(watched::FINISHED);

@@ -72,6 +72,7 @@ pub(crate) fn run(path: &Path, options: &Options, common: &Common) -> anyhow::Re
         .out
         .clone()
         .unwrap_or_else(|| PathBuf::from("out").join(format!("{}-diagnosis", study.folder_name())));
+    try_folder(&folder)?;
     let runs = plan_diagnosis(&study, &folder).with_context(|| path.display().to_string())?;
     let planned = plan_text(&study, &at, runs);
     if options.plan_only {
@@ -80,7 +81,6 @@ pub(crate) fn run(path: &Path, options: &Options, common: &Common) -> anyhow::Re
         common.emit_json(&study.problem)?;
         return Ok(DONE);
     }
-    try_folder(&folder)?;
     refuse_used_folder(&folder, options.resume, common)?;
     require_memory(study.models.values(), common.threads())?;
     let work = work_of(
@@ -110,7 +110,11 @@ pub(crate) fn run(path: &Path, options: &Options, common: &Common) -> anyhow::Re
         Ok(result) => result,
         Err(code) => return Ok(code),
     };
-    write_result(&folder.join("result.json"), &result)?;
+    write_result(
+        &folder.join("result.json"),
+        &result,
+        &DiagnosisResult::CLOCK,
+    )?;
     let (done, code) = match &result.diagnosis {
         DiagnosisStage::Done(done) => {
             write_json(&folder.join("problem.json"), &done.problem)?;

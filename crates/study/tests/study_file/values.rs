@@ -36,7 +36,7 @@ fn a_parameter_file_and_a_result_bring_back_every_bit() {
         &parameter_file(&estimates).to_toml().unwrap(),
     );
     let result = serde_json::json!({ "parameters": estimates });
-    write_result(&folder.path("result.json"), &result).unwrap();
+    write_result(&folder.path("result.json"), &result, &[]).unwrap();
     for name in ["parameters.toml", "result.json"] {
         let values = study.values_from(&folder.path(name)).unwrap();
         assert_eq!(values, [0.33, 0.1 + 0.2], "{name}");
@@ -55,7 +55,7 @@ fn a_start_that_lacks_a_parameter_or_leaves_the_limits_is_refused() {
         &parameter_file(&estimates).to_toml().unwrap(),
     );
     let result = serde_json::json!({ "parameters": estimates[..1] });
-    write_result(&folder.path("result.json"), &result).unwrap();
+    write_result(&folder.path("result.json"), &result, &[]).unwrap();
     for (name, words) in [
         ("parameters.toml", ["W = 1.6", "limits 0 to 1.5"]),
         ("result.json", ["W is missing", "there are F"]),
@@ -77,7 +77,7 @@ fn an_altered_result_is_refused() {
     let study = folder.read(None).unwrap();
     let file = folder.path("result.json");
     let result = serde_json::json!({ "parameters": estimates() });
-    write_result(&file, &result).unwrap();
+    write_result(&file, &result, &[]).unwrap();
     let text = std::fs::read_to_string(&file).unwrap();
     let without = text.lines().filter(|line| !line.contains("\"digest\""));
     let without = without.collect::<String>();

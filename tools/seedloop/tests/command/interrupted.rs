@@ -7,9 +7,10 @@ use std::path::Path;
 use std::process::{Child, Command, Output, Stdio};
 use std::time::{Duration, Instant};
 
-/// Starts the command in a folder.
+/// Starts the command in a folder, with SIGHUP as a terminal has it: a test may itself run under `nohup`.
 fn start(folder: &Path, words: &[&str]) -> Child {
-    Command::new(env!("CARGO_BIN_EXE_seedloop"))
+    Command::new("env")
+        .args(["--default-signal=HUP", env!("CARGO_BIN_EXE_seedloop")])
         .args(words)
         .current_dir(folder)
         .stdout(Stdio::piped())
@@ -54,7 +55,7 @@ fn a_run_ends_at_once_with_its_state_kept() {
     for (apparatus, signal, code) in [
         (drum, "-TERM", 143),
         (drum, "-INT", 130),
-        (heap, "-TERM", 143),
+        (heap, "-HUP", 129),
     ] {
         let scene = TinyScene::changed(drum, apparatus);
         let words = [
@@ -91,48 +92,143 @@ fn a_run_ends_at_once_with_its_state_kept() {
     }
 }
 
-/// A program of the user that sleeps for a minute is ended with the command, and what it started with it.
+/// A program of the user that sleeps for a minute ends with the command, and what it started with it: at SIGTERM, when the terminal is
+/// closed, and after `kill -9`, which the command itself cannot answer. The child would write its file after 1.5 s.
 #[test]
 fn a_program_of_the_user_is_not_left_behind() {
+    let ends = [("-TERM", Some(143)), ("-HUP", Some(129)), ("-KILL", None)];
+    std::thread::scope(|scope| {
+        let tests = ends.map(|(signal, code)| scope.spawn(move || leaves_nothing(signal, code)));
+        for test in tests {
+            test.join().unwrap();
+        }
+    });
+}
+
+/// Ends a calibration by a signal, and looks for what its program left running.
+fn leaves_nothing(signal: &str, code: Option<i32>) {
     let folder = tempfile::tempdir().unwrap();
-    let study = fs::read_to_string(crate::fixture("command-example/study.toml")).unwrap();
-    let study = study.replace("[\"python3\", \"run.py\"]", "[\"sh\", \"run.sh\"]");
-    fs::write(folder.path().join("study.toml"), study).unwrap();
-    fs::create_dir(folder.path().join("mill")).unwrap();
-    let script =
-        "echo $$ > ../../../../process-$$\n(sleep 3; touch ../../../../lived) & sleep 60\n";
-    fs::write(folder.path().join("mill/run.sh"), script).unwrap();
+    let script = "(sleep 1.5; touch ../../../../lived) &\ntouch ../../../../began\nsleep 60\n";
+    write_mill(folder.path(), script);
     let words = [
         "calibrate",
         "study.toml",
         "--out",
         "out/mill",
-        "--threads",
-        "1",
+        "--threads=1",
     ];
     let child = start(folder.path(), &words);
-    let began = || {
-        let entries = fs::read_dir(folder.path()).unwrap();
-        let mut names = entries.map(|entry| entry.unwrap().file_name().into_string().unwrap());
-        names.any(|name| name.starts_with("process-"))
-    };
-    wait_for(began);
-    let (output, time) = end(child, "-TERM");
-    assert_code(&output, 143);
-    assert!(time < Duration::from_secs(2), "{time:?}");
+    wait_for(|| folder.path().join("began").exists());
+    let (output, time) = end(child, signal);
+    std::thread::sleep(Duration::from_millis(1800));
     assert!(
-        text(&output.stderr)
-            .contains("stopped by SIGTERM: finished runs are kept in out/mill/runs")
+        !folder.path().join("lived").exists(),
+        "{signal}: a child of the program lived on"
+    );
+    let Some(code) = code else { return };
+    assert_code(&output, code);
+    assert!(time < Duration::from_secs(2), "{time:?}");
+    let told = text(&output.stderr);
+    assert!(
+        told.contains(&format!("stopped by SIG{}", &signal[1..]))
+            && told.contains("finished runs are kept in out/mill/runs"),
+        "{told}"
     );
     assert!(
         names(&folder.path().join("out/mill/work"), "").is_empty(),
         "the folder of the run stayed"
     );
-    std::thread::sleep(Duration::from_millis(3300));
-    assert!(
-        !folder.path().join("lived").exists(),
-        "a child of the program lived on"
+}
+
+/// A study of a closed form: 20 degrees, 30 for a friction of 1 and 0.13 for each turn a minute, with noise by the seed.
+const MILL: &str = r#"
+name = "mill"
+[simulator]
+kind = "command"
+command = ["sh", "run.sh"]
+template = "mill"
+version = "1"
+[[scene]]
+name = "drum"
+observables = ["angle_deg"]
+[[parameter]]
+symbol = "mu"
+low = 0.1
+high = 0.6
+limits = [0.0, 2.0]
+[[measured]]
+scene = "drum"
+condition = { rpm = 15 }
+role = "fit"
+angle_deg = { mean = 31.0, sd = 0.8, n = 10 }
+[[measured]]
+scene = "drum"
+condition = { rpm = 30 }
+role = "check"
+angle_deg = { mean = 33.0, sd = 0.8, n = 10 }
+[design]
+before_runs = 0
+"#;
+
+/// What does its runs.
+const RUN: &str = r#"awk "BEGIN { noise = (($SEEDLOOP_SEED * 7919) % 13 - 6) / 60
+printf \"{\\\"angle_deg\\\": %.9f}\", 20 + 30 * $SEEDLOOP_MU + 0.13 * $SEEDLOOP_RPM + noise }" > results.json
+"#;
+
+/// Writes the study with a script that does its runs.
+fn write_mill(folder: &Path, script: &str) {
+    fs::write(folder.join("study.toml"), MILL).unwrap();
+    fs::create_dir(folder.join("mill")).unwrap();
+    fs::write(folder.join("mill/run.sh"), script).unwrap();
+}
+
+/// A result without its keys that depend on the clock, which it lists itself, and the text of its digest.
+fn without_clock(file: &Path) -> serde_json::Value {
+    let mut result: serde_json::Value = serde_json::from_slice(&fs::read(file).unwrap()).unwrap();
+    for pointer in result["not_in_digest"].as_array().unwrap().clone() {
+        let (owner, name) = pointer.as_str().unwrap().rsplit_once('/').unwrap();
+        let fields = result.pointer_mut(owner).unwrap().as_object_mut().unwrap();
+        assert!(fields.remove(name).is_some(), "{pointer}");
+    }
+    result
+}
+
+/// A calibration that `kill -9` ends twice and that is resumed, by a path typed in another way, gives the result of one that nothing ends:
+/// every key but the times, the digest included, and the same parameters to the byte.
+#[test]
+fn a_killed_and_resumed_calibration_has_the_same_result() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    write_mill(here, RUN);
+    let whole = crate::seedloop(
+        here,
+        &["calibrate", "study.toml", "--out", "whole", "--quiet"],
     );
+    assert_code(&whole, 0);
+    let path = here.join("study.toml");
+    let words = [
+        "calibrate",
+        path.to_str().unwrap(),
+        "--out",
+        "killed",
+        "--resume",
+    ];
+    for runs in [3, 9] {
+        let child = start(here, &words);
+        wait_for(|| names(&here.join("killed/runs"), ".json").len() >= runs);
+        end(child, "-KILL");
+    }
+    assert!(
+        !here.join("killed/result.json").exists(),
+        "it was over before"
+    );
+    assert_code(&crate::seedloop(here, &words), 0);
+    let [whole, killed] = ["whole", "killed"].map(|out| here.join(out));
+    let results = [&whole, &killed].map(|out| without_clock(&out.join("result.json")));
+    assert_eq!(results[0]["digest"], results[1]["digest"]);
+    assert!(results[0] == results[1], "equal digests of unequal results");
+    let parameters = |out: &Path| fs::read(out.join("parameters.toml")).unwrap();
+    assert_eq!(parameters(&whole), parameters(&killed));
 }
 
 /// While a table is run, the same table may be run beside it, and another one in the same folder is refused in words.
@@ -190,6 +286,7 @@ fn a_folder_in_use_is_refused_to_other_work() {
 fn results_are_tried_before_the_run() {
     let scene = TinyScene::new();
     fs::create_dir(scene.path("folder.json")).unwrap();
+    let long = format!("new/{}/out", "n".repeat(300));
     for (words, told) in [
         (
             vec!["--json", "no/where.json"],
@@ -205,6 +302,7 @@ fn results_are_tried_before_the_run() {
         ),
         (vec!["--frame", "a.png", "--json", "a.png"], "two results"),
         (vec!["--out", "tiny.toml/out"], "tiny.toml is no folder"),
+        (vec!["--out", &long], "give another name"),
         (vec!["--json", "/dev/full", "--force"], "/dev/full"),
     ] {
         let output = scene.simulate(&words);
