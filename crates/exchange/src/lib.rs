@@ -15,12 +15,14 @@ pub mod liggghts;
 mod moment;
 pub mod npz;
 mod positions;
+mod remarks;
 pub mod vtk;
 mod vtk_points;
 
 pub use drum_deck::FINER;
 pub use moment::{BedSphere, Moment};
 pub use positions::read_positions;
+pub use remarks::add_warnings;
 
 use std::path::PathBuf;
 

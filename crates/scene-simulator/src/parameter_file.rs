@@ -10,10 +10,20 @@ use std::path::Path;
 /// Unit of a pure number.
 const PURE_NUMBER: &str = "1";
 
+/// Start of the first line, a comment, with which files of before `met` say that the fit is not met.
+const NOT_MET: &str = "# NOT MET: ";
+
 /// The parameters of a calibration: `parameters.toml`.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ParameterFile {
+    /// Whether the parameters meet the measurements and the check of their calibration; none where the file does not say it, as one
+    /// that was typed.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub met: Option<bool>,
+    /// The verdict of the calibration, a sentence.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub verdict: Option<String>,
     /// The parameters, in the order of the study.
     pub parameter: Vec<CalibratedParameter>,
     /// Name of the file, for messages.
@@ -98,6 +108,14 @@ impl ParameterFile {
             message: e.to_string(),
         })?;
         read.file = file;
+        if read.met.is_none()
+            && let Some(verdict) = text
+                .lines()
+                .next()
+                .and_then(|line| line.strip_prefix(NOT_MET))
+        {
+            (read.met, read.verdict) = (Some(false), Some(verdict.to_owned()));
+        }
         read.check()?;
         Ok(read)
     }
@@ -135,26 +153,73 @@ impl ParameterFile {
         Ok(toml::to_string(self)?)
     }
 
-    /// The parameters that the changes of [`Self::overrides`] leave out, since a scene has none of their settings, in words.
-    pub fn not_carried(&self, scene: &Scene, overrides: &[Override]) -> Vec<String> {
-        let is_set = |path: &String| overrides.iter().any(|change| change.name == *path);
-        let left = self.parameter.iter().filter(|p| !p.sets.iter().any(is_set));
-        let told = left.map(|p| {
-            format!(
-                "{}: {} ({}) = {} is not carried over: {} has no {}; state the value yourself, or give the materials the \
-                 names that they were calibrated with",
-                self.file,
-                p.symbol,
-                p.name,
-                p.value,
-                scene.file,
-                p.sets.join(" and no ")
-            )
-        });
-        told.collect()
+    /// What whoever uses the values must know, each a sentence that names the file: that the fit was not met, and parameters that it
+    /// left open.
+    pub fn doubts(&self) -> Vec<String> {
+        let file = &self.file;
+        let mut doubts = Vec::new();
+        if self.met == Some(false) {
+            let verdict = self.verdict.as_deref().unwrap_or("its calibration failed");
+            doubts.push(format!("{file}: NOT MET: {verdict}"));
+        }
+        let open = self
+            .parameter
+            .iter()
+            .filter(|p| p.fixed_by_data == Some(false));
+        let open: Vec<&str> = open.map(|p| p.symbol.as_str()).collect();
+        if !open.is_empty() {
+            doubts.push(format!(
+                "{file}: the measurements do not fix {}: the value is one of many",
+                open.join(", ")
+            ));
+        }
+        doubts
     }
 
-    /// The changes that the parameters make in a scene; paths that it does not have are skipped ([`Self::not_carried`]).
+    /// The same, and parameters that set nothing in a scene.
+    ///
+    /// # Errors
+    ///
+    /// As [`Self::overrides`].
+    pub fn warnings(&self, scene: &Scene) -> Result<Vec<String>, Error> {
+        let mut warnings = self.doubts();
+        for parameter in &self.parameter {
+            let mut sets = false;
+            for path in &parameter.sets {
+                sets |= self.has(scene, parameter, path)?;
+            }
+            if !sets {
+                warnings.push(format!(
+                    "{}: {} ({}) = {} is not carried over: {} has no {}; state the value yourself, or give the materials the \
+                     names that they were calibrated with",
+                    self.file,
+                    parameter.symbol,
+                    parameter.name,
+                    parameter.value,
+                    scene.file,
+                    parameter.sets.join(" and no ")
+                ));
+            }
+        }
+        Ok(warnings)
+    }
+
+    /// Whether a scene has a setting of a parameter.
+    fn has(
+        &self,
+        scene: &Scene,
+        parameter: &CalibratedParameter,
+        path: &str,
+    ) -> Result<bool, Error> {
+        let has = has_setting(scene, path, parameter.setting_unit());
+        has.map_err(|source| Error::Parameter {
+            file: self.file.clone(),
+            symbol: parameter.symbol.clone(),
+            problem: format!("cannot be set: {source}"),
+        })
+    }
+
+    /// The changes that the parameters make in a scene; paths that it does not have are skipped.
     ///
     /// # Errors
     ///
@@ -164,12 +229,7 @@ impl ParameterFile {
         for parameter in &self.parameter {
             let unit = parameter.setting_unit();
             for path in &parameter.sets {
-                let has = has_setting(scene, path, unit).map_err(|source| Error::Parameter {
-                    file: self.file.clone(),
-                    symbol: parameter.symbol.clone(),
-                    problem: format!("cannot be set: {source}"),
-                })?;
-                if has {
+                if self.has(scene, parameter, path)? {
                     overrides.push(Override {
                         name: path.clone(),
                         value: match unit {

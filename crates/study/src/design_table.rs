@@ -21,7 +21,7 @@ use experiment_design::table::{Table, factors_from_table};
 use rows::Asked;
 use run_store::{Record, Store};
 use scene::{Override, Scene};
-use scene_simulator::{Binding, SceneSimulator};
+use scene_simulator::{Binding, ParameterFile, SceneSimulator};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -46,6 +46,9 @@ pub struct DesignChoices {
     /// `W=apparatus.speed [rpm]`.
     #[serde(default)]
     pub bind: Vec<String>,
+    /// Parameters of a calibration, set in all runs before `set`.
+    #[serde(default)]
+    pub set_file: Option<PathBuf>,
     /// Changes of the scene, the same in all runs: `NAME=VALUE`.
     #[serde(default)]
     pub set: Vec<String>,
@@ -85,6 +88,8 @@ pub struct DesignTable {
     bindings: BTreeMap<String, Binding>,
     /// The runs, row by row.
     runs: Vec<DesignRun>,
+    /// What the user must know of the values of the parameter file.
+    pub warnings: Vec<String>,
 }
 
 impl DesignTable {
@@ -95,7 +100,7 @@ impl DesignTable {
     /// Files that cannot be read; [`Error::Problems`] with everything that is wrong with the table.
     pub fn read(choices: &DesignChoices) -> Result<Self, Error> {
         let mut problems = Problems::default();
-        let scene = scene_of(choices, &mut problems)?;
+        let (scene, warnings) = scene_of(choices, &mut problems)?;
         let factors = factors_of(choices)?;
         let table = table_file::read(&choices.design)?;
         let columns = Columns::read(choices, &table, &scene, &factors, &mut problems);
@@ -111,6 +116,7 @@ impl DesignTable {
             models,
             bindings,
             runs,
+            warnings,
         })
     }
 
@@ -189,11 +195,12 @@ impl DesignTable {
         Ok(campaign.run_each(simulator, &self.requests())?)
     }
 
-    /// The files that the runs follow from: table, scene, meshes, factors.
+    /// The files that the runs follow from: table, scene, meshes, factors, parameters.
     pub fn input_files(&self) -> Vec<PathBuf> {
         let choices = &self.choices;
         let mut files = vec![table_file::file_of(&choices.design), choices.scene.clone()];
         files.extend(choices.factors.as_deref().map(table_file::file_of));
+        files.extend(choices.set_file.clone());
         for scene in self.models.values() {
             for mesh in scene.shape_files() {
                 let file = scene.folder.join(mesh);
@@ -206,8 +213,11 @@ impl DesignTable {
     }
 }
 
-/// The scene with the changes of all runs.
-fn scene_of(choices: &DesignChoices, problems: &mut Problems) -> Result<Scene, Error> {
+/// The scene with the changes of all runs, and what must be known of the values of a parameter file.
+fn scene_of(
+    choices: &DesignChoices,
+    problems: &mut Problems,
+) -> Result<(Scene, Vec<String>), Error> {
     let mut set = Vec::new();
     for text in &choices.set {
         match text.split_once('=') {
@@ -226,7 +236,15 @@ fn scene_of(choices: &DesignChoices, problems: &mut Problems) -> Result<Scene, E
             }),
         }
     }
-    Ok(Scene::read(&choices.scene, &set)?)
+    let scene = Scene::read(&choices.scene, &set)?;
+    let Some(file) = &choices.set_file else {
+        return Ok((scene, Vec::new()));
+    };
+    let parameters = ParameterFile::read(file)?;
+    let mut changes = parameters.overrides(&scene)?;
+    let warnings = parameters.warnings(&scene)?;
+    changes.extend(set);
+    Ok((Scene::read(&choices.scene, &changes)?, warnings))
 }
 
 /// The factors of the table, by symbol.

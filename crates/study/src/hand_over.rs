@@ -4,13 +4,13 @@ use crate::{Error, Study, StudyResult};
 use calibration::Estimate;
 use command_line::{Overwrite, write_new};
 use exchange::vtk::File;
-use exchange::{lammps, liggghts};
+use exchange::{add_warnings, lammps, liggghts};
 use scene::{Apparatus, FillingLibrary, Scene, starting_frame};
 use scene_simulator::{CalibratedParameter, ParameterFile};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
-/// The parameters as a file that `--set-file` reads.
+/// The parameters as a file that `--set-file` reads; it does not say yet whether they meet the measurements.
 pub fn parameter_file(estimates: &[Estimate]) -> ParameterFile {
     let row = |e: &Estimate| CalibratedParameter {
         symbol: e.symbol.clone(),
@@ -26,6 +26,7 @@ pub fn parameter_file(estimates: &[Estimate]) -> ParameterFile {
     ParameterFile {
         parameter: estimates.iter().map(row).collect(),
         file: "parameters.toml".into(),
+        ..ParameterFile::default()
     }
 }
 
@@ -54,12 +55,14 @@ pub fn write_hand_over(
 ) -> Result<Vec<PathBuf>, Error> {
     let estimates = result.calibration.parameters.clone();
     let path = folder.join("parameters.toml");
-    let found = &result.calibration;
-    let met = if found.met { "" } else { "NOT MET: " };
     // The file is passed on alone.
-    let verdict = format!("{met}{}", found.verdict).replace('\n', "\n# ");
-    let text = parameter_file(&estimates).to_toml()?;
-    write(&path, format!("# {verdict}\n\n{text}").as_bytes())?;
+    let parameters = ParameterFile {
+        met: Some(result.calibration.met),
+        verdict: Some(result.calibration.verdict.clone()),
+        ..parameter_file(&estimates)
+    };
+    write(&path, parameters.to_toml()?.as_bytes())?;
+    let doubts = parameters.doubts();
     let mut written = vec![path];
     let fillings = FillingLibrary::default();
     for (name, scene) in &study.scenes {
@@ -73,7 +76,8 @@ pub fn write_hand_over(
         ] {
             let deck_folder = folder.join("decks").join(name).join(tool);
             match deck {
-                Ok(files) => {
+                Ok(mut files) => {
+                    add_warnings(&mut files, &doubts);
                     for file in files {
                         let path = deck_folder.join(&file.name);
                         write(&path, file.text.as_bytes())?;

@@ -1,6 +1,6 @@
 //! `seedloop bench-test`: contact parameters from the bench, measured or simulated.
 
-use crate::simulate::read_scene;
+use crate::simulate::{ReadScene, read_scene};
 use anyhow::{Context as _, ensure};
 use bench_test::measured::{Test, coefficients};
 use bench_test::{Summary, summarise};
@@ -89,6 +89,8 @@ struct Report {
     put_in: Option<f64>,
     /// Seeds that slid instead of rolling; tilt only.
     slid: usize,
+    /// What the user should know of the values of the parameter file.
+    warnings: Vec<String>,
     /// Mean, spread, interval.
     #[serde(flatten)]
     summary: Summary,
@@ -165,13 +167,17 @@ fn measured(kind: Kind, file: &Path) -> anyhow::Result<Report> {
         coefficient: test.coefficient(),
         put_in: None,
         slid: 0,
+        warnings: Vec::new(),
         summary: summarise(&coefficients)?,
     })
 }
 
 /// Does the test with the solver.
 fn simulated(arguments: &Arguments, file: &Path) -> anyhow::Result<Report> {
-    let (scene, _) = read_scene(file, arguments.set_file.as_deref(), &[])?;
+    let set_file = arguments.set_file.as_deref();
+    let ReadScene {
+        scene, warnings, ..
+    } = read_scene(file, set_file, &[], &arguments.common)?;
     let first = scene.seed.first().context("the scene has no seed")?;
     let seed_name = arguments.kind.clone().unwrap_or_else(|| first.name.clone());
     let plate = arguments
@@ -221,6 +227,7 @@ fn simulated(arguments: &Arguments, file: &Path) -> anyhow::Result<Report> {
         coefficient: test_of(arguments.test).coefficient(),
         put_in: Some(put_in),
         slid,
+        warnings,
         summary: summarise(values(&result, &shown))?,
     })
 }

@@ -1,11 +1,11 @@
 //! `seedloop export`: a scene in the formats of other tools.
 
-use crate::simulate::read_scene;
+use crate::simulate::{ReadScene, read_scene};
 use anyhow::{Context as _, ensure};
 use clap::ValueEnum;
 use command_line::{Common, DONE, Header, try_folder, write_new};
 use exchange::vtk::File;
-use exchange::{csv, edem, lammps, liggghts, vtk};
+use exchange::{add_warnings, csv, edem, lammps, liggghts, vtk};
 use scene::{FillingLibrary, starting_frame};
 use serde::Serialize;
 use std::path::PathBuf;
@@ -65,6 +65,8 @@ struct Report {
     header: Header,
     /// Names of the files in the folder.
     files: Vec<String>,
+    /// What whoever takes the files over must know; their first one says it too.
+    warnings: Vec<String>,
 }
 
 /// Reads the scene, runs it where frames are asked for, and writes the files.
@@ -75,13 +77,16 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
     let common = &arguments.common;
     common.try_outputs([])?;
     try_folder(&arguments.out)?;
-    let (scene, _) = read_scene(
+    let ReadScene {
+        scene, warnings, ..
+    } = read_scene(
         &arguments.scene,
         arguments.set_file.as_deref(),
         &arguments.set,
+        common,
     )?;
     let library = FillingLibrary::default();
-    let files = match arguments.format {
+    let mut files = match arguments.format {
         Format::Lammps => {
             let (frame, bodies, time_step) = starting_frame(&scene, &library, arguments.seed)?;
             lammps::deck(&scene, &bodies, &frame, time_step)?
@@ -104,6 +109,7 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
             series("frames", &scene, &result.frames, &result.bodies)
         }
     };
+    add_warnings(&mut files, &warnings);
     write_all(arguments, &files)?;
     for file in &files {
         common.print(arguments.out.join(&file.name).display())?;
@@ -119,6 +125,7 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
     common.emit_json(&Report {
         header: Header::new(arguments.seed, inputs)?,
         files: files.into_iter().map(|f| f.name).collect(),
+        warnings,
     })?;
     Ok(DONE)
 }

@@ -3,7 +3,7 @@
 use crate::calibrate::{progress_lines, refuse_used_folder};
 use crate::enter::{enter, require_memory, work_of};
 use crate::runner::{Retries, Runner, runner_settings, whole};
-use crate::simulate::all_written;
+use crate::simulate::{all_written, log_warnings};
 use crate::stop::Stop;
 use crate::watched;
 use crate::work::Job;
@@ -51,6 +51,10 @@ pub(crate) struct Arguments {
     /// Changes a setting of the scene in all runs, as for `simulate`
     #[arg(long, value_name = "NAME=VALUE")]
     set: Vec<String>,
+
+    /// Sets the calibrated values of a parameter file in all runs, as for `simulate`; --set and columns come after it
+    #[arg(long, value_name = "PARAMETERS.toml")]
+    set_file: Option<PathBuf>,
 
     /// Runs of each row, where the table has no column `replicates` [default: 1]
     #[arg(long, value_name = "N")]
@@ -101,6 +105,8 @@ struct Report {
     n_failed: usize,
     /// Number of runs whose surface no frame shows: they have no angle.
     n_refused: usize,
+    /// What the user should know of the values of the parameter file.
+    warnings: Vec<String>,
     /// The runs, in the order of the design.
     runs: Vec<RunReport>,
 }
@@ -137,6 +143,7 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
     common.try_outputs([])?;
     try_folder(&folder(arguments))?;
     let table = DesignTable::read(&choices(arguments))?;
+    log_warnings(&table.warnings, common);
     let simulator = table.simulator()?.with_retries(arguments.retries.number);
     let folder = folder(arguments);
     let header = Header::new(arguments.seed, table.input_files())?;
@@ -148,7 +155,7 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
     let told = plan_text(&plan, common.threads());
     if arguments.plan {
         common.print(told)?;
-        common.emit_json(&with_header(&header, &plan)?)?;
+        common.emit_json(&with_header(&header, &table.warnings, &plan)?)?;
         return Ok(DONE);
     }
     refuse_used_folder(&folder, arguments.resume, common)?;
@@ -209,6 +216,7 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
             n_runs: outcomes.len(),
             n_failed: failed,
             n_refused: refused,
+            warnings: table.warnings.clone(),
             runs: each.map(|(run, outcome)| report(run, outcome)).collect(),
         }),
     ])?;
@@ -219,6 +227,9 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
 fn job(arguments: &Arguments, folder: &Path) -> anyhow::Result<Job> {
     let mut choices = choices(arguments);
     choices.scene = whole(&choices.scene)?;
+    if let Some(file) = &mut choices.set_file {
+        *file = whole(file)?;
+    }
     for table in [&mut choices.design]
         .into_iter()
         .chain(&mut choices.factors)
@@ -250,6 +261,7 @@ fn choices(arguments: &Arguments) -> DesignChoices {
         scene: arguments.scene.clone(),
         factors: arguments.factors.clone(),
         bind: arguments.bind.clone(),
+        set_file: arguments.set_file.clone(),
         set: arguments.set.clone(),
         keep: arguments.keep.clone(),
         replicates: arguments.replicates,
@@ -283,11 +295,16 @@ fn plan_text(plan: &DesignPlan, threads: usize) -> String {
     )
 }
 
-/// A plan with version, seed and inputs.
-fn with_header(header: &Header, plan: &DesignPlan) -> anyhow::Result<serde_json::Value> {
+/// A plan with version, seed and inputs, and what the user should know of the values of the parameter file.
+fn with_header(
+    header: &Header,
+    warnings: &[String],
+    plan: &DesignPlan,
+) -> anyhow::Result<serde_json::Value> {
     let (mut value, plan) = (serde_json::to_value(header)?, serde_json::to_value(plan)?);
     if let (Some(value), serde_json::Value::Object(plan)) = (value.as_object_mut(), plan) {
         value.extend(plan);
+        value.insert("warnings".to_owned(), warnings.into());
     }
     Ok(value)
 }

@@ -90,8 +90,17 @@ pub(crate) fn setting(text: &str) -> Result<Override, String> {
     }
 }
 
-/// Reads a scene with the values of a parameter file and further settings; also gives all settings that were
-/// changed, in the order in which they were.
+/// A scene as it is run.
+pub(crate) struct ReadScene {
+    /// The scene.
+    pub(crate) scene: Scene,
+    /// All settings that were changed, in the order in which they were.
+    pub(crate) changes: Vec<Override>,
+    /// What the user must know of the values of the parameter file.
+    pub(crate) warnings: Vec<String>,
+}
+
+/// Reads a scene with the values of a parameter file and further settings, and logs what must be known of the values.
 ///
 /// # Errors
 /// A scene or parameter file that cannot be read, settings that the scene does not have.
@@ -99,19 +108,32 @@ pub(crate) fn read_scene(
     file: &Path,
     set_file: Option<&Path>,
     set: &[Override],
-) -> anyhow::Result<(Scene, Vec<Override>)> {
+    common: &Common,
+) -> anyhow::Result<ReadScene> {
     let scene = Scene::read(file, set)?;
     let Some(set_file) = set_file else {
-        return Ok((scene, set.to_vec()));
+        return Ok(ReadScene {
+            scene,
+            changes: set.to_vec(),
+            warnings: Vec::new(),
+        });
     };
     let parameters = ParameterFile::read(set_file)?;
-    let calibrated = parameters.overrides(&scene)?;
-    for warning in parameters.not_carried(&scene, &calibrated) {
-        // It is told even when the log is quiet: a value is missing in what is written.
-        writeln!(std::io::stderr(), "warning: {warning}")?;
+    let changes = [parameters.overrides(&scene)?.as_slice(), set].concat();
+    let warnings = parameters.warnings(&scene)?;
+    log_warnings(&warnings, common);
+    Ok(ReadScene {
+        scene: Scene::read(file, &changes)?,
+        changes,
+        warnings,
+    })
+}
+
+/// Logs warnings, a line each.
+pub(crate) fn log_warnings(warnings: &[String], common: &Common) {
+    for warning in warnings {
+        common.log(|| format!("warning: {warning}"));
     }
-    let changes = [calibrated.as_slice(), set].concat();
-    Ok((Scene::read(file, &changes)?, changes))
 }
 
 /// Reads a time of 0 s or more.
@@ -141,7 +163,16 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
     let common = &arguments.common;
     try_outputs(arguments)?;
     let set = [arguments.set.as_slice(), &arguments.further].concat();
-    let (scene, changes) = read_scene(&arguments.scene, arguments.set_file.as_deref(), &set)?;
+    let ReadScene {
+        scene,
+        changes,
+        warnings,
+    } = read_scene(
+        &arguments.scene,
+        arguments.set_file.as_deref(),
+        &set,
+        common,
+    )?;
     let mut inputs = vec![arguments.scene.clone()];
     inputs.extend(arguments.set_file.clone());
     inputs.extend(
@@ -175,10 +206,9 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
         Ok(Err(code)) => return Ok(code),
         Err(error) => return Err(error),
     };
-    let report = Report::new(header, &outcome, single.scene(), &changes)?;
-    for warning in report.warnings() {
-        common.log(|| format!("warning: {warning}"));
-    }
+    let mut report = Report::new(header, &outcome, single.scene(), &changes)?;
+    log_warnings(&report.warnings, common);
+    report.warnings.splice(0..0, warnings);
     if let Some(reason) = report.refusal() {
         // The reason of a refusal is told even when the log is quiet.
         writeln!(std::io::stderr(), "refused: {reason}")?;

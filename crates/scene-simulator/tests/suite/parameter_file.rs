@@ -84,10 +84,52 @@ fn what_is_written_reads_back_bit_for_bit() {
     };
     let short = ParameterFile {
         parameter: vec![short],
-        file: String::new(),
+        ..ParameterFile::default()
     };
     let text = short.to_toml().unwrap();
     assert!(!text.contains("se =") && !text.contains("unit"), "{text}");
+}
+
+/// A fit that was not met says so with every use of its values, by its key, or in a file without it by its first line; so do a value
+/// that the data leave open and one that the scene has no place for.
+#[test]
+fn what_stands_behind_the_values_is_said_with_each_use() {
+    let folder = tempfile::tempdir().unwrap();
+    let warnings = |text: &str| {
+        let file = ParameterFile::read(&written(&folder, text)).unwrap();
+        file.warnings(&drum()).unwrap()
+    };
+    assert_eq!(warnings(TEXT), [""; 0]);
+    assert_eq!(
+        warnings(&format!("met = true\nverdict = \"all is met\"\n{TEXT}")),
+        [""; 0]
+    );
+    let verdict = "the fit does not meet angle_deg";
+    for text in [
+        format!("met = false\nverdict = \"{verdict}\"\n{TEXT}"),
+        format!("# NOT MET: {verdict}\n\n{TEXT}"),
+    ] {
+        let told = warnings(&text);
+        assert!(
+            told.len() == 1 && told[0].ends_with(&format!("NOT MET: {verdict}")),
+            "{told:?}"
+        );
+        let file = ParameterFile::read(&written(&folder, &text)).unwrap();
+        let again = written(&folder, &file.to_toml().unwrap());
+        assert_eq!(
+            ParameterFile::read(&again).unwrap(),
+            file,
+            "the state stays with the values"
+        );
+    }
+    let text = TEXT
+        .replace("fixed_by_data = true", "fixed_by_data = false")
+        .replace("seed-seed", "bean-bean");
+    let told = warnings(&text).join("\n");
+    assert!(
+        told.contains("do not fix F") && told.contains("is not carried over: "),
+        "{told}"
+    );
 }
 
 /// A scene with other materials: nothing is silently left as it was.

@@ -58,6 +58,8 @@ pub(super) struct Report {
     record: String,
     /// Whether the results come from a record that was there before.
     reused: bool,
+    /// What the user should know of the values and of the result.
+    pub(super) warnings: Vec<String>,
 }
 
 impl Report {
@@ -73,7 +75,7 @@ impl Report {
     ) -> anyhow::Result<Self> {
         let record = &outcome.record;
         let details = RunDetails::of(record)?;
-        Ok(Self {
+        let mut report = Self {
             header,
             verdict: if details.no_surface.is_some() {
                 "refused"
@@ -96,7 +98,10 @@ impl Report {
             seeds: scene.seeds_in_words(),
             record: record.key().to_owned(),
             reused: outcome.result.is_none(),
-        })
+            warnings: Vec::new(),
+        };
+        report.warnings = report.of_result();
+        Ok(report)
     }
 
     /// Why there is no angle; none where there is one, or the apparatus has none.
@@ -132,7 +137,7 @@ impl Report {
     }
 
     /// What the user should know of the result.
-    pub(super) fn warnings(&self) -> Vec<String> {
+    fn of_result(&self) -> Vec<String> {
         let mut warnings = Vec::new();
         if let Some(doubt) = &self.doubt
             && doubt == Doubt::DrivenByRolling.words()

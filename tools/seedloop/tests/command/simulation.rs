@@ -388,6 +388,61 @@ fn calibrated_values_are_taken_from_a_file() {
     fs::write(scene.path("peas.toml"), &file[2]).unwrap();
     let output = scene.simulate(&["--set-file", "peas.toml"]);
     crate::assert_error(&output, &["peas.toml", "tiny.toml", "pea-pea"]);
+
+    let verdict = "NOT MET: the fit does not meet angle_deg";
+    let state = "met = false\nverdict = \"the fit does not meet angle_deg\"\n";
+    fs::write(
+        scene.path("parameters.toml"),
+        format!("{state}{}", file.concat()),
+    )
+    .unwrap();
+    a_fit_that_is_not_met_says_so(&scene, verdict);
+}
+
+/// Values that miss the measurements are used with a warning in the log, the JSON and the files, by every command that takes them.
+fn a_fit_that_is_not_met_says_so(scene: &TinyScene, verdict: &str) {
+    fs::write(scene.path("one.csv"), "rpm\n20\n").unwrap();
+    let short = ["--set", "time_s=0.2", "--set", "frames=2"];
+    let table = ["run", "one.csv", "--scene", "tiny.toml", "--plan"];
+    for (words, file) in [
+        (&["simulate", "tiny.toml"][..], None),
+        (
+            &["export", "lammps", "tiny.toml", "--out", "l"],
+            Some("l/in.drum"),
+        ),
+        (
+            &["export", "liggghts", "tiny.toml", "--out", "g"],
+            Some("g/in.drum"),
+        ),
+        (
+            &["export", "edem", "tiny.toml", "--out", "e"],
+            Some("e/edem.csv"),
+        ),
+        (
+            &["export", "vtk", "tiny.toml", "--out", "v"],
+            Some("v/frames.pvd"),
+        ),
+        (
+            &["export", "csv", "tiny.toml", "--out", "c"],
+            Some("c/WARNING.txt"),
+        ),
+        (&table, None),
+    ] {
+        let words = [words, &["--set-file", "parameters.toml", "--json"], &short].concat();
+        let output = crate::seedloop(&scene.path(""), &words);
+        assert_code(&output, 0);
+        let log = text(&output.stderr);
+        assert!(
+            log.contains(verdict) && log.contains("is not carried over"),
+            "{words:?}: {log}"
+        );
+        let told = json(&output)["warnings"].to_string();
+        assert!(told.contains(verdict), "{words:?}: {told}");
+        if let Some(file) = file {
+            let written = fs::read_to_string(scene.path(file)).unwrap();
+            assert!(written.contains(verdict), "{file}: {written}");
+        }
+    }
 }
 
 /// However a path is typed, the run is the same one: by its key where the scene says the same, and by its numbers where the scene
