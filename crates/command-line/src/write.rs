@@ -67,6 +67,18 @@ pub fn try_folder(folder: &Path) -> anyhow::Result<()> {
             above.display()
         );
     }
+    // A name that the file system does not take, such as one of 300 letters, is no missing one.
+    for part in folder.strip_prefix(above).unwrap_or(folder) {
+        match fs::symlink_metadata(above.join(part)) {
+            Err(why) if why.kind() != ErrorKind::NotFound => {
+                bail!(
+                    "cannot write into {}: {why}; give another name",
+                    folder.display()
+                )
+            }
+            _ => {}
+        }
+    }
     let aside = Aside::write(&above.join("seedloop"), &[]);
     aside.with_context(|| format!("cannot write into {}", above.display()))?;
     if above == folder {

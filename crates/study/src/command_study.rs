@@ -8,10 +8,11 @@ use crate::file::{
 };
 use crate::measured::{Known, push, read_photos, words};
 use crate::photos::{PhotoSeries, Shown};
+use crate::plausible::wrong_name;
 use crate::problem::Problems;
 use crate::scenes::model_name;
 use calibration::{Candidate, Correlation, EffectProbe, Measurement, Model};
-use external_simulator::CommandModel;
+use external_simulator::{CommandModel, variable};
 use scene::{OBSERVABLES_OF_A_BED, OBSERVABLES_OF_PICTURES};
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -19,6 +20,8 @@ use toml::Value;
 
 /// Names that every run has.
 const TAKEN: [&str; 2] = ["scene", "seed"];
+/// Name of the place in a command for all values.
+const ALL: &str = "arguments";
 
 /// Models and measurements of such a study.
 #[derive(Debug, Default)]
@@ -250,28 +253,44 @@ impl CommandChecker<'_> {
             let names = condition.keys();
             names.map(move |name| (name, path, "condition"))
         });
-        let mut before: Vec<(&String, &str)> = Vec::new();
+        let mut before: Vec<(&str, &str)> = Vec::new();
+        let mut variables: BTreeMap<String, (&str, &str)> =
+            TAKEN.map(|name| (variable(name), (name, "run"))).into();
         for (name, path, key) in parameters.chain(effects).chain(conditions) {
+            let name = name.as_str();
             let path = below(path, key);
             let mut wrong = |problem: String| {
                 let what = format!("{key} '{name}'");
                 problems.add(self.document.problem(&path, what, problem));
             };
+            let variable = variable(name);
+            let mut others = before.iter();
             if !usable_name(name) {
                 wrong(
                     "must begin with a letter, and hold letters, digits, '_', '-' and '.'".into(),
                 );
-            } else if TAKEN.contains(&name.as_str()) {
+            } else if let Some(problem) = wrong_name(name) {
+                wrong(problem);
+            } else if name == ALL {
+                wrong("stands for all values in a command: take another".into());
+            } else if TAKEN.contains(&name) {
                 wrong(format!(
                     "is a name that every run has: take another than {}",
                     TAKEN.join(", ")
                 ));
-            } else if let Some((_, other)) = before.iter().find(|(n, k)| *n == name && *k != key) {
+            } else if let Some((_, other)) = others.find(|(n, k)| *n == name && *k != key) {
                 wrong(format!(
                     "is also the name of a {other}: the program could not tell them apart"
                 ));
+            } else if let Some((other, _)) = variables.get(&variable).filter(|(n, _)| *n != name) {
+                wrong(format!(
+                    "reaches the program as {variable}, as '{other}' does: take names that differ in more than capitals and signs"
+                ));
             }
-            before.push((name, key));
+            variables.entry(variable).or_insert((name, key));
+            if !before.contains(&(name, key)) {
+                before.push((name, key));
+            }
         }
     }
 
@@ -284,6 +303,17 @@ impl CommandChecker<'_> {
         if !folder.is_dir() {
             let what = format!("[simulator] template = '{}'", template.display());
             let problem = format!("names no folder: there is no {}", folder.display());
+            let path = below("simulator", "template");
+            problems.add(self.document.problem(&path, what, problem));
+            return;
+        }
+        // The results of the study would become a part of what each run gets.
+        let here = self.folder.join(".").canonicalize();
+        if let (Ok(here), Ok(whole)) = (here, folder.canonicalize())
+            && here.starts_with(whole)
+        {
+            let what = format!("[simulator] template = '{}'", template.display());
+            let problem = "holds the study itself: give the files of a run a folder of their own";
             let path = below("simulator", "template");
             problems.add(self.document.problem(&path, what, problem));
         }

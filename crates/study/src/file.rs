@@ -11,6 +11,7 @@ pub use simulator::{CommandEntry, EffectEntry, PeerEntry, SimulatorEntry};
 
 use crate::document::{Document, Fields, below};
 use crate::keys;
+use crate::plausible::wrong_name;
 use crate::problem::Problems;
 use batch_runner::BatchSettings;
 use calibration::{Prior, Role};
@@ -252,11 +253,9 @@ impl StudyFile {
         root.check_keys(&keys::STUDY, problems);
         let name: Option<String> = root.required("name", "a text", problems);
         let name = name.unwrap_or_default();
-        let usable = |c: char| c.is_alphanumeric() || "-_. ".contains(c);
         if root.table.contains_key("name")
-            && (name.trim().is_empty() || name.starts_with('.') || !name.chars().all(usable))
+            && let Some(problem) = folder_name(&name)
         {
-            let problem = "names the result folder: take letters, digits, '-', '_', '.' and blanks";
             problems.add(root.wrong("name", problem));
         }
         let simulator = simulator::simulator(&root, problems);
@@ -303,6 +302,10 @@ impl StudyFile {
         let profiles = profiles.map_or_else(BTreeMap::new, |all| {
             let mut found = BTreeMap::new();
             for name in all.table.keys() {
+                if let Some(problem) = folder_name(name) {
+                    let what = format!("[profile.{name}]");
+                    problems.add(document.problem(&below(&all.path, name), what, problem));
+                }
                 if let Some(fields) = all.table(name, problems) {
                     fields.check_keys(&keys::PROFILE, problems);
                     found.insert(
@@ -349,6 +352,17 @@ impl Choices {
     }
 }
 
+/// What is wrong with a name of which that of a result folder is made, as the rest of a sentence about it.
+fn folder_name(name: &str) -> Option<String> {
+    let usable = |c: char| c.is_alphanumeric() || "-_. ".contains(c);
+    if let Some(problem) = wrong_name(name) {
+        return Some(problem);
+    }
+    (name.starts_with('.') || !name.chars().all(usable)).then(|| {
+        "names the result folder: take letters, digits, '-', '_', '.' and blanks".to_owned()
+    })
+}
+
 /// The `[runner]` table; what is invalid is told.
 fn runner(root: &Fields<'_>, problems: &mut Problems) -> BatchSettings {
     let Some(table) = root.table("runner", problems) else {
@@ -373,6 +387,8 @@ fn runner(root: &Fields<'_>, problems: &mut Problems) -> BatchSettings {
 pub(crate) fn plain(value: &Value) -> Option<String> {
     match value {
         Value::String(text) => Some(text.clone()),
+        // Negative zero, too, is the level 0.
+        Value::Float(number) if *number == 0.0 => Some("0.0".to_owned()),
         Value::Integer(_) | Value::Float(_) | Value::Boolean(_) => Some(value.to_string()),
         _ => None,
     }
@@ -399,14 +415,19 @@ pub(crate) fn settings(fields: &Fields<'_>, problems: &mut Problems) -> BTreeMap
     walk(fields.table, "", &mut found);
     let mut settings = BTreeMap::new();
     for (name, value) in found {
-        if let Some(value) = value {
+        // A level becomes a part of the name of its model.
+        let problem = match value.as_deref().map(wrong_name) {
+            Some(None) => None,
+            Some(Some(problem)) => Some(problem),
+            None => Some("must be a number or a text, such as \"15 rpm\"".to_owned()),
+        };
+        if let Some(problem) = problem {
+            let what = format!("{}: '{name}'", fields.words);
+            let path = below(&fields.path, &name);
+            problems.add(fields.document.problem(&path, what, problem));
+        } else if let Some(value) = value {
             settings.insert(name, value);
-            continue;
         }
-        let what = format!("{}: '{name}'", fields.words);
-        let problem = "must be a number or a text, such as \"15 rpm\"";
-        let path = below(&fields.path, &name);
-        problems.add(fields.document.problem(&path, what, problem));
     }
     settings
 }

@@ -27,6 +27,7 @@ mod next;
 mod parameters;
 mod photo_values;
 mod photos;
+mod plausible;
 mod price;
 mod problem;
 mod result;

@@ -14,6 +14,23 @@ const RESTITUTION: [f64; 2] = [0.001, 0.999];
 /// seeds comes near it in any unit. Our choice.
 pub(crate) const MOST: f64 = 1e15;
 
+/// Smallest size of a number in a study file that is not 0. No quantity of seeds comes near it in SI units, the moment of inertia of a grain of
+/// 10 um being some 1e-22 kg m2; squares and reciprocals of squares are still exact. Our choice.
+pub(crate) const LEAST: f64 = 1e-30;
+
+/// Smallest ratio of a standard deviation to its mean, and of a range to the numbers that it lies between: nothing is measured to nine
+/// digits, and the rounding of numbers is far below. Our choice.
+pub(crate) const LEAST_RATIO: f64 = 1e-9;
+
+/// Longest name, bytes: that of a study and that of its profile make one name of a folder, of which file systems take 255.
+pub(crate) const LONGEST_NAME: usize = 100;
+
+/// Longest text, bytes. Our choice: some pages.
+pub(crate) const LONGEST_TEXT: usize = 10_000;
+
+/// Shortest limit of the time of a run of a program of the user, s: no program starts in less.
+pub(crate) const LEAST_TIME_S: f64 = 1e-3;
+
 /// Most runs that one key of `[design]` can ask for: our choice, a hundred times the usual.
 pub(crate) const MOST_RUNS: usize = 1000;
 

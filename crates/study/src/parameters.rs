@@ -3,7 +3,7 @@
 use crate::defaults::Defaults;
 use crate::document::{Document, below};
 use crate::file::ParameterEntry;
-use crate::limits::{MOST, physical_limits};
+use crate::limits::{LEAST_RATIO, MOST, physical_limits};
 use crate::problem::{Problem, Problems};
 use crate::scenes::Models;
 use crate::setting::{change, leaf, number, paths, table_of};
@@ -250,6 +250,11 @@ impl Resolver<'_> {
             problems.add(self.wrong(entry, "low", problem));
             return;
         }
+        if high - low < LEAST_RATIO * low.abs().max(high.abs()) {
+            let problem =
+                format!("= {low} and high = {high} are the same to nine digits: widen the range");
+            problems.add(self.wrong(entry, "low", problem));
+        }
         for (key, value) in [("low", low), ("high", high)] {
             if !(least..=most).contains(&value) {
                 let problem = format!(
@@ -265,6 +270,14 @@ impl Resolver<'_> {
             let problem = format!(
                 "{:e} +- {:e} needs a mean of a size of 1e15 at most and an sd above 0, at most 1e15",
                 prior.mean, prior.sd
+            );
+            problems.add(self.wrong(entry, "prior", problem));
+        } else if let Some(prior) = entry.prior
+            && prior.sd < LEAST_RATIO * (high - low)
+        {
+            let problem = format!(
+                "has the sd {:e}, less than 1e-9 of the range from low to high: set the parameter in the scene, or state its error",
+                prior.sd
             );
             problems.add(self.wrong(entry, "prior", problem));
         } else if let Some(prior) = entry.prior

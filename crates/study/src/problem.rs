@@ -40,6 +40,11 @@ impl Problems {
         }
     }
 
+    /// Whether there is a problem of a known line.
+    pub(crate) fn knows_line(&self, line: Option<usize>) -> bool {
+        line.is_some() && self.list.iter().any(|p| p.line == line)
+    }
+
     /// Number of problems found so far.
     pub(crate) fn count(&self) -> usize {
         self.list.len()

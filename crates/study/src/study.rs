@@ -15,7 +15,7 @@ use crate::photos::PhotoSeries;
 use crate::problem::{Problem, Problems};
 use crate::scenes::{Models, Scenes};
 use crate::simulator::StudySimulator;
-use crate::{Error, inputs};
+use crate::{Error, inputs, plausible};
 use calibration::{CalibrationProblem, Candidate, EffectProbe, LoopSettings, Parameter};
 use external_simulator::{
     CommandModel, CommandSettings, CommandSimulator, PeerSettings, PeerSimulator,
@@ -473,6 +473,7 @@ impl Checker<'_> {
 
     /// Refuses what only shows in the whole, where the parts are right.
     fn check_whole(&mut self, problem: &CalibrationProblem) {
+        plausible::check(self.document, &mut self.problems);
         if self.problems.count() > 0 {
             return;
         }

@@ -6,6 +6,7 @@ mod study_file {
     pub(crate) mod fixtures;
     pub(crate) mod folder;
     pub(crate) mod given;
+    pub(crate) mod plausible;
     pub(crate) mod refused;
     pub(crate) mod refused_measurements;
     pub(crate) mod values;

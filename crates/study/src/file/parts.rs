@@ -7,7 +7,8 @@ use super::{
 };
 use crate::document::{Document, Fields, below};
 use crate::keys;
-use crate::limits::{MOST, range_of};
+use crate::limits::{LEAST, LEAST_RATIO, MOST, range_of};
+use crate::plausible::wrong_name;
 use crate::problem::Problems;
 use calibration::Prior;
 use std::collections::BTreeMap;
@@ -58,8 +59,8 @@ pub(super) fn scene(fields: &Fields<'_>, problems: &mut Problems) -> Option<Scen
 pub(super) fn command_scene(fields: &Fields<'_>, problems: &mut Problems) -> Option<SceneEntry> {
     fields.check_keys(&keys::SCENE_COMMAND, problems);
     let name = scene_name(fields, problems);
-    let observables = fields.optional("observables", "a list of names", problems);
-    let parameters = fields.optional("parameters", "a list of symbols", problems);
+    let observables = names(fields, "observables", "a list of names", problems);
+    let parameters = names(fields, "parameters", "a list of symbols", problems);
     let drum = fields.table("drum", problems);
     let drum = drum.and_then(|fields| drum_of(&fields, problems));
     Some(SceneEntry {
@@ -74,13 +75,35 @@ pub(super) fn command_scene(fields: &Fields<'_>, problems: &mut Problems) -> Opt
     })
 }
 
+/// A list of names, each once.
+fn names(
+    fields: &Fields<'_>,
+    key: &str,
+    kind: &str,
+    problems: &mut Problems,
+) -> Option<Vec<String>> {
+    let names: Option<Vec<String>> = fields.optional(key, kind, problems);
+    for (k, name) in names.iter().flatten().enumerate() {
+        let twice = names.iter().flatten().take(k).any(|before| before == name);
+        let twice = twice.then(|| "stands there twice: name it once".to_owned());
+        if let Some(problem) = wrong_name(name).or(twice) {
+            let what = format!("{}: {key}: '{name}'", fields.words);
+            let path = below(&below(&fields.path, key), k);
+            problems.add(fields.document.problem(&path, what, problem));
+        }
+    }
+    names
+}
+
 /// The name of a scene.
 fn scene_name(fields: &Fields<'_>, problems: &mut Problems) -> Option<String> {
     let name: Option<String> = fields.required("name", "a text", problems);
-    if let Some(name) = &name
-        && (name.trim().is_empty() || name.contains(['@', '/']))
-    {
-        problems.add(fields.wrong("name", "must be a word without '@' and '/'"));
+    if let Some(name) = &name {
+        if name.trim().is_empty() || name.contains(['@', '/']) {
+            problems.add(fields.wrong("name", "must be a word without '@' and '/'"));
+        } else if let Some(problem) = wrong_name(name) {
+            problems.add(fields.wrong("name", problem));
+        }
     }
     name
 }
@@ -152,7 +175,12 @@ fn read_parameter(
     let known: Vec<&str> = keys::PARAMETER.into_iter().collect();
     let known = known.into_iter().filter(|key| of_scenes || *key != "sets");
     fields.check_keys(&known.collect::<Vec<_>>(), problems);
-    let name = fields.optional("name", "a text", problems);
+    let name: Option<String> = fields.optional("name", "a text", problems);
+    for (key, text) in [("symbol", &symbol), ("name", &name)] {
+        if let Some(problem) = text.as_deref().and_then(wrong_name) {
+            problems.add(fields.wrong(key, problem));
+        }
+    }
     let sets: Option<Vec<String>> = if of_scenes {
         fields.required("sets", "a list of dotted paths", problems)
     } else {
@@ -291,6 +319,12 @@ fn value(fields: &Fields<'_>, key: &str, problems: &mut Problems) -> Option<Meas
         sd.is_none_or(|sd| sd > 0.0 && sd <= MOST),
         "must be above 0, at most 1e15: the standard deviation of the single values; where only one was read, the \
          error of the reading",
+    );
+    let is_exact = |sd: f64| sd > 0.0 && sd < LEAST.max(LEAST_RATIO * mean.map_or(0.0, f64::abs));
+    demand(
+        "sd",
+        !sd.is_some_and(is_exact),
+        "is less than 1e-9 of the mean, which nothing is measured to: state the error of the reading",
     );
     demand(
         "n",

@@ -4,7 +4,8 @@ use super::parts::NUMBER;
 use super::photo::max_angle_error;
 use crate::document::Fields;
 use crate::keys;
-use crate::limits::MOST_TIME_S;
+use crate::limits::{LEAST_TIME_S, LONGEST_NAME, MOST_TIME_S};
+use crate::plausible::wrong_name;
 use crate::problem::Problems;
 use external_simulator::{DrumDescription, Keep, Peer, ResultFiles};
 use photo_profile::MAX_ANGLE_ERROR;
@@ -142,18 +143,27 @@ fn command(fields: &Fields<'_>, problems: &mut Problems) -> SimulatorEntry {
             ..ResultFiles::default()
         },
     };
+    let command: Vec<String> = fields
+        .required("command", LINE, problems)
+        .unwrap_or_default();
+    if command
+        .first()
+        .is_some_and(|program| program.trim().is_empty())
+    {
+        problems.add(fields.wrong("command", "begins with no program"));
+    }
+    let version: Option<String> = fields.required(
+        "version",
+        "a text that changes when the program does",
+        problems,
+    );
+    if let Some(problem) = version.as_deref().and_then(wrong_name) {
+        problems.add(fields.wrong("version", problem));
+    }
     SimulatorEntry::Command(CommandEntry {
-        command: fields
-            .required("command", LINE, problems)
-            .unwrap_or_default(),
+        command,
         template: fields.optional("template", "the path of a folder", problems),
-        version: fields
-            .required(
-                "version",
-                "a text that changes when the program does",
-                problems,
-            )
-            .unwrap_or_default(),
+        version: version.unwrap_or_default(),
         wall_limit_s: time(fields, "wall_limit", WALL_LIMIT_S, problems),
         expected_s: time(fields, "expected", EXPECTED_S, problems),
         keep: keep(fields, problems),
@@ -169,6 +179,10 @@ fn inside(table: &Fields<'_>, key: &str, problems: &mut Problems) -> Option<Path
     if !path.components().all(leads_inside) {
         let problem = "leads out of the folder of the run: name what the program leaves there";
         problems.add(table.wrong(key, problem));
+    } else if path.file_name().is_none() || path.iter().any(|part| part.len() > LONGEST_NAME) {
+        let problem =
+            format!("must name a file, each part of its path of at most {LONGEST_NAME} bytes");
+        problems.add(table.wrong(key, problem));
     }
     Some(path)
 }
@@ -179,8 +193,8 @@ fn time(fields: &Fields<'_>, key: &str, default: f64, problems: &mut Problems) -
         return default;
     };
     match Time::parse(&text) {
-        Ok(time) if time.si() > 0.0 && time.si() <= MOST_TIME_S => return time.si(),
-        Ok(_) => problems.add(fields.wrong(key, "must be above 0, at most a year")),
+        Ok(time) if (LEAST_TIME_S..=MOST_TIME_S).contains(&time.si()) => return time.si(),
+        Ok(_) => problems.add(fields.wrong(key, "must be 1 ms to a year")),
         Err(error) => problems.add(fields.wrong(key, format!(": {error}"))),
     }
     default
