@@ -16,6 +16,10 @@ const MOST_STEPS: f64 = 1e10;
 /// Most seeds of a run: a thousand drums of the study, in some 6 GB.
 const MOST_SEEDS: usize = 1_000_000;
 
+/// Most kinds of seeds and most materials: each pair of them has laws and a duration of contact of its own, which are worked out before the
+/// first step. A hundred take seconds, ten times as many a hundred times as long; size distributions have ten to thirty classes.
+const MOST_KINDS: usize = 100;
+
 /// Greatest acceleration at a wall that turns, m/s²: a hundred times gravity, where from one time gravity on all seeds
 /// lie at the shell.
 const MOST_ACCELERATION: f64 = 1000.0;
@@ -58,6 +62,7 @@ impl Scene {
 
     /// Finds times, steps, seeds, frames and speeds that no run can have.
     pub(crate) fn check_limits(&self, found: &mut Vec<Error>) {
+        found.extend(self.check_kinds());
         found.extend(self.check_times());
         found.extend(self.check_frames());
         found.extend(self.check_numbers());
@@ -74,6 +79,27 @@ impl Scene {
                 &requirement,
             ));
         }
+    }
+
+    /// More kinds of seeds or materials than a run can have.
+    fn check_kinds(&self) -> Option<Error> {
+        let lists = [
+            (
+                "number of [[seed]]",
+                self.seed.len(),
+                "kinds of seeds: join sizes into classes",
+            ),
+            (
+                "number of [material]",
+                self.material.len(),
+                "materials: remove those not in use",
+            ),
+        ];
+        let (name, number, of) = lists
+            .into_iter()
+            .find(|(_, number, _)| *number > MOST_KINDS)?;
+        let requirement = format!("at most {MOST_KINDS} {of}");
+        Some(bad(name, number.to_string(), &requirement))
     }
 
     /// The first wall from a mesh that is too fast somewhere in the apparatus.

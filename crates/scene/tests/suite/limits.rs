@@ -40,6 +40,33 @@ pub(crate) fn beads(name: &str, value: &str) -> Result<Scene, Error> {
     Scene::from_text(BEADS, "beads.toml", Path::new("."), &[set])
 }
 
+/// Kinds of seeds that are in no bed cost half a minute before; materials cost as much. A hundred of each are taken.
+#[test]
+fn more_kinds_than_can_be_worked_out_are_refused() {
+    let read = |seeds: usize, materials: usize| {
+        let kind = |k: usize| {
+            format!(
+                "[[seed]]\nname = \"k{k}\"\nsphere = \"4 mm\"\ndensity = \"1250 kg/m3\"\ncount = 0\nmaterial = \"glass\"\n"
+            )
+        };
+        let material =
+            |k: usize| format!("[material.m{k}]\npoisson_ratio = 0.3\nshear_modulus = \"1 MPa\"\n");
+        let all: String = (1..seeds)
+            .map(kind)
+            .chain((1..materials).map(material))
+            .collect();
+        Scene::from_text(&format!("{BEADS}{all}"), "beads.toml", Path::new("."), &[])
+    };
+    assert!(read(100, 100).is_ok());
+    for (seeds, materials, words) in [
+        (101, 1, ["[[seed]]", "101", "at most 100 kinds"]),
+        (1, 101, ["[material]", "101", "at most 100 materials"]),
+    ] {
+        let told = read(seeds, materials).unwrap_err().to_string();
+        assert!(words.iter().all(|word| told.contains(word)), "{told}");
+    }
+}
+
 /// Each of these ran without end, took all memory, or was taken as something else.
 #[test]
 fn settings_that_no_run_can_have_are_refused_with_their_limit() {
