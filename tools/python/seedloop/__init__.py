@@ -6,6 +6,10 @@ arguments are the flags of the program under the same name: ``all_points=True`` 
 
 What a program refuses raises `Error` with its words. An answer that is not met, which ends the program with exit code
 1, is an `Answer` with ``met == False``.
+
+``progress=`` says where the messages of a program go while it runs: ``True`` writes them to ``sys.stderr``, a function gets each line,
+``False`` keeps them for `Answer.log`, which has them in any case. `simulate`, `run`, `calibrate` and `diagnose` write them, the others
+keep them, unless told otherwise.
 """
 
 from __future__ import annotations
@@ -30,6 +34,7 @@ from ._files import (
     with_scene_files,
 )
 from ._programs import Answer, Error, Folder, answer_of
+from ._version import Unknown, version_of
 
 __all__ = [
     "Answer",
@@ -38,9 +43,12 @@ __all__ = [
     "calibrate",
     "design",
     "diagnose",
+    "export",
     "fill",
+    "init",
     "optimise",
     "read_angle",
+    "run",
     "simulate",
 ]
 
@@ -101,8 +109,7 @@ def simulate(
     Keys: ``observables`` (by name: ``mean``, ``sd``, ``n``, ``unit``), ``regime``, and what the run rests on.
     """
     with Folder() as folder:
-        changes = [f"{name}={_word(value)}" for name, value in (settings or {}).items()]
-        flags = {**flags, "set": [*_listed(flags.get("set")), *changes]}
+        flags = _with_progress(_with_settings(flags, settings))
         if frame:
             flags["frame"] = folder.path("frame.png")
         if arrays:
@@ -114,6 +121,63 @@ def simulate(
         if arrays and answer.met:
             with np.load(flags["arrays"]) as content:
                 answer["arrays"] = dict(content)
+        return answer
+
+
+def init(kind: str, out: PathLike = ".", **flags: Any) -> Answer:
+    """Write a commented study and its scene to start from (`seedloop init`).
+
+    kind: ``drum``, ``heap`` or ``box``.
+    out: the folder for the files.
+
+    Keys: ``files``.
+    """
+    with Folder() as folder:
+        return answer_of("seedloop", ["init", kind], {"out": out, **flags}, folder)
+
+
+def export(
+    format: str,
+    scene: Union[PathLike, Mapping[str, Any]],
+    out: PathLike,
+    settings: Optional[Mapping[str, Any]] = None,
+    **flags: Any,
+) -> Answer:
+    """Write a scene, or the frames of its run, for another tool (`seedloop export`).
+
+    format: ``lammps``, ``liggghts``, ``edem``, ``vtk`` or ``csv``.
+    scene, settings: as for `simulate`; ``set_file="parameters.toml"`` takes the values of a calibration.
+    out: the folder for the files.
+
+    Keys: ``files``, the names in the folder; ``warnings``, what whoever takes them over must know.
+    """
+    with Folder() as folder, path_of_toml(scene) as path:
+        flags = {"out": out, **_with_settings(flags, settings)}
+        return answer_of("seedloop", ["export", format, path], flags, folder)
+
+
+def run(
+    design: Table,
+    scene: Union[PathLike, Mapping[str, Any]],
+    out: PathLike,
+    settings: Optional[Mapping[str, Any]] = None,
+    **flags: Any,
+) -> Answer:
+    """Run every row of a design table (`seedloop run`).
+
+    design: a table, as in `analyse`; a column that is named by a setting sets it.
+    scene, settings: as for `simulate`; the same in all runs.
+    out: the folder of the results; ``resume=True`` goes on in it.
+
+    Keys: ``runs`` (one entry a run: ``observables``, ``parameters``, ``problem``), ``n_failed``; ``table``, the columns of the table of
+    results, which `analyse` takes. `Answer.met` is false where a run gave no result.
+    """
+    with Folder() as folder, path_of_toml(scene) as path:
+        table = path_of_table(design, folder, "design.csv")
+        flags = {"scene": path, "out": out, **_with_progress(_with_settings(flags, settings))}
+        answer = answer_of("seedloop", ["run", table], flags, folder)
+        if "results" in answer:
+            answer["table"] = table_of(answer["results"])
         return answer
 
 
@@ -161,7 +225,7 @@ def optimise(analysis: Union[PathLike, Mapping[str, Any]], **flags: Any) -> Answ
 def calibrate(
     study: Union[PathLike, Mapping[str, Any]],
     simulator: Optional[Simulator] = None,
-    version: str = "callback 1",
+    version: Optional[str] = None,
     **flags: Any,
 ) -> Answer:
     """Calibrate the parameters of a study on its measurements (`seedloop calibrate`).
@@ -171,7 +235,10 @@ def calibrate(
     simulator: does the runs in place of what the study says. It gets a dict (``scene``, ``condition``, ``parameters``,
     ``effects``, ``seed``) and gives a dict of observables, numbers or ``{"mean", "sd", "n"}``. It is called from
     several threads unless ``threads=1``, with the same seed for the same run; an exception fails that run.
-    version: of the simulator. Runs are kept in the result folder by it: another word, other runs.
+    version: a word for the version of the simulator, under which its runs are kept: another word, other runs. Without it that is its code,
+    with its defaults, the variables and functions that it uses and the versions of libraries: an edited function does its runs anew. What
+    the function reads from files cannot be seen, so give a word that changes with them. `Error` where the code uses something whose
+    content cannot be told.
 
     `Answer.met` is false where a check or a target is missed.
     """
@@ -181,7 +248,7 @@ def calibrate(
 def diagnose(
     study: Union[PathLike, Mapping[str, Any]],
     simulator: Optional[Simulator] = None,
-    version: str = "callback 1",
+    version: Optional[str] = None,
     **flags: Any,
 ) -> Answer:
     """Tell what a model lacks (`seedloop diagnose`).
@@ -201,7 +268,7 @@ def _study(
     command: str,
     study: Union[PathLike, Mapping[str, Any]],
     simulator: Optional[Simulator],
-    version: str,
+    version: Optional[str],
     flags: Mapping[str, Any],
 ) -> Answer:
     """Run a study, by its own simulator or by a function."""
@@ -212,12 +279,36 @@ def _study(
             if not isinstance(study, Mapping):
                 beside = Path(study).parent
                 study = read_toml(study)
+            version = _version_by_code(simulator) if version is None else version
             entry, environment = stack.enter_context(serving(simulator, version))
             study = {**study, "simulator": entry}
         if isinstance(study, Mapping):
             study = stack.enter_context(with_scene_files(study, beside))
         path = stack.enter_context(path_of_toml(study, beside))
-        return answer_of("seedloop", [command, path], flags, folder, environment)
+        return answer_of("seedloop", [command, path], _with_progress(flags), folder, environment)
+
+
+def _version_by_code(simulator: Simulator) -> str:
+    """The version of a function by its code."""
+    try:
+        return f"python {version_of(simulator)}"
+    except Unknown as why:
+        raise Error(
+            f"the version of the simulator cannot be told from {why}; give version=\"...\", a word that you change with the function "
+            "and with what it uses",
+            2,
+        ) from why
+
+
+def _with_progress(flags: Mapping[str, Any]) -> dict[str, Any]:
+    """Flags of a program that may take long: its messages are shown unless the caller says otherwise."""
+    return {"progress": True, **flags}
+
+
+def _with_settings(flags: Mapping[str, Any], settings: Optional[Mapping[str, Any]]) -> dict[str, Any]:
+    """Flags with settings of a scene."""
+    changes = [f"{name}={_word(value)}" for name, value in (settings or {}).items()]
+    return {**flags, "set": [*_listed(flags.get("set")), *changes]}
 
 
 def _is_list(factors: Any) -> bool:

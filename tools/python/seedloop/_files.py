@@ -10,6 +10,7 @@ import sys
 import tempfile
 from collections.abc import Iterator, Mapping
 from contextlib import ExitStack, contextmanager
+from hashlib import sha256
 from pathlib import Path
 from typing import Any, Optional
 
@@ -135,10 +136,16 @@ def path_of_toml(content: Any, beside: Optional[Path] = None) -> Iterator[str]:
     if not isinstance(content, Mapping):
         yield os.fspath(content)
         return
-    text = toml_text(content)
-    handle, path = tempfile.mkstemp(".toml", "seedloop-", str(beside or Path.cwd()))
+    text = toml_text(content).encode()
+    folder = beside or Path.cwd()
+    # The same name for the same content: results tell their inputs by name.
+    path = str(folder / f"seedloop-{sha256(text).hexdigest()[:12]}.toml")
     try:
-        with open(handle, "w", encoding="utf-8") as file:
+        handle = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600)
+    except FileExistsError:  # Another process reads the same content.
+        handle, path = tempfile.mkstemp(".toml", "seedloop-", str(folder))
+    try:
+        with open(handle, "wb") as file:
             file.write(text)
         yield path
     finally:

@@ -10,9 +10,12 @@ import subprocess
 import sys
 import sysconfig
 import tempfile
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from typing import Any, Optional
+from typing import Any, Optional, Union
+
+#: Whether the messages of a program are shown while it runs, or what gets each line of them.
+Progress = Union[bool, None, Callable[[str], Any]]
 
 #: Seconds that an interrupted program has to keep its state.
 LEAVE_S = 10.0
@@ -70,12 +73,13 @@ def answer_of(
     folder: Folder,
     environment: Optional[Mapping[str, str]] = None,
 ) -> Answer:
-    """Run a program with ``--json`` and give back what it wrote."""
+    """Run a program with ``--json`` and give back what it wrote; the flag ``progress`` is for here."""
     flags = dict(flags)
+    hear = _listener(flags.pop("progress", None))
     asked = flags.pop("json", None)
     out = str(asked) if asked else folder.path("answer.json")
     line = [program(name), *map(str, arguments), *_words(flags), "--json", out]
-    code, log = _run(line, {**os.environ, **(environment or {})})
+    code, log = _run(line, {**os.environ, **(environment or {})}, hear)
     if code not in (0, 1) or not Path(out).exists():
         raise Error(log.strip() or f"{name} ended with exit code {code}", code)
     return Answer(json.loads(Path(out).read_text(encoding="utf-8")), code == 0, log)
@@ -95,8 +99,19 @@ def _words(flags: Mapping[str, Any]) -> list[str]:
     return words
 
 
-def _run(line: Sequence[str], environment: Mapping[str, str]) -> tuple[int, str]:
-    """Exit code and log of a program. Ctrl-C reaches it once, and it keeps its state."""
+def _listener(progress: Progress) -> Optional[Callable[[str], Any]]:
+    """What gets each line of the messages."""
+    if progress is True:
+        # The stream of this moment: notebooks and tests put others in its place.
+        return lambda text: print(text, file=sys.stderr, flush=True)
+    return progress or None
+
+
+def _run(
+    line: Sequence[str], environment: Mapping[str, str], hear: Optional[Callable[[str], Any]]
+) -> tuple[int, str]:
+    """Exit code and log of a program, whose lines are heard as they come. Ctrl-C reaches it once, and it keeps its state."""
+    log: list[str] = []
     with subprocess.Popen(
         line,
         env=environment,
@@ -109,7 +124,11 @@ def _run(line: Sequence[str], environment: Mapping[str, str]) -> tuple[int, str]
         start_new_session=True,
     ) as running:
         try:
-            _, log = running.communicate()
+            for text in running.stderr:
+                log.append(text)
+                if hear is not None:
+                    hear(text.rstrip("\r\n"))
+            running.wait()
         except BaseException:
             running.send_signal(signal.SIGINT)
             try:
@@ -117,4 +136,4 @@ def _run(line: Sequence[str], environment: Mapping[str, str]) -> tuple[int, str]
             except subprocess.TimeoutExpired:
                 running.kill()
             raise
-        return running.returncode, log
+        return running.returncode, "".join(log)

@@ -17,6 +17,7 @@ import seedloop
 from seedloop._files import path_of_picture, read_toml, toml_text
 from seedloop._files import tomllib as _toml
 from seedloop._programs import Folder
+from seedloop._version import version_of
 
 FIXTURES = Path(__file__).resolve().parents[3] / "fixtures"
 
@@ -174,6 +175,63 @@ class Runs(unittest.TestCase):
         self.assertEqual(_toml.loads(toml_text(content)), content)
 
 
+class Files(unittest.TestCase):
+    def test_a_study_is_begun_exported_and_run(self):
+        """The example study of `init`, its drum as a deck, and two speeds of it by a table."""
+        with tempfile.TemporaryDirectory() as folder:
+            files = [Path(file) for file in seedloop.init("drum", folder)["files"]]
+            self.assertTrue(all(file.exists() for file in files))
+            scene = FIXTURES / "peers-study" / "spheres.toml"
+            settings = {"frames": 2, "time_s": 0.2}
+            deck = seedloop.export("lammps", scene, folder + "/deck", settings)
+            self.assertTrue(all((Path(folder) / "deck" / name).exists() for name in deck["files"]))
+            done = seedloop.run({"rpm": [20, 30]}, scene, folder + "/runs", settings, progress=False)
+            self.assertTrue(done.met)
+            self.assertEqual([run["problem"] for run in done["runs"]], [None, None])
+            self.assertEqual(done["table"]["rpm"], [20, 30])
+            with self.assertRaisesRegex(seedloop.Error, "exists"):
+                seedloop.init("drum", folder)
+
+
+class Versions(unittest.TestCase):
+    """What the version of a function counts."""
+
+    def differ(self, one, other):
+        self.assertNotEqual(version_of(one), seedloop._version.version_of(other))
+
+    def same(self, one, other):
+        self.assertEqual(version_of(one), seedloop._version.version_of(other))
+
+    def test_code_defaults_and_variables_count(self):
+        def scaled(k, data=()):
+            return lambda run, offset=0.0: k * run["x"] + offset + len(data)
+
+        self.same(scaled(1.0), scaled(1.0))
+        self.differ(scaled(1.0), scaled(1.0 + 1e-15))
+        self.differ(scaled(1.0), scaled(1.0, np.arange(3)))
+        self.same(scaled(1.0, {"a", "b", "c"}), scaled(1.0, {"c", "b", "a"}))
+        self.differ(lambda run, offset=0.0: offset, lambda run, offset=1.0: offset)
+        self.differ(lambda run: run["a"], lambda run: run["b"])
+        self.differ(lambda run: run.a, lambda run: run.b)
+
+    def test_what_a_function_calls_counts(self):
+        """A function of the module, by its global name, and a class with its methods; not where they are written."""
+        space = {"math": math}
+        text = "def inner(x):\n    return {} * x\nclass Model:\n    k = {}\n    def angle(self, x):\n        return inner(x) + self.k\n"
+        text += "def outer(run):\n    return Model().angle(math.sin(run['x']))\n"
+        versions = []
+        for a, b, before in (2, 1, ""), (2, 1, "\n\n# moved\n"), (3, 1, ""), (2, 5, ""):
+            exec(before + text.format(a, b), space)
+            versions.append(version_of(space["outer"]))
+        self.assertEqual(versions[0], versions[1])
+        self.assertEqual(len(set(versions)), 3)
+
+    def test_what_cannot_be_told_asks_for_a_version(self):
+        source = (number for number in range(3))
+        with self.assertRaisesRegex(seedloop.Error, "source.*generator.*version="):
+            seedloop.calibrate(FIXTURES / "command-example" / "study.toml", lambda run: {"angle_deg": next(source)})
+
+
 class Studies(unittest.TestCase):
     study = FIXTURES / "command-example" / "study.toml"
 
@@ -202,6 +260,44 @@ class Studies(unittest.TestCase):
         scene["contact"].pop("bead-wall")
         with self.assertRaisesRegex(seedloop.Error, "bead-wall"):
             seedloop.calibrate(study, plan=True)
+
+    def calibrated(self, folder, function, **flags):
+        """The study of one friction, angle = a + b mu + 0.13 rpm, by a function; the friction and the number of new runs."""
+        measured = [
+            {"scene": "drum", "condition": {"rpm": rpm}, "role": role, "angle_deg": {"mean": mean, "sd": 0.8, "n": 10}}
+            for rpm, role, mean in ((15, "fit", 31.0), (30, "check", 33.0))
+        ]
+        study = {
+            "name": "edited",
+            "scene": [{"name": "drum", "observables": ["angle_deg"]}],
+            "parameter": [{"symbol": "mu", "low": 0.1, "high": 0.6, "limits": [0, 2]}],
+            "measured": measured,
+            "design": {"before_runs": 0},
+        }
+        self.heard = []
+        answer = seedloop.calibrate(study, function, out=folder, progress=self.heard.append, threads=2, **flags)
+        return answer["parameters"][0]["value"], answer["cost"]["runs"]
+
+    def test_an_edited_function_does_its_runs_anew(self):
+        """31 = a + b mu + 1.95 by a = 20, b = 30 is mu = 0.302, by a = 10, b = 50 it is 0.381; noise of 0.1 makes 0.003."""
+
+        def line(a, b):
+            def drum(run):
+                noise = 0.1 * ((run["seed"] * 7919) % 13 - 6) / 6
+                return {"angle_deg": a + b * run["parameters"]["mu"] + 0.13 * run["condition"]["rpm"] + noise}
+
+            return drum
+
+        with tempfile.TemporaryDirectory() as folder:
+            first, runs = self.calibrated(folder, line(20, 30))
+            self.assertAlmostEqual(first, 0.302, delta=0.01)
+            self.assertGreater(runs, 0)
+            again, runs = self.calibrated(folder, line(20, 30), resume=True)
+            self.assertEqual((again, runs), (first, 0))
+            edited, runs = self.calibrated(folder, line(10, 50), force=True)
+            self.assertAlmostEqual(edited, 0.381, delta=0.01)
+            self.assertGreater(runs, 0)
+            self.assertTrue(any("runs of this list" in text for text in self.heard), self.heard)
 
     def test_an_exception_fails_its_run_with_its_words(self):
         def broken(run):
