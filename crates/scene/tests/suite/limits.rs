@@ -40,7 +40,7 @@ pub(crate) fn beads(name: &str, value: &str) -> Result<Scene, Error> {
     Scene::from_text(BEADS, "beads.toml", Path::new("."), &[set])
 }
 
-/// Kinds of seeds that are in no bed cost half a minute before; materials cost as much. A hundred of each are taken.
+/// Every pair of kinds is worked out before the first step, even if there is no seed of them. A hundred kinds and materials are taken.
 #[test]
 fn more_kinds_than_can_be_worked_out_are_refused() {
     let read = |seeds: usize, materials: usize| {
