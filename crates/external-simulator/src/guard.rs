@@ -39,13 +39,13 @@ impl Guard {
         if shell.is_none() {
             *shell = start();
         }
-        tell(&mut shell, '+', group);
+        write_line(&mut shell, '+', group);
     }
 
     /// Lets a group go, before its number can become that of others.
     pub(crate) fn forget(&self, group: Pid) {
         let mut shell = self.shell.lock().unwrap_or_else(PoisonError::into_inner);
-        tell(&mut shell, '-', group);
+        write_line(&mut shell, '-', group);
     }
 }
 
@@ -65,7 +65,7 @@ fn start() -> Option<(Child, ChildStdin)> {
 }
 
 /// Sends a line to the shell. One that is gone guards nothing, and hinders no run.
-fn tell(shell: &mut Option<(Child, ChildStdin)>, sign: char, group: Pid) {
+fn write_line(shell: &mut Option<(Child, ChildStdin)>, sign: char, group: Pid) {
     if let Some((_, input)) = shell {
         let _ = writeln!(input, "{sign} {}", group.as_raw_nonzero());
     }

@@ -38,7 +38,7 @@ fn check_table(document: &Document, table: &Table, path: &str, problems: &mut Pr
     for (key, value) in table {
         let path = below(path, key);
         if let Some(problem) = wrong_name(key) {
-            tell(
+            report(
                 document,
                 &path,
                 format!("the key '{}'", shown(key)),
@@ -70,7 +70,7 @@ fn check_value(document: &Document, key: &str, value: &Value, path: &str, proble
     };
     if let Some(problem) = problem {
         let what = format!("{key} = {}", shown(&value.to_string()));
-        tell(document, path, what, problem, problems);
+        report(document, path, what, problem, problems);
     }
 }
 
@@ -94,8 +94,8 @@ fn wrong_text(text: &str) -> Option<String> {
         .then(|| "holds a control character: remove it".to_owned())
 }
 
-/// Tells a problem, unless one of its line is known.
-fn tell(document: &Document, path: &str, what: String, problem: String, problems: &mut Problems) {
+/// Reports a problem, unless one of its line is known.
+fn report(document: &Document, path: &str, what: String, problem: String, problems: &mut Problems) {
     let problem = document.problem(path, what, problem);
     if !problems.knows_line(problem.line) {
         problems.add(problem);

@@ -9,7 +9,7 @@ What a program refuses raises `Error` with its words. An answer that is not met,
 
 ``progress=`` says where the messages of a program go while it runs: ``True`` writes them to ``sys.stderr``, a function gets each line,
 ``False`` keeps them for `Answer.log`, which has them in any case. `simulate`, `run`, `calibrate` and `diagnose` write them, the others
-keep them, unless told otherwise.
+keep them, unless asked otherwise.
 """
 
 from __future__ import annotations
@@ -238,7 +238,7 @@ def calibrate(
     version: a word for the version of the simulator, under which its runs are kept: another word, other runs. Without it that is its code,
     with its defaults, the variables and functions that it uses and the versions of libraries: an edited function does its runs anew. What
     the function reads from files cannot be seen, so give a word that changes with them. `Error` where the code uses something whose
-    content cannot be told.
+    content has no digest.
 
     `Answer.met` is false where a check or a target is missed.
     """
@@ -294,7 +294,7 @@ def _version_by_code(simulator: Simulator) -> str:
         return f"python {version_of(simulator)}"
     except Unknown as why:
         raise Error(
-            f"the version of the simulator cannot be told from {why}; give version=\"...\", a word that you change with the function "
+            f"the version of the simulator cannot be derived from {why}; give version=\"...\", a word that you change with the function "
             "and with what it uses",
             2,
         ) from why

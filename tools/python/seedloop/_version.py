@@ -51,11 +51,11 @@ GLOBAL, CLOSED, ATTRIBUTE = {"LOAD_GLOBAL", "LOAD_NAME"}, {"LOAD_DEREF"}, {"LOAD
 
 
 class Unknown(Exception):
-    """Something whose content cannot be told: the rest of a sentence that begins with it."""
+    """Something whose content has no digest: the rest of a sentence that begins with it."""
 
 
 def version_of(function: Callable[..., Any]) -> str:
-    """The version of a function, 16 hexadecimal digits; `Unknown` where it cannot be told."""
+    """The version of a function, 16 hexadecimal digits; `Unknown` if something that it uses has none."""
     return _Reader().digest(function, "the function")[:16]
 
 

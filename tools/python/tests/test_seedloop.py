@@ -226,7 +226,7 @@ class Versions(unittest.TestCase):
         self.assertEqual(versions[0], versions[1])
         self.assertEqual(len(set(versions)), 3)
 
-    def test_what_cannot_be_told_asks_for_a_version(self):
+    def test_what_has_no_digest_asks_for_a_version(self):
         source = (number for number in range(3))
         with self.assertRaisesRegex(seedloop.Error, "source.*generator.*version="):
             seedloop.calibrate(FIXTURES / "command-example" / "study.toml", lambda run: {"angle_deg": next(source)})
