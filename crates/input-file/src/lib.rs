@@ -71,6 +71,8 @@ pub fn has_ending(path: &Path, endings: &[&str]) -> bool {
 
 /// The files in a folder in [the order of their names](name_order): those with one of these endings, and the others.
 ///
+/// A hidden file is one of the others whatever its ending: systems keep notes on `a.png` as `._a.png` beside it.
+///
 /// # Errors
 ///
 /// A folder that cannot be listed.
@@ -83,7 +85,14 @@ pub fn files_in(folder: &Path, endings: &[&str]) -> Result<(Vec<PathBuf>, Vec<Pa
         }
     }
     all.sort_by_cached_key(|path| name_order(path));
-    Ok(all.into_iter().partition(|path| has_ending(path, endings)))
+    let is_meant = |path: &PathBuf| has_ending(path, endings) && !is_hidden(path);
+    Ok(all.into_iter().partition(is_meant))
+}
+
+/// Whether the name of a file begins with a dot.
+pub fn is_hidden(path: &Path) -> bool {
+    let name = path.file_name().map(|name| name.to_string_lossy());
+    name.is_some_and(|name| name.starts_with('.'))
 }
 
 /// What a name is sorted by: stretches of digits count by their value, so that `frame-10` comes
@@ -110,7 +119,7 @@ pub fn name_order(path: &Path) -> (Vec<(String, u128)>, PathBuf) {
 
 #[cfg(test)]
 mod tests {
-    use super::{MOST_BYTES, name_order, read, read_text};
+    use super::{MOST_BYTES, files_in, name_order, read, read_text};
     use std::fs::File;
     use std::path::Path;
 
@@ -158,6 +167,24 @@ mod tests {
         assert!(
             told.contains("2147483649") && told.contains("2147483648"),
             "{told}"
+        );
+    }
+
+    /// A hidden file with the ending that is asked for is none of those that are meant.
+    #[test]
+    fn hidden_files_of_a_folder_are_not_meant() {
+        let folder = tempfile::tempdir().unwrap();
+        for name in ["b.png", "._b.png", "a.PNG", "a.txt"] {
+            std::fs::write(folder.path().join(name), "").unwrap();
+        }
+        let (meant, others) = files_in(folder.path(), &["png"]).unwrap();
+        assert_eq!(
+            meant,
+            ["a.PNG", "b.png"].map(|name| folder.path().join(name))
+        );
+        assert_eq!(
+            others,
+            ["._b.png", "a.txt"].map(|name| folder.path().join(name))
         );
     }
 

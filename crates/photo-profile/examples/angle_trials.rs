@@ -109,7 +109,9 @@ fn heap_rows(name: &str, each: u64, draw: impl Fn(u64) -> HeapScene) {
         let settings = Settings {
             mode: Mode::Heap,
             camera_roll: scene.lean,
-            camera_elevation: scene.elevation,
+            camera_elevation: Some(scene.elevation),
+            // Each flank stands for itself.
+            max_angle_error: 0.5,
             ..Settings::default()
         };
         let reading = measure_image(&scene.draw(), &settings);

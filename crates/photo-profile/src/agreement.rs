@@ -24,6 +24,10 @@ const LEAST_CONTRAST: f64 = 0.8;
 /// Steepest stretch that is still a slope, rad: 89.5 degrees. Grains of a tenth of the radius
 /// reach 88, a cliff 90.
 const STEEPEST: f64 = 1.562;
+/// A stretch of a bed that is steep as a whole may be steeper than its line by this, rad: 45 degrees. The surface is a height over
+/// its own line, and that of a cohesive bed at 60 degrees is one although its steps hang over. The cliff of a crumbled bed stands
+/// 53 degrees off its line. Our choice: at 60 such cliffs would be read.
+const MOST_OFF_LINE: f64 = std::f64::consts::FRAC_PI_4;
 
 /// How well bed and air lie on their sides of a surface.
 #[derive(Debug, Clone, Copy)]
@@ -36,6 +40,8 @@ pub(crate) struct Agreement {
     pub(crate) contrast: f64,
     /// Steepest inclination of a stretch of the surface, rad; beyond pi/2 it overhangs.
     pub(crate) steepest: f64,
+    /// Inclination of the line through the whole surface, rad.
+    pub(crate) line: f64,
 }
 
 impl Agreement {
@@ -54,9 +60,10 @@ impl Agreement {
                 contrast: self.contrast,
                 least: LEAST_CONTRAST,
             })
-        } else if self.steepest > STEEPEST {
+        } else if self.steepest > STEEPEST.max(self.line + MOST_OFF_LINE) {
             Err(Refusal::Overhang {
                 steepest: self.steepest.to_degrees(),
+                line: self.line.to_degrees(),
             })
         } else {
             Ok(())
@@ -85,6 +92,7 @@ pub(crate) fn agreement(
         clear: steps.iter().filter(|s| **s > CLEAR_STEP).count() as f64 / n,
         contrast: contrast(view, bed, points, &axes),
         steepest: steepest(&used, surface.angle.line, SLOPE_REACH * view.radius()),
+        line: surface.angle.line,
     }
 }
 

@@ -17,12 +17,23 @@ pub enum Error {
         source: std::io::Error,
     },
     /// A folder holds no picture.
-    #[error("the folder {} holds no picture ({endings})", folder.display())]
+    #[error("the folder {} holds no picture ({endings}){left_out}", folder.display())]
     NoPicture {
         /// The folder.
         folder: PathBuf,
         /// Endings of the names of pictures.
         endings: String,
+        /// What was left out of it, in words that begin with a semicolon; nothing of an empty folder.
+        left_out: String,
+    },
+    /// Nothing but pictures that this crate drew.
+    #[error(
+        "{} is an overlay, drawn by this program over a photo, or the mask: give the photo itself",
+        path.display()
+    )]
+    OnlyOverlays {
+        /// The first of them.
+        path: PathBuf,
     },
     /// The file is no picture of a known format, or is damaged.
     #[error("cannot decode {} (PNG, JPEG, BMP, GIF, TIFF and WebP are read)", path.display())]

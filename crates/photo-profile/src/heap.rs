@@ -6,7 +6,7 @@ use crate::tone::air_and_bed;
 use crate::{Channel, Foreground, PhotoPixels, PixelPoint, Refusal, Settings};
 use image::{GrayImage, Luma};
 use imageproc::region_labelling::{Connectivity, connected_components};
-use surface_profile::{HeapAngle, HeapFlank, SurfacePoint, measure_heap};
+use surface_profile::{HeapAngle, HeapFlank, SurfacePoint, measure_heap_above, median};
 
 /// Columns of the outline at most.
 const MOST_COLUMNS: usize = 1000;
@@ -14,9 +14,20 @@ const MOST_COLUMNS: usize = 1000;
 const SMOOTHING: f64 = 0.004;
 /// Part of the picture's height, from above, that must be air.
 const SKY: f64 = 0.06;
-/// The lower edge of a heap may hang below its feet by this part of its height: a camera 10 degrees above the foot of a heap of
-/// 30 degrees shows 0.3, one that looks from above 1.
+/// The lower edge of a heap may hang below its feet by this part of its height, which is `tan e / tan theta` of a cone of the
+/// inclination theta seen from the elevation e: 0.3 for 10 and 30 degrees, 1 if the apex is seen over the base. With more than
+/// this the back of the base hides more than a third of the flanks.
 const MOST_BULGE: f64 = 0.6;
+/// Above the part of the height that the back of the base hides, a flank is not fitted over this further part of it.
+const CLEAR_OF_BACK: f64 = 0.05;
+/// The elevation of the camera is not known better than this by the lower edge of a heap, rad: 1 degree, by which the bases of
+/// heaps are not round (our choice; twice as much adds half a degree to the error of a heap seen from 15 degrees above).
+const LEAST_ELEVATION_ERROR: f64 = 0.0175;
+/// Of the correction for the elevation, what counts as standard deviation: no heap is a cone, and no camera is infinitely far
+/// (our choice; twice as much refuses heaps of 34 degrees from 17 degrees above by the default limit of the error).
+const CORRECTION_PART: f64 = 0.25;
+/// Part of half of the width, about the middle, over which the bulge is averaged: towards the ends the edge turns upright.
+const EDGE_REACH: f64 = 0.8;
 /// Fewest columns of a lower edge.
 const FEWEST_EDGE: usize = 24;
 /// Step of a numeric derivative, rad.
@@ -24,7 +35,7 @@ const STEP: f64 = 1e-4;
 /// A heap that comes nearer to the upper border than this part of the height is cut.
 const CLEAR_OF_TOP: f64 = 0.01;
 
-/// A heap in a picture. Where the camera is said to look down, all inclinations are those of the cone that looks so.
+/// A heap in a picture. If the camera looks down, all inclinations are those of the cone that looks so from there.
 #[derive(Debug, Clone, PartialEq)]
 pub struct HeapReading {
     /// Inclination of the left flank, rad.
@@ -51,8 +62,12 @@ pub struct HeapReading {
     pub toes: [f64; 2],
     /// Inclination of the base beside the heap, positive when it rises to the right, rad; none where it does not show.
     pub base: Option<f64>,
-    /// How far above the foot the camera stands by the bulge of the heap's lower edge, rad; none where that edge does not show.
+    /// How far above the foot the camera stands by the bulge of the heap's lower edge, rad; none if that edge does not show.
     pub elevation_seen: Option<f64>,
+    /// The elevation that was taken off: as stated, or as seen, rad; 0 if neither is known.
+    pub elevation: f64,
+    /// Mean inclination of both flanks as the picture shows them, before the elevation is taken off, rad.
+    pub mean_seen: f64,
     /// Points of the outline that count, px.
     pub used: Vec<PixelPoint>,
     /// Points of the outline that do not, px.
@@ -134,21 +149,41 @@ pub(crate) fn read_heap(picture: &PhotoPixels, settings: &Settings) -> Result<He
     if cut * 20 > share.width() {
         return Err(unfit(Refusal::HeapCut));
     }
-    let heap = measure_heap(&level).map_err(|e| unfit(Refusal::Surface(e)))?;
     let edge = LowerEdge::of(&share, (sin, cos));
-    if let Some(edge) = edge.filter(|edge| edge.bulge > MOST_BULGE * heap.height) {
+    if let Some(edge) = edge.filter(|edge| edge.hangs_too_far()) {
         return Err(unfit(Refusal::HeapFromAbove {
-            bulge: edge.bulge / heap.height,
+            elevation: edge.elevation().to_degrees(),
+            bulge: edge.deepest / edge.height,
             most: MOST_BULGE,
         }));
     }
-    let [left, right] = of_flanks(&heap, settings.camera_elevation);
+    let hidden = edge.map_or(0.0, |edge| edge.hidden_part());
+    let heap = measure_heap_above(&level, hidden + CLEAR_OF_BACK)
+        .map_err(|e| unfit(Refusal::Surface(e)))?;
+    let elevation = Elevation::of(settings, edge);
+    let [left, right] = [heap.left, heap.right].map(|flank| elevation.taken_off(&flank));
+    let mean_seen = heap.mean();
     let cone = HeapAngle {
         left,
         right,
-        // Where no table shows beside the heap, its lower edge tells how it leans.
+        // If no table shows beside the heap, its lower edge shows how it leans.
         base: heap.base.or(edge.map(|edge| edge.lean)),
         ..heap
+    };
+    // The elevation errs for both flanks alike.
+    let error = cone.standard_error().hypot(elevation.error_of(mean_seen));
+    if error > settings.max_angle_error {
+        return Err(unfit(Refusal::HeapUncertain {
+            mean: cone.mean().to_degrees(),
+            flanks: [left, right].map(|flank| flank.inclination.to_degrees()),
+            error: error.to_degrees(),
+            most_error: settings.max_angle_error.to_degrees(),
+        }));
+    }
+    // A turn of the camera adds to one flank what it takes from the other.
+    let with_roll = |flank: &HeapFlank| {
+        let elevated = flank.standard_error.hypot(elevation.error_of(mean_seen));
+        elevated.hypot(settings.camera_roll_error)
     };
     let pick = |wanted: bool| -> Vec<PixelPoint> {
         let flagged = level.iter().zip(&cone.used);
@@ -160,11 +195,11 @@ pub(crate) fn read_heap(picture: &PhotoPixels, settings: &Settings) -> Result<He
     let used = pick(true);
     Ok(HeapReading {
         left: left.inclination,
-        left_standard_error: left.standard_error,
+        left_standard_error: with_roll(&left),
         right: right.inclination,
-        right_standard_error: right.standard_error,
+        right_standard_error: with_roll(&right),
         mean: cone.mean(),
-        standard_error: cone.standard_error(),
+        standard_error: error,
         apex: to_picture(&cone.apex),
         rounding: cone.rounding * scale,
         lines: [left, right].map(|flank| flank.ends.map(|p| to_picture(&p))),
@@ -172,6 +207,8 @@ pub(crate) fn read_heap(picture: &PhotoPixels, settings: &Settings) -> Result<He
         toes: [left.toe, right.toe],
         base: cone.base,
         elevation_seen: edge.map(|edge| edge.elevation()),
+        elevation: elevation.angle,
+        mean_seen,
         quality: (2.0 * used.len() as f64 / level.len().max(1) as f64).clamp(0.0, 1.0),
         used,
         rejected: pick(false),
@@ -212,8 +249,14 @@ fn largest_part(share: PhotoPixels) -> PhotoPixels {
 /// The lower edge of a heap.
 #[derive(Debug, Clone, Copy)]
 struct LowerEdge {
-    /// By how much it hangs below the outermost places of the heap, cells.
+    /// By how much the middle of the half ellipse through it hangs below the outermost places of the heap, cells.
     bulge: f64,
+    /// By how much the edge itself hangs below them, cells.
+    deepest: f64,
+    /// Root mean square distance of the edge from the half ellipse, cells.
+    roughness: f64,
+    /// Height of the top over the line between the outermost places, cells.
+    height: f64,
     /// Half of the distance of these places, cells.
     half_width: f64,
     /// Inclination of the line between them, positive when it rises to the right, rad.
@@ -221,8 +264,12 @@ struct LowerEdge {
 }
 
 impl LowerEdge {
-    /// The edge; none where it does not show: where the bed reaches the lower border of the picture, as it does on a table of
-    /// its tone.
+    /// The edge; none if it does not show: if the bed reaches the lower border of the picture, as it does on a table of its
+    /// tone.
+    ///
+    /// # Formula
+    /// A round base of the radius R is seen from the elevation e as an ellipse with the half axes R and `R sin e`: the edge hangs by
+    /// `b sqrt(1 - u^2)` at the part u of half the width, and b is the median of what each column says.
     fn of(share: &PhotoPixels, (sin, cos): (f64, f64)) -> Option<Self> {
         let (width, height) = (share.width(), share.height());
         let level = |i: usize, j: usize| {
@@ -245,24 +292,121 @@ impl LowerEdge {
         };
         let (left, right) = (end(columns.first()?), end(columns.last()?));
         let slope = (right.1 - left.1) / (right.0 - left.0);
-        let hangs = columns.iter().map(|&(i, _, bottom)| {
-            let (x, y) = level(i, bottom);
-            left.1 + slope * (x - left.0) - y
-        });
-        let mut hangs: Vec<f64> = hangs.collect();
-        hangs.sort_by(f64::total_cmp);
-        // The deepest fiftieth may be a shadow.
-        let deepest = hangs[hangs.len() * 49 / 50];
+        let over = |(x, y): (f64, f64)| y - left.1 - slope * (x - left.0);
+        let half_width = 0.5 * (right.0 - left.0);
+        let middle = 0.5 * (left.0 + right.0);
+        // Part of half the width, and how far the edge hangs there.
+        let hangs: Vec<(f64, f64)> = columns
+            .iter()
+            .map(|&(i, _, bottom)| level(i, bottom))
+            .map(|p| ((p.0 - middle) / half_width, -over(p)))
+            .filter(|(part, _)| part.abs() <= EDGE_REACH)
+            .collect();
+        let shape = |part: f64| (1.0 - part * part).sqrt();
+        let mut bulges: Vec<f64> = hangs
+            .iter()
+            .map(|(part, hang)| hang / shape(*part))
+            .collect();
+        let bulge = median(&mut bulges).max(0.0);
+        let squares = hangs
+            .iter()
+            .map(|(part, hang)| (hang - bulge * shape(*part)).powi(2));
+        let roughness = (squares.sum::<f64>() / hangs.len().max(1) as f64).sqrt();
+        // The deepest fiftieth may be a shadow, and the highest hundredth a grain in flight.
+        let part_of = |mut values: Vec<f64>, of_100: usize| {
+            values.sort_by(f64::total_cmp);
+            values.get(values.len() * of_100 / 100).copied()
+        };
+        let deepest = part_of(hangs.iter().map(|(_, hang)| *hang).collect(), 98)?;
+        let tops = columns.iter().map(|&(i, top, _)| over(level(i, top)));
         Some(Self {
-            bulge: deepest.max(0.0),
-            half_width: 0.5 * (right.0 - left.0),
+            bulge,
+            deepest: deepest.max(0.0),
+            roughness,
+            height: part_of(tops.collect(), 99)?.max(f64::MIN_POSITIVE),
+            half_width,
             lean: slope.atan(),
         })
+    }
+
+    /// Whether it hangs so far that the flanks are not seen.
+    fn hangs_too_far(&self) -> bool {
+        self.bulge.max(self.deepest) > MOST_BULGE * self.height
+    }
+
+    /// The part of the height, from below, in which the outline of a cone is the back of its round base.
+    ///
+    /// # Formula
+    /// The lines from the apex, seen at the height h over the middle of the base, touch the ellipse at the height `b^2 / h`.
+    fn hidden_part(&self) -> f64 {
+        (self.bulge / self.height).powi(2)
     }
 
     /// How far above the base the camera stands that sees a round base so, rad.
     fn elevation(&self) -> f64 {
         (self.bulge / self.half_width).min(1.0).asin()
+    }
+
+    /// Standard error of that, rad: the ellipse may lie off the foot by twice the roughness of the edge, as the grains at the foot
+    /// of a heap lie on one side of it.
+    fn elevation_error(&self) -> f64 {
+        let cos = self.elevation().cos().max(0.1);
+        (2.0 * self.roughness / (self.half_width * cos)).max(LEAST_ELEVATION_ERROR)
+    }
+}
+
+/// How far above the foot of a heap the camera stands.
+#[derive(Debug, Clone, Copy)]
+struct Elevation {
+    /// The elevation, rad.
+    angle: f64,
+    /// Another elevation that is as good, or better or worse by one standard error, rad.
+    other: f64,
+}
+
+impl Elevation {
+    /// What is stated, or what the lower edge shows. If both are known and differ, each may be right.
+    fn of(settings: &Settings, edge: Option<LowerEdge>) -> Self {
+        let seen = edge.map(|edge| (edge.elevation(), edge.elevation_error()));
+        match (settings.camera_elevation, seen) {
+            (Some(angle), Some((seen, error))) if (seen - angle).abs() > 2.0 * error => {
+                Self { angle, other: seen }
+            }
+            (Some(angle), _) => Self {
+                angle,
+                other: angle,
+            },
+            (None, Some((angle, error))) => Self {
+                angle,
+                other: angle + error,
+            },
+            (None, None) => Self {
+                angle: 0.0,
+                other: 0.0,
+            },
+        }
+    }
+
+    /// The flank of the cone whose outline is seen so.
+    fn taken_off(&self, flank: &HeapFlank) -> HeapFlank {
+        let cone = |seen: f64| of_cone(seen, self.angle);
+        // A small difference of the outline, as it is one of the cone.
+        let part = (cone(flank.inclination + STEP) - cone(flank.inclination - STEP)) / (2.0 * STEP);
+        HeapFlank {
+            inclination: cone(flank.inclination),
+            standard_error: part * flank.standard_error,
+            top: cone(flank.top),
+            toe: cone(flank.toe),
+            ..*flank
+        }
+    }
+
+    /// What the elevation adds to the standard error of an inclination that is seen, rad: its own error, and a part of the whole
+    /// correction.
+    fn error_of(&self, seen: f64) -> f64 {
+        let cone = of_cone(seen, self.angle);
+        let by_error = of_cone(seen, self.other) - cone;
+        by_error.hypot(CORRECTION_PART * (cone - seen))
     }
 }
 
@@ -296,20 +440,4 @@ fn outline(share: &PhotoPixels) -> (Vec<(f64, f64)>, usize) {
         points.push((i as f64, (j - 1) as f64 + part));
     }
     (points, cut)
-}
-
-/// The flanks of the cone whose outline a camera sees so from an elevation, rad.
-fn of_flanks(heap: &HeapAngle, elevation: f64) -> [HeapFlank; 2] {
-    let cone = |seen: f64| of_cone(seen, elevation);
-    [heap.left, heap.right].map(|flank| {
-        // A small difference of the outline, as it is one of the cone.
-        let part = (cone(flank.inclination + STEP) - cone(flank.inclination - STEP)) / (2.0 * STEP);
-        HeapFlank {
-            inclination: cone(flank.inclination),
-            standard_error: part * flank.standard_error,
-            top: cone(flank.top),
-            toe: cone(flank.toe),
-            ..flank
-        }
-    })
 }

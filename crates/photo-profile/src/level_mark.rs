@@ -1,5 +1,6 @@
 //! The horizontal by a mark in the picture.
 
+use crate::given_surface::POINTING;
 use crate::{Error, PixelPoint};
 
 /// Shortest mark, px: two ends half a pixel off turn it by half a degree.
@@ -25,6 +26,16 @@ pub fn roll_by_level(places: [PixelPoint; 2]) -> Result<f64, Error> {
     let [a, b] = places;
     let (left, right) = if a.x <= b.x { (a, b) } else { (b, a) };
     roll(right.x - left.x, left.y - right.y)
+}
+
+/// Standard error of the turn that a mark gives, rad: both its ends err by one pixel across it.
+///
+/// # Formula
+/// `sqrt(2) c / L` with the length L of the mark and the error c of a place that somebody points at, 1 px (our choice; twice as
+/// much doubles the error).
+pub fn mark_error(places: [PixelPoint; 2]) -> f64 {
+    let [a, b] = places;
+    std::f64::consts::SQRT_2 * POINTING / (a.x - b.x).hypot(a.y - b.y)
 }
 
 /// Turn of a mark that runs `along` its direction in a picture that is level, and `aside`, px.
@@ -77,5 +88,21 @@ mod tests {
         assert!(roll_by_plumb_line(places(200.0, 100.0)).is_err());
         assert!(roll_by_level(places(100.0, 200.0)).is_err());
         assert!(roll_by_level(places(f64::NAN, 0.0)).is_err());
+    }
+
+    /// Ends of a mark of 100 px that err by a pixel each, drawn 4000 times, turn it by the stated error within 4 standard errors of
+    /// a standard deviation of so many, 4.5 %.
+    #[test]
+    fn the_error_of_a_mark_is_that_of_its_ends() {
+        let mut stream = random_stream::Stream::new(5, "ends of a mark");
+        let mut place = |x: f64| PixelPoint {
+            x: x + stream.normal(),
+            y: stream.normal(),
+        };
+        let rolls = (0..4000).map(|_| roll_by_level([place(0.0), place(100.0)]).unwrap());
+        let squares: f64 = rolls.map(|roll| roll * roll).sum();
+        let ends = [0.0, 100.0].map(|x| PixelPoint { x, y: 0.0 });
+        let ratio = (squares / 4000.0).sqrt() / super::mark_error(ends);
+        assert!((ratio - 1.0).abs() < 0.045, "{ratio}");
     }
 }

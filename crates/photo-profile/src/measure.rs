@@ -276,6 +276,10 @@ fn read_surface_of(
         (circle, REACH),
         found.rim.as_ref(),
     );
+    let with_roll = |error: f64| error.hypot(settings.camera_roll_error);
+    surface.angle.standard_error = with_roll(surface.angle.standard_error);
+    surface.angle.mid_standard_error = with_roll(surface.angle.mid_standard_error);
+    surface.angle.chord_standard_error = with_roll(surface.angle.chord_standard_error);
     let error = surface.angle.standard_error;
     if surface.roughness > MOST_ROUGHNESS * drum.r || error > settings.max_angle_error {
         return Err(unfit(Refusal::TooRough {

@@ -5,6 +5,8 @@ use crate::{
     DrumPixels, DrumReading, HeapReading, PhotoReading, PixelPoint, RefusedReading, Settings,
 };
 use image::{DynamicImage, GrayImage, Rgb, RgbImage};
+use std::io::Read as _;
+use std::path::Path;
 use surface_profile::Definition;
 
 /// Colour of the drum circle: blue.
@@ -19,6 +21,42 @@ const LINE: Rgb<u8> = Rgb([255, 130, 0]);
 const MOST_SIDE: u32 = 1600;
 /// Dots of a row of text, the gap to the next one included.
 const ROW: u32 = 7;
+
+/// The first bytes of a PNG whose pixels have three channels of 8 bits, as an overlay has them: signature and header, with
+/// zeros for its width and height.
+const RGB_PNG: [u8; 26] = [
+    0x89, b'P', b'N', b'G', 0x0D, 0x0A, 0x1A, 0x0A, 0, 0, 0, 13, b'I', b'H', b'D', b'R', 0, 0, 0,
+    0, 0, 0, 0, 0, 8, 2,
+];
+/// Pixels of one of its colours that an overlay has at least: the angle or the reason in words has more.
+const LEAST_DRAWN: usize = 40;
+
+/// Whether a file is a picture that [`overlay`] drew, by its format, its size and the colours of its pen. It needs two of these
+/// colours, or the one of the words above a black last row: a photo has none of them to the last bit on so many pixels.
+///
+/// A file that cannot be read is none: whoever reads it says why.
+pub(crate) fn is_overlay(path: &Path) -> bool {
+    let mut head = [0; RGB_PNG.len()];
+    let read = input_file::open(path).and_then(|mut file| file.read_exact(&mut head));
+    // Width and height in big-endian order, from byte 16.
+    let [width, height] = [16, 20].map(|k: usize| {
+        let bytes = [head[k], head[k + 1], head[k + 2], head[k + 3]];
+        u32::from_be_bytes(bytes)
+    });
+    head[16..24].fill(0);
+    // The words below a refused picture take less than its width.
+    if read.is_err() || head != RGB_PNG || width > MOST_SIDE || height > 2 * MOST_SIDE {
+        return false;
+    }
+    let Ok(picture) = crate::read_photo(path) else {
+        return false;
+    };
+    let picture = picture.to_rgb8();
+    let drawn = [LINE, USED, REJECTED, DRUM]
+        .map(|colour| picture.pixels().filter(|p| **p == colour).count() >= LEAST_DRAWN);
+    let mut last_row = picture.rows().next_back().into_iter().flatten();
+    drawn.iter().filter(|d| **d).count() >= 2 || drawn[0] && last_row.all(|p| p.0 == [0; 3])
+}
 
 /// Draws the drum circle (blue), the surface points that count (green) and those set aside
 /// (magenta), the chosen line or the flanks of a heap (orange) and the angle in degrees over the picture.

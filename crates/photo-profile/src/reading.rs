@@ -117,13 +117,15 @@ pub enum Refusal {
         /// Least difference, 1.
         least: f64,
     },
-    /// A stretch of the surface is vertical or hangs over.
+    /// A stretch of the surface is vertical or hangs over, far off the line through the whole.
     #[error(
-        "the surface overhangs: a stretch of it stands at {steepest:.0} degrees (crumbling bed)"
+        "the surface overhangs: a stretch of it stands at {steepest:.0} degrees, its line at {line:.0} (crumbling bed)"
     )]
     Overhang {
         /// Steepest inclination, degrees.
         steepest: f64,
+        /// Inclination of the line, degrees.
+        line: f64,
     },
     /// The surface is too rough to have an angle.
     #[error(
@@ -145,15 +147,33 @@ pub enum Refusal {
     /// The heap reaches out of the picture.
     #[error("no air above: the heap reaches the upper border of the picture")]
     HeapCut,
-    /// The heap is seen from above.
+    /// The heap is seen from so far above that its flanks do not show.
     #[error(
-        "the heap is seen from above: its lower edge hangs below its feet by {bulge:.2} of its height, at most {most} may be"
+        "the heap is seen from about {elevation:.0} degrees above: its lower edge hangs below its feet by {bulge:.2} of its \
+         height, at most {most} may be"
     )]
     HeapFromAbove {
+        /// Elevation of the camera that sees a round base so, degrees.
+        elevation: f64,
         /// How far it hangs, parts of the height.
         bulge: f64,
         /// Largest part.
         most: f64,
+    },
+    /// The flanks of the heap leave its angle too uncertain.
+    #[error(
+        "the angle of the heap is too uncertain: standard error {error:.1} degrees (at most {most_error:.1}), flanks of {:.1} and \
+         {:.1} degrees", flanks[0], flanks[1]
+    )]
+    HeapUncertain {
+        /// Mean inclination of the flanks all the same, degrees: it shows whether leaving such heaps out shifts a mean.
+        mean: f64,
+        /// Inclinations of the left and the right flank, degrees.
+        flanks: [f64; 2],
+        /// Standard error of the mean, degrees.
+        error: f64,
+        /// Largest standard error, degrees.
+        most_error: f64,
     },
     /// The ruler itself refused the surface.
     #[error("no surface: {0}")]

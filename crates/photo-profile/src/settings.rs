@@ -63,11 +63,14 @@ pub struct Settings {
     pub mode: Mode,
     /// Which tone the bed has.
     pub foreground: Foreground,
-    /// Largest standard error with which the angle of a drum's bed may be known from one picture, rad: 3 degrees by
+    /// Standard error of that angle, rad: 0 if it is known, that of [`crate::mark_error`] if it was read off a mark.
+    pub camera_roll_error: f64,
+    /// Largest standard error with which the angle of a bed or a heap may be known from one picture, rad: 3 degrees by
     /// default. Coarse beds have larger ones; the mean of many pictures can still be known well.
     pub max_angle_error: f64,
-    /// How far above the foot of a heap the camera looks down on it, rad: 0 from the side.
-    pub camera_elevation: f64,
+    /// How far above the foot of a heap the camera looks down on it, rad: 0 from the side. `None` takes it from the lower
+    /// edge of the heap if that shows.
+    pub camera_elevation: Option<f64>,
 }
 
 /// Largest standard error of an angle from one picture where nothing else is said, rad.
@@ -79,11 +82,12 @@ impl Default for Settings {
             region: None,
             drum: None,
             camera_roll: 0.0,
+            camera_roll_error: 0.0,
             definition: Definition::default(),
             mode: Mode::default(),
             foreground: Foreground::default(),
             max_angle_error: MAX_ANGLE_ERROR,
-            camera_elevation: 0.0,
+            camera_elevation: None,
         }
     }
 }
@@ -128,17 +132,25 @@ impl Settings {
                 limit: "0.00175 to 0.524 rad (0.1 to 30 degrees)",
             });
         }
-        if !(0.0..=30.0).contains(&self.camera_elevation.to_degrees()) {
+        if !(self.camera_roll_error.is_finite() && self.camera_roll_error >= 0.0) {
+            return Err(Error::BadSetting {
+                name: "error of the camera roll",
+                value: self.camera_roll_error,
+                limit: "finite and not negative, rad",
+            });
+        }
+        let elevation = self.camera_elevation.unwrap_or(0.0);
+        if !(0.0..=30.0).contains(&elevation.to_degrees()) {
             return Err(Error::BadSetting {
                 name: "camera elevation",
-                value: self.camera_elevation,
+                value: elevation,
                 limit: "0 to 0.524 rad (30 degrees)",
             });
         }
-        if self.camera_elevation > 0.0 && self.mode != Mode::Heap {
+        if elevation > 0.0 && self.mode != Mode::Heap {
             return Err(Error::BadSetting {
                 name: "camera elevation",
-                value: self.camera_elevation,
+                value: elevation,
                 limit: "0 but for a heap: a drum is seen along its axis",
             });
         }

@@ -141,8 +141,11 @@ pub struct CandidateEntry {
 pub struct PhotoOptions {
     /// Angle of the true horizontal in the pictures, counter-clockwise positive, rad.
     pub roll_rad: f64,
-    /// How far above the foot of a heap the camera stands, rad.
-    pub elevation_rad: f64,
+    /// Standard error of that angle, rad: that of the mark that shows it; 0 if it is stated.
+    pub roll_error_rad: f64,
+    /// How far above the foot of a heap the camera stands, rad; as the lower edge of each heap shows it where absent.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub elevation_rad: Option<f64>,
     /// Largest standard error with which the angle may be known from one picture, rad; 3 degrees where absent.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub max_angle_error_rad: Option<f64>,

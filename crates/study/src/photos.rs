@@ -5,8 +5,8 @@ use crate::photo_values::{SPEED, Wanted, take_over};
 use campaign::in_full;
 use command_line::file_sha256;
 use photo_profile::{
-    DrumPixels, MAX_ANGLE_ERROR, Mask, Mode, PhotoPixels, PhotoReading, PixelPoint, Settings,
-    measure_photo, one_of, picture_files, read_frames, rectify, surface_shift,
+    DrumPixels, MAX_ANGLE_ERROR, Mask, Mode, PhotoPixels, PhotoReading, PictureFiles, PixelPoint,
+    Posture, Settings, measure_photo, one_of, read_frames, rectify, sideways, surface_shift,
 };
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -101,9 +101,10 @@ pub(crate) fn read(
 ) -> Result<PhotoSeries, Vec<String>> {
     let photos: Vec<PathBuf> = photos.iter().map(|p| folder.join(p)).collect();
     let every = options.every.unwrap_or(NonZeroUsize::MIN);
-    let files = picture_files(&photos).map_err(|e| vec![in_full(&e)])?;
-    let (files, in_file) = one_of(every, files);
     let mask_file = options.mask.as_ref().map(|mask| folder.join(mask));
+    let found = PictureFiles::find(&photos, mask_file.as_deref());
+    let mut found = found.map_err(|e| vec![in_full(&e)])?;
+    let (files, in_file) = one_of(every, std::mem::take(&mut found.files));
     let mask = mask_file.as_deref().map(Mask::read).transpose();
     let mask =
         mask.map_err(|e| vec![format!("have a mask that cannot be read: {}", in_full(&e))])?;
@@ -128,6 +129,7 @@ pub(crate) fn read(
         frames,
         speeds,
         lost,
+        postures,
         ..
     } = reader;
     let angle = |f: &FrameValues| f.values.first().map_or(f64::NAN, |(_, v)| *v);
@@ -141,7 +143,15 @@ pub(crate) fn read(
         correlations: Vec::new(),
         remarks: Vec::new(),
     };
+    series.remarks.extend(found.remark());
     series.remarks.extend(copies(&series.files));
+    let (taken_from, postures): (Vec<PathBuf>, Vec<Posture>) = postures.into_iter().unzip();
+    for (k, why) in sideways(&postures) {
+        series.remarks.push(format!(
+            "photo '{}' may lie on its side: {why}; turn it upright, or take it out",
+            taken_from[k].display()
+        ));
+    }
     if let Some(first) = lost.first() {
         let (lost, all) = (lost.len(), lost.len() + speeds.len());
         let remark = format!("{SPEED}: {lost} of {all} pairs of pictures do not tell it: {first}");
@@ -187,6 +197,8 @@ struct Reader<'a> {
     before: Option<(PhotoPixels, PhotoReading)>,
     /// What was measured.
     frames: Vec<FrameValues>,
+    /// The file of each of them, and how it was taken.
+    postures: Vec<(PathBuf, Posture)>,
     /// Speeds of the surface, m/s.
     speeds: Vec<f64>,
     /// Why pairs tell no speed.
@@ -208,6 +220,7 @@ impl<'a> Reader<'a> {
                 region: options.region,
                 drum: options.drum.map(|[cx, cy, r]| DrumPixels { cx, cy, r }),
                 camera_roll: options.roll_rad,
+                camera_roll_error: options.roll_error_rad,
                 definition: Definition::Line,
                 mode: if shown.heap { Mode::Heap } else { Mode::Drum },
                 foreground: options.foreground,
@@ -218,6 +231,7 @@ impl<'a> Reader<'a> {
             pictures: 0,
             before: None,
             frames: Vec::new(),
+            postures: Vec::new(),
             speeds: Vec::new(),
             lost: Vec::new(),
         }
@@ -228,6 +242,7 @@ impl<'a> Reader<'a> {
         let refused = |e: photo_profile::Error| format!("cannot be read: {}", in_full(&e));
         for frame in read_frames(file).map_err(refused)?.step_by(every) {
             let frame = frame.map_err(refused)?;
+            let size = [frame.width(), frame.height()];
             let mut pixels = match self.options.corners {
                 Some(corners) => {
                     let corners = corners.map(|[x, y]| PixelPoint { x, y });
@@ -247,6 +262,8 @@ impl<'a> Reader<'a> {
             }
             let reading = measure_photo(&pixels, &self.settings).map_err(refused)?;
             self.frames.push(values_of(&reading)?);
+            let posture = Posture::new(size, &reading);
+            self.postures.push((file.to_owned(), posture));
             if self.speed_scale.is_some() {
                 self.before = Some((pixels, reading));
             }

@@ -84,6 +84,15 @@ impl HeapAngle {
 /// height, with a flank that is missing, does not fall outwards, is a wall or ends in one, is bent like a ball or a spire, or
 /// is too rough to be a line.
 pub fn measure_heap(points: &[SurfacePoint]) -> Result<HeapAngle, Error> {
+    measure_heap_above(points, FLANK[0])
+}
+
+/// [`measure_heap`] with the flanks fitted above a part of the height only: below, a camera that looks down sees the back of the
+/// base. A part below 0.2 changes nothing.
+///
+/// # Errors
+/// As [`measure_heap`].
+pub fn measure_heap_above(points: &[SurfacePoint], part: f64) -> Result<HeapAngle, Error> {
     check(points)?;
     let mut order: Vec<usize> = (0..points.len()).collect();
     order.sort_by(|a, b| points[*a].x.total_cmp(&points[*b].x));
@@ -95,8 +104,8 @@ pub fn measure_heap(points: &[SurfacePoint]) -> Result<HeapAngle, Error> {
     let outline = over(base.unwrap_or(level))?;
     outline.check_walls()?;
     let mut used = vec![false; points.len()];
-    let left = outline.flank(0, &mut used)?;
-    let right = outline.flank(1, &mut used)?;
+    let left = outline.flank(0, part, &mut used)?;
+    let right = outline.flank(1, part, &mut used)?;
     let apex = meeting(&left, &right);
     Ok(HeapAngle {
         left,
@@ -261,9 +270,11 @@ impl<'a> Outline<'a> {
         Ok(())
     }
 
-    /// Fits one flank, 0 for the left one.
-    fn flank(&self, side: usize, used: &mut [bool]) -> Result<HeapFlank, Error> {
+    /// Fits one flank above a part of the height, 0 for the left one.
+    fn flank(&self, side: usize, part: f64, used: &mut [bool]) -> Result<HeapFlank, Error> {
+        let raised = (part - FLANK[0]).max(0.0);
         let members = |[low, high]: [f64; 2]| -> Vec<usize> {
+            let low = low + raised;
             let before_foot = &self.outwards[side][..self.before_foot[side]];
             let inside = |k: &usize| (low..=high).contains(&self.level(*k));
             before_foot.iter().copied().filter(inside).collect()

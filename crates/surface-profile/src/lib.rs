@@ -51,7 +51,7 @@ pub use discs::{DensitySettings, Disc, density_of_discs, profile_from_discs};
 pub use error::Error;
 pub use field::Field;
 pub use geometry::{DrumCircle, SurfacePoint};
-pub use heap::{HeapAngle, measure_heap};
+pub use heap::{HeapAngle, measure_heap, measure_heap_above};
 pub use heap_flank::HeapFlank;
 pub use median::median;
 pub use series::{SeriesSummary, summarise};

@@ -69,8 +69,22 @@ pub(crate) fn advice(reading: &PhotoReading) -> Option<Advice> {
             ..
         } => too_rough(*roughness <= *most, *error),
         Refusal::HeapFromAbove { .. } => Advice::words(
-            "take the picture from the side, with the camera as high as the foot of the heap",
+            "take the picture from the side, with the camera as high as the foot of the heap: from there its flanks show",
         ),
+        Refusal::HeapUncertain { error, .. } => {
+            let allowed = (10.0 * error).ceil() / 10.0;
+            let flag = (allowed <= MOST_ERROR).then(|| format!("--max-error-deg {allowed:.1}"));
+            let by = flag
+                .as_ref()
+                .map_or_else(String::new, |flag| format!(" with {flag}"));
+            Advice {
+                words: format!(
+                    "if flanks differ by the camera, state its roll (--camera-roll-deg, --level); else allow for the error{by}, \
+                     and take the mean of many pictures"
+                ),
+                flag,
+            }
+        }
         Refusal::HeapCut => Advice::words("take the picture with air above the heap"),
         Refusal::Surface(surface_profile::Error::NoHeap { .. }) => Advice::words(
             "take the heap from the side, on its base, before a plain background; for a drum leave --mode heap out",

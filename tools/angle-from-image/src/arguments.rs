@@ -1,8 +1,8 @@
 //! What the command takes.
 
 use photo_profile::{
-    DrumPixels, Foreground, LEAST_PLACES, Mode, PixelPoint, PixelRegion, Settings, roll_by_level,
-    roll_by_plumb_line,
+    DrumPixels, Foreground, LEAST_PLACES, Mode, PixelPoint, PixelRegion, Settings, mark_error,
+    roll_by_level, roll_by_plumb_line,
 };
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
@@ -78,14 +78,10 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "X,Y;X,Y", value_parser = places, conflicts_with = "camera_roll_deg")]
     pub(crate) level: Option<[PixelPoint; 2]>,
 
-    /// How far above the foot of a heap the camera stands, degrees: from there a heap looks flatter than it is
-    #[arg(
-        long,
-        value_name = "DEG",
-        default_value_t = 0.0,
-        allow_hyphen_values = true
-    )]
-    pub(crate) camera_elevation_deg: f64,
+    /// How far above the foot of a heap the camera stands, degrees: from there a heap looks flatter than it is [default: as the
+    /// lower edge of the heap shows it]
+    #[arg(long, value_name = "DEG", allow_hyphen_values = true)]
+    pub(crate) camera_elevation_deg: Option<f64>,
 
     /// Corners of a square in the plane of the drum's end, to take the perspective out: upper
     /// left, upper right, lower right, lower left, px; results are then in the straightened
@@ -102,8 +98,8 @@ pub(crate) struct Arguments {
     #[arg(long, value_enum, default_value_t = ForegroundName::Auto)]
     pub(crate) foreground: ForegroundName,
 
-    /// Largest standard error with which the angle of a drum's bed may be known from one picture, degrees: a bed of
-    /// coarse grains needs more, and many pictures
+    /// Largest standard error with which the angle of a bed or a heap may be known from one picture, degrees: coarse grains
+    /// need more, and many pictures
     #[arg(long, value_name = "DEG", default_value_t = 3.0)]
     pub(crate) max_error_deg: f64,
 
@@ -172,10 +168,12 @@ impl Arguments {
             (None, Some(places)) => roll_by_level(places)?,
             (None, None) => self.camera_roll_deg.to_radians(),
         };
+        let mark = self.plumb_line.or(self.level);
         let settings = Settings {
             region: self.region,
             drum: self.drum,
             camera_roll,
+            camera_roll_error: mark.map_or(0.0, mark_error),
             definition: match self.definition {
                 DefinitionName::Chord => Definition::Chord,
                 DefinitionName::Mid => Definition::Mid,
@@ -191,7 +189,7 @@ impl Arguments {
                 ForegroundName::Light => Foreground::Light,
             },
             max_angle_error: self.max_error_deg.to_radians(),
-            camera_elevation: self.camera_elevation_deg.to_radians(),
+            camera_elevation: self.camera_elevation_deg.map(f64::to_radians),
         };
         settings.check()?;
         Ok(settings)

@@ -4,7 +4,9 @@ use crate::advice::advice;
 use crate::interface::{Heights, heights};
 use crate::summary::Summary;
 use command_line::Header;
-use photo_profile::{DrumPixels, DrumReading, HeapReading, PhotoReading, Refusal, Settings};
+use photo_profile::{
+    DrumPixels, DrumReading, HeapReading, LEAST_PLACES, PhotoReading, Refusal, Settings,
+};
 use serde::Serialize;
 use std::path::Path;
 use surface_profile::{Definition, HighSide};
@@ -36,6 +38,12 @@ pub(crate) struct ImageResult {
     /// Whether the surface was stated by the caller; left out where it was found in the picture.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub(crate) surface_given: bool,
+    /// Degrees of freedom of the scatter behind `angle_se_deg` if the surface was stated: the number of its places less four.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) degrees_of_freedom: Option<usize>,
+    /// What speaks for a picture that lies on its side; left out if nothing does.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) warning: Option<String>,
     /// Which slope `angle_deg` is.
     pub(crate) definition: Definition,
     /// The angle by the chosen definition, degrees.
@@ -45,8 +53,8 @@ pub(crate) struct ImageResult {
     pub(crate) angle_se_deg: Option<f64>,
     /// The 95 % interval of `angle_deg`, degrees.
     pub(crate) angle_interval_deg: Option<[f64; 2]>,
-    /// Least-squares line of a surface that was refused as too rough, degrees: what leaving it out does to a mean is in the
-    /// summary.
+    /// Least-squares line of a surface that was refused as too rough, or mean of the flanks of a heap refused as too uncertain,
+    /// degrees: what leaving it out does to a mean is in the summary.
     pub(crate) rough_line_deg: Option<f64>,
     /// Least-squares line, degrees.
     pub(crate) line_deg: Option<f64>,
@@ -156,8 +164,10 @@ pub(crate) struct HeapResult {
     pub(crate) right_toe_deg: f64,
     /// Inclination of the base, positive when it rises to the right, degrees; none where it does not show.
     pub(crate) base_deg: Option<f64>,
-    /// How far above the foot the camera was said to stand, degrees.
+    /// How far above the foot the camera stands, as stated, or as the lower edge shows it, degrees: taken off from all inclinations.
     pub(crate) camera_elevation_deg: f64,
+    /// Mean of both flanks as the picture shows them, before the elevation is taken off, degrees.
+    pub(crate) seen_deg: f64,
     /// How far above the foot the camera stands by the lower edge of the heap, degrees; none where that does not show.
     pub(crate) elevation_seen_deg: Option<f64>,
 }
@@ -170,7 +180,7 @@ const WORTH_TELLING_DEG: f64 = 5.0;
 
 impl HeapResult {
     /// The result of a reading.
-    fn new(heap: &HeapReading, settings: &Settings) -> Self {
+    fn new(heap: &HeapReading) -> Self {
         Self {
             left_deg: heap.left.to_degrees(),
             left_se_deg: heap.left_standard_error.to_degrees(),
@@ -183,7 +193,8 @@ impl HeapResult {
             right_top_deg: heap.tops[1].to_degrees(),
             right_toe_deg: heap.toes[1].to_degrees(),
             base_deg: heap.base.map(f64::to_degrees),
-            camera_elevation_deg: settings.camera_elevation.to_degrees(),
+            camera_elevation_deg: heap.elevation.to_degrees(),
+            seen_deg: heap.mean_seen.to_degrees(),
             elevation_seen_deg: heap.elevation_seen.map(f64::to_degrees),
         }
     }
@@ -213,11 +224,18 @@ impl HeapResult {
                 "base leaning by {base:.1} (where it is the camera, --camera-roll-deg)"
             ));
         }
-        let is_above = |seen: &f64| seen - self.camera_elevation_deg > WORTH_TELLING_DEG;
-        if let Some(seen) = self.elevation_seen_deg.filter(is_above) {
-            told.push(format!(
-                "lower edge as from {seen:.0} above (--camera-elevation-deg)"
-            ));
+        if let Some(seen) = self.elevation_seen_deg {
+            let stated = self.camera_elevation_deg;
+            if (seen - stated).abs() > WORTH_TELLING_DEG {
+                told.push(format!(
+                    "lower edge as from {seen:.0} above, and not from {stated:.0}"
+                ));
+            } else if stated == seen && seen > WORTH_TELLING_DEG {
+                told.push(format!(
+                    "lower edge as from {seen:.0} above, taken off from {:.2} (or state --camera-elevation-deg)",
+                    self.seen_deg
+                ));
+            }
         }
         told.join(", ")
     }
@@ -263,6 +281,8 @@ impl ImageResult {
             verdict: if refused.is_some() { "refused" } else { "ok" },
             reason: refused.map(|refused| refused.reason.to_string()),
             surface_given: false,
+            degrees_of_freedom: None,
+            warning: None,
             advice_flag: advice.as_ref().and_then(|a| a.flag.clone()),
             advice: advice.map(|a| a.words),
             definition: settings.definition,
@@ -273,6 +293,7 @@ impl ImageResult {
                 .map(|(a, e)| [a - HALF_INTERVAL * e, a + HALF_INTERVAL * e].map(f64::to_degrees)),
             rough_line_deg: match refused.map(|refused| &refused.reason) {
                 Some(Refusal::TooRough { line, .. }) => Some(*line),
+                Some(Refusal::HeapUncertain { mean, .. }) => Some(*mean),
                 _ => None,
             },
             line_deg: degrees(angle.map(|a| a.line)),
@@ -294,11 +315,24 @@ impl ImageResult {
             channel: Some(reading.channel().to_string()),
             drum: reading.drum(),
             drum_candidate: refused.and_then(|refused| refused.candidate),
-            heap: heap.map(|heap| HeapResult::new(heap, settings)),
+            heap: heap.map(|heap| HeapResult::new(heap)),
             points: None,
             heights: bed.map(|bed| heights(bed, settings.camera_roll)),
             rectified,
             quality: reading.quality(),
+        }
+    }
+
+    /// Says that the surface was stated by so many places.
+    pub(crate) fn state_given_surface(&mut self, places: usize) {
+        self.surface_given = true;
+        if self.angle_deg.is_some() {
+            self.degrees_of_freedom = Some(places + 1 - LEAST_PLACES);
+        } else if self.rough_line_deg.is_some() {
+            self.advice_flag = None;
+            self.advice = Some(format!(
+                "point at more places than {places}, between the ones given, or allow for the error with --max-error-deg"
+            ));
         }
     }
 
@@ -319,6 +353,15 @@ impl ImageResult {
             Some(frame) => format!("{} frame {frame}", self.file),
             None => self.file.clone(),
         }
+    }
+
+    /// The interval of a surface that was stated, for people: a standard error alone says little with few degrees of freedom.
+    fn few_places(&self) -> String {
+        let stated = self.degrees_of_freedom.zip(self.angle_interval_deg);
+        stated.map_or(String::new(), |(freedom, [low, high])| {
+            let degrees = if freedom == 1 { "degree" } else { "degrees" };
+            format!("; 95 % interval {low:.2} to {high:.2} with {freedom} {degrees} of freedom")
+        })
     }
 
     /// The line for people.
@@ -343,7 +386,8 @@ impl ImageResult {
                     HighSide::Right => "right",
                 };
                 format!(
-                    "{name}: {angle:.2} deg (se {error:.2}), high on the {side}{toe}{by}, quality {:.2}",
+                    "{name}: {angle:.2} deg (se {error:.2}{}), high on the {side}{toe}{by}, quality {:.2}",
+                    self.few_places(),
                     self.quality
                 )
             }
@@ -383,7 +427,7 @@ pub(crate) struct Output {
     pub(crate) single: Option<ImageResult>,
     /// All pictures.
     pub(crate) images: Vec<ImageResult>,
-    /// Files in the folders given that are no pictures by the ending of their names, and were not read.
+    /// Files that were left out: overlays and the mask, and in folders hidden files and those without the ending of a picture.
     pub(crate) skipped: Vec<String>,
     /// All pictures together.
     pub(crate) summary: Summary,

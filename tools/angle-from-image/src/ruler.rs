@@ -8,8 +8,8 @@ use command_line::file_sha256;
 use image::DynamicImage;
 use image::codecs::png::PngEncoder;
 use photo_profile::{
-    Frames, Mask, PhotoPixels, Settings, marked, measure_given_surface, measure_photo, overlay,
-    read_frames, rectify,
+    Frames, Mask, PhotoPixels, Posture, Settings, marked, measure_given_surface, measure_photo,
+    overlay, read_frames, rectify,
 };
 use rayon::iter::{
     IndexedParallelIterator as _, IntoParallelIterator as _, IntoParallelRefIterator as _,
@@ -41,6 +41,8 @@ pub(crate) struct Ruler<'a> {
 pub(crate) struct MeasuredPicture {
     /// The result.
     pub(crate) result: ImageResult,
+    /// How it was taken.
+    pub(crate) posture: Posture,
     /// The overlay as PNG, where it is asked for.
     pub(crate) overlay: Option<Vec<u8>>,
     /// The picture of the page as JPEG, where it is asked for.
@@ -160,6 +162,7 @@ impl<'a> Ruler<'a> {
         origin: Origin,
         side: u32,
     ) -> anyhow::Result<MeasuredPicture> {
+        let taken = [picture.width(), picture.height()];
         let picture = match self.arguments.corners {
             Some(corners) => rectify(&picture, corners.0)?,
             None => picture,
@@ -179,10 +182,13 @@ impl<'a> Ruler<'a> {
         let rectified = self.arguments.corners.is_some();
         let size = [picture.width(), picture.height()];
         let mut result = ImageResult::new(origin, size, &reading, &self.settings, rectified);
-        result.surface_given = self.arguments.surface.is_some();
+        if let Some(places) = &self.arguments.surface {
+            result.state_given_surface(places.0.len());
+        }
         result.points = self.arguments.points.then(|| Points::new(&reading));
         Ok(MeasuredPicture {
             result,
+            posture: Posture::new(taken, &reading),
             overlay: drawn.transpose()?,
             shown: shown.transpose()?,
         })

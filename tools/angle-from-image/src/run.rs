@@ -7,13 +7,14 @@ use crate::ruler::{MeasuredPicture, Opened, Ruler};
 use crate::summary::Summary;
 use crate::table::csv;
 use command_line::{DONE, ERROR, Header, NOT_MET, write_new};
-use photo_profile::{Settings, one_of, picture_files, skipped_files};
+use photo_profile::{PictureFiles, Posture, Settings, one_of, sideways};
 use std::path::{Path, PathBuf};
 
 /// Measures all pictures and says what came out; returns the exit code.
 pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
     let settings = arguments.settings()?;
-    let (files, step) = one_of(arguments.every, picture_files(&arguments.photos)?);
+    let mut found = PictureFiles::find(&arguments.photos, arguments.mask.as_deref())?;
+    let (files, step) = one_of(arguments.every, std::mem::take(&mut found.files));
     anyhow::ensure!(
         arguments.surface.is_none() || files.len() == 1 && arguments.mode == ModeName::Drum,
         "--surface states the surface of one picture of a drum: give one file, without --mode heap"
@@ -29,7 +30,7 @@ pub(crate) fn run(arguments: &Arguments) -> anyhow::Result<u8> {
             image.time_s = Some(place as f64 * interval);
         }
     }
-    report(arguments, &settings, measured, interval)
+    report(arguments, &settings, measured, &found, interval)
 }
 
 /// What was measured so far.
@@ -39,6 +40,8 @@ struct Measured {
     images: Vec<ImageResult>,
     /// The pictures of the page; none for a file that could not be read, and where no page is asked for.
     shown: Vec<Option<Vec<u8>>>,
+    /// How each picture that was read was taken, and the place of its result.
+    postures: Vec<(usize, Posture)>,
     /// Pictures a second of the one film, as it states.
     film_rate: Option<f64>,
 }
@@ -105,6 +108,7 @@ impl Measured {
             write_new(&name, &png, common.overwrite())?;
         }
         common.print(picture.result.text())?;
+        self.postures.push((self.images.len(), picture.posture));
         self.images.push(picture.result);
         self.shown.push(picture.shown);
         Ok(())
@@ -146,26 +150,36 @@ fn numbered(out: &Path, number: usize) -> PathBuf {
     out.with_file_name(format!("{stem}-{number:03}.png"))
 }
 
-/// Writes the summary and the files that are asked for; returns the exit code. `interval` is the time between pictures, s.
+/// Writes the summary and the files that are asked for; returns the exit code. `found` holds what was left out, `interval` is the
+/// time between pictures, s.
 fn report(
     arguments: &Arguments,
     settings: &Settings,
     measured: Measured,
+    found: &PictureFiles,
     interval: Option<f64>,
 ) -> anyhow::Result<u8> {
-    let Measured { images, shown, .. } = measured;
-    let summary = Summary::new(&images, interval);
+    let Measured {
+        mut images,
+        shown,
+        postures,
+        ..
+    } = measured;
+    let (places, postures): (Vec<usize>, Vec<Posture>) = postures.into_iter().unzip();
+    for (k, why) in sideways(&postures) {
+        let image = &mut images[places[k]];
+        let warning = format!("may lie on its side: {why}; turn it upright, or take it out");
+        arguments
+            .common
+            .print(format!("{}: {warning}", image.name()))?;
+        image.warning = Some(warning);
+    }
+    let summary = Summary::new(&images, interval, settings);
     if images.len() > 1 {
         arguments.common.print(summary.text())?;
     }
-    let skipped = skipped_files(&arguments.photos)?;
-    if !skipped.is_empty() {
-        let names: Vec<String> = skipped.iter().map(|f| f.display().to_string()).collect();
-        let line = format!(
-            "skipped, as no pictures by their names: {}",
-            names.join(", ")
-        );
-        arguments.common.print(line)?;
+    if let Some(remark) = found.remark() {
+        arguments.common.print(remark)?;
     }
     let single = match images.as_slice() {
         [one] => Some(one.clone()),
@@ -177,7 +191,12 @@ fn report(
         camera_roll_deg: settings.camera_roll.to_degrees(),
         single,
         images,
-        skipped: skipped.iter().map(|f| f.display().to_string()).collect(),
+        skipped: {
+            let left_out = found.left_out.iter();
+            left_out
+                .map(|left| left.file.display().to_string())
+                .collect()
+        },
         summary,
     };
     if let Some(file) = &arguments.csv {

@@ -2,6 +2,7 @@
 
 use crate::interface::{Heights, Interface};
 use crate::results::ImageResult;
+use photo_profile::{Mode, Settings};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use surface_profile::{
@@ -42,7 +43,8 @@ impl TooRough {
             images.iter().filter_map(of).collect()
         };
         let rough = lines(|i| i.rough_line_deg);
-        let others = summarise(&lines(|i| i.line_deg)).ok()?;
+        // The angle of a heap, which has no line.
+        let others = summarise(&lines(|i| i.line_deg.or(i.angle_deg))).ok()?;
         let found = summarise(&rough).ok()?;
         let error = found.standard_error.hypot(others.standard_error);
         Some(Self {
@@ -76,7 +78,7 @@ impl TooRough {
             ""
         };
         format!(
-            "\n{n} refused as too rough: their lines have a mean of {mean_deg:.2} deg, {difference_deg:+.2} ({error}) from the others{advice}"
+            "\n{n} refused as too rough or uncertain: their lines have a mean of {mean_deg:.2} deg, {difference_deg:+.2} ({error}) from the others{advice}"
         )
     }
 }
@@ -90,7 +92,7 @@ pub(crate) struct Summary {
     pub(crate) mean_deg: Option<f64>,
     /// Standard deviation between pictures, degrees.
     pub(crate) sd_deg: Option<f64>,
-    /// Standard error of the mean, correlation between neighbours counted, degrees.
+    /// Standard error of the mean, correlation between neighbours and the error of a mark for the horizontal counted, degrees.
     pub(crate) se_deg: Option<f64>,
     /// Number of independent pictures that would tell as much.
     pub(crate) n_effective: Option<f64>,
@@ -108,16 +110,21 @@ pub(crate) struct Summary {
 
 impl Summary {
     /// The summary of the results; `interval` is the time between pictures that follow each other, s.
-    pub(crate) fn new(images: &[ImageResult], interval: Option<f64>) -> Self {
+    pub(crate) fn new(images: &[ImageResult], interval: Option<f64>, settings: &Settings) -> Self {
         let angles: Vec<f64> = images.iter().filter_map(|i| i.angle_deg).collect();
         let series: Option<SeriesSummary> = summarise(&angles).ok();
         let finite = |value: Option<f64>| value.filter(|v| v.is_finite());
+        // All pictures share the error of the camera's roll; that of a heap cancels between its flanks.
+        let shared = match settings.mode {
+            Mode::Drum => settings.camera_roll_error.to_degrees(),
+            Mode::Heap => 0.0,
+        };
         let count = |verdict| images.iter().filter(|i| i.verdict == verdict).count();
         Self {
             n: angles.len(),
             mean_deg: finite(series.map(|s| s.mean)),
             sd_deg: finite(series.map(|s| s.sd)),
-            se_deg: finite(series.map(|s| s.standard_error)),
+            se_deg: finite(series.map(|s| s.standard_error.hypot(shared))),
             n_effective: finite(series.map(|s| s.n_effective)),
             refused: count("refused"),
             too_rough: TooRough::new(images),
@@ -221,6 +228,7 @@ fn spread(values: &[f64]) -> Option<Spread> {
 mod tests {
     use super::Summary;
     use crate::results::ImageResult;
+    use photo_profile::Settings;
 
     /// Pictures with lines at some angles, and pictures refused as too rough with lines at others, deg.
     fn pictures(measured: &[f64], rough: &[f64]) -> Vec<ImageResult> {
@@ -243,16 +251,24 @@ mod tests {
     #[test]
     fn surfaces_refused_as_too_rough_are_told_where_they_stand_elsewhere() {
         let measured = [38.0, 39.5, 38.5, 40.0, 39.0];
-        let steep = Summary::new(&pictures(&measured, &[43.5, 44.5, 44.0]), None);
+        let steep = Summary::new(
+            &pictures(&measured, &[43.5, 44.5, 44.0]),
+            None,
+            &Settings::default(),
+        );
         let found = steep.too_rough.expect("three are refused as too rough");
         assert_eq!((found.n, steep.refused, steep.n), (3, 3, 5));
         assert!((found.difference_deg - 5.0).abs() < 1e-12, "{found:?}");
         assert!(steep.text().contains("+5.00"), "{}", steep.text());
         assert!(steep.text().contains("--max-error-deg"), "{}", steep.text());
 
-        let alike = Summary::new(&pictures(&measured, &[38.7, 39.7, 39.2]), None);
+        let alike = Summary::new(
+            &pictures(&measured, &[38.7, 39.7, 39.2]),
+            None,
+            &Settings::default(),
+        );
         assert!(!alike.text().contains("biased"), "{}", alike.text());
-        let fine = Summary::new(&pictures(&measured, &[]), None);
+        let fine = Summary::new(&pictures(&measured, &[]), None, &Settings::default());
         assert!(fine.too_rough.is_none(), "{:?}", fine.too_rough);
     }
 }

@@ -56,7 +56,7 @@ const DRUM: [Column; 21] = [
 ];
 
 /// Columns of a heap.
-const HEAP: [Column; 13] = [
+const HEAP: [Column; 15] = [
     ("left_deg", |i| number(i.heap.map(|h| h.left_deg))),
     ("left_standard_error_deg", |i| {
         number(i.heap.map(|h| h.left_se_deg))
@@ -73,13 +73,18 @@ const HEAP: [Column; 13] = [
     ("right_top_deg", |i| number(i.heap.map(|h| h.right_top_deg))),
     ("right_toe_deg", |i| number(i.heap.map(|h| h.right_toe_deg))),
     ("base_deg", |i| number(i.heap.and_then(|h| h.base_deg))),
+    ("seen_deg", |i| number(i.heap.map(|h| h.seen_deg))),
+    ("camera_elevation_deg", |i| {
+        number(i.heap.map(|h| h.camera_elevation_deg))
+    }),
     ("elevation_seen_deg", |i| {
         number(i.heap.and_then(|h| h.elevation_seen_deg))
     }),
 ];
 
 /// Columns of every table, after those of the mode.
-const LAST: [Column; 3] = [
+const LAST: [Column; 4] = [
+    ("warning", |i| csv_field(i.warning.as_deref().unwrap_or(""))),
     ("channel", |i| csv_field(i.channel.as_deref().unwrap_or(""))),
     ("quality_1", |i| {
         number(i.sha256.is_some().then_some(i.quality))

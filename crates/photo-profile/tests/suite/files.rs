@@ -4,7 +4,10 @@
 
 use drawn_pictures::{Scene, save};
 use image::{DynamicImage, ExtendedColorType, GrayImage, ImageEncoder as _, imageops};
-use photo_profile::{Error, Settings, measure_file, read_frames, read_photo, rectify};
+use photo_profile::{
+    Error, NoPhoto, PictureFiles, Settings, measure_file, measure_image, overlay_gray, read_frames,
+    read_photo, rectify,
+};
 use std::path::PathBuf;
 
 /// A folder of its own for one test.
@@ -252,4 +255,78 @@ fn a_transparent_picture_is_read_as_on_white_paper() {
         reading.angle().unwrap().line
     };
     assert_eq!(line(&on_white), line(&transparent));
+}
+
+/// A folder in which overlays of a measured and of two refused pictures lie, without any mark but what was drawn, beside what
+/// systems and programs leave there: the two photos are read, one of them grey and one in colours, and everything else is left out
+/// with its reason. A photo named alone is read, an overlay named alone is an error.
+#[test]
+fn only_photos_of_a_folder_are_read() {
+    let folder = folder("side-files");
+    let photo = Scene {
+        size: 300,
+        radius: 135.0,
+        ..Scene::default()
+    }
+    .draw();
+    let blank = GrayImage::from_pixel(300, 300, image::Luma([120]));
+    let settings = Settings::default();
+    let strict = Settings {
+        max_angle_error: 0.1_f64.to_radians(),
+        ..settings
+    };
+    save(photo.clone(), folder.join("a.png")).unwrap();
+    let colours = DynamicImage::from(photo.clone()).into_rgb8();
+    save(colours, folder.join("b.png")).unwrap();
+    for (name, picture, settings) in [
+        ("x-001.png", &photo, settings),
+        ("x-002.png", &blank, settings),
+        ("x-003.png", &photo, strict),
+    ] {
+        let reading = measure_image(picture, &settings).unwrap();
+        save(
+            overlay_gray(picture, &reading, &settings),
+            folder.join(name),
+        )
+        .unwrap();
+    }
+    save(blank, folder.join("mask.png")).unwrap();
+    for name in [
+        "._a.png",
+        ".DS_Store",
+        "Thumbs.db",
+        "desktop.ini",
+        "a.png.xmp",
+        "a.json",
+    ] {
+        std::fs::write(folder.join(name), "no picture").unwrap();
+    }
+    let find = |photos: &[PathBuf]| PictureFiles::find(photos, Some(&folder.join("mask.png")));
+    let found = find(std::slice::from_ref(&folder)).unwrap();
+    assert_eq!(
+        found.files,
+        ["a.png", "b.png"].map(|name| folder.join(name))
+    );
+    let count = |why| found.left_out.iter().filter(|left| left.why == why).count();
+    let counts = [
+        (NoPhoto::Overlay, 3),
+        (NoPhoto::Mask, 1),
+        (NoPhoto::Hidden, 2),
+        (NoPhoto::Ending, 4),
+    ];
+    for (why, n) in counts {
+        assert_eq!(count(why), n, "{why:?} of {:?}", found.left_out);
+    }
+    let remark = found.remark().unwrap();
+    assert!(
+        remark.contains("3 overlays of this program (x-001.png"),
+        "{remark}"
+    );
+    assert!(
+        remark.contains("4 files without the ending of a picture"),
+        "{remark}"
+    );
+    assert_eq!(find(&[folder.join("b.png")]).unwrap().files.len(), 1);
+    let alone = find(&[folder.join("x-002.png")]).unwrap_err();
+    assert!(matches!(alone, Error::OnlyOverlays { .. }), "{alone}");
 }

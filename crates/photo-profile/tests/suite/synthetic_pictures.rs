@@ -413,3 +413,60 @@ fn the_fill_level_is_that_of_the_segment() {
         );
     }
 }
+
+/// A bed at 62 degrees with steps whose risers hang over, at 105 degrees, and whose treads lie at 40: the surface is a height over its own
+/// line, and its angle is that of the same curve without a picture, to the error of the smoothing on its corners, 0.5 degrees.
+#[test]
+fn a_steep_bed_with_steps_is_read_along_its_surface() {
+    let (size, radius) = (480_u32, 220.0);
+    let middle = 0.5 * f64::from(size - 1);
+    let (sin, cos) = 62.0_f64.to_radians().sin_cos();
+    let (tread, riser) = (22.0_f64.to_radians().tan(), 43.0_f64.to_radians().tan());
+    let wave = radius;
+    // Height over the line at a distance along it, uphill.
+    let step = |u: f64| {
+        let length = wave * riser / (tread + riser);
+        let along = u.rem_euclid(wave);
+        let fall = -along * tread;
+        0.5 * length * tread + fall.max(-(wave - along) * riser)
+    };
+    let picture = image::GrayImage::from_fn(size, size, |i, j| {
+        let (x, y) = (f64::from(i) - middle, middle - f64::from(j));
+        let (u, v) = (x * cos + y * sin, y * cos - x * sin);
+        image::Luma([if x.hypot(y) > radius {
+            250
+        } else if v < step(u) {
+            60
+        } else {
+            200
+        }])
+    });
+    let coarse = Settings {
+        max_angle_error: 10.0_f64.to_radians(),
+        ..Settings::default()
+    };
+    let curve: Vec<surface_profile::SurfacePoint> = (-2000..=2000)
+        .map(|k| f64::from(k) * radius / 2000.0)
+        .map(|u| (u, step(u)))
+        .filter(|(u, v)| u.hypot(*v) < 0.96 * radius)
+        .map(|(u, v)| surface_profile::SurfacePoint {
+            x: u * cos - v * sin,
+            y: u * sin + v * cos,
+        })
+        .collect();
+    let drum = surface_profile::DrumCircle {
+        x: 0.0,
+        y: 0.0,
+        radius,
+    };
+    let truth = surface_profile::measure(&curve, &drum).unwrap().line;
+    let reading = measure_image(&picture, &coarse).unwrap();
+    let angle = reading.angle().unwrap_or_else(|| panic!("{reading:?}"));
+    let off = (angle.line - truth).to_degrees();
+    assert!(off.abs() < 0.5, "{off} of {}", truth.to_degrees());
+    assert!(
+        (truth.to_degrees() - 62.0).abs() < 3.0,
+        "{}",
+        truth.to_degrees()
+    );
+}

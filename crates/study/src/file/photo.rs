@@ -5,7 +5,7 @@ use crate::document::Fields;
 use crate::keys;
 use crate::photo_values::{IF_NAMED, OF_PHOTOS};
 use crate::problem::Problems;
-use photo_profile::{PixelPoint, PixelRegion, roll_by_level, roll_by_plumb_line};
+use photo_profile::{PixelPoint, PixelRegion, mark_error, roll_by_level, roll_by_plumb_line};
 use quantity::{Angle, Time};
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
@@ -21,7 +21,7 @@ pub(super) fn photo_options(fields: &Fields<'_>, problems: &mut Problems) -> Pho
              write \"line\"",
         ));
     }
-    let roll_rad = roll(fields, problems);
+    let (roll_rad, roll_error_rad) = roll(fields, problems);
     let elevation_rad = angle_within(fields, "elevation", [0.0, 30.0], problems);
     let max_angle_error_rad = max_angle_error(fields, problems);
     let drum = fields.optional("drum", "three numbers [cx, cy, r] in px", problems);
@@ -77,7 +77,8 @@ pub(super) fn photo_options(fields: &Fields<'_>, problems: &mut Problems) -> Pho
         also,
         leave_out,
         roll_rad,
-        elevation_rad: elevation_rad.unwrap_or(0.0),
+        roll_error_rad,
+        elevation_rad,
         max_angle_error_rad,
         region: region.map(|[left, top, width, height]| PixelRegion {
             left,
@@ -126,16 +127,16 @@ fn interval(fields: &Fields<'_>, key: &str, problems: &mut Problems) -> Option<f
 /// Tells the turn of the camera by two places.
 type RollBy = fn([PixelPoint; 2]) -> Result<f64, photo_profile::Error>;
 
-/// Angle of the true horizontal in the pictures, rad: stated, or by a mark in them; 0 where neither is.
-fn roll(fields: &Fields<'_>, problems: &mut Problems) -> f64 {
+/// Angle of the true horizontal in the pictures and its standard error, rad: stated, or by a mark in them; 0 if neither is given.
+fn roll(fields: &Fields<'_>, problems: &mut Problems) -> (f64, f64) {
     let stated: Option<Angle> = fields.optional("roll", "an angle such as \"0.4 deg\"", problems);
-    let mut rolls = vec![stated.map(Angle::si)];
+    let mut rolls = vec![stated.map(|angle| (angle.si(), 0.0))];
     let marks: [(&str, RollBy); 2] = [("plumb_line", roll_by_plumb_line), ("level", roll_by_level)];
     for (key, roll_by) in marks {
         let ends = places(fields, key, "\"X,Y;X,Y\" in px: two places", problems);
         let ends = ends.map(|ends: [[f64; 2]; 2]| ends.map(|[x, y]| PixelPoint { x, y }));
         rolls.push(ends.and_then(|ends| match roll_by(ends) {
-            Ok(roll) => Some(roll),
+            Ok(roll) => Some((roll, mark_error(ends))),
             Err(error) => {
                 problems.add(fields.wrong(key, format!("tells no horizontal: {error}")));
                 None
@@ -148,7 +149,7 @@ fn roll(fields: &Fields<'_>, problems: &mut Problems) -> f64 {
             rolls.pop();
         }
     }
-    rolls.into_iter().flatten().next().unwrap_or(0.0)
+    rolls.into_iter().flatten().next().unwrap_or_default()
 }
 
 /// So many places `X,Y` with semicolons between them.

@@ -276,6 +276,43 @@ fn photos_are_read_as_the_file_says() {
     assert!(reads("mask.png") && reads("4.bmp") && !reads("3.bmp"));
 }
 
+/// A folder of two photos, of which one was turned by a quarter, with an overlay and what a system leaves beside them: two angles, that
+/// add up to 90 degrees, and remarks that name the picture and what was left out.
+#[test]
+fn a_photo_on_its_side_is_named_and_an_overlay_is_no_photo() {
+    let folder = Folder::new(&changed(
+        "angle_deg = { mean = 35.1, sd = 0.8, n = 10 }",
+        "photos = \"photos\"",
+    ));
+    std::fs::create_dir(folder.path("photos")).unwrap();
+    let drawn = drawn_pictures::Scene {
+        size: 240,
+        radius: 112.0,
+        inclination: 0.6,
+        ..drawn_pictures::Scene::default()
+    }
+    .draw();
+    let settings = photo_profile::Settings::default();
+    let reading = photo_profile::measure_image(&drawn, &settings).unwrap();
+    let overlay = photo_profile::overlay_gray(&drawn, &reading, &settings);
+    let turned = image::imageops::rotate90(&drawn);
+    drawn_pictures::save(overlay, folder.path("photos/c.png")).unwrap();
+    drawn_pictures::save(drawn, folder.path("photos/a.png")).unwrap();
+    drawn_pictures::save(turned, folder.path("photos/b.png")).unwrap();
+    std::fs::write(folder.path("photos/._a.png"), "no picture").unwrap();
+    let study = folder.read(None).unwrap();
+    let photos = &study.photos[0];
+    assert_eq!(photos.angles_deg.len(), 2, "{:?}", photos.files);
+    let told = photos.remarks.join(" ");
+    for part in [
+        "b.png' may lie on its side",
+        "1 overlay of this program (c.png)",
+        "1 hidden file (._a.png)",
+    ] {
+        assert!(told.contains(part), "{part}: {told}");
+    }
+}
+
 /// Five copies of one photo have no scatter, and so no error: told as what it is.
 #[test]
 fn copies_of_one_photo_are_told() {

@@ -5,7 +5,7 @@ use drawn_pictures::save;
 use serde_json::Value;
 
 /// A heap with flanks of 0.5 and 0.66 rad, 28.6 and 37.8 degrees, mean 33.2: both flanks, the apex
-/// at (450, 180) px and the mean are in the JSON. A drum is no heap.
+/// at (450, 180) px and the mean, known to half of their difference, are in the JSON. A drum is no heap.
 #[test]
 fn a_heap_gives_both_flanks_and_a_drum_none() {
     let folder = folder("heap");
@@ -21,6 +21,8 @@ fn a_heap_gives_both_flanks_and_a_drum_none() {
         path.to_str().unwrap(),
         "--mode",
         "heap",
+        "--max-error-deg",
+        "5",
         "--json",
         "--overlay",
         overlay.to_str().unwrap(),
@@ -93,4 +95,33 @@ fn what_a_heap_shows_of_its_foot_and_its_camera_is_told() {
     assert_eq!(output.status.code(), Some(2));
     let told = text(&output.stderr);
     assert!(told.contains("camera elevation"), "{told}");
+}
+
+/// Two heaps, of which one has flanks of 28.6 and 51.6 degrees, known to 11.5: it is refused by the limit and not in the mean, and
+/// the summary says what it would change.
+#[test]
+fn a_heap_that_is_too_uncertain_enters_no_mean() {
+    let folder = folder("uncertain heap");
+    for (name, flanks) in [("a.png", [0.56, 0.56]), ("b.png", [0.5, 0.9])] {
+        let heap = drawn_pictures::HeapScene {
+            width: 480,
+            flanks,
+            rounding: 0.005,
+            ..drawn_pictures::HeapScene::default()
+        };
+        save(heap.draw(), folder.join(name)).unwrap();
+    }
+    let output = run(&[folder.to_str().unwrap(), "--mode", "heap", "--json"]);
+    assert_eq!(output.status.code(), Some(1), "{}", text(&output.stderr));
+    let json: Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(json["summary"]["n"], 1);
+    let mean = json["summary"]["mean_deg"].as_f64().unwrap();
+    assert!((mean - 32.09).abs() < 0.3, "{mean}");
+    let refused = &json["images"][1];
+    let reason = refused["reason"].as_str().unwrap();
+    assert!(reason.contains("at most 3.0"), "{reason}");
+    let flag = refused["advice_flag"].as_str().unwrap();
+    assert!(flag.starts_with("--max-error-deg 11."), "{flag}");
+    let without = json["summary"]["too_rough"]["mean_deg"].as_f64().unwrap();
+    assert!((without - 40.1).abs() < 0.3, "{without}");
 }

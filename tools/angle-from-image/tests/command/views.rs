@@ -204,3 +204,28 @@ fn a_surface_that_is_stated_has_the_angle_of_its_places() {
         assert!(message.contains(what), "{message}");
     }
 }
+
+/// Five places, a pixel or so off a line of 30 degrees, in a picture of 800 px: the interval is that of one degree of freedom, or of
+/// pointing, and holds 30. It was narrower than a hundredth of a degree for places that happened to lie on a cubic.
+#[test]
+fn few_places_on_a_surface_have_an_interval_that_says_so() {
+    let folder = folder("few places");
+    let path = folder.join("drum.png");
+    save(
+        image::GrayImage::from_pixel(800, 800, image::Luma([90])),
+        &path,
+    )
+    .unwrap();
+    let places = "130,244;265,322;400,401;535,480;670,558";
+    let flags = ["--drum", "400,400,380", "--surface", places];
+    let output = run(&[&[path.to_str().unwrap()], &flags[..]].concat());
+    let said = text(&output.stdout);
+    assert!(said.contains("with 1 degree of freedom"), "{said}");
+    let output = run(&[&[path.to_str().unwrap(), "--json"], &flags[..]].concat());
+    let json: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(json["degrees_of_freedom"], 1);
+    let interval = [0, 1].map(|k| json["angle_interval_deg"][k].as_f64().unwrap());
+    assert!(interval[0] < 30.0 && interval[1] > 30.0, "{interval:?}");
+    // One pixel at five places over 625 px along the line: 0.13 degrees.
+    assert!(json["angle_se_deg"].as_f64().unwrap() > 0.1, "{interval:?}");
+}
