@@ -62,7 +62,8 @@ pub struct HeapReading {
     pub toes: [f64; 2],
     /// Inclination of the base beside the heap, positive when it rises to the right, rad; none where it does not show.
     pub base: Option<f64>,
-    /// How far above the foot the camera stands by the bulge of the heap's lower edge, rad; none if that edge does not show.
+    /// How far above the foot the camera stands by the bulge of the heap's lower edge, or by its feet if that edge does not show,
+    /// rad; none if these do not show either.
     pub elevation_seen: Option<f64>,
     /// The elevation that was taken off: as stated, or as seen, rad; 0 if neither is known.
     pub elevation: f64,
@@ -160,7 +161,8 @@ pub(crate) fn read_heap(picture: &PhotoPixels, settings: &Settings) -> Result<He
     let hidden = edge.map_or(0.0, |edge| edge.hidden_part());
     let heap = measure_heap_above(&level, hidden + CLEAR_OF_BACK)
         .map_err(|e| unfit(Refusal::Surface(e)))?;
-    let elevation = Elevation::of(settings, edge);
+    let feet = edge.is_none().then(|| elevation_by_feet(&heap)).flatten();
+    let elevation = Elevation::of(settings, edge, feet);
     let [left, right] = [heap.left, heap.right].map(|flank| elevation.taken_off(&flank));
     let mean_seen = heap.mean();
     let cone = HeapAngle {
@@ -206,7 +208,7 @@ pub(crate) fn read_heap(picture: &PhotoPixels, settings: &Settings) -> Result<He
         tops: [left.top, right.top],
         toes: [left.toe, right.toe],
         base: cone.base,
-        elevation_seen: edge.map(|edge| edge.elevation()),
+        elevation_seen: edge.map(|edge| edge.elevation()).or(feet),
         elevation: elevation.angle,
         mean_seen,
         quality: (2.0 * used.len() as f64 / level.len().max(1) as f64).clamp(0.0, 1.0),
@@ -365,8 +367,9 @@ struct Elevation {
 }
 
 impl Elevation {
-    /// What is stated, or what the lower edge shows. If both are known and differ, each may be right.
-    fn of(settings: &Settings, edge: Option<LowerEdge>) -> Self {
+    /// What is stated, or what the lower edge shows. If both are known and differ, each may be right. What the feet show is less
+    /// certain, as a heap may stand on round feet: it is not taken off, but may be right.
+    fn of(settings: &Settings, edge: Option<LowerEdge>, feet: Option<f64>) -> Self {
         let seen = edge.map(|edge| (edge.elevation(), edge.elevation_error()));
         match (settings.camera_elevation, seen) {
             (Some(angle), Some((seen, error))) if (seen - angle).abs() > 2.0 * error => {
@@ -382,7 +385,7 @@ impl Elevation {
             },
             (None, None) => Self {
                 angle: 0.0,
-                other: 0.0,
+                other: feet.unwrap_or(0.0),
             },
         }
     }
@@ -408,6 +411,19 @@ impl Elevation {
         let by_error = of_cone(seen, self.other) - cone;
         by_error.hypot(CORRECTION_PART * (cone - seen))
     }
+}
+
+/// How far above the foot a camera stands that sees the flanks of a cone fall more steeply at its feet, rad; 0 if they do not.
+///
+/// # Formula
+/// The lines from the apex touch the ellipse of the base at the part `sqrt(1 - t^2)` of its half axis R, and meet its long axis at
+/// `R / sqrt(1 - t^2)`, with `t = tan e / tan theta`: the feet are `sqrt(1 - t^2)` as wide as the lines, and
+/// `sin^2 e = t^2 tan^2 alpha / (1 - t^2)` with the inclination alpha that is seen.
+fn elevation_by_feet(heap: &HeapAngle) -> Option<f64> {
+    let ratio = heap.feet?;
+    let square = (1.0 - ratio * ratio).max(0.0);
+    let sine = square.sqrt() * heap.mean().tan() / ratio.abs().max(f64::MIN_POSITIVE);
+    Some(sine.min(1.0).asin())
 }
 
 /// Inclination of a cone whose outline is seen at an inclination, rad.

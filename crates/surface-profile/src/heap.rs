@@ -17,6 +17,8 @@ const CROWN: f64 = 0.9;
 pub(crate) const FEWEST: usize = 12;
 /// Least height of a heap, parts of the width of the outline.
 const LEAST_HEIGHT: f64 = 0.05;
+/// Width of a heap: where the outline first comes below this part of the height.
+const FEET: f64 = 0.03;
 /// No point nearer to the line of the base than this part of the height is left out.
 const LEAST_CUT: f64 = 0.002;
 /// Largest median distance of the base from its line, parts of the height: more is no table.
@@ -45,6 +47,9 @@ pub struct HeapAngle {
     /// Inclination of the base beside the heap, positive when it rises to the right, rad; none where the base does not show
     /// on both sides.
     pub base: Option<f64>,
+    /// Distance of the feet over that of the lines of the flanks at the same height, 1: less than 1 if the outline falls more
+    /// steeply at its feet than on its flanks, as that of a cone seen from above does. None if a foot does not show.
+    pub feet: Option<f64>,
     /// For each point given, whether it counts.
     pub used: Vec<bool>,
 }
@@ -108,6 +113,7 @@ pub fn measure_heap_above(points: &[SurfacePoint], part: f64) -> Result<HeapAngl
     let right = outline.flank(1, part, &mut used)?;
     let apex = meeting(&left, &right);
     Ok(HeapAngle {
+        feet: outline.feet([&left, &right]),
         left,
         right,
         rounding: apex.y - outline.base.at(apex.x) - outline.height,
@@ -268,6 +274,22 @@ impl<'a> Outline<'a> {
             }
         }
         Ok(())
+    }
+
+    /// Distance of the feet over that of the lines of both flanks there.
+    fn feet(&self, flanks: [&HeapFlank; 2]) -> Option<f64> {
+        // Where the outline comes down to the feet on one side, and where the line of the flank does.
+        let places = |side: usize| {
+            let is_foot = |k: &&usize| self.level(**k) < FEET;
+            let foot = self.points[*self.outwards[side].iter().find(is_foot)?];
+            let (flank, outwards) = (flanks[side], [-1.0, 1.0][side]);
+            let from = flank.ends[0];
+            let fall = from.y - self.base.at(foot.x) - FEET * self.height;
+            Some([foot.x, from.x + outwards * fall / flank.inclination.tan()])
+        };
+        let (left, right) = (places(0)?, places(1)?);
+        let [feet, lines] = [0, 1].map(|k: usize| right[k] - left[k]);
+        (lines > 0.0).then(|| feet / lines)
     }
 
     /// Fits one flank above a part of the height, 0 for the left one.

@@ -57,7 +57,9 @@ pub(crate) fn flank(
     let (upper, lower) = members.split_at(members.len() / 2);
     let [top, toe] = [upper, lower].map(|half| -side * Line::through(points, half).inclination);
     if toe - top > MOST_ROUND {
-        return no_heap("a flank is bent, as the outline of a ball or a drum is");
+        return no_heap(
+            "a flank is bent, as the outline of a ball, a drum or a heap seen from above is",
+        );
     }
     if top - toe > MOST_HOLLOW {
         return no_heap("a flank is bent, as that of a spire is");

@@ -168,7 +168,8 @@ pub(crate) struct HeapResult {
     pub(crate) camera_elevation_deg: f64,
     /// Mean of both flanks as the picture shows them, before the elevation is taken off, degrees.
     pub(crate) seen_deg: f64,
-    /// How far above the foot the camera stands by the lower edge of the heap, degrees; none where that does not show.
+    /// How far above the foot the camera stands by the lower edge of the heap, or by its feet if that does not show, degrees;
+    /// none if these do not show either.
     pub(crate) elevation_seen_deg: Option<f64>,
 }
 
