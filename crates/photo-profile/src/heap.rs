@@ -21,10 +21,10 @@ const MOST_BULGE: f64 = 0.6;
 /// Above the part of the height that the back of the base hides, a flank is not fitted over this further part of it.
 const CLEAR_OF_BACK: f64 = 0.05;
 /// The elevation of the camera is not known better than this by the lower edge of a heap, rad: 1 degree, by which the bases of
-/// heaps are not round (our choice; twice as much adds half a degree to the error of a heap seen from 15 degrees above).
+/// heaps are not round (our choice; twice as much adds 0.4 degrees to the error of a heap seen from 15 degrees above).
 const LEAST_ELEVATION_ERROR: f64 = 0.0175;
 /// Of the correction for the elevation, what counts as standard deviation: no heap is a cone, and no camera is infinitely far
-/// (our choice; twice as much refuses heaps of 34 degrees from 17 degrees above by the default limit of the error).
+/// (our choice; twice as much refuses heaps of 34 degrees from 20 degrees above by the default limit of the error).
 const CORRECTION_PART: f64 = 0.25;
 /// Part of half of the width, about the middle, over which the bulge is averaged: towards the ends the edge turns upright.
 const EDGE_REACH: f64 = 0.8;
@@ -296,6 +296,10 @@ impl LowerEdge {
         let slope = (right.1 - left.1) / (right.0 - left.0);
         let over = |(x, y): (f64, f64)| y - left.1 - slope * (x - left.0);
         let half_width = 0.5 * (right.0 - left.0);
+        // The ends of something upright change places if the camera leans far.
+        if half_width < 1.0 {
+            return None;
+        }
         let middle = 0.5 * (left.0 + right.0);
         // Part of half the width, and how far the edge hangs there.
         let hangs: Vec<(f64, f64)> = columns

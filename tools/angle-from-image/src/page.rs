@@ -258,11 +258,13 @@ fn summary(
             page.table(&table);
         }
     }
-    if !output.skipped.is_empty() {
-        page.paragraph(&format!(
-            "Skipped, as no pictures by their names: {}.",
-            output.skipped.join(", ")
-        ));
+    for image in &output.images {
+        if let Some(warning) = &image.warning {
+            page.verdict(Tone::Note, &image.name(), &sentence(warning));
+        }
+    }
+    if let Some(words) = &output.left_out {
+        page.paragraph(&sentence(words));
     }
     Ok(())
 }

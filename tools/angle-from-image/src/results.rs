@@ -430,6 +430,9 @@ pub(crate) struct Output {
     pub(crate) images: Vec<ImageResult>,
     /// Files that were left out: overlays and the mask, and in folders hidden files and those without the ending of a picture.
     pub(crate) skipped: Vec<String>,
+    /// The same for people, with the reasons.
+    #[serde(skip)]
+    pub(crate) left_out: Option<String>,
     /// All pictures together.
     pub(crate) summary: Summary,
 }

@@ -178,8 +178,9 @@ fn report(
     if images.len() > 1 {
         arguments.common.print(summary.text())?;
     }
-    if let Some(remark) = found.remark() {
-        arguments.common.print(remark)?;
+    let left_out = found.remark();
+    if let Some(words) = &left_out {
+        arguments.common.print(words)?;
     }
     let single = match images.as_slice() {
         [one] => Some(one.clone()),
@@ -191,6 +192,7 @@ fn report(
         camera_roll_deg: settings.camera_roll.to_degrees(),
         single,
         images,
+        left_out,
         skipped: {
             let left_out = found.left_out.iter();
             left_out
