@@ -117,7 +117,7 @@ impl PictureFiles {
     pub fn remark(&self) -> Option<String> {
         let kinds = NoPhoto::ALL.into_iter().filter_map(|why| {
             let files = self.left_out.iter().filter(|left| left.why == why);
-            let names: Vec<String> = files.map(|left| left.name()).collect();
+            let names: Vec<String> = files.map(LeftOut::name).collect();
             let more = if names.len() > NAMED { ", ..." } else { "" };
             let listed = names[..names.len().min(NAMED)].join(", ");
             (!names.is_empty()).then(|| format!("{} ({listed}{more})", why.words(names.len())))

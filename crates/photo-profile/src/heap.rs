@@ -151,44 +151,16 @@ pub(crate) fn read_heap(picture: &PhotoPixels, settings: &Settings) -> Result<He
         return Err(unfit(Refusal::HeapCut));
     }
     let edge = LowerEdge::of(&share, (sin, cos));
-    if let Some(edge) = edge.filter(|edge| edge.hangs_too_far()) {
-        return Err(unfit(Refusal::HeapFromAbove {
-            elevation: edge.elevation().to_degrees(),
-            bulge: edge.deepest / edge.height,
-            most: MOST_BULGE,
-        }));
-    }
-    let hidden = edge.map_or(0.0, |edge| edge.hidden_part());
-    let heap = measure_heap_above(&level, hidden + CLEAR_OF_BACK)
-        .map_err(|e| unfit(Refusal::Surface(e)))?;
-    let feet = edge.is_none().then(|| elevation_by_feet(&heap)).flatten();
-    let elevation = Elevation::of(settings, edge, feet);
-    let [left, right] = [heap.left, heap.right].map(|flank| elevation.taken_off(&flank));
-    let mean_seen = heap.mean();
-    let cone = HeapAngle {
-        left,
-        right,
-        // If no table shows beside the heap, its lower edge shows how it leans.
-        base: heap.base.or(edge.map(|edge| edge.lean)),
-        ..heap
-    };
-    // The elevation errs for both flanks alike.
-    let error = cone.standard_error().hypot(elevation.error_of(mean_seen));
-    if error > settings.max_angle_error {
-        return Err(unfit(Refusal::HeapUncertain {
-            mean: cone.mean().to_degrees(),
-            flanks: [left, right].map(|flank| flank.inclination.to_degrees()),
-            error: error.to_degrees(),
-            most_error: settings.max_angle_error.to_degrees(),
-        }));
-    }
-    // A turn of the camera adds to one flank what it takes from the other.
-    let with_roll = |flank: &HeapFlank| {
-        let elevated = flank.standard_error.hypot(elevation.error_of(mean_seen));
-        elevated.hypot(settings.camera_roll_error)
-    };
+    let Cone {
+        heap,
+        mean_seen,
+        error,
+        flank_errors,
+        elevation,
+        elevation_seen,
+    } = Cone::of(&level, edge, settings).map_err(unfit)?;
     let pick = |wanted: bool| -> Vec<PixelPoint> {
-        let flagged = level.iter().zip(&cone.used);
+        let flagged = level.iter().zip(&heap.used);
         flagged
             .filter(|(_, used)| **used == wanted)
             .map(|(p, _)| to_picture(p))
@@ -196,20 +168,20 @@ pub(crate) fn read_heap(picture: &PhotoPixels, settings: &Settings) -> Result<He
     };
     let used = pick(true);
     Ok(HeapReading {
-        left: left.inclination,
-        left_standard_error: with_roll(&left),
-        right: right.inclination,
-        right_standard_error: with_roll(&right),
-        mean: cone.mean(),
+        left: heap.left.inclination,
+        left_standard_error: flank_errors[0],
+        right: heap.right.inclination,
+        right_standard_error: flank_errors[1],
+        mean: heap.mean(),
         standard_error: error,
-        apex: to_picture(&cone.apex),
-        rounding: cone.rounding * scale,
-        lines: [left, right].map(|flank| flank.ends.map(|p| to_picture(&p))),
-        tops: [left.top, right.top],
-        toes: [left.toe, right.toe],
-        base: cone.base,
-        elevation_seen: edge.map(|edge| edge.elevation()).or(feet),
-        elevation: elevation.angle,
+        apex: to_picture(&heap.apex),
+        rounding: heap.rounding * scale,
+        lines: [heap.left, heap.right].map(|flank| flank.ends.map(|p| to_picture(&p))),
+        tops: [heap.left.top, heap.right.top],
+        toes: [heap.left.toe, heap.right.toe],
+        base: heap.base,
+        elevation_seen,
+        elevation,
         mean_seen,
         quality: (2.0 * used.len() as f64 / level.len().max(1) as f64).clamp(0.0, 1.0),
         used,
@@ -217,6 +189,74 @@ pub(crate) fn read_heap(picture: &PhotoPixels, settings: &Settings) -> Result<He
         foreground,
         channel,
     })
+}
+
+/// A heap as a cone that is seen from an elevation.
+struct Cone {
+    /// The heap with the elevation taken off.
+    heap: HeapAngle,
+    /// Mean inclination of both flanks before, rad.
+    mean_seen: f64,
+    /// Standard error of the mean, rad.
+    error: f64,
+    /// Standard errors of the left and the right flank, rad.
+    flank_errors: [f64; 2],
+    /// The elevation that was taken off, rad.
+    elevation: f64,
+    /// The elevation that shows, rad.
+    elevation_seen: Option<f64>,
+}
+
+impl Cone {
+    /// Measures an outline (level, y up) over a lower edge, if that shows.
+    fn of(
+        level: &[SurfacePoint],
+        edge: Option<LowerEdge>,
+        settings: &Settings,
+    ) -> Result<Self, Refusal> {
+        if let Some(edge) = edge.filter(LowerEdge::hangs_too_far) {
+            return Err(Refusal::HeapFromAbove {
+                elevation: edge.elevation().to_degrees(),
+                bulge: edge.bulge.max(edge.deepest) / edge.height,
+                most: MOST_BULGE,
+            });
+        }
+        let hidden = edge.map_or(0.0, |edge| edge.hidden_part());
+        let seen = measure_heap_above(level, hidden + CLEAR_OF_BACK).map_err(Refusal::Surface)?;
+        let mean_seen = seen.mean();
+        let feet = edge.is_none().then(|| elevation_by_feet(&seen)).flatten();
+        let elevation = Elevation::of(settings, edge, feet);
+        let heap = HeapAngle {
+            left: elevation.taken_off(&seen.left),
+            right: elevation.taken_off(&seen.right),
+            // If no table shows beside the heap, its lower edge shows how it leans.
+            base: seen.base.or(edge.map(|edge| edge.lean)),
+            ..seen
+        };
+        // The elevation errs for both flanks alike; a turn of the camera adds to one flank what it takes from the other.
+        let by_elevation = elevation.error_of(mean_seen);
+        let of_flank = |flank: &HeapFlank| {
+            let elevated = flank.standard_error.hypot(by_elevation);
+            elevated.hypot(settings.camera_roll_error)
+        };
+        let error = heap.standard_error().hypot(by_elevation);
+        if error > settings.max_angle_error {
+            return Err(Refusal::HeapUncertain {
+                mean: heap.mean().to_degrees(),
+                flanks: [heap.left, heap.right].map(|flank| flank.inclination.to_degrees()),
+                error: error.to_degrees(),
+                most_error: settings.max_angle_error.to_degrees(),
+            });
+        }
+        Ok(Self {
+            flank_errors: [of_flank(&heap.left), of_flank(&heap.right)],
+            heap,
+            mean_seen,
+            error,
+            elevation: elevation.angle,
+            elevation_seen: edge.map(|edge| edge.elevation()).or(feet),
+        })
+    }
 }
 
 /// The share of bed in the largest connected part of it alone: dust, noise and what else stands about are no heap.

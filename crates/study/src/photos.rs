@@ -84,6 +84,19 @@ fn copies(files: &[PathBuf]) -> Option<String> {
     ))
 }
 
+/// The photos that seem to lie on their side.
+fn on_their_side(taken: Vec<(PathBuf, Posture)>) -> Vec<String> {
+    let (files, postures): (Vec<PathBuf>, Vec<Posture>) = taken.into_iter().unzip();
+    let found = sideways(&postures).into_iter();
+    let words = found.map(|(k, why)| {
+        format!(
+            "photo '{}' may lie on its side: {why}; turn it upright, or take it out",
+            files[k].display()
+        )
+    });
+    words.collect()
+}
+
 /// Reads all photos of a measurement; every one that cannot be measured is told.
 ///
 /// From two frames on, the standard deviation is that between the frames and n the effective number of independent ones
@@ -145,13 +158,7 @@ pub(crate) fn read(
     };
     series.remarks.extend(found.remark());
     series.remarks.extend(copies(&series.files));
-    let (taken_from, postures): (Vec<PathBuf>, Vec<Posture>) = postures.into_iter().unzip();
-    for (k, why) in sideways(&postures) {
-        series.remarks.push(format!(
-            "photo '{}' may lie on its side: {why}; turn it upright, or take it out",
-            taken_from[k].display()
-        ));
-    }
+    series.remarks.extend(on_their_side(postures));
     if let Some(first) = lost.first() {
         let (lost, all) = (lost.len(), lost.len() + speeds.len());
         let remark = format!("{SPEED}: {lost} of {all} pairs of pictures do not tell it: {first}");

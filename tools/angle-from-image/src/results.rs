@@ -176,6 +176,9 @@ pub(crate) struct HeapResult {
 /// How much flatter than the line the toe of a bed is told in words, degrees: grains of a tenth of the radius make less.
 const FLAT_TOE_DEG: f64 = 15.0;
 
+/// Two elevations that differ by no more than rounding are the same, degrees.
+const SAME_DEG: f64 = 1e-9;
+
 /// Difference of the halves of a flank that is told in words, degrees; a fifth of it for the base.
 const WORTH_TELLING_DEG: f64 = 5.0;
 
@@ -231,7 +234,7 @@ impl HeapResult {
                 told.push(format!(
                     "lower edge as from {seen:.0} above, and not from {stated:.0}"
                 ));
-            } else if stated == seen && seen > WORTH_TELLING_DEG {
+            } else if (seen - stated).abs() < SAME_DEG && seen > WORTH_TELLING_DEG {
                 told.push(format!(
                     "lower edge as from {seen:.0} above, taken off from {:.2} (or state --camera-elevation-deg)",
                     self.seen_deg

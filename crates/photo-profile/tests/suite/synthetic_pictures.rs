@@ -430,7 +430,7 @@ fn a_steep_bed_with_steps_is_read_along_its_surface() {
         let fall = -along * tread;
         0.5 * length * tread + fall.max(-(wave - along) * riser)
     };
-    let picture = image::GrayImage::from_fn(size, size, |i, j| {
+    let picture = GrayImage::from_fn(size, size, |i, j| {
         let (x, y) = (f64::from(i) - middle, middle - f64::from(j));
         let (u, v) = (x * cos + y * sin, y * cos - x * sin);
         image::Luma([if x.hypot(y) > radius {
@@ -445,11 +445,11 @@ fn a_steep_bed_with_steps_is_read_along_its_surface() {
         max_angle_error: 10.0_f64.to_radians(),
         ..Settings::default()
     };
-    let curve: Vec<surface_profile::SurfacePoint> = (-2000..=2000)
+    let curve: Vec<SurfacePoint> = (-2000..=2000)
         .map(|k| f64::from(k) * radius / 2000.0)
         .map(|u| (u, step(u)))
         .filter(|(u, v)| u.hypot(*v) < 0.96 * radius)
-        .map(|(u, v)| surface_profile::SurfacePoint {
+        .map(|(u, v)| SurfacePoint {
             x: u * cos - v * sin,
             y: u * sin + v * cos,
         })
@@ -459,7 +459,7 @@ fn a_steep_bed_with_steps_is_read_along_its_surface() {
         y: 0.0,
         radius,
     };
-    let truth = surface_profile::measure(&curve, &drum).unwrap().line;
+    let truth = measure(&curve, &drum).unwrap().line;
     let reading = measure_image(&picture, &coarse).unwrap();
     let angle = reading.angle().unwrap_or_else(|| panic!("{reading:?}"));
     let off = (angle.line - truth).to_degrees();
