@@ -357,7 +357,7 @@ fn refuse_values(scene: &Scene, drum: &Drum, mass_share: f64) -> Result<(), Erro
 fn law(scene: &Scene, drum: &Drum, bodies: &[Arc<SeedBody>]) -> Result<Law, Error> {
     let names = surfaces(scene, drum);
     let materials = names.map(|name| &scene.material[name]);
-    let young = materials.map(|m| m.youngs_modulus_pa());
+    let young = materials.map(scene::MaterialSettings::youngs_modulus_pa);
     let poisson = materials.map(|m| m.poisson_ratio.get());
     let contacts = contacts(scene, names)?;
     // Row by row; shell and cover never meet.

@@ -127,7 +127,9 @@ fn filling(simulator: &SceneSimulator, request: &RunRequest) -> Result<(f64, f64
         let weight = scene.count_of(seed) as f64;
         count += weight;
         spheres += weight * body.spheres.len() as f64;
-        roughness += weight * body.report.roughness_rms * 1e6;
+        // The seeds of the study are meshes that are filled.
+        let shape = body.shape.as_ref().ok_or("a seed is not filled")?;
+        roughness += weight * shape.report.roughness_rms * 1e6;
     }
     Ok((spheres / count, roughness / count))
 }

@@ -90,7 +90,7 @@ fn table(page: &mut Page<'_>, seeds: &[FilledSeed]) -> Result<(), Error> {
         let body = &seed.body;
         let of_fit = |value: &dyn Fn(&FilledShape) -> String| {
             let shape = body.shape.as_ref();
-            shape.map_or_else(|| "-".to_owned(), |shape| value(shape))
+            shape.map_or_else(|| "-".to_owned(), value)
         };
         let outer = body.outer.spheres().len();
         table.row([

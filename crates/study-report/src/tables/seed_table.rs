@@ -33,7 +33,7 @@ pub(super) fn seeds(input: &ReportInput<'_>) -> Result<CsvTable, Error> {
         let body = &seed.body;
         let of_fit = |value: &dyn Fn(&FilledShape) -> f64| {
             let shape = body.shape.as_ref();
-            Field::from(shape.map(|shape| value(shape)))
+            Field::from(shape.map(value))
         };
         let mm = |value: &dyn Fn(&FilledShape) -> f64| of_fit(&|s| 1e3 * value(s));
         let error = |k: usize| of_fit(&|s| s.report.inertia_error_percent[k]);
