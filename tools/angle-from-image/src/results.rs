@@ -319,7 +319,7 @@ impl ImageResult {
             channel: Some(reading.channel().to_string()),
             drum: reading.drum(),
             drum_candidate: refused.and_then(|refused| refused.candidate),
-            heap: heap.map(|heap| HeapResult::new(heap)),
+            heap: heap.map(HeapResult::new),
             points: None,
             heights: bed.map(|bed| heights(bed, settings.camera_roll)),
             rectified,
