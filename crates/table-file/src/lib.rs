@@ -67,5 +67,8 @@ pub fn read(path: &Path) -> Result<Table, Error> {
             "it is named as a workbook but holds none; save it as .xlsx, or name it .csv if it is text".to_owned(),
         ));
     }
-    Table::parse(&text_of_bytes(bytes)).map_err(|source| Error::Table { path: file, source })
+    Table::parse(&text_of_bytes(bytes)).map_err(|source| Error::Table {
+        path: file,
+        source: Box::new(source),
+    })
 }
