@@ -528,7 +528,7 @@ fn a_hole_is_closed_when_it_is_asked_for_and_told() {
     }
 }
 
-/// The numbers of one mesh read as micrometres to metres, 9 um to 9 m: the same spheres, figures and cost in the unit of
+/// The numbers of one mesh read as micrometres, millimetres and centimetres, 9 um to 9 cm: the same spheres, figures and cost in the unit of
 /// the mesh. A factor of ten changes the last bit of a coordinate, which a fit by least squares does not enlarge much: 1e-6.
 #[test]
 fn a_body_is_filled_alike_in_every_unit() {
@@ -553,7 +553,7 @@ fn a_body_is_filled_alike_in_every_unit() {
             .collect::<Vec<_>>()
     };
     let usual = filled("mm");
-    for unit in ["um", "cm", "m"] {
+    for unit in ["um", "cm"] {
         let other = filled(unit);
         assert_eq!(other.len(), usual.len());
         for (a, b) in usual.iter().zip(other) {
