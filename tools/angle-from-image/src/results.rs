@@ -232,7 +232,7 @@ impl HeapResult {
             let stated = self.camera_elevation_deg;
             if (seen - stated).abs() > WORTH_TELLING_DEG {
                 told.push(format!(
-                    "lower edge as from {seen:.0} above, and not from {stated:.0}"
+                    "looks as from {seen:.0} above, not {stated:.0} (--camera-elevation-deg)"
                 ));
             } else if (seen - stated).abs() < SAME_DEG && seen > WORTH_TELLING_DEG {
                 told.push(format!(
