@@ -399,7 +399,7 @@ pub(crate) fn plain(value: &Value) -> Option<String> {
 
 /// Settings of a table by dotted path; tables inside are steps of the path.
 pub(crate) fn settings(fields: &Fields<'_>, problems: &mut Problems) -> BTreeMap<String, String> {
-    fn walk(table: &Table, path: &str, found: &mut BTreeMap<String, Option<String>>) {
+    fn walk(table: &Table, path: &str, found: &mut BTreeMap<String, Result<String, String>>) {
         for (key, value) in table {
             let path = if path.is_empty() {
                 key.clone()
@@ -409,27 +409,30 @@ pub(crate) fn settings(fields: &Fields<'_>, problems: &mut Problems) -> BTreeMap
             match value {
                 Value::Table(inner) => walk(inner, &path, found),
                 _ => {
-                    found.insert(path, plain(value));
+                    found.insert(path, level(value));
                 }
             }
+        }
+    }
+    /// A level becomes a part of the name of its model; a number is looked at with all others.
+    fn level(value: &Value) -> Result<String, String> {
+        match value.as_str().and_then(wrong_name) {
+            Some(problem) => Err(problem),
+            None => plain(value)
+                .ok_or_else(|| "must be a number or a text, such as \"15 rpm\"".to_owned()),
         }
     }
     let mut found = BTreeMap::new();
     walk(fields.table, "", &mut found);
     let mut settings = BTreeMap::new();
     for (name, value) in found {
-        // A level becomes a part of the name of its model.
-        let problem = match value.as_deref().map(wrong_name) {
-            Some(None) => None,
-            Some(Some(problem)) => Some(problem),
-            None => Some("must be a number or a text, such as \"15 rpm\"".to_owned()),
-        };
-        if let Some(problem) = problem {
-            let what = format!("{}: '{name}'", fields.words);
-            let path = below(&fields.path, &name);
-            problems.add(fields.document.problem(&path, what, problem));
-        } else if let Some(value) = value {
-            settings.insert(name, value);
+        match value {
+            Ok(value) => drop(settings.insert(name, value)),
+            Err(problem) => {
+                let what = format!("{}: '{name}'", fields.words);
+                let path = below(&fields.path, &name);
+                problems.add(fields.document.problem(&path, what, problem));
+            }
         }
     }
     settings

@@ -69,7 +69,12 @@ fn check_value(document: &Document, key: &str, value: &Value, path: &str, proble
         Value::Boolean(_) | Value::Datetime(_) => None,
     };
     if let Some(problem) = problem {
-        let what = format!("{key} = {}", shown(&value.to_string()));
+        // Hundreds of zeros say less than an exponent.
+        let text = match value {
+            Value::Float(number) => format!("{number:e}"),
+            other => other.to_string(),
+        };
+        let what = format!("{key} = {}", shown(&text));
         report(document, path, what, problem, problems);
     }
 }
