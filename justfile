@@ -88,10 +88,10 @@ trials NUMBER="200":
     mkdir -p out
     "{{programs}}/examples/trials" {{NUMBER}} fixtures/diagnosis/drum/problem.json fixtures/diagnosis/library/problem.json fixtures/diagnosis/single/problem.json fixtures/diagnosis/tie/problem.json > out/trials.md
 
-# Calibrate NUMBER drawn studies of known truth of each kind, and print how often the intervals hold it (minutes).
+# Calibrate 400 drawn studies of known truth of each kind, and print how often the intervals hold it (ten minutes).
 [group('trials of the instruments')]
-drawn-studies NUMBER="200":
-    STUDIES={{NUMBER}} cargo test --release --locked -p calibration --test whole_loop table_of_drawn -- --ignored --nocapture
+drawn-studies:
+    cargo test --release --locked -p calibration --test whole_loop table_of_drawn -- --ignored --nocapture
 
 # Run 2000 whole campaigns in which nothing is hidden, and count those that report something missing (minutes).
 [group('trials of the instruments')]

@@ -116,7 +116,8 @@ mod tests {
 
     /// A dump of a step with so many spheres.
     fn dump(step: usize, n: usize) -> String {
-        let rows: String = (0..n).map(|k| format!("{k} 0.0{k} 0 0 0.003\n")).collect();
+        let rows: Vec<String> = (0..n).map(|k| format!("{k} 0.0{k} 0 0 0.003\n")).collect();
+        let rows = rows.concat();
         format!(
             "ITEM: TIMESTEP\n{step}\nITEM: NUMBER OF ATOMS\n{n}\nITEM: BOX BOUNDS ff ff ff\n0 1\n0 1\n0 1\n\
              ITEM: ATOMS id x y z radius \n{rows}"

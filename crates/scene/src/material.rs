@@ -150,7 +150,7 @@ mod tests {
         Scene::from_text(&text, "sled.toml", Path::new(""), &changes)
     }
 
-    /// 13 MPa at a ratio of 0.3 are G = 5 MPa, and at 0.25 they are 5.2 MPa: E stays. Rounding only.
+    /// `E = 13 MPa` at a ratio of 0.3 is `G = 5 MPa`, and at 0.25 it is `G = 5.2 MPa`: E stays. Rounding only.
     #[test]
     fn youngs_modulus_stands_for_the_shear_modulus() {
         let stated = r#"poisson_ratio = 0.3, youngs_modulus = "13 MPa""#;

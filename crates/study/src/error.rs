@@ -52,10 +52,10 @@ pub enum Error {
     Table(#[from] table_file::Error),
     /// A scene is refused.
     #[error(transparent)]
-    Scene(#[from] scene::Error),
+    Scene(Box<scene::Error>),
     /// The simulator is refused.
     #[error(transparent)]
-    Simulator(#[from] scene_simulator::Error),
+    Simulator(Box<scene_simulator::Error>),
     /// Another code is no simulator.
     #[error(transparent)]
     External(#[from] external_simulator::Error),
@@ -68,6 +68,19 @@ pub enum Error {
     /// The run store cannot be used.
     #[error(transparent)]
     Store(#[from] run_store::Error),
+}
+
+// Boxed: these two are much larger than the others, and every result of a study carries room for the largest.
+impl From<scene::Error> for Error {
+    fn from(error: scene::Error) -> Self {
+        Self::Scene(Box::new(error))
+    }
+}
+
+impl From<scene_simulator::Error> for Error {
+    fn from(error: scene_simulator::Error) -> Self {
+        Self::Simulator(Box::new(error))
+    }
 }
 
 /// All problems, one a line.

@@ -20,7 +20,7 @@ pub enum Error {
         /// The file.
         path: PathBuf,
         /// Why.
-        source: Box<experiment_design::Error>,
+        source: experiment_design::Error,
     },
     /// The workbook cannot be read or written.
     #[error("{}: {what}", path.display())]

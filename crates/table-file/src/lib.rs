@@ -67,8 +67,5 @@ pub fn read(path: &Path) -> Result<Table, Error> {
             "it is named as a workbook but holds none; save it as .xlsx, or name it .csv if it is text".to_owned(),
         ));
     }
-    Table::parse(&text_of_bytes(bytes)).map_err(|source| Error::Table {
-        path: file,
-        source: Box::new(source),
-    })
+    Table::parse(&text_of_bytes(bytes)).map_err(|source| Error::Table { path: file, source })
 }

@@ -26,7 +26,7 @@ pub fn bytes_for(path: &Path, csv: &str) -> Result<Vec<u8>, Error> {
     }
     let table = Table::parse(csv).map_err(|source| Error::Table {
         path: path.to_owned(),
-        source: Box::new(source),
+        source,
     })?;
     workbook(&table).map_err(|error| {
         refused(format!(

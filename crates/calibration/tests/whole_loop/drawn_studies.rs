@@ -537,13 +537,11 @@ fn a_lack_of_fit_that_noise_hides_does_not_bias() {
     assert_calibrated(&saturating("saturating", 0.227, 3.0), 200);
 }
 
-/// The table of all kinds, of so many studies as the environment says (`just drawn-studies`).
+/// The table of all kinds, of 400 studies each (`just drawn-studies`).
 #[test]
 #[ignore = "minutes"]
-#[expect(clippy::print_stdout, reason = "the table is what it is called for")]
 fn table_of_drawn_studies() {
-    let studies = std::env::var("STUDIES").ok().and_then(|s| s.parse().ok());
-    let studies = studies.unwrap_or(200);
+    let studies = 400;
     println!(
         "| {studies} studies | met | fit: cover where fixed, worst | fixed, least | median width | joint: cover where fixed, worst | fixed, least | median width | opened, worst |"
     );

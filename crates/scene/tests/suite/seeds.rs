@@ -492,7 +492,7 @@ fn the_number_of_seeds_follows_from_the_apparatus_after_all_changes() {
     };
     let heap = r#"{ kind = "heap", inner_diameter = "80 mm", height = "100 mm", lift_speed = "20 mm/s", floor = "steel",
         cylinder = "steel" }"#;
-    let heap: toml::Table = format!("a = {heap}").replace("\n", " ").parse().unwrap();
+    let heap: toml::Table = format!("a = {heap}").replace('\n', " ").parse().unwrap();
     let heap: scene::Apparatus = heap["a"].clone().try_into().unwrap();
     let drum = read("sphere = \"6 mm\"\nmass = \"150 mg\"\nfill_level = 0.35").unwrap();
     let scene = drum.in_apparatus(heap.clone()).unwrap();
