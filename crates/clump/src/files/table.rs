@@ -125,8 +125,9 @@ mod tests {
         ] {
             let spheres = read_spheres(text, "seed.csv", 1e-3).unwrap();
             assert_eq!(spheres.len(), 2, "{text}");
-            assert_eq!(spheres[0].radius, 2.25e-3, "{text}");
-            assert_eq!(spheres[1].centre.z, -1.5e-3, "{text}");
+            // A number times the unit, rounded once.
+            assert_eq!(spheres[0].radius, 2.25 * 1e-3, "{text}");
+            assert_eq!(spheres[1].centre.z, -1.5 * 1e-3, "{text}");
         }
     }
 

@@ -125,7 +125,8 @@ fn photos_at_a_known_rate_tell_avalanches() {
         photos.remarks
     );
     let plain = with_pictures(&scenes[..40], "");
-    assert!(plain.photos[0].further.is_empty());
+    let told: Vec<&String> = plain.photos[0].further.keys().collect();
+    assert_eq!(told, ["fill_level"], "an input of the scene");
 }
 
 #[test]

@@ -70,7 +70,7 @@ fn a_program_of_the_user_is_calibrated() {
 }
 
 /// One angle of one drum tells `0.75 mu_s + 0.8 mu_r` and no more: what is printed says that both are open, and what is fixed
-/// instead; the factor 0.8 / 0.75 = 1.07 is known to the noise of the runs.
+/// instead; the factor 0.8 / 0.75 = 1.07 is known to the noise of the runs. That is no success, and the plan says so before any run.
 #[test]
 fn what_one_angle_leaves_open_is_printed() {
     let folder = tempfile::tempdir().unwrap();
@@ -79,9 +79,14 @@ fn what_one_angle_leaves_open_is_printed() {
     let study = fs::read_to_string(&path).unwrap();
     let tables: Vec<&str> = study.split("[[measured]]").collect();
     fs::write(&path, format!("{}[[measured]]{}", tables[0], tables[1])).unwrap();
+    let too_few = "1 fitted value depends on mu_s and mu_r, fewer than these 2 parameters";
+    let plan = seedloop(folder.path(), &["calibrate", "study.toml", "--plan"]);
+    assert_code(&plan, 1);
+    assert!(text(&plan.stdout).contains(too_few), "{plan:?}");
     let output = seedloop(folder.path(), &["calibrate", "study.toml", "--quiet"]);
-    assert_code(&output, 0);
+    assert_code(&output, 1);
     let said = text(&output.stdout);
+    assert!(said.contains(too_few), "{said}");
     assert_eq!(said.matches("nothing: open").count(), 2, "{said}");
     let (_, fixed) = said.split_once("fix only ").expect("an open combination");
     let (what, how) = fixed.split_once(": ").unwrap();
