@@ -13,11 +13,9 @@ pub(super) fn add(page: &mut Page<'_>) -> Result<(), Error> {
         "What the fitted surfaces of the last box predict. Move a parameter, and the predictions follow; without scripts \
          they are those at the estimate. No run is made.",
     );
-    let rounds = &page.input.calibration.confirmations;
-    if rounds.iter().any(|round| !round.confirmed) {
+    if !page.input.calibration.confirmations.is_empty() {
         page.report.paragraph(
-            "Fresh runs contradicted a surface, and the estimate was corrected by them: these predictions are those of the \
-             surfaces before that.",
+            "The estimate rests on these surfaces shifted to meet the fresh runs; the predictions are those before the shift.",
         );
     }
     page.report.explorer(

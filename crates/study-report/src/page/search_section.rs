@@ -77,7 +77,7 @@ fn confirmations(page: &mut Page<'_>) -> Result<(), Error> {
     }
     let mut table = Table::new(
         "Rounds of confirmation: what the surfaces predict and what fresh runs show, ± standard errors; z is their \
-         difference in standard errors of both. Runs that contradict join the surface.",
+         difference in standard errors of both. The surface is then shifted to meet the runs of all rounds.",
         vec![
             Column::number("round"),
             Column::text("observable"),
