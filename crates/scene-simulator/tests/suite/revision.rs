@@ -180,7 +180,7 @@ fn the_revision_belongs_to_the_beds() {
         7.591251583e-2,
         -1.288765163e-2,
         9.341680822e-2,
-        8.364188198e-3,
+        -3.914293413e-3,
     ];
     belong_to_the_revision(&found, &pinned);
 }

@@ -205,9 +205,9 @@ fn peas(changes: &[(&str, &str)]) -> Result<Scene, scene::Error> {
     Scene::from_text(text, "peas.toml", Path::new("."), &changes)
 }
 
-/// The torques of type A that the attraction gives at twelve contacts turn a pea in one step by 0.005 of `sqrt(P r / I)`: with an
+/// The torques of type A that the attraction gives at twelve contacts turn a pea in one step by 0.0025 of `sqrt(P r / I)`: with an
 /// attraction F, six weights of 216 peas on each other and the half radius as arm
-/// `12 0.3 F r/2 dt / I = 0.005 sqrt((6 m g + F) r / I)`. Rounding only. The other law of rolling and peas without rolling friction
+/// `12 0.3 F r/2 dt / I = 0.0025 sqrt((6 m g + F) r / I)`. Rounding only. The other law of rolling and peas without rolling friction
 /// keep the step of hard contacts, to the last bit for weak attractions; what the attraction is made of does not matter.
 #[test]
 fn the_time_step_stands_rolling_friction_under_attraction() -> Result<(), scene::Error> {
@@ -224,7 +224,7 @@ fn the_time_step_stands_rolling_friction_under_attraction() -> Result<(), scene:
     for (text, attraction) in [("0.002", 0.002), ("0.05", 0.05)] {
         let got = step(&[(ATTRACTION, text)])?;
         let load = 6.0 * mass * 9.81 + attraction;
-        let spin = 0.005 * (load * radius / inertia).sqrt();
+        let spin = 0.0025 * (load * radius / inertia).sqrt();
         let expected = spin * inertia / (12.0 * 0.3 * attraction * 0.5 * radius);
         assert!((got / expected - 1.0).abs() < 1e-9, "{got} s, {expected} s");
         assert!(got < 0.4 * dry, "{got} s, dry {dry} s");
@@ -251,7 +251,7 @@ fn the_time_step_stands_rolling_friction_under_attraction() -> Result<(), scene:
     // 2 pi r g 10/11 = 0.8 mN between peas, which counts 0.3/2, and twice that at a wall, which counts 0.1: the wall decides.
     let attraction = 4.0 * std::f64::consts::PI * radius * 0.07 / 1.1;
     let load = 6.0 * mass * 9.81 + attraction;
-    let spin = 0.005 * (load * radius / inertia).sqrt();
+    let spin = 0.0025 * (load * radius / inertia).sqrt();
     let expected = spin * inertia / (12.0 * 0.1 * attraction * radius);
     assert!((wet / expected - 1.0).abs() < 1e-9, "{wet} s, {expected} s");
     Ok(())
