@@ -539,7 +539,7 @@ fn a_lack_of_fit_that_noise_hides_does_not_bias() {
 
 /// The table of all kinds, of 400 studies each (`just drawn-studies`).
 #[test]
-#[ignore = "minutes"]
+#[ignore = "7200 studies take ten minutes; `just drawn-studies`"]
 fn table_of_drawn_studies() {
     let studies = 400;
     println!(
