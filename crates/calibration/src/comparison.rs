@@ -128,19 +128,24 @@ fn comparison(
     }
 }
 
-/// Variance of a run and its degrees of freedom: pooled with that about the surfaces of the model where there are any.
+/// Variance of a run and its degrees of freedom: pooled with that about the surfaces of the model where there are any, in which the
+/// scatter of these runs may be already.
 fn scatter(group: &[&Sample], observable: &str, surface: Option<&Surface>) -> (f64, f64) {
     let own = group.len().saturating_sub(1) as f64;
+    let of_surface = surface.and_then(|s| {
+        let k = s.place(observable)?;
+        Some((s.covariance[(k, k)], s.degrees_of_freedom))
+    });
+    let known = surface.is_some_and(|s| s.knows_scatter_of(group));
+    if let Some(pooled) = of_surface.filter(|_| known) {
+        return pooled;
+    }
     let m = mean(group, observable);
     let squares: f64 = group
         .iter()
         .map(|s| (s.values[observable] - m).powi(2))
         .sum();
-    let pooled = surface.and_then(|s| {
-        let k = s.place(observable)?;
-        Some((s.covariance[(k, k)], s.degrees_of_freedom))
-    });
-    match pooled {
+    match of_surface {
         Some((variance, dof)) => ((squares + variance * dof) / (own + dof), own + dof),
         None if own > 0.0 => (squares / own, own),
         None => (0.0, f64::INFINITY),

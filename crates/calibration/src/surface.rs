@@ -4,7 +4,7 @@ use crate::Error;
 use crate::region::Region;
 use crate::samples::Sample;
 use nalgebra::{Cholesky, DMatrix, DVector};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Ratio of the smallest to the largest eigenvalue of X'X below which the runs do not fix all terms.
 const SINGULAR: f64 = 1e-10;
@@ -56,6 +56,8 @@ pub(crate) struct Surface {
     pub(crate) shrinkage: f64,
     /// Its degrees of freedom.
     pub(crate) degrees_of_freedom: f64,
+    /// Keys of the runs whose scatter is in it.
+    scatter_of: BTreeSet<String>,
     /// Correction by fresh runs.
     anchor: Option<Anchor>,
 }
@@ -112,6 +114,7 @@ impl Surface {
                 covariance,
                 shrinkage,
                 degrees_of_freedom: dof,
+                scatter_of: samples.iter().map(|s| s.key.clone()).collect(),
                 anchor: None,
             });
         }
@@ -224,11 +227,19 @@ impl Surface {
         shifted
     }
 
-    /// The same with the scatter of further runs of the model pooled into that of a run.
+    /// Whether the scatter of runs is in the covariance already.
+    pub(crate) fn knows_scatter_of(&self, group: &[&Sample]) -> bool {
+        group.iter().all(|s| self.scatter_of.contains(&s.key))
+    }
+
+    /// The same with the scatter of further runs of the model pooled into that of a run; runs that it knows count once.
     pub(crate) fn with_scatter(&self, groups: &[Vec<&Sample>]) -> Self {
         let mut products = self.products.clone();
         let mut dof = self.degrees_of_freedom;
-        for group in groups.iter().filter(|g| g.len() > 1) {
+        let mut scatter_of = self.scatter_of.clone();
+        let new = |group: &&Vec<&Sample>| group.len() > 1 && !self.knows_scatter_of(group);
+        for group in groups.iter().filter(new) {
+            scatter_of.extend(group.iter().map(|s| s.key.clone()));
             let n = group.len();
             let y = DMatrix::from_fn(n, self.observables.len(), |i, k| {
                 group[i].values[&self.observables[k]]
@@ -244,6 +255,7 @@ impl Surface {
             covariance,
             shrinkage,
             degrees_of_freedom: dof,
+            scatter_of,
             ..self.clone()
         }
     }
@@ -392,7 +404,7 @@ mod tests {
             at: vec![a, b],
             values: BTreeMap::from([("y".to_owned(), 1.0 + a * a - 0.1 * a * b + noise)]),
             regime: String::new(),
-            key: String::new(),
+            key: format!("{a} {b} {noise}"),
         }
     }
 
@@ -473,9 +485,14 @@ mod tests {
     fn the_scatter_of_repeats_is_pooled() {
         let surface = fitted(&grid());
         let repeats = [sample(1.0, 20.0, 0.5), sample(1.0, 20.0, -0.5)];
-        let pooled = surface.with_scatter(&[repeats.iter().collect()]);
+        let groups = [repeats.iter().collect::<Vec<_>>()];
+        let pooled = surface.with_scatter(&groups);
         // Exact surface with 3 degrees of freedom; two repeats with a sum of squares of 0.5.
         assert!((pooled.degrees_of_freedom - 4.0).abs() < 1e-12);
         assert!((pooled.covariance[(0, 0)] - 0.125).abs() < 1e-12);
+        // Runs that are known tell nothing new, neither repeats nor those of the design.
+        assert_eq!(pooled.with_scatter(&groups), pooled);
+        let of_design: Vec<Sample> = grid();
+        assert_eq!(surface.with_scatter(&[of_design.iter().collect()]), surface);
     }
 }
