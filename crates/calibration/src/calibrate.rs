@@ -38,7 +38,7 @@ const CONFIRMATION: usize = 3;
 ///
 /// # Errors
 ///
-/// An invalid problem, runs too few for any surface, a model that cannot be run at the estimate, a campaign
+/// An invalid problem, runs too few for any surface, a campaign
 /// that was stopped. That the measurements are out of reach or contradict each other is a result and no error.
 pub fn calibrate(
     campaign: &Campaign<'_>,

@@ -97,7 +97,14 @@ pub(crate) fn confirm(
         // The new surfaces may meet a measurement that these runs miss: further ones decide which is right.
         let again = compare(runner, search, &found, &runs, &mut Vec::new());
         let agrees = agrees && !again.iter().any(|judged| judged.decides);
-        if last || (agrees && is_settled(runner, &found, &at)?) {
+        let is_settled = is_settled(runner, &found, &at)?;
+        if last || (agrees && is_settled) {
+            if agrees && !is_settled {
+                remarks.push(format!(
+                    "after {most} rounds the estimate still moves by more than half of its standard error from where its last runs were \
+                     made: raise confirmation_runs"
+                ));
+            }
             if !agrees {
                 remarks.push(format!(
                     "after {most} rounds the fresh runs still differ from what the surfaces predict by more than their error"
@@ -172,9 +179,12 @@ fn compare(
         let n = samples.done.len();
         if n == 0 {
             let reason = samples.failed.first().map_or("", |f| &f.1);
-            remarks.push(format!(
+            let remark = format!(
                 "no run of {name} gives a result at the estimate, so that nothing confirms its surface: {reason}"
-            ));
+            );
+            if !remarks.contains(&remark) {
+                remarks.push(remark);
+            }
             continue;
         }
         let regime = search.regime(surface.model);

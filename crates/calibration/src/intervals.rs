@@ -76,7 +76,7 @@ impl Uncertainty {
     /// are `C J'V^-1 y + ...`, so that the variance of parameter j is a sum of parts, one for each measured mean or group of
     /// correlated ones (n - 1 degrees of freedom) and one for each surface (n - p); what priors and limits add is known. Its
     /// effective degrees of freedom are those of Satterthwaite: `(sum of parts)² / sum of (part² / degrees of freedom)`
-    /// `[Satterthwaite1946]`; what an even spread over the limits adds is no knowledge and counts in neither sum. Because V is
+    /// `[Satterthwaite1946]`; what an even spread over the limits adds is not measured and counts in neither sum. Because V is
     /// estimated too, C grows to
     /// `C + 2 C sum over parts of (A'(M B M + M tr(B M)) A / d) C`: A the slopes, M the part of V and `B = 1 - A C A'`, all
     /// whitened by V, d the degrees of freedom of the part, an estimated (Wishart) covariance matrix

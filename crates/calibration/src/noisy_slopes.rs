@@ -122,8 +122,10 @@ fn parted(surfaces: &[Row<'_>], k: usize) -> (DMatrix<f64>, DMatrix<f64>) {
         noise += &surface.noise.slopes * surface.noise.traces[0];
         whole += surface.slopes.tr_mul(&surface.slopes);
     }
-    let ridge = DMatrix::from_diagonal_element(k, k, RIDGE * whole.diagonal().amax());
-    let Some(root) = Cholesky::new(&whole + ridge).map(Cholesky::unpack) else {
+    let ridge = RIDGE * whole.diagonal().amax();
+    let Some(root) =
+        Cholesky::new(&whole + DMatrix::from_diagonal_element(k, k, ridge)).map(Cholesky::unpack)
+    else {
         // Nothing depends on anything.
         return all;
     };
@@ -140,8 +142,14 @@ fn parted(surfaces: &[Row<'_>], k: usize) -> (DMatrix<f64>, DMatrix<f64>) {
         if share <= 0.0 {
             return 1.0;
         }
-        let along = root.tr_solve_lower_triangular(&eigen.eigenvectors.column(i));
-        if along.is_some_and(|v| stands_out(surfaces, &v, LEVEL / k as f64)) {
+        let Some(along) = root.tr_solve_lower_triangular(&eigen.eigenvectors.column(i)) else {
+            return 0.0;
+        };
+        // v'(A'A + ridge)v is 1: if the ridge makes most of it, there are no slopes to drop.
+        if ridge * along.norm_squared() > 0.5 {
+            return 1.0;
+        }
+        if stands_out(surfaces, &along, LEVEL / k as f64) {
             (1.0 - share).max(0.0).sqrt()
         } else {
             0.0

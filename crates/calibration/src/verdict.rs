@@ -121,7 +121,7 @@ fn open_parameters(
          them?"
             .into()
     } else {
-        ", so that their values are no result: measure what depends on them otherwise, or fix them"
+        ", so that their values mean nothing: measure something else that depends on them, or fix them"
             .into()
     };
     Some(format!(

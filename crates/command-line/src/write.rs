@@ -67,7 +67,7 @@ pub fn try_folder(folder: &Path) -> anyhow::Result<()> {
             above.display()
         );
     }
-    // A name that the file system does not take, such as one of 300 letters, is no missing one.
+    // The file system may refuse a name, such as one of 300 letters: that is an error, and the folder is not just missing.
     for part in folder.strip_prefix(above).unwrap_or(folder) {
         match fs::symlink_metadata(above.join(part)) {
             Err(why) if why.kind() != ErrorKind::NotFound => {

@@ -23,7 +23,7 @@ const DURATION: f64 = 2.9432;
 
 /// What decides how hard two bodies meet, beside their shapes and masses.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Meeting {
+pub struct Impact {
     /// Effective modulus E*, Pa.
     pub young: f64,
     /// Speed, m/s.
@@ -32,7 +32,7 @@ pub struct Meeting {
     pub dashpots: Option<BodyDashpots>,
 }
 
-impl Meeting {
+impl Impact {
     /// At [`SPEED`], with an effective modulus E* (Pa), of bodies whose spheres damp with their own masses.
     pub fn usual(young: f64) -> Self {
         Self {
@@ -54,7 +54,7 @@ impl Meeting {
 /// # Source
 ///
 /// Duration of an elastic collision `[Hertz1881]`.
-pub fn duration(mass: f64, radius: f64, meeting: &Meeting) -> f64 {
+pub fn duration(mass: f64, radius: f64, meeting: &Impact) -> f64 {
     let base = 15.0 * mass / (16.0 * radius.sqrt() * meeting.young);
     DURATION * base.powf(0.4) * meeting.speed.powf(-0.2)
 }
@@ -65,14 +65,14 @@ pub fn duration(mass: f64, radius: f64, meeting: &Meeting) -> f64 {
 ///
 /// `d_0 = (15 m v² / (16 sqrt(R) E*))^(2/5)`: the energy of the spring, 8/15 E* sqrt(R) d^(5/2), is that of
 /// the motion. `[Hertz1881]`
-pub fn overlap(mass: f64, radius: f64, meeting: &Meeting) -> f64 {
-    let Meeting { young, speed, .. } = meeting;
+pub fn overlap(mass: f64, radius: f64, meeting: &Impact) -> f64 {
+    let Impact { young, speed, .. } = meeting;
     (15.0 * mass * speed * speed / (16.0 * radius.sqrt() * young)).powf(0.4)
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{Meeting, duration};
+    use super::{Impact, duration};
 
     /// A mass on a Hertz spring, F = 4/3 E sqrt(R) d^(3/2), integrated through its collision by the
     /// velocity Verlet method: with 1e5 steps its error is about 1e-8, and that of the end, found to
@@ -87,9 +87,9 @@ mod tests {
     /// The same at a speed, m/s.
     fn leaves_after_the_duration(speed: f64) {
         let (mass, radius, young) = (5e-5, 0.45e-3, 4e6);
-        let meeting = Meeting {
+        let meeting = Impact {
             speed,
-            ..Meeting::usual(young)
+            ..Impact::usual(young)
         };
         let expected = duration(mass, radius, &meeting);
         let pull =

@@ -41,10 +41,12 @@ pub fn add_warnings(files: &mut Vec<File>, warnings: &[String]) {
 /// A text as one line that ends no comment and no cell, and goes on in no next line: names of users may hold anything.
 fn plain(text: &str) -> String {
     let harmless = |c: char| if c.is_control() { ' ' } else { c };
-    let text: String = text.chars().map(harmless).collect();
-    text.replace("--", "- -")
-        .replace('"', "'")
-        .replace('&', "and")
+    let mut text: String = text.chars().map(harmless).collect();
+    // Of three hyphens one replacement leaves two.
+    while text.contains("--") {
+        text = text.replace("--", "- -");
+    }
+    text.replace('"', "'").replace('&', "and")
 }
 
 #[cfg(test)]
@@ -58,13 +60,13 @@ mod tests {
             name: name.into(),
             text: text.into(),
         }];
-        add_warnings(&mut files, &["NOT MET: a \"b\" -->\nrun 5 &".to_owned()]);
+        add_warnings(&mut files, &["NOT MET: a \"b\" --->\nrun 5 &".to_owned()]);
         files
     }
 
     #[test]
     fn every_format_carries_a_warning_that_stays_a_comment() {
-        let said = "WARNING: NOT MET: a 'b' - -> run 5 and";
+        let said = "WARNING: NOT MET: a 'b' - - -> run 5 and";
         assert_eq!(
             warned("in.drum", "units si\n")[0].text,
             format!("# {said}\nunits si\n")

@@ -158,14 +158,14 @@ pub enum Error {
     TooLarge {
         /// `lines` or `columns`.
         what: &'static str,
-        /// How many there are, or more.
+        /// How many were counted; reading stops soon after the limit.
         given: usize,
         /// How many are read.
         most: usize,
     },
     /// A row of totals, means or the like stands among the runs.
     #[error(
-        "{place}: '{text}' stands in a column of numbers: a row of totals is no run; delete it, or begin it with #"
+        "{place}: '{text}' stands in a column of numbers: delete the row if it holds totals or means, or begin it with #"
     )]
     SummaryRow {
         /// Where the word stands, in words.

@@ -103,16 +103,16 @@ pub fn fraction_of_resolution(
     resolution: usize,
     n_centre: usize,
 ) -> Result<Fraction, Error> {
-    let reached = |masks: &[usize], basic| words_of(masks, basic).map(usize::count_ones).min();
-    let fractions = fractions_of(factors)?;
-    let found = fractions.iter().rev().find(|(basic, masks)| {
-        resolution >= 3 && reached(masks, *basic).is_some_and(|least| least as usize >= resolution)
-    });
-    let (basic, masks) = found.ok_or(Error::NoFraction {
+    for (basic, masks) in fractions_of(factors)?.iter().rev() {
+        let made = from_masks(factors, *basic, masks, n_centre)?;
+        if resolution >= 3 && made.resolution >= resolution {
+            return Ok(made);
+        }
+    }
+    Err(Error::NoFraction {
         factors: factors.len(),
         resolution,
-    })?;
-    from_masks(factors, *basic, masks, n_centre)
+    })
 }
 
 /// The tabulated fractions of so many factors, each halved once more than the one before it: its number of basic factors and the
@@ -134,15 +134,6 @@ fn fractions_of(factors: &[Factor]) -> Result<Vec<(usize, Vec<usize>)>, Error> {
     Ok(rows
         .map(|(_, basic, words)| (*basic, masks(words)))
         .collect())
-}
-
-/// The defining words that the products `masks` of the basic factors make, without their signs.
-fn words_of(masks: &[usize], basic: usize) -> impl Iterator<Item = usize> {
-    let generating: Vec<usize> = (basic..).zip(masks).map(|(i, m)| m | 1 << i).collect();
-    (1..1_usize << generating.len()).map(move |choice| {
-        let chosen = (0..generating.len()).filter(|i| choice >> i & 1 == 1);
-        chosen.fold(0, |word, i| word ^ generating[i])
-    })
 }
 
 /// A fraction whose further factors are the products `masks` of the basic ones.

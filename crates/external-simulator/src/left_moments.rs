@@ -5,6 +5,7 @@ use crate::drum::in_order;
 use crate::file_pattern::matching;
 use crate::process::Failure;
 use exchange::{Moment, read_positions};
+use input_file::is_hidden;
 use std::path::{Path, PathBuf};
 
 /// What the files hold.
@@ -35,8 +36,11 @@ impl LeftMoments {
         let files = matching(folder, pattern)?;
         let (mut found, mut others) = (Vec::new(), Vec::new());
         for (place, file) in files.iter().enumerate() {
+            if is_hidden(file) {
+                others.push((file, String::new()));
+                continue;
+            }
             match read_positions(file) {
-                _ if is_hidden(file) => others.push((file, String::new())),
                 Ok(moments) => found.extend(moments.into_iter().map(|moment| Found {
                     moment,
                     file: place,
@@ -73,15 +77,12 @@ impl LeftMoments {
     }
 }
 
-/// Whether a file is one that a listing does not show, as `.gitkeep`.
-fn is_hidden(file: &Path) -> bool {
-    let name = file.file_name().and_then(|name| name.to_str());
-    name.is_some_and(|name| name.starts_with('.'))
-}
-
 /// The moments without those before the first sphere appears.
 fn without_start(found: Vec<Found>, files: &[PathBuf]) -> Result<Vec<Moment>, Failure> {
     let filled = || found.iter().filter(|f| !f.moment.spheres.is_empty());
+    if filled().next().is_none() {
+        return Err("no moment of the positions holds a sphere: were any seeds put in?".into());
+    }
     // Where some file tells no time, as an empty table, the order of the names counts.
     let by_time = found.iter().all(|f| f.moment.time.is_some());
     let by_step = found.iter().all(|f| f.moment.step.is_some());

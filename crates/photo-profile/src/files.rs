@@ -76,7 +76,7 @@ impl PictureFiles {
             } else {
                 (vec![photo.clone()], Vec::new())
             };
-            let before = found.files.len();
+            let before = (found.files.len(), found.left_out.len());
             for file in named {
                 let why = if is_mask(&file) {
                     Some(NoPhoto::Mask)
@@ -97,11 +97,12 @@ impl PictureFiles {
                 file,
             });
             found.left_out.extend(others);
-            if photo.is_dir() && found.files.len() == before {
+            if photo.is_dir() && found.files.len() == before.0 {
                 return Err(Error::NoPicture {
                     folder: photo.clone(),
                     endings: ENDINGS.join(", "),
-                    left_out: found.remark().map_or(String::new(), |r| format!("; {r}")),
+                    left_out: remark(&found.left_out[before.1..])
+                        .map_or(String::new(), |r| format!("; {r}")),
                 });
             }
         }
@@ -115,16 +116,21 @@ impl PictureFiles {
 
     /// What was left out, in words; none if nothing was.
     pub fn remark(&self) -> Option<String> {
-        let kinds = NoPhoto::ALL.into_iter().filter_map(|why| {
-            let files = self.left_out.iter().filter(|left| left.why == why);
-            let names: Vec<String> = files.map(LeftOut::name).collect();
-            let more = if names.len() > NAMED { ", ..." } else { "" };
-            let listed = names[..names.len().min(NAMED)].join(", ");
-            (!names.is_empty()).then(|| format!("{} ({listed}{more})", why.words(names.len())))
-        });
-        let kinds: Vec<String> = kinds.collect();
-        (!kinds.is_empty()).then(|| format!("left out, as no photos: {}", kinds.join("; ")))
+        remark(&self.left_out)
     }
+}
+
+/// Files that were left out, in words; none if there are none.
+fn remark(left_out: &[LeftOut]) -> Option<String> {
+    let kinds = NoPhoto::ALL.into_iter().filter_map(|why| {
+        let files = left_out.iter().filter(|left| left.why == why);
+        let names: Vec<String> = files.map(LeftOut::name).collect();
+        let more = if names.len() > NAMED { ", ..." } else { "" };
+        let listed = names[..names.len().min(NAMED)].join(", ");
+        (!names.is_empty()).then(|| format!("{} ({listed}{more})", why.words(names.len())))
+    });
+    let kinds: Vec<String> = kinds.collect();
+    (!kinds.is_empty()).then(|| format!("left out, as no photos: {}", kinds.join("; ")))
 }
 
 impl LeftOut {

@@ -195,7 +195,7 @@ pub(crate) fn read_heap(picture: &PhotoPixels, settings: &Settings) -> Result<He
 struct Cone {
     /// The heap with the elevation taken off.
     heap: HeapAngle,
-    /// Mean inclination of both flanks before, rad.
+    /// Mean inclination of both flanks before the elevation is taken off, rad.
     mean_seen: f64,
     /// Standard error of the mean, rad.
     error: f64,

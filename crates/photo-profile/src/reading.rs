@@ -150,7 +150,7 @@ pub enum Refusal {
     /// The heap is seen from so far above that its flanks do not show.
     #[error(
         "the heap is seen from about {elevation:.0} degrees above: its lower edge hangs below its feet by {bulge:.2} of its \
-         height, at most {most} may be"
+         height, the limit is {most}"
     )]
     HeapFromAbove {
         /// Elevation of the camera that sees a round base so, degrees.

@@ -63,7 +63,7 @@ pub struct Settings {
     pub mode: Mode,
     /// Which tone the bed has.
     pub foreground: Foreground,
-    /// Standard error of that angle, rad: 0 if it is known, that of [`crate::mark_error`] if it was read off a mark.
+    /// Standard error of `camera_roll`, rad: 0 if it is known, that of [`crate::mark_error`] if it was read off a mark.
     pub camera_roll_error: f64,
     /// Largest standard error with which the angle of a bed or a heap may be known from one picture, rad: 3 degrees by
     /// default. Coarse beds have larger ones; the mean of many pictures can still be known well.

@@ -62,9 +62,6 @@ impl Cell {
     }
 }
 
-/// Most runs behind a mean (our choice): the most runs of a design.
-const MOST_REPLICATES: usize = 1_000_000;
-
 /// Coded settings of a cell and the responses of its runs.
 type Group<'a> = (&'a [f64], Vec<f64>);
 
@@ -81,6 +78,8 @@ impl Observations {
     /// Greatest size of a response or its standard deviation, unit of the response. Sums of squares reach the
     /// number of rows times its square, and ratios of them the square of that over rounding; numbers end at 1.8e308.
     pub const LARGEST: f64 = 1e140;
+    /// Most runs behind a mean (our choice): the most runs of a design.
+    pub const MOST_REPLICATES: usize = 1_000_000;
     /// Least size that the greatest response may have, unit of the response, unless all are zero: squares of smaller
     /// ones lose their digits or are zero.
     pub const SMALLEST: f64 = 1e-140;
@@ -139,7 +138,7 @@ impl Observations {
                 row: i + 1,
                 what: "the standard deviation",
                 value,
-                way_out: "this is no scatter of responses of this size; correct it, or write 0 for runs that are all alike",
+                way_out: "responses of this size do not scatter so; correct it, or write 0 for runs that are all alike",
             });
         }
         Ok(Self {
@@ -285,7 +284,7 @@ fn check_cell(row: usize, cell: &Cell) -> Result<(), Error> {
             "squares of numbers beyond 1e140 are no numbers here; give it in a larger unit",
         );
     }
-    if !(1..=MOST_REPLICATES).contains(&cell.n) {
+    if !(1..=Observations::MOST_REPLICATES).contains(&cell.n) {
         return refuse(
             "the number of replicates",
             cell.n as f64,

@@ -70,7 +70,7 @@ pub fn unseal(bytes: &[u8]) -> Result<Value, String> {
     let uncounted = match fields.remove(UNCOUNTED) {
         None => Vec::new(),
         Some(list) => serde_json::from_value::<Vec<String>>(list)
-            .map_err(|why| format!("its {UNCOUNTED} is no list of names: {why}"))?,
+            .map_err(|why| format!("its {UNCOUNTED} must be a list of names: {why}"))?,
     };
     let uncounted: Vec<&str> = uncounted.iter().map(String::as_str).collect();
     check(&counted(&value, &uncounted), &told)?;

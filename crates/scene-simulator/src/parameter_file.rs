@@ -10,7 +10,7 @@ use std::path::Path;
 /// Unit of a pure number.
 const PURE_NUMBER: &str = "1";
 
-/// Start of the first line, a comment, with which files of before `met` say that the fit is not met.
+/// Start of the first line, a comment, by which a file without `met` says that its fit is not met.
 const NOT_MET: &str = "# NOT MET: ";
 
 /// The parameters of a calibration: `parameters.toml`.
@@ -255,4 +255,43 @@ impl ParameterFile {
         }
         Ok(overrides)
     }
+}
+
+/// A scene as it is run.
+#[derive(Debug)]
+pub struct ReadScene {
+    /// The scene.
+    pub scene: Scene,
+    /// All settings that were changed, in the order in which they were.
+    pub changes: Vec<Override>,
+    /// What the user must know of the values of the parameter file.
+    pub warnings: Vec<String>,
+}
+
+/// Reads a scene with the values of a parameter file, if one is given, and then with further settings.
+///
+/// # Errors
+///
+/// A scene or parameter file that cannot be read, settings that the scene does not have.
+pub fn read_scene(
+    file: &Path,
+    set_file: Option<&Path>,
+    set: &[Override],
+) -> Result<ReadScene, Error> {
+    let scene = Scene::read(file, set)?;
+    let Some(set_file) = set_file else {
+        return Ok(ReadScene {
+            scene,
+            changes: set.to_vec(),
+            warnings: Vec::new(),
+        });
+    };
+    let parameters = ParameterFile::read(set_file)?;
+    let changes = [parameters.overrides(&scene)?.as_slice(), set].concat();
+    let warnings = parameters.warnings(&scene)?;
+    Ok(ReadScene {
+        scene: Scene::read(file, &changes)?,
+        changes,
+        warnings,
+    })
 }

@@ -54,7 +54,7 @@ fn mesh_speed(scene: &Scene) -> f64 {
 /// `(sqrt(2 g h) + v_rim) / 2 + v_mesh`: half of a fall across the apparatus and of the speed at its rim, for the rule of the time step
 /// was found in drums of 60 to 140 mm, in which twice [`hard_contact::SPEED`] is just not reached; and all of the speed of a
 /// mesh, which hits a seed that does not give way. In a drop h is its height. (docs/time-step.md)
-pub(crate) fn meeting_speed(scene: &Scene) -> f64 {
+pub(crate) fn impact_speed(scene: &Scene) -> f64 {
     let [low, high] = scene.apparatus.room();
     let height = match &scene.apparatus {
         Apparatus::Drop(test) => test.height.si(),
@@ -66,7 +66,7 @@ pub(crate) fn meeting_speed(scene: &Scene) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::meeting_speed;
+    use super::impact_speed;
     use crate::{Override, Scene};
     use contact_law::hard_contact;
     use fixture_files::fixture;
@@ -80,7 +80,7 @@ mod tests {
                 value: (*value).into(),
             })
             .collect();
-        meeting_speed(&Scene::read(&fixture(file), &changes).expect("a scene"))
+        impact_speed(&Scene::read(&fixture(file), &changes).expect("a scene"))
     }
 
     /// The apparatus of the study, in which the rule was found, take the least speed to the last bit; so their steps do not change.

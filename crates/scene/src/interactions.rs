@@ -7,7 +7,7 @@ use contact_law::rolling_spring_dashpot::{DAMPING_RATIO, STIFFNESS_RATIO};
 use contact_law::{
     BridgeForce, CapillaryBridge, LinearCohesion, Material, PairParameters, RateDependentFriction,
     RollingSpringDashpot, ViscoelasticDamping, ViscousBridge, constant_attraction,
-    hard_contact::{self, Meeting},
+    hard_contact::{self, Impact},
 };
 use dem_solver::{Interaction, InteractionSettings, OptionalLaws};
 use std::sync::Arc;
@@ -177,14 +177,14 @@ fn reference_overlap(
     names: [&str; 2],
     materials: &[Material; 2],
 ) -> f64 {
-    let blow = Meeting::usual(effective_moduli(&materials[0], &materials[1]).young);
+    let impact = Impact::usual(effective_moduli(&materials[0], &materials[1]).young);
     let seeds = names
         .iter()
         .flat_map(|name| of_material(scene, bodies, name));
     let overlaps = seeds.map(|(_, body)| {
         let outer = body.outer.spheres().iter();
         let largest = outer.map(|s| s.radius).fold(0.0, f64::max);
-        hard_contact::overlap(body.clump.mass(), largest, &blow)
+        hard_contact::overlap(body.clump.mass(), largest, &impact)
     });
     overlaps.fold(f64::INFINITY, f64::min)
 }

@@ -5,7 +5,7 @@ type Row = (&'static [&'static str], &'static str, &'static str);
 
 /// Names without blanks, underscores, hyphens and capitals. The formulas: linear elasticity of isotropic bodies;
 /// pull-off force `[JohnsonKendallRoberts1971]`.
-const ROWS: [Row; 27] = [
+const ROWS: [Row; 28] = [
     (
         &[
             "youngmodulus",
@@ -92,9 +92,15 @@ const ROWS: [Row; 27] = [
         "J/m3",
     ),
     (
-        &["surfaceenergy", "workofadhesion"],
+        &["workofadhesion"],
         "attraction_n",
-        "the force of pull-off in N, 3 pi gamma R* of the surface energy gamma and the effective radius R*",
+        "the force of pull-off in N, 3/2 pi w R* of the work of adhesion w and the effective radius R*",
+    ),
+    (
+        &["surfaceenergy"],
+        "attraction_n",
+        "the force of pull-off in N: 3/2 pi gamma R* of EDEM's surface energy, 3 pi gamma R* if gamma is that of one surface; \
+         R* is the effective radius",
     ),
     (&["diameter"], "sphere", "the diameter, such as \"6 mm\""),
     (&["radius"], "sphere", "the diameter: twice the radius"),
@@ -162,7 +168,7 @@ const ROWS: [Row; 27] = [
         "the bulk density over that of a seed; beside fill_level",
     ),
     (
-        &["clump", "multisphere", "spherefile", "particles"],
+        &["clump", "multisphere", "spherefile"],
         "spheres",
         "a file with the columns x, y, z, radius",
     ),

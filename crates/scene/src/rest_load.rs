@@ -1,7 +1,7 @@
 //! What loads the contacts of a bed at rest: weight and attraction.
 
 use crate::interactions::{interactions, material_of};
-use crate::{Error, RollingLaw, Scene, SeedBody, SeedSettings};
+use crate::{Error, RollingLaw, Scene, SeedBody, SeedSettings, Stiffness};
 use contact_law::RollingLever;
 use contact_law::material::effective_moduli;
 use dem_solver::Interaction;
@@ -28,10 +28,14 @@ pub(crate) struct RestLoad {
     pub(crate) torque_by_attraction: f64,
 }
 
-/// What a seed touches: its law, and rolling friction of type A over the lever arm of the seed, 0 where it has none.
+/// What a seed touches.
 struct Touched {
+    /// Law of the contact.
     law: Interaction,
+    /// Rolling friction of type A; 0 where the contact has none.
     rolling: f64,
+    /// Share of its radius, and of its lever arm, that counts in the contact: 1/2 between two seeds, 1 at a wall.
+    share: f64,
 }
 
 impl RestLoad {
@@ -40,7 +44,8 @@ impl RestLoad {
     /// # Formula
     ///
     /// `4/3 E* sqrt(R) d^(3/2) = N^(1/3) m g + F(d)`, with F the greatest attraction of a contact of the seed at the overlap d, of
-    /// constant size, by area or of a bridge of liquid; R = half of the largest radius.
+    /// constant size, by area or of a bridge of liquid. R is half of the largest radius in the spring, and in the attraction
+    /// between seeds; at a wall the attraction takes the whole radius.
     ///
     /// # Errors
     ///
@@ -57,7 +62,12 @@ impl RestLoad {
         let radius = 0.5 * largest_radius(body);
         let weight = above * body.clump.mass() * scene.model.gravity_m_s2;
         let touched = touched_by(scene, bodies, seed)?;
-        let pull = |touched: &Touched, overlap: f64| touched.law.attraction(overlap, radius, 0.0);
+        let largest = largest_radius(body);
+        let pull = |touched: &Touched, overlap: f64| {
+            touched
+                .law
+                .attraction(overlap, touched.share * largest, 0.0)
+        };
         let force = |overlap: f64| {
             let pulls = touched.iter().map(|touched| pull(touched, overlap));
             weight + pulls.fold(0.0, f64::max)
@@ -69,17 +79,23 @@ impl RestLoad {
         }
         if overlap > deepest {
             let carried = moduli.young * radius.sqrt() * deepest.powf(1.5) / 0.75;
-            let least = material.shear_modulus * force(deepest) / carried;
+            let factor = force(deepest) / carried;
             let loads = if force(deepest) > weight {
                 "the weight of the bed and the attraction"
             } else {
                 "the weight of the bed"
             };
+            // The modulus that the scene states.
+            let (key, modulus) = match scene.material[&seed.material].stiffness {
+                Stiffness::ShearModulus(shear) => ("shear_modulus", shear.si()),
+                Stiffness::YoungsModulus(young) => ("youngs_modulus", young.si()),
+            };
             return Err(Error::BadValue {
-                name: format!("material.{}.shear_modulus", seed.material),
-                value: format!("{} Pa", material.shear_modulus),
+                name: format!("material.{}.{key}", seed.material),
+                value: format!("{modulus} Pa"),
                 requirement: format!(
-                    "at least {least:.1e} Pa: {loads} would press spheres of seed '{}' by more than their radius",
+                    "at least {:.1e} Pa: {loads} would press spheres of seed '{}' by more than their radius",
+                    factor * modulus,
                     seed.name
                 ),
             });
@@ -90,7 +106,7 @@ impl RestLoad {
         };
         let torques = touched
             .iter()
-            .map(|touched| touched.rolling * pull(touched, overlap) * lever);
+            .map(|touched| touched.rolling * touched.share * pull(touched, overlap) * lever);
         Ok(Self {
             force: force(overlap),
             radius,
@@ -119,15 +135,12 @@ fn touched_by(
         let rolling = contact.map_or(0.0, |contact| contact.rolling_friction.get());
         // The second entry of the first row is the law between the two.
         let table = interactions(scene, bodies, &[own, other])?;
-        let is_seed = scene.seed.iter().any(|seed| seed.material == **other);
+        // A wall may be of the material of the seeds.
+        let is_wall = scene.wall_materials().contains(other);
         touched.push(Touched {
             law: table[1],
-            // Two seeds share the arm.
-            rolling: match (constant, is_seed) {
-                (false, _) => 0.0,
-                (true, true) => 0.5 * rolling,
-                (true, false) => rolling,
-            },
+            rolling: if constant { rolling } else { 0.0 },
+            share: if is_wall { 1.0 } else { 0.5 },
         });
     }
     Ok(touched)

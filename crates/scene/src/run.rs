@@ -17,11 +17,12 @@ use crate::steady::SteadyState;
 use crate::{
     Doubt, DrumCamera, Error, FillingLibrary, Frame, FrameReading, Scene, SeedBody, read_frame,
 };
+use clump::Sphere;
 use dem_solver::{Census, Placement, World};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 use std::sync::Arc;
-use surface_profile::{DensitySettings, Disc, measure, profile_from_discs};
+use surface_profile::{DensitySettings, Disc, DrumCircle, measure, profile_from_discs};
 
 /// Gap that ends the group of seeds at the rim of the metering device, in seed lengths.
 const GROUP_GAP: f64 = 1.5;
@@ -428,22 +429,24 @@ fn cover_angles(
     let side = scene.apparatus.lower_cover()?;
     let cover = 0.5 * side * scene.apparatus.width();
     let drum = DrumCamera::of(scene).circle();
-    let of_frame = |frame: &Frame| {
-        let near = frame
-            .spheres(bodies)
-            .filter(|(_, s)| (cover - s.centre.z).abs() < 2.0 * s.radius);
-        let discs: Vec<Disc> = near
-            .map(|(_, s)| Disc {
-                x: s.centre.x,
-                y: s.centre.y,
-                radius: s.radius,
-            })
-            .collect();
-        let points = profile_from_discs(&discs, &drum, &DensitySettings::for_drum(&drum)).ok()?;
-        Some(measure(&points, &drum).ok()?.line.to_degrees())
-    };
-    let angles = frames.iter().filter_map(of_frame).collect();
+    let of_frame = |frame: &Frame| trace_at(cover, frame.spheres(bodies).map(|(_, s)| s), &drum);
+    let angles = frames.iter().filter_map(of_frame);
+    let angles = angles.map(f64::to_degrees).collect();
     Some(ObservableValues::new("cover_angle_deg", "deg", angles))
+}
+
+/// Angle of the trace of spheres within their diameter of a cover (z, m), rad; none if they show none.
+fn trace_at(cover: f64, spheres: impl Iterator<Item = Sphere>, drum: &DrumCircle) -> Option<f64> {
+    let near = spheres.filter(|s| (cover - s.centre.z).abs() < 2.0 * s.radius);
+    let discs: Vec<Disc> = near
+        .map(|s| Disc {
+            x: s.centre.x,
+            y: s.centre.y,
+            radius: s.radius,
+        })
+        .collect();
+    let points = profile_from_discs(&discs, drum, &DensitySettings::for_drum(drum)).ok()?;
+    Some(measure(&points, drum).ok()?.line)
 }
 
 /// Where the seeds of a scene start, their bodies, and the time step of the solver (s).
@@ -515,4 +518,52 @@ fn angles_at_rim(bodies: &[Arc<SeedBody>], frame: &Frame, radius: f64) -> Vec<f6
         .filter(|(p, kind)| p.xy().norm() > radius - bodies[**kind].clump.bounding_radius())
         .map(|(p, _)| p.x.atan2(-p.y))
         .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::trace_at;
+    use clump::Sphere;
+    use nalgebra::Vector3;
+    use surface_profile::DrumCircle;
+
+    /// Spheres of 1 mm on a lattice of 2 mm in a drum of 50 mm radius, below a line through its axis at an angle, in a layer.
+    fn layer(degrees: f64, z: f64) -> Vec<Sphere> {
+        let slope = degrees.to_radians().tan();
+        let lattice = (-24..=24).flat_map(|i| (-24..=24).map(move |j| (i, j)));
+        let places =
+            lattice.map(|(i, j)| Vector3::new(2e-3 * f64::from(i), 2e-3 * f64::from(j), z));
+        let inside = places.filter(|p| p.x.hypot(p.y) < 0.049 && p.y < slope * p.x);
+        inside
+            .map(|centre| Sphere {
+                centre,
+                radius: 1e-3,
+            })
+            .collect()
+    }
+
+    /// A bed that lies at 20 deg before the front and at 40 deg before the back: each cover shows its own. A lattice of 2 mm on a chord
+    /// of 100 mm moves the line by a degree at most.
+    #[test]
+    fn a_cover_shows_the_layer_before_it() {
+        let drum = DrumCircle {
+            x: 0.0,
+            y: 0.0,
+            radius: 0.05,
+        };
+        let bed = || {
+            [layer(20.0, 0.009), layer(40.0, -0.009)]
+                .concat()
+                .into_iter()
+        };
+        for (cover, angle) in [(0.01, 20.0), (-0.01, 40.0)] {
+            let found = trace_at(cover, bed(), &drum).unwrap().to_degrees();
+            assert!((found - angle).abs() < 1.0, "{found} for {angle}");
+        }
+        assert_eq!(
+            trace_at(0.0, bed(), &drum),
+            None,
+            "no sphere touches the middle"
+        );
+    }
 }

@@ -162,7 +162,7 @@ impl SeedSettings {
         self.mesh.as_deref().or(self.spheres.as_deref())
     }
 
-    /// The spheres of its table, m; none where it states no table.
+    /// The spheres of its table, m; it must state one.
     ///
     /// # Errors
     ///
@@ -194,8 +194,12 @@ impl SeedSettings {
     /// A table that cannot be read, or whose unit is not clear.
     fn measured_list(&mut self, folder: &Path, file: &str) -> Result<f64, Error> {
         let spheres = self.listed_spheres(folder)?;
-        let reach = |s: &Sphere| (s.centre - spheres[0].centre).norm() + s.radius;
-        let size = 2.0 * spheres.iter().map(reach).fold(0.0, f64::max);
+        let extent = |k: usize| {
+            let high = spheres.iter().map(|s| s.centre[k] + s.radius);
+            let low = spheres.iter().map(|s| s.centre[k] - s.radius);
+            high.fold(f64::NEG_INFINITY, f64::max) - low.fold(f64::INFINITY, f64::min)
+        };
+        let size = (0..3).map(extent).fold(0.0, f64::max);
         let in_mm = significant(1e3 * size, 3);
         let refused = |problem: String| Error::SeedKeys {
             file: file.to_owned(),

@@ -1,11 +1,11 @@
 //! The time step of a run: what the hardest contact allows.
 
-use crate::health::meeting_speed;
+use crate::health::impact_speed;
 use crate::interactions::{material_of, mean_radius};
 use crate::rest_load::{RestLoad, largest_radius};
 use crate::{Error, RollingLaw, Scene, SeedBody, SeedSettings};
 use contact_law::ViscousBridge;
-use contact_law::hard_contact::{self, BodyDashpots, Meeting};
+use contact_law::hard_contact::{self, BodyDashpots, Impact};
 use contact_law::material::effective_moduli;
 use dem_solver::DashpotMass;
 use std::sync::Arc;
@@ -334,7 +334,7 @@ fn hardest_contact(scene: &Scene, bodies: &[Arc<SeedBody>]) -> Result<f64, Error
 }
 
 /// How two materials meet.
-fn meeting(scene: &Scene, names: [&str; 2]) -> Result<Meeting, Error> {
+fn meeting(scene: &Scene, names: [&str; 2]) -> Result<Impact, Error> {
     let pair = names.join("-");
     let [a, b] = [
         material_of(scene, names[0], &pair)?,
@@ -347,9 +347,9 @@ fn meeting(scene: &Scene, names: [&str; 2]) -> Result<Meeting, Error> {
             shared,
         })
     };
-    Ok(Meeting {
+    Ok(Impact {
         young: effective_moduli(&a, &b).young,
-        speed: meeting_speed(scene),
+        speed: impact_speed(scene),
         dashpots: match scene.model.dashpot_mass {
             DashpotMass::Sphere => None,
             DashpotMass::Body => dashpots(false),

@@ -7,11 +7,12 @@ use crate::file::{
     Choices, CommandEntry, MeasuredEntry, ParameterEntry, SceneEntry, StudyFile, usable_name,
 };
 use crate::measured::{Known, push, read_photos, words};
+use crate::photo_values::shown_fill;
 use crate::photos::{PhotoSeries, Shown};
 use crate::plausible::wrong_name;
 use crate::problem::Problems;
 use crate::scenes::model_name;
-use calibration::{Candidate, Correlation, EffectProbe, Measurement, Model};
+use calibration::{Candidate, Correlation, EffectProbe, Measurement, Model, Role};
 use external_simulator::{CommandModel, variable};
 use scene::{OBSERVABLES_OF_A_BED, OBSERVABLES_OF_PICTURES};
 use std::collections::BTreeMap;
@@ -169,11 +170,13 @@ impl CommandChecker<'_> {
         let taken = series.iter().flat_map(|s| &s.values);
         values.extend(taken.map(|(name, value)| (name.clone(), *value)));
         let model = self.model(scene, entry, resolved);
-        for (observable, value) in values {
+        let values = values.into_iter().map(|value| (value, entry.role));
+        let fill = shown_fill(series.as_ref(), entry).map(|value| (value, Role::Show));
+        for ((observable, value), role) in values.chain(fill) {
             let measurement = Measurement {
                 model,
                 observable,
-                role: entry.role,
+                role,
                 mean: value.mean,
                 sd: value.sd,
                 n: value.n,
@@ -253,7 +256,6 @@ impl CommandChecker<'_> {
             let names = condition.keys();
             names.map(move |name| (name, path, "condition"))
         });
-        let mut before: Vec<(&str, &str)> = Vec::new();
         let mut variables: BTreeMap<String, (&str, &str)> =
             TAKEN.map(|name| (variable(name), (name, "run"))).into();
         for (name, path, key) in parameters.chain(effects).chain(conditions) {
@@ -264,7 +266,6 @@ impl CommandChecker<'_> {
                 problems.add(self.document.problem(&path, what, problem));
             };
             let variable = variable(name);
-            let mut others = before.iter();
             if !usable_name(name) {
                 wrong(
                     "must begin with a letter, and hold letters, digits, '_', '-' and '.'".into(),
@@ -278,7 +279,10 @@ impl CommandChecker<'_> {
                     "is a name that every run has: take another than {}",
                     TAKEN.join(", ")
                 ));
-            } else if let Some((_, other)) = others.find(|(n, k)| *n == name && *k != key) {
+            } else if let Some((_, other)) = variables
+                .get(&variable)
+                .filter(|(n, k)| *n == name && *k != key)
+            {
                 wrong(format!(
                     "is also the name of a {other}: the program could not tell them apart"
                 ));
@@ -288,9 +292,6 @@ impl CommandChecker<'_> {
                 ));
             }
             variables.entry(variable).or_insert((name, key));
-            if !before.contains(&(name, key)) {
-                before.push((name, key));
-            }
         }
     }
 

@@ -21,7 +21,7 @@ use experiment_design::table::{Table, factors_from_table};
 use rows::Asked;
 use run_store::{Record, Store};
 use scene::{Override, Scene};
-use scene_simulator::{Binding, ParameterFile, SceneSimulator};
+use scene_simulator::{Binding, SceneSimulator, read_scene};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -236,15 +236,8 @@ fn scene_of(
             }),
         }
     }
-    let scene = Scene::read(&choices.scene, &set)?;
-    let Some(file) = &choices.set_file else {
-        return Ok((scene, Vec::new()));
-    };
-    let parameters = ParameterFile::read(file)?;
-    let mut changes = parameters.overrides(&scene)?;
-    let warnings = parameters.warnings(&scene)?;
-    changes.extend(set);
-    Ok((Scene::read(&choices.scene, &changes)?, warnings))
+    let read = read_scene(&choices.scene, choices.set_file.as_deref(), &set)?;
+    Ok((read.scene, read.warnings))
 }
 
 /// The factors of the table, by symbol.

@@ -3,7 +3,7 @@
 use crate::correlated::correlations_of;
 use crate::document::{Document, below};
 use crate::file::{MeasuredEntry, MeasuredValue};
-use crate::photo_values::FILL;
+use crate::photo_values::{FILL, shown_fill};
 use crate::photos::{self, PhotoSeries, Shown};
 use crate::problem::Problems;
 use crate::scenes::{Models, Scenes, condition_text};
@@ -131,10 +131,8 @@ impl Resolved {
             problems.add(document.problem(&entry.path, what, error.to_string()));
         }
         let values = values.into_iter().map(|value| (value, entry.role));
-        // What the scene is told is shown beside the photos and judged by nobody.
-        let told = series.as_ref().and_then(|s| s.further.get(FILL));
-        let told = told.map(|value| ((FILL.to_owned(), *value), Role::Show));
-        for ((observable, MeasuredValue { mean, sd, n }), role) in values.chain(told) {
+        let fill = shown_fill(series.as_ref(), entry).map(|value| (value, Role::Show));
+        for ((observable, MeasuredValue { mean, sd, n }), role) in values.chain(fill) {
             let measurement = Measurement {
                 model,
                 observable,

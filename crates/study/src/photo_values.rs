@@ -1,6 +1,6 @@
 //! What a series of frames says: means with their errors, how they go together, and what they tell of time.
 
-use crate::file::{MeasuredCorrelation, MeasuredValue};
+use crate::file::{MeasuredCorrelation, MeasuredEntry, MeasuredValue};
 use crate::photos::{FrameValues, PhotoSeries};
 use surface_profile::{Avalanches, avalanches, correlation_time, shrunk_correlations, summarise};
 
@@ -56,6 +56,16 @@ pub(crate) struct Wanted<'a> {
     pub(crate) leave_out: &'a [String],
     /// Time between frames, s, where it is known.
     pub(crate) interval: Option<f64>,
+}
+
+/// The filling that photos show, if it is compared and not fitted: what the scene is told is judged by nobody, and a value that the
+/// entry states counts instead.
+pub(crate) fn shown_fill(
+    series: Option<&PhotoSeries>,
+    entry: &MeasuredEntry,
+) -> Option<(String, MeasuredValue)> {
+    let value = series?.further.get(FILL)?;
+    (!entry.values.contains_key(FILL)).then(|| (FILL.to_owned(), *value))
 }
 
 /// Takes over what frames, and the speeds of the surface between pictures (m/s), say.

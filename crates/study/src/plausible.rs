@@ -10,7 +10,9 @@ use toml::{Table, Value};
 
 /// Refuses numbers and texts of a whole file; lines in which something else is wrong are left out.
 pub(crate) fn check(document: &Document, problems: &mut Problems) {
-    check_table(document, &document.table, "", problems);
+    let mut found = Problems::default();
+    check_table(document, &document.table, "", &mut found);
+    problems.add_of_other_lines(found);
 }
 
 /// What is wrong with a name, as the rest of a sentence about it: with one of a scene, a parameter, a study.
@@ -38,13 +40,8 @@ fn check_table(document: &Document, table: &Table, path: &str, problems: &mut Pr
     for (key, value) in table {
         let path = below(path, key);
         if let Some(problem) = wrong_name(key) {
-            report(
-                document,
-                &path,
-                format!("the key '{}'", shown(key)),
-                problem,
-                problems,
-            );
+            let what = format!("the key '{}'", shown(key));
+            problems.add(document.problem(&path, what, problem));
         }
         check_value(document, key, value, &path, problems);
     }
@@ -75,7 +72,7 @@ fn check_value(document: &Document, key: &str, value: &Value, path: &str, proble
             other => other.to_string(),
         };
         let what = format!("{key} = {}", shown(&text));
-        report(document, path, what, problem, problems);
+        problems.add(document.problem(path, what, problem));
     }
 }
 
@@ -97,14 +94,6 @@ fn wrong_text(text: &str) -> Option<String> {
     let is_odd = |c: char| c.is_control() && c != '\n' && c != '\t';
     text.contains(is_odd)
         .then(|| "holds a control character: remove it".to_owned())
-}
-
-/// Reports a problem, unless one of its line is known.
-fn report(document: &Document, path: &str, what: String, problem: String, problems: &mut Problems) {
-    let problem = document.problem(path, what, problem);
-    if !problems.knows_line(problem.line) {
-        problems.add(problem);
-    }
 }
 
 /// The start of a text, as a message shows it.

@@ -1,5 +1,6 @@
 //! What is wrong with a study file: all of it at once.
 
+use std::collections::BTreeSet;
 use std::fmt;
 
 /// One thing that is wrong, with the way out.
@@ -40,9 +41,15 @@ impl Problems {
         }
     }
 
-    /// Whether there is a problem of a known line.
-    pub(crate) fn knows_line(&self, line: Option<usize>) -> bool {
-        line.is_some() && self.list.iter().any(|p| p.line == line)
+    /// Adds those of others whose line has no problem yet.
+    pub(crate) fn add_of_other_lines(&mut self, others: Self) {
+        let known: BTreeSet<usize> = self.list.iter().filter_map(|p| p.line).collect();
+        let is_new = |p: &Problem| p.line.is_none_or(|line| !known.contains(&line));
+        others
+            .list
+            .into_iter()
+            .filter(is_new)
+            .for_each(|p| self.add(p));
     }
 
     /// Number of problems found so far.

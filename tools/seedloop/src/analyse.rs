@@ -148,8 +148,10 @@ pub(crate) struct Arguments {
 }
 
 /// Flags that a comparison of groups has no use for: one that is left unread would be taken for one that was followed.
-const UNREAD_BY_GROUPS: [&str; 13] = [
+const UNREAD_BY_GROUPS: [&str; 15] = [
     "model",
+    "sd",
+    "n",
     "block",
     "batch",
     "dummies",

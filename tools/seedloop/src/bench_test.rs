@@ -1,6 +1,6 @@
 //! `seedloop bench-test`: contact parameters from the bench, measured or simulated.
 
-use crate::simulate::{ReadScene, read_scene};
+use crate::simulate::read_scene;
 use anyhow::{Context as _, ensure};
 use bench_test::measured::{Test, coefficients};
 use bench_test::{Summary, summarise};
@@ -8,6 +8,7 @@ use clap::ValueEnum;
 use command_line::{Common, DONE, Header, significant};
 use quantity::Length;
 use scene::{Apparatus, Drop, FillingLibrary, RunResult, Slider, Tilt};
+use scene_simulator::ReadScene;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 

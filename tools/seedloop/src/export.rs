@@ -1,12 +1,13 @@
 //! `seedloop export`: a scene in the formats of other tools.
 
-use crate::simulate::{ReadScene, read_scene};
+use crate::simulate::read_scene;
 use anyhow::{Context as _, ensure};
 use clap::ValueEnum;
 use command_line::{Common, DONE, Header, try_folder, write_new};
 use exchange::vtk::File;
 use exchange::{add_warnings, csv, edem, lammps, liggghts, vtk};
 use scene::{FillingLibrary, starting_frame};
+use scene_simulator::ReadScene;
 use serde::Serialize;
 use std::path::PathBuf;
 

@@ -16,7 +16,7 @@ use input_file::has_ending;
 use report::Report;
 use run_store::{Lookup, Record, Store};
 use scene::{Override, Progress, RunResult, Scene};
-use scene_simulator::{ParameterFile, RunDetails};
+use scene_simulator::{ReadScene, RunDetails};
 use single_run::SingleRun;
 use state_file::{StateFile, state_files};
 use std::io::Write as _;
@@ -90,43 +90,19 @@ pub(crate) fn setting(text: &str) -> Result<Override, String> {
     }
 }
 
-/// A scene as it is run.
-pub(crate) struct ReadScene {
-    /// The scene.
-    pub(crate) scene: Scene,
-    /// All settings that were changed, in the order in which they were.
-    pub(crate) changes: Vec<Override>,
-    /// What the user must know of the values of the parameter file.
-    pub(crate) warnings: Vec<String>,
-}
-
 /// Reads a scene with the values of a parameter file and further settings, and logs what must be known of the values.
 ///
 /// # Errors
-/// A scene or parameter file that cannot be read, settings that the scene does not have.
+/// As [`scene_simulator::read_scene`].
 pub(crate) fn read_scene(
     file: &Path,
     set_file: Option<&Path>,
     set: &[Override],
     common: &Common,
 ) -> anyhow::Result<ReadScene> {
-    let scene = Scene::read(file, set)?;
-    let Some(set_file) = set_file else {
-        return Ok(ReadScene {
-            scene,
-            changes: set.to_vec(),
-            warnings: Vec::new(),
-        });
-    };
-    let parameters = ParameterFile::read(set_file)?;
-    let changes = [parameters.overrides(&scene)?.as_slice(), set].concat();
-    let warnings = parameters.warnings(&scene)?;
-    log_warnings(&warnings, common);
-    Ok(ReadScene {
-        scene: Scene::read(file, &changes)?,
-        changes,
-        warnings,
-    })
+    let read = scene_simulator::read_scene(file, set_file, set)?;
+    log_warnings(&read.warnings, common);
+    Ok(read)
 }
 
 /// Logs warnings, a line each.

@@ -44,13 +44,13 @@ pub enum TableError {
 }
 
 /// Reads lines `x,y,z,radius` in a unit of so many metres: commas or blanks between, or semicolons, between which a comma is
-/// a decimal one. A first line of names and lines that begin with `#` are passed over; `file` is named in messages.
+/// a decimal one. Names of the columns before the first sphere and lines that begin with `#` are passed over; `file` is named in messages.
 ///
 /// # Errors
 ///
 /// Columns named in another order, a line without just four finite numbers, a radius that is not positive, no sphere.
 pub fn read_spheres(text: &str, file: &str, metres: f64) -> Result<Vec<Sphere>, TableError> {
-    let mut spheres = Vec::new();
+    let (mut spheres, mut named) = (Vec::new(), false);
     // Spreadsheets mark the encoding at the start.
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     for (index, row) in text.lines().enumerate() {
@@ -60,10 +60,11 @@ pub fn read_spheres(text: &str, file: &str, metres: f64) -> Result<Vec<Sphere>, 
         }
         let fields = fields(row);
         let (file, line, text) = (file.to_owned(), index + 1, row.to_owned());
-        if index == 0 && row.starts_with(|c: char| c.is_ascii_alphabetic()) {
+        if !named && spheres.is_empty() && row.starts_with(|c: char| c.is_ascii_alphabetic()) {
             if !names_columns(&fields) {
                 return Err(TableError::Columns { file, line, text });
             }
+            named = true;
             continue;
         }
         let Some(sphere) = sphere_of(&fields, metres) else {
@@ -122,6 +123,7 @@ mod tests {
             "\u{feff}x,y,z,r\r\n0,0,0.5,2.25\r\n0,0,-1.5,1\r\n",
             "X (mm);Y (mm);Z (mm);R (mm)\n0;0;0,5;2,25\n0;0;-1,5;1\n",
             "# x y z r\n0 0 0.5 2.25\n\n0 0 -1.5 1",
+            "# from a scan\n\nx,y,z,r\n0,0,0.5,2.25\n0,0,-1.5,1\n",
         ] {
             let spheres = read_spheres(text, "seed.csv", 1e-3).unwrap();
             assert_eq!(spheres.len(), 2, "{text}");

@@ -1,6 +1,6 @@
 //! How long bodies of many spheres are in hard contact, where many of their spheres touch at once.
 
-use super::{DURATION, Meeting, duration, overlap};
+use super::{DURATION, Impact, duration, overlap};
 use clump::{Clump, Sphere};
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 use std::f64::consts::TAU;
@@ -35,13 +35,13 @@ const HALVINGS: u32 = 40;
 /// The effective mass is `1/m_e = sum (1/m + l²/I)` over the bodies, with l the reach from the centre of mass of the
 /// sphere that touches first and I the largest moment of inertia: that of a push along the surface. A sphere of uniform
 /// density feels 2/7 of its mass.
-pub fn duration_between(body: &Clump, other: Option<&Clump>, meeting: &Meeting) -> f64 {
+pub fn duration_between(body: &Clump, other: Option<&Clump>, meeting: &Impact) -> f64 {
     let radii = body.spheres().iter().map(|s| s.radius);
     let largest = radii.fold(0.0, f64::max);
     let felt = body.mass_felt_at_tip();
     // The damping ratio of one spring does not depend on its stiffness. A single sphere damps with its own mass in any case.
     let several = |body: &Clump| body.spheres().len() > 1;
-    let meeting = &Meeting {
+    let meeting = &Impact {
         dashpots: meeting
             .dashpots
             .filter(|_| several(body) || other.is_some_and(several)),
@@ -196,14 +196,14 @@ fn first_touch<'a>(below: &'a Partner, above: &'a Partner) -> Option<(f64, [&'a 
 
 /// Duration of the contact of two that come together along z, as stiff as at their deepest overlap, s: see
 /// [`duration_between`].
-fn duration_of_meeting(mut below: Partner, mut above: Partner, meeting: &Meeting) -> f64 {
+fn duration_of_meeting(mut below: Partner, mut above: Partner, meeting: &Impact) -> f64 {
     sort(&mut below, &mut above);
     let Some((first, [low, high])) = first_touch(&below, &above) else {
         return f64::INFINITY;
     };
     let mass = 1.0 / (below.inverse_mass_at(low) + above.inverse_mass_at(high));
     let effective = Pair::of(low, high).radius;
-    let Meeting { young, speed, .. } = *meeting;
+    let Impact { young, speed, .. } = *meeting;
     let energy = 0.5 * mass * speed * speed;
     let held = |pairs: &[Pair], height: f64| {
         let each = pairs.iter().map(|pair| {
@@ -261,12 +261,12 @@ mod tests {
         MEETINGS, Pair, Partner, duration_between, duration_of_meeting, first_touch, sort,
         touching, turns,
     };
-    use crate::hard_contact::{BodyDashpots, Meeting, duration};
+    use crate::hard_contact::{BodyDashpots, Impact, duration};
     use clump::{Clump, MassProperties, Sphere, properties_of_spheres};
     use nalgebra::{UnitQuaternion, Vector3};
 
     const RADIUS: f64 = 2e-3;
-    const USUAL: Meeting = Meeting {
+    const USUAL: Impact = Impact {
         young: 1e6,
         speed: 1.0,
         dashpots: None,
@@ -326,7 +326,7 @@ mod tests {
     /// spheres do not share. One sphere damps with its own mass in any case. Rounding of the digits of b only.
     #[test]
     fn dashpots_of_the_whole_body_shorten_the_contacts_of_many_spheres() {
-        let damped = |shared| Meeting {
+        let damped = |shared| Impact {
             dashpots: Some(BodyDashpots {
                 restitution: 0.1,
                 shared,
@@ -334,7 +334,7 @@ mod tests {
             ..USUAL
         };
         let [one, ten] = [ball(1), ball(10)];
-        let hardest = |body: &Clump, meeting: Meeting| duration_between(body, None, &meeting);
+        let hardest = |body: &Clump, meeting: Impact| duration_between(body, None, &meeting);
         assert_eq!(hardest(&one, damped(true)), hardest(&one, USUAL));
         let ratio = (5.0_f64 / 6.0).sqrt() * 0.5911 * 3.5_f64.sqrt();
         for (shared, ratio) in [(true, ratio), (false, ratio * 10_f64.sqrt())] {
@@ -348,7 +348,7 @@ mod tests {
     /// touch.
     #[test]
     fn fast_bodies_of_many_spheres_meet_shorter_than_one_sphere() {
-        let fast = Meeting {
+        let fast = Impact {
             speed: 4.0,
             ..USUAL
         };

@@ -1,6 +1,6 @@
 //! The time step that dashpots bear, beside the springs of a contact.
 
-use super::Meeting;
+use super::Impact;
 use crate::hertz_mindlin::damping_factor;
 
 /// Dashpots that know the mass of the whole body, so that a light touch at the tip of a long seed is damped as if all of it
@@ -53,7 +53,7 @@ impl BodyDashpots {
     }
 }
 
-impl Meeting {
+impl Impact {
     /// What is left of the duration of a contact for the choice of the time step: all where no dashpot knows more than the mass of its
     /// sphere. Arguments as in [`BodyDashpots::damping_ratio`].
     pub(super) fn left_by_dashpots(

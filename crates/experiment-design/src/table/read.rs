@@ -210,17 +210,19 @@ impl Table {
 
     /// Refuses a row of totals, means or the like: a word for one in a column that otherwise holds numbers, or nothing.
     fn check_summaries(&self) -> Result<(), Error> {
-        for row in &self.rows {
-            for column in (0..self.header.len()).filter(|&column| is_summary(row.text(column))) {
-                let others = self.rows.iter().map(|row| row.text(column));
-                let mut others = others.filter(|text| !is_summary(text)).peekable();
-                let is_number = |text: &str| text.is_empty() || text.parse::<f64>().is_ok();
-                if others.peek().is_some() && others.all(is_number) {
-                    return Err(Error::SummaryRow {
-                        place: self.place(row, column),
-                        text: row.text(column).to_owned(),
-                    });
-                }
+        for column in 0..self.header.len() {
+            let mut rows = self.rows.iter();
+            let Some(row) = rows.find(|row| is_summary(row.text(column))) else {
+                continue;
+            };
+            let others = self.rows.iter().map(|row| row.text(column));
+            let mut others = others.filter(|text| !is_summary(text)).peekable();
+            let is_number = |text: &str| text.is_empty() || text.parse::<f64>().is_ok();
+            if others.peek().is_some() && others.all(is_number) {
+                return Err(Error::SummaryRow {
+                    place: self.place(row, column),
+                    text: row.text(column).to_owned(),
+                });
             }
         }
         Ok(())

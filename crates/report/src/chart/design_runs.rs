@@ -36,7 +36,7 @@ pub(crate) fn legend_entry(runs: &[DesignRun]) -> Option<LegendEntry<'static>> {
 }
 
 /// Places of the marks, px: those of one place of the plane, which differ in factors that are not shown, stand side by
-/// side around it, or beside it where they would leave the plane: a mark on the names of an axis is in neither.
+/// side around it, or are shifted inwards if they would leave the plane and cover the names of an axis.
 fn places(runs: &[DesignRun], plot: &Plot) -> Vec<Point> {
     let same = |a: &DesignRun, b: &DesignRun| {
         let [a, b] = [a, b].map(|run| plot.place(run.x, run.y));

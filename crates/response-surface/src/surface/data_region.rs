@@ -8,6 +8,9 @@ use crate::Fit;
 /// Share of a half-width by which a point may lie beyond and count as inside: the rounding of coded values.
 const SLACK: f64 = 1e-9;
 
+/// Coordinate of another value of a factor that never varies, half-widths: a finite one can be drawn.
+const FAR: f64 = 1e6;
+
 /// The part of the space of the factors that the runs span, whatever the ranges of the factors are: the box of their settings,
 /// without its corners if no run lies as far from its middle as they do.
 ///
@@ -51,8 +54,14 @@ impl DataRegion {
 
     /// Whether a point in the units of the factors lies inside.
     pub fn holds(&self, natural: &[f64]) -> bool {
-        let within = |j: usize| self.scaled(natural, j).abs() <= 1.0 + SLACK;
-        (0..self.low.len()).all(within) && self.distance(natural) <= self.radius * (1.0 + SLACK)
+        self.beyond(natural) <= 0.0
+    }
+
+    /// How far a point lies outside, squared half-widths of the box; 0 or less inside.
+    pub fn beyond(&self, natural: &[f64]) -> f64 {
+        let all = (0..self.low.len()).map(|j| self.scaled(natural, j).abs());
+        let past = |size: f64, limit: f64| size.powi(2) - (limit * (1.0 + SLACK)).powi(2);
+        past(self.distance(natural), self.radius).max(past(all.fold(0.0, f64::max), 1.0))
     }
 
     /// Distance of a point from the middle of the box of the data, half-widths of the box.
@@ -64,11 +73,14 @@ impl DataRegion {
     /// A coordinate from the middle of the box in half-widths; of a factor that never varies 0 at its value.
     fn scaled(&self, natural: &[f64], j: usize) -> f64 {
         let (low, high, u) = (self.low[j], self.high[j], natural[j]);
-        if u == low && u == high {
-            return 0.0;
-        }
         // Halved before they are added: the sum of two large ends is no number.
-        (u - (low / 2.0 + high / 2.0)) / (high / 2.0 - low / 2.0)
+        let (middle, half) = (low / 2.0 + high / 2.0, high / 2.0 - low / 2.0);
+        if half <= SLACK * middle.abs() {
+            // Of a factor that never varies another value is far away.
+            let is_it = (u - middle).abs() <= SLACK * middle.abs().max(u.abs());
+            return if is_it { 0.0 } else { FAR };
+        }
+        (u - middle) / half
     }
 
     /// The region without the factors at some places.
@@ -171,6 +183,20 @@ mod tests {
         ] {
             assert_eq!(region.holds(&at(&point)), inside, "{point:?}");
         }
+    }
+
+    /// A factorial at 0.8 of the ranges: (1, 0) lies beyond its box although nearer to the middle than the corners. A factor that never
+    /// varies holds its value, to rounding, and no other; all distances are finite.
+    #[test]
+    fn a_point_beyond_one_face_is_outside_and_a_constant_factor_holds_its_value() {
+        let runs = [[-0.8, -0.8], [0.8, -0.8], [-0.8, 0.8], [0.8, 0.8]].map(|x| at(&x));
+        let region = DataRegion::of(&runs).unwrap();
+        assert!(region.holds(&at(&[0.8, 0.0])) && !region.holds(&at(&[1.0, 0.0])));
+        assert!(region.beyond(&at(&[1.0, 0.0])) > 0.5);
+        let constant = DataRegion::of(&[vec![1.0, 0.3], vec![2.0, 0.3]]).unwrap();
+        assert!(constant.holds(&[1.5, 0.1 + 0.2]));
+        let other = constant.beyond(&[1.5, 0.4]);
+        assert!(other > 0.0 && other.is_finite(), "{other}");
     }
 
     /// The cube of a factorial reaches its corners, that of a Box-Behnken design does not: its runs lie at sqrt(2) of sqrt(3).

@@ -30,17 +30,19 @@ pub(super) fn add(page: &mut Page<'_>) -> Result<(), Error> {
 /// A seed under its mesh, and its spheres alone.
 fn pictures(page: &mut Page<'_>, number: usize, seed: &FilledSeed) -> Result<(), Error> {
     let spheres = counted(seed.body.spheres.len(), "sphere", "spheres");
-    page.png(
-        &seed_picture_name(number),
-        &format!(
-            "Spheres of seed {} under its half transparent mesh",
-            seed.name
-        ),
-        &format!(
-            "Seed {}: {spheres} under the mesh (half transparent).",
-            seed.name
-        ),
-    )?;
+    if seed.body.shape.is_some() {
+        page.png(
+            &seed_picture_name(number),
+            &format!(
+                "Spheres of seed {} under its half transparent mesh",
+                seed.name
+            ),
+            &format!(
+                "Seed {}: {spheres} under the mesh (half transparent).",
+                seed.name
+            ),
+        )?;
+    }
     let Some(picture) = png(page.pictures, &spheres_picture_name(number)) else {
         return Ok(());
     };

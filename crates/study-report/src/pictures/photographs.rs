@@ -61,7 +61,7 @@ pub(crate) fn spheres_picture_name(number: usize) -> String {
     format!("{}-spheres", seed_picture_name(number))
 }
 
-/// Each seed twice: its spheres under the half transparent mesh, and the spheres alone, which stand in for the viewer.
+/// Each seed twice: its spheres under the half transparent mesh, if it has one, and the spheres alone, which stand in for the viewer.
 pub(crate) fn seeds(input: &ReportInput<'_>) -> Result<Vec<NamedPicture>, Error> {
     let mut pictures = Vec::new();
     for (number, seed) in filled_seeds(input)?.iter().enumerate() {
@@ -71,20 +71,19 @@ pub(crate) fn seeds(input: &ReportInput<'_>) -> Result<Vec<NamedPicture>, Error>
             colour: SPHERE_COLOUR,
         });
         let spheres: Vec<RenderSphere> = spheres.collect();
-        let shape = seed.body.shape.as_ref();
-        let triangles: Vec<[[f64; 3]; 3]> = shape.map_or_else(Vec::new, |shape| {
+        let mut coats: Vec<(String, Vec<[[f64; 3]; 3]>)> = Vec::new();
+        // Spheres that are the seed themselves stand under no mesh.
+        if let Some(shape) = &seed.body.shape {
             let mesh = &shape.mesh.mesh;
             let all = 0..mesh.triangles().len();
-            all.map(|k| mesh.corners(k).map(Into::into)).collect()
-        });
+            let triangles = all.map(|k| mesh.corners(k).map(Into::into)).collect();
+            coats.push((seed_picture_name(number), triangles));
+        }
+        coats.push((spheres_picture_name(number), Vec::new()));
         let view = ObjectView::oblique(SEED_PIXELS);
-        let coats = [
-            (seed_picture_name(number), triangles.as_slice()),
-            (spheres_picture_name(number), &[]),
-        ];
         for (name, coat) in coats {
             let wrong = |e: frame_render::Error| picture_error(&name, &e.to_string());
-            let picture = render_object(&spheres, coat, &view).map_err(wrong)?;
+            let picture = render_object(&spheres, &coat, &view).map_err(wrong)?;
             let bytes = png_bytes(&name, &picture)?;
             pictures.push(NamedPicture::png(name, bytes));
         }

@@ -7,7 +7,7 @@ use super::{
 };
 use crate::document::{Document, Fields, below};
 use crate::keys;
-use crate::limits::{LEAST, LEAST_RATIO, MOST, range_of};
+use crate::limits::{LEAST_RATIO, MOST, range_of};
 use crate::plausible::wrong_name;
 use crate::problem::Problems;
 use calibration::Prior;
@@ -320,7 +320,7 @@ fn value(fields: &Fields<'_>, key: &str, problems: &mut Problems) -> Option<Meas
         "must be above 0, at most 1e15: the standard deviation of the single values; where only one was read, the \
          error of the reading",
     );
-    let is_exact = |sd: f64| sd > 0.0 && sd < LEAST.max(LEAST_RATIO * mean.map_or(0.0, f64::abs));
+    let is_exact = |sd: f64| sd > 0.0 && sd < LEAST_RATIO * mean.map_or(0.0, f64::abs);
     demand(
         "sd",
         !sd.is_some_and(is_exact),

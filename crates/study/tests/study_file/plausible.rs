@@ -156,7 +156,7 @@ fn what_the_program_could_not_be_given_is_refused() {
     }
 }
 
-/// Each key asks for its line: counted from the start of the file each time, 3000 measurements took a minute. 5 s are far above what
+/// Each key asks for its line: counted from the start of the file each time, 3000 measurements would take a minute. 5 s are far above what
 /// one count takes.
 #[test]
 fn a_long_study_is_read_in_the_time_of_its_length() {

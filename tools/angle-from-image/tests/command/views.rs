@@ -206,7 +206,7 @@ fn a_surface_that_is_stated_has_the_angle_of_its_places() {
 }
 
 /// Five places, a pixel or so off a line of 30 degrees, in a picture of 800 px: the interval is that of one degree of freedom, or of
-/// pointing, and holds 30. It was narrower than a hundredth of a degree for places that happened to lie on a cubic.
+/// pointing, and holds 30.
 #[test]
 fn few_places_on_a_surface_have_an_interval_that_says_so() {
     let folder = folder("few places");

@@ -249,7 +249,7 @@ fn diagnostics(report: &Report<'_>, charts: &mut Vec<Named>) -> anyhow::Result<(
     // The columns of named levels stand behind the other factors.
     let numeric = fit.factors.len() - of_levels(&report.categories);
     for (j, factor) in fit.factors[..numeric].iter().enumerate() {
-        let axis = AxisTitle::new(factor.symbol(), factor.unit().trim_start_matches('1'));
+        let axis = AxisTitle::new(factor.symbol(), pairs::shown_unit(factor));
         let chart = view(axis, &|c| factor.natural(c.coded[j]));
         charts.push((format!("residuals-{}", factor.symbol()), chart.draw()?));
     }

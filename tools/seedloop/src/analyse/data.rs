@@ -15,8 +15,6 @@ use super::Arguments;
 const FARTHEST: f64 = 5.0;
 /// Most rows of an analysis (our choice): each takes about a kilobyte, the model matrix, residuals and influence included.
 const MOST_ROWS: usize = 100_000;
-/// Most replicates of a setting: the most runs of a design.
-const MOST_REPLICATES: usize = 1_000_000;
 /// Least spread of a natural column, in widths of the range of its factor: a table of a design covers the whole of it.
 const NARROWEST: f64 = 0.01;
 
@@ -150,7 +148,14 @@ fn factors(
                 if coding == Coding::Natural {
                     check_range(arguments, table, column, &factor).with_context(place)?;
                 }
-                factor
+                match split_unit(&table.header()[column]) {
+                    // A range in the command line states no unit: the header may.
+                    Some((_, unit)) if factor.unit() == "1" => {
+                        let [low, high] = [factor.low(), factor.high()];
+                        Factor::new(factor.symbol(), factor.name(), unit, low, high)?
+                    }
+                    _ => factor,
+                }
             }
             None => seen_factor(table, &symbol, column, coding).with_context(place)?,
         });
@@ -296,8 +301,8 @@ impl Cells<'_> {
             let Some(sd) = cell.sd else { continue };
             ensure!(
                 Observations::is_plausible_sd(sd, size),
-                "{place}: {sd:e} is no standard deviation of responses up to {size}; correct it, or write 0 for runs that \
-                 are all alike"
+                "{place}: responses up to {size} cannot have the standard deviation {sd:e}; correct it, or write 0 for runs \
+                 that are all alike"
             );
             ensure!(
                 cell.n > 1 || sd == 0.0,
@@ -310,9 +315,8 @@ impl Cells<'_> {
         if missing.is_empty() {
             return Ok(None);
         }
-        let degrees = |pairs: &mut dyn Iterator<Item = usize>| pairs.sum::<usize>();
-        let lost = degrees(&mut missing.iter().map(|(_, df)| *df));
-        let all = degrees(&mut cells.iter().map(|cell| cell.n - 1));
+        let lost: usize = missing.iter().map(|(_, df)| df).sum();
+        let all: usize = cells.iter().map(|cell| cell.n - 1).sum();
         let places: Vec<String> = missing
             .iter()
             .map(|(row, _)| self.table.place(row, column))
@@ -343,9 +347,10 @@ impl Cells<'_> {
         };
         if let (Some(n), Some(column)) = (n, self.n) {
             ensure!(
-                n <= MOST_REPLICATES,
-                "{}: {n} replicates of one setting; at most {MOST_REPLICATES} are believed",
-                self.table.place(row, column)
+                n <= Observations::MOST_REPLICATES,
+                "{}: {n} replicates of one setting; at most {} are believed",
+                self.table.place(row, column),
+                Observations::MOST_REPLICATES
             );
         }
         let sd = self

@@ -27,7 +27,7 @@ pub(super) fn go_on(common: &Common, fit: &Fit, open: &[OpenBound]) -> anyhow::R
         let ends = factor.map_or([*bound; 2], |f| [f.low().min(*data), f.high().max(*data)]);
         let [low, high] = ends;
         common.print(format!(
-            "  {symbol} is on its bound {}, and the runs go on to {}: --bounds {symbol}={low}:{high} goes there",
+            "  {symbol} is on its bound {}, and the runs go on to {}: to include them, give --bounds {symbol}={low}:{high}",
             value(*bound),
             value(*data)
         ))?;

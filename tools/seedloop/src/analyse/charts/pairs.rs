@@ -33,13 +33,22 @@ fn along_data(fit: &Fit, j: usize) -> Vec<f64> {
     along(GRID).map(point).collect()
 }
 
+/// The unit of a factor as an axis shows it: nothing for a number without one.
+pub(super) fn shown_unit(factor: &experiment_design::Factor) -> &str {
+    if factor.unit() == "1" {
+        ""
+    } else {
+        factor.unit()
+    }
+}
+
 /// The response with the values at which the factors that are not shown are held.
 pub(super) fn response_at(fit: &Fit, response: &str, shown: &[usize]) -> AxisTitle {
     let others = fit.factors.iter().enumerate();
     let others = others.filter(|(j, _)| !shown.contains(j));
     let held: Vec<String> = others
         .map(|(_, f)| {
-            let unit = f.unit().trim_start_matches('1');
+            let unit = shown_unit(f);
             format!("{} = {} {unit}", f.symbol(), significant(f.mid(), 4))
         })
         .map(|text| text.trim_end().to_owned())
@@ -60,10 +69,9 @@ fn beyond_data(fit: &Fit, nodes: impl Iterator<Item = Vec<f64>>) -> Vec<f64> {
     let Some(region) = &fit.data_region else {
         return Vec::new();
     };
-    let radius = region.radius.powi(2);
-    let beyond = nodes.map(|coded| region.distance(&fit.natural(&coded)).powi(2) - radius);
+    let beyond = nodes.map(|coded| region.beyond(&fit.natural(&coded)));
     let beyond: Vec<f64> = beyond.collect();
-    if beyond.iter().any(|by| *by > 1e-9) {
+    if beyond.iter().any(|by| *by > 0.0) {
         beyond
     } else {
         Vec::new()
@@ -76,9 +84,7 @@ pub(super) fn draw(fit: &Fit, response: &str, charts: &mut Vec<Named>) -> anyhow
     for i in 0..k {
         for j in i + 1..k {
             let (a, b) = (&fit.factors[i], &fit.factors[j]);
-            let title = |f: &experiment_design::Factor| {
-                AxisTitle::new(f.symbol(), f.unit().trim_start_matches('1'))
-            };
+            let title = |f: &experiment_design::Factor| AxisTitle::new(f.symbol(), shown_unit(f));
             let [across, up] = [i, j].map(|j| along_data(fit, j));
             let node = |x: f64, y: f64| {
                 let mut coded = vec![0.0; k];
@@ -167,7 +173,7 @@ pub(super) fn cubes(fit: &Fit, response: &str, charts: &mut Vec<Named>) -> anyho
     let edge = |j: usize| {
         let factor = &fit.factors[j];
         CubeEdge {
-            title: AxisTitle::new(factor.symbol(), factor.unit().trim_start_matches('1')),
+            title: AxisTitle::new(factor.symbol(), shown_unit(factor)),
             low: factor.low(),
             high: factor.high(),
         }
@@ -217,7 +223,7 @@ fn interaction(fit: &Fit, response: &AxisTitle, i: usize, j: usize) -> anyhow::R
         });
     }
     let chart = LineSeries {
-        x: AxisTitle::new(a.symbol(), a.unit().trim_start_matches('1')),
+        x: AxisTitle::new(a.symbol(), shown_unit(a)),
         y: response.clone(),
         series,
         levels: Vec::new(),
