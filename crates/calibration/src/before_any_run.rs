@@ -92,6 +92,7 @@ mod tests {
             limits: [0.0, 1.0],
             start: 0.5,
             prior: None,
+            is_input: false,
         };
         let model = |(k, (on, _)): (usize, &(&[usize], Role))| Model {
             name: k.to_string(),

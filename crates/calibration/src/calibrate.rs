@@ -3,7 +3,7 @@
 use crate::comparison::{SurfacesByModel, compare};
 use crate::confirmation::{Confirmed, confirm, mean};
 use crate::diagnosis_stage::{diagnose_at, most_runs_of_candidates, most_runs_of_diagnosis};
-use crate::intervals::{Uncertainty, best_of, estimates, test};
+use crate::intervals::{Uncertainty, best_of, estimates, inputs, test};
 use crate::joint::{joint_estimate, planes, region_about, slope_runs};
 use crate::samples::{Asked, Runner, Sample, Samples, Wanted, first_seed, observables, wanted};
 use crate::screening::screen_models;
@@ -11,8 +11,8 @@ use crate::search::Search;
 use crate::solution_set::solution_set;
 use crate::verdict::verdict;
 use crate::{
-    Calibration, CalibrationProblem, Comparison, DiagnosisStage, Error, Estimate, JointEstimate,
-    LoopSettings, PlannedStage, Role, StageCost, planned,
+    Calibration, CalibrationProblem, Comparison, DiagnosisStage, Error, Estimate, InputEstimate,
+    JointEstimate, LoopSettings, PlannedStage, Role, StageCost, planned,
 };
 use campaign::{Campaign, RunOutcome, RunRequest, Simulator, SimulatorError};
 use quantity::significant;
@@ -25,6 +25,8 @@ const STAGE_BEFORE: u64 = 0;
 /// Stage number of the runs of models that the fit does not use, at the estimate.
 const STAGE_CHECK: u64 = 60;
 
+/// Standard deviations by which an input may move without a remark.
+const FAR: f64 = 2.0;
 /// Place of the screening in the plan.
 const SCREENING: usize = 1;
 /// Place of the surfaces.
@@ -80,24 +82,23 @@ pub fn calibrate(
     let row = |role, runs: &BTreeMap<usize, Samples>, covariance, at: &[f64]| {
         compare(asked, role, runs, &surfaces, covariance, at)
     };
-    let start: Vec<f64> = problem.parameters.iter().map(|p| p.start).collect();
+    let start = problem.start();
     let roles = [Role::Fit, Role::Check, Role::Show];
     let covariance = Some(&estimate.uncertainty.covariance);
     let fit = row(Role::Fit, &confirmed.runs, None, at);
     let checks = row(Role::Check, &checked.at_estimate, covariance, at);
-    let mut remarks = search.remarks.clone();
-    remarks.extend(confirmed.remarks.iter().cloned());
-    remarks.extend(failures(
-        problem,
-        "with the parameters in use before",
-        &before,
-    ));
-    remarks.extend(failures(problem, "in the screening", &screened.runs));
-    remarks.extend(failures(problem, "at the estimate", &checked.at_estimate));
-    remarks.extend(states(problem, &checked.at_estimate));
-    remarks.extend(other_solutions(problem, &estimate));
     let show = row(Role::Show, &checked.at_estimate, covariance, at);
-    remarks.extend(missed_but_shown(&show));
+    let remarks = [
+        search.remarks.clone(),
+        confirmed.remarks.clone(),
+        failures(problem, "with the parameters in use before", &before),
+        failures(problem, "in the screening", &screened.runs),
+        failures(problem, "at the estimate", &checked.at_estimate),
+        states(problem, &checked.at_estimate),
+        other_solutions(problem, &estimate).into_iter().collect(),
+        moved_inputs(&estimate.inputs),
+        missed_but_shown(&show),
+    ];
     let (met, verdict) = verdict(problem, &estimate, &fit, &checks, &confirmed);
     Ok(Calibration {
         id: problem.id.clone(),
@@ -112,21 +113,37 @@ pub fn calibrate(
         cost: clock.end(),
         joint: checked.joint,
         confirmations: confirmed.rounds,
-        correlation: estimate.uncertainty.correlation(&problem.parameters),
+        correlation: estimate.uncertainty.correlation(problem.tuned()),
         open_combinations: estimate
             .uncertainty
-            .open_combinations(&problem.parameters, &confirmed.found.free),
+            .open_combinations(problem.tuned(), &confirmed.found.free),
         test: estimate.test,
         solutions: estimate.solutions,
         parameters: estimate.parameters,
+        inputs: estimate.inputs,
         fit,
         check: checks,
         screening: screened.told,
         diagnosis,
-        remarks,
+        remarks: remarks.concat(),
         met,
         verdict,
     })
+}
+
+/// Inputs that have to move by more than twice their error, so that the measurements are met.
+fn moved_inputs(inputs: &[InputEstimate]) -> Vec<String> {
+    let moved = inputs.iter().filter(|input| input.moved.abs() > FAR);
+    let told = |input: &InputEstimate| {
+        format!(
+            "the measurements ask for {} = {}, {} standard deviations from the {} that was stated: measure it again",
+            input.symbol,
+            significant(input.value, 4),
+            significant(input.moved.abs(), 2),
+            significant(input.stated, 4)
+        )
+    };
+    moved.map(told).collect()
 }
 
 /// Measurements that are only shown and that the simulation misses: inputs may be wrong, or the model.
@@ -265,8 +282,10 @@ fn beyond_budget(
 /// The estimate with all that is said of it.
 #[derive(Debug)]
 pub(crate) struct Estimated {
-    /// Parameters with intervals.
+    /// Tuned parameters with intervals.
     pub(crate) parameters: Vec<Estimate>,
+    /// Inputs.
+    pub(crate) inputs: Vec<InputEstimate>,
     /// Covariance and what is open.
     pub(crate) uncertainty: Uncertainty,
     /// Test of the fit.
@@ -288,6 +307,7 @@ impl Estimated {
         Ok(Self {
             solutions: solution_set(&fit, &found.minima, &found.whitening, &parameters, seed)?,
             test: test(&fit, best),
+            inputs: inputs(&fit, best, &uncertainty),
             uncertainty,
             parameters,
         })
@@ -314,7 +334,7 @@ fn other_solutions(problem: &CalibrationProblem, estimate: &Estimated) -> Option
 
 /// Runs of all models with the parameters in use before; an error where none of them gives a result.
 fn before(runner: &Runner<'_>) -> Result<BTreeMap<usize, Samples>, Error> {
-    let start: Vec<f64> = runner.problem.parameters.iter().map(|p| p.start).collect();
+    let start = runner.problem.start();
     let n = runner.settings.before_runs;
     let models = 0..runner.problem.models.len();
     let list = models.flat_map(|model| {
@@ -369,7 +389,7 @@ fn check(
     }
     let region = region_about(runner.asked, &found.best, &estimate.parameters);
     let about = if settings.joint {
-        slope_runs(runner.asked, &checks, &region)?
+        slope_runs(runner.asked, &checks, (&found.best, &region))?
     } else {
         Vec::new()
     };

@@ -117,6 +117,7 @@ mod tests {
                 limits: [0.0, 1.0],
                 start: 0.5,
                 prior: None,
+                is_input: false,
             }],
             models: vec![model("slow"), model("fast")],
             measurements: vec![

@@ -37,12 +37,11 @@ pub fn diagnose_at(
         .filter(|&c| plan.conditions[c].used)
         .map(|c| observed.measured(c).len())
         .sum();
-    if values <= plan.declared.len() {
+    let free = plan.declared.iter().filter(|d| d.prior.is_none()).count();
+    if values <= free {
         return Ok(left_out(&format!(
-            "{values} measurements of role fit and {} parameters: what {} parameters can always meet tests nothing; measure \
-             more observables or conditions",
-            plan.declared.len(),
-            plan.declared.len(),
+            "{values} measurements of role fit and {free} parameters: what {free} parameters can always meet tests nothing; measure \
+             more observables or conditions"
         )));
     }
     match study_residual(campaign, simulator, &plan, &observed) {
@@ -66,7 +65,7 @@ pub fn most_runs_of_candidates(problem: &CalibrationProblem, settings: &LoopSett
     if problem.effects.is_empty() {
         return 0;
     }
-    let start: Vec<f64> = problem.parameters.iter().map(|p| p.start).collect();
+    let start = problem.start();
     plan(problem, settings, &start).0.runs_at_candidates()
 }
 
@@ -75,7 +74,7 @@ pub fn most_runs_of_diagnosis(problem: &CalibrationProblem, settings: &LoopSetti
     if problem.effects.is_empty() {
         return 0;
     }
-    let start: Vec<f64> = problem.parameters.iter().map(|p| p.start).collect();
+    let start = problem.start();
     runs_needed(&plan(problem, settings, &start).0)
 }
 

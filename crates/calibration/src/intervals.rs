@@ -1,9 +1,9 @@
 //! From the least misfit to standard errors, intervals, correlations, and what the data leave open.
 
 use crate::joint_fit::{JointFit, Minimum, Target, Whitening};
-use crate::noisy_slopes::standing_out;
-use crate::{Error, Estimate, FitTest, OpenCombination, Parameter};
-use nalgebra::{DMatrix, DVector, SymmetricEigen};
+use crate::noisy_slopes::{noise_beside_inputs, noise_of_inputs, standing_out, without_noise};
+use crate::{Error, Estimate, FitTest, InputEstimate, OpenCombination, Parameter, Prior};
+use nalgebra::{Cholesky, DMatrix, DVector, SymmetricEigen};
 use probability::{f_upper_tail, normal_quantile, t_two_sided_quantile};
 use std::collections::BTreeMap;
 
@@ -17,6 +17,8 @@ const OPEN: f64 = 0.5;
 const EVEN_SPREAD: f64 = 12.0;
 /// Share of a parameter (its squared weights) in open combinations from which it counts as open itself.
 const SHARE: f64 = 0.1;
+/// Information along a combination, over the largest of a parameter, below which there is none.
+const IMITATED: f64 = 1e-12;
 /// Halvings of the bracket of an end of an interval.
 const HALVINGS: usize = 40;
 /// Distance from a limit, in widths of the limits, at which an estimate lies on it.
@@ -28,11 +30,13 @@ pub(crate) struct Uncertainty {
     /// Covariance of the parameters, units of the parameters; along what nothing fixes it is that of an even spread over
     /// the limits.
     pub(crate) covariance: DMatrix<f64>,
-    /// Directions in the space of the parameters, in widths of the limits, with the standard error along each.
+    /// Directions in the space of the tuned parameters, in widths of the limits, with the standard error along each.
     directions: Vec<Direction>,
-    /// The same from the measurements alone.
+    /// The same from the measurements, with the inputs as they were stated but without any other prior.
     by_data: Vec<Direction>,
-    /// Variance of each parameter over what it would be if the weights were known.
+    /// By how much each tuned parameter moves if an input is one standard deviation larger, (tuned, inputs).
+    by_inputs: DMatrix<f64>,
+    /// Variance of each parameter over what it would be if weights and slopes along inputs were known.
     inflation: Vec<f64>,
     /// Effective degrees of freedom of each variance.
     degrees_of_freedom: Vec<f64>,
@@ -60,6 +64,89 @@ fn directions(information: &DMatrix<f64>) -> Vec<Direction> {
     .collect()
 }
 
+/// The information on the tuned parameters, which come first, if the inputs behind them are left to what is known of them.
+///
+/// # Formula
+///
+/// `M_tt - M_ti M_ii^-1 M_it`, the complement of Schur.
+fn without_inputs(information: &DMatrix<f64>, tuned: usize) -> DMatrix<f64> {
+    let inputs = information.nrows() - tuned;
+    let own = information.view((0, 0), (tuned, tuned)).into_owned();
+    let across = information.view((tuned, 0), (inputs, tuned)).into_owned();
+    let of_inputs = information.view((tuned, tuned), (inputs, inputs));
+    // The prior of each input is in it, so that it has a root.
+    match Cholesky::new(of_inputs.into_owned()) {
+        Some(root) if inputs > 0 => own - across.tr_mul(&root.solve(&across)),
+        _ => own,
+    }
+}
+
+/// An information matrix without what the noise of the slopes along the inputs adds to it.
+///
+/// # Formula
+///
+/// `M_ii = M_it M_tt^-1 M_ti + E + P`: the first part is that of slopes along inputs which those along tuned parameters imitate, P the
+/// priors, and E what is left, by which the two are told apart. Noise alone gives E on average N, so that `E - N` stays, or nothing.
+fn with_noisy_inputs(
+    fit: &JointFit<'_>,
+    information: &DMatrix<f64>,
+    noise: &DMatrix<f64>,
+    width: &[f64],
+) -> DMatrix<f64> {
+    let tuned = fit.n_tuned();
+    let inputs = noise.nrows();
+    let mut corrected = information.clone();
+    if inputs == 0 {
+        return corrected;
+    }
+    let precision = |i: usize| {
+        let sd = fit.parameters[tuned + i]
+            .prior
+            .map_or(f64::INFINITY, |p| p.sd);
+        (width[tuned + i] / sd).powi(2)
+    };
+    let priors = DMatrix::from_fn(
+        inputs,
+        inputs,
+        |a, b| if a == b { precision(a) } else { 0.0 },
+    );
+    let own = information.view((0, 0), (tuned, tuned)).into_owned();
+    let across = information.view((0, tuned), (tuned, inputs)).into_owned();
+    let of_inputs = information
+        .view((tuned, tuned), (inputs, inputs))
+        .into_owned();
+    let least = IMITATED * own.diagonal().amax();
+    let inverse = along_directions(&own, |v| if v > least { 1.0 / v } else { 0.0 });
+    let imitated = across.tr_mul(&(inverse * &across));
+    let apart = of_inputs - &priors - &imitated - noise;
+    let apart = along_directions(&apart, |v| v.max(0.0));
+    let mut block = corrected.view_mut((tuned, tuned), (inputs, inputs));
+    block.copy_from(&(imitated + apart + priors));
+    corrected
+}
+
+/// By how much each tuned parameter moves, in its unit, if an input is one standard deviation larger than it was stated and the
+/// other inputs are left to what is known of them, (tuned, inputs).
+///
+/// # Formula
+///
+/// `-M_oo^-1 M_oi`, M the information on all parameters, o all of them but the input i.
+fn by_inputs(fit: &JointFit<'_>, information: &DMatrix<f64>, width: &[f64]) -> DMatrix<f64> {
+    let tuned = fit.n_tuned();
+    let mut moves = DMatrix::zeros(tuned, fit.parameters.len() - tuned);
+    for (place, i) in (tuned..fit.parameters.len()).enumerate() {
+        let others = information.clone().remove_row(i);
+        let across = others.column(i).into_owned();
+        let others = bounded_inverse(&others.remove_column(i));
+        let sd = fit.parameters[i].prior.map_or(0.0, |prior| prior.sd);
+        let column = others * across * (-sd / width[i]);
+        for j in 0..tuned {
+            moves[(j, place)] = column[j] * width[j];
+        }
+    }
+    moves
+}
+
 /// Whether a parameter takes part in a combination whose interval, `t` standard errors to each side, is as wide as the limits.
 fn is_open(directions: &[Direction], j: usize, t: f64) -> bool {
     let open = directions.iter().filter(|d| t * d.se >= OPEN);
@@ -83,6 +170,10 @@ impl Uncertainty {
     /// `[KenwardRoger1997, section 2]`. For independent variances that is `4 (1 - h_i) / d_i` times `j_i j_i'`, measurement by
     /// measurement, `j_i` its row of A and `h_i = j_i' C j_i`. A covariance whose correlations were shrunk by a share l counts as
     /// independent variances by l and as a whole matrix by the rest.
+    ///
+    /// Inputs are parameters with a prior: what their errors add to the covariance of the tuned ones is in C, across all
+    /// measurements. To take a noisy slope along an input for 0 would make the input exact, so that all of them stay; but what
+    /// [their noise adds](with_noisy_inputs) does not tell an input from a parameter that acts alike.
     pub(crate) fn new(fit: &JointFit<'_>, best: &Minimum, whitening: &Whitening) -> Self {
         let k = fit.parameters.len();
         let (_, jacobian) = fit.residuals(&best.coded, whitening, &[]);
@@ -96,20 +187,45 @@ impl Uncertainty {
         let mut scaled = DMatrix::from_fn(jacobian.nrows(), k, |i, j| {
             -jacobian[(i, j)] / fit.region.half(j) * width[j]
         });
-        let by_surfaces = scaled.rows(0, n).into_owned();
-        let known = standing_out(fit, best, whitening, (&by_surfaces, &width));
-        scaled.rows_mut(0, n).copy_from(&known.slopes);
-        let data = scaled.rows(0, n).tr_mul(&scaled.rows(0, n));
-        let all = scaled.tr_mul(&scaled);
+        let tuned = fit.n_tuned();
+        let by_surfaces = scaled.view((0, 0), (n, tuned)).into_owned();
+        let known = standing_out(fit, best, whitening, (&by_surfaces, &width[..tuned]));
+        scaled.view_mut((0, 0), (n, tuned)).copy_from(&known.slopes);
+        let by_fit = scaled.tr_mul(&scaled);
+        let noise = noise_of_inputs(fit, best, whitening, &width);
+        let corrected =
+            |scaled: &DMatrix<f64>| with_noisy_inputs(fit, &scaled.tr_mul(scaled), &noise, &width);
+        let mut all = corrected(&scaled);
+        if tuned < k {
+            let of_inputs = all
+                .view((tuned, tuned), (k - tuned, k - tuned))
+                .into_owned();
+            let noise = noise_beside_inputs(
+                fit,
+                best,
+                whitening,
+                (&known, &scaled),
+                (&of_inputs, &width),
+            );
+            let kept = without_noise(&without_inputs(&all, tuned), &noise);
+            let slopes = scaled.view((0, 0), (n, tuned)) * kept;
+            scaled.view_mut((0, 0), (n, tuned)).copy_from(&slopes);
+            all = corrected(&scaled);
+        }
+        let of_tuned = scaled.columns(0, tuned).into_owned();
+        let priors = of_tuned.rows_range(n..).tr_mul(&of_tuned.rows_range(n..));
+        let marginal = without_inputs(&all, tuned);
         let unscale =
             |m: DMatrix<f64>| DMatrix::from_fn(k, k, |i, j| m[(i, j)] * width[i] * width[j]);
         let covariance = bounded_inverse(&all);
         let degrees_of_freedom = effective(fit, best, whitening, &scaled, &covariance);
         let grown = with_estimated_weights(fit, best, whitening, &scaled, &covariance);
-        let inflation = (0..k).map(|j| grown[(j, j)] / covariance[(j, j)]).collect();
+        let by_fit = bounded_inverse(&by_fit);
+        let inflation = (0..k).map(|j| grown[(j, j)] / by_fit[(j, j)]).collect();
         Self {
-            directions: directions(&all),
-            by_data: directions(&data),
+            directions: directions(&marginal),
+            by_data: directions(&(&marginal - priors)),
+            by_inputs: by_inputs(fit, &all, &width),
             covariance: unscale(grown),
             inflation,
             degrees_of_freedom,
@@ -180,7 +296,37 @@ impl Uncertainty {
     }
 }
 
-/// Estimates with their intervals.
+/// What the fit makes of the inputs.
+pub(crate) fn inputs(
+    fit: &JointFit<'_>,
+    best: &Minimum,
+    uncertainty: &Uncertainty,
+) -> Vec<InputEstimate> {
+    let at = fit.natural(&best.coded);
+    let (tuned, inputs) = fit.parameters.split_at(fit.n_tuned());
+    let each = inputs.iter().enumerate().filter_map(|(place, input)| {
+        let j = tuned.len() + place;
+        let Prior { mean, sd } = input.prior?;
+        let moves = tuned.iter().enumerate();
+        Some(InputEstimate {
+            symbol: input.symbol.clone(),
+            name: input.name.clone(),
+            unit: input.unit.clone(),
+            sets: input.sets.clone(),
+            stated: mean,
+            sd,
+            value: at[j],
+            se: uncertainty.covariance[(j, j)].sqrt(),
+            moved: (at[j] - mean) / sd,
+            moves: moves
+                .map(|(k, p)| (p.symbol.clone(), uncertainty.by_inputs[(k, place)]))
+                .collect(),
+        })
+    });
+    each.collect()
+}
+
+/// Estimates of the tuned parameters with their intervals.
 ///
 /// # Formula
 ///
@@ -195,7 +341,7 @@ pub(crate) fn estimates(
     uncertainty: &Uncertainty,
 ) -> Vec<Estimate> {
     let at = fit.natural(&best.coded);
-    let each = fit.parameters.iter().enumerate();
+    let each = fit.parameters[..fit.n_tuned()].iter().enumerate();
     each.map(|(j, parameter)| {
         let [least, most] = parameter.limits;
         let width = most - least;

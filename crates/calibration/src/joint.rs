@@ -2,11 +2,11 @@
 
 use crate::comparison::SurfacesByModel;
 use crate::designs::slope_design;
-use crate::intervals::{Uncertainty, best_of, estimates, test};
+use crate::intervals::{Uncertainty, best_of, estimates, inputs, test};
 use crate::joint_fit::JointFit;
 use crate::region::Region;
 use crate::samples::{Asked, Samples, Wanted, first_seed, observables, wanted};
-use crate::search::placed;
+use crate::search::{input_points, placed};
 use crate::surface::{Degree, Surface};
 use crate::{Error, Estimate, JointEstimate, JointPrediction, Role};
 use std::collections::BTreeMap;
@@ -21,19 +21,22 @@ const LEAST_SHARE: f64 = 0.3;
 /// A box about the estimate in which a plane stands for the models of the checks.
 pub(crate) fn region_about(asked: Asked<'_>, at: &[f64], estimates: &[Estimate]) -> Region {
     let parameters = &asked.problem.parameters;
-    let each = parameters.iter().zip(estimates);
-    let half: Vec<f64> = each
-        .map(|(p, e)| {
+    let half: Vec<f64> = parameters
+        .iter()
+        .enumerate()
+        .map(|(j, p)| {
             let whole = 0.5 * (p.range[1] - p.range[0]);
-            let by_error = STANDARD_ERRORS * e.se.unwrap_or(0.0);
-            by_error.clamp(LEAST_SHARE * whole, whole)
+            // Inputs, behind the estimates, are known by their own error.
+            estimates.get(j).map_or(whole, |estimate| {
+                let by_error = STANDARD_ERRORS * estimate.se.unwrap_or(0.0);
+                by_error.clamp(LEAST_SHARE * whole, whole)
+            })
         })
         .collect();
     Region::about(at, &half, parameters)
 }
 
-/// Runs about the estimate, for the slopes of models that the fit did not use; `at` stays the value of
-/// each parameter on which a model does not depend.
+/// Runs about the estimate `at`, for the slopes of models that the fit did not use.
 ///
 /// # Errors
 ///
@@ -41,21 +44,22 @@ pub(crate) fn region_about(asked: Asked<'_>, at: &[f64], estimates: &[Estimate])
 pub(crate) fn slope_runs(
     asked: Asked<'_>,
     models: &[usize],
-    region: &Region,
+    (at, region): (&[f64], &Region),
 ) -> Result<Vec<Wanted>, Error> {
     let problem = asked.problem;
     let mut list = Vec::new();
     for &model in models {
-        let active = &problem.models[model].parameters;
-        if active.is_empty() {
-            continue;
+        let active = problem.tuned_of(model);
+        let mut points = Vec::new();
+        if !active.is_empty() {
+            let symbols: Vec<String> = active
+                .iter()
+                .map(|&j| problem.parameters[j].symbol.clone())
+                .collect();
+            let rows = slope_design(&symbols, asked.settings.seed)?;
+            points = placed(&rows, &active, region, &problem.parameters);
         }
-        let symbols: Vec<String> = active
-            .iter()
-            .map(|&j| problem.parameters[j].symbol.clone())
-            .collect();
-        let rows = slope_design(&symbols, asked.settings.seed)?;
-        let points = placed(&rows, active, region, &problem.parameters);
+        points.extend(input_points(asked, model, at));
         let seed = first_seed(asked.settings, STAGE, model);
         list.extend(wanted(seed, model, &points));
     }
@@ -81,8 +85,9 @@ pub(crate) fn planes(
         let regime = crate::surface::usual_regime(&of(at_estimate));
         let (inside, _) = crate::surface::of_regime(&samples, &regime);
         let names = observables(problem, model);
-        let active = &problem.models[model].parameters;
-        let plane = Surface::fit((model, active), &names, region, &inside, Degree::Linear);
+        let (active, inputs) = (problem.tuned_of(model), problem.inputs_of(model));
+        let axes = (model, &active[..], &inputs[..]);
+        let plane = Surface::fit(axes, &names, region, &inside, Degree::Linear);
         if let Some(plane) = plane.filter(|p| active.is_empty() || p.degree == Degree::Linear) {
             planes.insert(model, plane);
         }
@@ -124,7 +129,8 @@ pub(crate) fn joint_estimate(
     });
     Ok(JointEstimate {
         parameters: estimates(&fit, best, &whitening, &uncertainty),
-        correlation: uncertainty.correlation(&problem.parameters),
+        inputs: inputs(&fit, best, &uncertainty),
+        correlation: uncertainty.correlation(problem.tuned()),
         test: test(&fit, best),
         predicted: predicted.collect(),
     })

@@ -122,6 +122,11 @@ impl<'a> JointFit<'a> {
         }
     }
 
+    /// Number of the parameters that are tuned; those behind them are inputs.
+    pub(crate) fn n_tuned(&self) -> usize {
+        self.problem.n_tuned()
+    }
+
     /// Number of parameters that are searched.
     pub(crate) fn n_free(&self) -> usize {
         self.free.iter().filter(|f| **f).count()
@@ -267,6 +272,24 @@ impl<'a> JointFit<'a> {
                 .map_or(0.0, |prior| ((prior.mean - x) / prior.sd).powi(2))
         };
         sum + self.parameters.iter().zip(&at).map(distance).sum::<f64>()
+    }
+
+    /// A point with its inputs where Q is least: surfaces are straight along inputs.
+    pub(crate) fn with_best_inputs(&self, mut coded: Vec<f64>, whitening: &Whitening) -> Minimum {
+        let tuned = self.n_tuned();
+        if tuned < coded.len() {
+            let (r, jacobian) = self.residuals(&coded, whitening, &[]);
+            let slopes = jacobian.columns_range(tuned..);
+            // Each input has a prior, so that it has a root.
+            if let Some(root) = Cholesky::new(slopes.tr_mul(&slopes)) {
+                let step = root.solve(&slopes.tr_mul(&r));
+                for (x, step) in coded[tuned..].iter_mut().zip(step.iter()) {
+                    *x = (*x - step).clamp(-1.0, 1.0);
+                }
+            }
+        }
+        let misfit = self.misfit(&coded, whitening);
+        Minimum { coded, misfit }
     }
 
     /// Walks down from a start inside the box, along the free coordinates of `free`.

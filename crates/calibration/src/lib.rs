@@ -38,6 +38,7 @@
 //!     limits: [0.0, 1.0],
 //!     start: 0.5,
 //!     prior: None,
+//!     is_input: false,
 //! };
 //! let drum = Model {
 //!     name: "drum".into(),
@@ -117,7 +118,7 @@ pub use residual_study::{
 };
 pub use result::{
     Calibration, Comparison, ConfirmationRound, ConfirmationRow, DiagnosisStage, Estimate, FitTest,
-    JointEstimate, JointPrediction, LeftOut, MeasuredMean, ModelScreening, ModelSurfaces,
-    OpenCombination, SearchBox, SimulatedMean, SolutionSet, StageCost,
+    InputEstimate, JointEstimate, JointPrediction, LeftOut, MeasuredMean, ModelScreening,
+    ModelSurfaces, OpenCombination, SearchBox, SimulatedMean, SolutionSet, StageCost,
 };
 pub use settings::{LoopSettings, ScreeningChoice, SurfaceDesign};

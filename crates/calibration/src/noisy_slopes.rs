@@ -3,6 +3,7 @@
 use crate::joint_fit::{JointFit, Minimum, Target, Whitening};
 use nalgebra::{Cholesky, DMatrix, DVector, SymmetricEigen};
 use probability::f_upper_tail;
+use std::ops::Range;
 
 /// Chance that noise alone stands out, shared among the parameters.
 const LEVEL: f64 = 0.05;
@@ -16,7 +17,9 @@ const MOST: f64 = 0.5;
 struct Noise {
     /// Covariance of the slopes over the variance of a run, (parameters, parameters).
     slopes: DMatrix<f64>,
-    /// Trace of the covariance of a run over the targets of the surface, whitened, and that of its square.
+    /// Covariance of a run over the targets of the surface, whitened.
+    of_run: DMatrix<f64>,
+    /// Its trace, and that of its square.
     traces: [f64; 2],
     /// Degrees of freedom of that covariance.
     degrees_of_freedom: f64,
@@ -29,6 +32,8 @@ pub(crate) struct StandingOut {
     pub(crate) slopes: DMatrix<f64>,
     /// Whether a combination was dropped along which there were slopes.
     pub(crate) dropped: bool,
+    /// By block, what the slopes were multiplied with from the right.
+    kept: Vec<DMatrix<f64>>,
 }
 
 /// Whitened slopes of the targets (rows, parameters) without what may be noise: combinations of parameters along which they do
@@ -48,7 +53,7 @@ pub(crate) struct StandingOut {
 /// of the others. A combination that stands out keeps the information `v'A'A v - v'N v` `[Fuller1987]`.
 ///
 /// What the fit tells without the checks stays when they are added: the surfaces of both are tested apart first, and what is left of
-/// them together.
+/// them together. Where there are inputs, what noise adds is taken off [later](without_noise), since it matters beside them.
 pub(crate) fn standing_out(
     fit: &JointFit<'_>,
     best: &Minimum,
@@ -56,10 +61,12 @@ pub(crate) fn standing_out(
     (slopes, width): (&DMatrix<f64>, &[f64]),
 ) -> StandingOut {
     let k = slopes.ncols();
-    let mut noises = noises(fit, best, whitening, width);
+    let mut noises = noises(fit, best, whitening, (0..k, width));
     let blocks = fit.blocks();
     let of_check = |(_, block): &(usize, &[Target])| !fit.is_fitted(block[0].surface);
+    let reduces = fit.n_tuned() == fit.parameters.len();
     let (mut known, mut rest) = (DMatrix::zeros(slopes.nrows(), k), slopes.clone());
+    let mut maps = vec![[DMatrix::zeros(k, k), DMatrix::zeros(k, k)]; blocks.len()];
     let mut dropped = false;
     for group in [false, true] {
         let rows: Vec<usize> = (0..blocks.len())
@@ -72,8 +79,9 @@ pub(crate) fn standing_out(
             .iter()
             .map(|&i| row(&blocks[i], &noises[i], slopes))
             .collect();
-        let (kept, left) = parted(&own, k);
+        let (kept, left) = parted(&own, k, reduces);
         for &i in &rows {
+            maps[i] = [kept.clone(), left.clone()];
             let (first, n) = (blocks[i].0, blocks[i].1.len());
             let whole = slopes.rows(first, n);
             known.rows_mut(first, n).copy_from(&(whole * &kept));
@@ -85,13 +93,99 @@ pub(crate) fn standing_out(
     if dropped {
         let all = blocks.iter().zip(&noises);
         let all: Vec<Row<'_>> = all.map(|(block, noise)| row(block, noise, &rest)).collect();
-        let (kept, left) = parted(&all, k);
-        known += &rest * kept;
+        let (kept, left) = parted(&all, k, reduces);
+        known += &rest * &kept;
         dropped = left.amax() > 0.0;
+        for [first, second] in &mut maps {
+            *first += &*second * &kept;
+        }
     }
     StandingOut {
         slopes: known,
         dropped,
+        kept: maps.into_iter().map(|[kept, _]| kept).collect(),
+    }
+}
+
+/// What noise of the slopes along tuned parameters adds on average to the information on them, (tuned, tuned), where the inputs are
+/// left to what is known of them.
+///
+/// # Formula
+///
+/// `sum over surfaces of G_s tr((I - h M_ii^-1 h')_s B_s)`, h the whitened slopes along the inputs and M_ii the information on them,
+/// priors included: what an input explains of a measurement tells nothing of the parameters.
+pub(crate) fn noise_beside_inputs(
+    fit: &JointFit<'_>,
+    best: &Minimum,
+    whitening: &Whitening,
+    (known, slopes): (&StandingOut, &DMatrix<f64>),
+    (of_inputs, width): (&DMatrix<f64>, &[f64]),
+) -> DMatrix<f64> {
+    let tuned = fit.n_tuned();
+    let noises = noises(fit, best, whitening, (0..tuned, width));
+    let mut sum = DMatrix::zeros(tuned, tuned);
+    // Each input has a prior, so that it has a root.
+    let Some(root) = Cholesky::new(of_inputs.clone()) else {
+        return sum;
+    };
+    let blocks = fit.blocks();
+    for (((first, block), noise), map) in blocks.iter().zip(&noises).zip(&known.kept) {
+        let along = slopes.view((*first, tuned), (block.len(), of_inputs.nrows()));
+        let explained = along * root.solve(&along.transpose());
+        let left = noise.traces[0] - (explained * &noise.of_run).trace();
+        sum += map.tr_mul(&noise.slopes) * map * left.max(0.0);
+    }
+    sum
+}
+
+/// What slopes are to be multiplied with from the right, so that their information is without what noise adds to it: `K'M K = M - N`
+/// along the combinations that make M and N diagonal together, and nothing where N is more.
+pub(crate) fn without_noise(information: &DMatrix<f64>, noise: &DMatrix<f64>) -> DMatrix<f64> {
+    let ridge = RIDGE * information.diagonal().amax();
+    let Some(common) = Common::new(information, noise, ridge) else {
+        return DMatrix::identity(information.nrows(), information.nrows());
+    };
+    let kept = common.shares.map(|share| (1.0 - share).max(0.0).sqrt());
+    common.onto(&kept)
+}
+
+/// The combinations of parameters that make information and noise diagonal together.
+struct Common {
+    /// Lower root of the information.
+    root: DMatrix<f64>,
+    /// Combinations, in the coordinates of the root.
+    turned: DMatrix<f64>,
+    /// Noise over information along each.
+    shares: DVector<f64>,
+}
+
+impl Common {
+    /// Of an information with a ridge on its diagonal; none if nothing depends on anything.
+    fn new(information: &DMatrix<f64>, noise: &DMatrix<f64>, ridge: f64) -> Option<Self> {
+        let k = information.nrows();
+        let whole = information + DMatrix::from_diagonal_element(k, k, ridge);
+        let root = Cholesky::new(whole)?.unpack();
+        // The root has a positive diagonal: it can always be solved.
+        let half = root.solve_lower_triangular(noise)?;
+        let eigen = SymmetricEigen::new(root.solve_lower_triangular(&half.transpose())?);
+        Some(Self {
+            root,
+            turned: eigen.eigenvectors,
+            shares: eigen.eigenvalues,
+        })
+    }
+
+    /// The combination of a number, of unit information.
+    fn along(&self, i: usize) -> Option<DVector<f64>> {
+        self.root.tr_solve_lower_triangular(&self.turned.column(i))
+    }
+
+    /// What slopes are to be multiplied with from the right, so that the combinations have these weights.
+    fn onto(&self, weights: &DVector<f64>) -> DMatrix<f64> {
+        let diagonal = DMatrix::from_diagonal(weights);
+        let turned = &self.turned * diagonal * self.turned.transpose() * self.root.transpose();
+        let solved = self.root.tr_solve_lower_triangular(&turned);
+        solved.unwrap_or(turned)
     }
 }
 
@@ -114,57 +208,41 @@ fn row<'a>(
 }
 
 /// Two matrices, (parameters, parameters), to be multiplied to slopes from the right: to what stands out of noise, less what noise
-/// adds to it, and to what does not.
-fn parted(surfaces: &[Row<'_>], k: usize) -> (DMatrix<f64>, DMatrix<f64>) {
-    let all = (DMatrix::identity(k, k), DMatrix::zeros(k, k));
+/// adds to it if it `reduces`, and to what does not.
+fn parted(surfaces: &[Row<'_>], k: usize, reduces: bool) -> (DMatrix<f64>, DMatrix<f64>) {
     let (mut noise, mut whole) = (DMatrix::zeros(k, k), DMatrix::zeros(k, k));
     for surface in surfaces {
         noise += &surface.noise.slopes * surface.noise.traces[0];
         whole += surface.slopes.tr_mul(&surface.slopes);
     }
     let ridge = RIDGE * whole.diagonal().amax();
-    let Some(root) =
-        Cholesky::new(&whole + DMatrix::from_diagonal_element(k, k, ridge)).map(Cholesky::unpack)
-    else {
-        // Nothing depends on anything.
-        return all;
+    let Some(common) = Common::new(&whole, &noise, ridge) else {
+        return (DMatrix::identity(k, k), DMatrix::zeros(k, k));
     };
-    // The root has a positive diagonal: it can always be solved.
-    let half = root.solve_lower_triangular(&noise);
-    let share = half.and_then(|half| root.solve_lower_triangular(&half.transpose()));
-    let Some(share) = share else {
-        return all;
-    };
-    let eigen = SymmetricEigen::new(share);
     // The root of the share of the information that is kept along a combination; 0 if it may be noise.
     let kept = |i: usize| {
-        let share = eigen.eigenvalues[i];
+        let share = common.shares[i];
         if share <= 0.0 {
             return 1.0;
         }
-        let Some(along) = root.tr_solve_lower_triangular(&eigen.eigenvectors.column(i)) else {
+        let Some(along) = common.along(i) else {
             return 0.0;
         };
         // v'(A'A + ridge)v is 1: if the ridge makes most of it, there are no slopes to drop.
         if ridge * along.norm_squared() > 0.5 {
             return 1.0;
         }
-        if stands_out(surfaces, &along, LEVEL / k as f64) {
+        if !stands_out(surfaces, &along, LEVEL / k as f64) {
+            0.0
+        } else if reduces {
             (1.0 - share).max(0.0).sqrt()
         } else {
-            0.0
+            1.0
         }
     };
-    let kept: Vec<f64> = (0..k).map(kept).collect();
-    let onto = |of: &dyn Fn(f64) -> f64| {
-        let weights = DVector::from_iterator(k, kept.iter().map(|x| of(*x)));
-        let turned = &eigen.eigenvectors
-            * DMatrix::from_diagonal(&weights)
-            * eigen.eigenvectors.transpose()
-            * root.transpose();
-        root.tr_solve_lower_triangular(&turned).unwrap_or(turned)
-    };
-    (onto(&|x| x), onto(&|x| if x == 0.0 { 1.0 } else { 0.0 }))
+    let kept = DVector::from_iterator(k, (0..k).map(kept));
+    let left = kept.map(|x| if x == 0.0 { 1.0 } else { 0.0 });
+    (common.onto(&kept), common.onto(&left))
 }
 
 /// Whether what surfaces tell of a combination stands out of their noise: of all, or of those with the least noise.
@@ -190,17 +268,38 @@ fn stands_out(surfaces: &[Row<'_>], along: &DVector<f64>, level: f64) -> bool {
     })
 }
 
-/// The noise of the slopes of each surface, per width.
-fn noises(fit: &JointFit<'_>, best: &Minimum, whitening: &Whitening, width: &[f64]) -> Vec<Noise> {
+/// What noise adds on average to the information on the inputs, (inputs, inputs), N of [`standing_out`] along them.
+pub(crate) fn noise_of_inputs(
+    fit: &JointFit<'_>,
+    best: &Minimum,
+    whitening: &Whitening,
+    width: &[f64],
+) -> DMatrix<f64> {
+    let inputs = fit.n_tuned()..fit.parameters.len();
+    let zero = DMatrix::zeros(inputs.len(), inputs.len());
+    let all = noises(fit, best, whitening, (inputs, width)).into_iter();
+    all.fold(zero, |sum, noise| sum + noise.slopes * noise.traces[0])
+}
+
+/// The noise of the slopes of each surface along some of the parameters, per width.
+fn noises(
+    fit: &JointFit<'_>,
+    best: &Minimum,
+    whitening: &Whitening,
+    (along, width): (Range<usize>, &[f64]),
+) -> Vec<Noise> {
     let at = fit.natural(&best.coded);
-    let k = fit.parameters.len();
+    let k = along.len();
     let of_block = |(first, block): (usize, &[Target])| {
         let surface = &fit.surfaces[block[0].surface];
         let of_model = surface.slope_covariance(&at);
         let mut slopes = DMatrix::zeros(k, k);
-        for (a, &i) in surface.parameters.iter().enumerate() {
-            for (b, &j) in surface.parameters.iter().enumerate() {
-                slopes[(i, j)] = of_model[(a, b)] * width[i] * width[j];
+        let places = surface.parameters.iter().enumerate();
+        let places = places.filter(|(_, j)| along.contains(j));
+        for (a, &i) in places.clone() {
+            for (b, &j) in places.clone() {
+                let [row, column] = [i, j].map(|j| j - along.start);
+                slopes[(row, column)] = of_model[(a, b)] * width[i] * width[j];
             }
         }
         let of_run =
@@ -210,6 +309,7 @@ fn noises(fit: &JointFit<'_>, best: &Minimum, whitening: &Whitening, width: &[f6
         Noise {
             slopes,
             traces: [whitened.trace(), (&whitened * &whitened).trace()],
+            of_run: whitened,
             degrees_of_freedom: surface.degrees_of_freedom,
         }
     };

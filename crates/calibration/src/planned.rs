@@ -44,7 +44,7 @@ pub fn planned(
         .collect();
     let region = Region::first(&problem.parameters);
     let middle = region.middle();
-    let start: Vec<f64> = problem.parameters.iter().map(|p| p.start).collect();
+    let start = problem.start();
     let everyone: Vec<usize> = (0..problem.models.len()).collect();
     let mut stages = vec![repeats(
         asked,
@@ -59,8 +59,9 @@ pub fn planned(
         screening.extend(screening_runs(asked, model)?.1);
     }
     for &model in &of_fit {
-        let active = &problem.models[model].parameters;
-        design.extend(wanted(0, model, &design_points(asked, active, &region)?));
+        let active = problem.tuned_of(model);
+        let points = design_points(asked, (model, &active), &region)?;
+        design.extend(wanted(0, model, &points));
     }
     let further = settings.most_boxes.saturating_sub(1) * design.len();
     stages.push(stage(asked, "screening", &screening, 0));
@@ -72,7 +73,7 @@ pub fn planned(
     stages.push(confirmation);
     let mut check = repeats(asked, "check", &other, &middle, settings.check_runs.max(2));
     if settings.joint {
-        let about = slope_runs(asked, &checks, &region)?;
+        let about = slope_runs(asked, &checks, (&middle, &region))?;
         check
             .requests
             .extend(about.iter().map(|w| request(problem, w)));

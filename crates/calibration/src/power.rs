@@ -29,7 +29,7 @@ pub struct PowerTable {
 
 /// The power of the measurements of a problem by campaigns with random shapes; none where no effect is to be searched.
 ///
-/// A run is taken to scatter as the single measured values do. Parameters and effects act where the models say.
+/// A run is taken to scatter as the single measured values do, and inputs are taken to be right. Parameters and effects act where the models say.
 ///
 /// # Errors
 ///
@@ -56,7 +56,7 @@ pub fn power_of_design(
     }
     Ok(Some(PowerTable {
         values: design.rows.len(),
-        parameters: problem.parameters.len(),
+        parameters: problem.n_tuned(),
         effects: problem.effects.len(),
         rows,
         with_more,
@@ -65,7 +65,7 @@ pub fn power_of_design(
 
 /// The values that the fit uses, with what acts on them.
 fn design(problem: &CalibrationProblem, settings: &LoopSettings) -> PowerDesign {
-    let start: Vec<f64> = problem.parameters.iter().map(|p| p.start).collect();
+    let start = problem.start();
     let (plan, observed) = plan(problem, settings, &start);
     let used: Vec<usize> = (0..plan.conditions.len())
         .filter(|&c| plan.conditions[c].used)
@@ -105,7 +105,7 @@ fn design(problem: &CalibrationProblem, settings: &LoopSettings) -> PowerDesign 
         conditions: used.iter().map(levels).collect(),
         rows,
         simulated_variance,
-        declared: (0..problem.parameters.len()).map(moves).collect(),
+        declared: (0..problem.n_tuned()).map(moves).collect(),
         effects: plan
             .effects
             .iter()

@@ -24,6 +24,10 @@ pub struct Parameter {
     pub start: f64,
     /// Knowledge that is not among the measurements.
     pub prior: Option<Prior>,
+    /// Whether it is an input of the simulator that somebody weighed, counted or measured, and not tuned: its prior is what it was
+    /// stated to be, with the error. The loop lets it move within that error, since a wrong input moves every estimate.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub is_input: bool,
 }
 
 /// A normal prior of a parameter.
@@ -123,7 +127,7 @@ pub struct Candidate {
 pub struct CalibrationProblem {
     /// Name.
     pub id: String,
-    /// What may be tuned: 1 to 12.
+    /// What may be tuned, 1 to 12, and behind them the [inputs](Parameter::is_input) that have an error, 12 at most.
     pub parameters: Vec<Parameter>,
     /// The experiments.
     pub models: Vec<Model>,
@@ -150,6 +154,33 @@ impl CalibrationProblem {
             candidates: Vec::new(),
             ..self.clone()
         }
+    }
+
+    /// The values in use before, in the order of the parameters.
+    pub fn start(&self) -> Vec<f64> {
+        self.parameters.iter().map(|p| p.start).collect()
+    }
+
+    /// The parameters that are tuned.
+    pub fn tuned(&self) -> &[Parameter] {
+        &self.parameters[..self.n_tuned()]
+    }
+
+    /// Number of the parameters that are tuned; those behind them are inputs.
+    pub fn n_tuned(&self) -> usize {
+        self.parameters.iter().filter(|p| !p.is_input).count()
+    }
+
+    /// The parameters of a model that are tuned.
+    pub(crate) fn tuned_of(&self, model: usize) -> Vec<usize> {
+        let all = self.models[model].parameters.iter().copied();
+        all.filter(|&j| !self.parameters[j].is_input).collect()
+    }
+
+    /// The inputs on which a model depends.
+    pub(crate) fn inputs_of(&self, model: usize) -> Vec<usize> {
+        let all = self.models[model].parameters.iter().copied();
+        all.filter(|&j| self.parameters[j].is_input).collect()
     }
 
     /// Numbers of the measurements of a role.
@@ -202,11 +233,16 @@ impl CalibrationProblem {
 
     /// Refuses numbers of things that are invalid.
     fn check_counts(&self, wrong: &mut Vec<String>) {
-        let n = self.parameters.len();
-        if !(1..=MOST_PARAMETERS).contains(&n) {
+        let n = self.n_tuned();
+        let n_inputs = self.parameters.len() - n;
+        if !(1..=MOST_PARAMETERS).contains(&n) || n_inputs > MOST_PARAMETERS {
             wrong.push(format!(
-                "{n} parameters: 1 to {MOST_PARAMETERS} can be calibrated"
+                "{n} parameters and {n_inputs} inputs: 1 to {MOST_PARAMETERS} can be calibrated, beside {MOST_PARAMETERS} inputs at \
+                 most"
             ));
+        }
+        if self.tuned().iter().any(|p| p.is_input) {
+            wrong.push("inputs must stand behind the parameters that are tuned".into());
         }
         if self.measurements_of(Role::Fit).is_empty() {
             wrong.push("no measurement has the role fit: an estimate needs one".into());
@@ -264,6 +300,12 @@ impl Parameter {
         if finite && !(least..=most).contains(&self.start) {
             wrong.push(format!(
                 "parameter {}: the start {} lies outside its limits {least} to {most}",
+                self.symbol, self.start
+            ));
+        }
+        if self.is_input && self.prior.is_none_or(|prior| prior.mean != self.start) {
+            wrong.push(format!(
+                "input {}: its prior must have the value in use, {}, as its mean",
                 self.symbol, self.start
             ));
         }

@@ -92,6 +92,7 @@ mod tests {
             limits,
             start: limits[0],
             prior: None,
+            is_input: false,
         }
     }
 

@@ -32,6 +32,31 @@ pub struct Estimate {
     pub limits: [f64; 2],
 }
 
+/// An input of the simulator that was stated with an error, and what the measurements make of it.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct InputEstimate {
+    /// Symbol.
+    pub symbol: String,
+    /// What it is.
+    pub name: String,
+    /// Unit of all values.
+    pub unit: String,
+    /// What it stands for in the simulator.
+    pub sets: Vec<String>,
+    /// Its value as it was stated.
+    pub stated: f64,
+    /// Standard deviation of that.
+    pub sd: f64,
+    /// Its value at the estimate.
+    pub value: f64,
+    /// Standard error of that.
+    pub se: f64,
+    /// How far it moves from what was stated, in standard deviations of that.
+    pub moved: f64,
+    /// By how much the estimate of each parameter moves, in its unit, if the input is one standard deviation larger.
+    pub moves: BTreeMap<String, f64>,
+}
+
 /// A combination of parameters that the measurements leave open.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct OpenCombination {
@@ -216,6 +241,9 @@ pub struct FitTest {
 pub struct JointEstimate {
     /// Parameters.
     pub parameters: Vec<Estimate>,
+    /// The inputs that have an error.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub inputs: Vec<InputEstimate>,
     /// Correlations, (parameters, parameters).
     pub correlation: Vec<Vec<f64>>,
     /// Test of the joint fit.
@@ -274,6 +302,9 @@ pub struct Calibration {
     pub settings: LoopSettings,
     /// The parameters.
     pub parameters: Vec<Estimate>,
+    /// The inputs that have an error. Points of all other lists have their values behind those of the parameters.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub inputs: Vec<InputEstimate>,
     /// Correlations, (parameters, parameters).
     pub correlation: Vec<Vec<f64>>,
     /// Combinations that the data do not fix.

@@ -29,7 +29,7 @@ pub(crate) struct Screened {
 pub(crate) fn screened(asked: Asked<'_>) -> Vec<usize> {
     let models = asked.problem.models_of(Role::Fit).into_iter();
     let wanted = |k: &usize| {
-        let n = asked.problem.models[*k].parameters.len();
+        let n = asked.problem.tuned_of(*k).len();
         match asked.settings.screening {
             ScreeningChoice::Auto => n > FEW,
             ScreeningChoice::Always => n >= 2,
@@ -45,7 +45,7 @@ pub(crate) fn screening_runs(
     model: usize,
 ) -> Result<(Design, Vec<Wanted>), Error> {
     let parameters = &asked.problem.parameters;
-    let active = &asked.problem.models[model].parameters;
+    let active = &asked.problem.tuned_of(model);
     let symbols: Vec<String> = active
         .iter()
         .map(|&j| parameters[j].symbol.clone())
@@ -75,7 +75,7 @@ pub(crate) fn screen_models(runner: &Runner<'_>) -> Result<Screened, Error> {
     let mut active: BTreeMap<usize, Vec<usize>> = problem
         .models_of(Role::Fit)
         .into_iter()
-        .map(|k| (k, problem.models[k].parameters.clone()))
+        .map(|k| (k, problem.tuned_of(k)))
         .collect();
     let models = screened(runner.asked);
     let mut designs = BTreeMap::new();
@@ -92,7 +92,7 @@ pub(crate) fn screen_models(runner: &Runner<'_>) -> Result<Screened, Error> {
         let screenings = screenings(problem, model, &design, &samples)?;
         let kept = kept(runner.asked, model, &screenings);
         let symbol = |j: &usize| problem.parameters[*j].symbol.clone();
-        let all = &problem.models[model].parameters;
+        let all = problem.tuned_of(model);
         told.push(ModelScreening {
             model: problem.models[model].name.clone(),
             n_runs: samples.done.len(),
@@ -161,7 +161,7 @@ fn kept(asked: Asked<'_>, model: usize, screenings: &BTreeMap<String, Screening>
             })
         })
     };
-    let all = problem.models[model].parameters.iter().copied();
+    let all = problem.tuned_of(model).into_iter();
     all.filter(|&j| passes(&problem.parameters[j].symbol))
         .collect()
 }

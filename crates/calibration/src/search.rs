@@ -201,7 +201,7 @@ impl<'a> Search<'a> {
             if self.knows(model, active, region) {
                 continue;
             }
-            let points = design_points(self.runner.asked, active, region)?;
+            let points = design_points(self.runner.asked, (model, active), region)?;
             let seed = first_seed(self.runner.settings, STAGE_OF_BOXES + number as u64, model);
             list.extend(wanted(seed, model, &points));
         }
@@ -267,7 +267,8 @@ impl<'a> Search<'a> {
                 SurfaceDesign::Linear => Degree::Linear,
                 _ => Degree::Quadratic,
             };
-            let surface = Surface::fit((model, active), &names, region, &near, most);
+            let inputs = self.runner.problem.inputs_of(model);
+            let surface = Surface::fit((model, active, &inputs), &names, region, &near, most);
             let enough = surface.filter(|s| active.is_empty() || s.degree != Degree::Constant);
             if let Some(surface) = enough {
                 surfaces.push(surface);
@@ -395,7 +396,7 @@ impl<'a> Search<'a> {
         near(inside, &surface.parameters, region)
     }
 
-    /// The surfaces as the result tells them.
+    /// The surfaces as the result tells them: over the parameters that are tuned, from the runs with the inputs as they were stated.
     pub(crate) fn told(&self, found: &Found) -> Result<Vec<ModelSurfaces>, Error> {
         let problem = self.runner.problem;
         let mut told = Vec::new();
@@ -404,9 +405,15 @@ impl<'a> Search<'a> {
             let samples = self.samples.get(&model).cloned().unwrap_or_default();
             let regime = self.regime.get(&model).cloned().unwrap_or_default();
             let (_, outside) = of_regime(&samples.done, &regime);
-            let used = self.used(surface, &found.region);
-            let own =
-                |at: &[f64]| -> Vec<f64> { surface.parameters.iter().map(|&j| at[j]).collect() };
+            let stated = |s: &&Sample| {
+                let inputs = problem.inputs_of(model);
+                inputs
+                    .iter()
+                    .all(|&j| s.at[j] == problem.parameters[j].start)
+            };
+            let mut used = self.used(surface, &found.region);
+            used.retain(stated);
+            let own = |at: &[f64]| -> Vec<f64> { surface.tuned().iter().map(|&j| at[j]).collect() };
             let mut left_out: Vec<LeftOut> = outside
                 .iter()
                 .map(|(s, reason)| LeftOut {
@@ -419,7 +426,7 @@ impl<'a> Search<'a> {
                 reason: reason.clone(),
             }));
             let symbols: Vec<String> = surface
-                .parameters
+                .tuned()
                 .iter()
                 .map(|&j| problem.parameters[j].symbol.clone())
                 .collect();
@@ -463,10 +470,10 @@ impl Found {
     }
 }
 
-/// The points of the design of a model in a box; parameters that are not active at their start.
+/// The points of the design of a model in a box, and those of its inputs; parameters that are not active at their start.
 pub(crate) fn design_points(
     asked: Asked<'_>,
-    active: &[usize],
+    (model, active): (usize, &[usize]),
     region: &Region,
 ) -> Result<Vec<Vec<f64>>, Error> {
     let parameters = &asked.problem.parameters;
@@ -475,7 +482,28 @@ pub(crate) fn design_points(
         .map(|&j| parameters[j].symbol.clone())
         .collect();
     let design = surface_design(&symbols, asked.settings)?;
-    Ok(placed(&design.rows, active, region, parameters))
+    let mut points = placed(&design.rows, active, region, parameters);
+    let middle = placed(&[vec![0.0; active.len()]], active, region, parameters);
+    let moved = middle.iter().flat_map(|at| input_points(asked, model, at));
+    let times = asked.settings.replicates.max(1);
+    points.extend(moved.flat_map(|at| std::iter::repeat_n(at, times)));
+    Ok(points)
+}
+
+/// Points that tell how a model depends on its inputs: `at` with one of them at each end of its range.
+pub(crate) fn input_points(asked: Asked<'_>, model: usize, at: &[f64]) -> Vec<Vec<f64>> {
+    let moved = |j: usize| {
+        let parameter = &asked.problem.parameters[j];
+        let ends = parameter.range.into_iter();
+        let ends = ends.filter(|end| *end != parameter.start);
+        ends.map(move |end| {
+            let mut at = at.to_vec();
+            at[j] = end;
+            at
+        })
+    };
+    let inputs = asked.problem.inputs_of(model).into_iter();
+    inputs.flat_map(moved).collect()
 }
 
 /// Coded rows as points of all parameters.
@@ -543,7 +571,7 @@ fn analysis(
     name: &str,
 ) -> Option<response_surface::Fit> {
     let factors = surface
-        .parameters
+        .tuned()
         .iter()
         .map(|&j| {
             let p = &problem.parameters[j];
@@ -560,7 +588,7 @@ fn analysis(
         .iter()
         .map(|s| {
             surface
-                .parameters
+                .tuned()
                 .iter()
                 .map(|&j| region.coded(j, s.at[j]))
                 .collect()

@@ -25,9 +25,9 @@ const LEASH: f64 = 1e4;
 /// # Formula
 ///
 /// A point belongs to the set where Q is at most its least value plus the 95 % quantile of chi² for as many degrees of
-/// freedom as parameters are searched. Two minima are one solution where a way leads from one to the other inside the
+/// freedom as tuned parameters are searched. Two minima are one solution where a way leads from one to the other inside the
 /// set: on planes across the straight line between them, Q is made least. The set ends along a parameter where the least Q over
-/// all others leaves it; its points are drawn evenly between these ends.
+/// all others leaves it; its points are drawn evenly between these ends. Inputs are where they fit each point best.
 ///
 /// # Errors
 ///
@@ -40,7 +40,12 @@ pub(crate) fn solution_set(
     seed: u64,
 ) -> Result<SolutionSet, Error> {
     let best = best_of(minima)?;
-    let n = fit.n_free().max(1);
+    let tuned = fit.n_tuned();
+    let n = fit.free[..tuned]
+        .iter()
+        .filter(|free| **free)
+        .count()
+        .max(1);
     let rise = chi_squared_quantile(0.05, n as f64).ok_or(Error::Search {
         what: "the set of solutions",
         reason: format!("chi squared has no quantile for {n} degrees of freedom"),
@@ -48,7 +53,7 @@ pub(crate) fn solution_set(
     let limit = best.misfit + rise;
     let separate = separate(fit, minima, whitening, limit);
     // Coded ends; what is not searched stays in the middle.
-    let ends: Vec<[f64; 2]> = (0..fit.free.len())
+    let ends: Vec<[f64; 2]> = (0..tuned)
         .map(|j| {
             let end = |side: f64| {
                 let ends = separate.iter().map(|minimum| {
@@ -75,10 +80,12 @@ pub(crate) fn solution_set(
                 0.0
             }
         });
-        point.collect::<Vec<f64>>()
+        let inputs = best.coded[tuned..].iter().copied();
+        let point = point.chain(inputs).collect::<Vec<f64>>();
+        fit.with_best_inputs(point, whitening)
     });
-    let inside = drawn.filter(|coded| fit.misfit(coded, whitening) <= limit);
-    let points: Vec<Vec<f64>> = inside.map(|coded| fit.natural(&coded)).collect();
+    let inside = drawn.filter(|drawn| drawn.misfit <= limit);
+    let points: Vec<Vec<f64>> = inside.map(|drawn| fit.natural(&drawn.coded)).collect();
     let within = ends.iter().zip(&fit.free).filter(|(_, free)| **free);
     let share_of_ends: f64 = within.map(|([low, high], _)| 0.5 * (high - low)).product();
     let extent = ends.iter().zip(estimates).enumerate();

@@ -36,8 +36,10 @@ struct Anchor {
 pub(crate) struct Surface {
     /// Number of the model.
     pub(crate) model: usize,
-    /// Numbers of the parameters that it depends on.
+    /// Numbers of the parameters that it depends on; behind those that are tuned the inputs, along which it is straight.
     pub(crate) parameters: Vec<usize>,
+    /// How many of them are tuned.
+    curved: usize,
     /// Names of the observables.
     pub(crate) observables: Vec<String>,
     /// Where its coordinates are -1 to 1.
@@ -69,14 +71,19 @@ impl Surface {
     /// # Formula
     ///
     /// Ordinary least squares over single runs: `b = (X'X)^-1 X'y`, the covariance of a run about the surface is
-    /// `R'R / (n - p)`, R the residuals of all observables, with [shrunk correlations](shrunk).
+    /// `R'R / (n - p)`, R the residuals of all observables, with [shrunk correlations](shrunk). Along inputs it is straight; what
+    /// no run varies it does not depend on.
     pub(crate) fn fit(
-        (model, parameters): (usize, &[usize]),
+        (model, tuned, inputs): (usize, &[usize], &[usize]),
         observables: &[String],
         region: &Region,
         samples: &[&Sample],
         most: Degree,
     ) -> Option<Self> {
+        let varied = |j: &usize| samples.iter().any(|s| s.at[*j] != samples[0].at[*j]);
+        let inputs = inputs.iter().copied().filter(varied);
+        let parameters: Vec<usize> = tuned.iter().copied().chain(inputs).collect();
+        let curved = tuned.len();
         let coded = |s: &&Sample| -> Vec<f64> {
             let each = parameters.iter();
             each.map(|&j| region.coded(j, s.at[j])).collect()
@@ -88,7 +95,7 @@ impl Surface {
         let degrees = [Degree::Quadratic, Degree::Linear, Degree::Constant];
         let allowed = degrees.into_iter().filter(|d| *d as u8 <= most as u8);
         for degree in allowed {
-            let rows: Vec<Vec<f64>> = points.iter().map(|x| terms(degree, x)).collect();
+            let rows: Vec<Vec<f64>> = points.iter().map(|x| terms((degree, curved), x)).collect();
             let p = rows.first().map_or(1, Vec::len);
             if rows.len() <= p {
                 continue;
@@ -104,7 +111,8 @@ impl Surface {
             let (covariance, shrinkage) = shrunk(&products, dof);
             return Some(Self {
                 model,
-                parameters: parameters.to_vec(),
+                parameters,
+                curved,
                 observables: observables.to_vec(),
                 region: region.clone(),
                 degree,
@@ -121,6 +129,11 @@ impl Surface {
         None
     }
 
+    /// The parameters that are tuned.
+    pub(crate) fn tuned(&self) -> &[usize] {
+        &self.parameters[..self.curved]
+    }
+
     /// Place of an observable.
     pub(crate) fn place(&self, observable: &str) -> Option<usize> {
         self.observables.iter().position(|o| o == observable)
@@ -134,7 +147,7 @@ impl Surface {
 
     /// Value of an observable at a point (all parameters, natural).
     pub(crate) fn value(&self, k: usize, at: &[f64]) -> f64 {
-        let row = terms(self.degree, &self.coded(at));
+        let row = terms((self.degree, self.curved), &self.coded(at));
         let polynomial: f64 = row
             .iter()
             .zip(self.coefficients.column(k).iter())
@@ -149,7 +162,7 @@ impl Surface {
         let column = self.coefficients.column(k);
         let each = self.parameters.iter().enumerate();
         each.map(|(place, &j)| {
-            let row = slope_of_terms(self.degree, &coded, place);
+            let row = slope_of_terms((self.degree, self.curved), &coded, place);
             let per_half: f64 = row.iter().zip(column.iter()).map(|(x, b)| x * b).sum();
             per_half / self.region.half(j)
         })
@@ -165,7 +178,7 @@ impl Surface {
     pub(crate) fn slope_covariance(&self, at: &[f64]) -> DMatrix<f64> {
         let coded = self.coded(at);
         let k = self.parameters.len();
-        let rows = (0..k).map(|place| slope_of_terms(self.degree, &coded, place));
+        let rows = (0..k).map(|place| slope_of_terms((self.degree, self.curved), &coded, place));
         let rows: Vec<_> = rows.map(DVector::from_vec).collect();
         let half = |place: usize| self.region.half(self.parameters[place]);
         DMatrix::from_fn(k, k, |a, b| {
@@ -195,7 +208,7 @@ impl Surface {
     ///
     /// `x'(X'X)^-1 x`; with n fresh runs `1/n + (x - x0)'(X'X)^-1 (x - x0)`, x0 the mean of their terms.
     pub(crate) fn leverage(&self, at: &[f64]) -> f64 {
-        let row = DVector::from_vec(terms(self.degree, &self.coded(at)));
+        let row = DVector::from_vec(terms((self.degree, self.curved), &self.coded(at)));
         match &self.anchor {
             None => quadratic_form(&self.inverse, &row),
             Some(anchor) => quadratic_form(&self.inverse, &(row - &anchor.terms)) + 1.0 / anchor.n,
@@ -217,7 +230,9 @@ impl Surface {
         let shift = names
             .map(|(k, name)| mean_over(&|s| s.values[name] - shifted.value(k, &s.at)))
             .collect();
-        let rows = fresh.iter().map(|s| terms(self.degree, &self.coded(&s.at)));
+        let rows = fresh
+            .iter()
+            .map(|s| terms((self.degree, self.curved), &self.coded(&s.at)));
         let sum = rows.map(DVector::from_vec).reduce(|sum, row| sum + row);
         shifted.anchor = sum.map(|sum| Anchor {
             terms: sum / n,
@@ -300,13 +315,14 @@ fn shrunk(products: &DMatrix<f64>, degrees_of_freedom: f64) -> (DMatrix<f64>, f6
     (covariance, share)
 }
 
-/// Terms of a polynomial at a coded point: 1, each x, then each product of two, squares included.
-fn terms(degree: Degree, x: &[f64]) -> Vec<f64> {
+/// Terms of a polynomial at a coded point: 1, each x, then each product of two of the first `curved`, squares included.
+fn terms((degree, curved): (Degree, usize), x: &[f64]) -> Vec<f64> {
     let mut row = vec![1.0];
     if degree != Degree::Constant {
         row.extend(x);
     }
     if degree == Degree::Quadratic {
+        let x = &x[..curved];
         for (i, a) in x.iter().enumerate() {
             row.extend(x[i..].iter().map(|b| a * b));
         }
@@ -315,15 +331,15 @@ fn terms(degree: Degree, x: &[f64]) -> Vec<f64> {
 }
 
 /// Derivatives of the terms along coordinate `place`.
-fn slope_of_terms(degree: Degree, x: &[f64], place: usize) -> Vec<f64> {
+fn slope_of_terms((degree, curved): (Degree, usize), x: &[f64], place: usize) -> Vec<f64> {
     let is = |i: usize| if i == place { 1.0 } else { 0.0 };
     let mut row = vec![0.0];
     if degree != Degree::Constant {
         row.extend((0..x.len()).map(is));
     }
     if degree == Degree::Quadratic {
-        for i in 0..x.len() {
-            row.extend((i..x.len()).map(|j| is(i) * x[j] + is(j) * x[i]));
+        for i in 0..curved {
+            row.extend((i..curved).map(|j| is(i) * x[j] + is(j) * x[i]));
         }
     }
     row
@@ -420,7 +436,14 @@ mod tests {
     fn fitted(samples: &[Sample]) -> Surface {
         let all: Vec<_> = samples.iter().collect();
         let names = ["y".to_owned()];
-        Surface::fit((0, &[0, 1]), &names, &region(), &all, Degree::Quadratic).unwrap()
+        Surface::fit(
+            (0, &[0, 1], &[]),
+            &names,
+            &region(),
+            &all,
+            Degree::Quadratic,
+        )
+        .unwrap()
     }
 
     /// The polynomial itself comes back, and its derivatives 2 a - 0.1 b and -0.1 a in natural units, to rounding.
@@ -472,7 +495,13 @@ mod tests {
         let names = ["y".to_owned()];
         let some: Vec<_> = samples[..3].iter().collect();
         let make = |some: &[&Sample]| {
-            Surface::fit((0, &[0, 1]), &names, &region(), some, Degree::Quadratic)
+            Surface::fit(
+                (0, &[0, 1], &[]),
+                &names,
+                &region(),
+                some,
+                Degree::Quadratic,
+            )
         };
         assert_eq!(make(&some).unwrap().degree, Degree::Constant);
         assert!(make(&some[..1]).is_none());

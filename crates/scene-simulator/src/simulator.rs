@@ -34,6 +34,8 @@ pub struct SceneSimulator {
     models: BTreeMap<String, Model>,
     /// What the symbols of parameters stand for.
     bindings: BTreeMap<String, Binding>,
+    /// Symbols of parameters that are amplitudes of effects, with the effect.
+    amplitudes: BTreeMap<String, String>,
     /// SHA-256 of each file of a shape, in lower-case hexadecimal.
     meshes: BTreeMap<PathBuf, String>,
     /// Bodies made so far.
@@ -99,12 +101,21 @@ impl SceneSimulator {
         Ok(Self {
             models,
             bindings,
+            amplitudes: BTreeMap::new(),
             meshes,
             fillings: FillingLibrary::default(),
             moved: Mutex::default(),
             retries: USUAL_RETRIES,
             stop: Arc::default(),
         })
+    }
+
+    /// Takes parameters for amplitudes of effects: symbols with the names of the effects. They act before the effects of a request,
+    /// so that one can be in both.
+    #[must_use]
+    pub fn with_amplitudes(mut self, amplitudes: BTreeMap<String, String>) -> Self {
+        self.amplitudes = amplitudes;
+        self
     }
 
     /// Sets how often a run that diverges is tried again, each time with half the time step, as [`run_retrying`] does:
@@ -153,7 +164,10 @@ impl SceneSimulator {
         if !request.condition.is_empty() {
             scene.check().map_err(SimulatorError::other)?;
         }
-        for (name, amplitude) in &request.effects {
+        let of_parameters = request.parameters.iter();
+        let of_parameters =
+            of_parameters.filter_map(|(symbol, value)| Some((self.amplitudes.get(symbol)?, value)));
+        for (name, amplitude) in of_parameters.chain(&request.effects) {
             effect_library::apply(&mut scene, name, *amplitude, &self.fillings)
                 .map_err(SimulatorError::other)?;
         }
@@ -180,7 +194,8 @@ impl SceneSimulator {
         request: &RunRequest,
     ) -> Result<Vec<NumberChange>, SimulatorError> {
         let mut all: Vec<NumberChange> = Vec::new();
-        for (symbol, value) in &request.parameters {
+        let all_of_request = request.parameters.iter();
+        for (symbol, value) in all_of_request.filter(|(s, _)| !self.amplitudes.contains_key(*s)) {
             let binding = self.bindings.get(symbol).ok_or_else(|| {
                 refused(format!(
                     "no parameter '{symbol}'; there are {}",

@@ -135,6 +135,7 @@ fn problem() -> CalibrationProblem {
         limits: [0.0, 1.5],
         start: 0.1,
         prior,
+        is_input: false,
     };
     let model = |name: &str, scene: &str, condition, parameters: &[usize]| Model {
         name: name.into(),
@@ -212,6 +213,7 @@ fn joint() -> JointEstimate {
             estimate("F", 0.34, Some(0.01)),
             estimate("E", 0.41, Some(0.03)),
         ],
+        inputs: Vec::new(),
         correlation: vec![vec![1.0, -0.55], vec![-0.55, 1.0]],
         test: FitTest {
             misfit: 4.4,
@@ -307,6 +309,7 @@ fn calibration(problem: &CalibrationProblem) -> Calibration {
             estimate("F", 0.33, Some(0.021)),
             estimate("E", 0.4, Some(0.05)),
         ],
+        inputs: Vec::new(),
         correlation: vec![vec![1.0, -0.62], vec![-0.62, 1.0]],
         open_combinations: vec![OpenCombination {
             weights: BTreeMap::from([("F".into(), 0.7), ("E".into(), -0.71)]),

@@ -95,6 +95,7 @@ fn problem() -> CalibrationProblem {
         limits: [0.0, 2.0 * range[1]],
         start,
         prior: None,
+        is_input: false,
     };
     let model = |name: &str, scene: &str, speed: &str, parameters: &[usize]| Model {
         name: name.into(),

@@ -341,15 +341,16 @@ impl CommandChecker<'_> {
         let file = self.file;
         let words = format!("[[scene]] '{}':", scene.name);
         // Of one that is wrong elsewhere the symbol is known all the same.
-        let parameters = self.document.table.get("parameter");
-        let parameters = parameters.and_then(Value::as_array).into_iter().flatten();
+        let parameters = ["parameter", "input"].map(|kind| self.document.table.get(kind));
+        let parameters = parameters.into_iter().flatten();
+        let parameters = parameters.filter_map(Value::as_array).flatten();
         let symbols = parameters.filter_map(|p| p.get("symbol").and_then(Value::as_str));
         let symbols: Vec<&str> = symbols.collect();
         for name in scene.parameters.iter().flatten() {
             if !symbols.contains(&name.as_str()) {
                 let path = below(&scene.path, "parameters");
                 let what = format!("{words} parameters: '{name}'");
-                let problem = "is the symbol of no [[parameter]]";
+                let problem = "is the symbol of no [[parameter]] and no [[input]]";
                 problems.add(self.document.problem(&path, what, problem));
             }
         }

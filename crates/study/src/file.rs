@@ -2,6 +2,7 @@
 
 mod candidate;
 mod choices;
+mod input;
 mod parts;
 mod photo;
 mod simulator;
@@ -66,7 +67,16 @@ pub struct ParameterEntry {
     pub start: Option<f64>,
     /// Knowledge beside the measurements.
     pub prior: Option<Prior>,
-    /// Where it stands.
+    /// Whether it is an `[[input]]`: stated with an error, and not tuned.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub is_input: bool,
+    /// The effect of the library whose amplitude it is, in place of settings.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub effect: Option<String>,
+    /// Scenes on which it acts; all where absent.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub scenes: Option<Vec<String>>,
+    /// Where it stands; empty for an input that the file leaves out.
     #[serde(skip)]
     pub(crate) path: String,
 }
@@ -237,7 +247,7 @@ pub struct StudyFile {
     pub effects: Vec<EffectEntry>,
     /// Scenes.
     pub scenes: Vec<SceneEntry>,
-    /// Parameters.
+    /// Parameters, and behind them the inputs that have an error.
     pub parameters: Vec<ParameterEntry>,
     /// Measurements.
     pub measured: Vec<MeasuredEntry>,
@@ -288,11 +298,27 @@ impl StudyFile {
             found
         };
         let (scenes, parameters, measured) = (list("scene"), list("parameter"), list("measured"));
-        let (scene, parameter): (parts::ReadScene, parts::ReadParameter) = if of_command {
-            (parts::command_scene, parts::command_parameter)
+        let (scene, parameter, input): (
+            parts::ReadScene,
+            parts::ReadParameter,
+            parts::ReadParameter,
+        ) = if of_command {
+            (
+                parts::command_scene,
+                parts::command_parameter,
+                input::command_input,
+            )
         } else {
-            (parts::scene, parts::parameter)
+            (parts::scene, parts::parameter, input::input)
         };
+        let mut parameters = parts::each(&parameters, problems, parameter);
+        let measured = parts::each(&measured, problems, parts::measured);
+        let inputs = parts::each(&root.list("input", problems), problems, input);
+        parameters.extend(if of_command {
+            input::with_error(inputs)
+        } else {
+            input::complete(document, inputs, &measured, problems)
+        });
         let mut scenes: Vec<_> = parts::each(&scenes, problems, scene);
         parts::refuse_twice(
             document,
@@ -301,35 +327,17 @@ impl StudyFile {
             |s| (&s.name, &s.path),
             problems,
         );
-        let profiles = root.table("profile", problems);
-        let profiles = profiles.map_or_else(BTreeMap::new, |all| {
-            let mut found = BTreeMap::new();
-            for name in all.table.keys() {
-                if let Some(problem) = folder_name(name) {
-                    let what = format!("[profile.{name}]");
-                    problems.add(document.problem(&below(&all.path, name), what, problem));
-                }
-                if let Some(fields) = all.table(name, problems) {
-                    fields.check_keys(&keys::PROFILE, problems);
-                    found.insert(
-                        name.clone(),
-                        choices::choices(&fields, of_command, problems),
-                    );
-                }
-            }
-            found
-        });
         Self {
             name,
             scenes,
             simulator,
             runner: runner(&root, problems),
             effects,
-            parameters: parts::each(&parameters, problems, parameter),
-            measured: parts::each(&measured, problems, parts::measured),
+            parameters,
+            measured,
             candidates,
             choices: choices::choices(&root, of_command, problems),
-            profiles,
+            profiles: profiles(&root, of_command, problems),
         }
     }
 }
@@ -353,6 +361,31 @@ impl Choices {
             ..self
         }
     }
+}
+
+/// The profiles by name.
+fn profiles(
+    root: &Fields<'_>,
+    of_command: bool,
+    problems: &mut Problems,
+) -> BTreeMap<String, Choices> {
+    let mut found = BTreeMap::new();
+    let Some(all) = root.table("profile", problems) else {
+        return found;
+    };
+    for name in all.table.keys() {
+        if let Some(problem) = folder_name(name) {
+            let what = format!("[profile.{name}]");
+            let document = root.document;
+            problems.add(document.problem(&below(&all.path, name), what, problem));
+        }
+        if let Some(fields) = all.table(name, problems) {
+            fields.check_keys(&keys::PROFILE, problems);
+            let choices = choices::choices(&fields, of_command, problems);
+            found.insert(name.clone(), choices);
+        }
+    }
+    found
 }
 
 /// What is wrong with a name of which that of a result folder is made, as the rest of a sentence about it.

@@ -1,13 +1,14 @@
 //! Every key of the study file.
 
 /// Keys of the file itself.
-pub(crate) const STUDY: [&str; 13] = [
+pub(crate) const STUDY: [&str; 14] = [
     "name",
     "simulator",
     "runner",
     "effect",
     "scene",
     "parameter",
+    "input",
     "measured",
     "candidate",
     "compare",
@@ -63,6 +64,12 @@ pub(crate) const EFFECT: [&str; 3] = ["name", "probe", "range"];
 pub(crate) const PARAMETER: [&str; 9] = [
     "symbol", "name", "sets", "unit", "low", "high", "limits", "start", "prior",
 ];
+/// Keys of `[[input]]` of the scenes.
+pub(crate) const INPUT: [&str; 8] = [
+    "effect", "sets", "symbol", "name", "unit", "mean", "sd", "scenes",
+];
+/// Keys of `[[input]]` of a program of the user.
+pub(crate) const INPUT_COMMAND: [&str; 5] = ["symbol", "name", "unit", "mean", "sd"];
 /// Keys of `prior`.
 pub(crate) const PRIOR: [&str; 2] = ["mean", "sd"];
 /// Keys of `[[measured]]` beside the names of observables.
@@ -145,6 +152,8 @@ pub fn keys_of_a_study() -> Vec<(&'static str, &'static [&'static str])> {
         ("results", &RESULTS),
         ("effect", &EFFECT),
         ("parameter", &PARAMETER),
+        ("input", &INPUT),
+        ("command input", &INPUT_COMMAND),
         ("prior", &PRIOR),
         ("measured", &MEASURED),
         ("candidate", &CANDIDATE),

@@ -15,12 +15,15 @@ use toml::Table;
 
 /// Refuses counts, symbols and paths that stand there twice.
 pub(crate) fn check_all(document: &Document, entries: &[ParameterEntry], problems: &mut Problems) {
-    if entries.len() > MOST_PARAMETERS {
-        let what = format!("[[parameter]] x {}", entries.len());
-        let problem = format!(
-            "are too many: {MOST_PARAMETERS} can be calibrated at once; keep those that matter"
-        );
-        problems.add(document.problem("parameter", what, problem));
+    for (kind, is_input) in [("parameter", false), ("input", true)] {
+        let n = entries.iter().filter(|e| e.is_input == is_input).count();
+        if n > MOST_PARAMETERS {
+            let what = format!("[[{kind}]] x {n}");
+            let problem = format!(
+                "are too many: {MOST_PARAMETERS} can be calibrated at once; keep those that matter"
+            );
+            problems.add(document.problem(kind, what, problem));
+        }
     }
     for (k, entry) in entries.iter().enumerate() {
         let (before, words) = (&entries[..k], words(entry));
@@ -48,7 +51,8 @@ pub(crate) fn check_all(document: &Document, entries: &[ParameterEntry], problem
 
 /// A parameter in words.
 fn words(entry: &ParameterEntry) -> String {
-    format!("[[parameter]] {}", entry.symbol)
+    let kind = if entry.is_input { "input" } else { "parameter" };
+    format!("[[{kind}]] {}", entry.symbol)
 }
 
 /// One parameter against the scenes.
@@ -92,6 +96,8 @@ impl Resolver<'_> {
         self.check_paths(entry, problems);
         self.check_conditions(entry, problems);
         let standing = self.standing(entry, problems);
+        self.check_stated(entry, standing, problems);
+        tell_input(entry, defaults);
         let limits = Self::limits(entry, defaults);
         self.check_numbers(entry, limits, problems);
         if problems.count() == before {
@@ -141,6 +147,19 @@ impl Resolver<'_> {
             limits,
             start: start.unwrap_or(entry.low),
             prior: entry.prior,
+            is_input: entry.is_input,
+        }
+    }
+
+    /// Refuses an input whose value is not the one in use: nobody could tell which is meant.
+    fn check_stated(&self, entry: &ParameterEntry, standing: Option<f64>, problems: &mut Problems) {
+        if let (true, Some(mean), Some(standing)) = (entry.is_input, entry.start, standing)
+            && (mean - standing).abs() > LEAST_RATIO * mean.abs().max(standing.abs())
+        {
+            let problem = format!(
+                "= {mean}, while the scene has {standing}: state in both what you measured"
+            );
+            problems.add(self.wrong(entry, "mean", problem));
         }
     }
 
@@ -192,9 +211,13 @@ impl Resolver<'_> {
                     continue;
                 };
                 if value.is_integer() {
+                    let way_out = if entry.is_input {
+                        "an input, too; a number of seeds is effect = \"seed-count\""
+                    } else {
+                        "study it by conditions"
+                    };
                     let problem = format!(
-                        "'{path}' is a whole number ({value}), and a parameter takes each value of its range: study \
-                         it by conditions"
+                        "'{path}' is a whole number ({value}), and a parameter takes each value of its range: {way_out}"
                     );
                     problems.add(self.wrong(entry, "sets", problem));
                     continue;
@@ -343,7 +366,8 @@ impl Resolver<'_> {
         let Some(fillings) = self.fillings else {
             return;
         };
-        if entry.sets.iter().all(|path| path.starts_with("contact.")) {
+        let of_contacts = |path: &String| path.starts_with("contact.");
+        if entry.effect.is_none() && entry.sets.iter().all(of_contacts) {
             return;
         }
         for model in 0..self.models.models.len() {
@@ -392,6 +416,17 @@ impl Resolver<'_> {
                 problems.add(self.wrong(entry, key, problem));
             }
         }
+    }
+}
+
+/// Tells an input that the file leaves out.
+fn tell_input(entry: &ParameterEntry, defaults: &mut Defaults) {
+    if let (Some(effect), Some(prior), true) = (&entry.effect, entry.prior, entry.path.is_empty()) {
+        defaults.tell(
+            &format!("input {effect}: sd"),
+            &prior.sd.to_string(),
+            "photos of a bed depend on it; state it, or 0 if it is exact",
+        );
     }
 }
 

@@ -204,6 +204,20 @@ impl Models {
         value: f64,
     ) -> Option<Result<Scene, scene::Error>> {
         let scene = self.scenes.get(model)?;
+        let name = &self.models[model].scene;
+        let acts = entry
+            .scenes
+            .as_ref()
+            .is_none_or(|names| names.contains(name));
+        if !acts {
+            return None;
+        }
+        if let Some(effect) = &entry.effect {
+            let mut scene = scene.clone();
+            // A scene that cannot carry an effect does not have it.
+            effect_library::apply(&mut scene, effect, value, &FillingLibrary::default()).ok()?;
+            return Some(Ok(scene));
+        }
         let table = table_of(scene);
         let of_scene = entry.sets.iter().filter(|p| leaf(&table, p).is_some());
         let changes: Vec<Override> = of_scene

@@ -10,6 +10,9 @@ use std::path::Path;
 struct ResultFile {
     /// Its parameters.
     parameters: Vec<Found>,
+    /// Its inputs.
+    #[serde(default)]
+    inputs: Vec<Found>,
 }
 
 /// A parameter of a `result.json`.
@@ -26,10 +29,10 @@ struct Found {
 impl Study {
     /// The values in use before any calibration, in the order of the parameters.
     pub fn start_values(&self) -> Vec<f64> {
-        self.problem.parameters.iter().map(|p| p.start).collect()
+        self.problem.start()
     }
 
-    /// The values of a `result.json` or a `parameters.toml`, in the order of the parameters.
+    /// The values of a `result.json` or a `parameters.toml`, in the order of the parameters; inputs that it lacks as they were stated.
     ///
     /// # Errors
     ///
@@ -49,6 +52,9 @@ impl Study {
         };
         let one = |p: &calibration::Parameter| {
             let Some((unit, value)) = found.get(&p.symbol) else {
+                if p.is_input {
+                    return Ok(p.start);
+                }
                 let known: Vec<&str> = found.keys().map(String::as_str).collect();
                 return Err(wrong(format!(
                     "parameter {} is missing; there are {}",
@@ -96,7 +102,7 @@ fn of_result(file: &Path) -> Result<Values, Error> {
     })?;
     let result: ResultFile = serde_json::from_value(value)
         .map_err(|why| wrong(format!("is no result of a calibration: {why}")))?;
-    let all = result.parameters.into_iter();
+    let all = result.parameters.into_iter().chain(result.inputs);
     Ok(all.map(|p| (p.symbol, (p.unit, p.value))).collect())
 }
 

@@ -175,8 +175,16 @@ impl Study {
             };
             (p.symbol.clone(), binding)
         };
-        let bindings = self.problem.parameters.iter().map(binding).collect();
-        Ok(SceneSimulator::new(self.models.clone(), bindings)?)
+        let entries = self.file.parameters.iter();
+        let amplitudes = entries.filter_map(|e| Some((e.symbol.clone(), e.effect.clone()?)));
+        let of_settings = self
+            .problem
+            .parameters
+            .iter()
+            .filter(|p| !p.sets.is_empty());
+        let bindings = of_settings.map(binding).collect();
+        let scenes = SceneSimulator::new(self.models.clone(), bindings)?;
+        Ok(scenes.with_amplitudes(amplitudes.collect()))
     }
 }
 

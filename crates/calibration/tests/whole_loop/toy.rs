@@ -76,6 +76,7 @@ pub(crate) fn parameter(symbol: &str, range: [f64; 2]) -> Parameter {
         limits: range,
         start: 0.5 * (range[0] + range[1]),
         prior: None,
+        is_input: false,
     }
 }
 

@@ -16,6 +16,7 @@ pub(super) fn add(page: &mut Page<'_>) -> Result<(), Error> {
     measurements(page)?;
     errors(page);
     parameters(page)?;
+    inputs(page)?;
     page.chart(
         ERRORS,
         "Table 1 as a picture: z of the measurements by their numbers. The band is the limit within which a \
@@ -152,6 +153,43 @@ fn parameters(page: &mut Page<'_>) -> Result<(), Error> {
     Ok(())
 }
 
+/// The inputs that were stated with an error.
+fn inputs(page: &mut Page<'_>) -> Result<(), Error> {
+    let found = page.input.calibration;
+    if found.inputs.is_empty() {
+        return Ok(());
+    }
+    let mut columns = vec![
+        Column::text("input"),
+        Column::number("stated"),
+        Column::number("estimate"),
+        Column::number("moved (sd)"),
+    ];
+    for p in &found.parameters {
+        columns.push(Column::number(format!("{} per sd", p.symbol)));
+    }
+    let mut table = Table::new(
+        "Inputs that were stated with a standard deviation (±). The fit lets them move within it, so that their errors are in \
+         every interval. Per sd: by how much a parameter would move if the input were one standard deviation larger.",
+        columns,
+    )?;
+    for input in &found.inputs {
+        let mut row = vec![
+            format!("{} {}", input.symbol, input.name),
+            with_error(input.stated, Some(input.sd), &input.unit),
+            with_error(input.value, Some(input.se), &input.unit),
+            signed(input.moved, 1),
+        ];
+        for p in &found.parameters {
+            let moves = input.moves.get(&p.symbol).copied().unwrap_or(0.0);
+            row.push(with_decimals_of(moves, p.se));
+        }
+        table.row(row)?;
+    }
+    page.table(&table);
+    Ok(())
+}
+
 /// Whether the measurements fix a parameter, and whether it lies on a limit, in words.
 fn known(p: &Estimate, declared: Option<&Parameter>) -> String {
     let prior = declared.and_then(|d| d.prior);
@@ -193,6 +231,7 @@ mod tests {
             limits: [0.0, 1.5],
             start: 0.1,
             prior,
+            is_input: false,
         }
     }
 

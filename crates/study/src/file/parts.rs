@@ -213,6 +213,9 @@ fn read_parameter(
         limits,
         start,
         prior,
+        is_input: false,
+        effect: None,
+        scenes: None,
         path: fields.path.clone(),
     })
 }

@@ -77,6 +77,7 @@ fn of_other_codes(kind: &str, key: &str) -> bool {
         "drum",
         "peer simulator",
         "command simulator",
+        "command input",
         "results",
         "effect",
     ];

@@ -1,6 +1,6 @@
 //! What a calibration says on standard output.
 
-use calibration::{Comparison, DiagnosisStage, Estimate};
+use calibration::{Comparison, DiagnosisStage, Estimate, InputEstimate};
 use campaign::time_in_words;
 use command_line::significant;
 use std::collections::BTreeMap;
@@ -18,9 +18,10 @@ fn add(text: &mut String, more: Arguments<'_>) {
 pub(crate) fn plan(study: &Study, price: &Price, threads: usize) -> String {
     let problem = &study.problem;
     let mut text = format!(
-        "{}: {} parameters, {} measurements on {} models, {} effects to search\n",
+        "{}: {} parameters, {} inputs with an error, {} measurements on {} models, {} effects to search\n",
         problem.id,
-        problem.parameters.len(),
+        problem.n_tuned(),
+        problem.parameters.len() - problem.n_tuned(),
         problem.measurements.len(),
         problem.models.len(),
         problem.effects.len()
@@ -128,6 +129,7 @@ fn priced(text: &mut String, price: &Price, threads: usize) {
 pub(super) fn result(result: &StudyResult, folder: &Path, files: &[PathBuf]) -> String {
     let found = &result.calibration;
     let mut text = parameters(&found.parameters);
+    text.push_str(&inputs(&found.inputs));
     for open in &found.open_combinations {
         let words = open_in_words(open, &found.parameters);
         add(&mut text, format_args!("  {words}\n"));
@@ -198,6 +200,33 @@ pub(crate) fn parameters(estimates: &[Estimate]) -> String {
                 e.name,
                 significant(e.value, 5),
                 e.unit
+            ),
+        );
+    }
+    text
+}
+
+/// The table of inputs: how far each moves, and how far the parameters would if it were larger.
+fn inputs(inputs: &[InputEstimate]) -> String {
+    if inputs.is_empty() {
+        return String::new();
+    }
+    let mut text = format!(
+        "\n{:<16} {:>18} {:>18} {:>10}  by one sd more the parameters move by\n",
+        "input", "stated", "estimate", "moved (sd)"
+    );
+    for input in inputs {
+        let moves = input.moves.iter();
+        let moves = moves.map(|(symbol, move_)| format!("{symbol} {move_:+.2e}"));
+        add(
+            &mut text,
+            format_args!(
+                "{:<16} {:>18} {:>18} {:>10.2}  {}\n",
+                input.symbol,
+                with_error(input.stated, input.sd),
+                with_error(input.value, input.se),
+                input.moved,
+                moves.collect::<Vec<_>>().join(", ")
             ),
         );
     }
