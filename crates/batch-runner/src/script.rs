@@ -58,7 +58,7 @@ trap 'kill "$worker" 2> /dev/null' TERM INT HUP
     beat=0
     while kill -0 "$worker" 2> /dev/null; do
         beat=$((beat + 1))
-        echo "$beat" > "$task.beat"
+        echo "$beat" > "$task.beat.aside" && mv "$task.beat.aside" "$task.beat"
         [ ! -e "$task.void" ] || kill "$worker" 2> /dev/null
         sleep {heartbeat_s} &
         wait $!

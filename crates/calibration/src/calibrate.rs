@@ -79,9 +79,8 @@ pub fn calibrate(
     let spent = spent + (confirmed.rounds.len() - 1) * stages[CONFIRMATION].requests.len();
     let diagnosis = diagnosis_left(campaign, &counted, problem, settings, (at, spent))?;
     let surfaces = all_surfaces(&confirmed, &checked.planes);
-    let row = |role, runs: &BTreeMap<usize, Samples>, covariance, at: &[f64]| {
-        compare(asked, role, runs, &surfaces, covariance, at)
-    };
+    let row =
+        |role, runs, covariance, at: &[f64]| compare(asked, role, runs, &surfaces, covariance, at);
     let start = problem.start();
     let roles = [Role::Fit, Role::Check, Role::Show];
     let covariance = Some(&estimate.uncertainty.covariance);
@@ -97,6 +96,7 @@ pub fn calibrate(
         states(problem, &checked.at_estimate),
         other_solutions(problem, &estimate).into_iter().collect(),
         moved_inputs(&estimate.inputs),
+        unknown_inputs(problem, &surfaces),
         missed_but_shown(&show),
     ];
     let (met, verdict) = verdict(problem, &estimate, &fit, &checks, &confirmed);
@@ -144,6 +144,21 @@ fn moved_inputs(inputs: &[InputEstimate]) -> Vec<String> {
         )
     };
     moved.map(told).collect()
+}
+
+/// Models of which no run tells how they depend on an input.
+fn unknown_inputs(problem: &CalibrationProblem, surfaces: &SurfacesByModel) -> Vec<String> {
+    let told = surfaces.values().flat_map(|surface| {
+        let inputs = problem.inputs_of(surface.model).into_iter();
+        let unknown = inputs.filter(|j| !surface.parameters.contains(j));
+        unknown.map(|j| {
+            format!(
+                "the intervals take input {} of {} for exact, since no run with another value gave a result",
+                problem.parameters[j].symbol, problem.models[surface.model].name
+            )
+        })
+    });
+    told.collect()
 }
 
 /// Measurements that are only shown and that the simulation misses: inputs may be wrong, or the model.

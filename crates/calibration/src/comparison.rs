@@ -4,7 +4,7 @@ use crate::confirmation::mean;
 use crate::intervals::quantile_of;
 use crate::samples::{Asked, Sample, Samples};
 use crate::surface::{Surface, of_regime, usual_regime};
-use crate::{Comparison, MeasuredMean, Measurement, Role, SimulatedMean};
+use crate::{CalibrationProblem, Comparison, MeasuredMean, Measurement, Role, SimulatedMean};
 use nalgebra::{DMatrix, DVector};
 use std::collections::BTreeMap;
 
@@ -47,14 +47,10 @@ pub(crate) fn compare(
         let parameter_variance = covariance
             .zip(surface)
             .and_then(|(c, s)| parameter_variance(s, &m.observable, at, c));
-        Some(comparison(
-            asked,
-            m,
-            samples,
-            surface,
-            parameter_variance,
-            tails,
-        ))
+        Some(Comparison {
+            reach: surface.and_then(|s| reach(problem, s, &m.observable, at)),
+            ..comparison(asked, m, samples, surface, parameter_variance, tails)
+        })
     });
     rows.collect()
 }
@@ -73,6 +69,30 @@ fn parameter_variance(
     }
     let variance = (covariance * &slopes).dot(&slopes);
     variance.is_finite().then_some(variance)
+}
+
+/// How far an observable moves from a point if the tuned parameters go to the farther ends of their ranges.
+///
+/// # Formula
+///
+/// The sum of `sqrt(g² - var g)` times the way, over the parameters whose slope g is more than its standard error: noise alone gives
+/// `g² = var g` on average.
+fn reach(
+    problem: &CalibrationProblem,
+    surface: &Surface,
+    observable: &str,
+    at: &[f64],
+) -> Option<f64> {
+    let k = surface.place(observable)?;
+    let slopes = surface.slopes(k, at);
+    let noise = surface.slope_covariance(at) * surface.covariance[(k, k)];
+    let each = surface.tuned().iter().enumerate().map(|(place, &j)| {
+        let [low, high] = problem.parameters[j].range;
+        let way = (high - at[j]).abs().max((at[j] - low).abs());
+        let square = slopes[place].powi(2) - noise[(place, place)];
+        way * square.max(0.0).sqrt()
+    });
+    Some(each.sum())
 }
 
 /// One measurement.
@@ -120,6 +140,7 @@ fn comparison(
             n_runs: n,
         },
         parameter_se: parameter_variance.map(f64::sqrt),
+        reach: None,
         z,
         z_limit,
         holds: z.abs() <= z_limit,

@@ -112,7 +112,7 @@ pub(crate) fn standing_out(
 ///
 /// # Formula
 ///
-/// `sum over surfaces of G_s tr((I - h M_ii^-1 h')_s B_s)`, h the whitened slopes along the inputs and M_ii the information on them,
+/// `sum over surfaces of G_s tr((I - h M_ii^-1 h')_s B_s)`, h the whitened slopes along the inputs and `M_ii` the information on them,
 /// priors included: what an input explains of a measurement tells nothing of the parameters.
 pub(crate) fn noise_beside_inputs(
     fit: &JointFit<'_>,

@@ -83,6 +83,8 @@ pub struct Comparison {
     pub simulated: SimulatedMean,
     /// Standard error of the prediction from the uncertainty of the parameters alone; none where it is not known.
     pub parameter_se: Option<f64>,
+    /// How far the simulated mean can move, at least, if the parameters do within the box of the file; none where no surface tells.
+    pub reach: Option<f64>,
     /// Measured minus simulated, in standard errors of both.
     pub z: f64,
     /// Largest |z| with which it counts as met.

@@ -162,6 +162,8 @@ fn why_not_met(
 
 /// How much larger than twice the standard error of a measurement a difference may be that its check still bears.
 const BEARABLE: f64 = 3.0;
+/// Share of what parameters in the box can change, up to which a difference is one that such a check should notice.
+const NOTICED: f64 = 0.5;
 
 /// Checks that hold and are worth next to nothing.
 struct Doubts {
@@ -173,7 +175,7 @@ struct Doubts {
 
 /// Checks that hold although little could have failed: parameters or simulated means that
 /// are known so little, or measurements of so few values, that three times the difference that a measurement of many would bear
-/// would pass.
+/// would pass, and more than half of what other parameters in the box of the file would make.
 fn doubts(check: &[Comparison]) -> Doubts {
     let (mut parameters, mut runs, mut repeats) = (Vec::new(), Vec::new(), Vec::new());
     for row in check {
@@ -181,7 +183,8 @@ fn doubts(check: &[Comparison]) -> Doubts {
         let of_parameters = row.parameter_se.unwrap_or(0.0);
         let all = error.hypot(row.simulated.se).hypot(of_parameters);
         let bears = row.z_limit * all;
-        if bears <= BEARABLE * 2.0 * error {
+        let noticed = row.reach.is_some_and(|reach| bears <= NOTICED * reach);
+        if bears <= BEARABLE * 2.0 * error || noticed {
             continue;
         }
         let told = format!(

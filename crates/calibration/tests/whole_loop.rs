@@ -4,6 +4,7 @@ mod whole_loop {
     mod coverage;
     mod drawn_studies;
     mod estimates;
+    mod inputs;
     mod reach;
     mod toy;
     mod troubles;

@@ -198,6 +198,7 @@ fn comparison(problem: &CalibrationProblem, i: usize, mean: f64, z: f64) -> Comp
             n_runs: 4,
         },
         parameter_se: Some(0.31),
+        reach: None,
         z,
         z_limit: 2.26,
         holds: z.abs() <= 2.26,

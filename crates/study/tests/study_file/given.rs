@@ -412,3 +412,61 @@ fn published_values_name_parameters_observables_and_effects() {
     assert_eq!(study.compare.len(), 5);
     assert_eq!(study.compare[4].sd, Some(0.1));
 }
+
+/// An input stands behind the parameters, acts where it says, and is what was stated, with a reach of three standard deviations; an
+/// exact one is none.
+#[test]
+fn inputs_with_an_error_stand_behind_the_parameters() {
+    let study = right(&with(
+        r#"
+[[input]]
+effect = "seed-count"
+sd = 0.02
+scenes = ["drum"]
+
+[[input]]
+sets = ["apparatus.inner_diameter"]
+symbol = "D"
+mean = 100.0
+unit = "mm"
+sd = 0.5
+
+[[input]]
+effect = "seed-size"
+sd = 0
+"#,
+    ));
+    let problem = &study.problem;
+    let inputs = &problem.parameters[problem.n_tuned()..];
+    let names: Vec<&str> = inputs.iter().map(|p| p.symbol.as_str()).collect();
+    assert_eq!(names, ["seed_count", "D"]);
+    assert_eq!(inputs[1].range, [98.5, 101.5]);
+    assert_eq!((inputs[1].start, inputs[1].is_input), (100.0, true));
+    let acts = |model: &calibration::Model| model.parameters.contains(&problem.n_tuned());
+    for model in &problem.models {
+        assert_eq!(acts(model), model.scene == "drum", "{}", model.name);
+    }
+}
+
+/// Where photos are fitted the number and the size of the seeds have an error, unless the file says that they are exact.
+#[test]
+fn inputs_behind_photos_have_an_error_by_default() {
+    let photo = fixture("photos/granudrum_mccA_15rpm_avg.bmp");
+    let photos = format!("photos = '{}'", photo.display());
+    let by_photo =
+        |text: &str| text.replace("angle_deg = { mean = 35.1, sd = 0.8, n = 10 }", &photos);
+    let study = right(&by_photo(STUDY));
+    let problem = &study.problem;
+    let sds = problem.parameters.iter().filter(|p| p.is_input);
+    let sds = sds.map(|p| (p.symbol.as_str(), p.prior.unwrap().sd));
+    assert_eq!(
+        sds.collect::<Vec<_>>(),
+        [("seed_count", 0.03), ("seed_size", 0.01)]
+    );
+    let told = |d: &study::DefaultUsed| d.key == "input seed-count: sd";
+    assert!(study.defaults.iter().any(told));
+    let exact =
+        "[[input]]\neffect = \"seed-count\"\nsd = 0\n[[input]]\neffect = \"seed-size\"\nsd = 0.0\n";
+    let study = right(&by_photo(&with(exact)));
+    assert!(study.problem.parameters.iter().all(|p| !p.is_input));
+}

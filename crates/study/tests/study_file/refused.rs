@@ -471,3 +471,39 @@ fn a_parameter_that_no_fit_sees_is_refused() {
     );
     tells(&wrong(&study), &["parameter W", "nothing can fix it"]);
 }
+
+/// An input that is not what the scenes have, one of no effect of the library, of no scene, of a whole number, of nothing, and a
+/// standard deviation below 0: each with its line, before any run.
+#[test]
+fn inputs_that_cannot_be_meant_are_refused() {
+    let stated = "sets = [\"apparatus.inner_diameter\"]\nunit = \"mm\"\n";
+    for (input, expected) in [
+        (
+            format!("{stated}mean = 90.0\nsd = 1.0"),
+            "while the scene has 100",
+        ),
+        ("effect = \"fill\"\nsd = 0.1".to_owned(), "no effect 'fill'"),
+        (
+            "effect = \"seed-count\"\nsd = 0.1\nscenes = [\"drums\"]".to_owned(),
+            "is no [[scene]]; there are drum",
+        ),
+        (
+            "sets = [\"seed.0.count\"]\nmean = 100.0\nsd = 3.0".to_owned(),
+            "effect = \"seed-count\"",
+        ),
+        ("sd = 0.1".to_owned(), "needs one of 'effect'"),
+        (
+            "effect = \"seed-count\"\nsd = -0.1".to_owned(),
+            "must be 0, for an input that is exact",
+        ),
+        (
+            "effect = \"seed-count\"\nsd = 0.1\nmean = 1.0".to_owned(),
+            "belongs to an input with 'sets'",
+        ),
+    ] {
+        let text = with(&format!("[[input]]\n{input}\n"));
+        let told = Folder::new(&text).read(None).unwrap_err().to_string();
+        assert!(told.contains(expected), "{input}: {told}");
+        assert!(told.contains("line "), "{told}");
+    }
+}
