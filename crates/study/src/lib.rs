@@ -32,6 +32,7 @@ mod price;
 mod problem;
 mod result;
 mod run;
+mod run_remarks;
 mod scenes;
 mod setting;
 mod simulator;

@@ -3,6 +3,7 @@
 use crate::compare::compare;
 use crate::next;
 use crate::price::{self, Price};
+use crate::run_remarks;
 use crate::spent::Spending;
 use crate::{DiagnosisResult, Error, Study, StudyResult, StudySimulator};
 use calibration::{Calibration, LoopSettings};
@@ -125,8 +126,13 @@ pub fn run_study(
         most_runs,
         ..with_seed
     };
-    let calibration =
+    let mut calibration =
         calibration::calibrate(&campaign, simulator, &study.problem, &within, announce)?;
+    let records = records_of(&store, &calibration)?;
+    let of_photos = study.photos.iter().flat_map(|series| &series.left_out);
+    calibration.remarks.extend(of_photos.cloned());
+    let of_runs = run_remarks::of_runs(&calibration, &records);
+    calibration.remarks.extend(of_runs);
     Ok(StudyResult {
         name: study.problem.id.clone(),
         profile: study.profile.clone(),
@@ -136,7 +142,7 @@ pub fn run_study(
         compare: compare(&study.compare, &study.problem, &calibration),
         defaults: study.defaults.clone(),
         not_applicable: study.not_applicable.clone(),
-        records: records_of(&store, &calibration)?,
+        records,
         calibration,
         spent: spending.end(settings.own_threads())?,
     })

@@ -58,7 +58,7 @@ pub(crate) fn plan(study: &Study, price: &Price, threads: usize) -> String {
                 format_args!("  photos ({files}): {name} {mean} sd {sd} n {n:.1}\n"),
             );
         }
-        for remark in &series.remarks {
+        for remark in series.left_out.iter().chain(&series.remarks) {
             add(&mut text, format_args!("  photos: {remark}\n"));
         }
     }
