@@ -57,6 +57,6 @@ pub use photos::PhotoSeries;
 pub use price::{Price, StagePrice};
 pub use problem::Problem;
 pub use result::{DiagnosisResult, StudyResult};
-pub use run::{DiagnosisRuns, RunSettings, plan_diagnosis, plan_study, run_diagnosis, run_study};
+pub use run::{DiagnosisPrice, RunSettings, plan_diagnosis, plan_study, run_diagnosis, run_study};
 pub use simulator::StudySimulator;
 pub use study::Study;
