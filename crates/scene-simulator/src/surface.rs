@@ -176,7 +176,7 @@ mod tests {
     }
 
     /// Two runs with 18 frames that were read and two that were not. A tenth lost moves the mean by at most 0.231 standard deviations
-    /// of the others; that of the angles is 1.03 deg.
+    /// of the others; that of the angles is 1.02 deg.
     #[test]
     fn frames_without_a_surface_are_told_with_their_bias() {
         let run = |refused: usize| FrameDetails {
