@@ -1,10 +1,11 @@
 //! How many runs a residual study may need.
 
-use crate::ResidualPlan;
 use crate::residual_study::amplitude_search::{
     BLOCKS_OF_FURTHER_SEARCH, BLOCKS_OF_SEARCH, MOST_POINTS,
 };
+use crate::residual_study::certain_lists;
 use crate::residual_study::fits::{BLOCKS_OF_FIT, BLOCKS_WITH_EFFECTS, MOST_NOISY, MOST_SUSPECTS};
+use crate::{ResidualPlan, RunList};
 
 /// The largest number of runs that a study may need, for r replicates, K declared parameters, M effects, U used
 /// conditions and C kept for the check.
@@ -17,8 +18,32 @@ use crate::residual_study::fits::{BLOCKS_OF_FIT, BLOCKS_WITH_EFFECTS, MOST_NOISY
 /// amplitudes, before and after these slopes.
 /// A study that needs no correction of its fits, or adds no effect, needs fewer.
 pub fn runs_needed(plan: &ResidualPlan) -> usize {
-    let used = plan.count(true);
     let settings = 1 + plan.declared.len() + plan.effects.len();
+    let [blocks, kept] = most_blocks(plan);
+    plan.replicates * ((settings + blocks) * plan.count(true) + kept * plan.count(false))
+}
+
+/// The lists of runs of a study: those that are certain if nothing fails, and further ones, at most, see [`runs_needed`].
+///
+/// Certain are the start with a step in each parameter and effect, the first fit, and where that ends the kept conditions.
+pub(crate) fn lists_of(plan: &ResidualPlan) -> (Vec<RunList>, Vec<RunList>) {
+    let [start, used, kept] = certain_lists(plan);
+    let [blocks, checks] = most_blocks(plan);
+    let candidates: Vec<_> = plan.requests_at_candidates();
+    let further = [
+        (blocks - 1, used.clone()),
+        (checks - 1, kept.clone()),
+        (1, candidates),
+    ];
+    let further = further.map(|(times, requests)| RunList { times, requests });
+    (
+        [start, used, kept].map(RunList::once).into(),
+        further.into(),
+    )
+}
+
+/// Most blocks of runs at the used conditions behind the sensitivities, and at the kept ones.
+fn most_blocks(plan: &ResidualPlan) -> [usize; 2] {
     let suspects = MOST_SUSPECTS.min(plan.effects.len());
     let noisy = 2 * MOST_NOISY.min(plan.effects.len());
     let most_points = MOST_POINTS * suspects;
@@ -27,12 +52,12 @@ pub fn runs_needed(plan: &ResidualPlan) -> usize {
     let searched = points + suspects * plan.declared.len();
     let of_suspects = suspects * (3 + BLOCKS_WITH_EFFECTS.len());
     let rounds = BLOCKS_OF_FIT.len() + noisy + of_suspects + searched;
-    plan.replicates * ((settings + rounds) * used + (1 + suspects) * plan.count(false))
+    [rounds, 1 + suspects]
 }
 
 #[cfg(test)]
 mod tests {
-    use super::runs_needed;
+    use super::{lists_of, runs_needed};
     use crate::{DeclaredParameter, EffectProbe, ResidualPlan, StudyCondition};
     use campaign::RunRequest;
     use std::collections::BTreeMap;
@@ -80,5 +105,21 @@ mod tests {
             condition.used = false;
         }
         assert_eq!(runs_needed(&plan), 258);
+    }
+
+    /// By hand, two replicates: four settings and a fit at six conditions, the fit at the one that is kept, 2 (4 + 1) 6 + 2 = 62 runs;
+    /// with what may follow as many as are needed at most, 474. An effect that is absent at a condition is not run there: 2 runs less.
+    #[test]
+    fn certain_and_further_runs_are_all_that_is_needed() {
+        let number = |plan: &ResidualPlan| {
+            let (certain, further) = lists_of(plan);
+            [certain, further]
+                .map(|lists| -> usize { lists.iter().map(|l| l.times * l.requests.len()).sum() })
+        };
+        let mut plan = plan();
+        assert_eq!(number(&plan), [62, 474 - 62]);
+        plan.conditions[0].model = Some("slow".into());
+        plan.effects[1].absent = BTreeMap::from([("slow".to_owned(), "no reason".to_owned())]);
+        assert_eq!(number(&plan), [60, 474 - 62]);
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::comparison::{SurfacesByModel, compare};
 use crate::confirmation::{Confirmed, confirm, mean};
-use crate::diagnosis_stage::{diagnose_at, most_runs_of_candidates, most_runs_of_diagnosis};
+use crate::diagnosis_stage::{self, diagnose_at, length_of};
 use crate::intervals::{Uncertainty, best_of, estimates, inputs, test};
 use crate::joint::{joint_estimate, planes, region_about, slope_runs};
 use crate::samples::{Asked, Runner, Sample, Samples, Wanted, first_seed, observables, wanted};
@@ -12,7 +12,7 @@ use crate::solution_set::solution_set;
 use crate::verdict::verdict;
 use crate::{
     Calibration, CalibrationProblem, Comparison, DiagnosisStage, Error, Estimate, InputEstimate,
-    JointEstimate, LoopSettings, PlannedStage, Role, StageCost, planned,
+    JointEstimate, LoopSettings, PlannedStage, Role, RunList, StageCost, planned,
 };
 use campaign::{Campaign, RunOutcome, RunRequest, Simulator, SimulatorError};
 use quantity::significant;
@@ -33,6 +33,10 @@ const SCREENING: usize = 1;
 const SURFACES: usize = 2;
 /// Place of the confirmation.
 const CONFIRMATION: usize = 3;
+/// Place of the check.
+const CHECK: usize = 4;
+/// Place of the diagnosis.
+const DIAGNOSIS: usize = 5;
 
 /// Calibrates the parameters of a problem and says whether the result holds.
 ///
@@ -53,30 +57,31 @@ pub fn calibrate(
     let counted = Counted::new(simulator);
     let asked = Asked { problem, settings };
     let stages = planned(problem, settings)?;
-    let ahead = costs_ahead(simulator, &stages);
     let elsewhere = within_budget(&stages, settings)?;
-    let runner = |stage: usize| Runner {
-        campaign: campaign.with_ahead(ahead.get(stage).copied().unwrap_or(0.0)),
+    let runner = Runner {
+        campaign: *campaign,
         simulator: &counted,
         asked,
     };
-    let mut clock = Clock::new(announce, &counted);
-    clock.begin("the parameters in use before");
-    let before = before(&runner(0))?;
-    clock.begin("screening");
-    let screened = screen_models(&runner(1))?;
-    clock.begin("surfaces and estimate");
-    let mut search = Search::new(runner(2), screened.active, elsewhere);
+    let mut clock = Clock::new(announce, (&runner, &counted), &stages);
+    clock.begin(0);
+    let before = before(&runner)?;
+    clock.begin(SCREENING);
+    let screened = screen_models(&runner)?;
+    let mut search = Search::new(runner, screened.active, elsewhere);
+    clock.expect(SURFACES, &search.planned(&stages[SURFACES])?);
+    clock.begin(SURFACES);
     let found = search.run(announce)?;
-    clock.begin("confirmation by fresh runs");
-    let confirmed = confirm(&runner(3), &mut search, found, announce)?;
+    clock.expect(CONFIRMATION, &with_boxes_left(&stages, &search)?);
+    clock.begin(CONFIRMATION);
+    let confirmed = confirm(&runner, &mut search, found, announce)?;
     let estimate = Estimated::new(asked, &confirmed)?;
-    clock.begin("check");
-    let checked = check(&runner(4), &confirmed, &estimate)?;
-    clock.begin("diagnosis of the residual");
+    clock.begin(CHECK);
+    let checked = check(&runner, &confirmed, &estimate)?;
+    clock.begin(DIAGNOSIS);
     let at = &confirmed.found.best;
     let spent = elsewhere + search.boxes.iter().map(|b| b.n_runs).sum::<usize>();
-    let spent = spent + (confirmed.rounds.len() - 1) * stages[CONFIRMATION].requests.len();
+    let spent = spent + (confirmed.rounds.len() - 1) * stages[CONFIRMATION].runs();
     let diagnosis = diagnosis_left(campaign, &counted, problem, settings, (at, spent))?;
     let surfaces = all_surfaces(&confirmed, &checked.planes);
     let row =
@@ -86,13 +91,12 @@ pub fn calibrate(
     let covariance = Some(&estimate.uncertainty.covariance);
     let fit = row(Role::Fit, &confirmed.runs, None, at);
     let checks = row(Role::Check, &checked.at_estimate, covariance, at);
+    let runs = [&before, &screened.runs, &checked.at_estimate];
     let show = row(Role::Show, &checked.at_estimate, covariance, at);
     let remarks = [
         search.remarks.clone(),
         confirmed.remarks.clone(),
-        failures(problem, "with the parameters in use before", &before),
-        failures(problem, "in the screening", &screened.runs),
-        failures(problem, "at the estimate", &checked.at_estimate),
+        all_failures(problem, runs),
         states(problem, &checked.at_estimate),
         other_solutions(problem, &estimate).into_iter().collect(),
         moved_inputs(&estimate.inputs),
@@ -161,6 +165,15 @@ fn unknown_inputs(problem: &CalibrationProblem, surfaces: &SurfacesByModel) -> V
     told.collect()
 }
 
+/// The stage of the confirmation with what else it may ask for: a round may send the search on, as far as there are boxes left.
+fn with_boxes_left(stages: &[PlannedStage], search: &Search<'_>) -> Result<PlannedStage, Error> {
+    let mut stage = stages[CONFIRMATION].clone();
+    stage
+        .further
+        .extend(search.planned(&stages[SURFACES])?.further);
+    Ok(stage)
+}
+
 /// Measurements that are only shown and that the simulation misses: inputs may be wrong, or the model.
 fn missed_but_shown(show: &[Comparison]) -> Vec<String> {
     let missed = show.iter().filter(|row| !row.holds);
@@ -182,15 +195,22 @@ fn diagnosis_left(
     settings: &LoopSettings,
     (at, spent): (&[f64], usize),
 ) -> Result<DiagnosisStage, Error> {
-    if let Some(reason) = beyond_budget(problem, settings, spent) {
-        return Ok(DiagnosisStage::LeftOut { reason });
+    match diagnosis_stage::within_budget(problem, settings, spent) {
+        Ok(problem) => diagnose_at(campaign, simulator, &problem, settings, at),
+        Err(reason) => Ok(DiagnosisStage::LeftOut { reason }),
     }
-    let needed = most_runs_of_diagnosis(problem, settings);
-    let all = spent + needed + most_runs_of_candidates(problem, settings);
-    let without = problem.without_candidates();
-    let fits = settings.most_runs.is_none_or(|most| all <= most);
-    let asked = if fits { problem } else { &without };
-    diagnose_at(campaign, simulator, asked, settings, at)
+}
+
+/// What failed before, in the screening and at the estimate.
+fn all_failures(problem: &CalibrationProblem, runs: [&BTreeMap<usize, Samples>; 3]) -> Vec<String> {
+    let places = [
+        "with the parameters in use before",
+        "in the screening",
+        "at the estimate",
+    ];
+    let each = places.into_iter().zip(runs);
+    each.flat_map(|(place, runs)| failures(problem, place, runs))
+        .collect()
 }
 
 /// What failed at a point, one sentence for each model.
@@ -243,26 +263,15 @@ fn states(problem: &CalibrationProblem, runs: &BTreeMap<usize, Samples>) -> Vec<
     told
 }
 
-/// Expected cost of the runs that are planned behind each stage, in the order of the stages.
-fn costs_ahead(simulator: &dyn Simulator, stages: &[PlannedStage]) -> Vec<f64> {
-    let cost = |stage: &PlannedStage| -> f64 {
-        let requests = stage.requests.iter();
-        requests.map(|r| simulator.expected_cost(r)).sum()
-    };
-    let each: Vec<f64> = stages.iter().map(cost).collect();
-    (0..each.len())
-        .map(|i| each[i + 1..].iter().sum())
-        .collect()
-}
-
-/// Runs that the [stages](crate::planned) beside the search need; how many the search needs is known where nothing is screened.
+/// Runs that the [stages](crate::planned) beside the search and the diagnosis need; how many the search needs is known where nothing is screened.
 ///
 /// # Errors
 ///
 /// [`Error::Budget`] where the runs that are certain are more than the settings allow.
 pub fn within_budget(stages: &[PlannedStage], settings: &LoopSettings) -> Result<usize, Error> {
-    let runs = |i: usize| stages[i].requests.len();
-    let elsewhere: usize = (0..stages.len()).filter(|i| *i != SURFACES).map(runs).sum();
+    let runs = |i: usize| stages[i].runs();
+    let elsewhere = (0..DIAGNOSIS).filter(|i| *i != SURFACES);
+    let elsewhere: usize = elsewhere.map(runs).sum();
     let certain = if runs(SCREENING) == 0 {
         elsewhere + runs(SURFACES)
     } else {
@@ -275,23 +284,6 @@ pub fn within_budget(stages: &[PlannedStage], settings: &LoopSettings) -> Result
         }),
         _ => Ok(elsewhere),
     }
-}
-
-/// Why the diagnosis is left out; none where the budget allows all the runs that it may need.
-fn beyond_budget(
-    problem: &CalibrationProblem,
-    settings: &LoopSettings,
-    spent: usize,
-) -> Option<String> {
-    let most = settings.most_runs.filter(|_| !problem.effects.is_empty())?;
-    let needed = most_runs_of_diagnosis(problem, settings);
-    (spent + needed > most).then(|| {
-        format!(
-            "it may need {needed} runs, and the budget of {most} leaves {}: raise it to {}, or search fewer effects",
-            most.saturating_sub(spent),
-            spent + needed
-        )
-    })
 }
 
 /// The estimate with all that is said of it.
@@ -440,30 +432,61 @@ fn all_surfaces(confirmed: &Confirmed, planes: &SurfacesByModel) -> SurfacesByMo
     all
 }
 
-/// Measures what each stage costs.
+/// Measures what each stage costs, and tells what is ahead.
 struct Clock<'a> {
     /// Who hears of a stage.
     announce: &'a dyn Fn(&str),
+    /// Who runs.
+    runner: &'a Runner<'a>,
     /// Who counts the runs.
     counted: &'a Counted<'a>,
+    /// The stages as they were planned.
+    planned: &'a [PlannedStage],
+    /// Length of the lists of each stage, at least and at most.
+    lengths: Vec<[f64; 2]>,
     /// Begin of each stage so far: its name, the time, the runs before it.
     stages: Vec<(String, Instant, usize)>,
 }
 
 impl<'a> Clock<'a> {
     /// Starts without a stage.
-    fn new(announce: &'a dyn Fn(&str), counted: &'a Counted<'a>) -> Self {
-        Self {
+    fn new(
+        announce: &'a dyn Fn(&str),
+        (runner, counted): (&'a Runner<'a>, &'a Counted<'a>),
+        planned: &'a [PlannedStage],
+    ) -> Self {
+        let mut clock = Self {
             announce,
+            runner,
             counted,
+            planned,
+            lengths: vec![[0.0; 2]; planned.len()],
             stages: Vec::new(),
+        };
+        for (i, stage) in planned.iter().enumerate() {
+            clock.expect(i, stage);
         }
+        clock
+    }
+
+    /// What is expected of a stage.
+    fn expect(&mut self, place: usize, stage: &PlannedStage) {
+        let length =
+            |lists: &[RunList]| length_of(&self.runner.campaign, self.runner.simulator, lists);
+        let least = length(&stage.certain);
+        self.lengths[place] = [least, least + length(&stage.further)];
     }
 
     /// Begins a stage; the one before is over.
-    fn begin(&mut self, stage: &str) {
-        (self.announce)(stage);
-        let begin = (stage.to_owned(), Instant::now(), self.counted.runs());
+    fn begin(&mut self, place: usize) {
+        let name = &self.planned[place].stage;
+        (self.announce)(name);
+        let later = self.lengths[place + 1..].iter();
+        let later = later.fold([0.0; 2], |sum, length| {
+            [0, 1].map(|end| sum[end] + length[end])
+        });
+        self.runner.campaign.expect(self.lengths[place], later);
+        let begin = (name.clone(), Instant::now(), self.counted.runs());
         self.stages.push(begin);
     }
 

@@ -1,10 +1,11 @@
 //! What the residual at the estimate says: which effect, if any, the model lacks.
 
+use crate::budget::lists_of;
 use crate::correlated::correlation_of;
 use crate::{
     CalibrationProblem, Candidate, CandidateMeasurement, DeclaredParameter, DiagnosisStage, Error,
-    LoopSettings, Measurement, Model, Observed, ResidualPlan, Role, StudyCondition, runs_needed,
-    study_residual,
+    LoopSettings, Measurement, Model, Observed, ResidualPlan, Role, RunList, StudyCondition,
+    runs_needed, study_residual,
 };
 use campaign::{Campaign, RunRequest, Simulator};
 use std::collections::BTreeMap;
@@ -33,23 +34,87 @@ pub fn diagnose_at(
         return Ok(left_out("no effect is to be searched"));
     }
     let (plan, observed) = plan(problem, settings, at);
-    let values: usize = (0..plan.conditions.len())
-        .filter(|&c| plan.conditions[c].used)
-        .map(|c| observed.measured(c).len())
-        .sum();
-    let free = plan.declared.iter().filter(|d| d.prior.is_none()).count();
+    let (values, free) = (values_of_fit(&plan, &observed), without_prior(&plan));
     if values <= free {
         return Ok(left_out(&format!(
             "{values} measurements of role fit and {free} parameters: what {free} parameters can always meet tests nothing; measure \
              more observables or conditions"
         )));
     }
+    let length = |lists: &[RunList]| length_of(campaign, simulator, lists);
+    let (certain, further) = lists_of(&plan);
+    let least = length(&certain);
+    campaign.expect([least, least + length(&further)], [0.0; 2]);
     match study_residual(campaign, simulator, &plan, &observed) {
         Ok(study) => Ok(DiagnosisStage::Done(Box::new(study))),
         // What the other stages found stands without it.
         Err(error @ Error::Cell { .. }) => Ok(left_out(&error.to_string())),
         Err(error) => Err(error),
     }
+}
+
+/// Number of measured values that the fit uses.
+fn values_of_fit(plan: &ResidualPlan, observed: &Observed) -> usize {
+    let used = (0..plan.conditions.len()).filter(|&c| plan.conditions[c].used);
+    used.map(|c| observed.measured(c).len()).sum()
+}
+
+/// Number of the parameters that nothing holds but the measurements.
+fn without_prior(plan: &ResidualPlan) -> usize {
+    plan.declared.iter().filter(|d| d.prior.is_none()).count()
+}
+
+/// The lists of runs of a diagnosis: those that are certain if nothing fails, and further ones, at most. None where
+/// [`diagnose_at`] leaves it out.
+pub(crate) fn lists_of_diagnosis(
+    problem: &CalibrationProblem,
+    settings: &LoopSettings,
+) -> (Vec<RunList>, Vec<RunList>) {
+    let (plan, observed) = plan(problem, settings, &problem.start());
+    if problem.effects.is_empty() || values_of_fit(&plan, &observed) <= without_prior(&plan) {
+        return (Vec::new(), Vec::new());
+    }
+    lists_of(&plan)
+}
+
+/// Length of lists of runs behind each other, see [`Campaign::length_of`].
+pub(crate) fn length_of(
+    campaign: &Campaign<'_>,
+    simulator: &dyn Simulator,
+    lists: &[RunList],
+) -> f64 {
+    let length = |list: &RunList| {
+        let costs = list.requests.iter().map(|r| simulator.expected_cost(r));
+        list.times as f64 * campaign.length_of(costs)
+    };
+    lists.iter().map(length).sum()
+}
+
+/// The problem that a budget allows to diagnose after so many runs: without what to measure next if only that is too much.
+///
+/// # Errors
+///
+/// Why the diagnosis is left out: the budget does not allow all the runs that it may need.
+pub(crate) fn within_budget(
+    problem: &CalibrationProblem,
+    settings: &LoopSettings,
+    spent: usize,
+) -> Result<CalibrationProblem, String> {
+    let Some(most) = settings.most_runs.filter(|_| !problem.effects.is_empty()) else {
+        return Ok(problem.clone());
+    };
+    let needed = most_runs_of_diagnosis(problem, settings);
+    if spent + needed > most {
+        return Err(format!(
+            "it may need {needed} runs, and the budget of {most} leaves {}: raise it to {}, or search fewer effects",
+            most.saturating_sub(spent),
+            spent + needed
+        ));
+    }
+    if spent + needed + most_runs_of_candidates(problem, settings) > most {
+        return Ok(problem.without_candidates());
+    }
+    Ok(problem.clone())
 }
 
 /// A stage that was not made.
@@ -66,7 +131,10 @@ pub fn most_runs_of_candidates(problem: &CalibrationProblem, settings: &LoopSett
         return 0;
     }
     let start = problem.start();
-    plan(problem, settings, &start).0.runs_at_candidates()
+    plan(problem, settings, &start)
+        .0
+        .requests_at_candidates()
+        .len()
 }
 
 /// Most runs that the diagnosis of a problem may need, without those at candidates; none where no effect is to be searched.

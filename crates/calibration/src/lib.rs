@@ -106,7 +106,7 @@ pub use calibrate::{calibrate, within_budget};
 pub use diagnosis_stage::{diagnose_at, most_runs_of_candidates, most_runs_of_diagnosis};
 pub use error::Error;
 pub use laboratory::Laboratory;
-pub use planned::{PlannedStage, planned};
+pub use planned::{PlannedStage, RunList, planned, planned_diagnosis};
 pub use power::{PowerTable, power_of_design};
 pub use problem::{
     CalibrationProblem, Candidate, Correlation, MOST_PARAMETERS, Measurement, Model, Parameter,

@@ -1,6 +1,6 @@
 //! What a calibration will run, before it runs anything.
 
-use crate::diagnosis_stage::{most_runs_of_candidates, most_runs_of_diagnosis};
+use crate::diagnosis_stage::{lists_of_diagnosis, within_budget};
 use crate::joint::slope_runs;
 use crate::region::Region;
 use crate::samples::{Asked, Wanted, request, wanted};
@@ -9,20 +9,54 @@ use crate::search::design_points;
 use crate::{CalibrationProblem, Error, LoopSettings, Role};
 use campaign::RunRequest;
 
+/// Runs that are asked for together, so many times behind each other.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RunList {
+    /// How often.
+    pub times: usize,
+    /// The runs of one list.
+    pub requests: Vec<RunRequest>,
+}
+
+impl RunList {
+    /// Runs that are asked for once.
+    pub fn once(requests: Vec<RunRequest>) -> Self {
+        Self { times: 1, requests }
+    }
+}
+
 /// A stage of the plan.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PlannedStage {
     /// What it is.
     pub stage: String,
     /// Its runs, without those that only its result asks for.
-    pub requests: Vec<RunRequest>,
+    pub certain: Vec<RunList>,
     /// Runs that it may ask for beyond these, at most: further boxes, rounds and effects.
-    pub at_most_further: usize,
+    pub further: Vec<RunList>,
+}
+
+impl PlannedStage {
+    /// Number of runs that are certain.
+    pub fn runs(&self) -> usize {
+        number(&self.certain)
+    }
+
+    /// Number of runs beyond these, at most.
+    pub fn at_most_further(&self) -> usize {
+        number(&self.further)
+    }
+}
+
+/// Number of runs of lists.
+fn number(lists: &[RunList]) -> usize {
+    lists.iter().map(|l| l.times * l.requests.len()).sum()
 }
 
 /// The stages of a calibration with their runs.
 ///
-/// Where a run depends on the result of another, the middle of the box stands for the estimate.
+/// Where a run depends on the result of another, the middle of the box stands for the estimate. A diagnosis for which the budget of
+/// the settings leaves no runs has none.
 ///
 /// # Errors
 ///
@@ -51,7 +85,7 @@ pub fn planned(
         "the parameters in use before",
         &everyone,
         &start,
-        settings.before_runs,
+        (settings.before_runs, 0),
     )];
     let mut screening = Vec::new();
     let mut design = Vec::new();
@@ -63,43 +97,67 @@ pub fn planned(
         let points = design_points(asked, (model, &active), &region)?;
         design.extend(wanted(0, model, &points));
     }
-    let further = settings.most_boxes.saturating_sub(1) * design.len();
+    let further = settings.most_boxes.saturating_sub(1);
     stages.push(stage(asked, "screening", &screening, 0));
     stages.push(stage(asked, "surfaces and estimate", &design, further));
     let rounds = settings.most_confirmations.saturating_sub(1);
-    let n = settings.confirmation_runs.max(2);
-    let mut confirmation = repeats(asked, "confirmation by fresh runs", &of_fit, &middle, n);
-    confirmation.at_most_further = rounds * confirmation.requests.len();
-    stages.push(confirmation);
-    let mut check = repeats(asked, "check", &other, &middle, settings.check_runs.max(2));
+    let n = (settings.confirmation_runs.max(2), rounds);
+    let name = "confirmation by fresh runs";
+    stages.push(repeats(asked, name, &of_fit, &middle, n));
+    let n = (settings.check_runs.max(2), 0);
+    let mut check = repeats(asked, "check", &other, &middle, n);
     if settings.joint {
         let about = slope_runs(asked, &checks, (&middle, &region))?;
-        check
-            .requests
-            .extend(about.iter().map(|w| request(problem, w)));
+        let about = about.iter().map(|w| request(problem, w));
+        check.certain[0].requests.extend(about);
     }
     stages.push(check);
-    let diagnosis =
-        most_runs_of_diagnosis(problem, settings) + most_runs_of_candidates(problem, settings);
-    let name = "diagnosis of the residual";
-    stages.push(stage(asked, name, &[], diagnosis));
+    let spent = stages.iter().map(PlannedStage::runs).sum();
+    stages.push(planned_diagnosis(problem, settings, spent));
     Ok(stages)
 }
 
-/// A stage of given runs.
-fn stage(asked: Asked<'_>, name: &str, list: &[Wanted], at_most_further: usize) -> PlannedStage {
+/// The runs of the diagnosis of a problem, as far as the budget of the settings allows them after so many.
+pub fn planned_diagnosis(
+    problem: &CalibrationProblem,
+    settings: &LoopSettings,
+    spent: usize,
+) -> PlannedStage {
+    let (certain, further) = match within_budget(problem, settings, spent) {
+        Ok(problem) => lists_of_diagnosis(&problem, settings),
+        Err(_) => (Vec::new(), Vec::new()),
+    };
     PlannedStage {
-        stage: name.to_owned(),
-        requests: list.iter().map(|w| request(asked.problem, w)).collect(),
-        at_most_further,
+        stage: "diagnosis of the residual".to_owned(),
+        certain,
+        further,
     }
 }
 
-/// A stage of `n` runs of some models at a point.
-fn repeats(asked: Asked<'_>, name: &str, models: &[usize], at: &[f64], n: usize) -> PlannedStage {
+/// A stage of given runs, in one list that may be asked for again with other values.
+fn stage(asked: Asked<'_>, name: &str, list: &[Wanted], again: usize) -> PlannedStage {
+    let requests: Vec<RunRequest> = list.iter().map(|w| request(asked.problem, w)).collect();
+    PlannedStage {
+        stage: name.to_owned(),
+        certain: vec![RunList::once(requests.clone())],
+        further: vec![RunList {
+            times: again,
+            requests,
+        }],
+    }
+}
+
+/// A stage of `n` runs of some models at a point, and the same again at others.
+fn repeats(
+    asked: Asked<'_>,
+    name: &str,
+    models: &[usize],
+    at: &[f64],
+    (n, again): (usize, usize),
+) -> PlannedStage {
     let each = models.iter();
     let list: Vec<Wanted> = each
         .flat_map(|&model| wanted(0, model, &vec![at.to_vec(); n]))
         .collect();
-    stage(asked, name, &list, 0)
+    stage(asked, name, &list, again)
 }

@@ -16,9 +16,11 @@ mod worker;
 
 use crate::Error;
 use amplitude_search::worth_a_search;
-use campaign::{Campaign, Simulator};
+use campaign::{Campaign, RunRequest, Simulator};
 pub use candidates::{CandidateMeasurement, OfferedMeasurement};
-use fits::{FIRST_BLOCK_ANEW, FIRST_BLOCK_OF_NOISY, Fits, Looks, Visited, sets_to_add};
+use fits::{
+    BLOCKS_OF_FIT, FIRST_BLOCK_ANEW, FIRST_BLOCK_OF_NOISY, Fits, Looks, Visited, sets_to_add,
+};
 use linearisation::Linearisation;
 use plan::check;
 pub use plan::{DeclaredParameter, EffectProbe, Observed, ResidualPlan, StudyCondition};
@@ -170,6 +172,25 @@ fn leave_out_unmeasured(plan: &mut ResidualPlan, observed: &mut Observed) {
         *block = kept.iter().map(|&k| of_kept(&block[k])).collect();
     }
     plan.observables = names;
+}
+
+/// The lists of runs of a study that are certain if nothing fails: the start and the steps beside it, the first fit at the used
+/// conditions, and its end at the kept ones.
+pub(crate) fn certain_lists(plan: &ResidualPlan) -> [Vec<RunRequest>; 3] {
+    let settings = linearisation::start_and_steps(plan);
+    let mut start: Vec<RunRequest> = Vec::new();
+    for request in settings
+        .iter()
+        .flat_map(|(point, _)| runs::requests(plan, point, 0, At::Used))
+    {
+        // An effect that a condition cannot carry is the start there.
+        if !start.contains(&request) {
+            start.push(request);
+        }
+    }
+    let (at, block) = (&settings[0].0, BLOCKS_OF_FIT[0]);
+    let [used, kept] = [At::Used, At::Kept].map(|at_all| runs::requests(plan, at, block, at_all));
+    [start, used, kept]
 }
 
 /// The study of a plan whose conditions can all be run.

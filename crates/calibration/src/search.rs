@@ -5,9 +5,14 @@ use crate::intervals::best_of;
 use crate::joint_fit::{JointFit, Minimum, Whitening};
 use crate::lack_of_fit::{Missed, missed};
 use crate::region::Region;
-use crate::samples::{Asked, Runner, Sample, Samples, Wanted, first_seed, observables, wanted};
+use crate::samples::{
+    Asked, Runner, Sample, Samples, Wanted, first_seed, observables, request, wanted,
+};
 use crate::surface::{Degree, Surface, of_regime, too_few, usual_regime};
-use crate::{CalibrationProblem, Error, LeftOut, ModelSurfaces, Role, SearchBox, SurfaceDesign};
+use crate::{
+    CalibrationProblem, Error, LeftOut, ModelSurfaces, PlannedStage, Role, RunList, SearchBox,
+    SurfaceDesign,
+};
 use nalgebra::{DMatrix, DVector};
 use quantity::significant;
 use response_surface::{Model, Observations};
@@ -90,6 +95,31 @@ impl<'a> Search<'a> {
             boxes: Vec::new(),
             remarks: Vec::new(),
         }
+    }
+
+    /// The stage of the search with the parameters that passed the screening: the first box, and as many further ones as are left.
+    ///
+    /// # Errors
+    ///
+    /// A design that does not exist.
+    pub(crate) fn planned(&self, stage: &PlannedStage) -> Result<PlannedStage, Error> {
+        let Runner { asked, .. } = self.runner;
+        let region = Region::first(&asked.problem.parameters);
+        let mut requests = Vec::new();
+        for (&model, active) in &self.active {
+            let points = design_points(asked, (model, active), &region)?;
+            let runs = wanted(0, model, &points).into_iter();
+            requests.extend(runs.map(|w| request(asked.problem, &w)));
+        }
+        let left = self.most_boxes() - self.boxes.len().max(1);
+        Ok(PlannedStage {
+            stage: stage.stage.clone(),
+            certain: vec![RunList::once(requests.clone())],
+            further: vec![RunList {
+                times: left,
+                requests,
+            }],
+        })
     }
 
     /// Searches box after box until the best point lies inside and the surfaces meet their runs, or nothing more can be done.

@@ -118,7 +118,7 @@ fn no_number_in_a_damaged_progress_file_holds_up_the_page() {
         ("failed", json!(u64::MAX)),
         ("failed_before", json!(u64::MAX)),
         ("elapsed_s", json!(1e308)),
-        ("left_s", json!(-1e308)),
+        ("left_s", json!([-1e308, 1e308])),
         ("lists", json!(-1)),
     ] {
         let mut state = sound.clone();
@@ -271,7 +271,7 @@ fn the_page_tells_stage_runs_results_and_frames() {
         "<dt>Waiting</dt><dd>0</dd>",
         "<dt>Failed</dt><dd>1</dd>",
         "<dt>Records in the folder</dt><dd>3</dd>",
-        "<dt>Time left, whole loop</dt><dd>about 0 s</dd>",
+        "<dt>Time of runs left, whole loop</dt><dd>about 0 s</dd>",
         "<progress max=\"4\" value=\"4\">",
     ] {
         assert!(status.contains(says), "{says}: {status}");

@@ -1,6 +1,6 @@
 //! The parts of the page: each is markup made of what the folder shows, with every text escaped.
 
-use campaign::time_in_words;
+use campaign::{range_in_words, time_in_words};
 use report::{counted, escaped};
 use std::fmt::Write as _;
 
@@ -105,9 +105,9 @@ fn status(snapshot: &Snapshot<'_>) -> String {
         if is_open {
             let left = state.left_s.map_or_else(
                 || "not known yet".to_owned(),
-                |left| format!("about {}", time_in_words(left - age)),
+                |left| range_in_words(left.map(|end| end - age)),
             );
-            fact("Time left, whole loop", left);
+            fact("Time of runs left, whole loop", left);
         }
     }
     out + "</dl>"

@@ -5,9 +5,9 @@ use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
-use crate::SimulatorError;
 use crate::jobs::Job;
 use crate::time_left::Workload;
+use crate::{Pace, SimulatorError};
 
 /// Pause before the first look at a run that another campaign does.
 const FIRST_PAUSE: Duration = Duration::from_millis(200);
@@ -25,16 +25,12 @@ pub(crate) struct Board {
     pub(crate) asking: BTreeSet<usize>,
     /// Jobs that another campaign does.
     pub(crate) elsewhere: Vec<Elsewhere>,
-    /// Jobs of later lists not yet begun.
-    pub(crate) later: VecDeque<Job>,
     /// Jobs in progress with the time of their begin.
     pub(crate) running: BTreeMap<usize, Instant>,
     /// What came of each job; none before its end.
     pub(crate) results: Vec<Option<Result<Record, Failure>>>,
     /// Number of jobs found in the store, at the start or later.
     pub(crate) reused: usize,
-    /// Expected cost of what later lists will ask for and was not done meanwhile.
-    pub(crate) cost_ahead: f64,
     /// Set when the store fails: a further run would be lost.
     pub(crate) broken: bool,
     /// Set once the listener knows that the campaign waits for another.
@@ -108,7 +104,7 @@ impl Board {
     }
 
     /// What is left of the list and of the loop. The runs of other campaigns count as running, since they were met.
-    pub(crate) fn workload(&self, jobs: &[Job], pace_s: Option<f64>, workers: usize) -> Workload {
+    pub(crate) fn workload(&self, jobs: &[Job], pace: &Pace, workers: usize) -> Workload {
         let cost = |i: &usize| jobs.get(*i).map_or(0.0, |job| job.cost);
         let elsewhere = self
             .elsewhere
@@ -121,11 +117,11 @@ impl Board {
             .map(|(i, begin)| (cost(i), begin.elapsed().as_secs_f64()))
             .unzip();
         Workload {
-            pace_s,
+            pace_s: pace.seconds_per_cost(),
             cost_running,
             time_running_s,
             cost_waiting: self.asking.iter().chain(&self.waiting).map(cost).collect(),
-            cost_ahead: self.cost_ahead,
+            ahead: pace.ahead(),
             workers,
         }
     }

@@ -2,8 +2,8 @@
 //!
 //! A [`Simulator`] turns a [`RunRequest`] into observables. A [`Campaign`] takes a list of
 //! requests, finds those that a [`run_store::Store`] has already, does the rest on several
-//! threads, and stores each as soon as it is finished. Lists that belong to one loop share a [`Pace`] and
-//! tell each other what lies ahead, so that the time left is that of the whole loop.
+//! threads, and stores each as soon as it is finished. Lists that belong to one loop share a [`Pace`] with what
+//! lies ahead of them, so that the time left is that of the whole loop.
 //!
 //! ```
 //! use campaign::{Campaign, RunOutcome, RunRequest, Silent, Simulator, SimulatorError};
@@ -58,7 +58,7 @@ mod workers;
 pub use error::{Error, in_full};
 pub use executor::{Executor, ExecutorError, PendingRun, RunEvent};
 pub use pace::Pace;
-pub use progress::{LineProgress, Progress, ProgressState, Silent, time_in_words};
+pub use progress::{LineProgress, Progress, ProgressState, Silent, range_in_words, time_in_words};
 pub use progress_folder::{
     CampaignPlan, CampaignState, MeasuredMean, ParameterName, PlannedList, PlannedRun,
     ProgressFolder, StagePlan,

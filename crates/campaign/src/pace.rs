@@ -1,10 +1,10 @@
-//! How fast the runs of a loop go.
+//! How fast the runs of a loop go, and what is still ahead.
 
 use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
 
-/// The pace of all lists of one loop: measured time of the finished runs over their expected cost, and when the
-/// loop began.
+/// The pace of all lists of one loop: measured time of the finished runs over their expected cost, when the loop began, and the
+/// length of the lists ahead.
 ///
 /// A list that shares it knows from its first moment how long its runs will take, once a run of any list before
 /// is finished.
@@ -14,6 +14,17 @@ pub struct Pace {
     begin: Instant,
     /// What was measured so far.
     measured: Mutex<Measured>,
+    /// What is expected.
+    ahead: Mutex<Ahead>,
+}
+
+/// Length of the lists ahead, at least and at most, in costs of runs behind each other.
+#[derive(Debug, Clone, Copy, Default)]
+struct Ahead {
+    /// Of the present stage.
+    stage: [f64; 2],
+    /// Of the stages behind it.
+    later: [f64; 2],
 }
 
 /// Sums over the finished runs.
@@ -37,6 +48,7 @@ impl Pace {
         Self {
             begin: Instant::now(),
             measured: Mutex::default(),
+            ahead: Mutex::default(),
         }
     }
 
@@ -50,6 +62,23 @@ impl Pace {
     /// Time since the loop began, s.
     pub fn elapsed_s(&self) -> f64 {
         self.begin.elapsed().as_secs_f64()
+    }
+
+    /// Says what is ahead: lists of the stage that begins, and of the stages behind it.
+    pub(crate) fn expect(&self, stage: [f64; 2], later: [f64; 2]) {
+        *self.ahead.lock().unwrap_or_else(PoisonError::into_inner) = Ahead { stage, later };
+    }
+
+    /// Takes a list that begins off what is ahead of it.
+    pub(crate) fn begin_list(&self, length: f64) {
+        let mut ahead = self.ahead.lock().unwrap_or_else(PoisonError::into_inner);
+        ahead.stage = ahead.stage.map(|stage| (stage - length).max(0.0));
+    }
+
+    /// Length of all lists ahead, at least and at most.
+    pub(crate) fn ahead(&self) -> [f64; 2] {
+        let ahead = *self.ahead.lock().unwrap_or_else(PoisonError::into_inner);
+        [0, 1].map(|end| ahead.stage[end] + ahead.later[end])
     }
 
     /// Adds a finished run: its expected cost, and the time that it took, s.

@@ -22,16 +22,16 @@ pub struct ProgressState {
     pub running: usize,
     /// Time since the loop began, s.
     pub elapsed_s: f64,
-    /// Expected time to the end of the loop, later lists included, s; none before the first run of the loop is
-    /// finished.
-    pub left_s: Option<f64>,
+    /// Expected time of the runs to the end of the loop, later lists included, at least and at most, s: what is run depends on what is
+    /// found. None before the first run of the loop is finished.
+    pub left_s: Option<[f64; 2]>,
 }
 
 impl ProgressState {
     /// The time to the end of the loop, in words.
     fn left(&self) -> String {
         match self.left_s {
-            Some(left) => format!("about {} left", time_in_words(left)),
+            Some(left) => format!("{} of runs left", range_in_words(left)),
             None => "time left not known yet".to_owned(),
         }
     }
@@ -45,7 +45,7 @@ impl ProgressState {
             ..
         } = self;
         format!(
-            "{done}/{total} runs, {running} running; whole loop: {}",
+            "{done}/{total} runs, {running} running; loop: {}",
             self.left()
         )
     }
@@ -189,6 +189,16 @@ impl Progress for LineProgress {
     }
 }
 
+/// A range of times, s, in words; one time where both ends read alike.
+pub fn range_in_words([least, most]: [f64; 2]) -> String {
+    let [least, most] = [least, most].map(time_in_words);
+    if least == most {
+        format!("about {least}")
+    } else {
+        format!("{least} to {most}")
+    }
+}
+
 /// A time, s, in the unit that reads best; one below 0 is 0.
 pub fn time_in_words(seconds: f64) -> String {
     let seconds = seconds.max(0.0);
@@ -234,7 +244,7 @@ mod tests {
                 total: 4,
                 running: 2,
                 elapsed_s: 60.0,
-                left_s: (done > 0).then_some(30.0),
+                left_s: (done > 0).then_some([30.0, 1080.0]),
             });
             if done == 2 {
                 lines.warning("a disk is slow");
@@ -264,10 +274,11 @@ mod tests {
             2,
             "the warning and the end: {text:?}"
         );
-        let half = "[##########----------] 2/4 runs, 2 running; whole loop: about 30 s left\r";
+        let half =
+            "[##########----------] 2/4 runs, 2 running; loop: 30 s to 18 min of runs left\r";
         assert!(text.contains(half) && half.len() <= 80, "{text:?}");
         assert!(text.ends_with(
-            "[####################] 4/4 runs, 2 running; whole loop: about 30 s left\n"
+            "[####################] 4/4 runs, 2 running; loop: 30 s to 18 min of runs left\n"
         ));
     }
 
@@ -292,7 +303,11 @@ mod tests {
             state.to_string(),
             "3/9 runs of this list (1 reused, 2 running); whole loop: 75 s elapsed, time left not known yet"
         );
-        state.left_s = Some(7200.0);
-        assert!(state.to_string().ends_with("about 2.0 h left"), "{state}");
+        state.left_s = Some([7200.0; 2]);
+        let told = state.to_string();
+        assert!(told.ends_with("about 2.0 h of runs left"), "{told}");
+        state.left_s = Some([60.0, 7200.0]);
+        let told = state.to_string();
+        assert!(told.ends_with("60 s to 2.0 h of runs left"), "{told}");
     }
 }

@@ -94,8 +94,8 @@ pub struct CampaignState {
     pub failed_before: usize,
     /// Time since the loop began, s.
     pub elapsed_s: f64,
-    /// Expected time to the end of the loop, s; none before the first run is finished.
-    pub left_s: Option<f64>,
+    /// Expected time of the runs to the end of the loop, at least and at most, s; none before the first run is finished.
+    pub left_s: Option<[f64; 2]>,
     /// How it ended; none before its end, and where it was killed.
     pub end: Option<String>,
 }

@@ -1,11 +1,11 @@
 //! What the store has of a campaign already.
 
 use run_store::{Lookup, Record};
-use std::collections::{BTreeMap, BTreeSet, VecDeque};
+use std::collections::{BTreeMap, BTreeSet};
 
 use crate::board::{Board, Failure};
-use crate::jobs::{Job, JobList};
-use crate::{Campaign, Error, Simulator, SimulatorError};
+use crate::jobs::Job;
+use crate::{Campaign, Error, SimulatorError};
 
 /// How often a record is looked up that others replace meanwhile.
 const LOOKS: usize = 4;
@@ -51,18 +51,6 @@ impl Campaign<'_> {
         Err(Failure::Simulator(SimulatorError::Failed { reason }))
     }
 
-    /// The jobs of later lists that are neither in this one nor in the store. A request that is refused is left
-    /// to the list that asks for it.
-    pub(crate) fn later(&self, simulator: &dyn Simulator, jobs: &[Job]) -> VecDeque<Job> {
-        let mut later = JobList::new(simulator, self.meanwhile).jobs;
-        let listed: BTreeSet<_> = jobs.iter().map(|job| job.blank.key()).collect();
-        later.retain(|job| {
-            let key = job.blank.key();
-            !listed.contains(key) && matches!(self.store.get(key), Ok(Lookup::Absent))
-        });
-        later.into()
-    }
-
     /// Finds what the store has, and orders the rest, longest first.
     pub(crate) fn look_up(&self, jobs: &[Job]) -> Result<Board, Error> {
         let mut results = Vec::with_capacity(jobs.len());
@@ -82,10 +70,8 @@ impl Campaign<'_> {
             waiting: waiting.into(),
             asking: BTreeSet::new(),
             elsewhere: Vec::new(),
-            later: VecDeque::new(),
             running: BTreeMap::new(),
             results,
-            cost_ahead: self.ahead,
             broken: false,
             told_of_others: false,
         })

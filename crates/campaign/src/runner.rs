@@ -9,6 +9,7 @@ use std::time::Duration;
 use crate::board::{Failure, lock};
 use crate::claims::Keeper;
 use crate::jobs::{Job, JobList};
+use crate::time_left::end_of_last;
 use crate::workers::Hall;
 use crate::{Error, Executor, Pace, PendingRun, Progress, RunRequest, Simulator};
 
@@ -23,11 +24,7 @@ pub struct Campaign<'a> {
     pub(crate) progress: &'a dyn Progress,
     /// Raised by someone who wants no further run to start.
     pub(crate) stop: Option<&'a AtomicBool>,
-    /// Runs of later lists, for workers that have nothing left to do.
-    pub(crate) meanwhile: &'a [RunRequest],
-    /// Expected cost of all runs that later lists will ask for.
-    pub(crate) ahead: f64,
-    /// What the lists of one loop measured so far; each list measures alone where absent.
+    /// What the lists of one loop measured so far, and what is ahead of them; each list stands alone where absent.
     pub(crate) pace: Option<&'a Pace>,
     /// Does the runs in place of the threads of this process.
     pub(crate) executor: Option<&'a dyn Executor>,
@@ -53,8 +50,6 @@ impl<'a> Campaign<'a> {
             threads: if threads == 0 { cores() } else { threads },
             progress,
             stop: None,
-            meanwhile: &[],
-            ahead: 0.0,
             pace: None,
             executor: None,
             claim_life: CLAIM_LIFE,
@@ -69,32 +64,30 @@ impl<'a> Campaign<'a> {
         self
     }
 
-    /// Names runs that later lists will ask for: while the last runs of a list keep it from its end, a
-    /// worker that has nothing left to do begins one of these, if it can be about done by then. Their
-    /// records wait in the store; one that fails is left to the list that asks for it.
-    #[must_use]
-    pub fn with_meanwhile(mut self, requests: &'a [RunRequest]) -> Self {
-        self.meanwhile = requests;
-        self
-    }
-
-    /// Says what is planned behind this list: the expected cost, in the unit of [`Simulator::expected_cost`], of
-    /// all runs that later lists will ask for, those of [`Campaign::with_meanwhile`] included. The time left
-    /// is then that of the whole loop.
-    #[must_use]
-    pub fn with_ahead(mut self, cost: f64) -> Self {
-        self.ahead = if cost.is_finite() { cost.max(0.0) } else { 0.0 };
-        self
-    }
-
-    /// Shares the pace of all lists of one loop, so that a list knows from its first moment how long it takes.
+    /// Shares the pace of all lists of one loop, so that a list knows from its first moment how long it takes, and how long the loop
+    /// goes on behind it.
     #[must_use]
     pub fn with_pace(mut self, pace: &'a Pace) -> Self {
         self.pace = Some(pace);
         self
     }
 
-    /// Has the runs done elsewhere than on the threads of this process. Runs of later lists are then not begun early.
+    /// Says what is planned from here on, where the lists share a pace: the [length](Self::length_of) of all lists of the stage that
+    /// begins, and of the stages behind it, at least and at most. The time left is then that of the whole loop. Each list of the
+    /// stage takes its own length off when it begins.
+    pub fn expect(&self, stage: [f64; 2], later: [f64; 2]) {
+        if let Some(pace) = self.pace {
+            pace.expect(stage, later);
+        }
+    }
+
+    /// Length of a list of runs with these costs, in the order in which they begin: the costs of the runs that are done behind each
+    /// other on the busiest thread.
+    pub fn length_of(&self, costs: impl Iterator<Item = f64>) -> f64 {
+        end_of_last(vec![0.0; self.threads.max(1)], costs)
+    }
+
+    /// Has the runs done elsewhere than on the threads of this process.
     #[must_use]
     pub fn with_executor(mut self, executor: &'a dyn Executor) -> Self {
         self.executor = Some(executor);
@@ -178,6 +171,7 @@ impl<'a> Campaign<'a> {
     ) -> Result<Vec<Option<Result<Record, Failure>>>, Error> {
         let own = Pace::new();
         let pace = self.pace.unwrap_or(&own);
+        pace.begin_list(self.length_of(jobs.iter().map(|job| job.cost)));
         let mut board = self.look_up(jobs)?;
         let pending: Vec<PendingRun<'_>> = jobs.iter().map(Job::pending).collect();
         self.progress.planned(&pending);
@@ -185,10 +179,7 @@ impl<'a> Campaign<'a> {
             self.have_done(executor, jobs, &mut board, pace)?;
             return Ok(board.results);
         }
-        if !board.waiting.is_empty() {
-            board.later = self.later(simulator, jobs);
-        }
-        let workers = self.threads.min(board.waiting.len() + board.later.len());
+        let workers = self.threads.min(board.waiting.len());
         let board = Mutex::new(board);
         self.tell(jobs, &lock(&board), pace);
         let keeper = Keeper::new(self.store, self.claim_life);

@@ -11,25 +11,26 @@ pub(crate) struct Workload {
     pub(crate) time_running_s: Vec<f64>,
     /// Costs of the runs still waiting, in the order in which they will start.
     pub(crate) cost_waiting: Vec<f64>,
-    /// Expected cost of all runs that later lists will ask for.
-    pub(crate) cost_ahead: f64,
+    /// Expected length of all later lists, in costs of runs behind each other: at least and at most.
+    pub(crate) ahead: [f64; 2],
     /// Number of workers.
     pub(crate) workers: usize,
 }
 
 impl Workload {
-    /// Estimates the time to the end of the loop, s: of this list, and of the lists ahead of it.
+    /// Estimates the time to the end of the loop, s, at least and at most: of this list, and of the lists ahead of it.
     ///
     /// # Formula
     ///
-    /// (end of this list) + (cost ahead) * (seconds per cost) / (number of workers). None while there is
-    /// work but no finished run to measure.
-    pub(crate) fn time_left_s(&self) -> Option<f64> {
-        if self.cost_running.is_empty() && self.cost_waiting.is_empty() && self.cost_ahead <= 0.0 {
-            return Some(0.0);
+    /// (end of this list) + (length of the lists ahead) * (seconds per cost). None while there is work but no finished run to
+    /// measure.
+    pub(crate) fn time_left_s(&self) -> Option<[f64; 2]> {
+        let list = self.list_left_s()?;
+        if self.ahead == [0.0; 2] {
+            return Some([list; 2]);
         }
-        let ahead = self.cost_ahead.max(0.0) * self.pace_s? / self.workers.max(1) as f64;
-        Some(self.list_left_s()? + ahead)
+        let pace = self.pace_s?;
+        Some(self.ahead.map(|ahead| list + ahead * pace))
     }
 
     /// Estimates the time to the end of the last run of this list, s.
@@ -52,13 +53,20 @@ impl Workload {
             .map(|(cost, elapsed)| (cost * pace - elapsed).max(0.0))
             .collect();
         free_at.resize(self.workers.max(free_at.len()).max(1), 0.0);
-        for cost in &self.cost_waiting {
-            if let Some(first) = free_at.iter_mut().min_by(|a, b| a.total_cmp(b)) {
-                *first += cost * pace;
-            }
-        }
-        free_at.into_iter().reduce(f64::max)
+        let waiting = self.cost_waiting.iter().map(|cost| cost * pace);
+        Some(end_of_last(free_at, waiting))
     }
+}
+
+/// When the last run of a list ends whose runs begin in their order, each on the worker that is free first; workers by the time at
+/// which they are free, in the unit of the runs.
+pub(crate) fn end_of_last(mut free_at: Vec<f64>, runs: impl Iterator<Item = f64>) -> f64 {
+    for run in runs {
+        if let Some(first) = free_at.iter_mut().min_by(|a, b| a.total_cmp(b)) {
+            *first += run;
+        }
+    }
+    free_at.into_iter().fold(0.0, f64::max)
 }
 
 #[cfg(test)]
@@ -71,7 +79,7 @@ mod tests {
             cost_running: vec![3.0, 1.0],
             time_running_s: vec![1.0, 5.0],
             cost_waiting: vec![2.0, 1.0, 1.0],
-            cost_ahead: 0.0,
+            ahead: [0.0; 2],
             workers: 2,
         }
     }
@@ -80,7 +88,7 @@ mod tests {
     /// (4 < 5), 2 s on the first: ends at 7 s and 6 s.
     #[test]
     fn time_left_is_the_end_of_the_last_run_of_the_list_schedule() {
-        assert_eq!(workload().time_left_s(), Some(7.0));
+        assert_eq!(workload().time_left_s(), Some([7.0; 2]));
     }
 
     #[test]
@@ -90,25 +98,25 @@ mod tests {
             ..workload()
         };
         assert_eq!(unmeasured.time_left_s(), None);
-        assert_eq!(Workload::default().time_left_s(), Some(0.0));
+        assert_eq!(Workload::default().time_left_s(), Some([0.0; 2]));
     }
 
-    /// By hand: this list ends in 7 s; a cost of 6 ahead takes 12 s of one worker, 6 s of two. What lies ahead
-    /// counts when this list is done too, and it is unknown before a run was measured.
+    /// By hand: this list ends in 7 s; lists of the length 3 to 5 take 6 to 10 s. What lies ahead counts when this list is done
+    /// too, and it is unknown before a run was measured.
     #[test]
     fn time_left_holds_what_later_lists_will_ask_for() {
         let with_later = Workload {
-            cost_ahead: 6.0,
+            ahead: [3.0, 5.0],
             ..workload()
         };
         assert_eq!(with_later.list_left_s(), Some(7.0));
-        assert_eq!(with_later.time_left_s(), Some(13.0));
+        assert_eq!(with_later.time_left_s(), Some([13.0, 17.0]));
         let list_done = Workload {
             cost_running: Vec::new(),
             cost_waiting: Vec::new(),
             ..with_later.clone()
         };
-        assert_eq!(list_done.time_left_s(), Some(6.0));
+        assert_eq!(list_done.time_left_s(), Some([6.0, 10.0]));
         let unmeasured = Workload {
             pace_s: None,
             ..list_done
@@ -126,6 +134,6 @@ mod tests {
             workers: 8,
             ..workload()
         };
-        assert_eq!(tail.time_left_s(), Some(20.0));
+        assert_eq!(tail.time_left_s(), Some([20.0; 2]));
     }
 }

@@ -19,8 +19,6 @@ const SHORT_PAUSE: Duration = Duration::from_millis(5);
 enum Next {
     /// Begins a job, if no other campaign does it; one that another campaign did when it was met last.
     Ask(usize, Option<Elsewhere>),
-    /// Begins a job of a later list.
-    Later(Box<Job>),
     /// Waits for what others are at.
     Wait(Duration),
     /// Ends.
@@ -76,7 +74,6 @@ impl Campaign<'_> {
         loop {
             match self.next(hall) {
                 Next::Ask(i, before) => self.do_job(hall, i, before),
-                Next::Later(job) => self.do_later(hall, &job),
                 Next::Wait(pause) => std::thread::sleep(pause),
                 Next::End => return,
             }
@@ -97,9 +94,6 @@ impl Campaign<'_> {
             board.asking.insert(other.job);
             return Next::Ask(other.job, Some(other));
         }
-        if let Some(job) = self.take_later(hall, &mut board) {
-            return Next::Later(Box::new(job));
-        }
         if !board.is_undecided() {
             return Next::End;
         }
@@ -108,17 +102,6 @@ impl Campaign<'_> {
         } else {
             SHORT_PAUSE
         })
-    }
-
-    /// Takes a job of a later list while jobs of this one run for at least half of its time.
-    fn take_later(&self, hall: &Hall<'_>, board: &mut Board) -> Option<Job> {
-        let pace_s = hall.pace.seconds_per_cost();
-        let needed = 0.5 * board.later.front()?.cost * pace_s?;
-        let workload = board.workload(hall.jobs, pace_s, self.threads);
-        if workload.cost_running.is_empty() || workload.list_left_s()? < needed {
-            return None;
-        }
-        board.later.pop_front()
     }
 
     /// Whether no further run may begin.
@@ -176,15 +159,6 @@ impl Campaign<'_> {
         self.tell(hall.jobs, &board, hall.pace);
     }
 
-    /// Does a job of a later list.
-    fn do_later(&self, hall: &Hall<'_>, job: &Job) {
-        // The list that asks for the run reports what is wrong with it.
-        if let Outcome::Ran(_, time_s) = self.attempt(hall, job, &|| {}) {
-            hall.pace.add(job.cost, time_s);
-        }
-        lock(hall.board).cost_ahead -= job.cost;
-    }
-
     /// Runs a job, if the store has no record of it and no other campaign does it.
     fn attempt(&self, hall: &Hall<'_>, job: &Job, begin: &dyn Fn()) -> Outcome {
         let warn = |text: &str| {
@@ -233,7 +207,7 @@ impl Campaign<'_> {
 
     /// Tells the listener how far it is.
     pub(crate) fn tell(&self, jobs: &[Job], board: &Board, pace: &Pace) {
-        let workload = board.workload(jobs, pace.seconds_per_cost(), self.threads);
+        let workload = board.workload(jobs, pace, self.threads);
         self.progress.update(&ProgressState {
             done: board.results.iter().flatten().count(),
             failed: board

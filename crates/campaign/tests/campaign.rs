@@ -142,70 +142,6 @@ fn longest_runs_begin_first() {
     assert_eq!(*toy.begun.lock().unwrap(), vec![3.0, 2.0, 1.0]);
 }
 
-/// A simulator whose run at x = 5 ends when the one at x = 0.5 has begun, or after two seconds.
-struct Waiting(Toy);
-
-impl Simulator for Waiting {
-    fn version(&self) -> String {
-        self.0.version()
-    }
-
-    fn run(&self, request: &RunRequest) -> Result<RunOutcome, SimulatorError> {
-        let x = request.parameter("x")?;
-        let outcome = self.0.run(request);
-        // The pace of this run lets the other one expect 200 ms more: time enough to be seen idle.
-        if x == 1.0 {
-            std::thread::sleep(Duration::from_millis(50));
-        }
-        let begun = || {
-            self.0
-                .begun
-                .lock()
-                .expect("no holder panics")
-                .contains(&0.5)
-        };
-        for _ in 0..200 {
-            if x == 5.0 && !begun() {
-                std::thread::sleep(Duration::from_millis(10));
-            }
-        }
-        outcome
-    }
-
-    fn expected_cost(&self, request: &RunRequest) -> f64 {
-        self.0.expected_cost(request)
-    }
-}
-
-/// While the last run of a list goes on, the other worker does runs of later lists: their list finds them in
-/// the store, and hears of the one that failed (x = 13). A single worker is never idle.
-#[test]
-fn idle_worker_begins_runs_of_later_lists() {
-    let folder = tempfile::tempdir().unwrap();
-    let store = Store::open(folder.path()).unwrap();
-    let later = requests(&[0.5, 13.0]);
-    let toy = Waiting(Toy::default());
-    let list = requests(&[5.0, 1.0]);
-    let begun = || toy.0.begun.lock().unwrap().clone();
-
-    let alone = tempfile::tempdir().unwrap();
-    let one = Store::open(alone.path()).unwrap();
-    Campaign::new(&one, 1, &Silent)
-        .with_meanwhile(&later)
-        .run_all(&toy, &requests(&[2.0, 1.0]))
-        .unwrap();
-    assert_eq!(begun(), [2.0, 1.0], "one worker");
-
-    let campaign = Campaign::new(&store, 2, &Silent).with_meanwhile(&later);
-    let records = campaign.run_all(&toy, &list).unwrap();
-    assert_eq!(records.len(), 2);
-    assert!(begun().contains(&0.5), "two workers: {:?}", begun());
-    let runs = |x: f64| begun().iter().filter(|&&y| y == x).count();
-    let failed = campaign.run_all(&toy, &later).unwrap_err();
-    assert!(matches!(failed, Error::Run { n_failed: 1, .. }), "{failed}");
-    assert_eq!(runs(0.5), 1, "found in the store");
-}
-
 /// One failure of each kind: an error value, a panic, and a result that is not a number.
 #[test]
 fn failure_of_a_run_is_reported_with_its_request_and_the_others_are_stored() {
@@ -384,9 +320,9 @@ fn the_regime_of_a_run_is_in_its_record() {
     }
 }
 
-/// The second list of a loop knows the pace of the first from its first moment, and counts what is ahead: at its
-/// end, with nothing of its own left, it still has (cost ahead) x (pace) / (workers) to go. The sums are those that
-/// the pace itself states, to rounding.
+/// The second list of a loop knows the pace of the first from its first moment, and counts what is ahead. The stage has two lists of
+/// the length 2 and 4 at least, and of 7 at most, and a later one 3 to 5: at the end of the first list 4 + 3 to 5 + 5 are left, at the
+/// begin of the second its own 4, and 3 to 1 + 5. The sums are those that the pace itself states, to rounding.
 #[test]
 fn the_time_left_is_that_of_the_whole_loop() {
     let folder = tempfile::tempdir().unwrap();
@@ -394,25 +330,29 @@ fn the_time_left_is_that_of_the_whole_loop() {
     let (pace, listener) = (Pace::new(), Listener::default());
     let campaign = Campaign::new(&store, 2, &listener).with_pace(&pace);
     assert_eq!(pace.seconds_per_cost(), None);
+    assert_eq!(campaign.length_of([3.0, 2.0, 2.0].into_iter()), 4.0);
+    campaign.expect([6.0, 7.0], [3.0, 5.0]);
     campaign
-        .with_ahead(7.0)
         .run_all(&Toy::default(), &requests(&[1.0, 2.0]))
         .unwrap();
     let per_cost = pace.seconds_per_cost().unwrap();
     campaign
         .run_all(&Toy::default(), &requests(&[3.0, 4.0]))
         .unwrap();
+    campaign.expect([0.0, 1.0], [0.0; 2]);
+    campaign
+        .run_all(&Toy::default(), &requests(&[5.0]))
+        .unwrap();
     let heard = listener.0.into_inner().unwrap();
     assert_eq!(heard[0].left_s, None, "nothing measured yet");
-    let close = |found: Option<f64>, expected: f64| {
-        let found = found.unwrap();
-        assert!((found / expected - 1.0).abs() < 1e-9, "{found} {expected}");
+    let close = |found: Option<[f64; 2]>, expected: [f64; 2]| {
+        for (found, expected) in found.unwrap().into_iter().zip(expected) {
+            assert!((found / expected - 1.0).abs() < 1e-9, "{found} {expected}");
+        }
     };
-    // End of the first list: 7 ahead on two workers.
-    close(heard[2].left_s, 3.5 * per_cost);
-    // Begin of the second list: runs of cost 3 and 4, one on each worker.
-    close(heard[3].left_s, 4.0 * per_cost);
-    assert_eq!(heard[5].left_s, Some(0.0), "the end of the loop");
+    close(heard[2].left_s, [7.0 * per_cost, 10.0 * per_cost]);
+    close(heard[3].left_s, [7.0 * per_cost, 10.0 * per_cost]);
+    assert_eq!(heard[7].left_s, Some([0.0; 2]), "the end of the loop");
     assert!(heard[3].elapsed_s >= heard[2].elapsed_s, "one clock");
 }
 
@@ -445,8 +385,8 @@ fn progress_counts_up_and_knows_the_time_left_after_the_first_run() {
     let counts: Vec<_> = heard.iter().map(|s| (s.done, s.reused, s.total)).collect();
     assert_eq!(counts, vec![(1, 1, 3), (2, 1, 3), (3, 1, 3)]);
     assert_eq!(heard[0].left_s, None);
-    assert!(heard[1].left_s > Some(0.0), "{:?}", heard[1]);
-    assert_eq!(heard[2].left_s, Some(0.0));
+    assert!(heard[1].left_s.unwrap()[0] > 0.0, "{:?}", heard[1]);
+    assert_eq!(heard[2].left_s, Some([0.0; 2]));
 }
 
 #[test]

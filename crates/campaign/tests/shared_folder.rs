@@ -116,7 +116,7 @@ fn campaigns_in_one_folder_share_the_runs() {
         assert!(runs > 0 && runs < 60, "they share");
         assert_eq!(records, &outcomes[0].0);
         assert_eq!((last.done, last.total, last.reused), (60, 60, 60 - runs));
-        assert_eq!((last.running, last.left_s), (0, Some(0.0)));
+        assert_eq!((last.running, last.left_s), (0, Some([0.0; 2])));
     }
     assert!(hidden(folder.path()).is_empty(), "claims are left");
 }
@@ -262,23 +262,6 @@ fn a_claim_that_cannot_be_made_blocks_no_run() {
     let heard = listener.warnings();
     assert_eq!(heard.len(), 1, "{heard:?}");
     assert!(heard[0].contains("cannot be claimed"), "{heard:?}");
-}
-
-/// Runs of later lists are claimed too: what another campaign does is not begun meanwhile.
-#[test]
-fn later_runs_of_others_are_left_alone() {
-    let folder = tempfile::tempdir().unwrap();
-    let store = Store::open(folder.path()).unwrap();
-    let later = requests(1, 1.0);
-    leave_claim(&store, &later[0], Duration::from_mins(1));
-    let mut list = requests(1, 400.0);
-    list.push(RunRequest::new("toy", 9).with_parameter("x", 1.0));
-    let toy = Toy::default();
-    Campaign::new(&store, 2, &Silent)
-        .with_meanwhile(&later)
-        .run_all(&toy, &list)
-        .unwrap();
-    assert_eq!(toy.runs.into_inner(), 2);
 }
 
 /// Records in memory are of one process alone, and need no claims.

@@ -107,7 +107,7 @@ impl Bed {
         rule.judge(&angles, &turns)
     }
 
-    /// Observables, regime and details of what is kept, with a frame every so many moments.
+    /// Observables, regime and details of what is kept, with a frame every so many moments, and remarks for the user.
     ///
     /// # Errors
     ///
@@ -117,6 +117,7 @@ impl Bed {
         state: SteadyState,
         every: usize,
         took: Took,
+        remarks: Vec<String>,
     ) -> Result<RunOutcome, SimulatorError> {
         let kept = &self.series[state.cut.min(self.series.len())..];
         let frames: Vec<usize> = (state.cut..self.len())
@@ -135,6 +136,7 @@ impl Bed {
         observables.extend(self.of_series(kept, &evidence));
         let details = self.details(state, &frames, &readings, &surface, took)?;
         let details = RunDetails {
+            remarks,
             motion: word(motion),
             froude_number: Some(evidence.froude_number),
             ..details
@@ -223,7 +225,7 @@ impl Bed {
         });
         Ok(RunDetails {
             steady: Some(state.doubt.is_none()),
-            doubt: state.doubt.map(|d| d.words().to_owned()),
+            doubt: state.doubt,
             start_up_s: Some(state.cut as f64 * interval),
             swing_s: Some(swing),
             motion: None,

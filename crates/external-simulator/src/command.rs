@@ -26,7 +26,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 /// Revision of what is done around the command: raised when the same files give other numbers.
-const REVISION: u32 = 2;
+const REVISION: u32 = 3;
 /// Name of the file with all values.
 const REQUEST: &str = "request.json";
 
@@ -373,13 +373,8 @@ fn read_bed(
     let whole = bed.len() as f64 * interval;
     let rule = SteadyRule::for_bed(bed.swing(), drum.start_up, whole, interval, None);
     let state = bed.judge(&rule);
-    let mut outcome = bed
-        .outcome(state, 1, took)
-        .map_err(|error| error.in_full())?;
-    if !remarks.is_empty() {
-        outcome.details["remarks"] = remarks.into();
-    }
-    Ok(outcome)
+    bed.outcome(state, 1, took, remarks)
+        .map_err(|error| error.in_full())
 }
 
 /// The surface in pictures.

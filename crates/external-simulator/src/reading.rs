@@ -78,7 +78,7 @@ pub fn read_scene(
             doubt.words()
         )));
     }
-    let outcome = bed.outcome(state, 1, Took::default());
+    let outcome = bed.outcome(state, 1, Took::default(), Vec::new());
     let outcome = outcome.map_err(|error: SimulatorError| refused(&error.in_full()))?;
     Ok(outcome.observables)
 }

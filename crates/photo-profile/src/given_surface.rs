@@ -18,7 +18,7 @@ const SPACING: f64 = 0.01;
 const CUBIC: usize = 4;
 /// Error with which somebody points at a place on a screen, px of the screen: one, our choice. Twice as much doubles the intervals
 /// of surfaces that are pointed at to a pixel, and changes none of the others.
-pub(crate) const POINTING: f64 = 1.0;
+const POINTING: f64 = 1.0;
 /// Longer side of a picture as somebody sees it on a screen, px; a larger one is shown smaller.
 const SCREEN: f64 = 1600.0;
 /// Standard errors in half of a 95 % interval.

@@ -1,10 +1,12 @@
 //! The horizontal by a mark in the picture.
 
-use crate::given_surface::POINTING;
 use crate::{Error, PixelPoint};
 
 /// Shortest mark, px: two ends half a pixel off turn it by half a degree.
 const SHORTEST: f64 = 80.0;
+/// Error of an end of a mark across it, px of the picture, whose coordinates are read off at full size: one, our choice. Twice as much
+/// doubles the error.
+const END: f64 = 1.0;
 
 /// Turn of the camera by two places on a plumb line, rad: the angle of the true horizontal in the picture, counter-clockwise
 /// positive.
@@ -31,11 +33,10 @@ pub fn roll_by_level(places: [PixelPoint; 2]) -> Result<f64, Error> {
 /// Standard error of the turn that a mark gives, rad: both its ends err by one pixel across it.
 ///
 /// # Formula
-/// `sqrt(2) c / L` with the length L of the mark and the error c of a place that somebody points at, 1 px (our choice; twice as
-/// much doubles the error).
+/// `sqrt(2) c / L` with the length L of the mark and the error c of its ends, 1 px of the picture.
 pub fn mark_error(places: [PixelPoint; 2]) -> f64 {
     let [a, b] = places;
-    std::f64::consts::SQRT_2 * POINTING / (a.x - b.x).hypot(a.y - b.y)
+    std::f64::consts::SQRT_2 * END / (a.x - b.x).hypot(a.y - b.y)
 }
 
 /// Turn of a mark that runs `along` its direction in a picture that is level, and `aside`, px.

@@ -66,6 +66,7 @@ mod sideways;
 mod surface_shift;
 mod tone;
 mod uncertainty;
+mod unread_frames;
 mod view;
 
 pub use channel::Channel;
@@ -85,3 +86,4 @@ pub use region::PixelRegion;
 pub use settings::{DrumPixels, Foreground, MAX_ANGLE_ERROR, Mode, Settings};
 pub use sideways::{Posture, sideways};
 pub use surface_shift::{NoShift, SurfaceShift, surface_shift};
+pub use unread_frames::SelectionBias;

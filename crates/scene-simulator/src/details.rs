@@ -4,7 +4,9 @@ use crate::{BodyDetails, Effort, Error};
 use image::RgbImage;
 use image::codecs::png::PngEncoder;
 use run_store::Record;
-use scene::{Ending, FrameReading, PhaseTimes, RunResult, Scene, error_of_mean, frame_picture};
+use scene::{
+    Doubt, Ending, FrameReading, PhaseTimes, RunResult, Scene, error_of_mean, frame_picture,
+};
 use serde::{Deserialize, Serialize};
 use surface_profile::summarise;
 
@@ -15,9 +17,9 @@ pub struct RunDetails {
     /// Whether the start-up was found to be over, or the seeds came to rest; none where the apparatus has no such
     /// state (a bench test).
     pub steady: Option<bool>,
-    /// Why the bed is not steady, as the rest of a sentence that begins with "the bed"; none where it is.
+    /// Why the bed is not steady; none where it is.
     #[serde(default)]
-    pub doubt: Option<String>,
+    pub doubt: Option<Doubt>,
     /// Time of rotation before the steady state, s; none without a series.
     pub start_up_s: Option<f64>,
     /// Time of one swing of the bed, s; none without a series.
@@ -155,7 +157,7 @@ impl RunDetails {
         let froude = scene.apparatus.froude_number(scene.model.gravity_m_s2);
         Self {
             steady: result.ending.is_steady(),
-            doubt: result.ending.doubt().map(|doubt| doubt.words().to_owned()),
+            doubt: result.ending.doubt(),
             swing_s: swing,
             start_up_s: start_up.map(|p| p.time_s),
             no_surface: no_surface(&result.readings),

@@ -14,6 +14,10 @@ const STRAYED: f64 = 0.1;
 /// Width that is seen over that between those places: 1.35 times a cone, whose tenths lie at 0.45 of its radius, so that the
 /// floor shows beside it.
 const MARGIN: f64 = 3.0;
+/// Farthest of those places from the middle of what was let go, over half of its width: a heap of 15 degrees of a cylinder three times
+/// as high as wide has four times the radius of the cylinder, and its tenths lie at 1.8. Where many seeds roll away, the heap and the
+/// seeds about it are seen and not an empty floor.
+const FARTHEST: f64 = 3.0;
 /// Height of the floor over the lower border of the picture, over half of the width that is seen.
 const FLOOR: f64 = 0.3;
 
@@ -112,11 +116,18 @@ fn from_the_side(
     let (along, heights) = (sorted(|p| p.x), sorted(|p| p.y));
     let size = bodies.iter().map(|b| b.clump.bounding_radius());
     let size = size.fold(0.0, f64::max);
-    let mut left = quantile(&along, STRAYED) - size;
-    if matches!(scene.apparatus, Apparatus::BoxCollapse(_)) {
+    let is_box = matches!(scene.apparatus, Apparatus::BoxCollapse(_));
+    let half = scene.apparatus.radius();
+    let middle = if is_box { half } else { 0.0 };
+    let seen = |share: f64| {
+        let place = quantile(&along, share) - middle;
+        middle + place.clamp(-FARTHEST * half, FARTHEST * half)
+    };
+    let mut left = seen(STRAYED) - size;
+    if is_box {
         left = left.min(0.0);
     }
-    let right = quantile(&along, 1.0 - STRAYED) + size;
+    let right = seen(1.0 - STRAYED) + size;
     let top = quantile(&heights, 1.0) + size;
     let half_width = (0.5 * MARGIN * (right - left)).max(0.6 * top);
     let middle = 0.5 * (left + right);
@@ -189,10 +200,17 @@ mod tests {
     const HEAP: &str = r#"{ kind = "heap", inner_diameter = "40 mm", height = "60 mm", lift_speed = "50 mm/s", floor = "a",
         cylinder = "a" }"#;
 
-    /// Balls of 2 mm on a cone of 30 degrees, 60 mm high, a few of them far away on the floor: the reader of photos finds both
+    /// Balls of 2 mm on a cone of 30 degrees, 60 mm high, a few of them or a third far away on the floor: the reader of photos finds both
     /// flanks; a degree is the roughness of balls of a thirtieth of the height.
     #[test]
     fn a_heap_is_drawn_so_that_its_slope_can_be_read() {
+        for strays in [20, 4000] {
+            heap_with(strays);
+        }
+    }
+
+    /// Draws the heap with so many seeds on either side that rolled away, and reads its slope.
+    fn heap_with(strays: u32) {
         let slope = 30_f64.to_radians().tan();
         let grid = || (-70..=70_i32).flat_map(|i| (-70..=70_i32).map(move |j| (i, j)));
         let on_cone = grid().filter_map(|(i, j)| {
@@ -200,7 +218,10 @@ mod tests {
             let y = 0.06 - slope * x.hypot(z);
             (y > 0.001).then_some(Vector3::new(x, y, z))
         });
-        let strays = (0..20).map(|k| Vector3::new(1.0, 0.001, 0.1 * f64::from(k)));
+        let strays = (0..2 * strays).map(|k| {
+            let side = if k % 2 == 0 { 1.0 } else { -1.0 };
+            Vector3::new(side, 0.001, 1e-3 * f64::from(k))
+        });
         let places: Vec<_> = on_cone.chain(strays).collect();
         let drawn = picture(&scene(HEAP, ""), 1.0, places).unwrap();
         let pixels = PhotoPixels::from_picture(&DynamicImage::from(drawn));

@@ -312,9 +312,10 @@ fn sticking(scene: &Scene) -> f64 {
 /// wall](hard_contact::duration_between), or of the lightest sphere where seeds are bonded.
 fn hardest_contact(scene: &Scene, bodies: &[Arc<SeedBody>]) -> Result<f64, Error> {
     let kinds: Vec<_> = scene.seed.iter().zip(bodies).collect();
+    let speed = impact_speed(scene);
     let mut least = f64::INFINITY;
     for (number, (seed, body)) in kinds.iter().enumerate() {
-        let with = |name: &str| meeting(scene, [&seed.material, name]);
+        let with = |name: &str| meeting(scene, [&seed.material, name], speed);
         let mut met = Vec::new();
         for wall in scene.wall_materials() {
             met.push((None, with(wall)?));
@@ -333,8 +334,8 @@ fn hardest_contact(scene: &Scene, bodies: &[Arc<SeedBody>]) -> Result<f64, Error
     Ok(least)
 }
 
-/// How two materials meet.
-fn meeting(scene: &Scene, names: [&str; 2]) -> Result<Impact, Error> {
+/// How two materials meet at a speed, m/s.
+fn meeting(scene: &Scene, names: [&str; 2], speed: f64) -> Result<Impact, Error> {
     let pair = names.join("-");
     let [a, b] = [
         material_of(scene, names[0], &pair)?,
@@ -349,7 +350,7 @@ fn meeting(scene: &Scene, names: [&str; 2]) -> Result<Impact, Error> {
     };
     Ok(Impact {
         young: effective_moduli(&a, &b).young,
-        speed: impact_speed(scene),
+        speed,
         dashpots: match scene.model.dashpot_mass {
             DashpotMass::Sphere => None,
             DashpotMass::Body => dashpots(false),

@@ -183,7 +183,12 @@ pub(crate) fn read_photos(
         return None;
     }
     match photos::read(folder, &entry.photos, &entry.photo, shown) {
-        Ok(series) => Some(series),
+        Ok(mut series) => {
+            for told in &mut series.left_out {
+                *told = format!("{}: {told}", words(entry));
+            }
+            Some(series)
+        }
         Err(reasons) => {
             let path = below(&entry.path, "photos");
             for reason in reasons {

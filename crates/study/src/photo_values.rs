@@ -2,7 +2,12 @@
 
 use crate::file::{MeasuredCorrelation, MeasuredEntry, MeasuredValue};
 use crate::photos::{FrameValues, PhotoSeries};
-use surface_profile::{Avalanches, avalanches, correlation_time, shrunk_correlations, summarise};
+use photo_profile::SelectionBias;
+use quantity::significant;
+use surface_profile::{
+    Avalanches, SeriesSummary, avalanches, correlation_time, longest_unbroken, shrunk_correlations,
+    summarise,
+};
 
 /// Name of the standard deviation of the angle from frame to frame.
 const FLUCTUATION: &str = "fluctuation_deg";
@@ -42,8 +47,8 @@ const ROUNDING: f64 = 1e-12;
 /// Fewest independent frames that tell a standard deviation: it is known to a third then.
 const LEAST_FRAMES: f64 = 5.0;
 
-/// An observable that was taken over, and what stands for it in each frame.
-type Column = (&'static str, Vec<f64>);
+/// An observable that was taken over, and what stands for it in each frame; none in a frame that does not show it.
+type Column = (&'static str, Vec<Option<f64>>);
 
 /// What may be taken over, and how the frames follow each other.
 #[derive(Debug, Clone, Copy)]
@@ -68,40 +73,33 @@ pub(crate) fn shown_fill(
     (!entry.values.contains_key(FILL)).then(|| (FILL.to_owned(), *value))
 }
 
-/// Takes over what frames, and the speeds of the surface between pictures (m/s), say.
+/// Takes over what frames, and the speeds of the surface between pictures (m/s) beside so many pairs that tell none, say.
+///
+/// # Errors
+///
+/// More frames without a value than the mean of the first observable bears, as the rest of a sentence about the photos.
 pub(crate) fn take_over(
-    frames: &[FrameValues],
-    speeds: &[f64],
+    frames: &[Option<FrameValues>],
+    (speeds, lost): (&[f64], usize),
     wanted: Wanted<'_>,
     series: &mut PhotoSeries,
-) {
-    let mut columns = means(frames, wanted, series);
-    let interval = wanted.interval;
-    if let Some(interval) = interval {
-        memory(interval, wanted, series);
-        if let Some(found) = avalanches(&series.angles_deg, interval) {
+) -> Result<(), String> {
+    let mut columns = means(frames, wanted, series)?;
+    let angles: Vec<Option<f64>> = frames.iter().map(|f| value_of(f.as_ref(), 0)).collect();
+    if let Some(interval) = wanted.interval {
+        let unbroken = longest_unbroken(&angles);
+        memory(&unbroken, interval, wanted, series);
+        if let Some(found) = avalanches(&unbroken, interval) {
             of_avalanches(&found, interval, wanted, series);
         }
     }
-    if let Ok(found) = summarise(speeds)
-        && found.sd > 0.0
-    {
-        let value = MeasuredValue {
-            mean: found.mean,
-            sd: found.sd,
-            n: found.n_effective,
-        };
-        // A speed of every frame, and not of some, goes with the other observables of that frame.
-        if tell(SPEED, value, wanted, series) && speeds.len() == frames.len() {
-            columns.push((SPEED, speeds.to_vec()));
-        }
-    }
+    columns.extend(speed((speeds, lost), frames.len(), wanted, series));
     if series.values.contains_key(SIZE) {
         series.remarks.push(format!(
             "{FLUCTUATION}: left out, the size of the avalanches gives it"
         ));
     } else {
-        columns.extend(fluctuation(wanted, series));
+        columns.extend(fluctuation(&angles, wanted, series));
     }
     for name in wanted
         .also
@@ -117,6 +115,38 @@ pub(crate) fn take_over(
         series.remarks.push(remark);
     }
     correlate(&columns, series);
+    Ok(())
+}
+
+/// The value of a frame by its place, if the frame shows it.
+fn value_of(frame: Option<&FrameValues>, place: usize) -> Option<f64> {
+    let value = frame?.values.get(place)?.1;
+    value.is_finite().then_some(value)
+}
+
+/// Takes over the speeds of the surface; their column where every frame tells one.
+fn speed(
+    (speeds, lost): (&[f64], usize),
+    frames: usize,
+    wanted: Wanted<'_>,
+    series: &mut PhotoSeries,
+) -> Option<Column> {
+    let found = summarise(speeds).ok().filter(|found| found.sd > 0.0)?;
+    let bias = SelectionBias::new(&found, lost);
+    if bias.is_some_and(|bias| !bias.is_borne()) {
+        series.remarks.push(format!(
+            "{SPEED}: left out, too many pairs of pictures do not tell it"
+        ));
+        return None;
+    }
+    let value = MeasuredValue {
+        mean: found.mean,
+        sd: found.sd,
+        n: found.n_effective,
+    };
+    // A speed of every frame, and not of some, goes with the other observables of that frame.
+    let is_taken = tell(SPEED, value, wanted, series) && speeds.len() == frames;
+    is_taken.then(|| (SPEED, speeds.iter().copied().map(Some).collect()))
 }
 
 impl Wanted<'_> {
@@ -154,75 +184,137 @@ fn tell(
 }
 
 /// Means over the frames; the values of those that have an error.
-fn means(frames: &[FrameValues], wanted: Wanted<'_>, series: &mut PhotoSeries) -> Vec<Column> {
+///
+/// # Errors
+///
+/// More frames without the first observable than its mean bears.
+fn means(
+    frames: &[Option<FrameValues>],
+    wanted: Wanted<'_>,
+    series: &mut PhotoSeries,
+) -> Result<Vec<Column>, String> {
     let mut columns = Vec::new();
-    let Some(first) = frames.first() else {
-        return columns;
+    let read: Vec<&FrameValues> = frames.iter().flatten().collect();
+    let Some(first) = read.first() else {
+        return Ok(columns);
     };
-    for (k, (name, value)) in first.values.iter().enumerate() {
+    for (k, (name, _)) in first.values.iter().enumerate() {
         if !wanted.takes(name) {
             continue;
         }
-        let all = frames.iter().filter_map(|f| Some(f.values.get(k)?.1));
-        let all: Vec<f64> = all.collect();
-        let taken = match (all.len(), summarise(&all)) {
-            (1, Ok(_)) if k == 0 => Some(MeasuredValue {
-                mean: *value,
-                sd: first.error,
-                n: 1.0,
-            }),
-            (2.., Ok(s)) => Some(MeasuredValue {
-                mean: s.mean,
-                sd: s.sd,
-                n: s.n_effective,
-            }),
-            (_, Err(_)) => {
-                let remark = format!("{name}: left out, not every frame shows it");
-                series.remarks.push(remark);
+        let column: Vec<Option<f64>> = frames.iter().map(|f| value_of(f.as_ref(), k)).collect();
+        let shown: Vec<f64> = column.iter().copied().flatten().collect();
+        let Ok(summary) = summarise(&shown) else {
+            series
+                .remarks
+                .push(format!("{name}: left out, no photo shows it"));
+            continue;
+        };
+        if let Some(bias) = SelectionBias::new(&summary, frames.len() - shown.len()) {
+            if !bias.is_borne() && k == 0 {
+                return Err(too_many(name, &bias));
+            }
+            if !bias.is_borne() {
+                series.remarks.push(format!(
+                    "{name}: left out, {} of {} photos do not show it",
+                    bias.left_out, bias.of
+                ));
                 continue;
             }
-            _ => None,
-        };
-        match taken {
-            Some(mut taken) if taken.sd > ROUNDING * taken.mean.abs() => {
-                if k == 0 && taken.sd < reading_error(frames) {
-                    taken.sd = reading_error(frames);
-                    series.remarks.push(format!(
-                        "{name}: the photos agree by chance better than each is read; its sd is the error of the reading"
-                    ));
-                }
-                if *name == FILL && !wanted.names(name) {
-                    series.further.insert((*name).to_owned(), taken);
-                    series.remarks.push(format!(
-                        "{FILL}: compared and not fitted, since it follows from the number or mass of the seeds; name it in \
-                         photo.also to fit it"
-                    ));
-                    continue;
-                }
-                series.values.insert((*name).to_owned(), taken);
-                if all.len() == 1 {
-                    series.remarks.push(format!(
-                        "{name}: one photo; its sd is the standard error of the reading, and what changes from frame \
-                         to frame is not in it"
-                    ));
-                } else {
-                    columns.push((*name, all));
-                }
+            series.left_out.push(told(name, &bias));
+        }
+        if let Some(taken) = value_from((k, name), &summary, &read, series) {
+            if *name == FILL && !wanted.names(name) {
+                series.further.insert((*name).to_owned(), taken);
+                series.remarks.push(format!(
+                    "{FILL}: compared and not fitted, since it follows from the number or mass of the seeds; name it in \
+                     photo.also to fit it"
+                ));
+                continue;
             }
-            Some(_) => series.remarks.push(format!(
-                "{name}: left out, all frames show the same value: are they copies of one photo?"
-            )),
-            None => series
-                .remarks
-                .push(format!("{name}: left out, one photo tells no error of it")),
+            series.values.insert((*name).to_owned(), taken);
+            if shown.len() > 1 {
+                columns.push((*name, column));
+            }
         }
     }
-    columns
+    Ok(columns)
+}
+
+/// The k-th observable of the frames that show it; none where they tell no error of it.
+fn value_from(
+    (k, name): (usize, &str),
+    summary: &SeriesSummary,
+    read: &[&FrameValues],
+    series: &mut PhotoSeries,
+) -> Option<MeasuredValue> {
+    let error = reading_error(read);
+    let is_one = summary.n == 1;
+    if is_one && k > 0 {
+        series
+            .remarks
+            .push(format!("{name}: left out, one photo tells no error of it"));
+        return None;
+    }
+    if is_one {
+        series.remarks.push(format!(
+            "{name}: one photo; its sd is the standard error of the reading, and what changes from frame \
+             to frame is not in it"
+        ));
+    }
+    let mut sd = if is_one { error } else { summary.sd };
+    if sd.is_nan() || sd <= ROUNDING * summary.mean.abs() {
+        series.remarks.push(format!(
+            "{name}: left out, all frames show the same value: are they copies of one photo?"
+        ));
+        return None;
+    }
+    if k == 0 && sd < error {
+        sd = error;
+        series.remarks.push(format!(
+            "{name}: the photos agree by chance better than each is read; its sd is the error of the reading"
+        ));
+    }
+    Some(MeasuredValue {
+        mean: summary.mean,
+        sd,
+        n: if is_one { 1.0 } else { summary.n_effective },
+    })
+}
+
+/// What frames without a value may change in a mean.
+fn told(name: &str, bias: &SelectionBias) -> String {
+    format!(
+        "{name}: {} of {} photos do not show it; if these were the highest of all, or the lowest, the mean of all would lie {} higher or \
+         lower, {} of its standard error",
+        bias.left_out,
+        bias.of,
+        significant(bias.most, 2),
+        significant(bias.in_standard_errors, 2)
+    )
+}
+
+/// Why so many frames without a value are too many.
+fn too_many(name: &str, bias: &SelectionBias) -> String {
+    let worst = if bias.most.is_finite() {
+        format!(
+            "if these were the highest of all, or the lowest, the mean of all would lie {} standard errors off, and more than one is too \
+             much",
+            significant(bias.in_standard_errors, 2)
+        )
+    } else {
+        "what the others show is not enough to judge what they would change".to_owned()
+    };
+    format!(
+        "show {name} too seldom: {} of {} do not, and {worst}; mend them, say how to read them with photo = {{ ... }}, or take them \
+         out if what spoiled them has nothing to do with the bed",
+        bias.left_out, bias.of
+    )
 }
 
 /// Root mean square of the standard errors with which the frames are read, in the unit of their first value. Frames scatter by
 /// that, however few of them agree.
-fn reading_error(frames: &[FrameValues]) -> f64 {
+fn reading_error(frames: &[&FrameValues]) -> f64 {
     let squares = frames.iter().map(|f| f.error * f.error);
     (squares.sum::<f64>() / frames.len().max(1) as f64).sqrt()
 }
@@ -233,26 +325,43 @@ fn reading_error(frames: &[FrameValues]) -> f64 {
 /// # Formula
 ///
 /// The standard error of the standard deviation s of n independent normal values is `s / sqrt(2 (n - 1))`.
-fn fluctuation(wanted: Wanted<'_>, series: &mut PhotoSeries) -> Option<Column> {
-    let angles = summarise(&series.angles_deg).ok()?;
-    let told = angles.sd > 0.0 && angles.n_effective >= LEAST_FRAMES;
+fn fluctuation(
+    angles: &[Option<f64>],
+    wanted: Wanted<'_>,
+    series: &mut PhotoSeries,
+) -> Option<Column> {
+    let summary = summarise(&series.angles_deg).ok()?;
+    let told = summary.sd > 0.0 && summary.n_effective >= LEAST_FRAMES;
     if !told || !wanted.takes(FLUCTUATION) {
         return None;
     }
+    if let Some(bias) = SelectionBias::new(&summary, angles.len() - summary.n) {
+        if !bias.scatter_is_borne() {
+            series.remarks.push(format!(
+                "{FLUCTUATION}: left out, {} of {} photos do not show the angle",
+                bias.left_out, bias.of
+            ));
+            return None;
+        }
+        series.left_out.push(format!(
+            "{FLUCTUATION}: if these were the highest and the lowest of all, it would be up to {} % larger",
+            significant(100.0 * bias.most_scatter, 2)
+        ));
+    }
     let value = MeasuredValue {
-        mean: angles.sd,
-        sd: angles.sd * std::f64::consts::FRAC_1_SQRT_2,
-        n: angles.n_effective - 1.0,
+        mean: summary.sd,
+        sd: summary.sd * std::f64::consts::FRAC_1_SQRT_2,
+        n: summary.n_effective - 1.0,
     };
     series.values.insert(FLUCTUATION.to_owned(), value);
-    let squares = series.angles_deg.iter();
-    let squares = squares.map(|a| (a - angles.mean).powi(2)).collect();
-    Some((FLUCTUATION, squares))
+    let squares = angles.iter();
+    let squares = squares.map(|a| a.map(|a| (a - summary.mean).powi(2)));
+    Some((FLUCTUATION, squares.collect()))
 }
 
-/// The time over which the angle is correlated.
-fn memory(interval: f64, wanted: Wanted<'_>, series: &mut PhotoSeries) {
-    if let Some(found) = correlation_time(&series.angles_deg, interval) {
+/// The time over which the angle is correlated, by a series without a gap.
+fn memory(angles: &[f64], interval: f64, wanted: Wanted<'_>, series: &mut PhotoSeries) {
+    if let Some(found) = correlation_time(angles, interval) {
         let value = MeasuredValue {
             mean: found.time,
             sd: found.standard_error,
@@ -282,7 +391,8 @@ fn of_avalanches(found: &Avalanches, interval: f64, wanted: Wanted<'_>, series: 
             };
             if tell(name, value, wanted, series) {
                 // An avalanche and the time that the next one takes to come.
-                columns.push((name, values[..found.waiting_times.len()].to_vec()));
+                let values = &values[..found.waiting_times.len()];
+                columns.push((name, values.iter().copied().map(Some).collect()));
             }
         }
     }
@@ -291,7 +401,18 @@ fn of_avalanches(found: &Avalanches, interval: f64, wanted: Wanted<'_>, series: 
 
 /// How the means of observables go together that were read from the same frames.
 fn correlate(columns: &[Column], series: &mut PhotoSeries) {
-    let values: Vec<Vec<f64>> = columns.iter().map(|c| c.1.clone()).collect();
+    let frames = columns.first().map_or(0, |c| c.1.len());
+    // A frame tells how observables go together if it shows them all.
+    let whole = |i: &usize| {
+        columns
+            .iter()
+            .all(|c| c.1.get(*i).is_some_and(Option::is_some))
+    };
+    let whole: Vec<usize> = (0..frames).filter(whole).collect();
+    let values = columns
+        .iter()
+        .map(|c| whole.iter().filter_map(|&i| c.1[i]).collect());
+    let values: Vec<Vec<f64>> = values.collect();
     let Ok(matrix) = shrunk_correlations(&values) else {
         return;
     };

@@ -12,6 +12,7 @@ use serde::Serialize;
 use std::collections::BTreeMap;
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicUsize, Ordering};
 use surface_profile::Definition;
 
 /// The photos of one measurement.
@@ -22,10 +23,13 @@ pub struct PhotoSeries {
     /// The picture that tells what is hidden in each of them.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub mask: Option<PathBuf>,
-    /// Angle of each frame, deg.
+    /// Angle of each frame that was read, deg.
     pub angles_deg: Vec<f64>,
     /// Its standard error from that one frame, deg.
     pub angle_se_deg: Vec<f64>,
+    /// Frames that could not be read, and what this may change in each observable, one sentence each.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub left_out: Vec<String>,
     /// What was taken over from them.
     pub values: BTreeMap<String, MeasuredValue>,
     /// What they tell besides, and was not taken over since the file does not name it.
@@ -97,7 +101,13 @@ fn on_their_side(taken: Vec<(PathBuf, Posture)>) -> Vec<String> {
     words.collect()
 }
 
-/// Reads all photos of a measurement; every one that cannot be measured is told.
+/// Photos that cannot be read are named up to so many, the others counted.
+const NAMED: usize = 5;
+/// Likewise where they are the reason why a study is refused.
+const NAMED_IN_REFUSAL: usize = 20;
+
+/// Reads all photos of a measurement. Those that cannot be measured are left out, with what that may change in each observable, as
+/// long as the mean of the angle bears it ([`photo_profile::SelectionBias`]); beyond, all are refused.
 ///
 /// From two frames on, the standard deviation is that between the frames and n the effective number of independent ones
 /// ([`surface_profile::summarise`]). One frame tells no scatter: the standard deviation is then the standard error of its
@@ -121,36 +131,31 @@ pub(crate) fn read(
     let mask = mask_file.as_deref().map(Mask::read).transpose();
     let mask =
         mask.map_err(|e| vec![format!("have a mask that cannot be read: {}", in_full(&e))])?;
-    let mut reader = Reader::new(options, shown);
-    reader.mask = mask;
-    let mut wrong = Vec::new();
-    for file in &files {
-        if let Err(reason) = reader.read_file(file, in_file) {
-            wrong.push(format!("photo '{}' {reason}", file.display()));
-        }
-    }
-    if wrong.is_empty() && options.pair_interval_s.is_some() && !reader.pictures.is_multiple_of(2) {
-        wrong.push(format!(
+    let reader = Reader::new(options, shown, mask.as_ref()).read_files(&files, in_file);
+    if options.pair_interval_s.is_some() && !reader.pictures.is_multiple_of(2) {
+        return Err(vec![format!(
             "are {} pictures, and photo.pair_interval says that they come in pairs: add or take out one, or leave it out",
             reader.pictures
-        ));
-    }
-    if !wrong.is_empty() {
-        return Err(wrong);
+        )]);
     }
     let Reader {
         frames,
+        unread,
         speeds,
         lost,
         postures,
         ..
     } = reader;
+    if frames.iter().all(Option::is_none) {
+        return Err(named(&unread, NAMED_IN_REFUSAL));
+    }
     let angle = |f: &FrameValues| f.values.first().map_or(f64::NAN, |(_, v)| *v);
     let mut series = PhotoSeries {
         files,
         mask: mask_file,
-        angles_deg: frames.iter().map(angle).collect(),
-        angle_se_deg: frames.iter().map(|f| f.error).collect(),
+        angles_deg: frames.iter().flatten().map(angle).collect(),
+        angle_se_deg: frames.iter().flatten().map(|f| f.error).collect(),
+        left_out: named(&unread, NAMED),
         values: BTreeMap::new(),
         further: BTreeMap::new(),
         correlations: Vec::new(),
@@ -172,7 +177,11 @@ pub(crate) fn read(
             .frame_interval_s
             .map(|interval| interval * every.get() as f64),
     };
-    take_over(&frames, &speeds, wanted, &mut series);
+    if let Err(reason) = take_over(&frames, (&speeds, lost.len()), wanted, &mut series) {
+        let mut reasons = named(&unread, NAMED_IN_REFUSAL);
+        reasons.push(reason);
+        return Err(reasons);
+    }
     if series.values.is_empty() && !series.remarks.is_empty() {
         return Err(vec![format!(
             "give no value: {}",
@@ -188,6 +197,15 @@ pub(crate) fn read(
     Ok(series)
 }
 
+/// Pictures that could not be read, a sentence each for so many of them.
+fn named(unread: &[String], most: usize) -> Vec<String> {
+    let mut named: Vec<String> = unread.iter().take(most).cloned().collect();
+    if unread.len() > most {
+        named.push(format!("and {} more photos", unread.len() - most));
+    }
+    named
+}
+
 /// Reads one picture behind the other.
 struct Reader<'a> {
     /// How they are read.
@@ -197,14 +215,16 @@ struct Reader<'a> {
     /// Radius of the drum over the time between the pictures of a pair, m/s; none where no speed is asked or can be told.
     speed_scale: Option<f64>,
     /// What is hidden in each picture.
-    mask: Option<Mask>,
+    mask: Option<&'a Mask>,
     /// Pictures so far.
     pictures: usize,
     /// The last picture that was measured, where the next one may tell how far its surface went.
     before: Option<(PhotoPixels, PhotoReading)>,
-    /// What was measured.
-    frames: Vec<FrameValues>,
-    /// The file of each of them, and how it was taken.
+    /// What was measured; none of a picture that could not be.
+    frames: Vec<Option<FrameValues>>,
+    /// Which pictures could not be measured, and why, a sentence each.
+    unread: Vec<String>,
+    /// The file of each that was, and how it was taken.
     postures: Vec<(PathBuf, Posture)>,
     /// Speeds of the surface, m/s.
     speeds: Vec<f64>,
@@ -214,7 +234,7 @@ struct Reader<'a> {
 
 impl<'a> Reader<'a> {
     /// A reader that has read nothing.
-    fn new(options: &'a PhotoOptions, shown: Shown<'_>) -> Self {
+    fn new(options: &'a PhotoOptions, shown: Shown<'_>, mask: Option<&'a Mask>) -> Self {
         let asked = shown.observables.contains(&SPEED);
         let every = options.every.map_or(1, NonZeroUsize::get) as f64;
         let frames = options.frame_interval_s.map(|interval| interval * every);
@@ -222,7 +242,7 @@ impl<'a> Reader<'a> {
         let scale = between.and_then(|time| Some(shown.radius? / time));
         Self {
             options,
-            mask: None,
+            mask,
             settings: Settings {
                 region: options.region,
                 drum: options.drum.map(|[cx, cy, r]| DrumPixels { cx, cy, r }),
@@ -238,44 +258,141 @@ impl<'a> Reader<'a> {
             pictures: 0,
             before: None,
             frames: Vec::new(),
+            unread: Vec::new(),
             postures: Vec::new(),
             speeds: Vec::new(),
             lost: Vec::new(),
         }
     }
 
-    /// Reads one of so many pictures of a file, or says why one of them cannot be measured.
-    fn read_file(&mut self, file: &Path, every: usize) -> Result<(), String> {
-        let refused = |e: photo_profile::Error| format!("cannot be read: {}", in_full(&e));
-        for frame in read_frames(file).map_err(refused)?.step_by(every) {
-            let frame = frame.map_err(refused)?;
-            let size = [frame.width(), frame.height()];
-            let mut pixels = match self.options.corners {
-                Some(corners) => {
-                    let corners = corners.map(|[x, y]| PixelPoint { x, y });
-                    let flat = rectify(&frame, corners).map_err(refused)?;
-                    PhotoPixels::from_picture(&flat)
+    /// Reads one of so many pictures of each file, on all cores where no picture is compared with the one before it.
+    fn read_files(mut self, files: &[PathBuf], every: usize) -> Self {
+        if self.speed_scale.is_some() || self.options.pair_interval_s.is_some() {
+            for file in files {
+                self.read_file(file, every);
+            }
+            return self;
+        }
+        let cores = std::thread::available_parallelism().map_or(1, NonZeroUsize::get);
+        let next = AtomicUsize::new(0);
+        let own = &self;
+        let mut parts: Vec<(usize, Self)> = std::thread::scope(|scope| {
+            let work = || {
+                let mut parts = Vec::new();
+                loop {
+                    let place = next.fetch_add(1, Ordering::Relaxed);
+                    let Some(file) = files.get(place) else {
+                        return parts;
+                    };
+                    let mut part = own.empty();
+                    part.read_file(file, every);
+                    parts.push((place, part));
                 }
-                None => PhotoPixels::from_picture(&frame),
             };
-            if let Some(mask) = &self.mask {
-                pixels = pixels.hiding(mask).map_err(refused)?;
+            let threads: Vec<_> = (0..cores.min(files.len()))
+                .map(|_| scope.spawn(work))
+                .collect();
+            let ends = threads.into_iter().map(|thread| {
+                thread
+                    .join()
+                    .unwrap_or_else(|panic| std::panic::resume_unwind(panic))
+            });
+            ends.flatten().collect()
+        });
+        parts.sort_by_key(|(place, _)| *place);
+        for (_, part) in parts {
+            self.pictures += part.pictures;
+            self.frames.extend(part.frames);
+            self.unread.extend(part.unread);
+            self.postures.extend(part.postures);
+        }
+        self
+    }
+
+    /// A reader with the same settings that has read nothing.
+    fn empty(&self) -> Self {
+        Self {
+            options: self.options,
+            settings: self.settings,
+            speed_scale: self.speed_scale,
+            mask: self.mask,
+            pictures: 0,
+            before: None,
+            frames: Vec::new(),
+            unread: Vec::new(),
+            postures: Vec::new(),
+            speeds: Vec::new(),
+            lost: Vec::new(),
+        }
+    }
+
+    /// Reads one of so many pictures of a file. A file that ends early, or is none, counts as one picture that cannot be read.
+    fn read_file(&mut self, file: &Path, every: usize) {
+        let frames = match read_frames(file) {
+            Ok(frames) => frames,
+            Err(error) => {
+                self.before = None;
+                return self.end_picture(file, Err(refused(&error)));
             }
-            self.pictures += 1;
+        };
+        for frame in frames.step_by(every) {
             let before = self.before.take();
-            self.add_speed(before, &pixels);
-            if self.options.pair_interval_s.is_some() && self.pictures.is_multiple_of(2) {
-                continue;
-            }
-            let reading = measure_photo(&pixels, &self.settings).map_err(refused)?;
-            self.frames.push(values_of(&reading)?);
-            let posture = Posture::new(size, &reading);
-            self.postures.push((file.to_owned(), posture));
-            if self.speed_scale.is_some() {
-                self.before = Some((pixels, reading));
+            let read = frame.map_err(|e| refused(&e)).and_then(|frame| {
+                let size = [frame.width(), frame.height()];
+                let pixels = match self.options.corners {
+                    Some(corners) => {
+                        let corners = corners.map(|[x, y]| PixelPoint { x, y });
+                        let flat = rectify(&frame, corners).map_err(|e| refused(&e))?;
+                        PhotoPixels::from_picture(&flat)
+                    }
+                    None => PhotoPixels::from_picture(&frame),
+                };
+                self.measure(file, size, before, pixels)
+            });
+            self.end_picture(file, read);
+        }
+    }
+
+    /// Notes what a picture gave; the second of a pair tells a speed alone.
+    fn end_picture(&mut self, file: &Path, read: Result<Option<FrameValues>, String>) {
+        self.pictures += 1;
+        let is_second = self.options.pair_interval_s.is_some() && self.pictures.is_multiple_of(2);
+        match read {
+            Ok(_) if is_second => {}
+            Ok(values) => self.frames.push(values),
+            Err(reason) => {
+                self.unread
+                    .push(format!("photo '{}' {reason}", file.display()));
+                if !is_second {
+                    self.frames.push(None);
+                }
             }
         }
-        Ok(())
+    }
+
+    /// Measures a picture of a size (px), or says why it cannot be measured; the second of a pair is only compared with the first.
+    fn measure(
+        &mut self,
+        file: &Path,
+        size: [u32; 2],
+        before: Option<(PhotoPixels, PhotoReading)>,
+        mut pixels: PhotoPixels,
+    ) -> Result<Option<FrameValues>, String> {
+        if let Some(mask) = self.mask {
+            pixels = pixels.hiding(mask).map_err(|e| refused(&e))?;
+        }
+        self.add_speed(before, &pixels);
+        if self.options.pair_interval_s.is_some() && !self.pictures.is_multiple_of(2) {
+            return Ok(None);
+        }
+        let reading = measure_photo(&pixels, &self.settings).map_err(|e| refused(&e))?;
+        let values = values_of(&reading)?;
+        self.postures
+            .push((file.to_owned(), Posture::new(size, &reading)));
+        if self.speed_scale.is_some() {
+            self.before = Some((pixels, reading));
+        }
+        Ok(Some(values))
     }
 
     /// Adds how fast the surface went from the picture before to this one.
@@ -288,6 +405,11 @@ impl<'a> Reader<'a> {
             Err(reason) => self.lost.push(reason.to_string()),
         }
     }
+}
+
+/// Why a picture could not be read, as the rest of a sentence.
+fn refused(error: &photo_profile::Error) -> String {
+    format!("cannot be read: {}", in_full(error))
 }
 
 /// What one reading says, or why it says nothing. Toe and top of the bed are left out: angle, shape and fill level give them,
@@ -316,7 +438,7 @@ fn values_of(reading: &PhotoReading) -> Result<FrameValues, String> {
             error: heap.standard_error.to_degrees(),
         }),
         PhotoReading::Refused(refused) => Err(format!(
-            "shows no surface that can be measured: {}; take it out, or say how to read it with photo = {{ ... }}",
+            "shows no surface that can be measured: {}",
             refused.reason
         )),
     }

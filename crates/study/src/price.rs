@@ -2,7 +2,7 @@
 
 use crate::Error;
 use crate::file::Budget;
-use calibration::PlannedStage;
+use calibration::{PlannedStage, RunList};
 use campaign::{RunRequest, Simulator};
 use run_store::{Lookup, Record, Store};
 use scene_simulator::{RunDetails, SECONDS_PER_COST, TimingDetails};
@@ -19,9 +19,11 @@ pub struct StagePrice {
     pub at_most_further: usize,
     /// Time of one core of the certain runs, s.
     pub core_s: f64,
+    /// Time of one core of the further ones, at most, s.
+    pub further_core_s: f64,
 }
 
-/// What a study would cost.
+/// What a study would cost. The times are those of runs: the statistics between them, the report and the decks come on top.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Price {
     /// By stage.
@@ -32,6 +34,8 @@ pub struct Price {
     pub at_most_further: usize,
     /// Time of one core of the certain runs, s.
     pub core_s: f64,
+    /// Time of one core of the further ones, at most, s.
+    pub further_core_s: f64,
     /// Whether the times follow from planned runs whose records are in the folder, and not from a guess.
     pub measured: bool,
     /// Most runs by the budget; none without one.
@@ -58,7 +62,8 @@ pub(crate) fn of(
         }
     };
     let (mut known_cost, mut known_s) = (0.0, 0.0);
-    for request in stages.iter().flat_map(|s| &s.requests) {
+    let certain = || stages.iter().flat_map(|s| requests(&s.certain));
+    for request in certain() {
         if let Some(store) = store
             && let Some(seconds) = seconds_of(simulator, request, store)?
         {
@@ -71,21 +76,20 @@ pub(crate) fn of(
     } else {
         SECONDS_PER_COST
     };
+    let seconds = |lists: &[RunList]| requests(lists).fold(0.0, |sum, r| sum + pace * cost(r));
     let price = |stage: &PlannedStage| StagePrice {
         stage: stage.stage.clone(),
-        runs: stage.requests.len(),
-        at_most_further: stage.at_most_further,
-        core_s: stage
-            .requests
-            .iter()
-            .fold(0.0, |sum, r| sum + pace * cost(r)),
+        runs: stage.runs(),
+        at_most_further: stage.at_most_further(),
+        core_s: seconds(&stage.certain),
+        further_core_s: seconds(&stage.further),
     };
-    let all = stages.iter().flat_map(|s| &s.requests);
-    let guess_s = all.fold(0.0, |sum, r| sum + SECONDS_PER_COST * cost(r));
+    let guess_s = certain().fold(0.0, |sum, r| sum + SECONDS_PER_COST * cost(r));
     let stages: Vec<StagePrice> = stages.iter().map(price).collect();
     let runs = stages.iter().map(|s| s.runs).sum();
     let at_most_further = stages.iter().map(|s| s.at_most_further).sum();
     let core_s = stages.iter().fold(0.0, |sum, s| sum + s.core_s);
+    let further_core_s = stages.iter().fold(0.0, |sum, s| sum + s.further_core_s);
     Ok(Price {
         measured: known_cost > 0.0,
         most_runs: most_runs(budget, runs, guess_s),
@@ -93,8 +97,15 @@ pub(crate) fn of(
         runs,
         at_most_further,
         core_s,
+        further_core_s,
         cannot_be_met: None,
     })
+}
+
+/// The runs of lists, each as often as its list.
+fn requests(lists: &[RunList]) -> impl Iterator<Item = &RunRequest> {
+    let each = lists.iter();
+    each.flat_map(|list| std::iter::repeat_n(&list.requests, list.times).flatten())
 }
 
 /// Time of one core that a run took, s; none where the store has no record of it, or the run was only seen anew by another
@@ -158,7 +169,7 @@ mod tests {
     use super::{SECONDS_PER_COST, most_runs, of};
     use crate::Budget;
     use crate::spent::{Spending, core_seconds};
-    use calibration::PlannedStage;
+    use calibration::{PlannedStage, RunList};
     use campaign::{RunOutcome, RunRequest, Simulator, SimulatorError};
     use run_store::{Record, Store};
 
@@ -185,8 +196,11 @@ mod tests {
         let requests: Vec<_> = (1..=10).map(|seed| RunRequest::new("m", seed)).collect();
         let stage = PlannedStage {
             stage: "surfaces".into(),
-            requests: requests.clone(),
-            at_most_further: 5,
+            certain: vec![RunList::once(requests.clone())],
+            further: vec![RunList {
+                times: 5,
+                requests: requests[..1].to_vec(),
+            }],
         };
         let stages = [stage];
         let folder = tempfile::tempdir().unwrap();
@@ -235,7 +249,7 @@ mod tests {
         let price = of(&Three, &stages, budget, Some(&store)).unwrap();
         assert!(price.measured);
         assert_eq!((price.runs, price.core_s), (10, 60.0));
-        assert_eq!(price.at_most_further, 5);
+        assert_eq!((price.at_most_further, price.further_core_s), (5, 30.0));
         assert_eq!(
             price.most_runs, guess.most_runs,
             "a budget does not follow the pace"

@@ -2,12 +2,14 @@
 
 use crate::compare::compare;
 use crate::next;
-use crate::price::{self, Price};
+use crate::price::{self, Price, StagePrice};
+use crate::run_remarks;
 use crate::spent::Spending;
 use crate::{DiagnosisResult, Error, Study, StudyResult, StudySimulator};
 use calibration::{Calibration, LoopSettings};
-use campaign::{Campaign, Executor, Pace, Progress};
+use campaign::{Campaign, Executor, Pace, Progress, Simulator};
 use run_store::{Lookup, Record, Store};
+use serde::Serialize;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -51,54 +53,65 @@ impl std::fmt::Debug for RunSettings<'_> {
 /// A design that cannot be made, a mesh or a record that cannot be read, a budget that is smaller than the runs that are certain.
 pub fn plan_study(study: &Study, seed: u64, folder: &Path) -> Result<Price, Error> {
     let simulator = study.simulator(folder)?;
-    let settings = study.settings_with(seed);
-    let stages = calibration::planned(&study.problem, &settings)?;
-    let runs = folder.join("runs");
-    // Planning makes no folder.
-    let store = runs.is_dir().then(|| Store::open(&runs)).transpose()?;
+    let within = study.settings_within(&simulator, seed)?;
+    let stages = calibration::planned(&study.problem, &within)?;
+    let store = store_of(folder)?;
     let price = price::of(&simulator, &stages, study.budget, store.as_ref())?;
-    let within = LoopSettings {
-        most_runs: price.most_runs,
-        ..settings
-    };
     calibration::within_budget(&stages, &within)?;
     Ok(Price {
+        most_runs: within.most_runs,
         cannot_be_met: study.problem.cannot_be_met(),
         ..price
     })
 }
 
-/// Most runs that [`run_diagnosis`] may need.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct DiagnosisRuns {
-    /// Of the diagnosis.
-    pub diagnosis: usize,
-    /// Beyond these at the candidates for the next measurement, where the diagnosis leaves a question; 0 where the budget
-    /// does not allow them.
-    pub at_candidates: usize,
+/// The runs that a folder has; planning makes none.
+fn store_of(folder: &Path) -> Result<Option<Store>, Error> {
+    let runs = folder.join("runs");
+    Ok(runs.is_dir().then(|| Store::open(&runs)).transpose()?)
 }
 
-/// Most runs that [`run_diagnosis`] may need.
+/// What [`run_diagnosis`] would run, and what that takes.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct DiagnosisPrice {
+    /// Most runs at the candidates for the next measurement, where the diagnosis leaves a question, among the further ones; 0 where
+    /// the budget does not allow them.
+    pub at_candidates: usize,
+    /// Runs and times.
+    #[serde(flatten)]
+    pub stage: StagePrice,
+    /// Whether the times follow from planned runs whose records are in the folder, and not from a guess.
+    pub measured: bool,
+}
+
+/// What [`run_diagnosis`] would run, starting from given parameters, and what that takes.
 ///
 /// # Errors
 ///
 /// A budget of the study that is smaller than the diagnosis needs.
-pub fn plan_diagnosis(study: &Study, folder: &Path) -> Result<DiagnosisRuns, Error> {
-    let needed = calibration::most_runs_of_diagnosis(&study.problem, &study.settings);
-    let further = calibration::most_runs_of_candidates(&study.problem, &study.settings);
+pub fn plan_diagnosis(study: &Study, seed: u64, folder: &Path) -> Result<DiagnosisPrice, Error> {
     let simulator = study.simulator(folder)?;
-    let stages = calibration::planned(&study.problem, &study.settings)?;
-    let price = price::of(&simulator, &stages, study.budget, None)?;
-    match price.most_runs {
-        Some(most) if most < needed => Err(Error::Budget { most, needed }),
-        most => Ok(DiagnosisRuns {
-            diagnosis: needed,
-            at_candidates: match most {
-                Some(most) if most < needed + further => 0,
-                _ => further,
-            },
-        }),
-    }
+    let within = study.settings_within(&simulator, seed)?;
+    let needed = calibration::most_runs_of_diagnosis(&study.problem, &within);
+    let candidates = calibration::most_runs_of_candidates(&study.problem, &within);
+    let at_candidates = match within.most_runs {
+        Some(most) if most < needed => return Err(Error::Budget { most, needed }),
+        Some(most) if most < needed + candidates => 0,
+        _ => candidates,
+    };
+    let stage = calibration::planned_diagnosis(&study.problem, &within, 0);
+    let store = store_of(folder)?;
+    let mut price = price::of(
+        &simulator,
+        std::slice::from_ref(&stage),
+        study.budget,
+        store.as_ref(),
+    )?;
+    Ok(DiagnosisPrice {
+        at_candidates,
+        stage: price.stages.remove(0),
+        measured: price.measured,
+    })
 }
 
 /// Runs all stages of a study.
@@ -118,15 +131,14 @@ pub fn run_study(
     let spending = Spending::begin(&store)?;
     let pace = Pace::new();
     let campaign = settings.campaign(&store, &pace);
-    let with_seed = study.settings_with(settings.seed);
-    let stages = calibration::planned(&study.problem, &with_seed)?;
-    let most_runs = price::of(simulator, &stages, study.budget, None)?.most_runs;
-    let within = LoopSettings {
-        most_runs,
-        ..with_seed
-    };
-    let calibration =
+    let within = study.settings_within(simulator, settings.seed)?;
+    let mut calibration =
         calibration::calibrate(&campaign, simulator, &study.problem, &within, announce)?;
+    let records = records_of(&store, &calibration)?;
+    let of_photos = study.photos.iter().flat_map(|series| &series.left_out);
+    calibration.remarks.extend(of_photos.cloned());
+    let of_runs = run_remarks::of_runs(&calibration, &records);
+    calibration.remarks.extend(of_runs);
     Ok(StudyResult {
         name: study.problem.id.clone(),
         profile: study.profile.clone(),
@@ -136,7 +148,7 @@ pub fn run_study(
         compare: compare(&study.compare, &study.problem, &calibration),
         defaults: study.defaults.clone(),
         not_applicable: study.not_applicable.clone(),
-        records: records_of(&store, &calibration)?,
+        records,
         calibration,
         spent: spending.end(settings.own_threads())?,
     })
@@ -175,7 +187,7 @@ pub fn run_diagnosis(
     let pace = Pace::new();
     let campaign = settings.campaign(&store, &pace);
     let within = study.settings_with(settings.seed);
-    let planned = plan_diagnosis(study, &settings.folder)?;
+    let planned = plan_diagnosis(study, settings.seed, &settings.folder)?;
     let problem = match planned.at_candidates {
         0 => study.problem.without_candidates(),
         _ => study.problem.clone(),
@@ -217,6 +229,17 @@ impl<'a> RunSettings<'a> {
 }
 
 impl Study {
+    /// The settings of the loop with the seed of a run and the number of runs that the budget allows.
+    fn settings_within(&self, simulator: &dyn Simulator, seed: u64) -> Result<LoopSettings, Error> {
+        let with_seed = self.settings_with(seed);
+        let stages = calibration::planned(&self.problem, &with_seed)?;
+        let most_runs = price::of(simulator, &stages, self.budget, None)?.most_runs;
+        Ok(LoopSettings {
+            most_runs,
+            ..with_seed
+        })
+    }
+
     /// The settings of the loop with the seed of a run.
     fn settings_with(&self, seed: u64) -> LoopSettings {
         LoopSettings {

@@ -9,5 +9,6 @@ mod study_file {
     pub(crate) mod plausible;
     pub(crate) mod refused;
     pub(crate) mod refused_measurements;
+    mod unread_photos;
     pub(crate) mod values;
 }

@@ -239,6 +239,9 @@ fn summary(
     if !facts.is_empty() {
         page.facts(&facts);
     }
+    if let Some(bias) = &summary.largest_bias {
+        page.paragraph(&format!("{}.", bias.text().trim()));
+    }
     if let Some(rough) = &summary.too_rough {
         page.paragraph(&format!("{}.", rough.text().trim()));
     }

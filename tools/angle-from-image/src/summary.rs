@@ -2,7 +2,7 @@
 
 use crate::interface::{Heights, Interface};
 use crate::results::ImageResult;
-use photo_profile::{Mode, Settings};
+use photo_profile::{Mode, SelectionBias, Settings};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use surface_profile::{
@@ -83,6 +83,53 @@ impl TooRough {
     }
 }
 
+/// How far the mean of all pictures may lie from that of the measured ones, in the worst case: the others are the highest of all, or
+/// the lowest ([`SelectionBias`]).
+#[derive(Debug, Clone, Copy, Serialize)]
+pub(crate) struct LargestBias {
+    /// Pictures without an angle.
+    n: usize,
+    /// The bound to either side, degrees; none where they are too many for one.
+    deg: Option<f64>,
+    /// The same in standard errors of the mean.
+    in_standard_errors: Option<f64>,
+    /// Whether a study takes the mean over: the bound is at most one standard error.
+    borne: bool,
+}
+
+impl LargestBias {
+    /// Of the measured pictures and the number of the others.
+    fn new(measured: &SeriesSummary, others: usize) -> Option<Self> {
+        let bias = SelectionBias::new(measured, others)?;
+        let finite = |value: f64| value.is_finite().then_some(value);
+        Some(Self {
+            n: others,
+            deg: finite(bias.most),
+            in_standard_errors: finite(bias.in_standard_errors),
+            borne: bias.is_borne(),
+        })
+    }
+
+    /// The sentence for people.
+    pub(crate) fn text(&self) -> String {
+        let n = self.n;
+        let (Some(deg), Some(errors)) = (self.deg, self.in_standard_errors) else {
+            return format!(
+                "\n{n} without an angle: too many to say what the mean of all would be"
+            );
+        };
+        let advice = if self.borne {
+            ""
+        } else {
+            ": more than one, so that a study would refuse the pictures"
+        };
+        format!(
+            "\n{n} without an angle: if these were the highest of all, or the lowest, the mean of all would lie {deg:.2} deg off, \
+             {errors:.1} standard errors{advice}"
+        )
+    }
+}
+
 /// The JSON of several pictures together.
 #[derive(Debug, Clone, Serialize)]
 pub(crate) struct Summary {
@@ -98,6 +145,9 @@ pub(crate) struct Summary {
     pub(crate) n_effective: Option<f64>,
     /// Pictures refused.
     pub(crate) refused: usize,
+    /// How far the mean of all pictures may lie from that of the measured ones at most; none where all were measured, or the measured
+    /// ones tell no scatter.
+    pub(crate) largest_bias: Option<LargestBias>,
     /// What the surfaces refused as too rough would change; none where there are none, or nothing was measured.
     pub(crate) too_rough: Option<TooRough>,
     /// Files that could not be read.
@@ -127,6 +177,7 @@ impl Summary {
             se_deg: finite(series.map(|s| s.standard_error.hypot(shared))),
             n_effective: finite(series.map(|s| s.n_effective)),
             refused: count("refused"),
+            largest_bias: series.and_then(|s| LargestBias::new(&s, images.len() - angles.len())),
             too_rough: TooRough::new(images),
             unread: count("error"),
             interface: {
@@ -144,6 +195,10 @@ impl Summary {
             0 => String::new(),
             unread => format!(", {unread} not read"),
         };
+        let bias = self
+            .largest_bias
+            .as_ref()
+            .map_or_else(String::new, LargestBias::text);
         let rough = self
             .too_rough
             .as_ref()
@@ -153,7 +208,7 @@ impl Summary {
             .as_ref()
             .map_or_else(String::new, Interface::text);
         format!(
-            "mean {} deg, sd {}, se {}, {} measured, {} refused{unread}{rough}{interface}",
+            "mean {} deg, sd {}, se {}, {} measured, {} refused{unread}{bias}{rough}{interface}",
             number(self.mean_deg),
             number(self.sd_deg),
             number(self.se_deg),
@@ -262,6 +317,23 @@ mod tests {
         assert!(steep.text().contains("+5.00"), "{}", steep.text());
         assert!(steep.text().contains("--max-error-deg"), "{}", steep.text());
 
+        // Three of eight are too many. One of eight: z = 1.150, density 0.206, l = 0.235, 0.287 of the standard deviation 0.746 deg.
+        assert!(
+            steep.text().contains("3 without an angle: too many"),
+            "{}",
+            steep.text()
+        );
+        let one = Summary::new(
+            &pictures(&[38.0, 39.5, 38.5, 40.0, 39.0, 39.0, 38.0], &[43.5]),
+            None,
+            &Settings::default(),
+        );
+        let bias = one.largest_bias.expect("one is lost");
+        assert!(
+            bias.borne && (bias.deg.unwrap() - 0.21435).abs() < 1e-5,
+            "{bias:?}"
+        );
+
         let alike = Summary::new(
             &pictures(&measured, &[38.7, 39.7, 39.2]),
             None,
@@ -270,5 +342,6 @@ mod tests {
         assert!(!alike.text().contains("biased"), "{}", alike.text());
         let fine = Summary::new(&pictures(&measured, &[]), None, &Settings::default());
         assert!(fine.too_rough.is_none(), "{:?}", fine.too_rough);
+        assert!(fine.largest_bias.is_none(), "{:?}", fine.largest_bias);
     }
 }

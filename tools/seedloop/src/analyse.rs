@@ -28,6 +28,7 @@ use data::{Coding, Data, factor_file, read};
 use extras::{Comparison, Ridge};
 use page::page;
 use predict::{Predicted, predictions};
+pub(crate) use text::fixed;
 use text::{orders_text, summary};
 
 /// Fits a model to the table of an experiment: coefficients, analysis of variance, diagnostics

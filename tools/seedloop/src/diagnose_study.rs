@@ -11,16 +11,16 @@ use crate::runner::Runner;
 use crate::stop::Stop;
 use crate::watched;
 use anyhow::Context as _;
-use calibration::{DiagnosisStage, ResidualStudy};
-use campaign::{Executor, ProgressFolder};
+use calibration::{CalibrationProblem, DiagnosisStage, ResidualStudy};
+use campaign::{Executor, ProgressFolder, range_in_words};
 use command_line::{Common, DONE, NOT_MET, significant, try_folder};
 use residual_diagnosis::Diagnosis;
 use serde::Serialize;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use study::{
-    DiagnosisResult, DiagnosisRuns, RunSettings, Study, plan_diagnosis, run_diagnosis, write_json,
-    write_result,
+    DiagnosisPrice, DiagnosisResult, RunSettings, StagePrice, Study, plan_diagnosis, run_diagnosis,
+    write_json, write_result,
 };
 use study_report::{Extent, answer};
 
@@ -57,6 +57,26 @@ struct Report<'a> {
     result: &'a DiagnosisResult,
 }
 
+/// What would be run as it stands in JSON: the problem of the study, and the price.
+#[derive(Debug, Serialize)]
+struct Plan<'a> {
+    /// What is asked.
+    #[serde(flatten)]
+    problem: &'a CalibrationProblem,
+    /// Runs and times.
+    price: &'a DiagnosisPrice,
+}
+
+impl<'a> Plan<'a> {
+    /// Of a study.
+    fn new(study: &'a Study, price: &'a DiagnosisPrice) -> Self {
+        Self {
+            problem: &study.problem,
+            price,
+        }
+    }
+}
+
 /// Plans, runs, writes the result folder, prints.
 ///
 /// # Errors
@@ -73,12 +93,13 @@ pub(crate) fn run(path: &Path, options: &Options, common: &Common) -> anyhow::Re
         .clone()
         .unwrap_or_else(|| PathBuf::from("out").join(format!("{}-diagnosis", study.folder_name())));
     try_folder(&folder)?;
-    let runs = plan_diagnosis(&study, &folder).with_context(|| path.display().to_string())?;
-    let planned = plan_text(&study, &at, runs);
+    let price = plan_diagnosis(&study, options.seed, &folder);
+    let price = price.with_context(|| path.display().to_string())?;
+    let planned = plan_text(&study, &at, &price, common.threads());
     if options.plan_only {
         common.print(planned.trim_end())?;
         common.print(power::text(&study, &folder, options.seed, common.threads())?.trim_end())?;
-        common.emit_json(&study.problem)?;
+        common.emit_json(&Plan::new(&study, &price))?;
         return Ok(DONE);
     }
     refuse_used_folder(&folder, options.resume, common)?;
@@ -91,8 +112,9 @@ pub(crate) fn run(path: &Path, options: &Options, common: &Common) -> anyhow::Re
     let _owner = enter(&folder, &work, common)?;
     common.log(|| planned.trim_end().to_owned());
     let lines = progress_lines(common);
-    let progress = ProgressFolder::new(&folder, watched::of_diagnosis(&study, runs), &lines);
-    progress.announce(watched::DIAGNOSIS);
+    let progress =
+        ProgressFolder::new(&folder, watched::of_diagnosis(&study, &price.stage), &lines);
+    progress.announce(&price.stage.stage);
     let stop = Stop::of_runs(&folder)?;
     let job = |folder: &Path| of_study(&study, folder, options.retries);
     let executor = (options.runner).executor(job, &folder, &study.file.runner, common)?;
@@ -165,15 +187,32 @@ fn found_text(study: &Study, done: &ResidualStudy) -> String {
 }
 
 /// What will be run.
-fn plan_text(study: &Study, at: &[f64], runs: DiagnosisRuns) -> String {
+fn plan_text(study: &Study, at: &[f64], price: &DiagnosisPrice, threads: usize) -> String {
     let problem = &study.problem;
+    let StagePrice {
+        runs,
+        at_most_further,
+        core_s,
+        further_core_s,
+        ..
+    } = &price.stage;
+    let core = [*core_s, core_s + further_core_s];
+    let wall = core.map(|core_s| core_s / threads.max(1) as f64);
     let mut out = format!(
-        "{}: at most {} runs, {} behind each simulated mean of {} models, {} effects to search\n",
+        "{}: {runs} to {} runs, {} behind each simulated mean of {} models, {} effects to search\n  {} of one core, {} on \
+         {threads}{}\n",
         problem.id,
-        runs.diagnosis,
+        runs + at_most_further,
         study.settings.diagnosis_replicates,
         problem.models.len(),
         problem.effects.len(),
+        range_in_words(core),
+        range_in_words(wall),
+        if price.measured {
+            ""
+        } else {
+            " (a guess until the first runs are done)"
+        },
     );
     for (parameter, value) in problem.parameters.iter().zip(at) {
         let (symbol, name) = (&parameter.symbol, &parameter.name);
@@ -188,13 +227,12 @@ fn plan_text(study: &Study, at: &[f64], runs: DiagnosisRuns) -> String {
         add(&mut out, format_args!("  {role:<6} {name} of {model}\n"));
     }
     let offered = &problem.candidates;
-    if runs.at_candidates > 0 {
+    if price.at_candidates > 0 {
         add(
             &mut out,
             format_args!(
-                "  and at most {} runs more at {} candidates for the next measurement, only where the verdict leaves a \
-                 question\n",
-                runs.at_candidates,
+                "  of these at most {} at {} candidates for the next measurement, only where the verdict leaves a question\n",
+                price.at_candidates,
                 offered.len()
             ),
         );

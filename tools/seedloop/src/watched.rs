@@ -1,39 +1,35 @@
 //! What a campaign tells of itself in its folder, for `seedloop watch`.
 
 use campaign::{CampaignPlan, MeasuredMean, ParameterName, StagePlan};
-use study::{DiagnosisRuns, Price, Study};
+use study::{Price, StagePrice, Study};
 
 /// What the page says of a campaign that came to its end.
 pub(crate) const FINISHED: &str = "finished";
 
 /// The plan of a calibration.
 pub(crate) fn of_calibration(study: &Study, price: &Price) -> CampaignPlan {
-    let stage = |stage: &study::StagePrice| StagePlan {
+    CampaignPlan {
+        stages: price.stages.iter().map(of_stage).collect(),
+        ..of_study(study)
+    }
+}
+
+/// The plan of a stage.
+fn of_stage(stage: &StagePrice) -> StagePlan {
+    StagePlan {
         name: stage.stage.clone(),
         runs: stage.runs,
         at_most_further: stage.at_most_further,
-    };
-    CampaignPlan {
-        stages: price.stages.iter().map(stage).collect(),
-        ..of_study(study)
     }
 }
 
 /// The plan of a diagnosis.
-pub(crate) fn of_diagnosis(study: &Study, runs: DiagnosisRuns) -> CampaignPlan {
-    let stage = StagePlan {
-        name: DIAGNOSIS.to_owned(),
-        runs: 0,
-        at_most_further: runs.diagnosis + runs.at_candidates,
-    };
+pub(crate) fn of_diagnosis(study: &Study, stage: &StagePrice) -> CampaignPlan {
     CampaignPlan {
-        stages: vec![stage],
+        stages: vec![of_stage(stage)],
         ..of_study(study)
     }
 }
-
-/// The one stage of a diagnosis.
-pub(crate) const DIAGNOSIS: &str = "diagnosis";
 
 /// What is known of every study.
 fn of_study(study: &Study) -> CampaignPlan {

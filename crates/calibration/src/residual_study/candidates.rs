@@ -46,10 +46,17 @@ pub struct OfferedMeasurement {
 }
 
 impl ResidualPlan {
-    /// Most runs at all candidates, for r replicates, K declared parameters and M effects: r (1 + K + min(M, 3)) for each.
-    pub(crate) fn runs_at_candidates(&self) -> usize {
+    /// As many runs at all candidates as there may be, for r replicates, K declared parameters and M effects r (1 + K + min(M, 3)) for
+    /// each.
+    pub(crate) fn requests_at_candidates(&self) -> Vec<RunRequest> {
         let columns = self.declared.len() + MOST_IN_QUESTION.min(self.effects.len());
-        self.replicates * (1 + columns) * self.candidates.len()
+        let start: Vec<f64> = self.declared.iter().map(|d| d.start).collect();
+        let each = self.candidates.iter().flat_map(|candidate| {
+            let own = self.at_candidate(candidate);
+            let at = Setting::declared(&own, &start);
+            vec![runs::requests(&own, &at, BLOCK, At::Used); 1 + columns].concat()
+        });
+        each.collect()
     }
 
     /// The plan of the runs at a candidate.

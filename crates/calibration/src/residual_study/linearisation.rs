@@ -320,7 +320,7 @@ impl Linearisation {
 }
 
 /// The start, a step in each declared parameter, and each effect at its probe; with the size of the step.
-fn start_and_steps(plan: &ResidualPlan) -> Vec<(Setting, f64)> {
+pub(super) fn start_and_steps(plan: &ResidualPlan) -> Vec<(Setting, f64)> {
     let start: Vec<f64> = plan.declared.iter().map(|d| d.start).collect();
     let at_start = Setting::declared(plan, &start);
     let mut settings = vec![(at_start.clone(), 1.0)];

@@ -195,6 +195,37 @@ fn a_sum_alone_leaves_the_difference_open() {
     );
 }
 
+/// A prior of a, 0.2, and a measurement of y = a, 0.8, each known to 0.02: the estimate between them lies 15 standard errors of the
+/// measurement off, and the answer says that the priors have a part in it. A prior that is known to 0.5 leaves the measurement alone.
+#[test]
+fn a_prior_that_contradicts_the_data_is_told() {
+    let toy = Toy {
+        law: |_, p| shown("y", p("a")),
+        noise: 0.0,
+    };
+    let with = |sd: f64| {
+        let mut a = parameter("a", [0.0, 1.0]);
+        a.prior = Some(Prior { mean: 0.2, sd });
+        let problem = problem(
+            vec![a],
+            vec![model("m", &[0])],
+            vec![measured(0, "y", Role::Fit, (0.8, 0.02 * 10_f64.sqrt()))],
+        );
+        run(&toy, &problem).unwrap()
+    };
+    let contradicts = with(0.02);
+    let value = contradicts.parameters[0].value;
+    assert!((value - 0.5).abs() < 0.05 && !contradicts.met, "{value}");
+    let told = &contradicts.verdict;
+    assert!(
+        told.contains("does not meet y of m") && told.contains("their priors"),
+        "{told}"
+    );
+    let agrees = with(0.5);
+    assert!(agrees.met, "{}", agrees.verdict);
+    assert!((agrees.parameters[0].value - 0.8).abs() < 0.01);
+}
+
 /// A prior is a further measurement: with y = a + b = 1.0 +- 0.05 and a prior of a, 0.3 +- 0.02, both are known; a is fixed
 /// by the prior and not by the data.
 #[test]

@@ -344,10 +344,7 @@ fn the_plan_has_the_runs_of_the_loop() {
     );
     let plan = planned(&problem, &LoopSettings::default()).unwrap();
     let result = run(&toy, &problem).unwrap();
-    let planned: Vec<_> = plan
-        .iter()
-        .map(|s| (s.stage.as_str(), s.requests.len()))
-        .collect();
+    let planned: Vec<_> = plan.iter().map(|s| (s.stage.as_str(), s.runs())).collect();
     let made: Vec<_> = result
         .cost
         .iter()

@@ -3,7 +3,7 @@
 use super::DesignTable;
 use crate::file::Budget;
 use crate::{Error, price};
-use calibration::PlannedStage;
+use calibration::{PlannedStage, RunList};
 use campaign::{RunRequest, Simulator};
 use run_store::{Lookup, Record, Store};
 use serde::Serialize;
@@ -45,8 +45,8 @@ impl DesignTable {
         let n_kept = kept.len();
         let stage = |name: &str, requests| PlannedStage {
             stage: name.to_owned(),
-            requests,
-            at_most_further: 0,
+            certain: vec![RunList::once(requests)],
+            further: Vec::new(),
         };
         let stages = [stage("kept", kept), stage("open", open)];
         let price = price::of(simulator, &stages, Budget::default(), store)?;

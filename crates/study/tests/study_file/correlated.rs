@@ -141,6 +141,29 @@ fn a_stated_correlation_joins_two_measurements() {
     assert!(right(STUDY).problem.correlations.is_empty());
 }
 
+/// Three observables of which each goes with the next as 0.9 and the last with the first as -0.9: no three variables do so, the
+/// determinant of the matrix being 1 + 2 * 0.9 * 0.9 * -0.9 - 3 * 0.81 < 0. Nor does one correlation have two values.
+#[test]
+fn correlations_that_contradict_each_other_are_refused() {
+    let with = |correlations: &str| {
+        let values = "curvature = { mean = 0.1, sd = 0.02, n = 7.5 }";
+        let more = "s_shape = { mean = 0.0, sd = 0.02, n = 7.5 }";
+        wrong(&changed(
+            values,
+            &format!("{values}\n{more}\ncorrelation = [{correlations}]"),
+        ))
+    };
+    let of_three = r#"["angle_deg", "curvature", 0.9], ["curvature", "s_shape", 0.9], ["angle_deg", "s_shape", -0.9]"#;
+    tells(
+        &with(of_three),
+        &["not positive definite", "s_shape", "smaller ones"],
+    );
+    let twice = r#"["angle_deg", "curvature", 0.5], ["curvature", "angle_deg", 0.4]"#;
+    tells(&with(twice), &["stands there twice"]);
+    let itself = r#"["angle_deg", "angle_deg", 0.5]"#;
+    tells(&with(itself), &["name two"]);
+}
+
 #[test]
 fn a_correlation_that_cannot_be_meant_is_told_with_its_line() {
     let stated = |text: &str| {

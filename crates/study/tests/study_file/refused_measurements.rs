@@ -17,6 +17,18 @@ fn a_measurement_without_scatter_or_number_is_refused() {
 }
 
 #[test]
+fn a_condition_without_an_observable_is_refused() {
+    let study = changed(
+        "condition = { rpm = 30 }\nrole = \"check\"\nangle_deg = { mean = 35.1, sd = 0.8, n = 10 }",
+        "condition = { rpm = 30 }\nrole = \"check\"",
+    );
+    tells(
+        &wrong(&study),
+        &["line 4", "holds no measurement", "or photos"],
+    );
+}
+
+#[test]
 fn an_observable_that_the_scene_does_not_give_is_told_with_those_it_gives() {
     let message = wrong(&changed("shown_static_friction", "angle_deg"));
     tells(

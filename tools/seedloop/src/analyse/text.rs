@@ -261,7 +261,7 @@ pub(super) fn counted(value: Option<f64>, digits: usize) -> String {
 }
 
 /// A number with a fixed number of decimals, or `-`.
-pub(super) fn fixed(value: Option<f64>, digits: usize) -> String {
+pub(crate) fn fixed(value: Option<f64>, digits: usize) -> String {
     value.map_or_else(|| "-".to_owned(), |v| format!("{v:.digits$}"))
 }
 

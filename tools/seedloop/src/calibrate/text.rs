@@ -1,7 +1,7 @@
 //! What a calibration says on standard output.
 
 use calibration::{Comparison, DiagnosisStage, Estimate, InputEstimate};
-use campaign::time_in_words;
+use campaign::{range_in_words, time_in_words};
 use command_line::significant;
 use std::collections::BTreeMap;
 use std::fmt::{Arguments, Write as _};
@@ -59,7 +59,7 @@ pub(crate) fn plan(study: &Study, price: &Price, threads: usize) -> String {
                 format_args!("  photos ({files}): {name} {mean} sd {sd} n {n:.1}\n"),
             );
         }
-        for remark in &series.remarks {
+        for remark in series.left_out.iter().chain(&series.remarks) {
             add(&mut text, format_args!("  photos: {remark}\n"));
         }
     }
@@ -85,35 +85,45 @@ pub(crate) fn plan(study: &Study, price: &Price, threads: usize) -> String {
     text
 }
 
-/// The stages with their runs and what the planned ones take.
+/// The stages with their runs and what these take.
 fn priced(text: &mut String, price: &Price, threads: usize) {
+    let mut line = |name: &str, [runs, further, time, further_time]: [&str; 4]| {
+        add(
+            text,
+            format_args!("  {name:<28} {runs:>7} {further:>16}  {time:>18} {further_time:>18}\n"),
+        );
+    };
+    line(
+        "runs",
+        [
+            "planned",
+            "further, at most",
+            "time of one core",
+            "further, at most",
+        ],
+    );
+    let mut priced = |name: &str, runs: [usize; 2], core_s: [f64; 2]| {
+        let [runs, further] = runs.map(|n| n.to_string());
+        let [time, more] = core_s.map(time_in_words);
+        line(name, [&runs, &further, &time, &more]);
+    };
+    for stage in &price.stages {
+        priced(
+            &stage.stage,
+            [stage.runs, stage.at_most_further],
+            [stage.core_s, stage.further_core_s],
+        );
+    }
+    let core_s = [price.core_s, price.further_core_s];
+    priced("all", [price.runs, price.at_most_further], core_s);
+    let wall = [price.core_s, price.core_s + price.further_core_s];
+    let wall = range_in_words(wall.map(|core_s| core_s / threads.max(1) as f64));
     add(
         text,
         format_args!(
-            "  {:<40} {:>7} {:>16}  time of the planned\n",
-            "runs", "planned", "further, at most"
+            "  {wall} on {threads} threads, by what is found; reading, statistics, report and decks come on top\n"
         ),
     );
-    let mut line = |name: &str, runs: usize, further: usize, time: &str| {
-        add(
-            text,
-            format_args!("  {name:<40} {runs:>7} {further:>16}  {time}\n"),
-        );
-    };
-    for stage in &price.stages {
-        line(
-            &stage.stage,
-            stage.runs,
-            stage.at_most_further,
-            &time_in_words(stage.core_s),
-        );
-    }
-    let wall = time_in_words(price.core_s / threads.max(1) as f64);
-    let time = format!(
-        "{} of one core, about {wall} on {threads}",
-        time_in_words(price.core_s)
-    );
-    line("all", price.runs, price.at_most_further, &time);
     if !price.measured {
         text.push_str("  (times are a guess until the first runs are done)\n");
     }

@@ -1,11 +1,12 @@
 //! What a run gives, as text and as JSON.
 
 use super::Outcome;
+use crate::analyse::fixed;
 use anyhow::Context as _;
 use command_line::{Header, significant};
 use run_store::Observation;
 use scene::{Doubt, Override, Scene};
-use scene_simulator::{FrameDetails, RunDetails, TimingDetails};
+use scene_simulator::{FrameDetails, RunDetails, TimingDetails, unread_frames};
 use serde::Serialize;
 use serde_json::Value;
 use std::collections::BTreeMap;
@@ -35,7 +36,10 @@ pub(super) struct Report {
     /// Whether the start-up was found to be over; none where the apparatus has no such state.
     steady: Option<bool>,
     /// Why it is not steady, as the rest of a sentence that begins with "the bed".
-    doubt: Option<String>,
+    doubt: Option<&'static str>,
+    /// The same as a kind.
+    #[serde(skip)]
+    kind_of_doubt: Option<Doubt>,
     /// Time of rotation before the steady state, s.
     start_up_s: Option<f64>,
     /// Time of one swing of the bed, s.
@@ -86,7 +90,8 @@ impl Report {
             observables: record.observables().clone(),
             regime: record.regime().map(str::to_owned),
             steady: details.steady,
-            doubt: details.doubt,
+            doubt: details.doubt.map(Doubt::words),
+            kind_of_doubt: details.doubt,
             start_up_s: details.start_up_s,
             swing_s: details.swing_s,
             motion: details.motion,
@@ -112,16 +117,14 @@ impl Report {
     /// What the user should know of the result.
     fn of_result(&self) -> Vec<String> {
         let mut warnings = Vec::new();
-        if let Some(doubt) = &self.doubt
-            && doubt == Doubt::DrivenByRolling.words()
-        {
-            // More time would not help.
-            warnings.push(format!("not steady: at the limit the bed {doubt}"));
-        } else if let Some(doubt) = &self.doubt {
-            warnings.push(format!(
-                "not steady: at the limit the bed {doubt}; its means are those of a passing state. Raise \
-                 protocol.rotation_limit"
-            ));
+        if let Some(doubt) = self.kind_of_doubt {
+            let words = doubt.words();
+            // More time would not help a bed that its own rolling torque drives.
+            let advice = match doubt {
+                Doubt::DrivenByRolling => "",
+                _ => "; its means are those of a passing state. Raise protocol.rotation_limit",
+            };
+            warnings.push(format!("not steady: at the limit the bed {words}{advice}"));
         }
         if self.motion.as_deref() == Some("surging")
             && !self.parameters.contains_key("apparatus.ramp")
@@ -152,11 +155,8 @@ impl Report {
                 significant(1e3 * self.timing.time_step_s, 4)
             ));
         }
-        let refused = self.frames.refused;
-        if refused > 0 {
-            warnings.push(format!(
-                "the surface could not be measured in {refused} frames"
-            ));
+        if self.reason.is_none() {
+            warnings.extend(unread_frames([&self.frames]));
         }
         warnings
     }
@@ -275,11 +275,6 @@ fn settings_of(scene: &Scene) -> anyhow::Result<BTreeMap<String, Value>> {
     let mut settings = BTreeMap::new();
     walk(&scene, "", &mut settings);
     Ok(settings)
-}
-
-/// A number with so many decimals.
-fn fixed(value: Option<f64>, decimals: usize) -> String {
-    value.map_or_else(|| "-".to_owned(), |value| format!("{value:.decimals$}"))
 }
 
 /// Appends to a text.
