@@ -36,6 +36,7 @@ mod softened_stiffness;
 mod speed_dependent_restitution;
 mod wall_charge;
 mod walls;
+mod whole_seed_damping;
 
 use scene::{FillingLibrary, Scene};
 use serde::{Deserialize, Serialize};
@@ -129,9 +130,10 @@ pub(crate) fn refused(name: &'static str, reason: &dyn std::fmt::Display) -> Err
 }
 
 /// All effects. Adding one is adding its file and its line here.
-pub static LIBRARY: [Effect; 26] = [
+pub static LIBRARY: [Effect; 27] = [
     rolling_resistance::EFFECT,
     rolling_spring::EFFECT,
+    whole_seed_damping::EFFECT,
     speed_dependent_restitution::EFFECT,
     rate_dependent_friction::EFFECT,
     cohesion::EFFECT,

@@ -3,6 +3,7 @@
 use crate::apparatus::BenchTest;
 use crate::interactions;
 use crate::{Apparatus, Error, Scene};
+use dem_solver::DashpotMass;
 
 /// Longest time between the two pictures of a pair, s: gravity alone would add 12 mm to the way of a seed.
 const MOST_PAIR_INTERVAL: f64 = 0.05;
@@ -56,6 +57,14 @@ impl Scene {
         let bond = model.bond_number;
         let holds = (0.0..=100.0).contains(&bond);
         require(holds, "model.bond_number", bond.to_string(), "0 to 100");
+        let whole = model.whole_seed_damping;
+        let beside_sphere = whole == 0.0 || model.dashpot_mass == DashpotMass::Sphere;
+        require(
+            (0.0..=1.0).contains(&whole) && beside_sphere,
+            "model.whole_seed_damping",
+            whole.to_string(),
+            "0 to 1, and 0 unless model.dashpot_mass = \"sphere\"",
+        );
         if let Some(liquid) = &model.liquid {
             let content = liquid.content;
             let holds = (0.0..=0.2).contains(&content);
