@@ -21,6 +21,7 @@ mod dry_adhesion;
 mod filling_smoothness;
 mod linear_cohesion;
 mod liquid_bridges;
+mod plate_give;
 mod rate_dependent_friction;
 mod rig_vibration;
 mod rolling_resistance;
@@ -130,7 +131,7 @@ pub(crate) fn refused(name: &'static str, reason: &dyn std::fmt::Display) -> Err
 }
 
 /// All effects. Adding one is adding its file and its line here.
-pub static LIBRARY: [Effect; 27] = [
+pub static LIBRARY: [Effect; 28] = [
     rolling_resistance::EFFECT,
     rolling_spring::EFFECT,
     whole_seed_damping::EFFECT,
@@ -152,6 +153,7 @@ pub static LIBRARY: [Effect; 27] = [
     shell_wear::EFFECT,
     cover_friction::EFFECT,
     wall_charge::EFFECT,
+    plate_give::EFFECT,
     axis_tilt::EFFECT,
     drive_slip::EFFECT,
     drive_ripple::EFFECT,

@@ -40,6 +40,8 @@ struct BenchParts {
     gravity: f64,
     /// Whether the plate is covered with seeds.
     on_seeds: bool,
+    /// Mass of the seed over that of a plate of seeds that gives way; 0 for a rigid one.
+    plate_give: f64,
 }
 
 impl BenchParts {
@@ -66,6 +68,10 @@ impl BenchParts {
             time_step: steps.settling / scene.apparatus.finer(),
             gravity: scene.model.gravity_m_s2,
             on_seeds: test.plate == kind.material,
+            plate_give: match &scene.apparatus {
+                Apparatus::Drop(test) => test.plate_give,
+                _ => 0.0,
+            },
         })
     }
 

@@ -57,6 +57,20 @@ impl Scene {
         let bond = model.bond_number;
         let holds = (0.0..=100.0).contains(&bond);
         require(holds, "model.bond_number", bond.to_string(), "0 to 100");
+        if let Apparatus::Drop(test) = &self.apparatus {
+            let give = test.plate_give;
+            let kind = self
+                .apparatus
+                .bench_test()
+                .and_then(|test| self.tested_seed(test).ok());
+            let of_seeds = kind.is_some_and(|kind| kind.material == test.plate);
+            require(
+                (0.0..=1.0).contains(&give) && (give == 0.0 || of_seeds),
+                "apparatus.plate_give",
+                give.to_string(),
+                "0 (rigid) to 1 (a single seed gives way), and 0 unless the plate is of seeds",
+            );
+        }
         let whole = model.whole_seed_damping;
         let beside_sphere = whole == 0.0 || model.dashpot_mass == DashpotMass::Sphere;
         require(
