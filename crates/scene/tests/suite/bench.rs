@@ -95,7 +95,7 @@ fn a_ball_comes_back_with_the_restitution_put_in() {
 }
 
 /// Whole-seed damping of 1 lets the pull of the dashpot in: a ball comes back with the 0.6 put in, which the clipped end makes 0.632 by
-/// the closed form of the clipped oscillator [SchwagerPoschel2007]. Steps of 1/45 of a contact err by less than 0.006. A seed of many
+/// the closed form of the clipped oscillator `[SchwagerPoschel2007]`. Steps of 1/45 of a contact err by less than 0.006. A seed of many
 /// spheres, of which one hits, comes back less than half as fast as with the dashpots of its spheres, whose mass is a fiftieth of its own.
 #[test]
 fn whole_seed_damping_stops_the_seed() {
