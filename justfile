@@ -330,6 +330,14 @@ steady-state FOLDER="out/steady-state" RUNS="20":
 rolling-levels FOLDER="out/rolling-levels" RUNS="5":
     cargo run --release --locked -p study --example rolling_levels -- {{FOLDER}} {{RUNS}}
 
+# Drop cotton seeds on both resins and on seeds, with none to all of the damping of the whole seed (minutes).
+[group('studies of the bed')]
+drops:
+    cargo build --release --locked -p seedloop
+    for plate in tough_resin clear_resin seed; do for share in 0 0.25 0.5 0.75 1; do \
+        echo "$plate $share"; "{{programs}}"/seedloop simulate fixtures/cotton/drop.toml apparatus.plate=$plate model.whole_seed_damping=$share --quiet || exit 1; \
+    done; done
+
 # RUNS runs of each row of pretests.csv. Finished runs in FOLDER are found again.
 # Show how the bed moves with the measured parameters and with one of them far off, beside the study's pretests.
 [group('studies of the bed')]

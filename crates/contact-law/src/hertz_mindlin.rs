@@ -95,8 +95,8 @@ pub struct HertzMindlin {
     tangential_damping: f64,
     /// Coefficient of static friction.
     static_friction: f64,
-    /// Least normal force: 0 for a clipped end, minus infinity for an attractive one, N.
-    least: f64,
+    /// Share of a pull of the dashpot that is kept: 0 for a clipped end, 1 for an attractive one.
+    pull: f64,
     /// Change of the damping with the overlap.
     viscoelastic: Option<ViscoelasticDamping>,
     /// Change of the friction with the speed of sliding.
@@ -157,13 +157,23 @@ impl HertzMindlin {
             normal_damping: damping * (2.0 * moduli.young).sqrt(),
             tangential_damping: damping * (8.0 * moduli.shear).sqrt(),
             static_friction: parameters.static_friction,
-            least: match end {
+            pull: match end {
                 NormalForceEnd::Clipped => 0.0,
-                NormalForceEnd::Attractive => f64::NEG_INFINITY,
+                NormalForceEnd::Attractive => 1.0,
             },
             viscoelastic: None,
             rate: None,
         })
+    }
+
+    /// The law in which a share of the pull of the dashpot is kept, 0 to 1, if the end would keep less.
+    #[must_use]
+    #[inline]
+    pub fn with_pull(self, share: f64) -> Self {
+        Self {
+            pull: self.pull.max(share),
+            ..self
+        }
     }
 
     /// The law with a damping that depends on the overlap.
@@ -210,7 +220,8 @@ impl HertzMindlin {
             None => self.normal_damping,
             Some(change) => self.normal_damping * change.factor(geometry.overlap),
         };
-        let normal = (elastic + damping * root * normal_velocity).max(self.least);
+        let normal = elastic + damping * root * normal_velocity;
+        let normal = normal.max(self.pull * normal);
 
         let friction = match &self.rate {
             None => self.static_friction,

@@ -6,7 +6,7 @@
 )]
 
 use crate::interaction::Interaction;
-use crate::shared_mass::Shares;
+use crate::shared_mass::{Shares, Touch};
 use contact_law::rolling_spring_dashpot::RollingContact;
 use contact_law::{ContactGeometry, rolling_constant_torque};
 use nalgebra::Vector3;
@@ -56,21 +56,28 @@ pub(crate) struct SpherePair {
 }
 
 impl SpherePair {
-    /// Radius of the contact, 0 where the spheres do not touch, m.
+    /// The contact as it shares the masses of both bodies.
     #[inline(always)]
-    pub(crate) fn contact_radius(&self) -> f64 {
+    pub(crate) fn touch(&self) -> Touch<2> {
         let [a, b] = self.radii;
-        let overlap = (a + b - self.between.norm()).max(0.0);
-        (a * b / (a + b) * overlap).sqrt()
+        let distance = self.between.norm();
+        let normal = self.between / distance;
+        let overlap = a + b - distance;
+        Touch {
+            radius: (a * b / (a + b) * overlap.max(0.0)).sqrt(),
+            normal,
+            arms: [
+                self.offset_i + normal * (a - 0.5 * overlap),
+                self.offset_j - normal * (b - 0.5 * overlap),
+            ],
+        }
     }
 
-    /// Lets the contact have its share of the masses of both bodies in its dashpots.
+    /// Lets the dashpots know the masses of both bodies.
     #[inline(always)]
-    pub(crate) fn share_masses(&mut self, shares: Option<&Shares>) {
+    pub(crate) fn share_masses(&mut self, shares: Option<&Shares<'_, 2>>) {
         if let Some(shares) = shares {
-            let [i, j] = shares.of(self.contact_radius());
-            self.dashpot_masses[0] *= i;
-            self.dashpot_masses[1] *= j;
+            self.dashpot_masses = shares.masses(&self.touch(), self.dashpot_masses);
         }
     }
 }
@@ -93,17 +100,22 @@ pub(crate) struct SphereWall {
 }
 
 impl SphereWall {
-    /// Radius of the contact, 0 where the sphere does not touch, m.
+    /// The contact as it shares the mass of the body.
     #[inline(always)]
-    pub(crate) fn contact_radius(&self) -> f64 {
-        (self.geometry.reduced_radius * self.geometry.overlap.max(0.0)).sqrt()
+    pub(crate) fn touch(&self) -> Touch<1> {
+        Touch {
+            radius: (self.geometry.reduced_radius * self.geometry.overlap.max(0.0)).sqrt(),
+            normal: self.normal,
+            arms: [self.arm],
+        }
     }
 
-    /// Lets the contact have its share of the mass of the body in its dashpot.
+    /// Lets the dashpot know the mass of the body.
     #[inline(always)]
-    pub(crate) fn share_mass(&mut self, shares: Option<&Shares>) {
+    pub(crate) fn share_mass(&mut self, shares: Option<&Shares<'_, 1>>) {
         if let Some(shares) = shares {
-            self.geometry.reduced_mass *= shares.of(self.contact_radius())[0];
+            [self.geometry.reduced_mass] =
+                shares.masses(&self.touch(), [self.geometry.reduced_mass]);
         }
     }
 }

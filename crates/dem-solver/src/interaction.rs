@@ -46,6 +46,8 @@ pub struct OptionalLaws {
     pub linear_cohesion: Option<LinearCohesion>,
     /// Bridge of liquid.
     pub bridge: Option<BridgeForce>,
+    /// Share of the pull of a dashpot that is kept where the end is clipped, 0 to 1.
+    pub pull: f64,
 }
 
 /// What a user states about two surfaces.
@@ -84,6 +86,7 @@ impl Interaction {
     #[must_use]
     pub fn with(self, further: &OptionalLaws) -> Self {
         let law = self.law.with_viscoelastic_damping(further.viscoelastic);
+        let law = law.with_pull(further.pull);
         Self {
             law: law.with_rate_dependent_friction(further.rate_dependent),
             rolling_friction: if further.rolling_spring.is_some() {

@@ -13,7 +13,7 @@ use crate::error::Error;
 use crate::liquid::bridge_volume;
 use crate::load::Load;
 use crate::mesh_wall::{MeshWall, Motion, Moving};
-use crate::shared_mass::Shares;
+use crate::shared_mass::{Shares, Turned};
 use crate::template::{OuterSphere, Template};
 use contact_law::ContactGeometry;
 use nalgebra::{Matrix3, Vector3};
@@ -278,8 +278,8 @@ pub(crate) fn find_contacts(
         hits.map(move |hit| geometry(body, sphere, &centre, moving, &hit))
     };
     let groups = || candidates.chunk_by(|a, b| a.0 == b.0);
-    let radii = groups().flat_map(at_wall).map(|c| c.contact_radius());
-    let shares = Shares::new([template.shares_mass, false], radii);
+    let touching = groups().flat_map(at_wall).map(|contact| contact.touch());
+    let shares = Shares::new([Turned { template, rotation }], touching);
     for group in groups() {
         let sphere = group[0].0;
         for mut contact in at_wall(group) {

@@ -12,7 +12,7 @@ use crate::context::{Context, Cutoffs};
 use crate::lanes::{NUMBERS, keep, make_room};
 use crate::liquid::bridge_volume;
 use crate::neighbours::{CHUNK, Chunk, Due, Neighbours};
-use crate::shared_mass::Shares;
+use crate::shared_mass::{Shares, Turned};
 use crate::sphere_contact::SphereContact;
 use crate::template::Template;
 use crate::workspace::Workspace;
@@ -263,8 +263,7 @@ impl<S: Simd, K: Sink> Collector<'_, S, K> {
         let frame = PairFrame::new(bodies, [i, j]);
         let near = self.near[..n_near].iter();
         let touching = near.filter_map(|&key| frame.sphere_pair(key, templates, 0.0));
-        let radii = touching.map(|pair| pair.contact_radius());
-        let shares = Shares::new(templates.map(|t| t.shares_mass), radii);
+        let shares = Shares::new(frame.turned(templates), touching.map(|pair| pair.touch()));
         for candidate in 0..n_near {
             self.make_place(interaction);
             let key = self.near[candidate];
@@ -315,6 +314,13 @@ impl<'a> PairFrame<'a> {
             velocity: bodies.velocity[i] - bodies.velocity[j],
             spins: [bodies.spin[i], bodies.spin[j]],
         }
+    }
+
+    /// Both bodies, of these types, with their orientations.
+    #[inline(always)]
+    pub(crate) fn turned(&self, [a, b]: [&'a Template; 2]) -> [Turned<'a>; 2] {
+        [(a, self.rotations[0]), (b, self.rotations[1])]
+            .map(|(template, rotation)| Turned { template, rotation })
     }
 
     /// Geometry and motion of two spheres, without memory and liquid; none if their gap is above `reach` (m):

@@ -8,7 +8,7 @@ use crate::liquid::bridge_volume;
 use crate::load::Load;
 use crate::mesh_force::{TriangleContact, find_contacts};
 use crate::pair_force::PairFrame;
-use crate::shared_mass::Shares;
+use crate::shared_mass::{Shares, Turned};
 use crate::template::OuterSphere;
 use crate::wall_force::sphere_at_wall;
 use crate::world::World;
@@ -86,8 +86,7 @@ pub(crate) fn find_pairs(
     let frame = PairFrame::new(bodies, [i, j]);
     let key = |pair: usize| word(pair / m) << 16 | word(pair % m);
     let touching = (0..n * m).filter_map(|pair| frame.sphere_pair(key(pair), templates, 0.0));
-    let radii = touching.map(|pair| pair.contact_radius());
-    let shares = Shares::new(templates.map(|t| t.shares_mass), radii);
+    let shares = Shares::new(frame.turned(templates), touching.map(|pair| pair.touch()));
     for key in (0..n * m).map(key) {
         let known = known(key);
         let reach = known.map_or(0.0, |_| law.reach(volume));
@@ -120,8 +119,12 @@ pub(crate) fn find_at_wall(
         let centre = body.position + bodies.rotation[i] * sphere.centre;
         sphere_at_wall(&body, sphere, &centre, wall, &wall.nearest(&centre))
     };
-    let radii = template.spheres.iter().map(|s| at_wall(s).contact_radius());
-    let shares = Shares::new([template.shares_mass, false], radii);
+    let turned = Turned {
+        template,
+        rotation: &bodies.rotation[i],
+    };
+    let touches = template.spheres.iter().map(|s| at_wall(s).touch());
+    let shares = Shares::new([turned], touches);
     for (k, sphere) in template.spheres.iter().enumerate() {
         let mut contact = at_wall(sphere);
         let known = known(word(k));

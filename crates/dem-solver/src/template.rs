@@ -20,8 +20,8 @@ pub enum DashpotMass {
     /// The mass of the whole body, so that the rebound of a body that touches with one sphere follows
     /// the coefficient.
     Body,
-    /// The mass of the whole body, shared by all spheres with which it touches the same body or wall, so
-    /// that the rebound does not depend on their number.
+    /// The mass that a push at the point of contact moves, shared by all spheres with which the body touches the same body or
+    /// wall: the coefficient of restitution holds at the contact, whatever the orientation and the number of spheres.
     Shared,
 }
 
@@ -36,8 +36,8 @@ pub struct Template {
     pub(crate) cell: f64,
     /// The same spheres in single precision.
     pub(crate) packed: Packed,
-    /// Whether the spheres that touch the same body or wall share the mass in their dashpots.
-    pub(crate) shares_mass: bool,
+    /// Share of the damping of the whole body in the dashpots of its spheres, 0 to 1.
+    pub(crate) whole_damping: f64,
     /// Whether the body is one sphere about its centre of mass with one moment of inertia about all axes:
     /// neither where it touches nor how it moves depends on how it is turned.
     pub(crate) is_sphere: bool,
@@ -127,7 +127,7 @@ impl Template {
             packed: Packed::new(&spheres),
             cells: spheres.iter().map(|s| in_cells(&s.centre, cell)).collect(),
             arm: arms.fold(0.0, f64::max),
-            shares_mass: dashpot_mass == DashpotMass::Shared,
+            whole_damping: f64::from(u8::from(dashpot_mass == DashpotMass::Shared)),
             is_sphere: matches!(&spheres[..], [only] if only.centre == Vector3::zeros())
                 && is_isotropic(&clump.inertia()),
             spheres,
@@ -139,6 +139,16 @@ impl Template {
             bounding_radius: clump.bounding_radius(),
             material,
             liquid: 0.0,
+        }
+    }
+
+    /// The body type with a share of the damping of the whole body in the dashpots of its spheres, 0 to 1: 0 for what
+    /// [`DashpotMass::Sphere`] or [`DashpotMass::Body`] says, 1 for [`DashpotMass::Shared`].
+    #[must_use]
+    pub fn with_whole_damping(self, share: f64) -> Self {
+        Self {
+            whole_damping: share,
+            ..self
         }
     }
 

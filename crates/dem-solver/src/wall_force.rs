@@ -13,7 +13,7 @@ use crate::kept_contact::KeptContact;
 use crate::lanes::stored;
 use crate::liquid::bridge_volume;
 use crate::load::Load;
-use crate::shared_mass::Shares;
+use crate::shared_mass::{Shares, Turned};
 use crate::sphere_contact::SphereContact;
 use crate::template::{OuterSphere, Template};
 use crate::travel::{TOUCHES, UNKNOWN, lowered};
@@ -341,12 +341,13 @@ impl Near {
 
     /// How the body shares its mass among its contacts, which are among those that are awake; none where it does not.
     #[inline(always)]
-    fn shares(&self, body: &Posed<'_>, wall: &Wall, awake: &[u32]) -> Option<Shares> {
-        let touching = awake
-            .iter()
-            .map(|&k| body.at_wall(self.candidates[k as usize], wall));
-        let radii = touching.map(|contact| contact.contact_radius());
-        Shares::new([body.template.shares_mass, false], radii)
+    fn shares<'a>(&self, body: &Posed<'a>, wall: &Wall, awake: &[u32]) -> Option<Shares<'a, 1>> {
+        let near = awake.iter().map(|&k| self.candidates[k as usize]);
+        let turned = Turned {
+            template: body.template,
+            rotation: body.rotation,
+        };
+        Shares::new([turned], near.map(|k| body.at_wall(k, wall).touch()))
     }
 }
 

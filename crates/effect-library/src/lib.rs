@@ -21,6 +21,7 @@ mod dry_adhesion;
 mod filling_smoothness;
 mod linear_cohesion;
 mod liquid_bridges;
+mod plate_give;
 mod rate_dependent_friction;
 mod rig_vibration;
 mod rolling_resistance;
@@ -36,6 +37,7 @@ mod softened_stiffness;
 mod speed_dependent_restitution;
 mod wall_charge;
 mod walls;
+mod whole_seed_damping;
 
 use scene::{FillingLibrary, Scene};
 use serde::{Deserialize, Serialize};
@@ -129,9 +131,10 @@ pub(crate) fn refused(name: &'static str, reason: &dyn std::fmt::Display) -> Err
 }
 
 /// All effects. Adding one is adding its file and its line here.
-pub static LIBRARY: [Effect; 26] = [
+pub static LIBRARY: [Effect; 28] = [
     rolling_resistance::EFFECT,
     rolling_spring::EFFECT,
+    whole_seed_damping::EFFECT,
     speed_dependent_restitution::EFFECT,
     rate_dependent_friction::EFFECT,
     cohesion::EFFECT,
@@ -150,6 +153,7 @@ pub static LIBRARY: [Effect; 26] = [
     shell_wear::EFFECT,
     cover_friction::EFFECT,
     wall_charge::EFFECT,
+    plate_give::EFFECT,
     axis_tilt::EFFECT,
     drive_slip::EFFECT,
     drive_ripple::EFFECT,

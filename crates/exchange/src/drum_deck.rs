@@ -69,6 +69,24 @@ pub(crate) fn restitution_of_body(restitution: f64, mass_share: f64) -> f64 {
     }
 }
 
+/// The dashpots that other codes have.
+pub(crate) const DASHPOTS_THERE: &str = "calibrate with model.dashpot_mass = \"sphere\" or \"body\" and without \
+                                         model.whole_seed_damping: there a dashpot knows the mass of a sphere or of a body";
+
+/// The dashpots of a scene that other codes lack: those that share the mass which a push moves; none where it has others.
+pub(crate) fn whole_seed_damping(scene: &Scene) -> Option<String> {
+    let share = scene.model.whole_seed_damping;
+    if scene.model.dashpot_mass == DashpotMass::Shared {
+        Some("a dashpot that shares the mass of a body".into())
+    } else if share != 0.0 {
+        Some(format!(
+            "whole-seed damping of {share}, whose dashpots share the mass that a push moves"
+        ))
+    } else {
+        None
+    }
+}
+
 /// Whether a contact attracts by its area.
 pub(crate) fn coheres(contact: &ContactSettings) -> bool {
     contact
@@ -144,11 +162,8 @@ pub(crate) fn supported<'a>(scene: &'a Scene, tool: &'static str) -> Result<&'a 
     if scene.model.bonds.is_some() {
         return missing("seeds of bonded spheres", "remove model.bonds");
     }
-    if scene.model.dashpot_mass == DashpotMass::Shared {
-        return missing(
-            "a dashpot that shares the mass of a body",
-            "calibrate with model.dashpot_mass = \"sphere\" or \"body\"",
-        );
+    if let Some(missed) = whole_seed_damping(scene) {
+        return missing(&missed, DASHPOTS_THERE);
     }
     let materials = scene.seed.iter().map(|s| s.material.as_str());
     let mut materials: Vec<_> = materials.collect();

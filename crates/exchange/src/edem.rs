@@ -20,7 +20,9 @@
 //! `[AltairEDEM2025]`: the pages of the Hertz-Mindlin (no slip) and the standard rolling friction model.
 
 use crate::Error;
-use crate::drum_deck::{FINER, Shares, lever_share, restitution_of_body};
+use crate::drum_deck::{
+    DASHPOTS_THERE, FINER, Shares, lever_share, restitution_of_body, whole_seed_damping,
+};
 use crate::vtk::{File, add};
 use contact_law::{NormalForceEnd, RollingLever};
 use scene::{Apparatus, RollingLaw, Scene, SeedBody};
@@ -192,6 +194,9 @@ fn check(scene: &Scene) -> Result<(), Error> {
         .any(|stated| stated.is_some_and(|value| value != 0.0));
     if pulls || scene.model.bond_number != 0.0 || scene.model.liquid.is_some() {
         return missing("attraction or liquid", "remove it from the scene");
+    }
+    if let Some(missed) = whole_seed_damping(scene) {
+        return missing(&missed, DASHPOTS_THERE);
     }
     if scene.model.bonds.is_some() {
         return missing("seeds of bonded spheres", "remove model.bonds");

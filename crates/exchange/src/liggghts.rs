@@ -729,9 +729,16 @@ mod tests {
         let (_, bodies, step) = starting_frame(&scene, &FillingLibrary::default(), 1).unwrap();
         let mut spring = scene.clone();
         spring.model.rolling_law = RollingLaw::SpringDashpot;
-        let mut shared = scene;
+        let mut shared = scene.clone();
         shared.model.dashpot_mass = dem_solver::DashpotMass::Shared;
-        for (scene, word) in [(spring, "type C"), (shared, "shares the mass")] {
+        let mut mixed = scene;
+        mixed.model.whole_seed_damping = 0.25;
+        let refused = [
+            (spring, "type C"),
+            (shared, "shares the mass"),
+            (mixed, "whole-seed damping of 0.25"),
+        ];
+        for (scene, word) in refused {
             let error = deck(&scene, &bodies, step, 1).unwrap_err().to_string();
             assert!(
                 error.contains(word) && error.contains("LIGGGHTS"),

@@ -28,18 +28,20 @@ struct BenchParts {
     name: String,
     /// The seed.
     body: Arc<SeedBody>,
+    /// The seed as a body type of material 0.
+    template: Template,
     /// Its bounding radius, m.
     radius: f64,
     /// Interactions of the materials seed (0) and plate (1), row by row.
     interactions: Vec<Interaction>,
-    /// Which mass enters the dashpots.
-    dashpot_mass: dem_solver::DashpotMass,
     /// Time step that resolves the contacts, s.
     time_step: f64,
     /// Gravity, m/s².
     gravity: f64,
     /// Whether the plate is covered with seeds.
     on_seeds: bool,
+    /// Mass of the seed over that of a plate of seeds that gives way; 0 for a rigid one.
+    plate_give: f64,
 }
 
 impl BenchParts {
@@ -59,13 +61,17 @@ impl BenchParts {
         let steps = TimeSteps::of(&single, bodies)?;
         Ok(Self {
             name: kind.name.clone(),
+            template: scene.model.template(&body.clump, 0),
             interactions: interactions(&single, bodies, &[&kind.material, test.plate])?,
             radius: body.clump.bounding_radius(),
             body,
-            dashpot_mass: scene.model.dashpot_mass,
             time_step: steps.settling / scene.apparatus.finer(),
             gravity: scene.model.gravity_m_s2,
             on_seeds: test.plate == kind.material,
+            plate_give: match &scene.apparatus {
+                Apparatus::Drop(test) => test.plate_give,
+                _ => 0.0,
+            },
         })
     }
 
@@ -79,11 +85,6 @@ impl BenchParts {
             skin: 0.45 * radius,
             margin: 4.5 * radius,
         }
-    }
-
-    /// The seed as a body type of material 0.
-    fn template(&self) -> Template {
-        Template::new(&self.body.clump, 0, self.dashpot_mass)
     }
 
     /// Weight of the seed, N.

@@ -154,8 +154,8 @@ fn whole_seeds(scene: &Scene, bodies: &[Arc<SeedBody>], names: &[&str]) -> Vec<T
     let kinds = scene.seed.iter().zip(bodies);
     let templates = kinds.map(|(s, b)| {
         let material = index_of(names, &s.material);
-        Template::new(&b.clump, material, scene.model.dashpot_mass)
-            .with_liquid(content(scene) * volume_of_sphere(b.volume_radius()))
+        let template = scene.model.template(&b.clump, material);
+        template.with_liquid(content(scene) * volume_of_sphere(b.volume_radius()))
     });
     templates.collect()
 }
@@ -209,7 +209,7 @@ fn single_spheres(
                 source,
             })?;
             let material = index_of(names, &seed.material);
-            let template = Template::new(&single, material, scene.model.dashpot_mass);
+            let template = scene.model.template(&single, material);
             templates.push(template.with_liquid(content(scene) * volume_of_sphere(sphere.radius)));
         }
     }

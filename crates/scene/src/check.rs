@@ -3,6 +3,7 @@
 use crate::apparatus::BenchTest;
 use crate::interactions;
 use crate::{Apparatus, Error, Scene};
+use dem_solver::DashpotMass;
 
 /// Longest time between the two pictures of a pair, s: gravity alone would add 12 mm to the way of a seed.
 const MOST_PAIR_INTERVAL: f64 = 0.05;
@@ -32,6 +33,7 @@ impl Scene {
         self.check_steps(&mut found);
         self.check_limits(&mut found);
         self.check_model(&mut found);
+        self.check_rebound(&mut found);
         self.check_camera(&mut found);
         self.check_seeds(&mut found);
         found.extend(self.surroundings.check(&self.apparatus).err());
@@ -117,6 +119,29 @@ impl Scene {
                     "alone: remove one of them",
                 ));
             }
+        }
+    }
+
+    /// Finds shares of the damping of the whole seed, and plates that give way, which cannot be.
+    fn check_rebound(&self, found: &mut Vec<Error>) {
+        let whole = self.model.whole_seed_damping;
+        let beside_sphere = whole == 0.0 || self.model.dashpot_mass == DashpotMass::Sphere;
+        if !((0.0..=1.0).contains(&whole) && beside_sphere) {
+            let requirement = "0 to 1, and 0 unless model.dashpot_mass = \"sphere\"";
+            let value = whole.to_string();
+            found.push(bad("model.whole_seed_damping", value, requirement));
+        }
+        let Apparatus::Drop(test) = &self.apparatus else {
+            return;
+        };
+        let give = test.plate_give;
+        let kind = self.apparatus.bench_test();
+        let kind = kind.and_then(|test| self.tested_seed(test).ok());
+        let of_seeds = kind.is_some_and(|kind| kind.material == test.plate);
+        if !((0.0..=1.0).contains(&give) && (give == 0.0 || of_seeds)) {
+            let requirement =
+                "0 (rigid) to 1 (a single seed gives way), and 0 unless the plate is of seeds";
+            found.push(bad("apparatus.plate_give", give.to_string(), requirement));
         }
     }
 

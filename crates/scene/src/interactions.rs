@@ -1,7 +1,7 @@
 //! From the contacts of a scene to the laws of the solver.
 
 use crate::settings::RollingLaw;
-use crate::{ContactSettings, Error, LiquidSettings, Scene, SeedBody, SeedSettings};
+use crate::{Apparatus, ContactSettings, Error, LiquidSettings, Scene, SeedBody, SeedSettings};
 use contact_law::material::effective_moduli;
 use contact_law::rolling_spring_dashpot::{DAMPING_RATIO, STIFFNESS_RATIO};
 use contact_law::{
@@ -154,6 +154,11 @@ fn optional_laws(
         rolling_lever: scene.model.rolling_lever,
         linear_cohesion: linear_cohesion.transpose()?,
         bridge: bridge.transpose()?.flatten(),
+        // The sled is no seed: its spheres keep their masses.
+        pull: match scene.apparatus {
+            Apparatus::Slider(_) => 0.0,
+            _ => scene.model.whole_seed_damping,
+        },
     })
 }
 

@@ -31,7 +31,8 @@ const LEFT_OUT_QUANTITIES: [&str; 8] = [
 ];
 
 /// Numbers likewise.
-const LEFT_OUT_NUMBERS: [&str; 4] = [
+const LEFT_OUT_NUMBERS: [&str; 5] = [
+    "model.whole_seed_damping",
     "protocol.flow_step_share",
     "protocol.session",
     "surroundings.air_drag",

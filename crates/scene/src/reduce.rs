@@ -102,6 +102,7 @@ impl Scene {
             Apparatus::Slider(slider) => {
                 slider.seed = None;
                 self.model.dashpot_mass = ModelSettings::default().dashpot_mass;
+                self.model.whole_seed_damping = 0.0;
                 // The sled cannot turn, and a smooth plate does not.
                 if let (true, Ok(none)) = (is_smooth, FrictionCoefficient::new(0.0)) {
                     for contact in self.contact.values_mut() {

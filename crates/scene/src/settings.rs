@@ -81,6 +81,10 @@ fn no_friction() -> FrictionCoefficient {
 pub struct ModelSettings {
     /// Which mass enters the dashpots; `sphere` where absent, as in the study's agglomerate.
     pub dashpot_mass: dem_solver::DashpotMass,
+    /// Share of the damping of the whole seed in the dashpots of its spheres, 0 to 1, with the same share of their pull
+    /// ([`dem_solver::Template::with_whole_damping`]); 0 where absent, and where `dashpot_mass` is not `sphere`.
+    #[serde(skip_serializing_if = "is_zero")]
+    pub whole_seed_damping: f64,
     /// What happens when a dashpot would pull; `clipped` where absent: it never does.
     pub normal_force_end: contact_law::NormalForceEnd,
     /// Attraction of a touching pair of spheres over the weight of a seed (granular Bond number); 0 where
@@ -100,10 +104,31 @@ pub struct ModelSettings {
     pub liquid: Option<LiquidSettings>,
 }
 
+/// Whether a share is 0, for serde.
+#[expect(
+    clippy::trivially_copy_pass_by_ref,
+    reason = "serde hands over a reference"
+)]
+fn is_zero(share: &f64) -> bool {
+    *share == 0.0
+}
+
+impl ModelSettings {
+    /// A body type with the dashpots of the model.
+    pub(crate) fn template(&self, clump: &clump::Clump, material: usize) -> dem_solver::Template {
+        let template = dem_solver::Template::new(clump, material, self.dashpot_mass);
+        match self.dashpot_mass {
+            dem_solver::DashpotMass::Sphere => template.with_whole_damping(self.whole_seed_damping),
+            _ => template,
+        }
+    }
+}
+
 impl Default for ModelSettings {
     fn default() -> Self {
         Self {
             dashpot_mass: dem_solver::DashpotMass::Sphere,
+            whole_seed_damping: 0.0,
             normal_force_end: contact_law::NormalForceEnd::Clipped,
             bond_number: 0.0,
             gravity_m_s2: 9.81,

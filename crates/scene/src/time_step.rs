@@ -6,6 +6,7 @@ use crate::rest_load::{RestLoad, largest_radius};
 use crate::{Error, RollingLaw, Scene, SeedBody, SeedSettings};
 use contact_law::ViscousBridge;
 use contact_law::hard_contact::{self, BodyDashpots, Impact};
+use contact_law::hertz_mindlin::damping_ratio;
 use contact_law::material::effective_moduli;
 use dem_solver::DashpotMass;
 use std::sync::Arc;
@@ -235,9 +236,11 @@ impl AtRest {
     ///
     /// # Formula
     ///
-    /// `dt = 2 X / w` with `w² = 12 k_t / (2/7 m)`: what is stable for a sphere held at twelve contacts. `k_t = 8 G* sqrt(R d)` is
-    /// their stiffness along the surface at the [load at rest](RestLoad::of). X is 1, or 0.7 for seeds of one sphere with a
-    /// rolling friction of type A (docs/time-step.md).
+    /// `dt = 2 X (sqrt(1 + z²) - z) / w` with `w² = 12 k_t / (2/7 m)`: what is [stable](hard_contact::stable_share) for a sphere held
+    /// at twelve contacts. `k_t = 8 G* sqrt(R d)` is their stiffness along the surface at the [load at rest](RestLoad::of). X is 1,
+    /// or 0.7 for seeds of one sphere with a rolling friction of type A (docs/time-step.md). z is 0 unless dashpots know the
+    /// whole seed, a share s of it: twelve of `c_t = 2 sqrt(5/6) b sqrt(k_t m/2)` give `z = 12 s c_t / (2 sqrt(12 k_t 2/7 m)) = s b
+    /// sqrt(5/6 12 7/4)`.
     ///
     /// `dt = 0.0025 sqrt(P r I) / (12 T)`: the change of the spin by twelve torques T, each that which the attraction of a
     /// contact gives, is 0.0025 of the spin `sqrt(P r / I)` that the load P gives on a way of the bounding radius r; I is the least
@@ -261,7 +264,8 @@ impl AtRest {
             } else {
                 share
             };
-            least.springs = least.springs.min(2.0 * share / frequency);
+            let stable = hard_contact::stable_share(damping_at_rest(scene, seed, body));
+            least.springs = least.springs.min(2.0 * share * stable / frequency);
             if load.torque_by_attraction > 0.0 {
                 let inertia = body.clump.inertia().min();
                 let scale = (load.force * body.clump.bounding_radius() * inertia).sqrt();
@@ -275,6 +279,29 @@ impl AtRest {
     /// The shorter of the two, s.
     fn longest(self) -> f64 {
         self.springs.min(self.rolling)
+    }
+}
+
+/// Damping ratio of a seed held at twelve contacts whose dashpots know the whole of it, see [`AtRest::of`]; 0 where none does.
+fn damping_at_rest(scene: &Scene, seed: &SeedSettings, body: &SeedBody) -> f64 {
+    let share = whole_damping(scene);
+    if body.outer.spheres().len() == 1 || share == 0.0 {
+        return 0.0;
+    }
+    let touching = scene.touching_pairs().into_iter();
+    let own = touching.filter(|pair| pair.contains(&seed.material.as_str()));
+    let ratios = own.filter_map(|[a, b]| {
+        let contact = scene.contact_of(a, b)?;
+        Some(damping_ratio(contact.restitution.get()))
+    });
+    share * (5.0 / 6.0 * CONTACTS_AT_REST * 7.0 / 4.0).sqrt() * ratios.fold(0.0, f64::max)
+}
+
+/// Share of the damping of the whole seed in the dashpots.
+fn whole_damping(scene: &Scene) -> f64 {
+    match scene.model.dashpot_mass {
+        DashpotMass::Sphere => scene.model.whole_seed_damping,
+        DashpotMass::Body | DashpotMass::Shared => 1.0,
     }
 }
 
@@ -342,19 +369,13 @@ fn meeting(scene: &Scene, names: [&str; 2], speed: f64) -> Result<Impact, Error>
         material_of(scene, names[1], &pair)?,
     ];
     let contact = scene.contact_of(names[0], names[1]);
-    let dashpots = |shared| {
-        contact.map(|contact| BodyDashpots {
-            restitution: contact.restitution.get(),
-            shared,
-        })
-    };
     Ok(Impact {
         young: effective_moduli(&a, &b).young,
         speed,
-        dashpots: match scene.model.dashpot_mass {
-            DashpotMass::Sphere => None,
-            DashpotMass::Body => dashpots(false),
-            DashpotMass::Shared => dashpots(true),
-        },
+        dashpots: contact.map(|contact| BodyDashpots {
+            restitution: contact.restitution.get(),
+            share: whole_damping(scene),
+            shared: scene.model.dashpot_mass != DashpotMass::Body,
+        }),
     })
 }

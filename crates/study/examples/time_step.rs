@@ -110,6 +110,7 @@ fn tests(plate: &str) -> Result<[Apparatus; 3], Box<dyn Error>> {
         plate,
         seed,
         repeats: 40,
+        plate_give: 0.0,
         height: "200 mm".parse()?,
     };
     Ok([

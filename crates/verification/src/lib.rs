@@ -22,6 +22,7 @@ mod row;
 mod size_ratio;
 mod suite;
 mod walls;
+mod whole_seed;
 mod worlds;
 
 pub use page::page;

@@ -2,7 +2,7 @@
 
 use crate::{
     CheckError, Error, Row, agglomerate, bond_beam, chung_ooi, determinism, energy_ledger,
-    free_rotation, laws, liquid, maw, restitution, rolling, size_ratio, walls,
+    free_rotation, laws, liquid, maw, restitution, rolling, size_ratio, walls, whole_seed,
 };
 
 /// A check: some rows that one computation gives.
@@ -31,6 +31,7 @@ pub fn suite() -> Vec<Check> {
         check("free-rotation", free_rotation::free_rotation),
         check("gravity-overlap", agglomerate::gravity),
         check("rebound-sphere-count", agglomerate::rebound),
+        check("whole-seed-damping", whole_seed::falls),
         check("energy-ledger", energy_ledger::running_drum),
         check("mesh-wall", walls::mesh_and_analytic),
         check("moving-wall", walls::moving),

@@ -248,6 +248,7 @@ fn apparatus(
             repeats,
             height: Length::from_si(1e-3 * arguments.height_mm.unwrap_or(HEIGHT_MM))
                 .context("--height-mm")?,
+            plate_give: 0.0,
         }),
         Kind::Slider => Apparatus::Slider(Slider {
             plate,

@@ -329,6 +329,7 @@ mod tests {
         let damped = |shared| Impact {
             dashpots: Some(BodyDashpots {
                 restitution: 0.1,
+                share: 1.0,
                 shared,
             }),
             ..USUAL

@@ -9,6 +9,8 @@ use crate::hertz_mindlin::damping_factor;
 pub struct BodyDashpots {
     /// Coefficient of restitution, 0 to 1; the least of all contacts damps most.
     pub restitution: f64,
+    /// Share of the damping of the body in the dashpots, 0 to 1; the rest, of spheres with their own masses, is left out.
+    pub share: f64,
     /// Whether all spheres that touch share the mass; otherwise each damps with the whole.
     pub shared: bool,
 }
@@ -36,7 +38,7 @@ impl BodyDashpots {
     /// # Formula
     ///
     /// `z = C / (2 sqrt(K m))` with `K = sum k`, and C the sum of the [dashpots of the law](crate::HertzMindlin),
-    /// `2 sqrt(5/6) b sqrt(k m*)`; shared, together `2 sqrt(5/6) b sqrt(K m*)`.
+    /// `2 sqrt(5/6) b sqrt(k m*)`; shared, together `2 sqrt(5/6) b sqrt(K m*)`; the share of the body in the damping multiplies it.
     pub(super) fn damping_ratio(
         &self,
         stiffnesses: impl Iterator<Item = f64> + Clone,
@@ -49,7 +51,8 @@ impl BodyDashpots {
         } else {
             stiffnesses.map(f64::sqrt).sum()
         };
-        0.5 * damping_factor(self.restitution) * roots / whole.sqrt() * (reduced_mass / felt).sqrt()
+        let damping = self.share * damping_factor(self.restitution);
+        0.5 * damping * roots / whole.sqrt() * (reduced_mass / felt).sqrt()
     }
 }
 
@@ -106,6 +109,7 @@ mod tests {
         let of = |shared, n| {
             let dashpots = BodyDashpots {
                 restitution: 0.1,
+                share: 1.0,
                 shared,
             };
             dashpots.damping_ratio(std::iter::repeat_n(3.0, n), 2.0, 0.5)

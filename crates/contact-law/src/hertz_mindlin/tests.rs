@@ -65,6 +65,28 @@ fn restitution_is_higher_with_a_clipped_end() {
     }
 }
 
+/// A kept share of the pull is so much of that of the attractive end, which has all of it already; pushes are the same. Rounding only.
+#[test]
+fn a_share_of_the_pull_is_kept() {
+    let geometry = ContactGeometry {
+        overlap: 1e-6,
+        reduced_radius: RADIUS,
+        reduced_mass: MASS,
+    };
+    let normal = |end, share, speed| {
+        let law = law(0.1, 0.0, end).with_pull(share);
+        let none = Vector3::zeros();
+        law.force(&geometry, speed, none, none, 1e-7).normal
+    };
+    let [clipped, attractive] = [NormalForceEnd::Clipped, NormalForceEnd::Attractive];
+    let pull = normal(attractive, 0.0, -1.0);
+    assert!(pull < 0.0, "{pull}");
+    assert!((normal(clipped, 0.25, -1.0) / pull - 0.25).abs() < 1e-14);
+    assert_eq!(normal(attractive, 0.25, -1.0), pull);
+    assert_eq!(normal(clipped, 0.0, -1.0), 0.0);
+    assert_eq!(normal(clipped, 0.25, 1.0), normal(attractive, 0.0, 1.0));
+}
+
 /// Hertz's contact time 2.94 (15 m* / (16 sqrt(R*) E*))^(2/5) v^(-1/5); 2.9432 is the value of
 /// the integral; 0.2 % covers the step of 1e-8 s against a contact of about 1e-4 s.
 #[test]

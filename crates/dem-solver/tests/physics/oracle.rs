@@ -201,6 +201,7 @@ fn loads_are_those_of_the_plain_loop_with_every_law() {
         rolling_lever: RollingLever::Sphere,
         linear_cohesion: LinearCohesion::new(1e4).ok(),
         bridge: Some(wet_bridge()),
+        pull: 0.5,
     };
     let surface = interaction(&sticky()).with(&further);
     let starts = fallen(1.0, drum(1.0));
@@ -239,6 +240,7 @@ fn loads_are_those_of_the_plain_loop_for_plain_spheres() {
         rolling_lever: RollingLever::Sphere,
         linear_cohesion: LinearCohesion::new(1e4).ok(),
         bridge: Some(wet_bridge()),
+        pull: 0.0,
     };
     let places = fallen(1.0, drum(1.0));
     // Of two materials, so that neighbours in a list have different laws.

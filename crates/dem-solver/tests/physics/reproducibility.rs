@@ -144,6 +144,7 @@ fn with_all_laws(filling: Filling) -> World {
         rolling_lever: RollingLever::Centre,
         linear_cohesion: LinearCohesion::new(1e4).ok(),
         bridge: Some(wet_bridge()),
+        pull: 0.0,
     };
     let (templates, starts) = filling();
     let settings = settings(2e-5, Vector3::new(0.0, -9.81, 0.0));

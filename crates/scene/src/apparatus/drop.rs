@@ -17,6 +17,10 @@ pub struct Drop {
     pub repeats: usize,
     /// Height from which the seed falls until it first touches the plate.
     pub height: Length,
+    /// Mass of the seed over that of a plate of glued seeds, which gives way on its tape and comes back slowly; 0, a rigid plate, where
+    /// absent.
+    #[serde(default)]
+    pub plate_give: f64,
 }
 
 /// Number of drops where the scene states none.

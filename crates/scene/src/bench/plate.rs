@@ -8,8 +8,15 @@ use dem_solver::{DashpotMass, Placement, Shape, Template, Wall, World};
 use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3};
 use random_stream::Stream;
 
-/// Mass of a plate of seeds, kg: too heavy to move.
+/// Mass of a rigid plate of seeds, kg: too heavy to move.
 const PLATE_MASS: f64 = 1e12;
+
+/// Rate at which a plate that gave way comes back on its tape, damped critically, 1/s: slowly against a contact, which lasts less than a
+/// millisecond, and fast against the 40 ms of a bounce by 2 mm.
+const TAPE_RATE: f64 = 100.0;
+
+/// Gap below a plate that gives way, m: of ten times the mass of a seed, hit with 2 m/s, it sinks by `0.2 / (100 e) = 0.7 mm`.
+const ROOM: f64 = 5e-3;
 
 /// The plate of a test, its upper side about y = 0.
 #[derive(Debug)]
@@ -74,10 +81,11 @@ impl Plate {
         let base = match self {
             Self::Smooth => 0.0,
             Self::Seeds(spheres) => {
-                templates.push(rigid(parts, spheres, PLATE_MASS)?);
+                let plate = [plate_mass(parts), PLATE_MASS];
+                templates.push(rigid(parts, spheres, plate, DashpotMass::Body)?);
                 let still = UnitQuaternion::identity();
                 starts.push(Placement::at_rest(1, Vector3::zeros(), still));
-                lowest(spheres)
+                lowest(spheres) - if parts.plate_give > 0.0 { ROOM } else { 0.0 }
             }
         };
         let plane = Wall {
@@ -145,11 +153,38 @@ pub(super) fn glued(
     moved(spheres, Vector3::z() * (-0.5 * (front + back)))
 }
 
-/// A rigid body of these spheres (material 0) that keeps the axes in which they are given; mass in kg.
-pub(super) fn rigid(parts: &BenchParts, spheres: &[Sphere], mass: f64) -> Result<Template, Error> {
+/// Mass of a plate of seeds, kg.
+fn plate_mass(parts: &BenchParts) -> f64 {
+    if parts.plate_give > 0.0 {
+        parts.body.clump.mass() / parts.plate_give
+    } else {
+        PLATE_MASS
+    }
+}
+
+/// Force of the tape on a plate of seeds that moved from its place (m) and moves (m/s), N; none on a rigid one.
+pub(super) fn of_tape(
+    parts: &BenchParts,
+    moved: &Vector3<f64>,
+    velocity: &Vector3<f64>,
+) -> Vector3<f64> {
+    if parts.plate_give == 0.0 {
+        return Vector3::zeros();
+    }
+    (moved * TAPE_RATE + velocity * 2.0) * (-TAPE_RATE * plate_mass(parts))
+}
+
+/// A rigid body of these spheres (material 0) that keeps the axes in which they are given; its mass, and the one of its moments of
+/// inertia, kg.
+pub(super) fn rigid(
+    parts: &BenchParts,
+    spheres: &[Sphere],
+    [mass, turned]: [f64; 2],
+    dashpots: DashpotMass,
+) -> Result<Template, Error> {
     let size = spheres.iter().map(|s| s.centre.norm()).fold(0.0, f64::max);
     // Three different moments in rising order leave the axes alone; the body does not turn.
-    let moments = Vector3::new(1.0, 1.1, 1.2) * (mass * size.max(spheres[0].radius).powi(2));
+    let moments = Vector3::new(1.0, 1.1, 1.2) * (turned * size.max(spheres[0].radius).powi(2));
     let properties = MassProperties {
         mass,
         centre: Vector3::zeros(),
@@ -159,7 +194,7 @@ pub(super) fn rigid(parts: &BenchParts, spheres: &[Sphere], mass: f64) -> Result
         seed: parts.name.clone(),
         source,
     })?;
-    Ok(Template::new(&clump, 0, DashpotMass::Sphere))
+    Ok(Template::new(&clump, 0, dashpots))
 }
 
 /// Spheres shifted, m.

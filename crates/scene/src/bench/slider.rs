@@ -5,7 +5,7 @@ use super::plate::{Plate, flat, glued, rigid};
 use super::{BenchParts, Repeat};
 use crate::Error;
 use crate::extent::extent;
-use dem_solver::{Load, Placement};
+use dem_solver::{DashpotMass, Load, Placement};
 use nalgebra::{UnitQuaternion, Vector3};
 use random_stream::Stream;
 
@@ -53,7 +53,11 @@ fn one(parts: &BenchParts, stream: &mut Stream) -> Result<Repeat, Error> {
         velocity: Vector3::x() * SPEED,
         ..Placement::at_rest(0, at, UnitQuaternion::identity())
     };
-    let mut world = plate.world(parts, rigid(parts, &sled, mass)?, start)?;
+    let mut world = plate.world(
+        parts,
+        rigid(parts, &sled, [mass; 2], DashpotMass::Sphere)?,
+        start,
+    )?;
     let weight = mass * parts.gravity;
     let (mut sum, mut n) = (0.0, 0_u32);
     let (mut began, mut ended) = (None, at);

@@ -88,7 +88,7 @@ fn one(
     let turn = across * UnitQuaternion::from_axis_angle(&Vector3::x_axis(), angle);
     let lift = plate.lift(&moved(parts.turned(&turn), aside));
     let start = Placement::at_rest(0, aside + Vector3::y() * (lift + 1e-6), turn);
-    let mut world = plate.world(parts, parts.template(), start)?;
+    let mut world = plate.world(parts, parts.template.clone(), start)?;
     let weight = parts.weight();
     let (mut moving, mut rested_at) = (0.0, None);
     let mut begun = None;
