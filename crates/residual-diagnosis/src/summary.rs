@@ -151,12 +151,6 @@ fn unknown(d: &Diagnosis) -> String {
             .to_owned();
     }
     let suspects = listed(&d.suspects, "or");
-    if !d.refits.is_empty() {
-        return format!(
-            "Something is missing, but it cannot be named: {suspects} would help, and by real runs none of them explains \
-             all of it."
-        );
-    }
     let of = d.suspects.iter().filter_map(|name| d.candidates.get(name));
     let best = of
         .filter_map(|c| c.ln_bf_unknown)
@@ -167,6 +161,12 @@ fn unknown(d: &Diagnosis) -> String {
              times as well as an effect that is not in the library, and a name needs {:.0} times.",
             significant(best.exp(), 2),
             LN_FACTOR_TO_NAME.exp()
+        );
+    }
+    if best > 0.0 {
+        return format!(
+            "Something is missing, but it cannot be named: {suspects} would help, and none of them is shown to explain all \
+             of it."
         );
     }
     format!(

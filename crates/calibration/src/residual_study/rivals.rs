@@ -16,7 +16,7 @@ pub(super) struct Decided {
     pub(super) diagnosis: Diagnosis,
     /// The models in question, the best first, with their runs at the kept conditions.
     pub(super) added: Vec<AddedEffect>,
-    /// Whether each of the models in question could be run at the kept conditions.
+    /// Whether each of the models in question could be run, at the kept conditions too.
     pub(super) all_could_be_run: bool,
 }
 
@@ -93,7 +93,10 @@ impl Fits<'_> {
         open.truncate(tied.saturating_sub(MOST_REFITS));
         let models = self.refitted(linear, &sets, fit, looks)?;
         let is_refitted = |set: &Vec<String>| models.iter().any(|m| m.effects == *set);
-        open.extend(sets.into_iter().filter(|set| !is_refitted(set)));
+        let ties = sets.iter().take(tied);
+        let failed: Vec<Vec<String>> = ties.filter(|set| !is_refitted(set)).cloned().collect();
+        let could_be_run = failed.is_empty();
+        open.extend(failed);
         let compared = |model: &Refitted| -> Result<RefittedModel, Error> {
             let end = (&model.end.means.values[..], true);
             let runs = &fit.means.n;
@@ -116,7 +119,7 @@ impl Fits<'_> {
             .filter_map(|refit| models.iter().find(|m| m.effects == refit.effects))
             .collect();
         let added = self.completed(linear, &standing, &mut diagnosis.warnings)?;
-        let all_could_be_run = open.is_empty() && added.len() == standing.len();
+        let all_could_be_run = could_be_run && added.len() == standing.len();
         diagnosis.amplitudes.extend(super::amplitudes_of(&added));
         Ok(Decided {
             diagnosis,
@@ -126,12 +129,12 @@ impl Fits<'_> {
     }
 }
 
-/// The model that is named, and the others in question.
+/// The model that is named, or was and is withdrawn, and the others in question.
 pub(super) fn after_and_rivals(
     diagnosis: &Diagnosis,
     mut added: Vec<AddedEffect>,
 ) -> (Option<AddedEffect>, Vec<AddedEffect>) {
-    if added.len() == 1 {
+    if added.len() == 1 && diagnosis.verdict != Verdict::Tie {
         return (added.pop(), Vec::new());
     }
     let is_named = |model: &AddedEffect| {
